@@ -1,0 +1,259 @@
+//! What a verification found.
+
+use serde::Serialize;
+
+/// Largest allowed error of dx and dy against the strict solver, nm.
+pub const MAX_ERROR_NM: f64 = 1.5;
+/// Largest allowed error of a corrected coordinate, nm: the rounding of a coordinate of 114 mm to
+/// f32 alone is 3.8 nm.
+pub const MAX_COORDINATE_ERROR_NM: f64 = 5.0;
+/// Largest allowed error estimate of the strict solver itself, nm.
+pub const MAX_SOLVER_ERROR_NM: f64 = 0.01;
+
+/// The ways of treating distortion that a verification compares.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
+#[serde(rename_all = "snake_case")]
+pub enum Treatment {
+    /// No correction at all.
+    None,
+    /// The static calibration about the calibrated principal point.
+    Static,
+    /// The static calibration plus the dynamic terms as printed, eqs. 20-21.
+    Printed,
+    /// This camera.
+    Camera,
+}
+
+impl Treatment {
+    /// All four, in the order of the tables.
+    pub const ALL: [Self; 4] = [Self::None, Self::Static, Self::Printed, Self::Camera];
+
+    /// What tables and legends call it.
+    #[must_use]
+    pub const fn label(self) -> &'static str {
+        match self {
+            Self::None => "no correction",
+            Self::Static => "static correction",
+            Self::Printed => "static + printed (20)-(21)",
+            Self::Camera => "this camera",
+        }
+    }
+}
+
+/// Errors of one component (dx or dy), both axes pooled, mm.
+#[derive(Debug, Clone, Copy, Default, PartialEq)]
+pub struct ErrorStatistics {
+    count: u64,
+    sum: f64,
+    sum_of_squares: f64,
+    max: f64,
+}
+
+impl ErrorStatistics {
+    /// Adds the two components of one point's error, mm.
+    pub fn add(&mut self, error_mm: [f64; 2]) {
+        for error in error_mm {
+            self.count += 1;
+            self.sum += error;
+            self.sum_of_squares += error * error;
+            self.max = self.max.max(error.abs());
+        }
+    }
+
+    /// Adds all errors of another set.
+    pub fn merge(&mut self, other: &Self) {
+        self.count += other.count;
+        self.sum += other.sum;
+        self.sum_of_squares += other.sum_of_squares;
+        self.max = self.max.max(other.max);
+    }
+
+    /// Largest absolute error of a component, mm.
+    #[must_use]
+    pub const fn max_mm(&self) -> f64 {
+        self.max
+    }
+
+    /// Root mean square of the components, mm.
+    #[must_use]
+    pub fn rms_mm(&self) -> f64 {
+        (self.sum_of_squares / self.number()).sqrt()
+    }
+
+    /// Mean of the components, mm.
+    #[must_use]
+    pub fn bias_mm(&self) -> f64 {
+        self.sum / self.number()
+    }
+
+    #[expect(clippy::cast_precision_loss, reason = "counts far below 2^53")]
+    fn number(&self) -> f64 {
+        self.count.max(1) as f64
+    }
+}
+
+/// One exposure of a verification.
+#[derive(Debug, Clone, PartialEq)]
+pub struct FrameResult {
+    /// `centred` or `from-rest`.
+    pub strategy: &'static str,
+    /// η = V/H, 1/s.
+    pub vh_per_s: f64,
+    /// t, s.
+    pub exposure_s: f64,
+    /// δ, mm.
+    pub travel_mm: f64,
+    /// c̄, mm from the calibrated principal point.
+    pub centroid_mm: f64,
+    /// Errors of dx, dy by treatment, in the order of [`Treatment::ALL`].
+    pub errors: [ErrorStatistics; 4],
+    /// Error of the corrected coordinate.
+    pub coordinate_error: ErrorStatistics,
+    /// Largest error estimate of the strict solver, mm.
+    pub solver_error_mm: f64,
+}
+
+/// Distortion at one point of the sensor, for the arrow fields. mm.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct FieldPoint {
+    /// Measured point.
+    pub point_mm: [f64; 2],
+    /// Static distortion, measured - ideal.
+    pub static_mm: [f64; 2],
+    /// What the exposure adds to it: strict exposure mean less static distortion.
+    pub dynamic_mm: [f64; 2],
+}
+
+/// The arrow fields of one exposure.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Field {
+    /// Index of the exposure in [`CameraResult::frames`].
+    pub frame: usize,
+    /// A grid over the sensor.
+    pub points: Vec<FieldPoint>,
+}
+
+/// The point with the largest error of this camera.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct WorstPoint {
+    /// Largest of the errors of dx and dy, nm.
+    pub error_nm: f64,
+    /// Measured x, mm.
+    pub x_mm: f64,
+    /// Measured y, mm.
+    pub y_mm: f64,
+    /// η = V/H, 1/s.
+    pub vh_per_s: f64,
+    /// t, s.
+    pub exposure_s: f64,
+    /// `centred` or `from-rest`.
+    pub strategy: &'static str,
+}
+
+/// All exposures of one camera.
+#[derive(Debug, Clone, PartialEq)]
+pub struct CameraResult {
+    /// Name in the camera file.
+    pub name: String,
+    /// Format, mm along x and y.
+    pub format_mm: [f64; 2],
+    /// f, mm.
+    pub principal_distance_mm: f64,
+    /// Pixel pitch, µm.
+    pub pixel_um: f64,
+    /// FMC axis as the camera file spells it.
+    pub axis: &'static str,
+    /// Points compared.
+    pub points: u64,
+    /// Every exposure.
+    pub frames: Vec<FrameResult>,
+    /// Smallest and largest length of the distortion over the sensor, mm.
+    pub distortion_mm: [f64; 2],
+    /// The exposure with the largest dynamic change.
+    pub field: Field,
+    /// The point with the largest error.
+    pub worst: WorstPoint,
+}
+
+impl CameraResult {
+    /// Errors of dx, dy with a treatment, all exposures.
+    #[must_use]
+    pub fn errors(&self, treatment: Treatment) -> ErrorStatistics {
+        let mut all = ErrorStatistics::default();
+        for frame in &self.frames {
+            for (one, errors) in Treatment::ALL.iter().zip(&frame.errors) {
+                if *one == treatment {
+                    all.merge(errors);
+                }
+            }
+        }
+        all
+    }
+
+    /// Errors of the corrected coordinate, all exposures.
+    #[must_use]
+    pub fn coordinate_errors(&self) -> ErrorStatistics {
+        let mut all = ErrorStatistics::default();
+        for frame in &self.frames {
+            all.merge(&frame.coordinate_error);
+        }
+        all
+    }
+
+    /// Smallest and largest δ, mm.
+    #[must_use]
+    pub fn travel_mm(&self) -> [f64; 2] {
+        self.frames
+            .iter()
+            .fold([f64::INFINITY, 0.0], |[least, most], frame| {
+                [least.min(frame.travel_mm), most.max(frame.travel_mm)]
+            })
+    }
+
+    /// Largest error estimate of the strict solver, mm.
+    #[must_use]
+    pub fn solver_error_mm(&self) -> f64 {
+        self.frames
+            .iter()
+            .fold(0.0, |most, frame| frame.solver_error_mm.max(most))
+    }
+
+    /// Whether every point is within the limits and the strict solver within its own.
+    #[must_use]
+    pub fn passed(&self) -> bool {
+        1e6 * self.errors(Treatment::Camera).max_mm() <= MAX_ERROR_NM
+            && 1e6 * self.coordinate_errors().max_mm() <= MAX_COORDINATE_ERROR_NM
+            && 1e6 * self.solver_error_mm() <= MAX_SOLVER_ERROR_NM
+    }
+}
+
+/// A whole verification.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Verification {
+    /// What computed the corrections.
+    pub device: String,
+    /// Every camera.
+    pub cameras: Vec<CameraResult>,
+}
+
+impl Verification {
+    /// Points compared.
+    #[must_use]
+    pub fn points(&self) -> u64 {
+        self.cameras.iter().map(|camera| camera.points).sum()
+    }
+
+    /// The camera whose worst point is the worst of all.
+    #[must_use]
+    pub fn worst(&self) -> Option<&CameraResult> {
+        self.cameras
+            .iter()
+            .max_by(|a, b| a.worst.error_nm.total_cmp(&b.worst.error_nm))
+    }
+
+    /// Whether every camera passed, and there was one.
+    #[must_use]
+    pub fn passed(&self) -> bool {
+        !self.cameras.is_empty() && self.cameras.iter().all(CameraResult::passed)
+    }
+}

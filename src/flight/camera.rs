@@ -1,0 +1,268 @@
+//! The camera: calibration, mechanism, shutter and limits, and the frame they predict.
+
+use core::fmt;
+
+use super::exposure::{CorrectionModel, Exposure, Limits};
+use super::frame_record::{FocusConvention, FrameRecord};
+use super::stage::{RunUp, Stage, StagePlan, StrokeTooShort, Tracking};
+use crate::geometry::calibration::{Calibration, CalibrationError, CalibrationRecord};
+use crate::geometry::frame_correction::FrameCorrection;
+use crate::geometry::principal_distance::FocusShift;
+use crate::geometry::principal_point::{PrincipalPointMotion, UniformTravel};
+use crate::geometry::range::{MAX_FOCUS_FRACTION, OutOfRange, Quantity};
+use crate::geometry::shutter::{Shutter, ShutterProfile};
+
+/// How the image is held still.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub enum Mechanism {
+    /// A stage moves the detector.
+    Stage {
+        /// Acceleration, mm/s².
+        acceleration_mm_s2: f32,
+        /// Settling time between run-up and exposure, ms.
+        settling_ms: f32,
+        /// Where the run-up puts the exposure.
+        run_up: RunUp,
+    },
+    /// The charge moves in rows. The row labels fix the opening offset: Δδ = 0 unless given.
+    Tdi {
+        /// φ: first transfer after opening, row periods.
+        first_transfer: f32,
+    },
+}
+
+/// Everything that describes one camera, not yet believed.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct CameraRecord {
+    /// Lens, sensor and FMC axis.
+    pub calibration: CalibrationRecord,
+    /// How the image is held still.
+    pub mechanism: Mechanism,
+    /// Transmission over the exposure.
+    pub shutter: ShutterProfile,
+    /// The exposures it accepts.
+    pub limits: Limits,
+}
+
+/// A validated camera.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Camera {
+    calibration: Calibration,
+    mechanism: Mechanism,
+    stage: Stage,
+    shutter: Shutter,
+    limits: Limits,
+}
+
+/// One frame: its record, and the correction of its points.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Frame {
+    /// What is reported.
+    pub record: FrameRecord,
+    /// What corrects its coordinates.
+    pub correction: FrameCorrection,
+}
+
+/// A frame cannot be taken as asked.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub enum FrameError {
+    /// A quantity of the exposure is outside its limits.
+    OutOfRange(OutOfRange),
+    /// The stage cannot make the travel.
+    Stroke(StrokeTooShort),
+    /// The camera has no five-coefficient model.
+    NotFitted,
+}
+
+impl From<OutOfRange> for FrameError {
+    fn from(error: OutOfRange) -> Self {
+        Self::OutOfRange(error)
+    }
+}
+
+impl From<StrokeTooShort> for FrameError {
+    fn from(error: StrokeTooShort) -> Self {
+        Self::Stroke(error)
+    }
+}
+
+impl fmt::Display for FrameError {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::OutOfRange(error) => error.fmt(f),
+            Self::Stroke(error) => error.fmt(f),
+            Self::NotFitted => f.write_str("the camera has no fitted five-coefficient model"),
+        }
+    }
+}
+
+impl core::error::Error for FrameError {}
+
+impl Camera {
+    /// Validates a record.
+    ///
+    /// # Errors
+    /// [`CalibrationError`] naming the quantity, its value and the allowed range.
+    pub fn new(record: CameraRecord) -> Result<Self, CalibrationError> {
+        let calibration = Calibration::new(record.calibration)?;
+        let stroke_mm = record.calibration.stroke_mm;
+        let stage = match record.mechanism {
+            Mechanism::Stage {
+                acceleration_mm_s2,
+                settling_ms,
+                run_up: _,
+            } => Stage::new(acceleration_mm_s2, settling_ms, stroke_mm)?,
+            Mechanism::Tdi { first_transfer } => {
+                Quantity::FirstTransfer.check(first_transfer)?;
+                let (_, most) = Quantity::AccelerationMmS2.range();
+                Stage::new(most, 0.0, stroke_mm)?
+            }
+        };
+        Ok(Self {
+            calibration,
+            mechanism: record.mechanism,
+            stage,
+            shutter: Shutter::new(record.shutter)?,
+            limits: record.limits.checked()?,
+        })
+    }
+
+    /// The validated calibration.
+    #[must_use]
+    pub const fn calibration(&self) -> &Calibration {
+        &self.calibration
+    }
+
+    /// The validated shutter.
+    #[must_use]
+    pub const fn shutter(&self) -> &Shutter {
+        &self.shutter
+    }
+
+    /// The stage's travel for an exposure.
+    ///
+    /// # Errors
+    /// [`FrameError`] for an exposure outside the limits or a travel outside the stroke.
+    pub fn plan(&self, exposure: &Exposure) -> Result<StagePlan, FrameError> {
+        self.limits.check(exposure)?;
+        let tracking = Tracking {
+            speed_mm_s: self.calibration.record().principal_distance_mm * exposure.vh_per_s,
+            exposure_s: exposure.exposure_s,
+            centroid_time_s: exposure.exposure_s * self.shutter.centroid(),
+        };
+        let plan = match (exposure.opening_offset_mm, self.mechanism) {
+            (Some(offset_mm), _) => {
+                let offset_mm = Quantity::OpeningOffsetMm.check(offset_mm)?;
+                self.stage.opening_at(offset_mm, tracking)?
+            }
+            (None, Mechanism::Tdi { .. }) => self.stage.opening_at(0.0, tracking)?,
+            (None, Mechanism::Stage { run_up, .. }) => self.stage.plan(run_up, tracking)?,
+        };
+        Ok(plan)
+    }
+
+    /// The motion of the principal point predicted for an exposure.
+    ///
+    /// # Model
+    /// v = f·η, δ = v·t (Yuan et al. 2012, eq. 8), Δδ from the stage's plan.
+    ///
+    /// # Errors
+    /// As [`Self::plan`]; also for more TDI rows than
+    /// [`MAX_ROWS`](crate::geometry::tdi::MAX_ROWS).
+    pub fn motion(&self, exposure: &Exposure) -> Result<PrincipalPointMotion, FrameError> {
+        let record = self.calibration.record();
+        let travel = UniformTravel {
+            opening_offset_mm: self.plan(exposure)?.opening_mm,
+            speed_mm_s: record.principal_distance_mm * exposure.vh_per_s,
+            exposure_s: exposure.exposure_s,
+        };
+        match self.mechanism {
+            Mechanism::Stage { .. } => Ok(PrincipalPointMotion::from_plan(travel, &self.shutter)),
+            Mechanism::Tdi { first_transfer } => Ok(PrincipalPointMotion::from_tdi(
+                travel,
+                self.calibration.sensor().pixel_mm(),
+                first_transfer,
+                &self.shutter,
+            )?),
+        }
+    }
+
+    /// The frame predicted for an exposure.
+    ///
+    /// # Errors
+    /// As [`Self::motion`] and [`Self::frame_of`].
+    pub fn frame(&self, exposure: &Exposure) -> Result<Frame, FrameError> {
+        self.frame_of(exposure, &self.motion(exposure)?)
+    }
+
+    /// The frame of a given motion, planned or measured.
+    ///
+    /// # Errors
+    /// [`FrameError`] for a focus shift beyond [`MAX_FOCUS_FRACTION`], for a principal point
+    /// beyond the stroke, and for the fitted model of a camera that has none.
+    pub fn frame_of(
+        &self,
+        exposure: &Exposure,
+        motion: &PrincipalPointMotion,
+    ) -> Result<Frame, FrameError> {
+        let record = self.calibration.record();
+        let half_stroke_mm = 0.5 * record.stroke_mm;
+        Quantity::OpeningOffsetMm.check_within(
+            motion.centroid_mm,
+            -half_stroke_mm,
+            half_stroke_mm,
+        )?;
+        let focus = self.focus_shift(exposure, motion)?;
+        let (correction, enlargement) = match exposure.model {
+            CorrectionModel::Exact => (
+                FrameCorrection::exact(&self.calibration, motion, &focus),
+                focus.enlargement(),
+            ),
+            CorrectionModel::Fitted => (
+                FrameCorrection::five_coefficient(&self.calibration, motion)
+                    .ok_or(FrameError::NotFitted)?,
+                0.0,
+            ),
+            CorrectionModel::Static => (FrameCorrection::without_motion(&self.calibration), 0.0),
+        };
+        Ok(Frame {
+            record: FrameRecord {
+                vh_per_s: exposure.vh_per_s,
+                exposure_s: exposure.exposure_s,
+                motion: *motion,
+                principal_point: record
+                    .axis
+                    .sensor_from_offset(record.principal_point, motion.centroid_mm),
+                principal_distance_mm: record.principal_distance_mm,
+                focus_shift_mm: focus.shift_mm,
+                enlargement,
+                focus_convention: FocusConvention::FixedPrincipalDistance,
+                model: exposure.model,
+                kernel: correction.kernel(),
+                left_out_nm: correction.left_out_nm(),
+            },
+            correction,
+        })
+    }
+
+    /// Δz of a frame: the exposure mean of the run-out, and what the exposure adds.
+    fn focus_shift(
+        &self,
+        exposure: &Exposure,
+        motion: &PrincipalPointMotion,
+    ) -> Result<FocusShift, OutOfRange> {
+        let record = self.calibration.record();
+        let added_um = Quantity::FocusShiftUm.check(exposure.focus_shift_um)?;
+        let run_out_mm = record.flatness.mean_shift_mm(motion);
+        let shift = FocusShift {
+            shift_mm: run_out_mm + added_um / 1000.0,
+            principal_distance_mm: record.principal_distance_mm,
+            exit_pupil_mm: record.exit_pupil_mm,
+            sign: exposure.focus_sign,
+        };
+        let largest_um =
+            1000.0 * MAX_FOCUS_FRACTION * record.exit_pupil_mm.min(record.principal_distance_mm);
+        Quantity::FocusShiftUm.check_within(shift.shift_mm * 1000.0, -largest_um, largest_um)?;
+        Ok(shift)
+    }
+}

@@ -1,0 +1,109 @@
+//! What is asked of the camera for one exposure, and the limits it must keep.
+
+use crate::geometry::principal_distance::FocusSign;
+use crate::geometry::range::{OutOfRange, Quantity};
+
+/// Which model corrects the coordinates.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub enum CorrectionModel {
+    /// Exposure mean of the calibration about the moving principal point.
+    #[default]
+    Exact,
+    /// Five fitted coefficients.
+    Fitted,
+    /// Static calibration, motion and focus shift ignored.
+    Static,
+}
+
+/// One exposure.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Exposure {
+    /// η = V/H, 1/s.
+    pub vh_per_s: f32,
+    /// t: exposure time, the shutter's base, s.
+    pub exposure_s: f32,
+    /// Δδ where it is given; otherwise the run-up strategy determines it. mm along the FMC axis.
+    pub opening_offset_mm: Option<f32>,
+    /// Δz beyond the stage's run-out, positive away from the lens, µm.
+    pub focus_shift_um: f32,
+    /// Which formula turns Δz into distortion.
+    pub focus_sign: FocusSign,
+    /// Which model corrects the coordinates.
+    pub model: CorrectionModel,
+}
+
+impl Exposure {
+    /// An exposure at `vh_per_s` (1/s) of `exposure_s` (s), everything else as planned.
+    #[must_use]
+    pub const fn new(vh_per_s: f32, exposure_s: f32) -> Self {
+        Self {
+            vh_per_s,
+            exposure_s,
+            opening_offset_mm: None,
+            focus_shift_um: 0.0,
+            focus_sign: FocusSign::Physical,
+            model: CorrectionModel::Exact,
+        }
+    }
+}
+
+/// The exposures a camera accepts.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Limits {
+    /// Smallest and largest V/H, 1/s.
+    pub vh_per_s: [f32; 2],
+    /// Shortest and longest exposure, s.
+    pub exposure_s: [f32; 2],
+}
+
+impl Limits {
+    /// The limits, if both pairs are in order and believable.
+    ///
+    /// # Errors
+    /// [`OutOfRange`] naming the quantity.
+    pub fn checked(self) -> Result<Self, OutOfRange> {
+        for (quantity, [least, most]) in [
+            (Quantity::VhPerS, self.vh_per_s),
+            (Quantity::ExposureS, self.exposure_s),
+        ] {
+            quantity.check(least)?;
+            quantity.check_within(most, least, quantity.range().1)?;
+        }
+        Ok(self)
+    }
+
+    /// Whether the camera accepts the exposure's V/H and time.
+    ///
+    /// # Errors
+    /// [`OutOfRange`] naming the quantity and the camera's own limits.
+    pub fn check(&self, exposure: &Exposure) -> Result<(), OutOfRange> {
+        let [least, most] = self.vh_per_s;
+        Quantity::VhPerS.check_within(exposure.vh_per_s, least, most)?;
+        let [least, most] = self.exposure_s;
+        Quantity::ExposureS.check_within(exposure.exposure_s, least, most)?;
+        Ok(())
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn limits_are_inclusive_and_must_be_in_order() {
+        let limits = Limits {
+            vh_per_s: [0.05, 0.17],
+            exposure_s: [0.001, 0.02],
+        };
+        assert_eq!(limits.checked(), Ok(limits));
+        assert_eq!(limits.check(&Exposure::new(0.17, 0.02)), Ok(()));
+        for bad in [(0.18, 0.01), (0.1, 0.03), (0.0, 0.01), (f32::NAN, 0.01)] {
+            assert!(limits.check(&Exposure::new(bad.0, bad.1)).is_err());
+        }
+        let reversed = Limits {
+            vh_per_s: [0.17, 0.05],
+            ..limits
+        };
+        assert!(reversed.checked().is_err());
+    }
+}

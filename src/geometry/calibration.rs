@@ -1,0 +1,210 @@
+//! The calibration of one camera: as loaded, and validated.
+
+use core::fmt;
+
+use super::brown::Brown;
+use super::five_coefficient::FiveCoefficients;
+use super::invertibility::{Folds, MIN_SCALE, Region, least_scale};
+use super::principal_distance::Flatness;
+use super::range::{MAX_FOCUS_FRACTION, OutOfRange, Quantity};
+use super::sensor::{FmcAxis, Sensor, SensorPoint};
+
+/// What a calibration certificate and the mechanism's drawing say, not yet believed.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct CalibrationRecord {
+    /// f, mm.
+    pub principal_distance_mm: f32,
+    /// L, from the exit pupil to the image, mm; f where it is not known.
+    pub exit_pupil_mm: f32,
+    /// Calibrated principal point (x0, y0).
+    pub principal_point: SensorPoint,
+    /// Pixels along x.
+    pub width_px: u32,
+    /// Pixels along y.
+    pub height_px: u32,
+    /// Pixel pitch, µm.
+    pub pixel_um: f32,
+    /// Static distortion, measured - ideal.
+    pub distortion: Brown,
+    /// Five-coefficient model, once fitted.
+    pub fitted: Option<FiveCoefficients>,
+    /// Direction in which the principal point moves.
+    pub axis: FmcAxis,
+    /// Total travel of the principal point, ± half of it about the calibrated position, mm.
+    pub stroke_mm: f32,
+    /// Out-of-plane run-out of the stage.
+    pub flatness: Flatness,
+}
+
+/// A calibration that has been shown to be usable: finite, in range, one-to-one over the sensor
+/// wherever the principal point may be within the stroke.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Calibration {
+    record: CalibrationRecord,
+    sensor: Sensor,
+    least_scale: f32,
+}
+
+/// Which polynomial of a calibration is meant.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Polynomial {
+    /// The static distortion, with what the exposure and the focus may add to it.
+    Static,
+    /// The five-coefficient model.
+    Fitted,
+}
+
+/// A calibration is not usable.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub enum CalibrationError {
+    /// A number is not a number or not believable.
+    OutOfRange(OutOfRange),
+    /// The polynomial folds the image inside the sensor, or comes too near to it.
+    Folds {
+        /// Which polynomial.
+        polynomial: Polynomial,
+        /// Lower bound of the scale `∂(ideal)/∂(measured)`; [`MIN_SCALE`] is required.
+        scale: f32,
+        /// Where.
+        at: SensorPoint,
+    },
+}
+
+impl From<OutOfRange> for CalibrationError {
+    fn from(error: OutOfRange) -> Self {
+        Self::OutOfRange(error)
+    }
+}
+
+impl fmt::Display for CalibrationError {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::OutOfRange(error) => error.fmt(f),
+            Self::Folds {
+                polynomial,
+                scale,
+                at,
+            } => {
+                let which = match polynomial {
+                    Polynomial::Static => "the distortion polynomial",
+                    Polynomial::Fitted => "the five-coefficient model",
+                };
+                write!(
+                    f,
+                    "{which} folds the image or comes too near to it: the scale d(ideal)/d(measured) \
+                     may fall to {scale:.3} near ({:.2}, {:.2}) mm; at least {MIN_SCALE} is required \
+                     over the sensor enlarged by half the stroke",
+                    at.x_mm, at.y_mm
+                )
+            }
+        }
+    }
+}
+
+impl core::error::Error for CalibrationError {}
+
+impl Calibration {
+    /// Validates a record.
+    ///
+    /// # Model
+    /// Every number finite and in its range; both polynomials one-to-one over the sensor enlarged
+    /// by half the stroke along the FMC axis, with the slope that focus shift (up to
+    /// [`MAX_FOCUS_FRACTION`]), μ₂ terms and the fitted δ terms may add
+    /// ([`least_scale`](super::invertibility::least_scale)).
+    ///
+    /// # Errors
+    /// [`CalibrationError`] naming the quantity, its value and the allowed range.
+    pub fn new(record: CalibrationRecord) -> Result<Self, CalibrationError> {
+        let sensor = Sensor::new(record.width_px, record.height_px, record.pixel_um)?;
+        Quantity::PrincipalDistanceMm.check(record.principal_distance_mm)?;
+        Quantity::ExitPupilMm.check(record.exit_pupil_mm)?;
+        let pp = record.principal_point;
+        let (half_width, half_height) = (sensor.half_width_mm(), sensor.half_height_mm());
+        Quantity::PrincipalPointX.check_within(pp.x_mm, -half_width, half_width)?;
+        Quantity::PrincipalPointY.check_within(pp.y_mm, -half_height, half_height)?;
+        Quantity::StrokeMm.check(record.stroke_mm)?;
+        record.flatness.checked(0.5 * record.stroke_mm)?;
+        let lens = record.distortion.checked()?;
+        let fitted = record.fitted.map(FiveCoefficients::checked).transpose()?;
+
+        let mut calibration = Self {
+            record,
+            sensor,
+            least_scale: 1.0,
+        };
+        let region = calibration.region();
+        calibration.least_scale = least_scale(
+            &lens.evaluation_form(),
+            region,
+            exposure_slope(&lens, region, record.stroke_mm),
+        )
+        .map_err(|folds| calibration.folds(Polynomial::Static, folds))?;
+        if let Some(fitted) = fitted {
+            let still = fitted.folded(lens.evaluation_form(), 0.0, record.axis);
+            let moving =
+                2.0 * (fitted.kd1.abs() + fitted.pm1.abs()) * record.stroke_mm * region.radius_mm();
+            let scale = least_scale(&still, region, moving)
+                .map_err(|folds| calibration.folds(Polynomial::Fitted, folds))?;
+            calibration.least_scale = calibration.least_scale.min(scale);
+        }
+        Ok(calibration)
+    }
+
+    /// The record as it was given.
+    #[must_use]
+    pub const fn record(&self) -> &CalibrationRecord {
+        &self.record
+    }
+
+    /// The pixel array.
+    #[must_use]
+    pub const fn sensor(&self) -> &Sensor {
+        &self.sensor
+    }
+
+    /// Lower bound of the scale `∂(ideal)/∂(measured)` over the sensor.
+    #[must_use]
+    pub const fn least_scale(&self) -> f32 {
+        self.least_scale
+    }
+
+    /// The sensor enlarged by half the stroke along the FMC axis, and by the largest focus shift,
+    /// as seen from the principal point.
+    #[must_use]
+    pub fn region(&self) -> Region {
+        let reach = |half: f32, pp: f32, along: bool| {
+            let travel = if along {
+                0.5 * self.record.stroke_mm
+            } else {
+                0.0
+            };
+            (half + pp.abs() + travel) / (1.0 - MAX_FOCUS_FRACTION)
+        };
+        let pp = self.record.principal_point;
+        let along_x = self.record.axis.is_x();
+        Region {
+            reach_x: reach(self.sensor.half_width_mm(), pp.x_mm, along_x),
+            reach_y: reach(self.sensor.half_height_mm(), pp.y_mm, !along_x),
+        }
+    }
+
+    fn folds(&self, polynomial: Polynomial, folds: Folds) -> CalibrationError {
+        let pp = self.record.principal_point;
+        CalibrationError::Folds {
+            polynomial,
+            scale: folds.scale,
+            at: SensorPoint::new(pp.x_mm + folds.x, pp.y_mm + folds.y),
+        }
+    }
+}
+
+/// What a frame may add to the slope of the static polynomial: the largest focus shift and the μ₂
+/// terms of the largest travel (the variance of a path within ±s/2 is at most s²/4).
+fn exposure_slope(lens: &Brown, region: Region, stroke_mm: f32) -> f32 {
+    let variance = 0.25 * stroke_mm * stroke_mm;
+    let radius = region.radius_mm();
+    let r2 = radius * radius;
+    let moments = variance
+        * (5.0 * lens.k1.abs() + r2 * (18.0 * lens.k2.abs() + r2 * (60.0 * lens.k3.abs())));
+    MAX_FOCUS_FRACTION / (1.0 - MAX_FOCUS_FRACTION) + moments
+}

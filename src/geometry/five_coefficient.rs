@@ -1,0 +1,67 @@
+//! The five fitted coefficients of the dynamic model.
+
+use super::evaluation_form::EvaluationForm;
+use super::range::{OutOfRange, Quantity};
+use super::sensor::FmcAxis;
+
+/// `K_m0`, `K_m1`, `K_m2`, `K_d1`, `P_m1` as fitted to calibration exposures.
+///
+/// `K_m0..K_m2` *replace* K0..K2 of the static calibration; K3, P, B stay. The printed feed-forward
+/// values (`K_d1` = 2K1, `P_m1` = K1) have the wrong sign and are never used.
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
+pub struct FiveCoefficients {
+    /// `K_m0`, dimensionless.
+    pub km0: f32,
+    /// `K_m1`, mm⁻².
+    pub km1: f32,
+    /// `K_m2`, mm⁻⁴.
+    pub km2: f32,
+    /// `K_d1`, mm⁻².
+    pub kd1: f32,
+    /// `P_m1`, mm⁻².
+    pub pm1: f32,
+}
+
+impl FiveCoefficients {
+    /// The coefficients, if all of them are finite numbers.
+    ///
+    /// # Errors
+    /// [`OutOfRange`] naming the first that is not.
+    pub fn checked(self) -> Result<Self, OutOfRange> {
+        for (quantity, value) in [
+            (Quantity::Km0, self.km0),
+            (Quantity::Km1, self.km1),
+            (Quantity::Km2, self.km2),
+            (Quantity::Kd1, self.kd1),
+            (Quantity::Pm1, self.pm1),
+        ] {
+            quantity.check(value)?;
+        }
+        Ok(self)
+    }
+
+    /// The model at the travel `travel_mm` (δ) along `axis`, on top of the static `form`.
+    ///
+    /// # Model
+    /// Yuan et al. 2012, eq. 22, with e = +y:
+    /// `ΔPx = Km0x̄ + Km1x̄r² + Km2x̄r⁴ + Kd1δx̄ȳ`,
+    /// `ΔPy = Km0ȳ + Km1ȳr² + Km2ȳr⁴ + Kd1δȳ² + Pm1δr²`, about the calibrated principal point.
+    #[must_use]
+    pub fn folded(&self, form: EvaluationForm, travel_mm: f32, axis: FmcAxis) -> EvaluationForm {
+        let signed_mm = axis.sign() * travel_mm;
+        let mut folded = EvaluationForm {
+            k0: self.km0,
+            k1: self.km1,
+            k2: self.km2,
+            ..form
+        };
+        let (h, g) = if axis.is_x() {
+            (&mut folded.hx, &mut folded.gx)
+        } else {
+            (&mut folded.hy, &mut folded.gy)
+        };
+        *h += self.kd1 * signed_mm;
+        *g += self.pm1 * signed_mm;
+        folded
+    }
+}

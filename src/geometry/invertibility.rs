@@ -1,0 +1,386 @@
+//! Proof, by bounds, that a distortion polynomial does not fold the image.
+
+use super::evaluation_form::EvaluationForm;
+
+/// Smallest scale `∂(ideal)/∂(measured)` a calibration may have anywhere: below it the image is
+/// about to fold over, and the inverse loses a decimal digit.
+pub const MIN_SCALE: f32 = 0.1;
+
+/// Largest slope of the distortion, both λ and q, up to which the bound over a disc is accepted.
+pub const MAX_DISC_SLOPE: f32 = 0.5;
+
+/// Pieces into which the range of R is cut: four halvings.
+const PIECES: u8 = 16;
+/// Boxes along each side of the rectangle.
+const BOXES: u8 = 16;
+
+/// The rectangle |X| ≤ `reach_x`, |Y| ≤ `reach_y` about the principal point, mm.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Region {
+    /// Farthest |X|, mm.
+    pub reach_x: f32,
+    /// Farthest |Y|, mm.
+    pub reach_y: f32,
+}
+
+impl Region {
+    /// The distance of the corner, mm.
+    #[must_use]
+    pub fn radius_mm(&self) -> f32 {
+        libm::hypotf(self.reach_x, self.reach_y)
+    }
+}
+
+/// The image folds, or may fold, over the region.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Folds {
+    /// Lower bound of the scale `∂(ideal)/∂(measured)` at its worst; negative where the image is
+    /// folded.
+    pub scale: f32,
+    /// Where, X from the principal point, mm.
+    pub x: f32,
+    /// Where, Y from the principal point, mm.
+    pub y: f32,
+}
+
+/// A lower bound of the scale of `p -> p - D(p)` over the region.
+///
+/// # Model
+/// First over the disc about the principal point that holds the region and the largest
+/// displacement: with g = k₀ + k₁R + k₂R² + k₃R³,
+/// `λ = max(g, g + 2Rg') + 2(|h| + |g⃗|)ρ + (b₁ + hypot(b₁, b₂))/2` and
+/// `q = max(|g|, |g + 2Rg'|) + 2(|h| + |g⃗|)ρ + hypot(b₁, b₂)`, both cubics bounded by their
+/// Bernstein coefficients. λ < 1 makes the map strongly monotone, hence one-to-one.
+/// Where that is more than [`MAX_DISC_SLOPE`], over 16 x 16 boxes of the rectangle by intervals:
+/// `1 - ∂xDx`, `1 - ∂yDy` and the determinant all positive make it one-to-one on a rectangle
+/// (Gale & Nikaidô 1965); the determinant alone does not.
+///
+/// # Units and frames
+/// `added_slope`: what the frames may add to the slope of `form`, dimensionless.
+///
+/// # Accuracy
+/// Not rounded outwards: f32 rounding, 1e-6, is far below [`MIN_SCALE`].
+///
+/// # Errors
+/// [`Folds`] where the scale cannot be shown to stay at or above [`MIN_SCALE`].
+pub fn least_scale(form: &EvaluationForm, region: Region, added_slope: f32) -> Result<f32, Folds> {
+    let radius = region.radius_mm();
+    let reach = radius + largest_displacement(form, radius);
+    let (lambda, q) = disc_slopes(form, reach);
+    if lambda + added_slope <= MAX_DISC_SLOPE && q + added_slope <= MAX_DISC_SLOPE {
+        return Ok(1.0 - lambda - added_slope);
+    }
+    let mut worst = Folds {
+        scale: f32::INFINITY,
+        x: 0.0,
+        y: 0.0,
+    };
+    for column in 0..BOXES {
+        for row in 0..BOXES {
+            let x = piece(-region.reach_x, region.reach_x, column);
+            let y = piece(-region.reach_y, region.reach_y, row);
+            let scale = box_scale(form, x, y, added_slope);
+            // A NaN counts as the worst.
+            if scale.is_nan() || scale < worst.scale {
+                worst = Folds {
+                    scale,
+                    x: x.middle(),
+                    y: y.middle(),
+                };
+            }
+            if scale.is_nan() {
+                return Err(worst);
+            }
+        }
+    }
+    if worst.scale >= MIN_SCALE {
+        Ok(worst.scale)
+    } else {
+        Err(worst)
+    }
+}
+
+/// λ and q of MODEL over the disc of radius `radius` mm.
+fn disc_slopes(form: &EvaluationForm, radius: f32) -> (f32, f32) {
+    let radial = [form.k0, form.k1, form.k2, form.k3];
+    let [k0, k1, k2, k3] = radial;
+    let along_radius = [k0, 3.0 * k1, 5.0 * k2, 7.0 * k3];
+    let mut highest = f32::NEG_INFINITY;
+    let mut largest = 0.0_f32;
+    for index in 0..PIECES {
+        let squares = piece_of_unit(radius * radius, index);
+        for cubic in [radial, along_radius] {
+            let range = cubic_range(cubic, squares);
+            highest = highest.max(range.hi);
+            largest = largest.max(range.largest());
+        }
+    }
+    let decentring =
+        2.0 * (libm::hypotf(form.hx, form.hy) + libm::hypotf(form.gx, form.gy)) * radius;
+    let affinity = libm::hypotf(form.b1, form.b2);
+    (
+        highest + decentring + 0.5 * (form.b1 + affinity),
+        largest + decentring + affinity,
+    )
+}
+
+/// A bound on |D| over the disc of radius `radius` mm.
+fn largest_displacement(form: &EvaluationForm, radius: f32) -> f32 {
+    let squares = Interval {
+        lo: 0.0,
+        hi: radius * radius,
+    };
+    let gain = cubic_range([form.k0, form.k1, form.k2, form.k3], squares).largest();
+    let decentring = libm::hypotf(form.hx, form.hy) + libm::hypotf(form.gx, form.gy);
+    radius * (gain + decentring * radius + libm::hypotf(form.b1, form.b2))
+}
+
+/// A lower bound of the scale over one box.
+fn box_scale(form: &EvaluationForm, x: Interval, y: Interval, added_slope: f32) -> f32 {
+    let squares = x.squared() + y.squared();
+    let gain = cubic_range([form.k0, form.k1, form.k2, form.k3], squares);
+    let twice_slope =
+        cubic_range([form.k1, 2.0 * form.k2, 3.0 * form.k3, 0.0], squares).scaled(2.0);
+    let dx_by_x = gain
+        + x.squared() * twice_slope
+        + x.scaled(2.0 * (form.hx + form.gx))
+        + y.scaled(form.hy).shifted(form.b1);
+    let dy_by_y =
+        gain + y.squared() * twice_slope + y.scaled(2.0 * (form.hy + form.gy)) + x.scaled(form.hx);
+    let mixed = x * y * twice_slope;
+    let dx_by_y = mixed + x.scaled(form.hy) + y.scaled(2.0 * form.gx).shifted(form.b2);
+    let dy_by_x = mixed + y.scaled(form.hx) + x.scaled(2.0 * form.gy);
+    let scale_x = 1.0 - dx_by_x.hi - added_slope;
+    let scale_y = 1.0 - dy_by_y.hi - added_slope;
+    let mixing = (dx_by_y.largest() + added_slope) * (dy_by_x.largest() + added_slope);
+    // Gershgorin: no direction is stretched more than this.
+    let widest = (1.0 - dx_by_x.lo).max(1.0 - dy_by_y.lo)
+        + dx_by_y.largest().max(dy_by_x.largest())
+        + 2.0 * added_slope;
+    let determinant = scale_x * scale_y - mixing;
+    if scale_x.is_nan() || scale_y.is_nan() || determinant.is_nan() {
+        return f32::NAN;
+    }
+    if scale_x <= 0.0 || scale_y <= 0.0 {
+        return scale_x.min(scale_y);
+    }
+    scale_x.min(scale_y).min(determinant / widest)
+}
+
+/// A closed interval.
+#[derive(Debug, Clone, Copy)]
+struct Interval {
+    lo: f32,
+    hi: f32,
+}
+
+impl Interval {
+    fn middle(self) -> f32 {
+        0.5 * (self.lo + self.hi)
+    }
+
+    fn largest(self) -> f32 {
+        self.lo.abs().max(self.hi.abs())
+    }
+
+    fn scaled(self, factor: f32) -> Self {
+        let (a, b) = (self.lo * factor, self.hi * factor);
+        Self {
+            lo: a.min(b),
+            hi: a.max(b),
+        }
+    }
+
+    fn shifted(self, by: f32) -> Self {
+        Self {
+            lo: self.lo + by,
+            hi: self.hi + by,
+        }
+    }
+
+    fn squared(self) -> Self {
+        let largest = self.largest();
+        let smallest = if self.lo > 0.0 || self.hi < 0.0 {
+            self.lo.abs().min(self.hi.abs())
+        } else {
+            0.0
+        };
+        Self {
+            lo: smallest * smallest,
+            hi: largest * largest,
+        }
+    }
+}
+
+impl core::ops::Add for Interval {
+    type Output = Self;
+    fn add(self, other: Self) -> Self {
+        Self {
+            lo: self.lo + other.lo,
+            hi: self.hi + other.hi,
+        }
+    }
+}
+
+impl core::ops::Mul for Interval {
+    type Output = Self;
+    fn mul(self, other: Self) -> Self {
+        let low = self.scaled(other.lo);
+        let high = self.scaled(other.hi);
+        Self {
+            lo: low.lo.min(high.lo),
+            hi: low.hi.max(high.hi),
+        }
+    }
+}
+
+/// The range of `c₀ + c₁R + c₂R² + c₃R³` over an interval, bounded by its Bernstein coefficients:
+/// the values of the cubic's blossom at the interval's ends.
+fn cubic_range(coefficients: [f32; 4], over: Interval) -> Interval {
+    let [c0, c1, c2, c3] = coefficients;
+    let blossom = |u: f32, v: f32, w: f32| {
+        c0 + c1 * (u + v + w) / 3.0 + c2 * (u * v + v * w + w * u) / 3.0 + c3 * u * v * w
+    };
+    let Interval { lo, hi } = over;
+    let first = blossom(lo, lo, lo);
+    let mut range = Interval {
+        lo: first,
+        hi: first,
+    };
+    for value in [
+        blossom(lo, lo, hi),
+        blossom(lo, hi, hi),
+        blossom(hi, hi, hi),
+    ] {
+        range.lo = range.lo.min(value);
+        range.hi = range.hi.max(value);
+    }
+    // f32::min and max pass over a NaN: a range that holds one is no range.
+    if (first + range.lo + range.hi).is_nan() {
+        range.hi = f32::NAN;
+    }
+    range
+}
+
+/// Piece `index` of `[lo, hi]` cut into [`BOXES`].
+fn piece(lo: f32, hi: f32, index: u8) -> Interval {
+    let unit = piece_of_unit(hi - lo, index);
+    Interval {
+        lo: lo + unit.lo,
+        hi: lo + unit.hi,
+    }
+}
+
+/// Piece `index` of `[0, length]` cut into [`PIECES`].
+fn piece_of_unit(length: f32, index: u8) -> Interval {
+    let step = length / f32::from(PIECES);
+    Interval {
+        lo: step * f32::from(index),
+        hi: step * f32::from(index + 1),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::geometry::brown::Brown;
+
+    const REGION: Region = Region {
+        reach_x: 30.0,
+        reach_y: 20.0,
+    };
+
+    fn radial(k1: f32) -> EvaluationForm {
+        let lens = Brown {
+            k1,
+            ..Brown::default()
+        };
+        lens.evaluation_form()
+    }
+
+    #[test]
+    fn bernstein_range_holds_the_cubic_and_touches_its_ends() {
+        let cubic = [0.3, -2.0, 1.5, 0.25];
+        let range = cubic_range(cubic, Interval { lo: 0.5, hi: 2.0 });
+        for i in 0..=100_u8 {
+            let r = 0.5 + 1.5 * f32::from(i) / 100.0;
+            let value = cubic[0] + r * (cubic[1] + r * (cubic[2] + r * cubic[3]));
+            assert!(range.lo - 1e-6 <= value && value <= range.hi + 1e-6);
+        }
+        let end = 0.3 - 4.0 + 6.0 + 2.0;
+        assert!((range.hi - end).abs() < 1e-5);
+    }
+
+    #[test]
+    fn mild_lens_is_shown_by_the_disc_and_a_strong_one_by_the_boxes() {
+        // Corner slope 3·K1·r²: 0.02 and 0.7.
+        let corner2 = 1300.0;
+        assert!(
+            (least_scale(&radial(0.02 / 3.0 / corner2), REGION, 0.0).unwrap() - 0.98).abs() < 2e-3
+        );
+        let strong = least_scale(&radial(0.7 / 3.0 / corner2), REGION, 0.0).unwrap();
+        assert!((0.1..=0.3).contains(&strong), "{strong}");
+    }
+
+    #[test]
+    fn folded_lens_is_refused_with_the_place() {
+        let folds = least_scale(&radial(1.1 / 3.0 / 1300.0), REGION, 0.0).unwrap_err();
+        assert!(folds.scale < MIN_SCALE);
+        assert!(folds.x.abs() > 25.0 && folds.y.abs() > 15.0, "{folds:?}");
+    }
+
+    #[test]
+    fn positive_determinant_alone_is_not_enough() {
+        // 180° turn: b1 = 2 and k0 such that both diagonal terms are negative, determinant positive.
+        let turned = EvaluationForm {
+            k0: 2.0,
+            ..EvaluationForm::default()
+        };
+        assert!(least_scale(&turned, REGION, 0.0).is_err());
+    }
+
+    #[test]
+    fn overflow_is_refused_and_not_passed_over() {
+        for bad in [f32::MAX, f32::NAN, f32::INFINITY] {
+            assert!(least_scale(&radial(bad), REGION, 0.0).is_err());
+        }
+        assert!(least_scale(&radial(0.0), REGION, f32::NAN).is_err());
+    }
+
+    #[test]
+    fn bound_never_exceeds_the_scale_on_a_fine_grid() {
+        let lens = Brown {
+            k1: 1.0e-4,
+            k2: -3.0e-8,
+            k3: 1.0e-11,
+            p1: 2e-4,
+            p2: -3e-4,
+            b1: 2e-2,
+            b2: -1e-2,
+            ..Brown::default()
+        };
+        let form = lens.evaluation_form();
+        let bound = least_scale(&form, REGION, 0.0).unwrap();
+        let mut smallest = f32::INFINITY;
+        for i in -20_i8..=20 {
+            for j in -20_i8..=20 {
+                let d = form.jacobian(f32::from(i) * 1.5, f32::from(j));
+                let (scale_x, scale_y) = (1.0 - d.dx_by_x, 1.0 - d.dy_by_y);
+                let squares =
+                    scale_x.powi(2) + scale_y.powi(2) + d.dx_by_y.powi(2) + d.dy_by_x.powi(2);
+                let determinant = scale_x * scale_y - d.dx_by_y * d.dy_by_x;
+                let least_stretch = ((squares
+                    - (squares.powi(2) - 4.0 * determinant.powi(2))
+                        .max(0.0)
+                        .sqrt())
+                    / 2.0)
+                    .sqrt();
+                smallest = smallest.min(least_stretch);
+            }
+        }
+        assert!(
+            bound <= smallest && bound > smallest - 0.25,
+            "{bound} {smallest}"
+        );
+    }
+}

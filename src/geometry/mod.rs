@@ -1,0 +1,19 @@
+//! The geometry of one exposure: pure numbers, no time of day, no I/O.
+//!
+//! Conventions (`docs/conventions.md`): sensor frame in millimetres, x right, y up, origin at the
+//! centre of the pixel array; distortion is *measured - ideal*, a function of the measured point.
+
+pub mod brown;
+pub mod calibration;
+pub mod evaluation_form;
+pub mod five_coefficient;
+pub mod frame_correction;
+pub mod inverse;
+pub mod invertibility;
+pub mod moments;
+pub mod principal_distance;
+pub mod principal_point;
+pub mod range;
+pub mod sensor;
+pub mod shutter;
+pub mod tdi;

@@ -1,0 +1,362 @@
+//! How the principal point moves under the image while the shutter is open.
+
+use core::fmt;
+
+use super::moments::{CentralMoments, gauss_nodes};
+use super::range::OutOfRange;
+use super::shutter::Shutter;
+use super::tdi::mean_transfers;
+
+/// The motion of the principal point during one exposure, as far as the image depends on it.
+///
+/// Offsets are counted along the FMC axis from the calibrated principal point, positive in the
+/// axis' own direction.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct PrincipalPointMotion {
+    /// Δδ: offset when the shutter opens, mm.
+    pub opening_offset_mm: f32,
+    /// δ: travel while the shutter is open, mm.
+    pub travel_mm: f32,
+    /// E\[τ\]: centroid of the exposure after the shutter opens, s.
+    pub centroid_time_s: f32,
+    /// c̄: transmission-weighted mean offset, mm.
+    pub centroid_mm: f32,
+    /// μ₂, μ₃, μ₄ of the offset about c̄, mm², mm³, mm⁴.
+    pub moments: CentralMoments,
+}
+
+/// An exposure at constant stage speed.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct UniformTravel {
+    /// Δδ: offset when the shutter opens, mm.
+    pub opening_offset_mm: f32,
+    /// v = f·η: speed along the FMC axis, mm/s.
+    pub speed_mm_s: f32,
+    /// t: exposure time, the shutter's base, s.
+    pub exposure_s: f32,
+}
+
+/// A measured position of the stage.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct StageSample {
+    /// Time after the shutter's first light, s; negative before it.
+    pub time_s: f32,
+    /// Offset along the FMC axis from the calibrated position, mm.
+    pub offset_mm: f32,
+}
+
+impl PrincipalPointMotion {
+    /// The motion predicted for a stage at constant speed.
+    ///
+    /// # Model
+    /// `δ = v·t`, `c(τ) = Δδ + v·τ`, `c̄ = Δδ + v·E[τ]`, `μₖ = δᵏ·μₖ(τ/t)` (Yuan et al. 2012,
+    /// eq. 8; its printed integrand would give half of δ).
+    ///
+    /// # Examples
+    /// ```
+    /// use fmc_camera::geometry::principal_point::{PrincipalPointMotion, UniformTravel};
+    /// use fmc_camera::geometry::shutter::{Shutter, ShutterProfile};
+    /// // f = 128 mm, V/H = 1/8 1/s: 16 mm/s for 1/128 s.
+    /// let travel = UniformTravel { opening_offset_mm: 0.0, speed_mm_s: 16.0, exposure_s: 1.0 / 128.0 };
+    /// let motion = PrincipalPointMotion::from_plan(travel, &Shutter::new(ShutterProfile::Uniform)?);
+    /// assert_eq!((motion.travel_mm, motion.centroid_mm), (0.125, 0.0625));
+    /// # Ok::<(), fmc_camera::geometry::range::OutOfRange>(())
+    /// ```
+    #[must_use]
+    pub fn from_plan(travel: UniformTravel, shutter: &Shutter) -> Self {
+        let travel_mm = travel.speed_mm_s * travel.exposure_s;
+        Self {
+            opening_offset_mm: travel.opening_offset_mm,
+            travel_mm,
+            centroid_time_s: travel.exposure_s * shutter.centroid(),
+            centroid_mm: travel.opening_offset_mm + travel_mm * shutter.centroid(),
+            moments: shutter.moments().scaled(travel_mm),
+        }
+    }
+
+    /// The motion of a TDI sensor, whose charge follows the image in rows of `pixel_mm`.
+    ///
+    /// # Model
+    /// `c̄ = Δδ + p·M` with M of [`mean_transfers`]; the moments are those of the smooth path of
+    /// the image in the lens frame.
+    ///
+    /// # Errors
+    /// As [`mean_transfers`].
+    pub fn from_tdi(
+        travel: UniformTravel,
+        pixel_mm: f32,
+        first_transfer: f32,
+        shutter: &Shutter,
+    ) -> Result<Self, OutOfRange> {
+        let smooth = Self::from_plan(travel, shutter);
+        let rows = mean_transfers(smooth.travel_mm / pixel_mm, first_transfer, shutter)?;
+        Ok(Self {
+            centroid_mm: travel.opening_offset_mm + pixel_mm * rows,
+            ..smooth
+        })
+    }
+
+    /// The motion as the encoder measured it.
+    ///
+    /// # Model
+    /// The position runs linearly from sample to sample; c̄ and μₖ are its transmission-weighted
+    /// mean and central moments over `[0, exposure_s]`, integrated exactly.
+    ///
+    /// # Units and frames
+    /// Sample times in s after first light, offsets in mm along the FMC axis; the samples must
+    /// begin at or before the opening and end at or after the closing.
+    ///
+    /// # Errors
+    /// [`SampleError`] when the samples do not determine the path over the whole exposure.
+    pub fn from_samples(
+        samples: &[StageSample],
+        exposure_s: f32,
+        shutter: &Shutter,
+    ) -> Result<Self, SampleError> {
+        let path = MeasuredPath::new(samples, exposure_s)?;
+        let (opening_offset_mm, closing_mm) = path.ends();
+        let mut light = 0.0;
+        let mut sum_mm = 0.0;
+        path.for_each_node(shutter, |weight, offset_mm| {
+            light += weight;
+            sum_mm += weight * (offset_mm - opening_offset_mm);
+        });
+        let centroid_mm = opening_offset_mm + sum_mm / light;
+        let mut moments = CentralMoments::default();
+        path.for_each_node(shutter, |weight, offset_mm| {
+            moments.add(weight / light, offset_mm - centroid_mm);
+        });
+        Ok(Self {
+            opening_offset_mm,
+            travel_mm: closing_mm - opening_offset_mm,
+            centroid_time_s: exposure_s * shutter.centroid(),
+            centroid_mm,
+            moments,
+        })
+    }
+}
+
+/// Encoder samples do not determine the path of the stage over the exposure.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub enum SampleError {
+    /// The exposure time is not a positive number, s.
+    Exposure(f32),
+    /// A time or an offset is not a finite number: index of the sample.
+    NotFinite(usize),
+    /// Times do not increase: index of the sample that is not after the one before.
+    NotIncreasing(usize),
+    /// The samples leave the start or the end of the exposure uncovered.
+    NotCovered {
+        /// First sample, s after first light.
+        first_s: f32,
+        /// Last sample, s after first light.
+        last_s: f32,
+        /// End of the exposure, s after first light.
+        exposure_s: f32,
+    },
+    /// Fewer than two samples.
+    TooFew(usize),
+}
+
+impl fmt::Display for SampleError {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::Exposure(value) => write!(f, "exposure of {value} s is not positive"),
+            Self::NotFinite(index) => write!(f, "stage sample {index} is not a finite number"),
+            Self::NotIncreasing(index) => {
+                write!(f, "stage sample {index} is not later than the one before")
+            }
+            Self::NotCovered {
+                first_s,
+                last_s,
+                exposure_s,
+            } => write!(
+                f,
+                "stage samples from {first_s} s to {last_s} s do not cover the exposure, 0 s to {exposure_s} s"
+            ),
+            Self::TooFew(count) => write!(f, "{count} stage samples; at least 2 are needed"),
+        }
+    }
+}
+
+impl core::error::Error for SampleError {}
+
+/// Validated samples: finite, in time order, covering the exposure.
+struct MeasuredPath<'a> {
+    samples: &'a [StageSample],
+    exposure_s: f32,
+}
+
+impl<'a> MeasuredPath<'a> {
+    fn new(samples: &'a [StageSample], exposure_s: f32) -> Result<Self, SampleError> {
+        if !(exposure_s > 0.0 && exposure_s.is_finite()) {
+            return Err(SampleError::Exposure(exposure_s));
+        }
+        let ([first, _, ..], [.., last]) = (samples, samples) else {
+            return Err(SampleError::TooFew(samples.len()));
+        };
+        for (index, sample) in samples.iter().enumerate() {
+            if !(sample.time_s.is_finite() && sample.offset_mm.is_finite()) {
+                return Err(SampleError::NotFinite(index));
+            }
+        }
+        for (index, (before, after)) in Self::stretches(samples).enumerate() {
+            if after.time_s <= before.time_s {
+                return Err(SampleError::NotIncreasing(index + 1));
+            }
+        }
+        if first.time_s > 0.0 || last.time_s < exposure_s {
+            return Err(SampleError::NotCovered {
+                first_s: first.time_s,
+                last_s: last.time_s,
+                exposure_s,
+            });
+        }
+        Ok(Self {
+            samples,
+            exposure_s,
+        })
+    }
+
+    /// Neighbouring samples.
+    fn stretches(samples: &[StageSample]) -> impl Iterator<Item = (StageSample, StageSample)> {
+        samples.iter().copied().zip(samples.iter().copied().skip(1))
+    }
+
+    /// Offsets at first and last light, mm.
+    fn ends(&self) -> (f32, f32) {
+        let mut opening = 0.0;
+        let mut closing = 0.0;
+        for (before, after) in Self::stretches(self.samples) {
+            if before.time_s <= 0.0 {
+                opening = interpolated(before, after, 0.0);
+            }
+            if before.time_s < self.exposure_s {
+                closing = interpolated(before, after, self.exposure_s);
+            }
+        }
+        (opening, closing)
+    }
+
+    /// Visits the quadrature nodes of every stretch on which path and transmission are linear
+    /// with (weight, offset in mm).
+    fn for_each_node(&self, shutter: &Shutter, mut visit: impl FnMut(f32, f32)) {
+        for (before, after) in Self::stretches(self.samples) {
+            for (open_from, open_to) in shutter.pieces() {
+                let from = before.time_s.max(open_from * self.exposure_s);
+                let to = after.time_s.min(open_to * self.exposure_s);
+                if to > from {
+                    for (time_s, weight) in gauss_nodes(from, to) {
+                        let transmission = shutter.transmission(time_s / self.exposure_s);
+                        visit(weight * transmission, interpolated(before, after, time_s));
+                    }
+                }
+            }
+        }
+    }
+}
+
+fn interpolated(before: StageSample, after: StageSample, time_s: f32) -> f32 {
+    let share = (time_s - before.time_s) / (after.time_s - before.time_s);
+    before.offset_mm + (after.offset_mm - before.offset_mm) * share
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::geometry::shutter::ShutterProfile;
+
+    const LEAF: ShutterProfile = ShutterProfile::Trapezoid {
+        opening_fraction: 0.3,
+        closing_fraction: 0.1,
+    };
+    const TRAVEL: UniformTravel = UniformTravel {
+        opening_offset_mm: -0.05,
+        speed_mm_s: 20.0,
+        exposure_s: 0.01,
+    };
+
+    fn steady(times_s: &[f32]) -> std::vec::Vec<StageSample> {
+        times_s
+            .iter()
+            .map(|&time_s| StageSample {
+                time_s,
+                offset_mm: TRAVEL.opening_offset_mm + TRAVEL.speed_mm_s * time_s,
+            })
+            .collect()
+    }
+
+    #[test]
+    fn samples_of_a_steady_stage_give_the_plan() {
+        let shutter = Shutter::new(LEAF).unwrap();
+        let plan = PrincipalPointMotion::from_plan(TRAVEL, &shutter);
+        for times in [
+            &[0.0, 0.01][..],
+            &[-0.003, 0.0007, 0.004, 0.0041, 0.0095, 0.013],
+        ] {
+            let measured =
+                PrincipalPointMotion::from_samples(&steady(times), 0.01, &shutter).unwrap();
+            assert!((measured.opening_offset_mm - plan.opening_offset_mm).abs() < 1e-7);
+            assert!((measured.travel_mm - plan.travel_mm).abs() < 1e-7);
+            assert!((measured.centroid_mm - plan.centroid_mm).abs() < 2e-8);
+            assert!((measured.moments.second - plan.moments.second).abs() < 1e-9);
+            assert!((measured.moments.third - plan.moments.third).abs() < 1e-10);
+            assert!((measured.moments.fourth - plan.moments.fourth).abs() < 1e-11);
+        }
+    }
+
+    #[test]
+    fn a_stage_that_stops_half_way_is_seen() {
+        let shutter = Shutter::new(ShutterProfile::Uniform).unwrap();
+        let stalled = [(0.0, 0.0), (0.005, 0.1), (0.01, 0.1)]
+            .map(|(time_s, offset_mm)| StageSample { time_s, offset_mm });
+        let motion = PrincipalPointMotion::from_samples(&stalled, 0.01, &shutter).unwrap();
+        assert!((motion.centroid_mm - 0.075).abs() < 1e-8);
+        assert!((motion.travel_mm - 0.1).abs() < 1e-8);
+        // E[c²] = (1/2)(0.01/3) + (1/2)(0.01), minus c̄².
+        assert!((motion.moments.second - (0.02 / 3.0 - 0.005_625)).abs() < 1e-8);
+    }
+
+    #[test]
+    fn thirteen_per_cent_of_travel_are_worth_the_published_shift() {
+        // Ramps of 30 and 10 %: centroid 4.6 % of δ off the middle.
+        let motion = PrincipalPointMotion::from_plan(TRAVEL, &Shutter::new(LEAF).unwrap());
+        let middle = TRAVEL.opening_offset_mm + motion.travel_mm / 2.0;
+        assert!(((motion.centroid_mm - middle) / motion.travel_mm - 0.045_83).abs() < 1e-4);
+    }
+
+    #[test]
+    fn tdi_lags_by_half_a_pixel_after_a_full_row_period() {
+        let shutter = Shutter::new(ShutterProfile::Uniform).unwrap();
+        let travel = UniformTravel {
+            opening_offset_mm: 0.0,
+            speed_mm_s: 12.0,
+            exposure_s: 0.01,
+        };
+        let late = PrincipalPointMotion::from_tdi(travel, 0.012, 1.0, &shutter).unwrap();
+        let even = PrincipalPointMotion::from_tdi(travel, 0.012, 0.5, &shutter).unwrap();
+        assert!((late.centroid_mm - (0.06 - 0.006)).abs() < 1e-6);
+        assert!((even.centroid_mm - 0.06).abs() < 1e-6);
+        assert_eq!(late.moments, even.moments);
+    }
+
+    #[test]
+    fn samples_that_do_not_determine_the_path_are_refused() {
+        let shutter = Shutter::new(ShutterProfile::Uniform).unwrap();
+        let from = |times: &[f32]| {
+            PrincipalPointMotion::from_samples(&steady(times), 0.01, &shutter).unwrap_err()
+        };
+        assert_eq!(from(&[]), SampleError::TooFew(0));
+        assert_eq!(from(&[0.0]), SampleError::TooFew(1));
+        assert_eq!(from(&[0.0, 0.0, 0.01]), SampleError::NotIncreasing(1));
+        assert_eq!(from(&[0.0, f32::NAN, 0.01]), SampleError::NotFinite(1));
+        for uncovered in [[0.001, 0.02], [0.0, 0.009]] {
+            assert!(matches!(from(&uncovered), SampleError::NotCovered { .. }));
+        }
+        let samples = steady(&[0.0, 0.01]);
+        assert_eq!(
+            PrincipalPointMotion::from_samples(&samples, 0.0, &shutter),
+            Err(SampleError::Exposure(0.0))
+        );
+    }
+}

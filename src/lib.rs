@@ -1,0 +1,15 @@
+#![no_std]
+#![forbid(unsafe_code)]
+#![doc = include_str!("../README.md")]
+
+#[cfg(test)]
+extern crate std;
+
+pub mod flight;
+pub mod geometry;
+
+pub use flight::camera::{Camera, CameraRecord, Frame};
+pub use flight::exposure::{CorrectionModel, Exposure};
+pub use geometry::calibration::{Calibration, CalibrationRecord};
+pub use geometry::frame_correction::FrameCorrection;
+pub use geometry::sensor::SensorPoint;
