@@ -1,1 +1,11 @@
-//! x
+//! The counterpart of `fmc-camera` on the PC: strict reference solver, verification, and the
+//! client of the camera.
+
+pub mod cli;
+pub mod command;
+pub mod device;
+pub mod failure;
+pub mod formats;
+pub mod reference;
+pub mod report;
+pub mod verify;

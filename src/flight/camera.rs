@@ -207,7 +207,7 @@ impl Camera {
     ) -> Result<Frame, FrameError> {
         let record = self.calibration.record();
         let half_stroke_mm = 0.5 * record.stroke_mm;
-        Quantity::OpeningOffsetMm.check_within(
+        Quantity::CentroidOffsetMm.check_within(
             motion.centroid_mm,
             -half_stroke_mm,
             half_stroke_mm,

@@ -31,7 +31,8 @@ pub struct FrameRecord {
     pub principal_distance_mm: f32,
     /// Δz: run-out and focus shift of this frame, mm.
     pub focus_shift_mm: f32,
-    /// κ: relative enlargement of the image that Δz causes; 0 with models that know none.
+    /// κ: relative enlargement of the image that Δz causes, by the formula asked for; 0 with models
+    /// that know none.
     pub enlargement: f32,
     /// How Δz is reported.
     pub focus_convention: FocusConvention,

@@ -49,9 +49,9 @@ pub struct StagePlan {
 /// The travel does not fit the stroke.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct StrokeTooShort {
-    /// Nearest end of the travel that is needed, mm from the calibrated position.
+    /// Start of the travel that is needed, mm from the calibrated position.
     pub from_mm: f32,
-    /// Farthest end, mm.
+    /// Its end, mm.
     pub to_mm: f32,
     /// What there is on either side, mm.
     pub half_stroke_mm: f32,

@@ -59,7 +59,7 @@ impl Brown {
     /// `x`, `y` in mm of the sensor frame from the principal point; displacement in mm, measured - ideal.
     ///
     /// # Accuracy
-    /// Rounding ≤ 0.11 nm for the published calibrations (`tests/accuracy.rs`).
+    /// Rounding ≤ 0.11 nm for the published calibrations (`tests/geometry/accuracy.rs`).
     ///
     /// # Examples
     /// ```

@@ -365,16 +365,11 @@ mod tests {
         for i in -20_i8..=20 {
             for j in -20_i8..=20 {
                 let d = form.jacobian(f32::from(i) * 1.5, f32::from(j));
-                let (scale_x, scale_y) = (1.0 - d.dx_by_x, 1.0 - d.dy_by_y);
-                let squares =
-                    scale_x.powi(2) + scale_y.powi(2) + d.dx_by_y.powi(2) + d.dy_by_x.powi(2);
-                let determinant = scale_x * scale_y - d.dx_by_y * d.dy_by_x;
-                let least_stretch = ((squares
-                    - (squares.powi(2) - 4.0 * determinant.powi(2))
-                        .max(0.0)
-                        .sqrt())
-                    / 2.0)
-                    .sqrt();
+                let (a, b, c, d) = (1.0 - d.dx_by_x, -d.dx_by_y, -d.dy_by_x, 1.0 - d.dy_by_y);
+                let squares = a * a + b * b + c * c + d * d;
+                let determinant = a * d - b * c;
+                let spread = squares * squares - 4.0 * determinant * determinant;
+                let least_stretch = libm::sqrtf((squares - libm::sqrtf(spread.max(0.0))) / 2.0);
                 smallest = smallest.min(least_stretch);
             }
         }

@@ -29,7 +29,7 @@ pub struct FocusShift {
 }
 
 impl FocusShift {
-    /// κ: the relative enlargement of the image, Δz/L; with the printed signs Δf/f.
+    /// κ: the relative enlargement of the image, Δz/L; with the printed signs k0' = -Δf/f.
     ///
     /// # Examples
     /// ```
@@ -42,15 +42,15 @@ impl FocusShift {
     pub fn enlargement(&self) -> f32 {
         match self.sign {
             FocusSign::Physical => self.shift_mm / self.exit_pupil_mm,
-            FocusSign::Printed => self.shift_mm / self.principal_distance_mm,
+            FocusSign::Printed => -self.shift_mm / self.principal_distance_mm,
         }
     }
 
     /// The distortion about an unchanged principal distance f: convention (A), what `correct` does.
     ///
     /// # Model
-    /// Physical: `D'(r) = κr/(1+κ) + D(r/(1+κ))`. Printed: `k0' = -κ`, the radial polynomial times
-    /// `1 - k0'`, plus `k0'·r` (eq. 16).
+    /// Physical: `D'(r) = κr/(1+κ) + D(r/(1+κ))`. Printed: the radial polynomial times `1 - κ`,
+    /// plus `κr`, with `κ = k0' = -Δf/f` (eq. 16).
     ///
     /// # Accuracy
     /// Exact for a pure scaling about the exit pupil; real lenses keep 18-173 nm at Δz = 10 µm.
@@ -74,9 +74,9 @@ impl FocusShift {
                 }
             }
             FocusSign::Printed => {
-                let radial = 1.0 + kappa;
+                let radial = 1.0 - kappa;
                 Brown {
-                    k0: lens.k0 * radial - kappa,
+                    k0: lens.k0 * radial + kappa,
                     k1: lens.k1 * radial,
                     k2: lens.k2 * radial,
                     k3: lens.k3 * radial,

@@ -39,6 +39,7 @@ pub enum Quantity {
     VhPerS,
     ExposureS,
     OpeningOffsetMm,
+    CentroidOffsetMm,
     FocusShiftUm,
 }
 
@@ -82,6 +83,7 @@ impl Quantity {
             Self::VhPerS => "vh_per_s",
             Self::ExposureS => "exposure_s",
             Self::OpeningOffsetMm => "opening_offset_mm",
+            Self::CentroidOffsetMm => "centroid_offset_mm",
             Self::FocusShiftUm => "focus_shift_um",
         }
     }
@@ -104,7 +106,7 @@ impl Quantity {
             Self::TdiRows => (0.0, super::tdi::MAX_ROWS),
             Self::VhPerS => (0.0, 10.0),
             Self::ExposureS => (1e-6, 10.0),
-            Self::OpeningOffsetMm => (-50.0, 50.0),
+            Self::OpeningOffsetMm | Self::CentroidOffsetMm => (-50.0, 50.0),
             Self::FocusShiftUm => (-100_000.0, 100_000.0),
             Self::K0
             | Self::K1

@@ -102,7 +102,7 @@ impl Sensor {
             (Quantity::WidthPx, width_px),
             (Quantity::HeightPx, height_px),
         ] {
-            let longest_px = (MAX_SIDE_MM / pixel_mm).min(pixels(MAX_SIDE_PX));
+            let longest_px = libm::floorf(MAX_SIDE_MM / pixel_mm).min(pixels(MAX_SIDE_PX));
             quantity.check_within(pixels(side_px), 1.0, longest_px)?;
         }
         Ok(Self {

@@ -95,7 +95,7 @@ impl ErrorStatistics {
 /// One exposure of a verification.
 #[derive(Debug, Clone, PartialEq)]
 pub struct FrameResult {
-    /// `centred` or `from-rest`.
+    /// `centred`, `from-rest` or `tdi`.
     pub strategy: &'static str,
     /// η = V/H, 1/s.
     pub vh_per_s: f64,
@@ -125,7 +125,7 @@ pub struct FieldPoint {
 }
 
 /// The arrow fields of one exposure.
-#[derive(Debug, Clone, PartialEq)]
+#[derive(Debug, Clone, PartialEq, Default)]
 pub struct Field {
     /// Index of the exposure in [`CameraResult::frames`].
     pub frame: usize,
@@ -134,7 +134,7 @@ pub struct Field {
 }
 
 /// The point with the largest error of this camera.
-#[derive(Debug, Clone, PartialEq, Serialize)]
+#[derive(Debug, Clone, PartialEq, Default, Serialize)]
 pub struct WorstPoint {
     /// Largest of the errors of dx and dy, nm.
     pub error_nm: f64,
@@ -146,7 +146,7 @@ pub struct WorstPoint {
     pub vh_per_s: f64,
     /// t, s.
     pub exposure_s: f64,
-    /// `centred` or `from-rest`.
+    /// `centred`, `from-rest` or `tdi`.
     pub strategy: &'static str,
 }
 

@@ -1,0 +1,178 @@
+//! The command line.
+
+use std::path::PathBuf;
+
+use clap::{Args, Parser, Subcommand, ValueEnum};
+
+use crate::device::DeviceName;
+use crate::formats::number::{exposure_time, finite};
+
+/// Geometry of an airborne mapping camera with forward motion compensation: strict reference,
+/// verification, and the client of the camera.
+#[derive(Debug, Parser)]
+#[command(version, after_help = EXIT_CODES)]
+pub struct Cli {
+    /// What to do.
+    #[command(subcommand)]
+    pub command: Command,
+}
+
+const EXIT_CODES: &str = "Exit codes: 0 done; 1 the check that was asked for failed; 2 bad input; \
+                          3 device or I/O failure.";
+
+/// The commands.
+#[derive(Debug, Subcommand)]
+pub enum Command {
+    /// Check every coordinate of real cameras against the strict reference solver.
+    ///
+    /// 10 V/H x 6 exposures x both run-up strategies x 21 x 21 points over the sensor, for each of
+    /// five published cameras or for the one given. Fails (exit 1) when dx or dy is off by more
+    /// than 1.5 nm or a coordinate by more than 5 nm.
+    Verify(VerifyArgs),
+    /// Remove distortion: measured points -> ideal points.
+    Correct(PointsArgs),
+    /// Apply distortion: ideal points -> measured points, the inverse of `correct`.
+    Distort(PointsArgs),
+    /// As `correct`, but by quadrature in double precision: the strict reference solver.
+    Reference(ReferenceArgs),
+    /// Interior orientation of one frame, without points.
+    Frame(FrameArgs),
+}
+
+/// Arguments of `verify`.
+#[derive(Debug, Args)]
+pub struct VerifyArgs {
+    /// What computes the corrections.
+    #[arg(long, default_value = "sil", value_name = "DEVICE")]
+    pub device: DeviceName,
+    /// A camera file; without it the five published cameras.
+    #[arg(long, value_name = "FILE")]
+    pub camera: Option<PathBuf>,
+    /// Folder for report.html, summary.json and frames.csv; made if it does not exist.
+    #[arg(long, value_name = "DIR")]
+    pub out: Option<PathBuf>,
+}
+
+/// The exposure and its correction.
+#[derive(Debug, Args)]
+pub struct ExposureArgs {
+    /// Camera file (TOML).
+    #[arg(long, value_name = "FILE")]
+    pub camera: PathBuf,
+    /// V/H, ground speed over height above ground, 1/s.
+    #[arg(long, value_name = "PER_S", value_parser = finite, allow_negative_numbers = true)]
+    pub vh: f64,
+    /// Exposure time, first light to last: seconds or a fraction such as 1/200.
+    #[arg(long, value_name = "S", value_parser = exposure_time, allow_negative_numbers = true)]
+    pub exposure: f64,
+    /// Offset of the principal point from its calibrated place when the shutter opens, along the
+    /// FMC axis, mm; overrides the planned run-up.
+    #[arg(long, value_name = "MM", value_parser = finite, allow_negative_numbers = true)]
+    pub opening_offset_mm: Option<f64>,
+    /// Detector out of its calibrated plane, positive away from the lens, µm; adds to the stage's
+    /// run-out.
+    #[arg(long, value_name = "UM", default_value = "0", value_parser = finite, allow_negative_numbers = true)]
+    pub focus_shift_um: f64,
+    /// Which formula turns a focus shift into distortion.
+    #[arg(long, value_name = "SIGN", default_value = "physical")]
+    pub focus_sign: FocusSignName,
+    /// Which model corrects.
+    #[arg(long, value_name = "MODEL", default_value = "exact")]
+    pub model: ModelName,
+}
+
+/// Arguments of `correct` and `distort`.
+#[derive(Debug, Args)]
+pub struct PointsArgs {
+    /// The exposure.
+    #[command(flatten)]
+    pub exposure: ExposureArgs,
+    /// What computes the corrections.
+    #[arg(long, default_value = "sil", value_name = "DEVICE")]
+    pub device: DeviceName,
+    /// The points and where the answer goes.
+    #[command(flatten)]
+    pub files: PointFiles,
+}
+
+/// The points and where the answer goes.
+#[derive(Debug, Args)]
+pub struct PointFiles {
+    /// CSV with a header, columns in any order: `id,x_mm,y_mm` (sensor frame) or `id,col_px,row_px`.
+    #[arg(value_name = "POINTS.csv")]
+    pub points: PathBuf,
+    /// Answer file; without it standard output.
+    #[arg(long, value_name = "FILE")]
+    pub out: Option<PathBuf>,
+}
+
+/// Arguments of `reference`.
+#[derive(Debug, Args)]
+pub struct ReferenceArgs {
+    /// The exposure.
+    #[command(flatten)]
+    pub exposure: ExposureArgs,
+    /// What weights the mean over the exposure: the light, or the arc length of the distortion
+    /// hodograph as printed in eqs. 10-11.
+    #[arg(long, value_name = "WEIGHT", default_value = "exposure")]
+    pub weight: WeightName,
+    /// How eqs. 12-13 are read: as changes (consistent), or literally, which counts the static
+    /// distortion twice.
+    #[arg(long, value_name = "READING", default_value = "consistent")]
+    pub reading: ReadingName,
+    /// The points and where the answer goes.
+    #[command(flatten)]
+    pub files: PointFiles,
+}
+
+/// Arguments of `frame`.
+#[derive(Debug, Args)]
+pub struct FrameArgs {
+    /// The exposure.
+    #[command(flatten)]
+    pub exposure: ExposureArgs,
+    /// What computes the frame.
+    #[arg(long, default_value = "sil", value_name = "DEVICE")]
+    pub device: DeviceName,
+    /// For machines.
+    #[arg(long)]
+    pub json: bool,
+}
+
+/// Which formula turns a focus shift into distortion.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
+pub enum FocusSignName {
+    /// A detector moved away from the lens enlarges the image by Δz/L.
+    Physical,
+    /// Eqs. 14-17 as printed: k0' = -Δf/f.
+    Printed,
+}
+
+/// Which model corrects.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
+pub enum ModelName {
+    /// Exposure mean of the calibration about the moving principal point.
+    Exact,
+    /// The five coefficients of the camera file's [fitted] table.
+    Fitted,
+    /// Static calibration; motion and focus shift are ignored.
+    Static,
+}
+
+/// What weights the mean over the exposure.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
+pub enum WeightName {
+    /// The light: what the sensor integrates.
+    Exposure,
+    /// Arc length of the distortion hodograph, eqs. 10-11.
+    ArcLength,
+}
+
+/// How eqs. 12-13 are read.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
+pub enum ReadingName {
+    /// The two terms are changes of the distortion.
+    Consistent,
+    /// The two terms are totals, as printed.
+    Literal,
+}

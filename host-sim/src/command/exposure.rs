@@ -1,0 +1,106 @@
+//! The exposure that several commands are asked for.
+
+use fmc_camera::flight::camera::FrameError;
+use fmc_camera::flight::exposure::{CorrectionModel, Exposure};
+use fmc_camera::geometry::principal_distance::FocusSign;
+use fmc_camera::geometry::range::Quantity;
+
+use crate::cli::{ExposureArgs, FocusSignName, ModelName};
+use crate::device::DeviceError;
+use crate::failure::Failure;
+use crate::formats::camera_file::{CameraFile, MechanismName};
+use crate::formats::number::single;
+use crate::reference::exposure::{ExposureRequest, FocusFormula};
+
+impl ExposureArgs {
+    /// Reads the camera file, and notes what of the request has no effect on this camera.
+    ///
+    /// # Errors
+    /// [`Failure`] of the camera file, or for the fitted model of a camera without one.
+    pub(super) fn read_camera(&self) -> Result<CameraFile, Failure> {
+        let (camera, _) = CameraFile::read(&self.camera)?;
+        if self.model == ModelName::Fitted && camera.fitted.is_none() {
+            return Err(Failure::bad_input(format!(
+                "{}: --model fitted needs a [fitted] table, and there is none",
+                self.camera.display()
+            )));
+        }
+        if camera.fmc.mechanism == MechanismName::Tdi && camera.fmc.strategy.is_some() {
+            eprintln!(
+                "note: {}: strategy has no effect with mechanism = \"tdi\"; the row labels fix the opening offset",
+                self.camera.display()
+            );
+        }
+        if self.model != ModelName::Exact && self.focus_shift_um != 0.0 {
+            eprintln!(
+                "note: --focus-shift-um has no effect on the coordinates with --model static or fitted"
+            );
+        }
+        Ok(camera)
+    }
+
+    /// What the camera is asked for.
+    pub(super) fn exposure(&self) -> Exposure {
+        Exposure {
+            vh_per_s: single(self.vh),
+            exposure_s: single(self.exposure),
+            opening_offset_mm: self.opening_offset_mm.map(single),
+            focus_shift_um: single(self.focus_shift_um),
+            focus_sign: match self.focus_sign {
+                FocusSignName::Physical => FocusSign::Physical,
+                FocusSignName::Printed => FocusSign::Printed,
+            },
+            model: match self.model {
+                ModelName::Exact => CorrectionModel::Exact,
+                ModelName::Fitted => CorrectionModel::Fitted,
+                ModelName::Static => CorrectionModel::Static,
+            },
+        }
+    }
+
+    /// What the reference is asked for.
+    pub(super) fn request(&self) -> ExposureRequest {
+        ExposureRequest {
+            vh_per_s: self.vh,
+            exposure_s: self.exposure,
+            opening_offset_mm: self.opening_offset_mm,
+            focus_shift_mm: self.focus_shift_um / 1000.0,
+            focus_formula: match self.focus_sign {
+                FocusSignName::Physical => FocusFormula::Physical,
+                FocusSignName::Printed => FocusFormula::Printed,
+            },
+        }
+    }
+
+    /// A refusal of the camera, with the option or the key that caused it.
+    pub(super) fn refused(&self, error: &DeviceError) -> Failure {
+        let file = self.camera.display();
+        match error {
+            DeviceError::Frame(FrameError::OutOfRange(range)) => {
+                let (option, origin) = match range.quantity {
+                    Quantity::VhPerS => ("--vh: ", format!(" ([limits] of {file})")),
+                    Quantity::ExposureS => ("--exposure: ", format!(" ([limits] of {file})")),
+                    Quantity::OpeningOffsetMm => {
+                        ("--opening-offset-mm: ", format!(" (stroke_mm of {file})"))
+                    }
+                    Quantity::FocusShiftUm => (
+                        "--focus-shift-um with the run-out: ",
+                        format!(" (1 % of the distances of {file})"),
+                    ),
+                    _ => ("", format!(" ({file})")),
+                };
+                Failure::bad_input(format!("{option}{range}{origin}"))
+            }
+            DeviceError::Frame(error @ FrameError::Stroke(_)) => Failure::bad_input(format!(
+                "{file}: [fmc] stroke_mm is too short for --vh {} --exposure {}: {error}",
+                self.vh, self.exposure
+            )),
+            DeviceError::Frame(_) | DeviceError::Calibration(_) => {
+                Failure::bad_input(format!("{file}: {error}"))
+            }
+            DeviceError::Distort { .. } | DeviceError::NoFrame => {
+                Failure::device_or_io(error.to_string())
+            }
+        }
+    }
+}

@@ -1,0 +1,128 @@
+//! `frame`: the interior orientation of one frame.
+
+use std::io::Write;
+
+use fmc_camera::flight::exposure::CorrectionModel;
+use fmc_camera::flight::frame_record::{FocusConvention, FrameRecord};
+use fmc_camera::geometry::frame_correction::Kernel;
+use serde::Serialize;
+
+use crate::cli::FrameArgs;
+use crate::failure::Failure;
+use crate::formats::camera_file::CameraFile;
+use crate::formats::output;
+
+pub(super) fn run(args: &FrameArgs) -> Result<(), Failure> {
+    let request = &args.exposure;
+    let camera = request.read_camera()?;
+    let mut device = args.device.connect();
+    let record = device
+        .load(&camera.record())
+        .and_then(|()| device.expose(&request.exposure()))
+        .map_err(|error| request.refused(&error))?;
+    let report = FrameReport::new(&camera, &record);
+    output::write(None, |sink| {
+        if args.json {
+            serde_json::to_writer_pretty(&mut *sink, &report)?;
+            writeln!(sink)
+        } else {
+            report.print(sink)
+        }
+    })
+}
+
+/// A frame record as users read it; units are in the names.
+#[derive(Debug, Serialize)]
+struct FrameReport {
+    camera: String,
+    model: &'static str,
+    vh_per_s: f32,
+    exposure_s: f32,
+    fmc_axis: &'static str,
+    opening_offset_mm: f32,
+    travel_mm: f32,
+    centroid_offset_mm: f32,
+    centroid_time_s: f32,
+    travel_variance_mm2: f32,
+    principal_point_mm: [f32; 2],
+    principal_distance_mm: f32,
+    focus_shift_um: f32,
+    enlargement: f32,
+    focus_convention: &'static str,
+    kernel: &'static str,
+    left_out_nm: f32,
+}
+
+impl FrameReport {
+    fn new(camera: &CameraFile, record: &FrameRecord) -> Self {
+        Self {
+            camera: camera.name.clone(),
+            model: match record.model {
+                CorrectionModel::Exact => "exact",
+                CorrectionModel::Fitted => "fitted",
+                CorrectionModel::Static => "static",
+            },
+            vh_per_s: record.vh_per_s,
+            exposure_s: record.exposure_s,
+            fmc_axis: camera.fmc.axis.name(),
+            opening_offset_mm: record.motion.opening_offset_mm,
+            travel_mm: record.motion.travel_mm,
+            centroid_offset_mm: record.motion.centroid_mm,
+            centroid_time_s: record.motion.centroid_time_s,
+            travel_variance_mm2: record.motion.moments.second,
+            principal_point_mm: [record.principal_point.x_mm, record.principal_point.y_mm],
+            principal_distance_mm: record.principal_distance_mm,
+            focus_shift_um: record.focus_shift_mm * 1000.0,
+            enlargement: record.enlargement,
+            focus_convention: match record.focus_convention {
+                FocusConvention::FixedPrincipalDistance => "A",
+            },
+            kernel: match record.kernel {
+                Kernel::Short => "short",
+                Kernel::Full => "full",
+            },
+            left_out_nm: record.left_out_nm,
+        }
+    }
+
+    fn print(&self, sink: &mut dyn Write) -> std::io::Result<()> {
+        let [x0, y0] = self.principal_point_mm;
+        writeln!(sink, "camera                   {}", self.camera)?;
+        writeln!(sink, "model                    {}", self.model)?;
+        writeln!(sink, "V/H                      {} 1/s", self.vh_per_s)?;
+        writeln!(sink, "exposure t               {} s", self.exposure_s)?;
+        writeln!(sink, "FMC axis                 {}", self.fmc_axis)?;
+        writeln!(
+            sink,
+            "opening offset Δδ        {:.6} mm",
+            self.opening_offset_mm
+        )?;
+        writeln!(sink, "travel while open δ      {:.6} mm", self.travel_mm)?;
+        writeln!(
+            sink,
+            "centroid offset          {:.6} mm",
+            self.centroid_offset_mm
+        )?;
+        writeln!(
+            sink,
+            "centroid time            opening + {:.7} s",
+            self.centroid_time_s
+        )?;
+        writeln!(sink, "centroid principal point ({x0:.6}, {y0:.6}) mm")?;
+        writeln!(
+            sink,
+            "principal distance       {:.5} mm",
+            self.principal_distance_mm
+        )?;
+        writeln!(
+            sink,
+            "focus shift Δz           {:.3} µm, enlargement {:.3e}, convention ({}): principal distance unchanged",
+            self.focus_shift_um, self.enlargement, self.focus_convention
+        )?;
+        writeln!(
+            sink,
+            "left out of the model    at most {:.3} nm ({} kernel)",
+            self.left_out_nm, self.kernel
+        )
+    }
+}

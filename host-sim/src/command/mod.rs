@@ -1,0 +1,24 @@
+//! The commands.
+
+mod exposure;
+mod frame;
+mod points;
+mod reference;
+mod verify;
+
+use crate::cli::{Cli, Command};
+use crate::failure::Failure;
+
+/// Runs a command.
+///
+/// # Errors
+/// [`Failure`] with the exit code and what the user reads.
+pub fn run(cli: Cli) -> Result<(), Failure> {
+    match cli.command {
+        Command::Verify(args) => verify::run(&args),
+        Command::Correct(args) => points::run(&args, points::Direction::Correct),
+        Command::Distort(args) => points::run(&args, points::Direction::Distort),
+        Command::Reference(args) => reference::run(&args),
+        Command::Frame(args) => frame::run(&args),
+    }
+}

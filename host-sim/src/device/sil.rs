@@ -1,0 +1,63 @@
+//! The camera's own code in this process.
+
+use fmc_camera::flight::camera::{Camera, CameraRecord};
+use fmc_camera::flight::exposure::Exposure;
+use fmc_camera::flight::frame_record::FrameRecord;
+use fmc_camera::geometry::frame_correction::{Corrected, FrameCorrection};
+use fmc_camera::geometry::sensor::SensorPoint;
+
+use super::{Device, DeviceError};
+
+/// The camera in this process: the library that the firmware runs, called directly.
+#[derive(Debug, Default)]
+pub struct InProcess {
+    camera: Option<Camera>,
+    correction: Option<FrameCorrection>,
+}
+
+impl InProcess {
+    fn correction(&self) -> Result<&FrameCorrection, DeviceError> {
+        self.correction.as_ref().ok_or(DeviceError::NoFrame)
+    }
+}
+
+impl Device for InProcess {
+    fn description(&self) -> String {
+        "sil (the camera's code in this process)".to_owned()
+    }
+
+    fn load(&mut self, camera: &CameraRecord) -> Result<(), DeviceError> {
+        let camera = Camera::new(*camera).map_err(DeviceError::Calibration)?;
+        self.camera = Some(camera);
+        self.correction = None;
+        Ok(())
+    }
+
+    fn expose(&mut self, exposure: &Exposure) -> Result<FrameRecord, DeviceError> {
+        let camera = self.camera.as_ref().ok_or(DeviceError::NoFrame)?;
+        let frame = camera.frame(exposure).map_err(DeviceError::Frame)?;
+        self.correction = Some(frame.correction);
+        Ok(frame.record)
+    }
+
+    fn correct(&mut self, measured: &[SensorPoint]) -> Result<Vec<Corrected>, DeviceError> {
+        let correction = self.correction()?;
+        Ok(measured
+            .iter()
+            .map(|point| correction.correct(*point))
+            .collect())
+    }
+
+    fn distort(&mut self, ideal: &[SensorPoint]) -> Result<Vec<Corrected>, DeviceError> {
+        let correction = self.correction()?;
+        ideal
+            .iter()
+            .enumerate()
+            .map(|(index, point)| {
+                correction
+                    .distort(*point)
+                    .map_err(|error| DeviceError::Distort { index, error })
+            })
+            .collect()
+    }
+}

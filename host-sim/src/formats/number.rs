@@ -1,0 +1,60 @@
+//! Numbers on the command line, and in the precision of the camera.
+
+/// A finite number.
+///
+/// # Errors
+/// A sentence for the user.
+pub fn finite(text: &str) -> Result<f64, String> {
+    match text.trim().parse::<f64>() {
+        Ok(value) if value.is_finite() => Ok(value),
+        _ => Err("not a finite number".to_owned()),
+    }
+}
+
+/// An exposure time in seconds, or a fraction such as 1/200.
+///
+/// # Errors
+/// A sentence for the user; zero and negative times are not exposures.
+pub fn exposure_time(text: &str) -> Result<f64, String> {
+    let seconds = match text.split_once('/') {
+        Some((numerator, denominator)) => finite(numerator)? / finite(denominator)?,
+        None => finite(text)?,
+    };
+    if seconds > 0.0 && seconds.is_finite() {
+        Ok(seconds)
+    } else {
+        Err("not a positive time in seconds".to_owned())
+    }
+}
+
+/// A number in the precision of the camera.
+#[expect(
+    clippy::cast_possible_truncation,
+    reason = "rounding to the camera's precision is the purpose; what becomes infinite is refused by validation"
+)]
+#[must_use]
+pub const fn single(value: f64) -> f32 {
+    value as f32
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn seconds_and_fractions_are_times() {
+        assert_eq!(exposure_time("0.005"), Ok(0.005));
+        assert_eq!(exposure_time("1/200"), Ok(0.005));
+        assert_eq!(exposure_time(" 1 / 200 "), Ok(0.005));
+        assert_eq!(exposure_time("5e-3"), Ok(0.005));
+    }
+
+    #[test]
+    fn what_is_no_time_is_refused() {
+        for text in [
+            "", "1/0", "0", "-1/200", "nan", "inf", "1/nan", "1/2/3", "fast", "1/",
+        ] {
+            assert!(exposure_time(text).is_err(), "{text}");
+        }
+    }
+}

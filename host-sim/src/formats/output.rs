@@ -1,0 +1,108 @@
+//! Output that appears only when it is complete.
+
+use std::fs::{self, File, Permissions};
+use std::io::{self, BufWriter, Write};
+use std::path::{Path, PathBuf};
+
+use tempfile::NamedTempFile;
+
+use crate::failure::Failure;
+
+/// Writes to standard output, or to a file that appears only when it is complete.
+///
+/// # Errors
+/// [`Failure`] naming the file; nothing of it is left behind.
+pub fn write(
+    path: Option<&Path>,
+    body: impl FnOnce(&mut dyn Write) -> io::Result<()>,
+) -> Result<(), Failure> {
+    match path {
+        None => {
+            let mut stdout = BufWriter::new(io::stdout().lock());
+            body(&mut stdout)
+                .and_then(|()| stdout.flush())
+                .map_err(|error| Failure::writing("standard output", &error))
+        }
+        Some(path) => {
+            write_file(path, body).map_err(|error| Failure::writing(path.display(), &error))
+        }
+    }
+}
+
+fn write_file(path: &Path, body: impl FnOnce(&mut dyn Write) -> io::Result<()>) -> io::Result<()> {
+    let path = match fs::metadata(path) {
+        // A pipe or a device is written in place: renaming would replace it.
+        Ok(existing) if !existing.is_file() && !existing.is_dir() => {
+            let mut file = BufWriter::new(File::options().write(true).open(path)?);
+            body(&mut file)?;
+            return file.flush();
+        }
+        Ok(existing) if existing.is_dir() => return Err(io::ErrorKind::IsADirectory.into()),
+        Ok(existing) if existing.permissions().readonly() => {
+            return Err(io::ErrorKind::PermissionDenied.into());
+        }
+        // A symbolic link stays one.
+        Ok(_) => fs::canonicalize(path)?,
+        Err(_) => path.to_path_buf(),
+    };
+    let folder = match path.parent() {
+        Some(parent) if !parent.as_os_str().is_empty() => parent,
+        _ => Path::new("."),
+    };
+    let mut file = BufWriter::new(unfinished(folder)?);
+    body(&mut file)?;
+    let file = file.into_inner().map_err(io::IntoInnerError::into_error)?;
+    // A disk that is full may say so only now.
+    file.as_file().sync_all()?;
+    file.persist(&path)?;
+    Ok(())
+}
+
+/// A file without its final name; it is removed unless it gets it.
+fn unfinished(folder: &Path) -> io::Result<NamedTempFile> {
+    let mut builder = tempfile::Builder::new();
+    builder.prefix(".host-sim-").suffix(".part");
+    #[cfg(unix)]
+    {
+        use std::os::unix::fs::PermissionsExt;
+        builder.permissions(Permissions::from_mode(0o666));
+    }
+    builder.tempfile_in(folder)
+}
+
+/// A folder that receives files, each only when it is complete; other files in it are left alone.
+#[derive(Debug, Clone)]
+pub struct OutputFolder {
+    path: PathBuf,
+}
+
+impl OutputFolder {
+    /// Makes the folder unless it exists.
+    ///
+    /// # Errors
+    /// [`Failure`] naming the folder.
+    pub fn create(path: &Path) -> Result<Self, Failure> {
+        fs::create_dir_all(path).map_err(|error| Failure::writing(path.display(), &error))?;
+        Ok(Self {
+            path: path.to_path_buf(),
+        })
+    }
+
+    /// Where it is.
+    #[must_use]
+    pub fn path(&self) -> &Path {
+        &self.path
+    }
+
+    /// Writes one file of the folder.
+    ///
+    /// # Errors
+    /// [`Failure`] naming the file.
+    pub fn write(
+        &self,
+        name: &str,
+        body: impl FnOnce(&mut dyn Write) -> io::Result<()>,
+    ) -> Result<(), Failure> {
+        write(Some(&self.path.join(name)), body)
+    }
+}

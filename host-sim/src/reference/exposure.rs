@@ -1,0 +1,169 @@
+//! One exposure in double precision: where the principal point is, and how much light falls.
+
+use crate::formats::camera_file::{CameraFile, MechanismName, Profile, Strategy};
+
+/// Which formula turns a focus shift into distortion.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum FocusFormula {
+    /// Enlargement by Δz/L.
+    Physical,
+    /// Yuan et al. 2012, eqs. 14-17, as printed.
+    Printed,
+}
+
+/// What is asked for.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct ExposureRequest {
+    /// η = V/H, 1/s.
+    pub vh_per_s: f64,
+    /// t, s.
+    pub exposure_s: f64,
+    /// Δδ where it is given, mm.
+    pub opening_offset_mm: Option<f64>,
+    /// Δz beyond the run-out, mm.
+    pub focus_shift_mm: f64,
+    /// Which formula.
+    pub focus_formula: FocusFormula,
+}
+
+impl ExposureRequest {
+    /// An exposure as planned.
+    #[must_use]
+    pub const fn planned(vh_per_s: f64, exposure_s: f64) -> Self {
+        Self {
+            vh_per_s,
+            exposure_s,
+            opening_offset_mm: None,
+            focus_shift_mm: 0.0,
+            focus_formula: FocusFormula::Physical,
+        }
+    }
+}
+
+/// The path of the principal point along the FMC axis and the light along it, over the fraction u
+/// of the exposure.
+#[derive(Debug, Clone, PartialEq)]
+pub struct ExposurePath {
+    /// Δδ, mm.
+    pub opening_offset_mm: f64,
+    /// δ, mm.
+    pub travel_mm: f64,
+    /// Offset added to the smooth path by the rows of a TDI sensor, mm.
+    pub staircase_mm: f64,
+    /// Ramps r₁, r₂ as fractions of the exposure.
+    pub ramps: [f64; 2],
+}
+
+impl ExposurePath {
+    /// The path of an exposure of the camera.
+    #[must_use]
+    pub fn new(camera: &CameraFile, request: &ExposureRequest) -> Self {
+        let speed = camera.principal_distance_mm * request.vh_per_s;
+        let ramps = match camera.shutter.profile {
+            Profile::Uniform => [0.0, 0.0],
+            Profile::Trapezoid => [
+                camera.shutter.opening_fraction,
+                camera.shutter.closing_fraction,
+            ],
+        };
+        let mut path = Self {
+            opening_offset_mm: 0.0,
+            travel_mm: speed * request.exposure_s,
+            staircase_mm: 0.0,
+            ramps,
+        };
+        path.opening_offset_mm = match (request.opening_offset_mm, camera.fmc.mechanism) {
+            (Some(offset_mm), _) => offset_mm,
+            (None, MechanismName::Tdi) => 0.0,
+            (None, MechanismName::Stage) => match camera.fmc.strategy.unwrap_or_default() {
+                Strategy::Centred => -path.travel_mm * path.centroid(),
+                Strategy::FromRest => {
+                    speed.powi(2) / (2.0 * camera.fmc.acceleration_mm_s2)
+                        + speed * camera.fmc.settling_ms / 1000.0
+                }
+            },
+        };
+        if camera.fmc.mechanism == MechanismName::Tdi {
+            let pitch_mm = camera.sensor.pixel_um / 1000.0;
+            path.staircase_mm = path.staircase_offset(pitch_mm, camera.fmc.first_transfer);
+        }
+        path
+    }
+
+    /// Transmission at the fraction u.
+    #[must_use]
+    pub fn transmission(&self, u: f64) -> f64 {
+        let [opening, closing] = self.ramps;
+        if u < opening {
+            u / opening
+        } else if u > 1.0 - closing {
+            (1.0 - u) / closing
+        } else {
+            1.0
+        }
+    }
+
+    /// Offset of the principal point from its calibrated place at the fraction u, mm.
+    #[must_use]
+    pub fn offset_mm(&self, u: f64) -> f64 {
+        self.opening_offset_mm + self.travel_mm * u + self.staircase_mm
+    }
+
+    /// c̄: transmission-weighted mean of the offset, mm.
+    #[must_use]
+    pub fn centroid_mm(&self) -> f64 {
+        self.offset_mm(self.centroid())
+    }
+
+    /// Ends of the stretches over which the transmission is linear, as fractions u.
+    #[must_use]
+    pub fn nodes(&self) -> [f64; 4] {
+        let [opening, closing] = self.ramps;
+        [0.0, opening, 1.0 - closing, 1.0]
+    }
+
+    /// Centroid of the transmission as a fraction u: areas and centroids of two triangles and a
+    /// rectangle.
+    fn centroid(&self) -> f64 {
+        let [opening, closing] = self.ramps;
+        let parts = [
+            (opening / 2.0, 2.0 * opening / 3.0),
+            (1.0 - opening - closing, (1.0 + opening - closing) / 2.0),
+            (closing / 2.0, 1.0 - 2.0 * closing / 3.0),
+        ];
+        let area: f64 = parts.iter().map(|(area, _)| area).sum();
+        parts.iter().map(|(area, place)| area * place).sum::<f64>() / area
+    }
+
+    /// Mean of the staircase less the mean of the smooth path, mm: the light that falls between
+    /// transfers n and n+1 is recorded n rows on.
+    fn staircase_offset(&self, pitch_mm: f64, first_transfer: f64) -> f64 {
+        let rows = self.travel_mm / pitch_mm;
+        if rows <= 0.0 {
+            return 0.0;
+        }
+        let transfer = |n: f64| ((first_transfer + n) / rows).min(1.0);
+        let mut mean_rows = 0.0;
+        let mut count = 0.0;
+        while transfer(count) < 1.0 {
+            let light = self.light(transfer(count), transfer(count + 1.0));
+            count += 1.0;
+            mean_rows += count * light;
+        }
+        pitch_mm * mean_rows / self.light(0.0, 1.0) - self.travel_mm * self.centroid()
+    }
+
+    /// ∫ transmission du over [from, to], by the midpoint rule, exact on each linear stretch.
+    fn light(&self, from: f64, to: f64) -> f64 {
+        let [a, b, c, d] = self.nodes();
+        [(a, b), (b, c), (c, d)]
+            .iter()
+            .map(|(start, end)| (from.max(*start), to.min(*end)))
+            .filter(|(start, end)| end > start)
+            .map(|(start, end)| {
+                let middle = f64::midpoint(start, end);
+                (end - start) * self.transmission(middle)
+            })
+            .sum()
+    }
+}

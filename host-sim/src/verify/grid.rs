@@ -1,0 +1,135 @@
+//! The exposures and points of a verification (Yuan et al. 2012, section 4.1).
+
+use crate::formats::camera_file::{CameraFile, MechanismName, Strategy};
+
+/// Smallest and largest V/H, 1/s.
+pub const VH_PER_S: [f64; 2] = [0.05, 0.17];
+/// Number of V/H values, evenly spaced.
+pub const VH_STEPS: u8 = 10;
+/// Denominators of the exposure times, 1/n s.
+pub const EXPOSURE_FRACTIONS: [f64; 6] = [100.0, 175.0, 200.0, 300.0, 500.0, 700.0];
+/// Points along each side of the sensor, edges included.
+pub const SIDE_POINTS: u8 = 21;
+
+/// One exposure of the grid.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct GridExposure {
+    /// Where the run-up puts it; `None` for TDI, which has none.
+    pub strategy: Option<Strategy>,
+    /// η = V/H, 1/s.
+    pub vh_per_s: f64,
+    /// t, s.
+    pub exposure_s: f64,
+}
+
+impl GridExposure {
+    /// What reports call the way to the opening offset.
+    #[must_use]
+    pub fn strategy_name(&self) -> &'static str {
+        self.strategy.map_or("tdi", Strategy::name)
+    }
+}
+
+/// Every exposure, strategy by strategy: the paper's, as far as the camera's own limits hold
+/// them; where they do not, as many spread over what the limits leave.
+#[must_use]
+pub fn exposures(camera: &CameraFile) -> Vec<GridExposure> {
+    let strategies = match camera.fmc.mechanism {
+        MechanismName::Stage => Strategy::ALL.map(Some).to_vec(),
+        MechanismName::Tdi => vec![None],
+    };
+    let vh = spread(
+        common(VH_PER_S, camera.limits.vh_per_s),
+        usize::from(VH_STEPS),
+    );
+    let [shortest, longest] = camera.limits.exposure_s;
+    let mut times = EXPOSURE_FRACTIONS.map(f64::recip).to_vec();
+    if times.iter().any(|time| *time < shortest || *time > longest) {
+        let [first, .., last] = EXPOSURE_FRACTIONS;
+        let range = common([last.recip(), first.recip()], camera.limits.exposure_s);
+        times = spread(range, times.len());
+    }
+    let mut exposures = Vec::new();
+    for strategy in strategies {
+        for vh_per_s in &vh {
+            for exposure_s in &times {
+                exposures.push(GridExposure {
+                    strategy,
+                    vh_per_s: *vh_per_s,
+                    exposure_s: *exposure_s,
+                });
+            }
+        }
+    }
+    exposures
+}
+
+/// What the wanted range and the limits share; the limits where they share nothing.
+fn common([from, to]: [f64; 2], [least, most]: [f64; 2]) -> [f64; 2] {
+    let (low, high) = (from.max(least), to.min(most));
+    if low <= high {
+        [low, high]
+    } else {
+        [least, most]
+    }
+}
+
+/// `count` numbers evenly over a range, ends included.
+fn spread([from, to]: [f64; 2], count: usize) -> Vec<f64> {
+    let last = (1..count).map(|_| 1.0).sum::<f64>();
+    let mut step = 0.0;
+    let mut numbers = Vec::with_capacity(count);
+    for _ in 0..count {
+        // Written so that the last is exactly `to`.
+        numbers.push(from * (1.0 - step / last) + to * (step / last));
+        step += 1.0;
+    }
+    numbers
+}
+
+/// Points over a sensor of the given half format, edges included, mm.
+pub fn points([half_width, half_height]: [f64; 2]) -> impl Iterator<Item = [f64; 2]> {
+    let place = |index: u8| 2.0 * f64::from(index) / f64::from(SIDE_POINTS - 1) - 1.0;
+    (0..SIDE_POINTS).flat_map(move |row| {
+        (0..SIDE_POINTS).map(move |column| [place(column) * half_width, place(row) * half_height])
+    })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn camera(more: &str) -> CameraFile {
+        let text = format!(
+            "name = \"t\"\nprincipal_distance_mm = 100.0\n[sensor]\nwidth_px = 1000\nheight_px = 500\npixel_um = 10.0\n{more}"
+        );
+        CameraFile::parse("test", &text).unwrap().0
+    }
+
+    #[test]
+    fn grid_is_that_of_the_paper() {
+        let exposures = exposures(&camera(""));
+        assert_eq!(exposures.len(), 2 * 10 * 6);
+        let last = exposures.last().unwrap();
+        assert!((last.vh_per_s - 0.17).abs() < 1e-15);
+        assert!((last.exposure_s - 1.0 / 700.0).abs() < 1e-15);
+        assert_eq!(points([10.0, 5.0]).count(), 441);
+        assert_eq!(points([10.0, 5.0]).last(), Some([10.0, 5.0]));
+    }
+
+    #[test]
+    fn grid_stays_within_the_limits_of_the_camera() {
+        let narrow = camera("[limits]\nvh_per_s = [0.1, 0.12]\nexposure_s = [0.002, 0.003]\n");
+        for exposure in exposures(&narrow) {
+            assert!((0.1..=0.12).contains(&exposure.vh_per_s));
+            assert!((0.002..=0.003).contains(&exposure.exposure_s));
+        }
+    }
+
+    #[test]
+    fn tdi_has_no_run_up_to_choose() {
+        let exposures = exposures(&camera("[fmc]\nmechanism = \"tdi\"\n"));
+        assert_eq!(exposures.len(), 10 * 6);
+        assert_eq!(exposures[0].strategy_name(), "tdi");
+    }
+}

@@ -1,0 +1,5 @@
+//! The main job: every coordinate of real cameras against the strict reference solver.
+
+pub mod grid;
+pub mod result;
+pub mod run;

@@ -1,0 +1,245 @@
+//! Wrong camera files: each named with file, line, field and what is allowed.
+
+use crate::support::{Bench, CAMERA, POINTS};
+
+/// Replaces one line of the camera file and returns the refusal.
+fn refused(from: &str, to: &str, words: &[&str]) {
+    assert!(CAMERA.contains(from), "{from:?}");
+    let camera = CAMERA.replacen(from, to, 1);
+    let bench = Bench::with(&camera, POINTS.as_bytes());
+    for command in ["correct", "distort", "reference", "frame"] {
+        let answer = bench.points(command, &["--model", "fitted"]);
+        answer.refused(words);
+        answer.refused(&["camera.toml"]);
+    }
+}
+
+#[test]
+fn unknown_and_missing_keys_are_named() {
+    refused(
+        "k1 = -1.0e-6",
+        "k11 = -1.0e-6",
+        &["k11", "line 12", "unknown field"],
+    );
+    refused("[limits]", "[limit]", &["limit", "unknown field"]);
+    refused("name = \"Test camera\"\n", "", &["missing field", "name"]);
+    refused(
+        "principal_distance_mm = 100.0\n",
+        "",
+        &["missing field", "principal_distance_mm"],
+    );
+    refused("pixel_um = 8.75\n", "", &["missing field", "pixel_um"]);
+    refused("width_px = 9216\n", "", &["missing field", "width_px"]);
+    refused(
+        "axis = \"+y\"",
+        "axis = \"up\"",
+        &["fmc.axis", "+y", "line 20"],
+    );
+    refused("name = \"Test camera\"", "name = \"\"", &["name", "empty"]);
+}
+
+#[test]
+fn wrong_types_and_syntax_are_named_with_their_line() {
+    refused(
+        "k1 = -1.0e-6",
+        "k1 = \"small\"",
+        &["distortion.k1", "line 12", "small"],
+    );
+    refused(
+        "width_px = 9216",
+        "width_px = 9216.5",
+        &["sensor.width_px", "line 6"],
+    );
+    refused("[limits]", "[limits", &["line 31"]);
+    refused(
+        "vh_per_s = [0.05, 0.17]",
+        "vh_per_s = [0.05]",
+        &["limits.vh_per_s", "line 32"],
+    );
+    refused(
+        "k1 = -1.0e-6",
+        "k1 = -1.0e-6\nk1 = 2.0",
+        &["k1", "duplicate key"],
+    );
+}
+
+#[test]
+fn nan_infinite_zero_and_out_of_range_numbers_are_named_with_the_range() {
+    for (from, key, bad, range) in [
+        (
+            "principal_distance_mm = 100.0",
+            "principal_distance_mm",
+            &["nan", "inf", "0.0", "-100.0", "1e39"][..],
+            "5 to 5000",
+        ),
+        (
+            "exit_pupil_mm = 110.0",
+            "exit_pupil_mm",
+            &["nan", "0.0", "-1.0"],
+            "1 to 100000",
+        ),
+        (
+            "width_px = 9216",
+            "width_px",
+            &["0", "-5", "100001", "99999999999"],
+            "1 to 57142",
+        ),
+        ("height_px = 9216", "height_px", &["0"], "1 to 57142"),
+        (
+            "pixel_um = 8.75",
+            "pixel_um",
+            &["nan", "0.0", "-8.75", "0.4", "101.0"],
+            "0.5 to 100",
+        ),
+        (
+            "acceleration_mm_s2 = 1000.0",
+            "acceleration_mm_s2",
+            &["nan", "0.0", "-1.0"],
+            "1 to 1000000",
+        ),
+        (
+            "settling_ms = 5.0",
+            "settling_ms",
+            &["nan", "-0.1", "1001.0"],
+            "0 to 1000",
+        ),
+        (
+            "stroke_mm = 4.0",
+            "stroke_mm",
+            &["nan", "0.0", "-4.0", "101.0"],
+            "0.001 to 100",
+        ),
+        (
+            "opening_fraction = 0.2",
+            "opening_fraction",
+            &["nan", "-0.1", "1.1"],
+            "0 to 1",
+        ),
+        (
+            "closing_fraction = 0.1",
+            "closing_fraction",
+            &["nan", "-0.1", "0.9"],
+            "0 to 0.8",
+        ),
+    ] {
+        for value in bad {
+            refused(
+                from,
+                &format!("{key} = {value}"),
+                &[key, value, range, "line "],
+            );
+        }
+    }
+}
+
+#[test]
+fn coefficients_that_are_not_finite_are_named() {
+    for key in [
+        "k0 = 0.0",
+        "k1 = -1.0e-6",
+        "p1 = 1.0e-6",
+        "b2 = 2.0e-5",
+        "km0 = 1.0e-4",
+        "pm1 = 5.0e-7",
+    ] {
+        let name = key.split(' ').next().unwrap();
+        for value in ["nan", "inf", "-inf", "1e39"] {
+            refused(
+                key,
+                &format!("{name} = {value}"),
+                &[name, value, "is outside -3.4", "to 3.4"],
+            );
+        }
+    }
+}
+
+#[test]
+fn pairs_and_polynomials_are_checked_number_by_number() {
+    refused(
+        "[0.02, -0.01]",
+        "[nan, 0.0]",
+        &["principal_point_mm", "-40.32 to 40.32"],
+    );
+    refused(
+        "[0.02, -0.01]",
+        "[20.0, -60.0]",
+        &["principal_point_mm", "-40.32 to 40.32"],
+    );
+    refused("[0.05, 0.17]", "[0.17, 0.05]", &["vh_per_s", "0.17 to 10"]);
+    refused(
+        "[0.001, 0.02]",
+        "[0.0, 0.02]",
+        &["exposure_s", "0.000001 to 10"],
+    );
+    refused(
+        "[0.0, 1.0]",
+        "[0.0, nan]",
+        &["flatness_um", "-1000 to 1000"],
+    );
+    refused(
+        "[0.0, 1.0]",
+        "[0.0, 1.0, 0.0, 0.0, 0.0, 0.0]",
+        &["flatness_um", "5"],
+    );
+    let tdi = CAMERA.replace(
+        "mechanism = \"stage\"",
+        "mechanism = \"tdi\"\nfirst_transfer = 1.5",
+    );
+    Bench::with(&tdi, POINTS.as_bytes())
+        .points("correct", &[])
+        .refused(&["first_transfer", "1.5", "0 to 1"]);
+}
+
+#[test]
+fn ramps_of_a_uniform_shutter_are_a_contradiction() {
+    refused(
+        "profile = \"trapezoid\"",
+        "profile = \"uniform\"",
+        &["opening_fraction = 0.2", "uniform", "trapezoid"],
+    );
+}
+
+#[test]
+fn polynomial_that_folds_the_image_is_refused_with_place_and_least_scale() {
+    // 1 + 3·K1·r² vanishes at r = 40 mm, inside the corner at 57 mm.
+    refused(
+        "k1 = -1.0e-6",
+        "k1 = 2.1e-4",
+        &["[distortion]", "folds", "at least 0.1", "mm"],
+    );
+    refused(
+        "km1 = -1.0e-6",
+        "km1 = 2.1e-4",
+        &["[fitted]", "folds", "at least 0.1"],
+    );
+    refused("b1 = 1.0e-5", "b1 = 1.5", &["[distortion]", "folds"]);
+    // Far from zero as a number, harmless over this sensor.
+    let strong = CAMERA.replace("k1 = -1.0e-6", "k1 = 5.0e-5");
+    Bench::with(&strong, POINTS.as_bytes())
+        .points("frame", &[])
+        .ok();
+}
+
+#[test]
+fn camera_file_that_is_no_text_or_not_there_is_refused() {
+    let bench = Bench::new();
+    std::fs::write(bench.path("camera.toml"), [0xff, 0xfe, 0, 1]).unwrap();
+    bench
+        .points("correct", &[])
+        .refused(&["camera.toml", "not a text file"]);
+    std::fs::write(bench.path("camera.toml"), "").unwrap();
+    bench
+        .points("correct", &[])
+        .refused(&["camera.toml", "missing field"]);
+    std::fs::remove_file(bench.path("camera.toml")).unwrap();
+    bench
+        .points("correct", &[])
+        .refused(&["camera.toml", "No such file"]);
+    std::fs::create_dir(bench.path("camera.toml")).unwrap();
+    bench
+        .points("correct", &[])
+        .refused(&["camera.toml", "directory"]);
+    bench
+        .run(&["verify", "--camera", "nowhere.toml"])
+        .refused(&["nowhere.toml"]);
+}

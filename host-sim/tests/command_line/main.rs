@@ -1,0 +1,16 @@
+//! The command line as users and scripts meet it.
+
+#[cfg(test)]
+mod accepted;
+#[cfg(test)]
+mod bad_camera;
+#[cfg(test)]
+mod bad_points;
+#[cfg(test)]
+mod bad_request;
+#[cfg(test)]
+mod output;
+#[cfg(test)]
+mod support;
+#[cfg(test)]
+mod verify;

@@ -1,0 +1,72 @@
+//! `verify`: the main job.
+
+use std::fs;
+
+use crate::support::{Bench, CAMERA};
+
+#[test]
+fn five_published_cameras_pass_and_the_report_is_complete() {
+    let bench = Bench::new();
+    let answer = bench
+        .run(&["verify", "--device", "sil", "--out", "report"])
+        .ok();
+    assert!(
+        answer.stdout.lines().next().unwrap().contains("sil"),
+        "{}",
+        answer.stdout
+    );
+    let summary: serde_json::Value =
+        serde_json::from_slice(&fs::read(bench.path("report/summary.json")).unwrap()).unwrap();
+    assert_eq!(summary["points"], 264_600);
+    assert!(summary["device"].as_str().unwrap().contains("sil"));
+    assert!(summary["max_error_nm"].as_f64().unwrap() <= 1.5);
+    let cameras = summary["cameras"].as_array().unwrap();
+    assert_eq!(cameras.len(), 5);
+    for camera in cameras {
+        assert_eq!(camera["points"], 52_920);
+        for key in [
+            "max_error_nm",
+            "rms_error_nm",
+            "static_max_um",
+            "printed_max_um",
+        ] {
+            assert!(camera[key].as_f64().unwrap() > 0.0, "{key}");
+        }
+        let name = camera["name"].as_str().unwrap();
+        assert!(answer.stdout.contains(name), "{name}");
+        let page = fs::read_to_string(bench.path("report/report.html")).unwrap();
+        assert!(page.contains(name), "{name}");
+    }
+    let frames = fs::read_to_string(bench.path("report/frames.csv")).unwrap();
+    assert_eq!(frames.lines().count(), 1 + 600);
+}
+
+#[test]
+fn camera_of_ones_own_is_verified_alone() {
+    let bench = Bench::with(CAMERA, b"");
+    let answer = bench.run(&["verify", "--camera", "camera.toml"]).ok();
+    assert!(answer.stdout.contains("Test camera"), "{}", answer.stdout);
+    assert_eq!(bench.files(), ["camera.toml", "points.csv"]);
+}
+
+#[test]
+fn stroke_too_short_for_the_grid_is_bad_input() {
+    let camera = CAMERA.replace("stroke_mm = 4.0", "stroke_mm = 0.3");
+    Bench::with(&camera, b"")
+        .run(&["verify", "--camera", "camera.toml"])
+        .refused(&["Test camera", "stroke"]);
+}
+
+#[test]
+fn other_files_of_the_report_folder_are_left_alone() {
+    let bench = Bench::new();
+    fs::create_dir(bench.path("report")).unwrap();
+    fs::write(bench.path("report/notes.txt"), "mine").unwrap();
+    bench
+        .run(&["verify", "--camera", "camera.toml", "--out", "report"])
+        .ok();
+    assert_eq!(
+        fs::read_to_string(bench.path("report/notes.txt")).unwrap(),
+        "mine"
+    );
+}

@@ -1,0 +1,97 @@
+//! The error budget of the whole verification grid: maximum, root mean square and bias.
+
+use fmc_camera::flight::frame_record::FrameRecord;
+use fmc_camera::geometry::frame_correction::Corrected;
+use fmc_camera::{CameraRecord, Exposure, SensorPoint};
+use host_sim::device::{Device, DeviceError, InProcess};
+use host_sim::verify::result::{
+    MAX_COORDINATE_ERROR_NM, MAX_ERROR_NM, MAX_SOLVER_ERROR_NM, Treatment, Verification,
+};
+use host_sim::verify::run;
+
+use crate::support::published;
+
+/// Root mean square of dx and dy over the camera where it is largest, nm.
+const RMS_NM: f64 = 0.1;
+/// Mean of dx and dy, nm.
+const BIAS_NM: f64 = 0.01;
+
+#[test]
+fn camera_agrees_with_the_strict_solver_on_the_whole_grid() {
+    let mut device = InProcess::default();
+    let verification = Verification {
+        device: "sil".to_owned(),
+        cameras: published()
+            .iter()
+            .map(|camera| run::camera(&mut device, camera, || ()).unwrap())
+            .collect(),
+    };
+    assert_eq!(verification.points(), 264_600);
+    for camera in &verification.cameras {
+        let errors = camera.errors(Treatment::Camera);
+        assert!(1e6 * errors.max_mm() <= MAX_ERROR_NM, "{}", camera.name);
+        assert!(
+            1e6 * errors.rms_mm() <= RMS_NM,
+            "{}: rms {}",
+            camera.name,
+            1e6 * errors.rms_mm()
+        );
+        assert!(
+            1e6 * errors.bias_mm().abs() <= BIAS_NM,
+            "{}: bias {}",
+            camera.name,
+            1e6 * errors.bias_mm()
+        );
+        let coordinate = camera.coordinate_errors().max_mm();
+        assert!(
+            1e6 * coordinate <= MAX_COORDINATE_ERROR_NM,
+            "{}",
+            camera.name
+        );
+        assert!(1e6 * camera.solver_error_mm() <= MAX_SOLVER_ERROR_NM);
+        // The check can fail: leaving the motion out is a hundred times the limit.
+        assert!(1e3 * camera.errors(Treatment::Static).max_mm() > 0.04);
+    }
+    assert!(verification.passed());
+}
+
+/// A camera whose K1 is one part in 10⁵ off: 6 nm at the corner of the first published camera.
+struct Wrong(InProcess);
+
+impl Device for Wrong {
+    fn description(&self) -> String {
+        "wrong".to_owned()
+    }
+
+    fn load(&mut self, camera: &CameraRecord) -> Result<(), DeviceError> {
+        let mut camera = *camera;
+        camera.calibration.distortion.k1 *= 1.000_01;
+        self.0.load(&camera)
+    }
+
+    fn expose(&mut self, exposure: &Exposure) -> Result<FrameRecord, DeviceError> {
+        self.0.expose(exposure)
+    }
+
+    fn correct(&mut self, measured: &[SensorPoint]) -> Result<Vec<Corrected>, DeviceError> {
+        self.0.correct(measured)
+    }
+
+    fn distort(&mut self, ideal: &[SensorPoint]) -> Result<Vec<Corrected>, DeviceError> {
+        self.0.distort(ideal)
+    }
+}
+
+#[test]
+fn verification_fails_when_the_camera_is_wrong() {
+    let camera = published().remove(0);
+    let right = run::camera(&mut InProcess::default(), &camera, || ()).unwrap();
+    assert!(right.passed());
+    let wrong = run::camera(&mut Wrong(InProcess::default()), &camera, || ()).unwrap();
+    assert!(!wrong.passed(), "{}", wrong.worst.error_nm);
+    assert!(
+        (3.0..12.0).contains(&wrong.worst.error_nm),
+        "{}",
+        wrong.worst.error_nm
+    );
+}

@@ -1,0 +1,14 @@
+//! What a user of the geometry would check.
+
+#[cfg(test)]
+mod accuracy;
+#[cfg(test)]
+mod axes;
+#[cfg(test)]
+mod cameras;
+#[cfg(test)]
+mod golden;
+#[cfg(test)]
+mod jacobian;
+#[cfg(test)]
+mod round_trip;
