@@ -10,6 +10,7 @@ pub mod geometry;
 
 pub use flight::camera::{Camera, CameraRecord, Frame};
 pub use flight::exposure::{CorrectionModel, Exposure};
+pub use geometry::brown::Brown;
 pub use geometry::calibration::{Calibration, CalibrationRecord};
 pub use geometry::frame_correction::FrameCorrection;
 pub use geometry::sensor::SensorPoint;

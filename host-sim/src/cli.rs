@@ -137,6 +137,9 @@ pub struct FrameArgs {
     /// For machines.
     #[arg(long)]
     pub json: bool,
+    /// Answer file; without it standard output.
+    #[arg(long, value_name = "FILE")]
+    pub out: Option<PathBuf>,
 }
 
 /// Which formula turns a focus shift into distortion.

@@ -44,6 +44,28 @@ pub struct CameraRecord {
     pub limits: Limits,
 }
 
+impl CameraRecord {
+    /// A camera of this calibration with the mechanism, shutter and limits of a camera file that
+    /// names none: a stage with 1000 mm/s² and 5 ms of settling, centred run-up, uniform shutter,
+    /// V/H 0.05 to 0.17 1/s, exposures of 1 to 20 ms.
+    #[must_use]
+    pub const fn new(calibration: CalibrationRecord) -> Self {
+        Self {
+            calibration,
+            mechanism: Mechanism::Stage {
+                acceleration_mm_s2: 1000.0,
+                settling_ms: 5.0,
+                run_up: RunUp::Centred,
+            },
+            shutter: ShutterProfile::Uniform,
+            limits: Limits {
+                vh_per_s: [0.05, 0.17],
+                exposure_s: [0.001, 0.02],
+            },
+        }
+    }
+}
+
 /// A validated camera.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Camera {

@@ -27,6 +27,18 @@ pub struct Brown {
 }
 
 impl Brown {
+    /// A lens without distortion.
+    pub const NONE: Self = Self {
+        k0: 0.0,
+        k1: 0.0,
+        k2: 0.0,
+        k3: 0.0,
+        p1: 0.0,
+        p2: 0.0,
+        b1: 0.0,
+        b2: 0.0,
+    };
+
     /// The coefficients, if all of them are finite numbers.
     ///
     /// # Errors

@@ -36,6 +36,31 @@ pub struct CalibrationRecord {
     pub flatness: Flatness,
 }
 
+/// Total travel of the principal point where none is given, mm.
+pub const DEFAULT_STROKE_MM: f32 = 4.0;
+
+impl CalibrationRecord {
+    /// A lens without distortion at `principal_distance_mm` before [columns, rows] of pixels of
+    /// `pixel_um`; everything else as in a camera file that names nothing else.
+    #[must_use]
+    pub const fn new(principal_distance_mm: f32, size_px: [u32; 2], pixel_um: f32) -> Self {
+        let [width_px, height_px] = size_px;
+        Self {
+            principal_distance_mm,
+            exit_pupil_mm: principal_distance_mm,
+            principal_point: SensorPoint::new(0.0, 0.0),
+            width_px,
+            height_px,
+            pixel_um,
+            distortion: Brown::NONE,
+            fitted: None,
+            axis: FmcAxis::PlusY,
+            stroke_mm: DEFAULT_STROKE_MM,
+            flatness: Flatness::FLAT,
+        }
+    }
+}
+
 /// A calibration that has been shown to be usable: finite, in range, one-to-one over the sensor
 /// wherever the principal point may be within the stroke.
 #[derive(Debug, Clone, Copy, PartialEq)]

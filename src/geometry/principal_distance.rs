@@ -124,6 +124,11 @@ pub struct Flatness {
 }
 
 impl Flatness {
+    /// A stage that stays in its plane.
+    pub const FLAT: Self = Self {
+        coefficients_um: [0.0; FLATNESS_TERMS],
+    };
+
     /// The polynomial, if its terms stay believable at `reach_mm` from the calibrated position.
     ///
     /// # Errors

@@ -21,7 +21,7 @@ pub(super) fn run(args: &FrameArgs) -> Result<(), Failure> {
         .and_then(|()| device.expose(&request.exposure()))
         .map_err(|error| request.refused(&error))?;
     let report = FrameReport::new(&camera, &record);
-    output::write(None, |sink| {
+    output::write(args.out.as_deref(), |sink| {
         if args.json {
             serde_json::to_writer_pretty(&mut *sink, &report)?;
             writeln!(sink)

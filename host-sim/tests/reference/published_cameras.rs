@@ -1,6 +1,18 @@
 //! The camera files say what the published table says.
 
+use fmc_camera::{CalibrationRecord, CameraRecord};
+use host_sim::formats::camera_file::CameraFile;
+
 use crate::support::published;
+
+#[test]
+fn keys_that_are_left_out_have_the_defaults_of_the_library() {
+    let text = "name = \"bare\"\nprincipal_distance_mm = 51.3712\n\
+                [sensor]\nwidth_px = 14204\nheight_px = 10652\npixel_um = 3.76\n";
+    let (file, _) = CameraFile::parse("bare.toml", text).unwrap();
+    let calibration = CalibrationRecord::new(51.3712, [14204, 10652], 3.76);
+    assert_eq!(file.record(), CameraRecord::new(calibration));
+}
 
 #[test]
 fn every_camera_file_holds_the_numbers_of_the_published_table() {

@@ -1,0 +1,31 @@
+//! The constants of section 10.
+
+use crate::document::{names, rows};
+use fmc_camera::geometry::frame_correction::SHORT_KERNEL_NM;
+use fmc_camera::geometry::inverse::{LAST_RESIDUAL_NM, MAX_STEPS};
+use fmc_camera::geometry::invertibility::{MAX_DISC_SLOPE, MIN_SCALE};
+use fmc_camera::geometry::principal_distance::FLATNESS_TERMS;
+use fmc_camera::geometry::range::MAX_FOCUS_FRACTION;
+use fmc_camera::geometry::sensor::{MAX_SIDE_MM, MAX_SIDE_PX};
+use fmc_camera::geometry::tdi::MAX_ROWS;
+
+#[test]
+fn documented_constants_are_those_of_the_code() {
+    let constants = [
+        ("MAX_SIDE_PX", MAX_SIDE_PX.to_string()),
+        ("MAX_SIDE_MM", MAX_SIDE_MM.to_string()),
+        ("MAX_ROWS", MAX_ROWS.to_string()),
+        ("FLATNESS_TERMS", FLATNESS_TERMS.to_string()),
+        ("MAX_FOCUS_FRACTION", MAX_FOCUS_FRACTION.to_string()),
+        ("MIN_SCALE", MIN_SCALE.to_string()),
+        ("MAX_DISC_SLOPE", MAX_DISC_SLOPE.to_string()),
+        ("SHORT_KERNEL_NM", SHORT_KERNEL_NM.to_string()),
+        ("LAST_RESIDUAL_NM", LAST_RESIDUAL_NM.to_string()),
+        ("MAX_STEPS", MAX_STEPS.to_string()),
+    ];
+    let documented: Vec<_> = rows("constant")
+        .into_iter()
+        .map(|row| (names(row[0])[0], row[1].to_owned()))
+        .collect();
+    assert_eq!(documented, constants);
+}

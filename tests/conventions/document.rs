@@ -1,0 +1,55 @@
+//! The document, its tables, and where its numbers may stand.
+
+/// Paragraphs, code and tables are the blocks between blank lines.
+const DOCUMENT: &str = include_str!("../../docs/conventions.md");
+
+/// The rows of every table whose first heading is `heading`.
+pub(crate) fn rows(heading: &str) -> Vec<Vec<&'static str>> {
+    let rows: Vec<_> = DOCUMENT
+        .split("\n\n")
+        .filter(|block| first_heading(block) == Some(heading))
+        .flat_map(|table| table.lines().skip(2))
+        .map(cells)
+        .collect();
+    assert!(!rows.is_empty(), "no table of {heading}");
+    rows
+}
+
+/// What stands in backquotes in a cell.
+pub(crate) fn names(cell: &str) -> Vec<&str> {
+    cell.split('`').skip(1).step_by(2).collect()
+}
+
+fn first_heading(block: &str) -> Option<&str> {
+    let heading = block.trim_start().strip_prefix('|')?.split('|').next()?;
+    Some(heading.trim())
+}
+
+fn cells(line: &str) -> Vec<&str> {
+    let inner = line
+        .strip_prefix('|')
+        .and_then(|line| line.strip_suffix('|'));
+    inner.expect(line).split('|').map(str::trim).collect()
+}
+
+#[test]
+fn numbers_with_a_unit_stand_only_in_tables_that_are_checked() {
+    const CHECKED: &[Option<&str>] = &[Some("example"), Some("quantity"), Some("constant")];
+    const UNITS: &[&str] = &[
+        "mm", "µm", "nm", "m", "cm", "px", "s", "ms", "1/s", "mm/s", "m/s", "%", "rows",
+    ];
+    for block in DOCUMENT.split("\n\n") {
+        if CHECKED.contains(&first_heading(block)) {
+            continue;
+        }
+        let words: Vec<_> = block.split_whitespace().collect();
+        for pair in words.windows(2) {
+            let number = pair[0].trim_start_matches(['(', '*']);
+            let unit = pair[1].trim_end_matches(['.', ',', ';', ':', ')', '*']);
+            assert!(
+                !(UNITS.contains(&unit) && number.parse::<f64>().is_ok()),
+                "unchecked number {number} {unit}: {block}"
+            );
+        }
+    }
+}

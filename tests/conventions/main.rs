@@ -1,0 +1,16 @@
+//! `docs/conventions.md` against the code: names, ranges, constants and worked examples.
+
+#[cfg(test)]
+mod bounds;
+#[cfg(test)]
+mod camera;
+#[cfg(test)]
+mod constants;
+#[cfg(test)]
+mod document;
+#[cfg(test)]
+mod examples;
+#[cfg(test)]
+mod names;
+#[cfg(test)]
+mod ranges;

@@ -1,0 +1,139 @@
+//! The symbols of section 8: their names in the code and in the camera file.
+
+use crate::document::{names, rows};
+use std::collections::BTreeSet;
+
+use fmc_camera::flight::camera::{CameraRecord, Mechanism};
+use fmc_camera::flight::exposure::Exposure;
+use fmc_camera::flight::frame_record::FrameRecord;
+use fmc_camera::flight::stage::{RunUp, StrokeTooShort};
+use fmc_camera::geometry::brown::Brown;
+use fmc_camera::geometry::calibration::CalibrationRecord;
+use fmc_camera::geometry::evaluation_form::Displacement;
+use fmc_camera::geometry::five_coefficient::FiveCoefficients;
+use fmc_camera::geometry::moments::CentralMoments;
+use fmc_camera::geometry::principal_distance::{Flatness, FocusShift};
+use fmc_camera::geometry::principal_point::{PrincipalPointMotion, StageSample, UniformTravel};
+use fmc_camera::geometry::sensor::{FmcAxis, PixelPoint, SensorPoint};
+use fmc_camera::geometry::shutter::ShutterProfile;
+
+const CAMERA_FILE: &str = include_str!("../../host-sim/src/formats/camera_file.rs");
+
+/// `Type.field`, as documented; does not compile for a field that is not there.
+macro_rules! field {
+    ($type:ident . $field:ident) => {{
+        let _ = |value: $type| {
+            let _ = value.$field;
+        };
+        concat!(stringify!($type), ".", stringify!($field))
+    }};
+}
+
+/// `Type::name`, as documented, of a method or a variant, `{}` after one with fields.
+macro_rules! path {
+    ($type:ident :: $name:ident) => {{
+        let _ = $type::$name;
+        concat!(stringify!($type), "::", stringify!($name))
+    }};
+    ($type:ident :: $name:ident {}) => {{
+        let _ = |value: $type| matches!(value, $type::$name { .. });
+        concat!(stringify!($type), "::", stringify!($name))
+    }};
+}
+
+#[test]
+fn documented_names_are_those_of_the_code() {
+    let code = BTreeSet::from([
+        field!(SensorPoint.x_mm),
+        field!(SensorPoint.y_mm),
+        field!(PixelPoint.col_px),
+        field!(PixelPoint.row_px),
+        field!(CalibrationRecord.width_px),
+        field!(CalibrationRecord.height_px),
+        field!(CalibrationRecord.pixel_um),
+        field!(CalibrationRecord.principal_point),
+        field!(CalibrationRecord.principal_distance_mm),
+        field!(CalibrationRecord.exit_pupil_mm),
+        field!(CalibrationRecord.axis),
+        field!(CalibrationRecord.stroke_mm),
+        field!(StrokeTooShort.from_mm),
+        field!(StrokeTooShort.to_mm),
+        field!(Displacement.dx_mm),
+        field!(Displacement.dy_mm),
+        field!(Brown.k0),
+        field!(Brown.k1),
+        field!(Brown.k2),
+        field!(Brown.k3),
+        field!(Brown.p1),
+        field!(Brown.p2),
+        field!(Brown.b1),
+        field!(Brown.b2),
+        field!(FiveCoefficients.km0),
+        field!(FiveCoefficients.km1),
+        field!(FiveCoefficients.km2),
+        field!(FiveCoefficients.kd1),
+        field!(FiveCoefficients.pm1),
+        path!(FmcAxis::sign),
+        field!(StageSample.offset_mm),
+        field!(StageSample.time_s),
+        field!(Exposure.vh_per_s),
+        field!(Exposure.exposure_s),
+        field!(Exposure.opening_offset_mm),
+        field!(UniformTravel.speed_mm_s),
+        field!(PrincipalPointMotion.opening_offset_mm),
+        field!(PrincipalPointMotion.travel_mm),
+        field!(PrincipalPointMotion.centroid_time_s),
+        field!(PrincipalPointMotion.centroid_mm),
+        field!(CentralMoments.second),
+        field!(CentralMoments.third),
+        field!(CentralMoments.fourth),
+        field!(FrameRecord.principal_point),
+        field!(FrameRecord.focus_shift_mm),
+        field!(FrameRecord.enlargement),
+        path!(ShutterProfile::Trapezoid {}),
+        field!(CameraRecord.mechanism),
+        path!(RunUp::Centred),
+        path!(RunUp::FromRest),
+        path!(Mechanism::Stage {}),
+        path!(Mechanism::Tdi {}),
+        field!(Flatness.coefficients_um),
+        field!(FocusShift.shift_mm),
+        path!(FocusShift::enlargement),
+    ]);
+    let symbols = rows("symbol");
+    let documented: BTreeSet<_> = symbols.iter().flat_map(|row| names(row[3])).collect();
+    assert_eq!(documented, code);
+}
+
+/// The keys of the camera file, with their table, from the fields that are read.
+fn camera_file_keys() -> BTreeSet<String> {
+    let mut table = None;
+    let mut keys = BTreeSet::new();
+    for line in CAMERA_FILE.lines() {
+        if let Some(name) = line.strip_prefix("pub struct ") {
+            table = Some(match name.trim_end_matches(" {") {
+                "CameraFile" => String::new(),
+                name => name.strip_suffix("Table").expect(name).to_lowercase() + ".",
+            });
+        } else if line == "}" {
+            table = None;
+        } else if let (Some(table), Some(field)) = (&table, line.strip_prefix("    pub ")) {
+            let (key, kind) = field.split_once(':').unwrap();
+            if !kind.contains("Table") && key != "name" {
+                keys.insert(format!("{table}{key}"));
+            }
+        }
+    }
+    keys
+}
+
+#[test]
+fn documented_keys_are_those_of_the_camera_file() {
+    let symbols = rows("symbol");
+    let documented: BTreeSet<_> = symbols
+        .iter()
+        .flat_map(|row| names(row[4]))
+        .map(str::to_owned)
+        .collect();
+    assert_eq!(documented, camera_file_keys());
+}
