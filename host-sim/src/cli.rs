@@ -145,9 +145,9 @@ pub struct FrameArgs {
 /// Which formula turns a focus shift into distortion.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
 pub enum FocusSignName {
-    /// A detector moved away from the lens enlarges the image by Δz/L.
+    /// A detector moved away from the lens enlarges the image by Δz/L: what ray tracing shows.
     Physical,
-    /// Eqs. 14-17 as printed: k0' = -Δf/f.
+    /// Yuan et al. 2012, eqs. 14-17, as printed: k0' = -Δf/f.
     Printed,
 }
 
@@ -156,7 +156,7 @@ pub enum FocusSignName {
 pub enum ModelName {
     /// Exposure mean of the calibration about the moving principal point.
     Exact,
-    /// The five coefficients of the camera file's [fitted] table.
+    /// The five coefficients of the camera file's table `fitted`.
     Fitted,
     /// Static calibration; motion and focus shift are ignored.
     Static,

@@ -135,7 +135,7 @@ impl Calibration {
     /// Every number finite and in its range; both polynomials one-to-one over the sensor enlarged
     /// by half the stroke along the FMC axis, with the slope that focus shift (up to
     /// [`MAX_FOCUS_FRACTION`]), μ₂ terms and the fitted δ terms may add
-    /// ([`least_scale`](super::invertibility::least_scale)).
+    /// ([`least_scale`]).
     ///
     /// # Errors
     /// [`CalibrationError`] naming the quantity, its value and the allowed range.

@@ -100,7 +100,7 @@ impl Shutter {
         area / self.effective_fraction()
     }
 
-    /// The centroid E[τ]/t of the transmission, as a fraction of the base.
+    /// The centroid `E[τ]/t` of the transmission, as a fraction of the base.
     ///
     /// # Model
     /// `E[τ]/t = 1/2 + (r₁-r₂)(3-2r₁-2r₂) / (6(2-r₁-r₂))` with the ramps as fractions of the base;

@@ -1,0 +1,11 @@
+//! Linker arguments of the check. They stand here, and not in RUSTFLAGS, so that a user's flags cannot displace them.
+
+use std::env;
+
+fn main() {
+    println!("cargo::rerun-if-changed=build.rs");
+    if env::var("CARGO_CFG_TARGET_OS").as_deref() == Ok("none") {
+        println!("cargo::rustc-link-arg-bins=--entry=entry");
+        println!("cargo::rustc-link-arg-bins=--gc-sections");
+    }
+}

@@ -1,0 +1,118 @@
+//! `cargo xtask test`: the steps in order, each announced and timed, up to the first that fails.
+
+use std::{
+    process::ExitCode,
+    time::{Duration, Instant},
+};
+
+use anyhow::{Context as _, Result};
+use clap::ValueEnum;
+
+use crate::{no_panic, target::Target, verify, workspace::Workspace};
+
+/// One step; its name is that of `--only`.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+pub(crate) enum Step {
+    /// Formatting
+    Format,
+    /// Lints for the host
+    HostLints,
+    /// Documentation
+    Docs,
+    /// Tests on the host
+    HostTests,
+    /// Verification against the strict solver, camera in-process
+    Verify,
+    /// Lints for the target
+    TargetLints,
+    /// Library built for the target
+    TargetBuild,
+    /// Link check that no panic is reachable, and its negative control
+    NoPanic,
+}
+
+impl Step {
+    fn name(self) -> String {
+        self.to_possible_value()
+            .map_or_else(String::new, |value| value.get_name().to_owned())
+    }
+
+    fn title(self) -> String {
+        let value = self.to_possible_value();
+        value
+            .and_then(|value| value.get_help().map(ToString::to_string))
+            .unwrap_or_default()
+    }
+
+    fn needs_target(self) -> bool {
+        matches!(self, Self::TargetLints | Self::TargetBuild | Self::NoPanic)
+    }
+}
+
+/// Runs all steps, or one, and says how to repeat the one that fails.
+///
+/// # Errors
+/// Where a step or the set-up of the target fails.
+pub(crate) fn run(workspace: &Workspace, only: Option<Step>) -> Result<ExitCode> {
+    let start = Instant::now();
+    let steps = only.map_or_else(|| Step::value_variants().to_vec(), |step| vec![step]);
+    let _root = workspace.shell.push_dir(&workspace.root);
+    // First of all, so that a machine that cannot build for the target says so at once.
+    let needs_target = steps.iter().any(|step| step.needs_target());
+    let target = needs_target
+        .then(|| Target::set_up(workspace))
+        .transpose()?;
+    for (index, &step) in steps.iter().enumerate() {
+        eprintln!("\n[{}/{}] {}", index + 1, steps.len(), step.title());
+        let start = Instant::now();
+        run_step(step, workspace, target.as_ref()).with_context(|| {
+            let name = step.name();
+            format!("step {name} failed; run it again alone with `cargo xtask test --only {name}`")
+        })?;
+        eprintln!(
+            "[{}/{}] passed in {}",
+            index + 1,
+            steps.len(),
+            seconds(start.elapsed())
+        );
+    }
+    let what = only.map_or_else(
+        || format!("all {} steps", steps.len()),
+        |step| format!("step {}", step.name()),
+    );
+    println!("xtask test: {what} passed in {}", seconds(start.elapsed()));
+    Ok(ExitCode::SUCCESS)
+}
+
+fn run_step(step: Step, workspace: &Workspace, target: Option<&Target<'_>>) -> Result<()> {
+    let target = || target.context("the target is not set up");
+    let command = match step {
+        Step::Format => workspace.cargo("fmt --all --check"),
+        Step::HostLints => {
+            workspace.cargo("clippy --workspace --all-targets --locked -- -D warnings")
+        }
+        Step::Docs => {
+            let doc = workspace.cargo("doc --workspace --no-deps --locked");
+            doc.env("RUSTDOCFLAGS", "-D warnings")
+        }
+        Step::HostTests => workspace.cargo("test --workspace --locked"),
+        Step::Verify => {
+            verify::build_host_sim(workspace)?;
+            let host_sim = workspace.shell.cmd(workspace.host_sim()).quiet();
+            let verify = host_sim.args(["verify", "--device", "sil", "--out"]);
+            verify.arg(verify::default_out(workspace))
+        }
+        // In release, so that the core library is built once for lints, library and link check.
+        Step::TargetLints => target()?.cargo(
+            "clippy --release -p fmc-camera --lib -p no-panic-check --bin no-panic-check -- -D warnings",
+        ),
+        Step::TargetBuild => target()?.cargo("build --release -p fmc-camera --lib"),
+        Step::NoPanic => return no_panic::check(workspace, target()?),
+    };
+    eprintln!("$ {command}");
+    command.run().map_err(Into::into)
+}
+
+fn seconds(time: Duration) -> String {
+    format!("{:.1} s", time.as_secs_f64())
+}

@@ -1,0 +1,66 @@
+//! What the README's commands call: `cargo xtask verify` and `cargo xtask test`.
+//!
+//! Both do their own set-up, so that a fresh machine needs no third command. [`route`] decides how the target is
+//! built, [`machine`] collects what that decision rests on, and [`target`] carries it out; [`checks`] is the list of
+//! steps behind `test`.
+
+mod checks;
+mod machine;
+mod no_panic;
+mod route;
+mod target;
+mod verify;
+mod workspace;
+
+use std::{ffi::OsString, process::ExitCode};
+
+use clap::{Parser, Subcommand};
+
+use crate::{checks::Step, workspace::Workspace};
+
+/// Builds and checks of the fmc-camera workspace.
+#[derive(Debug, Parser)]
+#[command(name = "cargo xtask", bin_name = "cargo xtask")]
+struct Arguments {
+    #[command(subcommand)]
+    command: Command,
+}
+
+#[derive(Debug, Subcommand)]
+enum Command {
+    /// Verify every coordinate against the strict solver; arguments go on to `host-sim verify`, `--help` too
+    #[command(disable_help_flag = true)]
+    Verify {
+        /// Arguments of `host-sim verify`; without `--out` the report goes to target/verify
+        #[arg(trailing_var_arg = true, allow_hyphen_values = true)]
+        arguments: Vec<OsString>,
+    },
+    /// Formatting, lints, documentation and tests on the host; lints, build and no-panic check for the target
+    Test {
+        /// Run this step alone
+        #[arg(long, value_enum)]
+        only: Option<Step>,
+    },
+}
+
+/// Exit code where the check that was asked for failed.
+const CHECK_FAILED: u8 = 1;
+/// Exit code where `verify` could not be started, so that it says nothing about the camera.
+const NOT_STARTED: u8 = 3;
+
+fn main() -> ExitCode {
+    let (result, code_of_error) = match Arguments::parse().command {
+        Command::Verify { arguments } => (
+            Workspace::new().and_then(|workspace| verify::run(&workspace, arguments)),
+            NOT_STARTED,
+        ),
+        Command::Test { only } => (
+            Workspace::new().and_then(|workspace| checks::run(&workspace, only)),
+            CHECK_FAILED,
+        ),
+    };
+    result.unwrap_or_else(|error| {
+        eprintln!("xtask: {error:#}");
+        ExitCode::from(code_of_error)
+    })
+}

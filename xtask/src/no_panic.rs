@@ -1,0 +1,166 @@
+//! The no-panic check: `tests/no-panic` keeps the library's public functions, and links only if none of them can panic.
+
+use std::{collections::BTreeMap, path::Path};
+
+use anyhow::{Result, bail, ensure};
+use xshell::{Cmd, Shell};
+
+use crate::{target::Target, workspace::Workspace};
+
+/// The undefined symbol behind the panic handler of `tests/no-panic`.
+const PANIC_SYMBOL: &str = "fmc_camera_can_panic";
+
+/// The library's modules, each with a list of its own in `tests/no-panic/src`.
+const AREAS: [&str; 2] = ["geometry", "flight"];
+
+/// Compares its lists with the library's sources, links the program, which must succeed, and links it with a panic
+/// added, which must fail for that reason alone.
+///
+/// # Errors
+/// Where a public function is not listed, a panic is reachable, the control links, or a build fails for another reason.
+pub(crate) fn check(workspace: &Workspace, target: &Target<'_>) -> Result<()> {
+    for area in AREAS {
+        let list = workspace.root.join(format!("tests/no-panic/src/{area}.rs"));
+        let list = listed(&workspace.shell.read_file(&list)?);
+        let sources = sources(&workspace.shell, &workspace.root.join("src").join(area))?;
+        let missing = missing(&public_functions(&sources), &list);
+        ensure!(
+            missing.is_empty(),
+            "tests/no-panic/src/{area}.rs does not list {}",
+            missing.join(", ")
+        );
+    }
+    let link = || target.cargo("rustc --release -p no-panic-check");
+    if let Link::PanicReachable = try_link(link())? {
+        bail!(
+            "a public function can panic; from the panic up:{}",
+            panic_path(link())?
+        );
+    }
+    let control = try_link(link().args(["--features", "negative-control"]))?;
+    ensure!(
+        matches!(control, Link::PanicReachable),
+        "tests/no-panic links although its negative control can panic: the check sees nothing"
+    );
+    Ok(())
+}
+
+/// Outcome of a link.
+enum Link {
+    /// No panic is reachable.
+    Complete,
+    /// The linker asked for the panic handler's symbol.
+    PanicReachable,
+}
+
+/// Builds and links; any failure other than the panic symbol is an error, shown in full.
+fn try_link(command: Cmd<'_>) -> Result<Link> {
+    eprintln!("$ {command}");
+    let output = command.ignore_status().output()?;
+    let text = String::from_utf8_lossy(&output.stderr);
+    if output.status.success() {
+        return Ok(Link::Complete);
+    }
+    let names_symbol = |line: &str| line.contains("undefined") && line.contains(PANIC_SYMBOL);
+    if text.lines().any(names_symbol) {
+        return Ok(Link::PanicReachable);
+    }
+    eprint!("{text}");
+    bail!("tests/no-panic does not build for the target")
+}
+
+/// The functions from the panic up to the program's entry, where the linker can tell (LLVM's from version 21 on).
+fn panic_path(command: Cmd<'_>) -> Result<String> {
+    let output = command
+        .args(["--", "-Clink-arg=--why-live=*rust_begin_unwind"])
+        .ignore_status()
+        .output()?;
+    let text = String::from_utf8_lossy(&output.stderr);
+    let function = |line: &str| {
+        let section = line.split_once(">>> referenced by: ")?.1;
+        let name = section.rsplit_once(":(")?.1.split(')').next()?;
+        Some(format!("\n    {name}"))
+    };
+    let callers: Vec<_> = text.lines().filter_map(function).collect();
+    Ok(callers.concat())
+}
+
+/// The sources of a module and of those inside it.
+fn sources(shell: &Shell, directory: &Path) -> Result<String> {
+    let mut text = String::new();
+    for path in shell.read_dir(directory)? {
+        if path.is_dir() {
+            text += &sources(shell, &path)?;
+        } else {
+            text += &shell.read_file(&path)?;
+        }
+    }
+    Ok(text)
+}
+
+/// How often each name occurs; different types may have functions of one name.
+type Names = BTreeMap<String, usize>;
+
+/// Names of the functions that sources define as public.
+fn public_functions(sources: &str) -> Names {
+    let name = |line: &str| {
+        let line = line.trim_start().strip_prefix("pub ")?;
+        let line = line.strip_prefix("const ").unwrap_or(line);
+        let name = line.strip_prefix("fn ")?.split(['(', '<']).next()?;
+        Some(name.to_owned())
+    };
+    count(sources.lines().filter_map(name))
+}
+
+/// Names of the functions that a list keeps: lines `Type::function,` or `module::function,`.
+fn listed(list: &str) -> Names {
+    let path = |line: &str| {
+        Some(
+            line.trim()
+                .strip_suffix(',')?
+                .rsplit_once("::")?
+                .1
+                .to_owned(),
+        )
+    };
+    let keep = list.split_once("keep![").map_or("", |(_, keep)| keep);
+    count(keep.lines().filter_map(path))
+}
+
+fn count(names: impl Iterator<Item = String>) -> Names {
+    names.fold(Names::new(), |mut counts, name| {
+        *counts.entry(name).or_default() += 1;
+        counts
+    })
+}
+
+/// Names that are defined more often than listed.
+fn missing(defined: &Names, listed: &Names) -> Vec<String> {
+    let lacks = |(name, count): (&String, &usize)| {
+        (listed.get(name).unwrap_or(&0) < count).then(|| name.clone())
+    };
+    defined.iter().filter_map(lacks).collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::{listed, missing, public_functions};
+
+    #[test]
+    fn public_function_without_a_line_in_the_list_is_named() {
+        let sources = "
+            impl Sensor {
+                pub const fn new(width_px: u32) -> Self {
+                pub fn contains(&self, point: SensorPoint) -> bool {
+                fn private(&self) {}
+                pub(crate) fn inner(&self) {}
+            impl Shutter { // two of one name
+                pub fn new<T>(profile: T) -> Self {
+            pub fn mean_transfers(";
+        let list = "use fmc_camera::a::{\n b::Sensor,\n};\nkeep![\n Sensor::new,\n tdi::mean_transfers,\n ]";
+        assert_eq!(
+            missing(&public_functions(sources), &listed(list)),
+            ["contains", "new"]
+        );
+    }
+}

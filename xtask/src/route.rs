@@ -1,0 +1,210 @@
+//! Which toolchain builds for the target: the decision alone, a pure function of facts about the machine.
+//!
+//! The target needs a core library of its own. In order of preference it comes
+//! 1. ready-made with the active toolchain (`rustup target add`, or `rust-toolchain.toml`, has installed it),
+//! 2. from the library sources of the active toolchain,
+//! 3. from the library sources of the distribution's toolchain,
+//! 4. the same after installing the distribution's packages, where apt-get and the right to use it exist.
+
+use std::fmt;
+
+/// The microcontroller: Cortex-M4F and M7 with hardware floating point.
+pub(crate) const TARGET: &str = "thumbv7em-none-eabihf";
+
+/// Debian's packages of a compiler, its cargo and its library sources.
+const COMPILER_PACKAGES: [&str; 3] = ["rustc-web", "cargo-web", "rust-web-src"];
+/// Debian's package of clippy for the same compiler.
+const CLIPPY_PACKAGE: &str = "rust-web-clippy";
+/// The package of a linker that knows the target.
+const LINKER_PACKAGE: &str = "lld";
+
+/// What one toolchain offers.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub(crate) struct Toolchain {
+    /// The target's compiled core library.
+    pub(crate) target_core: bool,
+    /// The sources of the standard library.
+    pub(crate) library_sources: bool,
+    /// Clippy.
+    pub(crate) clippy: bool,
+}
+
+/// What the decision rests on.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub(crate) struct Facts {
+    /// The toolchain that runs xtask.
+    pub(crate) active: Toolchain,
+    /// The distribution's toolchain; all `false` where it is absent or older than the workspace allows.
+    pub(crate) distribution: Toolchain,
+    /// Some linker that knows the target.
+    pub(crate) linker: bool,
+    /// apt-get, and the right to install with it.
+    pub(crate) may_install: bool,
+}
+
+/// Whose compiler is used, and where its core library for the target comes from.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum Route {
+    /// The active toolchain with its compiled core library.
+    Active,
+    /// The active toolchain, core built from its sources.
+    ActiveFromSource,
+    /// The distribution's toolchain, core built from its sources.
+    Distribution,
+}
+
+/// A route and the packages it needs first.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub(crate) struct Plan {
+    /// The route.
+    pub(crate) route: Route,
+    /// Packages to install, none on most machines.
+    pub(crate) install: Vec<&'static str>,
+}
+
+/// No toolchain for the target, and no right to install one.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub(crate) struct NoRoute {
+    missing: Vec<&'static str>,
+}
+
+impl fmt::Display for NoRoute {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        write!(
+            f,
+            "no toolchain here builds for {TARGET}. Either\n    rustup target add {TARGET}\nor, on Debian or Ubuntu,\n    \
+             sudo apt-get install {}",
+            self.missing.join(" ")
+        )
+    }
+}
+
+impl std::error::Error for NoRoute {}
+
+/// The first route that the machine allows.
+///
+/// # Errors
+/// [`NoRoute`] where packages are missing and may not be installed; its text names both ways out.
+pub(crate) fn choose(facts: Facts) -> Result<Plan, NoRoute> {
+    let Facts {
+        active,
+        distribution,
+        linker,
+        may_install,
+    } = facts;
+    let mut install = vec![];
+    let route = if active.target_core {
+        Route::Active
+    } else if active.library_sources && active.clippy {
+        Route::ActiveFromSource
+    } else {
+        if !distribution.library_sources {
+            install.extend(COMPILER_PACKAGES);
+        }
+        if !distribution.clippy {
+            install.push(CLIPPY_PACKAGE);
+        }
+        Route::Distribution
+    };
+    // A compiler with a compiled core library brings its linker along.
+    if route != Route::Active && !linker {
+        install.push(LINKER_PACKAGE);
+    }
+    if install.is_empty() || may_install {
+        Ok(Plan { route, install })
+    } else {
+        Err(NoRoute { missing: install })
+    }
+}
+
+/// Major and minor number in the answer to `rustc --version`, or in a `rust-version` of a manifest.
+pub(crate) fn version(text: &str) -> Option<(u32, u32)> {
+    let number = text
+        .trim_start_matches("rustc ")
+        .split_whitespace()
+        .next()?;
+    let mut parts = number.split('.').map(str::parse);
+    Some((parts.next()?.ok()?, parts.next()?.ok()?))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Each kind of machine: what its toolchains and the machine itself offer, the route, and the packages it installs.
+    const MACHINES: &str = "
+        active         | distribution   | machine    | route            | packages
+        core clippy    |                |            | Active           |
+        core           | sources clippy | linker apt | Active           |
+        sources clippy |                | linker     | ActiveFromSource |
+        sources clippy | sources clippy | linker apt | ActiveFromSource |
+        clippy         | sources clippy | linker     | Distribution     |
+        sources clippy | sources clippy | apt        | ActiveFromSource | lld
+        sources        | sources        | apt        | Distribution     | rust-web-clippy lld
+        clippy         | sources        | linker apt | Distribution     | rust-web-clippy
+        clippy         | sources clippy | apt        | Distribution     | lld
+        clippy         |                | linker apt | Distribution     | rustc-web cargo-web rust-web-src rust-web-clippy
+                       |                | apt        | Distribution     | rustc-web cargo-web rust-web-src rust-web-clippy lld
+        clippy         | sources        | linker     | refused          | rust-web-clippy
+        sources clippy |                |            | refused          | lld
+        clippy         |                | linker     | refused          | rustc-web cargo-web rust-web-src rust-web-clippy";
+
+    fn toolchain(offers: &str) -> Toolchain {
+        Toolchain {
+            target_core: offers.contains("core"),
+            library_sources: offers.contains("sources"),
+            clippy: offers.contains("clippy"),
+        }
+    }
+
+    #[test]
+    fn every_kind_of_machine_gets_its_route() {
+        for row in MACHINES.lines().skip(2) {
+            let cells: Vec<_> = row.split('|').map(str::trim).collect();
+            let facts = Facts {
+                active: toolchain(cells[0]),
+                distribution: toolchain(cells[1]),
+                linker: cells[2].contains("linker"),
+                may_install: cells[2].contains("apt"),
+            };
+            let (route, packages) = match choose(facts) {
+                Ok(plan) => (format!("{:?}", plan.route), plan.install),
+                Err(refused) => ("refused".to_owned(), refused.missing),
+            };
+            assert_eq!(
+                (route.as_str(), packages.join(" ").as_str()),
+                (cells[3], cells[4]),
+                "{row}"
+            );
+        }
+    }
+
+    #[test]
+    fn refusal_names_both_ways_out() {
+        let text = choose(Facts::default()).unwrap_err().to_string();
+        assert!(
+            text.contains("rustup target add thumbv7em-none-eabihf"),
+            "{text}"
+        );
+        assert!(
+            text.contains("apt-get install rustc-web cargo-web rust-web-src rust-web-clippy lld"),
+            "{text}"
+        );
+    }
+
+    #[test]
+    fn version_is_read_from_compiler_and_manifest() {
+        for (text, expected) in [
+            (
+                "rustc 1.96.0 (ac68faa20 2026-05-25) (built from a source tarball)",
+                Some((1, 96)),
+            ),
+            ("rustc 1.97.0-nightly (0123456 2026-01-01)", Some((1, 97))),
+            ("1.95", Some((1, 95))),
+            ("", None),
+            ("rustc", None),
+        ] {
+            assert_eq!(version(text), expected, "{text:?}");
+        }
+    }
+}

@@ -1,0 +1,66 @@
+//! The workspace: its directories and the host's cargo.
+
+use std::{
+    env::{self, consts::EXE_SUFFIX},
+    ffi::OsString,
+    path::{self, Path, PathBuf},
+};
+
+use anyhow::{Context as _, Result};
+use xshell::{Cmd, Shell};
+
+/// Directories of the workspace and a shell that stands where the user called.
+#[derive(Debug)]
+pub(crate) struct Workspace {
+    /// Runs commands; its directory is the user's, so that relative paths mean what the user meant.
+    pub(crate) shell: Shell,
+    /// Directory of the root `Cargo.toml`.
+    pub(crate) root: PathBuf,
+    /// Cargo's target directory, wherever settings put it.
+    pub(crate) target_dir: PathBuf,
+}
+
+impl Workspace {
+    /// Finds the directories.
+    ///
+    /// # Errors
+    /// Where the current directory or this executable cannot be located.
+    pub(crate) fn new() -> Result<Self> {
+        let shell = Shell::new()?;
+        let root = Path::new(env!("CARGO_MANIFEST_DIR"));
+        let root = root.parent().context("xtask has no parent directory")?;
+        // Cargo put this program into <target>/debug, by the same settings that hold for what it builds next.
+        let xtask = env::current_exe().context("path of xtask")?;
+        let target_dir = xtask
+            .ancestors()
+            .nth(2)
+            .context("xtask is not in a target directory")?;
+        // A relative setting is relative to the user's directory, and steps run in others.
+        if let Some(setting) = env::var_os("CARGO_TARGET_DIR") {
+            shell.set_var("CARGO_TARGET_DIR", path::absolute(setting)?);
+        }
+        Ok(Self {
+            shell,
+            root: root.to_owned(),
+            target_dir: target_dir.to_owned(),
+        })
+    }
+
+    /// The cargo that started xtask, with the words of `line` as arguments.
+    pub(crate) fn cargo(&self, line: &str) -> Cmd<'_> {
+        let cargo = self.shell.cmd(host_cargo()).quiet();
+        cargo.args(line.split_whitespace())
+    }
+
+    /// Release build of `host-sim`.
+    pub(crate) fn host_sim(&self) -> PathBuf {
+        self.target_dir
+            .join("release")
+            .join(format!("host-sim{EXE_SUFFIX}"))
+    }
+}
+
+/// Path of the cargo that started xtask.
+pub(crate) fn host_cargo() -> OsString {
+    env::var_os("CARGO").unwrap_or_else(|| "cargo".into())
+}
