@@ -1,5 +1,6 @@
 //! `verify`: the main job.
 
+use std::io::{self, Write};
 use std::path::Path;
 
 use indicatif::{ProgressBar, ProgressStyle};
@@ -10,7 +11,9 @@ use crate::failure::Failure;
 use crate::formats::camera_file::CameraFile;
 use crate::formats::output::{self, OutputFolder};
 use crate::formats::published::CAMERA_FILES;
-use crate::report;
+use crate::report::figure::FigureError;
+use crate::report::summary::Summary;
+use crate::report::{arrow_field, error_plot, frames_csv, table};
 use crate::verify::result::Verification;
 use crate::verify::{grid, run};
 
@@ -20,7 +23,7 @@ pub(super) fn run(args: &VerifyArgs) -> Result<(), Failure> {
     let mut device = args.device.connect();
     let verification = verify(device.as_mut(), &cameras)?;
     output::write(None, |sink| {
-        sink.write_all(report::table::text(&verification).as_bytes())
+        sink.write_all(table::text(&verification).as_bytes())
     })?;
     if let Some(folder) = folder {
         write_report(&folder, &verification)?;
@@ -70,7 +73,41 @@ fn verify(device: &mut dyn Device, cameras: &[CameraFile]) -> Result<Verificatio
     })
 }
 
+/// report.html, summary.json, frames.csv, and each camera's figures.
 fn write_report(folder: &OutputFolder, verification: &Verification) -> Result<(), Failure> {
-    let _ = (folder, verification);
+    let drawing = |error: FigureError| Failure::device_or_io(format!("figure: {error}"));
+    folder.write("summary.json", |sink| {
+        serde_json::to_writer_pretty(&mut *sink, &Summary::of(verification))?;
+        writeln!(sink)
+    })?;
+    folder.write("frames.csv", |sink| {
+        frames_csv::write(verification, sink).map_err(io::Error::other)
+    })?;
+    for camera in &verification.cameras {
+        let name = file_name(&camera.name);
+        for (figure, svg) in [
+            ("distortion", arrow_field::distortion(camera)),
+            ("dynamic-change", arrow_field::dynamic(camera)),
+            ("error", error_plot::error_against_travel(camera)),
+        ] {
+            let svg = svg.map_err(drawing)?;
+            folder.write(&format!("{name}-{figure}.svg"), |sink| {
+                sink.write_all(svg.as_bytes())
+            })?;
+        }
+    }
     Ok(())
+}
+
+/// A camera's name as part of a file name.
+fn file_name(name: &str) -> String {
+    name.chars()
+        .map(|c| {
+            if c.is_alphanumeric() {
+                c.to_ascii_lowercase()
+            } else {
+                '-'
+            }
+        })
+        .collect()
 }

@@ -1,20 +1,16 @@
-//! stub
-pub mod table {
-    use crate::verify::result::{Treatment, Verification};
-    #[must_use]
-    pub fn text(v: &Verification) -> String {
-        let mut s = String::new();
-        for c in &v.cameras {
-            s += &format!(
-                "{} worst {:?} solver {:e} coord {} stat {} printed {}\n",
-                c.name,
-                c.worst,
-                c.solver_error_mm() * 1e6,
-                c.coordinate_errors().max_mm() * 1e6,
-                c.errors(Treatment::Static).max_mm() * 1e3,
-                c.errors(Treatment::Printed).max_mm() * 1e3
-            );
-        }
-        s
-    }
-}
+//! What a verification tells its reader: a table, machine-readable files, figures and a page.
+
+pub mod arrow_field;
+mod arrow_scale;
+mod comparison;
+pub mod error_plot;
+pub mod figure;
+#[cfg(test)]
+mod fixture;
+pub mod frames_csv;
+mod length;
+mod marker;
+pub mod summary;
+pub mod table;
+mod verdict;
+mod wording;

@@ -39,6 +39,34 @@ fn five_published_cameras_pass_and_the_report_is_complete() {
     }
     let frames = fs::read_to_string(bench.path("report/frames.csv")).unwrap();
     assert_eq!(frames.lines().count(), 1 + 600);
+    assert_readme_quotes(&summary);
+    let figure = bench.path("report/phase-one-ixm-rs150f-50-mm-dynamic-change.svg");
+    assert_eq!(
+        fs::read_to_string(figure).unwrap(),
+        include_str!("../../../docs/figures/dynamic-change.svg"),
+        "the README's figure is out of date: copy it from the report"
+    );
+}
+
+/// The README quotes the largest errors of camera and static correction.
+fn assert_readme_quotes(summary: &serde_json::Value) {
+    let readme = include_str!("../../../README.md").replace('\n', " ");
+    let static_max_um = summary["cameras"]
+        .as_array()
+        .unwrap()
+        .iter()
+        .map(|camera| camera["static_max_um"].as_f64().unwrap())
+        .fold(0.0, f64::max);
+    for quoted in [
+        format!(
+            "largest error of a distortion {:.2} nm",
+            summary["max_error_nm"].as_f64().unwrap()
+        ),
+        format!("calibration is off by up to {static_max_um:.2} µm"),
+        "264,600 coordinates".to_owned(),
+    ] {
+        assert!(readme.contains(&quoted), "README: {quoted}");
+    }
 }
 
 #[test]

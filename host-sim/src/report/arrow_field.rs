@@ -1,0 +1,251 @@
+//! Distortion as arrows on the sensor.
+
+use plotters::element::{Circle, PathElement, Rectangle, Text};
+use plotters::prelude::{ChartBuilder, Color, IntoDrawingArea, RGBColor, SVGBackend};
+
+use super::arrow_scale::ArrowScale;
+use super::figure::{Canvas, FigureError, GRID, INK, OUTLINE, pixels, text};
+use super::{length, wording};
+use crate::verify::result::{CameraResult, FieldPoint};
+
+/// Colour of the arrows.
+const ARROW: RGBColor = RGBColor(0, 90, 160);
+const WIDTH: u32 = 1200;
+const TITLE_HEIGHT: u32 = 110;
+const AXIS_WIDTH: u32 = 110;
+const AXIS_HEIGHT: u32 = 95;
+const EDGE: u32 = 20;
+const LEGEND_HEIGHT: u32 = 150;
+const FONT: u32 = 30;
+
+/// The static distortion, measured - ideal, in SVG.
+///
+/// # Errors
+/// [`FigureError`] without exposures or if the drawing fails.
+pub fn distortion(camera: &CameraResult) -> Result<String, FigureError> {
+    let titles = [
+        "Static distortion, measured − ideal".to_owned(),
+        camera.name.clone(),
+    ];
+    draw(camera, &titles, |point| point.static_mm)
+}
+
+/// What one exposure adds to the static distortion, in SVG: the exposure with the largest change.
+///
+/// # Errors
+/// [`FigureError`] without exposures or if the drawing fails.
+pub fn dynamic(camera: &CameraResult) -> Result<String, FigureError> {
+    let frame = camera
+        .frames
+        .get(camera.field.frame)
+        .ok_or(FigureError::NothingToDraw)?;
+    let titles = [
+        "Dynamic change: strict exposure mean − static".to_owned(),
+        format!(
+            "V/H {}, {}, δ {}, {}",
+            wording::vh(frame.vh_per_s),
+            wording::exposure(frame.exposure_s),
+            length::text(frame.travel_mm),
+            wording::strategy(frame.strategy)
+        ),
+    ];
+    draw(camera, &titles, |point| point.dynamic_mm)
+}
+
+fn draw(
+    camera: &CameraResult,
+    titles: &[String; 2],
+    displacement: impl Fn(&FieldPoint) -> [f64; 2],
+) -> Result<String, FigureError> {
+    let arrows: Vec<Arrow> = camera
+        .field
+        .points
+        .iter()
+        .map(|point| Arrow {
+            from_mm: point.point_mm,
+            displacement_mm: displacement(point),
+        })
+        .collect();
+    if arrows.is_empty() {
+        return Err(FigureError::NothingToDraw);
+    }
+    let lengths = arrows.iter().map(|arrow| length_of(arrow.displacement_mm));
+    let scale = ArrowScale::fitting(camera.format_mm, lengths);
+    let [half_x, half_y] = camera
+        .format_mm
+        .map(|format| format / 2.0 + scale.spacing_mm);
+    let plot_width = WIDTH - AXIS_WIDTH - EDGE;
+    let pixels_per_mm = f64::from(plot_width) / (2.0 * half_x);
+    let plot_height = pixels(2.0 * half_y * pixels_per_mm).unsigned_abs();
+    let chart_height = TITLE_HEIGHT + plot_height + AXIS_HEIGHT;
+
+    let mut svg = String::new();
+    {
+        let size = (WIDTH, chart_height + LEGEND_HEIGHT);
+        let canvas = SVGBackend::with_string(&mut svg, size).into_drawing_area();
+        canvas.fill(&plotters::style::WHITE)?;
+        for (title, (y, font)) in titles.iter().zip([(32, FONT + 4), (78, FONT)]) {
+            canvas.draw(&Text::new(title.clone(), (20, y), text(font)))?;
+        }
+        let (upper, legend) = canvas.split_vertically(chart_height);
+        let mut chart = ChartBuilder::on(&upper)
+            .margin_top(TITLE_HEIGHT)
+            .margin_right(EDGE)
+            .x_label_area_size(AXIS_HEIGHT)
+            .y_label_area_size(AXIS_WIDTH)
+            .build_cartesian_2d(-half_x..half_x, -half_y..half_y)?;
+        chart
+            .configure_mesh()
+            .disable_mesh()
+            .axis_style(GRID)
+            .label_style(text(FONT - 4))
+            .axis_desc_style(text(FONT - 2))
+            .x_desc("x, mm")
+            .y_desc("y, mm")
+            .draw()?;
+        let [x, y] = camera.format_mm.map(|format| format / 2.0);
+        chart.draw_series([Rectangle::new([(-x, -y), (x, y)], OUTLINE.stroke_width(3))])?;
+        let head_mm = 0.28 * scale.spacing_mm;
+        let dots = arrows.iter().filter(|arrow| !scale.shows(arrow));
+        chart.draw_series(dots.map(|arrow| Circle::new(arrow.from(), 3, ARROW.filled())))?;
+        let drawn = arrows.iter().filter(|arrow| scale.shows(arrow));
+        chart.draw_series(drawn.map(|arrow| {
+            let to = scale.drawn_mm(arrow.displacement_mm);
+            PathElement::new(path(arrow.from_mm, to, head_mm), ARROW.stroke_width(3))
+        }))?;
+        draw_legend(&legend, &scale, pixels_per_mm, camera.axis)?;
+        canvas.present()?;
+    }
+    Ok(svg)
+}
+
+/// A displacement at a point.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Arrow {
+    pub(super) from_mm: [f64; 2],
+    pub(super) displacement_mm: [f64; 2],
+}
+
+impl Arrow {
+    fn from(&self) -> (f64, f64) {
+        self.from_mm.into()
+    }
+}
+
+pub(super) fn length_of([x, y]: [f64; 2]) -> f64 {
+    x.hypot(y)
+}
+
+/// Shaft and head of an arrow in one stroke.
+fn path([x, y]: [f64; 2], [dx, dy]: [f64; 2], head: f64) -> Vec<(f64, f64)> {
+    let length = length_of([dx, dy]);
+    let head = head.min(0.4 * length) / length;
+    let tip = (x + dx, y + dy);
+    let barb = |side: f64| {
+        (
+            tip.0 - head * (dx - 0.5 * side * dy),
+            tip.1 - head * (dy + 0.5 * side * dx),
+        )
+    };
+    vec![(x, y), tip, barb(1.0), tip, barb(-1.0)]
+}
+
+/// Length of the arrows and direction of flight, below the axes.
+fn draw_legend(
+    legend: &Canvas<'_>,
+    scale: &ArrowScale,
+    pixels_per_mm: f64,
+    axis: &str,
+) -> Result<(), FigureError> {
+    let left = f64::from(AXIS_WIDTH);
+    // Pixels count downwards.
+    let arrow = |from: [f64; 2], by: [f64; 2], colour: RGBColor| {
+        let corners = path(from, by, 18.0);
+        let corners: Vec<(i32, i32)> = corners
+            .iter()
+            .map(|(x, y)| (pixels(*x), pixels(*y)))
+            .collect();
+        PathElement::new(corners, colour.stroke_width(4))
+    };
+    let note = |text_at: f64, y: i32, words: String| {
+        Text::new(words, (pixels(text_at), y), text(FONT - 2))
+    };
+    if let Some((sample_mm, drawn_mm)) = scale.sample(300.0 / pixels_per_mm) {
+        let drawn = drawn_mm * pixels_per_mm;
+        legend.draw(&arrow([left, 35.0], [drawn, 0.0], ARROW))?;
+        let words = format!(
+            "= {}, {}",
+            length::text(sample_mm),
+            scale.exaggeration_text()
+        );
+        legend.draw(&note(left + drawn + 20.0, 35, words))?;
+    } else {
+        legend.draw(&note(left, 35, "zero at every point".to_owned()))?;
+    }
+    let (centre, half) = ([left + 35.0, 105.0], 28.0);
+    let direction = match axis {
+        "+x" => [1.0, 0.0],
+        "-x" => [-1.0, 0.0],
+        "-y" => [0.0, 1.0],
+        _ => [0.0, -1.0],
+    };
+    let [x, y] = centre;
+    let [dx, dy] = direction.map(|part| part * half);
+    legend.draw(&arrow([x - dx, y - dy], [2.0 * dx, 2.0 * dy], INK))?;
+    let words = format!("flight: the principal point moves this way ({axis})");
+    legend.draw(&note(left + 85.0, 105, words))?;
+    Ok(())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::report::fixture;
+
+    fn arrows_in(svg: &str) -> usize {
+        svg.matches(r##"stroke="#005AA0""##).count()
+    }
+
+    #[test]
+    fn every_point_has_its_arrow_and_the_legend_one() {
+        let camera = fixture::camera("Alpha", 0.1);
+        for svg in [distortion(&camera).unwrap(), dynamic(&camera).unwrap()] {
+            assert_eq!(arrows_in(&svg), 9 + 1);
+            assert!(!svg.contains("NaN") && !svg.contains("inf"));
+            assert!(svg.contains("the principal point moves this way (+y)"));
+        }
+    }
+
+    #[test]
+    fn sensor_keeps_its_proportions() {
+        let svg = distortion(&fixture::camera("Alpha", 0.1)).unwrap();
+        let outline = svg.split('<').find(|tag| tag.contains("#6E7682")).unwrap();
+        let number = |name: &str| -> f64 {
+            let (_, rest) = outline.split_once(&format!(" {name}=\"")).unwrap();
+            rest.split('"').next().unwrap().parse().unwrap()
+        };
+        let ratio = number("width") / number("height");
+        assert!((ratio - 2.0).abs() < 0.01, "{ratio}");
+    }
+
+    #[test]
+    fn distortion_of_zero_is_drawn_as_points() {
+        let mut camera = fixture::camera("Alpha", 0.1);
+        for point in &mut camera.field.points {
+            point.dynamic_mm = [0.0, 0.0];
+        }
+        let svg = dynamic(&camera).unwrap();
+        assert_eq!(arrows_in(&svg), 0);
+        assert!(svg.contains("zero at every point"));
+        assert!(!svg.contains("NaN"));
+    }
+
+    #[test]
+    fn camera_without_exposures_has_no_figure() {
+        let mut camera = fixture::camera("Alpha", 0.1);
+        camera.frames.clear();
+        camera.field.points.clear();
+        assert!(distortion(&camera).is_err());
+        assert!(dynamic(&camera).is_err());
+    }
+}

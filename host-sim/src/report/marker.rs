@@ -1,0 +1,72 @@
+//! How figures tell the treatments and the run-up strategies apart.
+
+use plotters::prelude::{Color, RGBColor, ShapeStyle};
+
+use crate::verify::result::Treatment;
+
+/// Corners of a marker, pixels from its point.
+pub(super) type Corners = Vec<(i32, i32)>;
+
+/// Colour of a treatment (Okabe and Ito's palette, safe for the colour-blind).
+pub(super) const fn colour(treatment: Treatment) -> RGBColor {
+    match treatment {
+        Treatment::None => RGBColor(95, 95, 95),
+        Treatment::Static => RGBColor(0, 114, 178),
+        Treatment::Printed => RGBColor(213, 94, 0),
+        Treatment::Camera => RGBColor(0, 140, 100),
+    }
+}
+
+/// Shape of a treatment: octagon, square, triangle, diamond.
+pub(super) fn corners(treatment: Treatment) -> Corners {
+    match treatment {
+        Treatment::None => vec![
+            (-3, -8),
+            (3, -8),
+            (8, -3),
+            (8, 3),
+            (3, 8),
+            (-3, 8),
+            (-8, 3),
+            (-8, -3),
+        ],
+        Treatment::Static => vec![(-7, -7), (7, -7), (7, 7), (-7, 7)],
+        Treatment::Printed => vec![(0, -9), (9, 7), (-9, 7)],
+        Treatment::Camera => vec![(0, -10), (9, 0), (0, 10), (-9, 0)],
+    }
+}
+
+/// The outline of a marker, closed.
+pub(super) fn outline(treatment: Treatment) -> Corners {
+    let mut outline = corners(treatment);
+    outline.extend(outline.first().copied());
+    outline
+}
+
+/// A centred run-up is drawn hollow, every other filled.
+pub(super) fn is_hollow(strategy: &str) -> bool {
+    strategy == "centred"
+}
+
+pub(super) fn filled(treatment: Treatment) -> ShapeStyle {
+    colour(treatment).filled()
+}
+
+pub(super) fn hollow(treatment: Treatment) -> ShapeStyle {
+    colour(treatment).stroke_width(2)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn treatments_differ_in_colour_and_in_shape() {
+        for (index, one) in Treatment::ALL.iter().enumerate() {
+            for other in &Treatment::ALL[index + 1..] {
+                assert_ne!(colour(*one), colour(*other));
+                assert_ne!(corners(*one), corners(*other));
+            }
+        }
+    }
+}

@@ -1,0 +1,100 @@
+//! The verification as a table for a terminal or a pipe.
+
+use comfy_table::{Cell, CellAlignment, Table, presets::UTF8_FULL_CONDENSED};
+
+use super::comparison::{Comparison, Row};
+use super::verdict::{self, Verdict};
+use crate::verify::result::Verification;
+
+/// The whole verification: device, a row per camera, the worst case and the verdict.
+#[must_use]
+pub fn text(verification: &Verification) -> String {
+    let verdict = Verdict::of(verification);
+    let mut lines = vec![
+        format!("device: {}", verification.device),
+        table(&Comparison::of(verification)).trim_fmt(),
+        "errors of dx and of dy (per axis) against the strict solver, over all points and exposures"
+            .to_owned(),
+    ];
+    lines.extend(verdict.worst.map(|worst| format!("worst case: {worst}")));
+    lines.extend(verdict.failures);
+    lines.push(format!("limits: {}", verdict::limits()));
+    let word = if verdict.passed { "PASS" } else { "FAIL" };
+    lines.push(format!("{word}: {}", verdict.headline));
+    lines.join("\n") + "\n"
+}
+
+fn table(comparison: &Comparison) -> Table {
+    let mut table = Table::new();
+    table.load_style(UTF8_FULL_CONDENSED);
+    let mut header = vec![
+        "camera".to_owned(),
+        "points".to_owned(),
+        "δ\nµm".to_owned(),
+        "distortion\nµm".to_owned(),
+    ];
+    for (label, unit) in &comparison.treatments {
+        header.push(format!("{label}\nmax / rms, {unit}"));
+    }
+    header.push("coordinate\nmax, nm".to_owned());
+    header.push("verdict".to_owned());
+    table.set_header(header);
+    for row in &comparison.rows {
+        table.add_row(cells(row));
+    }
+    for column in table.column_iter_mut().skip(1) {
+        column.set_cell_alignment(CellAlignment::Right);
+    }
+    table
+}
+
+fn cells(row: &Row) -> Vec<Cell> {
+    let mut cells = vec![
+        Cell::new(&row.camera),
+        Cell::new(row.points),
+        Cell::new(&row.travel_um),
+        Cell::new(&row.distortion_um),
+    ];
+    for errors in &row.errors {
+        cells.push(Cell::new(format!("{} / {}", errors.max, errors.rms)));
+    }
+    cells.push(Cell::new(&row.coordinate_max_nm));
+    cells.push(Cell::new(if row.passed { "pass" } else { "FAIL" }));
+    cells
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::report::fixture;
+
+    #[test]
+    fn table_holds_every_camera_device_limits_and_verdict() {
+        let text = text(&fixture::passing());
+        assert!(text.starts_with("device: mock camera\n"));
+        for part in [
+            "Alpha",
+            "Beta",
+            "1.5 nm",
+            "5 nm",
+            "0.01 nm",
+            "worst case: Beta",
+        ] {
+            assert!(text.contains(part), "{part} is missing in\n{text}");
+        }
+        assert!(text.lines().last().unwrap().starts_with("PASS: "));
+    }
+
+    #[test]
+    fn table_fits_200_columns() {
+        let text = text(&fixture::passing());
+        assert!(text.lines().all(|line| line.chars().count() <= 200));
+    }
+
+    #[test]
+    fn failing_verification_says_so_and_names_the_camera() {
+        let text = text(&fixture::failing());
+        assert!(text.contains("Beta: error of dx or dy 2.00 nm exceeds 1.5 nm"));
+        assert!(text.lines().last().unwrap().starts_with("FAIL: "));
+    }
+}

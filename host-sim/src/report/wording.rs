@@ -1,0 +1,103 @@
+//! Numbers and names as the reports write them.
+
+/// Digits in groups of three: `264,600`.
+pub(super) fn count(number: u64) -> String {
+    grouped(&number.to_string())
+}
+
+/// The digits before the point in groups of three.
+pub(super) fn grouped(number: &str) -> String {
+    let (whole, rest) = number.split_at(number.find('.').unwrap_or(number.len()));
+    let mut text = String::new();
+    for (index, digit) in whole.chars().enumerate() {
+        if index > 0 && (whole.len() - index).is_multiple_of(3) {
+            text.push(',');
+        }
+        text.push(digit);
+    }
+    text + rest
+}
+
+/// A number of things, with their name in the singular or plural.
+pub(super) fn counted(number: usize, noun: &str) -> String {
+    let plural = if number == 1 { "" } else { "s" };
+    format!("{} {noun}{plural}", count(number as u64))
+}
+
+/// An exposure time: a fraction of a second where it is one.
+pub(super) fn exposure(exposure_s: f64) -> String {
+    let denominator = exposure_s.recip().round();
+    if denominator > 1.0 && (exposure_s * denominator - 1.0).abs() < 1e-6 {
+        format!("1/{denominator} s")
+    } else {
+        format!("{} s", decimals(exposure_s, 6))
+    }
+}
+
+/// V/H with its unit.
+pub(super) fn vh(vh_per_s: f64) -> String {
+    format!("{} s⁻¹", decimals(vh_per_s, 4))
+}
+
+/// A number with at most so many decimals, none of them a trailing zero.
+pub(super) fn decimals(number: f64, most: usize) -> String {
+    let text = format!("{number:.most$}");
+    if text.contains('.') {
+        text.trim_end_matches('0').trim_end_matches('.').to_owned()
+    } else {
+        text
+    }
+}
+
+/// A run-up strategy in a sentence.
+pub(super) fn strategy(name: &str) -> &str {
+    match name {
+        "centred" => "centred run-up",
+        "from-rest" => "run-up from rest",
+        "tdi" => "TDI, no run-up",
+        other => other,
+    }
+}
+
+/// `a`, `a and b`, `a, b and c`.
+pub(super) fn list(items: &[String]) -> String {
+    match items {
+        [] => String::new(),
+        [only] => only.clone(),
+        [first @ .., last] => format!("{} and {last}", first.join(", ")),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn digits_are_grouped_by_thousands() {
+        assert_eq!(count(264_600), "264,600");
+        assert_eq!(count(441), "441");
+        assert_eq!(counted(1, "camera"), "1 camera");
+        assert_eq!(counted(1_234_567, "camera"), "1,234,567 cameras");
+    }
+
+    #[test]
+    fn exposure_is_a_fraction_where_it_is_one() {
+        assert_eq!(exposure(1.0 / 175.0), "1/175 s");
+        assert_eq!(exposure(0.01), "1/100 s");
+        assert_eq!(exposure(0.0123), "0.0123 s");
+    }
+
+    #[test]
+    fn no_number_ends_in_a_trailing_zero() {
+        assert_eq!(vh(0.17), "0.17 s⁻¹");
+        assert_eq!(vh(0.05 + 0.12 / 9.0), "0.0633 s⁻¹");
+        assert_eq!(decimals(100.0, 0), "100");
+    }
+
+    #[test]
+    fn list_ends_in_and() {
+        let items = ["a", "b", "c"].map(str::to_owned);
+        assert_eq!(list(&items), "a, b and c");
+        assert_eq!(list(&items[..1]), "a");
+    }
+}
