@@ -220,20 +220,15 @@ impl Camera {
     /// The frame of a given motion, planned or measured.
     ///
     /// # Errors
-    /// [`FrameError`] for a focus shift beyond [`MAX_FOCUS_FRACTION`], for a principal point
-    /// beyond the stroke, and for the fitted model of a camera that has none.
+    /// [`FrameError`] for a focus shift beyond [`MAX_FOCUS_FRACTION`], for a motion that leaves the
+    /// stroke, and for the fitted model of a camera that has none.
     pub fn frame_of(
         &self,
         exposure: &Exposure,
         motion: &PrincipalPointMotion,
     ) -> Result<Frame, FrameError> {
         let record = self.calibration.record();
-        let half_stroke_mm = 0.5 * record.stroke_mm;
-        Quantity::CentroidOffsetMm.check_within(
-            motion.centroid_mm,
-            -half_stroke_mm,
-            half_stroke_mm,
-        )?;
+        within_stroke(motion, record.stroke_mm)?;
         let focus = self.focus_shift(exposure, motion)?;
         let (correction, enlargement) = match exposure.model {
             CorrectionModel::Exact => (
@@ -287,4 +282,27 @@ impl Camera {
         Quantity::FocusShiftUm.check_within(shift.shift_mm * 1000.0, -largest_um, largest_um)?;
         Ok(shift)
     }
+}
+
+/// The motion stays where the calibration has been shown to be one-to-one.
+fn within_stroke(motion: &PrincipalPointMotion, stroke_mm: f32) -> Result<(), OutOfRange> {
+    let half_mm = 0.5 * stroke_mm;
+    let opening_mm =
+        Quantity::OpeningOffsetMm.check_within(motion.opening_offset_mm, -half_mm, half_mm)?;
+    // Rounding of the sum may exceed the stroke by a unit in the last place.
+    let slack_mm = stroke_mm * f32::EPSILON;
+    Quantity::TravelMm.check_within(
+        motion.travel_mm,
+        -half_mm - opening_mm - slack_mm,
+        half_mm - opening_mm + slack_mm,
+    )?;
+    Quantity::CentroidOffsetMm.check_within(
+        motion.centroid_mm,
+        -half_mm - slack_mm,
+        half_mm + slack_mm,
+    )?;
+    // A path within the stroke varies by no more than a quarter of its square.
+    let deviation_mm = libm::sqrtf(motion.moments.second);
+    Quantity::TravelMm.check_within(deviation_mm, 0.0, half_mm + slack_mm)?;
+    Ok(())
 }

@@ -61,7 +61,7 @@ impl fmt::Display for StrokeTooShort {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         write!(
             f,
-            "the exposure needs the stage from {:.4} mm to {:.4} mm, the stroke allows -{:.4} mm to {:.4} mm",
+            "the exposure moves the principal point from {:.4} mm to {:.4} mm, the stroke allows -{:.4} mm to {:.4} mm",
             self.from_mm, self.to_mm, self.half_stroke_mm, self.half_stroke_mm
         )
     }

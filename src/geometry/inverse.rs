@@ -13,10 +13,6 @@ pub const MAX_STEPS: u8 = 12;
 /// shrink quadratically, and the next would be far below rounding.
 pub const LAST_RESIDUAL_NM: f32 = 20.0;
 
-/// How far beyond the edge a measured point may come out by rounding alone, in units of the
-/// relative precision; it is then put on the edge.
-const EDGE_ULPS: f32 = 4.0;
-
 /// No measured point belongs to the ideal one.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum DistortError {
@@ -64,13 +60,15 @@ impl FrameCorrection {
     ///
     /// # Accuracy
     /// `distort(correct(p))` is within two units in the last place of p, or of its ideal point
-    /// where that is larger, and within 0.02 nm where both are so small that this is less
-    /// (`tests/geometry/round_trip.rs`).
+    /// where that is larger, divided by the scale `∂(ideal)/∂(measured)` where that is below 0.7,
+    /// and within 0.02 nm where all this is less (`tests/geometry/round_trip.rs`).
     ///
     /// # Errors
     /// [`DistortError`]; never a finite point that does not belong to `ideal`.
     pub fn distort(&self, ideal: SensorPoint) -> Result<Corrected, DistortError> {
-        let mut d = self.distortion(ideal);
+        // Every iterate stays on the sensor, where the map is one-to-one: beyond it the polynomial
+        // may have other roots.
+        let mut d = self.on_sensor(ideal, self.distortion(self.clamped(ideal)));
         let mut residual_nm = f32::NAN;
         for _ in 0..MAX_STEPS {
             let measured = shifted(ideal, d);
@@ -80,34 +78,46 @@ impl FrameCorrection {
                 dy_mm: d.dy_mm - distortion.dy_mm,
             };
             let step = newton_step(self.jacobian(measured), residual);
-            d = Displacement {
+            let next = Displacement {
                 dx_mm: d.dx_mm - step.dx_mm,
                 dy_mm: d.dy_mm - step.dy_mm,
             };
             residual_nm = 1e6 * (residual.dx_mm.abs() + residual.dy_mm.abs());
-            if !(d.dx_mm + d.dy_mm).is_finite() {
+            if !(next.dx_mm + next.dy_mm).is_finite() {
                 break;
             }
+            let point = shifted(ideal, next);
             if residual_nm <= LAST_RESIDUAL_NM {
-                return self.on_sensor(shifted(ideal, d), d);
+                return if self.contains(point) {
+                    Ok(Corrected {
+                        point,
+                        distortion: next,
+                    })
+                } else {
+                    Err(DistortError::OffSensor(point))
+                };
             }
+            let kept = self.on_sensor(ideal, next);
+            if kept == d {
+                // The edge holds it back: the measured point is beyond.
+                return Err(DistortError::OffSensor(point));
+            }
+            d = kept;
         }
         Err(DistortError::NotConverged { residual_nm })
     }
 
-    fn on_sensor(
-        &self,
-        measured: SensorPoint,
-        distortion: Displacement,
-    ) -> Result<Corrected, DistortError> {
-        let point = SensorPoint::new(
-            onto_edge(measured.x_mm, self.half_width_mm),
-            onto_edge(measured.y_mm, self.half_height_mm),
-        );
-        if point.x_mm.abs() <= self.half_width_mm && point.y_mm.abs() <= self.half_height_mm {
-            Ok(Corrected { point, distortion })
-        } else {
-            Err(DistortError::OffSensor(measured))
+    /// The displacement cut where it would leave the sensor.
+    fn on_sensor(&self, ideal: SensorPoint, d: Displacement) -> Displacement {
+        let point = shifted(ideal, d);
+        let clamped = self.clamped(point);
+        let cut = |d: f32, point: f32, clamped: f32| {
+            let beyond = point - clamped;
+            if beyond.abs() > 0.0 { d - beyond } else { d }
+        };
+        Displacement {
+            dx_mm: cut(d.dx_mm, point.x_mm, clamped.x_mm),
+            dy_mm: cut(d.dy_mm, point.y_mm, clamped.y_mm),
         }
     }
 }
@@ -125,14 +135,4 @@ fn newton_step(j: Jacobian, residual: Displacement) -> Displacement {
 
 fn shifted(point: SensorPoint, by: Displacement) -> SensorPoint {
     SensorPoint::new(point.x_mm + by.dx_mm, point.y_mm + by.dy_mm)
-}
-
-/// A coordinate that rounding has put a few units in the last place beyond an edge, on the edge.
-fn onto_edge(value: f32, half: f32) -> f32 {
-    let beyond = value.abs() - half;
-    if beyond > 0.0 && beyond <= EDGE_ULPS * f32::EPSILON * half {
-        half.copysign(value)
-    } else {
-        value
-    }
 }

@@ -29,6 +29,15 @@ pub struct FocusShift {
 }
 
 impl FocusShift {
+    /// The distance to which Δz is related: L, with the printed signs f, mm.
+    #[must_use]
+    pub const fn lever_mm(&self) -> f32 {
+        match self.sign {
+            FocusSign::Physical => self.exit_pupil_mm,
+            FocusSign::Printed => self.principal_distance_mm,
+        }
+    }
+
     /// κ: the relative enlargement of the image, Δz/L; with the printed signs k0' = -Δf/f.
     ///
     /// # Examples
@@ -40,9 +49,10 @@ impl FocusShift {
     /// ```
     #[must_use]
     pub fn enlargement(&self) -> f32 {
+        let relative = self.shift_mm / self.lever_mm();
         match self.sign {
-            FocusSign::Physical => self.shift_mm / self.exit_pupil_mm,
-            FocusSign::Printed => -self.shift_mm / self.principal_distance_mm,
+            FocusSign::Physical => relative,
+            FocusSign::Printed => -relative,
         }
     }
 
@@ -218,30 +228,72 @@ mod tests {
         }
     }
 
+    fn motion(centroid_mm: f32, moments: CentralMoments) -> PrincipalPointMotion {
+        PrincipalPointMotion {
+            opening_offset_mm: 0.0,
+            travel_mm: 0.5,
+            centroid_time_s: 0.005,
+            centroid_mm,
+            moments,
+        }
+    }
+
+    const FLATNESS: Flatness = Flatness {
+        coefficients_um: [3.0, -2.0, 1.5, -4.0, 6.0],
+    };
+
+    fn run_out_um(s: f64) -> f64 {
+        3.0 - 2.0 * s + 1.5 * s * s - 4.0 * s.powi(3) + 6.0 * s.powi(4)
+    }
+
     #[test]
     fn mean_run_out_is_that_of_a_fine_sum() {
-        let flatness = Flatness {
-            coefficients_um: [3.0, -2.0, 1.5, -4.0, 6.0],
-        };
-        let (centre, travel) = (0.3_f32, 0.5_f32);
         let moments = CentralMoments {
             second: 1.0 / 12.0,
             third: 0.0,
             fourth: 1.0 / 80.0,
         };
-        let motion = PrincipalPointMotion {
-            opening_offset_mm: centre - travel / 2.0,
-            travel_mm: travel,
-            centroid_time_s: 0.005,
-            centroid_mm: centre,
-            moments: moments.scaled(travel),
-        };
         let steps = 2000;
         let expected_um: f64 = (0..steps)
-            .map(|i| 0.05 + 0.5 * (f64::from(i) + 0.5) / f64::from(steps))
-            .map(|s| 3.0 - 2.0 * s + 1.5 * s * s - 4.0 * s.powi(3) + 6.0 * s.powi(4))
+            .map(|i| run_out_um(0.05 + 0.5 * (f64::from(i) + 0.5) / f64::from(steps)))
             .sum::<f64>()
             / f64::from(steps);
-        assert!((f64::from(flatness.mean_shift_mm(&motion)) * 1000.0 - expected_um).abs() < 1e-5);
+        let mean_mm = FLATNESS.mean_shift_mm(&motion(0.3, moments.scaled(0.5)));
+        assert!((f64::from(mean_mm) * 1000.0 - expected_um).abs() < 1e-5);
+    }
+
+    #[test]
+    fn mean_run_out_of_a_skew_path_is_exact() {
+        // A path that is a below its mean for two thirds of the light and 2a above it for one.
+        let (centroid, a) = (0.4_f32, 0.2_f32);
+        let moments = CentralMoments {
+            second: 2.0 * a * a,
+            third: 2.0 * a * a * a,
+            fourth: 6.0 * a * a * a * a,
+        };
+        let expected_um = (2.0 * run_out_um(0.2) + run_out_um(0.8)) / 3.0;
+        let mean_mm = FLATNESS.mean_shift_mm(&motion(centroid, moments));
+        assert!((f64::from(mean_mm) * 1000.0 - expected_um).abs() < 1e-5);
+    }
+
+    #[test]
+    fn steepest_run_out_is_not_exceeded_and_is_reached_by_single_powers() {
+        let reach = 1.7_f32;
+        let slopes = [
+            1.0,
+            2.0 * reach,
+            3.0 * reach * reach,
+            4.0 * reach * reach * reach,
+        ];
+        for (power, slope) in (1..).zip(slopes) {
+            let mut flatness = Flatness::FLAT;
+            flatness.coefficients_um[power] = -2.0;
+            let found = flatness.steepest(reach);
+            assert!(
+                (found / (2.0 * slope / 1000.0) - 1.0).abs() < 1e-6,
+                "{power}"
+            );
+        }
+        assert!((Flatness::FLAT.steepest(2.0)).abs() < 1e-12);
     }
 }

@@ -40,6 +40,7 @@ pub enum Quantity {
     ExposureS,
     OpeningOffsetMm,
     CentroidOffsetMm,
+    TravelMm,
     FocusShiftUm,
 }
 
@@ -84,6 +85,7 @@ impl Quantity {
             Self::ExposureS => "exposure_s",
             Self::OpeningOffsetMm => "opening_offset_mm",
             Self::CentroidOffsetMm => "centroid_offset_mm",
+            Self::TravelMm => "travel_mm",
             Self::FocusShiftUm => "focus_shift_um",
         }
     }
@@ -107,6 +109,7 @@ impl Quantity {
             Self::VhPerS => (0.0, 10.0),
             Self::ExposureS => (1e-6, 10.0),
             Self::OpeningOffsetMm | Self::CentroidOffsetMm => (-50.0, 50.0),
+            Self::TravelMm => (-100.0, 100.0),
             Self::FocusShiftUm => (-100_000.0, 100_000.0),
             Self::K0
             | Self::K1

@@ -86,7 +86,7 @@ pub const MAX_SIDE_MM: f32 = 500.0;
 pub struct Sensor {
     width_px: u32,
     height_px: u32,
-    pixel_mm: f32,
+    pixel_um: f32,
 }
 
 impl Sensor {
@@ -108,7 +108,7 @@ impl Sensor {
         Ok(Self {
             width_px,
             height_px,
-            pixel_mm,
+            pixel_um,
         })
     }
 
@@ -127,25 +127,30 @@ impl Sensor {
     /// Pixel pitch p, mm.
     #[must_use]
     pub const fn pixel_mm(&self) -> f32 {
-        self.pixel_mm
+        self.pixel_um / 1000.0
     }
 
     /// The distance from the centre to the left and right edge, mm.
     #[must_use]
     pub fn half_width_mm(&self) -> f32 {
-        pixels(self.width_px) * 0.5 * self.pixel_mm
+        pixels(self.width_px) * self.pixel_um / 2000.0
     }
 
     /// The distance from the centre to the upper and lower edge, mm.
     #[must_use]
     pub fn half_height_mm(&self) -> f32 {
-        pixels(self.height_px) * 0.5 * self.pixel_mm
+        pixels(self.height_px) * self.pixel_um / 2000.0
     }
 
     /// Whether the point lies on the array, edges included. A NaN does not.
+    ///
+    /// # Accuracy
+    /// In single precision an edge is known to two units in the last place; a point is on it within
+    /// that.
     #[must_use]
     pub fn contains(&self, point: SensorPoint) -> bool {
-        point.x_mm.abs() <= self.half_width_mm() && point.y_mm.abs() <= self.half_height_mm()
+        let within = |value: f32, half: f32| value.abs() <= half.next_up().next_up();
+        within(point.x_mm, self.half_width_mm()) && within(point.y_mm, self.half_height_mm())
     }
 
     /// The sensor-frame point of a pixel coordinate.
@@ -168,8 +173,8 @@ impl Sensor {
     pub fn sensor_from_pixel(&self, pixel: PixelPoint) -> SensorPoint {
         let centre = self.centre();
         SensorPoint::new(
-            (pixel.col_px - centre.col_px) * self.pixel_mm,
-            (centre.row_px - pixel.row_px) * self.pixel_mm,
+            (pixel.col_px - centre.col_px) * self.pixel_mm(),
+            (centre.row_px - pixel.row_px) * self.pixel_mm(),
         )
     }
 
@@ -185,8 +190,8 @@ impl Sensor {
     pub fn pixel_from_sensor(&self, point: SensorPoint) -> PixelPoint {
         let centre = self.centre();
         PixelPoint {
-            col_px: centre.col_px + point.x_mm / self.pixel_mm,
-            row_px: centre.row_px - point.y_mm / self.pixel_mm,
+            col_px: centre.col_px + point.x_mm / self.pixel_mm(),
+            row_px: centre.row_px - point.y_mm / self.pixel_mm(),
         }
     }
 
@@ -224,7 +229,9 @@ mod tests {
         let sensor = Sensor::new(18000, 18000, 12.7).unwrap();
         let edge = sensor.half_width_mm();
         assert!(sensor.contains(SensorPoint::new(edge, -edge)));
-        assert!(!sensor.contains(SensorPoint::new(edge.next_up(), 0.0)));
+        // 114.3 mm: two units in the last place are 15 nm.
+        assert!(!sensor.contains(SensorPoint::new(edge + 2.3e-5, 0.0)));
+        assert!(!sensor.contains(SensorPoint::new(0.0, -edge - 2.3e-5)));
         assert!(!sensor.contains(SensorPoint::new(0.0, f32::NAN)));
     }
 

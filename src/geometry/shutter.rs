@@ -45,8 +45,14 @@ impl Shutter {
                 closing_fraction,
             } => {
                 let opening = Quantity::OpeningFraction.check(opening_fraction)?;
-                let closing =
-                    Quantity::ClosingFraction.check_within(closing_fraction, 0.0, 1.0 - opening)?;
+                // Fractions that sum to 1 in decimals may exceed it by rounding.
+                let rest = 1.0 - opening;
+                let closing = if closing_fraction > rest && closing_fraction <= rest + f32::EPSILON
+                {
+                    rest
+                } else {
+                    Quantity::ClosingFraction.check_within(closing_fraction, 0.0, rest)?
+                };
                 Ok(Self { opening, closing })
             }
         }
@@ -211,6 +217,13 @@ mod tests {
 
     #[test]
     fn ramps_longer_than_the_base_are_refused() {
+        assert!(
+            Shutter::new(ShutterProfile::Trapezoid {
+                opening_fraction: 0.09,
+                closing_fraction: 0.91
+            })
+            .is_ok()
+        );
         for (opening_fraction, closing_fraction) in
             [(0.6, 0.5), (-0.1, 0.0), (0.0, f32::NAN), (1.1, 0.0)]
         {

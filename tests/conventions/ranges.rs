@@ -74,6 +74,7 @@ fn documented_ranges_are_those_of_the_code() {
         ExposureS,
         OpeningOffsetMm,
         CentroidOffsetMm,
+        TravelMm,
         FocusShiftUm,
     );
     let of_the_code = quantities.map(|quantity| {

@@ -8,7 +8,7 @@ use fmc_camera::geometry::shutter::{Shutter, ShutterProfile};
 
 /// CRC-32 (ISO-HDLC) over the little-endian bits of x', y', dx, dy of 41 x 41 points of the five
 /// published cameras, opened 0.1 mm off, 0.1 mm of travel, detector 5 µm out of its plane.
-const DIGEST: u32 = 0x3da9_23d4;
+const DIGEST: u32 = 0x4135_3d8e;
 
 #[test]
 fn answers_have_the_recorded_bits() {
