@@ -63,7 +63,7 @@ pub struct ExposureArgs {
     #[arg(long, value_name = "PER_S", value_parser = finite, allow_negative_numbers = true)]
     pub vh: f64,
     /// Exposure time, first light to last: seconds or a fraction such as 1/200.
-    #[arg(long, value_name = "S", value_parser = exposure_time, allow_negative_numbers = true)]
+    #[arg(long, value_name = "S", value_parser = exposure_time, allow_hyphen_values = true)]
     pub exposure: f64,
     /// Offset of the principal point from its calibrated place when the shutter opens, along the
     /// FMC axis, mm; overrides the planned run-up.

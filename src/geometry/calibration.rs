@@ -233,3 +233,115 @@ fn exposure_slope(lens: &Brown, region: Region, stroke_mm: f32) -> f32 {
         * (5.0 * lens.k1.abs() + r2 * (18.0 * lens.k2.abs() + r2 * (60.0 * lens.k3.abs())));
     MAX_FOCUS_FRACTION / (1.0 - MAX_FOCUS_FRACTION) + moments
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// 80 mm x 40 mm behind 100 mm, with a K1 that folds the image at `radius` mm from the
+    /// principal point: 3·K1·r² = 1.
+    fn folding_at(radius: f32) -> CalibrationRecord {
+        let mut record = CalibrationRecord::new(100.0, [8000, 4000], 10.0);
+        record.stroke_mm = 0.1;
+        record.distortion.k1 = 1.0 / (3.0 * radius * radius);
+        record
+    }
+
+    fn is_usable(record: CalibrationRecord) -> bool {
+        Calibration::new(record).is_ok()
+    }
+
+    /// The corner is at 44.7 mm; with a fold at 50 mm the scale there is 0.2.
+    #[test]
+    fn sensor_is_enlarged_by_half_the_stroke_along_the_axis_alone() {
+        assert!(is_usable(folding_at(50.0)));
+        for (axis, usable) in [(FmcAxis::PlusX, false), (FmcAxis::MinusX, false)] {
+            let record = CalibrationRecord {
+                stroke_mm: 14.0,
+                axis,
+                ..folding_at(50.0)
+            };
+            assert_eq!(is_usable(record), usable, "{axis:?}");
+        }
+        // Along the short side the corner moves out by a third as much.
+        let record = CalibrationRecord {
+            stroke_mm: 6.0,
+            axis: FmcAxis::PlusY,
+            ..folding_at(51.0)
+        };
+        assert!(is_usable(record));
+        assert!(!is_usable(CalibrationRecord {
+            axis: FmcAxis::PlusX,
+            ..record
+        }));
+    }
+
+    #[test]
+    fn principal_point_off_the_centre_brings_a_corner_nearer_to_the_fold() {
+        for pp in [SensorPoint::new(6.0, 0.0), SensorPoint::new(0.0, -9.0)] {
+            assert!(!is_usable(CalibrationRecord {
+                principal_point: pp,
+                ..folding_at(50.0)
+            }));
+        }
+    }
+
+    #[test]
+    fn what_exposure_and_focus_add_is_part_of_the_proof() {
+        let calibration = Calibration::new(folding_at(52.0)).unwrap();
+        let region = calibration.region();
+        let form = folding_at(52.0).distortion.evaluation_form();
+        let alone = least_scale(&form, region, 0.0).unwrap();
+        // 1 % of focus shift enlarges by 1.01 %.
+        assert!(calibration.least_scale() < alone - 0.009);
+        assert!(region.reach_x > 40.0 * 1.01 && region.reach_y > 20.05 * 1.01);
+        let mut long_stroke = CalibrationRecord::new(100.0, [800, 400], 10.0);
+        long_stroke.stroke_mm = 100.0;
+        long_stroke.distortion.k1 = 2e-5;
+        let still = CalibrationRecord {
+            stroke_mm: 0.1,
+            ..long_stroke
+        };
+        assert!(is_usable(still));
+        // μ₂ of up to 2500 mm² would add 5·K1·μ₂ = 0.25 to the slope of 0.15.
+        let scale = Calibration::new(long_stroke).unwrap().least_scale();
+        assert!(scale < 0.65, "{scale}");
+    }
+
+    #[test]
+    fn fitted_model_is_judged_with_its_motion() {
+        let mut record = CalibrationRecord::new(100.0, [8000, 4000], 10.0);
+        record.fitted = Some(FiveCoefficients::default());
+        assert!(is_usable(record));
+        let refused = |fitted| {
+            let record = CalibrationRecord {
+                fitted: Some(fitted),
+                ..record
+            };
+            matches!(
+                Calibration::new(record),
+                Err(CalibrationError::Folds {
+                    polynomial: Polynomial::Fitted,
+                    ..
+                })
+            )
+        };
+        // 2·(Kd1 + Pm1)·δ·r = 2·2.6e-3·4·45 = 0.94.
+        let dynamic = FiveCoefficients {
+            kd1: 1.3e-3,
+            pm1: -1.3e-3,
+            ..FiveCoefficients::default()
+        };
+        assert!(refused(dynamic));
+        assert!(refused(FiveCoefficients {
+            km1: 2e-4,
+            ..FiveCoefficients::default()
+        }));
+        let strong = FiveCoefficients {
+            km1: 5e-5,
+            ..FiveCoefficients::default()
+        };
+        record.fitted = Some(strong);
+        assert!(Calibration::new(record).unwrap().least_scale() < 0.75);
+    }
+}

@@ -293,6 +293,7 @@ mod tests {
         for times in [
             &[0.0, 0.01][..],
             &[-0.003, 0.0007, 0.004, 0.0041, 0.0095, 0.013],
+            &[-0.5, -0.003, 0.0007, 0.0095, 0.013, 0.02, 0.3],
         ] {
             let measured =
                 PrincipalPointMotion::from_samples(&steady(times), 0.01, &shutter).unwrap();

@@ -83,6 +83,7 @@ impl ExposureArgs {
                     Quantity::OpeningOffsetMm => {
                         ("--opening-offset-mm: ", format!(" (stroke_mm of {file})"))
                     }
+                    Quantity::TdiRows => ("--vh and --exposure: ", format!(" ({file})")),
                     Quantity::FocusShiftUm => (
                         "--focus-shift-um with the run-out: ",
                         format!(" (1 % of the distances of {file})"),
@@ -98,7 +99,7 @@ impl ExposureArgs {
             DeviceError::Frame(_) | DeviceError::Calibration(_) => {
                 Failure::bad_input(format!("{file}: {error}"))
             }
-            DeviceError::Distort { .. } | DeviceError::NoFrame => {
+            DeviceError::Distort { .. } | DeviceError::Count { .. } | DeviceError::NoFrame => {
                 Failure::device_or_io(error.to_string())
             }
         }

@@ -15,6 +15,7 @@ use crate::formats::output;
 pub(super) fn run(args: &FrameArgs) -> Result<(), Failure> {
     let request = &args.exposure;
     let camera = request.read_camera()?;
+    output::check_not_the_input(args.out.as_deref(), &request.camera)?;
     let mut device = args.device.connect();
     let record = device
         .load(&camera.record())

@@ -27,6 +27,7 @@ const BATCH: usize = 4096;
 pub(super) fn run(args: &PointsArgs, direction: Direction) -> Result<(), Failure> {
     let request = &args.exposure;
     let camera = request.read_camera()?;
+    output::check_not_the_input(args.files.out.as_deref(), &request.camera)?;
     let points = PointTable::read(&args.files.points, &camera)?;
     if direction == Direction::Correct {
         points.check_on_sensor(&camera)?;
@@ -43,8 +44,16 @@ pub(super) fn run(args: &PointsArgs, direction: Direction) -> Result<(), Failure
             Direction::Correct => device.correct(&batch),
             Direction::Distort => device.distort(&batch),
         }
+        .and_then(|corrected| {
+            DeviceError::check_count(batch.len(), corrected.len())?;
+            Ok(corrected)
+        })
         .map_err(|error| point_failure(&error, &points, answers.len(), &camera, args))?;
-        answers.extend(corrected.iter().map(answer));
+        answers.extend(
+            corrected
+                .iter()
+                .map(|corrected| answer(corrected, direction, &camera)),
+        );
     }
     output::write(args.files.out.as_deref(), |sink| {
         points.write_answers(&answers, &camera, sink)
@@ -55,9 +64,21 @@ fn sensor_point([x, y]: [f64; 2]) -> SensorPoint {
     SensorPoint::new(single(x), single(y))
 }
 
-fn answer(corrected: &Corrected) -> Answer {
+fn answer(corrected: &Corrected, direction: Direction, camera: &CameraFile) -> Answer {
+    let [x, y] = [corrected.point.x_mm, corrected.point.y_mm].map(f64::from);
+    let point_mm = match direction {
+        Direction::Correct => [x, y],
+        // An edge in single precision may lie beyond the edge by rounding.
+        Direction::Distort => {
+            let [half_width, half_height] = camera.half_format_mm();
+            [
+                x.clamp(-half_width, half_width),
+                y.clamp(-half_height, half_height),
+            ]
+        }
+    };
     Answer {
-        point_mm: [corrected.point.x_mm, corrected.point.y_mm].map(f64::from),
+        point_mm,
         distortion_mm: [corrected.distortion.dx_mm, corrected.distortion.dy_mm].map(f64::from),
     }
 }

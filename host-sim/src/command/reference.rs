@@ -13,6 +13,7 @@ use crate::reference::strict::{Reading, StrictMean, StrictSolver, Weight};
 pub(super) fn run(args: &ReferenceArgs) -> Result<(), Failure> {
     let request = &args.exposure;
     let camera = request.read_camera()?;
+    output::check_not_the_input(args.files.out.as_deref(), &request.camera)?;
     let points = PointTable::read(&args.files.points, &camera)?;
     points.check_on_sensor(&camera)?;
     // The reference answers for what the camera would accept.

@@ -63,9 +63,31 @@ pub enum DeviceError {
         /// Why.
         error: DistortError,
     },
+    /// It answered more or fewer points than it was asked.
+    #[error("the camera was asked for {asked} points and answered {answered}")]
+    Count {
+        /// Points asked for.
+        asked: usize,
+        /// Points answered.
+        answered: usize,
+    },
     /// Points before the first exposure.
     #[error("the camera has not been exposed yet")]
     NoFrame,
+}
+
+impl DeviceError {
+    /// Every point has its answer.
+    ///
+    /// # Errors
+    /// [`DeviceError::Count`] where it has not.
+    pub const fn check_count(asked: usize, answered: usize) -> Result<(), Self> {
+        if asked == answered {
+            Ok(())
+        } else {
+            Err(Self::Count { asked, answered })
+        }
+    }
 }
 
 /// A device as the command line names it.

@@ -3,11 +3,15 @@
 use std::ops::Range;
 
 use fmc_camera::geometry::calibration::{CalibrationError, Polynomial};
-use fmc_camera::geometry::range::{OutOfRange, Quantity};
+use fmc_camera::geometry::range::Quantity;
 use serde::de::DeserializeOwned;
 use toml::de::{DeTable, DeValue};
 
+use super::number::clipped;
 use crate::failure::Failure;
+
+/// Lines longer than this, bytes, are not shown in a message.
+const LONGEST_LINE: usize = 400;
 
 /// The text of a camera file and what messages call it.
 #[derive(Debug, Clone, Copy)]
@@ -42,22 +46,19 @@ impl<'a> CameraText<'a> {
         let value = span
             .as_ref()
             .and_then(|span| self.text.get(span.clone()))
-            .map_or_else(String::new, |value| format!(" = {value}"));
+            .map_or_else(String::new, |value| format!(" = {}", clipped(value)));
         self.failure(span, &format!("{key}{value} {fault}"))
     }
 
     /// A calibration that the camera refuses.
     pub(super) fn invalid_calibration(&self, error: &CalibrationError) -> Failure {
         match error {
-            CalibrationError::OutOfRange(OutOfRange {
-                quantity, min, max, ..
-            }) => {
-                let fault = if *min <= f32::MIN && *max >= f32::MAX {
-                    format!("is outside {min:e} to {max:e}")
-                } else {
-                    format!("is outside {min} to {max}")
+            CalibrationError::OutOfRange(range) => {
+                let reason = match range.quantity {
+                    Quantity::FlatnessUm => format!("a term at half the stroke: {range} µm"),
+                    _ => range.to_string(),
                 };
-                self.invalid(key_path(*quantity), &fault)
+                self.invalid(key_path(range.quantity), &format!("({reason})"))
             }
             CalibrationError::Folds { polynomial, .. } => {
                 let table = match polynomial {
@@ -80,8 +81,14 @@ impl<'a> CameraText<'a> {
             .take(span.start)
             .filter(|byte| *byte == b'\n')
             .count();
-        Failure::bad_input(format!("{}, line {line}: {message}", self.file))
-            .at(self.file, self.text, span)
+        let failure = Failure::bad_input(format!("{}, line {line}: {message}", self.file));
+        // A line that no person wrote is not shown.
+        let longest = self.text.lines().map(str::len).max().unwrap_or(0);
+        if longest > LONGEST_LINE {
+            failure
+        } else {
+            failure.at(self.file, self.text, span)
+        }
     }
 
     fn value_span(&self, path: &[&str]) -> Option<Range<usize>> {
@@ -151,7 +158,9 @@ const fn key_path(quantity: Quantity) -> &'static [&'static str] {
         Quantity::ClosingFraction => &["shutter", "closing_fraction"],
         Quantity::VhPerS => &["limits", "vh_per_s"],
         Quantity::ExposureS => &["limits", "exposure_s"],
-        Quantity::OpeningOffsetMm | Quantity::CentroidOffsetMm => &["fmc", "stroke_mm"],
+        Quantity::OpeningOffsetMm | Quantity::CentroidOffsetMm | Quantity::TravelMm => {
+            &["fmc", "stroke_mm"]
+        }
         Quantity::FocusShiftUm => &["focus_shift_um"],
     }
 }

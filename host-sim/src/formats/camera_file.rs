@@ -9,9 +9,11 @@ use fmc_camera::geometry::brown::Brown;
 use fmc_camera::geometry::calibration::CalibrationRecord;
 use fmc_camera::geometry::five_coefficient::FiveCoefficients;
 use fmc_camera::geometry::principal_distance::{FLATNESS_TERMS, Flatness};
+use fmc_camera::geometry::range::Quantity;
 use fmc_camera::geometry::sensor::{FmcAxis, SensorPoint};
 use fmc_camera::geometry::shutter::ShutterProfile;
-use serde::Deserialize;
+use serde::de::Error as _;
+use serde::{Deserialize, Deserializer};
 
 use super::camera_error::CameraText;
 use super::number::single;
@@ -29,7 +31,7 @@ pub struct CameraFile {
     pub name: String,
     pub principal_distance_mm: f64,
     pub exit_pupil_mm: Option<f64>,
-    #[serde(default)]
+    #[serde(default, deserialize_with = "pair")]
     pub principal_point_mm: [f64; 2],
     pub sensor: SensorTable,
     #[serde(default)]
@@ -242,7 +244,9 @@ pub enum Profile {
     reason = "each field is the key of the same name in the camera file"
 )]
 pub struct LimitsTable {
+    #[serde(deserialize_with = "pair")]
     pub vh_per_s: [f64; 2],
+    #[serde(deserialize_with = "pair")]
     pub exposure_s: [f64; 2],
 }
 
@@ -301,6 +305,19 @@ impl CameraFile {
     fn check_what_only_the_file_knows(&self, text: &CameraText) -> Result<(), Failure> {
         if self.name.trim().is_empty() {
             return Err(text.invalid(&["name"], "is empty; a camera needs a name"));
+        }
+        if self.name.contains(char::is_control) {
+            return Err(text.invalid(&["name"], "holds a control character"));
+        }
+        // Of stage and TDI one is not in use; its numbers are looked at all the same.
+        for (quantity, value) in [
+            (Quantity::FirstTransfer, self.fmc.first_transfer),
+            (Quantity::AccelerationMmS2, self.fmc.acceleration_mm_s2),
+            (Quantity::SettlingMs, self.fmc.settling_ms),
+        ] {
+            quantity
+                .check(single(value))
+                .map_err(|error| text.invalid_calibration(&error.into()))?;
         }
         if self.fmc.flatness_um.len() > FLATNESS_TERMS {
             return Err(text.invalid(
@@ -437,6 +454,15 @@ impl CameraFile {
             },
         }
     }
+}
+
+/// Two numbers, no more and no fewer.
+fn pair<'de, D: Deserializer<'de>>(deserializer: D) -> Result<[f64; 2], D::Error> {
+    let numbers = Vec::<f64>::deserialize(deserializer)?;
+    let count = numbers.len();
+    numbers
+        .try_into()
+        .map_err(|_| D::Error::custom(format!("{count} numbers where 2 are expected")))
 }
 
 /// A pixel count as a number.

@@ -27,6 +27,16 @@ pub fn exposure_time(text: &str) -> Result<f64, String> {
     }
 }
 
+/// As much of a text as belongs into a message.
+#[must_use]
+pub fn clipped(text: &str) -> String {
+    const LONGEST: usize = 60;
+    match text.char_indices().nth(LONGEST) {
+        Some((end, _)) => format!("{}…", text.get(..end).unwrap_or_default()),
+        None => text.to_owned(),
+    }
+}
+
 /// A number in the precision of the camera.
 #[expect(
     clippy::cast_possible_truncation,

@@ -29,6 +29,23 @@ pub fn write(
     }
 }
 
+/// Refuses to replace the camera file by an answer.
+///
+/// # Errors
+/// [`Failure`] naming the file.
+pub fn check_not_the_input(out: Option<&Path>, camera: &Path) -> Result<(), Failure> {
+    let same = out.is_some_and(
+        |out| matches!((fs::canonicalize(out), fs::canonicalize(camera)), (Ok(a), Ok(b)) if a == b),
+    );
+    if same {
+        return Err(Failure::bad_input(format!(
+            "--out {} is the camera file itself",
+            camera.display()
+        )));
+    }
+    Ok(())
+}
+
 fn write_file(path: &Path, body: impl FnOnce(&mut dyn Write) -> io::Result<()>) -> io::Result<()> {
     let path = match fs::metadata(path) {
         // A pipe or a device is written in place: renaming would replace it.
@@ -41,15 +58,25 @@ fn write_file(path: &Path, body: impl FnOnce(&mut dyn Write) -> io::Result<()>) 
         Ok(existing) if existing.permissions().readonly() => {
             return Err(io::ErrorKind::PermissionDenied.into());
         }
-        // A symbolic link stays one.
+        // A symbolic link stays one, whether its target exists or not.
         Ok(_) => fs::canonicalize(path)?,
-        Err(_) => path.to_path_buf(),
+        Err(_) => match fs::read_link(path) {
+            Ok(target) => path.parent().unwrap_or(Path::new("")).join(target),
+            Err(_) => path.to_path_buf(),
+        },
     };
     let folder = match path.parent() {
         Some(parent) if !parent.as_os_str().is_empty() => parent,
         _ => Path::new("."),
     };
-    let mut file = BufWriter::new(unfinished(folder)?);
+    // The name of the unfinished file is nobody's business.
+    let unfinished = unfinished(folder).map_err(|error| io::Error::from(error.kind()))?;
+    if let Ok(existing) = fs::metadata(&path) {
+        unfinished
+            .as_file()
+            .set_permissions(existing.permissions())?;
+    }
+    let mut file = BufWriter::new(unfinished);
     body(&mut file)?;
     let file = file.into_inner().map_err(io::IntoInnerError::into_error)?;
     // A disk that is full may say so only now.

@@ -7,6 +7,7 @@ use std::path::Path;
 use csv::{ByteRecord, ErrorKind, ReaderBuilder, Trim};
 
 use super::camera_file::CameraFile;
+use super::number::clipped;
 use crate::failure::Failure;
 
 /// What the two coordinate columns of a point file mean.
@@ -85,7 +86,7 @@ impl PointTable {
             .clone();
         let columns = Columns::find(&header).map_err(|fault| {
             Failure::bad_input(format!("{file}, line 1: {fault}")).with_help(
-                "the first line names the columns, in any order: id,x_mm,y_mm or id,col_px,row_px",
+                "the first line names the columns, separated by commas, in any order: id,x_mm,y_mm or id,col_px,row_px",
             )
         })?;
         let mut rows = Vec::new();
@@ -149,7 +150,9 @@ impl PointTable {
         Failure::bad_input(format!(
             "{}, line {}: point {}: {what} {first} = {a}, {second} = {b} is off the sensor: \
              {first} {least_a} to {most_a}, {second} {least_b} to {most_b}",
-            self.file, row.line, row.id
+            self.file,
+            row.line,
+            clipped(&row.id)
         ))
     }
 
@@ -222,7 +225,7 @@ impl Columns {
                 (first, _) => Ok(first.map(|(index, _)| index)),
             }
         };
-        let found = names.join(",").escape_debug().to_string();
+        let found = clipped(&names.join(",")).escape_debug().to_string();
         let id = place("id")?.ok_or_else(|| format!("column id is missing; found {found}"))?;
         let mut complete = Vec::new();
         let mut missing = Vec::new();
@@ -254,7 +257,8 @@ impl Columns {
             let bytes = record.get(index).unwrap_or_default();
             std::str::from_utf8(bytes).map_err(|_| format!("column {column} is not text (UTF-8)"))
         };
-        let id = text(self.id, "id")?;
+        let whole_id = text(self.id, "id")?;
+        let id = clipped(whole_id);
         if id.contains(char::is_control) {
             return Err(format!(
                 "column id holds a control character: {}",
@@ -273,13 +277,13 @@ impl Columns {
                 _ => {
                     return Err(format!(
                         "point {id}: {column} = \"{}\" is not a finite number",
-                        text.escape_debug()
+                        clipped(text).escape_debug()
                     ));
                 }
             };
         }
         Ok(PointRow {
-            id: id.into(),
+            id: whole_id.into(),
             point_mm: match self.frame {
                 Frame::Sensor => coordinate,
                 Frame::Pixel => camera.sensor_from_pixel(coordinate),

@@ -174,7 +174,6 @@ impl StrictSolver {
     }
 
     fn arc_length_mean(&self, point_mm: [f64; 2]) -> StrictMean {
-        // In units of the longest velocity seen, so that numerator and denominator are of order 1.
         let arc = self.integral(|u| self.hodograph_speed(point_mm, u));
         if arc.value < SHORTEST_ARC_MM {
             let plain = self.exposure_mean(point_mm);
@@ -197,14 +196,52 @@ impl StrictSolver {
         mean_about(middle, [part(first), part(second)], length)
     }
 
-    /// `|dD/du|`, mm: the speed along the distortion hodograph.
+    /// `|dD/du|`, mm: the speed along the distortion hodograph, by the motion of the principal
+    /// point and by the run-out.
     fn hodograph_speed(&self, point_mm: [f64; 2], u: f64) -> f64 {
         let (lens, kappa) = self.lens_at(u);
         let [x, y] = self.about_principal_point(point_mm, u);
         let [ex, ey] = self.axis;
         let shrink = 1.0 / (1.0 + kappa);
-        let [dx, dy] = lens.derivative([x * shrink, y * shrink], self.axis);
-        (shrink * (kappa * ex + dx)).hypot(shrink * (kappa * ey + dy)) * self.path.travel_mm
+        let at = [x * shrink, y * shrink];
+        let [along_x, along_y] = lens.derivative(at, self.axis);
+        let by_motion = [
+            -shrink * (kappa * ex + along_x) * self.path.travel_mm,
+            -shrink * (kappa * ey + along_y) * self.path.travel_mm,
+        ];
+        let slope = self.run_out_slope(self.path.offset_mm(u)) * self.path.travel_mm;
+        let by_run_out = match self.focus_formula {
+            FocusFormula::Physical => {
+                let [radial_x, radial_y] = lens.derivative(at, [x, y]);
+                let enlarging = slope / self.exit_pupil_mm * shrink * shrink;
+                [enlarging * (x - radial_x), enlarging * (y - radial_y)]
+            }
+            FocusFormula::Printed => {
+                let radial = Lens {
+                    p: [0.0, 0.0],
+                    b: [0.0, 0.0],
+                    ..self.lens
+                };
+                let [radial_x, radial_y] = radial.displacement([x, y]);
+                let relative = slope / self.principal_distance_mm;
+                [relative * (radial_x - x), relative * (radial_y - y)]
+            }
+        };
+        let [dx, dy] = sum(by_motion, by_run_out);
+        dx.hypot(dy)
+    }
+
+    /// dz/ds of the run-out, mm per mm.
+    fn run_out_slope(&self, position_mm: f64) -> f64 {
+        let mut power = 0.0;
+        let mut slope_um = 0.0;
+        let mut position_to_power = 1.0;
+        for coefficient in self.flatness_um.iter().skip(1) {
+            power += 1.0;
+            slope_um += power * coefficient * position_to_power;
+            position_to_power *= position_mm;
+        }
+        slope_um / 1000.0
     }
 
     /// ∫ over the exposure, stretch by stretch.

@@ -50,14 +50,20 @@ pub struct ErrorStatistics {
 }
 
 impl ErrorStatistics {
-    /// Adds the two components of one point's error, mm.
+    /// Adds the two components of one point's error, mm; what is no number is infinitely wrong.
     pub fn add(&mut self, error_mm: [f64; 2]) {
-        for error in error_mm {
+        for error in error_mm.map(infinite_if_nan) {
             self.count += 1;
             self.sum += error;
             self.sum_of_squares += error * error;
             self.max = self.max.max(error.abs());
         }
+    }
+
+    /// Number of points whose errors were added.
+    #[must_use]
+    pub const fn points(&self) -> u64 {
+        self.count / 2
     }
 
     /// Adds all errors of another set.
@@ -89,6 +95,15 @@ impl ErrorStatistics {
     #[expect(clippy::cast_precision_loss, reason = "counts far below 2^53")]
     fn number(&self) -> f64 {
         self.count.max(1) as f64
+    }
+}
+
+/// A number that is none, made the worst there is.
+pub(super) const fn infinite_if_nan(number: f64) -> f64 {
+    if number.is_nan() {
+        f64::INFINITY
+    } else {
+        number
     }
 }
 
@@ -213,15 +228,16 @@ impl CameraResult {
     /// Largest error estimate of the strict solver, mm.
     #[must_use]
     pub fn solver_error_mm(&self) -> f64 {
-        self.frames
-            .iter()
-            .fold(0.0, |most, frame| frame.solver_error_mm.max(most))
+        self.frames.iter().fold(0.0, |most, frame| {
+            infinite_if_nan(frame.solver_error_mm).max(most)
+        })
     }
 
-    /// Whether every point is within the limits and the strict solver within its own.
+    /// Whether there was a point, every one is within the limits and the strict solver within its own.
     #[must_use]
     pub fn passed(&self) -> bool {
-        1e6 * self.errors(Treatment::Camera).max_mm() <= MAX_ERROR_NM
+        self.points > 0
+            && 1e6 * self.errors(Treatment::Camera).max_mm() <= MAX_ERROR_NM
             && 1e6 * self.coordinate_errors().max_mm() <= MAX_COORDINATE_ERROR_NM
             && 1e6 * self.solver_error_mm() <= MAX_SOLVER_ERROR_NM
     }
@@ -255,5 +271,70 @@ impl Verification {
     #[must_use]
     pub fn passed(&self) -> bool {
         !self.cameras.is_empty() && self.cameras.iter().all(CameraResult::passed)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn camera(camera_nm: f64, coordinate_nm: f64, solver_nm: f64) -> CameraResult {
+        let errors = |nm: f64| {
+            let mut errors = ErrorStatistics::default();
+            errors.add([0.0, 1e-6 * nm]);
+            errors
+        };
+        CameraResult {
+            name: "test".to_owned(),
+            format_mm: [20.0, 10.0],
+            principal_distance_mm: 50.0,
+            pixel_um: 5.0,
+            axis: "+y",
+            points: 1,
+            frames: vec![FrameResult {
+                strategy: "centred",
+                vh_per_s: 0.1,
+                exposure_s: 0.01,
+                travel_mm: 0.05,
+                centroid_mm: 0.0,
+                errors: [errors(9.0), errors(9.0), errors(9.0), errors(camera_nm)],
+                coordinate_error: errors(coordinate_nm),
+                solver_error_mm: 1e-6 * solver_nm,
+            }],
+            distortion_mm: [0.0, 1.0],
+            field: Field::default(),
+            worst: WorstPoint::default(),
+        }
+    }
+
+    #[test]
+    fn each_limit_decides_alone_and_either_sign_counts() {
+        assert!(camera(1.4, 4.9, 0.009).passed());
+        for wrong in [
+            camera(1.6, 4.9, 0.009),
+            camera(-1.6, 4.9, 0.009),
+            camera(1.4, 5.1, 0.009),
+            camera(1.4, -5.1, 0.009),
+            camera(1.4, 4.9, 0.011),
+            camera(f64::NAN, 4.9, 0.009),
+            camera(1.4, f64::NAN, 0.009),
+            camera(1.4, 4.9, f64::NAN),
+        ] {
+            assert!(!wrong.passed());
+        }
+        let mut nothing = camera(0.0, 0.0, 0.0);
+        nothing.points = 0;
+        assert!(!nothing.passed());
+    }
+
+    #[test]
+    fn statistics_are_those_of_both_components() {
+        let mut errors = ErrorStatistics::default();
+        errors.add([3.0, -4.0]);
+        errors.add([0.0, -1.0]);
+        assert_eq!(errors.points(), 2);
+        assert!((errors.max_mm() - 4.0).abs() < 1e-15);
+        assert!((errors.rms_mm() - (26.0_f64 / 4.0).sqrt()).abs() < 1e-15);
+        assert!((errors.bias_mm() + 0.5).abs() < 1e-15);
     }
 }

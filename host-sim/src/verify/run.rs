@@ -5,7 +5,9 @@ use fmc_camera::geometry::frame_correction::Corrected;
 use fmc_camera::geometry::sensor::SensorPoint;
 
 use super::grid::{self, GridExposure};
-use super::result::{CameraResult, ErrorStatistics, Field, FieldPoint, FrameResult, WorstPoint};
+use super::result::{
+    CameraResult, ErrorStatistics, Field, FieldPoint, FrameResult, WorstPoint, infinite_if_nan,
+};
 use crate::device::{Device, DeviceError};
 use crate::formats::camera_file::CameraFile;
 use crate::formats::number::single;
@@ -40,10 +42,11 @@ pub fn camera(
             single(exposure.exposure_s),
         ))?;
         let corrected = device.correct(&measured)?;
+        DeviceError::check_count(measured.len(), corrected.len())?;
         summary.add_frame(&strategy, &exposure, &measured, &corrected);
         after_frame();
     }
-    Ok(summary.finish(camera, measured.len()))
+    Ok(summary.finish(camera))
 }
 
 /// Everything of a camera so far.
@@ -86,7 +89,7 @@ impl Summary {
             let [x, y] = point_mm;
             let strict = solver.mean(point_mm);
             let truth = strict.distortion_mm;
-            frame.solver_error_mm = frame.solver_error_mm.max(strict.error_mm);
+            frame.solver_error_mm = frame.solver_error_mm.max(infinite_if_nan(strict.error_mm));
             let static_mm = lens.displacement([x - x0, y - y0]);
             let camera_mm = [answer.distortion.dx_mm, answer.distortion.dy_mm].map(f64::from);
             let treatments = [
@@ -134,7 +137,10 @@ impl Summary {
         let size = length(distortion);
         let [least, most] = self.distortion_mm.unwrap_or([size, size]);
         self.distortion_mm = Some([least.min(size), most.max(size)]);
-        let error_nm = 1e6 * error_x.abs().max(error_y.abs());
+        let error_nm = 1e6
+            * infinite_if_nan(error_x)
+                .abs()
+                .max(infinite_if_nan(error_y).abs());
         if self
             .worst
             .as_ref()
@@ -151,15 +157,19 @@ impl Summary {
         }
     }
 
-    fn finish(self, camera: &CameraFile, points_per_frame: usize) -> CameraResult {
-        let points = self.frames.len() * points_per_frame;
+    fn finish(self, camera: &CameraFile) -> CameraResult {
+        let points = self
+            .frames
+            .iter()
+            .map(|frame| frame.coordinate_error.points())
+            .sum();
         CameraResult {
             name: camera.name.clone(),
             format_mm: camera.half_format_mm().map(|half| 2.0 * half),
             principal_distance_mm: camera.principal_distance_mm,
             pixel_um: camera.sensor.pixel_um,
             axis: camera.fmc.axis.name(),
-            points: points as u64,
+            points,
             frames: self.frames,
             distortion_mm: self.distortion_mm.unwrap_or_default(),
             field: self.field.map(|(_, field)| field).unwrap_or_default(),

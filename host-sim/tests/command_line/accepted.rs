@@ -221,3 +221,46 @@ fn shipped_cameras_are_camera_files() {
         assert!(frame.stdout.contains("principal distance"), "{name}");
     }
 }
+
+#[test]
+fn barrel_distortion_is_negative_and_its_correction_outwards() {
+    // K1 = -1e-5: at 30 mm the image is drawn in by 0.27 mm.
+    let barrel = "name = \"barrel\"\nprincipal_distance_mm = 100.0\n\
+                  [sensor]\nwidth_px = 9216\nheight_px = 9216\npixel_um = 8.75\n\
+                  [distortion]\nk1 = -1e-5\n";
+    let bench = Bench::with(barrel, b"id,x_mm,y_mm\na,30,0\nb,0,-30\n");
+    for command in ["correct", "reference"] {
+        let rows = bench.points(command, &["--model", "static"]).ok().rows();
+        let (_, right) = &rows[0];
+        assert!(
+            (right[2] + 270.0).abs() < 1e-3 && (right[0] - 30.27).abs() < 1e-5,
+            "{right:?}"
+        );
+        let (_, below) = &rows[1];
+        assert!(
+            (below[3] - 270.0).abs() < 1e-3 && (below[1] + 30.27).abs() < 1e-5,
+            "{below:?}"
+        );
+    }
+}
+
+#[test]
+fn corners_go_to_their_ideal_points_and_back_and_forth() {
+    for (name, text) in host_sim::formats::published::CAMERA_FILES {
+        let (camera, _) = host_sim::formats::camera_file::CameraFile::parse(name, text).unwrap();
+        let [x, y] = camera.half_format_mm();
+        let corners = format!("id,x_mm,y_mm\na,{x},{y}\nb,-{x},{y}\nc,-{x},-{y}\nd,{x},-{y}\n");
+        let ideal = Bench::with(text, corners.as_bytes())
+            .points("correct", &[])
+            .ok();
+        let measured = Bench::with(text, ideal.stdout.as_bytes())
+            .points("distort", &[])
+            .ok();
+        let again = Bench::with(text, measured.stdout.as_bytes())
+            .points("correct", &[])
+            .ok();
+        for ((_, ideal), (_, again)) in ideal.rows().into_iter().zip(again.rows()) {
+            assert!((ideal[0] - again[0]).abs() < 2e-5 && (ideal[1] - again[1]).abs() < 2e-5);
+        }
+    }
+}

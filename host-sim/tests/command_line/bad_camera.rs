@@ -147,7 +147,7 @@ fn coefficients_that_are_not_finite_are_named() {
             refused(
                 key,
                 &format!("{name} = {value}"),
-                &[name, value, "is outside -3.4", "to 3.4"],
+                &[name, value, "finite number"],
             );
         }
     }
@@ -242,4 +242,44 @@ fn camera_file_that_is_no_text_or_not_there_is_refused() {
     bench
         .run(&["verify", "--camera", "nowhere.toml"])
         .refused(&["nowhere.toml"]);
+}
+
+#[test]
+fn pairs_of_three_and_numbers_of_the_mechanism_not_in_use_are_refused() {
+    refused(
+        "[0.02, -0.01]",
+        "[0.02, -0.01, 0.0]",
+        &["principal_point_mm", "3 numbers", "2"],
+    );
+    refused(
+        "[0.05, 0.17]",
+        "[0.05, 0.1, 0.17]",
+        &["limits.vh_per_s", "3 numbers"],
+    );
+    refused(
+        "[0.001, 0.02]",
+        "[0.001]",
+        &["limits.exposure_s", "1 numbers"],
+    );
+    refused(
+        "mechanism = \"stage\"",
+        "mechanism = \"stage\"\nfirst_transfer = 7.0",
+        &["first_transfer", "7", "0 to 1"],
+    );
+    let tdi = CAMERA
+        .replace("mechanism = \"stage\"", "mechanism = \"tdi\"")
+        .replace("acceleration_mm_s2 = 1000.0", "acceleration_mm_s2 = nan");
+    Bench::with(&tdi, POINTS.as_bytes())
+        .points("frame", &[])
+        .refused(&["acceleration_mm_s2", "1 to 1000000"]);
+}
+
+#[test]
+fn long_values_are_not_echoed_whole() {
+    let camera = CAMERA
+        .replace("Test camera", &"x".repeat(100_000))
+        .replace("k0 = 0.0", "k0 = nan");
+    let answer = Bench::with(&camera, POINTS.as_bytes()).points("frame", &[]);
+    answer.refused(&["k0", "line 11"]);
+    assert!(answer.stderr.len() < 1000, "{}", answer.stderr.len());
 }

@@ -102,3 +102,20 @@ fn missing_point_file_is_refused() {
     std::fs::create_dir(bench.path("points.csv")).unwrap();
     bench.points("correct", &[]).refused(&["points.csv"]);
 }
+
+#[test]
+fn line_of_a_point_in_a_later_batch_is_named() {
+    let mut points = String::from("id,x_mm,y_mm\n");
+    points.push_str(&"a,1,2\n".repeat(5000));
+    points.push_str("far,45,0\n");
+    Bench::with(CAMERA, points.as_bytes())
+        .points("distort", &[])
+        .refused(&["line 5002", "point far"]);
+}
+
+#[test]
+fn other_separators_are_answered_with_the_right_one() {
+    for points in ["id;x_mm;y_mm\na;1;2\n", "id\tx_mm\ty_mm\na\t1\t2\n"] {
+        refused(points.as_bytes(), &["id is missing", "separated by commas"]);
+    }
+}

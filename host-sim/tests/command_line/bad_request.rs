@@ -105,3 +105,20 @@ fn unknown_options_commands_and_devices_are_refused() {
         .refused(&["teapot", "sil"]);
     bench.run(&["correct", "points.csv"]).refused(&["--camera"]);
 }
+
+#[test]
+fn more_tdi_rows_than_can_be_counted_are_refused_with_the_options() {
+    let tdi = CAMERA
+        .replace("mechanism = \"stage\"", "mechanism = \"tdi\"")
+        .replace(
+            "principal_distance_mm = 100.0",
+            "principal_distance_mm = 1000.0",
+        )
+        .replace("stroke_mm = 4.0", "stroke_mm = 50.0")
+        .replace("[0.05, 0.17]", "[0.05, 1.0]")
+        .replace("strategy = \"centred\"\n", "");
+    // 1000 mm · 0.9 1/s · 0.02 s: 18 mm, 2057 rows of 8.75 µm.
+    Bench::with(&tdi, POINTS.as_bytes())
+        .points("frame", &["--vh", "0.9", "--exposure", "0.02"])
+        .refused(&["--vh and --exposure", "TDI rows", "0 to 1024"]);
+}

@@ -41,6 +41,53 @@ fn output_that_cannot_be_written_is_an_io_failure() {
         .failed(3, &["file"]);
 }
 
+#[test]
+fn answer_never_replaces_the_camera_file() {
+    let bench = Bench::new();
+    for command in ["correct", "distort", "reference", "frame"] {
+        bench
+            .points(command, &["--out", "./camera.toml"])
+            .refused(&["camera.toml", "is the camera file itself"]);
+    }
+    assert_eq!(
+        fs::read_to_string(bench.path("camera.toml")).unwrap(),
+        CAMERA
+    );
+}
+
+#[cfg(unix)]
+#[test]
+fn permissions_and_symbolic_links_stay_as_they_were() {
+    use std::os::unix::fs::{PermissionsExt, symlink};
+    let bench = Bench::new();
+    let mode = |name: &str| fs::metadata(bench.path(name)).unwrap().permissions().mode() & 0o777;
+    bench.points("correct", &["--out", "new.csv"]).ok();
+    assert_eq!(
+        mode("new.csv"),
+        mode("points.csv"),
+        "as any new file of this user"
+    );
+    fs::write(bench.path("private.csv"), "old").unwrap();
+    fs::set_permissions(bench.path("private.csv"), fs::Permissions::from_mode(0o600)).unwrap();
+    bench.points("correct", &["--out", "private.csv"]).ok();
+    assert_eq!(mode("private.csv"), 0o600);
+    for target in ["private.csv", "not-yet.csv"] {
+        symlink(target, bench.path("link.csv")).unwrap();
+        bench.points("correct", &["--out", "link.csv"]).ok();
+        assert!(
+            fs::symlink_metadata(bench.path("link.csv"))
+                .unwrap()
+                .is_symlink()
+        );
+        assert!(
+            fs::read_to_string(bench.path(target))
+                .unwrap()
+                .starts_with("id,")
+        );
+        fs::remove_file(bench.path("link.csv")).unwrap();
+    }
+}
+
 #[cfg(target_os = "linux")]
 #[test]
 fn full_device_is_an_io_failure_and_stays_a_device() {

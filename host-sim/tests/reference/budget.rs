@@ -5,7 +5,8 @@ use fmc_camera::geometry::frame_correction::Corrected;
 use fmc_camera::{CameraRecord, Exposure, SensorPoint};
 use host_sim::device::{Device, DeviceError, InProcess};
 use host_sim::verify::result::{
-    MAX_COORDINATE_ERROR_NM, MAX_ERROR_NM, MAX_SOLVER_ERROR_NM, Treatment, Verification,
+    CameraResult, MAX_COORDINATE_ERROR_NM, MAX_ERROR_NM, MAX_SOLVER_ERROR_NM, Treatment,
+    Verification,
 };
 use host_sim::verify::run;
 
@@ -55,8 +56,25 @@ fn camera_agrees_with_the_strict_solver_on_the_whole_grid() {
     assert!(verification.passed());
 }
 
-/// A camera whose K1 is one part in 10⁵ off: 6 nm at the corner of the first published camera.
-struct Wrong(InProcess);
+/// A camera that does not answer as it should.
+struct Wrong {
+    camera: InProcess,
+    fault: Fault,
+}
+
+#[derive(Clone, Copy)]
+enum Fault {
+    /// K1 one part in 10⁵ off: 6 nm at the corner of the first published camera.
+    K1,
+    /// dx is no number.
+    NotANumber,
+    /// No answer to the last point.
+    OneTooFew,
+    /// No answer at all.
+    Nothing,
+    /// The sign of dy is turned.
+    Sign,
+}
 
 impl Device for Wrong {
     fn description(&self) -> String {
@@ -65,33 +83,62 @@ impl Device for Wrong {
 
     fn load(&mut self, camera: &CameraRecord) -> Result<(), DeviceError> {
         let mut camera = *camera;
-        camera.calibration.distortion.k1 *= 1.000_01;
-        self.0.load(&camera)
+        if matches!(self.fault, Fault::K1) {
+            camera.calibration.distortion.k1 *= 1.000_01;
+        }
+        self.camera.load(&camera)
     }
 
     fn expose(&mut self, exposure: &Exposure) -> Result<FrameRecord, DeviceError> {
-        self.0.expose(exposure)
+        self.camera.expose(exposure)
     }
 
     fn correct(&mut self, measured: &[SensorPoint]) -> Result<Vec<Corrected>, DeviceError> {
-        self.0.correct(measured)
+        let mut answers = self.camera.correct(measured)?;
+        match self.fault {
+            Fault::K1 => {}
+            Fault::NotANumber => answers
+                .iter_mut()
+                .for_each(|a| a.distortion.dx_mm = f32::NAN),
+            Fault::OneTooFew => answers.truncate(measured.len() - 1),
+            Fault::Nothing => answers.clear(),
+            Fault::Sign => answers.iter_mut().for_each(|a| a.distortion.dy_mm *= -1.0),
+        }
+        Ok(answers)
     }
 
     fn distort(&mut self, ideal: &[SensorPoint]) -> Result<Vec<Corrected>, DeviceError> {
-        self.0.distort(ideal)
+        self.camera.distort(ideal)
     }
+}
+
+fn verified(fault: Fault) -> Result<CameraResult, DeviceError> {
+    let mut device = Wrong {
+        camera: InProcess::default(),
+        fault,
+    };
+    run::camera(&mut device, &published().remove(0), || ())
 }
 
 #[test]
 fn verification_fails_when_the_camera_is_wrong() {
-    let camera = published().remove(0);
-    let right = run::camera(&mut InProcess::default(), &camera, || ()).unwrap();
-    assert!(right.passed());
-    let wrong = run::camera(&mut Wrong(InProcess::default()), &camera, || ()).unwrap();
-    assert!(!wrong.passed(), "{}", wrong.worst.error_nm);
+    let wrong = verified(Fault::K1).unwrap();
+    assert!(!wrong.passed());
     assert!(
         (3.0..12.0).contains(&wrong.worst.error_nm),
         "{}",
         wrong.worst.error_nm
     );
+    assert!(!verified(Fault::Sign).unwrap().passed());
+    let none = verified(Fault::NotANumber).unwrap();
+    assert!(!none.passed());
+    assert!(none.worst.error_nm.is_infinite());
+}
+
+#[test]
+fn answers_that_are_missing_are_an_error() {
+    for (fault, answered) in [(Fault::OneTooFew, 440), (Fault::Nothing, 0)] {
+        let asked = 441;
+        assert_eq!(verified(fault), Err(DeviceError::Count { asked, answered }));
+    }
 }

@@ -154,3 +154,39 @@ fn physical_and_printed_focus_have_opposite_signs() {
     assert!((at(FocusFormula::Physical) - 1.0e-4).abs() < 1e-7);
     assert!((at(FocusFormula::Printed) + 1.0e-4).abs() < 1e-7);
 }
+
+#[test]
+fn arc_length_counts_the_run_out_of_the_stage() {
+    let camera = square("[distortion]\nk1 = -1e-6\n[fmc]\nflatness_um = [0.0, 20.0, 5.0]\n");
+    for focus_formula in [FocusFormula::Physical, FocusFormula::Printed] {
+        let request = ExposureRequest {
+            focus_formula,
+            ..request()
+        };
+        let solver = StrictSolver::new(&camera, &request, Weight::ArcLength);
+        for point in [[40.0, 40.0], [-30.0, 10.0], [5.0, -35.0]] {
+            // The hodograph as a polygon, each side weighted by its length.
+            let steps = 4000;
+            let place = |i: i32| f64::from(i) / f64::from(steps);
+            let (mut arc, mut sum) = (0.0, [0.0, 0.0]);
+            for i in 0..steps {
+                let (a, b) = (
+                    solver.distortion(point, place(i)),
+                    solver.distortion(point, place(i + 1)),
+                );
+                let [dx, dy] = minus(b, a);
+                let length = dx.hypot(dy);
+                arc += length;
+                sum = [
+                    sum[0] + length * f64::midpoint(a[0], b[0]),
+                    sum[1] + length * f64::midpoint(a[1], b[1]),
+                ];
+            }
+            let [dx, dy] = minus(solver.mean(point).distortion_mm, sum.map(|s| s / arc));
+            assert!(
+                dx.abs() < 1e-9 && dy.abs() < 1e-9,
+                "{focus_formula:?} {point:?}: {dx:e} {dy:e}"
+            );
+        }
+    }
+}

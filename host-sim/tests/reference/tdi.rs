@@ -48,3 +48,24 @@ fn late_first_transfer_lags_by_half_a_pixel() {
         .clone();
     assert!((path.centroid_mm() - (0.0875 - 0.004_375)).abs() < 1e-9);
 }
+
+#[test]
+fn opening_offset_moves_the_staircase_as_a_whole() {
+    let camera = square(&format!(
+        "{STRONG_LENS}[fmc]\nmechanism = \"tdi\"\nfirst_transfer = 1.0\n"
+    ));
+    let request = ExposureRequest {
+        opening_offset_mm: Some(-0.3),
+        ..ExposureRequest::planned(0.1, 0.0175)
+    };
+    let solver = StrictSolver::new(&camera, &request, Weight::Exposure);
+    let exposure = Exposure {
+        opening_offset_mm: Some(-0.3),
+        ..Exposure::new(single(0.1), single(0.0175))
+    };
+    for point in points(&camera).into_iter().step_by(17) {
+        let strict = solver.mean(point.map(f64::from)).distortion_mm;
+        let (found, left_out_mm) = camera_distortion(&camera, &exposure, point);
+        assert!(largest(found, strict) < left_out_mm + 7e-7);
+    }
+}
