@@ -80,8 +80,7 @@ impl FrameCorrection {
             .axis
             .sensor_from_offset(record.principal_point, motion.centroid_mm);
         let form = with_second_moment(&lens, motion.moments.second, record.axis);
-        let run_out = record.flatness.steepest(0.5 * record.stroke_mm) * motion.moments.second
-            / focus.lever_mm();
+        let run_out = run_out_bound(calibration, motion, focus);
         let left_out_mm = higher_order_bound(&lens, motion, calibration.region().radius_mm());
         Self::folded(calibration, centre, form, (left_out_mm + run_out) * 1e6)
     }
@@ -267,6 +266,21 @@ fn with_second_moment(lens: &Brown, mu2: f32, axis: FmcAxis) -> EvaluationForm {
         form.ty += 3.0 * mu2 * lens.p2;
     }
     form
+}
+
+/// A bound, mm per axis, on what the exposure mean of Δz leaves out: Δz varies with c.
+///
+/// With dκ/dc = z'/L: the covariance `μ₂z'/L` with X itself and, up to seven times its slope, with
+/// the lens polynomial; and the variance `μ₂(z'/L)²` of κ times X.
+fn run_out_bound(
+    calibration: &Calibration,
+    motion: &PrincipalPointMotion,
+    focus: &FocusShift,
+) -> f32 {
+    let record = calibration.record();
+    let slope = record.flatness.steepest(0.5 * record.stroke_mm) / focus.lever_mm();
+    let lens = 1.0 + 7.0 * (1.0 - calibration.least_scale());
+    slope * motion.moments.second * (lens + slope * calibration.region().radius_mm())
 }
 
 /// A bound, mm per axis, on the terms of the exact mean that the evaluation form has no place for.

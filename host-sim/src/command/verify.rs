@@ -1,6 +1,6 @@
 //! `verify`: the main job.
 
-use std::io::{self, Write};
+use std::io;
 use std::path::Path;
 
 use indicatif::{ProgressBar, ProgressStyle};
@@ -13,7 +13,7 @@ use crate::formats::output::{self, OutputFolder};
 use crate::formats::published::CAMERA_FILES;
 use crate::report::figure::FigureError;
 use crate::report::summary::Summary;
-use crate::report::{arrow_field, error_plot, frames_csv, table};
+use crate::report::{arrow_field, error_plot, frames_csv, html, table};
 use crate::verify::result::Verification;
 use crate::verify::{grid, run};
 
@@ -83,6 +83,9 @@ fn write_report(folder: &OutputFolder, verification: &Verification) -> Result<()
     folder.write("frames.csv", |sink| {
         frames_csv::write(verification, sink).map_err(io::Error::other)
     })?;
+    let page = html::page(verification)
+        .map_err(|error| Failure::device_or_io(format!("report.html: {error}")))?;
+    folder.write("report.html", |sink| sink.write_all(page.as_bytes()))?;
     for camera in &verification.cameras {
         let name = file_name(&camera.name);
         for (figure, svg) in [

@@ -8,6 +8,7 @@ pub mod figure;
 #[cfg(test)]
 mod fixture;
 pub mod frames_csv;
+pub mod html;
 mod length;
 mod marker;
 pub mod summary;

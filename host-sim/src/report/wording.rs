@@ -59,15 +59,6 @@ pub(super) fn strategy(name: &str) -> &str {
     }
 }
 
-/// `a`, `a and b`, `a, b and c`.
-pub(super) fn list(items: &[String]) -> String {
-    match items {
-        [] => String::new(),
-        [only] => only.clone(),
-        [first @ .., last] => format!("{} and {last}", first.join(", ")),
-    }
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -92,12 +83,5 @@ mod tests {
         assert_eq!(vh(0.17), "0.17 s⁻¹");
         assert_eq!(vh(0.05 + 0.12 / 9.0), "0.0633 s⁻¹");
         assert_eq!(decimals(100.0, 0), "100");
-    }
-
-    #[test]
-    fn list_ends_in_and() {
-        let items = ["a", "b", "c"].map(str::to_owned);
-        assert_eq!(list(&items), "a, b and c");
-        assert_eq!(list(&items[..1]), "a");
     }
 }

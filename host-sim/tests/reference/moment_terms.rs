@@ -207,8 +207,8 @@ fn every_kind_of_term_left_out_is_in_the_stated_bound() {
             "K1 with a skew shutter",
             format!("[distortion]\nk1 = 2e-5\n{leaf}"),
         ),
-        ("K2", "[distortion]\nk2 = 2e-8\n".to_owned()),
-        ("K3", "[distortion]\nk3 = 6e-12\n".to_owned()),
+        ("K2", "[distortion]\nk2 = 8e-9\n".to_owned()),
+        ("K3", "[distortion]\nk3 = 2e-12\n".to_owned()),
         ("run-out", "[fmc]\nflatness_um = [0.0, 200.0]\n".to_owned()),
     ] {
         let [most_mm, bound_mm] = differences(&more, &request(), &exposure);

@@ -1,0 +1,143 @@
+//! The verification as a page that stands alone: `report.html`.
+
+use askama::Template;
+
+use super::comparison::Comparison;
+use super::figure::FigureError;
+use super::verdict::{self, Verdict};
+use super::{arrow_field, error_plot, length, wording};
+use crate::verify::result::{CameraResult, Verification};
+
+/// Why there is no page.
+#[derive(Debug, thiserror::Error)]
+pub enum PageError {
+    /// A figure failed.
+    #[error(transparent)]
+    Figure(#[from] FigureError),
+    /// The template failed.
+    #[error("cannot fill the page: {0}")]
+    Template(#[from] askama::Error),
+}
+
+/// The page.
+#[derive(Template)]
+#[template(path = "report.html")]
+struct Page {
+    passed: bool,
+    headline: String,
+    failures: Vec<String>,
+    worst: Option<String>,
+    device: String,
+    limits: String,
+    comparison: Comparison,
+    cameras: Vec<Section>,
+    solver_error: String,
+}
+
+/// One camera's part of it.
+struct Section {
+    name: String,
+    principal_distance_mm: String,
+    format: String,
+    pixel_um: String,
+    axis: &'static str,
+    points: String,
+    exposures: usize,
+    distortion: String,
+    dynamic: String,
+    error: String,
+}
+
+/// The whole verification as one HTML page; figures are part of it.
+///
+/// # Errors
+/// [`PageError`] if a figure cannot be drawn.
+pub fn page(verification: &Verification) -> Result<String, PageError> {
+    let verdict = Verdict::of(verification);
+    let cameras = verification
+        .cameras
+        .iter()
+        .map(Section::of)
+        .collect::<Result<_, _>>()?;
+    let solver_error_mm = verification
+        .cameras
+        .iter()
+        .map(CameraResult::solver_error_mm)
+        .fold(0.0, f64::max);
+    let page = Page {
+        passed: verdict.passed,
+        headline: verdict.headline,
+        failures: verdict.failures,
+        worst: verdict.worst,
+        device: verification.device.clone(),
+        limits: verdict::limits(),
+        comparison: Comparison::of(verification),
+        cameras,
+        solver_error: length::text(solver_error_mm),
+    };
+    Ok(page.render()?)
+}
+
+impl Section {
+    fn of(camera: &CameraResult) -> Result<Self, FigureError> {
+        let [width, height] = camera.format_mm;
+        Ok(Self {
+            name: camera.name.clone(),
+            principal_distance_mm: wording::decimals(camera.principal_distance_mm, 4),
+            format: format!("{width:.1} x {height:.1}"),
+            pixel_um: wording::decimals(camera.pixel_um, 2),
+            axis: camera.axis,
+            points: wording::count(camera.points),
+            exposures: camera.frames.len(),
+            distortion: inline(arrow_field::distortion(camera)?),
+            dynamic: inline(arrow_field::dynamic(camera)?),
+            error: inline(error_plot::error_against_travel(camera)?),
+        })
+    }
+}
+
+/// An SVG as part of a page: scaled by its view box instead of its width and height.
+fn inline(svg: String) -> String {
+    match svg.split_once("viewBox") {
+        Some((_, rest)) => {
+            format!("<svg xmlns=\"http://www.w3.org/2000/svg\" role=\"img\" viewBox{rest}")
+        }
+        None => svg,
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::report::fixture;
+
+    #[test]
+    fn page_stands_alone_and_shows_every_camera_with_three_figures() {
+        let page = page(&fixture::passing()).unwrap();
+        let links = page
+            .match_indices("http")
+            .filter(|(at, _)| !page[*at..].starts_with("http://www.w3.org/2000/svg"));
+        assert_eq!(links.count(), 0);
+        assert!(page.contains(">Alpha<") && page.contains(">Beta<"));
+        // One schematic and three figures a camera.
+        assert_eq!(page.matches("<svg").count(), 1 + 2 * 3);
+        assert!(page.contains("class=\"verdict passed\""));
+        assert!(!page.contains("NaN"));
+    }
+
+    #[test]
+    fn failing_page_says_so_and_names_the_camera() {
+        let page = page(&fixture::failing()).unwrap();
+        assert!(page.contains("class=\"verdict failed\""));
+        assert!(page.contains("Beta: error of dx or dy 2.00 nm exceeds 1.5 nm"));
+        assert!(page.contains("class=\"fail\""));
+    }
+
+    #[test]
+    fn names_are_text_and_not_markup() {
+        let mut verification = fixture::passing();
+        verification.cameras[0].name = "<script>alert(1)</script>".to_owned();
+        let page = page(&verification).unwrap();
+        assert!(!page.contains("<script>"));
+    }
+}
