@@ -50,6 +50,7 @@ pub(crate) fn keep() {
         Region::radius_mm,
         invertibility::least_scale,
         CentralMoments::scaled,
+        FocusShift::lever_mm,
         FocusShift::enlargement,
         FocusShift::distortion_at_fixed_distance,
         FocusShift::distortion_at_changed_distance,
