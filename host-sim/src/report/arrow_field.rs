@@ -74,7 +74,7 @@ fn draw(
     let [half_x, half_y] = camera
         .format_mm
         .map(|format| format / 2.0 + scale.spacing_mm);
-    let plot_width = WIDTH - AXIS_WIDTH - EDGE;
+    let plot_width = WIDTH - AXIS_WIDTH - 2 * EDGE;
     let pixels_per_mm = f64::from(plot_width) / (2.0 * half_x);
     let plot_height = pixels(2.0 * half_y * pixels_per_mm).unsigned_abs();
     let chart_height = TITLE_HEIGHT + plot_height + AXIS_HEIGHT;
@@ -91,6 +91,7 @@ fn draw(
         let mut chart = ChartBuilder::on(&upper)
             .margin_top(TITLE_HEIGHT)
             .margin_right(EDGE)
+            .margin_left(EDGE)
             .x_label_area_size(AXIS_HEIGHT)
             .y_label_area_size(AXIS_WIDTH)
             .build_cartesian_2d(-half_x..half_x, -half_y..half_y)?;
@@ -100,6 +101,8 @@ fn draw(
             .axis_style(GRID)
             .label_style(text(FONT - 4))
             .axis_desc_style(text(FONT - 2))
+            .x_label_formatter(&|mm| wording::decimals(*mm, 1))
+            .y_label_formatter(&|mm| wording::decimals(*mm, 1))
             .x_desc("x, mm")
             .y_desc("y, mm")
             .draw()?;
@@ -107,7 +110,7 @@ fn draw(
         chart.draw_series([Rectangle::new([(-x, -y), (x, y)], OUTLINE.stroke_width(3))])?;
         let head_mm = 0.28 * scale.spacing_mm;
         let dots = arrows.iter().filter(|arrow| !scale.shows(arrow));
-        chart.draw_series(dots.map(|arrow| Circle::new(arrow.from(), 3, ARROW.filled())))?;
+        chart.draw_series(dots.map(|arrow| Circle::new(arrow.from(), 2, ARROW.filled())))?;
         let drawn = arrows.iter().filter(|arrow| scale.shows(arrow));
         chart.draw_series(drawn.map(|arrow| {
             let to = scale.drawn_mm(arrow.displacement_mm);
@@ -157,7 +160,7 @@ fn draw_legend(
     pixels_per_mm: f64,
     axis: &str,
 ) -> Result<(), FigureError> {
-    let left = f64::from(AXIS_WIDTH);
+    let left = f64::from(AXIS_WIDTH + EDGE);
     // Pixels count downwards.
     let arrow = |from: [f64; 2], by: [f64; 2], colour: RGBColor| {
         let corners = path(from, by, 18.0);
@@ -170,12 +173,12 @@ fn draw_legend(
     let note = |text_at: f64, y: i32, words: String| {
         Text::new(words, (pixels(text_at), y), text(FONT - 2))
     };
-    if let Some((sample_mm, drawn_mm)) = scale.sample(300.0 / pixels_per_mm) {
+    if let Some((sample_mm, drawn_mm)) = scale.sample() {
         let drawn = drawn_mm * pixels_per_mm;
         legend.draw(&arrow([left, 35.0], [drawn, 0.0], ARROW))?;
         let words = format!(
             "= {}, {}",
-            length::text(sample_mm),
+            length::round(sample_mm),
             scale.exaggeration_text()
         );
         legend.draw(&note(left + drawn + 20.0, 35, words))?;

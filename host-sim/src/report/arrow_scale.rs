@@ -6,7 +6,9 @@ use super::wording;
 /// Longest arrow, in grid spacings.
 const LONGEST: f64 = 0.9;
 /// Shorter arrows, in grid spacings, are drawn as points.
-const SHORTEST: f64 = 0.02;
+const SHORTEST: f64 = 0.06;
+/// Longest sample arrow, in grid spacings.
+const SAMPLE: f64 = 2.0;
 
 /// Exaggeration of a field's arrows, from its longest one and the spacing of its points.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -47,12 +49,12 @@ impl ArrowScale {
         displacement_mm.map(|part| part * self.exaggeration)
     }
 
-    /// True and drawn length of a sample arrow: 1, 2 or 5 of a decade, drawn no longer than asked.
-    pub(super) fn sample(&self, longest_drawn_mm: f64) -> Option<(f64, f64)> {
+    /// True and drawn length of a sample arrow: 1, 2 or 5 of a decade.
+    pub(super) fn sample(&self) -> Option<(f64, f64)> {
         if self.exaggeration <= 0.0 {
             return None;
         }
-        let longest = longest_drawn_mm / self.exaggeration;
+        let longest = SAMPLE * self.spacing_mm / self.exaggeration;
         let decade = decade_of(longest);
         let factor = [5.0, 2.0]
             .into_iter()
@@ -106,10 +108,10 @@ mod tests {
 
     #[test]
     fn sample_is_round_and_fits() {
-        let (sample, drawn) = scale(0.04).sample(20.0).unwrap();
-        assert!((sample - 0.2).abs() < 1e-12);
-        assert!(drawn <= 20.0);
-        assert_eq!(scale(0.0).sample(20.0), None);
+        let (sample, drawn) = scale(0.04).sample().unwrap();
+        assert!((sample - 0.05).abs() < 1e-12);
+        assert!(drawn <= 2.0 * 4.0);
+        assert_eq!(scale(0.0).sample(), None);
     }
 
     #[test]

@@ -18,6 +18,8 @@ const AXIS_WIDTH: u32 = 150;
 const AXIS_HEIGHT: u32 = 90;
 /// Room for the name of the limit, right of the plot.
 const EDGE: u32 = 150;
+/// The vertical text is centred on the margin's edge.
+const EDGE_LEFT: u32 = 20;
 const FONT: u32 = 24;
 /// Smaller errors are drawn here: a logarithmic axis has no zero.
 const LEAST_NM: f64 = 1e-3;
@@ -43,6 +45,7 @@ pub fn error_against_travel(camera: &CameraResult) -> Result<String, FigureError
         let mut chart = ChartBuilder::on(&upper)
             .margin_top(TITLE_HEIGHT)
             .margin_right(EDGE)
+            .margin_left(EDGE_LEFT)
             .x_label_area_size(AXIS_HEIGHT)
             .y_label_area_size(AXIS_WIDTH)
             .build_cartesian_2d(travel_um.clone(), errors_nm.clone().log_scale())?;
@@ -53,6 +56,7 @@ pub fn error_against_travel(camera: &CameraResult) -> Result<String, FigureError
             .axis_style(OUTLINE)
             .label_style(text(FONT))
             .axis_desc_style(text(FONT))
+            .x_label_formatter(&|um| wording::decimals(*um, 1))
             .y_label_formatter(&|nm| decade_text(*nm))
             .x_desc("δ, µm: travel of the principal point while the shutter is open")
             .y_desc("largest error of dx or dy")
@@ -156,7 +160,7 @@ fn draw_legend(legend: &Canvas<'_>, camera: &CameraResult) -> Result<(), FigureE
             format!("{filling}: {}", wording::strategy(strategy))
         })
         .collect();
-    legend.draw(&words(150, 80, fillings.join("      ")))?;
+    legend.draw(&words(150, 80, fillings.join("; ")))?;
     let note = format!("under {LEAST_NM} nm: drawn on the lower edge");
     legend.draw(&Text::new(note, (1450, 80), text_at(FONT - 4, HPos::Right)))?;
     Ok(())

@@ -43,7 +43,7 @@ pub(super) fn camera(name: &str, error_nm: f64) -> CameraResult {
         places.iter().map(move |y| FieldPoint {
             point_mm: [10.0 * x, 5.0 * y],
             static_mm: [0.3 * x + 0.1, 0.2 * y],
-            dynamic_mm: [1e-4 * x * y, 1e-4 * (x * x + y * y) + 1e-5],
+            dynamic_mm: [1e-4 * x * y, 1e-4 * (x * x + y * y) + 3e-5],
         })
     });
     CameraResult {

@@ -1,10 +1,13 @@
 //! Lengths in the unit in which they are readable.
 
+use super::wording;
+
 /// A unit of length.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) enum Unit {
     Nanometre,
     Micrometre,
+    Millimetre,
 }
 
 impl Unit {
@@ -12,8 +15,10 @@ impl Unit {
     fn of(length_mm: f64) -> Self {
         if length_mm.abs() < 1e-3 {
             Self::Nanometre
-        } else {
+        } else if length_mm.abs() < 1.0 {
             Self::Micrometre
+        } else {
+            Self::Millimetre
         }
     }
 
@@ -21,6 +26,7 @@ impl Unit {
         match self {
             Self::Nanometre => "nm",
             Self::Micrometre => "µm",
+            Self::Millimetre => "mm",
         }
     }
 
@@ -28,6 +34,7 @@ impl Unit {
         match self {
             Self::Nanometre => 1e6,
             Self::Micrometre => 1e3,
+            Self::Millimetre => 1.0,
         }
     }
 }
@@ -64,13 +71,26 @@ impl Scale {
 
     /// The number alone; the heading names the unit.
     pub(super) fn number(self, length_mm: f64) -> String {
-        format!("{:.*}", self.decimals, length_mm * self.unit.per_mm())
+        let number = length_mm * self.unit.per_mm();
+        let text = format!("{number:.*}", self.decimals);
+        let shows_zero = text.bytes().all(|byte| matches!(byte, b'0' | b'.'));
+        match text.strip_suffix('0') {
+            Some(rest) if number > 0.0 && shows_zero => format!("<{rest}1"),
+            _ => text,
+        }
     }
 }
 
 /// A range in µm with one decimal; the heading names the unit.
 pub(super) fn range_um([least, most]: [f64; 2]) -> String {
     format!("{:.1} … {:.1}", 1e3 * least, 1e3 * most)
+}
+
+/// A round length with its unit.
+pub(super) fn round(length_mm: f64) -> String {
+    let unit = Unit::of(length_mm);
+    let number = wording::decimals(length_mm * unit.per_mm(), MOST_DECIMALS);
+    format!("{number} {}", unit.symbol())
 }
 
 /// A length with its unit and about three digits.
@@ -103,6 +123,13 @@ mod tests {
     }
 
     #[test]
+    fn number_too_small_for_its_column_is_not_zero() {
+        let scale = Scale::fitting([2.29e-3, 1e-8]);
+        assert_eq!(scale.number(1e-8), "<0.001");
+        assert_eq!(scale.number(0.0), "0.000");
+    }
+
+    #[test]
     fn column_of_zeros_has_a_scale() {
         assert_eq!(Scale::fitting([0.0]).number(0.0), "0");
     }
@@ -114,5 +141,8 @@ mod tests {
         assert_eq!(text(0.434e-6), "0.43 nm");
         assert_eq!(text(0.0), "0 nm");
         assert_eq!(text(2e-12), "2.0e-6 nm");
+        assert_eq!(text(1.5), "1.50 mm");
+        assert_eq!(round(0.05), "50 µm");
+        assert_eq!(round(2.0), "2 mm");
     }
 }

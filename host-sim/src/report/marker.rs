@@ -17,28 +17,31 @@ pub(super) const fn colour(treatment: Treatment) -> RGBColor {
     }
 }
 
-/// Shape of a treatment: octagon, square, triangle, diamond.
+/// Filled shape of a treatment: octagon, square, triangle, diamond.
 pub(super) fn corners(treatment: Treatment) -> Corners {
     match treatment {
         Treatment::None => vec![
-            (-3, -8),
-            (3, -8),
-            (8, -3),
-            (8, 3),
-            (3, 8),
-            (-3, 8),
-            (-8, 3),
-            (-8, -3),
+            (-2, -6),
+            (2, -6),
+            (6, -2),
+            (6, 2),
+            (2, 6),
+            (-2, 6),
+            (-6, 2),
+            (-6, -2),
         ],
-        Treatment::Static => vec![(-7, -7), (7, -7), (7, 7), (-7, 7)],
-        Treatment::Printed => vec![(0, -9), (9, 7), (-9, 7)],
-        Treatment::Camera => vec![(0, -10), (9, 0), (0, 10), (-9, 0)],
+        Treatment::Static => vec![(-6, -6), (6, -6), (6, 6), (-6, 6)],
+        Treatment::Printed => vec![(0, -8), (8, 6), (-8, 6)],
+        Treatment::Camera => vec![(0, -8), (8, 0), (0, 8), (-8, 0)],
     }
 }
 
-/// The outline of a marker, closed.
+/// The outline of the hollow marker, closed and wider, so that it shows around a filled one.
 pub(super) fn outline(treatment: Treatment) -> Corners {
-    let mut outline = corners(treatment);
+    let mut outline: Corners = corners(treatment)
+        .into_iter()
+        .map(|(x, y)| (x * 3 / 2, y * 3 / 2))
+        .collect();
     outline.extend(outline.first().copied());
     outline
 }

@@ -41,7 +41,8 @@ pub(super) fn vh(vh_per_s: f64) -> String {
 
 /// A number with at most so many decimals, none of them a trailing zero.
 pub(super) fn decimals(number: f64, most: usize) -> String {
-    let text = format!("{number:.most$}");
+    // Adding zero turns -0 into 0.
+    let text = format!("{:.most$}", number + 0.0);
     if text.contains('.') {
         text.trim_end_matches('0').trim_end_matches('.').to_owned()
     } else {
