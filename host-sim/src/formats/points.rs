@@ -197,7 +197,8 @@ fn number_field(
     decimals: usize,
 ) -> io::Result<()> {
     field.clear();
-    write!(field, "{value:.decimals$}")?;
+    // Adding zero turns -0 into 0.
+    write!(field, "{:.decimals$}", value + 0.0)?;
     writer.write_field(&field)?;
     Ok(())
 }

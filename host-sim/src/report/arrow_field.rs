@@ -11,12 +11,12 @@ use crate::verify::result::{CameraResult, FieldPoint};
 /// Colour of the arrows.
 const ARROW: RGBColor = RGBColor(0, 90, 160);
 const WIDTH: u32 = 1200;
-const TITLE_HEIGHT: u32 = 110;
-const AXIS_WIDTH: u32 = 110;
-const AXIS_HEIGHT: u32 = 95;
+const TITLE_HEIGHT: u32 = 125;
+const AXIS_WIDTH: u32 = 120;
+const AXIS_HEIGHT: u32 = 110;
 const EDGE: u32 = 20;
 const LEGEND_HEIGHT: u32 = 150;
-const FONT: u32 = 30;
+const FONT: u32 = 36;
 
 /// The static distortion, measured - ideal, in SVG.
 ///
@@ -84,7 +84,7 @@ fn draw(
         let size = (WIDTH, chart_height + LEGEND_HEIGHT);
         let canvas = SVGBackend::with_string(&mut svg, size).into_drawing_area();
         canvas.fill(&plotters::style::WHITE)?;
-        for (title, (y, font)) in titles.iter().zip([(32, FONT + 4), (78, FONT)]) {
+        for (title, (y, font)) in titles.iter().zip([(36, FONT + 2), (88, FONT - 2)]) {
             canvas.draw(&Text::new(title.clone(), (20, y), text(font)))?;
         }
         let (upper, legend) = canvas.split_vertically(chart_height);
@@ -171,7 +171,7 @@ fn draw_legend(
         PathElement::new(corners, colour.stroke_width(4))
     };
     let note = |text_at: f64, y: i32, words: String| {
-        Text::new(words, (pixels(text_at), y), text(FONT - 2))
+        Text::new(words, (pixels(text_at), y), text(FONT - 4))
     };
     if let Some((sample_mm, drawn_mm)) = scale.sample() {
         let drawn = drawn_mm * pixels_per_mm;

@@ -4,6 +4,7 @@ use askama::Template;
 
 use super::comparison::Comparison;
 use super::figure::FigureError;
+use super::run_up::{self, RunUp};
 use super::verdict::{self, Verdict};
 use super::{arrow_field, error_plot, length, wording};
 use crate::verify::result::{CameraResult, Verification};
@@ -30,6 +31,8 @@ struct Page {
     device: String,
     limits: String,
     comparison: Comparison,
+    run_ups: Vec<RunUp>,
+    longest_travel: Option<String>,
     cameras: Vec<Section>,
     solver_error: String,
 }
@@ -72,10 +75,22 @@ pub fn page(verification: &Verification) -> Result<String, PageError> {
         device: verification.device.clone(),
         limits: verdict::limits(),
         comparison: Comparison::of(verification),
+        run_ups: run_up::all(verification),
+        longest_travel: longest_travel(verification),
         cameras,
         solver_error: length::text(solver_error_mm),
     };
     Ok(page.render()?)
+}
+
+/// δ of the exposure with the largest.
+fn longest_travel(verification: &Verification) -> Option<String> {
+    verification
+        .cameras
+        .iter()
+        .map(|camera| camera.travel_mm()[1])
+        .max_by(f64::total_cmp)
+        .map(length::text)
 }
 
 impl Section {

@@ -11,6 +11,7 @@ pub mod frames_csv;
 pub mod html;
 mod length;
 mod marker;
+mod run_up;
 pub mod summary;
 pub mod table;
 mod verdict;

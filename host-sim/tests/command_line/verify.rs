@@ -41,9 +41,10 @@ fn five_published_cameras_pass_and_the_report_is_complete() {
     assert_eq!(frames.lines().count(), 1 + 600);
     assert_readme_quotes(&summary);
     let figure = bench.path("report/phase-one-ixm-rs150f-50-mm-dynamic-change.svg");
-    assert_eq!(
-        fs::read_to_string(figure).unwrap(),
-        include_str!("../../../docs/figures/dynamic-change.svg"),
+    let up_to_date = fs::read_to_string(figure).unwrap()
+        == include_str!("../../../docs/figures/dynamic-change.svg");
+    assert!(
+        up_to_date,
         "the README's figure is out of date: copy it from the report"
     );
 }
