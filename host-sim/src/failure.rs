@@ -8,7 +8,7 @@ use miette::{Diagnostic, LabeledSpan, NamedSource, SourceSpan};
 
 /// Why a command ended, as its exit code says it.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum Exit {
+enum Exit {
     /// The check that was asked for failed.
     CheckFailed = 1,
     /// An input is wrong.
@@ -119,12 +119,6 @@ impl Failure {
         let source = NamedSource::new(file, text.to_owned()).with_language("toml");
         self.message.place = Some((source, span.into()));
         self
-    }
-
-    /// The exit code.
-    #[must_use]
-    pub const fn exit(&self) -> Exit {
-        self.exit
     }
 
     /// Tells the user and gives the exit code of the process.

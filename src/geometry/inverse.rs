@@ -16,7 +16,7 @@ pub const LAST_RESIDUAL_NM: f32 = 20.0;
 /// No measured point belongs to the ideal one.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum DistortError {
-    /// The measured point would lie off the sensor, at this place.
+    /// The measured point lies off the sensor as far as Newton's method leads: at this place.
     OffSensor(SensorPoint),
     /// The residual was still this long after [`MAX_STEPS`] steps, nm; a NaN for an ideal point
     /// that is not finite.
@@ -64,7 +64,9 @@ impl FrameCorrection {
     /// and within 0.02 nm where all this is less (`tests/geometry/round_trip.rs`).
     ///
     /// # Errors
-    /// [`DistortError`]; never a finite point that does not belong to `ideal`.
+    /// [`DistortError`]; never a finite point that does not belong to `ideal`. A lens of tens of
+    /// per cent of distortion may hold Newton's method at an edge or cycling: then an error, though
+    /// there is a measured point.
     pub fn distort(&self, ideal: SensorPoint) -> Result<Corrected, DistortError> {
         // Every iterate stays on the sensor, where the map is one-to-one: beyond it the polynomial
         // may have other roots.

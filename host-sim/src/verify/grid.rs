@@ -8,6 +8,8 @@ pub const VH_PER_S: [f64; 2] = [0.05, 0.17];
 pub const VH_STEPS: u8 = 10;
 /// Denominators of the exposure times, 1/n s.
 pub const EXPOSURE_FRACTIONS: [f64; 6] = [100.0, 175.0, 200.0, 300.0, 500.0, 700.0];
+/// Number of exposure times.
+pub const EXPOSURE_STEPS: u8 = 6;
 /// Points along each side of the sensor, edges included.
 pub const SIDE_POINTS: u8 = 21;
 
@@ -38,16 +40,13 @@ pub fn exposures(camera: &CameraFile) -> Vec<GridExposure> {
         MechanismName::Stage => Strategy::ALL.map(Some).to_vec(),
         MechanismName::Tdi => vec![None],
     };
-    let vh = spread(
-        common(VH_PER_S, camera.limits.vh_per_s),
-        usize::from(VH_STEPS),
-    );
+    let vh = spread(common(VH_PER_S, camera.limits.vh_per_s), VH_STEPS);
     let [shortest, longest] = camera.limits.exposure_s;
     let mut times = EXPOSURE_FRACTIONS.map(f64::recip).to_vec();
     if times.iter().any(|time| *time < shortest || *time > longest) {
         let [first, .., last] = EXPOSURE_FRACTIONS;
         let range = common([last.recip(), first.recip()], camera.limits.exposure_s);
-        times = spread(range, times.len());
+        times = spread(range, EXPOSURE_STEPS);
     }
     let mut exposures = Vec::new();
     for strategy in strategies {
@@ -75,16 +74,12 @@ fn common([from, to]: [f64; 2], [least, most]: [f64; 2]) -> [f64; 2] {
 }
 
 /// `count` numbers evenly over a range, ends included.
-fn spread([from, to]: [f64; 2], count: usize) -> Vec<f64> {
-    let last = (1..count).map(|_| 1.0).sum::<f64>();
-    let mut step = 0.0;
-    let mut numbers = Vec::with_capacity(count);
-    for _ in 0..count {
+fn spread([from, to]: [f64; 2], count: u8) -> Vec<f64> {
+    (0..count)
+        .map(|index| f64::from(index) / f64::from(count - 1))
         // Written so that the last is exactly `to`.
-        numbers.push(from * (1.0 - step / last) + to * (step / last));
-        step += 1.0;
-    }
-    numbers
+        .map(|share| from * (1.0 - share) + to * share)
+        .collect()
 }
 
 /// Points over a sensor of the given half format, edges included, mm.
