@@ -7,6 +7,7 @@ extern crate std;
 
 pub mod flight;
 pub mod geometry;
+pub mod io;
 
 pub use flight::camera::{Camera, CameraRecord, Frame};
 pub use flight::exposure::{CorrectionModel, Exposure};

@@ -5,6 +5,7 @@ use crate::geometry::range::{OutOfRange, Quantity};
 
 /// Which model corrects the coordinates.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+#[cfg_attr(feature = "link", derive(serde::Serialize, serde::Deserialize))]
 pub enum CorrectionModel {
     /// Exposure mean of the calibration about the moving principal point.
     #[default]
@@ -17,6 +18,7 @@ pub enum CorrectionModel {
 
 /// One exposure.
 #[derive(Debug, Clone, Copy, PartialEq)]
+#[cfg_attr(feature = "link", derive(serde::Serialize, serde::Deserialize))]
 pub struct Exposure {
     /// η = V/H, 1/s.
     pub vh_per_s: f32,
@@ -49,6 +51,7 @@ impl Exposure {
 
 /// The exposures a camera accepts.
 #[derive(Debug, Clone, Copy, PartialEq)]
+#[cfg_attr(feature = "link", derive(serde::Serialize, serde::Deserialize))]
 pub struct Limits {
     /// Smallest and largest V/H, 1/s.
     pub vh_per_s: [f32; 2],

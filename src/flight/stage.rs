@@ -6,6 +6,7 @@ use crate::geometry::range::{OutOfRange, Quantity};
 
 /// Where the run-up puts the exposure.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+#[cfg_attr(feature = "link", derive(serde::Serialize, serde::Deserialize))]
 pub enum RunUp {
     /// The exposure centroid falls on the calibrated principal point: Δδ = -v·E\[τ\].
     #[default]
@@ -48,6 +49,7 @@ pub struct StagePlan {
 
 /// The travel does not fit the stroke.
 #[derive(Debug, Clone, Copy, PartialEq)]
+#[cfg_attr(feature = "link", derive(serde::Serialize, serde::Deserialize))]
 pub struct StrokeTooShort {
     /// Start of the travel that is needed, mm from the calibrated position.
     pub from_mm: f32,

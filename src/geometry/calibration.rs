@@ -11,6 +11,7 @@ use super::sensor::{FmcAxis, Sensor, SensorPoint};
 
 /// What a calibration certificate and the mechanism's drawing say, not yet believed.
 #[derive(Debug, Clone, Copy, PartialEq)]
+#[cfg_attr(feature = "link", derive(serde::Serialize, serde::Deserialize))]
 pub struct CalibrationRecord {
     /// f, mm.
     pub principal_distance_mm: f32,
@@ -72,6 +73,7 @@ pub struct Calibration {
 
 /// Which polynomial of a calibration is meant.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[cfg_attr(feature = "link", derive(serde::Serialize, serde::Deserialize))]
 pub enum Polynomial {
     /// The static distortion, with what the exposure and the focus may add to it.
     Static,
@@ -81,6 +83,7 @@ pub enum Polynomial {
 
 /// A calibration is not usable.
 #[derive(Debug, Clone, Copy, PartialEq)]
+#[cfg_attr(feature = "link", derive(serde::Serialize, serde::Deserialize))]
 pub enum CalibrationError {
     /// A number is not a number or not believable.
     OutOfRange(OutOfRange),

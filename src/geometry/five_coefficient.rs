@@ -9,6 +9,7 @@ use super::sensor::FmcAxis;
 /// `K_m0..K_m2` *replace* K0..K2 of the static calibration; K3, P, B stay. The printed feed-forward
 /// values (`K_d1` = 2K1, `P_m1` = K1) have the wrong sign and are never used.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
+#[cfg_attr(feature = "link", derive(serde::Serialize, serde::Deserialize))]
 pub struct FiveCoefficients {
     /// `K_m0`, dimensionless.
     pub km0: f32,

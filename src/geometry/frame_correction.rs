@@ -13,6 +13,7 @@ pub const SHORT_KERNEL_NM: f32 = 0.5;
 
 /// Which of the two kernels evaluates a frame.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[cfg_attr(feature = "link", derive(serde::Serialize, serde::Deserialize))]
 pub enum Kernel {
     /// Without b₁, b₂, tx, ty: 23 floating-point operations per point.
     Short,
@@ -22,6 +23,7 @@ pub enum Kernel {
 
 /// A point with its correction.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
+#[cfg_attr(feature = "link", derive(serde::Serialize, serde::Deserialize))]
 #[repr(C)]
 pub struct Corrected {
     /// The new coordinate.
@@ -130,7 +132,8 @@ impl FrameCorrection {
     }
 
     /// Whether a measured point is on the sensor.
-    pub(super) fn contains(&self, point: SensorPoint) -> bool {
+    #[must_use]
+    pub fn contains(&self, point: SensorPoint) -> bool {
         self.sensor.contains(point)
     }
 

@@ -10,6 +10,7 @@ pub mod five_coefficient;
 pub mod frame_correction;
 pub mod inverse;
 pub mod invertibility;
+pub mod mesh;
 pub mod moments;
 pub mod principal_distance;
 pub mod principal_point;

@@ -6,6 +6,7 @@ use core::fmt;
 ///
 /// The name is the one of the camera file and of the documents.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[cfg_attr(feature = "link", derive(serde::Serialize, serde::Deserialize))]
 #[expect(missing_docs, reason = "each variant is the field of the same name")]
 pub enum Quantity {
     PrincipalDistanceMm,
@@ -162,6 +163,7 @@ impl fmt::Display for Quantity {
 
 /// A quantity is not a number, or lies outside its range.
 #[derive(Debug, Clone, Copy, PartialEq)]
+#[cfg_attr(feature = "link", derive(serde::Serialize, serde::Deserialize))]
 pub struct OutOfRange {
     /// Which quantity.
     pub quantity: Quantity,

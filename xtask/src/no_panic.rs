@@ -11,7 +11,7 @@ use crate::{target::Target, workspace::Workspace};
 const PANIC_SYMBOL: &str = "fmc_camera_can_panic";
 
 /// The library's modules, each with a list of its own in `tests/no-panic/src`.
-const AREAS: [&str; 2] = ["geometry", "flight"];
+const AREAS: [&str; 3] = ["geometry", "flight", "io"];
 
 /// Compares its lists with the library's sources, links the program, which must succeed, and links it with a panic
 /// added, which must fail for that reason alone.

@@ -35,6 +35,8 @@ impl Device for InProcess {
 
     fn expose(&mut self, exposure: &Exposure) -> Result<FrameRecord, DeviceError> {
         let camera = self.camera.as_ref().ok_or(DeviceError::NoFrame)?;
+        // Points that follow a refused exposure must not meet the frame before it.
+        self.correction = None;
         let frame = camera.frame(exposure).map_err(DeviceError::Frame)?;
         self.correction = Some(frame.correction);
         Ok(frame.record)

@@ -19,12 +19,14 @@ macro_rules! keep {
 
 mod flight;
 mod geometry;
+mod io;
 #[cfg(feature = "negative-control")]
 mod negative_control;
 
 fn keep_everything() {
     geometry::keep();
     flight::keep();
+    io::keep();
     #[cfg(feature = "negative-control")]
     negative_control::keep();
 }

@@ -1,0 +1,31 @@
+//! Digests by which camera and PC show each other that they have the same bits.
+
+use super::frame::CRC;
+use super::message::Grid;
+use crate::flight::camera::CameraRecord;
+use crate::geometry::frame_correction::{Corrected, FrameCorrection};
+
+/// Longest camera record as `postcard` writes it, bytes.
+const LONGEST_RECORD: usize = 256;
+
+/// CRC-32 over the bits of every corrected point of a grid: x', y', dx, dy, little-endian.
+#[must_use]
+pub fn of_grid(correction: &FrameCorrection, grid: &Grid) -> u32 {
+    let mut digest = CRC.digest();
+    for measured in grid.points() {
+        let Corrected { point, distortion } = correction.correct(measured);
+        for value in [point.x_mm, point.y_mm, distortion.dx_mm, distortion.dy_mm] {
+            digest.update(&value.to_le_bytes());
+        }
+    }
+    digest.finalize()
+}
+
+/// CRC-32 over a camera record as the link carries it; `None` only if it were longer than the
+/// record's type allows.
+#[must_use]
+pub fn of_record(record: &CameraRecord) -> Option<u32> {
+    let mut buffer = [0; LONGEST_RECORD];
+    let bytes = postcard::to_slice(record, &mut buffer).ok()?;
+    Some(CRC.checksum(bytes))
+}

@@ -1,0 +1,326 @@
+//! The messages.
+
+use core::fmt;
+
+use heapless::{String, Vec};
+use serde::{Deserialize, Serialize};
+
+use super::frame::Frame;
+use super::{MAX_POINTS, PROTOCOL_VERSION};
+use crate::flight::camera::{CameraRecord, FrameError};
+use crate::flight::exposure::Exposure;
+use crate::flight::frame_record::FrameRecord;
+use crate::geometry::calibration::CalibrationError;
+use crate::geometry::evaluation_form::Displacement;
+use crate::geometry::frame_correction::Corrected;
+use crate::geometry::inverse::DistortError;
+use crate::geometry::mesh::MeshRow;
+use crate::geometry::sensor::SensorPoint;
+
+/// A batch of points.
+pub type Points = Vec<SensorPoint, MAX_POINTS>;
+
+/// Which request of which session.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
+pub struct Header {
+    /// Chosen by the PC when it connects.
+    pub session: u32,
+    /// One more than that of the request before; after 65535 comes 0.
+    pub sequence: u16,
+}
+
+/// What the PC asks of the camera.
+// The batch is what the link is for: a box would need a heap.
+#[allow(clippy::large_enum_variant, reason = "no heap")]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub enum Request {
+    /// Starts a session; ends another that is open, and the current frame with it.
+    Connect,
+    /// Replaces the camera's calibration, mechanism, shutter and limits.
+    Load(CameraRecord),
+    /// Predicts a frame; the points that follow belong to it.
+    Expose(Exposure),
+    /// The record of the current frame.
+    Record,
+    /// Corrects measured points.
+    Correct(Points),
+    /// Distorts ideal points.
+    Distort(Points),
+    /// The distortion along a row of the sensor.
+    Row(MeshRow),
+    /// The digest of a grid of corrected points.
+    Digest(Grid),
+    /// What the link has seen since the camera started.
+    Counters,
+    /// Starts the camera again; a volatile calibration is lost.
+    Reset,
+    /// Switches the camera off, where it can.
+    PowerOff,
+}
+
+/// What the camera answers.
+#[allow(clippy::large_enum_variant, reason = "no heap")]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub enum Answer {
+    /// The session is open.
+    Connected(Identity),
+    /// The calibration is in use.
+    Loaded(CalibrationIdentity),
+    /// The frame is predicted, or asked for again.
+    Frame(FrameRecord),
+    /// The points, in order, with the distortion as evaluated before the subtraction.
+    Points(Vec<Corrected, MAX_POINTS>),
+    /// The distortion, measured - ideal, along the row.
+    Row(Vec<Displacement, MAX_POINTS>),
+    /// The digest, by [`super::digest::of_grid`].
+    Digest(u32),
+    /// What the link has seen.
+    Counters(Counters),
+    /// It will be done once this answer has left.
+    Ending,
+    /// It is not done.
+    Refused(Refusal),
+}
+
+/// Why the camera does not do what it is asked for. Nothing has changed, except that after an
+/// [`Refusal::Exposure`] there is no frame.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+pub enum Refusal {
+    /// Another version of this protocol; the answer's first byte says which.
+    OtherProtocol,
+    /// No request of this version.
+    Unknown,
+    /// The session is not open: another took its place, or the camera has started again.
+    OtherSession,
+    /// Not the next request of the session.
+    OutOfOrder {
+        /// The sequence number of the next.
+        expected: u16,
+    },
+    /// The calibration is not usable; the one before stays.
+    Calibration(CalibrationError),
+    /// There is no calibration yet.
+    NoCalibration,
+    /// The exposure cannot be taken.
+    Exposure(FrameError),
+    /// There is no frame yet.
+    NoFrame,
+    /// A measured point is not on the sensor.
+    OffSensor {
+        /// Its index in the batch, row or grid.
+        index: u16,
+    },
+    /// An ideal point has no measured one.
+    Distort {
+        /// Its index in the batch.
+        index: u16,
+        /// Why.
+        error: DistortError,
+    },
+    /// More points than fit an answer.
+    TooMany,
+    /// This camera cannot switch itself off.
+    NoPowerSwitch,
+}
+
+impl fmt::Display for Refusal {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::OtherProtocol => f.write_str("it speaks another version of the protocol"),
+            Self::Unknown => f.write_str("it does not know the request"),
+            Self::OtherSession => f.write_str(
+                "the session has ended: another host has connected, or the camera has restarted",
+            ),
+            Self::OutOfOrder { expected } => {
+                write!(
+                    f,
+                    "the request is out of order: number {expected} is the next"
+                )
+            }
+            Self::Calibration(error) => write!(f, "the calibration is not usable: {error}"),
+            Self::NoCalibration => f.write_str("no calibration is loaded"),
+            Self::Exposure(error) => error.fmt(f),
+            Self::NoFrame => f.write_str("there has been no exposure"),
+            Self::OffSensor { index } => write!(f, "point {index} of the batch is off the sensor"),
+            Self::Distort { index, error } => write!(f, "point {index} of the batch: {error}"),
+            Self::TooMany => write!(f, "more than {MAX_POINTS} points"),
+            Self::NoPowerSwitch => f.write_str("it cannot switch itself off"),
+        }
+    }
+}
+
+impl core::error::Error for Refusal {}
+
+/// Why the camera runs: what it did before.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
+pub enum Start {
+    /// It was switched on.
+    PowerOn,
+    /// It was asked to start again.
+    Requested,
+    /// Its watchdog was not fed.
+    Watchdog,
+    /// A fault of processor or memory.
+    Fault,
+}
+
+/// Who answers.
+#[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
+pub struct Identity {
+    /// Version of `fmc-camera`.
+    pub version: String<16>,
+    /// Which build of it.
+    pub build: String<40>,
+    /// Which board.
+    pub board: String<24>,
+    /// Whether it can switch itself off.
+    pub power_switch: bool,
+    /// Why it runs.
+    pub start: Start,
+    /// Points in one message.
+    pub max_points: u16,
+    /// The calibration in use.
+    pub calibration: Option<CalibrationIdentity>,
+}
+
+impl Identity {
+    /// The identity of a camera that has just started. Names that are too long are left empty.
+    #[must_use]
+    pub fn new(build: &str, board: &str, power_switch: bool, start: Start) -> Self {
+        Self {
+            version: String::try_from(env!("CARGO_PKG_VERSION")).unwrap_or_default(),
+            build: String::try_from(build).unwrap_or_default(),
+            board: String::try_from(board).unwrap_or_default(),
+            power_switch,
+            start,
+            #[expect(clippy::cast_possible_truncation, reason = "64 fits")]
+            max_points: MAX_POINTS as u16,
+            calibration: None,
+        }
+    }
+}
+
+/// Which calibration, and whether it outlives a restart.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
+pub struct CalibrationIdentity {
+    /// [`super::digest::of_record`].
+    pub crc: u32,
+    /// Where it is kept.
+    pub storage: Storage,
+}
+
+/// Where a calibration is kept.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
+pub enum Storage {
+    /// In memory alone: gone at the next restart.
+    Volatile,
+}
+
+/// The crossings of columns and rows, row by row.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct Grid {
+    /// Columns, x in the sensor frame, mm.
+    pub x_mm: Vec<f32, MAX_POINTS>,
+    /// Rows, y in the sensor frame, mm.
+    pub y_mm: Vec<f32, MAX_POINTS>,
+}
+
+impl Grid {
+    /// The points: x first.
+    pub fn points(&self) -> impl Iterator<Item = SensorPoint> {
+        let row = |y_mm| move |x_mm: &f32| SensorPoint::new(*x_mm, y_mm);
+        self.y_mm
+            .iter()
+            .flat_map(move |y_mm| self.x_mm.iter().map(row(*y_mm)))
+    }
+}
+
+/// What the link has seen since the camera started.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize)]
+pub struct Counters {
+    /// Requests acted on.
+    pub done: u32,
+    /// Requests refused by the camera: bad calibration, exposure or points.
+    pub refused: u32,
+    /// Requests answered again from memory.
+    pub repeated: u32,
+    /// Frames that ended too early.
+    pub truncated: u32,
+    /// Frames too long.
+    pub oversized: u32,
+    /// Frames with a wrong CRC.
+    pub wrong_crc: u32,
+    /// Frames of another protocol version.
+    pub other_protocol: u32,
+    /// Whole frames that are no request.
+    pub unknown: u32,
+    /// Requests of a session that is not open.
+    pub other_session: u32,
+    /// Requests out of order.
+    pub out_of_order: u32,
+    /// Bytes lost because the camera did not take them in time.
+    pub overrun_bytes: u32,
+    /// Most of the stack that was in use, bytes.
+    pub stack_used_bytes: u32,
+}
+
+/// A payload of which not even the header can be read.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Unreadable {
+    /// Its first byte is this version, not [`PROTOCOL_VERSION`].
+    OtherProtocol(u8),
+    /// It has no header.
+    NoHeader,
+}
+
+impl Request {
+    /// Makes `frame` the request's; `None` if it were longer than a frame can be.
+    pub fn write(&self, header: Header, frame: &mut Frame) -> Option<()> {
+        write(self, header, frame)
+    }
+
+    /// Reads a request; without a body where what follows the header is none, or more than one.
+    ///
+    /// # Errors
+    /// [`Unreadable`] for another protocol version, and for bytes without a header.
+    pub fn read(payload: &[u8]) -> Result<(Header, Option<Self>), Unreadable> {
+        read(payload)
+    }
+}
+
+impl Answer {
+    /// As [`Request::write`].
+    pub fn write(&self, header: Header, frame: &mut Frame) -> Option<()> {
+        write(self, header, frame)
+    }
+
+    /// As [`Request::read`].
+    ///
+    /// # Errors
+    /// [`Unreadable`] for another protocol version, and for bytes without a header.
+    pub fn read(payload: &[u8]) -> Result<(Header, Option<Self>), Unreadable> {
+        read(payload)
+    }
+}
+
+fn write(body: &impl Serialize, header: Header, frame: &mut Frame) -> Option<()> {
+    frame.fill(|buffer| {
+        let written = postcard::to_slice(&(PROTOCOL_VERSION, header, body), buffer);
+        Some(written.ok()?.len())
+    })
+}
+
+fn read<'a, Body: Deserialize<'a>>(
+    payload: &'a [u8],
+) -> Result<(Header, Option<Body>), Unreadable> {
+    let (version, rest) = payload.split_first().ok_or(Unreadable::NoHeader)?;
+    if *version != PROTOCOL_VERSION {
+        return Err(Unreadable::OtherProtocol(*version));
+    }
+    let (header, rest) = postcard::take_from_bytes(rest).map_err(|_| Unreadable::NoHeader)?;
+    let body = match postcard::take_from_bytes(rest) {
+        Ok((body, [])) => Some(body),
+        _ => None,
+    };
+    Ok((header, body))
+}

@@ -1,0 +1,349 @@
+//! The camera's end of the link: bytes in, bytes out, no clock and no port.
+
+use super::frame::{Damage, Frame, FrameReceiver};
+use super::message::{
+    Answer, CalibrationIdentity, Counters, Header, Identity, Points, Refusal, Request, Storage,
+    Unreadable,
+};
+use super::{MAX_POINTS, digest};
+use crate::flight::camera::{self, Camera, CameraRecord};
+use crate::flight::exposure::Exposure;
+use crate::flight::frame_record::FrameRecord;
+use crate::geometry::frame_correction::{Corrected, FrameCorrection};
+use crate::geometry::sensor::SensorPoint;
+use heapless::Vec;
+
+/// What a byte led to; for the log, and for what only the board can do.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub enum Event {
+    /// A frame was damaged on its way. Nothing is answered.
+    Lost(Damage),
+    /// A whole frame has no header of this version.
+    Unreadable(Unreadable),
+    /// A session was opened under this number.
+    Connected(u32),
+    /// A calibration is in use.
+    Loaded(CalibrationIdentity),
+    /// A frame was predicted.
+    Exposed,
+    /// Another request was answered.
+    Answered,
+    /// A request was answered once more.
+    Repeated,
+    /// A request was refused.
+    Refused(Refusal),
+    /// Once the answer has left: start again.
+    Reset,
+    /// Once the answer has left: switch off.
+    PowerOff,
+}
+
+/// The camera's end of the link.
+///
+/// Give it the bytes that arrive, send what it has [to send](Self::to_send), and take no further
+/// byte before that has left.
+#[derive(Debug)]
+pub struct Station {
+    receiver: FrameReceiver,
+    desk: Desk,
+}
+
+impl Station {
+    /// A station without session and calibration.
+    #[must_use]
+    pub const fn new(identity: Identity, stack_used_bytes: fn() -> u32) -> Self {
+        Self {
+            receiver: FrameReceiver::new(),
+            desk: Desk {
+                identity,
+                stack_used_bytes,
+                last: None,
+                kept: None,
+                camera: None,
+                frame: None,
+                answer: Frame::EMPTY,
+                sent: 0,
+                counters: Counters {
+                    done: 0,
+                    refused: 0,
+                    repeated: 0,
+                    truncated: 0,
+                    oversized: 0,
+                    wrong_crc: 0,
+                    other_protocol: 0,
+                    unknown: 0,
+                    other_session: 0,
+                    out_of_order: 0,
+                    overrun_bytes: 0,
+                    stack_used_bytes: 0,
+                },
+            },
+        }
+    }
+
+    /// Takes a byte from the wire; an event where it ends a frame.
+    pub fn receive(&mut self, byte: u8) -> Option<Event> {
+        let event = match self.receiver.receive(byte)? {
+            Ok(payload) => self.desk.answer(payload),
+            Err(damage) => self.desk.lost(damage),
+        };
+        Some(event)
+    }
+
+    /// What is left of the answer to be sent.
+    #[must_use]
+    pub fn to_send(&self) -> &[u8] {
+        self.desk
+            .answer
+            .bytes()
+            .get(self.desk.sent..)
+            .unwrap_or_default()
+    }
+
+    /// So many bytes of [`Self::to_send`] are on their way.
+    pub fn sent(&mut self, bytes: usize) {
+        self.desk.sent = self.desk.sent.saturating_add(bytes);
+    }
+
+    /// So many bytes arrived and could not be taken.
+    pub fn count_overrun(&mut self, bytes: u32) {
+        count_more(&mut self.desk.counters.overrun_bytes, bytes);
+    }
+
+    /// What the link has seen since the camera started.
+    #[must_use]
+    pub fn counters(&self) -> Counters {
+        self.desk.counters()
+    }
+}
+
+/// Who reads requests and writes answers.
+#[derive(Debug)]
+struct Desk {
+    identity: Identity,
+    stack_used_bytes: fn() -> u32,
+    /// The request of the session that was answered last.
+    last: Option<Header>,
+    /// The request to which the answer kept belongs.
+    kept: Option<Header>,
+    camera: Option<Camera>,
+    frame: Option<camera::Frame>,
+    answer: Frame,
+    sent: usize,
+    counters: Counters,
+}
+
+impl Desk {
+    fn lost(&mut self, damage: Damage) -> Event {
+        count(match damage {
+            Damage::Truncated => &mut self.counters.truncated,
+            Damage::Oversized => &mut self.counters.oversized,
+            Damage::Crc => &mut self.counters.wrong_crc,
+        });
+        Event::Lost(damage)
+    }
+
+    fn answer(&mut self, payload: &[u8]) -> Event {
+        let (header, request) = match Request::read(payload) {
+            Ok(message) => message,
+            Err(unreadable) => {
+                count(match unreadable {
+                    Unreadable::OtherProtocol(_) => &mut self.counters.other_protocol,
+                    Unreadable::NoHeader => &mut self.counters.unknown,
+                });
+                if let Unreadable::OtherProtocol(_) = unreadable {
+                    // The first byte of the answer tells the sender which version this is.
+                    self.send(NOBODY, &Answer::Refused(Refusal::OtherProtocol));
+                }
+                return Event::Unreadable(unreadable);
+            }
+        };
+        if self.kept == Some(header) && self.last == Some(header) {
+            self.sent = 0;
+            count(&mut self.counters.repeated);
+            return Event::Repeated;
+        }
+        let connects = matches!(request, Some(Request::Connect));
+        if !connects && let Err(refusal) = self.in_order(header) {
+            count(match refusal {
+                Refusal::OtherSession => &mut self.counters.other_session,
+                _ => &mut self.counters.out_of_order,
+            });
+            self.send(header, &Answer::Refused(refusal));
+            return Event::Refused(refusal);
+        }
+        self.last = Some(header);
+        let done = match request {
+            Some(request) => self.act(header, &request),
+            None => Err(Refusal::Unknown),
+        };
+        match done {
+            Ok((answer, event)) => {
+                count(&mut self.counters.done);
+                self.send(header, &answer);
+                event
+            }
+            Err(refusal) => {
+                count(match refusal {
+                    Refusal::Unknown => &mut self.counters.unknown,
+                    _ => &mut self.counters.refused,
+                });
+                self.send(header, &Answer::Refused(refusal));
+                Event::Refused(refusal)
+            }
+        }
+    }
+
+    /// Whether a request is the next of the open session.
+    fn in_order(&self, header: Header) -> Result<(), Refusal> {
+        let last = self
+            .last
+            .filter(|last| last.session == header.session)
+            .ok_or(Refusal::OtherSession)?;
+        let expected = last.sequence.wrapping_add(1);
+        if header.sequence == expected {
+            Ok(())
+        } else {
+            Err(Refusal::OutOfOrder { expected })
+        }
+    }
+
+    fn act(&mut self, header: Header, request: &Request) -> Result<(Answer, Event), Refusal> {
+        let answer = match request {
+            Request::Connect => {
+                self.frame = None;
+                let answer = Answer::Connected(self.identity.clone());
+                return Ok((answer, Event::Connected(header.session)));
+            }
+            Request::Load(record) => {
+                let calibration = self.load(record)?;
+                return Ok((Answer::Loaded(calibration), Event::Loaded(calibration)));
+            }
+            Request::Expose(exposure) => {
+                return Ok((Answer::Frame(self.expose(exposure)?), Event::Exposed));
+            }
+            Request::Record => Answer::Frame(self.frame()?.record),
+            Request::Correct(measured) => {
+                Answer::Points(correct(&self.frame()?.correction, measured)?)
+            }
+            Request::Distort(ideal) => Answer::Points(distort(&self.frame()?.correction, ideal)?),
+            Request::Row(row) => {
+                let correction = &self.frame()?.correction;
+                if usize::from(row.count) > MAX_POINTS {
+                    return Err(Refusal::TooMany);
+                }
+                on_sensor(correction, row.points())?;
+                Answer::Row(
+                    row.points()
+                        .take(MAX_POINTS)
+                        .map(|point| correction.distortion(point))
+                        .collect(),
+                )
+            }
+            Request::Digest(grid) => {
+                let correction = &self.frame()?.correction;
+                on_sensor(correction, grid.points())?;
+                Answer::Digest(digest::of_grid(correction, grid))
+            }
+            Request::Counters => Answer::Counters(self.counters()),
+            Request::Reset => return Ok((Answer::Ending, Event::Reset)),
+            Request::PowerOff if self.identity.power_switch => {
+                return Ok((Answer::Ending, Event::PowerOff));
+            }
+            Request::PowerOff => return Err(Refusal::NoPowerSwitch),
+        };
+        Ok((answer, Event::Answered))
+    }
+
+    fn load(&mut self, record: &CameraRecord) -> Result<CalibrationIdentity, Refusal> {
+        let camera = Camera::new(*record).map_err(Refusal::Calibration)?;
+        let calibration = CalibrationIdentity {
+            crc: digest::of_record(record).ok_or(Refusal::Unknown)?,
+            storage: Storage::Volatile,
+        };
+        self.camera = Some(camera);
+        self.frame = None;
+        self.identity.calibration = Some(calibration);
+        Ok(calibration)
+    }
+
+    fn expose(&mut self, exposure: &Exposure) -> Result<FrameRecord, Refusal> {
+        let camera = self.camera.as_ref().ok_or(Refusal::NoCalibration)?;
+        // Points that follow a refused exposure must not meet the frame before it.
+        self.frame = None;
+        let frame = camera.frame(exposure).map_err(Refusal::Exposure)?;
+        self.frame = Some(frame);
+        Ok(frame.record)
+    }
+
+    fn frame(&self) -> Result<&camera::Frame, Refusal> {
+        self.frame.as_ref().ok_or(Refusal::NoFrame)
+    }
+
+    fn counters(&self) -> Counters {
+        Counters {
+            stack_used_bytes: (self.stack_used_bytes)(),
+            ..self.counters
+        }
+    }
+
+    fn send(&mut self, header: Header, answer: &Answer) {
+        self.sent = 0;
+        self.kept = answer.write(header, &mut self.answer).map(|()| header);
+    }
+}
+
+/// The header of an answer to a request whose own cannot be read.
+pub const NOBODY: Header = Header {
+    session: 0,
+    sequence: 0,
+};
+
+fn correct(
+    correction: &FrameCorrection,
+    measured: &Points,
+) -> Result<Vec<Corrected, MAX_POINTS>, Refusal> {
+    on_sensor(correction, measured.iter().copied())?;
+    Ok(measured
+        .iter()
+        .take(MAX_POINTS)
+        .map(|point| correction.correct(*point))
+        .collect())
+}
+
+fn distort(
+    correction: &FrameCorrection,
+    ideal: &Points,
+) -> Result<Vec<Corrected, MAX_POINTS>, Refusal> {
+    let mut measured = Vec::new();
+    for (index, point) in (0..).zip(ideal) {
+        let point = correction
+            .distort(*point)
+            .map_err(|error| Refusal::Distort { index, error })?;
+        // There is room: as many come as went.
+        let _ = measured.push(point);
+    }
+    Ok(measured)
+}
+
+/// All points are on the sensor, where a correction means something.
+fn on_sensor(
+    correction: &FrameCorrection,
+    points: impl Iterator<Item = SensorPoint>,
+) -> Result<(), Refusal> {
+    for (index, point) in (0..).zip(points) {
+        if !correction.contains(point) {
+            return Err(Refusal::OffSensor { index });
+        }
+    }
+    Ok(())
+}
+
+fn count(counter: &mut u32) {
+    count_more(counter, 1);
+}
+
+/// Counters stop at their largest value.
+fn count_more(counter: &mut u32, by: u32) {
+    *counter = counter.saturating_add(by);
+}

@@ -1,0 +1,4 @@
+//! What crosses the camera's boundary.
+
+#[cfg(feature = "link")]
+pub mod link;
