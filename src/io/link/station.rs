@@ -233,12 +233,9 @@ impl Desk {
                     return Err(Refusal::TooMany);
                 }
                 on_sensor(correction, row.points())?;
-                Answer::Row(
-                    row.points()
-                        .take(MAX_POINTS)
-                        .map(|point| correction.distortion(point))
-                        .collect(),
-                )
+                Answer::Row(batch(
+                    row.points().map(|point| correction.distortion(point)),
+                ))
             }
             Request::Digest(grid) => {
                 let correction = &self.frame()?.correction;
@@ -304,11 +301,9 @@ fn correct(
     measured: &Points,
 ) -> Result<Vec<Corrected, MAX_POINTS>, Refusal> {
     on_sensor(correction, measured.iter().copied())?;
-    Ok(measured
-        .iter()
-        .take(MAX_POINTS)
-        .map(|point| correction.correct(*point))
-        .collect())
+    Ok(batch(
+        measured.iter().map(|point| correction.correct(*point)),
+    ))
 }
 
 fn distort(
@@ -324,6 +319,15 @@ fn distort(
         let _ = measured.push(point);
     }
     Ok(measured)
+}
+
+/// The first [`MAX_POINTS`] of what there is; collecting could panic.
+fn batch<T>(items: impl Iterator<Item = T>) -> Vec<T, MAX_POINTS> {
+    let mut batch = Vec::new();
+    for item in items.take(MAX_POINTS) {
+        let _ = batch.push(item);
+    }
+    batch
 }
 
 /// All points are on the sensor, where a correction means something.
