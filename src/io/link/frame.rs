@@ -53,7 +53,7 @@ impl Frame {
 /// Why a frame was discarded.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Damage {
-    /// It ended too early, or is shorter than its CRC.
+    /// It ended too early: no payload, or not even a CRC.
     Truncated,
     /// It is longer than [`LONGEST_FRAME`].
     Oversized,
@@ -108,7 +108,10 @@ impl FrameReceiver {
     /// What precedes the CRC, where that is right.
     fn payload(&self) -> Result<&[u8], Damage> {
         let (payload, crc) = self.checked.split_last_chunk().ok_or(Damage::Truncated)?;
-        if CRC.checksum(payload) == u32::from_le_bytes(*crc) {
+        if payload.is_empty() {
+            // The CRC of nothing is zero: three wrong bits can cut four zeros out of a frame.
+            Err(Damage::Truncated)
+        } else if CRC.checksum(payload) == u32::from_le_bytes(*crc) {
             Ok(payload)
         } else {
             Err(Damage::Crc)

@@ -1,0 +1,9 @@
+//! `cargo +nightly fuzz run station`
+
+#![no_main]
+
+#[allow(dead_code, reason = "each program runs one of the targets")]
+#[path = "../targets.rs"]
+mod targets;
+
+libfuzzer_sys::fuzz_target!(|bytes: &[u8]| targets::station(bytes));

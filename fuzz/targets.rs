@@ -1,0 +1,199 @@
+//! What is fuzzed, and what must hold for every input. The tests of the crate run the same functions.
+
+use fmc_camera::flight::camera::{Camera, CameraRecord};
+use fmc_camera::flight::exposure::Exposure;
+use fmc_camera::geometry::calibration::CalibrationRecord;
+use fmc_camera::geometry::frame_correction::Corrected;
+use fmc_camera::geometry::sensor::SensorPoint;
+use fmc_camera::io::link::frame::{Frame, FrameReceiver};
+use fmc_camera::io::link::message::{Answer, Header, Identity, Request, Start};
+use fmc_camera::io::link::station::Station;
+use fmc_camera::io::link::{LONGEST_FRAME, LONGEST_PAYLOAD};
+
+/// Any bytes on the wire: a payload is accepted exactly where a slow and simple reading of the same
+/// bytes accepts one, and a whole frame after them is received.
+pub(crate) fn wire(bytes: &[u8]) {
+    let mut receiver = FrameReceiver::new();
+    let mut accepted = Vec::new();
+    for byte in bytes {
+        if let Some(Ok(payload)) = receiver.receive(*byte) {
+            accepted.push(payload.to_vec());
+            // Reading may fail, and must not panic.
+            let _ = Answer::read(payload);
+            let _ = Request::read(payload);
+        }
+    }
+    // What follows the last zero has not ended.
+    let ended = bytes.iter().rposition(|byte| *byte == 0).unwrap_or(0);
+    let expected: Vec<_> = bytes[..ended]
+        .split(|byte| *byte == 0)
+        .filter_map(payload_of)
+        .collect();
+    assert_eq!(accepted, expected);
+
+    let mut frame = Frame::EMPTY;
+    let header = Header {
+        session: 1,
+        sequence: 2,
+    };
+    Request::Record.write(header, &mut frame).unwrap();
+    let last = std::iter::once(&0)
+        .chain(frame.bytes())
+        .filter_map(|byte| receiver.receive(*byte)?.ok().map(<[u8]>::to_vec))
+        .last();
+    let read = Request::read(&last.unwrap()).unwrap();
+    assert_eq!(read, (header, Some(Request::Record)), "resynchronised");
+}
+
+/// The payload of a frame without its final zero, if it is whole, fits and has the right CRC.
+fn payload_of(frame: &[u8]) -> Option<Vec<u8>> {
+    let mut checked = Vec::new();
+    let mut rest = frame;
+    while let Some((length, block)) = rest.split_first() {
+        let length = usize::from(*length) - 1;
+        checked.extend(block.get(..length)?);
+        rest = &block[length..];
+        if length < 254 && !rest.is_empty() {
+            checked.push(0);
+        }
+    }
+    let (payload, crc) = checked.split_last_chunk::<4>()?;
+    let right = crc::Crc::<u32>::new(&crc::CRC_32_ISO_HDLC).checksum(payload);
+    let fits = (1..=LONGEST_PAYLOAD).contains(&payload.len());
+    (fits && u32::from_le_bytes(*crc) == right).then(|| payload.to_vec())
+}
+
+/// Any requests to a camera: it answers each with one whole answer or none, counts what it does not
+/// act on, and does its work for the next host.
+///
+/// The input is cut into pieces by its own length bytes; a piece goes as it is, or with header and
+/// CRC around it, so that every request is reached.
+pub(crate) fn station(bytes: &[u8]) {
+    let identity = Identity::new("", "", true, Start::PowerOn);
+    let mut station = Station::new(identity, || 0);
+    send(&mut station, &framed(&Request::Connect, 0));
+    let mut sequence = 1;
+    let mut rest = bytes;
+    while let Some((kind, tail)) = rest.split_first() {
+        let (piece, tail) = tail.split_at(tail.len().min(usize::from(kind / 4)));
+        rest = tail;
+        let before = station.counters();
+        match kind % 4 {
+            // As it is: nothing of it is acted on unless its CRC happens to be right.
+            0 => {
+                send(&mut station, piece);
+                let after = station.counters();
+                let whole = piece
+                    .split(|byte| *byte == 0)
+                    .any(|frame| payload_of(frame).is_some());
+                assert!(whole || after.done + after.refused == before.done + before.refused);
+            }
+            // As the body of the next request.
+            1 | 2 => {
+                let mut payload = vec![1, 5];
+                payload.extend(leb128(sequence));
+                payload.extend(piece);
+                let mut wire = vec![0];
+                wire.extend(cobs_frame(&payload));
+                send(&mut station, &wire);
+                sequence = sequence.wrapping_add(1);
+            }
+            // As a payload.
+            _ => {
+                let mut wire = vec![0];
+                wire.extend(cobs_frame(piece));
+                send(&mut station, &wire);
+            }
+        }
+    }
+    works_for_the_next_host(&mut station);
+}
+
+/// A new session, a calibration, an exposure and a point: the bits of the library.
+fn works_for_the_next_host(station: &mut Station) {
+    let record = CameraRecord::new(CalibrationRecord::new(100.0, [8000, 4000], 10.0));
+    let exposure = Exposure::new(0.1, 0.005);
+    let point = SensorPoint::new(12.0, -3.0);
+    let expected: Corrected = Camera::new(record)
+        .unwrap()
+        .frame(&exposure)
+        .unwrap()
+        .correction
+        .correct(point);
+    send(station, &[0]);
+    let mut answers = Vec::new();
+    for (request, sequence) in [
+        Request::Connect,
+        Request::Load(record),
+        Request::Expose(exposure),
+        Request::Correct(std::iter::once(point).collect()),
+    ]
+    .iter()
+    .zip(65_000..)
+    {
+        answers = send(station, &framed(request, sequence));
+        assert_eq!(answers.len(), 1);
+    }
+    let expected = std::iter::once(expected).collect();
+    assert_eq!(answers, [Some(Answer::Points(expected))]);
+}
+
+/// Sends bytes and reads the answers; every one is whole.
+fn send(station: &mut Station, bytes: &[u8]) -> Vec<Option<Answer>> {
+    let mut answers = Vec::new();
+    for byte in bytes {
+        station.receive(*byte);
+        let answer = station.to_send().to_vec();
+        station.sent(answer.len());
+        assert!(station.to_send().is_empty());
+        if let Some((last, frame)) = answer.split_last() {
+            assert!(*last == 0 && answer.len() <= LONGEST_FRAME);
+            let (_, answer) = Answer::read(&payload_of(frame).unwrap()).unwrap();
+            assert!(answer.is_some());
+            answers.push(answer);
+        }
+    }
+    answers
+}
+
+/// A request of session 5.
+fn framed(request: &Request, sequence: u16) -> Vec<u8> {
+    let mut frame = Frame::EMPTY;
+    let header = Header {
+        session: 5,
+        sequence,
+    };
+    request.write(header, &mut frame).unwrap();
+    frame.bytes().to_vec()
+}
+
+/// A number as `postcard` writes it: 7 bits a byte, the lowest first, more to come where bit 7 is set.
+fn leb128(number: u16) -> Vec<u8> {
+    let [low, middle, high] = [0, 7, 14].map(|shift| (number >> shift & 127).to_le_bytes()[0]);
+    match (middle, high) {
+        (0, 0) => vec![low],
+        (_, 0) => vec![low | 128, middle],
+        _ => vec![low | 128, middle | 128, high],
+    }
+}
+
+/// COBS from its definition, around a payload and its CRC.
+fn cobs_frame(payload: &[u8]) -> Vec<u8> {
+    let crc = crc::Crc::<u32>::new(&crc::CRC_32_ISO_HDLC).checksum(payload);
+    let mut checked = payload.to_vec();
+    checked.extend(crc.to_le_bytes());
+    let mut wire = Vec::new();
+    for block in checked.split(|byte| *byte == 0) {
+        // A full block stands for no zero, so another one follows it.
+        let mut rest = block;
+        while let Some((full, more)) = rest.split_at_checked(254) {
+            wire.push(255);
+            wire.extend(full);
+            rest = more;
+        }
+        wire.extend(u8::try_from(rest.len() + 1));
+        wire.extend(rest);
+    }
+    wire.push(0);
+    wire
+}

@@ -1,0 +1,213 @@
+//! What a PC and a camera say to each other when all goes well.
+
+use fmc_camera::flight::camera::Camera;
+use fmc_camera::flight::exposure::Exposure;
+use fmc_camera::geometry::five_coefficient::FiveCoefficients;
+use fmc_camera::geometry::mesh::MeshRow;
+use fmc_camera::geometry::sensor::SensorPoint;
+use fmc_camera::io::link::digest;
+use fmc_camera::io::link::message::{
+    Answer, CalibrationIdentity, Grid, Header, Points, Request, Start, Storage,
+};
+use fmc_camera::io::link::station::Event;
+
+use crate::pc::{Pc, SESSION, STACK_USED, camera_record};
+
+const EXPOSURE: Exposure = Exposure::new(0.17, 1.0 / 200.0);
+
+fn points() -> Points {
+    [(20.0, 10.0), (-26.7, 20.0), (0.0, 0.0)]
+        .map(|(x, y)| SensorPoint::new(x, y))
+        .into_iter()
+        .collect()
+}
+
+#[test]
+fn answers_are_those_of_the_library_bit_by_bit() {
+    let mut pc = Pc::loaded();
+    let frame = Camera::new(camera_record())
+        .unwrap()
+        .frame(&EXPOSURE)
+        .unwrap();
+    assert_eq!(
+        pc.ask(&Request::Expose(EXPOSURE)),
+        Answer::Frame(frame.record)
+    );
+    assert_eq!(pc.ask(&Request::Record), Answer::Frame(frame.record));
+
+    let measured = points();
+    let ideal = measured
+        .iter()
+        .map(|point| frame.correction.correct(*point))
+        .collect();
+    let Answer::Points(answered) = pc.ask(&Request::Correct(measured.clone())) else {
+        panic!("no points");
+    };
+    assert_eq!(Answer::Points(answered), Answer::Points(ideal));
+
+    let again = measured
+        .iter()
+        .map(|point| frame.correction.distort(*point).unwrap())
+        .collect();
+    assert_eq!(pc.ask(&Request::Distort(measured)), Answer::Points(again));
+
+    let row = MeshRow {
+        first: SensorPoint::new(-26.0, 7.5),
+        step_mm: 0.8125,
+        count: 64,
+    };
+    let Answer::Row(along) = pc.ask(&Request::Row(row)) else {
+        panic!("no row");
+    };
+    assert_eq!(along.len(), 64);
+    for (index, displacement) in (0_u16..).zip(along) {
+        let point = SensorPoint::new(-26.0 + f32::from(index) * 0.8125, 7.5);
+        assert_eq!(displacement, frame.correction.distortion(point));
+    }
+}
+
+#[test]
+fn digest_of_a_grid_is_that_of_its_points_asked_one_by_one() {
+    let mut pc = Pc::loaded();
+    pc.ask(&Request::Expose(EXPOSURE));
+    let grid = Grid {
+        x_mm: [-26.7, -1.25, 0.0, 26.7].into_iter().collect(),
+        y_mm: [-20.0, 19.9].into_iter().collect(),
+    };
+    let crc = crc::Crc::<u32>::new(&crc::CRC_32_ISO_HDLC);
+    let mut digest = crc.digest();
+    for y in [-20.0, 19.9] {
+        for x in [-26.7, -1.25, 0.0, 26.7] {
+            let point = [SensorPoint::new(x, y)].into_iter().collect();
+            let Answer::Points(corrected) = pc.ask(&Request::Correct(point)) else {
+                panic!("no points");
+            };
+            let corrected = corrected[0];
+            for value in [
+                corrected.point.x_mm,
+                corrected.point.y_mm,
+                corrected.distortion.dx_mm,
+                corrected.distortion.dy_mm,
+            ] {
+                digest.update(&value.to_le_bytes());
+            }
+        }
+    }
+    assert_eq!(
+        pc.ask(&Request::Digest(grid)),
+        Answer::Digest(digest.finalize())
+    );
+}
+
+#[test]
+fn connecting_tells_who_answers_and_which_calibration_it_holds() {
+    let mut pc = Pc::unconnected();
+    let Answer::Connected(identity) = pc.ask(&Request::Connect) else {
+        panic!("not connected");
+    };
+    assert_eq!(identity.version, env!("CARGO_PKG_VERSION"));
+    assert_eq!(identity.build, "test build");
+    assert_eq!(identity.board, "test board");
+    assert_eq!(identity.start, Start::PowerOn);
+    assert_eq!(identity.max_points, 64);
+    assert_eq!(identity.calibration, None);
+    assert_eq!(pc.event, Some(Event::Connected(SESSION)));
+
+    let calibration = CalibrationIdentity {
+        crc: digest::of_record(&camera_record()).unwrap(),
+        storage: Storage::Volatile,
+    };
+    assert_eq!(
+        pc.ask(&Request::Load(camera_record())),
+        Answer::Loaded(calibration)
+    );
+    let other = Header {
+        session: 7,
+        sequence: 99,
+    };
+    let Answer::Connected(identity) = pc.ask_as(other, &Request::Connect) else {
+        panic!("not connected");
+    };
+    assert_eq!(identity.calibration, Some(calibration));
+}
+
+#[test]
+fn digest_of_a_calibration_tells_every_field_of_it() {
+    let of = |change: fn(&mut fmc_camera::CameraRecord)| {
+        let mut record = camera_record();
+        change(&mut record);
+        digest::of_record(&record).unwrap()
+    };
+    let digests = [
+        of(|_| {}),
+        of(|record| record.calibration.distortion.k1 = -1.6057e-5),
+        of(|record| record.calibration.pixel_um = 3.760_000_2),
+        of(|record| record.limits.vh_per_s = [0.05, 0.18]),
+        of(|record| {
+            record.calibration.fitted = Some(FiveCoefficients::default());
+        }),
+    ];
+    for (index, digest) in digests.iter().enumerate() {
+        assert!(!digests[..index].contains(digest), "{index}");
+    }
+}
+
+#[test]
+fn request_that_comes_again_is_answered_again_and_not_acted_on_again() {
+    let mut pc = Pc::loaded();
+    let header = Header {
+        session: SESSION,
+        sequence: pc.next,
+    };
+    let first = pc.ask_as(header, &Request::Expose(EXPOSURE));
+    let done = pc.station.counters().done;
+    // The same number with other contents: the answer from memory.
+    let again = pc.ask_as(header, &Request::Expose(Exposure::new(0.05, 0.01)));
+    assert_eq!(again, first);
+    assert_eq!(pc.event, Some(Event::Repeated));
+    let counters = pc.station.counters();
+    assert_eq!((counters.done, counters.repeated), (done, 1));
+}
+
+#[test]
+fn numbers_of_requests_go_round() {
+    let mut pc = Pc::unconnected();
+    pc.next = u16::MAX;
+    for _ in 0..3 {
+        pc.ask(&Request::Connect);
+        assert!(matches!(pc.ask(&Request::Counters), Answer::Counters(_)));
+        pc.next = u16::MAX;
+    }
+    let last = Header {
+        session: SESSION,
+        sequence: u16::MAX,
+    };
+    pc.ask_as(last, &Request::Connect);
+    pc.next = 0;
+    assert!(matches!(pc.ask(&Request::Counters), Answer::Counters(_)));
+}
+
+#[test]
+fn counters_tell_the_stack_and_the_overrun() {
+    let mut pc = Pc::connected();
+    pc.station.count_overrun(3);
+    pc.station.count_overrun(u32::MAX);
+    let Answer::Counters(counters) = pc.ask(&Request::Counters) else {
+        panic!("no counters");
+    };
+    assert_eq!(counters.overrun_bytes, u32::MAX, "it stops at the end");
+    assert_eq!(counters.stack_used_bytes, STACK_USED);
+    assert_eq!(counters.done, 1, "the connection");
+}
+
+#[test]
+fn ending_is_announced_and_left_to_the_board() {
+    for (request, event) in [
+        (Request::Reset, Event::Reset),
+        (Request::PowerOff, Event::PowerOff),
+    ] {
+        let mut pc = Pc::connected();
+        assert_eq!(pc.ask(&request), Answer::Ending);
+        assert_eq!(pc.event, Some(event));
+    }
+}

@@ -1,0 +1,18 @@
+//! The link as a user of the crate sees it: what is on the wire, and what the camera does about it.
+
+#![cfg(test)]
+#![allow(
+    clippy::unwrap_used,
+    clippy::panic,
+    clippy::indexing_slicing,
+    reason = "tests"
+)]
+
+mod conversation;
+mod damage;
+mod fuzzed;
+mod messages;
+mod pc;
+mod refusals;
+#[path = "../../fuzz/targets.rs"]
+mod targets;

@@ -1,0 +1,138 @@
+//! Messages as bytes.
+
+use fmc_camera::flight::camera::{CameraRecord, Mechanism};
+use fmc_camera::flight::exposure::Exposure;
+use fmc_camera::flight::stage::RunUp;
+use fmc_camera::geometry::five_coefficient::FiveCoefficients;
+use fmc_camera::geometry::frame_correction::Corrected;
+use fmc_camera::geometry::sensor::SensorPoint;
+use fmc_camera::geometry::shutter::ShutterProfile;
+use fmc_camera::io::link::frame::{Frame, FrameReceiver};
+use fmc_camera::io::link::message::{Answer, Grid, Header, Identity, Request, Start};
+use fmc_camera::io::link::{LONGEST_FRAME, LONGEST_PAYLOAD, MAX_POINTS, PROTOCOL_VERSION};
+
+use crate::pc::{camera_record, frame};
+
+/// The header whose numbers take most bytes.
+const LONGEST_HEADER: Header = Header {
+    session: u32::MAX,
+    sequence: u16::MAX,
+};
+
+fn payload_of(frame: &Frame) -> Vec<u8> {
+    let mut receiver = FrameReceiver::new();
+    let (last, bytes) = frame.bytes().split_last().unwrap();
+    for byte in bytes {
+        assert!(receiver.receive(*byte).is_none());
+    }
+    receiver.receive(*last).unwrap().unwrap().to_vec()
+}
+
+/// Every number of the record is there, none of them short.
+fn longest_record() -> CameraRecord {
+    let mut record = camera_record();
+    record.calibration.fitted = Some(FiveCoefficients::default());
+    record.mechanism = Mechanism::Stage {
+        acceleration_mm_s2: 1.0,
+        settling_ms: 1.0,
+        run_up: RunUp::FromRest,
+    };
+    record.shutter = ShutterProfile::Trapezoid {
+        opening_fraction: 0.1,
+        closing_fraction: 0.1,
+    };
+    record
+}
+
+#[test]
+fn longest_messages_fit_and_come_back_as_they_went() {
+    let far = SensorPoint::new(f32::MIN, f32::MAX);
+    let full = || std::iter::repeat_n(far, MAX_POINTS).collect();
+    for request in [
+        Request::Correct(full()),
+        Request::Distort(full()),
+        Request::Load(longest_record()),
+        Request::Digest(Grid {
+            x_mm: std::iter::repeat_n(f32::MAX, MAX_POINTS).collect(),
+            y_mm: std::iter::repeat_n(f32::MIN, MAX_POINTS).collect(),
+        }),
+        Request::Expose(Exposure {
+            opening_offset_mm: Some(-0.1),
+            ..Exposure::new(0.1, 0.01)
+        }),
+    ] {
+        let payload = payload_of(&frame(LONGEST_HEADER, &request));
+        let (header, read) = Request::read(&payload).unwrap();
+        assert_eq!((header, read), (LONGEST_HEADER, Some(request)));
+    }
+    let corrected = Corrected {
+        point: far,
+        ..Corrected::default()
+    };
+    let long = "x".repeat(40);
+    for answer in [
+        Answer::Points(std::iter::repeat_n(corrected, MAX_POINTS).collect()),
+        Answer::Connected(Identity::new(&long, &long[..24], true, Start::Fault)),
+    ] {
+        let mut frame = Frame::EMPTY;
+        answer.write(LONGEST_HEADER, &mut frame).unwrap();
+        assert!(frame.bytes().len() <= LONGEST_FRAME);
+        let (header, read) = Answer::read(&payload_of(&frame)).unwrap();
+        assert_eq!((header, read), (LONGEST_HEADER, Some(answer)));
+    }
+    let mut frame = Frame::EMPTY;
+    let answer = Answer::Points(std::iter::repeat_n(corrected, MAX_POINTS).collect());
+    answer.write(LONGEST_HEADER, &mut frame).unwrap();
+    // The buffers are as long as they need be, and 5 bytes more.
+    assert_eq!(payload_of(&frame).len(), LONGEST_PAYLOAD - 5);
+}
+
+#[test]
+fn bytes_on_the_wire_are_those_of_the_description() {
+    let header = Header {
+        session: 0x0102,
+        sequence: 3,
+    };
+    let request = frame(header, &Request::Connect);
+    // Version; session 0x0102 as LEB128; sequence; number of the request; its CRC-32.
+    let payload = [1, 0x82, 0x02, 3, 0];
+    let crc = crc::Crc::<u32>::new(&crc::CRC_32_ISO_HDLC).checksum(&payload);
+    let mut checked = payload.to_vec();
+    checked.extend(crc.to_le_bytes());
+    let mut wire = cobs::encode_vec_by_hand(&checked);
+    wire.push(0);
+    assert_eq!(request.bytes(), wire);
+    assert_eq!(PROTOCOL_VERSION, 1);
+}
+
+/// COBS of a short text, from its definition: a block per zero, each led by its length.
+mod cobs {
+    pub(super) fn encode_vec_by_hand(bytes: &[u8]) -> Vec<u8> {
+        bytes
+            .split(|byte| *byte == 0)
+            .flat_map(|block| {
+                let length = u8::try_from(block.len() + 1).unwrap();
+                std::iter::once(length).chain(block.iter().copied())
+            })
+            .collect()
+    }
+}
+
+#[test]
+fn what_follows_the_header_is_one_message_to_the_last_byte() {
+    let header = Header {
+        session: 5,
+        sequence: 6,
+    };
+    let whole = payload_of(&frame(header, &Request::Expose(Exposure::new(0.1, 0.01))));
+    for length in 0..whole.len() {
+        let read = Request::read(&whole[..length]);
+        assert!(!matches!(read, Ok((_, Some(_)))), "cut to {length}");
+    }
+    let mut longer = whole.clone();
+    longer.push(0);
+    assert_eq!(Request::read(&longer), Ok((header, None)));
+    let mut other = whole;
+    other[3] = 200; // no request has this number
+    assert_eq!(Request::read(&other), Ok((header, None)));
+}

@@ -1,0 +1,122 @@
+//! The PC's end, as simple as it can be: what is asked arrives, and so does the answer.
+
+use fmc_camera::flight::camera::CameraRecord;
+use fmc_camera::geometry::brown::Brown;
+use fmc_camera::geometry::calibration::CalibrationRecord;
+use fmc_camera::io::link::frame::{Frame, FrameReceiver};
+use fmc_camera::io::link::message::{Answer, Header, Identity, Request, Start};
+use fmc_camera::io::link::station::{Event, Station};
+
+pub(crate) const SESSION: u32 = 0x5e55_1011;
+
+/// What the stack of the camera under test uses, bytes.
+pub(crate) const STACK_USED: u32 = 1234;
+
+/// A station, and the number of the next request.
+pub(crate) struct Pc {
+    pub(crate) station: Station,
+    pub(crate) next: u16,
+    pub(crate) event: Option<Event>,
+}
+
+impl Pc {
+    /// Without a session.
+    pub(crate) fn unconnected() -> Self {
+        let identity = Identity::new("test build", "test board", true, Start::PowerOn);
+        Self {
+            station: Station::new(identity, || STACK_USED),
+            next: 0,
+            event: None,
+        }
+    }
+
+    pub(crate) fn connected() -> Self {
+        let mut pc = Self::unconnected();
+        assert!(matches!(pc.ask(&Request::Connect), Answer::Connected(_)));
+        pc
+    }
+
+    /// With a calibration.
+    pub(crate) fn loaded() -> Self {
+        let mut pc = Self::connected();
+        let answer = pc.ask(&Request::Load(camera_record()));
+        assert!(matches!(answer, Answer::Loaded(_)), "{answer:?}");
+        pc
+    }
+
+    /// Asks the next request of the session.
+    pub(crate) fn ask(&mut self, request: &Request) -> Answer {
+        let header = Header {
+            session: SESSION,
+            sequence: self.next,
+        };
+        self.next = self.next.wrapping_add(1);
+        self.ask_as(header, request)
+    }
+
+    /// Asks under a header of one's own choice.
+    pub(crate) fn ask_as(&mut self, header: Header, request: &Request) -> Answer {
+        let answers = self.send(frame(header, request).bytes());
+        let [(answered, answer)] = &answers[..] else {
+            panic!("{answers:?}");
+        };
+        assert_eq!(*answered, header);
+        answer.clone()
+    }
+
+    /// Sends bytes and reads the answers to them.
+    pub(crate) fn send(&mut self, bytes: &[u8]) -> Vec<(Header, Answer)> {
+        let mut answers = Vec::new();
+        for byte in bytes {
+            if let Some(event) = self.station.receive(*byte) {
+                self.event = Some(event);
+            }
+            answers.extend(answers_in(&self.collect()));
+        }
+        answers
+    }
+
+    /// What the station has to send, in pieces of 7 bytes.
+    pub(crate) fn collect(&mut self) -> Vec<u8> {
+        let mut bytes = Vec::new();
+        while !self.station.to_send().is_empty() {
+            let piece = self.station.to_send();
+            let piece = &piece[..piece.len().min(7)];
+            bytes.extend(piece);
+            let sent = piece.len();
+            self.station.sent(sent);
+        }
+        bytes
+    }
+}
+
+pub(crate) fn frame(header: Header, request: &Request) -> Frame {
+    let mut frame = Frame::EMPTY;
+    request.write(header, &mut frame).unwrap();
+    frame
+}
+
+/// Every answer in bytes from the camera, all of them whole.
+fn answers_in(bytes: &[u8]) -> Vec<(Header, Answer)> {
+    let mut receiver = FrameReceiver::new();
+    let mut answers = Vec::new();
+    for byte in bytes {
+        if let Some(payload) = receiver.receive(*byte) {
+            let (header, answer) = Answer::read(payload.unwrap()).unwrap();
+            answers.push((header, answer.unwrap()));
+        }
+    }
+    answers
+}
+
+/// The 50 mm camera of the README.
+pub(crate) fn camera_record() -> CameraRecord {
+    let mut lens = CalibrationRecord::new(51.3712, [14204, 10652], 3.76);
+    lens.distortion = Brown {
+        k1: -1.6056e-5,
+        k2: 6.18966e-9,
+        k3: -1.31329e-12,
+        ..Brown::default()
+    };
+    CameraRecord::new(lens)
+}

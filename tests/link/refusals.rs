@@ -1,0 +1,236 @@
+//! Requests that the camera does not act on.
+
+use fmc_camera::flight::camera::FrameError;
+use fmc_camera::flight::exposure::Exposure;
+use fmc_camera::geometry::calibration::CalibrationError;
+use fmc_camera::geometry::inverse::DistortError;
+use fmc_camera::geometry::mesh::MeshRow;
+use fmc_camera::geometry::range::Quantity;
+use fmc_camera::geometry::sensor::SensorPoint;
+use fmc_camera::io::link::message::{
+    Answer, Grid, Header, Identity, Points, Refusal, Request, Start,
+};
+use fmc_camera::io::link::station::{Event, Station};
+
+use crate::pc::{Pc, SESSION, camera_record};
+
+const EXPOSURE: Exposure = Exposure::new(0.1, 0.005);
+
+fn batch(points: &[(f32, f32)]) -> Points {
+    points
+        .iter()
+        .map(|(x, y)| SensorPoint::new(*x, *y))
+        .collect()
+}
+
+#[test]
+fn nothing_is_done_before_what_it_needs() {
+    let mut pc = Pc::connected();
+    let no_calibration = Answer::Refused(Refusal::NoCalibration);
+    assert_eq!(pc.ask(&Request::Expose(EXPOSURE)), no_calibration);
+    pc.ask(&Request::Load(camera_record()));
+    let grid = Grid {
+        x_mm: heapless::Vec::new(),
+        y_mm: heapless::Vec::new(),
+    };
+    for request in [
+        Request::Record,
+        Request::Correct(batch(&[(0.0, 0.0)])),
+        Request::Distort(batch(&[(0.0, 0.0)])),
+        Request::Digest(grid),
+    ] {
+        assert_eq!(pc.ask(&request), Answer::Refused(Refusal::NoFrame));
+    }
+    assert_eq!(pc.station.counters().refused, 5);
+}
+
+#[test]
+fn frame_ends_with_its_session_and_with_a_refused_exposure_or_a_new_calibration() {
+    let point = Request::Correct(batch(&[(0.0, 0.0)]));
+    for (what, request) in [
+        ("connect", Request::Connect),
+        ("calibration", Request::Load(camera_record())),
+        ("exposure", Request::Expose(Exposure::new(5.0, 0.005))),
+    ] {
+        let mut pc = Pc::loaded();
+        pc.ask(&Request::Expose(EXPOSURE));
+        assert!(matches!(pc.ask(&point), Answer::Points(_)));
+        pc.ask(&request);
+        assert_eq!(pc.ask(&point), Answer::Refused(Refusal::NoFrame), "{what}");
+    }
+}
+
+#[test]
+fn calibration_that_is_not_usable_is_named_and_the_one_before_stays() {
+    let mut pc = Pc::loaded();
+    let mut bad = camera_record();
+    bad.calibration.pixel_um = f32::NAN;
+    let Answer::Refused(Refusal::Calibration(CalibrationError::OutOfRange(error))) =
+        pc.ask(&Request::Load(bad))
+    else {
+        panic!("not refused");
+    };
+    assert_eq!(error.quantity, Quantity::PixelUm);
+    let mut folding = camera_record();
+    folding.calibration.distortion.k1 = 1e-3;
+    assert!(matches!(
+        pc.ask(&Request::Load(folding)),
+        Answer::Refused(Refusal::Calibration(CalibrationError::Folds { .. }))
+    ));
+    assert!(matches!(
+        pc.ask(&Request::Expose(EXPOSURE)),
+        Answer::Frame(_)
+    ));
+}
+
+#[test]
+fn exposure_out_of_its_limits_is_named() {
+    let mut pc = Pc::loaded();
+    for vh_per_s in [-0.1, 0.2, f32::NAN, f32::INFINITY] {
+        let answer = pc.ask(&Request::Expose(Exposure::new(vh_per_s, 0.005)));
+        let Answer::Refused(Refusal::Exposure(FrameError::OutOfRange(error))) = answer else {
+            panic!("{answer:?}");
+        };
+        assert_eq!(error.quantity, Quantity::VhPerS);
+    }
+}
+
+#[test]
+fn measured_points_off_the_sensor_are_not_corrected() {
+    let mut pc = Pc::loaded();
+    pc.ask(&Request::Expose(EXPOSURE));
+    for off in [
+        (27.0, 0.0),
+        (0.0, -20.1),
+        (f32::NAN, 0.0),
+        (0.0, f32::INFINITY),
+    ] {
+        let refused = |index| Answer::Refused(Refusal::OffSensor { index });
+        let points = batch(&[(1.0, 1.0), (2.0, 2.0), off]);
+        assert_eq!(pc.ask(&Request::Correct(points)), refused(2), "{off:?}");
+        let grid = Grid {
+            x_mm: [0.0, off.0].into_iter().collect(),
+            y_mm: [off.1].into_iter().collect(),
+        };
+        let index = u16::from(off.1.abs() < 1.0);
+        assert_eq!(pc.ask(&Request::Digest(grid)), refused(index), "{off:?}");
+    }
+    let row = MeshRow {
+        first: SensorPoint::new(0.0, 0.0),
+        step_mm: 9.0,
+        count: 4,
+    };
+    let off = Answer::Refused(Refusal::OffSensor { index: 3 });
+    assert_eq!(pc.ask(&Request::Row(row)), off);
+    let row = MeshRow {
+        step_mm: 0.0,
+        count: 65,
+        ..row
+    };
+    assert_eq!(
+        pc.ask(&Request::Row(row)),
+        Answer::Refused(Refusal::TooMany)
+    );
+}
+
+#[test]
+fn ideal_point_without_a_measured_one_is_named() {
+    let mut pc = Pc::loaded();
+    pc.ask(&Request::Expose(EXPOSURE));
+    let answer = pc.ask(&Request::Distort(batch(&[(1.0, 1.0), (30.0, 1.0)])));
+    assert!(
+        matches!(
+            answer,
+            Answer::Refused(Refusal::Distort {
+                index: 1,
+                error: DistortError::OffSensor(_)
+            })
+        ),
+        "{answer:?}"
+    );
+}
+
+#[test]
+fn request_out_of_order_is_refused_with_the_number_expected() {
+    let mut pc = Pc::connected();
+    for sequence in [pc.next + 1, pc.next.wrapping_sub(2), 40_000] {
+        let header = Header {
+            session: SESSION,
+            sequence,
+        };
+        let expected = pc.next;
+        assert_eq!(
+            pc.ask_as(header, &Request::Load(camera_record())),
+            Answer::Refused(Refusal::OutOfOrder { expected })
+        );
+    }
+    assert_eq!(pc.station.counters().out_of_order, 3);
+    // Nothing was loaded, and the right number is still taken.
+    assert_eq!(
+        pc.ask(&Request::Expose(EXPOSURE)),
+        Answer::Refused(Refusal::NoCalibration)
+    );
+}
+
+#[test]
+fn answer_that_is_no_longer_kept_is_not_given_for_another() {
+    let mut pc = Pc::connected();
+    let last = Header {
+        session: SESSION,
+        sequence: pc.next,
+    };
+    pc.ask_as(last, &Request::Counters);
+    let other = Header {
+        session: 1,
+        sequence: 1,
+    };
+    pc.ask_as(other, &Request::Counters);
+    assert_eq!(
+        pc.ask_as(last, &Request::Counters),
+        Answer::Refused(Refusal::OutOfOrder {
+            expected: last.sequence + 1
+        })
+    );
+}
+
+#[test]
+fn session_of_another_host_ends_the_first() {
+    let mut pc = Pc::loaded();
+    let other = Header {
+        session: 2,
+        sequence: 0,
+    };
+    pc.ask_as(other, &Request::Connect);
+    let ended = Answer::Refused(Refusal::OtherSession);
+    assert_eq!(pc.ask(&Request::Record), ended);
+    assert_eq!(pc.event, Some(Event::Refused(Refusal::OtherSession)));
+    // The second goes on undisturbed.
+    let next = Header {
+        session: 2,
+        sequence: 1,
+    };
+    let answer = pc.ask_as(next, &Request::Expose(EXPOSURE));
+    assert!(matches!(answer, Answer::Frame(_)), "{answer:?}");
+    assert_eq!(pc.station.counters().other_session, 1);
+}
+
+#[test]
+fn before_a_session_only_connecting_is_answered_otherwise_than_by_refusal() {
+    let mut pc = Pc::unconnected();
+    for request in [Request::Counters, Request::Reset, Request::PowerOff] {
+        assert_eq!(pc.ask(&request), Answer::Refused(Refusal::OtherSession));
+        assert_eq!(pc.event, Some(Event::Refused(Refusal::OtherSession)));
+    }
+}
+
+#[test]
+fn camera_without_a_power_switch_says_so() {
+    let mut pc = Pc::unconnected();
+    let identity = Identity::new("", "", false, Start::Watchdog);
+    pc.station = Station::new(identity, || 0);
+    pc.ask(&Request::Connect);
+    assert_eq!(
+        pc.ask(&Request::PowerOff),
+        Answer::Refused(Refusal::NoPowerSwitch)
+    );
+}
