@@ -1,0 +1,56 @@
+//! The instruction counter.
+
+use core::hint::black_box;
+
+use cortex_m::peripheral::SYST;
+use cortex_m::peripheral::syst::SystClkSource;
+use cortex_m_semihosting::hprintln;
+
+/// Instructions to a tick: 1 ns each, the timer runs at 25 MHz.
+const INSTRUCTIONS_PER_TICK: u32 = 40;
+/// The timer counts down from here.
+const RELOAD: u32 = 0x00ff_ffff;
+
+/// Counts instructions in ticks of the system timer.
+pub(crate) struct Counter {
+    timer: SYST,
+}
+
+impl Counter {
+    pub(crate) fn new(mut timer: SYST) -> Self {
+        timer.set_clock_source(SystClkSource::Core);
+        timer.set_reload(RELOAD);
+        timer.clear_current();
+        timer.enable_counter();
+        Self { timer }
+    }
+
+    /// Runs `work` and prints what one of its `repetitions` costs; `None` if it fails or takes longer than the timer
+    /// can count.
+    pub(crate) fn count<T>(
+        &mut self,
+        kernel: &str,
+        repetitions: u32,
+        work: impl FnOnce() -> Option<T>,
+    ) -> Option<()> {
+        self.timer.clear_current();
+        // Reading says whether the timer has run out since it was read last.
+        self.timer.has_wrapped();
+        let start = SYST::get_current();
+        let result = work();
+        let end = SYST::get_current();
+        let wrapped = self.timer.has_wrapped();
+        black_box(result?);
+        let ticks = start.wrapping_sub(end) & RELOAD;
+        if wrapped && end >= start || ticks > RELOAD / 2 {
+            return None;
+        }
+        hprintln!(
+            "{},{},{}",
+            kernel,
+            repetitions,
+            ticks * INSTRUCTIONS_PER_TICK
+        );
+        Some(())
+    }
+}

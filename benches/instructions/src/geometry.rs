@@ -1,0 +1,82 @@
+//! Points and frames.
+
+use core::hint::black_box;
+
+use fmc_camera::flight::exposure::CorrectionModel;
+use fmc_camera::geometry::frame_correction::Kernel;
+use fmc_camera::geometry::sensor::SensorPoint;
+use fmc_camera::{Camera, Exposure, FrameCorrection};
+
+use crate::counter::Counter;
+use crate::specimen::{EXPOSURE, POINTS, full, points, short};
+
+/// Repetitions of what is done once per frame.
+const FRAMES: u32 = 100;
+
+#[expect(clippy::cast_possible_truncation, reason = "1024 points")]
+const PER_POINT: u32 = POINTS as u32;
+
+pub(crate) fn count(counter: &mut Counter) -> Option<()> {
+    let record = short();
+    let camera = Camera::new(record).ok()?;
+    let correction = camera.frame(&EXPOSURE).ok()?.correction;
+    let full = Camera::new(full()).ok()?.frame(&EXPOSURE).ok()?.correction;
+    if (correction.kernel(), full.kernel()) != (Kernel::Short, Kernel::Full) {
+        return None;
+    }
+    slice(counter, "correct_slice", &correction)?;
+    slice(counter, "correct_slice_full", &full)?;
+    single(counter, "correct", &correction)?;
+    single(counter, "correct_full", &full)?;
+    distort(counter, "distort", &correction)?;
+    distort(counter, "distort_full", &full)?;
+    fold(counter, "frame_fold", &camera, EXPOSURE)?;
+    let still = Exposure {
+        model: CorrectionModel::Static,
+        ..EXPOSURE
+    };
+    fold(counter, "frame_fold_static", &camera, still)?;
+    counter.count("calibration", 1, || Camera::new(black_box(record)).ok())
+}
+
+/// The hot path: points replaced in place.
+fn slice(counter: &mut Counter, kernel: &str, correction: &FrameCorrection) -> Option<()> {
+    let mut points = points();
+    counter.count(kernel, PER_POINT, || {
+        black_box(correction).correct_slice(black_box(&mut points));
+        Some(())
+    })?;
+    black_box(points);
+    Some(())
+}
+
+/// One point after the other, with the distortion.
+fn single(counter: &mut Counter, kernel: &str, correction: &FrameCorrection) -> Option<()> {
+    let points = points();
+    counter.count(kernel, PER_POINT, || {
+        for point in black_box(&points) {
+            black_box(black_box(correction).correct(*point));
+        }
+        Some(())
+    })
+}
+
+fn distort(counter: &mut Counter, kernel: &str, correction: &FrameCorrection) -> Option<()> {
+    let points: [SensorPoint; POINTS] = points();
+    counter.count(kernel, PER_POINT, || {
+        for point in black_box(&points) {
+            black_box(black_box(correction).distort(*point).ok()?);
+        }
+        Some(())
+    })
+}
+
+/// An exposure into coefficients.
+fn fold(counter: &mut Counter, kernel: &str, camera: &Camera, exposure: Exposure) -> Option<()> {
+    counter.count(kernel, FRAMES, || {
+        for _ in 0..FRAMES {
+            black_box(black_box(camera).frame(black_box(&exposure)).ok()?);
+        }
+        Some(())
+    })
+}

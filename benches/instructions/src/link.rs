@@ -1,0 +1,63 @@
+//! The link: a message from its first byte to the answer's last.
+
+use fmc_camera::geometry::mesh::MeshRow;
+use fmc_camera::geometry::sensor::SensorPoint;
+use fmc_camera::io::link::frame::Frame;
+use fmc_camera::io::link::message::{Grid, Header, Identity, Points, Request, Start};
+use fmc_camera::io::link::station::{Event, Station};
+
+use crate::counter::Counter;
+use crate::specimen::{EXPOSURE, points, short};
+
+pub(crate) fn count(counter: &mut Counter) -> Option<()> {
+    let identity = Identity::new("", "", true, Start::PowerOn);
+    let mut station = Station::new(identity, || 0);
+    let batch: Points = points().iter().step_by(16).copied().collect();
+    let side = || {
+        points()
+            .iter()
+            .step_by(33)
+            .map(|point| point.x_mm)
+            .collect()
+    };
+    let row = MeshRow {
+        first: SensorPoint::new(-25.0, 7.0),
+        step_mm: 0.75,
+        count: 64,
+    };
+    let grid = Grid {
+        x_mm: side(),
+        y_mm: heapless::Vec::from_slice(&[-10.0, 10.0]).ok()?,
+    };
+    let requests = [
+        ("link_connect", Request::Connect),
+        ("link_load", Request::Load(short())),
+        ("link_expose", Request::Expose(EXPOSURE)),
+        ("link_correct_64", Request::Correct(batch.clone())),
+        ("link_distort_64", Request::Distort(batch)),
+        ("link_row_64", Request::Row(row)),
+        ("link_digest_64", Request::Digest(grid)),
+        ("link_counters", Request::Counters),
+    ];
+    let mut frame = Frame::EMPTY;
+    for (sequence, (kernel, request)) in (0..).zip(requests) {
+        let header = Header {
+            session: 1,
+            sequence,
+        };
+        request.write(header, &mut frame)?;
+        counter.count(kernel, 1, || exchange(&mut station, &frame))?;
+    }
+    Some(())
+}
+
+/// All bytes of a request, and the answer taken away; `None` unless it was answered.
+fn exchange(station: &mut Station, frame: &Frame) -> Option<Event> {
+    let mut event = None;
+    for byte in frame.bytes() {
+        event = station.receive(*byte);
+    }
+    let length = station.to_send().len();
+    station.sent(length);
+    event.filter(|event| !matches!(event, Event::Refused(_) | Event::Lost(_)))
+}

@@ -1,0 +1,52 @@
+//! Counts the instructions of the camera's work on an emulated Cortex-M.
+//!
+//! Under `-icount shift=0` an instruction takes one nanosecond of the emulated time, so that the system timer counts
+//! instructions, exactly and repeatably: 40 to a tick. They are instructions, not cycles.
+//!
+//! Prints a line `kernel,repetitions,instructions` for each kernel over semihosting.
+
+#![cfg_attr(target_os = "none", no_std, no_main)]
+
+#[cfg(target_os = "none")]
+mod counter;
+#[cfg(target_os = "none")]
+mod geometry;
+#[cfg(target_os = "none")]
+mod link;
+#[cfg(target_os = "none")]
+mod specimen;
+
+#[cfg(not(target_os = "none"))]
+fn main() {}
+
+#[cfg(target_os = "none")]
+#[cortex_m_rt::entry]
+fn count() -> ! {
+    use cortex_m_semihosting::debug::{EXIT_FAILURE, EXIT_SUCCESS, exit};
+
+    let counted = cortex_m::Peripherals::take().and_then(|peripherals| {
+        let mut counter = counter::Counter::new(peripherals.SYST);
+        geometry::count(&mut counter)?;
+        link::count(&mut counter)
+    });
+    exit(if counted.is_some() {
+        EXIT_SUCCESS
+    } else {
+        EXIT_FAILURE
+    });
+    loop {
+        cortex_m::asm::wfi();
+    }
+}
+
+#[cfg(target_os = "none")]
+#[panic_handler]
+fn panic(info: &core::panic::PanicInfo<'_>) -> ! {
+    use cortex_m_semihosting::{debug, hprintln};
+
+    hprintln!("{}", info);
+    debug::exit(debug::EXIT_FAILURE);
+    loop {
+        cortex_m::asm::wfi();
+    }
+}

@@ -1,0 +1,47 @@
+//! The cameras whose work is counted, and their points.
+
+use fmc_camera::geometry::calibration::CalibrationRecord;
+use fmc_camera::geometry::sensor::SensorPoint;
+use fmc_camera::{Brown, CameraRecord, Exposure};
+
+/// Phase One iXM-RS150F with 50 mm: K1 to K3, the short form.
+pub(crate) fn short() -> CameraRecord {
+    let mut lens = CalibrationRecord::new(51.3712, [14204, 10652], 3.76);
+    lens.distortion = Brown {
+        k1: -1.6056e-5,
+        k2: 6.18966e-9,
+        k3: -1.31329e-12,
+        ..Brown::default()
+    };
+    CameraRecord::new(lens)
+}
+
+/// The same with tangential distortion and affinity: the full form.
+pub(crate) fn full() -> CameraRecord {
+    let mut record = short();
+    record.calibration.distortion = Brown {
+        p1: 2e-6,
+        p2: -3e-6,
+        b1: 1e-5,
+        b2: -2e-5,
+        ..record.calibration.distortion
+    };
+    record
+}
+
+pub(crate) const EXPOSURE: Exposure = Exposure::new(0.17, 1.0 / 200.0);
+
+/// Points of a side of the grid that is corrected.
+const SIDE: u16 = 32;
+/// Points of the grid.
+pub(crate) const POINTS: usize = SIDE as usize * SIDE as usize;
+
+/// A grid over most of the sensor, small enough that every ideal point has a measured one.
+pub(crate) fn points() -> [SensorPoint; POINTS] {
+    let mut points = [SensorPoint::default(); POINTS];
+    for (index, point) in (0_u16..).zip(&mut points) {
+        let [column, row] = [index % SIDE, index / SIDE].map(f32::from);
+        *point = SensorPoint::new(-25.0 + column * 1.6125, -19.0 + row * 1.225);
+    }
+    points
+}
