@@ -8,7 +8,7 @@ use std::{
 use anyhow::{Context as _, Result};
 use clap::ValueEnum;
 
-use crate::{no_panic, target::Target, verify, workspace::Workspace};
+use crate::{firmware, no_panic, route::Need, target::Target, verify, workspace::Workspace};
 
 /// One step; its name is that of `--only`.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
@@ -29,6 +29,12 @@ pub(crate) enum Step {
     TargetBuild,
     /// Link check that no panic is reachable, and its negative control
     NoPanic,
+    /// Lints of the firmware
+    FirmwareLints,
+    /// Link check that the firmware cannot panic, and its negative control
+    FirmwareNoPanic,
+    /// Firmware built, and tested in QEMU
+    Firmware,
 }
 
 impl Step {
@@ -44,8 +50,16 @@ impl Step {
             .unwrap_or_default()
     }
 
-    fn needs_target(self) -> bool {
-        matches!(self, Self::TargetLints | Self::TargetBuild | Self::NoPanic)
+    fn need(self) -> Option<Need> {
+        match self {
+            Self::Format | Self::HostLints | Self::Docs | Self::HostTests | Self::Verify => None,
+            Self::TargetLints
+            | Self::TargetBuild
+            | Self::NoPanic
+            | Self::FirmwareLints
+            | Self::FirmwareNoPanic => Some(Need::Toolchain),
+            Self::Firmware => Some(Need::ToolchainAndQemu),
+        }
     }
 }
 
@@ -58,9 +72,9 @@ pub(crate) fn run(workspace: &Workspace, only: Option<Step>) -> Result<ExitCode>
     let steps = only.map_or_else(|| Step::value_variants().to_vec(), |step| vec![step]);
     let _root = workspace.shell.push_dir(&workspace.root);
     // First of all, so that a machine that cannot build for the target says so at once.
-    let needs_target = steps.iter().any(|step| step.needs_target());
-    let target = needs_target
-        .then(|| Target::set_up(workspace))
+    let need = steps.iter().filter_map(|step| step.need()).max();
+    let target = need
+        .map(|need| Target::set_up(workspace, need))
         .transpose()?;
     for (index, &step) in steps.iter().enumerate() {
         eprintln!("\n[{}/{}] {}", index + 1, steps.len(), step.title());
@@ -108,6 +122,9 @@ fn run_step(step: Step, workspace: &Workspace, target: Option<&Target<'_>>) -> R
         ),
         Step::TargetBuild => target()?.cargo("build --release -p fmc-camera --lib"),
         Step::NoPanic => return no_panic::check(workspace, target()?),
+        Step::FirmwareLints => return firmware::lint(target()?),
+        Step::FirmwareNoPanic => return firmware::check_no_panic(target()?),
+        Step::Firmware => return firmware::test(workspace, target()?),
     };
     eprintln!("$ {command}");
     command.run().map_err(Into::into)

@@ -1,4 +1,5 @@
-//! What this machine offers for building the target: toolchains, linkers, the right to install.
+//! What this machine offers for building the target and running what is built: toolchains, linkers, QEMU, the right to
+//! install.
 
 use std::{
     env, fs,
@@ -9,7 +10,7 @@ use anyhow::Result;
 use xshell::{Shell, cmd};
 
 use crate::{
-    route::{Facts, TARGET, Toolchain, version},
+    route::{Facts, QEMU, TARGET, Toolchain, version},
     target::LINKER_VARIABLE,
     workspace::host_cargo,
 };
@@ -64,6 +65,7 @@ impl Machine {
                         )
                     }),
                 linker: linker.is_some(),
+                qemu: on_path(QEMU).is_some(),
                 may_install: bin.join("apt-get").is_file()
                     && cmd!(shell, "id -u")
                         .quiet()

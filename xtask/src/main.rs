@@ -1,10 +1,11 @@
-//! What the README's commands call: `cargo xtask verify` and `cargo xtask test`.
+//! What the README's commands call: `cargo xtask verify`, `cargo xtask test` and `cargo xtask firmware`.
 //!
-//! Both do their own set-up, so that a fresh machine needs no third command. [`route`] decides how the target is
-//! built, [`machine`] collects what that decision rests on, and [`target`] carries it out; [`checks`] is the list of
-//! steps behind `test`.
+//! Each does its own set-up, so that a fresh machine needs no other command. [`route`] decides how the target is
+//! built, [`machine`] collects what that decision rests on, and [`target`] carries it out; [`firmware`] builds the images
+//! and [`checks`] is the list of steps behind `test`.
 
 mod checks;
+mod firmware;
 mod machine;
 mod no_panic;
 mod route;
@@ -35,7 +36,10 @@ enum Command {
         #[arg(trailing_var_arg = true, allow_hyphen_values = true)]
         arguments: Vec<OsString>,
     },
-    /// Formatting, lints, documentation and tests on the host; lints, build and no-panic check for the target
+    /// Build the firmware for QEMU and print where it is
+    Firmware,
+    /// Formatting, lints, documentation and tests on the host; lints, builds and no-panic checks for the target; the
+    /// firmware's tests in QEMU
     Test {
         /// Run this step alone
         #[arg(long, value_enum)]
@@ -45,13 +49,17 @@ enum Command {
 
 /// Exit code where the check that was asked for failed.
 const CHECK_FAILED: u8 = 1;
-/// Exit code where `verify` could not be started, so that it says nothing about the camera.
+/// Exit code where `verify` could not be started, so that it says nothing about the camera, or the firmware not built.
 const NOT_STARTED: u8 = 3;
 
 fn main() -> ExitCode {
     let (result, code_of_error) = match Arguments::parse().command {
         Command::Verify { arguments } => (
             Workspace::new().and_then(|workspace| verify::run(&workspace, arguments)),
+            NOT_STARTED,
+        ),
+        Command::Firmware => (
+            Workspace::new().and_then(|workspace| firmware::run(&workspace)),
             NOT_STARTED,
         ),
         Command::Test { only } => (

@@ -1,4 +1,5 @@
 //! The no-panic check: `tests/no-panic` keeps the library's public functions, and links only if none of them can panic.
+//! The firmware is checked in the same way.
 
 use std::{collections::BTreeMap, path::Path};
 
@@ -7,7 +8,7 @@ use xshell::{Cmd, Shell};
 
 use crate::{target::Target, workspace::Workspace};
 
-/// The undefined symbol behind the panic handler of `tests/no-panic`.
+/// The undefined symbol behind the panic handlers of `tests/no-panic` and, for this check, of the firmware.
 const PANIC_SYMBOL: &str = "fmc_camera_can_panic";
 
 /// The library's modules, each with a list of its own in `tests/no-panic/src`.
@@ -31,16 +32,25 @@ pub(crate) fn check(workspace: &Workspace, target: &Target<'_>) -> Result<()> {
         );
     }
     let link = || target.cargo("rustc --release -p no-panic-check");
-    if let Link::PanicReachable = try_link(link())? {
+    let control = link().args(["--features", "negative-control"]);
+    prove("tests/no-panic", link, control)
+}
+
+/// Links a program, which must succeed, and links it with a panic added, which must fail for that reason alone. Its
+/// panic handler calls [`PANIC_SYMBOL`].
+///
+/// # Errors
+/// Where a panic is reachable, the control links, or a build fails for another reason.
+pub(crate) fn prove<'a>(program: &str, link: impl Fn() -> Cmd<'a>, control: Cmd<'a>) -> Result<()> {
+    if let Link::PanicReachable = try_link(program, link())? {
         bail!(
-            "a public function can panic; from the panic up:{}",
+            "{program} can panic; from the panic up:{}",
             panic_path(link())?
         );
     }
-    let control = try_link(link().args(["--features", "negative-control"]))?;
     ensure!(
-        matches!(control, Link::PanicReachable),
-        "tests/no-panic links although its negative control can panic: the check sees nothing"
+        matches!(try_link(program, control)?, Link::PanicReachable),
+        "{program} links although its negative control can panic: the check sees nothing"
     );
     Ok(())
 }
@@ -54,7 +64,7 @@ enum Link {
 }
 
 /// Builds and links; any failure other than the panic symbol is an error, shown in full.
-fn try_link(command: Cmd<'_>) -> Result<Link> {
+fn try_link(program: &str, command: Cmd<'_>) -> Result<Link> {
     eprintln!("$ {command}");
     let output = command.ignore_status().output()?;
     let text = String::from_utf8_lossy(&output.stderr);
@@ -66,7 +76,7 @@ fn try_link(command: Cmd<'_>) -> Result<Link> {
         return Ok(Link::PanicReachable);
     }
     eprint!("{text}");
-    bail!("tests/no-panic does not build for the target")
+    bail!("{program} does not build for the target")
 }
 
 /// The functions from the panic up to the program's entry, where the linker can tell (LLVM's from version 21 on).

@@ -5,6 +5,8 @@
 //! 2. from the library sources of the active toolchain,
 //! 3. from the library sources of the distribution's toolchain,
 //! 4. the same after installing the distribution's packages, where apt-get and the right to use it exist.
+//!
+//! To run the firmware, QEMU is needed as well: the one on the search path, or the distribution's.
 
 use std::fmt;
 
@@ -17,6 +19,17 @@ const COMPILER_PACKAGES: [&str; 3] = ["rustc-web", "cargo-web", "rust-web-src"];
 const CLIPPY_PACKAGE: &str = "rust-web-clippy";
 /// The package of a linker that knows the target.
 const LINKER_PACKAGE: &str = "lld";
+/// QEMU's program for the target, and the package of it.
+pub(crate) const QEMU: &str = "qemu-system-arm";
+
+/// What is to be set up; the greater includes the lesser.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
+pub(crate) enum Need {
+    /// A toolchain that builds for the target.
+    Toolchain,
+    /// The same, and QEMU to run what it builds.
+    ToolchainAndQemu,
+}
 
 /// What one toolchain offers.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -38,6 +51,8 @@ pub(crate) struct Facts {
     pub(crate) distribution: Toolchain,
     /// Some linker that knows the target.
     pub(crate) linker: bool,
+    /// QEMU for the target.
+    pub(crate) qemu: bool,
     /// apt-get, and the right to install with it.
     pub(crate) may_install: bool,
 }
@@ -62,7 +77,7 @@ pub(crate) struct Plan {
     pub(crate) install: Vec<&'static str>,
 }
 
-/// No toolchain for the target, and no right to install one.
+/// No toolchain for the target or no QEMU, and no right to install them.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub(crate) struct NoRoute {
     missing: Vec<&'static str>,
@@ -70,10 +85,21 @@ pub(crate) struct NoRoute {
 
 impl fmt::Display for NoRoute {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        if self.missing.iter().any(|package| *package != QEMU) {
+            write!(
+                f,
+                "no toolchain here builds for {TARGET}. Either\n    rustup target add {TARGET}\n"
+            )?;
+        }
+        if self.missing.contains(&QEMU) {
+            writeln!(
+                f,
+                "no QEMU here runs the firmware. Either put {QEMU}, 7.2 or later, on the search path"
+            )?;
+        }
         write!(
             f,
-            "no toolchain here builds for {TARGET}. Either\n    rustup target add {TARGET}\nor, on Debian or Ubuntu,\n    \
-             sudo apt-get install {}",
+            "or, on Debian or Ubuntu,\n    sudo apt-get install {}",
             self.missing.join(" ")
         )
     }
@@ -85,11 +111,12 @@ impl std::error::Error for NoRoute {}
 ///
 /// # Errors
 /// [`NoRoute`] where packages are missing and may not be installed; its text names both ways out.
-pub(crate) fn choose(facts: Facts) -> Result<Plan, NoRoute> {
+pub(crate) fn choose(facts: Facts, need: Need) -> Result<Plan, NoRoute> {
     let Facts {
         active,
         distribution,
         linker,
+        qemu,
         may_install,
     } = facts;
     let mut install = vec![];
@@ -109,6 +136,9 @@ pub(crate) fn choose(facts: Facts) -> Result<Plan, NoRoute> {
     // A compiler with a compiled core library brings its linker along.
     if route != Route::Active && !linker {
         install.push(LINKER_PACKAGE);
+    }
+    if need == Need::ToolchainAndQemu && !qemu {
+        install.push(QEMU);
     }
     if install.is_empty() || may_install {
         Ok(Plan { route, install })
@@ -132,22 +162,27 @@ mod tests {
     use super::*;
 
     /// Each kind of machine: what its toolchains and the machine itself offer, the route, and the packages it installs.
+    /// QEMU is needed in the rows that tell whether there is one.
     const MACHINES: &str = "
-        active         | distribution   | machine    | route            | packages
-        core clippy    |                |            | Active           |
-        core           | sources clippy | linker apt | Active           |
-        sources clippy |                | linker     | ActiveFromSource |
-        sources clippy | sources clippy | linker apt | ActiveFromSource |
-        clippy         | sources clippy | linker     | Distribution     |
-        sources clippy | sources clippy | apt        | ActiveFromSource | lld
-        sources        | sources        | apt        | Distribution     | rust-web-clippy lld
-        clippy         | sources        | linker apt | Distribution     | rust-web-clippy
-        clippy         | sources clippy | apt        | Distribution     | lld
-        clippy         |                | linker apt | Distribution     | rustc-web cargo-web rust-web-src rust-web-clippy
-                       |                | apt        | Distribution     | rustc-web cargo-web rust-web-src rust-web-clippy lld
-        clippy         | sources        | linker     | refused          | rust-web-clippy
-        sources clippy |                |            | refused          | lld
-        clippy         |                | linker     | refused          | rustc-web cargo-web rust-web-src rust-web-clippy";
+        active         | distribution   | machine     | route            | packages
+        core clippy    |                |             | Active           |
+        core           | sources clippy | linker apt  | Active           |
+        sources clippy |                | linker      | ActiveFromSource |
+        sources clippy | sources clippy | linker apt  | ActiveFromSource |
+        clippy         | sources clippy | linker      | Distribution     |
+        sources clippy | sources clippy | apt         | ActiveFromSource | lld
+        sources        | sources        | apt         | Distribution     | rust-web-clippy lld
+        clippy         | sources        | linker apt  | Distribution     | rust-web-clippy
+        clippy         | sources clippy | apt         | Distribution     | lld
+        clippy         |                | linker apt  | Distribution     | rustc-web cargo-web rust-web-src rust-web-clippy
+                       |                | apt         | Distribution     | rustc-web cargo-web rust-web-src rust-web-clippy lld
+        clippy         | sources        | linker      | refused          | rust-web-clippy
+        sources clippy |                |             | refused          | lld
+        clippy         |                | linker      | refused          | rustc-web cargo-web rust-web-src rust-web-clippy
+        core clippy    |                | has-qemu    | Active           |
+        core clippy    |                | apt no-qemu | Active           | qemu-system-arm
+        clippy         | sources clippy | apt no-qemu | Distribution     | lld qemu-system-arm
+        core clippy    |                | no-qemu     | refused          | qemu-system-arm";
 
     fn toolchain(offers: &str) -> Toolchain {
         Toolchain {
@@ -165,9 +200,15 @@ mod tests {
                 active: toolchain(cells[0]),
                 distribution: toolchain(cells[1]),
                 linker: cells[2].contains("linker"),
+                qemu: cells[2].contains("has-qemu"),
                 may_install: cells[2].contains("apt"),
             };
-            let (route, packages) = match choose(facts) {
+            let need = if cells[2].contains("qemu") {
+                Need::ToolchainAndQemu
+            } else {
+                Need::Toolchain
+            };
+            let (route, packages) = match choose(facts, need) {
                 Ok(plan) => (format!("{:?}", plan.route), plan.install),
                 Err(refused) => ("refused".to_owned(), refused.missing),
             };
@@ -181,15 +222,34 @@ mod tests {
 
     #[test]
     fn refusal_names_both_ways_out() {
-        let text = choose(Facts::default()).unwrap_err().to_string();
+        let refused = choose(Facts::default(), Need::ToolchainAndQemu).unwrap_err();
+        let text = refused.to_string();
         assert!(
             text.contains("rustup target add thumbv7em-none-eabihf"),
             "{text}"
         );
         assert!(
-            text.contains("apt-get install rustc-web cargo-web rust-web-src rust-web-clippy lld"),
+            text.contains(
+                "apt-get install rustc-web cargo-web rust-web-src rust-web-clippy lld qemu-system-arm"
+            ),
             "{text}"
         );
+        assert!(
+            text.contains("put qemu-system-arm, 7.2 or later, on the search path"),
+            "{text}"
+        );
+    }
+
+    #[test]
+    fn refusal_speaks_only_of_what_is_missing() {
+        let toolchain_alone = choose(Facts::default(), Need::Toolchain).unwrap_err();
+        assert!(!toolchain_alone.to_string().contains("QEMU"));
+        let has_toolchain = Facts {
+            active: toolchain("core clippy"),
+            ..Facts::default()
+        };
+        let qemu_alone = choose(has_toolchain, Need::ToolchainAndQemu).unwrap_err();
+        assert!(!qemu_alone.to_string().contains("toolchain"));
     }
 
     #[test]

@@ -10,7 +10,7 @@ use xshell::{Cmd, Shell, cmd};
 
 use crate::{
     machine::{DISTRIBUTION_BIN, Machine},
-    route::{self, Plan, Route, TARGET},
+    route::{self, Need, Plan, QEMU, Route, TARGET},
     workspace::{Workspace, host_cargo},
 };
 
@@ -32,14 +32,14 @@ impl<'a> Target<'a> {
     ///
     /// # Errors
     /// Where no route leads to a toolchain, or the installation fails.
-    pub(crate) fn set_up(workspace: &'a Workspace) -> Result<Self> {
+    pub(crate) fn set_up(workspace: &'a Workspace, need: Need) -> Result<Self> {
         let shell = &workspace.shell;
         let mut machine = Machine::look(shell)?;
-        let Plan { route, install } = route::choose(machine.facts)?;
+        let Plan { route, install } = route::choose(machine.facts, need)?;
         if !install.is_empty() {
             install_packages(shell, &install)?;
             machine = Machine::look(shell)?;
-            let after = route::choose(machine.facts)?;
+            let after = route::choose(machine.facts, need)?;
             ensure!(
                 after.install.is_empty(),
                 "still missing after installation: {}",
@@ -55,6 +55,11 @@ impl<'a> Target<'a> {
         };
         eprintln!("xtask: {TARGET}: {}", target.description()?);
         Ok(target)
+    }
+
+    /// Where this target's builds put programs.
+    pub(crate) fn programs(&self) -> PathBuf {
+        self.artifacts.join(TARGET).join("release")
     }
 
     /// Cargo for the target, with the words of `line` as arguments, the subcommand first.
@@ -172,7 +177,12 @@ fn install_packages(shell: &Shell, packages: &[&str]) -> Result<()> {
         Ok(())
     };
     install().with_context(|| {
-        format!("the packages cannot be installed; instead try: rustup target add {TARGET}")
+        let others: Vec<_> = packages.iter().filter(|name| **name != QEMU).collect();
+        if others.is_empty() {
+            format!("the package cannot be installed; instead put {QEMU} on the search path")
+        } else {
+            format!("the packages cannot be installed; instead try: rustup target add {TARGET}")
+        }
     })
 }
 

@@ -1,4 +1,4 @@
-//! `cargo xtask verify`: builds `host-sim` and hands over to `host-sim verify`.
+//! `cargo xtask verify`: builds the firmware and `host-sim`, and hands over to `host-sim verify`.
 
 use std::{
     ffi::{OsStr, OsString},
@@ -7,16 +7,27 @@ use std::{
 
 use anyhow::{Context as _, Result};
 
-use crate::workspace::Workspace;
+use crate::{firmware, workspace::Workspace};
 
 /// Exit code where the program ended by a signal and gave none of its own.
 const ENDED_BY_SIGNAL: u8 = 3;
 
-/// Builds `host-sim`, runs `host-sim verify` with `arguments` in the user's directory and passes its exit code on.
+/// Builds the firmware where it is needed, and `host-sim`, runs `host-sim verify` with `arguments` in the user's directory
+/// and passes its exit code on. Where no device is named and the firmware or QEMU cannot be had, it says so and leaves it
+/// to `host-sim` to do without.
 ///
 /// # Errors
-/// Where `host-sim` cannot be built or started.
+/// Where the firmware was asked for and cannot be built, or `host-sim` cannot be built or started.
 pub(crate) fn run(workspace: &Workspace, mut arguments: Vec<OsString>) -> Result<ExitCode> {
+    let firmware = firmware_for(&arguments);
+    if firmware != Firmware::NotUsed {
+        match firmware::set_up(workspace) {
+            Err(error) if firmware == Firmware::Optional => {
+                eprintln!("xtask: no firmware in QEMU: {}", in_one_line(&error));
+            }
+            set_up => set_up?,
+        }
+    }
     build_host_sim(workspace)?;
     if !names_out(&arguments) {
         arguments.extend(["--out".into(), default_out(workspace)]);
@@ -51,6 +62,45 @@ pub(crate) fn default_out(workspace: &Workspace) -> OsString {
     from_here.as_os_str().to_owned()
 }
 
+/// What the arguments mean for the firmware.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum Firmware {
+    /// They name QEMU.
+    Required,
+    /// They name no device.
+    Optional,
+    /// They name another device, or ask for help.
+    NotUsed,
+}
+
+/// Whether the firmware runs with these arguments.
+fn firmware_for(arguments: &[OsString]) -> Firmware {
+    let mut texts = arguments.iter().map(|argument| argument.to_string_lossy());
+    while let Some(text) = texts.next() {
+        let device = match text.split_once('=') {
+            Some(("--device", device)) => Some(device.to_owned()),
+            _ if text == "--device" => texts.next().map(Into::into),
+            _ if text == "--help" || text == "-h" => return Firmware::NotUsed,
+            _ => None,
+        };
+        if let Some(device) = device {
+            let is_qemu = device == "qemu" || device.starts_with("qemu:");
+            return if is_qemu {
+                Firmware::Required
+            } else {
+                Firmware::NotUsed
+            };
+        }
+    }
+    Firmware::Optional
+}
+
+/// The error and its causes without line breaks.
+fn in_one_line(error: &anyhow::Error) -> String {
+    let text = format!("{error:#}");
+    text.split_whitespace().collect::<Vec<_>>().join(" ")
+}
+
 /// Whether the user named the report's directory.
 fn names_out(arguments: &[OsString]) -> bool {
     let is_out = |argument: &OsString| {
@@ -61,7 +111,29 @@ fn names_out(arguments: &[OsString]) -> bool {
 
 #[cfg(test)]
 mod tests {
-    use super::names_out;
+    use super::{Firmware, firmware_for, in_one_line, names_out};
+
+    #[test]
+    fn firmware_runs_unless_another_device_is_named() {
+        for (line, expected) in [
+            ("", Firmware::Optional),
+            ("--camera device.toml", Firmware::Optional),
+            ("--device sil", Firmware::NotUsed),
+            ("--device=serial:/dev/ttyACM0", Firmware::NotUsed),
+            ("--help", Firmware::NotUsed),
+            ("--device qemu", Firmware::Required),
+            ("--out x --device=qemu:an500", Firmware::Required),
+        ] {
+            let arguments: Vec<_> = line.split_whitespace().map(Into::into).collect();
+            assert_eq!(firmware_for(&arguments), expected, "{line:?}");
+        }
+    }
+
+    #[test]
+    fn reason_for_no_firmware_fits_in_a_line() {
+        let error = anyhow::anyhow!("Either\n    this\nor that").context("no way");
+        assert_eq!(in_one_line(&error), "no way: Either this or that");
+    }
 
     #[test]
     fn out_is_found_in_both_spellings_and_not_in_other_options() {

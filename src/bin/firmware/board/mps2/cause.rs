@@ -1,0 +1,41 @@
+//! Why the firmware started, in a word of memory that start-up leaves alone.
+
+use core::{cell::UnsafeCell, mem::MaybeUninit};
+
+use fmc_camera::io::link::message::Start;
+
+struct Word(UnsafeCell<MaybeUninit<u32>>);
+
+// SAFETY: the word is reached only by the volatile accesses below, each a single load or store.
+unsafe impl Sync for Word {}
+
+#[unsafe(link_section = ".uninit.CAUSE")]
+static WORD: Word = Word(UnsafeCell::new(MaybeUninit::uninit()));
+
+/// Unlikely to be in memory when power comes on.
+const WORDS: [(u32, Start); 3] = [
+    (0x5ca1_ab1e, Start::Requested),
+    (0xba5e_ba11, Start::Watchdog),
+    (0xdead_fa11, Start::Fault),
+];
+
+/// The cause noted before the reset, and forgets it.
+pub(super) fn take() -> Start {
+    // SAFETY: the address is that of the static. Any bits are a valid u32, and start-up has read or written all memory
+    // by now; a volatile read of it gives the bits that are there.
+    let found = unsafe { WORD.0.get().cast::<u32>().read_volatile() };
+    write(0);
+    let known = WORDS.iter().find(|(word, _)| *word == found);
+    known.map_or(Start::PowerOn, |(_, start)| *start)
+}
+
+/// Notes the cause of the reset that follows.
+pub(super) fn note(start: Start) {
+    let known = WORDS.iter().find(|(_, known)| *known == start);
+    write(known.map_or(0, |(word, _)| *word));
+}
+
+fn write(word: u32) {
+    // SAFETY: as above.
+    unsafe { WORD.0.get().cast::<u32>().write_volatile(word) }
+}

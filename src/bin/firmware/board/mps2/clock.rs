@@ -1,0 +1,39 @@
+//! Time: a counter of microseconds, and a tick that wakes the main loop.
+
+use core::sync::atomic::{AtomicU32, Ordering};
+
+use cortex_m::peripheral::{SYST, syst::SystClkSource};
+use cortex_m_rt::exception;
+
+use super::registers::{COUNTER, PRESCALER};
+
+/// Of the processor and of the counter.
+pub(super) const CYCLES_PER_US: u32 = 25;
+const TICK_US: u32 = 1000;
+
+static TICKS: AtomicU32 = AtomicU32::new(0);
+
+/// Starts both.
+pub(super) fn start(tick: &mut SYST) {
+    PRESCALER.write(CYCLES_PER_US - 1);
+    tick.set_clock_source(SystClkSource::Core);
+    tick.set_reload(CYCLES_PER_US * TICK_US - 1);
+    tick.clear_current();
+    tick.enable_interrupt();
+    tick.enable_counter();
+}
+
+/// Microseconds, wrapping after 71 minutes.
+pub(super) fn now_us() -> u32 {
+    COUNTER.read()
+}
+
+/// Milliseconds in which the tick was not masked, wrapping.
+pub(super) fn ticks() -> u32 {
+    TICKS.load(Ordering::Relaxed)
+}
+
+#[exception]
+fn SysTick() {
+    TICKS.fetch_add(1, Ordering::Relaxed);
+}

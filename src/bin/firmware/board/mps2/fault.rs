@@ -1,0 +1,47 @@
+//! Ends of the firmware that it did not choose.
+
+use cortex_m::peripheral::SCB;
+use cortex_m_rt::{ExceptionFrame, exception};
+use cortex_m_semihosting::debug;
+
+use super::{cause, link};
+use fmc_camera::io::link::message::Start;
+
+/// Ends QEMU with failure: whoever waits for the camera learns at once.
+fn stop(start: Start) -> ! {
+    cause::note(start);
+    loop {
+        debug::exit(debug::EXIT_FAILURE);
+    }
+}
+
+/// Follows the log of a panic.
+#[allow(dead_code, reason = "the link check's panic handler does without")]
+pub(in super::super) fn stop_after_panic() -> ! {
+    stop(Start::Fault)
+}
+
+#[exception]
+unsafe fn HardFault(frame: &ExceptionFrame) -> ! {
+    defmt::error!("hard fault at {=u32:#010x}", frame.pc());
+    stop(Start::Fault)
+}
+
+/// The watchdog's first expiry.
+#[exception]
+unsafe fn NonMaskableInt() -> ! {
+    defmt::error!("main loop stands still");
+    cause::note(Start::Watchdog);
+    SCB::sys_reset()
+}
+
+/// All interrupts, of which one is switched on.
+#[exception]
+unsafe fn DefaultHandler(number: i16) {
+    if number == link::Receive::NUMBER.cast_signed() {
+        link::collect();
+    } else {
+        defmt::error!("unexpected exception {=i16}", number);
+        stop(Start::Fault)
+    }
+}

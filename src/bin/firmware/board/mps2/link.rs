@@ -1,0 +1,79 @@
+//! The link: the first UART, received by interrupt into the inbox.
+
+use cortex_m::{asm, interrupt::InterruptNumber, peripheral::NVIC};
+
+use super::super::inbox::Inbox;
+use super::uart::LINK;
+
+/// How long the last byte may take to leave before a reset, in looks at the transmitter.
+const LOOKS_AT_THE_END: u32 = 100_000;
+
+static INBOX: Inbox = Inbox::new();
+
+/// The link's receive interrupt.
+#[derive(Clone, Copy)]
+pub(super) struct Receive;
+
+impl Receive {
+    pub(super) const NUMBER: u16 = 0;
+}
+
+// SAFETY: the number is that of the first UART's receive interrupt on this machine, and never changes.
+unsafe impl InterruptNumber for Receive {
+    fn number(self) -> u16 {
+        Self::NUMBER
+    }
+}
+
+/// Switches UART and interrupt on.
+pub(super) fn start(_: &mut NVIC) {
+    LINK.start_with_interrupt();
+    // SAFETY: what the interrupt shares with the main loop is the inbox, which masks interrupts itself.
+    unsafe { NVIC::unmask(Receive) }
+}
+
+/// Moves what the UART holds into the inbox; the interrupt.
+pub(super) fn collect() {
+    LINK.clear_interrupt();
+    if LINK.take_overrun() {
+        INBOX.count_lost();
+    }
+    while let Some(byte) = LINK.take() {
+        INBOX.push(byte);
+    }
+}
+
+/// The next byte.
+pub(super) fn receive() -> Option<u8> {
+    if INBOX.is_empty() {
+        // A byte that came before the interrupt was switched on has made no request and would keep out all others.
+        cortex_m::interrupt::free(|_| collect());
+    }
+    INBOX.pop()
+}
+
+/// Bytes lost since asked last.
+pub(super) fn overruns() -> u32 {
+    INBOX.take_lost()
+}
+
+/// Transmits from the start of `bytes` what the UART takes now, and says how many that were.
+pub(super) fn send(bytes: &[u8]) -> usize {
+    bytes.iter().take_while(|byte| LINK.put(**byte)).count()
+}
+
+/// Sleeps until an interrupt. Interrupts are masked from the look at the inbox to the sleep, which ends by a masked
+/// one as well: none is slept through.
+pub(super) fn wait() {
+    cortex_m::interrupt::free(|_| {
+        if INBOX.is_empty() && !LINK.holds_byte() {
+            asm::wfi();
+        }
+    });
+}
+
+/// Waits until the last byte has left, or a while.
+pub(super) fn finish() {
+    let mut looks = 0..LOOKS_AT_THE_END;
+    while !LINK.is_ready() && looks.next().is_some() {}
+}

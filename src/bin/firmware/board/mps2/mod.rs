@@ -1,0 +1,115 @@
+//! QEMU's `mps2-an386` (Cortex-M4F) and `mps2-an500` (Cortex-M7): one image runs on both.
+//!
+//! The first UART is the link, the second the log. Arm's application notes AN386 and AN500 describe the peripherals and
+//! their addresses; QEMU's `hw/arm/mps2.c` says which of them it has.
+
+mod cause;
+mod clock;
+#[cfg(feature = "drills")]
+mod drills;
+mod fault;
+mod link;
+mod log;
+mod registers;
+mod stack;
+mod uart;
+mod watchdog;
+
+use cortex_m::peripheral::{Peripherals, SCB};
+use cortex_m_rt::entry;
+use cortex_m_semihosting::debug;
+
+use fmc_camera::io::link::message::Start;
+
+pub(super) use fault::stop_after_panic;
+
+/// The board, started.
+pub(crate) struct Board {
+    /// The tick at which the watchdog was fed last.
+    fed: u32,
+}
+
+#[entry]
+fn main() -> ! {
+    match Board::start() {
+        Some((board, start)) => crate::run(board, start),
+        // Never: only a second call finds the peripherals taken.
+        None => SCB::sys_reset(),
+    }
+}
+
+#[allow(
+    dead_code,
+    clippy::unused_self,
+    reason = "the interface is that of every board"
+)]
+impl Board {
+    pub(crate) const NAME: &'static str = "mps2";
+    pub(crate) const CAN_POWER_OFF: bool = true;
+
+    /// Starts clocks, watchdog, link and log, once.
+    pub(crate) fn start() -> Option<(Self, Start)> {
+        let mut core = Peripherals::take()?;
+        let start = cause::take();
+        clock::start(&mut core.SYST);
+        log::start();
+        link::start(&mut core.NVIC);
+        watchdog::start();
+        #[cfg(feature = "link-check-negative-control")]
+        super::panic::can_panic();
+        Some((
+            Self {
+                fed: clock::ticks(),
+            },
+            start,
+        ))
+    }
+
+    pub(crate) fn receive(&mut self) -> Option<u8> {
+        link::receive()
+    }
+
+    pub(crate) fn overruns(&mut self) -> u32 {
+        link::overruns()
+    }
+
+    pub(crate) fn send(&mut self, bytes: &[u8]) -> usize {
+        link::send(bytes)
+    }
+
+    /// Once per tick: the loop runs once per byte, and the emulator takes long over a peripheral's register.
+    pub(crate) fn feed_watchdog(&mut self) {
+        let now = clock::ticks();
+        if now != self.fed {
+            self.fed = now;
+            watchdog::feed();
+            #[cfg(feature = "drills")]
+            drills::run();
+        }
+    }
+
+    pub(crate) fn now_us(&self) -> u32 {
+        clock::now_us()
+    }
+
+    pub(crate) fn idle(&mut self) {
+        link::wait();
+    }
+
+    pub(crate) fn stack_used_bytes() -> u32 {
+        stack::used_bytes()
+    }
+
+    pub(crate) fn reset(&mut self) -> ! {
+        link::finish();
+        cause::note(Start::Requested);
+        SCB::sys_reset()
+    }
+
+    pub(crate) fn power_off(&mut self) -> ! {
+        link::finish();
+        loop {
+            debug::exit(debug::EXIT_SUCCESS);
+        }
+    }
+}

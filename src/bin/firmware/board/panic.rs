@@ -1,0 +1,31 @@
+//! What follows a panic. None is reachable: with `link-check` the handler calls a function that exists nowhere, and the
+//! image links only if the linker can drop the handler.
+
+use core::panic::PanicInfo;
+
+#[cfg(not(feature = "link-check"))]
+#[panic_handler]
+fn panic(info: &PanicInfo<'_>) -> ! {
+    let (file, line) = info
+        .location()
+        .map_or(("?", 0), |place| (place.file(), place.line()));
+    defmt::error!("panic at {=str}:{=u32}", file, line);
+    super::stop_after_panic()
+}
+
+#[cfg(feature = "link-check")]
+#[panic_handler]
+fn panic(_: &PanicInfo<'_>) -> ! {
+    unsafe extern "C" {
+        safe fn fmc_camera_can_panic() -> !;
+    }
+    fmc_camera_can_panic()
+}
+
+/// A panic for the negative control of the link check.
+#[cfg(feature = "link-check-negative-control")]
+#[allow(clippy::indexing_slicing, reason = "the panic is the purpose")]
+pub(super) fn can_panic() -> u8 {
+    let table = core::hint::black_box([0; 4]);
+    table[core::hint::black_box(4)]
+}

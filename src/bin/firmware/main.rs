@@ -1,0 +1,69 @@
+//! The camera's firmware: one loop between the serial link and the camera.
+//!
+//! Requests come in byte by byte through an interrupt and a ring; the station takes them out, answers, and the answer
+//! leaves before the next request is looked at. The watchdog is fed here and nowhere else, so that it bites when the
+//! loop stands still.
+
+#![cfg_attr(target_os = "none", no_std, no_main)]
+#![deny(unsafe_code)]
+
+#[cfg(target_os = "none")]
+#[allow(unsafe_code, reason = "registers, interrupts and the linker's symbols")]
+mod board;
+#[cfg(target_os = "none")]
+mod journal;
+
+#[cfg(target_os = "none")]
+use {
+    board::Board,
+    fmc_camera::io::link::{
+        message::{Identity, Start},
+        station::{Event, Station},
+    },
+};
+
+/// What the sources were when this image was built.
+#[cfg(target_os = "none")]
+const BUILD: &str = match option_env!("FMC_BUILD") {
+    Some(build) => build,
+    None => "unnamed",
+};
+
+#[cfg(not(target_os = "none"))]
+fn main() {
+    println!("This is the camera's firmware; `cargo xtask firmware` builds it for the target.");
+}
+
+/// Called by the board's start-up code once memory and stack are in order.
+#[cfg(target_os = "none")]
+fn run(mut board: Board, start: Start) -> ! {
+    journal::note_start(Board::NAME, BUILD, start);
+    let identity = Identity::new(BUILD, Board::NAME, Board::CAN_POWER_OFF, start);
+    let mut station = Station::new(identity, Board::stack_used_bytes);
+    let mut ending = None;
+    loop {
+        board.feed_watchdog();
+        station.count_overrun(board.overruns());
+        let waiting = station.to_send();
+        if !waiting.is_empty() {
+            let accepted = board.send(waiting);
+            station.sent(accepted);
+            continue;
+        }
+        // Only now has the answer to the last request left.
+        match ending {
+            Some(Event::Reset) => board.reset(),
+            Some(Event::PowerOff) => board.power_off(),
+            _ => {}
+        }
+        match board.receive() {
+            Some(byte) => {
+                ending = station.receive(byte);
+                if let Some(event) = ending {
+                    journal::note(event);
+                }
+            }
+            None => board.idle(),
+        }
+    }
+}

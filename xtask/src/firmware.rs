@@ -1,0 +1,140 @@
+//! The firmware: its lints, the proof that it cannot panic, its images for QEMU, and their tests.
+
+use std::{fmt, path::PathBuf, process::ExitCode};
+
+use anyhow::Result;
+use xshell::{Cmd, cmd};
+
+use crate::{no_panic, route::Need, target::Target, workspace::Workspace};
+
+/// An image.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum Image {
+    /// For QEMU's mps2-an386 and mps2-an500.
+    Mps2,
+    /// The same with accidents on request.
+    Mps2WithDrills,
+}
+
+impl Image {
+    /// Cargo features of the firmware.
+    fn features(self) -> &'static str {
+        match self {
+            Self::Mps2 => "board-mps2",
+            Self::Mps2WithDrills => "board-mps2,drills",
+        }
+    }
+
+    /// Where it is kept.
+    fn path(self, workspace: &Workspace) -> PathBuf {
+        directory(workspace).join(self.to_string())
+    }
+}
+
+impl fmt::Display for Image {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str(match self {
+            Self::Mps2 => "mps2",
+            Self::Mps2WithDrills => "mps2-drills",
+        })
+    }
+}
+
+/// Where the images are kept.
+fn directory(workspace: &Workspace) -> PathBuf {
+    workspace.target_dir.join("firmware")
+}
+
+/// Builds the image for QEMU and prints where it is.
+///
+/// # Errors
+/// Where the set-up or the build fails.
+pub(crate) fn run(workspace: &Workspace) -> Result<ExitCode> {
+    let target = Target::set_up(workspace, Need::Toolchain)?;
+    let image = build(workspace, &target, Image::Mps2)?;
+    println!("{}", image.display());
+    Ok(ExitCode::SUCCESS)
+}
+
+/// Sets up target and QEMU, and builds the image that `host-sim` runs in it.
+///
+/// # Errors
+/// Where the set-up or the build fails.
+pub(crate) fn set_up(workspace: &Workspace) -> Result<()> {
+    let target = Target::set_up(workspace, Need::ToolchainAndQemu)?;
+    build(workspace, &target, Image::Mps2)?;
+    Ok(())
+}
+
+/// Builds an image and copies it to where `host-sim` looks: the next build puts another in the same place.
+fn build(workspace: &Workspace, target: &Target<'_>, image: Image) -> Result<PathBuf> {
+    let _root = workspace.shell.push_dir(&workspace.root);
+    let build = cargo(target, "build", image.features());
+    let build = build.env("FMC_BUILD", sources(workspace));
+    eprintln!("$ {build}");
+    build.run()?;
+    let kept = image.path(workspace);
+    workspace.shell.create_dir(directory(workspace))?;
+    workspace
+        .shell
+        .copy_file(target.programs().join("firmware"), &kept)?;
+    Ok(kept)
+}
+
+/// State of the sources, as git names it.
+fn sources(workspace: &Workspace) -> String {
+    let describe = cmd!(workspace.shell, "git describe --always --dirty").quiet();
+    let name = describe.ignore_stderr().read().unwrap_or_default();
+    if name.is_empty() {
+        "unnamed".to_owned()
+    } else {
+        name
+    }
+}
+
+/// Lints of the flight image and of what drills add to it.
+///
+/// # Errors
+/// Where there is something to say.
+pub(crate) fn lint(target: &Target<'_>) -> Result<()> {
+    for image in [Image::Mps2, Image::Mps2WithDrills] {
+        let clippy = cargo(target, "clippy", image.features());
+        let clippy = clippy.args(["--", "-D", "warnings"]);
+        eprintln!("$ {clippy}");
+        clippy.run()?;
+    }
+    Ok(())
+}
+
+/// Shows that the linker finds no panic in the flight image.
+///
+/// # Errors
+/// Where it finds one, or does not find the one of the negative control.
+pub(crate) fn check_no_panic(target: &Target<'_>) -> Result<()> {
+    let link = || cargo(target, "rustc", "board-mps2,link-check");
+    let control = cargo(target, "rustc", "board-mps2,link-check-negative-control");
+    no_panic::prove("the firmware", link, control)
+}
+
+/// Builds the images and runs the tests of `host-sim` that need them.
+///
+/// # Errors
+/// Where a build or a test fails.
+pub(crate) fn test(workspace: &Workspace, target: &Target<'_>) -> Result<()> {
+    let flight = build(workspace, target, Image::Mps2)?;
+    let with_drills = build(workspace, target, Image::Mps2WithDrills)?;
+    // All packages, because their features decide together what the dependencies are built with.
+    let test = workspace.cargo("test --workspace --locked --test firmware -- --ignored");
+    let test = test
+        .env("FMC_FIRMWARE", flight)
+        .env("FMC_FIRMWARE_WITH_DRILLS", with_drills);
+    eprintln!("$ {test}");
+    test.run().map_err(Into::into)
+}
+
+/// Cargo for the firmware: in release, as the library for the target, so that the core library is built once.
+fn cargo<'a>(target: &Target<'a>, subcommand: &str, features: &str) -> Cmd<'a> {
+    target.cargo(&format!(
+        "{subcommand} --release -p fmc-camera --bin firmware --features {features}"
+    ))
+}
