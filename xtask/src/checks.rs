@@ -8,7 +8,7 @@ use std::{
 use anyhow::{Context as _, Result};
 use clap::ValueEnum;
 
-use crate::{firmware, no_panic, route::Need, target::Target, verify, workspace::Workspace};
+use crate::{bench, firmware, no_panic, route::Need, target::Target, verify, workspace::Workspace};
 
 /// One step; its name is that of `--only`.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
@@ -35,6 +35,8 @@ pub(crate) enum Step {
     FirmwareNoPanic,
     /// Firmware built, and tested in QEMU
     Firmware,
+    /// Instructions, image sizes and stack against the tables in docs
+    Costs,
 }
 
 impl Step {
@@ -58,7 +60,7 @@ impl Step {
             | Self::NoPanic
             | Self::FirmwareLints
             | Self::FirmwareNoPanic => Some(Need::Toolchain),
-            Self::Firmware => Some(Need::ToolchainAndQemu),
+            Self::Firmware | Self::Costs => Some(Need::ToolchainAndQemu),
         }
     }
 }
@@ -125,6 +127,7 @@ fn run_step(step: Step, workspace: &Workspace, target: Option<&Target<'_>>) -> R
         Step::FirmwareLints => return firmware::lint(target()?),
         Step::FirmwareNoPanic => return firmware::check_no_panic(target()?),
         Step::Firmware => return firmware::test(workspace, target()?),
+        Step::Costs => return bench::check(workspace, target()?),
     };
     eprintln!("$ {command}");
     command.run().map_err(Into::into)

@@ -66,6 +66,14 @@ pub(crate) fn set_up(workspace: &Workspace) -> Result<()> {
     Ok(())
 }
 
+/// Builds the flight image and says where it is.
+///
+/// # Errors
+/// Where the build fails.
+pub(crate) fn flight_image(workspace: &Workspace, target: &Target<'_>) -> Result<PathBuf> {
+    build(workspace, target, Image::Mps2)
+}
+
 /// Builds an image and copies it to where `host-sim` looks: the next build puts another in the same place.
 fn build(workspace: &Workspace, target: &Target<'_>, image: Image) -> Result<PathBuf> {
     let _root = workspace.shell.push_dir(&workspace.root);

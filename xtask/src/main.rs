@@ -1,10 +1,12 @@
-//! What the README's commands call: `cargo xtask verify`, `cargo xtask test` and `cargo xtask firmware`.
+//! What the README's commands call: `cargo xtask verify`, `test`, `firmware` and `bench`.
 //!
 //! Each does its own set-up, so that a fresh machine needs no other command. [`route`] decides how the target is
-//! built, [`machine`] collects what that decision rests on, and [`target`] carries it out; [`firmware`] builds the images
-//! and [`checks`] is the list of steps behind `test`.
+//! built, [`machine`] collects what that decision rests on, and [`target`] carries it out; [`firmware`] builds the images,
+//! [`bench`] counts what they cost, and [`checks`] is the list of steps behind `test`.
 
+mod bench;
 mod checks;
+mod cost;
 mod firmware;
 mod machine;
 mod no_panic;
@@ -38,6 +40,12 @@ enum Command {
     },
     /// Build the firmware for QEMU and print where it is
     Firmware,
+    /// Count instructions per point, frame and message on the emulated cores (CSV); image sizes and stack
+    Bench {
+        /// Write docs/instructions.csv and docs/footprint.csv
+        #[arg(long)]
+        update: bool,
+    },
     /// Formatting, lints, documentation and tests on the host; lints, builds and no-panic checks for the target; the
     /// firmware's tests in QEMU
     Test {
@@ -60,6 +68,10 @@ fn main() -> ExitCode {
         ),
         Command::Firmware => (
             Workspace::new().and_then(|workspace| firmware::run(&workspace)),
+            NOT_STARTED,
+        ),
+        Command::Bench { update } => (
+            Workspace::new().and_then(|workspace| bench::run(&workspace, update)),
             NOT_STARTED,
         ),
         Command::Test { only } => (

@@ -62,6 +62,30 @@ impl<'a> Target<'a> {
         self.artifacts.join(TARGET).join("release")
     }
 
+    /// The compiler's name and number.
+    ///
+    /// # Errors
+    /// Where it does not answer.
+    pub(crate) fn compiler(&self) -> Result<String> {
+        let version = self.compiler_version()?;
+        let words: Vec<_> = version.split_whitespace().take(2).collect();
+        Ok(words.join(" "))
+    }
+
+    /// What the compiler says of itself.
+    fn compiler_version(&self) -> Result<String> {
+        let rustc = match self.route {
+            Route::Active | Route::ActiveFromSource => env::var_os("RUSTC")
+                .unwrap_or_else(|| "rustc".into())
+                .into(),
+            Route::Distribution => Path::new(DISTRIBUTION_BIN).join("rustc"),
+        };
+        let version = self
+            .in_environment(self.shell.cmd(rustc).quiet())
+            .arg("--version");
+        version.read().map_err(Into::into)
+    }
+
     /// Cargo for the target, with the words of `line` as arguments, the subcommand first.
     pub(crate) fn cargo(&self, line: &str) -> Cmd<'a> {
         let (subcommand, arguments) = line.split_once(' ').unwrap_or((line, ""));
@@ -102,16 +126,7 @@ impl<'a> Target<'a> {
 
     /// Compiler, origin of its core library, and linker.
     fn description(&self) -> Result<String> {
-        let rustc = match self.route {
-            Route::Active | Route::ActiveFromSource => env::var_os("RUSTC")
-                .unwrap_or_else(|| "rustc".into())
-                .into(),
-            Route::Distribution => Path::new(DISTRIBUTION_BIN).join("rustc"),
-        };
-        let rustc = self
-            .in_environment(self.shell.cmd(rustc).quiet())
-            .arg("--version")
-            .read()?;
+        let rustc = self.compiler_version()?;
         let origin = match self.route {
             Route::Active => "the active toolchain, which has the target",
             Route::ActiveFromSource => "the active toolchain, core built from its sources",

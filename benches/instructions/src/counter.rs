@@ -30,7 +30,7 @@ impl Counter {
     pub(crate) fn count<T>(
         &mut self,
         kernel: &str,
-        repetitions: u32,
+        (repetitions, unit): (u32, &str),
         work: impl FnOnce() -> Option<T>,
     ) -> Option<()> {
         self.timer.clear_current();
@@ -46,8 +46,9 @@ impl Counter {
             return None;
         }
         hprintln!(
-            "{},{},{}",
+            "{},{},{},{}",
             kernel,
+            unit,
             repetitions,
             ticks * INSTRUCTIONS_PER_TICK
         );

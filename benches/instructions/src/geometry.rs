@@ -12,9 +12,9 @@ use crate::specimen::{EXPOSURE, POINTS, full, points, short};
 
 /// Repetitions of what is done once per frame.
 const FRAMES: u32 = 100;
-
+const PER_FRAME: (u32, &str) = (FRAMES, "frame");
 #[expect(clippy::cast_possible_truncation, reason = "1024 points")]
-const PER_POINT: u32 = POINTS as u32;
+const PER_POINT: (u32, &str) = (POINTS as u32, "point");
 
 pub(crate) fn count(counter: &mut Counter) -> Option<()> {
     let record = short();
@@ -36,7 +36,9 @@ pub(crate) fn count(counter: &mut Counter) -> Option<()> {
         ..EXPOSURE
     };
     fold(counter, "frame_fold_static", &camera, still)?;
-    counter.count("calibration", 1, || Camera::new(black_box(record)).ok())
+    counter.count("calibration", (1, "calibration"), || {
+        Camera::new(black_box(record)).ok()
+    })
 }
 
 /// The hot path: points replaced in place.
@@ -73,7 +75,7 @@ fn distort(counter: &mut Counter, kernel: &str, correction: &FrameCorrection) ->
 
 /// An exposure into coefficients.
 fn fold(counter: &mut Counter, kernel: &str, camera: &Camera, exposure: Exposure) -> Option<()> {
-    counter.count(kernel, FRAMES, || {
+    counter.count(kernel, PER_FRAME, || {
         for _ in 0..FRAMES {
             black_box(black_box(camera).frame(black_box(&exposure)).ok()?);
         }

@@ -46,7 +46,7 @@ pub(crate) fn count(counter: &mut Counter) -> Option<()> {
             sequence,
         };
         request.write(header, &mut frame)?;
-        counter.count(kernel, 1, || exchange(&mut station, &frame))?;
+        counter.count(kernel, (1, "message"), || exchange(&mut station, &frame))?;
     }
     Some(())
 }

@@ -3,7 +3,7 @@
 //! Under `-icount shift=0` an instruction takes one nanosecond of the emulated time, so that the system timer counts
 //! instructions, exactly and repeatably: 40 to a tick. They are instructions, not cycles.
 //!
-//! Prints a line `kernel,repetitions,instructions` for each kernel over semihosting.
+//! Prints a line `kernel,unit,repetitions,instructions` for each kernel over semihosting.
 
 #![cfg_attr(target_os = "none", no_std, no_main)]
 

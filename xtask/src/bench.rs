@@ -1,0 +1,187 @@
+//! `cargo xtask bench`: what the camera's work costs on the target, counted in QEMU.
+
+use std::{fs, path::Path, process::ExitCode};
+
+use anyhow::{Context as _, Result, bail, ensure};
+use object::{File, Object as _, ObjectSection as _, SectionFlags, elf};
+use serde::Deserialize;
+use xshell::cmd;
+
+use crate::{
+    cost::{self, Footprint, Instructions},
+    firmware,
+    route::{Need, QEMU},
+    target::Target,
+    verify,
+    workspace::Workspace,
+};
+
+/// The committed tables.
+const INSTRUCTIONS: &str = "docs/instructions.csv";
+const FOOTPRINT: &str = "docs/footprint.csv";
+
+/// The cores, and the machines that have them.
+const CORES: [(&str, &str); 2] = [("cortex-m4f", "mps2-an386"), ("cortex-m7", "mps2-an500")];
+
+/// A line of the counting program.
+#[derive(Debug, Deserialize)]
+struct Counted {
+    kernel: String,
+    unit: String,
+    repetitions: f64,
+    instructions: f64,
+}
+
+/// Prints the instruction counts as CSV and the images' footprint on the error stream; with `update` writes both tables.
+///
+/// # Errors
+/// Where the set-up, a build or QEMU fails.
+pub(crate) fn run(workspace: &Workspace, update: bool) -> Result<ExitCode> {
+    let target = Target::set_up(workspace, Need::ToolchainAndQemu)?;
+    let instructions = cost::text(&count(workspace, &target)?)?;
+    print!("{instructions}");
+    let footprint = cost::text(&[footprint(workspace, &target)?])?;
+    eprint!("\n{footprint}");
+    if update {
+        for (table, text) in [(INSTRUCTIONS, instructions), (FOOTPRINT, footprint)] {
+            workspace
+                .shell
+                .write_file(workspace.root.join(table), text)?;
+        }
+    }
+    Ok(ExitCode::SUCCESS)
+}
+
+/// Compares what is counted with the committed tables.
+///
+/// # Errors
+/// Where something costs more than its table or its limit says.
+pub(crate) fn check(workspace: &Workspace, target: &Target<'_>) -> Result<()> {
+    let instructions = cost::read::<Instructions>(&workspace.root.join(INSTRUCTIONS))?;
+    let footprint_table = cost::read::<Footprint>(&workspace.root.join(FOOTPRINT))?;
+    let compiler = target.compiler()?;
+    if instructions.iter().any(|row| row.compiler != compiler) {
+        eprintln!(
+            "{INSTRUCTIONS} is of another compiler than {compiler}: the limits alone are checked"
+        );
+    }
+    let mut findings = cost::compare(&instructions, &count(workspace, target)?);
+    findings.extend(cost::compare(
+        &footprint_table,
+        &[footprint(workspace, target)?],
+    ));
+    let text: Vec<_> = findings
+        .iter()
+        .map(|finding| format!("\n    {finding}"))
+        .collect();
+    ensure!(
+        findings.is_empty(),
+        "costs have changed; if that is right, `cargo xtask bench --update` writes the tables:{}",
+        text.concat()
+    );
+    Ok(())
+}
+
+/// Counts on every core.
+fn count(workspace: &Workspace, target: &Target<'_>) -> Result<Vec<Instructions>> {
+    let _root = workspace.shell.push_dir(&workspace.root);
+    let build = target.cargo("build --release -p instruction-count");
+    eprintln!("$ {build}");
+    build.run()?;
+    let image = target.programs().join("instruction-count");
+    let compiler = target.compiler()?;
+    let mut rows = Vec::new();
+    for (core, machine) in CORES {
+        // One instruction takes one nanosecond of the emulated time.
+        let qemu = cmd!(
+            workspace.shell,
+            "timeout 60 {QEMU} -M {machine} -display none -monitor none -serial none -icount shift=0 -semihosting-config enable=on,target=native -kernel {image}"
+        );
+        let counted = qemu
+            .quiet()
+            .read()
+            .with_context(|| format!("count on {machine}"))?;
+        let mut reader = csv::ReaderBuilder::new()
+            .has_headers(false)
+            .from_reader(counted.as_bytes());
+        for line in reader.deserialize() {
+            let Counted {
+                kernel,
+                unit,
+                repetitions,
+                instructions,
+            } = line?;
+            rows.push(Instructions {
+                core: core.to_owned(),
+                kernel,
+                count: (100.0 * instructions / repetitions).round() / 100.0,
+                unit,
+                compiler: compiler.clone(),
+            });
+        }
+    }
+    ensure!(!rows.is_empty(), "the counting program printed nothing");
+    Ok(rows)
+}
+
+/// What the report of `host-sim verify` says of the camera's end of the link.
+#[derive(Debug, Deserialize)]
+struct Summary {
+    link: LinkSummary,
+}
+
+#[derive(Debug, Deserialize)]
+struct LinkSummary {
+    stack_used_bytes: u64,
+}
+
+/// Bytes of flash and of static RAM that an image takes.
+fn sizes(image: &Path) -> Result<(u64, u64)> {
+    let bytes = fs::read(image)?;
+    let file = File::parse(&*bytes).with_context(|| format!("{}", image.display()))?;
+    let (mut flash, mut ram) = (0, 0);
+    for section in file.sections() {
+        let SectionFlags::Elf { sh_flags } = section.flags() else {
+            bail!("{} is no ELF file", image.display());
+        };
+        let has = |flag: u32| sh_flags & u64::from(flag) != 0;
+        if !has(elf::SHF_ALLOC) || section.name()?.starts_with(".defmt") {
+            continue;
+        }
+        let zeroed = matches!(section.kind(), object::SectionKind::UninitializedData);
+        // What is writable and not zero at the start is in both: copied from flash to RAM.
+        if has(elf::SHF_WRITE) {
+            ram += section.size();
+        }
+        if !zeroed {
+            flash += section.size();
+        }
+    }
+    Ok((flash, ram))
+}
+
+/// Sizes of the flight image, and its stack over a verification of one camera.
+fn footprint(workspace: &Workspace, target: &Target<'_>) -> Result<Footprint> {
+    let image = firmware::flight_image(workspace, target)?;
+    let (flash_bytes, static_ram_bytes) = sizes(&image)?;
+    verify::build_host_sim(workspace)?;
+    let out = workspace.target_dir.join("bench-verify");
+    let camera = workspace.root.join("host-sim/cameras/rc30-5324.toml");
+    let host_sim = workspace.shell.cmd(workspace.host_sim()).quiet();
+    host_sim
+        .args(["verify", "--device", "qemu", "--camera"])
+        .arg(camera)
+        .arg("--out")
+        .arg(&out)
+        .ignore_stdout()
+        .run()?;
+    let summary = fs::read_to_string(out.join("summary.json"))?;
+    let Summary { link } = serde_json::from_str(&summary).context("summary.json of verify")?;
+    Ok(Footprint {
+        image: firmware::Image::Mps2.to_string(),
+        flash_bytes,
+        static_ram_bytes,
+        stack_used_bytes: link.stack_used_bytes,
+        compiler: target.compiler()?,
+    })
+}
