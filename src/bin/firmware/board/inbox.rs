@@ -30,6 +30,12 @@ impl Inbox {
         }
     }
 
+    /// Whether another byte can be kept.
+    pub(super) fn has_room(&self) -> bool {
+        self.with(|waiting| !waiting.bytes.is_full())
+            .unwrap_or(false)
+    }
+
     /// Keeps a byte, or counts it where there is no room.
     pub(super) fn push(&self, byte: u8) {
         self.with(|waiting| {

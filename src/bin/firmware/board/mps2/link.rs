@@ -32,13 +32,16 @@ pub(super) fn start(_: &mut NVIC) {
     unsafe { NVIC::unmask(Receive) }
 }
 
-/// Moves what the UART holds into the inbox; the interrupt.
+/// Moves what the UART holds into the inbox; the interrupt. Where the inbox is full, the byte stays in the UART, which
+/// counts as lost what comes on top of it; QEMU keeps back what the UART has no room for, so that nothing is lost there.
 pub(super) fn collect() {
     LINK.clear_interrupt();
     if LINK.take_overrun() {
         INBOX.count_lost();
     }
-    while let Some(byte) = LINK.take() {
+    while INBOX.has_room()
+        && let Some(byte) = LINK.take()
+    {
         INBOX.push(byte);
     }
 }
@@ -46,7 +49,8 @@ pub(super) fn collect() {
 /// The next byte.
 pub(super) fn receive() -> Option<u8> {
     if INBOX.is_empty() {
-        // A byte that came before the interrupt was switched on has made no request and would keep out all others.
+        // A byte that came before the interrupt was switched on, or stayed in the UART, makes no request any more, and
+        // would keep out all others.
         cortex_m::interrupt::free(|_| collect());
     }
     INBOX.pop()
