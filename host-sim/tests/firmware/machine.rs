@@ -16,7 +16,7 @@ use defmt_decoder::{DecodeError, Table};
 pub(crate) const MACHINES: [&str; 2] = ["mps2-an386", "mps2-an500"];
 
 /// How long anything may take on a machine that is busy with other things.
-const PATIENCE: Duration = Duration::from_secs(60);
+const PATIENCE: Duration = Duration::from_mins(1);
 /// The kernel ends QEMU by it when the test ends, however that happens.
 const SETPRIV: &str = "/usr/bin/setpriv";
 

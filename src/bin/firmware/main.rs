@@ -5,7 +5,7 @@
 //! loop stands still.
 
 #![cfg_attr(target_os = "none", no_std, no_main)]
-#![deny(unsafe_code)]
+#![deny(unsafe_code, clippy::undocumented_unsafe_blocks)]
 
 #[cfg(target_os = "none")]
 #[allow(unsafe_code, reason = "registers, interrupts and the linker's symbols")]
