@@ -11,21 +11,32 @@ const BOARDS: [(&str, &str); 1] = [(
 
 fn main() -> io::Result<()> {
     println!("cargo::rerun-if-changed=build.rs");
-    let board = BOARDS
-        .iter()
-        .find(|(feature, _)| env::var_os(feature).is_some());
+    println!("cargo::rustc-check-cfg=cfg(board)");
+    let chosen = |(feature, _): &&(&str, &str)| env::var_os(feature).is_some();
+    let mut boards = BOARDS.iter().filter(chosen);
     let for_target = env::var("CARGO_CFG_TARGET_OS").as_deref() == Ok("none");
-    if let (true, Some((_, memory)), Some(out)) = (for_target, board, env::var_os("OUT_DIR")) {
-        // The linker finds the root's memory.x, which includes this one.
-        fs::copy(memory, PathBuf::from(&out).join("board-memory.x"))?;
-        println!("cargo::rerun-if-changed={memory}");
-        println!("cargo::rerun-if-changed=memory.x");
-        println!("cargo::rustc-link-search={}", out.display());
-        for argument in ["--nmagic", "-Tlink.x", "-Tdefmt.x"] {
-            println!("cargo::rustc-link-arg-bins={argument}");
-        }
-        log_level();
+    match (for_target, boards.next(), boards.next()) {
+        (true, Some(_), Some(_)) => println!("cargo::error=the firmware is for one board"),
+        (true, Some((_, memory)), None) => firmware(memory)?,
+        _ => {}
     }
+    Ok(())
+}
+
+/// What the firmware needs on the board whose memory that file describes.
+fn firmware(memory: &str) -> io::Result<()> {
+    println!("cargo::rustc-cfg=board");
+    if let Some(out) = env::var_os("OUT_DIR").map(PathBuf::from) {
+        // The linker finds the root's memory.x, which includes this one.
+        fs::copy(memory, out.join("board-memory.x"))?;
+        println!("cargo::rustc-link-search={}", out.display());
+    }
+    println!("cargo::rerun-if-changed={memory}");
+    println!("cargo::rerun-if-changed=memory.x");
+    for argument in ["--nmagic", "-Tlink.x", "-Tdefmt.x"] {
+        println!("cargo::rustc-link-arg-bins={argument}");
+    }
+    log_level();
     Ok(())
 }
 

@@ -3,17 +3,19 @@
 //! Requests come in byte by byte through an interrupt and a ring; the station takes them out, answers, and the answer
 //! leaves before the next request is looked at. The watchdog is fed here and nowhere else, so that it bites when the
 //! loop stands still.
+//!
+//! `cfg(board)`, from `build.rs`, holds for the target with a board chosen.
 
 #![cfg_attr(target_os = "none", no_std, no_main)]
 #![deny(unsafe_code, clippy::undocumented_unsafe_blocks)]
 
-#[cfg(target_os = "none")]
+#[cfg(board)]
 #[allow(unsafe_code, reason = "registers, interrupts and the linker's symbols")]
 mod board;
-#[cfg(target_os = "none")]
+#[cfg(board)]
 mod journal;
 
-#[cfg(target_os = "none")]
+#[cfg(board)]
 use {
     board::Board,
     fmc_camera::io::link::{
@@ -23,11 +25,14 @@ use {
 };
 
 /// What the sources were when this image was built.
-#[cfg(target_os = "none")]
+#[cfg(board)]
 const BUILD: &str = match option_env!("FMC_BUILD") {
     Some(build) => build,
     None => "unnamed",
 };
+
+#[cfg(all(target_os = "none", not(board)))]
+compile_error!("the firmware needs a board, such as --features board-mps2");
 
 #[cfg(not(target_os = "none"))]
 fn main() {
@@ -35,7 +40,7 @@ fn main() {
 }
 
 /// Called by the board's start-up code once memory and stack are in order.
-#[cfg(target_os = "none")]
+#[cfg(board)]
 fn run(mut board: Board, start: Start) -> ! {
     journal::note_start(Board::NAME, BUILD, start);
     let identity = Identity::new(BUILD, Board::NAME, Board::CAN_POWER_OFF, start);

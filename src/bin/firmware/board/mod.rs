@@ -21,6 +21,3 @@ mod mps2;
 pub(crate) use mps2::Board;
 #[cfg(feature = "board-mps2")]
 use mps2::stop_after_panic;
-
-#[cfg(not(feature = "board-mps2"))]
-compile_error!("the firmware needs a board: --features board-mps2");
