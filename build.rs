@@ -4,10 +4,16 @@
 use std::{env, fs, io, path::PathBuf};
 
 /// Features that choose a board, and where its memory is described.
-const BOARDS: [(&str, &str); 1] = [(
-    "CARGO_FEATURE_BOARD_MPS2",
-    "src/bin/firmware/board/mps2/memory.x",
-)];
+const BOARDS: [(&str, &str); 2] = [
+    (
+        "CARGO_FEATURE_BOARD_MPS2",
+        "src/bin/firmware/board/mps2/memory.x",
+    ),
+    (
+        "CARGO_FEATURE_BOARD_NUCLEO_H743ZI",
+        "src/bin/firmware/board/nucleo_h743zi/memory.x",
+    ),
+];
 
 fn main() -> io::Result<()> {
     println!("cargo::rerun-if-changed=build.rs");

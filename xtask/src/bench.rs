@@ -2,8 +2,8 @@
 
 use std::{fs, path::Path, process::ExitCode};
 
-use anyhow::{Context as _, Result, bail, ensure};
-use object::{File, Object as _, ObjectSection as _, SectionFlags, elf};
+use anyhow::{Context as _, Result, ensure};
+use object::{File, Object as _, ObjectSegment as _};
 use serde::Deserialize;
 use xshell::cmd;
 
@@ -22,6 +22,9 @@ const FOOTPRINT: &str = "docs/footprint.csv";
 
 /// The cores, and the machines that have them.
 const CORES: [(&str, &str); 2] = [("cortex-m4f", "mps2-an386"), ("cortex-m7", "mps2-an500")];
+
+/// Where the memory of variables begins on every Cortex-M.
+const RAM: u64 = 0x2000_0000;
 
 /// A line of the counting program.
 #[derive(Debug, Deserialize)]
@@ -139,24 +142,10 @@ struct LinkSummary {
 fn sizes(image: &Path) -> Result<(u64, u64)> {
     let bytes = fs::read(image)?;
     let file = File::parse(&*bytes).with_context(|| format!("{}", image.display()))?;
-    let (mut flash, mut ram) = (0, 0);
-    for section in file.sections() {
-        let SectionFlags::Elf { sh_flags } = section.flags() else {
-            bail!("{} is no ELF file", image.display());
-        };
-        let has = |flag: u32| sh_flags & u64::from(flag) != 0;
-        if !has(elf::SHF_ALLOC) || section.name()?.starts_with(".defmt") {
-            continue;
-        }
-        let zeroed = matches!(section.kind(), object::SectionKind::UninitializedData);
-        // What is writable and not zero at the start is in both: copied from flash to RAM.
-        if has(elf::SHF_WRITE) {
-            ram += section.size();
-        }
-        if !zeroed {
-            flash += section.size();
-        }
-    }
+    // What is writable and not zero at the start is in both: copied from flash to RAM.
+    let flash = file.segments().map(|segment| segment.file_range().1).sum();
+    let in_ram = file.segments().filter(|segment| segment.address() >= RAM);
+    let ram = in_ram.map(|segment| segment.size()).sum();
     Ok((flash, ram))
 }
 

@@ -8,7 +8,9 @@ use std::{
 use anyhow::{Context as _, Result};
 use clap::ValueEnum;
 
-use crate::{bench, firmware, no_panic, route::Need, target::Target, verify, workspace::Workspace};
+use crate::{
+    bench, board, firmware, no_panic, route::Need, target::Target, verify, workspace::Workspace,
+};
 
 /// One step; its name is that of `--only`.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
@@ -17,6 +19,8 @@ pub(crate) enum Step {
     Format,
     /// Lints for the host
     HostLints,
+    /// Lints of the tests on a real board, which nothing else builds
+    HilLints,
     /// Documentation
     Docs,
     /// Tests on the host
@@ -35,6 +39,8 @@ pub(crate) enum Step {
     FirmwareNoPanic,
     /// Firmware built, and tested in QEMU
     Firmware,
+    /// Lints and image for the board, and what in it can panic
+    Board,
     /// Instructions, image sizes and stack against the tables in docs
     Costs,
 }
@@ -54,12 +60,18 @@ impl Step {
 
     fn need(self) -> Option<Need> {
         match self {
-            Self::Format | Self::HostLints | Self::Docs | Self::HostTests | Self::Verify => None,
+            Self::Format
+            | Self::HostLints
+            | Self::HilLints
+            | Self::Docs
+            | Self::HostTests
+            | Self::Verify => None,
             Self::TargetLints
             | Self::TargetBuild
             | Self::NoPanic
             | Self::FirmwareLints
-            | Self::FirmwareNoPanic => Some(Need::Toolchain),
+            | Self::FirmwareNoPanic
+            | Self::Board => Some(Need::Toolchain),
             Self::Firmware | Self::Costs => Some(Need::ToolchainAndQemu),
         }
     }
@@ -104,14 +116,16 @@ fn run_step(step: Step, workspace: &Workspace, target: Option<&Target<'_>>) -> R
     let target = || target.context("the target is not set up");
     let command = match step {
         Step::Format => workspace.cargo("fmt --all --check"),
-        Step::HostLints => {
-            workspace.cargo("clippy --workspace --all-targets --locked -- -D warnings")
+        Step::HostLints => workspace
+            .cargo("clippy --workspace --exclude hil --all-targets --locked -- -D warnings"),
+        Step::HilLints => {
+            workspace.cargo("clippy --package hil --all-targets --locked -- -D warnings")
         }
         Step::Docs => {
-            let doc = workspace.cargo("doc --workspace --no-deps --locked");
+            let doc = workspace.cargo("doc --workspace --exclude hil --no-deps --locked");
             doc.env("RUSTDOCFLAGS", "-D warnings")
         }
-        Step::HostTests => workspace.cargo("test --workspace --locked"),
+        Step::HostTests => workspace.cargo("test --workspace --exclude hil --locked"),
         Step::Verify => {
             verify::build_host_sim(workspace)?;
             let host_sim = workspace.shell.cmd(workspace.host_sim()).quiet();
@@ -127,6 +141,7 @@ fn run_step(step: Step, workspace: &Workspace, target: Option<&Target<'_>>) -> R
         Step::FirmwareLints => return firmware::lint(target()?),
         Step::FirmwareNoPanic => return firmware::check_no_panic(target()?),
         Step::Firmware => return firmware::test(workspace, target()?),
+        Step::Board => return board::check(workspace, target()?),
         Step::Costs => return bench::check(workspace, target()?),
     };
     eprintln!("$ {command}");

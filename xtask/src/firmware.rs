@@ -132,7 +132,8 @@ pub(crate) fn test(workspace: &Workspace, target: &Target<'_>) -> Result<()> {
     let flight = build(workspace, target, Image::Mps2)?;
     let with_drills = build(workspace, target, Image::Mps2WithDrills)?;
     // All packages, because their features decide together what the dependencies are built with.
-    let test = workspace.cargo("test --workspace --locked --test firmware -- --ignored");
+    let test =
+        workspace.cargo("test --workspace --exclude hil --locked --test firmware -- --ignored");
     let test = test
         .env("FMC_FIRMWARE", flight)
         .env("FMC_FIRMWARE_WITH_DRILLS", with_drills);

@@ -5,6 +5,7 @@
 //! [`bench`] counts what they cost, and [`checks`] is the list of steps behind `test`.
 
 mod bench;
+mod board;
 mod checks;
 mod cost;
 mod firmware;

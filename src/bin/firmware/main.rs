@@ -39,7 +39,7 @@ fn main() {
     println!("This is the camera's firmware; `cargo xtask firmware` builds it for the target.");
 }
 
-/// Called by the board's start-up code once memory and stack are in order.
+/// Called once the board has started.
 #[cfg(board)]
 fn run(mut board: Board, start: Start) -> ! {
     journal::note_start(Board::NAME, BUILD, start);

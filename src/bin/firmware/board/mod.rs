@@ -1,6 +1,7 @@
 //! The board under the main loop: chosen by a feature, the same interface for each.
 //!
-//! A board brings its start-up code, which calls [`crate::run`], and a type `Board` with
+//! A board brings a type `Board` with
+//! - `start`: itself, and why it starts; `None` where that fails;
 //! - `NAME`, and `CAN_POWER_OFF`: whether `power_off` does anything;
 //! - `receive`: the next byte from the link, kept by an interrupt until asked for; `overruns`: bytes lost since asked last;
 //! - `send`: passes on as many bytes as the transmitter takes now, and never waits;
@@ -12,12 +13,27 @@
 //!
 //! and a function `stop_after_panic`, which does not return either.
 
-mod inbox;
 mod panic;
+mod receive_ring;
+mod stack;
 
 #[cfg(feature = "board-mps2")]
 mod mps2;
+#[cfg(feature = "board-nucleo-h743zi")]
+mod nucleo_h743zi;
+
 #[cfg(feature = "board-mps2")]
-pub(crate) use mps2::Board;
-#[cfg(feature = "board-mps2")]
-use mps2::stop_after_panic;
+use mps2 as chosen;
+#[cfg(feature = "board-nucleo-h743zi")]
+use nucleo_h743zi as chosen;
+
+pub(crate) use chosen::Board;
+use chosen::stop_after_panic;
+
+#[cortex_m_rt::entry]
+fn main() -> ! {
+    match Board::start() {
+        Some((board, start)) => crate::run(board, start),
+        None => cortex_m::peripheral::SCB::sys_reset(),
+    }
+}

@@ -1,14 +1,14 @@
-//! The link: the first UART, received by interrupt into the inbox.
+//! The link: the first UART, received by interrupt into a ring.
 
 use cortex_m::{asm, interrupt::InterruptNumber, peripheral::NVIC};
 
-use super::super::inbox::Inbox;
+use super::super::receive_ring::ReceiveRing;
 use super::uart::LINK;
 
 /// How long the last byte may take to leave before a reset, in looks at the transmitter.
 const LOOKS_AT_THE_END: u32 = 100_000;
 
-static INBOX: Inbox = Inbox::new();
+static RECEIVED: ReceiveRing = ReceiveRing::new();
 
 /// The link's receive interrupt.
 #[derive(Clone, Copy)]
@@ -28,37 +28,37 @@ unsafe impl InterruptNumber for Receive {
 /// Switches UART and interrupt on.
 pub(super) fn start(_: &mut NVIC) {
     LINK.start_with_interrupt();
-    // SAFETY: what the interrupt shares with the main loop is the inbox, which masks interrupts itself.
+    // SAFETY: what the interrupt shares with the main loop is the ring, and who writes to it has interrupts masked.
     unsafe { NVIC::unmask(Receive) }
 }
 
-/// Moves what the UART holds into the inbox; the interrupt. Where the inbox is full, the byte stays in the UART, which
+/// Moves what the UART holds into the ring; the interrupt. Where the ring is full, the byte stays in the UART, which
 /// counts as lost what comes on top of it; QEMU keeps back what the UART has no room for, so that nothing is lost there.
 pub(super) fn collect() {
     LINK.clear_interrupt();
     if LINK.take_overrun() {
-        INBOX.count_lost();
+        RECEIVED.lose(1);
     }
-    while INBOX.has_room()
+    while RECEIVED.has_room()
         && let Some(byte) = LINK.take()
     {
-        INBOX.push(byte);
+        RECEIVED.push(byte);
     }
 }
 
 /// The next byte.
 pub(super) fn receive() -> Option<u8> {
-    if INBOX.is_empty() {
+    if RECEIVED.is_empty() {
         // A byte that came before the interrupt was switched on, or stayed in the UART, makes no request any more, and
         // would keep out all others.
         cortex_m::interrupt::free(|_| collect());
     }
-    INBOX.pop()
+    RECEIVED.pop()
 }
 
 /// Bytes lost since asked last.
 pub(super) fn overruns() -> u32 {
-    INBOX.take_lost()
+    RECEIVED.take_lost()
 }
 
 /// Transmits from the start of `bytes` what the UART takes now, and says how many that were.
@@ -66,11 +66,11 @@ pub(super) fn send(bytes: &[u8]) -> usize {
     bytes.iter().take_while(|byte| LINK.put(**byte)).count()
 }
 
-/// Sleeps until an interrupt. Interrupts are masked from the look at the inbox to the sleep, which ends by a masked
+/// Sleeps until an interrupt. Interrupts are masked from the look at the ring to the sleep, which ends by a masked
 /// one as well: none is slept through.
 pub(super) fn wait() {
     cortex_m::interrupt::free(|_| {
-        if INBOX.is_empty() && !LINK.holds_byte() {
+        if RECEIVED.is_empty() && !LINK.holds_byte() {
             asm::wfi();
         }
     });

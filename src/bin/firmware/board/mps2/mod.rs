@@ -11,12 +11,10 @@ mod fault;
 mod link;
 mod log;
 mod registers;
-mod stack;
 mod uart;
 mod watchdog;
 
 use cortex_m::peripheral::{Peripherals, SCB};
-use cortex_m_rt::entry;
 use cortex_m_semihosting::debug;
 
 use fmc_camera::io::link::message::Start;
@@ -27,15 +25,6 @@ pub(super) use fault::stop_after_panic;
 pub(crate) struct Board {
     /// The tick at which the watchdog was fed last.
     fed: u32,
-}
-
-#[entry]
-fn main() -> ! {
-    match Board::start() {
-        Some((board, start)) => crate::run(board, start),
-        // Never: only a second call finds the peripherals taken.
-        None => SCB::sys_reset(),
-    }
 }
 
 #[allow(
@@ -97,7 +86,7 @@ impl Board {
     }
 
     pub(crate) fn stack_used_bytes() -> u32 {
-        stack::used_bytes()
+        super::stack::used_bytes()
     }
 
     pub(crate) fn reset(&mut self) -> ! {

@@ -1,0 +1,110 @@
+//! The link: USART3, 8 data bits, no parity, interrupt on reception.
+
+use embassy_stm32::{
+    Peri, bind_interrupts,
+    gpio::{AfType, Flex, OutputType, Pull, Speed},
+    interrupt::typelevel::{self, Interrupt as _},
+    pac::{self, usart::Usart},
+    peripherals::{PD8, PD9, USART3},
+    rcc,
+    usart::{RxPin, TxPin},
+};
+
+use super::super::receive_ring::ReceiveRing;
+use super::clock;
+
+/// Speed of the link. The divider of 100 MHz nearest to it errs by 0.5 %, a small part of what a receiver tolerates,
+/// and every operating system offers it by name.
+const BAUD: u32 = 921_600;
+
+/// The nearest divider.
+const DIVIDER: u16 = {
+    let divider = (clock::PERIPHERAL_HZ + BAUD / 2) / BAUD;
+    assert!(divider >= 16 && divider <= u16::MAX as u32);
+    divider as u16
+};
+
+/// Bytes received and not yet taken.
+static RECEIVED: ReceiveRing = ReceiveRing::new();
+
+bind_interrupts!(struct Interrupts {
+    USART3 => Receiver;
+});
+
+/// The link, ready.
+pub(super) struct Link {
+    _pins: [Flex<'static>; 2],
+    registers: Usart,
+    /// Bytes received and not yet taken.
+    pub(super) received: &'static ReceiveRing,
+}
+
+impl Link {
+    /// Starts to receive.
+    pub(super) fn start(
+        _peripheral: Peri<'static, USART3>,
+        transmit: Peri<'static, PD8>,
+        receive: Peri<'static, PD9>,
+    ) -> Self {
+        let functions = (
+            TxPin::<USART3>::af_num(&*transmit),
+            RxPin::<USART3>::af_num(&*receive),
+        );
+        let mut pins = [Flex::new(transmit), Flex::new(receive)];
+        let [transmit, receive] = &mut pins;
+        let output = AfType::output(OutputType::PushPull, Speed::Medium);
+        transmit.set_as_af_unchecked(functions.0, output);
+        receive.set_as_af_unchecked(functions.1, AfType::input(Pull::Up));
+
+        rcc::enable_and_reset::<USART3>();
+        let registers = pac::USART3;
+        registers.brr().write(|w| w.set_brr(DIVIDER));
+        registers.cr1().write(|w| {
+            w.set_fifoen(true);
+            w.set_te(true);
+            w.set_re(true);
+            w.set_rxneie(true);
+            w.set_ue(true);
+        });
+        // SAFETY: the handler shares nothing with other code but atomics and registers that it alone uses.
+        unsafe { typelevel::USART3::enable() };
+        Self {
+            _pins: pins,
+            registers,
+            received: &RECEIVED,
+        }
+    }
+
+    /// Hands over as many bytes as the transmitter takes now, and returns how many; never waits.
+    pub(super) fn send(&mut self, bytes: &[u8]) -> usize {
+        let taken = bytes.iter().take_while(|&&byte| {
+            let ready = self.registers.isr().read().txe();
+            if ready {
+                self.registers.tdr().write(|w| w.set_dr(byte.into()));
+            }
+            ready
+        });
+        taken.count()
+    }
+}
+
+/// Receive interrupt.
+struct Receiver;
+
+impl typelevel::Handler<typelevel::USART3> for Receiver {
+    unsafe fn on_interrupt() {
+        let link = pac::USART3;
+        loop {
+            let status = link.isr().read();
+            if status.ore() {
+                link.icr().write(|w| w.set_ore(true));
+                RECEIVED.lose(1);
+            }
+            if !status.rxne() {
+                break;
+            }
+            let [byte, _] = link.rdr().read().dr().to_le_bytes();
+            RECEIVED.push(byte);
+        }
+    }
+}

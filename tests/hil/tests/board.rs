@@ -1,0 +1,56 @@
+//! The image on a real board: flashes it over the ST-LINK, restarts it and looks whether it runs and is heard.
+//!
+//! ```text
+//! FMC_FIRMWARE=target/firmware/nucleo-h743zi FMC_HIL_PORT=/dev/ttyACM0 cargo test -p hil -- --ignored
+//! ```
+
+use std::{env, path::PathBuf, thread, time::Duration};
+
+use anyhow::{Context as _, Result, ensure};
+use probe_rs::{
+    CoreStatus, MemoryInterface as _, Session, SessionConfig,
+    flashing::{ElfLoader, ElfOptions, download_file},
+};
+
+const CHIP: &str = "STM32H743ZITx";
+const BAUD: u32 = 921_600;
+
+/// Time to look on.
+const WATCHED: Duration = Duration::from_secs(2);
+
+/// The firmware's count of microseconds, which begins at every start: TIM2, counter.
+const MICROSECONDS: u64 = 0x4000_0024;
+/// Longer than the watchdog's interval, with the tolerance of its oscillator: firmware that keeps restarting never counts so far.
+const WITHOUT_RESTART_US: u32 = 1_000_000;
+
+/// The image from `FMC_FIRMWARE`; a relative path is relative to the root of the workspace.
+fn firmware() -> Result<PathBuf> {
+    let path = env::var_os("FMC_FIRMWARE").context("FMC_FIRMWARE names no image")?;
+    Ok(PathBuf::from(concat!(env!("CARGO_MANIFEST_DIR"), "/../..")).join(path))
+}
+
+#[test]
+#[ignore = "needs a board; see the head of this file"]
+fn image_runs_without_restart_and_its_port_opens() -> Result<()> {
+    let port = env::var("FMC_HIL_PORT").context("FMC_HIL_PORT names no serial port")?;
+    let mut session = Session::auto_attach(CHIP, SessionConfig::default())?;
+    download_file(&mut session, firmware()?, ElfLoader(ElfOptions::default()))?;
+    let mut core = session.core(0)?;
+    core.reset()?;
+    thread::sleep(WATCHED);
+
+    let status = core.status()?;
+    ensure!(
+        matches!(status, CoreStatus::Running | CoreStatus::Sleeping),
+        "the processor is {status:?}"
+    );
+    let running_us = core.read_word_32(MICROSECONDS)?;
+    ensure!(
+        running_us > WITHOUT_RESTART_US,
+        "{WATCHED:?} after its reset the firmware counts {running_us} µs: it keeps restarting"
+    );
+    serialport::new(&port, BAUD)
+        .open()
+        .with_context(|| format!("open {port}"))?;
+    Ok(())
+}

@@ -1,0 +1,200 @@
+//! The image for the real board: lints, build, and the functions in it that can panic.
+
+use std::{
+    collections::{BTreeMap, BTreeSet},
+    path::Path,
+};
+
+use anyhow::{Context as _, Result, bail, ensure};
+use object::{Object as _, ObjectSection as _, ObjectSymbol as _, RelocationTarget, SymbolKind};
+
+use crate::{target::Target, workspace::Workspace};
+
+/// Name of the board, of its feature after `board-`, and of the finished image.
+const BOARD: &str = "nucleo-h743zi";
+
+/// The functions that may panic.
+const ALLOWED: &str = "docs/board-panics.txt";
+
+/// Callers of a function, by name.
+type Callers = BTreeMap<String, BTreeSet<String>>;
+
+/// Lints and links the image, compares its panics with the list, and copies it to `<target>/firmware`.
+///
+/// # Errors
+/// Where the image has lints, does not link, or can panic elsewhere than listed.
+pub(crate) fn check(workspace: &Workspace, target: &Target<'_>) -> Result<()> {
+    let cargo = |subcommand| {
+        target.cargo(&format!(
+            "{subcommand} --release -p fmc-camera --bin firmware --features board-{BOARD}"
+        ))
+    };
+    let lints = cargo("clippy").args(["--", "-D", "warnings"]);
+    eprintln!("$ {lints}");
+    lints.run()?;
+    let linked = cargo("rustc").args(["--", "-Clink-arg=--emit-relocs"]);
+    eprintln!("$ {linked}");
+    linked.run()?;
+    let image = target.programs().join("firmware");
+    let found = panicking(&callers(&image)?);
+    // The vendor's clock set-up can panic: the control without which this check might see nothing.
+    ensure!(
+        !found.is_empty(),
+        "no function of the image can panic, not even those of {ALLOWED}: either shorten it, or the check is blind"
+    );
+    let allowed = workspace.shell.read_file(workspace.root.join(ALLOWED))?;
+    let unlisted: Vec<_> = found
+        .iter()
+        .filter(|name| !is_allowed(name, &allowed))
+        .map(String::as_str)
+        .collect();
+    ensure!(
+        unlisted.is_empty(),
+        "{ALLOWED} does not list functions of the image that can panic:\n    {}",
+        unlisted.join("\n    ")
+    );
+    eprintln!("can panic, as listed in {ALLOWED}:");
+    for name in &found {
+        eprintln!("    {name}");
+    }
+
+    let build = cargo("build");
+    eprintln!("$ {build}");
+    build.run()?;
+    let directory = workspace.target_dir.join("firmware");
+    workspace.shell.create_dir(&directory)?;
+    workspace.shell.copy_file(&image, directory.join(BOARD))?;
+    eprintln!("image: {}", directory.join(BOARD).display());
+    Ok(())
+}
+
+/// Who refers to whom in an image that was linked with its relocations.
+fn callers(image: &Path) -> Result<Callers> {
+    let data = std::fs::read(image).with_context(|| image.display().to_string())?;
+    let file = object::File::parse(&*data)?;
+    // Bit 0 of a function's address says that it is Thumb code.
+    let functions: BTreeMap<u64, (u64, String)> = file
+        .symbols()
+        .filter(|symbol| symbol.kind() == SymbolKind::Text && symbol.size() > 0)
+        .filter_map(|symbol| {
+            let name = path_of(symbol.name().ok()?);
+            Some((symbol.address() & !1, (symbol.size(), name)))
+        })
+        .collect();
+    let at = |address: u64| {
+        let (start, (size, name)) = functions.range(..=address).next_back()?;
+        (address < start + size).then_some(name)
+    };
+
+    let mut callers = Callers::new();
+    let code = file
+        .sections()
+        .filter(|section| section.kind() == object::SectionKind::Text);
+    for (address, relocation) in code.flat_map(|section| section.relocations().collect::<Vec<_>>())
+    {
+        let RelocationTarget::Symbol(index) = relocation.target() else {
+            continue;
+        };
+        let target = file.symbol_by_index(index)?;
+        if let (Some(caller), Some(callee)) = (at(address), at(target.address() & !1)) {
+            callers
+                .entry(callee.clone())
+                .or_default()
+                .insert(caller.clone());
+        }
+    }
+    if callers.is_empty() {
+        bail!("{} has no relocations", image.display());
+    }
+    Ok(callers)
+}
+
+/// The functions outside the core library that reach the panic handler through nothing but the core library.
+fn panicking(callers: &Callers) -> BTreeSet<String> {
+    let handler = |name: &&String| name.ends_with("rust_begin_unwind");
+    let mut open: Vec<_> = callers.keys().filter(handler).collect();
+    let mut seen: BTreeSet<_> = open.iter().copied().collect();
+    let mut found = BTreeSet::new();
+    while let Some(callee) = open.pop() {
+        for caller in callers.get(callee).into_iter().flatten() {
+            if !is_core(caller) {
+                found.insert(caller.clone());
+            } else if seen.insert(caller) {
+                open.push(caller);
+            }
+        }
+    }
+    found
+}
+
+/// Readable path of a function, without hashes, the same for every way compilers write methods.
+fn path_of(symbol: &str) -> String {
+    format!("{:#}", rustc_demangle::demangle(symbol)).replace(['<', '>'], "")
+}
+
+/// Whether a function is the core library's, where primitive types count as its own.
+fn is_core(path: &str) -> bool {
+    let own = path.trim_start_matches(['&', '[', '(', '*']);
+    let own = own.strip_prefix("mut ").unwrap_or(own);
+    let (first, _) = own.split_once([':', ' ']).unwrap_or((own, ""));
+    let primitive = own.contains(" as ") && !own.starts_with(&format!("{first}::"));
+    first == "core" || first == "__rustc" || primitive
+}
+
+/// Whether the list has the function, or a module that it is in.
+fn is_allowed(path: &str, list: &str) -> bool {
+    let entries = list.lines().filter(|line| !line.starts_with('#'));
+    entries
+        .into_iter()
+        .any(|entry| entry == path || (entry.ends_with("::") && path.starts_with(entry)))
+}
+
+#[cfg(test)]
+mod tests {
+    use std::collections::BTreeSet;
+
+    use super::{Callers, is_allowed, is_core, panicking};
+
+    #[test]
+    fn first_callers_outside_core_are_found_through_core() {
+        let callers: Callers = [
+            ("__rustc::rust_begin_unwind", "core::panicking::panic_fmt"),
+            ("core::panicking::panic_fmt", "core::option::unwrap_failed"),
+            (
+                "core::panicking::panic_fmt",
+                "u32 as core::fmt::Display::fmt",
+            ),
+            ("core::option::unwrap_failed", "vendor::start"),
+            ("u32 as core::fmt::Display::fmt", "firmware::show"),
+            ("vendor::start", "firmware::main"),
+            ("firmware::other", "firmware::main"),
+        ]
+        .into_iter()
+        .map(|(callee, caller)| (callee.to_owned(), BTreeSet::from([caller.to_owned()])))
+        .fold(Callers::new(), |mut callers, (callee, caller)| {
+            callers.entry(callee).or_default().extend(caller);
+            callers
+        });
+        assert_eq!(
+            panicking(&callers).into_iter().collect::<Vec<_>>(),
+            ["firmware::show", "vendor::start"]
+        );
+    }
+
+    #[test]
+    fn types_of_others_are_not_core_even_in_its_traits() {
+        assert!(is_core("core::str::count::do_count_chars"));
+        assert!(is_core("usize as core::fmt::Display::fmt"));
+        assert!(!is_core("firmware::Error as core::fmt::Display::fmt"));
+        assert!(!is_core("main"));
+    }
+
+    #[test]
+    fn list_names_functions_and_modules() {
+        let list = "# a::comment\na::start\na::clock::\n";
+        assert!(is_allowed("a::start", list));
+        assert!(is_allowed("a::clock::set", list));
+        assert!(!is_allowed("a::starting", list));
+        assert!(!is_allowed("a::clocks", list));
+    }
+}
