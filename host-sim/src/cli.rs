@@ -27,7 +27,8 @@ pub enum Command {
     ///
     /// 10 V/H x 6 exposures x both run-up strategies x 21 x 21 points over the sensor, for each of
     /// five published cameras or for the one given. Fails (exit 1) when dx or dy is off by more
-    /// than 1.5 nm or a coordinate by more than 5 nm.
+    /// than 1.5 nm or a coordinate by more than 5 nm, or when the firmware does not compute, bit
+    /// for bit, what its code computes on this PC.
     Verify(VerifyArgs),
     /// Remove distortion: measured points -> ideal points.
     Correct(PointsArgs),
@@ -42,15 +43,35 @@ pub enum Command {
 /// Arguments of `verify`.
 #[derive(Debug, Args)]
 pub struct VerifyArgs {
-    /// What computes the corrections.
-    #[arg(long, default_value = "sil", value_name = "DEVICE")]
-    pub device: DeviceName,
+    /// Where the camera runs.
+    #[command(flatten)]
+    pub device: DeviceArgs,
     /// A camera file; without it the five published cameras.
     #[arg(long, value_name = "FILE")]
     pub camera: Option<PathBuf>,
     /// Folder for report.html, summary.json and frames.csv; made if it does not exist.
     #[arg(long, value_name = "DIR")]
     pub out: Option<PathBuf>,
+}
+
+/// Where the camera runs.
+#[derive(Debug, Args)]
+pub struct DeviceArgs {
+    /// Where the camera's code runs.
+    ///
+    /// `sil`: in this program (software in the loop). `qemu` or `qemu:an386`: the firmware, on a
+    /// Cortex-M4F in the emulator QEMU. `qemu:an500`: on a Cortex-M7. `serial:PATH`: a camera on a
+    /// serial port, such as `serial:/dev/ttyACM0`. Without this option `verify` takes `qemu`, or
+    /// `sil` where there is no QEMU; the other commands take `sil`.
+    #[arg(long, value_name = "DEVICE")]
+    pub device: Option<DeviceName>,
+    /// The firmware's image for QEMU, an ELF file. Without it the variable `FMC_FIRMWARE`, else what
+    /// `cargo xtask firmware` has built; that is done where it has not been yet.
+    #[arg(long, value_name = "FILE")]
+    pub firmware: Option<PathBuf>,
+    /// Show the log of the firmware in QEMU on the error stream.
+    #[arg(long)]
+    pub log: bool,
 }
 
 /// The exposure and its correction.
@@ -87,9 +108,9 @@ pub struct PointsArgs {
     /// The exposure.
     #[command(flatten)]
     pub exposure: ExposureArgs,
-    /// What computes the corrections.
-    #[arg(long, default_value = "sil", value_name = "DEVICE")]
-    pub device: DeviceName,
+    /// Where the camera runs.
+    #[command(flatten)]
+    pub device: DeviceArgs,
     /// The points and where the answer goes.
     #[command(flatten)]
     pub files: PointFiles,
@@ -131,9 +152,9 @@ pub struct FrameArgs {
     /// The exposure.
     #[command(flatten)]
     pub exposure: ExposureArgs,
-    /// What computes the frame.
-    #[arg(long, default_value = "sil", value_name = "DEVICE")]
-    pub device: DeviceName,
+    /// Where the camera runs.
+    #[command(flatten)]
+    pub device: DeviceArgs,
     /// For machines.
     #[arg(long)]
     pub json: bool,

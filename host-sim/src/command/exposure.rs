@@ -99,9 +99,7 @@ impl ExposureArgs {
             DeviceError::Frame(_) | DeviceError::Calibration(_) => {
                 Failure::bad_input(format!("{file}: {error}"))
             }
-            DeviceError::Distort { .. } | DeviceError::Count { .. } | DeviceError::NoFrame => {
-                Failure::device_or_io(error.to_string())
-            }
+            _ => error.clone().into(),
         }
     }
 }

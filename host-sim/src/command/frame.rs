@@ -16,7 +16,7 @@ pub(super) fn run(args: &FrameArgs) -> Result<(), Failure> {
     let request = &args.exposure;
     let camera = request.read_camera()?;
     output::check_not_the_input(args.out.as_deref(), &request.camera)?;
-    let mut device = args.device.connect();
+    let mut device = args.device.open()?;
     let record = device
         .load(&camera.record())
         .and_then(|()| device.expose(&request.exposure()))

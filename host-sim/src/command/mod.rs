@@ -1,5 +1,6 @@
 //! The commands.
 
+mod device;
 mod exposure;
 mod frame;
 mod points;

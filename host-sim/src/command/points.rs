@@ -32,7 +32,7 @@ pub(super) fn run(args: &PointsArgs, direction: Direction) -> Result<(), Failure
     if direction == Direction::Correct {
         points.check_on_sensor(&camera)?;
     }
-    let mut device = args.device.connect();
+    let mut device = args.device.open()?;
     device
         .load(&camera.record())
         .and_then(|()| device.expose(&request.exposure()))
@@ -91,11 +91,14 @@ fn point_failure(
     camera: &CameraFile,
     args: &PointsArgs,
 ) -> Failure {
-    let DeviceError::Distort { index, error } = error else {
+    let (DeviceError::Distort { index, .. } | DeviceError::OffSensor { index }) = error else {
         return args.exposure.refused(error);
     };
     let Some(row) = points.rows.get(done + index) else {
         return Failure::device_or_io(error.to_string());
+    };
+    let DeviceError::Distort { error, .. } = error else {
+        return points.off_sensor(row, "the point", row.point_mm, camera);
     };
     match error {
         DistortError::OffSensor(measured) => points.off_sensor(

@@ -6,7 +6,7 @@ use std::path::Path;
 use indicatif::{ProgressBar, ProgressStyle};
 
 use crate::cli::VerifyArgs;
-use crate::device::Device;
+use crate::device::{Device, DeviceError};
 use crate::failure::Failure;
 use crate::formats::camera_file::CameraFile;
 use crate::formats::output::{self, OutputFolder};
@@ -20,8 +20,12 @@ use crate::verify::{grid, run};
 pub(super) fn run(args: &VerifyArgs) -> Result<(), Failure> {
     let cameras = cameras(args.camera.as_deref())?;
     let folder = args.out.as_deref().map(OutputFolder::create).transpose()?;
-    let mut device = args.device.connect();
-    let verification = verify(device.as_mut(), &cameras)?;
+    let (mut device, instead_of) = args.device.open_or_fall_back()?;
+    let mut verification = verify(device.as_mut(), &cameras, args.device.log)?;
+    drop(device);
+    if let Some(reason) = instead_of {
+        verification.device = format!("{}; not QEMU: {reason}", verification.device);
+    }
     output::write(None, |sink| {
         sink.write_all(table::text(&verification).as_bytes())
     })?;
@@ -31,6 +35,10 @@ pub(super) fn run(args: &VerifyArgs) -> Result<(), Failure> {
     }
     if verification.passed() {
         Ok(())
+    } else if verification.difference.is_some() {
+        Err(Failure::check(
+            "the camera does not compute what its own code computes on this PC",
+        ))
     } else {
         Err(Failure::check(
             "the camera differs from the strict solver by more than the limit",
@@ -48,27 +56,47 @@ fn cameras(given: Option<&Path>) -> Result<Vec<CameraFile>, Failure> {
         .collect()
 }
 
-fn verify(device: &mut dyn Device, cameras: &[CameraFile]) -> Result<Verification, Failure> {
+fn verify(
+    device: &mut dyn Device,
+    cameras: &[CameraFile],
+    prints_log: bool,
+) -> Result<Verification, Failure> {
     let frames: usize = cameras
         .iter()
         .map(|camera| grid::exposures(camera).len())
         .sum();
-    let bar = ProgressBar::new(frames as u64);
+    let bar = if prints_log {
+        ProgressBar::hidden()
+    } else {
+        ProgressBar::new(frames as u64)
+    };
     if let Ok(style) =
         ProgressStyle::with_template("{msg:30} {bar:40} {pos}/{len} exposures, {eta}")
     {
         bar.set_style(style);
     }
     let mut results = Vec::new();
+    let mut difference = None;
     for camera in cameras {
         bar.set_message(camera.name.clone());
-        let result = run::camera(device, camera, || bar.inc(1))
-            .map_err(|error| Failure::bad_input(format!("{}: {error}", camera.name)))?;
-        results.push(result);
+        match run::camera(device, camera, || bar.inc(1)) {
+            Ok(result) => results.push(result),
+            // What else it answers says nothing about the code that was checked.
+            Err(DeviceError::Different(found)) => {
+                difference = Some(format!("{}: {found}", camera.name));
+                break;
+            }
+            Err(error @ (DeviceError::Calibration(_) | DeviceError::Frame(_))) => {
+                return Err(Failure::bad_input(format!("{}: {error}", camera.name)));
+            }
+            Err(error) => return Err(error.into()),
+        }
     }
     bar.finish_and_clear();
     Ok(Verification {
         device: device.description(),
+        evidence: device.evidence(),
+        difference,
         cameras: results,
     })
 }

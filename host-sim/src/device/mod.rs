@@ -1,18 +1,34 @@
 //! The camera as host-sim sees it, wherever it runs.
 
+pub mod client;
+pub mod error;
+pub mod image;
+pub mod link_error;
+pub mod log;
+pub mod machine;
+mod name;
+mod open;
+pub mod port;
+pub mod qemu;
+pub mod remote;
+pub mod serial;
 mod sil;
 
-use std::fmt;
-use std::str::FromStr;
+#[cfg(test)]
+mod faulty_port;
+#[cfg(test)]
+mod link_tests;
 
-use fmc_camera::flight::camera::{CameraRecord, FrameError};
+use fmc_camera::flight::camera::CameraRecord;
 use fmc_camera::flight::exposure::Exposure;
 use fmc_camera::flight::frame_record::FrameRecord;
-use fmc_camera::geometry::calibration::CalibrationError;
 use fmc_camera::geometry::frame_correction::Corrected;
-use fmc_camera::geometry::inverse::DistortError;
 use fmc_camera::geometry::sensor::SensorPoint;
+use fmc_camera::io::link::message::Grid;
 
+pub use error::DeviceError;
+pub use name::{DeviceName, Machine};
+pub use open::{OpenError, Opener};
 pub use sil::InProcess;
 
 /// A camera that can be given a calibration, exposed, and asked to correct points.
@@ -35,7 +51,8 @@ pub trait Device {
     /// Corrects measured points of the current frame, in order.
     ///
     /// # Errors
-    /// [`DeviceError::NoFrame`] before the first exposure.
+    /// [`DeviceError::NoFrame`] before the first exposure; [`DeviceError::OffSensor`] for the first
+    /// point that is.
     fn correct(&mut self, measured: &[SensorPoint]) -> Result<Vec<Corrected>, DeviceError>;
 
     /// Distorts ideal points of the current frame, in order.
@@ -44,84 +61,26 @@ pub trait Device {
     /// [`DeviceError::NoFrame`] before the first exposure; [`DeviceError::Distort`] for the first
     /// point that has no measured point.
     fn distort(&mut self, ideal: &[SensorPoint]) -> Result<Vec<Corrected>, DeviceError>;
-}
 
-/// A device did not do what it was asked for.
-#[derive(Debug, Clone, Copy, PartialEq, thiserror::Error)]
-pub enum DeviceError {
-    /// It refuses the calibration.
-    #[error("the camera refuses the calibration: {0}")]
-    Calibration(CalibrationError),
-    /// It refuses the exposure.
-    #[error("the camera refuses the exposure: {0}")]
-    Frame(FrameError),
-    /// A point of a batch has no measured point.
-    #[error("point {index} of the batch: {error}")]
-    Distort {
-        /// Index in the batch.
-        index: usize,
-        /// Why.
-        error: DistortError,
-    },
-    /// It answered more or fewer points than it was asked.
-    #[error("the camera was asked for {asked} points and answered {answered}")]
-    Count {
-        /// Points asked for.
-        asked: usize,
-        /// Points answered.
-        answered: usize,
-    },
-    /// Points before the first exposure.
-    #[error("the camera has not been exposed yet")]
-    NoFrame,
-}
-
-impl DeviceError {
-    /// Every point has its answer.
+    /// Corrects a whole grid of measured points of the current frame. Over a link a digest shows
+    /// that every point has the bits which the same code computes on this PC, and a sample of them
+    /// is compared by value.
     ///
     /// # Errors
-    /// [`DeviceError::Count`] where it has not.
-    pub const fn check_count(asked: usize, answered: usize) -> Result<(), Self> {
-        if asked == answered {
-            Ok(())
-        } else {
-            Err(Self::Count { asked, answered })
-        }
+    /// As [`Self::correct`]; [`DeviceError::Different`] where a point has other bits.
+    fn correct_grid(&mut self, grid: &Grid) -> Result<Vec<Corrected>, DeviceError> {
+        self.correct(&grid.points().collect::<Vec<_>>())
     }
+
+    /// How the points answered so far are known to be the camera's.
+    fn evidence(&self) -> Evidence;
 }
 
-/// A device as the command line names it.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum DeviceName {
-    /// The camera's own code in this process.
-    Sil,
-}
-
-impl DeviceName {
-    /// Connects to the device.
-    #[must_use]
-    pub fn connect(self) -> Box<dyn Device> {
-        match self {
-            Self::Sil => Box::new(InProcess::default()),
-        }
-    }
-}
-
-impl FromStr for DeviceName {
-    type Err = String;
-
-    fn from_str(text: &str) -> Result<Self, Self::Err> {
-        match text {
-            "sil" => Ok(Self::Sil),
-            _ => Err("not a device; there is: sil".to_owned()),
-        }
-    }
-}
-
-impl fmt::Display for DeviceName {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        match self {
-            Self::Sil => f.write_str("sil"),
-        }
-    }
+/// How points are known to be the camera's.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub struct Evidence {
+    /// Points shown by a digest of the camera to have the bits computed here.
+    pub by_digest: u64,
+    /// Points that the camera itself answered.
+    pub by_value: u64,
 }

@@ -6,16 +6,31 @@ use fmc_camera::flight::frame_record::FrameRecord;
 use fmc_camera::geometry::frame_correction::{Corrected, FrameCorrection};
 use fmc_camera::geometry::sensor::SensorPoint;
 
-use super::{Device, DeviceError};
+use fmc_camera::io::link::digest;
+use fmc_camera::io::link::message::Grid;
+
+use super::{Device, DeviceError, Evidence};
 
 /// The camera in this process: the library that the firmware runs, called directly.
 #[derive(Debug, Default)]
 pub struct InProcess {
     camera: Option<Camera>,
     correction: Option<FrameCorrection>,
+    evidence: Evidence,
 }
 
 impl InProcess {
+    /// The digest of a grid of corrected points, as the link carries it.
+    ///
+    /// # Errors
+    /// [`DeviceError::NoFrame`] before the first exposure; [`DeviceError::OffSensor`] for the first
+    /// point that is.
+    pub fn digest(&self, grid: &Grid) -> Result<u32, DeviceError> {
+        let correction = self.correction()?;
+        on_sensor(correction, grid.points())?;
+        Ok(digest::of_grid(correction, grid))
+    }
+
     fn correction(&self) -> Result<&FrameCorrection, DeviceError> {
         self.correction.as_ref().ok_or(DeviceError::NoFrame)
     }
@@ -44,10 +59,13 @@ impl Device for InProcess {
 
     fn correct(&mut self, measured: &[SensorPoint]) -> Result<Vec<Corrected>, DeviceError> {
         let correction = self.correction()?;
-        Ok(measured
+        on_sensor(correction, measured.iter().copied())?;
+        let corrected: Vec<_> = measured
             .iter()
             .map(|point| correction.correct(*point))
-            .collect())
+            .collect();
+        self.evidence.by_value += corrected.len() as u64;
+        Ok(corrected)
     }
 
     fn distort(&mut self, ideal: &[SensorPoint]) -> Result<Vec<Corrected>, DeviceError> {
@@ -61,5 +79,19 @@ impl Device for InProcess {
                     .map_err(|error| DeviceError::Distort { index, error })
             })
             .collect()
+    }
+    fn evidence(&self) -> Evidence {
+        self.evidence
+    }
+}
+
+/// All points are on the sensor, where a correction means something.
+fn on_sensor(
+    correction: &FrameCorrection,
+    mut points: impl Iterator<Item = SensorPoint>,
+) -> Result<(), DeviceError> {
+    match points.position(|point| !correction.contains(point)) {
+        Some(index) => Err(DeviceError::OffSensor { index }),
+        None => Ok(()),
     }
 }

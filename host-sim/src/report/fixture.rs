@@ -1,5 +1,6 @@
 //! A small verification for the tests.
 
+use crate::device::Evidence;
 use crate::verify::result::{
     CameraResult, ErrorStatistics, Field, FieldPoint, FrameResult, Verification, WorstPoint,
 };
@@ -17,6 +18,11 @@ pub(super) fn failing() -> Verification {
 pub(super) fn of(cameras: Vec<CameraResult>) -> Verification {
     Verification {
         device: "mock camera".to_owned(),
+        evidence: Evidence {
+            by_digest: 36,
+            by_value: 5,
+        },
+        difference: None,
         cameras,
     }
 }

@@ -14,6 +14,12 @@ pub struct Summary {
     pub device: String,
     /// Points compared.
     pub points: u64,
+    /// Points shown by a digest of the camera to have the bits computed on this PC.
+    pub points_by_digest: u64,
+    /// Points that the camera itself answered.
+    pub points_by_value: u64,
+    /// Where the camera differs from its own code on this PC; null where it does not.
+    pub difference: Option<String>,
     /// Whether every camera is within the limits.
     pub passed: bool,
     /// The limits.
@@ -109,6 +115,9 @@ impl Summary {
         Self {
             device: verification.device.clone(),
             points: verification.points(),
+            points_by_digest: verification.evidence.by_digest,
+            points_by_value: verification.evidence.by_value,
+            difference: verification.difference.clone(),
             passed: verification.passed(),
             limits: Limits {
                 max_error_nm: MAX_ERROR_NM,
@@ -166,6 +175,8 @@ mod tests {
         for key in [
             "device",
             "points",
+            "points_by_digest",
+            "points_by_value",
             "max_error_nm",
             "cameras",
             "passed",

@@ -4,6 +4,7 @@ use comfy_table::{Cell, CellAlignment, Table, presets::UTF8_FULL_CONDENSED};
 
 use super::comparison::{Comparison, Row};
 use super::verdict::{self, Verdict};
+use super::wording;
 use crate::verify::result::Verification;
 
 /// The whole verification: device, a row per camera, the worst case and the verdict.
@@ -12,6 +13,7 @@ pub fn text(verification: &Verification) -> String {
     let verdict = Verdict::of(verification);
     let mut lines = vec![
         format!("device: {}", verification.device),
+        format!("points: {}", wording::evidence(&verification.evidence)),
         table(&Comparison::of(verification)).trim_fmt(),
         "errors of dx and of dy (per axis) against the strict solver, over all points and exposures"
             .to_owned(),
@@ -71,7 +73,9 @@ mod tests {
     #[test]
     fn table_holds_every_camera_device_limits_and_verdict() {
         let text = text(&fixture::passing());
-        assert!(text.starts_with("device: mock camera\n"));
+        assert!(text.starts_with(
+            "device: mock camera\npoints: 36 shown by digest to have the bits computed on this PC, 5 of them also compared one by one\n"
+        ));
         for part in [
             "Alpha",
             "Beta",

@@ -38,7 +38,12 @@ impl Verdict {
                 let error = length::text(1e-6 * camera.worst.error_nm);
                 format!("{}, {error} {}", camera.name, place(&camera.worst))
             }),
-            failures: verification.cameras.iter().filter_map(failure).collect(),
+            failures: verification
+                .difference
+                .clone()
+                .into_iter()
+                .chain(verification.cameras.iter().filter_map(failure))
+                .collect(),
         }
     }
 }
@@ -130,6 +135,15 @@ mod tests {
                  V/H 0.17 s⁻¹, exposure 1/100 s, run-up from rest"
             ]
         );
+    }
+
+    #[test]
+    fn camera_that_differs_from_its_own_code_fails_whatever_the_errors() {
+        let mut verification = fixture::passing();
+        verification.difference = Some("Alpha: point 3 differs".to_owned());
+        let verdict = Verdict::of(&verification);
+        assert!(!verdict.passed);
+        assert_eq!(verdict.failures, ["Alpha: point 3 differs"]);
     }
 
     #[test]

@@ -1,5 +1,7 @@
 //! Numbers and names as the reports write them.
 
+use crate::device::Evidence;
+
 /// Digits in groups of three: `264,600`.
 pub(super) fn count(number: u64) -> String {
     grouped(&number.to_string())
@@ -22,6 +24,19 @@ pub(super) fn grouped(number: &str) -> String {
 pub(super) fn counted(number: usize, noun: &str) -> String {
     let plural = if number == 1 { "" } else { "s" };
     format!("{} {noun}{plural}", count(number as u64))
+}
+
+/// How points are known to be the camera's.
+pub(super) fn evidence(evidence: &Evidence) -> String {
+    let by_value = count(evidence.by_value);
+    if evidence.by_digest == 0 {
+        format!("{by_value} answered one by one")
+    } else {
+        format!(
+            "{} shown by digest to have the bits computed on this PC, {by_value} of them also compared one by one",
+            count(evidence.by_digest)
+        )
+    }
 }
 
 /// An exposure time: a fraction of a second where it is one.

@@ -1,6 +1,9 @@
 //! The exposures and points of a verification (Yuan et al. 2012, section 4.1).
 
+use fmc_camera::io::link::message::Grid;
+
 use crate::formats::camera_file::{CameraFile, MechanismName, Strategy};
+use crate::formats::number::single;
 
 /// Smallest and largest V/H, 1/s.
 pub const VH_PER_S: [f64; 2] = [0.05, 0.17];
@@ -82,17 +85,26 @@ fn spread([from, to]: [f64; 2], count: u8) -> Vec<f64> {
         .collect()
 }
 
-/// Points over a sensor of the given half format, edges included, mm.
-pub fn points([half_width, half_height]: [f64; 2]) -> impl Iterator<Item = [f64; 2]> {
-    let place = |index: u8| 2.0 * f64::from(index) / f64::from(SIDE_POINTS - 1) - 1.0;
-    (0..SIDE_POINTS).flat_map(move |row| {
-        (0..SIDE_POINTS).map(move |column| [place(column) * half_width, place(row) * half_height])
-    })
+/// Points over a sensor of the given half format, edges included, mm; rounded to single precision,
+/// as the camera receives them.
+#[must_use]
+pub fn points([half_width, half_height]: [f64; 2]) -> Grid {
+    let side = |half: f64| {
+        (0..SIDE_POINTS)
+            .map(|index| 2.0 * f64::from(index) / f64::from(SIDE_POINTS - 1) - 1.0)
+            .map(|place| single(place * half))
+            .collect()
+    };
+    Grid {
+        x_mm: side(half_width),
+        y_mm: side(half_height),
+    }
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
+    use fmc_camera::SensorPoint;
 
     fn camera(more: &str) -> CameraFile {
         let text = format!(
@@ -108,8 +120,9 @@ mod tests {
         let last = exposures.last().unwrap();
         assert!((last.vh_per_s - 0.17).abs() < 1e-15);
         assert!((last.exposure_s - 1.0 / 700.0).abs() < 1e-15);
-        assert_eq!(points([10.0, 5.0]).count(), 441);
-        assert_eq!(points([10.0, 5.0]).last(), Some([10.0, 5.0]));
+        let grid = points([10.0, 5.0]);
+        assert_eq!(grid.points().count(), 441);
+        assert_eq!(grid.points().last(), Some(SensorPoint::new(10.0, 5.0)));
     }
 
     #[test]

@@ -2,6 +2,8 @@
 
 use serde::Serialize;
 
+use crate::device::Evidence;
+
 /// Largest allowed error of dx and dy against the strict solver, nm.
 pub const MAX_ERROR_NM: f64 = 1.5;
 /// Largest allowed error of a corrected coordinate, nm: the rounding of a coordinate of 114 mm to
@@ -248,6 +250,10 @@ impl CameraResult {
 pub struct Verification {
     /// What computed the corrections.
     pub device: String,
+    /// How its points are known to be its own.
+    pub evidence: Evidence,
+    /// Where it differs from its own code on this PC; the verification ended there.
+    pub difference: Option<String>,
     /// Every camera.
     pub cameras: Vec<CameraResult>,
 }
@@ -267,10 +273,12 @@ impl Verification {
             .max_by(|a, b| a.worst.error_nm.total_cmp(&b.worst.error_nm))
     }
 
-    /// Whether every camera passed, and there was one.
+    /// Whether every camera passed, there was one, and none differed from its own code on this PC.
     #[must_use]
     pub fn passed(&self) -> bool {
-        !self.cameras.is_empty() && self.cameras.iter().all(CameraResult::passed)
+        self.difference.is_none()
+            && !self.cameras.is_empty()
+            && self.cameras.iter().all(CameraResult::passed)
     }
 }
 

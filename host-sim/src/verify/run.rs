@@ -25,9 +25,8 @@ pub fn camera(
     mut after_frame: impl FnMut(),
 ) -> Result<CameraResult, DeviceError> {
     // What the camera receives is rounded to single precision; it is judged at that point.
-    let measured: Vec<SensorPoint> = grid::points(camera.half_format_mm())
-        .map(|[x, y]| SensorPoint::new(single(x), single(y)))
-        .collect();
+    let grid = grid::points(camera.half_format_mm());
+    let measured: Vec<SensorPoint> = grid.points().collect();
     let mut summary = Summary::default();
     let mut loaded = None;
     for exposure in grid::exposures(camera) {
@@ -41,7 +40,7 @@ pub fn camera(
             single(exposure.vh_per_s),
             single(exposure.exposure_s),
         ))?;
-        let corrected = device.correct(&measured)?;
+        let corrected = device.correct_grid(&grid)?;
         DeviceError::check_count(measured.len(), corrected.len())?;
         summary.add_frame(&strategy, &exposure, &measured, &corrected);
         after_frame();

@@ -73,7 +73,9 @@ fn assert_readme_quotes(summary: &serde_json::Value) {
 #[test]
 fn camera_of_ones_own_is_verified_alone() {
     let bench = Bench::with(CAMERA, b"");
-    let answer = bench.run(&["verify", "--camera", "camera.toml"]).ok();
+    let answer = bench
+        .run(&["verify", "--device", "sil", "--camera", "camera.toml"])
+        .ok();
     assert!(answer.stdout.contains("Test camera"), "{}", answer.stdout);
     assert_eq!(bench.files(), ["camera.toml", "points.csv"]);
 }
@@ -82,7 +84,7 @@ fn camera_of_ones_own_is_verified_alone() {
 fn stroke_too_short_for_the_grid_is_bad_input() {
     let camera = CAMERA.replace("stroke_mm = 4.0", "stroke_mm = 0.3");
     Bench::with(&camera, b"")
-        .run(&["verify", "--camera", "camera.toml"])
+        .run(&["verify", "--device", "sil", "--camera", "camera.toml"])
         .refused(&["Test camera", "stroke"]);
 }
 
@@ -92,7 +94,15 @@ fn other_files_of_the_report_folder_are_left_alone() {
     fs::create_dir(bench.path("report")).unwrap();
     fs::write(bench.path("report/notes.txt"), "mine").unwrap();
     bench
-        .run(&["verify", "--camera", "camera.toml", "--out", "report"])
+        .run(&[
+            "verify",
+            "--device",
+            "sil",
+            "--camera",
+            "camera.toml",
+            "--out",
+            "report",
+        ])
         .ok();
     assert_eq!(
         fs::read_to_string(bench.path("report/notes.txt")).unwrap(),

@@ -3,7 +3,7 @@
 use fmc_camera::flight::frame_record::FrameRecord;
 use fmc_camera::geometry::frame_correction::Corrected;
 use fmc_camera::{CameraRecord, Exposure, SensorPoint};
-use host_sim::device::{Device, DeviceError, InProcess};
+use host_sim::device::{Device, DeviceError, Evidence, InProcess};
 use host_sim::verify::result::{
     CameraResult, MAX_COORDINATE_ERROR_NM, MAX_ERROR_NM, MAX_SOLVER_ERROR_NM, Treatment,
     Verification,
@@ -22,6 +22,8 @@ fn camera_agrees_with_the_strict_solver_on_the_whole_grid() {
     let mut device = InProcess::default();
     let verification = Verification {
         device: "sil".to_owned(),
+        evidence: Evidence::default(),
+        difference: None,
         cameras: published()
             .iter()
             .map(|camera| run::camera(&mut device, camera, || ()).unwrap())
@@ -109,6 +111,10 @@ impl Device for Wrong {
 
     fn distort(&mut self, ideal: &[SensorPoint]) -> Result<Vec<Corrected>, DeviceError> {
         self.camera.distort(ideal)
+    }
+
+    fn evidence(&self) -> Evidence {
+        self.camera.evidence()
     }
 }
 

@@ -27,8 +27,9 @@ fn request() -> ExposureRequest {
 /// Largest length of `error` over the sensor, µm.
 fn most_um(camera: &CameraFile, error: impl Fn([f64; 2]) -> [f64; 2]) -> f64 {
     grid::points(camera.half_format_mm())
+        .points()
         .map(|point| {
-            let [x, y] = error(point);
+            let [x, y] = error([point.x_mm, point.y_mm].map(f64::from));
             1e3 * x.hypot(y)
         })
         .fold(0.0, f64::max)

@@ -4,7 +4,6 @@ use fmc_camera::Camera;
 use fmc_camera::flight::exposure::Exposure;
 use fmc_camera::geometry::sensor::SensorPoint;
 use host_sim::formats::camera_file::CameraFile;
-use host_sim::formats::number::single;
 use host_sim::formats::published::CAMERA_FILES;
 
 /// The five published cameras.
@@ -46,7 +45,8 @@ pub(crate) fn camera_distortion(
 /// 21 x 21 points over the sensor, as the camera receives them.
 pub(crate) fn points(camera: &CameraFile) -> Vec<[f32; 2]> {
     host_sim::verify::grid::points(camera.half_format_mm())
-        .map(|point| point.map(single))
+        .points()
+        .map(|point| [point.x_mm, point.y_mm])
         .collect()
 }
 

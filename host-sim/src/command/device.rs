@@ -1,0 +1,63 @@
+//! The device that a command is asked to use.
+
+use crate::cli::DeviceArgs;
+use crate::device::qemu::QemuOptions;
+use crate::device::{Device, DeviceName, InProcess, OpenError, Opener};
+use crate::failure::Failure;
+
+impl DeviceArgs {
+    /// Opens the device; the camera's code in this process where none is named.
+    ///
+    /// # Errors
+    /// [`Failure`] where it cannot be opened.
+    pub(super) fn open(&self) -> Result<Box<dyn Device>, Failure> {
+        let name = self.device.as_ref().unwrap_or(&DeviceName::Sil);
+        self.check_options(name)?;
+        Ok(self.opener().open(name)?)
+    }
+
+    /// Opens the device; where none is named QEMU, and where there is no QEMU the camera's code in
+    /// this process, with the reason.
+    ///
+    /// # Errors
+    /// [`Failure`] where it cannot be opened.
+    pub(super) fn open_or_fall_back(&self) -> Result<(Box<dyn Device>, Option<String>), Failure> {
+        let name = self.device.as_ref().unwrap_or(&DeviceName::QEMU);
+        self.check_options(name)?;
+        match self.opener().open(name) {
+            Ok(device) => Ok((device, None)),
+            Err(OpenError::NotHere { reason, .. })
+                if self.device.is_none() && self.firmware.is_none() =>
+            {
+                Ok((Box::new(InProcess::default()), Some(reason)))
+            }
+            Err(error) => Err(error.into()),
+        }
+    }
+
+    fn opener(&self) -> Opener {
+        Opener {
+            qemu: QemuOptions {
+                firmware: self.firmware.clone(),
+                print_log: self.log,
+            },
+        }
+    }
+
+    /// What is meant for QEMU needs QEMU.
+    fn check_options(&self, name: &DeviceName) -> Result<(), Failure> {
+        let option = match self {
+            Self {
+                firmware: Some(_), ..
+            } => "--firmware",
+            Self { log: true, .. } => "--log",
+            _ => return Ok(()),
+        };
+        match name {
+            DeviceName::Qemu(_) => Ok(()),
+            DeviceName::Sil | DeviceName::Serial(_) => Err(Failure::bad_input(format!(
+                "{option} is for the firmware in QEMU, and the device is {name}: add --device qemu"
+            ))),
+        }
+    }
+}

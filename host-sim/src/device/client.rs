@@ -1,0 +1,335 @@
+//! The PC's end of the link: one request at a time, repeated until it is answered.
+
+use std::io::ErrorKind;
+use std::time::{Duration, Instant};
+
+use fmc_camera::flight::camera::CameraRecord;
+use fmc_camera::flight::exposure::Exposure;
+use fmc_camera::flight::frame_record::FrameRecord;
+use fmc_camera::geometry::evaluation_form::Displacement;
+use fmc_camera::geometry::frame_correction::Corrected;
+use fmc_camera::geometry::mesh::MeshRow;
+use fmc_camera::io::link::frame::{DELIMITER, Frame, FrameReceiver};
+use fmc_camera::io::link::message::{
+    Answer, CalibrationIdentity, Counters, Grid, Header, Identity, Points, Refusal, Request,
+    Unreadable,
+};
+
+use super::link_error::{Heard, LinkError};
+use super::port::Port;
+
+/// How long an answer may take: the longest message is 11 ms on the wire at 921,600 baud, and the
+/// camera's longest work, showing a calibration to be one-to-one, takes it tens of milliseconds.
+pub const ANSWER_WITHIN: Duration = Duration::from_secs(1);
+
+/// How often a request is sent before it is given up. One that was acted on is answered again from
+/// the camera's memory.
+pub const TRIES: u32 = 5;
+
+/// What comes within a time limit.
+#[allow(clippy::large_enum_variant, reason = "one at a time")]
+enum Listened {
+    /// Nothing that answers the request.
+    Nothing,
+    /// The answer.
+    Answer(Answer),
+    /// An answer that this program does not know.
+    Unknown,
+}
+
+/// A conversation with a camera.
+///
+/// Once a request has failed by anything but a refusal, what the camera has done is not known:
+/// every later one fails alike, until [`Self::connect`] opens another session.
+#[derive(Debug)]
+pub struct Client<P> {
+    port: P,
+    receiver: FrameReceiver,
+    last: Header,
+    frame: Frame,
+    given_up: Option<LinkError>,
+}
+
+impl<P: Port> Client<P> {
+    /// A client before its first session.
+    #[must_use]
+    pub const fn new(port: P) -> Self {
+        Self {
+            port,
+            receiver: FrameReceiver::new(),
+            last: Header {
+                session: 0,
+                sequence: 0,
+            },
+            frame: Frame::EMPTY,
+            given_up: None,
+        }
+    }
+
+    /// Opens a session under a random number; it ends any other that the camera has open.
+    ///
+    /// # Errors
+    /// [`LinkError`], as every request.
+    pub fn connect(&mut self) -> Result<Identity, LinkError> {
+        self.given_up = None;
+        self.last = Header {
+            session: fastrand::u32(..),
+            // The first request has the number after this one: 0.
+            sequence: u16::MAX,
+        };
+        match self.ask(&Request::Connect)? {
+            Answer::Connected(identity) => Ok(identity),
+            _ => Err(self.unexpected(&Request::Connect)),
+        }
+    }
+
+    /// Replaces the camera's calibration, mechanism, shutter and limits.
+    ///
+    /// # Errors
+    /// [`LinkError::Refused`] where the calibration is not usable.
+    pub fn load(&mut self, record: &CameraRecord) -> Result<CalibrationIdentity, LinkError> {
+        let request = Request::Load(*record);
+        match self.ask(&request)? {
+            Answer::Loaded(calibration) => Ok(calibration),
+            _ => Err(self.unexpected(&request)),
+        }
+    }
+
+    /// Predicts a frame.
+    ///
+    /// # Errors
+    /// [`LinkError::Refused`] where the exposure cannot be taken.
+    pub fn expose(&mut self, exposure: &Exposure) -> Result<FrameRecord, LinkError> {
+        self.frame_record(&Request::Expose(*exposure))
+    }
+
+    /// The record of the current frame.
+    ///
+    /// # Errors
+    /// [`LinkError::Refused`] where there is none.
+    pub fn record(&mut self) -> Result<FrameRecord, LinkError> {
+        self.frame_record(&Request::Record)
+    }
+
+    fn frame_record(&mut self, request: &Request) -> Result<FrameRecord, LinkError> {
+        match self.ask(request)? {
+            Answer::Frame(record) => Ok(record),
+            _ => Err(self.unexpected(request)),
+        }
+    }
+
+    /// Corrects a batch of measured points.
+    ///
+    /// # Errors
+    /// [`LinkError::Refused`] for a point off the sensor.
+    pub fn correct(&mut self, measured: Points) -> Result<Vec<Corrected>, LinkError> {
+        let asked = measured.len();
+        self.points(&Request::Correct(measured), asked)
+    }
+
+    /// Distorts a batch of ideal points.
+    ///
+    /// # Errors
+    /// [`LinkError::Refused`] for a point that has no measured one.
+    pub fn distort(&mut self, ideal: Points) -> Result<Vec<Corrected>, LinkError> {
+        let asked = ideal.len();
+        self.points(&Request::Distort(ideal), asked)
+    }
+
+    fn points(&mut self, request: &Request, asked: usize) -> Result<Vec<Corrected>, LinkError> {
+        match self.ask(request)? {
+            Answer::Points(points) if points.len() == asked => Ok(points.to_vec()),
+            _ => Err(self.unexpected(request)),
+        }
+    }
+
+    /// The distortion along a row of the sensor.
+    ///
+    /// # Errors
+    /// [`LinkError::Refused`] for a row that leaves the sensor.
+    pub fn row(&mut self, row: MeshRow) -> Result<Vec<Displacement>, LinkError> {
+        let request = Request::Row(row);
+        match self.ask(&request)? {
+            Answer::Row(row_answered) if row_answered.len() == usize::from(row.count) => {
+                Ok(row_answered.to_vec())
+            }
+            _ => Err(self.unexpected(&request)),
+        }
+    }
+
+    /// The digest of a grid of corrected points.
+    ///
+    /// # Errors
+    /// [`LinkError::Refused`] for a grid that leaves the sensor.
+    pub fn digest(&mut self, grid: &Grid) -> Result<u32, LinkError> {
+        let request = Request::Digest(grid.clone());
+        match self.ask(&request)? {
+            Answer::Digest(digest) => Ok(digest),
+            _ => Err(self.unexpected(&request)),
+        }
+    }
+
+    /// What the camera's end of the link has seen since it started.
+    ///
+    /// # Errors
+    /// [`LinkError`], as every request.
+    pub fn counters(&mut self) -> Result<Counters, LinkError> {
+        match self.ask(&Request::Counters)? {
+            Answer::Counters(counters) => Ok(counters),
+            _ => Err(self.unexpected(&Request::Counters)),
+        }
+    }
+
+    /// Starts the camera again; the session ends.
+    ///
+    /// # Errors
+    /// [`LinkError`], as every request.
+    pub fn reset(&mut self) -> Result<(), LinkError> {
+        self.ending(&Request::Reset)
+    }
+
+    /// Switches the camera off; the session ends.
+    ///
+    /// # Errors
+    /// [`LinkError::Refused`] where it cannot.
+    pub fn power_off(&mut self) -> Result<(), LinkError> {
+        self.ending(&Request::PowerOff)
+    }
+
+    fn ending(&mut self, request: &Request) -> Result<(), LinkError> {
+        match self.ask(request)? {
+            Answer::Ending => {
+                self.given_up = Some(LinkError::SessionEnded);
+                Ok(())
+            }
+            _ => Err(self.unexpected(request)),
+        }
+    }
+
+    fn unexpected(&mut self, request: &Request) -> LinkError {
+        let error = LinkError::Unexpected {
+            request: name(request),
+        };
+        self.given_up = Some(error);
+        error
+    }
+
+    /// The answer to a request; a refusal is an error.
+    fn ask(&mut self, request: &Request) -> Result<Answer, LinkError> {
+        if let Some(error) = self.given_up {
+            return Err(error);
+        }
+        let answer = self.converse(request);
+        if let Err(error) = &answer
+            && !matches!(error, LinkError::Refused { .. })
+        {
+            self.given_up = Some(*error);
+        }
+        answer
+    }
+
+    fn converse(&mut self, request: &Request) -> Result<Answer, LinkError> {
+        let unexpected = LinkError::Unexpected {
+            request: name(request),
+        };
+        // A number is never used twice: the camera would repeat what it answered to the first.
+        self.last.sequence = self.last.sequence.wrapping_add(1);
+        let header = self.last;
+        request.write(header, &mut self.frame).ok_or(unexpected)?;
+        let mut heard = Heard::default();
+        for _ in 0..TRIES {
+            let deadline = Instant::now() + ANSWER_WITHIN;
+            match self.send() {
+                Err(error) if error.kind() == ErrorKind::TimedOut => continue,
+                sent => sent?,
+            }
+            return match self.listen(header, deadline, &mut heard)? {
+                Listened::Nothing => continue,
+                Listened::Answer(Answer::Refused(Refusal::OtherSession)) => {
+                    Err(LinkError::SessionEnded)
+                }
+                Listened::Answer(Answer::Refused(refusal)) => Err(LinkError::Refused {
+                    request: name(request),
+                    refusal,
+                }),
+                Listened::Answer(answer) => Ok(answer),
+                Listened::Unknown => Err(unexpected),
+            };
+        }
+        Err(LinkError::NoAnswer {
+            request: name(request),
+            tries: TRIES,
+            heard,
+        })
+    }
+
+    /// Sends the frame; a zero before it ends whatever was left half-sent.
+    fn send(&mut self) -> std::io::Result<()> {
+        let mut bytes = vec![DELIMITER];
+        bytes.extend_from_slice(self.frame.bytes());
+        self.port.send(&bytes)
+    }
+
+    /// The answer with this header.
+    fn listen(
+        &mut self,
+        header: Header,
+        deadline: Instant,
+        heard: &mut Heard,
+    ) -> Result<Listened, LinkError> {
+        let mut buffer = [0; 2048];
+        loop {
+            let count = self.port.receive(&mut buffer, deadline)?;
+            if count == 0 {
+                return Ok(Listened::Nothing);
+            }
+            heard.bytes += count;
+            for byte in buffer.get(..count).unwrap_or_default() {
+                let Some(Ok(payload)) = self.receiver.receive(*byte) else {
+                    continue;
+                };
+                match Answer::read(payload) {
+                    Err(Unreadable::OtherProtocol(version)) => {
+                        return Err(LinkError::OtherProtocol(version));
+                    }
+                    Ok((answered, answer)) if answered == header => {
+                        if answer.is_none() && is_echo(payload, self.frame.bytes()) {
+                            return Err(LinkError::Echo);
+                        }
+                        return Ok(answer.map_or(Listened::Unknown, Listened::Answer));
+                    }
+                    // Of an earlier session or request.
+                    Ok(_) | Err(Unreadable::NoHeader) => heard.others += 1,
+                }
+            }
+            if Instant::now() >= deadline {
+                return Ok(Listened::Nothing);
+            }
+        }
+    }
+}
+
+/// Whether a payload is that of the frame that was sent.
+fn is_echo(payload: &[u8], frame: &[u8]) -> bool {
+    let mut receiver = FrameReceiver::new();
+    frame
+        .iter()
+        .any(|byte| matches!(receiver.receive(*byte), Some(Ok(sent)) if sent == payload))
+}
+
+/// What messages call a request.
+const fn name(request: &Request) -> &'static str {
+    match request {
+        Request::Connect => "connect",
+        Request::Load(_) => "load calibration",
+        Request::Expose(_) => "expose",
+        Request::Record => "frame record",
+        Request::Correct(_) => "correct",
+        Request::Distort(_) => "distort",
+        Request::Row(_) => "row",
+        Request::Digest(_) => "digest",
+        Request::Counters => "counters",
+        Request::Reset => "reset",
+        Request::PowerOff => "power off",
+    }
+}

@@ -1,0 +1,200 @@
+//! How a device fails.
+
+use std::fmt;
+
+use fmc_camera::flight::camera::FrameError;
+use fmc_camera::flight::exposure::Exposure;
+use fmc_camera::flight::frame_record::FrameRecord;
+use fmc_camera::geometry::calibration::CalibrationError;
+use fmc_camera::geometry::frame_correction::Corrected;
+use fmc_camera::geometry::inverse::DistortError;
+use fmc_camera::geometry::sensor::SensorPoint;
+
+use super::link_error::LinkError;
+
+/// A device did not do what it was asked for.
+#[derive(Debug, Clone, PartialEq, thiserror::Error)]
+pub enum DeviceError {
+    /// It refuses the calibration.
+    #[error("the camera refuses the calibration: {0}")]
+    Calibration(CalibrationError),
+    /// It refuses the exposure.
+    #[error("the camera refuses the exposure: {0}")]
+    Frame(FrameError),
+    /// A point of a batch has no measured point.
+    #[error("point {index} of the batch: {error}")]
+    Distort {
+        /// Index in the batch.
+        index: usize,
+        /// Why.
+        error: DistortError,
+    },
+    /// A measured point of a batch is off the sensor.
+    #[error("point {index} of the batch is off the sensor")]
+    OffSensor {
+        /// Index in the batch.
+        index: usize,
+    },
+    /// It answered more or fewer points than it was asked.
+    #[error("the camera was asked for {asked} points and answered {answered}")]
+    Count {
+        /// Points asked for.
+        asked: usize,
+        /// Points answered.
+        answered: usize,
+    },
+    /// Points before the first exposure.
+    #[error("the camera has not been exposed yet")]
+    NoFrame,
+    /// It cannot be talked to.
+    #[error("{device}: {error}")]
+    Link {
+        /// As the command line names it.
+        device: String,
+        /// Why.
+        error: LinkError,
+    },
+    /// The machine it runs on has ended or stopped.
+    #[error("{0}")]
+    Machine(String),
+    /// It does not compute what its own code computes on this PC.
+    #[error(transparent)]
+    Different(Box<Difference>),
+}
+
+impl DeviceError {
+    /// Every point has its answer.
+    ///
+    /// # Errors
+    /// [`DeviceError::Count`] where it has not.
+    pub const fn check_count(asked: usize, answered: usize) -> Result<(), Self> {
+        if asked == answered {
+            Ok(())
+        } else {
+            Err(Self::Count { asked, answered })
+        }
+    }
+}
+
+/// Where a camera differs from its twin, the same code on this PC.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Difference {
+    /// The exposure; `None` while a calibration is loaded.
+    pub exposure: Option<Exposure>,
+    /// What differs.
+    pub result: DifferentResult,
+}
+
+/// Two results, the camera's and its twin's, that should have the same bits.
+#[derive(Debug, Clone, PartialEq)]
+pub enum DifferentResult {
+    /// Digests of the calibration in use.
+    Calibration {
+        /// The camera's.
+        camera: u32,
+        /// Of what was sent.
+        twin: u32,
+    },
+    /// One refuses what the other accepts, or for another reason; `None` where it accepts.
+    Refusal {
+        /// The camera's reason.
+        camera: Option<String>,
+        /// The twin's.
+        twin: Option<String>,
+    },
+    /// Frame records.
+    Record {
+        /// The camera's.
+        camera: FrameRecord,
+        /// The twin's.
+        twin: FrameRecord,
+    },
+    /// The first point that differs.
+    Point {
+        /// Index in the batch or grid.
+        index: usize,
+        /// The point that was given.
+        given: SensorPoint,
+        /// What the camera makes of it.
+        camera: Corrected,
+        /// What the twin does.
+        twin: Corrected,
+    },
+    /// Digests of a grid whose points are all the same.
+    Digest {
+        /// The camera's.
+        camera: u32,
+        /// The twin's.
+        twin: u32,
+    },
+}
+
+impl std::error::Error for Difference {}
+
+impl fmt::Display for Difference {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str("the camera does not compute what its own code computes on this PC; ")?;
+        if let Some(exposure) = &self.exposure {
+            let Exposure {
+                vh_per_s,
+                exposure_s,
+                ..
+            } = exposure;
+            write!(f, "V/H {vh_per_s} 1/s, exposure {exposure_s} s: ")?;
+        }
+        match &self.result {
+            DifferentResult::Calibration { camera, twin } => write!(
+                f,
+                "calibration {camera:08x} is in use where {twin:08x} was sent"
+            ),
+            DifferentResult::Refusal { camera, twin } => {
+                let outcome = |reason: &Option<String>| match reason {
+                    Some(reason) => format!("refuses ({reason})"),
+                    None => "accepts".to_owned(),
+                };
+                write!(
+                    f,
+                    "the camera {}, this PC {}",
+                    outcome(camera),
+                    outcome(twin)
+                )
+            }
+            DifferentResult::Record { camera, twin } => write!(
+                f,
+                "the camera's frame record is {camera:?}, this PC's {twin:?}"
+            ),
+            DifferentResult::Point {
+                index,
+                given,
+                camera,
+                twin,
+            } => write!(
+                f,
+                "point {index} at x {} mm, y {} mm: the camera answers {}, this PC {}",
+                given.x_mm,
+                given.y_mm,
+                Bits(camera),
+                Bits(twin)
+            ),
+            DifferentResult::Digest { camera, twin } => write!(
+                f,
+                "the camera's digest of the grid is {camera:08x}, this PC's {twin:08x}, and every point by itself is the same"
+            ),
+        }
+    }
+}
+
+/// A corrected point with every bit of it.
+struct Bits<'a>(&'a Corrected);
+
+impl fmt::Display for Bits<'_> {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let Corrected { point, distortion } = self.0;
+        // Rust prints the shortest decimal that reads back as the same number.
+        write!(
+            f,
+            "x {} mm, y {} mm, dx {} mm, dy {} mm",
+            point.x_mm, point.y_mm, distortion.dx_mm, distortion.dy_mm
+        )
+    }
+}

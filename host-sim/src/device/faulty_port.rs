@@ -1,0 +1,220 @@
+//! A wire in memory with a camera at its end, and with the faults of real wires.
+
+use std::cell::RefCell;
+use std::collections::VecDeque;
+use std::io;
+use std::rc::Rc;
+use std::time::Instant;
+
+use fmc_camera::io::link::frame::{Frame, FrameReceiver};
+use fmc_camera::io::link::message::{Answer, Identity, Start};
+use fmc_camera::io::link::station::{Event, Station};
+
+use super::port::Port;
+
+/// What happens to a frame on its way, in either direction.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(super) enum Fault {
+    /// Nothing.
+    None,
+    /// It is lost.
+    Lost,
+    /// The byte at this place, counted round and round, is changed by these bits.
+    Corrupted { at: usize, bits: u8 },
+    /// Only the first bytes arrive: this share of 256.
+    Truncated(u8),
+    /// It arrives twice.
+    Duplicated,
+    /// It arrives after so many time limits.
+    Delayed(u8),
+    /// It arrives twice, the second time after so many time limits.
+    Echoed(u8),
+    /// The camera starts again before it arrives.
+    Restart,
+}
+
+/// Camera, wire, and the PCs on it; every PC hears every answer.
+#[derive(Debug)]
+struct Wire {
+    station: Station,
+    faults: VecDeque<Fault>,
+    now: u32,
+    to_camera: Vec<(u32, Vec<u8>)>,
+    to_host: Vec<(u32, Vec<u8>)>,
+    inboxes: Vec<VecDeque<u8>>,
+    closed: bool,
+    change: fn(&mut Answer),
+}
+
+/// A PC's port to the wire.
+#[derive(Debug, Clone)]
+pub(super) struct FaultyPort {
+    wire: Rc<RefCell<Wire>>,
+    host: usize,
+}
+
+fn station(start: Start) -> Station {
+    Station::new(Identity::new("test", "memory", true, start), || 0)
+}
+
+impl FaultyPort {
+    /// A port to a camera that has just been switched on; what the faults leave over is in order.
+    pub(super) fn new(faults: impl IntoIterator<Item = Fault>) -> Self {
+        let wire = Wire {
+            station: station(Start::PowerOn),
+            faults: faults.into_iter().collect(),
+            now: 0,
+            to_camera: Vec::new(),
+            to_host: Vec::new(),
+            inboxes: vec![VecDeque::new()],
+            closed: false,
+            change: |_| {},
+        };
+        Self {
+            wire: Rc::new(RefCell::new(wire)),
+            host: 0,
+        }
+    }
+
+    /// Another PC on the same wire.
+    pub(super) fn another(&self) -> Self {
+        let mut wire = self.wire.borrow_mut();
+        wire.inboxes.push(VecDeque::new());
+        Self {
+            wire: Rc::clone(&self.wire),
+            host: wire.inboxes.len() - 1,
+        }
+    }
+
+    /// Faults from now on.
+    pub(super) fn set_faults(&self, faults: impl IntoIterator<Item = Fault>) {
+        self.wire.borrow_mut().faults = faults.into_iter().collect();
+    }
+
+    /// The other end closes the port.
+    pub(super) fn close(&self) {
+        self.wire.borrow_mut().closed = true;
+    }
+
+    /// The camera starts again.
+    pub(super) fn restart(&self) {
+        self.wire.borrow_mut().station = station(Start::Watchdog);
+    }
+
+    /// The camera's answers are changed by this before they are put into frames.
+    pub(super) fn tamper(&self, change: fn(&mut Answer)) {
+        self.wire.borrow_mut().change = change;
+    }
+
+    /// Bytes to the camera as another program would send them.
+    pub(super) fn inject(&self, bytes: &[u8]) {
+        self.wire.borrow_mut().camera_receives(bytes);
+    }
+}
+
+impl Wire {
+    /// Puts a frame on its way: when and what arrives.
+    fn on_the_way(&mut self, mut bytes: Vec<u8>) -> Vec<(u32, Vec<u8>)> {
+        let now = self.now;
+        match self.faults.pop_front().unwrap_or(Fault::None) {
+            Fault::None => vec![(now, bytes)],
+            Fault::Lost => Vec::new(),
+            Fault::Corrupted { at, bits } => {
+                let at = at % bytes.len();
+                bytes[at] ^= bits;
+                vec![(now, bytes)]
+            }
+            Fault::Truncated(share) => {
+                bytes.truncate(bytes.len() * usize::from(share) / 256);
+                vec![(now, bytes)]
+            }
+            Fault::Duplicated => vec![(now, bytes.clone()), (now, bytes)],
+            Fault::Delayed(by) => vec![(now + u32::from(by), bytes)],
+            Fault::Echoed(by) => vec![(now, bytes.clone()), (now + u32::from(by), bytes)],
+            Fault::Restart => {
+                self.station = station(Start::Watchdog);
+                vec![(now, bytes)]
+            }
+        }
+    }
+
+    fn camera_receives(&mut self, bytes: &[u8]) {
+        for byte in bytes {
+            let event = self.station.receive(*byte);
+            let answer = self.station.to_send().to_vec();
+            if answer.is_empty() {
+                continue;
+            }
+            self.station.sent(answer.len());
+            let arriving = self.on_the_way(changed(&answer, self.change));
+            self.to_host.extend(arriving);
+            if event == Some(Event::Reset) {
+                self.station = station(Start::Requested);
+            }
+        }
+    }
+
+    /// Delivers what is due.
+    fn deliver(&mut self) {
+        let now = self.now;
+        let due = |queue: &mut Vec<(u32, Vec<u8>)>| -> Vec<Vec<u8>> {
+            let (due, later) = queue.drain(..).partition(|(time, _)| *time <= now);
+            *queue = later;
+            Vec::into_iter(due).map(|(_, bytes)| bytes).collect()
+        };
+        for bytes in due(&mut self.to_camera) {
+            self.camera_receives(&bytes);
+        }
+        for bytes in due(&mut self.to_host) {
+            for inbox in &mut self.inboxes {
+                inbox.extend(&bytes);
+            }
+        }
+    }
+}
+
+/// A frame with the answer in it changed.
+fn changed(frame: &[u8], change: fn(&mut Answer)) -> Vec<u8> {
+    let mut receiver = FrameReceiver::new();
+    for byte in frame {
+        if let Some(payload) = receiver.receive(*byte) {
+            let (header, answer) = Answer::read(payload.unwrap()).unwrap();
+            let mut answer = answer.unwrap();
+            change(&mut answer);
+            let mut frame = Frame::EMPTY;
+            answer.write(header, &mut frame).unwrap();
+            return frame.bytes().to_vec();
+        }
+    }
+    panic!("the camera sent no frame");
+}
+
+impl Port for FaultyPort {
+    fn receive(&mut self, buffer: &mut [u8], _: Instant) -> io::Result<usize> {
+        let mut wire = self.wire.borrow_mut();
+        if wire.closed {
+            return Err(io::ErrorKind::UnexpectedEof.into());
+        }
+        wire.deliver();
+        let inbox = &mut wire.inboxes[self.host];
+        let count = inbox.len().min(buffer.len());
+        for (to, from) in buffer.iter_mut().zip(inbox.drain(..count)) {
+            *to = from;
+        }
+        if count == 0 {
+            // The time limit passes.
+            wire.now += 1;
+        }
+        Ok(count)
+    }
+
+    fn send(&mut self, bytes: &[u8]) -> io::Result<()> {
+        let mut wire = self.wire.borrow_mut();
+        if wire.closed {
+            return Err(io::ErrorKind::BrokenPipe.into());
+        }
+        let arriving = wire.on_the_way(bytes.to_vec());
+        wire.to_camera.extend(arriving);
+        Ok(())
+    }
+}

@@ -1,0 +1,207 @@
+//! The process of QEMU: started, watched and ended.
+
+use std::env;
+use std::ffi::OsString;
+use std::io::{self, BufRead as _, BufReader, ErrorKind};
+use std::net::{Ipv4Addr, TcpListener, TcpStream};
+use std::path::{Path, PathBuf};
+use std::process::{Child, Command, ExitStatus, Stdio};
+use std::thread::{self, JoinHandle};
+use std::time::{Duration, Instant};
+
+use wait_timeout::ChildExt as _;
+
+use super::log::LastLines;
+use super::name::Machine;
+
+/// The program.
+pub const PROGRAM: &str = "qemu-system-arm";
+
+/// How long QEMU may take to come up and connect: a second on an idle machine.
+const UP_WITHIN: Duration = Duration::from_secs(20);
+
+/// How long it may take to end once the firmware has switched it off.
+const DOWN_WITHIN: Duration = Duration::from_secs(2);
+
+/// Ends a process with the one that started it, even if that is killed (util-linux).
+const SETPRIV: &str = "/usr/bin/setpriv";
+
+/// A running QEMU. It ends with this value.
+#[derive(Debug)]
+pub struct Process {
+    child: Child,
+    stderr: LastLines,
+    stderr_thread: Option<JoinHandle<()>>,
+}
+
+/// QEMU and its two wires: the link, and the log.
+#[derive(Debug)]
+pub struct Started {
+    /// The process.
+    pub process: Process,
+    /// The first UART.
+    pub link: TcpStream,
+    /// The second UART.
+    pub log: TcpStream,
+}
+
+/// The program on the search path.
+#[must_use]
+pub fn find() -> Option<PathBuf> {
+    let path = env::var_os("PATH")?;
+    env::split_paths(&path)
+        .map(|dir| dir.join(format!("{PROGRAM}{}", env::consts::EXE_SUFFIX)))
+        .find(|file| file.is_file())
+}
+
+/// Starts a machine with an image.
+///
+/// # Errors
+/// What went wrong, with whatever QEMU said, in words.
+pub fn start(program: &Path, machine: Machine, image: &Path) -> Result<Started, String> {
+    let system = |error: io::Error| format!("QEMU cannot be started: {error}");
+    let link = listener().map_err(system)?;
+    let log = listener().map_err(system)?;
+    let mut command = command(program);
+    command
+        .args(["-M", machine.qemu_name()])
+        .args(["-display", "none", "-monitor", "none"])
+        // One instruction takes 1 ns of virtual time: runs repeat exactly.
+        .args(["-icount", "shift=0"])
+        .args(["-semihosting-config", "enable=on,target=native"])
+        .args(uart("link", &link).map_err(system)?)
+        .args(uart("log", &log).map_err(system)?)
+        .arg("-kernel")
+        .arg(image)
+        .stdin(Stdio::null())
+        .stdout(Stdio::null())
+        .stderr(Stdio::piped());
+    let mut child = command
+        .spawn()
+        .map_err(|error| format!("{}: cannot be started: {error}", program.display()))?;
+    let stderr = LastLines::default();
+    let stderr_thread = child.stderr.take().map(|pipe| {
+        let kept = stderr.clone();
+        thread::spawn(move || {
+            for line in BufReader::new(pipe).split(b'\n').map_while(Result::ok) {
+                kept.push(String::from_utf8_lossy(&line).into_owned());
+            }
+        })
+    });
+    let mut process = Process {
+        child,
+        stderr,
+        stderr_thread,
+    };
+    let deadline = Instant::now() + UP_WITHIN;
+    let link = process.accept(&link, deadline)?;
+    let log = process.accept(&log, deadline)?;
+    Ok(Started { process, link, log })
+}
+
+/// The command that runs `program` so that it does not outlive this process.
+fn command(program: &Path) -> Command {
+    if Path::new(SETPRIV).is_file() {
+        let mut command = Command::new(SETPRIV);
+        command.args(["--pdeathsig", "KILL", "--"]).arg(program);
+        command
+    } else {
+        Command::new(program)
+    }
+}
+
+/// A listener on a port of the system's choice; it does not block.
+fn listener() -> io::Result<TcpListener> {
+    let listener = TcpListener::bind((Ipv4Addr::LOCALHOST, 0))?;
+    listener.set_nonblocking(true)?;
+    Ok(listener)
+}
+
+/// Arguments that join the next UART to a listener.
+fn uart(name: &str, listener: &TcpListener) -> io::Result<[OsString; 4]> {
+    let port = listener.local_addr()?.port();
+    Ok([
+        "-chardev".into(),
+        format!("socket,id={name},host=127.0.0.1,port={port},nodelay=on").into(),
+        "-serial".into(),
+        format!("chardev:{name}").into(),
+    ])
+}
+
+impl Process {
+    /// QEMU's connection to a listener.
+    fn accept(&mut self, listener: &TcpListener, deadline: Instant) -> Result<TcpStream, String> {
+        loop {
+            match listener.accept() {
+                Ok((stream, _)) => {
+                    return stream
+                        .set_nonblocking(false)
+                        .map(|()| stream)
+                        .map_err(|error| format!("QEMU's connection fails: {error}"));
+                }
+                Err(error)
+                    if matches!(error.kind(), ErrorKind::WouldBlock | ErrorKind::Interrupted) => {}
+                Err(error) => return Err(format!("QEMU's connection fails: {error}")),
+            }
+            if let Ok(Some(status)) = self.child.try_wait() {
+                return Err(self.ended(status, "at once"));
+            }
+            if Instant::now() >= deadline {
+                return Err(format!(
+                    "QEMU has not come up within {} s{}",
+                    UP_WITHIN.as_secs(),
+                    self.said()
+                ));
+            }
+            thread::sleep(Duration::from_millis(2));
+        }
+    }
+
+    /// How it ended, if it has, or does within a moment.
+    #[must_use]
+    pub fn end(&mut self) -> Option<String> {
+        let status = self.child.wait_timeout(Duration::from_millis(300)).ok()??;
+        Some(self.ended(status, "half way"))
+    }
+
+    fn ended(&mut self, status: ExitStatus, when: &str) -> String {
+        // The pipe has an end now.
+        if let Some(thread) = self.stderr_thread.take() {
+            let _ = thread.join();
+        }
+        format!("QEMU ended {when}: {status}{}", self.said())
+    }
+
+    /// What it said on its error stream.
+    fn said(&self) -> String {
+        indented("its error stream", &self.stderr.all())
+    }
+
+    /// Waits until it has ended by itself, and ends it where it does not.
+    pub fn wait_or_kill(&mut self) {
+        if let Ok(Some(_)) = self.child.wait_timeout(DOWN_WITHIN) {
+            return;
+        }
+        self.kill();
+    }
+
+    fn kill(&mut self) {
+        // It may have ended by itself.
+        let _ = self.child.kill();
+        let _ = self.child.wait();
+    }
+}
+
+impl Drop for Process {
+    fn drop(&mut self) {
+        self.kill();
+    }
+}
+
+/// Lines under a heading, for the end of an error; nothing where there are none.
+pub(super) fn indented(heading: &str, lines: &[String]) -> String {
+    if lines.is_empty() {
+        return String::new();
+    }
+    format!("\n{heading}:\n  {}", lines.join("\n  "))
+}

@@ -1,0 +1,121 @@
+//! Devices as the command line names them.
+
+use std::fmt;
+use std::path::PathBuf;
+use std::str::FromStr;
+
+/// A machine of QEMU that the firmware runs on.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Machine {
+    /// Cortex-M4F.
+    An386,
+    /// Cortex-M7.
+    An500,
+}
+
+impl Machine {
+    /// What QEMU calls it.
+    #[must_use]
+    pub const fn qemu_name(self) -> &'static str {
+        match self {
+            Self::An386 => "mps2-an386",
+            Self::An500 => "mps2-an500",
+        }
+    }
+
+    /// Its processor.
+    #[must_use]
+    pub const fn core(self) -> &'static str {
+        match self {
+            Self::An386 => "Cortex-M4F",
+            Self::An500 => "Cortex-M7",
+        }
+    }
+}
+
+impl fmt::Display for Machine {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str(match self {
+            Self::An386 => "an386",
+            Self::An500 => "an500",
+        })
+    }
+}
+
+/// A device as the command line names it.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub enum DeviceName {
+    /// The camera's own code in this process.
+    Sil,
+    /// The firmware in QEMU.
+    Qemu(Machine),
+    /// A camera on a serial port.
+    Serial(PathBuf),
+}
+
+impl DeviceName {
+    /// What `qemu` alone means: the smaller processor.
+    pub const QEMU: Self = Self::Qemu(Machine::An386);
+}
+
+impl FromStr for DeviceName {
+    type Err = String;
+
+    fn from_str(text: &str) -> Result<Self, Self::Err> {
+        match text.split_once(':') {
+            None if text == "sil" => Ok(Self::Sil),
+            None if text == "qemu" => Ok(Self::QEMU),
+            Some(("qemu", "an386")) => Ok(Self::Qemu(Machine::An386)),
+            Some(("qemu", "an500")) => Ok(Self::Qemu(Machine::An500)),
+            Some(("serial", path)) if !path.is_empty() => Ok(Self::Serial(path.into())),
+            _ => Err(
+                "not a device; there is: sil, qemu, qemu:an386, qemu:an500, serial:PATH".to_owned(),
+            ),
+        }
+    }
+}
+
+impl fmt::Display for DeviceName {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::Sil => f.write_str("sil"),
+            Self::Qemu(machine) => write!(f, "qemu:{machine}"),
+            Self::Serial(path) => write!(f, "serial:{}", path.display()),
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn names_are_read_as_they_are_written() {
+        for name in [
+            "sil",
+            "qemu:an386",
+            "qemu:an500",
+            "serial:/dev/ttyACM0",
+            "serial:COM3",
+        ] {
+            assert_eq!(name.parse::<DeviceName>().unwrap().to_string(), name);
+        }
+        assert_eq!("qemu".parse(), Ok(DeviceName::QEMU));
+    }
+
+    #[test]
+    fn other_names_are_refused_with_those_there_are() {
+        for name in [
+            "",
+            "Sil",
+            "qemu:",
+            "qemu:an547",
+            "serial",
+            "serial:",
+            "tcp:1",
+        ] {
+            let error = name.parse::<DeviceName>().unwrap_err();
+            assert!(error.contains("serial:PATH"), "{name}: {error}");
+        }
+    }
+}

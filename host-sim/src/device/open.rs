@@ -1,0 +1,102 @@
+//! Opening the device that the command line names.
+
+use std::path::PathBuf;
+
+use super::error::DeviceError;
+use super::link_error::LinkError;
+use super::qemu::{Qemu, QemuOptions};
+use super::{Device, DeviceName, InProcess, serial};
+use crate::failure::Failure;
+
+/// Opens devices.
+#[derive(Debug, Clone, Default, PartialEq, Eq)]
+pub struct Opener {
+    /// How the firmware runs in QEMU.
+    pub qemu: QemuOptions,
+}
+
+/// A device cannot be opened.
+#[derive(Debug, Clone, PartialEq, thiserror::Error)]
+pub enum OpenError {
+    /// This machine has no QEMU, or no image of the firmware.
+    #[error("{reason}")]
+    NotHere {
+        /// What there is not.
+        reason: String,
+        /// How to get it.
+        help: String,
+    },
+    /// The image that the user named is no firmware.
+    #[error("{}: {what}", path.display())]
+    Image {
+        /// The file.
+        path: PathBuf,
+        /// What is wrong with it.
+        what: String,
+    },
+    /// A serial port, or what is on it.
+    #[error("{}: {what}", path.display())]
+    Port {
+        /// The port.
+        path: PathBuf,
+        /// What is wrong with it.
+        what: String,
+        /// What can be done.
+        help: Option<&'static str>,
+    },
+    /// The camera does not answer as it should.
+    #[error(transparent)]
+    Device(#[from] DeviceError),
+}
+
+/// What can be done about a firmware of another protocol.
+const OTHER_PROTOCOL: &str = "firmware and program must be built from the same sources: build the \
+                              firmware with `cargo xtask firmware`, and flash it where the camera \
+                              is on a serial port";
+
+impl From<OpenError> for Failure {
+    fn from(error: OpenError) -> Self {
+        let text = error.to_string();
+        match error {
+            OpenError::NotHere { help, .. } => Self::device_or_io(text).with_help(help),
+            OpenError::Image { .. } => Self::bad_input(text),
+            OpenError::Port { help, .. } => {
+                let failure = Self::device_or_io(text);
+                match help {
+                    Some(help) => failure.with_help(help),
+                    None => failure,
+                }
+            }
+            OpenError::Device(error) => error.into(),
+        }
+    }
+}
+
+impl From<DeviceError> for Failure {
+    /// A failure of the device; where the user's input is at fault the command knows more.
+    fn from(error: DeviceError) -> Self {
+        let text = error.to_string();
+        match error {
+            DeviceError::Calibration(_) | DeviceError::Frame(_) => Self::bad_input(text),
+            DeviceError::Link {
+                error: LinkError::OtherProtocol(_),
+                ..
+            } => Self::device_or_io(text).with_help(OTHER_PROTOCOL),
+            _ => Self::device_or_io(text),
+        }
+    }
+}
+
+impl Opener {
+    /// Opens a device.
+    ///
+    /// # Errors
+    /// [`OpenError`] saying what is missing, in use, or not a camera.
+    pub fn open(&self, name: &DeviceName) -> Result<Box<dyn Device>, OpenError> {
+        Ok(match name {
+            DeviceName::Sil => Box::new(InProcess::default()),
+            DeviceName::Qemu(machine) => Box::new(Qemu::start(*machine, &self.qemu)?),
+            DeviceName::Serial(path) => Box::new(serial::connect(path)?),
+        })
+    }
+}

@@ -1,0 +1,167 @@
+//! The firmware in QEMU.
+
+use std::path::PathBuf;
+use std::thread::JoinHandle;
+
+use fmc_camera::flight::camera::CameraRecord;
+use fmc_camera::flight::exposure::Exposure;
+use fmc_camera::flight::frame_record::FrameRecord;
+use fmc_camera::geometry::frame_correction::Corrected;
+use fmc_camera::geometry::sensor::SensorPoint;
+use fmc_camera::io::link::message::Grid;
+
+use super::image::Image;
+use super::link_error::LinkError;
+use super::log::{self, LastLines};
+use super::machine::{self, PROGRAM, Process};
+use super::name::Machine;
+use super::open::OpenError;
+use super::port::TcpPort;
+use super::remote::Remote;
+use super::{Device, DeviceError, Evidence};
+
+/// How the firmware runs in QEMU.
+#[derive(Debug, Clone, Default, PartialEq, Eq)]
+pub struct QemuOptions {
+    /// The image; else it is found or built.
+    pub firmware: Option<PathBuf>,
+    /// Its log is printed on the error stream as it comes.
+    pub print_log: bool,
+}
+
+/// The firmware in QEMU: started, asked over its first UART, and ended with this value.
+#[derive(Debug)]
+pub struct Qemu {
+    remote: Remote<TcpPort>,
+    machine: Machine,
+    watch: Watch,
+}
+
+/// The process and what it leaves to say.
+#[derive(Debug)]
+struct Watch {
+    process: Process,
+    log: LastLines,
+    log_thread: Option<JoinHandle<()>>,
+}
+
+impl Qemu {
+    /// Starts a machine and connects to the firmware in it.
+    ///
+    /// # Errors
+    /// [`OpenError`] where there is no QEMU or no image, or the firmware does not answer.
+    pub fn start(machine: Machine, options: &QemuOptions) -> Result<Self, OpenError> {
+        let program = machine::find().ok_or_else(|| OpenError::NotHere {
+            reason: format!("{PROGRAM} is not on the search path (PATH)"),
+            help: "install QEMU for ARM (Debian, Ubuntu: the package qemu-system-arm), or use --device sil"
+                .to_owned(),
+        })?;
+        let image = Image::find(options.firmware.as_deref())?;
+        let started =
+            machine::start(&program, machine, &image.path).map_err(DeviceError::Machine)?;
+        let (log, log_thread) = log::follow(started.log, &image.elf, options.print_log);
+        let mut watch = Watch {
+            process: started.process,
+            log,
+            log_thread: Some(log_thread),
+        };
+        let port = TcpPort::new(started.link)
+            .map_err(|error| DeviceError::Machine(format!("QEMU's connection fails: {error}")))?;
+        let name = format!("qemu:{machine}");
+        let remote = Remote::connect(&name, port).map_err(|error| watch.explain(error))?;
+        Ok(Self {
+            remote,
+            machine,
+            watch,
+        })
+    }
+
+    /// The camera itself, for what not every device can do.
+    pub const fn remote(&mut self) -> &mut Remote<TcpPort> {
+        &mut self.remote
+    }
+
+    /// The last lines of its log.
+    #[must_use]
+    pub fn log(&self) -> Vec<String> {
+        self.watch.log.all()
+    }
+}
+
+impl Watch {
+    /// Adds what the process has left to say to an error of its link.
+    fn explain(&mut self, error: DeviceError) -> DeviceError {
+        let DeviceError::Link {
+            device,
+            error: link,
+        } = &error
+        else {
+            return error;
+        };
+        if !matches!(
+            link,
+            LinkError::Closed
+                | LinkError::Port(_)
+                | LinkError::NoAnswer { .. }
+                | LinkError::SessionEnded
+        ) {
+            return error;
+        }
+        let end = match self.process.end() {
+            Some(end) => {
+                // The wire has an end now: let the last lines arrive.
+                if let Some(thread) = self.log_thread.take() {
+                    let _ = thread.join();
+                }
+                format!("{device}: {end}")
+            }
+            None => error.to_string(),
+        };
+        let log = machine::indented("the end of the firmware's log", &self.log.all());
+        DeviceError::Machine(end + &log)
+    }
+}
+
+impl Device for Qemu {
+    fn description(&self) -> String {
+        let machine = self.machine;
+        format!("{}, {} in QEMU", self.remote.description(), machine.core())
+    }
+
+    fn load(&mut self, camera: &CameraRecord) -> Result<(), DeviceError> {
+        let answer = self.remote.load(camera);
+        answer.map_err(|error| self.watch.explain(error))
+    }
+
+    fn expose(&mut self, exposure: &Exposure) -> Result<FrameRecord, DeviceError> {
+        let answer = self.remote.expose(exposure);
+        answer.map_err(|error| self.watch.explain(error))
+    }
+
+    fn correct(&mut self, measured: &[SensorPoint]) -> Result<Vec<Corrected>, DeviceError> {
+        let answer = self.remote.correct(measured);
+        answer.map_err(|error| self.watch.explain(error))
+    }
+
+    fn distort(&mut self, ideal: &[SensorPoint]) -> Result<Vec<Corrected>, DeviceError> {
+        let answer = self.remote.distort(ideal);
+        answer.map_err(|error| self.watch.explain(error))
+    }
+
+    fn correct_grid(&mut self, grid: &Grid) -> Result<Vec<Corrected>, DeviceError> {
+        let answer = self.remote.correct_grid(grid);
+        answer.map_err(|error| self.watch.explain(error))
+    }
+
+    fn evidence(&self) -> Evidence {
+        self.remote.evidence()
+    }
+}
+
+impl Drop for Qemu {
+    fn drop(&mut self) {
+        if self.remote.power_off().is_ok() {
+            self.watch.process.wait_or_kill();
+        }
+    }
+}

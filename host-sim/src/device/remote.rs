@@ -1,0 +1,322 @@
+//! A camera at the other end of a link, checked against its twin in this process.
+
+use fmc_camera::flight::camera::CameraRecord;
+use fmc_camera::flight::exposure::Exposure;
+use fmc_camera::flight::frame_record::FrameRecord;
+use fmc_camera::geometry::evaluation_form::Displacement;
+use fmc_camera::geometry::frame_correction::Corrected;
+use fmc_camera::geometry::mesh::MeshRow;
+use fmc_camera::geometry::sensor::SensorPoint;
+use fmc_camera::io::link::MAX_POINTS;
+use fmc_camera::io::link::digest;
+use fmc_camera::io::link::message::{Counters, Grid, Identity, Points, Refusal};
+use serde::Serialize;
+
+use super::client::Client;
+use super::error::{DeviceError, Difference, DifferentResult};
+use super::link_error::LinkError;
+use super::port::Port;
+use super::{Device, Evidence, InProcess};
+
+/// Of a grid, every so many points one is compared by value.
+pub const SAMPLE_STEP: usize = 8;
+
+/// A camera over a link, with its twin: the same code in this process. Whatever the camera answers
+/// must have the twin's bits.
+#[derive(Debug)]
+pub struct Remote<P> {
+    name: String,
+    client: Client<P>,
+    identity: Identity,
+    twin: InProcess,
+    exposure: Option<Exposure>,
+    evidence: Evidence,
+}
+
+impl<P: Port> Remote<P> {
+    /// Connects to a camera; errors call it `name`.
+    ///
+    /// # Errors
+    /// [`DeviceError::Link`] where it does not answer as a camera of this protocol.
+    pub fn connect(name: &str, port: P) -> Result<Self, DeviceError> {
+        let mut client = Client::new(port);
+        let identity = client.connect().map_err(|error| DeviceError::Link {
+            device: name.to_owned(),
+            error,
+        })?;
+        Ok(Self {
+            name: name.to_owned(),
+            client,
+            identity,
+            twin: InProcess::default(),
+            exposure: None,
+            evidence: Evidence::default(),
+        })
+    }
+
+    /// Who answered.
+    #[must_use]
+    pub const fn identity(&self) -> &Identity {
+        &self.identity
+    }
+
+    /// The record of the current frame, asked for again.
+    ///
+    /// # Errors
+    /// [`DeviceError::NoFrame`] before the first exposure.
+    pub fn record(&mut self) -> Result<FrameRecord, DeviceError> {
+        self.client.record().map_err(|error| self.failed(error, 0))
+    }
+
+    /// The distortion along a row of the sensor.
+    ///
+    /// # Errors
+    /// [`DeviceError::NoFrame`] before the first exposure; [`DeviceError::OffSensor`] for a row
+    /// that leaves the sensor.
+    pub fn row(&mut self, row: MeshRow) -> Result<Vec<Displacement>, DeviceError> {
+        self.client.row(row).map_err(|error| self.failed(error, 0))
+    }
+
+    /// What the camera's end of the link has seen since it started.
+    ///
+    /// # Errors
+    /// [`DeviceError::Link`].
+    pub fn counters(&mut self) -> Result<Counters, DeviceError> {
+        self.client
+            .counters()
+            .map_err(|error| self.failed(error, 0))
+    }
+
+    /// Starts the camera again and connects to it; calibration and frame are gone.
+    ///
+    /// # Errors
+    /// [`DeviceError::Link`] where it does not come back.
+    pub fn reset(&mut self) -> Result<(), DeviceError> {
+        self.client.reset().map_err(|error| self.failed(error, 0))?;
+        self.reconnect()
+    }
+
+    /// Opens another session; the calibration stays if the camera has not restarted, but no frame.
+    ///
+    /// # Errors
+    /// [`DeviceError::Link`] where the camera does not answer.
+    pub fn reconnect(&mut self) -> Result<(), DeviceError> {
+        self.identity = self
+            .client
+            .connect()
+            .map_err(|error| self.failed(error, 0))?;
+        self.twin = InProcess::default();
+        self.exposure = None;
+        Ok(())
+    }
+
+    /// Switches the camera off.
+    ///
+    /// # Errors
+    /// [`DeviceError::Link`] where it cannot.
+    pub fn power_off(&mut self) -> Result<(), DeviceError> {
+        self.client
+            .power_off()
+            .map_err(|error| self.failed(error, 0))
+    }
+
+    /// The device's error for one of the link; `before` points of the batch were answered earlier.
+    fn failed(&self, error: LinkError, before: usize) -> DeviceError {
+        if let LinkError::Refused { refusal, .. } = error {
+            match refusal {
+                Refusal::Calibration(error) => return DeviceError::Calibration(error),
+                Refusal::Exposure(error) => return DeviceError::Frame(error),
+                Refusal::NoCalibration | Refusal::NoFrame => return DeviceError::NoFrame,
+                Refusal::OffSensor { index } => {
+                    return DeviceError::OffSensor {
+                        index: before + usize::from(index),
+                    };
+                }
+                Refusal::Distort { index, error } => {
+                    return DeviceError::Distort {
+                        index: before + usize::from(index),
+                        error,
+                    };
+                }
+                _ => {}
+            }
+        }
+        DeviceError::Link {
+            device: self.name.clone(),
+            error,
+        }
+    }
+
+    fn different(&self, result: DifferentResult) -> DeviceError {
+        DeviceError::Different(Box::new(Difference {
+            exposure: self.exposure,
+            result,
+        }))
+    }
+
+    /// Camera and twin accept alike, or refuse alike.
+    fn same_outcome<Camera, Twin>(
+        &self,
+        camera: Result<Camera, DeviceError>,
+        twin: Result<Twin, DeviceError>,
+    ) -> Result<(Camera, Twin), DeviceError> {
+        let refusal = |error: &DeviceError| match error {
+            // Debug output, as a NaN is not equal to itself.
+            DeviceError::Calibration(_)
+            | DeviceError::Frame(_)
+            | DeviceError::Distort { .. }
+            | DeviceError::OffSensor { .. }
+            | DeviceError::NoFrame => Some(format!("{error:?}")),
+            _ => None,
+        };
+        let (camera, twin) = match (camera, twin) {
+            (Ok(camera), Ok(twin)) => return Ok((camera, twin)),
+            (Err(camera), Err(twin)) => {
+                if refusal(&camera).is_none() || refusal(&camera) == refusal(&twin) {
+                    return Err(camera);
+                }
+                (Some(camera), Some(twin))
+            }
+            (Err(camera), Ok(_)) => {
+                if refusal(&camera).is_none() {
+                    return Err(camera);
+                }
+                (Some(camera), None)
+            }
+            (Ok(_), Err(twin)) => (None, Some(twin)),
+        };
+        let text = |error: Option<DeviceError>| error.map(|error| error.to_string());
+        Err(self.different(DifferentResult::Refusal {
+            camera: text(camera),
+            twin: text(twin),
+        }))
+    }
+
+    /// Points through the camera in batches, then through the twin; both must have the same bits.
+    fn through_both(
+        &mut self,
+        given: &[SensorPoint],
+        ask_camera: impl Fn(&mut Client<P>, Points) -> Result<Vec<Corrected>, LinkError>,
+        ask_twin: impl Fn(&mut InProcess, &[SensorPoint]) -> Result<Vec<Corrected>, DeviceError>,
+    ) -> Result<Vec<Corrected>, DeviceError> {
+        let mut points = Vec::with_capacity(given.len());
+        let mut camera = Ok(());
+        for batch in given.chunks(MAX_POINTS) {
+            let batch = batch.iter().copied().collect();
+            match ask_camera(&mut self.client, batch) {
+                Ok(answered) => points.extend(answered),
+                Err(error) => {
+                    camera = Err(self.failed(error, points.len()));
+                    break;
+                }
+            }
+        }
+        let twin = ask_twin(&mut self.twin, given);
+        let ((), twin) = self.same_outcome(camera, twin)?;
+        DeviceError::check_count(twin.len(), points.len())?;
+        let pairs = points.iter().zip(&twin).zip(given);
+        for (index, ((camera, twin), given)) in pairs.enumerate() {
+            if !same_bits(camera, twin) {
+                return Err(self.different(DifferentResult::Point {
+                    index,
+                    given: *given,
+                    camera: *camera,
+                    twin: *twin,
+                }));
+            }
+        }
+        self.evidence.by_value += points.len() as u64;
+        Ok(points)
+    }
+}
+
+impl<P: Port> Device for Remote<P> {
+    fn description(&self) -> String {
+        let Identity {
+            version,
+            build,
+            board,
+            ..
+        } = &self.identity;
+        format!(
+            "{} (board {board}, firmware {version}, build {build})",
+            self.name
+        )
+    }
+
+    fn load(&mut self, camera: &CameraRecord) -> Result<(), DeviceError> {
+        self.exposure = None;
+        let loaded = self
+            .client
+            .load(camera)
+            .map_err(|error| self.failed(error, 0));
+        let twin = self.twin.load(camera);
+        let (loaded, ()) = self.same_outcome(loaded, twin)?;
+        let sent = digest::of_record(camera).ok_or(DeviceError::Link {
+            device: self.name.clone(),
+            error: LinkError::Unexpected {
+                request: "load calibration",
+            },
+        })?;
+        if loaded.crc != sent {
+            return Err(self.different(DifferentResult::Calibration {
+                camera: loaded.crc,
+                twin: sent,
+            }));
+        }
+        Ok(())
+    }
+
+    fn expose(&mut self, exposure: &Exposure) -> Result<FrameRecord, DeviceError> {
+        self.exposure = Some(*exposure);
+        let camera = self
+            .client
+            .expose(exposure)
+            .map_err(|error| self.failed(error, 0));
+        let twin = self.twin.expose(exposure);
+        let (camera, twin) = self.same_outcome(camera, twin)?;
+        if !same_bits(&camera, &twin) {
+            return Err(self.different(DifferentResult::Record { camera, twin }));
+        }
+        Ok(camera)
+    }
+
+    fn correct(&mut self, measured: &[SensorPoint]) -> Result<Vec<Corrected>, DeviceError> {
+        self.through_both(measured, Client::correct, InProcess::correct)
+    }
+
+    fn distort(&mut self, ideal: &[SensorPoint]) -> Result<Vec<Corrected>, DeviceError> {
+        self.through_both(ideal, Client::distort, InProcess::distort)
+    }
+
+    fn correct_grid(&mut self, grid: &Grid) -> Result<Vec<Corrected>, DeviceError> {
+        let camera = self
+            .client
+            .digest(grid)
+            .map_err(|error| self.failed(error, 0));
+        let twin = self.twin.digest(grid);
+        let (camera, twin) = self.same_outcome(camera, twin)?;
+        let points: Vec<SensorPoint> = grid.points().collect();
+        if camera != twin {
+            // Point by point, to find the one; with all the same it is the digest itself.
+            self.correct(&points)?;
+            return Err(self.different(DifferentResult::Digest { camera, twin }));
+        }
+        self.evidence.by_digest += points.len() as u64;
+        let sample: Vec<SensorPoint> = points.iter().step_by(SAMPLE_STEP).copied().collect();
+        self.correct(&sample)?;
+        self.twin.correct_grid(grid)
+    }
+
+    fn evidence(&self) -> Evidence {
+        self.evidence
+    }
+}
+
+/// Whether two results are the same bit for bit, NaN and the sign of zero included.
+fn same_bits<T: Serialize>(a: &T, b: &T) -> bool {
+    match (postcard::to_allocvec(a), postcard::to_allocvec(b)) {
+        (Ok(a), Ok(b)) => a == b,
+        _ => false,
+    }
+}
