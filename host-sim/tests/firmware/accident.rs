@@ -1,5 +1,7 @@
 //! What must not happen, provoked.
 
+use std::time::Duration;
+
 use super::machine::{MACHINES, Machine};
 
 #[test]
@@ -13,6 +15,17 @@ fn watchdog_resets_a_main_loop_that_stands_still() {
         machine.wait_for_log("starts after watchdog");
         assert_eq!(machine.ask(b"again\0"), b"again\0");
     }
+}
+
+#[test]
+#[ignore = "needs QEMU and the image: cargo xtask test"]
+fn firmware_goes_on_after_the_pc_has_slept() {
+    let mut machine = Machine::start(MACHINES[0]);
+    machine.wait_for_log("starts after power on");
+    machine.stop_for(Duration::from_millis(2500));
+    assert_eq!(machine.ask(b"reset\0"), b"reset\0");
+    let line = machine.wait_for_log("starts after");
+    assert!(line.ends_with("starts after request"), "{line}");
 }
 
 #[test]

@@ -125,6 +125,18 @@ impl Machine {
         }
     }
 
+    /// Stops QEMU for a while, as a PC does that sleeps.
+    pub(crate) fn stop_for(&mut self, time: Duration) {
+        for signal in ["-STOP", "-CONT"] {
+            let qemu = self.qemu.id().to_string();
+            let kill = Command::new("kill").args([signal, &qemu]).status();
+            assert!(kill.expect("kill").success());
+            if signal == "-STOP" {
+                thread::sleep(time);
+            }
+        }
+    }
+
     /// Waits for QEMU to end by itself.
     pub(crate) fn wait_for_end(&mut self) -> ExitStatus {
         let start = Instant::now();

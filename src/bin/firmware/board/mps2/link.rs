@@ -1,5 +1,7 @@
 //! The link: the first UART, received by interrupt into a ring.
 
+use core::sync::atomic::{AtomicBool, Ordering};
+
 use cortex_m::{asm, interrupt::InterruptNumber, peripheral::NVIC};
 
 use super::super::receive_ring::ReceiveRing;
@@ -9,6 +11,7 @@ use super::uart::LINK;
 const LOOKS_AT_THE_END: u32 = 100_000;
 
 static RECEIVED: ReceiveRing = ReceiveRing::new();
+static ASLEEP: AtomicBool = AtomicBool::new(false);
 
 /// The link's receive interrupt.
 #[derive(Clone, Copy)]
@@ -71,9 +74,16 @@ pub(super) fn send(bytes: &[u8]) -> usize {
 pub(super) fn wait() {
     cortex_m::interrupt::free(|_| {
         if RECEIVED.is_empty() && !LINK.holds_byte() {
+            ASLEEP.store(true, Ordering::Relaxed);
             asm::wfi();
+            ASLEEP.store(false, Ordering::Relaxed);
         }
     });
+}
+
+/// Whether the main loop sleeps, as seen from an exception that is not masked.
+pub(super) fn is_asleep() -> bool {
+    ASLEEP.load(Ordering::Relaxed)
 }
 
 /// Waits until the last byte has left, or a while.

@@ -27,8 +27,8 @@ struct State {
     stalled: Cell<bool>,
 }
 
-// SAFETY: used only between `acquire` and `release`, with interrupts masked. NMI and faults are not masked; their
-// handlers never return, so that what they interrupted does not go on with a state that they changed.
+// SAFETY: used only between `acquire` and `release`, with interrupts masked. NMI and faults are not masked; where
+// their handlers log they do not return, so that what they interrupted does not go on with a state that they changed.
 unsafe impl Sync for State {}
 
 static STATE: State = State {

@@ -48,7 +48,7 @@ pub(super) const LOG_UART: UartRegisters = UartRegisters::at(0x4000_5000);
 
 /// Watchdog: the value it counts down from.
 pub(super) const WATCHDOG_LOAD: Register = Register(0x4000_8000);
-/// Watchdog: bit 0 interrupt at the first expiry, bit 1 reset at the second.
+/// Watchdog: bit 0 interrupt (NMI) at the first expiry, bit 1 reset at the second.
 pub(super) const WATCHDOG_CONTROL: Register = Register(0x4000_8008);
 /// Watchdog: any value starts the count again.
 pub(super) const WATCHDOG_CLEAR: Register = Register(0x4000_800c);
