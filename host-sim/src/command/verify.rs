@@ -96,6 +96,7 @@ fn verify(
     Ok(Verification {
         device: device.description(),
         evidence: device.evidence(),
+        link: device.counters()?,
         difference,
         cameras: results,
     })

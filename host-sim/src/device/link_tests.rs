@@ -128,7 +128,7 @@ fn refusals_arrive_with_their_reason_and_place() {
     ));
     // A refusal is no end.
     remote.correct(&points(100)).unwrap();
-    assert_eq!(remote.counters().unwrap().wrong_crc, 0);
+    assert_eq!(remote.counters().unwrap().unwrap().wrong_crc, 0);
 }
 
 #[test]
@@ -280,7 +280,7 @@ fn reset_starts_the_camera_again() {
     remote.reset().unwrap();
     assert_eq!(remote.identity().start, Start::Requested);
     assert_eq!(remote.expose(&EXPOSURE), Err(DeviceError::NoFrame));
-    assert_eq!(remote.counters().unwrap().done, 1);
+    assert_eq!(remote.counters().unwrap().unwrap().done, 1);
 }
 
 #[test]
@@ -298,17 +298,17 @@ fn request_is_given_up_after_the_documented_tries_and_nothing_follows() {
     ));
     remote.reconnect().unwrap();
     port.set_faults([Fault::Lost; TRIES as usize - 1]);
-    remote.counters().unwrap();
+    remote.counters().unwrap().unwrap();
 }
 
 #[test]
 fn lost_answer_is_given_again_without_acting_twice() {
     let (mut remote, port) = exposed();
-    let before = remote.counters().unwrap();
+    let before = remote.counters().unwrap().unwrap();
     // Request through, answer lost; twice.
     port.set_faults([Fault::None, Fault::Lost, Fault::None, Fault::Lost]);
     remote.correct(&points(10)).unwrap();
-    let after = remote.counters().unwrap();
+    let after = remote.counters().unwrap().unwrap();
     assert_eq!(after.done - before.done, 2);
     assert_eq!(after.repeated - before.repeated, 2);
 }
@@ -317,7 +317,7 @@ fn lost_answer_is_given_again_without_acting_twice() {
 fn late_answers_of_an_earlier_session_are_ignored() {
     let (mut remote, port) = exposed();
     port.set_faults([Fault::None, Fault::Echoed(1)]);
-    remote.counters().unwrap();
+    remote.counters().unwrap().unwrap();
     port.set_faults([Fault::Lost, Fault::None]);
     remote.reconnect().unwrap();
     remote.load(&camera()).unwrap();
@@ -333,7 +333,7 @@ fn connect_after_a_host_that_died_in_the_middle_of_a_batch() {
     let mut next = Remote::connect("next", port.clone()).unwrap();
     next.load(&camera()).unwrap();
     next.expose(&EXPOSURE).unwrap();
-    assert_eq!(next.counters().unwrap().truncated, 1);
+    assert_eq!(next.counters().unwrap().unwrap().truncated, 1);
 }
 
 #[test]

@@ -24,7 +24,7 @@ use fmc_camera::flight::exposure::Exposure;
 use fmc_camera::flight::frame_record::FrameRecord;
 use fmc_camera::geometry::frame_correction::Corrected;
 use fmc_camera::geometry::sensor::SensorPoint;
-use fmc_camera::io::link::message::Grid;
+use fmc_camera::io::link::message::{Counters, Grid};
 
 pub use error::DeviceError;
 pub use name::{DeviceName, Machine};
@@ -74,6 +74,14 @@ pub trait Device {
 
     /// How the points answered so far are known to be the camera's.
     fn evidence(&self) -> Evidence;
+
+    /// What the camera's end of the link has seen since it started; nothing where there is no link.
+    ///
+    /// # Errors
+    /// [`DeviceError::Link`].
+    fn counters(&mut self) -> Result<Option<Counters>, DeviceError> {
+        Ok(None)
+    }
 }
 
 /// How points are known to be the camera's.

@@ -8,7 +8,7 @@ use fmc_camera::flight::exposure::Exposure;
 use fmc_camera::flight::frame_record::FrameRecord;
 use fmc_camera::geometry::frame_correction::Corrected;
 use fmc_camera::geometry::sensor::SensorPoint;
-use fmc_camera::io::link::message::Grid;
+use fmc_camera::io::link::message::{Counters, Grid};
 
 use super::image::Image;
 use super::link_error::LinkError;
@@ -155,6 +155,11 @@ impl Device for Qemu {
 
     fn evidence(&self) -> Evidence {
         self.remote.evidence()
+    }
+
+    fn counters(&mut self) -> Result<Option<Counters>, DeviceError> {
+        let answer = self.remote.counters();
+        answer.map_err(|error| self.watch.explain(error))
     }
 }
 

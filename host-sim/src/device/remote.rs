@@ -77,16 +77,6 @@ impl<P: Port> Remote<P> {
         self.client.row(row).map_err(|error| self.failed(error, 0))
     }
 
-    /// What the camera's end of the link has seen since it started.
-    ///
-    /// # Errors
-    /// [`DeviceError::Link`].
-    pub fn counters(&mut self) -> Result<Counters, DeviceError> {
-        self.client
-            .counters()
-            .map_err(|error| self.failed(error, 0))
-    }
-
     /// Starts the camera again and connects to it; calibration and frame are gone.
     ///
     /// # Errors
@@ -310,6 +300,11 @@ impl<P: Port> Device for Remote<P> {
 
     fn evidence(&self) -> Evidence {
         self.evidence
+    }
+
+    fn counters(&mut self) -> Result<Option<Counters>, DeviceError> {
+        let counters = self.client.counters();
+        counters.map(Some).map_err(|error| self.failed(error, 0))
     }
 }
 

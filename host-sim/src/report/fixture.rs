@@ -22,6 +22,7 @@ pub(super) fn of(cameras: Vec<CameraResult>) -> Verification {
             by_digest: 36,
             by_value: 5,
         },
+        link: None,
         difference: None,
         cameras,
     }

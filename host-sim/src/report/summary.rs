@@ -1,5 +1,6 @@
 //! The verification for machines: `summary.json`.
 
+use fmc_camera::io::link::message::Counters;
 use serde::Serialize;
 
 use crate::verify::result::{
@@ -18,6 +19,8 @@ pub struct Summary {
     pub points_by_digest: u64,
     /// Points that the camera itself answered.
     pub points_by_value: u64,
+    /// What the camera's end of the link has seen; null where there is no link.
+    pub link: Option<Counters>,
     /// Where the camera differs from its own code on this PC; null where it does not.
     pub difference: Option<String>,
     /// Whether every camera is within the limits.
@@ -117,6 +120,7 @@ impl Summary {
             points: verification.points(),
             points_by_digest: verification.evidence.by_digest,
             points_by_value: verification.evidence.by_value,
+            link: verification.link,
             difference: verification.difference.clone(),
             passed: verification.passed(),
             limits: Limits {

@@ -14,10 +14,17 @@ pub fn text(verification: &Verification) -> String {
     let mut lines = vec![
         format!("device: {}", verification.device),
         format!("points: {}", wording::evidence(&verification.evidence)),
+    ];
+    lines.extend(
+        verification
+            .link
+            .map(|link| format!("link: {}", wording::link(&link))),
+    );
+    lines.extend([
         table(&Comparison::of(verification)).trim_fmt(),
         "errors of dx and of dy (per axis) against the strict solver, over all points and exposures"
             .to_owned(),
-    ];
+    ]);
     lines.extend(verdict.worst.map(|worst| format!("worst case: {worst}")));
     lines.extend(verdict.failures);
     lines.push(format!("limits: {}", verdict::limits()));

@@ -1,5 +1,7 @@
 //! Numbers and names as the reports write them.
 
+use fmc_camera::io::link::message::Counters;
+
 use crate::device::Evidence;
 
 /// Digits in groups of three: `264,600`.
@@ -63,6 +65,20 @@ pub(super) fn decimals(number: f64, most: usize) -> String {
     } else {
         text
     }
+}
+
+/// What a camera's end of the link has seen.
+pub(super) fn link(counters: &Counters) -> String {
+    let lost = counters.truncated + counters.oversized + counters.wrong_crc;
+    format!(
+        "{} requests done, {} refused, {} repeated, {} frames and {} bytes lost; {} bytes of stack used",
+        count(counters.done.into()),
+        count(counters.refused.into()),
+        count(counters.repeated.into()),
+        count(lost.into()),
+        count(counters.overrun_bytes.into()),
+        count(counters.stack_used_bytes.into())
+    )
 }
 
 /// A run-up strategy in a sentence.

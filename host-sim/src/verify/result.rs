@@ -1,5 +1,6 @@
 //! What a verification found.
 
+use fmc_camera::io::link::message::Counters;
 use serde::Serialize;
 
 use crate::device::Evidence;
@@ -252,6 +253,8 @@ pub struct Verification {
     pub device: String,
     /// How its points are known to be its own.
     pub evidence: Evidence,
+    /// What its end of the link has seen.
+    pub link: Option<Counters>,
     /// Where it differs from its own code on this PC; the verification ended there.
     pub difference: Option<String>,
     /// Every camera.

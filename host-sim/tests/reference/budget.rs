@@ -23,6 +23,7 @@ fn camera_agrees_with_the_strict_solver_on_the_whole_grid() {
     let verification = Verification {
         device: "sil".to_owned(),
         evidence: Evidence::default(),
+        link: None,
         difference: None,
         cameras: published()
             .iter()
