@@ -4,16 +4,22 @@
 //! FMC_FIRMWARE=target/firmware/nucleo-h743zi FMC_HIL_PORT=/dev/ttyACM0 cargo test -p hil -- --ignored
 //! ```
 
-use std::{env, path::PathBuf, thread, time::Duration};
+use std::{
+    env,
+    path::{Path, PathBuf},
+    thread,
+    time::Duration,
+};
 
 use anyhow::{Context as _, Result, ensure};
+use fmc_camera::{Brown, CalibrationRecord, CameraRecord, Exposure, io::link::message::Grid};
+use host_sim::device::{Device as _, serial};
 use probe_rs::{
     CoreStatus, MemoryInterface as _, Session, SessionConfig,
     flashing::{ElfLoader, ElfOptions, download_file},
 };
 
 const CHIP: &str = "STM32H743ZITx";
-const BAUD: u32 = 921_600;
 
 /// Time to look on.
 const WATCHED: Duration = Duration::from_secs(2);
@@ -31,7 +37,7 @@ fn firmware() -> Result<PathBuf> {
 
 #[test]
 #[ignore = "needs a board; see the head of this file"]
-fn image_runs_without_restart_and_its_port_opens() -> Result<()> {
+fn image_runs_without_restart_and_computes_as_this_pc() -> Result<()> {
     let port = env::var("FMC_HIL_PORT").context("FMC_HIL_PORT names no serial port")?;
     let mut session = Session::auto_attach(CHIP, SessionConfig::default())?;
     download_file(&mut session, firmware()?, ElfLoader(ElfOptions::default()))?;
@@ -49,8 +55,27 @@ fn image_runs_without_restart_and_its_port_opens() -> Result<()> {
         running_us > WITHOUT_RESTART_US,
         "{WATCHED:?} after its reset the firmware counts {running_us} µs: it keeps restarting"
     );
-    serialport::new(&port, BAUD)
-        .open()
-        .with_context(|| format!("open {port}"))?;
+    computes_as_this_pc(Path::new(&port))
+}
+
+/// A frame, and a grid over the sensor: the camera's own answers, compared bit by bit with those of its code on this PC.
+fn computes_as_this_pc(port: &Path) -> Result<()> {
+    let mut camera = serial::connect(port)?;
+    let lens = CalibrationRecord {
+        distortion: Brown {
+            k1: -1.6056e-5,
+            k2: 6.189_66e-9,
+            ..Brown::default()
+        },
+        ..CalibrationRecord::new(51.3712, [14204, 10652], 3.76)
+    };
+    camera.load(&CameraRecord::new(lens))?;
+    camera.expose(&Exposure::new(0.17, 1.0 / 200.0))?;
+    let grid = Grid {
+        x_mm: heapless::Vec::from_array([-26.5, -13.0, 0.0, 13.0, 26.5]),
+        y_mm: heapless::Vec::from_array([-20.0, -10.0, 0.0, 10.0, 20.0]),
+    };
+    camera.correct_grid(&grid)?;
+    camera.distort(&grid.points().collect::<Vec<_>>())?;
     Ok(())
 }
