@@ -202,7 +202,9 @@ pub(crate) fn text<T: Serialize>(rows: &[T]) -> Result<String> {
 
 #[cfg(test)]
 mod tests {
-    use super::{Finding, Instructions, compare};
+    use std::path::Path;
+
+    use super::{Finding, Instructions, compare, read};
 
     fn row(kernel: &str, instructions: f64, compiler: &str) -> Instructions {
         Instructions {
@@ -212,6 +214,18 @@ mod tests {
             unit: "point".to_owned(),
             compiler: compiler.to_owned(),
         }
+    }
+
+    #[test]
+    fn readme_quotes_the_table() {
+        let root = Path::new(env!("CARGO_MANIFEST_DIR")).join("..");
+        let table: Vec<Instructions> = read(&root.join("docs/instructions.csv")).unwrap();
+        let is_quoted =
+            |row: &&Instructions| row.core == "cortex-m4f" && row.kernel == "correct_slice";
+        let row = table.iter().find(is_quoted).unwrap();
+        let readme = std::fs::read_to_string(root.join("README.md")).unwrap();
+        let quoted = format!("{:.0} instructions per point on a Cortex-M4F", row.count);
+        assert!(readme.contains(&quoted), "README: {quoted}");
     }
 
     #[test]
