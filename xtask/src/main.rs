@@ -2,7 +2,7 @@
 //!
 //! Each does its own set-up, so that a fresh machine needs no other command. [`route`] decides how the target is
 //! built, [`machine`] collects what that decision rests on, and [`target`] carries it out; [`firmware`] builds the images,
-//! [`bench`] counts what they cost, and [`checks`] is the list of steps behind `test`.
+//! [`mod@bench`] counts what they cost, and [`checks`] is the list of steps behind `test`.
 
 mod bench;
 mod board;
