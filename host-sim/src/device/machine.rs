@@ -157,6 +157,12 @@ impl Process {
         }
     }
 
+    /// The system's number of it.
+    #[must_use]
+    pub fn id(&self) -> u32 {
+        self.child.id()
+    }
+
     /// How it ended, if it has, or does within a moment.
     #[must_use]
     pub fn end(&mut self) -> Option<String> {

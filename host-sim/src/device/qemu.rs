@@ -1,5 +1,7 @@
 //! The firmware in QEMU.
 
+use std::io;
+use std::net::TcpStream;
 use std::path::PathBuf;
 use std::thread::JoinHandle;
 
@@ -41,6 +43,7 @@ pub struct Qemu {
 #[derive(Debug)]
 struct Watch {
     process: Process,
+    log_wire: TcpStream,
     log: LastLines,
     log_thread: Option<JoinHandle<()>>,
 }
@@ -59,14 +62,18 @@ impl Qemu {
         let image = Image::find(options.firmware.as_deref())?;
         let started =
             machine::start(&program, machine, &image.path).map_err(DeviceError::Machine)?;
+        let log_wire = started
+            .log
+            .try_clone()
+            .map_err(|error| connection(&error))?;
         let (log, log_thread) = log::follow(started.log, &image.elf, options.print_log);
         let mut watch = Watch {
             process: started.process,
+            log_wire,
             log,
             log_thread: Some(log_thread),
         };
-        let port = TcpPort::new(started.link)
-            .map_err(|error| DeviceError::Machine(format!("QEMU's connection fails: {error}")))?;
+        let port = TcpPort::new(started.link).map_err(|error| connection(&error))?;
         let name = format!("qemu:{machine}");
         let remote = Remote::connect(&name, port).map_err(|error| watch.explain(error))?;
         Ok(Self {
@@ -81,11 +88,21 @@ impl Qemu {
         &mut self.remote
     }
 
+    /// The far end of the log's UART; what is written there arrives at the firmware, where one built
+    /// with drills has accidents on request.
+    pub const fn log_wire(&mut self) -> &mut TcpStream {
+        &mut self.watch.log_wire
+    }
+
     /// The last lines of its log.
     #[must_use]
     pub fn log(&self) -> Vec<String> {
         self.watch.log.all()
     }
+}
+
+fn connection(error: &io::Error) -> DeviceError {
+    DeviceError::Machine(format!("QEMU's connection fails: {error}"))
 }
 
 impl Watch {
@@ -125,7 +142,11 @@ impl Watch {
 impl Device for Qemu {
     fn description(&self) -> String {
         let machine = self.machine;
-        format!("{}, {} in QEMU", self.remote.description(), machine.core())
+        format!(
+            "qemu:{machine} ({} in QEMU, {})",
+            machine.core(),
+            self.remote.firmware()
+        )
     }
 
     fn load(&mut self, camera: &CameraRecord) -> Result<(), DeviceError> {

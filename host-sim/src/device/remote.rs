@@ -60,6 +60,18 @@ impl<P: Port> Remote<P> {
         &self.identity
     }
 
+    /// Board, version and build of the firmware that answered.
+    #[must_use]
+    pub fn firmware(&self) -> String {
+        let Identity {
+            version,
+            build,
+            board,
+            ..
+        } = &self.identity;
+        format!("board {board}, firmware {version}, build {build}")
+    }
+
     /// The record of the current frame, asked for again.
     ///
     /// # Errors
@@ -222,16 +234,7 @@ impl<P: Port> Remote<P> {
 
 impl<P: Port> Device for Remote<P> {
     fn description(&self) -> String {
-        let Identity {
-            version,
-            build,
-            board,
-            ..
-        } = &self.identity;
-        format!(
-            "{} (board {board}, firmware {version}, build {build})",
-            self.name
-        )
+        format!("{} ({})", self.name, self.firmware())
     }
 
     fn load(&mut self, camera: &CameraRecord) -> Result<(), DeviceError> {

@@ -9,7 +9,16 @@ mod bad_points;
 #[cfg(test)]
 mod bad_request;
 #[cfg(test)]
+#[cfg(unix)]
+mod fake_camera;
+#[cfg(test)]
 mod output;
+#[cfg(test)]
+#[cfg(unix)]
+mod qemu;
+#[cfg(test)]
+#[cfg(unix)]
+mod serial;
 #[cfg(test)]
 mod support;
 #[cfg(test)]

@@ -2,9 +2,9 @@
 
 use std::fs;
 use std::path::{Path, PathBuf};
-use std::process::Output;
+use std::process::{Command, Output};
 
-use assert_cmd::cargo::cargo_bin_cmd;
+use assert_cmd::cargo::cargo_bin;
 use tempfile::TempDir;
 
 /// A camera with every table of the camera file.
@@ -80,12 +80,17 @@ impl Bench {
 
     /// Runs host-sim in the folder.
     pub(crate) fn run(&self, arguments: &[&str]) -> Answer {
-        let output = cargo_bin_cmd!("host-sim")
+        Answer::new(&self.command(arguments).output().unwrap())
+    }
+
+    /// host-sim in the folder, whatever image the caller's environment names.
+    pub(crate) fn command(&self, arguments: &[&str]) -> Command {
+        let mut command = Command::new(cargo_bin!("host-sim"));
+        command
             .current_dir(&self.folder)
-            .args(arguments)
-            .output()
-            .unwrap();
-        Answer::new(&output)
+            .env_remove("FMC_FIRMWARE")
+            .args(arguments);
+        command
     }
 
     /// `command` on the camera and the points, with more arguments.

@@ -2,10 +2,10 @@
 //! `FMC_FIRMWARE_WITH_DRILLS`.
 
 #[cfg(test)]
-mod accident;
+mod camera;
 #[cfg(test)]
-mod link;
+mod crash;
 #[cfg(test)]
-mod machine;
+mod program;
 #[cfg(test)]
-mod start;
+mod wire;

@@ -1,0 +1,95 @@
+//! Cameras at the other end of a wire, in order and not.
+
+use std::io::{ErrorKind, Read, Write};
+
+use fmc_camera::io::link::frame::{Frame, FrameReceiver};
+use fmc_camera::io::link::message::{Answer, Identity, Start};
+use fmc_camera::io::link::station::{Event, Station};
+
+/// A camera, in order until told otherwise.
+pub(crate) struct FakeCamera {
+    station: Station,
+    /// Changes an answer before it is sent.
+    pub(crate) change: fn(&mut Answer),
+    /// Called with the number of answers given so far; `false` ends the service.
+    pub(crate) goes_on: Box<dyn FnMut(usize) -> bool + Send>,
+}
+
+impl FakeCamera {
+    /// A camera in order.
+    pub(crate) fn new() -> Self {
+        let identity = Identity::new("of the test", "fake", true, Start::PowerOn);
+        Self {
+            station: Station::new(identity, || 0),
+            change: |_| {},
+            goes_on: Box::new(|_| true),
+        }
+    }
+
+    /// Answers until the wire ends, the camera is switched off, or it should not go on.
+    pub(crate) fn serve(&mut self, wire: &mut (impl Read + Write)) {
+        let mut answers = 0;
+        let mut buffer = [0; 4096];
+        while (self.goes_on)(answers) {
+            let count = match wire.read(&mut buffer) {
+                Ok(0) => return,
+                Ok(count) => count,
+                Err(error) if error.kind() == ErrorKind::TimedOut => continue,
+                Err(_) => return,
+            };
+            for byte in &buffer[..count] {
+                let event = self.station.receive(*byte);
+                let frame = self.station.to_send().to_vec();
+                if frame.is_empty() {
+                    continue;
+                }
+                self.station.sent(frame.len());
+                if wire.write_all(&self.changed(&frame)).is_err() {
+                    return;
+                }
+                answers += 1;
+                if event == Some(Event::PowerOff) {
+                    return;
+                }
+            }
+        }
+    }
+
+    fn changed(&self, frame: &[u8]) -> Vec<u8> {
+        let mut receiver = FrameReceiver::new();
+        for byte in frame {
+            if let Some(payload) = receiver.receive(*byte) {
+                let (header, answer) = Answer::read(payload.unwrap()).unwrap();
+                let mut answer = answer.unwrap();
+                (self.change)(&mut answer);
+                let mut frame = Frame::EMPTY;
+                answer.write(header, &mut frame).unwrap();
+                return frame.bytes().to_vec();
+            }
+        }
+        panic!("the camera sent no frame");
+    }
+}
+
+/// A frame with any payload, by hand: COBS of payload and CRC-32, and a zero.
+pub(crate) fn frame_of(payload: &[u8]) -> Vec<u8> {
+    let crc = payload.iter().fold(u32::MAX, |crc, byte| {
+        (0..8).fold(crc ^ u32::from(*byte), |crc, _| {
+            let shifted = crc >> 1;
+            if crc & 1 == 1 {
+                shifted ^ 0xedb8_8320
+            } else {
+                shifted
+            }
+        })
+    });
+    let mut checked = payload.to_vec();
+    checked.extend((!crc).to_le_bytes());
+    let mut frame = Vec::new();
+    for run in checked.split(|byte| *byte == 0) {
+        frame.push(u8::try_from(run.len() + 1).unwrap());
+        frame.extend(run);
+    }
+    frame.push(0);
+    frame
+}

@@ -1,0 +1,374 @@
+//! QEMU missing, broken, and dying: a shell script in its place, with a camera of the test behind
+//! its first UART.
+
+use std::fs;
+use std::net::TcpStream;
+use std::os::unix::fs::PermissionsExt;
+use std::os::unix::process::CommandExt;
+use std::path::{Path, PathBuf};
+use std::process::{Command, Stdio};
+use std::thread;
+use std::time::{Duration, Instant};
+
+use fmc_camera::SensorPoint;
+use fmc_camera::flight::camera::FrameError;
+use fmc_camera::geometry::calibration::{CalibrationError, Polynomial};
+use fmc_camera::io::link::message::{Answer, Refusal};
+
+use crate::fake_camera::{FakeCamera, frame_of};
+use crate::support::{Answer as Output, Bench};
+
+const PATIENCE: Duration = Duration::from_secs(20);
+
+/// Writes its arguments and its process number, and ends with status 7 when it is told to.
+const SCRIPT: &str = r#"#!/bin/sh
+cd "$(dirname "$0")"
+echo "$$ $*" > started.new
+mv started.new started
+while [ ! -e die ]; do sleep 0.02; done
+echo "fake: triple fault" >&2
+exit 7
+"#;
+
+/// A folder with `qemu-system-arm` in it, to be the search path.
+struct FakeQemu {
+    bench: Bench,
+}
+
+impl FakeQemu {
+    fn new(script: &str) -> Self {
+        let qemu = Self {
+            bench: Bench::new(),
+        };
+        fs::create_dir(qemu.bench.path("bin")).unwrap();
+        let program = qemu.path("qemu-system-arm");
+        fs::write(&program, script).unwrap();
+        fs::set_permissions(&program, fs::Permissions::from_mode(0o755)).unwrap();
+        // The header of an ELF file for ARM is all that is looked at.
+        let mut image = b"\x7fELF\x01\x01".to_vec();
+        image.resize(52, 0);
+        image[18] = 40;
+        fs::write(qemu.bench.path("firmware.elf"), image).unwrap();
+        qemu
+    }
+
+    fn path(&self, name: &str) -> PathBuf {
+        self.bench.path("bin").join(name)
+    }
+
+    fn command(&self, arguments: &[&str]) -> Command {
+        let mut command = self.bench.command(arguments);
+        let system = std::env::var("PATH").unwrap();
+        command
+            .env("PATH", format!("{}:{system}", self.path("").display()))
+            .env("FMC_FIRMWARE", "firmware.elf");
+        command
+    }
+
+    fn run(&self, arguments: &[&str]) -> Output {
+        Output::new(&self.command(arguments).output().unwrap())
+    }
+
+    /// Serves the link of the next start, then tells the script to end.
+    fn serve(&self, mut camera: FakeCamera) {
+        self.serve_with(move |mut link| camera.serve(&mut link));
+    }
+
+    fn serve_with(&self, serve: impl FnOnce(TcpStream) + Send + 'static) {
+        let (started, die) = (self.path("started"), self.path("die"));
+        thread::spawn(move || {
+            let arguments = wait_for(&started);
+            let [link, _log] = ["link", "log"].map(|name| connect(&arguments, name));
+            serve(link.try_clone().unwrap());
+            fs::write(die, "").unwrap();
+            // The link stays open until the process is gone, as a real one does.
+            thread::sleep(Duration::from_millis(200));
+        });
+    }
+}
+
+/// The script's process number and arguments, once it has started.
+fn wait_for(started: &Path) -> String {
+    let start = Instant::now();
+    loop {
+        if let Ok(arguments) = fs::read_to_string(started) {
+            return arguments;
+        }
+        assert!(start.elapsed() < PATIENCE, "QEMU was not started");
+        thread::sleep(Duration::from_millis(5));
+    }
+}
+
+/// The script's end of a UART.
+fn connect(arguments: &str, name: &str) -> TcpStream {
+    let port = arguments
+        .split_once(&format!("id={name},host=127.0.0.1,port="))
+        .and_then(|(_, rest)| rest.split_once(','))
+        .unwrap()
+        .0;
+    TcpStream::connect(("127.0.0.1", port.parse().unwrap())).unwrap()
+}
+
+const CORRECT: [&str; 10] = [
+    "correct",
+    "--camera",
+    "camera.toml",
+    "--vh",
+    "0.1",
+    "--exposure",
+    "1/200",
+    "--device",
+    "qemu",
+    "points.csv",
+];
+
+const VERIFY: [&str; 5] = ["verify", "--camera", "camera.toml", "--device", "qemu"];
+
+#[test]
+fn qemu_that_is_missing_is_an_error_where_it_was_asked_for_and_a_note_where_not() {
+    let bench = Bench::new();
+    let run = |arguments: &[&str]| {
+        let mut command = bench.command(arguments);
+        Output::new(&command.env("PATH", bench.folder()).output().unwrap())
+    };
+    for arguments in [&CORRECT[..], &VERIFY] {
+        run(arguments).failed(
+            3,
+            &["qemu-system-arm is not on the search path", "--device sil"],
+        );
+    }
+    let answer = run(&["verify", "--camera", "camera.toml"]).ok();
+    let first = answer.stdout.lines().next().unwrap();
+    assert!(
+        first.starts_with("device: sil") && first.contains("qemu-system-arm is not on"),
+        "{first}"
+    );
+    // An image that is named is meant to run.
+    run(&["verify", "--firmware", "firmware.elf"]).failed(3, &["qemu-system-arm"]);
+}
+
+#[test]
+fn image_that_is_missing_or_none_is_bad_input() {
+    let qemu = FakeQemu::new(SCRIPT);
+    for (image, why) in [
+        ("nowhere.elf", "cannot be read"),
+        ("camera.toml", "no ELF file for 32-bit ARM"),
+        ("bin", "cannot be read"),
+    ] {
+        let arguments = [&VERIFY[..], &["--firmware", image]].concat();
+        qemu.run(&arguments).refused(&[image, why]);
+        let mut command = qemu.command(&["verify"]);
+        Output::new(&command.env("FMC_FIRMWARE", image).output().unwrap()).refused(&[image, why]);
+    }
+    assert!(!qemu.path("started").exists());
+}
+
+#[test]
+fn options_for_qemu_are_refused_elsewhere() {
+    let bench = Bench::new();
+    bench
+        .points("correct", &["--log"])
+        .refused(&["--log", "--device qemu"]);
+    bench
+        .run(&["verify", "--device", "sil", "--firmware", "x"])
+        .refused(&["--firmware", "--device qemu"]);
+}
+
+#[test]
+fn qemu_that_ends_at_once_is_reported_with_status_and_what_it_said() {
+    let qemu = FakeQemu::new("#!/bin/sh\necho 'could not load kernel' >&2\nexit 5\n");
+    for arguments in [&CORRECT[..], &VERIFY, &["verify"]] {
+        qemu.run(arguments).failed(
+            3,
+            &["ended at once", "exit status: 5", "could not load kernel"],
+        );
+    }
+}
+
+#[test]
+fn qemu_that_ends_half_way_is_reported_with_status_and_what_it_said() {
+    for answers_given in [0, 1, 3, 20] {
+        let qemu = FakeQemu::new(SCRIPT);
+        let mut camera = FakeCamera::new();
+        camera.goes_on = Box::new(move |answers| answers < answers_given);
+        qemu.serve_with(move |mut link| {
+            camera.serve(&mut link);
+            let _ = link.shutdown(std::net::Shutdown::Both);
+        });
+        qemu.run(&VERIFY).failed(
+            3,
+            &["ended half way", "exit status: 7", "fake: triple fault"],
+        );
+    }
+}
+
+#[test]
+fn camera_in_qemu_is_started_as_documented_asked_and_switched_off() {
+    let qemu = FakeQemu::new(SCRIPT);
+    qemu.serve(FakeCamera::new());
+    let arguments = CORRECT.map(|word| if word == "qemu" { "qemu:an500" } else { word });
+    let there = qemu.run(&arguments).ok();
+    let here = qemu.bench.points("correct", &[]).ok();
+    assert_eq!(there.stdout, here.stdout);
+    let arguments = wait_for(&qemu.path("started"));
+    for part in [
+        "-M mps2-an500",
+        "-icount shift=0",
+        "-display none",
+        "-kernel firmware.elf",
+    ] {
+        assert!(arguments.contains(part), "{arguments}");
+    }
+    assert!(ends(&arguments), "QEMU runs on");
+}
+
+#[test]
+fn camera_that_stops_answering_is_reported_and_ended() {
+    let qemu = FakeQemu::new(SCRIPT);
+    let mut camera = FakeCamera::new();
+    let start = Instant::now();
+    camera.goes_on = Box::new(move |answers| {
+        if answers == 3 {
+            thread::sleep(PATIENCE);
+        }
+        true
+    });
+    qemu.serve(camera);
+    qemu.run(&VERIFY).failed(3, &["no answer to", "5 tries"]);
+    assert!(start.elapsed() < PATIENCE);
+    assert!(ends(&wait_for(&qemu.path("started"))), "QEMU runs on");
+}
+
+#[test]
+fn image_of_another_protocol_is_named_with_both_versions() {
+    let qemu = FakeQemu::new(SCRIPT);
+    qemu.serve_with(|mut link| {
+        use std::io::{Read, Write};
+        link.read_exact(&mut [0; 8]).unwrap();
+        link.write_all(&frame_of(&[2, 0, 0, 9])).unwrap();
+        let _ = link.read_to_end(&mut Vec::new());
+    });
+    qemu.run(&VERIFY).failed(
+        3,
+        &[
+            "version 2 of the protocol, this program version 1",
+            "cargo xtask firmware",
+        ],
+    );
+}
+
+#[test]
+fn camera_that_computes_otherwise_fails_the_verification_and_the_report_says_where() {
+    let qemu = FakeQemu::new(SCRIPT);
+    let mut camera = FakeCamera::new();
+    camera.change = |answer| {
+        if let Answer::Points(points) = answer
+            && let Some(point) = points.get_mut(7)
+        {
+            point.point.x_mm = point.point.x_mm.next_up();
+        }
+    };
+    qemu.serve(camera);
+    let answer = qemu.run(&[&VERIFY[..], &["--out", "report"]].concat());
+    assert_eq!(answer.code, 1, "{}", answer.stderr);
+    for part in ["FAIL", "Test camera: ", "point 7 at x", "V/H 0.05 1/s"] {
+        assert!(answer.stdout.contains(part), "{part}: {}", answer.stdout);
+    }
+    let summary: serde_json::Value =
+        serde_json::from_slice(&fs::read(qemu.bench.path("report/summary.json")).unwrap()).unwrap();
+    assert_eq!(summary["passed"], false);
+    assert!(summary["difference"].as_str().unwrap().contains("point 7"));
+    let page = fs::read_to_string(qemu.bench.path("report/report.html")).unwrap();
+    assert!(page.contains("verdict failed") && page.contains("point 7 at x"));
+}
+
+#[test]
+fn camera_that_refuses_what_this_pc_accepts_is_not_believed() {
+    let load: fn(&mut Answer) = |answer| {
+        if matches!(answer, Answer::Loaded(_)) {
+            *answer = Answer::Refused(Refusal::Calibration(CalibrationError::Folds {
+                polynomial: Polynomial::Static,
+                scale: 0.0,
+                at: SensorPoint::new(1.0, 2.0),
+            }));
+        }
+    };
+    let expose: fn(&mut Answer) = |answer| {
+        if matches!(answer, Answer::Frame(_)) {
+            *answer = Answer::Refused(Refusal::Exposure(FrameError::NotFitted));
+        }
+    };
+    for (change, arguments, code) in [(load, &VERIFY[..], 1), (expose, &CORRECT, 3)] {
+        let qemu = FakeQemu::new(SCRIPT);
+        let mut camera = FakeCamera::new();
+        camera.change = change;
+        qemu.serve(camera);
+        let answer = qemu.run(arguments);
+        assert_eq!(answer.code, code, "{}{}", answer.stdout, answer.stderr);
+        let text = answer.stdout + &answer.stderr;
+        assert!(
+            text.contains("the camera refuses") && text.contains("this PC accepts"),
+            "{text}"
+        );
+    }
+}
+
+#[test]
+fn qemu_ends_with_a_host_that_is_killed_or_interrupted() {
+    for signal in ["KILL", "INT"] {
+        if signal == "KILL" && !Path::new("/usr/bin/setpriv").is_file() {
+            continue;
+        }
+        let qemu = FakeQemu::new(SCRIPT);
+        let (link_up, link_is_up) = std::sync::mpsc::channel();
+        qemu.serve_with(move |link| {
+            link_up.send(()).unwrap();
+            let mut buffer = Vec::new();
+            let _ = std::io::Read::read_to_end(&mut &link, &mut buffer);
+        });
+        let mut host = qemu
+            .command(&VERIFY)
+            .process_group(0)
+            .stdout(Stdio::null())
+            .stderr(Stdio::null())
+            .spawn()
+            .unwrap();
+        link_is_up.recv_timeout(PATIENCE).unwrap();
+        let arguments = wait_for(&qemu.path("started"));
+        // A terminal interrupts the whole group; a kill is for the one process.
+        let target = match signal {
+            "INT" => format!("-{}", host.id()),
+            _ => host.id().to_string(),
+        };
+        let kill = Command::new("kill")
+            .args(["-s", signal, "--", &target])
+            .status();
+        assert!(kill.unwrap().success());
+        assert!(!host.wait().unwrap().success());
+        assert!(ends(&arguments), "{signal}: QEMU runs on");
+    }
+}
+
+/// Whether the script's process ends within a while.
+fn ends(started: &str) -> bool {
+    let process = started.split(' ').next().unwrap();
+    let start = Instant::now();
+    while runs(process) {
+        if start.elapsed() > Duration::from_secs(5) {
+            return false;
+        }
+        thread::sleep(Duration::from_millis(10));
+    }
+    true
+}
+
+/// Whether a process runs; one that nobody has waited for yet does not.
+fn runs(process: &str) -> bool {
+    let Ok(stat) = fs::read_to_string(format!("/proc/{process}/stat")) else {
+        // Gone, or a system without /proc.
+        let kill = Command::new("kill").args(["-s", "0", process]).output();
+        return kill.unwrap().status.success();
+    };
+    let (_, state) = stat.rsplit_once(')').unwrap();
+    !state.trim_start().starts_with('Z')
+}

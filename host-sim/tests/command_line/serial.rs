@@ -1,0 +1,255 @@
+//! A camera on a serial port: a pseudo-terminal with a camera, or with something else, at its end.
+
+use std::fs::{File, OpenOptions};
+use std::io::{Read, Write};
+use std::os::unix::fs::{OpenOptionsExt, symlink};
+use std::process::Stdio;
+use std::sync::atomic::{AtomicUsize, Ordering};
+use std::sync::{Arc, mpsc};
+use std::thread;
+use std::time::{Duration, Instant};
+
+use rustix::fs::OFlags;
+use rustix::pty::{OpenptFlags, grantpt, openpt, ptsname, unlockpt};
+
+use crate::fake_camera::{FakeCamera, frame_of};
+use crate::support::Bench;
+
+/// A pseudo-terminal whose far end is served by a thread.
+struct Port {
+    name: String,
+    /// Keeps the terminal between two programs, as a real port stays.
+    _near: File,
+}
+
+impl Port {
+    fn with(serve: impl FnOnce(File) + Send + 'static) -> Self {
+        // Programs that the tests start must not hold the far end open.
+        let far = openpt(OpenptFlags::RDWR | OpenptFlags::NOCTTY | OpenptFlags::CLOEXEC).unwrap();
+        grantpt(&far).unwrap();
+        unlockpt(&far).unwrap();
+        let name = ptsname(&far, Vec::new()).unwrap().into_string().unwrap();
+        let near = OpenOptions::new()
+            .read(true)
+            .write(true)
+            .custom_flags(OFlags::NOCTTY.bits().cast_signed())
+            .open(&name)
+            .unwrap();
+        thread::spawn(move || serve(File::from(far)));
+        Self { name, _near: near }
+    }
+
+    fn with_camera(mut camera: FakeCamera) -> Self {
+        Self::with(move |mut far| camera.serve(&mut far))
+    }
+
+    fn device(&self) -> String {
+        format!("serial:{}", self.name)
+    }
+
+    fn correct(&self, bench: &Bench) -> crate::support::Answer {
+        bench.points("correct", &["--device", &self.device()])
+    }
+}
+
+#[test]
+fn camera_on_a_serial_port_answers_as_the_one_in_process() {
+    let bench = Bench::new();
+    let port = Port::with_camera(FakeCamera::new());
+    for command in ["correct", "distort", "frame"] {
+        let here = bench.points(command, &[]).ok();
+        let there = bench.points(command, &["--device", &port.device()]).ok();
+        assert_eq!(here.stdout, there.stdout);
+    }
+    let answer = bench
+        .run(&[
+            "verify",
+            "--device",
+            &port.device(),
+            "--camera",
+            "camera.toml",
+        ])
+        .ok();
+    let mut lines = answer.stdout.lines();
+    let first = lines.next().unwrap();
+    for part in [&port.device(), "board fake", "build of the test"] {
+        assert!(first.contains(part), "{first}");
+    }
+    let second = lines.next().unwrap();
+    assert!(
+        second.contains("52,920 shown by digest") && second.contains("6,720"),
+        "{second}"
+    );
+}
+
+#[test]
+fn what_is_no_serial_port_is_named() {
+    let bench = Bench::new();
+    for (path, why) in [
+        ("nowhere", "there is no such port"),
+        ("camera.toml", "is not a serial port"),
+        (".", "is not a serial port"),
+        ("/dev/null", "is not a serial port"),
+    ] {
+        bench
+            .points("correct", &["--device", &format!("serial:{path}")])
+            .failed(3, &[&format!("{path}: {why}")]);
+    }
+    bench
+        .points("correct", &["--device", "serial:"])
+        .refused(&["serial:PATH"]);
+}
+
+#[test]
+fn port_in_use_is_refused() {
+    let bench = Bench::new();
+    let port = Port::with_camera(FakeCamera::new());
+    let name = &port.name;
+    let first = serialport::new(name, 115_200).open().unwrap();
+    port.correct(&bench)
+        .failed(3, &[name, "in use by another program"]);
+    // By another name it is the same port.
+    symlink(name, bench.path("camera-port")).unwrap();
+    bench
+        .points("correct", &["--device", "serial:camera-port"])
+        .failed(3, &["camera-port", "in use"]);
+    drop(first);
+    port.correct(&bench).ok();
+}
+
+#[test]
+fn port_that_closes_half_way_is_named() {
+    let bench = Bench::new();
+    for answers_given in [1, 2, 3] {
+        let mut camera = FakeCamera::new();
+        camera.goes_on = Box::new(move |answers| answers < answers_given);
+        // The far end closes when the service ends.
+        let port = Port::with_camera(camera);
+        let device = port.device();
+        port.correct(&bench).failed(3, &[&device, "closed"]);
+    }
+}
+
+#[test]
+fn silence_is_no_camera() {
+    let bench = Bench::new();
+    let (hold, held) = mpsc::channel::<()>();
+    let port = Port::with(move |far| {
+        let _ = held.recv();
+        drop(far);
+    });
+    let start = Instant::now();
+    port.correct(&bench).failed(
+        3,
+        &[
+            "does not answer as a camera",
+            "nothing arrived",
+            "Are RX and TX crossed",
+        ],
+    );
+    assert!(start.elapsed() < Duration::from_secs(8));
+    drop(hold);
+}
+
+#[test]
+fn echo_is_no_camera() {
+    let port = Port::with(|mut far| {
+        let mut buffer = [0; 100];
+        loop {
+            if let Ok(count) = far.read(&mut buffer) {
+                far.write_all(&buffer[..count]).unwrap();
+            }
+        }
+    });
+    port.correct(&Bench::new())
+        .failed(3, &["does not answer as a camera", "an echo"]);
+}
+
+#[test]
+fn flood_of_garbage_is_no_camera() {
+    let port = Port::with(|mut far| {
+        let mut byte = 1_u32;
+        loop {
+            let garbage: Vec<u8> = std::iter::repeat_with(|| {
+                byte = byte.wrapping_mul(1_664_525).wrapping_add(1_013_904_223);
+                byte.to_be_bytes()[0]
+            })
+            .take(500)
+            .collect();
+            // A full terminal waits until somebody reads.
+            let _ = far.write_all(&garbage);
+        }
+    });
+    let start = Instant::now();
+    port.correct(&Bench::new()).failed(
+        3,
+        &["does not answer as a camera", "no whole message among them"],
+    );
+    assert!(start.elapsed() < Duration::from_secs(8));
+}
+
+#[test]
+fn camera_of_another_protocol_is_named_with_both_versions() {
+    let port = Port::with(|mut far| {
+        let mut byte = [0];
+        loop {
+            if far.read(&mut byte).is_ok_and(|count| count == 1) && byte == [0] {
+                let _ = far.write_all(&frame_of(&[7, 1, 2, 3]));
+            }
+        }
+    });
+    port.correct(&Bench::new()).failed(
+        3,
+        &[
+            "version 7 of the protocol, this program version 1",
+            "cargo xtask firmware",
+        ],
+    );
+}
+
+#[test]
+fn host_killed_in_the_middle_of_a_batch_leaves_a_camera_that_the_next_can_use() {
+    let rows: String = (0..20_000).map(|_| "p,1,2\n").collect();
+    let bench = Bench::with(
+        crate::support::CAMERA,
+        format!("id,x_mm,y_mm\n{rows}").as_bytes(),
+    );
+    let given = Arc::new(AtomicUsize::new(0));
+    let mut camera = FakeCamera::new();
+    let count = Arc::clone(&given);
+    camera.goes_on = Box::new(move |answers| {
+        count.store(answers, Ordering::SeqCst);
+        true
+    });
+    let port = Port::with_camera(camera);
+    let mut host = bench
+        .command(&[
+            "correct",
+            "--camera",
+            "camera.toml",
+            "--vh",
+            "0.1",
+            "--exposure",
+            "1/200",
+            "--device",
+            &port.device(),
+            "points.csv",
+        ])
+        .stdout(Stdio::null())
+        .spawn()
+        .unwrap();
+    let start = Instant::now();
+    while given.load(Ordering::SeqCst) < 10 {
+        assert!(start.elapsed() < Duration::from_secs(20));
+        thread::sleep(Duration::from_millis(1));
+    }
+    host.kill().unwrap();
+    host.wait().unwrap();
+    assert!(
+        given.load(Ordering::SeqCst) < 300,
+        "it was not in the middle"
+    );
+    std::fs::write(bench.path("points.csv"), crate::support::POINTS).unwrap();
+    let there = port.correct(&bench).ok();
+    assert_eq!(there.stdout, bench.points("correct", &[]).ok().stdout);
+}

@@ -1,0 +1,110 @@
+//! The camera in QEMU, asked as a device.
+
+use fmc_camera::geometry::mesh::MeshRow;
+use fmc_camera::io::link::message::{Grid, Start};
+use fmc_camera::{CalibrationRecord, CameraRecord, Exposure, SensorPoint};
+use host_sim::device::qemu::{Qemu, QemuOptions};
+use host_sim::device::{Device, DeviceError, InProcess, Machine};
+
+const MACHINES: [Machine; 2] = [Machine::An386, Machine::An500];
+const EXPOSURE: Exposure = Exposure::new(0.1, 0.005);
+
+fn camera() -> CameraRecord {
+    let mut lens = CalibrationRecord::new(100.0, [8000, 6000], 10.0);
+    lens.distortion.k1 = -1e-6;
+    lens.distortion.p1 = 1e-6;
+    lens.distortion.b2 = 1e-5;
+    CameraRecord::new(lens)
+}
+
+fn exposed(machine: Machine) -> Qemu {
+    let mut qemu = Qemu::start(machine, &QemuOptions::default()).unwrap();
+    qemu.load(&camera()).unwrap();
+    qemu.expose(&EXPOSURE).unwrap();
+    qemu
+}
+
+#[test]
+#[ignore = "needs QEMU and the image: cargo xtask test"]
+fn points_rows_grid_and_record_have_the_bits_computed_on_this_pc() {
+    let mut twin = InProcess::default();
+    twin.load(&camera()).unwrap();
+    let record = twin.expose(&EXPOSURE).unwrap();
+    let points: Vec<SensorPoint> = (0..200_u8)
+        .map(|index| SensorPoint::new(0.2 * f32::from(index) - 20.0, -0.1 * f32::from(index)))
+        .collect();
+    let side = |half: f32| (0..21_u8).map(move |index| half * (f32::from(index) / 10.0 - 1.0));
+    let grid = Grid {
+        x_mm: side(40.0).collect(),
+        y_mm: side(30.0).collect(),
+    };
+    let row = MeshRow {
+        first: SensorPoint::new(-40.0, 10.0),
+        step_mm: 1.25,
+        count: 64,
+    };
+    let on_row = twin.correct(&row.points().collect::<Vec<_>>()).unwrap();
+    for machine in MACHINES {
+        let mut qemu = exposed(machine);
+        assert_eq!(qemu.correct(&points), twin.correct(&points));
+        assert_eq!(qemu.distort(&points), twin.distort(&points));
+        assert_eq!(qemu.correct_grid(&grid), twin.correct_grid(&grid));
+        assert_eq!(qemu.remote().record(), Ok(record));
+        let answered = qemu.remote().row(row).unwrap();
+        assert!(
+            answered
+                .iter()
+                .eq(on_row.iter().map(|point| &point.distortion))
+        );
+    }
+}
+
+#[test]
+#[ignore = "needs QEMU and the image: cargo xtask test"]
+fn camera_says_who_it_is_and_starts_again_when_asked() {
+    for machine in MACHINES {
+        let mut qemu = exposed(machine);
+        let identity = qemu.remote().identity().clone();
+        assert_eq!(identity.board, "mps2");
+        assert_eq!(identity.start, Start::PowerOn);
+        assert!(identity.power_switch);
+        qemu.remote().reset().unwrap();
+        assert_eq!(qemu.remote().identity().start, Start::Requested);
+        assert_eq!(qemu.remote().identity().calibration, None);
+        assert_eq!(qemu.expose(&EXPOSURE), Err(DeviceError::NoFrame));
+        qemu.load(&camera()).unwrap();
+        qemu.expose(&EXPOSURE).unwrap();
+    }
+}
+
+#[test]
+#[ignore = "needs QEMU and the image: cargo xtask test"]
+fn refusals_have_their_reasons_and_nothing_is_lost_on_the_way() {
+    for machine in MACHINES {
+        let mut qemu = exposed(machine);
+        let mut bad = camera();
+        bad.calibration.principal_distance_mm = -1.0;
+        assert!(matches!(qemu.load(&bad), Err(DeviceError::Calibration(_))));
+        let fast = Exposure::new(1.0, 0.005);
+        assert!(matches!(qemu.expose(&fast), Err(DeviceError::Frame(_))));
+        qemu.expose(&EXPOSURE).unwrap();
+        let far = SensorPoint::new(60.0, 0.0);
+        assert_eq!(
+            qemu.correct(&[far]),
+            Err(DeviceError::OffSensor { index: 0 })
+        );
+        assert!(matches!(
+            qemu.distort(&[far]),
+            Err(DeviceError::Distort { index: 0, .. })
+        ));
+        let counters = qemu.remote().counters().unwrap().unwrap();
+        assert_eq!(counters.refused, 4);
+        assert_eq!(counters.repeated, 0);
+        assert_eq!(
+            counters.truncated + counters.wrong_crc + counters.oversized,
+            0
+        );
+        assert_eq!(counters.overrun_bytes, 0);
+        assert!((1..1 << 22).contains(&counters.stack_used_bytes));
+    }
+}

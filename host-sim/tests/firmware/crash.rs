@@ -1,0 +1,69 @@
+//! What the PC says when the firmware crashes.
+
+use std::env;
+use std::io::Write as _;
+use std::thread;
+use std::time::{Duration, Instant};
+
+use fmc_camera::io::link::message::Start;
+use fmc_camera::{CalibrationRecord, CameraRecord, Exposure, SensorPoint};
+use host_sim::device::qemu::{Qemu, QemuOptions};
+use host_sim::device::{Device, DeviceError, Machine};
+
+/// A camera that has been exposed, with accidents on request.
+fn with_drills(machine: Machine) -> Qemu {
+    let options = QemuOptions {
+        firmware: Some(env::var_os("FMC_FIRMWARE_WITH_DRILLS").unwrap().into()),
+        print_log: false,
+    };
+    let mut qemu = Qemu::start(machine, &options).unwrap();
+    let lens = CalibrationRecord::new(100.0, [8000, 6000], 10.0);
+    qemu.load(&CameraRecord::new(lens)).unwrap();
+    qemu.expose(&Exposure::new(0.1, 0.005)).unwrap();
+    qemu
+}
+
+/// Asks for points until that fails.
+fn error_of(qemu: &mut Qemu) -> DeviceError {
+    let start = Instant::now();
+    loop {
+        if let Err(error) = qemu.correct(&[SensorPoint::new(1.0, 2.0)]) {
+            return error;
+        }
+        assert!(start.elapsed() < Duration::from_secs(30));
+        thread::sleep(Duration::from_millis(5));
+    }
+}
+
+#[test]
+#[ignore = "needs QEMU and the image: cargo xtask test"]
+fn hard_fault_is_reported_with_the_end_of_qemu_and_of_the_log() {
+    for machine in [Machine::An386, Machine::An500] {
+        let mut qemu = with_drills(machine);
+        qemu.log_wire().write_all(b"f").unwrap();
+        let error = error_of(&mut qemu).to_string();
+        for part in [
+            "QEMU ended half way: exit status: 1",
+            "the end of the firmware's log",
+            "starts after power on",
+            "hard fault at 0x",
+        ] {
+            assert!(error.contains(part), "{part}: {error}");
+        }
+    }
+}
+
+#[test]
+#[ignore = "needs QEMU and the image: cargo xtask test"]
+fn restart_by_the_watchdog_is_reported_with_the_log_and_the_camera_can_be_used_again() {
+    for machine in [Machine::An386, Machine::An500] {
+        let mut qemu = with_drills(machine);
+        qemu.log_wire().write_all(b"h").unwrap();
+        let error = error_of(&mut qemu).to_string();
+        for part in ["the camera has restarted", "starts after watchdog"] {
+            assert!(error.contains(part), "{part}: {error}");
+        }
+        qemu.remote().reconnect().unwrap();
+        assert_eq!(qemu.remote().identity().start, Start::Watchdog);
+    }
+}

@@ -1,0 +1,132 @@
+//! The firmware's wires below the client: what is on them, and how QEMU ends.
+
+use std::io::{Read as _, Write as _};
+use std::path::PathBuf;
+use std::process::Command;
+use std::thread;
+use std::time::Duration;
+use std::{env, fs};
+
+use fmc_camera::io::link::message::Start;
+use host_sim::device::client::Client;
+use host_sim::device::machine::{self, Started};
+use host_sim::device::port::TcpPort;
+use host_sim::device::{Machine, log};
+
+const MACHINES: [Machine; 2] = [Machine::An386, Machine::An500];
+
+fn image() -> PathBuf {
+    env::var_os("FMC_FIRMWARE").unwrap().into()
+}
+
+fn start(machine: Machine) -> Started {
+    machine::start(&machine::find().unwrap(), machine, &image()).unwrap()
+}
+
+/// Bytes without end and without pattern, the same every time.
+fn garbage(count: usize) -> Vec<u8> {
+    let mut random = fastrand::Rng::with_seed(1);
+    std::iter::repeat_with(|| random.u8(..))
+        .take(count)
+        .collect()
+}
+
+#[test]
+#[ignore = "needs QEMU and the image: cargo xtask test"]
+fn camera_answers_after_100_kb_of_garbage_and_has_counted_it() {
+    for machine in MACHINES {
+        let Started {
+            process: _process,
+            mut link,
+            log: _log,
+        } = start(machine);
+        link.write_all(&garbage(100_000)).unwrap();
+        let mut client = Client::new(TcpPort::new(link).unwrap());
+        // QEMU takes some 40 kB/s: the first tries wait behind the garbage.
+        client.connect().unwrap();
+        let counters = client.counters().unwrap();
+        let lost = counters.truncated + counters.oversized + counters.wrong_crc;
+        assert!(lost > 200, "{counters:?}");
+        // Besides the connection nothing was done, or taken for a request.
+        assert_eq!(counters.done, 1);
+        assert_eq!(counters.unknown + counters.other_protocol, 0);
+    }
+}
+
+#[test]
+#[ignore = "needs QEMU and the image: cargo xtask test"]
+fn power_off_ends_qemu_with_success_after_the_answer() {
+    for machine in MACHINES {
+        let Started {
+            mut process,
+            link,
+            log: _log,
+        } = start(machine);
+        let mut client = Client::new(TcpPort::new(link).unwrap());
+        client.connect().unwrap();
+        client.power_off().unwrap();
+        let end = process.end().unwrap();
+        assert!(end.contains("exit status: 0"), "{end}");
+    }
+}
+
+#[test]
+#[ignore = "needs QEMU and the image: cargo xtask test"]
+fn image_as_it_flies_has_no_accidents_on_request() {
+    for accident in [b'h', b'f'] {
+        let Started {
+            process: _process,
+            link,
+            mut log,
+        } = start(MACHINES[0]);
+        let mut client = Client::new(TcpPort::new(link).unwrap());
+        client.connect().unwrap();
+        log.write_all(&[accident]).unwrap();
+        // Longer than the watchdog waits.
+        thread::sleep(Duration::from_millis(1500));
+        assert_eq!(client.counters().unwrap().done, 1);
+    }
+}
+
+#[test]
+#[ignore = "needs QEMU and the image: cargo xtask test"]
+fn firmware_goes_on_after_the_pc_has_slept() {
+    let Started {
+        process,
+        link,
+        log: _log,
+    } = start(MACHINES[0]);
+    let mut client = Client::new(TcpPort::new(link).unwrap());
+    client.connect().unwrap();
+    let qemu = process.id().to_string();
+    for signal in ["-STOP", "-CONT"] {
+        let kill = Command::new("kill").args([signal, &qemu]).status();
+        assert!(kill.unwrap().success());
+        thread::sleep(Duration::from_millis(2500));
+    }
+    assert_eq!(client.counters().unwrap().done, 1);
+    assert_eq!(client.connect().unwrap().start, Start::PowerOn);
+}
+
+#[test]
+#[ignore = "needs QEMU and the image: cargo xtask test"]
+fn log_names_board_build_and_cause_of_the_start() {
+    for machine in MACHINES {
+        let Started {
+            process: _process,
+            link,
+            mut log,
+        } = start(machine);
+        let mut client = Client::new(TcpPort::new(link).unwrap());
+        let identity = client.connect().unwrap();
+        client.power_off().unwrap();
+        let mut bytes = Vec::new();
+        log.read_to_end(&mut bytes).unwrap();
+        let elf = fs::read(image()).unwrap();
+        let (lines, thread) = log::follow(std::io::Cursor::new(bytes), &elf, false);
+        thread.join().unwrap();
+        let line = lines.all().first().unwrap().clone();
+        let named = format!("mps2 {} starts after power on", identity.build);
+        assert!(line.contains(&named), "{line}");
+    }
+}
