@@ -27,19 +27,26 @@ fn ok(folder: &Path, line: &str) -> String {
 #[ignore = "needs QEMU and the image: cargo xtask test"]
 fn verification_in_qemu_passes_on_every_published_camera() {
     let folder = TempDir::new().unwrap();
-    let text = ok(folder.path(), "verify --out report");
-    let first = text.lines().next().unwrap();
-    assert!(
-        first.starts_with("device: qemu:an386 (Cortex-M4F in QEMU, board mps2, firmware "),
-        "{first}"
-    );
-    let summary = fs::read(folder.path().join("report/summary.json")).unwrap();
-    let summary: serde_json::Value = serde_json::from_slice(&summary).unwrap();
-    assert_eq!(summary["passed"], true);
-    assert_eq!(summary["points"], 264_600);
-    assert_eq!(summary["points_by_digest"], 264_600);
-    assert_eq!(summary["points_by_value"], 33_600);
-    assert_eq!(summary["difference"], serde_json::Value::Null);
+    for (line, device) in [
+        ("verify", "qemu:an386 (Cortex-M4F in QEMU"),
+        (
+            "verify --device qemu:an500",
+            "qemu:an500 (Cortex-M7 in QEMU",
+        ),
+    ] {
+        let text = ok(folder.path(), &format!("{line} --out report"));
+        let first = text.lines().next().unwrap();
+        let expected = format!("device: {device}, board mps2, firmware ");
+        assert!(first.starts_with(&expected), "{first}");
+        let summary = fs::read(folder.path().join("report/summary.json")).unwrap();
+        let summary: serde_json::Value = serde_json::from_slice(&summary).unwrap();
+        assert_eq!(summary["passed"], true);
+        assert_eq!(summary["points"], 264_600);
+        assert_eq!(summary["points_by_digest"], 264_600);
+        assert_eq!(summary["points_by_value"], 33_600);
+        assert_eq!(summary["difference"], serde_json::Value::Null);
+        assert_eq!(summary["link"]["wrong_crc"], 0);
+    }
 }
 
 #[test]
