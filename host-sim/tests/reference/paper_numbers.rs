@@ -41,9 +41,10 @@ fn minus([ax, ay]: [f64; 2], [bx, by]: [f64; 2]) -> [f64; 2] {
 
 #[test]
 fn printed_terms_triple_the_error_of_the_static_correction() {
-    for (relative, static_um, printed_um, literal_um) in
-        [(0.0003, 0.057, 0.171, 17.0), (0.012, 2.29, 6.85, 691.0)]
-    {
+    for (relative, static_um, printed_um, literal_um) in [
+        (0.0003, 0.0571, 0.1712, 17.1),
+        (0.012, 2.2853, 6.8469, 684.3),
+    ] {
         let camera = lens(relative);
         let solver = StrictSolver::new(&camera, &request(), Weight::Exposure);
         let printed = FittedModel::printed(&camera, solver.path().travel_mm);
@@ -53,13 +54,13 @@ fn printed_terms_triple_the_error_of_the_static_correction() {
         let literal = most_um(&camera, |p| {
             minus(solver.total(p, Reading::Literal).distortion_mm, strict(p))
         });
-        assert!((without / static_um - 1.0).abs() < 0.02, "{without}");
+        assert!((without / static_um - 1.0).abs() < 0.002, "{without}");
         assert!(
-            (with_printed / printed_um - 1.0).abs() < 0.02,
+            (with_printed / printed_um - 1.0).abs() < 0.002,
             "{with_printed}"
         );
-        // Counted twice: the whole distortion at the corner.
-        assert!((literal / literal_um - 1.0).abs() < 0.03, "{literal}");
+        // Counted twice: the whole distortion at the corner (docs/errata.md, Y4).
+        assert!((literal / literal_um - 1.0).abs() < 0.002, "{literal}");
     }
 }
 
