@@ -45,22 +45,39 @@ pub(crate) fn wire(bytes: &[u8]) {
     assert_eq!(read, (header, Some(Request::Record)), "resynchronised");
 }
 
-/// The payload of a frame without its final zero, if it is whole, fits and has the right CRC.
-fn payload_of(frame: &[u8]) -> Option<Vec<u8>> {
-    let mut checked = Vec::new();
-    let mut rest = frame;
+/// The payload of what is between two zeros, if it is whole, fits and has the right CRC.
+pub(crate) fn payload_of(frame: &[u8]) -> Option<Vec<u8>> {
+    let (checked, crc) = frame.split_last_chunk::<5>()?;
+    let (length, encoded) = checked.split_first_chunk::<2>()?;
+    if *length != wire_from_length(encoded.len()) || *crc != wire_from_crc(checked) {
+        return None;
+    }
+    let mut payload = Vec::new();
+    let mut rest = encoded;
     while let Some((length, block)) = rest.split_first() {
         let length = usize::from(*length) - 1;
-        checked.extend(block.get(..length)?);
+        payload.extend(block.get(..length)?);
         rest = &block[length..];
         if length < 254 && !rest.is_empty() {
-            checked.push(0);
+            payload.push(0);
         }
     }
-    let (payload, crc) = checked.split_last_chunk::<4>()?;
-    let right = crc::Crc::<u32>::new(&crc::CRC_32_ISO_HDLC).checksum(payload);
-    let fits = (1..=LONGEST_PAYLOAD).contains(&payload.len());
-    (fits && u32::from_le_bytes(*crc) == right).then(|| payload.to_vec())
+    (!encoded.is_empty() && payload.len() <= LONGEST_PAYLOAD).then_some(payload)
+}
+
+/// A length: seven bits to a byte, and a bit that keeps it from being zero.
+pub(crate) fn wire_from_length(length: usize) -> [u8; 2] {
+    [length % 128, length / 128].map(|bits| u8::try_from(bits + 128).unwrap_or(0))
+}
+
+/// The CRC of length and encoded bytes, in the same way.
+pub(crate) fn wire_from_crc(checked: &[u8]) -> [u8; 5] {
+    let mut rest = crc::Crc::<u32>::new(&crc::CRC_32_ISO_HDLC).checksum(checked);
+    [(); 5].map(|()| {
+        let [low, ..] = (rest % 128).to_le_bytes();
+        rest /= 128;
+        low + 128
+    })
 }
 
 /// Any requests to a camera: it answers each with one whole answer or none, counts what it does not
@@ -93,16 +110,12 @@ pub(crate) fn station(bytes: &[u8]) {
                 let mut payload = vec![1, 5];
                 payload.extend(leb128(sequence));
                 payload.extend(piece);
-                let mut wire = vec![0];
-                wire.extend(cobs_frame(&payload));
-                send(&mut station, &wire);
+                send(&mut station, &frame_of(&payload));
                 sequence = sequence.wrapping_add(1);
             }
             // As a payload.
             _ => {
-                let mut wire = vec![0];
-                wire.extend(cobs_frame(piece));
-                send(&mut station, &wire);
+                send(&mut station, &frame_of(piece));
             }
         }
     }
@@ -146,11 +159,13 @@ fn send(station: &mut Station, bytes: &[u8]) -> Vec<Option<Answer>> {
         let answer = station.to_send().to_vec();
         station.sent(answer.len());
         assert!(station.to_send().is_empty());
-        if let Some((last, frame)) = answer.split_last() {
-            assert!(*last == 0 && answer.len() <= LONGEST_FRAME);
+        if let [0, frame @ .., 0] = &answer[..] {
+            assert!(answer.len() <= LONGEST_FRAME);
             let (_, answer) = Answer::read(&payload_of(frame).unwrap()).unwrap();
             assert!(answer.is_some());
             answers.push(answer);
+        } else {
+            assert!(answer.is_empty());
         }
     }
     answers
@@ -177,13 +192,10 @@ fn leb128(number: u16) -> Vec<u8> {
     }
 }
 
-/// COBS from its definition, around a payload and its CRC.
-fn cobs_frame(payload: &[u8]) -> Vec<u8> {
-    let crc = crc::Crc::<u32>::new(&crc::CRC_32_ISO_HDLC).checksum(payload);
-    let mut checked = payload.to_vec();
-    checked.extend(crc.to_le_bytes());
+/// A frame around any payload, from the definition of COBS.
+pub(crate) fn frame_of(payload: &[u8]) -> Vec<u8> {
     let mut wire = Vec::new();
-    for block in checked.split(|byte| *byte == 0) {
+    for block in payload.split(|byte| *byte == 0) {
         // A full block stands for no zero, so another one follows it.
         let mut rest = block;
         while let Some((full, more)) = rest.split_at_checked(254) {
@@ -194,6 +206,11 @@ fn cobs_frame(payload: &[u8]) -> Vec<u8> {
         wire.extend(u8::try_from(rest.len() + 1));
         wire.extend(rest);
     }
-    wire.push(0);
-    wire
+    between_zeros(&wire)
+}
+
+/// A frame around any bytes, whether COBS made them or not.
+pub(crate) fn between_zeros(encoded: &[u8]) -> Vec<u8> {
+    let checked = [&wire_from_length(encoded.len()), encoded].concat();
+    [&[0], &checked[..], &wire_from_crc(&checked), &[0]].concat()
 }

@@ -33,7 +33,9 @@ fn answers_are_those_of_the_library_bit_by_bit() {
         pc.ask(&Request::Expose(EXPOSURE)),
         Answer::Frame(frame.record)
     );
+    assert_eq!(pc.event, Some(Event::Exposed));
     assert_eq!(pc.ask(&Request::Record), Answer::Frame(frame.record));
+    assert_eq!(pc.event, Some(Event::Answered));
 
     let measured = points();
     let ideal = measured
@@ -51,18 +53,20 @@ fn answers_are_those_of_the_library_bit_by_bit() {
         .collect();
     assert_eq!(pc.ask(&Request::Distort(measured)), Answer::Points(again));
 
-    let row = MeshRow {
-        first: SensorPoint::new(-26.0, 7.5),
-        step_mm: 0.8125,
-        count: 64,
-    };
-    let Answer::Row(along) = pc.ask(&Request::Row(row)) else {
-        panic!("no row");
-    };
-    assert_eq!(along.len(), 64);
-    for (index, displacement) in (0_u16..).zip(along) {
-        let point = SensorPoint::new(-26.0 + f32::from(index) * 0.8125, 7.5);
-        assert_eq!(displacement, frame.correction.distortion(point));
+    for count in [0, 1, 64] {
+        let row = MeshRow {
+            first: SensorPoint::new(-26.0, 7.5),
+            step_mm: 0.8125,
+            count,
+        };
+        let Answer::Row(along) = pc.ask(&Request::Row(row)) else {
+            panic!("no row");
+        };
+        assert_eq!(along.len(), usize::from(count));
+        for (index, displacement) in (0_u16..).zip(along) {
+            let point = SensorPoint::new(-26.0 + f32::from(index) * 0.8125, 7.5);
+            assert_eq!(displacement, frame.correction.distortion(point));
+        }
     }
 }
 
@@ -108,7 +112,7 @@ fn connecting_tells_who_answers_and_which_calibration_it_holds() {
     assert_eq!(identity.version, env!("CARGO_PKG_VERSION"));
     assert_eq!(identity.build, "test build");
     assert_eq!(identity.board, "test board");
-    assert_eq!(identity.start, Start::PowerOn);
+    assert_eq!(identity.start, Start::Watchdog);
     assert_eq!(identity.max_points, 64);
     assert_eq!(identity.calibration, None);
     assert_eq!(pc.event, Some(Event::Connected(SESSION)));
@@ -121,6 +125,7 @@ fn connecting_tells_who_answers_and_which_calibration_it_holds() {
         pc.ask(&Request::Load(camera_record())),
         Answer::Loaded(calibration)
     );
+    assert_eq!(pc.event, Some(Event::Loaded(calibration)));
     let other = Header {
         session: 7,
         sequence: 99,
@@ -150,23 +155,6 @@ fn digest_of_a_calibration_tells_every_field_of_it() {
     for (index, digest) in digests.iter().enumerate() {
         assert!(!digests[..index].contains(digest), "{index}");
     }
-}
-
-#[test]
-fn request_that_comes_again_is_answered_again_and_not_acted_on_again() {
-    let mut pc = Pc::loaded();
-    let header = Header {
-        session: SESSION,
-        sequence: pc.next,
-    };
-    let first = pc.ask_as(header, &Request::Expose(EXPOSURE));
-    let done = pc.station.counters().done;
-    // The same number with other contents: the answer from memory.
-    let again = pc.ask_as(header, &Request::Expose(Exposure::new(0.05, 0.01)));
-    assert_eq!(again, first);
-    assert_eq!(pc.event, Some(Event::Repeated));
-    let counters = pc.station.counters();
-    assert_eq!((counters.done, counters.repeated), (done, 1));
 }
 
 #[test]

@@ -14,5 +14,7 @@ mod fuzzed;
 mod messages;
 mod pc;
 mod refusals;
+mod repeats;
 #[path = "../../fuzz/targets.rs"]
 mod targets;
+mod wrong_bits;

@@ -94,28 +94,13 @@ fn bytes_on_the_wire_are_those_of_the_description() {
         sequence: 3,
     };
     let request = frame(header, &Request::Connect);
-    // Version; session 0x0102 as LEB128; sequence; number of the request; its CRC-32.
-    let payload = [1, 0x82, 0x02, 3, 0];
-    let crc = crc::Crc::<u32>::new(&crc::CRC_32_ISO_HDLC).checksum(&payload);
-    let mut checked = payload.to_vec();
-    checked.extend(crc.to_le_bytes());
-    let mut wire = cobs::encode_vec_by_hand(&checked);
-    wire.push(0);
-    assert_eq!(request.bytes(), wire);
+    // Version 1; session 0x0102, seven bits a byte; number 3; request 0. The zero at the end is COBS's second block.
+    let encoded = [5, 1, 0x82, 2, 3, 1];
+    let checked = [&[0x86, 0x80], &encoded[..]].concat();
+    let crc = crc::Crc::<u32>::new(&crc::CRC_32_ISO_HDLC).checksum(&checked);
+    let crc = [0, 7, 14, 21, 28].map(|shift| ((crc >> shift) & 127 | 128).to_le_bytes()[0]);
+    assert_eq!(request.bytes(), [&[0], &checked[..], &crc, &[0]].concat());
     assert_eq!(PROTOCOL_VERSION, 1);
-}
-
-/// COBS of a short text, from its definition: a block per zero, each led by its length.
-mod cobs {
-    pub(super) fn encode_vec_by_hand(bytes: &[u8]) -> Vec<u8> {
-        bytes
-            .split(|byte| *byte == 0)
-            .flat_map(|block| {
-                let length = u8::try_from(block.len() + 1).unwrap();
-                std::iter::once(length).chain(block.iter().copied())
-            })
-            .collect()
-    }
 }
 
 #[test]
@@ -135,4 +120,11 @@ fn what_follows_the_header_is_one_message_to_the_last_byte() {
     let mut other = whole;
     other[3] = 200; // no request has this number
     assert_eq!(Request::read(&other), Ok((header, None)));
+}
+
+#[test]
+fn names_that_are_too_long_are_left_empty() {
+    let long = "x".repeat(41);
+    let identity = Identity::new(&long, &long, true, Start::PowerOn);
+    assert_eq!((identity.build.as_str(), identity.board.as_str()), ("", ""));
 }

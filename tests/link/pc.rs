@@ -22,7 +22,7 @@ pub(crate) struct Pc {
 impl Pc {
     /// Without a session.
     pub(crate) fn unconnected() -> Self {
-        let identity = Identity::new("test build", "test board", true, Start::PowerOn);
+        let identity = Identity::new("test build", "test board", true, Start::Watchdog);
         Self {
             station: Station::new(identity, || STACK_USED),
             next: 0,

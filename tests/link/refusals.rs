@@ -173,27 +173,6 @@ fn request_out_of_order_is_refused_with_the_number_expected() {
 }
 
 #[test]
-fn answer_that_is_no_longer_kept_is_not_given_for_another() {
-    let mut pc = Pc::connected();
-    let last = Header {
-        session: SESSION,
-        sequence: pc.next,
-    };
-    pc.ask_as(last, &Request::Counters);
-    let other = Header {
-        session: 1,
-        sequence: 1,
-    };
-    pc.ask_as(other, &Request::Counters);
-    assert_eq!(
-        pc.ask_as(last, &Request::Counters),
-        Answer::Refused(Refusal::OutOfOrder {
-            expected: last.sequence + 1
-        })
-    );
-}
-
-#[test]
 fn session_of_another_host_ends_the_first() {
     let mut pc = Pc::loaded();
     let other = Header {

@@ -9,7 +9,7 @@ use fmc_camera::flight::frame_record::FrameRecord;
 use fmc_camera::geometry::evaluation_form::Displacement;
 use fmc_camera::geometry::frame_correction::Corrected;
 use fmc_camera::geometry::mesh::MeshRow;
-use fmc_camera::io::link::frame::{DELIMITER, Frame, FrameReceiver};
+use fmc_camera::io::link::frame::{Frame, FrameReceiver};
 use fmc_camera::io::link::message::{
     Answer, CalibrationIdentity, Counters, Grid, Header, Identity, Points, Refusal, Request,
     Unreadable,
@@ -47,6 +47,8 @@ pub struct Client<P> {
     receiver: FrameReceiver,
     last: Header,
     frame: Frame,
+    /// How often the last request was sent again.
+    repeats: u32,
     given_up: Option<LinkError>,
 }
 
@@ -62,6 +64,7 @@ impl<P: Port> Client<P> {
                 sequence: 0,
             },
             frame: Frame::EMPTY,
+            repeats: 0,
             given_up: None,
         }
     }
@@ -73,7 +76,7 @@ impl<P: Port> Client<P> {
     pub fn connect(&mut self) -> Result<Identity, LinkError> {
         self.given_up = None;
         self.last = Header {
-            session: fastrand::u32(..),
+            session: fastrand::u32(1..),
             // The first request has the number after this one: 0.
             sequence: u16::MAX,
         };
@@ -180,7 +183,8 @@ impl<P: Port> Client<P> {
         }
     }
 
-    /// Starts the camera again; the session ends.
+    /// Starts the camera again; the session ends. Where the answer was lost, [`Identity::start`] tells at
+    /// the next connection whether it was done.
     ///
     /// # Errors
     /// [`LinkError`], as every request.
@@ -197,12 +201,15 @@ impl<P: Port> Client<P> {
     }
 
     fn ending(&mut self, request: &Request) -> Result<(), LinkError> {
-        match self.ask(request)? {
-            Answer::Ending => {
+        match self.ask(request) {
+            Ok(Answer::Ending) => {
                 self.given_up = Some(LinkError::SessionEnded);
                 Ok(())
             }
-            _ => Err(self.unexpected(request)),
+            // The answer was lost, and the repeat met a camera that had done it already.
+            Err(LinkError::SessionEnded | LinkError::Closed) if self.repeats > 0 => Ok(()),
+            Ok(_) => Err(self.unexpected(request)),
+            Err(error) => Err(error),
         }
     }
 
@@ -237,9 +244,10 @@ impl<P: Port> Client<P> {
         let header = self.last;
         request.write(header, &mut self.frame).ok_or(unexpected)?;
         let mut heard = Heard::default();
-        for _ in 0..TRIES {
+        for repeats in 0..TRIES {
+            self.repeats = repeats;
             let deadline = Instant::now() + ANSWER_WITHIN;
-            match self.send() {
+            match self.port.send(self.frame.bytes()) {
                 Err(error) if error.kind() == ErrorKind::TimedOut => continue,
                 sent => sent?,
             }
@@ -248,6 +256,10 @@ impl<P: Port> Client<P> {
                 Listened::Answer(Answer::Refused(Refusal::OtherSession)) => {
                     Err(LinkError::SessionEnded)
                 }
+                // It was not refused for what it asks: whether it was done is not known.
+                Listened::Answer(Answer::Refused(
+                    Refusal::OutOfOrder { .. } | Refusal::Unknown,
+                )) => Err(unexpected),
                 Listened::Answer(Answer::Refused(refusal)) => Err(LinkError::Refused {
                     request: name(request),
                     refusal,
@@ -261,13 +273,6 @@ impl<P: Port> Client<P> {
             tries: TRIES,
             heard,
         })
-    }
-
-    /// Sends the frame; a zero before it ends whatever was left half-sent.
-    fn send(&mut self) -> std::io::Result<()> {
-        let mut bytes = vec![DELIMITER];
-        bytes.extend_from_slice(self.frame.bytes());
-        self.port.send(&bytes)
     }
 
     /// The answer with this header.

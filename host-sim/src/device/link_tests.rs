@@ -417,3 +417,19 @@ fn longest_messages_fit_a_frame() {
     };
     remote.correct_grid(&long).unwrap();
 }
+
+#[test]
+fn reset_whose_answer_is_lost_is_still_a_reset() {
+    let (mut remote, port) = exposed();
+    port.set_faults([Fault::None, Fault::Lost]);
+    remote.reset().unwrap();
+}
+
+#[test]
+fn request_out_of_order_ends_the_conversation() {
+    let (mut remote, port) = exposed();
+    port.tamper(|answer| *answer = Answer::Refused(Refusal::OutOfOrder { expected: 9 }));
+    let first = link_error(remote.record());
+    port.tamper(|_| {});
+    assert_eq!(link_error(remote.record()), first);
+}

@@ -9,7 +9,7 @@ use fmc_camera::geometry::mesh::MeshRow;
 use fmc_camera::geometry::sensor::SensorPoint;
 use fmc_camera::io::link::MAX_POINTS;
 use fmc_camera::io::link::digest;
-use fmc_camera::io::link::message::{Counters, Grid, Identity, Points, Refusal};
+use fmc_camera::io::link::message::{Counters, Grid, Identity, Points, Refusal, Start};
 use serde::Serialize;
 
 use super::client::Client;
@@ -95,7 +95,13 @@ impl<P: Port> Remote<P> {
     /// [`DeviceError::Link`] where it does not come back.
     pub fn reset(&mut self) -> Result<(), DeviceError> {
         self.client.reset().map_err(|error| self.failed(error, 0))?;
-        self.reconnect()
+        self.reconnect()?;
+        if self.identity.start == Start::Requested {
+            Ok(())
+        } else {
+            // Another host has the session, and the camera runs on.
+            Err(self.failed(LinkError::SessionEnded, 0))
+        }
     }
 
     /// Opens another session; the calibration stays if the camera has not restarted, but no frame.

@@ -1,5 +1,6 @@
 //! Digests by which camera and PC show each other that they have the same bits.
 
+use super::LONGEST_PAYLOAD;
 use super::frame::CRC;
 use super::message::Grid;
 use crate::flight::camera::CameraRecord;
@@ -25,6 +26,12 @@ pub fn of_grid(correction: &FrameCorrection, grid: &Grid) -> u32 {
 /// record's type allows.
 #[must_use]
 pub fn of_record(record: &CameraRecord) -> Option<u32> {
+    const {
+        assert!(
+            LONGEST_RECORD <= LONGEST_PAYLOAD,
+            "a calibration fits a message"
+        );
+    }
     let mut buffer = [0; LONGEST_RECORD];
     let bytes = postcard::to_slice(record, &mut buffer).ok()?;
     Some(CRC.checksum(bytes))

@@ -4,7 +4,7 @@ use cobs::{DecodeResult, DecoderState};
 use crc::{CRC_32_ISO_HDLC, Crc, Table};
 use heapless::Vec;
 
-use super::{LONGEST_CHECKED, LONGEST_FRAME, LONGEST_PAYLOAD};
+use super::{CRC_BYTES, LENGTH_BYTES, LONGEST_CHECKED, LONGEST_FRAME, LONGEST_PAYLOAD};
 
 /// CRC-32 (ISO-HDLC): of frames, calibrations and grids.
 pub(super) const CRC: Crc<u32, Table<1>> = Crc::<u32, Table<1>>::new(&CRC_32_ISO_HDLC);
@@ -12,7 +12,7 @@ pub(super) const CRC: Crc<u32, Table<1>> = Crc::<u32, Table<1>>::new(&CRC_32_ISO
 /// What ends a frame.
 pub const DELIMITER: u8 = 0;
 
-/// A frame as it goes over the wire, with its final zero.
+/// A frame as it goes over the wire, with a zero at either end.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Frame {
     bytes: [u8; LONGEST_FRAME],
@@ -31,15 +31,20 @@ impl Frame {
     /// says none or more than fit.
     pub(super) fn fill(&mut self, write: impl FnOnce(&mut [u8]) -> Option<usize>) -> Option<()> {
         self.length = 0;
-        let mut checked = [0; LONGEST_CHECKED];
-        let payload = write(checked.get_mut(..LONGEST_PAYLOAD)?)?;
-        let crc = CRC.checksum(checked.get(..payload)?);
-        checked
-            .get_mut(payload..payload + 4)?
-            .copy_from_slice(&crc.to_le_bytes());
-        let encoded = cobs::try_encode(checked.get(..payload + 4)?, &mut self.bytes).ok()?;
-        *self.bytes.get_mut(encoded)? = DELIMITER;
-        self.length = encoded + 1;
+        let mut payload = [0; LONGEST_PAYLOAD];
+        let length = write(&mut payload)?;
+        let (first, rest) = self.bytes.split_first_mut()?;
+        *first = DELIMITER;
+        let encoded = cobs::try_encode(payload.get(..length)?, rest.get_mut(LENGTH_BYTES..)?);
+        let encoded = encoded.ok()?;
+        let (length, _) = rest.split_first_chunk_mut::<LENGTH_BYTES>()?;
+        *length = wire_from_number(u32::try_from(encoded).ok()?);
+        let checked = LENGTH_BYTES + encoded;
+        let crc: [u8; CRC_BYTES] = wire_from_number(CRC.checksum(rest.get(..checked)?));
+        let end = checked + CRC_BYTES;
+        rest.get_mut(checked..end)?.copy_from_slice(&crc);
+        *rest.get_mut(end)? = DELIMITER;
+        self.length = 1 + end + 1;
         Some(())
     }
 
@@ -50,10 +55,20 @@ impl Frame {
     }
 }
 
+/// A number in bytes that are never zero: seven bits in each, the lowest first.
+fn wire_from_number<const N: usize>(number: u32) -> [u8; N] {
+    let mut rest = number;
+    [(); N].map(|()| {
+        let [low, ..] = rest.to_le_bytes();
+        rest >>= 7;
+        low | 0x80
+    })
+}
+
 /// Why a frame was discarded.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Damage {
-    /// It ended too early: no payload, or not even a CRC.
+    /// It is not as long as it says, or ends in the middle of a block of COBS.
     Truncated,
     /// It is longer than [`LONGEST_FRAME`].
     Oversized,
@@ -64,9 +79,11 @@ pub enum Damage {
 /// Cuts the bytes of a wire into frames.
 #[derive(Debug, Default)]
 pub struct FrameReceiver {
-    decoder: DecoderState,
-    checked: Vec<u8, LONGEST_CHECKED>,
+    /// The frame under way, as it came.
+    received: Vec<u8, LONGEST_CHECKED>,
     oversized: bool,
+    /// The frame before has ended: the next byte begins another.
+    ended: bool,
 }
 
 impl FrameReceiver {
@@ -74,47 +91,81 @@ impl FrameReceiver {
     #[must_use]
     pub const fn new() -> Self {
         Self {
-            decoder: DecoderState::Idle,
-            checked: Vec::new(),
+            received: Vec::new(),
             oversized: false,
+            ended: false,
         }
     }
 
     /// Takes one byte; the payload, or the reason why it is lost, where the byte ends a frame.
     pub fn receive(&mut self, byte: u8) -> Option<Result<&[u8], Damage>> {
-        if self.oversized {
-            if byte != DELIMITER {
-                return None;
-            }
+        if self.ended {
+            self.received.clear();
             self.oversized = false;
-            self.decoder = DecoderState::default();
-            return Some(Err(Damage::Oversized));
+            self.ended = false;
         }
-        match self.decoder.feed(byte) {
-            Ok(DecodeResult::NoData) => None,
-            Ok(DecodeResult::DataStart) => {
-                self.checked.clear();
-                None
-            }
-            Ok(DecodeResult::DataContinue(byte)) => {
-                self.oversized = self.checked.push(byte).is_err();
-                None
-            }
-            Ok(DecodeResult::DataComplete) => Some(self.payload()),
-            Err(_) => Some(Err(Damage::Truncated)),
+        if byte != DELIMITER {
+            self.oversized |= self.received.push(byte).is_err();
+            return None;
+        }
+        self.ended = true;
+        if self.received.is_empty() {
+            None
+        } else if self.oversized {
+            Some(Err(Damage::Oversized))
+        } else {
+            Some(decoded(&mut self.received))
         }
     }
+}
 
-    /// What precedes the CRC, where that is right.
-    fn payload(&self) -> Result<&[u8], Damage> {
-        let (payload, crc) = self.checked.split_last_chunk().ok_or(Damage::Truncated)?;
-        if payload.is_empty() {
-            // The CRC of nothing is zero: three wrong bits can cut four zeros out of a frame.
-            Err(Damage::Truncated)
-        } else if CRC.checksum(payload) == u32::from_le_bytes(*crc) {
-            Ok(payload)
-        } else {
-            Err(Damage::Crc)
+/// The payload of the bytes between two zeros, where their CRC is right.
+fn decoded(received: &mut [u8]) -> Result<&[u8], Damage> {
+    let (checked, crc) = received
+        .split_last_chunk_mut::<CRC_BYTES>()
+        .ok_or(Damage::Truncated)?;
+    let right = wire_from_number(CRC.checksum(checked));
+    let (length, encoded) = checked
+        .split_first_chunk_mut::<LENGTH_BYTES>()
+        .ok_or(Damage::Truncated)?;
+    if u32::try_from(encoded.len()).map(wire_from_number) != Ok(*length) {
+        return Err(Damage::Truncated);
+    }
+    if *crc != right {
+        return Err(Damage::Crc);
+    }
+    // In place: what is decoded is never longer than what was read.
+    let mut decoder = DecoderState::default();
+    let mut length = 0;
+    for index in 0..encoded.len() {
+        let byte = encoded.get(index).ok_or(Damage::Truncated)?;
+        if let Ok(DecodeResult::DataContinue(byte)) = decoder.feed(*byte) {
+            *encoded.get_mut(length).ok_or(Damage::Truncated)? = byte;
+            length += 1;
+        }
+    }
+    match decoder.feed(DELIMITER) {
+        Ok(DecodeResult::DataComplete) => encoded.get(..length).ok_or(Damage::Truncated),
+        _ => Err(Damage::Truncated),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn payload_that_does_not_fit_leaves_an_empty_frame() {
+        let mut frame = Frame::EMPTY;
+        let full = |buffer: &mut [u8]| {
+            buffer.fill(7);
+            Some(buffer.len())
+        };
+        assert_eq!(frame.fill(full), Some(()));
+        assert_eq!(frame.bytes().len(), LONGEST_FRAME);
+        for refused in [None, Some(LONGEST_PAYLOAD + 1)] {
+            assert_eq!(frame.fill(|_| refused), None);
+            assert!(frame.bytes().is_empty());
         }
     }
 }

@@ -23,7 +23,7 @@ pub type Points = Vec<SensorPoint, MAX_POINTS>;
 /// Which request of which session.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
 pub struct Header {
-    /// Chosen by the PC when it connects.
+    /// Chosen by the PC when it connects; 0 is nobody's.
     pub session: u32,
     /// One more than that of the request before; after 65535 comes 0.
     pub sequence: u16,
@@ -156,7 +156,7 @@ impl core::error::Error for Refusal {}
 pub enum Start {
     /// It was switched on.
     PowerOn,
-    /// It was asked to start again.
+    /// It was asked to start again: by a request, by a debugger, or by the reset button.
     Requested,
     /// Its watchdog was not fed.
     Watchdog,

@@ -1,11 +1,18 @@
 //! The serial link between camera and PC: messages, frames, and the camera's end of it.
 //!
 //! # On the wire
-//! A message is one *frame*: `COBS(payload ‖ CRC-32 of the payload, little-endian) ‖ 0x00`. COBS keeps
-//! the zero byte out of a frame, so that a zero always ends one and whoever joins in the middle finds
-//! the next. Empty frames mean nothing: a sender may put zeros before a frame. The CRC is CRC-32
-//! (ISO-HDLC); under COBS one wrong bit on the wire can displace bytes of the payload, and a CRC of
-//! 16 bits lets some errors of 3 bits through.
+//! A message is one *frame*: `0x00 ‖ length ‖ COBS(payload) ‖ CRC ‖ 0x00`. COBS keeps the zero byte
+//! out of the payload, so that a zero always ends a frame and whoever joins in the middle finds the
+//! next. Empty frames mean nothing, and the zero in front ends whatever was left half-sent.
+//!
+//! Length and CRC are in bytes of seven bits, the lowest first, bit 7 set, so that they hold no zero
+//! either: two bytes for the number of bytes that COBS made, five for the CRC-32 (ISO-HDLC) of length
+//! and encoded payload, the bytes *as they are on the wire*. A CRC of the payload would not do: one
+//! wrong bit in a block length of COBS turns other block lengths into data, so that three wrong bits
+//! on the wire may become dozens in the payload, which its CRC then passes by chance. Over the wire's
+//! bytes CRC-32 finds every error of up to three bits in frames of this length; the frame's length is
+//! there for those that make a zero and so cut the frame in two
+//! (`tests/link/wrong_bits.rs` goes through all of them).
 //!
 //! The payload is [`PROTOCOL_VERSION`] as one byte, then a [`message::Header`] and a
 //! [`message::Request`] or [`message::Answer`] as `postcard` writes them. The first byte keeps its
@@ -14,7 +21,7 @@
 //! # Conversation
 //! The PC asks, the camera answers; one request at a time is on the way, which is what keeps either
 //! side from being overrun. A [`message::Request::Connect`] starts a session under a number of the PC's choice and
-//! ends any other. Requests of a session are numbered one after the other: one that comes again is
+//! ends any other; 0 is nobody's. Requests of a session are numbered one after the other: one that comes again is
 //! answered again, from memory and without being acted on twice, so that the PC may repeat what was
 //! not answered; any other number is refused.
 //!
@@ -35,8 +42,15 @@ pub const MAX_POINTS: usize = 64;
 /// Longest payload, bytes: [`MAX_POINTS`] answers of four numbers, and what surrounds them.
 pub const LONGEST_PAYLOAD: usize = 16 * MAX_POINTS + 16;
 
-/// Longest payload with its CRC, bytes.
-pub(crate) const LONGEST_CHECKED: usize = LONGEST_PAYLOAD + 4;
+/// Bytes of a CRC on the wire.
+pub(crate) const CRC_BYTES: usize = 5;
 
-/// Longest frame, bytes, with its final zero.
-pub const LONGEST_FRAME: usize = cobs::max_encoding_length(LONGEST_CHECKED) + 1;
+/// Bytes of a length on the wire.
+pub(crate) const LENGTH_BYTES: usize = 2;
+
+/// What is between two zeros at most, bytes.
+pub(crate) const LONGEST_CHECKED: usize =
+    LENGTH_BYTES + cobs::max_encoding_length(LONGEST_PAYLOAD) + CRC_BYTES;
+
+/// Longest frame, bytes, with a zero at either end.
+pub const LONGEST_FRAME: usize = LONGEST_CHECKED + 2;

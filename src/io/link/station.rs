@@ -40,8 +40,9 @@ pub enum Event {
 
 /// The camera's end of the link.
 ///
-/// Give it the bytes that arrive, send what it has [to send](Self::to_send), and take no further
-/// byte before that has left.
+/// Give it the bytes that arrive, send what it has [to send](Self::to_send), and give it no further
+/// byte before that has left: another request's answer would cut it short, and the PC would have to
+/// ask again.
 #[derive(Debug)]
 pub struct Station {
     receiver: FrameReceiver,
@@ -62,6 +63,8 @@ impl Station {
                 camera: None,
                 frame: None,
                 answer: Frame::EMPTY,
+                aside: Frame::EMPTY,
+                to_send: Which::Answer,
                 sent: 0,
                 counters: Counters {
                     done: 0,
@@ -93,11 +96,11 @@ impl Station {
     /// What is left of the answer to be sent.
     #[must_use]
     pub fn to_send(&self) -> &[u8] {
-        self.desk
-            .answer
-            .bytes()
-            .get(self.desk.sent..)
-            .unwrap_or_default()
+        let frame = match self.desk.to_send {
+            Which::Answer => &self.desk.answer,
+            Which::Aside => &self.desk.aside,
+        };
+        frame.bytes().get(self.desk.sent..).unwrap_or_default()
     }
 
     /// So many bytes of [`Self::to_send`] are on their way.
@@ -117,6 +120,15 @@ impl Station {
     }
 }
 
+/// Which of the two frames is on its way.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+enum Which {
+    /// The answer to the last request of the session.
+    Answer,
+    /// The refusal of something else.
+    Aside,
+}
+
 /// Who reads requests and writes answers.
 #[derive(Debug)]
 struct Desk {
@@ -129,6 +141,9 @@ struct Desk {
     camera: Option<Camera>,
     frame: Option<camera::Frame>,
     answer: Frame,
+    /// What is said to others meanwhile: the answer stays, for whoever asks for it again.
+    aside: Frame,
+    to_send: Which,
     sent: usize,
     counters: Counters,
 }
@@ -153,12 +168,13 @@ impl Desk {
                 });
                 if let Unreadable::OtherProtocol(_) = unreadable {
                     // The first byte of the answer tells the sender which version this is.
-                    self.send(NOBODY, &Answer::Refused(Refusal::OtherProtocol));
+                    self.refuse_aside(NOBODY, Refusal::OtherProtocol);
                 }
                 return Event::Unreadable(unreadable);
             }
         };
-        if self.kept == Some(header) && self.last == Some(header) {
+        if self.kept == Some(header) {
+            self.to_send = Which::Answer;
             self.sent = 0;
             count(&mut self.counters.repeated);
             return Event::Repeated;
@@ -169,7 +185,7 @@ impl Desk {
                 Refusal::OtherSession => &mut self.counters.other_session,
                 _ => &mut self.counters.out_of_order,
             });
-            self.send(header, &Answer::Refused(refusal));
+            self.refuse_aside(header, refusal);
             return Event::Refused(refusal);
         }
         self.last = Some(header);
@@ -284,7 +300,16 @@ impl Desk {
         }
     }
 
+    /// A refusal that is no answer within the session.
+    fn refuse_aside(&mut self, header: Header, refusal: Refusal) {
+        self.to_send = Which::Aside;
+        self.sent = 0;
+        // A refusal fits a frame.
+        let _ = Answer::Refused(refusal).write(header, &mut self.aside);
+    }
+
     fn send(&mut self, header: Header, answer: &Answer) {
+        self.to_send = Which::Answer;
         self.sent = 0;
         self.kept = answer.write(header, &mut self.answer).map(|()| header);
     }
