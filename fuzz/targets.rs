@@ -1,5 +1,8 @@
 //! What is fuzzed, and what must hold for every input. The tests of the crate run the same functions.
 
+#[path = "wire_format.rs"]
+pub(crate) mod wire_format;
+
 use fmc_camera::flight::camera::{Camera, CameraRecord};
 use fmc_camera::flight::exposure::Exposure;
 use fmc_camera::geometry::calibration::CalibrationRecord;
@@ -8,7 +11,9 @@ use fmc_camera::geometry::sensor::SensorPoint;
 use fmc_camera::io::link::frame::{Frame, FrameReceiver};
 use fmc_camera::io::link::message::{Answer, Header, Identity, Request, Start};
 use fmc_camera::io::link::station::Station;
-use fmc_camera::io::link::{LONGEST_FRAME, LONGEST_PAYLOAD};
+
+use fmc_camera::io::link::LONGEST_FRAME;
+use wire_format::{frame_of, payload_of};
 
 /// Any bytes on the wire: a payload is accepted exactly where a slow and simple reading of the same
 /// bytes accepts one, and a whole frame after them is received.
@@ -43,41 +48,6 @@ pub(crate) fn wire(bytes: &[u8]) {
         .last();
     let read = Request::read(&last.unwrap()).unwrap();
     assert_eq!(read, (header, Some(Request::Record)), "resynchronised");
-}
-
-/// The payload of what is between two zeros, if it is whole, fits and has the right CRC.
-pub(crate) fn payload_of(frame: &[u8]) -> Option<Vec<u8>> {
-    let (checked, crc) = frame.split_last_chunk::<5>()?;
-    let (length, encoded) = checked.split_first_chunk::<2>()?;
-    if *length != wire_from_length(encoded.len()) || *crc != wire_from_crc(checked) {
-        return None;
-    }
-    let mut payload = Vec::new();
-    let mut rest = encoded;
-    while let Some((length, block)) = rest.split_first() {
-        let length = usize::from(*length) - 1;
-        payload.extend(block.get(..length)?);
-        rest = &block[length..];
-        if length < 254 && !rest.is_empty() {
-            payload.push(0);
-        }
-    }
-    (!encoded.is_empty() && payload.len() <= LONGEST_PAYLOAD).then_some(payload)
-}
-
-/// A length: seven bits to a byte, and a bit that keeps it from being zero.
-pub(crate) fn wire_from_length(length: usize) -> [u8; 2] {
-    [length % 128, length / 128].map(|bits| u8::try_from(bits + 128).unwrap_or(0))
-}
-
-/// The CRC of length and encoded bytes, in the same way.
-pub(crate) fn wire_from_crc(checked: &[u8]) -> [u8; 5] {
-    let mut rest = crc::Crc::<u32>::new(&crc::CRC_32_ISO_HDLC).checksum(checked);
-    [(); 5].map(|()| {
-        let [low, ..] = (rest % 128).to_le_bytes();
-        rest /= 128;
-        low + 128
-    })
 }
 
 /// Any requests to a camera: it answers each with one whole answer or none, counts what it does not
@@ -190,27 +160,4 @@ fn leb128(number: u16) -> Vec<u8> {
         (_, 0) => vec![low | 128, middle],
         _ => vec![low | 128, middle | 128, high],
     }
-}
-
-/// A frame around any payload, from the definition of COBS.
-pub(crate) fn frame_of(payload: &[u8]) -> Vec<u8> {
-    let mut wire = Vec::new();
-    for block in payload.split(|byte| *byte == 0) {
-        // A full block stands for no zero, so another one follows it.
-        let mut rest = block;
-        while let Some((full, more)) = rest.split_at_checked(254) {
-            wire.push(255);
-            wire.extend(full);
-            rest = more;
-        }
-        wire.extend(u8::try_from(rest.len() + 1));
-        wire.extend(rest);
-    }
-    between_zeros(&wire)
-}
-
-/// A frame around any bytes, whether COBS made them or not.
-pub(crate) fn between_zeros(encoded: &[u8]) -> Vec<u8> {
-    let checked = [&wire_from_length(encoded.len()), encoded].concat();
-    [&[0], &checked[..], &wire_from_crc(&checked), &[0]].concat()
 }

@@ -7,7 +7,7 @@ use fmc_camera::io::link::message::{Answer, Header, Refusal, Request, Unreadable
 use fmc_camera::io::link::station::{Event, NOBODY};
 
 use crate::pc::{Pc, SESSION, frame};
-use crate::targets::{between_zeros, frame_of};
+use crate::targets::wire_format::{between_zeros, frame_of};
 
 fn header(sequence: u16) -> Header {
     Header {

@@ -5,7 +5,7 @@ use fmc_camera::io::link::message::{Answer, Header, Refusal, Request};
 use fmc_camera::io::link::station::Event;
 
 use crate::pc::{Pc, SESSION};
-use crate::targets::frame_of;
+use crate::targets::wire_format::frame_of;
 
 const EXPOSURE: Exposure = Exposure::new(0.17, 1.0 / 200.0);
 

@@ -70,26 +70,3 @@ impl FakeCamera {
         panic!("the camera sent no frame");
     }
 }
-
-/// A frame with any payload, by hand: COBS of payload and CRC-32, and a zero.
-pub(crate) fn frame_of(payload: &[u8]) -> Vec<u8> {
-    let crc = payload.iter().fold(u32::MAX, |crc, byte| {
-        (0..8).fold(crc ^ u32::from(*byte), |crc, _| {
-            let shifted = crc >> 1;
-            if crc & 1 == 1 {
-                shifted ^ 0xedb8_8320
-            } else {
-                shifted
-            }
-        })
-    });
-    let mut checked = payload.to_vec();
-    checked.extend((!crc).to_le_bytes());
-    let mut frame = Vec::new();
-    for run in checked.split(|byte| *byte == 0) {
-        frame.push(u8::try_from(run.len() + 1).unwrap());
-        frame.extend(run);
-    }
-    frame.push(0);
-    frame
-}

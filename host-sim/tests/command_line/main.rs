@@ -23,3 +23,8 @@ mod serial;
 mod support;
 #[cfg(test)]
 mod verify;
+#[cfg(test)]
+#[cfg(unix)]
+#[path = "../../../fuzz/wire_format.rs"]
+#[allow(dead_code, reason = "one of its functions is enough here")]
+mod wire_format;

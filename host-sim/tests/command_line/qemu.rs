@@ -15,8 +15,9 @@ use fmc_camera::flight::camera::FrameError;
 use fmc_camera::geometry::calibration::{CalibrationError, Polynomial};
 use fmc_camera::io::link::message::{Answer, Refusal};
 
-use crate::fake_camera::{FakeCamera, frame_of};
+use crate::fake_camera::FakeCamera;
 use crate::support::{Answer as Output, Bench};
+use crate::wire_format::frame_of;
 
 const PATIENCE: Duration = Duration::from_secs(20);
 

@@ -12,8 +12,9 @@ use std::time::{Duration, Instant};
 use rustix::fs::OFlags;
 use rustix::pty::{OpenptFlags, grantpt, openpt, ptsname, unlockpt};
 
-use crate::fake_camera::{FakeCamera, frame_of};
+use crate::fake_camera::FakeCamera;
 use crate::support::Bench;
+use crate::wire_format::frame_of;
 
 /// A pseudo-terminal whose far end is served by a thread.
 struct Port {

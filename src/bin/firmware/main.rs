@@ -1,8 +1,8 @@
 //! The camera's firmware: one loop between the serial link and the camera.
 //!
 //! Requests come in byte by byte through an interrupt and a ring; the station takes them out, answers, and the answer
-//! leaves before the next request is looked at. The watchdog is fed here and nowhere else, so that it bites when the
-//! loop stands still.
+//! leaves before the next request is looked at. The watchdog is fed from here, so that it bites when the loop stands
+//! still.
 //!
 //! `cfg(board)`, from `build.rs`, holds for the target with a board chosen.
 

@@ -6,13 +6,16 @@
 //! - `receive`: the next byte from the link, kept by an interrupt until asked for; `overruns`: bytes lost since asked last;
 //! - `send`: passes on as many bytes as the transmitter takes now, and never waits;
 //! - `feed_watchdog`, to be called from the main loop alone;
-//! - `now_us`: microseconds since the start, wrapping;
 //! - `idle`: sleeps until an interrupt, unless a byte is already there;
 //! - `stack_used_bytes`: the deepest the stack has been since the start;
-//! - `reset` and `power_off`, which do not return;
+//! - `reset` and `power_off`, which wait, with a bound, until the last byte has left, and do not return;
 //!
-//! and a function `stop_after_panic`, which does not return either.
+//! and functions `stop_after_panic`, which does not return either, `now_us`: microseconds since the start, wrapping, also for
+//! the log, and `carry_log`, which
+//! takes the log's bytes away or drops them, without waiting for a reader.
 
+mod cause;
+mod log;
 mod panic;
 mod receive_ring;
 mod stack;

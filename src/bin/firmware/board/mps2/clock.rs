@@ -24,7 +24,7 @@ pub(super) fn start(tick: &mut SYST) {
 }
 
 /// Microseconds, wrapping after 71 minutes.
-pub(super) fn now_us() -> u32 {
+pub(in super::super) fn now_us() -> u32 {
     COUNTER.read()
 }
 
@@ -36,4 +36,11 @@ pub(super) fn ticks() -> u32 {
 #[exception]
 fn SysTick() {
     TICKS.fetch_add(1, Ordering::Relaxed);
+}
+
+/// Stops the tick, for a drill.
+#[cfg(feature = "drills")]
+pub(super) fn stop_tick() {
+    // SAFETY: nothing else writes the timer's control register once it has started.
+    unsafe { (*SYST::PTR).csr.write(0) }
 }

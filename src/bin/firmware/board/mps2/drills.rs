@@ -2,7 +2,7 @@
 
 use cortex_m::asm;
 
-use super::uart::LOG;
+use super::{clock, uart::LOG};
 
 /// What a byte asks for.
 pub(super) fn run() {
@@ -11,6 +11,8 @@ pub(super) fn run() {
         Some(b'h') => loop {
             asm::nop();
         },
+        // The tick that wakes the main loop stops.
+        Some(b's') => clock::stop_tick(),
         _ => {}
     }
 }

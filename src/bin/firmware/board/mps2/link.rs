@@ -1,6 +1,6 @@
 //! The link: the first UART, received by interrupt into a ring.
 
-use core::sync::atomic::{AtomicBool, Ordering};
+use core::sync::atomic::{AtomicBool, Ordering, compiler_fence};
 
 use cortex_m::{asm, interrupt::InterruptNumber, peripheral::NVIC};
 
@@ -75,7 +75,10 @@ pub(super) fn wait() {
     cortex_m::interrupt::free(|_| {
         if RECEIVED.is_empty() && !LINK.holds_byte() {
             ASLEEP.store(true, Ordering::Relaxed);
+            // The compiler does not know that an exception looks at the flag while this sleeps.
+            compiler_fence(Ordering::SeqCst);
             asm::wfi();
+            compiler_fence(Ordering::SeqCst);
             ASLEEP.store(false, Ordering::Relaxed);
         }
     });

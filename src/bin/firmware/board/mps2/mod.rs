@@ -3,7 +3,6 @@
 //! The first UART is the link, the second the log. Arm's application notes AN386 and AN500 describe the peripherals and
 //! their addresses; QEMU's `hw/arm/mps2.c` says which of them it has.
 
-mod cause;
 mod clock;
 #[cfg(feature = "drills")]
 mod drills;
@@ -14,12 +13,16 @@ mod registers;
 mod uart;
 mod watchdog;
 
+use core::sync::atomic::Ordering;
+
 use cortex_m::peripheral::{Peripherals, SCB};
 use cortex_m_semihosting::debug;
 
 use fmc_camera::io::link::message::Start;
 
-pub(super) use fault::stop_after_panic;
+use super::cause;
+
+pub(super) use self::{clock::now_us, fault::stop_after_panic, log::carry_log};
 
 /// The board, started.
 pub(crate) struct Board {
@@ -72,13 +75,10 @@ impl Board {
         if now != self.fed {
             self.fed = now;
             watchdog::feed();
+            fault::FORGIVEN.store(false, Ordering::Relaxed);
             #[cfg(feature = "drills")]
             drills::run();
         }
-    }
-
-    pub(crate) fn now_us(&self) -> u32 {
-        clock::now_us()
     }
 
     pub(crate) fn idle(&mut self) {

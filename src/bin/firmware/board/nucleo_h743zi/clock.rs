@@ -51,7 +51,7 @@ pub(super) fn configuration() -> Config {
 /// Free-running 32-bit count of microseconds. It is the timer whose capture inputs receive trigger, time pulse and
 /// shutter, so that their time stamps are on this clock.
 pub(super) struct Microseconds {
-    timer: Timer<'static, TIM2>,
+    _timer: Timer<'static, TIM2>,
 }
 
 impl Microseconds {
@@ -62,13 +62,11 @@ impl Microseconds {
         pac::TIM2.arr().write_value(u32::MAX);
         timer.generate_update_event();
         timer.start();
-        Self { timer }
-    }
-
-    /// The count.
-    pub(super) fn now(&self) -> u32 {
-        self.timer.regs_gp32().cnt().read()
+        Self { _timer: timer }
     }
 }
 
-defmt::timestamp!("{=u32:us}", pac::TIM2.cnt().read());
+/// The count, also before it has started.
+pub(in super::super) fn now_us() -> u32 {
+    pac::TIM2.cnt().read()
+}

@@ -1,36 +1,19 @@
 //! What follows a panic or a hard fault: time for the log, a mark for the next start, a reset.
 
-use core::sync::atomic::{AtomicU32, Ordering};
-
 use cortex_m::peripheral::SCB;
 use cortex_m_rt::exception;
+use fmc_camera::io::link::message::Start;
 
+use super::super::cause;
 use super::clock::CORE_MHZ;
-
-/// Says that a fault led to the reset. No other content of the memory means anything.
-const FAULT: u32 = 0xFA17_FA17;
 
 /// Time for the debugger to collect the log.
 const LOG_US: u32 = 20_000;
 
-/// Survives a reset, since start-up code does not write this section.
-#[unsafe(link_section = ".uninit.fault")]
-static MARK: AtomicU32 = AtomicU32::new(0);
-
-/// Whether a fault led to this start; the next start does not see it again.
-pub(super) fn take() -> bool {
-    MARK.swap(0, Ordering::Relaxed) == FAULT
-}
-
-/// Writes the memory that holds the mark, which has no content yet after power came on; reading it then could fail the
-/// memory's error correction.
-pub(super) fn forget() {
-    MARK.store(0, Ordering::Relaxed);
-}
-
 /// Logs by `log`, unless that is what failed, and restarts.
 fn restart(log: impl FnOnce()) -> ! {
-    if MARK.swap(FAULT, Ordering::Relaxed) != FAULT {
+    if cause::noted() != Start::Fault {
+        cause::note(Start::Fault);
         log();
         cortex_m::asm::delay(CORE_MHZ * LOG_US);
     }

@@ -17,6 +17,9 @@ use super::clock;
 /// and every operating system offers it by name.
 const BAUD: u32 = 921_600;
 
+/// How long the last byte may take to leave before a reset, in looks at the transmitter.
+const LOOKS_AT_THE_END: u32 = 100_000;
+
 /// The nearest divider.
 const DIVIDER: u16 = {
     let divider = (clock::PERIPHERAL_HZ + BAUD / 2) / BAUD;
@@ -73,6 +76,12 @@ impl Link {
             registers,
             received: &RECEIVED,
         }
+    }
+
+    /// Waits until the last byte has left, or a while: the transmitter holds 16 bytes, which take 0.2 ms.
+    pub(super) fn finish(&self) {
+        let mut looks = 0..LOOKS_AT_THE_END;
+        while !self.registers.isr().read().tc() && looks.next().is_some() {}
     }
 
     /// Hands over as many bytes as the transmitter takes now, and returns how many; never waits.

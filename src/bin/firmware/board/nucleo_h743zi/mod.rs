@@ -19,7 +19,9 @@ use embassy_stm32::{
 use self::{clock::Microseconds, drive_pins::DrivePins, link::Link};
 use fmc_camera::io::link::message::Start;
 
-pub(super) use self::fault::stop_after_panic;
+use super::cause;
+
+pub(super) use self::{clock::now_us, fault::stop_after_panic, log::carry_log};
 
 /// Interval of the interrupts that end [`Board::idle`] where nothing is received.
 const TICK_US: u32 = 1000;
@@ -31,7 +33,7 @@ pub(crate) struct Board {
     alive: Output<'static>,
     /// LD3, red: lit where this start follows a fault or the watchdog.
     _restarted: Output<'static>,
-    clock: Microseconds,
+    _clock: Microseconds,
     /// Reserved for mechanism, shutter, trigger and time pulse.
     _drive: DrivePins,
 }
@@ -58,7 +60,7 @@ impl Board {
             link: Link::start(p.USART3, p.PD8, p.PD9),
             alive: Output::new(p.PB0, Level::High, Speed::Low),
             _restarted: Output::new(p.PB14, restarted, Speed::Low),
-            clock: Microseconds::start(p.TIM2),
+            _clock: Microseconds::start(p.TIM2),
             _drive: DrivePins {
                 encoder_a: p.PD12,
                 encoder_b: p.PD13,
@@ -98,13 +100,8 @@ impl Board {
     pub(crate) fn feed_watchdog(&mut self) {
         pac::IWDG1.kr().write(|w| w.set_key(Key::RESET));
         // About once per second.
-        let lit = self.now_us() & (1 << 19) == 0;
+        let lit = clock::now_us() & (1 << 19) == 0;
         self.alive.set_level(lit.into());
-    }
-
-    /// Time since the start; wraps after 71 minutes.
-    pub(crate) fn now_us(&self) -> u32 {
-        self.clock.now()
     }
 
     /// Sleeps until the next interrupt: a byte, or 1 ms at the latest. A byte that has come just before is not missed,
@@ -122,9 +119,9 @@ impl Board {
         super::stack::used_bytes()
     }
 
-    /// Restarts.
-    #[expect(clippy::unused_self, reason = "other boards need theirs")]
+    /// Restarts, once the last byte has left.
     pub(crate) fn reset(&mut self) -> ! {
+        self.link.finish();
         cortex_m::peripheral::SCB::sys_reset()
     }
 
@@ -159,9 +156,10 @@ fn reason_of_start() -> Start {
     pac::RCC.rsr().modify(|w| w.set_rmvf(true));
     // A brown-out leaves memory no more reliable than power coming on.
     if flags.porrstf() || flags.borrstf() {
-        fault::forget();
+        // Nor has the mark any content yet; reading it could fail the memory's error correction.
+        cause::forget();
         Start::PowerOn
-    } else if fault::take() {
+    } else if cause::take() == Start::Fault {
         Start::Fault
     } else if flags.iwdg1rstf() {
         Start::Watchdog

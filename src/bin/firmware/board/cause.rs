@@ -21,12 +21,24 @@ const WORDS: [(u32, Start); 3] = [
 
 /// The cause noted before the reset, and forgets it.
 pub(super) fn take() -> Start {
-    // SAFETY: the address is that of the static. Any bits are a valid u32, and start-up has read or written all memory
-    // by now; a volatile read of it gives the bits that are there.
-    let found = unsafe { WORD.0.get().cast::<u32>().read_volatile() };
+    let start = noted();
     write(0);
+    start
+}
+
+/// The cause noted last: power on, where it is none of those that are noted.
+pub(super) fn noted() -> Start {
+    // SAFETY: the address is that of the static, aligned and never written by Rust's own code. Any bits are a valid u32,
+    // and a volatile read gives those that are in the memory, whatever left them there.
+    let found = unsafe { WORD.0.get().cast::<u32>().read_volatile() };
     let known = WORDS.iter().find(|(word, _)| *word == found);
     known.map_or(Start::PowerOn, |(_, start)| *start)
+}
+
+/// Forgets whatever the memory holds.
+#[cfg(feature = "board-nucleo-h743zi")]
+pub(super) fn forget() {
+    write(0);
 }
 
 /// Notes the cause of the reset that follows.
