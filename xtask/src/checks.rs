@@ -9,7 +9,13 @@ use anyhow::{Context as _, Result};
 use clap::ValueEnum;
 
 use crate::{
-    bench, board, firmware, no_panic, route::Need, target::Target, verify, workspace::Workspace,
+    bench, board,
+    firmware::{self, Image},
+    no_panic,
+    route::Need,
+    target::Target,
+    verify,
+    workspace::Workspace,
 };
 
 /// One step; its name is that of `--only`.
@@ -138,7 +144,10 @@ fn run_step(step: Step, workspace: &Workspace, target: Option<&Target<'_>>) -> R
         ),
         Step::TargetBuild => target()?.cargo("build --release -p fmc-camera --lib"),
         Step::NoPanic => return no_panic::check(workspace, target()?),
-        Step::FirmwareLints => return firmware::lint(target()?),
+        Step::FirmwareLints => {
+            firmware::lint(target()?, Image::Mps2)?;
+            return firmware::lint(target()?, Image::Mps2WithDrills);
+        }
         Step::FirmwareNoPanic => return firmware::check_no_panic(target()?),
         Step::Firmware => return firmware::test(workspace, target()?),
         Step::Board => return board::check(workspace, target()?),

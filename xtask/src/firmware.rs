@@ -14,6 +14,8 @@ pub(crate) enum Image {
     Mps2,
     /// The same with accidents on request.
     Mps2WithDrills,
+    /// For ST's NUCLEO-H743ZI2.
+    NucleoH743zi,
 }
 
 impl Image {
@@ -22,6 +24,7 @@ impl Image {
         match self {
             Self::Mps2 => "board-mps2",
             Self::Mps2WithDrills => "board-mps2,drills",
+            Self::NucleoH743zi => "board-nucleo-h743zi",
         }
     }
 
@@ -36,6 +39,7 @@ impl fmt::Display for Image {
         f.write_str(match self {
             Self::Mps2 => "mps2",
             Self::Mps2WithDrills => "mps2-drills",
+            Self::NucleoH743zi => "nucleo-h743zi",
         })
     }
 }
@@ -66,16 +70,11 @@ pub(crate) fn set_up(workspace: &Workspace) -> Result<()> {
     Ok(())
 }
 
-/// Builds the flight image and says where it is.
+/// Builds an image and copies it to where `host-sim` looks: the next build puts another in the same place.
 ///
 /// # Errors
 /// Where the build fails.
-pub(crate) fn flight_image(workspace: &Workspace, target: &Target<'_>) -> Result<PathBuf> {
-    build(workspace, target, Image::Mps2)
-}
-
-/// Builds an image and copies it to where `host-sim` looks: the next build puts another in the same place.
-fn build(workspace: &Workspace, target: &Target<'_>, image: Image) -> Result<PathBuf> {
+pub(crate) fn build(workspace: &Workspace, target: &Target<'_>, image: Image) -> Result<PathBuf> {
     let _root = workspace.shell.push_dir(&workspace.root);
     let build = cargo(target, "build", image.features());
     let build = build.env("FMC_BUILD", sources(workspace));
@@ -100,18 +99,27 @@ fn sources(workspace: &Workspace) -> String {
     }
 }
 
-/// Lints of the flight image and of what drills add to it.
+/// Lints of an image.
 ///
 /// # Errors
 /// Where there is something to say.
-pub(crate) fn lint(target: &Target<'_>) -> Result<()> {
-    for image in [Image::Mps2, Image::Mps2WithDrills] {
-        let clippy = cargo(target, "clippy", image.features());
-        let clippy = clippy.args(["--", "-D", "warnings"]);
-        eprintln!("$ {clippy}");
-        clippy.run()?;
-    }
-    Ok(())
+pub(crate) fn lint(target: &Target<'_>, image: Image) -> Result<()> {
+    let clippy = cargo(target, "clippy", image.features());
+    let clippy = clippy.args(["--", "-D", "warnings"]);
+    eprintln!("$ {clippy}");
+    clippy.run().map_err(Into::into)
+}
+
+/// Links an image with its relocations kept, and says where cargo put it.
+///
+/// # Errors
+/// Where that fails.
+pub(crate) fn link_with_relocations(target: &Target<'_>, image: Image) -> Result<PathBuf> {
+    let link = cargo(target, "rustc", image.features());
+    let link = link.args(["--", "-Clink-arg=--emit-relocs"]);
+    eprintln!("$ {link}");
+    link.run()?;
+    Ok(target.programs().join("firmware"))
 }
 
 /// Shows that the linker finds no panic in the flight image.

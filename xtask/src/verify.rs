@@ -49,7 +49,7 @@ pub(crate) fn run(workspace: &Workspace, mut arguments: Vec<OsString>) -> Result
 /// # Errors
 /// Where the build fails.
 pub(crate) fn build_host_sim(workspace: &Workspace) -> Result<()> {
-    let build = workspace.cargo("build --release --package host-sim");
+    let build = workspace.cargo("build --release --locked --package host-sim");
     build.run().map_err(Into::into)
 }
 

@@ -8,10 +8,11 @@ use fmc_camera::io::link::station::{Event, Station};
 
 use crate::counter::Counter;
 use crate::specimen::{EXPOSURE, points, short};
+use crate::stack;
 
 pub(crate) fn count(counter: &mut Counter) -> Option<()> {
     let identity = Identity::new("", "", true, Start::PowerOn);
-    let mut station = Station::new(identity, || 0);
+    let mut station = Station::new(identity, stack::used_bytes);
     let batch: Points = points().iter().step_by(16).copied().collect();
     let side = || {
         points()

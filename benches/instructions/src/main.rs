@@ -15,6 +15,9 @@ mod geometry;
 mod link;
 #[cfg(target_os = "none")]
 mod specimen;
+#[cfg(target_os = "none")]
+#[path = "../../../src/bin/firmware/board/stack.rs"]
+mod stack;
 
 #[cfg(not(target_os = "none"))]
 fn main() {}
