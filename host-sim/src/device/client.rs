@@ -19,7 +19,7 @@ use super::link_error::{Heard, LinkError};
 use super::port::Port;
 
 /// How long an answer may take: the longest message is 11 ms on the wire at 921,600 baud, and the
-/// camera's longest work, showing a calibration to be one-to-one, takes it tens of milliseconds.
+/// camera's longest work, showing a calibration to be one-to-one, takes it some milliseconds.
 pub const ANSWER_WITHIN: Duration = Duration::from_secs(1);
 
 /// How often a request is sent before it is given up. One that was acted on is answered again from
