@@ -1,8 +1,22 @@
 //! The five fitted coefficients of the dynamic model.
 
 use super::evaluation_form::EvaluationForm;
+use super::principal_point::PrincipalPointMotion;
 use super::range::{OutOfRange, Quantity};
 use super::sensor::FmcAxis;
+
+/// What `K_d1` and `P_m1` are multiplied by.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+#[cfg_attr(feature = "link", derive(serde::Serialize, serde::Deserialize))]
+pub enum Regressor {
+    /// δ, the travel while the shutter is open: Yuan et al. 2012, eq. 22. Right where Δδ/δ is the
+    /// same in all exposures.
+    #[default]
+    Travel,
+    /// c̄, the offset of the exposure centroid (Δδ + δ/2 for a uniform shutter): what the terms are
+    /// proportional to.
+    Centroid,
+}
 
 /// `K_m0`, `K_m1`, `K_m2`, `K_d1`, `P_m1` as fitted to calibration exposures.
 ///
@@ -21,6 +35,8 @@ pub struct FiveCoefficients {
     pub kd1: f32,
     /// `P_m1`, mm⁻².
     pub pm1: f32,
+    /// What `kd1` and `pm1` are multiplied by.
+    pub regressor: Regressor,
 }
 
 impl FiveCoefficients {
@@ -41,15 +57,26 @@ impl FiveCoefficients {
         Ok(self)
     }
 
-    /// The model at the travel `travel_mm` (δ) along `axis`, on top of the static `form`.
+    /// What `K_d1` and `P_m1` are multiplied by in a frame of this motion, mm.
+    #[must_use]
+    pub const fn regressor_mm(&self, motion: &PrincipalPointMotion) -> f32 {
+        match self.regressor {
+            Regressor::Travel => motion.travel_mm,
+            Regressor::Centroid => motion.centroid_mm,
+        }
+    }
+
+    /// The model at `regressor_mm` (δ, or c̄ by [`Self::regressor_mm`]) along `axis`, on top of the
+    /// static `form`.
     ///
     /// # Model
     /// Yuan et al. 2012, eq. 22, with e = +y:
     /// `ΔPx = Km0x̄ + Km1x̄r² + Km2x̄r⁴ + Kd1δx̄ȳ`,
-    /// `ΔPy = Km0ȳ + Km1ȳr² + Km2ȳr⁴ + Kd1δȳ² + Pm1δr²`, about the calibrated principal point.
+    /// `ΔPy = Km0ȳ + Km1ȳr² + Km2ȳr⁴ + Kd1δȳ² + Pm1δr²`, about the calibrated principal point; with
+    /// [`Regressor::Centroid`], c̄ in place of δ.
     #[must_use]
-    pub fn folded(&self, form: EvaluationForm, travel_mm: f32, axis: FmcAxis) -> EvaluationForm {
-        let signed_mm = axis.sign() * travel_mm;
+    pub fn folded(&self, form: EvaluationForm, regressor_mm: f32, axis: FmcAxis) -> EvaluationForm {
+        let signed_mm = axis.sign() * regressor_mm;
         let mut folded = EvaluationForm {
             k0: self.km0,
             k1: self.km1,

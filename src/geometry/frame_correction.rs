@@ -100,7 +100,8 @@ impl FrameCorrection {
     ) -> Option<Self> {
         let record = calibration.record();
         let still = record.distortion.evaluation_form();
-        let form = record.fitted?.folded(still, motion.travel_mm, record.axis);
+        let fitted = record.fitted?;
+        let form = fitted.folded(still, fitted.regressor_mm(motion), record.axis);
         Some(Self::folded(calibration, record.principal_point, form, 0.0))
     }
 

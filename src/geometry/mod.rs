@@ -5,6 +5,8 @@
 
 pub mod brown;
 pub mod calibration;
+#[cfg(feature = "estimation")]
+pub mod estimation;
 pub mod evaluation_form;
 pub mod five_coefficient;
 pub mod frame_correction;

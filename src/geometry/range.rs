@@ -43,6 +43,11 @@ pub enum Quantity {
     CentroidOffsetMm,
     TravelMm,
     FocusShiftUm,
+    XMm,
+    YMm,
+    DxUm,
+    DyUm,
+    SigmaUm,
 }
 
 /// Largest principal-distance change the correction is shown invertible for, as a fraction κ of
@@ -88,6 +93,11 @@ impl Quantity {
             Self::CentroidOffsetMm => "centroid_offset_mm",
             Self::TravelMm => "travel_mm",
             Self::FocusShiftUm => "focus_shift_um",
+            Self::XMm => "x_mm",
+            Self::YMm => "y_mm",
+            Self::DxUm => "dx_um",
+            Self::DyUm => "dy_um",
+            Self::SigmaUm => "sigma_um",
         }
     }
 
@@ -112,6 +122,9 @@ impl Quantity {
             Self::OpeningOffsetMm | Self::CentroidOffsetMm => (-50.0, 50.0),
             Self::TravelMm => (-100.0, 100.0),
             Self::FocusShiftUm => (-100_000.0, 100_000.0),
+            Self::XMm | Self::YMm => (-500.0, 500.0),
+            Self::DxUm | Self::DyUm => (-100_000.0, 100_000.0),
+            Self::SigmaUm => (1e-4, 1e4),
             Self::K0
             | Self::K1
             | Self::K2

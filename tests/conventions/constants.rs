@@ -1,6 +1,8 @@
 //! The constants of section 10.
 
 use crate::document::{names, rows};
+use fmc_camera::geometry::estimation::adjustment::{MIN_POINTS, MIN_REGRESSOR_MM, MIN_SPREAD};
+use fmc_camera::geometry::estimation::design::MIN_SEPARATION;
 use fmc_camera::geometry::frame_correction::SHORT_KERNEL_NM;
 use fmc_camera::geometry::inverse::{LAST_RESIDUAL_NM, MAX_STEPS};
 use fmc_camera::geometry::invertibility::{MAX_DISC_SLOPE, MIN_SCALE};
@@ -22,6 +24,10 @@ fn documented_constants_are_those_of_the_code() {
         ("SHORT_KERNEL_NM", SHORT_KERNEL_NM.to_string()),
         ("LAST_RESIDUAL_NM", LAST_RESIDUAL_NM.to_string()),
         ("MAX_STEPS", MAX_STEPS.to_string()),
+        ("MIN_POINTS", MIN_POINTS.to_string()),
+        ("MIN_SPREAD", MIN_SPREAD.to_string()),
+        ("MIN_REGRESSOR_MM", MIN_REGRESSOR_MM.to_string()),
+        ("MIN_SEPARATION", MIN_SEPARATION.to_string()),
     ];
     let documented: Vec<_> = rows("constant")
         .into_iter()

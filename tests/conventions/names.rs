@@ -73,6 +73,7 @@ fn documented_names_are_those_of_the_code() {
         field!(FiveCoefficients.km2),
         field!(FiveCoefficients.kd1),
         field!(FiveCoefficients.pm1),
+        field!(FiveCoefficients.regressor),
         path!(FmcAxis::sign),
         field!(StageSample.offset_mm),
         field!(StageSample.time_s),

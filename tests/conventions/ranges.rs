@@ -76,6 +76,11 @@ fn documented_ranges_are_those_of_the_code() {
         CentroidOffsetMm,
         TravelMm,
         FocusShiftUm,
+        XMm,
+        YMm,
+        DxUm,
+        DyUm,
+        SigmaUm,
     );
     let of_the_code = quantities.map(|quantity| {
         let (least, most) = quantity.range();

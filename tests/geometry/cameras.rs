@@ -151,6 +151,7 @@ pub(crate) fn fitted(lens: &Brown) -> FiveCoefficients {
         km2: lens.k2,
         kd1: -lens.k1,
         pm1: -0.5 * lens.k1,
+        ..FiveCoefficients::default()
     }
 }
 

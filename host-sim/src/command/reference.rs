@@ -35,7 +35,7 @@ pub(super) fn run(args: &ReferenceArgs) -> Result<(), Failure> {
         ReadingName::Literal => Reading::Literal,
     };
     let solver = StrictSolver::new(&camera, &request.request(), weight);
-    let fitted = FittedModel::new(&camera, solver.path().travel_mm);
+    let fitted = FittedModel::new(&camera, solver.path());
     let total = |point_mm: [f64; 2]| match (request.model, &fitted) {
         (ModelName::Fitted, Some(fitted)) => exactly(fitted.distortion(point_mm)),
         (ModelName::Static, _) => {

@@ -162,5 +162,7 @@ const fn key_path(quantity: Quantity) -> &'static [&'static str] {
             &["fmc", "stroke_mm"]
         }
         Quantity::FocusShiftUm => &["focus_shift_um"],
+        // Of observations, not of cameras.
+        Quantity::XMm | Quantity::YMm | Quantity::DxUm | Quantity::DyUm | Quantity::SigmaUm => &[],
     }
 }

@@ -7,7 +7,7 @@ use fmc_camera::flight::exposure::Limits;
 use fmc_camera::flight::stage::RunUp;
 use fmc_camera::geometry::brown::Brown;
 use fmc_camera::geometry::calibration::CalibrationRecord;
-use fmc_camera::geometry::five_coefficient::FiveCoefficients;
+use fmc_camera::geometry::five_coefficient::{FiveCoefficients, Regressor};
 use fmc_camera::geometry::principal_distance::{FLATNESS_TERMS, Flatness};
 use fmc_camera::geometry::range::Quantity;
 use fmc_camera::geometry::sensor::{FmcAxis, SensorPoint};
@@ -272,6 +272,38 @@ pub struct FittedTable {
     pub km2: f64,
     pub kd1: f64,
     pub pm1: f64,
+    pub per: Per,
+}
+
+/// What `kd1` and `pm1` are multiplied by.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Deserialize)]
+#[serde(rename_all = "lowercase")]
+pub enum Per {
+    /// δ, the travel while the shutter is open.
+    #[default]
+    Travel,
+    /// c̄, the offset of the exposure centroid.
+    Centroid,
+}
+
+impl Per {
+    /// As in the camera file.
+    #[must_use]
+    pub const fn name(self) -> &'static str {
+        match self {
+            Self::Travel => "travel",
+            Self::Centroid => "centroid",
+        }
+    }
+}
+
+impl From<Per> for Regressor {
+    fn from(per: Per) -> Self {
+        match per {
+            Per::Travel => Self::Travel,
+            Per::Centroid => Self::Centroid,
+        }
+    }
 }
 
 impl CameraFile {
@@ -426,6 +458,7 @@ impl CameraFile {
                     km2: single(fitted.km2),
                     kd1: single(fitted.kd1),
                     pm1: single(fitted.pm1),
+                    regressor: fitted.per.into(),
                 }),
                 axis: self.fmc.axis.into(),
                 stroke_mm: single(self.fmc.stroke_mm),

@@ -1,7 +1,8 @@
 //! The five-coefficient model, and the printed feed-forward terms, in double precision.
 
+use super::exposure::ExposurePath;
 use super::lens::Lens;
-use crate::formats::camera_file::CameraFile;
+use crate::formats::camera_file::{CameraFile, Per};
 
 /// The five-coefficient model of one exposure.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -14,14 +15,18 @@ pub struct FittedModel {
 }
 
 impl FittedModel {
-    /// The model at the travel `travel_mm` (δ); `None` for a camera without `[fitted]`.
+    /// The model of an exposure; `None` for a camera without `[fitted]`.
     ///
     /// # Model
     /// Yuan et al. 2012, eq. 22: `K_m0..K_m2` replace K0..K2, and along the FMC axis e
-    /// `δ·Kd1·(x̄·e)·x̄ + δ·Pm1·r²·e` is added.
+    /// `s·Kd1·(x̄·e)·x̄ + s·Pm1·r²·e` is added, s being δ, or c̄ for coefficients per mm of it.
     #[must_use]
-    pub fn new(camera: &CameraFile, travel_mm: f64) -> Option<Self> {
+    pub fn new(camera: &CameraFile, path: &ExposurePath) -> Option<Self> {
         let fitted = camera.fitted.as_ref()?;
+        let regressor_mm = match fitted.per {
+            Per::Travel => path.travel_mm,
+            Per::Centroid => path.centroid_mm(),
+        };
         let static_lens = camera.lens();
         let [_, _, _, k3] = static_lens.k;
         Some(Self {
@@ -31,8 +36,8 @@ impl FittedModel {
             },
             principal_point_mm: camera.principal_point_mm,
             axis: camera.fmc.axis.unit(),
-            radial: fitted.kd1 * travel_mm,
-            tangential: fitted.pm1 * travel_mm,
+            radial: fitted.kd1 * regressor_mm,
+            tangential: fitted.pm1 * regressor_mm,
         })
     }
 

@@ -5,6 +5,7 @@
 //! two units of single precision).
 
 mod distortion;
+mod fitting;
 mod focus;
 mod frames;
 mod models;
@@ -112,6 +113,7 @@ fn worked_examples_are_what_the_library_computes() {
         focus::EXAMPLES,
         models::EXAMPLES,
         software::EXAMPLES,
+        fitting::EXAMPLES,
     ]
     .concat();
     let documented = rows("example");
