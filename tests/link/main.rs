@@ -10,6 +10,7 @@
 
 mod conversation;
 mod damage;
+mod fit;
 mod fuzzed;
 mod messages;
 mod pc;

@@ -3,13 +3,18 @@
 use fmc_camera::flight::camera::{CameraRecord, Mechanism};
 use fmc_camera::flight::exposure::Exposure;
 use fmc_camera::flight::stage::RunUp;
+use fmc_camera::geometry::estimation::fit::Fit;
+use fmc_camera::geometry::estimation::observation::Observation;
+use fmc_camera::geometry::estimation::options::FitOptions;
 use fmc_camera::geometry::five_coefficient::FiveCoefficients;
 use fmc_camera::geometry::frame_correction::Corrected;
 use fmc_camera::geometry::sensor::SensorPoint;
 use fmc_camera::geometry::shutter::ShutterProfile;
 use fmc_camera::io::link::frame::{Frame, FrameReceiver};
 use fmc_camera::io::link::message::{Answer, Grid, Header, Identity, Request, Start};
-use fmc_camera::io::link::{LONGEST_FRAME, LONGEST_PAYLOAD, MAX_POINTS, PROTOCOL_VERSION};
+use fmc_camera::io::link::{
+    LONGEST_FRAME, LONGEST_PAYLOAD, MAX_OBSERVATIONS, MAX_POINTS, PROTOCOL_VERSION,
+};
 
 use crate::pc::{camera_record, frame};
 
@@ -44,6 +49,17 @@ fn longest_record() -> CameraRecord {
     record
 }
 
+fn far_observation() -> Observation<f32> {
+    Observation {
+        x_mm: f32::MAX,
+        y_mm: f32::MIN,
+        dx_mm: f32::MAX,
+        dy_mm: f32::MIN,
+        regressor_mm: f32::MAX,
+        sigma_mm: f32::MIN_POSITIVE,
+    }
+}
+
 #[test]
 fn longest_messages_fit_and_come_back_as_they_went() {
     let far = SensorPoint::new(f32::MIN, f32::MAX);
@@ -52,6 +68,7 @@ fn longest_messages_fit_and_come_back_as_they_went() {
         Request::Correct(full()),
         Request::Distort(full()),
         Request::Load(longest_record()),
+        Request::Observe(std::iter::repeat_n(far_observation(), MAX_OBSERVATIONS).collect()),
         Request::Digest(Grid {
             x_mm: std::iter::repeat_n(f32::MAX, MAX_POINTS).collect(),
             y_mm: std::iter::repeat_n(f32::MIN, MAX_POINTS).collect(),
@@ -72,6 +89,17 @@ fn longest_messages_fit_and_come_back_as_they_went() {
     let long = "x".repeat(40);
     for answer in [
         Answer::Points(std::iter::repeat_n(corrected, MAX_POINTS).collect()),
+        Answer::Fitted(Fit {
+            options: FitOptions::default(),
+            points: u32::MAX,
+            unknowns: u32::MAX,
+            values: [f32::MAX; 6],
+            standard_deviations: [f32::MAX; 6],
+            correlations: [[f32::MIN; 6]; 6],
+            sigma0: f32::MAX,
+            sigma0_as_printed: Some(f32::MAX),
+            condition: f32::MAX,
+        }),
         Answer::Connected(Identity::new(&long, &long[..24], true, Start::Fault)),
     ] {
         let mut frame = Frame::EMPTY;

@@ -58,5 +58,8 @@ fn refusal_name(refusal: Refusal) -> &'static str {
         Refusal::Distort { .. } => "no measured point",
         Refusal::TooMany => "too many points",
         Refusal::NoPowerSwitch => "no power switch",
+        Refusal::NoFit => "no adjustment",
+        Refusal::Observation { .. } => "observation",
+        Refusal::Fit(_) => "fit",
     }
 }

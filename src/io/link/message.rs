@@ -6,19 +6,26 @@ use heapless::{String, Vec};
 use serde::{Deserialize, Serialize};
 
 use super::frame::Frame;
-use super::{MAX_POINTS, PROTOCOL_VERSION};
+use super::{MAX_OBSERVATIONS, MAX_POINTS, PROTOCOL_VERSION};
 use crate::flight::camera::{CameraRecord, FrameError};
 use crate::flight::exposure::Exposure;
 use crate::flight::frame_record::FrameRecord;
 use crate::geometry::calibration::CalibrationError;
+use crate::geometry::estimation::fit::{Fit, FitError};
+use crate::geometry::estimation::observation::Observation;
+use crate::geometry::estimation::options::FitOptions;
 use crate::geometry::evaluation_form::Displacement;
 use crate::geometry::frame_correction::Corrected;
 use crate::geometry::inverse::DistortError;
 use crate::geometry::mesh::MeshRow;
+use crate::geometry::range::OutOfRange;
 use crate::geometry::sensor::SensorPoint;
 
 /// A batch of points.
 pub type Points = Vec<SensorPoint, MAX_POINTS>;
+
+/// A batch of observations.
+pub type Observations = Vec<Observation<f32>, MAX_OBSERVATIONS>;
 
 /// Which request of which session.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
@@ -56,6 +63,12 @@ pub enum Request {
     Reset,
     /// Switches the camera off, where it can.
     PowerOff,
+    /// Starts an adjustment of the five coefficients; ends another.
+    StartFit(FitOptions),
+    /// Adds observations to the adjustment.
+    Observe(Observations),
+    /// The coefficients of all observations so far. The calibration stays as it is.
+    Fit,
 }
 
 /// What the camera answers.
@@ -80,6 +93,10 @@ pub enum Answer {
     Ending,
     /// It is not done.
     Refused(Refusal),
+    /// The adjustment has so many points.
+    Observed(u32),
+    /// The five coefficients, with their precision.
+    Fitted(Fit<f32>),
 }
 
 /// Why the camera does not do what it is asked for. Nothing has changed, except that after an
@@ -105,7 +122,7 @@ pub enum Refusal {
     Exposure(FrameError),
     /// There is no frame yet.
     NoFrame,
-    /// A measured point is not on the sensor.
+    /// A measured point, or that of an observation, is not on the sensor.
     OffSensor {
         /// Its index in the batch, row or grid.
         index: u16,
@@ -121,6 +138,17 @@ pub enum Refusal {
     TooMany,
     /// This camera cannot switch itself off.
     NoPowerSwitch,
+    /// No adjustment has been started.
+    NoFit,
+    /// An observation is not believable.
+    Observation {
+        /// Its index in the batch.
+        index: u16,
+        /// Which number.
+        error: OutOfRange,
+    },
+    /// The observations do not determine the coefficients.
+    Fit(FitError),
 }
 
 impl fmt::Display for Refusal {
@@ -145,6 +173,11 @@ impl fmt::Display for Refusal {
             Self::Distort { index, error } => write!(f, "point {index} of the batch: {error}"),
             Self::TooMany => write!(f, "more than {MAX_POINTS} points"),
             Self::NoPowerSwitch => f.write_str("it cannot switch itself off"),
+            Self::NoFit => f.write_str("no adjustment has been started"),
+            Self::Observation { index, error } => {
+                write!(f, "observation {index} of the batch: {error}")
+            }
+            Self::Fit(error) => error.fmt(f),
         }
     }
 }

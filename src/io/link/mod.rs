@@ -39,6 +39,9 @@ pub const PROTOCOL_VERSION: u8 = 1;
 /// Points in one message; every buffer's size follows from it.
 pub const MAX_POINTS: usize = 64;
 
+/// Observations in one message: as many as fit the payload of [`MAX_POINTS`] answers.
+pub const MAX_OBSERVATIONS: usize = 40;
+
 /// Longest payload, bytes: [`MAX_POINTS`] answers of four numbers, and what surrounds them.
 pub const LONGEST_PAYLOAD: usize = 16 * MAX_POINTS + 16;
 

@@ -2,13 +2,16 @@
 
 use super::frame::{Damage, Frame, FrameReceiver};
 use super::message::{
-    Answer, CalibrationIdentity, Counters, Header, Identity, Points, Refusal, Request, Storage,
-    Unreadable,
+    Answer, CalibrationIdentity, Counters, Header, Identity, Observations, Points, Refusal,
+    Request, Storage, Unreadable,
 };
 use super::{MAX_POINTS, digest};
 use crate::flight::camera::{self, Camera, CameraRecord};
 use crate::flight::exposure::Exposure;
 use crate::flight::frame_record::FrameRecord;
+use crate::geometry::estimation::adjustment::Adjustment;
+use crate::geometry::estimation::known_lens::KnownLens;
+use crate::geometry::estimation::options::FitOptions;
 use crate::geometry::frame_correction::{Corrected, FrameCorrection};
 use crate::geometry::sensor::SensorPoint;
 use heapless::Vec;
@@ -62,6 +65,7 @@ impl Station {
                 kept: None,
                 camera: None,
                 frame: None,
+                adjustment: None,
                 answer: Frame::EMPTY,
                 aside: Frame::EMPTY,
                 to_send: Which::Answer,
@@ -140,6 +144,7 @@ struct Desk {
     kept: Option<Header>,
     camera: Option<Camera>,
     frame: Option<camera::Frame>,
+    adjustment: Option<Adjustment<f32>>,
     answer: Frame,
     /// What is said to others meanwhile: the answer stays, for whoever asks for it again.
     aside: Frame,
@@ -228,6 +233,7 @@ impl Desk {
         let answer = match request {
             Request::Connect => {
                 self.frame = None;
+                self.adjustment = None;
                 let answer = Answer::Connected(self.identity.clone());
                 return Ok((answer, Event::Connected(header.session)));
             }
@@ -264,6 +270,12 @@ impl Desk {
                 return Ok((Answer::Ending, Event::PowerOff));
             }
             Request::PowerOff => return Err(Refusal::NoPowerSwitch),
+            Request::StartFit(options) => Answer::Observed(self.start_fit(*options)?),
+            Request::Observe(observations) => Answer::Observed(self.observe(observations)?),
+            Request::Fit => {
+                let adjustment = self.adjustment.as_ref().ok_or(Refusal::NoFit)?;
+                Answer::Fitted(adjustment.fit().map_err(Refusal::Fit)?)
+            }
         };
         Ok((answer, Event::Answered))
     }
@@ -276,6 +288,7 @@ impl Desk {
         };
         self.camera = Some(camera);
         self.frame = None;
+        self.adjustment = None;
         self.identity.calibration = Some(calibration);
         Ok(calibration)
     }
@@ -287,6 +300,37 @@ impl Desk {
         let frame = camera.frame(exposure).map_err(Refusal::Exposure)?;
         self.frame = Some(frame);
         Ok(frame.record)
+    }
+
+    fn start_fit(&mut self, options: FitOptions) -> Result<u32, Refusal> {
+        let camera = self.camera.as_ref().ok_or(Refusal::NoCalibration)?;
+        let adjustment = Adjustment::new(KnownLens::of(camera.calibration()), options);
+        let points = adjustment.points();
+        self.adjustment = Some(adjustment);
+        Ok(points)
+    }
+
+    /// Takes all observations of a batch, or none.
+    fn observe(&mut self, observations: &Observations) -> Result<u32, Refusal> {
+        let camera = self.camera.as_ref().ok_or(Refusal::NoCalibration)?;
+        let adjustment = self.adjustment.as_mut().ok_or(Refusal::NoFit)?;
+        let calibration = camera.calibration();
+        let lens = KnownLens::of(calibration);
+        for (index, observation) in (0..).zip(observations) {
+            let point = SensorPoint::new(observation.x_mm, observation.y_mm);
+            if !calibration.sensor().contains(point) {
+                return Err(Refusal::OffSensor { index });
+            }
+            observation
+                .checked(&lens)
+                .map_err(|error| Refusal::Observation { index, error })?;
+        }
+        for (index, observation) in (0..).zip(observations) {
+            adjustment
+                .observe(*observation)
+                .map_err(|error| Refusal::Observation { index, error })?;
+        }
+        Ok(adjustment.points())
     }
 
     fn frame(&self) -> Result<&camera::Frame, Refusal> {
