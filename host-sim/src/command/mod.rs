@@ -1,5 +1,6 @@
 //! The commands.
 
+mod calibrate;
 mod device;
 mod exposure;
 mod frame;
@@ -7,7 +8,7 @@ mod points;
 mod reference;
 mod verify;
 
-use crate::cli::{Cli, Command};
+use crate::cli::{CalibrationMethod, Cli, Command};
 use crate::failure::Failure;
 
 /// Runs a command.
@@ -21,5 +22,8 @@ pub fn run(cli: Cli) -> Result<(), Failure> {
         Command::Distort(args) => points::run(&args, points::Direction::Distort),
         Command::Reference(args) => reference::run(&args),
         Command::Frame(args) => frame::run(&args),
+        Command::Calibrate(args) => match args.method {
+            CalibrationMethod::Five(args) => calibrate::five(&args),
+        },
     }
 }

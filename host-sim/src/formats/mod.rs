@@ -2,7 +2,9 @@
 
 pub mod camera_error;
 pub mod camera_file;
+pub mod fitted_block;
 pub mod number;
+pub mod observations;
 pub mod output;
 pub mod points;
 pub mod published;

@@ -294,7 +294,7 @@ impl Columns {
     }
 }
 
-fn csv_failure(file: &str, error: &csv::Error) -> Failure {
+pub(super) fn csv_failure(file: &str, error: &csv::Error) -> Failure {
     match error.kind() {
         ErrorKind::UnequalLengths {
             pos,

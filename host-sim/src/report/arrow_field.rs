@@ -66,14 +66,22 @@ fn draw(
             displacement_mm: displacement(point),
         })
         .collect();
+    draw_arrows(camera.format_mm, camera.axis, titles, &arrows)
+}
+
+/// Arrows over a sensor of `format_mm` whose principal point moves along `axis`.
+pub(super) fn draw_arrows(
+    format_mm: [f64; 2],
+    axis: &str,
+    titles: &[String; 2],
+    arrows: &[Arrow],
+) -> Result<String, FigureError> {
     if arrows.is_empty() {
         return Err(FigureError::NothingToDraw);
     }
     let lengths = arrows.iter().map(|arrow| length_of(arrow.displacement_mm));
-    let scale = ArrowScale::fitting(camera.format_mm, lengths);
-    let [half_x, half_y] = camera
-        .format_mm
-        .map(|format| format / 2.0 + scale.spacing_mm);
+    let scale = ArrowScale::fitting(format_mm, lengths);
+    let [half_x, half_y] = format_mm.map(|format| format / 2.0 + scale.spacing_mm);
     let plot_width = WIDTH - AXIS_WIDTH - 2 * EDGE;
     let pixels_per_mm = f64::from(plot_width) / (2.0 * half_x);
     let plot_height = pixels(2.0 * half_y * pixels_per_mm).unsigned_abs();
@@ -106,7 +114,7 @@ fn draw(
             .x_desc("x, mm")
             .y_desc("y, mm")
             .draw()?;
-        let [x, y] = camera.format_mm.map(|format| format / 2.0);
+        let [x, y] = format_mm.map(|format| format / 2.0);
         chart.draw_series([Rectangle::new([(-x, -y), (x, y)], OUTLINE.stroke_width(3))])?;
         let head_mm = 0.28 * scale.spacing_mm;
         let dots = arrows.iter().filter(|arrow| !scale.shows(arrow));
@@ -116,7 +124,7 @@ fn draw(
             let to = scale.drawn_mm(arrow.displacement_mm);
             PathElement::new(path(arrow.from_mm, to, head_mm), ARROW.stroke_width(3))
         }))?;
-        draw_legend(&legend, &scale, pixels_per_mm, camera.axis)?;
+        draw_legend(&legend, &scale, pixels_per_mm, axis)?;
         canvas.present()?;
     }
     Ok(svg)

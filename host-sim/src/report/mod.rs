@@ -1,16 +1,22 @@
-//! What a verification tells its reader: a table, machine-readable files, figures and a page.
+//! What a verification or a calibration tells its reader: a table, machine-readable files, figures
+//! and a page.
 
 pub mod arrow_field;
 mod arrow_scale;
 mod comparison;
 pub mod error_plot;
 pub mod figure;
+pub mod five_summary;
+pub mod five_table;
 #[cfg(test)]
 mod fixture;
 pub mod frames_csv;
 pub mod html;
 mod length;
 mod marker;
+pub mod residual_field;
+pub mod residual_plot;
+pub mod residuals_csv;
 mod run_up;
 pub mod summary;
 pub mod table;

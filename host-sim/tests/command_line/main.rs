@@ -9,8 +9,14 @@ mod bad_points;
 #[cfg(test)]
 mod bad_request;
 #[cfg(test)]
+mod calibrate_five;
+#[cfg(test)]
+mod calibrate_five_refused;
+#[cfg(test)]
 #[cfg(unix)]
 mod fake_camera;
+#[cfg(test)]
+mod observations;
 #[cfg(test)]
 mod output;
 #[cfg(test)]

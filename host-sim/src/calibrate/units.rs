@@ -1,0 +1,122 @@
+//! Columns whose numbers cannot be what their unit says.
+
+use super::measurement::Measurement;
+use crate::failure::Failure;
+use crate::formats::camera_file::CameraFile;
+
+/// Points all nearer to the centre than this fraction of half the format are not in millimetres.
+const LEAST_FORMAT: f64 = 1.0 / 200.0;
+
+/// Distortions that differ from the static calibration's by more than this factor, in the median,
+/// are in another unit.
+const MOST_FACTOR: f64 = 100.0;
+
+/// A static distortion smaller than this, µm in the median, is no measure of the observed one.
+const LEAST_STATIC_UM: f64 = 0.5;
+
+/// Distortions all smaller than this, µm, are observed by nobody.
+const LEAST_UM: f64 = 0.01;
+
+/// Distortions of more than this fraction of the format radius, in the median, are no lens.
+const MOST_OF_RADIUS: f64 = 0.1;
+
+/// Checks coordinates and distortions as columns.
+///
+/// # Errors
+/// [`Failure`] naming file, line, column, value and allowed range.
+pub(super) fn check(
+    file: &str,
+    measurements: &[Measurement],
+    camera: &CameraFile,
+) -> Result<(), Failure> {
+    for (axis, column) in ["x_mm", "y_mm"].into_iter().enumerate() {
+        let half_mm = component(camera.half_format_mm(), axis);
+        check_coordinates(file, measurements, half_mm, axis, column)?;
+    }
+    let lens = camera.lens();
+    let [x0, y0] = camera.principal_point_mm;
+    let [half_x, half_y] = camera.half_format_mm();
+    let largest_um = 1000.0 * MOST_OF_RADIUS * half_x.hypot(half_y);
+    for (axis, column) in ["dx_um", "dy_um"].into_iter().enumerate() {
+        let observed = |measurement: &Measurement| {
+            1000.0 * component(measurement.row.distortion_mm, axis).abs()
+        };
+        let known = |measurement: &Measurement| {
+            let [x, y] = measurement.row.point_mm;
+            1000.0 * component(lens.displacement([x - x0, y - y0]), axis).abs()
+        };
+        let observed_um = median(measurements.iter().map(observed).collect());
+        let static_um = median(measurements.iter().map(known).collect());
+        let (least, most) = if static_um >= LEAST_STATIC_UM {
+            (
+                static_um / MOST_FACTOR,
+                (static_um * MOST_FACTOR).min(largest_um),
+            )
+        } else {
+            (0.0, largest_um)
+        };
+        let largest_seen = measurements.iter().map(observed).fold(0.0, f64::max);
+        let tiny = observed_um < least || largest_seen < LEAST_UM;
+        if !tiny && observed_um <= most {
+            continue;
+        }
+        let guess = if tiny { "is it in mm?" } else { "is it in nm?" };
+        let example = measurements
+            .iter()
+            .min_by(|a, b| {
+                let distance = |m: &Measurement| (observed(m) - observed_um).abs();
+                distance(a).total_cmp(&distance(b))
+            })
+            .map_or((0, 0.0), |m| {
+                (m.row.line, 1000.0 * component(m.row.distortion_mm, axis))
+            });
+        let (line, value) = example;
+        return Err(Failure::bad_input(format!(
+            "{file}, line {line}: {column} = {value}: the median of the column, {observed_um:.3e} µm, is outside \
+             {:.3e} to {most:.3e} µm (static calibration at these points: {static_um:.3e} µm); {guess}",
+            least.max(if tiny { LEAST_UM } else { 0.0 })
+        )));
+    }
+    Ok(())
+}
+
+fn check_coordinates(
+    file: &str,
+    measurements: &[Measurement],
+    half_mm: f64,
+    axis: usize,
+    column: &str,
+) -> Result<(), Failure> {
+    let farthest = measurements.iter().max_by(|a, b| {
+        let distance = |m: &Measurement| component(m.row.point_mm, axis).abs();
+        distance(a).total_cmp(&distance(b))
+    });
+    let Some(farthest) = farthest else {
+        return Ok(());
+    };
+    let value = component(farthest.row.point_mm, axis);
+    // A column of zeros is a line of points, which the adjustment names.
+    if value.abs() <= 0.0 || value.abs() >= LEAST_FORMAT * half_mm {
+        return Ok(());
+    }
+    Err(Failure::bad_input(format!(
+        "{file}, line {}: {column} = {value} is the farthest of the column from the centre of a sensor of \
+         -{half_mm} to {half_mm} mm, nearer by a factor of {:.0}; is it in m, or are all points on one line?",
+        farthest.row.line,
+        half_mm / value.abs()
+    )))
+}
+
+fn component([x, y]: [f64; 2], axis: usize) -> f64 {
+    if axis == 0 { x } else { y }
+}
+
+/// The middle one, or the upper of the two.
+pub(super) fn median(mut numbers: Vec<f64>) -> f64 {
+    let middle = numbers.len() / 2;
+    if middle >= numbers.len() {
+        return 0.0;
+    }
+    let (_, median, _) = numbers.select_nth_unstable_by(middle, f64::total_cmp);
+    *median
+}

@@ -1,0 +1,116 @@
+//! `calibrate`: coefficients from observations.
+
+use std::io;
+use std::path::Path;
+
+use fmc_camera::geometry::estimation::options::{FitOptions, StaticDecentring};
+use fmc_camera::geometry::five_coefficient::Regressor;
+
+use crate::calibrate::five::FiveCalibration;
+use crate::cli::{FiveArgs, RegressOn, StaticP2};
+use crate::failure::Failure;
+use crate::formats::camera_file::CameraFile;
+use crate::formats::fitted_block;
+use crate::formats::observations::ObservationTable;
+use crate::formats::output::{self, OutputFolder};
+use crate::report::figure::FigureError;
+use crate::report::{five_summary, five_table, residual_field, residual_plot, residuals_csv};
+
+/// `calibrate five`.
+pub(super) fn five(args: &FiveArgs) -> Result<(), Failure> {
+    let (camera, validated) = CameraFile::read(&args.camera)?;
+    let camera_name = args
+        .camera
+        .file_name()
+        .map_or_else(|| "camera.toml".into(), |name| name.to_string_lossy());
+    if let Some(folder) = &args.out {
+        let out = folder.join(&*camera_name);
+        output::check_not_the_input(Some(&out), &args.camera)?;
+    }
+    let table = ObservationTable::read(&args.observations, &camera)?;
+    let calibration = FiveCalibration::new(&table, &camera, &validated, options(args))?;
+    let outputs = args
+        .out
+        .as_deref()
+        .map(|folder| Outputs::of(&calibration, &args.camera, &camera_name, folder))
+        .transpose()?;
+    output::write(None, |sink| {
+        sink.write_all(five_table::text(&calibration).as_bytes())
+    })?;
+    outputs.map_or(Ok(()), Outputs::write)
+}
+
+fn options(args: &FiveArgs) -> FitOptions {
+    FitOptions {
+        regressor: match args.regress_on {
+            RegressOn::Travel => Regressor::Travel,
+            RegressOn::Centroid => Regressor::Centroid,
+        },
+        tied: args.tie,
+        decentring: match args.static_p2 {
+            StaticP2::Hold => StaticDecentring::Hold,
+            StaticP2::Estimate => StaticDecentring::Estimate,
+            StaticP2::Known => StaticDecentring::Known,
+        },
+    }
+}
+
+/// All files of a calibration, made before the first is written.
+struct Outputs {
+    folder: OutputFolder,
+    files: Vec<(String, Vec<u8>)>,
+}
+
+impl Outputs {
+    fn of(
+        calibration: &FiveCalibration,
+        camera: &Path,
+        camera_name: &str,
+        folder: &Path,
+    ) -> Result<Self, Failure> {
+        let text =
+            std::fs::read_to_string(camera).map_err(|error| Failure::reading(camera, &error))?;
+        let camera_text = fitted_block::with_coefficients(
+            &camera.display().to_string(),
+            &text,
+            &calibration.fitted_table(),
+            calibration.decentring(),
+        )?;
+        let making = |error: io::Error| Failure::writing("report", &error);
+        let mut residuals = Vec::new();
+        residuals_csv::write(calibration, &mut residuals)
+            .map_err(|error| making(io::Error::other(error)))?;
+        let mut summary = serde_json::to_vec_pretty(&five_summary::FiveSummary::of(calibration))
+            .map_err(|error| making(error.into()))?;
+        summary.push(b'\n');
+        let mut files = vec![
+            (camera_name.to_owned(), camera_text.into_bytes()),
+            ("residuals.csv".to_owned(), residuals),
+            ("summary.json".to_owned(), summary),
+        ];
+        let drawing = |error: FigureError| Failure::device_or_io(format!("figure: {error}"));
+        files.push((
+            "residual-vectors.svg".to_owned(),
+            residual_field::residual_vectors(calibration)
+                .map_err(drawing)?
+                .into_bytes(),
+        ));
+        for against in residual_plot::Against::ALL {
+            let svg = residual_plot::residuals_against(calibration, against).map_err(drawing)?;
+            files.push((against.file_name().to_owned(), svg.into_bytes()));
+        }
+        Ok(Self {
+            folder: OutputFolder::create(folder)?,
+            files,
+        })
+    }
+
+    fn write(self) -> Result<(), Failure> {
+        for (name, contents) in &self.files {
+            self.folder.write(name, |sink| sink.write_all(contents))?;
+        }
+        let names: Vec<&str> = self.files.iter().map(|(name, _)| name.as_str()).collect();
+        eprintln!("{}: {}", self.folder.path().display(), names.join(", "));
+        Ok(())
+    }
+}

@@ -1,0 +1,191 @@
+//! A five-coefficient calibration for machines: `summary.json`.
+
+use std::collections::BTreeMap;
+
+use fmc_camera::geometry::estimation::options::StaticDecentring;
+use fmc_camera::geometry::estimation::parameter::Parameter;
+use fmc_camera::geometry::five_coefficient::Regressor;
+use serde::Serialize;
+
+use crate::calibrate::five::FiveCalibration;
+
+/// The numbers of a calibration. Keys are only ever added.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct FiveSummary {
+    /// The camera's name.
+    pub camera: String,
+    /// The file of observations.
+    pub observations: String,
+    /// Points given, two observations each.
+    pub points: usize,
+    /// Points in the fit.
+    pub accepted: u32,
+    /// Different exposures.
+    pub exposures: usize,
+    /// Whether `K_d1` = 2 `P_m1` was imposed.
+    pub tied: bool,
+    /// `travel` or `centroid`.
+    pub regress_on: &'static str,
+    /// `hold`, `estimate` or `known`.
+    pub static_p2: &'static str,
+    /// Unknowns u.
+    pub unknowns: u32,
+    /// 2n - u.
+    pub redundancy: u32,
+    /// σ0: in µm without a column `sigma_um`, else a factor of it.
+    pub sigma0: f64,
+    /// The same with n - u, as printed in Yuan et al. 2012, eq. 28.
+    pub sigma0_as_printed: Option<f64>,
+    /// Whether the observations came with σ.
+    pub has_sigma: bool,
+    /// Condition number of the normalised design.
+    pub condition: f64,
+    /// By name.
+    pub coefficients: BTreeMap<&'static str, Coefficient>,
+    /// Statistics of the residuals of dx and of dy, accepted points.
+    pub residuals: [ResidualStatistics; 2],
+    /// Test values above this are rejected.
+    pub critical_value: f64,
+    /// What is no part of the fit.
+    pub rejected: Vec<Rejected>,
+}
+
+/// One parameter.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct Coefficient {
+    /// In powers of mm.
+    pub value: f64,
+    /// Its standard deviation; 0 where it is held.
+    pub standard_deviation: f64,
+    /// Its correlation with the others.
+    pub correlations: BTreeMap<&'static str, f64>,
+}
+
+/// Residuals of one component, µm.
+#[derive(Debug, Clone, Copy, PartialEq, Default, Serialize)]
+pub struct ResidualStatistics {
+    /// Mean.
+    pub mean_um: f64,
+    /// Root mean square.
+    pub rms_um: f64,
+    /// Largest absolute value.
+    pub max_um: f64,
+}
+
+/// An observation that was rejected.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct Rejected {
+    /// Its line in the file.
+    pub line: u64,
+    /// Its name.
+    pub id: Option<String>,
+    /// Its residual, µm.
+    pub residual_um: [f64; 2],
+    /// The larger of its standardised components.
+    pub test_value: f64,
+}
+
+/// Name of a parameter in the camera file.
+pub(super) fn name(parameter: Parameter, along_x: bool) -> &'static str {
+    match parameter {
+        Parameter::Km0 => "km0",
+        Parameter::Km1 => "km1",
+        Parameter::Km2 => "km2",
+        Parameter::Kd1 => "kd1",
+        Parameter::Pm1 => "pm1",
+        Parameter::Decentring if along_x => "p1",
+        Parameter::Decentring => "p2",
+    }
+}
+
+/// The parameters that were estimated.
+pub(super) fn estimated(calibration: &FiveCalibration) -> Vec<Parameter> {
+    let with = calibration.fit.options.decentring == StaticDecentring::Estimate;
+    Parameter::ALL
+        .into_iter()
+        .filter(|parameter| with || *parameter != Parameter::Decentring)
+        .collect()
+}
+
+/// Whether the FMC axis lies along x.
+pub(super) fn is_along_x(calibration: &FiveCalibration) -> bool {
+    let [ex, _] = calibration.camera.fmc.axis.unit();
+    ex.abs() > 0.5
+}
+
+impl FiveSummary {
+    /// The numbers of a calibration.
+    #[must_use]
+    pub fn of(calibration: &FiveCalibration) -> Self {
+        let fit = &calibration.fit;
+        let along_x = is_along_x(calibration);
+        let parameters = estimated(calibration);
+        let coefficients = parameters
+            .iter()
+            .map(|parameter| {
+                let correlations = parameters
+                    .iter()
+                    .map(|other| (name(*other, along_x), fit.correlation(*parameter, *other)))
+                    .collect();
+                let coefficient = Coefficient {
+                    value: fit.value(*parameter),
+                    standard_deviation: fit.standard_deviation(*parameter),
+                    correlations,
+                };
+                (name(*parameter, along_x), coefficient)
+            })
+            .collect();
+        Self {
+            camera: calibration.camera.name.clone(),
+            observations: calibration.file.clone(),
+            points: calibration.measurements.len(),
+            accepted: fit.points,
+            exposures: calibration.exposures,
+            tied: fit.options.tied,
+            regress_on: match fit.options.regressor {
+                Regressor::Travel => "travel",
+                Regressor::Centroid => "centroid",
+            },
+            static_p2: match fit.options.decentring {
+                StaticDecentring::Hold => "hold",
+                StaticDecentring::Estimate => "estimate",
+                StaticDecentring::Known => "known",
+            },
+            unknowns: fit.unknowns,
+            redundancy: fit.redundancy(),
+            sigma0: fit.sigma0,
+            sigma0_as_printed: fit.sigma0_as_printed,
+            has_sigma: calibration.has_sigma,
+            condition: fit.condition,
+            coefficients,
+            residuals: residual_statistics(calibration),
+            critical_value: calibration.critical,
+            rejected: calibration
+                .rejected()
+                .map(|(measurement, tested)| Rejected {
+                    line: measurement.row.line,
+                    id: measurement.row.id.as_deref().map(str::to_owned),
+                    residual_um: tested.residual_mm.map(|mm| 1e3 * mm),
+                    test_value: tested.test_value,
+                })
+                .collect(),
+        }
+    }
+}
+
+fn residual_statistics(calibration: &FiveCalibration) -> [ResidualStatistics; 2] {
+    let mut statistics = [ResidualStatistics::default(); 2];
+    let points = f64::from(calibration.fit.points.max(1));
+    for (_, tested) in calibration.rows().filter(|(_, tested)| tested.passes) {
+        for (statistics, mm) in statistics.iter_mut().zip(tested.residual_mm) {
+            let um = 1e3 * mm;
+            statistics.mean_um += um / points;
+            statistics.rms_um += um * um / points;
+            statistics.max_um = statistics.max_um.max(um.abs());
+        }
+    }
+    for statistics in &mut statistics {
+        statistics.rms_um = statistics.rms_um.sqrt();
+    }
+    statistics
+}

@@ -1,0 +1,221 @@
+//! `calibrate five` on observations that are no calibration.
+
+use std::fs;
+
+use crate::observations::{EXPOSURES, Row, csv, noisy, rows};
+use crate::support::Bench;
+
+/// Exit code 2, a message with every one of `words`, and no output.
+fn refused(observations: &str, words: &[&str]) {
+    refused_with(observations, &[], words);
+}
+
+fn refused_with(observations: &str, more: &[&str], words: &[&str]) {
+    let bench = Bench::new();
+    fs::write(bench.path("obs.csv"), observations).unwrap();
+    let arguments = [
+        "calibrate",
+        "five",
+        "obs.csv",
+        "--camera",
+        "camera.toml",
+        "--out",
+        "out",
+    ];
+    let answer = bench.run(&[&arguments, more].concat());
+    answer.refused(words);
+    answer.refused(&["obs.csv"]);
+    assert_eq!(bench.files(), ["camera.toml", "obs.csv", "points.csv"]);
+}
+
+fn good() -> Vec<Row> {
+    noisy(rows(&EXPOSURES, 9), 0.85, 1)
+}
+
+#[test]
+fn fewer_than_three_points_are_too_few() {
+    refused(&csv(&good()[..2]), &["line 3", "2 points", "at least 3"]);
+    refused(&csv(&[]), &["0 points", "at least 3"]);
+}
+
+#[test]
+fn points_on_a_line_are_named() {
+    let diagonal: Vec<Row> = good()
+        .into_iter()
+        .filter(|row| (row.x_mm - row.y_mm).abs() < 1e-9)
+        .collect();
+    let words = [
+        "lines 2 to",
+        "on one line",
+        "x_mm -40 to 40",
+        "at least 0.057 mm",
+    ];
+    refused(&csv(&diagonal), &words);
+    let column: Vec<Row> = good()
+        .into_iter()
+        .filter(|row| (row.x_mm - 10.0).abs() < 1e-9)
+        .collect();
+    refused(&csv(&column), &["on one line", "x_mm 10 to 10"]);
+}
+
+#[test]
+fn one_exposure_cannot_be_told_from_a_static_decentring() {
+    let one = csv(&noisy(rows(&EXPOSURES[5..], 21), 0.85, 1));
+    let words = [
+        "K_d1 and P_m1 cannot be separated from the static decentring",
+        "P2",
+        "vh_per_s 0.17 to 0.17",
+        "exposure_s 0.01 to 0.01",
+        "--static-p2 known",
+    ];
+    refused(&one, &words);
+    refused_with(&one, &["--static-p2", "estimate"], &words);
+    refused_with(&one, &["--regress-on", "centroid"], &words);
+    refused_with(
+        &one,
+        &["--tie"],
+        &["P_m1 and the static decentring", "cannot be separated"],
+    );
+}
+
+#[test]
+fn id_that_appears_twice_is_named_with_both_lines() {
+    let text = csv(&good()).replace("\np40,", "\np7,");
+    refused(&text, &["lines 9 and 42", "id p7", "twice"]);
+}
+
+#[test]
+fn sigma_of_zero_is_named() {
+    let with_sigma = |sigma: &str| {
+        let mut text = String::new();
+        for (index, line) in csv(&good()).lines().enumerate() {
+            let sigma = match index {
+                0 => "sigma_um",
+                5 => sigma,
+                _ => "0.85",
+            };
+            text.push_str(&format!("{line},{sigma}\n"));
+        }
+        text
+    };
+    let words = ["line 6", "sigma_um = 0 is outside 0.0001 to 10000"];
+    refused(&with_sigma("0"), &words);
+    refused(&with_sigma("-1"), &["line 6", "sigma_um = -1"]);
+    refused(&with_sigma("nan"), &["line 6", "sigma_um", "nan"]);
+    refused(&with_sigma(""), &["line 6", "sigma_um"]);
+}
+
+fn scaled(change: fn(&mut Row)) -> String {
+    let mut rows = good();
+    rows.iter_mut().for_each(change);
+    csv(&rows)
+}
+
+#[test]
+fn coordinates_in_other_units_are_named() {
+    refused(
+        &scaled(|row| row.x_mm *= 1000.0),
+        &[
+            "line 2",
+            "x_mm = -40000",
+            "factor of 992",
+            "-40.32 to 40.32",
+            "µm",
+        ],
+    );
+    refused(
+        &scaled(|row| {
+            row.x_mm /= 1000.0;
+            row.y_mm /= 1000.0;
+        }),
+        &["x_mm = ", "-40.32 to 40.32", "is it in m"],
+    );
+    refused(
+        &scaled(|row| row.y_mm *= 1.02),
+        &["y_mm = -40.8", "factor of 1.012", "-40.32 to 40.32"],
+    );
+}
+
+#[test]
+fn distortions_in_other_units_are_named() {
+    refused(
+        &scaled(|row| row.dx_um *= 1000.0),
+        &["dx_um", "nm", "line "],
+    );
+    refused(
+        &scaled(|row| {
+            row.dx_um /= 1000.0;
+            row.dy_um /= 1000.0;
+        }),
+        &["dx_um", "is it in mm", "static calibration", "line "],
+    );
+    refused(
+        &scaled(|row| row.dy_um /= 1000.0),
+        &["dy_um", "is it in mm"],
+    );
+    let mut one = good();
+    one[3].dx_um = 2e5;
+    refused(&csv(&one), &["line 5", "dx_um = 200000", "100000"]);
+}
+
+#[test]
+fn exposures_that_the_camera_cannot_make_are_named() {
+    let change = |change: fn(&mut Row)| {
+        let mut rows = good();
+        change(&mut rows[7]);
+        csv(&rows)
+    };
+    refused(
+        &change(|row| row.vh = 50.0),
+        &["line 9", "vh_per_s = 50 is outside 0.05 to 0.17"],
+    );
+    refused(
+        &change(|row| row.exposure_s = 10.0),
+        &["line 9", "exposure_s = 10 is outside 0.001 to 0.02"],
+    );
+    refused(
+        &change(|row| row.offset_mm = 3.0),
+        &["line 9", "opening_offset_mm = 3", "stroke"],
+    );
+    refused(
+        &change(|row| row.offset_mm = 145.0),
+        &["line 9", "opening_offset_mm = 145"],
+    );
+}
+
+#[test]
+fn header_and_row_faults_are_named() {
+    refused("", &["empty"]);
+    refused("x_mm,y_mm\n1,2\n", &["line 1", "dx_um is missing"]);
+    let text = csv(&good());
+    refused(
+        &text.replacen("dy_um", "dx_um", 1),
+        &["dx_um appears twice"],
+    );
+    refused(
+        &text.replacen("\np3,", "\np3,left,", 1),
+        &["line 5", "9 columns", "8"],
+    );
+    let (head, rest) = text.split_at(text.find("\np3,").unwrap());
+    let cut = rest.replacen(",0.05,", ",fast,", 1);
+    refused(&format!("{head}{cut}"), &["line 5", "vh_per_s", "fast"]);
+}
+
+#[test]
+fn output_never_replaces_the_camera_file() {
+    let bench = Bench::new();
+    fs::write(bench.path("obs.csv"), csv(&good())).unwrap();
+    let before = fs::read(bench.path("camera.toml")).unwrap();
+    let answer = bench.run(&[
+        "calibrate",
+        "five",
+        "obs.csv",
+        "--camera",
+        "camera.toml",
+        "--out",
+        ".",
+    ]);
+    answer.refused(&["camera.toml", "camera file itself"]);
+    assert_eq!(fs::read(bench.path("camera.toml")).unwrap(), before);
+    assert_eq!(bench.files(), ["camera.toml", "obs.csv", "points.csv"]);
+}
