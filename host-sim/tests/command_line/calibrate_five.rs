@@ -1,5 +1,6 @@
 //! `calibrate five` on good observations.
 
+use std::fmt::Write as _;
 use std::fs;
 
 use serde_json::Value;
@@ -74,7 +75,7 @@ fn folder_receives_camera_residuals_summary_and_figures() {
             "summary.json",
         ]
     );
-    for figure in files.iter().filter(|name| name.ends_with(".svg")) {
+    for figure in files.iter().filter(|name| name.contains(".svg")) {
         let svg = fs::read_to_string(bench.path("out").join(figure)).unwrap();
         assert!(svg.ends_with("</svg>\n") && svg.len() > 5000, "{figure}");
         assert!(!svg.contains("NaN"), "{figure}");
@@ -196,7 +197,7 @@ fn sigma_column_weighs_and_makes_sigma0_a_factor() {
     let rows = noisy(rows(&EXPOSURES, 9), 0.85, 5);
     for (index, line) in csv(&rows).lines().enumerate() {
         let sigma = if index == 0 { "sigma_um" } else { "0.85" };
-        text.push_str(&format!("{line},{sigma}\n"));
+        writeln!(text, "{line},{sigma}").unwrap();
     }
     let weighted = summary(&text, &[]);
     let sigma0 = weighted["sigma0"].as_f64().unwrap();
@@ -296,10 +297,12 @@ fn columns_may_stand_in_any_order_and_byte_order_mark_and_crlf_are_accepted() {
         "\u{feff}opening_offset_mm,note,dy_um,dx_um,exposure_s,y_mm,vh_per_s,x_mm\r\n",
     );
     for row in &rows {
-        text.push_str(&format!(
+        write!(
+            text,
             "{},-,{},{},{},{},{},{}\r\n",
             row.offset_mm, row.dy_um, row.dx_um, row.exposure_s, row.y_mm, row.vh, row.x_mm
-        ));
+        )
+        .unwrap();
     }
     let summary = summary(text.trim_end(), &[]);
     for (key, truth) in KEYS.into_iter().zip(TRUTH) {

@@ -1,5 +1,6 @@
 //! `calibrate five` on observations that are no calibration.
 
+use std::fmt::Write as _;
 use std::fs;
 
 use crate::observations::{EXPOSURES, Row, csv, noisy, rows};
@@ -94,7 +95,7 @@ fn sigma_of_zero_is_named() {
                 5 => sigma,
                 _ => "0.85",
             };
-            text.push_str(&format!("{line},{sigma}\n"));
+            writeln!(text, "{line},{sigma}").unwrap();
         }
         text
     };
