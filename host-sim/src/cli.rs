@@ -68,7 +68,7 @@ pub struct FiveArgs {
     /// Camera file (TOML): its K3, P, B, principal point and axis are taken as known.
     #[arg(long, value_name = "FILE")]
     pub camera: PathBuf,
-    /// Folder for the camera file with [fitted], residuals.csv, summary.json and figures; made if
+    /// Folder for the camera file with its table `fitted`, residuals.csv, summary.json and figures; made if
     /// it does not exist.
     #[arg(long, value_name = "DIR")]
     pub out: Option<PathBuf>,
@@ -99,7 +99,7 @@ pub enum RegressOn {
 pub enum StaticP2 {
     /// Held; the observations must be able to tell it from the dynamic terms.
     Hold,
-    /// Estimated, and written to [distortion].
+    /// Estimated, and written to the table `distortion`.
     Estimate,
     /// Held and believed without error: one exposure suffices.
     Known,

@@ -123,3 +123,19 @@ fn fit_is_that_of_a_dense_singular_value_decomposition() {
         }
     }
 }
+
+/// Why coordinates are divided by the format radius and columns brought to one length.
+#[test]
+fn condition_number_in_powers_of_mm_is_beyond_single_precision() {
+    let lens = lens(FmcAxis::PlusY);
+    let observations = observations(&lens, TRUTH, &travels(), 5);
+    let design = design(&observations, FmcAxis::PlusY);
+    let singular = design
+        .columns(0, 5)
+        .into_owned()
+        .svd(false, false)
+        .singular_values;
+    let condition = singular.max() / singular.min();
+    println!("{condition:e}");
+    assert!(condition > 1e6, "{condition:e}");
+}

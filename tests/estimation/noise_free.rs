@@ -68,7 +68,7 @@ fn lens_without_static_calibration_is_fitted_in_single_precision_too() {
     assert!(worst < 1e-4, "{worst:e}");
 }
 
-/// In powers of mm the condition number of the same design is 2e7 (`docs/conventions.md`).
+/// In powers of mm that of the same design is in the millions (`dense.rs`).
 #[test]
 fn condition_number_is_about_30() {
     let lens = lens(FmcAxis::PlusY);

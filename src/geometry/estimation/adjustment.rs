@@ -32,8 +32,8 @@ pub const MIN_REGRESSOR_MM: f32 = 1e-5;
 /// total distortion, `K_m0` to `K_m2` replace K0 to K2, and K3, P, B of the static calibration
 /// stay. Coordinates are divided by the format radius; the unknowns are corrections to the static
 /// calibration with `K_d1` = `P_m1` = 0. The triangular factor is updated by Givens rotations, the
-/// normal matrix is never formed: the condition number is about 30 over a grid of exposures, and
-/// not its square, nor the 2·10⁷ of powers of mm.
+/// normal matrix is never formed: the condition number is about 25 over a grid of exposures, and
+/// not its square, nor the 10⁶ and more of powers of mm.
 ///
 /// # Accuracy
 /// Noise-free observations of the model give its coefficients back to 10⁻⁴ in single and 10⁻⁹ in
