@@ -6,13 +6,15 @@ use std::time::{Duration, Instant};
 use fmc_camera::flight::camera::CameraRecord;
 use fmc_camera::flight::exposure::Exposure;
 use fmc_camera::flight::frame_record::FrameRecord;
+use fmc_camera::geometry::estimation::fit::Fit;
+use fmc_camera::geometry::estimation::options::FitOptions;
 use fmc_camera::geometry::evaluation_form::Displacement;
 use fmc_camera::geometry::frame_correction::Corrected;
 use fmc_camera::geometry::mesh::MeshRow;
 use fmc_camera::io::link::frame::{Frame, FrameReceiver};
 use fmc_camera::io::link::message::{
-    Answer, CalibrationIdentity, Counters, Grid, Header, Identity, Points, Refusal, Request,
-    Unreadable,
+    Answer, CalibrationIdentity, Counters, Grid, Header, Identity, Observations, Points, Refusal,
+    Request, Unreadable,
 };
 
 use super::link_error::{Heard, LinkError};
@@ -169,6 +171,41 @@ impl<P: Port> Client<P> {
         match self.ask(&request)? {
             Answer::Digest(digest) => Ok(digest),
             _ => Err(self.unexpected(&request)),
+        }
+    }
+
+    /// Starts an adjustment of the five coefficients.
+    ///
+    /// # Errors
+    /// [`LinkError::Refused`] without a calibration.
+    pub fn start_fit(&mut self, options: FitOptions) -> Result<(), LinkError> {
+        let request = Request::StartFit(options);
+        match self.ask(&request)? {
+            Answer::Observed(0) => Ok(()),
+            _ => Err(self.unexpected(&request)),
+        }
+    }
+
+    /// Adds observations to the adjustment; how many points it has then.
+    ///
+    /// # Errors
+    /// [`LinkError::Refused`] for an observation that is not believable.
+    pub fn observe(&mut self, observations: Observations) -> Result<u32, LinkError> {
+        let request = Request::Observe(observations);
+        match self.ask(&request)? {
+            Answer::Observed(points) => Ok(points),
+            _ => Err(self.unexpected(&request)),
+        }
+    }
+
+    /// The coefficients of all observations so far.
+    ///
+    /// # Errors
+    /// [`LinkError::Refused`] where they do not determine them.
+    pub fn fit(&mut self) -> Result<Fit<f32>, LinkError> {
+        match self.ask(&Request::Fit)? {
+            Answer::Fitted(fit) => Ok(fit),
+            _ => Err(self.unexpected(&Request::Fit)),
         }
     }
 
@@ -336,5 +373,8 @@ const fn name(request: &Request) -> &'static str {
         Request::Counters => "counters",
         Request::Reset => "reset",
         Request::PowerOff => "power off",
+        Request::StartFit(_) => "start fit",
+        Request::Observe(_) => "observe",
+        Request::Fit => "fit",
     }
 }
