@@ -6,6 +6,8 @@ mod camera;
 #[cfg(test)]
 mod crash;
 #[cfg(test)]
+mod fit;
+#[cfg(test)]
 mod program;
 #[cfg(test)]
 mod wire;
