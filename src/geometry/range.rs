@@ -48,6 +48,13 @@ pub enum Quantity {
     DxUm,
     DyUm,
     SigmaUm,
+    ReliefPercent,
+    PitchDeg,
+    RollDeg,
+    DriftDeg,
+    PitchRateDegS,
+    RollRateDegS,
+    YawRateDegS,
 }
 
 /// Largest principal-distance change the correction is shown invertible for, as a fraction κ of
@@ -98,6 +105,13 @@ impl Quantity {
             Self::DxUm => "dx_um",
             Self::DyUm => "dy_um",
             Self::SigmaUm => "sigma_um",
+            Self::ReliefPercent => "relief_percent",
+            Self::PitchDeg => "pitch_deg",
+            Self::RollDeg => "roll_deg",
+            Self::DriftDeg => "drift_deg",
+            Self::PitchRateDegS => "pitch_rate_deg_s",
+            Self::RollRateDegS => "roll_rate_deg_s",
+            Self::YawRateDegS => "yaw_rate_deg_s",
         }
     }
 
@@ -125,6 +139,9 @@ impl Quantity {
             Self::XMm | Self::YMm => (-500.0, 500.0),
             Self::DxUm | Self::DyUm => (-100_000.0, 100_000.0),
             Self::SigmaUm => (1e-4, 1e4),
+            Self::ReliefPercent => (-100.0, 90.0),
+            Self::PitchDeg | Self::RollDeg | Self::DriftDeg => (-45.0, 45.0),
+            Self::PitchRateDegS | Self::RollRateDegS | Self::YawRateDegS => (-60.0, 60.0),
             Self::K0
             | Self::K1
             | Self::K2

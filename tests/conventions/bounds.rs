@@ -1,10 +1,13 @@
-//! The last column of section 9: bounds that follow from other quantities.
+//! The last column of section 10: bounds that follow from other quantities.
 
 use crate::camera;
 use fmc_camera::flight::camera::{Camera, CameraRecord, FrameError};
 use fmc_camera::flight::exposure::{CorrectionModel, Exposure};
 use fmc_camera::flight::stage::StrokeTooShort;
 use fmc_camera::geometry::calibration::CalibrationError;
+use fmc_camera::geometry::image_motion::{
+    FlightState, ImageMotion, ImageMotionError, LEAST_GROUND_SCALE, View,
+};
 use fmc_camera::geometry::principal_point::PrincipalPointMotion;
 use fmc_camera::geometry::range::{MAX_FOCUS_FRACTION, OutOfRange, Quantity};
 use fmc_camera::geometry::sensor::MAX_SIDE_MM;
@@ -135,4 +138,28 @@ fn centroid_of_a_measured_motion_lies_within_half_the_stroke() {
     };
     assert_eq!(error.quantity, Quantity::CentroidOffsetMm);
     assert_near(error.max, 2.0);
+}
+
+#[test]
+fn pitch_and_roll_keep_the_horizon_off_the_sensor() {
+    let mut record = camera::record();
+    record.calibration.principal_distance_mm = 36.0;
+    let camera = Camera::new(record).unwrap();
+    let view = View::calibrated(camera.calibration());
+    // Least scale: cosθ - (40.32/36)·sinθ, and the same for a roll alone.
+    for (degrees, scale) in [(36.0_f32, 0.150_7_f32), (40.0, 0.046_1)] {
+        let mut tilted = [FlightState::default(); 2];
+        tilted[0].attitude.pitch_deg = degrees;
+        tilted[1].attitude.roll_deg = -degrees;
+        for flight in tilted {
+            match ImageMotion::new(&view, &flight) {
+                Ok(_) => assert!(scale >= LEAST_GROUND_SCALE),
+                Err(ImageMotionError::Horizon(found)) => {
+                    assert!(scale < LEAST_GROUND_SCALE);
+                    assert!((found - scale).abs() < 1e-4, "{found}");
+                }
+                Err(error) => panic!("{error}"),
+            }
+        }
+    }
 }

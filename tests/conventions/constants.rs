@@ -1,9 +1,10 @@
-//! The constants of section 10.
+//! The constants of section 11.
 
 use crate::document::{names, rows};
 use fmc_camera::geometry::estimation::adjustment::{MIN_POINTS, MIN_REGRESSOR_MM, MIN_SPREAD};
 use fmc_camera::geometry::estimation::design::MIN_SEPARATION;
 use fmc_camera::geometry::frame_correction::SHORT_KERNEL_NM;
+use fmc_camera::geometry::image_motion::LEAST_GROUND_SCALE;
 use fmc_camera::geometry::inverse::{LAST_RESIDUAL_NM, MAX_STEPS};
 use fmc_camera::geometry::invertibility::{MAX_DISC_SLOPE, MIN_SCALE};
 use fmc_camera::geometry::principal_distance::FLATNESS_TERMS;
@@ -28,6 +29,7 @@ fn documented_constants_are_those_of_the_code() {
         ("MIN_SPREAD", MIN_SPREAD.to_string()),
         ("MIN_REGRESSOR_MM", MIN_REGRESSOR_MM.to_string()),
         ("MIN_SEPARATION", MIN_SEPARATION.to_string()),
+        ("LEAST_GROUND_SCALE", LEAST_GROUND_SCALE.to_string()),
     ];
     let documented: Vec<_> = rows("constant")
         .into_iter()

@@ -36,7 +36,7 @@ fn cells(line: &str) -> Vec<&str> {
 fn numbers_with_a_unit_stand_only_in_tables_that_are_checked() {
     const CHECKED: &[Option<&str>] = &[Some("example"), Some("quantity"), Some("constant")];
     const UNITS: &[&str] = &[
-        "mm", "µm", "nm", "m", "cm", "px", "s", "ms", "1/s", "mm/s", "m/s", "%", "rows",
+        "mm", "µm", "nm", "m", "cm", "px", "s", "ms", "1/s", "mm/s", "m/s", "%", "rows", "°", "°/s",
     ];
     for block in DOCUMENT.split("\n\n") {
         if CHECKED.contains(&first_heading(block)) {

@@ -1,4 +1,4 @@
-//! The symbols of section 8: their names in the code and in the camera file.
+//! The symbols of section 9: their names in the code and in the camera file.
 
 use crate::document::{names, rows};
 use std::collections::BTreeSet;
@@ -11,6 +11,9 @@ use fmc_camera::geometry::brown::Brown;
 use fmc_camera::geometry::calibration::CalibrationRecord;
 use fmc_camera::geometry::evaluation_form::Displacement;
 use fmc_camera::geometry::five_coefficient::FiveCoefficients;
+use fmc_camera::geometry::image_motion::{
+    Attitude, FlightState, GroundMotion, ImageVelocity, Smear,
+};
 use fmc_camera::geometry::moments::CentralMoments;
 use fmc_camera::geometry::principal_distance::{Flatness, FocusShift};
 use fmc_camera::geometry::principal_point::{PrincipalPointMotion, StageSample, UniformTravel};
@@ -100,6 +103,18 @@ fn documented_names_are_those_of_the_code() {
         field!(Flatness.coefficients_um),
         field!(FocusShift.shift_mm),
         path!(FocusShift::enlargement),
+        field!(Attitude.pitch_deg),
+        field!(Attitude.roll_deg),
+        field!(GroundMotion.drift_deg),
+        field!(GroundMotion.relief_percent),
+        field!(Attitude.pitch_rate_deg_s),
+        field!(Attitude.roll_rate_deg_s),
+        field!(Attitude.yaw_rate_deg_s),
+        field!(FlightState.compensated_vh_per_s),
+        field!(ImageVelocity.x_mm_s),
+        field!(ImageVelocity.y_mm_s),
+        field!(Smear.x_um),
+        field!(Smear.y_um),
     ]);
     let symbols = rows("symbol");
     let documented: BTreeSet<_> = symbols.iter().flat_map(|row| names(row[3])).collect();

@@ -1,4 +1,4 @@
-//! The ranges of section 9 that belong to one quantity.
+//! The ranges of section 10 that belong to one quantity.
 
 use crate::document::{names, rows};
 use fmc_camera::geometry::range::Quantity;
@@ -17,6 +17,9 @@ macro_rules! quantities {
 fn unit_in(name: &str) -> Option<&'static str> {
     let units = [
         ("_mm_s2", "mm/s²"),
+        ("_deg_s", "°/s"),
+        ("_deg", "°"),
+        ("_percent", "%"),
         ("_per_s", "1/s"),
         ("_mm", "mm"),
         ("_um", "µm"),
@@ -81,6 +84,13 @@ fn documented_ranges_are_those_of_the_code() {
         DxUm,
         DyUm,
         SigmaUm,
+        ReliefPercent,
+        PitchDeg,
+        RollDeg,
+        DriftDeg,
+        PitchRateDegS,
+        RollRateDegS,
+        YawRateDegS,
     );
     let of_the_code = quantities.map(|quantity| {
         let (least, most) = quantity.range();

@@ -164,5 +164,13 @@ const fn key_path(quantity: Quantity) -> &'static [&'static str] {
         Quantity::FocusShiftUm => &["focus_shift_um"],
         // Of observations, not of cameras.
         Quantity::XMm | Quantity::YMm | Quantity::DxUm | Quantity::DyUm | Quantity::SigmaUm => &[],
+        // Of an exposure, in no camera file.
+        Quantity::ReliefPercent
+        | Quantity::PitchDeg
+        | Quantity::RollDeg
+        | Quantity::DriftDeg
+        | Quantity::PitchRateDegS
+        | Quantity::RollRateDegS
+        | Quantity::YawRateDegS => &[],
     }
 }

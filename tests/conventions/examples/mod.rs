@@ -8,6 +8,7 @@ mod distortion;
 mod fitting;
 mod focus;
 mod frames;
+mod image_motion;
 mod models;
 mod motion;
 mod software;
@@ -112,6 +113,7 @@ fn worked_examples_are_what_the_library_computes() {
         time::EXAMPLES,
         focus::EXAMPLES,
         models::EXAMPLES,
+        image_motion::EXAMPLES,
         software::EXAMPLES,
         fitting::EXAMPLES,
     ]

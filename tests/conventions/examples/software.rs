@@ -1,4 +1,4 @@
-//! Section 11: interior orientations of other software.
+//! Section 12: interior orientations of other software.
 
 use super::{Example, Given, Results, point_results};
 use fmc_camera::geometry::brown::Brown;

@@ -1,0 +1,674 @@
+//! How the image moves while the shutter is open, and what of it the compensation leaves: the
+//! residual smear.
+
+use core::f32::consts::PI;
+use core::fmt;
+
+use super::calibration::Calibration;
+use super::range::{OutOfRange, Quantity};
+use super::sensor::{FmcAxis, Sensor, SensorPoint};
+
+/// Least scale of the ground's image, as a fraction of its scale below the camera, at which a
+/// corner of the sensor counts as seeing ground; 0 is the horizon.
+pub const LEAST_GROUND_SCALE: f32 = 0.1;
+
+/// Points along each side of the grid on which the largest smear is looked for.
+const GRID_POINTS: u8 = 9;
+
+/// The camera as far as image motion depends on it.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct View {
+    /// The pixel array.
+    pub sensor: Sensor,
+    /// f, mm.
+    pub principal_distance_mm: f32,
+    /// Principal point at the exposure's centroid, mm.
+    pub principal_point: SensorPoint,
+    /// Direction of flight in the sensor frame.
+    pub axis: FmcAxis,
+}
+
+impl View {
+    /// The view of a calibrated camera whose stage stands at its calibrated position.
+    #[must_use]
+    pub fn calibrated(calibration: &Calibration) -> Self {
+        let record = calibration.record();
+        Self {
+            sensor: *calibration.sensor(),
+            principal_distance_mm: record.principal_distance_mm,
+            principal_point: record.principal_point,
+            axis: record.axis,
+        }
+    }
+}
+
+/// How the camera moves over the ground.
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
+pub struct GroundMotion {
+    /// η = V/H, with H above the reference plane, 1/s.
+    pub vh_per_s: f32,
+    /// h/H: terrain above the reference plane, per cent of H; negative below it.
+    pub relief_percent: f32,
+    /// χ: how far to the right of the camera's forward axis the track points, °.
+    pub drift_deg: f32,
+}
+
+/// Attitude of the camera at the exposure's centroid, and its rates about the camera's axes.
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
+pub struct Attitude {
+    /// θ, right-handed about the axis to the right: the optical axis forward of the vertical, °.
+    pub pitch_deg: f32,
+    /// φ, right-handed about the forward axis: the optical axis to the left of the vertical, °.
+    pub roll_deg: f32,
+    /// Rate about the axis to the right, °/s.
+    pub pitch_rate_deg_s: f32,
+    /// Rate about the forward axis, °/s.
+    pub roll_rate_deg_s: f32,
+    /// Rate about the axis upwards: positive turns the nose to the left, °/s.
+    pub yaw_rate_deg_s: f32,
+}
+
+/// Motion, attitude and compensation of one exposure.
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
+pub struct FlightState {
+    /// How the camera moves over the ground.
+    pub motion: GroundMotion,
+    /// How it is held.
+    pub attitude: Attitude,
+    /// V/H for which the mechanism compensates, 1/s; 0: it stands still.
+    pub compensated_vh_per_s: f32,
+}
+
+/// Velocity of an image point in the sensor frame.
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
+pub struct ImageVelocity {
+    /// To the right, mm/s.
+    pub x_mm_s: f32,
+    /// Upwards, mm/s.
+    pub y_mm_s: f32,
+}
+
+/// How far an image point moves over the detector while the shutter is open.
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
+pub struct Smear {
+    /// To the right, µm.
+    pub x_um: f32,
+    /// Upwards, µm.
+    pub y_um: f32,
+}
+
+impl Smear {
+    /// Its length, µm.
+    #[must_use]
+    pub fn length_um(&self) -> f32 {
+        libm::hypotf(self.x_um, self.y_um)
+    }
+}
+
+/// The largest smear found on the sensor.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct LargestSmear {
+    /// Where.
+    pub point: SensorPoint,
+    /// How much.
+    pub smear: Smear,
+    /// What no point of the sensor exceeds, µm.
+    pub bound_um: f32,
+}
+
+/// There is no image motion over the whole sensor.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub enum ImageMotionError {
+    /// A quantity is outside its range.
+    OutOfRange(OutOfRange),
+    /// A corner of the sensor sees the horizon or nearly: the scale of the ground's image there, as
+    /// a fraction of its scale below the camera, is under [`LEAST_GROUND_SCALE`].
+    Horizon(f32),
+}
+
+impl fmt::Display for ImageMotionError {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::OutOfRange(error) => error.fmt(f),
+            Self::Horizon(scale) => write!(
+                f,
+                "a corner of the sensor sees the horizon or nearly: scale of the ground {scale} there, {LEAST_GROUND_SCALE} at least"
+            ),
+        }
+    }
+}
+
+impl core::error::Error for ImageMotionError {}
+
+impl From<OutOfRange> for ImageMotionError {
+    fn from(error: OutOfRange) -> Self {
+        Self::OutOfRange(error)
+    }
+}
+
+/// The velocity of every image point, in the lens frame and on the compensating detector.
+///
+/// # Model
+/// Camera axes: right, forward (the FMC axis e), up; the optical axis points down, the image is the
+/// upright positive. A terrain point P moves by `Ṗ = -T - ω × P`, its image `x = -f·Px/Pz`,
+/// `y = -f·Py/Pz` by
+///
+/// ```text
+/// ẋ = -η'·s·(f·t₁ + x·t₃) + f·ω₂(1 + x²/f²) - ω₁·xy/f + ω₃·y
+/// ẏ = -η'·s·(f·t₂ + y·t₃) - f·ω₁(1 + y²/f²) + ω₂·xy/f - ω₃·x
+/// s = cosθ·cosφ + (x/f)·cosθ·sinφ - (y/f)·sinθ          η' = η/(1 - h/H)
+/// t = (cosφ·sinχ + sinφ·cosχ·sinθ, cosχ·cosθ, sinφ·sinχ - cosφ·cosχ·sinθ)
+/// ```
+///
+/// with x, y from the principal point. The detector moves by `f·η_c` against e; on it an image point
+/// moves by `(ẋ, ẏ) + f·η_c·e`, the *residual*. Level attitude is: heading, then pitch, then roll.
+/// Terrain is a horizontal plane at the relief's height, the lens free of distortion.
+///
+/// # Units and frames
+/// Points and velocities in the sensor frame, mm and mm/s; smear in µm.
+///
+/// # Accuracy
+/// Rounding of a residual velocity: at most [`ROUNDING_MM_S`] for f·η up to 20 mm/s
+/// (`velocity_agrees_with_the_differentiated_path` in `host-sim/tests/scene`).
+///
+/// # Examples
+/// ```
+/// use fmc_camera::geometry::image_motion::{FlightState, GroundMotion, ImageMotion, View};
+/// use fmc_camera::geometry::sensor::{FmcAxis, Sensor, SensorPoint};
+/// let view = View {
+///     sensor: Sensor::new(9216, 9216, 8.75)?,
+///     principal_distance_mm: 100.0,
+///     principal_point: SensorPoint::default(),
+///     axis: FmcAxis::PlusY,
+/// };
+/// // V/H 0.10 1/s, compensated for 0.101: 1 % of f·V/H = 10 mm/s is left, 0.1 mm/s along +y.
+/// let flight = FlightState {
+///     motion: GroundMotion { vh_per_s: 0.1, ..GroundMotion::default() },
+///     compensated_vh_per_s: 0.101,
+///     ..FlightState::default()
+/// };
+/// let motion = ImageMotion::new(&view, &flight)?;
+/// let centre = SensorPoint::default();
+/// assert!((motion.velocity(centre).y_mm_s + 10.0).abs() < 1e-5);
+/// assert!((motion.residual_velocity(centre).y_mm_s - 0.1).abs() < 1e-5);
+/// assert!((motion.smear(centre, 1.0 / 300.0).y_um - 0.3333).abs() < 1e-4);
+/// # Ok::<(), Box<dyn core::error::Error>>(())
+/// ```
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct ImageMotion {
+    view: View,
+    right: Quadratic,
+    forward: Quadratic,
+    compensation_mm_s: f32,
+}
+
+/// Largest rounding error of a residual velocity, mm/s, for f·η up to 20 mm/s: over 1/100 s 0.1 nm.
+pub const ROUNDING_MM_S: f32 = 1e-5;
+
+impl ImageMotion {
+    /// The image motion of a camera in a flight state.
+    ///
+    /// # Errors
+    /// [`ImageMotionError`] for a quantity outside [`Quantity::range`], and where a corner of the
+    /// sensor does not see the ground.
+    pub fn new(view: &View, flight: &FlightState) -> Result<Self, ImageMotionError> {
+        let focal = Quantity::PrincipalDistanceMm.check(view.principal_distance_mm)?;
+        Quantity::PrincipalPointX.check(view.principal_point.x_mm)?;
+        Quantity::PrincipalPointY.check(view.principal_point.y_mm)?;
+        let vh = Quantity::VhPerS.check(flight.motion.vh_per_s)?;
+        let relief = Quantity::ReliefPercent.check(flight.motion.relief_percent)? / 100.0;
+        let drift = radians(Quantity::DriftDeg.check(flight.motion.drift_deg)?);
+        let attitude = &flight.attitude;
+        let pitch = radians(Quantity::PitchDeg.check(attitude.pitch_deg)?);
+        let roll = radians(Quantity::RollDeg.check(attitude.roll_deg)?);
+        let about_right = radians(Quantity::PitchRateDegS.check(attitude.pitch_rate_deg_s)?);
+        let about_forward = radians(Quantity::RollRateDegS.check(attitude.roll_rate_deg_s)?);
+        let about_up = radians(Quantity::YawRateDegS.check(attitude.yaw_rate_deg_s)?);
+        let compensated = Quantity::VhPerS.check(flight.compensated_vh_per_s)?;
+
+        let (sin_pitch, cos_pitch) = libm::sincosf(pitch);
+        let (sin_roll, cos_roll) = libm::sincosf(roll);
+        let (sin_drift, cos_drift) = libm::sincosf(drift);
+        let scale = GroundScale {
+            centre: cos_pitch * cos_roll,
+            along_right: cos_pitch * sin_roll / focal,
+            along_forward: -sin_pitch / focal,
+        };
+        let least = scale.least_in(&extent(view));
+        if least.is_nan() || least < LEAST_GROUND_SCALE {
+            return Err(ImageMotionError::Horizon(least));
+        }
+        // Velocity over the ground, camera axes, in heights above the terrain per second.
+        let vh = vh / (1.0 - relief);
+        let to_right = vh * (cos_roll * sin_drift + sin_roll * cos_drift * sin_pitch);
+        let to_front = vh * cos_drift * cos_pitch;
+        let upwards = vh * (sin_roll * sin_drift - cos_roll * cos_drift * sin_pitch);
+
+        let right = Quadratic {
+            constant: focal * about_forward - focal * to_right * scale.centre,
+            x: -(focal * to_right * scale.along_right + upwards * scale.centre),
+            y: about_up - focal * to_right * scale.along_forward,
+            xx: about_forward / focal - upwards * scale.along_right,
+            xy: -about_right / focal - upwards * scale.along_forward,
+            yy: 0.0,
+        };
+        let forward = Quadratic {
+            constant: -focal * about_right - focal * to_front * scale.centre,
+            x: -about_up - focal * to_front * scale.along_right,
+            y: -(focal * to_front * scale.along_forward + upwards * scale.centre),
+            xx: 0.0,
+            xy: about_forward / focal - upwards * scale.along_right,
+            yy: -about_right / focal - upwards * scale.along_forward,
+        };
+        Ok(Self {
+            view: *view,
+            right,
+            forward,
+            compensation_mm_s: focal * compensated,
+        })
+    }
+
+    /// The image's velocity in the lens frame, where the principal point rests.
+    ///
+    /// # Units and frames
+    /// The point in mm of the sensor frame at the exposure's centroid, on the sensor; elsewhere the
+    /// result is finite and means nothing.
+    #[must_use]
+    pub fn velocity(&self, point: SensorPoint) -> ImageVelocity {
+        self.velocity_beside(point, 0.0)
+    }
+
+    /// The image's velocity on the detector: what the compensation leaves.
+    ///
+    /// # Units and frames
+    /// As [`Self::velocity`].
+    #[must_use]
+    pub fn residual_velocity(&self, point: SensorPoint) -> ImageVelocity {
+        self.velocity_beside(point, self.compensation_mm_s)
+    }
+
+    /// How far the image of a point moves over the detector during an exposure.
+    ///
+    /// # Model
+    /// Residual velocity at the centroid times `exposure_s`. The velocity's change over the exposure
+    /// bends the path and leaves its ends as they are, to second order.
+    ///
+    /// # Units and frames
+    /// As [`Self::velocity`]; `exposure_s` in s is the shutter's base, first light to last.
+    #[must_use]
+    pub fn smear(&self, point: SensorPoint, exposure_s: f32) -> Smear {
+        let velocity = self.residual_velocity(point);
+        let um = 1000.0 * exposure_s;
+        Smear {
+            x_um: velocity.x_mm_s * um,
+            y_um: velocity.y_mm_s * um,
+        }
+    }
+
+    /// The largest smear on a grid of 9 x 9 points with corners and edges, and what no point of the
+    /// sensor exceeds.
+    ///
+    /// # Model
+    /// Both components are quadratic in x and y. The bound is the longest of their nine Bernstein
+    /// control points over the sensor: the velocity is a mean of them with weights that are not
+    /// negative. Where the largest smear lies in a corner and the field grows towards it, the bound
+    /// is reached; with opposing terms it is above.
+    #[must_use]
+    pub fn largest_smear(&self, exposure_s: f32) -> LargestSmear {
+        let sensor = &self.view.sensor;
+        let (half_width, half_height) = (sensor.half_width_mm(), sensor.half_height_mm());
+        let place = |index: u8| 2.0 * f32::from(index) / f32::from(GRID_POINTS - 1) - 1.0;
+        let mut point = SensorPoint::default();
+        let mut smear = self.smear(point, exposure_s);
+        for row in 0..GRID_POINTS {
+            for column in 0..GRID_POINTS {
+                let at = SensorPoint::new(half_width * place(column), half_height * place(row));
+                let found = self.smear(at, exposure_s);
+                if found.length_um() > smear.length_um() {
+                    (point, smear) = (at, found);
+                }
+            }
+        }
+        LargestSmear {
+            point,
+            smear,
+            bound_um: self.fastest_mm_s() * exposure_s * 1000.0,
+        }
+    }
+
+    /// The longest control point of the residual velocity over the sensor, mm/s.
+    fn fastest_mm_s(&self) -> f32 {
+        let extent = extent(&self.view);
+        let ends = [(0.0, 0.0), (0.0, 1.0), (1.0, 1.0)];
+        let mut fastest = 0.0_f32;
+        for across in ends {
+            for along in ends {
+                let right = self.right.control_point(&extent, across, along);
+                let forward = self.forward.control_point(&extent, across, along);
+                let length = libm::hypotf(right, forward + self.compensation_mm_s);
+                fastest = fastest.max(length);
+            }
+        }
+        fastest
+    }
+
+    fn velocity_beside(&self, point: SensorPoint, detector_mm_s: f32) -> ImageVelocity {
+        let at = FlightPoint::of(&self.view, point);
+        let right = self.right.at(at);
+        let forward = self.forward.at(at) + detector_mm_s;
+        let sign = self.view.axis.sign();
+        if self.view.axis.is_x() {
+            ImageVelocity {
+                x_mm_s: sign * forward,
+                y_mm_s: -sign * right,
+            }
+        } else {
+            ImageVelocity {
+                x_mm_s: sign * right,
+                y_mm_s: sign * forward,
+            }
+        }
+    }
+}
+
+/// A point of the image relative to the principal point, along the camera's axes.
+#[derive(Debug, Clone, Copy)]
+struct FlightPoint {
+    right_mm: f32,
+    forward_mm: f32,
+}
+
+impl FlightPoint {
+    fn of(view: &View, point: SensorPoint) -> Self {
+        let x_mm = point.x_mm - view.principal_point.x_mm;
+        let y_mm = point.y_mm - view.principal_point.y_mm;
+        let sign = view.axis.sign();
+        if view.axis.is_x() {
+            Self {
+                right_mm: -sign * y_mm,
+                forward_mm: sign * x_mm,
+            }
+        } else {
+            Self {
+                right_mm: sign * x_mm,
+                forward_mm: sign * y_mm,
+            }
+        }
+    }
+}
+
+/// Two opposite corners of the sensor.
+type Extent = [FlightPoint; 2];
+
+fn extent(view: &View) -> Extent {
+    let (x, y) = (view.sensor.half_width_mm(), view.sensor.half_height_mm());
+    [SensorPoint::new(-x, -y), SensorPoint::new(x, y)].map(|corner| FlightPoint::of(view, corner))
+}
+
+/// s: the scale of the ground's image by its scale below the camera, linear over the image.
+#[derive(Debug, Clone, Copy)]
+struct GroundScale {
+    centre: f32,
+    along_right: f32,
+    along_forward: f32,
+}
+
+impl GroundScale {
+    /// A linear function is least in a corner.
+    fn least_in(&self, [one, other]: &Extent) -> f32 {
+        let least = |slope: f32, from: f32, to: f32| (slope * from).min(slope * to);
+        self.centre
+            + least(self.along_right, one.right_mm, other.right_mm)
+            + least(self.along_forward, one.forward_mm, other.forward_mm)
+    }
+}
+
+/// A velocity component, mm/s, as a function of the image point; x is right, y forward.
+#[derive(Debug, Clone, Copy, PartialEq)]
+struct Quadratic {
+    constant: f32,
+    x: f32,
+    y: f32,
+    xx: f32,
+    xy: f32,
+    yy: f32,
+}
+
+impl Quadratic {
+    fn at(&self, point: FlightPoint) -> f32 {
+        let (x, y) = (point.right_mm, point.forward_mm);
+        self.constant + x * (self.x + self.xx * x + self.xy * y) + y * (self.y + self.yy * y)
+    }
+
+    /// The polar form: a Bernstein coefficient over the extent, where the arguments are its ends.
+    fn control_point(
+        &self,
+        [one, other]: &Extent,
+        (x1, x2): (f32, f32),
+        (y1, y2): (f32, f32),
+    ) -> f32 {
+        let x = |share: f32| one.right_mm + share * (other.right_mm - one.right_mm);
+        let y = |share: f32| one.forward_mm + share * (other.forward_mm - one.forward_mm);
+        let (x1, x2, y1, y2) = (x(x1), x(x2), y(y1), y(y2));
+        let (mean_x, mean_y) = (0.5 * (x1 + x2), 0.5 * (y1 + y2));
+        self.constant
+            + self.x * mean_x
+            + self.y * mean_y
+            + self.xx * x1 * x2
+            + self.xy * mean_x * mean_y
+            + self.yy * y1 * y2
+    }
+}
+
+fn radians(degrees: f32) -> f32 {
+    degrees * (PI / 180.0)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use proptest::prelude::*;
+
+    /// f = 100 mm, 80.64 mm square.
+    fn view(axis: FmcAxis) -> View {
+        View {
+            sensor: Sensor::new(9216, 9216, 8.75).unwrap(),
+            principal_distance_mm: 100.0,
+            principal_point: SensorPoint::default(),
+            axis,
+        }
+    }
+
+    /// V/H 0.1, compensated for 0.1.
+    fn compensated() -> FlightState {
+        FlightState {
+            motion: GroundMotion {
+                vh_per_s: 0.1,
+                ..GroundMotion::default()
+            },
+            attitude: Attitude::default(),
+            compensated_vh_per_s: 0.1,
+        }
+    }
+
+    fn with(change: impl Fn(&mut FlightState)) -> ImageMotion {
+        let mut flight = compensated();
+        change(&mut flight);
+        ImageMotion::new(&view(FmcAxis::PlusY), &flight).unwrap()
+    }
+
+    const EXPOSURE_S: f32 = 1.0 / 300.0;
+
+    /// Each residual alone, the largest length over the sensor, from the formulas worked by hand:
+    /// all lie in corners, (±40.32, ±40.32) mm, δ = 33.33 µm.
+    #[test]
+    fn residuals_of_a_square_camera_are_those_worked_by_hand() {
+        let cases: [(&str, f32, ImageMotion); 8] = [
+            // 1 % of δ.
+            (
+                "V/H error 1 %",
+                0.3333,
+                with(|f| f.compensated_vh_per_s = 0.101),
+            ),
+            // δ(1/0.9 - 1).
+            (
+                "relief 10 %",
+                3.7037,
+                with(|f| f.motion.relief_percent = 10.0),
+            ),
+            // y = +40.32: (δ(1 - 0.99281²), x·η·t·sinθ·0.99281) = (0.4776, 0.2329) µm.
+            ("pitch 1°", 0.5313, with(|f| f.attitude.pitch_deg = 1.0)),
+            // x = -40.32: δ(1 - 0.99281).
+            ("roll 1°", 0.2396, with(|f| f.attitude.roll_deg = 1.0)),
+            // 2δ·sin 2.5°.
+            ("drift 5°", 2.9080, with(|f| f.motion.drift_deg = 5.0)),
+            // 5.8178 µm·(1.16257, 0.16257).
+            (
+                "pitch rate 1°/s",
+                6.8294,
+                with(|f| f.attitude.pitch_rate_deg_s = 1.0),
+            ),
+            (
+                "roll rate 1°/s",
+                6.8294,
+                with(|f| f.attitude.roll_rate_deg_s = 1.0),
+            ),
+            // 57.02 mm·0.017453/300.
+            (
+                "yaw rate 1°/s",
+                3.3174,
+                with(|f| f.attitude.yaw_rate_deg_s = 1.0),
+            ),
+        ];
+        for (name, expected_um, motion) in cases {
+            let largest = motion.largest_smear(EXPOSURE_S);
+            let found_um = largest.smear.length_um();
+            assert!((found_um - expected_um).abs() < 2e-4, "{name}: {found_um}");
+            assert!(largest.bound_um >= found_um - 1e-4, "{name}");
+        }
+    }
+
+    #[test]
+    fn signs_of_attitude_are_those_of_the_documents() {
+        let at = |x_mm, y_mm| SensorPoint::new(x_mm, y_mm);
+        // Tilted forward, what lies ahead is farther away and slower.
+        let pitch = with(|f| f.attitude.pitch_deg = 2.0);
+        assert!(pitch.velocity(at(0.0, 40.0)).y_mm_s > -10.0);
+        assert!(pitch.velocity(at(0.0, -40.0)).y_mm_s < -10.0);
+        // Rolled towards -x, what lies there is farther away and slower.
+        let roll = with(|f| f.attitude.roll_deg = 2.0);
+        assert!(roll.velocity(at(-40.0, 0.0)).y_mm_s > -10.0);
+        assert!(roll.velocity(at(40.0, 0.0)).y_mm_s < -10.0);
+        // The track leads to the right: the image moves to the left.
+        let drift = with(|f| f.motion.drift_deg = 2.0);
+        assert!(drift.velocity(at(0.0, 0.0)).x_mm_s < 0.0);
+        // Nose up: the ground moves backwards. Right side down: to the right. Nose to the left:
+        // the image turns clockwise.
+        let pitching = with(|f| f.attitude.pitch_rate_deg_s = 1.0);
+        assert!(pitching.residual_velocity(at(0.0, 0.0)).y_mm_s < 0.0);
+        let rolling = with(|f| f.attitude.roll_rate_deg_s = 1.0);
+        assert!(rolling.residual_velocity(at(0.0, 0.0)).x_mm_s > 0.0);
+        let yawing = with(|f| f.attitude.yaw_rate_deg_s = 1.0);
+        assert!(yawing.residual_velocity(at(0.0, 40.0)).x_mm_s > 0.0);
+    }
+
+    #[test]
+    fn image_moves_against_every_axis() {
+        for axis in FmcAxis::ALL {
+            let motion = ImageMotion::new(&view(axis), &compensated()).unwrap();
+            let velocity = motion.velocity(SensorPoint::new(11.0, -7.0));
+            let e = axis.sensor_from_offset(SensorPoint::default(), 1.0);
+            assert!((velocity.x_mm_s + 10.0 * e.x_mm).abs() < 1e-5);
+            assert!((velocity.y_mm_s + 10.0 * e.y_mm).abs() < 1e-5);
+        }
+    }
+
+    #[test]
+    fn what_is_not_believable_is_refused() {
+        let refused = |change: fn(&mut FlightState)| {
+            let mut flight = compensated();
+            change(&mut flight);
+            match ImageMotion::new(&view(FmcAxis::PlusY), &flight) {
+                Err(ImageMotionError::OutOfRange(error)) => error.quantity,
+                other => panic!("not refused: {other:?}"),
+            }
+        };
+        assert_eq!(refused(|f| f.motion.vh_per_s = -0.1), Quantity::VhPerS);
+        assert_eq!(
+            refused(|f| f.motion.relief_percent = 100.0),
+            Quantity::ReliefPercent
+        );
+        assert_eq!(refused(|f| f.motion.drift_deg = 46.0), Quantity::DriftDeg);
+        assert_eq!(
+            refused(|f| f.attitude.pitch_deg = f32::NAN),
+            Quantity::PitchDeg
+        );
+        assert_eq!(refused(|f| f.attitude.roll_deg = -46.0), Quantity::RollDeg);
+        assert_eq!(
+            refused(|f| f.attitude.pitch_rate_deg_s = 61.0),
+            Quantity::PitchRateDegS
+        );
+        assert_eq!(
+            refused(|f| f.attitude.roll_rate_deg_s = 61.0),
+            Quantity::RollRateDegS
+        );
+        assert_eq!(
+            refused(|f| f.attitude.yaw_rate_deg_s = -61.0),
+            Quantity::YawRateDegS
+        );
+        assert_eq!(
+            refused(|f| f.compensated_vh_per_s = f32::INFINITY),
+            Quantity::VhPerS
+        );
+    }
+
+    #[test]
+    fn horizon_on_the_sensor_is_refused() {
+        // Half the field is 22°; a corner is 30° off the axis.
+        let wide = View {
+            principal_distance_mm: 40.0,
+            ..view(FmcAxis::PlusY)
+        };
+        let mut flight = compensated();
+        flight.attitude.pitch_deg = 44.0;
+        assert!(matches!(
+            ImageMotion::new(&wide, &flight),
+            Err(ImageMotionError::Horizon(scale)) if scale < LEAST_GROUND_SCALE
+        ));
+        flight.attitude.pitch_deg = 30.0;
+        assert!(ImageMotion::new(&wide, &flight).is_ok());
+    }
+
+    proptest! {
+        /// On a fine grid of points no smear exceeds the bound, and the largest one found on the
+        /// coarse grid is at most the bound.
+        #[test]
+        fn bound_holds_over_the_whole_sensor(
+            angles in prop::array::uniform3(-5.0_f32..5.0),
+            rates in prop::array::uniform3(-5.0_f32..5.0),
+            relief_percent in -20.0_f32..20.0,
+            compensated_vh_per_s in 0.05_f32..0.15,
+            axis in prop::sample::select(&FmcAxis::ALL[..]),
+        ) {
+            let mut flight = compensated();
+            flight.motion.relief_percent = relief_percent;
+            flight.compensated_vh_per_s = compensated_vh_per_s;
+            [flight.attitude.pitch_deg, flight.attitude.roll_deg, flight.motion.drift_deg] = angles;
+            let attitude = &mut flight.attitude;
+            [attitude.pitch_rate_deg_s, attitude.roll_rate_deg_s, attitude.yaw_rate_deg_s] = rates;
+            let motion = ImageMotion::new(&view(axis), &flight).unwrap();
+            let largest = motion.largest_smear(EXPOSURE_S);
+            for row in 0..33_u8 {
+                for column in 0..33_u8 {
+                    let place = |index: u8| (f32::from(index) / 16.0 - 1.0) * 40.32;
+                    let smear = motion.smear(SensorPoint::new(place(column), place(row)), EXPOSURE_S);
+                    prop_assert!(smear.length_um() <= largest.bound_um + 1e-4);
+                }
+            }
+            prop_assert!(largest.smear.length_um() <= largest.bound_um + 1e-4);
+            // The middle control points leave out the curvature: at 5 °/s (40.32 mm)²·ω·t/f = 4.7 µm
+            // of each component, and less than 0.2 µm of tilt.
+            prop_assert!(largest.bound_um <= largest.smear.length_um() + 7.0);
+        }
+    }
+}
