@@ -9,4 +9,5 @@ pub mod failure;
 pub mod formats;
 pub mod reference;
 pub mod report;
+pub mod scene;
 pub mod verify;

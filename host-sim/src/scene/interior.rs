@@ -1,0 +1,53 @@
+//! Interior orientation: where the principal point is calibrated, and how the sensor lies.
+
+use crate::formats::camera_file::{Axis, CameraFile};
+
+/// The camera between lens and terrain, its stage at the calibrated position.
+#[derive(Debug, Clone, PartialEq)]
+pub struct InteriorOrientation {
+    /// f, mm.
+    pub principal_distance_mm: f64,
+    /// L, exit pupil to image, mm.
+    pub exit_pupil_mm: f64,
+    /// (x0, y0), mm.
+    pub principal_point_mm: [f64; 2],
+    /// Direction of flight in the sensor frame.
+    pub axis: Axis,
+    /// Half of width and height of the pixel array, mm.
+    pub half_format_mm: [f64; 2],
+}
+
+impl InteriorOrientation {
+    /// As the camera file says.
+    #[must_use]
+    pub fn of(camera: &CameraFile) -> Self {
+        Self {
+            principal_distance_mm: camera.principal_distance_mm,
+            exit_pupil_mm: camera.exit_pupil_mm(),
+            principal_point_mm: camera.principal_point_mm,
+            axis: camera.fmc.axis,
+            half_format_mm: camera.half_format_mm(),
+        }
+    }
+
+    /// Sensor-frame components of a vector given along right and forward.
+    #[must_use]
+    pub const fn sensor_from_camera(&self, [right, forward]: [f64; 2]) -> [f64; 2] {
+        let [ex, ey] = self.axis.unit();
+        [ey * right + ex * forward, ey * forward - ex * right]
+    }
+
+    /// Components along right and forward of a vector given in the sensor frame.
+    #[must_use]
+    pub const fn camera_from_sensor(&self, [x, y]: [f64; 2]) -> [f64; 2] {
+        let [ex, ey] = self.axis.unit();
+        [ey * x - ex * y, ex * x + ey * y]
+    }
+
+    /// Whether a point of the sensor frame lies on the pixel array, edges included.
+    #[must_use]
+    pub fn contains(&self, [x, y]: [f64; 2]) -> bool {
+        let [half_x, half_y] = self.half_format_mm;
+        x.abs() <= half_x && y.abs() <= half_y
+    }
+}
