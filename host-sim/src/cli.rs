@@ -40,6 +40,13 @@ pub enum Command {
     Frame(FrameArgs),
     /// Determine coefficients from observations.
     Calibrate(CalibrateArgs),
+    /// Residual smear of an exposure: what the compensation leaves, term by term.
+    ///
+    /// Each disturbance alone and all together: the largest smear over the sensor, where it is, and
+    /// the mean, in µm and pixels, as the camera predicts it; beside it the largest of a simulated
+    /// exposure. All angles are right-handed: pitch nose up, roll right side down, yaw nose to the
+    /// left, at the exposure's centroid.
+    Smear(SmearArgs),
 }
 
 /// Arguments of `calibrate`.
@@ -225,6 +232,47 @@ pub struct FrameArgs {
     pub json: bool,
     /// Answer file; without it standard output.
     #[arg(long, value_name = "FILE")]
+    pub out: Option<PathBuf>,
+}
+
+/// Arguments of `smear`.
+#[derive(Debug, Args)]
+pub struct SmearArgs {
+    /// Camera file (TOML).
+    #[arg(long, value_name = "FILE")]
+    pub camera: PathBuf,
+    /// True V/H, ground speed over height above the reference plane, 1/s.
+    #[arg(long, value_name = "PER_S", value_parser = finite, allow_negative_numbers = true)]
+    pub vh: f64,
+    /// Exposure time, first light to last: seconds or a fraction such as 1/200.
+    #[arg(long, value_name = "S", value_parser = exposure_time, allow_hyphen_values = true)]
+    pub exposure: f64,
+    /// How much more than the true V/H the camera compensates for, per cent; -50 to 50.
+    #[arg(long, value_name = "PERCENT", default_value = "0", value_parser = finite, allow_negative_numbers = true)]
+    pub vh_error_percent: f64,
+    /// Terrain above the reference plane, per cent of the height; -100 to 90.
+    #[arg(long, value_name = "PERCENT", default_value = "0", value_parser = finite, allow_negative_numbers = true)]
+    pub relief_percent: f64,
+    /// Optical axis forward of the vertical, degrees; -45 to 45.
+    #[arg(long, value_name = "DEG", default_value = "0", value_parser = finite, allow_negative_numbers = true)]
+    pub pitch_deg: f64,
+    /// Optical axis to the left of the vertical, degrees; -45 to 45.
+    #[arg(long, value_name = "DEG", default_value = "0", value_parser = finite, allow_negative_numbers = true)]
+    pub roll_deg: f64,
+    /// Track to the right of the FMC axis, degrees; -45 to 45.
+    #[arg(long, value_name = "DEG", default_value = "0", value_parser = finite, allow_negative_numbers = true)]
+    pub drift_deg: f64,
+    /// Rate about the axis to the right, nose up, degrees per second; -60 to 60.
+    #[arg(long, value_name = "DEG_S", default_value = "0", value_parser = finite, allow_negative_numbers = true)]
+    pub pitch_rate_deg_s: f64,
+    /// Rate about the FMC axis, right side down, degrees per second; -60 to 60.
+    #[arg(long, value_name = "DEG_S", default_value = "0", value_parser = finite, allow_negative_numbers = true)]
+    pub roll_rate_deg_s: f64,
+    /// Rate about the axis upwards, nose to the left, degrees per second; -60 to 60.
+    #[arg(long, value_name = "DEG_S", default_value = "0", value_parser = finite, allow_negative_numbers = true)]
+    pub yaw_rate_deg_s: f64,
+    /// Folder for smear.csv, summary.json and the arrow fields; made if it does not exist.
+    #[arg(long, value_name = "DIR")]
     pub out: Option<PathBuf>,
 }
 

@@ -10,4 +10,5 @@ pub mod formats;
 pub mod reference;
 pub mod report;
 pub mod scene;
+pub mod smear;
 pub mod verify;

@@ -132,7 +132,7 @@ impl fmt::Display for ImageMotionError {
             Self::OutOfRange(error) => error.fmt(f),
             Self::Horizon(scale) => write!(
                 f,
-                "a corner of the sensor sees the horizon or nearly: scale of the ground {scale} there, {LEAST_GROUND_SCALE} at least"
+                "a corner of the sensor sees the horizon or nearly: scale of the ground {scale:.3} there, {LEAST_GROUND_SCALE} at least"
             ),
         }
     }
@@ -162,7 +162,8 @@ impl From<OutOfRange> for ImageMotionError {
 ///
 /// with x, y from the principal point. The detector moves by `f·η_c` against e; on it an image point
 /// moves by `(ẋ, ẏ) + f·η_c·e`, the *residual*. Level attitude is: heading, then pitch, then roll.
-/// Terrain is a horizontal plane at the relief's height, the lens free of distortion.
+/// Terrain is a horizontal plane at the relief's height, the lens free of distortion: a lens whose
+/// distortion has the gradient J along e adds δ·J to the smear, whatever the compensation.
 ///
 /// # Units and frames
 /// Points and velocities in the sensor frame, mm and mm/s; smear in µm.

@@ -6,6 +6,7 @@ mod exposure;
 mod frame;
 mod points;
 mod reference;
+mod smear;
 mod verify;
 
 use crate::cli::{CalibrationMethod, Cli, Command};
@@ -25,5 +26,6 @@ pub fn run(cli: Cli) -> Result<(), Failure> {
         Command::Calibrate(args) => match args.method {
             CalibrationMethod::Five(args) => calibrate::five(&args),
         },
+        Command::Smear(args) => smear::run(&args),
     }
 }

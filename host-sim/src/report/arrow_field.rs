@@ -66,68 +66,91 @@ fn draw(
             displacement_mm: displacement(point),
         })
         .collect();
-    draw_arrows(camera.format_mm, camera.axis, titles, &arrows)
+    ArrowField {
+        titles: titles.clone(),
+        format_mm: camera.format_mm,
+        axis: camera.axis,
+        arrows: &arrows,
+    }
+    .svg()
 }
 
-/// Arrows over a sensor of `format_mm` whose principal point moves along `axis`.
-pub(super) fn draw_arrows(
-    format_mm: [f64; 2],
-    axis: &str,
-    titles: &[String; 2],
-    arrows: &[Arrow],
-) -> Result<String, FigureError> {
-    if arrows.is_empty() {
-        return Err(FigureError::NothingToDraw);
-    }
-    let lengths = arrows.iter().map(|arrow| length_of(arrow.displacement_mm));
-    let scale = ArrowScale::fitting(format_mm, lengths);
-    let [half_x, half_y] = format_mm.map(|format| format / 2.0 + scale.spacing_mm);
-    let plot_width = WIDTH - AXIS_WIDTH - 2 * EDGE;
-    let pixels_per_mm = f64::from(plot_width) / (2.0 * half_x);
-    let plot_height = pixels(2.0 * half_y * pixels_per_mm).unsigned_abs();
-    let chart_height = TITLE_HEIGHT + plot_height + AXIS_HEIGHT;
+/// A field of arrows on the sensor.
+#[derive(Debug, Clone)]
+pub(super) struct ArrowField<'a> {
+    pub(super) titles: [String; 2],
+    /// Width and height of the sensor, mm.
+    pub(super) format_mm: [f64; 2],
+    /// The FMC axis as the camera file spells it.
+    pub(super) axis: &'a str,
+    pub(super) arrows: &'a [Arrow],
+}
 
-    let mut svg = String::new();
-    {
-        let size = (WIDTH, chart_height + LEGEND_HEIGHT);
-        let canvas = SVGBackend::with_string(&mut svg, size).into_drawing_area();
-        canvas.fill(&plotters::style::WHITE)?;
-        for (title, (y, font)) in titles.iter().zip([(36, FONT + 2), (88, FONT - 2)]) {
-            canvas.draw(&Text::new(title.clone(), (20, y), text(font)))?;
+impl ArrowField<'_> {
+    /// The figure.
+    ///
+    /// # Errors
+    /// [`FigureError`] without arrows or if the drawing fails.
+    pub(super) fn svg(&self) -> Result<String, FigureError> {
+        let Self {
+            titles,
+            format_mm,
+            axis,
+            arrows,
+        } = self;
+        if arrows.is_empty() {
+            return Err(FigureError::NothingToDraw);
         }
-        let (upper, legend) = canvas.split_vertically(chart_height);
-        let mut chart = ChartBuilder::on(&upper)
-            .margin_top(TITLE_HEIGHT)
-            .margin_right(EDGE)
-            .margin_left(EDGE)
-            .x_label_area_size(AXIS_HEIGHT)
-            .y_label_area_size(AXIS_WIDTH)
-            .build_cartesian_2d(-half_x..half_x, -half_y..half_y)?;
-        chart
-            .configure_mesh()
-            .disable_mesh()
-            .axis_style(GRID)
-            .label_style(text(FONT - 4))
-            .axis_desc_style(text(FONT - 2))
-            .x_label_formatter(&|mm| wording::decimals(*mm, 1))
-            .y_label_formatter(&|mm| wording::decimals(*mm, 1))
-            .x_desc("x, mm")
-            .y_desc("y, mm")
-            .draw()?;
-        let [x, y] = format_mm.map(|format| format / 2.0);
-        chart.draw_series([Rectangle::new([(-x, -y), (x, y)], OUTLINE.stroke_width(3))])?;
-        let head_mm = 0.28 * scale.spacing_mm;
-        let dots = arrows.iter().filter(|arrow| !scale.shows(arrow));
-        chart.draw_series(dots.map(|arrow| Circle::new(arrow.from(), 2, ARROW.filled())))?;
-        let drawn = arrows.iter().filter(|arrow| scale.shows(arrow));
-        chart.draw_series(drawn.map(|arrow| {
-            let to = scale.drawn_mm(arrow.displacement_mm);
-            PathElement::new(path(arrow.from_mm, to, head_mm), ARROW.stroke_width(3))
-        }))?;
-        draw_legend(&legend, &scale, pixels_per_mm, axis)?;
-        canvas.present()?;
+        let lengths = arrows.iter().map(|arrow| length_of(arrow.displacement_mm));
+        let scale = ArrowScale::fitting(*format_mm, lengths);
+        let [half_x, half_y] = format_mm.map(|format| format / 2.0 + scale.spacing_mm);
+        let plot_width = WIDTH - AXIS_WIDTH - 2 * EDGE;
+        let pixels_per_mm = f64::from(plot_width) / (2.0 * half_x);
+        let plot_height = pixels(2.0 * half_y * pixels_per_mm).unsigned_abs();
+        let chart_height = TITLE_HEIGHT + plot_height + AXIS_HEIGHT;
+
+        let mut svg = String::new();
+        {
+            let size = (WIDTH, chart_height + LEGEND_HEIGHT);
+            let canvas = SVGBackend::with_string(&mut svg, size).into_drawing_area();
+            canvas.fill(&plotters::style::WHITE)?;
+            for (title, (y, font)) in titles.iter().zip([(36, FONT + 2), (88, FONT - 2)]) {
+                canvas.draw(&Text::new(title.clone(), (20, y), text(font)))?;
+            }
+            let (upper, legend) = canvas.split_vertically(chart_height);
+            let mut chart = ChartBuilder::on(&upper)
+                .margin_top(TITLE_HEIGHT)
+                .margin_right(EDGE)
+                .margin_left(EDGE)
+                .x_label_area_size(AXIS_HEIGHT)
+                .y_label_area_size(AXIS_WIDTH)
+                .build_cartesian_2d(-half_x..half_x, -half_y..half_y)?;
+            chart
+                .configure_mesh()
+                .disable_mesh()
+                .axis_style(GRID)
+                .label_style(text(FONT - 4))
+                .axis_desc_style(text(FONT - 2))
+                .x_label_formatter(&|mm| wording::decimals(*mm, 1))
+                .y_label_formatter(&|mm| wording::decimals(*mm, 1))
+                .x_desc("x, mm")
+                .y_desc("y, mm")
+                .draw()?;
+            let [x, y] = format_mm.map(|format| format / 2.0);
+            chart.draw_series([Rectangle::new([(-x, -y), (x, y)], OUTLINE.stroke_width(3))])?;
+            let head_mm = 0.28 * scale.spacing_mm;
+            let dots = arrows.iter().filter(|arrow| !scale.shows(arrow));
+            chart.draw_series(dots.map(|arrow| Circle::new(arrow.from(), 2, ARROW.filled())))?;
+            let drawn = arrows.iter().filter(|arrow| scale.shows(arrow));
+            chart.draw_series(drawn.map(|arrow| {
+                let to = scale.drawn_mm(arrow.displacement_mm);
+                PathElement::new(path(arrow.from_mm, to, head_mm), ARROW.stroke_width(3))
+            }))?;
+            draw_legend(&legend, &scale, pixels_per_mm, axis)?;
+            canvas.present()?;
+        }
+        Ok(svg)
     }
-    Ok(svg)
 }
 
 /// A displacement at a point.

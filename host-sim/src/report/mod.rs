@@ -18,6 +18,7 @@ pub mod residual_field;
 pub mod residual_plot;
 pub mod residuals_csv;
 mod run_up;
+pub mod smear;
 pub mod summary;
 pub mod table;
 mod verdict;

@@ -1,6 +1,6 @@
 //! Residual vectors over the sensor.
 
-use super::arrow_field::{Arrow, draw_arrows};
+use super::arrow_field::{Arrow, ArrowField};
 use super::figure::FigureError;
 use super::wording;
 use crate::calibrate::five::FiveCalibration;
@@ -37,12 +37,13 @@ pub fn residual_vectors(calibration: &FiveCalibration) -> Result<String, FigureE
         "Residuals, observed − fitted".to_owned(),
         format!("{}: {what}", calibration.camera.name),
     ];
-    draw_arrows(
+    ArrowField {
+        titles,
         format_mm,
-        calibration.camera.fmc.axis.name(),
-        &titles,
-        &arrows,
-    )
+        axis: calibration.camera.fmc.axis.name(),
+        arrows: &arrows,
+    }
+    .svg()
 }
 
 /// A mean arrow at the mean place of every cell that is not empty.

@@ -26,6 +26,8 @@ mod qemu;
 #[cfg(unix)]
 mod serial;
 #[cfg(test)]
+mod smear;
+#[cfg(test)]
 mod support;
 #[cfg(test)]
 mod verify;

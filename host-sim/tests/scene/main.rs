@@ -4,6 +4,8 @@
 #[cfg(test)]
 mod image_motion;
 #[cfg(test)]
+mod lens_smear;
+#[cfg(test)]
 mod ray_traced_truth;
 #[cfg(test)]
 mod smear_numbers;

@@ -1,0 +1,101 @@
+//! `smear`: what the compensation leaves of the image motion.
+
+use std::io;
+
+use fmc_camera::geometry::image_motion::{ImageMotionError, View};
+
+use crate::cli::{ExposureArgs, FocusSignName, ModelName, SmearArgs};
+use crate::device::DeviceError;
+use crate::failure::Failure;
+use crate::formats::camera_file::CameraFile;
+use crate::formats::output::{self, OutputFolder};
+use crate::report::smear::SmearReport;
+use crate::smear::field::SmearRequest;
+use crate::smear::term::{Disturbances, Term};
+
+pub(super) fn run(args: &SmearArgs) -> Result<(), Failure> {
+    let disturbances = args
+        .disturbances()
+        .map_err(|error| Failure::bad_input(error.to_string()))?;
+    let (camera, checked) = CameraFile::read(&args.camera)?;
+    let exposure = args.exposure_args();
+    let record = checked
+        .frame(&exposure.exposure())
+        .map_err(|error| exposure.refused(&DeviceError::Frame(error)))?
+        .record;
+    let view = View {
+        principal_point: record.principal_point,
+        ..View::calibrated(checked.calibration())
+    };
+    let request = SmearRequest {
+        vh_per_s: args.vh,
+        exposure_s: args.exposure,
+        disturbances,
+    };
+    let fields = request
+        .fields(&camera, &view)
+        .map_err(|error| args.refused(&error))?;
+    let folder = args.out.as_deref().map(OutputFolder::create).transpose()?;
+    let report = SmearReport {
+        camera: &camera,
+        request: &request,
+        fields: &fields,
+    };
+    if let Some(folder) = &folder {
+        write(folder, &report)?;
+    }
+    output::write(None, |sink| sink.write_all(report.text().as_bytes()))
+}
+
+fn write(folder: &OutputFolder, report: &SmearReport<'_>) -> Result<(), Failure> {
+    let figures = report
+        .figures()
+        .map_err(|error| Failure::device_or_io(format!("figure: {error}")))?;
+    folder.write("summary.json", |sink| report.write_summary(sink))?;
+    folder.write("smear.csv", |sink| {
+        report.write_points(sink).map_err(io::Error::other)
+    })?;
+    for (name, svg) in figures {
+        folder.write(&name, |sink| sink.write_all(svg.as_bytes()))?;
+    }
+    eprintln!("figure: {}", folder.path().join("smear.svg").display());
+    Ok(())
+}
+
+impl SmearArgs {
+    fn disturbances(&self) -> Result<Disturbances, crate::smear::term::NotBelievable> {
+        Disturbances::new([
+            (Term::VhError, self.vh_error_percent),
+            (Term::Relief, self.relief_percent),
+            (Term::Pitch, self.pitch_deg),
+            (Term::Roll, self.roll_deg),
+            (Term::Drift, self.drift_deg),
+            (Term::PitchRate, self.pitch_rate_deg_s),
+            (Term::RollRate, self.roll_rate_deg_s),
+            (Term::YawRate, self.yaw_rate_deg_s),
+        ])
+    }
+
+    /// The exposure as the other commands ask for it, so that it is refused in the same words.
+    fn exposure_args(&self) -> ExposureArgs {
+        ExposureArgs {
+            camera: self.camera.clone(),
+            vh: self.vh,
+            exposure: self.exposure,
+            opening_offset_mm: None,
+            focus_shift_um: 0.0,
+            focus_sign: FocusSignName::Physical,
+            model: ModelName::Exact,
+        }
+    }
+
+    fn refused(&self, error: &ImageMotionError) -> Failure {
+        match error {
+            ImageMotionError::Horizon(_) => Failure::bad_input(format!(
+                "--pitch-deg = {} with --roll-deg = {}: {error}",
+                self.pitch_deg, self.roll_deg
+            )),
+            ImageMotionError::OutOfRange(range) => Failure::bad_input(range.to_string()),
+        }
+    }
+}
