@@ -11,4 +11,5 @@ pub mod reference;
 pub mod report;
 pub mod scene;
 pub mod smear;
+pub mod sweep;
 pub mod verify;

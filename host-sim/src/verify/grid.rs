@@ -66,6 +66,21 @@ pub fn exposures(camera: &CameraFile) -> Vec<GridExposure> {
     exposures
 }
 
+/// The paper's exposures, 10 V/H x 6 times, whatever the camera's limits are.
+#[must_use]
+pub fn of_the_paper(strategy: Option<Strategy>) -> Vec<GridExposure> {
+    spread(VH_PER_S, VH_STEPS)
+        .into_iter()
+        .flat_map(|vh_per_s| {
+            EXPOSURE_FRACTIONS.map(|fraction| GridExposure {
+                strategy,
+                vh_per_s,
+                exposure_s: fraction.recip(),
+            })
+        })
+        .collect()
+}
+
 /// What the wanted range and the limits share; the limits where they share nothing.
 fn common([from, to]: [f64; 2], [least, most]: [f64; 2]) -> [f64; 2] {
     let (low, high) = (from.max(least), to.min(most));
@@ -123,6 +138,14 @@ mod tests {
         let grid = points([10.0, 5.0]);
         assert_eq!(grid.points().count(), 441);
         assert_eq!(grid.points().last(), Some(SensorPoint::new(10.0, 5.0)));
+    }
+
+    #[test]
+    fn grid_of_the_paper_ignores_the_limits() {
+        let exposures = of_the_paper(None);
+        assert_eq!(exposures.len(), 60);
+        assert!((exposures[0].vh_per_s - 0.05).abs() < 1e-15);
+        assert!((exposures[0].exposure_s - 0.01).abs() < 1e-15);
     }
 
     #[test]

@@ -13,6 +13,8 @@ mod ray_traced_truth;
 #[cfg(test)]
 mod support;
 #[cfg(test)]
+mod sweep;
+#[cfg(test)]
 mod tdi;
 #[cfg(test)]
 mod usgs_tables;
