@@ -7,6 +7,7 @@ mod frame;
 mod points;
 mod reference;
 mod smear;
+mod sweep;
 mod verify;
 
 use crate::cli::{CalibrationMethod, Cli, Command};
@@ -27,5 +28,6 @@ pub fn run(cli: Cli) -> Result<(), Failure> {
             CalibrationMethod::Five(args) => calibrate::five(&args),
         },
         Command::Smear(args) => smear::run(&args),
+        Command::Sweep(args) => sweep::run(&args),
     }
 }

@@ -27,6 +27,21 @@ pub fn exposure_time(text: &str) -> Result<f64, String> {
     }
 }
 
+/// Largest noise of a simulation, µm.
+pub const MAX_NOISE_UM: f64 = 1000.0;
+
+/// A standard deviation in µm, 0 to [`MAX_NOISE_UM`].
+///
+/// # Errors
+/// A sentence for the user with the range.
+pub fn noise_um(text: &str) -> Result<f64, String> {
+    match finite(text) {
+        Ok(noise) if (0.0..=MAX_NOISE_UM).contains(&noise) => Ok(noise),
+        Ok(_) => Err(format!("outside 0 to {MAX_NOISE_UM} µm")),
+        Err(_) => Err(format!("not a number from 0 to {MAX_NOISE_UM} µm")),
+    }
+}
+
 /// As much of a text as belongs into a message.
 #[must_use]
 pub fn clipped(text: &str) -> String {

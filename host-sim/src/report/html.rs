@@ -114,7 +114,7 @@ impl Section {
 }
 
 /// An SVG as part of a page: scaled by its view box instead of its width and height.
-fn inline(svg: String) -> String {
+pub(super) fn inline(svg: String) -> String {
     match svg.split_once("viewBox") {
         Some((_, rest)) => {
             format!("<svg xmlns=\"http://www.w3.org/2000/svg\" role=\"img\" viewBox{rest}")

@@ -1,5 +1,6 @@
 //! What a verification or a calibration tells its reader: a table, machine-readable files, figures
 //! and a page.
+//! What a verification or a sweep tells its reader: tables, machine-readable files, figures, pages.
 
 pub mod arrow_field;
 mod arrow_scale;
@@ -14,12 +15,14 @@ pub mod frames_csv;
 pub mod html;
 mod length;
 mod marker;
+pub mod raster;
 pub mod residual_field;
 pub mod residual_plot;
 pub mod residuals_csv;
 mod run_up;
 pub mod smear;
 pub mod summary;
+pub mod sweep;
 pub mod table;
 mod verdict;
-mod wording;
+pub(crate) mod wording;

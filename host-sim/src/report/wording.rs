@@ -42,7 +42,7 @@ pub(super) fn evidence(evidence: &Evidence) -> String {
 }
 
 /// An exposure time: a fraction of a second where it is one.
-pub(super) fn exposure(exposure_s: f64) -> String {
+pub(crate) fn exposure(exposure_s: f64) -> String {
     let denominator = exposure_s.recip().round();
     if denominator > 1.0 && (exposure_s * denominator - 1.0).abs() < 1e-6 {
         format!("1/{denominator} s")

@@ -207,6 +207,7 @@ fn help_names_every_command_and_exit_code() {
         "distort",
         "reference",
         "frame",
+        "sweep",
         "Exit codes",
     ] {
         assert!(help.stdout.contains(word), "{word}");

@@ -30,6 +30,8 @@ mod smear;
 #[cfg(test)]
 mod support;
 #[cfg(test)]
+mod sweep;
+#[cfg(test)]
 mod verify;
 #[cfg(test)]
 #[cfg(unix)]

@@ -1,0 +1,11 @@
+//! What a sweep tells its reader: a table, machine-readable files, a figure and a page.
+
+pub mod coefficient_plot;
+pub mod coefficients_csv;
+mod findings;
+#[cfg(test)]
+mod fixture;
+pub mod page;
+mod power;
+pub mod summary;
+pub mod table;
