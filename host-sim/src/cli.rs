@@ -5,7 +5,7 @@ use std::path::PathBuf;
 use clap::{Args, Parser, Subcommand, ValueEnum};
 
 use crate::device::DeviceName;
-use crate::formats::number::{exposure_time, finite, noise_um};
+use crate::formats::number::{between, exposure_time, finite};
 
 /// Geometry of an airborne mapping camera with forward motion compensation: strict reference,
 /// verification, and the client of the camera.
@@ -60,6 +60,14 @@ pub enum Command {
     /// The paper reports 1.2 and 2.3 µm; this repeats it with 1.2 and 2.4 µm:
     /// host-sim sweep --camera host-sim/cameras/paper-0.03-percent.toml --out sweep
     Sweep(SweepArgs),
+    /// Is it worth it for this camera? What each source of error costs, on one page.
+    ///
+    /// Largest effect of every term over the exposures of the paper and over those that the camera's
+    /// limits allow: principal point and time of different instants, the distortion that the motion
+    /// changes, the principal distance, and what no correction removes: V/H, relief, drift, encoder,
+    /// clock and attitude rates. In micrometres and pixels on the sensor and in centimetres on the
+    /// ground, the largest first, with a sentence of advice.
+    Budget(BudgetArgs),
 }
 
 /// Arguments of `calibrate`.
@@ -296,7 +304,7 @@ pub struct SweepArgs {
     #[arg(long, value_name = "FILE")]
     pub camera: PathBuf,
     /// Standard deviation of the Gaussian noise on dx and on dy, µm, 0 to 1000.
-    #[arg(long, value_name = "UM", default_value = "0.85", value_parser = noise_um, allow_negative_numbers = true)]
+    #[arg(long, value_name = "UM", default_value = "0.85", value_parser = between(0.0, 1000.0), allow_negative_numbers = true)]
     pub noise_um: f64,
     /// Detector out of its calibrated plane in every exposure, positive away from the lens, µm;
     /// adds to the stage's run-out.
@@ -334,6 +342,42 @@ pub struct SweepArgs {
     /// coefficients.png); made if it does not exist.
     #[arg(long, value_name = "DIR")]
     pub out: PathBuf,
+}
+
+/// Arguments of `budget`.
+#[derive(Debug, Args)]
+pub struct BudgetArgs {
+    /// Camera file (TOML).
+    #[arg(long, value_name = "FILE")]
+    pub camera: PathBuf,
+    /// Height above the ground, m, 10 to 20000.
+    #[arg(long, value_name = "M", default_value = "1000", value_parser = between(10.0, 20_000.0), allow_negative_numbers = true)]
+    pub height_m: f64,
+    /// Focus shift that nobody measured, µm, 0 to 100; adds to the stage's run-out.
+    #[arg(long, value_name = "UM", default_value = "5", value_parser = between(0.0, 100.0), allow_negative_numbers = true)]
+    pub focus_um: f64,
+    /// Error of V/H, %, 0 to 50.
+    #[arg(long, value_name = "PERCENT", default_value = "1", value_parser = between(0.0, 50.0), allow_negative_numbers = true)]
+    pub vh_error_percent: f64,
+    /// Terrain above the height that V/H holds for, % of it, 0 to 50.
+    #[arg(long, value_name = "PERCENT", default_value = "10", value_parser = between(0.0, 50.0), allow_negative_numbers = true)]
+    pub relief_percent: f64,
+    /// Drift angle that is not turned out, degrees, 0 to 45.
+    #[arg(long, value_name = "DEG", default_value = "1", value_parser = between(0.0, 45.0), allow_negative_numbers = true)]
+    pub drift_deg: f64,
+    /// Rate of roll, of pitch and of yaw that the mount leaves, degrees per second, 0 to 60.
+    #[arg(long, value_name = "DEG_PER_S", default_value = "1", value_parser = between(0.0, 60.0), allow_negative_numbers = true)]
+    pub rate_deg_s: f64,
+    /// Step of the stage's encoder, µm, 0 to 100.
+    #[arg(long, value_name = "UM", default_value = "1", value_parser = between(0.0, 100.0), allow_negative_numbers = true)]
+    pub encoder_um: f64,
+    /// Error of the time stamp against position and attitude, ms, 0 to 100.
+    #[arg(long, value_name = "MS", default_value = "0.1", value_parser = between(0.0, 100.0), allow_negative_numbers = true)]
+    pub timing_ms: f64,
+    /// Folder for report.html, summary.json and the figure (budget.svg, budget.png); made if it
+    /// does not exist.
+    #[arg(long, value_name = "DIR")]
+    pub out: Option<PathBuf>,
 }
 
 /// What `K_d1` and `P_m1` are multiplied by.

@@ -1,6 +1,7 @@
 //! The counterpart of `fmc-camera` on the PC: strict reference solver, verification,
 //! calibration, and the client of the camera.
 
+pub mod budget;
 pub mod calibrate;
 pub mod cli;
 pub mod command;

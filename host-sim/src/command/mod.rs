@@ -1,5 +1,6 @@
 //! The commands.
 
+mod budget;
 mod calibrate;
 mod device;
 mod exposure;
@@ -24,6 +25,7 @@ pub fn run(cli: Cli) -> Result<(), Failure> {
         Command::Distort(args) => points::run(&args, points::Direction::Distort),
         Command::Reference(args) => reference::run(&args),
         Command::Frame(args) => frame::run(&args),
+        Command::Budget(args) => budget::run(&args),
         Command::Calibrate(args) => match args.method {
             CalibrationMethod::Five(args) => calibrate::five(&args),
         },

@@ -27,18 +27,14 @@ pub fn exposure_time(text: &str) -> Result<f64, String> {
     }
 }
 
-/// Largest noise of a simulation, µm.
-pub const MAX_NOISE_UM: f64 = 1000.0;
-
-/// A standard deviation in µm, 0 to [`MAX_NOISE_UM`].
-///
-/// # Errors
-/// A sentence for the user with the range.
-pub fn noise_um(text: &str) -> Result<f64, String> {
-    match finite(text) {
-        Ok(noise) if (0.0..=MAX_NOISE_UM).contains(&noise) => Ok(noise),
-        Ok(_) => Err(format!("outside 0 to {MAX_NOISE_UM} µm")),
-        Err(_) => Err(format!("not a number from 0 to {MAX_NOISE_UM} µm")),
+/// A reader of numbers from `least` to `most`.
+pub fn between(
+    least: f64,
+    most: f64,
+) -> impl Fn(&str) -> Result<f64, String> + Clone + Send + Sync + 'static {
+    move |text| match finite(text) {
+        Ok(number) if (least..=most).contains(&number) => Ok(number),
+        _ => Err(format!("not a number from {least} to {most}")),
     }
 }
 
@@ -72,6 +68,16 @@ mod tests {
         assert_eq!(exposure_time("1/200"), Ok(0.005));
         assert_eq!(exposure_time(" 1 / 200 "), Ok(0.005));
         assert_eq!(exposure_time("5e-3"), Ok(0.005));
+    }
+
+    #[test]
+    fn ends_are_between_and_no_number_is_not() {
+        let read = between(0.0, 1000.0);
+        assert_eq!(read("0"), Ok(0.0));
+        assert_eq!(read("1e3"), Ok(1000.0));
+        for text in ["-0.1", "1000.1", "nan", "inf", "", "x"] {
+            assert!(read(text).is_err(), "{text}");
+        }
     }
 
     #[test]

@@ -1,9 +1,9 @@
-//! What a verification or a calibration tells its reader: a table, machine-readable files, figures
-//! and a page.
-//! What a verification or a sweep tells its reader: tables, machine-readable files, figures, pages.
+//! What a verification, a calibration, a simulation or a budget tells its reader: tables,
+//! machine-readable files, figures, pages.
 
 pub mod arrow_field;
 mod arrow_scale;
+pub mod budget;
 mod comparison;
 pub mod error_plot;
 pub mod figure;

@@ -81,6 +81,22 @@ pub fn of_the_paper(strategy: Option<Strategy>) -> Vec<GridExposure> {
         .collect()
 }
 
+/// As many exposures evenly over what the camera's limits allow.
+#[must_use]
+pub fn over_the_limits(camera: &CameraFile, strategy: Option<Strategy>) -> Vec<GridExposure> {
+    let times = spread(camera.limits.exposure_s, EXPOSURE_STEPS);
+    spread(camera.limits.vh_per_s, VH_STEPS)
+        .into_iter()
+        .flat_map(|vh_per_s| {
+            times.iter().map(move |exposure_s| GridExposure {
+                strategy,
+                vh_per_s,
+                exposure_s: *exposure_s,
+            })
+        })
+        .collect()
+}
+
 /// What the wanted range and the limits share; the limits where they share nothing.
 fn common([from, to]: [f64; 2], [least, most]: [f64; 2]) -> [f64; 2] {
     let (low, high) = (from.max(least), to.min(most));

@@ -208,6 +208,7 @@ fn help_names_every_command_and_exit_code() {
         "reference",
         "frame",
         "sweep",
+        "budget",
         "Exit codes",
     ] {
         assert!(help.stdout.contains(word), "{word}");

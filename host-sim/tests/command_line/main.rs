@@ -9,6 +9,8 @@ mod bad_points;
 #[cfg(test)]
 mod bad_request;
 #[cfg(test)]
+mod budget;
+#[cfg(test)]
 mod calibrate_five;
 #[cfg(test)]
 mod calibrate_five_refused;

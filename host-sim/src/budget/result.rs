@@ -1,0 +1,208 @@
+//! The terms of a budget.
+
+use super::assumptions::Assumptions;
+
+/// What a term does to the image.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Kind {
+    /// Coordinates are wrong by it.
+    Position,
+    /// The image is smeared over it; coordinates are not wrong.
+    Smear,
+}
+
+impl Kind {
+    /// In reports.
+    #[must_use]
+    pub const fn name(self) -> &'static str {
+        match self {
+            Self::Position => "position",
+            Self::Smear => "smear",
+        }
+    }
+}
+
+/// A source of error.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Source {
+    /// Time stamp at the opening of the shutter instead of the centroid time.
+    OpeningTime,
+    /// Calibrated principal point instead of the one at the centroid.
+    CalibratedPoint,
+    /// Static calibration instead of the exposure mean.
+    StaticDistortion,
+    /// Calibration about the moved principal point, without the moments of the motion.
+    SecondOrder,
+    /// Focus shift that is not corrected.
+    FocusShift,
+    /// What is left of it when it is.
+    FocusRemainder,
+    /// Step of the encoder.
+    Encoder,
+    /// Error of the time stamp.
+    Timing,
+    /// Error of V/H.
+    VhError,
+    /// Relief.
+    Relief,
+    /// Drift.
+    Drift,
+    /// Roll or pitch rate.
+    TiltRate,
+    /// Yaw rate.
+    YawRate,
+}
+
+impl Source {
+    /// All.
+    pub const ALL: [Self; 13] = [
+        Self::OpeningTime,
+        Self::CalibratedPoint,
+        Self::StaticDistortion,
+        Self::SecondOrder,
+        Self::FocusShift,
+        Self::FocusRemainder,
+        Self::Encoder,
+        Self::Timing,
+        Self::VhError,
+        Self::Relief,
+        Self::Drift,
+        Self::TiltRate,
+        Self::YawRate,
+    ];
+
+    /// In `summary.json`.
+    #[must_use]
+    pub const fn key(self) -> &'static str {
+        match self {
+            Self::OpeningTime => "opening-time",
+            Self::CalibratedPoint => "calibrated-principal-point",
+            Self::StaticDistortion => "static-distortion",
+            Self::SecondOrder => "second-order",
+            Self::FocusShift => "focus-shift",
+            Self::FocusRemainder => "focus-remainder",
+            Self::Encoder => "encoder",
+            Self::Timing => "timing",
+            Self::VhError => "vh-error",
+            Self::Relief => "relief",
+            Self::Drift => "drift",
+            Self::TiltRate => "tilt-rate",
+            Self::YawRate => "yaw-rate",
+        }
+    }
+
+    /// In reports.
+    #[must_use]
+    pub const fn label(self) -> &'static str {
+        match self {
+            Self::OpeningTime => "time of opening, not of the centroid",
+            Self::CalibratedPoint => "calibrated principal point, not the centroid's",
+            Self::StaticDistortion => "static distortion, not the exposure mean",
+            Self::SecondOrder => "second order of the motion (μ2)",
+            Self::FocusShift => "focus shift not corrected",
+            Self::FocusRemainder => "focus shift corrected: what a real lens leaves",
+            Self::Encoder => "encoder, half a step",
+            Self::Timing => "time stamp",
+            Self::VhError => "error of V/H",
+            Self::Relief => "relief",
+            Self::Drift => "drift",
+            Self::TiltRate => "roll or pitch rate",
+            Self::YawRate => "yaw rate",
+        }
+    }
+
+    /// What it does to the image.
+    #[must_use]
+    pub const fn kind(self) -> Kind {
+        match self {
+            Self::VhError | Self::Relief | Self::Drift | Self::TiltRate | Self::YawRate => {
+                Kind::Smear
+            }
+            _ => Kind::Position,
+        }
+    }
+
+    /// Whether a frame record and correction of this project remove it (the focus shift where it is
+    /// known).
+    #[must_use]
+    pub const fn is_removed(self) -> bool {
+        matches!(
+            self,
+            Self::OpeningTime
+                | Self::CalibratedPoint
+                | Self::StaticDistortion
+                | Self::SecondOrder
+                | Self::FocusShift
+        )
+    }
+}
+
+/// A term: its largest effect over a set of exposures, anywhere on the sensor.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Term {
+    /// Of what.
+    pub source: Source,
+    /// Over the exposures of the paper that the camera accepts, mm; `None` where it accepts none.
+    pub paper_mm: Option<f64>,
+    /// Over the exposures that its limits allow, mm.
+    pub limits_mm: f64,
+}
+
+/// A set of exposures.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Exposures {
+    /// How many the camera accepts.
+    pub accepted: usize,
+    /// How many it does not.
+    pub refused: usize,
+    /// Longest travel of the accepted ones, mm.
+    pub longest_travel_mm: f64,
+}
+
+/// All terms of a camera.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Budget {
+    /// Name of the camera.
+    pub camera: String,
+    /// How the run-up puts the exposures.
+    pub strategy: &'static str,
+    /// f, mm.
+    pub principal_distance_mm: f64,
+    /// Pixel pitch, mm.
+    pub pixel_mm: f64,
+    /// Smallest and largest V/H, 1/s.
+    pub vh_per_s: [f64; 2],
+    /// Shortest and longest exposure, s.
+    pub exposure_s: [f64; 2],
+    /// Of the paper.
+    pub paper: Exposures,
+    /// Of the limits.
+    pub limits: Exposures,
+    /// What was assumed.
+    pub assumptions: Assumptions,
+    /// The largest first.
+    pub terms: Vec<Term>,
+}
+
+impl Budget {
+    /// A length on the sensor as one on the ground, m.
+    #[must_use]
+    pub fn ground_m(&self, length_mm: f64) -> f64 {
+        length_mm * self.assumptions.height_m / self.principal_distance_mm
+    }
+
+    /// A length on the sensor in pixels.
+    #[must_use]
+    pub fn pixels(&self, length_mm: f64) -> f64 {
+        length_mm / self.pixel_mm
+    }
+
+    /// The effect of a source over the limits, mm.
+    #[must_use]
+    pub fn effect_mm(&self, source: Source) -> f64 {
+        self.terms
+            .iter()
+            .find(|term| term.source == source)
+            .map_or(0.0, |term| term.limits_mm)
+    }
+}

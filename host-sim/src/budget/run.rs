@@ -1,0 +1,278 @@
+//! The terms over the exposures of a camera.
+
+use fmc_camera::flight::camera::{Camera, FrameError};
+use fmc_camera::flight::exposure::Exposure;
+use fmc_camera::geometry::calibration::CalibrationError;
+use fmc_camera::geometry::sensor::SensorPoint;
+
+use super::assumptions::{Assumptions, FOCUS_REMAINDER};
+use super::image_motion;
+use super::result::{Budget, Exposures, Source, Term};
+use crate::formats::camera_file::{CameraFile, MechanismName};
+use crate::formats::number::single;
+use crate::reference::exposure::{ExposurePath, ExposureRequest};
+use crate::reference::strict::{StrictSolver, Weight};
+use crate::verify::grid::{self, GridExposure};
+
+/// Why there is no budget.
+#[derive(Debug, Clone, PartialEq, thiserror::Error)]
+pub enum BudgetError {
+    /// The camera is not one.
+    #[error(transparent)]
+    Calibration(#[from] CalibrationError),
+    /// The camera takes none of the exposures that its limits allow.
+    #[error("none of the exposures that [limits] allow can be taken: {0}")]
+    NoExposure(FrameError),
+}
+
+/// The budget of a camera.
+///
+/// # Errors
+/// [`BudgetError`] where the camera takes no exposure.
+pub fn budget(camera: &CameraFile, assumptions: Assumptions) -> Result<Budget, BudgetError> {
+    let checked = Camera::new(camera.record())?;
+    let strategy = match camera.fmc.mechanism {
+        MechanismName::Tdi => None,
+        MechanismName::Stage => Some(camera.fmc.strategy.unwrap_or_default()),
+    };
+    let paper = Set::of(&checked, camera, &grid::of_the_paper(strategy));
+    let limits = Set::of(&checked, camera, &grid::over_the_limits(camera, strategy));
+    if let (true, Some(error)) = (limits.accepted.is_empty(), limits.refusal) {
+        return Err(BudgetError::NoExposure(error));
+    }
+    let terms_of = |set: &Set| set.largest(camera, &assumptions);
+    let over_limits = terms_of(&limits);
+    let over_paper = (!paper.accepted.is_empty()).then(|| terms_of(&paper));
+    let mut terms: Vec<Term> = Source::ALL
+        .into_iter()
+        .map(|source| {
+            let of = |effects: &[(Source, f64)]| {
+                effects
+                    .iter()
+                    .filter(|(of, _)| *of == source)
+                    .map(|(_, effect)| *effect)
+                    .fold(0.0, f64::max)
+            };
+            Term {
+                source,
+                paper_mm: over_paper.as_deref().map(of),
+                limits_mm: of(&over_limits),
+            }
+        })
+        .collect();
+    terms.sort_by(|a, b| b.limits_mm.total_cmp(&a.limits_mm));
+    Ok(Budget {
+        camera: camera.name.clone(),
+        strategy: strategy.map_or("tdi", |strategy| strategy.name()),
+        principal_distance_mm: camera.principal_distance_mm,
+        pixel_mm: camera.sensor.pixel_um / 1000.0,
+        vh_per_s: camera.limits.vh_per_s,
+        exposure_s: camera.limits.exposure_s,
+        paper: paper.exposures(),
+        limits: limits.exposures(),
+        assumptions,
+        terms,
+    })
+}
+
+/// Exposures that the camera accepts.
+struct Set {
+    accepted: Vec<Accepted>,
+    refused: usize,
+    refusal: Option<FrameError>,
+}
+
+struct Accepted {
+    exposure: GridExposure,
+    path: ExposurePath,
+    run_out_mm: f64,
+}
+
+impl Set {
+    fn of(checked: &Camera, camera: &CameraFile, exposures: &[GridExposure]) -> Self {
+        let mut set = Self {
+            accepted: Vec::new(),
+            refused: 0,
+            refusal: None,
+        };
+        for exposure in exposures {
+            let asked = Exposure::new(single(exposure.vh_per_s), single(exposure.exposure_s));
+            match checked.frame(&asked) {
+                Ok(frame) => set.accepted.push(Accepted {
+                    exposure: *exposure,
+                    path: ExposurePath::new(camera, &planned(*exposure)),
+                    run_out_mm: f64::from(frame.record.focus_shift_mm),
+                }),
+                Err(error) => {
+                    set.refused += 1;
+                    set.refusal = Some(error);
+                }
+            }
+        }
+        set
+    }
+
+    fn exposures(&self) -> Exposures {
+        let travels = self.accepted.iter().map(|accepted| accepted.path.travel_mm);
+        Exposures {
+            accepted: self.accepted.len(),
+            refused: self.refused,
+            longest_travel_mm: travels.fold(0.0, f64::max),
+        }
+    }
+
+    /// Every effect in every exposure, mm.
+    fn largest(&self, camera: &CameraFile, assumed: &Assumptions) -> Vec<(Source, f64)> {
+        let [half_width, half_height] = camera.half_format_mm();
+        let [x0, y0] = camera.principal_point_mm;
+        let corner = [half_width + x0.abs(), half_height + y0.abs()];
+        let [x, y] = corner;
+        let radius_mm = x.hypot(y);
+        let f_mm = camera.principal_distance_mm;
+        let mut effects = Vec::new();
+        for accepted in &self.accepted {
+            let GridExposure {
+                vh_per_s,
+                exposure_s,
+                ..
+            } = accepted.exposure;
+            let path = &accepted.path;
+            let travel_mm = path.travel_mm;
+            let turned = assumed.rate_rad_s * exposure_s;
+            let focus_mm = accepted.run_out_mm.abs() + assumed.focus_mm;
+            let [first_order, second_order] = distortion_effects(camera, accepted.exposure);
+            effects.extend([
+                // The pair of exposure means is exact; a pair of other instants is off by the
+                // motion between them.
+                (
+                    Source::OpeningTime,
+                    (path.centroid_mm() - path.offset_mm(0.0)).abs(),
+                ),
+                (Source::CalibratedPoint, path.centroid_mm().abs()),
+                (Source::StaticDistortion, first_order),
+                (Source::SecondOrder, second_order),
+                (
+                    Source::FocusShift,
+                    focus_mm / camera.exit_pupil_mm() * radius_mm,
+                ),
+                (Source::FocusRemainder, focus_mm * FOCUS_REMAINDER),
+                (Source::Encoder, assumed.encoder_mm / 2.0),
+                (Source::Timing, f_mm * vh_per_s * assumed.timing_s),
+                (
+                    Source::VhError,
+                    image_motion::of_vh_error(travel_mm, assumed.vh_error),
+                ),
+                (
+                    Source::Relief,
+                    image_motion::of_relief(travel_mm, assumed.relief),
+                ),
+                (
+                    Source::Drift,
+                    image_motion::of_drift(travel_mm, assumed.drift_rad),
+                ),
+                (
+                    Source::TiltRate,
+                    image_motion::of_tilt_rate(f_mm, corner, turned),
+                ),
+                (Source::YawRate, image_motion::of_yaw_rate(corner, turned)),
+            ]);
+        }
+        effects
+    }
+}
+
+const fn planned(exposure: GridExposure) -> ExposureRequest {
+    ExposureRequest::planned(exposure.vh_per_s, exposure.exposure_s)
+}
+
+/// Largest length over the sensor of what the static calibration misses of the exposure mean, and
+/// of what the calibration about the centroid's principal point misses of it, mm.
+fn distortion_effects(camera: &CameraFile, exposure: GridExposure) -> [f64; 2] {
+    let mut flat = camera.clone();
+    flat.fmc.flatness_um = vec![0.0];
+    let solver = StrictSolver::new(&flat, &planned(exposure), Weight::Exposure);
+    let centroid_mm = solver.path().centroid_mm();
+    let [ex, ey] = camera.fmc.axis.unit();
+    let [x0, y0] = camera.principal_point_mm;
+    let lens = camera.lens();
+    let mut largest = [0.0_f64; 2];
+    for SensorPoint { x_mm, y_mm } in grid::points(camera.half_format_mm()).points() {
+        let [x, y] = [x_mm, y_mm].map(f64::from);
+        let [mean_x, mean_y] = solver.mean([x, y]).distortion_mm;
+        let miss = |offset_mm: f64| {
+            let [dx, dy] = lens.displacement([x - x0 - offset_mm * ex, y - y0 - offset_mm * ey]);
+            (mean_x - dx).hypot(mean_y - dy)
+        };
+        let [first, second] = &mut largest;
+        *first = first.max(miss(0.0));
+        *second = second.max(miss(centroid_mm));
+    }
+    largest
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::formats::camera_file::Strategy;
+
+    fn assumptions() -> Assumptions {
+        Assumptions {
+            height_m: 441.0,
+            focus_mm: 0.005,
+            vh_error: 0.01,
+            relief: 0.1,
+            drift_rad: 0.01,
+            rate_rad_s: 1.0_f64.to_radians(),
+            encoder_mm: 0.001,
+            timing_s: 1e-4,
+        }
+    }
+
+    fn camera(more: &str) -> CameraFile {
+        let text = format!(
+            "name = \"t\"\nprincipal_distance_mm = 100.0\n[sensor]\nwidth_px = 9216\nheight_px = 9216\npixel_um = 8.75\n[limits]\nvh_per_s = [0.17, 0.17]\nexposure_s = [0.01, 0.01]\n{more}"
+        );
+        CameraFile::parse("t.toml", &text).unwrap().0
+    }
+
+    #[test]
+    fn terms_are_those_computed_by_hand() {
+        let mut camera = camera("[distortion]\nk1 = 9.2268e-8\n");
+        camera.fmc.strategy = Some(Strategy::FromRest);
+        let budget = budget(&camera, assumptions()).unwrap();
+        let near = |source, expected_um: f64, tolerance_um: f64| {
+            let found = 1e3 * budget.effect_mm(source);
+            assert!((found - expected_um).abs() <= tolerance_um, "{found}");
+        };
+        // v = 17 mm/s, δ = 170 µm.
+        near(Source::OpeningTime, 85.0, 1e-6);
+        // V = 0.17 · 441 = 75 m/s: V·t/2 = 37.5 cm.
+        let ground_m = budget.ground_m(budget.effect_mm(Source::OpeningTime));
+        assert!((ground_m - 0.375).abs() < 1e-3);
+        // 17²/2000 + 17 · 5 ms = 229.5 µm of run-up, and half of δ.
+        near(Source::CalibratedPoint, 314.5, 1e-6);
+        near(Source::Timing, 1.7, 1e-9);
+        near(Source::Encoder, 0.5, 1e-9);
+        // 5 µm · 57.02/100.
+        near(Source::FocusShift, 2.851, 1e-3);
+        near(Source::FocusRemainder, 0.0865, 1e-6);
+        // About 3K1·r²·c̄ in the corner.
+        near(Source::StaticDistortion, 0.211, 0.003);
+        assert!(budget.effect_mm(Source::SecondOrder) < 1e-7);
+        let sorted = budget.terms.is_sorted_by(|a, b| a.limits_mm >= b.limits_mm);
+        assert!(sorted);
+    }
+
+    #[test]
+    fn exposures_that_the_stroke_refuses_are_counted() {
+        let short = camera("[fmc]\nstroke_mm = 0.3\n");
+        assert!(matches!(
+            budget(&short, assumptions()),
+            Err(BudgetError::NoExposure(FrameError::Stroke(_)))
+        ));
+        let budget = budget(&camera(""), assumptions()).unwrap();
+        assert_eq!(budget.limits.refused, 0);
+        // One V/H and one time of the paper's grid are within the limits.
+        assert_eq!(budget.paper.accepted, 1);
+    }
+}

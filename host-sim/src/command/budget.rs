@@ -1,0 +1,53 @@
+//! `budget`: is it worth it for this camera?
+
+use crate::budget::assumptions::Assumptions;
+use crate::budget::result::Budget;
+use crate::budget::run;
+use crate::cli::BudgetArgs;
+use crate::failure::Failure;
+use crate::formats::camera_file::CameraFile;
+use crate::formats::output::{self, OutputFolder};
+use crate::report::budget::{bars, page, summary, table};
+use crate::report::raster;
+
+pub(super) fn run(args: &BudgetArgs) -> Result<(), Failure> {
+    let (camera, _) = CameraFile::read(&args.camera)?;
+    let budget = run::budget(&camera, assumptions(args))
+        .map_err(|error| Failure::bad_input(format!("{}: {error}", args.camera.display())))?;
+    if let Some(out) = &args.out {
+        let folder = OutputFolder::create(out)?;
+        write_report(&folder, &budget)?;
+        eprintln!("report: {}", folder.path().join("report.html").display());
+    }
+    output::write(None, |sink| sink.write_all(table::text(&budget).as_bytes()))
+}
+
+fn assumptions(args: &BudgetArgs) -> Assumptions {
+    Assumptions {
+        height_m: args.height_m,
+        focus_mm: args.focus_um / 1000.0,
+        vh_error: args.vh_error_percent / 100.0,
+        relief: args.relief_percent / 100.0,
+        drift_rad: args.drift_deg.to_radians(),
+        rate_rad_s: args.rate_deg_s.to_radians(),
+        encoder_mm: args.encoder_um / 1000.0,
+        timing_s: args.timing_ms / 1000.0,
+    }
+}
+
+/// report.html, summary.json and the figure.
+fn write_report(folder: &OutputFolder, budget: &Budget) -> Result<(), Failure> {
+    let failed = |what: &str, error: &dyn std::fmt::Display| {
+        Failure::device_or_io(format!("{what}: {error}"))
+    };
+    folder.write("summary.json", |sink| {
+        serde_json::to_writer_pretty(&mut *sink, &summary::Summary::of(budget))?;
+        writeln!(sink)
+    })?;
+    let svg = bars::bars(budget).map_err(|error| failed("budget.svg", &error))?;
+    let png = raster::png(&svg).map_err(|error| failed("budget.png", &error))?;
+    folder.write("budget.svg", |sink| sink.write_all(svg.as_bytes()))?;
+    folder.write("budget.png", |sink| sink.write_all(&png))?;
+    let page = page::page(budget).map_err(|error| failed("report.html", &error))?;
+    folder.write("report.html", |sink| sink.write_all(page.as_bytes()))
+}

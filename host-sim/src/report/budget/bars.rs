@@ -1,0 +1,141 @@
+//! The terms of a budget as bars on a logarithmic axis.
+
+use plotters::element::{PathElement, Rectangle, Text};
+use plotters::prelude::{Color, IntoDrawingArea, RGBColor, SVGBackend};
+use plotters::style::text_anchor::HPos;
+
+use super::findings;
+use crate::budget::result::{Budget, Kind, Term};
+use crate::report::figure::{FigureError, GRID, INK, pixels, text, text_at};
+
+const WIDTH: u32 = 1500;
+const TOP: i32 = 150;
+const ROW: i32 = 44;
+const LEFT: i32 = 640;
+const RIGHT: i32 = 1340;
+/// Right end of the numbers.
+const NUMBERS: i32 = 1460;
+const FONT: u32 = 22;
+/// Decades of the axis, powers of ten of a micrometre.
+const DECADES: [i32; 2] = [-4, 3];
+const REMOVED: RGBColor = RGBColor(0, 114, 178);
+const REMAINS: RGBColor = RGBColor(213, 94, 0);
+const SMEAR: RGBColor = RGBColor(150, 150, 150);
+
+/// A bar per term, over the limits, in SVG.
+///
+/// # Errors
+/// [`FigureError`] without terms or if the drawing fails.
+pub fn bars(budget: &Budget) -> Result<String, FigureError> {
+    let rows = i32::try_from(budget.terms.len()).unwrap_or(0);
+    if rows == 0 {
+        return Err(FigureError::NothingToDraw);
+    }
+    let bottom = TOP + rows * ROW;
+    let mut svg = String::new();
+    {
+        let size = (WIDTH, bottom.unsigned_abs() + 70);
+        let canvas = SVGBackend::with_string(&mut svg, size).into_drawing_area();
+        canvas.fill(&plotters::style::WHITE)?;
+        let title = format!("{}: largest effect over its limits, µm", budget.camera);
+        canvas.draw(&Text::new(title, (20, 36), text(FONT + 4)))?;
+        for (x, colour, words) in [
+            (20, REMOVED, "position; fmc-camera removes it"),
+            (470, REMAINS, "position; remains"),
+            (770, SMEAR, "smear; remains"),
+        ] {
+            canvas.draw(&Rectangle::new([(x, 80), (x + 26, 100)], colour.filled()))?;
+            canvas.draw(&Text::new(words, (x + 38, 90), text(FONT)))?;
+        }
+        let [first, last] = DECADES;
+        for decade in first..=last {
+            let x = place(10.0_f64.powi(decade));
+            canvas.draw(&PathElement::new(
+                [(x, TOP - 10), (x, bottom)],
+                GRID.stroke_width(1),
+            ))?;
+            let label = format!("{}", 10.0_f64.powi(decade));
+            canvas.draw(&Text::new(
+                label,
+                (x, bottom + 20),
+                text_at(FONT - 2, HPos::Center),
+            ))?;
+        }
+        canvas.draw(&Text::new(
+            "µm",
+            (NUMBERS, bottom + 20),
+            text_at(FONT - 2, HPos::Right),
+        ))?;
+        // One pixel.
+        let x = place(1e3 * budget.pixel_mm);
+        canvas.draw(&PathElement::new(
+            [(x, TOP - 10), (x, bottom)],
+            INK.stroke_width(2),
+        ))?;
+        canvas.draw(&Text::new(
+            "1 px",
+            (x, TOP - 24),
+            text_at(FONT - 2, HPos::Center),
+        ))?;
+        let mut y = TOP;
+        for term in &budget.terms {
+            let label = findings::assumed(budget, term.source);
+            let middle = y + ROW / 2;
+            canvas.draw(&Text::new(
+                label,
+                (LEFT - 15, middle),
+                text_at(FONT, HPos::Right),
+            ))?;
+            let end = place(1e3 * term.limits_mm);
+            canvas.draw(&Rectangle::new(
+                [(LEFT, y + 9), (end, y + ROW - 9)],
+                colour(term).filled(),
+            ))?;
+            canvas.draw(&Text::new(
+                findings::three_digits(1e3 * term.limits_mm),
+                (NUMBERS, middle),
+                text_at(FONT, HPos::Right),
+            ))?;
+            y += ROW;
+        }
+        canvas.present()?;
+    }
+    Ok(svg)
+}
+
+fn colour(term: &Term) -> RGBColor {
+    match (term.source.kind(), term.source.is_removed()) {
+        (Kind::Smear, _) => SMEAR,
+        (Kind::Position, true) => REMOVED,
+        (Kind::Position, false) => REMAINS,
+    }
+}
+
+/// Where a length in µm is drawn: on an end of the axis, if it does not reach that far.
+fn place(um: f64) -> i32 {
+    let [first, last] = DECADES.map(f64::from);
+    let share = if um > 0.0 {
+        ((um.log10() - first) / (last - first)).clamp(0.0, 1.0)
+    } else {
+        0.0
+    };
+    LEFT + pixels(share * f64::from(RIGHT - LEFT))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::report::budget::fixture;
+
+    #[test]
+    fn every_term_has_its_bar_and_number_on_the_axis() {
+        let budget = fixture::budget();
+        let svg = bars(&budget).unwrap();
+        assert_eq!(svg.matches("height=\"26\"").count(), budget.terms.len());
+        assert!(!svg.contains("NaN") && !svg.contains("inf"));
+        for um in [0.0, 1e-9, 1e9] {
+            assert!((LEFT..=RIGHT).contains(&place(um)));
+        }
+        assert_eq!(place(1.0), 1040);
+    }
+}

@@ -1,0 +1,9 @@
+//! What a budget tells its reader: a page of text, `summary.json`, a figure and an HTML page.
+
+pub mod bars;
+mod findings;
+#[cfg(test)]
+mod fixture;
+pub mod page;
+pub mod summary;
+pub mod table;

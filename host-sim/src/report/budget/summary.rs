@@ -1,0 +1,59 @@
+//! The budget for machines: `summary.json`.
+
+use serde::Serialize;
+
+use crate::budget::result::Budget;
+
+/// The numbers of a budget. Keys are only ever added.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct Summary {
+    /// Name of the camera.
+    pub camera: String,
+    /// Height above the ground.
+    pub height_m: f64,
+    /// The terms, the largest first.
+    pub terms: Vec<TermSummary>,
+}
+
+/// One term.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
+pub struct TermSummary {
+    /// Of what.
+    pub source: &'static str,
+    /// `position` or `smear`.
+    pub kind: &'static str,
+    /// Whether frame record and correction remove it.
+    pub removed: bool,
+    /// Over the exposures of the paper; null where the camera takes none of them.
+    pub paper_um: Option<f64>,
+    /// Over the exposures of the limits.
+    pub limits_um: f64,
+    /// The same in pixels.
+    pub limits_px: f64,
+    /// The same on the ground.
+    pub limits_ground_cm: f64,
+}
+
+impl Summary {
+    /// The summary of a budget.
+    #[must_use]
+    pub fn of(budget: &Budget) -> Self {
+        Self {
+            camera: budget.camera.clone(),
+            height_m: budget.assumptions.height_m,
+            terms: budget
+                .terms
+                .iter()
+                .map(|term| TermSummary {
+                    source: term.source.key(),
+                    kind: term.source.kind().name(),
+                    removed: term.source.is_removed(),
+                    paper_um: term.paper_mm.map(|mm| 1e3 * mm),
+                    limits_um: 1e3 * term.limits_mm,
+                    limits_px: budget.pixels(term.limits_mm),
+                    limits_ground_cm: 100.0 * budget.ground_m(term.limits_mm),
+                })
+                .collect(),
+        }
+    }
+}
