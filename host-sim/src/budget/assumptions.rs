@@ -11,10 +11,10 @@ pub struct Assumptions {
     pub vh_error: f64,
     /// h/H: terrain above the height that V/H holds for.
     pub relief: f64,
-    /// χ: drift that is not turned out, rad.
-    pub drift_rad: f64,
-    /// Rate of roll, of pitch and of yaw, rad/s.
-    pub rate_rad_s: f64,
+    /// χ: drift that is not turned out, °.
+    pub drift_deg: f64,
+    /// Rate of roll, of pitch and of yaw, °/s.
+    pub rate_deg_s: f64,
     /// Step of the stage's encoder, mm.
     pub encoder_mm: f64,
     /// Error of the time stamp, s.

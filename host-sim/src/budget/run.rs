@@ -3,15 +3,16 @@
 use fmc_camera::flight::camera::{Camera, FrameError};
 use fmc_camera::flight::exposure::Exposure;
 use fmc_camera::geometry::calibration::CalibrationError;
+use fmc_camera::geometry::image_motion::{ImageMotion, ImageMotionError, View};
 use fmc_camera::geometry::sensor::SensorPoint;
 
 use super::assumptions::{Assumptions, FOCUS_REMAINDER};
-use super::image_motion;
 use super::result::{Budget, Exposures, Source, Term};
 use crate::formats::camera_file::{CameraFile, MechanismName};
 use crate::formats::number::single;
 use crate::reference::exposure::{ExposurePath, ExposureRequest};
 use crate::reference::strict::{StrictSolver, Weight};
+use crate::smear::term::{self, Disturbances, NotBelievable};
 use crate::verify::grid::{self, GridExposure};
 
 /// Why there is no budget.
@@ -20,6 +21,12 @@ pub enum BudgetError {
     /// The camera is not one.
     #[error(transparent)]
     Calibration(#[from] CalibrationError),
+    /// An assumption is outside its range.
+    #[error(transparent)]
+    Assumption(#[from] NotBelievable),
+    /// Part of the sensor does not see the ground.
+    #[error(transparent)]
+    ImageMotion(#[from] ImageMotionError),
     /// The camera takes none of the exposures that its limits allow.
     #[error("none of the exposures that [limits] allow can be taken: {0}")]
     NoExposure(FrameError),
@@ -40,9 +47,14 @@ pub fn budget(camera: &CameraFile, assumptions: Assumptions) -> Result<Budget, B
     if let (true, Some(error)) = (limits.accepted.is_empty(), limits.refusal) {
         return Err(BudgetError::NoExposure(error));
     }
-    let terms_of = |set: &Set| set.largest(camera, &assumptions);
-    let over_limits = terms_of(&limits);
-    let over_paper = (!paper.accepted.is_empty()).then(|| terms_of(&paper));
+    let view = View::calibrated(checked.calibration());
+    let terms_of = |set: &Set| set.effects(camera, &view, &assumptions);
+    let over_limits = terms_of(&limits)?;
+    let over_paper = if paper.accepted.is_empty() {
+        None
+    } else {
+        Some(terms_of(&paper)?)
+    };
     let mut terms: Vec<Term> = Source::ALL
         .into_iter()
         .map(|source| {
@@ -122,12 +134,15 @@ impl Set {
     }
 
     /// Every effect in every exposure, mm.
-    fn largest(&self, camera: &CameraFile, assumed: &Assumptions) -> Vec<(Source, f64)> {
+    fn effects(
+        &self,
+        camera: &CameraFile,
+        view: &View,
+        assumed: &Assumptions,
+    ) -> Result<Vec<(Source, f64)>, BudgetError> {
         let [half_width, half_height] = camera.half_format_mm();
         let [x0, y0] = camera.principal_point_mm;
-        let corner = [half_width + x0.abs(), half_height + y0.abs()];
-        let [x, y] = corner;
-        let radius_mm = x.hypot(y);
+        let radius_mm = (half_width + x0.abs()).hypot(half_height + y0.abs());
         let f_mm = camera.principal_distance_mm;
         let mut effects = Vec::new();
         for accepted in &self.accepted {
@@ -137,8 +152,6 @@ impl Set {
                 ..
             } = accepted.exposure;
             let path = &accepted.path;
-            let travel_mm = path.travel_mm;
-            let turned = assumed.rate_rad_s * exposure_s;
             let focus_mm = accepted.run_out_mm.abs() + assumed.focus_mm;
             let [first_order, second_order] = distortion_effects(camera, accepted.exposure);
             effects.extend([
@@ -158,26 +171,27 @@ impl Set {
                 (Source::FocusRemainder, focus_mm * FOCUS_REMAINDER),
                 (Source::Encoder, assumed.encoder_mm / 2.0),
                 (Source::Timing, f_mm * vh_per_s * assumed.timing_s),
+            ]);
+            let rate_deg_s = assumed.rate_deg_s;
+            for (source, term, value) in [
                 (
                     Source::VhError,
-                    image_motion::of_vh_error(travel_mm, assumed.vh_error),
+                    term::Term::VhError,
+                    100.0 * assumed.vh_error,
                 ),
-                (
-                    Source::Relief,
-                    image_motion::of_relief(travel_mm, assumed.relief),
-                ),
-                (
-                    Source::Drift,
-                    image_motion::of_drift(travel_mm, assumed.drift_rad),
-                ),
-                (
-                    Source::TiltRate,
-                    image_motion::of_tilt_rate(f_mm, corner, turned),
-                ),
-                (Source::YawRate, image_motion::of_yaw_rate(corner, turned)),
-            ]);
+                (Source::Relief, term::Term::Relief, 100.0 * assumed.relief),
+                (Source::Drift, term::Term::Drift, assumed.drift_deg),
+                (Source::TiltRate, term::Term::PitchRate, rate_deg_s),
+                (Source::TiltRate, term::Term::RollRate, rate_deg_s),
+                (Source::YawRate, term::Term::YawRate, rate_deg_s),
+            ] {
+                let alone = Disturbances::new([(term, value)])?;
+                let motion = ImageMotion::new(view, &alone.flight_state(vh_per_s))?;
+                let largest = motion.largest_smear(single(exposure_s)).smear;
+                effects.push((source, f64::from(largest.length_um()) / 1000.0));
+            }
         }
-        effects
+        Ok(effects)
     }
 }
 
@@ -221,8 +235,8 @@ mod tests {
             focus_mm: 0.005,
             vh_error: 0.01,
             relief: 0.1,
-            drift_rad: 0.01,
-            rate_rad_s: 1.0_f64.to_radians(),
+            drift_deg: 0.573,
+            rate_deg_s: 1.0,
             encoder_mm: 0.001,
             timing_s: 1e-4,
         }
@@ -259,6 +273,12 @@ mod tests {
         // About 3K1·r²·c̄ in the corner.
         near(Source::StaticDistortion, 0.211, 0.003);
         assert!(budget.effect_mm(Source::SecondOrder) < 1e-7);
+        near(Source::VhError, 1.7, 1e-3);
+        near(Source::Relief, 170.0 / 9.0, 1e-3);
+        near(Source::Drift, 1.7, 1e-3);
+        // f·ω·t·(1 + y²/f², xy/f²) and r·ω·t in the corner.
+        near(Source::TiltRate, 20.49, 0.01);
+        near(Source::YawRate, 9.952, 0.01);
         let sorted = budget.terms.is_sorted_by(|a, b| a.limits_mm >= b.limits_mm);
         assert!(sorted);
     }

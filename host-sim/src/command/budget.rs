@@ -28,8 +28,8 @@ fn assumptions(args: &BudgetArgs) -> Assumptions {
         focus_mm: args.focus_um / 1000.0,
         vh_error: args.vh_error_percent / 100.0,
         relief: args.relief_percent / 100.0,
-        drift_rad: args.drift_deg.to_radians(),
-        rate_rad_s: args.rate_deg_s.to_radians(),
+        drift_deg: args.drift_deg,
+        rate_deg_s: args.rate_deg_s,
         encoder_mm: args.encoder_um / 1000.0,
         timing_s: args.timing_ms / 1000.0,
     }

@@ -64,7 +64,8 @@ fn assumptions_are_taken_and_scale_their_terms() {
     ] {
         let after = summary(&bench, &[option, value]);
         let ratio = effect(&after, source, "limits_um") / effect(&before, source, "limits_um");
-        assert!((ratio - factor).abs() < 1e-9, "{option}: {ratio}");
+        // The smear is the camera's, in single precision.
+        assert!((ratio - factor).abs() < 1e-6, "{option}: {ratio}");
     }
 }
 

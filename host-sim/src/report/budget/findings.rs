@@ -106,9 +106,9 @@ pub(super) fn assumed(budget: &Budget, source: Source) -> String {
         Source::Timing => format!("{} ms", number(1e3 * assumed.timing_s)),
         Source::VhError => format!("{} %", number(100.0 * assumed.vh_error)),
         Source::Relief => format!("{} % of H", number(100.0 * assumed.relief)),
-        Source::Drift => format!("{}°", number(assumed.drift_rad.to_degrees())),
+        Source::Drift => format!("{}°", number(assumed.drift_deg)),
         Source::TiltRate | Source::YawRate => {
-            format!("{}°/s", number(assumed.rate_rad_s.to_degrees()))
+            format!("{}°/s", number(assumed.rate_deg_s))
         }
         _ => return source.label().to_owned(),
     };

@@ -14,8 +14,8 @@ pub(super) fn budget() -> Budget {
         focus_mm: 0.005,
         vh_error: 0.01,
         relief: 0.1,
-        drift_rad: 0.01,
-        rate_rad_s: 0.01,
+        drift_deg: 1.0,
+        rate_deg_s: 1.0,
         encoder_mm: 0.001,
         timing_s: 1e-4,
     };
