@@ -7,6 +7,7 @@ pub mod cli;
 pub mod command;
 pub mod device;
 pub mod failure;
+pub mod flight;
 pub mod formats;
 pub mod reference;
 pub mod report;

@@ -4,6 +4,7 @@ mod budget;
 mod calibrate;
 mod device;
 mod exposure;
+mod flight;
 mod frame;
 mod points;
 mod reference;
@@ -31,5 +32,6 @@ pub fn run(cli: Cli) -> Result<(), Failure> {
         },
         Command::Smear(args) => smear::run(&args),
         Command::Sweep(args) => sweep::run(&args),
+        Command::Flight(args) => flight::run(&args),
     }
 }

@@ -1,4 +1,4 @@
-//! Errors of a camera file, with the place in its text.
+//! Errors of a camera file or of a scenario, with the place in its text.
 
 use std::ops::Range;
 
@@ -13,7 +13,7 @@ use crate::failure::Failure;
 /// Lines longer than this, bytes, are not shown in a message.
 const LONGEST_LINE: usize = 400;
 
-/// The text of a camera file and what messages call it.
+/// The text of a camera file or a scenario, and what messages call it.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct CameraText<'a> {
     file: &'a str,
@@ -96,7 +96,11 @@ impl<'a> CameraText<'a> {
         let (first, rest) = path.split_first()?;
         let mut value = table.get_ref().get(*first)?;
         for key in rest {
-            value = value.get_ref().get(*key)?;
+            // A number is a place in an array.
+            value = match key.parse::<usize>() {
+                Ok(index) => value.get_ref().get(index)?,
+                Err(_) => value.get_ref().get(*key)?,
+            };
         }
         Some(value.span())
     }

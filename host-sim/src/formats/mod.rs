@@ -8,3 +8,5 @@ pub mod observations;
 pub mod output;
 pub mod points;
 pub mod published;
+pub mod scenario;
+mod scenario_range;

@@ -11,6 +11,7 @@ pub mod five_summary;
 pub mod five_table;
 #[cfg(test)]
 mod fixture;
+pub mod flight;
 pub mod frames_csv;
 pub mod html;
 mod length;

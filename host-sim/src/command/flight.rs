@@ -1,0 +1,60 @@
+//! `flight`: a simulated flight over ground control.
+
+use std::io;
+
+use indicatif::{ProgressBar, ProgressStyle};
+
+use crate::cli::FlightArgs;
+use crate::failure::Failure;
+use crate::flight::experiment::Experiment;
+use crate::formats::output::{self, OutputFolder};
+use crate::formats::scenario::Scenario;
+use crate::report::figure::FigureError;
+use crate::report::flight::summary::Summary;
+use crate::report::flight::{
+    convergence_plot, ground_error_plot, html, plan, repetitions_csv, text,
+};
+
+pub(super) fn run(args: &FlightArgs) -> Result<(), Failure> {
+    let scenario = Scenario::read(&args.scenario)?;
+    let folder = OutputFolder::create(&args.out)?;
+    let bar = ProgressBar::new(u64::from(args.repetitions));
+    if let Ok(style) = ProgressStyle::with_template("{bar:40} {pos}/{len} flights, {eta}") {
+        bar.set_style(style);
+    }
+    let flown = Experiment::run(scenario, args.seed, args.repetitions, || bar.inc(1));
+    bar.finish_and_clear();
+    let experiment = flown?;
+    write_report(&folder, &experiment)?;
+    output::write(None, |sink| {
+        sink.write_all(text::text(&experiment).as_bytes())
+    })?;
+    eprintln!("report: {}", folder.path().join("report.html").display());
+    Ok(())
+}
+
+/// report.html, summary.json, repetitions.csv and the figures.
+fn write_report(folder: &OutputFolder, experiment: &Experiment) -> Result<(), Failure> {
+    let drawing = |error: FigureError| Failure::device_or_io(format!("figure: {error}"));
+    let page = html::page(experiment)
+        .map_err(|error| Failure::device_or_io(format!("report.html: {error}")))?;
+    folder.write("report.html", |sink| sink.write_all(page.as_bytes()))?;
+    for (name, svg) in [
+        ("convergence.svg", convergence_plot::convergence(experiment)),
+        (
+            "ground-error.svg",
+            ground_error_plot::ground_errors(experiment),
+        ),
+        ("plan.svg", plan::plan(experiment)),
+    ] {
+        let svg = svg.map_err(drawing)?;
+        folder.write(name, |sink| sink.write_all(svg.as_bytes()))?;
+    }
+    folder.write("repetitions.csv", |sink| {
+        repetitions_csv::write(experiment, sink).map_err(io::Error::other)
+    })?;
+    folder.write("summary.json", |sink| {
+        serde_json::to_writer_pretty(&mut *sink, &Summary::of(experiment))?;
+        writeln!(sink)
+    })
+}

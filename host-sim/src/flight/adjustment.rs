@@ -1,0 +1,424 @@
+//! Space resection of every frame with self-calibration over all of them.
+
+use nalgebra::{Matrix2, Vector2};
+
+use super::collinearity::{Projection, projection};
+use super::correction::{COEFFICIENTS, CorrectedPoint};
+use super::exterior_orientation::{ELEMENTS, ExteriorOrientation};
+use super::normal_equations::{FrameBlock, FrameVector, NormalEquations, SharedVector};
+use super::separability::{self, Inseparable};
+
+/// Cap of the iterations; a strip takes three to five.
+pub const MOST_ITERATIONS: usize = 40;
+
+/// Stopping rule: no unknown moves by more than this fraction of what the observations could tell.
+const SMALLEST_STEP: f64 = 1e-7;
+
+/// Damping after the first step that makes matters worse, as a fraction of the diagonal.
+const FIRST_DAMPING: f64 = 1e-3;
+
+/// Position and attitude as observed on board; an element without σ is an initial value alone.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct PosObservation {
+    /// Observed, at the centroid of the exposure.
+    pub orientation: ExteriorOrientation,
+    /// σ of each element, m and rad; `None`: free.
+    pub sigmas: [Option<f64>; ELEMENTS],
+}
+
+/// A control point in one frame.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct ControlObservation {
+    /// Measured and corrected.
+    pub corrected: CorrectedPoint,
+    /// Surveyed, ground frame, m.
+    pub ground_m: [f64; 3],
+}
+
+/// What one frame brings into the adjustment.
+#[derive(Debug, Clone, PartialEq)]
+pub struct FrameObservations {
+    /// From the position and orientation system.
+    pub pos: PosObservation,
+    /// Control points.
+    pub control: Vec<ControlObservation>,
+}
+
+/// Standard deviations of the observations on the image and on the ground.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct PointSigmas {
+    /// Of an image coordinate, mm.
+    pub image_mm: f64,
+    /// Of a coordinate of a control point, m.
+    pub ground_m: f64,
+}
+
+/// An adjustment to be solved.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Adjustment {
+    /// f, mm.
+    pub principal_distance_mm: f64,
+    /// Weights.
+    pub sigmas: PointSigmas,
+    /// Which coefficients are estimated.
+    pub estimated: [bool; COEFFICIENTS],
+    /// Their initial values, as [`CorrectedPoint`] counts them; those not estimated keep them.
+    pub initial: [f64; COEFFICIENTS],
+    /// The frames.
+    pub frames: Vec<FrameObservations>,
+}
+
+/// The result of an adjustment.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Adjusted {
+    /// Exterior orientations.
+    pub orientations: Vec<ExteriorOrientation>,
+    /// Standard deviations of their elements, m and rad, for σ0 = 1.
+    pub orientation_sigmas: Vec<[f64; ELEMENTS]>,
+    /// Coefficients, as [`CorrectedPoint`] counts them.
+    pub coefficients: [f64; COEFFICIENTS],
+    /// Their standard deviations for σ0 = 1; zero for one that is not estimated.
+    pub coefficient_sigmas: [f64; COEFFICIENTS],
+    /// Root mean square of the image residuals, Yuan et al. 2012, eq. 29, before the first and after
+    /// every iteration, mm.
+    pub rms_mm: Vec<f64>,
+    /// σ0² = ΣPvv/redundancy.
+    pub variance_of_unit_weight: f64,
+}
+
+impl Adjusted {
+    /// After how many iterations the RMS is within `fraction` of its last value for good.
+    #[must_use]
+    pub fn iterations_to(&self, fraction: f64) -> usize {
+        let last = self.rms_mm.last().copied().unwrap_or(0.0);
+        self.rms_mm
+            .iter()
+            .rposition(|rms| (rms - last).abs() > fraction * last)
+            .map_or(0, |index| index + 1)
+    }
+}
+
+/// Why there is no result.
+#[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
+pub enum AdjustmentError {
+    /// The observations cannot tell unknowns apart.
+    #[error(transparent)]
+    Inseparable(#[from] Inseparable),
+    /// A control point came to lie above the lens, or the damping found no better step.
+    #[error("the adjustment does not converge within {MOST_ITERATIONS} iterations")]
+    NotConverged,
+}
+
+/// The unknowns.
+#[derive(Debug, Clone, PartialEq)]
+struct State {
+    orientations: Vec<ExteriorOrientation>,
+    coefficients: [f64; COEFFICIENTS],
+}
+
+impl Adjustment {
+    /// Solves by damped Gauss-Newton iterations (Levenberg-Marquardt), starting undamped from the
+    /// observed orientations.
+    ///
+    /// # Model
+    /// Image observations: `corrected point - (distortion by the coefficients) - collinearity = v`,
+    /// with the ground points' σ carried into the image; orientation observations: `observed -
+    /// element = v`. A ground point that several frames show has one and the same error in all of
+    /// them, which the weights treat as independent: exterior orientations are not affected, standard
+    /// deviations of the coefficients come out somewhat small.
+    ///
+    /// # Errors
+    /// [`AdjustmentError`], which names the unknowns that the observations cannot tell apart.
+    pub fn solve(&self) -> Result<Adjusted, AdjustmentError> {
+        let mut state = State {
+            orientations: self
+                .frames
+                .iter()
+                .map(|frame| frame.pos.orientation)
+                .collect(),
+            coefficients: self.initial,
+        };
+        let weights = self.weights(&state)?;
+        let mut rms_mm = vec![self.rms_mm(&state)?];
+        separability::check(
+            &self.normal_equations(&state, &weights, false)?,
+            &self.normal_equations(&state, &weights, true)?,
+            self.estimated,
+        )?;
+        let mut cost = self.cost(&state, &weights)?;
+        let mut damping = 0.0;
+        for _ in 0..MOST_ITERATIONS {
+            let normals = self.normal_equations(&state, &weights, true)?;
+            let solution = normals
+                .solve(damping)
+                .ok_or(AdjustmentError::NotConverged)?;
+            let moved = state.moved(&solution.frames, &solution.shared);
+            let largest = largest_step(&normals, &solution.frames, &solution.shared);
+            let new_cost = self.cost(&moved, &weights);
+            match new_cost {
+                // Rounding is all that is left of a cost that no longer falls.
+                Ok(new_cost) if new_cost <= cost || largest < SMALLEST_STEP => {
+                    state = moved;
+                    cost = new_cost;
+                    damping = if damping > FIRST_DAMPING {
+                        0.1 * damping
+                    } else {
+                        0.0
+                    };
+                    rms_mm.push(self.rms_mm(&state)?);
+                    if largest < SMALLEST_STEP {
+                        return self.adjusted(&state, &weights, rms_mm, cost);
+                    }
+                }
+                _ => damping = FIRST_DAMPING.max(10.0 * damping),
+            }
+        }
+        Err(AdjustmentError::NotConverged)
+    }
+
+    fn adjusted(
+        &self,
+        state: &State,
+        weights: &[Vec<Matrix2<f64>>],
+        rms_mm: Vec<f64>,
+        cost: f64,
+    ) -> Result<Adjusted, AdjustmentError> {
+        let cofactors = self
+            .normal_equations(state, weights, true)?
+            .cofactors()
+            .ok_or(AdjustmentError::NotConverged)?;
+        let root = |variance: f64| variance.max(0.0).sqrt();
+        let mut coefficient_sigmas = [0.0; COEFFICIENTS];
+        for ((sigma, variance), is_free) in coefficient_sigmas
+            .iter_mut()
+            .zip(cofactors.shared.diagonal().iter())
+            .zip(self.estimated)
+        {
+            if is_free {
+                *sigma = root(*variance);
+            }
+        }
+        Ok(Adjusted {
+            orientations: state.orientations.clone(),
+            orientation_sigmas: cofactors
+                .frames
+                .iter()
+                .map(|matrix| {
+                    let [diagonal] = matrix.diagonal().data.0;
+                    diagonal.map(root)
+                })
+                .collect(),
+            coefficients: state.coefficients,
+            coefficient_sigmas,
+            rms_mm,
+            variance_of_unit_weight: cost / self.redundancy(),
+        })
+    }
+
+    /// Observations less unknowns.
+    fn redundancy(&self) -> f64 {
+        let observations: usize = self
+            .frames
+            .iter()
+            .map(|frame| 2 * frame.control.len() + frame.pos.sigmas.iter().flatten().count())
+            .sum();
+        let estimated = self.estimated.iter().filter(|is_free| **is_free).count();
+        let unknowns = ELEMENTS * self.frames.len() + estimated;
+        f64::from(u32::try_from(observations.saturating_sub(unknowns)).unwrap_or(u32::MAX))
+    }
+
+    fn projection(
+        &self,
+        orientation: &ExteriorOrientation,
+        ground_m: [f64; 3],
+    ) -> Result<Projection, AdjustmentError> {
+        projection(orientation, self.principal_distance_mm, ground_m)
+            .ok_or(AdjustmentError::NotConverged)
+    }
+
+    /// Weight of every image point: its own variance and that of the ground point, seen from the
+    /// initial orientation.
+    fn weights(&self, state: &State) -> Result<Vec<Vec<Matrix2<f64>>>, AdjustmentError> {
+        let PointSigmas { image_mm, ground_m } = self.sigmas;
+        self.frames
+            .iter()
+            .zip(&state.orientations)
+            .map(|(frame, orientation)| {
+                frame
+                    .control
+                    .iter()
+                    .map(|point| {
+                        let by_ground = self.projection(orientation, point.ground_m)?.by_ground;
+                        let variance = image_mm.powi(2) * Matrix2::identity()
+                            + ground_m.powi(2) * by_ground * by_ground.transpose();
+                        variance.try_inverse().ok_or(AdjustmentError::NotConverged)
+                    })
+                    .collect()
+            })
+            .collect()
+    }
+
+    fn residual(
+        &self,
+        point: &ControlObservation,
+        projection: &Projection,
+        state: &State,
+    ) -> Vector2<f64> {
+        Vector2::from(point.corrected.ideal(&state.coefficients)) - projection.image_mm
+    }
+
+    fn cost(&self, state: &State, weights: &[Vec<Matrix2<f64>>]) -> Result<f64, AdjustmentError> {
+        let mut cost = 0.0;
+        for ((frame, orientation), weights) in
+            self.frames.iter().zip(&state.orientations).zip(weights)
+        {
+            for (point, weight) in frame.control.iter().zip(weights) {
+                let projection = self.projection(orientation, point.ground_m)?;
+                let residual = self.residual(point, &projection, state);
+                cost += residual.dot(&(weight * residual));
+            }
+            for (residual, sigma) in frame
+                .pos
+                .residuals(orientation)
+                .iter()
+                .zip(frame.pos.sigmas)
+            {
+                cost += sigma.map_or(0.0, |sigma| (residual / sigma).powi(2));
+            }
+        }
+        if cost.is_finite() {
+            Ok(cost)
+        } else {
+            Err(AdjustmentError::NotConverged)
+        }
+    }
+
+    /// Yuan et al. 2012, eq. 29.
+    fn rms_mm(&self, state: &State) -> Result<f64, AdjustmentError> {
+        let mut squares = 0.0;
+        let mut points = 0.0;
+        for (frame, orientation) in self.frames.iter().zip(&state.orientations) {
+            for point in &frame.control {
+                let projection = self.projection(orientation, point.ground_m)?;
+                squares += self.residual(point, &projection, state).norm_squared();
+                points += 1.0;
+            }
+        }
+        Ok((squares / points).sqrt())
+    }
+
+    fn normal_equations(
+        &self,
+        state: &State,
+        weights: &[Vec<Matrix2<f64>>],
+        with_pos: bool,
+    ) -> Result<NormalEquations, AdjustmentError> {
+        let mut normals = NormalEquations::default();
+        for ((frame, orientation), weights) in
+            self.frames.iter().zip(&state.orientations).zip(weights)
+        {
+            let mut block = FrameBlock::default();
+            for (point, weight) in frame.control.iter().zip(weights) {
+                let projection = self.projection(orientation, point.ground_m)?;
+                let residual = self.residual(point, &projection, state);
+                let columns = point.corrected.columns.iter().zip(self.estimated);
+                let columns: Vec<Vector2<f64>> = columns
+                    .map(|(column, is_free)| {
+                        if is_free {
+                            Vector2::from(*column)
+                        } else {
+                            Vector2::zeros()
+                        }
+                    })
+                    .collect();
+                let shared = nalgebra::SMatrix::<f64, 2, COEFFICIENTS>::from_columns(&columns);
+                let own = projection.by_orientation;
+                block.matrix += own.tr_mul(&(weight * own));
+                block.coupling += own.tr_mul(&(weight * shared));
+                block.right += own.tr_mul(&(weight * residual));
+                normals.shared += shared.tr_mul(&(weight * shared));
+                normals.shared_right += shared.tr_mul(&(weight * residual));
+            }
+            if with_pos {
+                frame.pos.add_to(&mut block, orientation);
+            }
+            normals.frames.push(block);
+        }
+        if with_pos {
+            for (index, is_free) in self.estimated.iter().enumerate() {
+                if let (false, Some(element)) = (is_free, normals.shared.get_mut((index, index))) {
+                    *element = 1.0;
+                }
+            }
+        }
+        Ok(normals)
+    }
+}
+
+impl PosObservation {
+    /// Observed less adjusted elements; angles in (-π, π].
+    fn residuals(&self, orientation: &ExteriorOrientation) -> FrameVector {
+        let mut residuals = self.orientation.elements() - orientation.elements();
+        for angle in residuals.iter_mut().skip(3) {
+            *angle = angle.sin().atan2(angle.cos());
+        }
+        residuals
+    }
+
+    fn add_to(&self, block: &mut FrameBlock, orientation: &ExteriorOrientation) {
+        let residuals = self.residuals(orientation);
+        for (index, (residual, sigma)) in residuals.iter().zip(self.sigmas).enumerate() {
+            let Some(sigma) = sigma else { continue };
+            let weight = sigma.powi(-2);
+            if let Some(element) = block.matrix.get_mut((index, index)) {
+                *element += weight;
+            }
+            if let Some(element) = block.right.get_mut(index) {
+                *element += weight * residual;
+            }
+        }
+    }
+}
+
+impl State {
+    fn moved(&self, frames: &[FrameVector], shared: &SharedVector) -> Self {
+        let mut coefficients = self.coefficients;
+        for (coefficient, step) in coefficients.iter_mut().zip(shared.iter()) {
+            *coefficient += step;
+        }
+        Self {
+            orientations: self
+                .orientations
+                .iter()
+                .zip(frames)
+                .map(|(orientation, step)| {
+                    ExteriorOrientation::from_elements(&(orientation.elements() + step))
+                })
+                .collect(),
+            coefficients,
+        }
+    }
+}
+
+/// The largest step of an unknown in units of the σ it would have alone.
+fn largest_step(normals: &NormalEquations, frames: &[FrameVector], shared: &SharedVector) -> f64 {
+    let of_shared = normals
+        .shared
+        .diagonal()
+        .iter()
+        .zip(shared.iter())
+        .map(|(weight, step)| weight.sqrt() * step.abs())
+        .fold(0.0, f64::max);
+    normals
+        .frames
+        .iter()
+        .zip(frames)
+        .flat_map(|(block, step)| {
+            let diagonal = block.matrix.diagonal();
+            [0, 1, 2, 3, 4, 5].map(|index| {
+                let weight = diagonal.get(index).copied().unwrap_or(0.0);
+                weight.sqrt() * step.get(index).copied().unwrap_or(0.0).abs()
+            })
+        })
+        .fold(of_shared, f64::max)
+}

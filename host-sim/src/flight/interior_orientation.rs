@@ -1,0 +1,65 @@
+//! The interior orientation that all frames of a flight share.
+
+use crate::formats::camera_file::CameraFile;
+use crate::reference::exposure::ExposurePath;
+
+/// Principal distance and principal point of a frame.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct InteriorOrientation {
+    /// f, mm.
+    pub principal_distance_mm: f64,
+    /// (x0, y0), mm: about which the five coefficients are counted.
+    pub calibrated_point_mm: [f64; 2],
+    /// (x0, y0) + c̄·e, mm: the principal point of the collinearity equations, one of the pair of
+    /// exposure means (its partner is the centroid time).
+    pub centroid_point_mm: [f64; 2],
+    /// e: the direction in which the principal point moves.
+    pub axis: [f64; 2],
+    /// δ, mm.
+    pub travel_mm: f64,
+    /// c̄, mm.
+    pub centroid_mm: f64,
+    /// Half of the format, mm.
+    pub half_format_mm: [f64; 2],
+}
+
+impl InteriorOrientation {
+    /// Of an exposure of the camera.
+    #[must_use]
+    pub fn new(camera: &CameraFile, path: &ExposurePath) -> Self {
+        let [x0, y0] = camera.principal_point_mm;
+        let axis @ [ex, ey] = camera.fmc.axis.unit();
+        let centroid_mm = path.centroid_mm();
+        Self {
+            principal_distance_mm: camera.principal_distance_mm,
+            calibrated_point_mm: [x0, y0],
+            centroid_point_mm: [x0 + centroid_mm * ex, y0 + centroid_mm * ey],
+            axis,
+            travel_mm: path.travel_mm,
+            centroid_mm,
+            half_format_mm: camera.half_format_mm(),
+        }
+    }
+
+    /// ρ, the format radius: from the calibrated principal point to the farthest corner, mm.
+    #[must_use]
+    pub fn radius_mm(&self) -> f64 {
+        let [x0, y0] = self.calibrated_point_mm;
+        let [half_x, half_y] = self.half_format_mm;
+        (half_x + x0.abs()).hypot(half_y + y0.abs())
+    }
+
+    /// Whether a measured point is on the sensor.
+    #[must_use]
+    pub fn contains(&self, [x, y]: [f64; 2]) -> bool {
+        let [half_x, half_y] = self.half_format_mm;
+        x.abs() <= half_x && y.abs() <= half_y
+    }
+
+    /// From sensor frame to principal point of the collinearity equations, mm.
+    #[must_use]
+    pub fn about_centroid(&self, [x, y]: [f64; 2]) -> [f64; 2] {
+        let [cx, cy] = self.centroid_point_mm;
+        [x - cx, y - cy]
+    }
+}

@@ -1,0 +1,81 @@
+//! The corrections that are compared.
+
+/// How image coordinates are corrected before and in the adjustment.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Model {
+    /// Not at all.
+    Uncorrected,
+    /// Static calibration about the calibrated principal point: Yuan et al. 2012, eq. 1.
+    Static,
+    /// Static, and eqs. 20-21 as printed.
+    Printed,
+    /// Static, and `K_m0` alone from self-calibration: which part of the gain is scale.
+    Scale,
+    /// All five coefficients from self-calibration, eq. 22.
+    FiveCoefficient,
+    /// What the camera answers: exposure mean of the calibration about the moving principal point.
+    Exact,
+}
+
+impl Model {
+    /// All, in the order of tables.
+    pub const ALL: [Self; 6] = [
+        Self::Uncorrected,
+        Self::Static,
+        Self::Printed,
+        Self::Scale,
+        Self::FiveCoefficient,
+        Self::Exact,
+    ];
+
+    /// In tables and figures.
+    #[must_use]
+    pub const fn label(self) -> &'static str {
+        match self {
+            Self::Uncorrected => "no correction",
+            Self::Static => "static",
+            Self::Printed => "static + printed (20)-(21)",
+            Self::Scale => "static + fitted K_m0",
+            Self::FiveCoefficient => "five coefficients, fitted",
+            Self::Exact => "exact",
+        }
+    }
+
+    /// In `summary.json` and `repetitions.csv`.
+    #[must_use]
+    pub const fn key(self) -> &'static str {
+        match self {
+            Self::Uncorrected => "none",
+            Self::Static => "static",
+            Self::Printed => "printed",
+            Self::Scale => "scale",
+            Self::FiveCoefficient => "five",
+            Self::Exact => "exact",
+        }
+    }
+
+    /// Which of `K_m0`, `K_m1`, `K_m2`, `K_d1`, `P_m1` the adjustment estimates.
+    #[must_use]
+    pub const fn estimated(self) -> [bool; 5] {
+        match self {
+            Self::Scale => [true, false, false, false, false],
+            Self::FiveCoefficient => [true; 5],
+            _ => [false; 5],
+        }
+    }
+
+    /// How many coefficients the adjustment estimates.
+    #[must_use]
+    pub fn coefficients(self) -> usize {
+        self.estimated().iter().filter(|is_free| **is_free).count()
+    }
+
+    /// Its place in [`Self::ALL`].
+    #[must_use]
+    pub fn index(self) -> usize {
+        Self::ALL
+            .iter()
+            .position(|model| *model == self)
+            .unwrap_or(0)
+    }
+}

@@ -1,0 +1,132 @@
+//! One observed flight, adjusted with one model.
+
+use super::adjustment::{
+    Adjusted, Adjustment, AdjustmentError, ControlObservation, FrameObservations,
+};
+use super::correction::COEFFICIENTS;
+use super::exterior_orientation::ELEMENTS;
+use super::ground_error::GroundError;
+use super::model::Model;
+use super::strip::Strip;
+use super::survey::{Errors, ObservedFrame};
+
+/// What an adjustment came to.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Outcome {
+    /// Planimetric RMS at control points, m.
+    pub control_m: f64,
+    /// Planimetric RMS at check points, m.
+    pub check_m: f64,
+    /// Image RMS before the first and after every iteration, Yuan et al. 2012, eq. 29, mm.
+    pub rms_mm: Vec<f64>,
+    /// Iterations until the image RMS stays within 0.1 % of its last value.
+    pub iterations: usize,
+    /// Five coefficients in powers of mm.
+    pub coefficients: [f64; COEFFICIENTS],
+    /// Their standard deviations.
+    pub coefficient_sigmas: [f64; COEFFICIENTS],
+    /// σ0.
+    pub sigma0: f64,
+    /// Elements of exterior orientations within one σ of the truth.
+    pub covered: u32,
+    /// Elements of exterior orientations.
+    pub elements: u32,
+}
+
+/// The RMS has arrived where it changes by less than this fraction.
+pub const ARRIVED: f64 = 1e-3;
+
+/// The adjustment of observed frames with a model.
+#[must_use]
+pub fn adjustment(
+    strip: &Strip,
+    observed: &[ObservedFrame],
+    errors: &Errors,
+    model: Model,
+) -> Adjustment {
+    Adjustment {
+        principal_distance_mm: strip.corrections.interior().principal_distance_mm,
+        sigmas: errors.points,
+        estimated: model.estimated(),
+        initial: strip.corrections.initial(model),
+        frames: observed
+            .iter()
+            .map(|frame| FrameObservations {
+                pos: frame.pos,
+                control: frame
+                    .control
+                    .iter()
+                    .map(|point| ControlObservation {
+                        corrected: strip.corrections.correct(model, point.measured_mm),
+                        ground_m: point.ground_m,
+                    })
+                    .collect(),
+            })
+            .collect(),
+    }
+}
+
+impl Outcome {
+    /// Adjusts observed frames with a model and looks at control and check points.
+    ///
+    /// # Errors
+    /// [`AdjustmentError`] of the adjustment.
+    pub fn of(
+        strip: &Strip,
+        observed: &[ObservedFrame],
+        errors: &Errors,
+        model: Model,
+    ) -> Result<Self, AdjustmentError> {
+        let adjusted = adjustment(strip, observed, errors, model).solve()?;
+        let f_mm = strip.corrections.interior().principal_distance_mm;
+        let mut control = GroundError::default();
+        let mut check = GroundError::default();
+        for (frame, orientation) in observed.iter().zip(&adjusted.orientations) {
+            for (points, error) in [(&frame.control, &mut control), (&frame.check, &mut check)] {
+                for point in points {
+                    let corrected = strip.corrections.correct(model, point.measured_mm);
+                    let ideal_mm = corrected.ideal(&adjusted.coefficients);
+                    error.add(orientation, f_mm, ideal_mm, point.ground_m);
+                }
+            }
+        }
+        let (covered, elements) = coverage(strip, &adjusted);
+        let mut coefficient_sigmas = adjusted.coefficient_sigmas;
+        for (sigma, scale) in coefficient_sigmas
+            .iter_mut()
+            .zip(strip.corrections.scales())
+        {
+            *sigma /= scale;
+        }
+        Ok(Self {
+            control_m: control.rms_m(),
+            check_m: check.rms_m(),
+            iterations: adjusted.iterations_to(ARRIVED),
+            coefficients: strip.corrections.in_mm(&adjusted.coefficients),
+            coefficient_sigmas,
+            sigma0: adjusted.variance_of_unit_weight.sqrt(),
+            rms_mm: adjusted.rms_mm,
+            covered,
+            elements,
+        })
+    }
+}
+
+/// Elements of exterior orientations within one σ of the truth, and how many there are.
+fn coverage(strip: &Strip, adjusted: &Adjusted) -> (u32, u32) {
+    let mut covered = 0;
+    let mut elements = 0;
+    for ((frame, orientation), sigmas) in strip
+        .frames
+        .iter()
+        .zip(&adjusted.orientations)
+        .zip(&adjusted.orientation_sigmas)
+    {
+        let error = orientation.elements() - frame.orientation.elements();
+        for (error, sigma) in error.iter().zip(sigmas) {
+            covered += u32::from(error.abs() <= *sigma);
+        }
+        elements += u32::try_from(ELEMENTS).unwrap_or(0);
+    }
+    (covered, elements)
+}

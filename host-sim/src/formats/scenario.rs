@@ -1,0 +1,363 @@
+//! The scenario of a flight over ground control, in TOML.
+
+use std::collections::BTreeSet;
+use std::path::{Path, PathBuf};
+
+use serde::Deserialize;
+
+use super::camera_error::CameraText;
+use super::camera_file::{CameraFile, Strategy};
+use super::scenario_range::{self, Range};
+use crate::failure::Failure;
+
+/// A scenario as written. Units are in the names of the fields, which are those of the file;
+/// `scenarios/yuan-2012.toml` documents each.
+#[derive(Debug, Clone, PartialEq, Deserialize)]
+#[serde(deny_unknown_fields)]
+#[expect(
+    missing_docs,
+    reason = "each field is the key of the same name in the scenario"
+)]
+pub struct ScenarioFile {
+    pub name: String,
+    pub camera: PathBuf,
+    pub flight: FlightTable,
+    #[serde(default)]
+    pub terrain: TerrainTable,
+    #[serde(default)]
+    pub truth: TruthTable,
+    #[serde(default)]
+    pub correction: CorrectionTable,
+    pub image: ImageTable,
+    pub pos: PosTable,
+    pub control: ControlTable,
+    #[serde(default)]
+    pub check: CheckTable,
+}
+
+/// `[flight]`.
+#[derive(Debug, Clone, PartialEq, Deserialize)]
+#[serde(deny_unknown_fields)]
+#[expect(
+    missing_docs,
+    reason = "each field is the key of the same name in the scenario"
+)]
+pub struct FlightTable {
+    pub height_m: f64,
+    pub speed_m_s: f64,
+    pub exposure_s: f64,
+    #[serde(default)]
+    pub heading_deg: f64,
+    #[serde(default)]
+    pub start_m: [f64; 2],
+    #[serde(default = "one")]
+    pub frames: i64,
+    #[serde(default)]
+    pub base_m: f64,
+    #[serde(default)]
+    pub attitude_spread_deg: [f64; 3],
+    pub run_up: Option<Strategy>,
+}
+
+const fn one() -> i64 {
+    1
+}
+
+/// `[terrain]`.
+#[derive(Debug, Clone, PartialEq, Deserialize)]
+#[serde(deny_unknown_fields, default)]
+#[expect(
+    missing_docs,
+    reason = "each field is the key of the same name in the scenario"
+)]
+pub struct TerrainTable {
+    pub height_m: f64,
+    pub relief_m: f64,
+    pub wavelength_m: f64,
+}
+
+impl Default for TerrainTable {
+    fn default() -> Self {
+        Self {
+            height_m: 0.0,
+            relief_m: 0.0,
+            wavelength_m: 1000.0,
+        }
+    }
+}
+
+/// `[truth]`.
+#[derive(Debug, Clone, PartialEq, Default, Deserialize)]
+#[serde(deny_unknown_fields, default)]
+#[expect(
+    missing_docs,
+    reason = "each field is the key of the same name in the scenario"
+)]
+pub struct TruthTable {
+    pub focus_shift_um: f64,
+}
+
+/// `[correction]`.
+#[derive(Debug, Clone, PartialEq, Default, Deserialize)]
+#[serde(deny_unknown_fields, default)]
+#[expect(
+    missing_docs,
+    reason = "each field is the key of the same name in the scenario"
+)]
+pub struct CorrectionTable {
+    pub focus_shift_um: Option<f64>,
+}
+
+/// `[image]`.
+#[derive(Debug, Clone, PartialEq, Deserialize)]
+#[serde(deny_unknown_fields)]
+#[expect(
+    missing_docs,
+    reason = "each field is the key of the same name in the scenario"
+)]
+pub struct ImageTable {
+    pub sigma_um: f64,
+}
+
+/// `[pos]`.
+#[derive(Debug, Clone, PartialEq, Deserialize)]
+#[serde(deny_unknown_fields)]
+#[expect(
+    missing_docs,
+    reason = "each field is the key of the same name in the scenario"
+)]
+pub struct PosTable {
+    pub position_sigma_m: Sigma,
+    pub attitude_sigma_deg: Sigma,
+    #[serde(default)]
+    pub position_bias_m: [f64; 3],
+    #[serde(default)]
+    pub attitude_bias_deg: [f64; 3],
+}
+
+/// Standard deviations of three observations, or the word "free".
+#[derive(Debug, Clone, PartialEq, Deserialize)]
+#[serde(untagged, expecting = "three numbers, or the word \"free\"")]
+pub enum Sigma {
+    /// Of each observation.
+    Each([f64; 3]),
+    /// Not observed: an initial value alone.
+    Word(Free),
+}
+
+/// "free".
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Deserialize)]
+#[serde(rename_all = "lowercase")]
+pub enum Free {
+    /// Not observed.
+    Free,
+}
+
+impl Sigma {
+    /// The standard deviations; `None` where they are free.
+    #[must_use]
+    pub fn each(&self) -> [Option<f64>; 3] {
+        match self {
+            Self::Each(sigmas) => sigmas.map(Some),
+            Self::Word(Free::Free) => [None; 3],
+        }
+    }
+}
+
+/// `[control]`.
+#[derive(Debug, Clone, PartialEq, Deserialize)]
+#[serde(deny_unknown_fields)]
+#[expect(
+    missing_docs,
+    reason = "each field is the key of the same name in the scenario"
+)]
+pub struct ControlTable {
+    pub sigma_m: f64,
+    pub points: Vec<GroundPoint>,
+}
+
+/// A control point.
+#[derive(Debug, Clone, PartialEq, Deserialize)]
+#[serde(deny_unknown_fields)]
+#[expect(
+    missing_docs,
+    reason = "each field is the key of the same name in the scenario"
+)]
+pub struct GroundPoint {
+    pub id: String,
+    pub x_m: f64,
+    pub y_m: f64,
+    pub z_m: f64,
+}
+
+/// `[check]`.
+#[derive(Debug, Clone, PartialEq, Eq, Deserialize)]
+#[serde(deny_unknown_fields, default)]
+#[expect(
+    missing_docs,
+    reason = "each field is the key of the same name in the scenario"
+)]
+pub struct CheckTable {
+    pub points_per_side: i64,
+}
+
+impl Default for CheckTable {
+    fn default() -> Self {
+        Self { points_per_side: 7 }
+    }
+}
+
+/// Fewest control points of a resection.
+pub const FEWEST_CONTROL_POINTS: usize = 3;
+
+/// A validated scenario with its camera.
+#[derive(Debug, Clone)]
+pub struct Scenario {
+    /// What messages call the file.
+    pub file: String,
+    /// As written.
+    pub written: ScenarioFile,
+    /// The camera, with the scenario's run-up.
+    pub camera: CameraFile,
+}
+
+impl Scenario {
+    /// Reads and validates a scenario and the camera file it names.
+    ///
+    /// # Errors
+    /// [`Failure`] naming file, line, field, value and allowed range.
+    pub fn read(path: &Path) -> Result<Self, Failure> {
+        let bytes = std::fs::read(path).map_err(|error| Failure::reading(path, &error))?;
+        let text = String::from_utf8(bytes).map_err(|_| {
+            Failure::bad_input(format!("{}: not a text file (UTF-8)", path.display()))
+        })?;
+        let folder = path.parent().unwrap_or(Path::new(""));
+        Self::parse(&path.display().to_string(), &text, folder)
+    }
+
+    /// Parses and validates; `file` is what messages call the text, `folder` where a relative
+    /// camera file is looked for.
+    ///
+    /// # Errors
+    /// As [`Self::read`].
+    pub fn parse(file: &str, text: &str, folder: &Path) -> Result<Self, Failure> {
+        let text = CameraText::new(file, text.strip_prefix('\u{feff}').unwrap_or(text));
+        let written: ScenarioFile = text.deserialize()?;
+        written.check(&text)?;
+        let camera_path = folder.join(&written.camera);
+        if !camera_path.is_file() {
+            return Err(text.invalid(
+                &["camera"],
+                &format!(
+                    "names a camera file, {}, that is not there",
+                    camera_path.display()
+                ),
+            ));
+        }
+        let (mut camera, _) = CameraFile::read(&camera_path)?;
+        if written.flight.run_up.is_some() {
+            camera.fmc.strategy = written.flight.run_up;
+        }
+        Ok(Self {
+            file: file.to_owned(),
+            written,
+            camera,
+        })
+    }
+
+    /// A fault of one field: file, field and what is wrong.
+    #[must_use]
+    pub fn fault(&self, field: &str, fault: impl std::fmt::Display) -> Failure {
+        Failure::bad_input(format!("{}: {field}: {fault}", self.file))
+    }
+
+    /// η: ground speed over the height above the mean terrain, 1/s.
+    #[must_use]
+    pub fn vh_per_s(&self) -> f64 {
+        let flight = &self.written.flight;
+        flight.speed_m_s / (flight.height_m - self.written.terrain.height_m)
+    }
+
+    /// Δz that the camera is told of, µm: the true one unless the scenario says otherwise.
+    #[must_use]
+    pub fn known_focus_shift_um(&self) -> f64 {
+        let ScenarioFile {
+            correction, truth, ..
+        } = &self.written;
+        correction.focus_shift_um.unwrap_or(truth.focus_shift_um)
+    }
+}
+
+impl ScenarioFile {
+    fn check(&self, text: &CameraText) -> Result<(), Failure> {
+        if self.name.trim().is_empty() || self.name.contains(char::is_control) {
+            return Err(text.invalid(&["name"], "is empty or holds a control character"));
+        }
+        scenario_range::check_numbers(self, text)?;
+        self.check_control(text)?;
+        let flight = &self.flight;
+        if flight.frames > 1 && flight.base_m <= 0.0 {
+            return Err(text.invalid(
+                &["flight", "frames"],
+                "needs base_m, the distance between exposures: 1 to 20000 m",
+            ));
+        }
+        Ok(())
+    }
+
+    fn check_control(&self, text: &CameraText) -> Result<(), Failure> {
+        let points = &self.control.points;
+        if points.len() < FEWEST_CONTROL_POINTS {
+            return Err(text.invalid(
+                &["control", "points"],
+                &format!(
+                    "holds {} points; a resection needs at least {FEWEST_CONTROL_POINTS}",
+                    points.len()
+                ),
+            ));
+        }
+        let terrain = &self.terrain;
+        // Surveyed heights follow the terrain, within its relief and a house.
+        let margin_m = 2.0 * terrain.relief_m + 20.0;
+        let heights = Range {
+            least: terrain.height_m - margin_m,
+            most: terrain.height_m + margin_m,
+            unit: "m",
+        };
+        let mut ids = BTreeSet::new();
+        for (index, point) in points.iter().enumerate() {
+            let index = index.to_string();
+            let at = |key| ["control", "points", index.as_str(), key];
+            if point.id.trim().is_empty() || point.id.contains(char::is_control) {
+                return Err(text.invalid(&at("id"), "is empty or holds a control character"));
+            }
+            if !ids.insert(point.id.as_str()) {
+                return Err(text.invalid(&at("id"), "is the id of an earlier point, too"));
+            }
+            scenario_range::PLACE.check(point.x_m, text, &at("x_m"))?;
+            scenario_range::PLACE.check(point.y_m, text, &at("y_m"))?;
+            if point.z_m >= self.flight.height_m {
+                return Err(text.invalid(
+                    &at("z_m"),
+                    &format!(
+                        "is not below the aircraft, which flies at {} m (point {}); allowed {heights}",
+                        self.flight.height_m, point.id
+                    ),
+                ));
+            }
+            if !heights.holds(point.z_m) {
+                let is_scaled = heights.holds(1000.0 * point.z_m);
+                let hint = if is_scaled { "; in kilometres?" } else { "" };
+                return Err(text.invalid(
+                    &at("z_m"),
+                    &format!(
+                        "is {} from the terrain (point {}); allowed {heights}, the terrain with twice its relief{hint}",
+                        if point.z_m > heights.most { "too far up" } else { "too far down" },
+                        point.id
+                    ),
+                ));
+            }
+        }
+        Ok(())
+    }
+}

@@ -1,0 +1,159 @@
+//! Allowed ranges of a scenario's numbers: what cannot be metres, seconds or degrees is refused.
+
+use std::fmt;
+
+use super::camera_error::CameraText;
+use super::scenario::{ScenarioFile, Sigma};
+use crate::failure::Failure;
+
+/// Least and most of a quantity.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(super) struct Range {
+    pub(super) least: f64,
+    pub(super) most: f64,
+    pub(super) unit: &'static str,
+}
+
+/// Of a coordinate in the ground frame.
+pub(super) const PLACE: Range = range(-1e6, 1e6, "m");
+const FLYING_HEIGHT: Range = range(50.0, 15_000.0, "m");
+const SPEED: Range = range(10.0, 350.0, "m/s");
+const EXPOSURE: Range = range(1e-6, 0.1, "s");
+const HEADING: Range = range(-360.0, 360.0, "°");
+const FRAMES: Range = range(1.0, 200.0, "frames");
+const BASE: Range = range(0.0, 20_000.0, "m");
+const ATTITUDE_SPREAD: Range = range(0.0, 10.0, "°");
+const TERRAIN_HEIGHT: Range = range(-500.0, 9000.0, "m");
+const RELIEF: Range = range(0.0, 4000.0, "m");
+const WAVELENGTH: Range = range(10.0, 1e5, "m");
+const FOCUS_SHIFT: Range = range(-500.0, 500.0, "µm");
+const IMAGE_SIGMA: Range = range(0.01, 100.0, "µm");
+const POSITION_SIGMA: Range = range(0.001, 1000.0, "m");
+const ATTITUDE_SIGMA: Range = range(1e-4, 10.0, "°");
+const POSITION_BIAS: Range = range(-1000.0, 1000.0, "m");
+const ATTITUDE_BIAS: Range = range(-10.0, 10.0, "°");
+const CONTROL_SIGMA: Range = range(0.001, 10.0, "m");
+const CHECK_POINTS: Range = range(2.0, 50.0, "points");
+
+const fn range(least: f64, most: f64, unit: &'static str) -> Range {
+    Range { least, most, unit }
+}
+
+impl Range {
+    /// Whether a value lies inside, ends included.
+    pub(super) fn holds(&self, value: f64) -> bool {
+        self.least <= value && value <= self.most
+    }
+
+    /// Refuses a value outside.
+    pub(super) fn check(
+        &self,
+        value: f64,
+        text: &CameraText,
+        path: &[&str],
+    ) -> Result<(), Failure> {
+        if self.holds(value) {
+            return Ok(());
+        }
+        let hint = if self.unit == "m" && value.is_finite() {
+            if self.holds(value / 1000.0) && value.abs() > self.most {
+                "; in millimetres?"
+            } else if value > 0.0 && value < self.least && self.holds(1000.0 * value) {
+                "; in kilometres?"
+            } else {
+                ""
+            }
+        } else {
+            ""
+        };
+        Err(text.invalid(path, &format!("is out of range: allowed {self}{hint}")))
+    }
+
+    /// Refuses a list with a value outside.
+    fn check_each(&self, values: &[f64], text: &CameraText, path: &[&str]) -> Result<(), Failure> {
+        match values.iter().find(|value| !self.holds(**value)) {
+            None => Ok(()),
+            Some(value) => Err(text.invalid(
+                path,
+                &format!("holds {value}, which is out of range: allowed {self}"),
+            )),
+        }
+    }
+}
+
+impl fmt::Display for Range {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        write!(f, "{} to {} {}", self.least, self.most, self.unit)
+    }
+}
+
+/// Refuses the first number of the scenario that is out of its range; control points apart.
+pub(super) fn check_numbers(scenario: &ScenarioFile, text: &CameraText) -> Result<(), Failure> {
+    let ScenarioFile {
+        flight,
+        terrain,
+        truth,
+        correction,
+        image,
+        pos,
+        control,
+        check,
+        ..
+    } = scenario;
+    let known_um = correction.focus_shift_um.unwrap_or(0.0);
+    for (range, value, table, key) in [
+        (FLYING_HEIGHT, flight.height_m, "flight", "height_m"),
+        (SPEED, flight.speed_m_s, "flight", "speed_m_s"),
+        (EXPOSURE, flight.exposure_s, "flight", "exposure_s"),
+        (HEADING, flight.heading_deg, "flight", "heading_deg"),
+        (FRAMES, whole(flight.frames), "flight", "frames"),
+        (BASE, flight.base_m, "flight", "base_m"),
+        (TERRAIN_HEIGHT, terrain.height_m, "terrain", "height_m"),
+        (RELIEF, terrain.relief_m, "terrain", "relief_m"),
+        (WAVELENGTH, terrain.wavelength_m, "terrain", "wavelength_m"),
+        (FOCUS_SHIFT, truth.focus_shift_um, "truth", "focus_shift_um"),
+        (FOCUS_SHIFT, known_um, "correction", "focus_shift_um"),
+        (IMAGE_SIGMA, image.sigma_um, "image", "sigma_um"),
+        (CONTROL_SIGMA, control.sigma_m, "control", "sigma_m"),
+        (
+            CHECK_POINTS,
+            whole(check.points_per_side),
+            "check",
+            "points_per_side",
+        ),
+    ] {
+        range.check(value, text, &[table, key])?;
+    }
+    PLACE.check_each(&flight.start_m, text, &["flight", "start_m"])?;
+    let spread = ["flight", "attitude_spread_deg"];
+    ATTITUDE_SPREAD.check_each(&flight.attitude_spread_deg, text, &spread)?;
+    POSITION_BIAS.check_each(&pos.position_bias_m, text, &["pos", "position_bias_m"])?;
+    ATTITUDE_BIAS.check_each(&pos.attitude_bias_deg, text, &["pos", "attitude_bias_deg"])?;
+    for (range, sigma, key) in [
+        (POSITION_SIGMA, &pos.position_sigma_m, "position_sigma_m"),
+        (
+            ATTITUDE_SIGMA,
+            &pos.attitude_sigma_deg,
+            "attitude_sigma_deg",
+        ),
+    ] {
+        if let Sigma::Each(sigmas) = sigma {
+            range.check_each(sigmas, text, &["pos", key])?;
+        }
+    }
+    if flight.height_m <= terrain.height_m + terrain.relief_m {
+        return Err(text.invalid(
+            &["terrain", "height_m"],
+            &format!(
+                "with relief_m = {} reaches the aircraft at {} m",
+                terrain.relief_m, flight.height_m
+            ),
+        ));
+    }
+    Ok(())
+}
+
+/// A count as a number.
+fn whole(count: i64) -> f64 {
+    i32::try_from(count).map_or(f64::INFINITY, f64::from)
+}

@@ -1,0 +1,107 @@
+//! Ground errors of the models at control and at check points.
+
+use plotters::coord::combinators::IntoLogRange;
+use plotters::element::{Circle, PathElement, Text};
+use plotters::prelude::{ChartBuilder, Color, IntoDrawingArea, SVGBackend};
+use plotters::style::text_anchor::HPos;
+
+use super::palette::colour;
+use crate::flight::experiment::{Experiment, Points};
+use crate::flight::model::Model;
+use crate::flight::statistics::Estimate;
+use crate::report::figure::{FigureError, GRID, OUTLINE, text, text_at};
+use crate::report::wording;
+
+const SIZE: (u32, u32) = (1600, 860);
+const FONT: u32 = 24;
+/// Width of the column of names.
+const NAMES: u32 = 350;
+
+/// Means, their intervals and the spread of the flights, for all models, in SVG.
+///
+/// # Errors
+/// [`FigureError`] if the drawing fails.
+pub fn ground_errors(experiment: &Experiment) -> Result<String, FigureError> {
+    let all = Model::ALL.iter().flat_map(|model| {
+        [Points::Control, Points::Check]
+            .into_iter()
+            .flat_map(|points| experiment.ground_m(*model, points))
+    });
+    let (least, most) = all.fold((f64::INFINITY, 0.0_f64), |(least, most), error| {
+        (least.min(error), most.max(error))
+    });
+    if !(least > 0.0 && most.is_finite()) {
+        return Err(FigureError::NothingToDraw);
+    }
+    let mut svg = String::new();
+    {
+        let canvas = SVGBackend::with_string(&mut svg, SIZE).into_drawing_area();
+        canvas.fill(&plotters::style::WHITE)?;
+        let title = "Planimetric error on the ground";
+        canvas.draw(&Text::new(title, (20, 34), text(FONT + 4)))?;
+        let mut chart = ChartBuilder::on(&canvas)
+            .margin_top(70)
+            .margin_right(40)
+            .margin_left(NAMES)
+            .margin_bottom(60)
+            .x_label_area_size(80)
+            .y_label_area_size(1)
+            .build_cartesian_2d((0.9 * least..1.1 * most).log_scale(), -6.0..0.0)?;
+        chart
+            .configure_mesh()
+            .light_line_style(plotters::style::TRANSPARENT)
+            .bold_line_style(GRID)
+            .axis_style(OUTLINE)
+            .label_style(text(FONT))
+            .axis_desc_style(text(FONT))
+            .y_labels(0)
+            .x_label_formatter(&|metres| wording::decimals(*metres, 3))
+            .x_desc("RMS of the place (X and Y together), m")
+            .draw()?;
+        for (row, model) in (0..6).map(f64::from).zip(Model::ALL) {
+            let ink = colour(model);
+            for (points, y) in [(Points::Control, -row - 0.32), (Points::Check, -row - 0.68)] {
+                let flights = experiment.ground_m(model, points);
+                let mean = Estimate::of_mean(&flights);
+                let [low, high] = middle_90_percent(flights);
+                chart.draw_series([
+                    PathElement::new([(low, y), (high, y)], ink.stroke_width(2)),
+                    PathElement::new([(mean.lower, y), (mean.upper, y)], ink.stroke_width(9)),
+                ])?;
+                let style = match points {
+                    Points::Control => plotters::style::WHITE.filled(),
+                    Points::Check => ink.filled(),
+                };
+                chart.draw_series([Circle::new((mean.value, y), 9, style)])?;
+                chart.draw_series([Circle::new((mean.value, y), 9, ink.stroke_width(3))])?;
+                let (x, y) = chart.backend_coord(&(high, y));
+                let number = format!("{:.3} m", mean.value);
+                // Beside the bar, on whichever side there is room.
+                let right = x < 1450;
+                let (x, anchor) = if right {
+                    (x + 14, HPos::Left)
+                } else {
+                    (chart.backend_coord(&(low, 0.0)).0 - 14, HPos::Right)
+                };
+                canvas.draw(&Text::new(number, (x, y), text_at(FONT - 4, anchor)))?;
+            }
+            let (_, y) = chart.backend_coord(&(least, -row - 0.5));
+            canvas.draw(&Text::new(model.label(), (24, y), text(FONT).color(&ink)))?;
+        }
+        let legend = "hollow: control points, upper line; filled: check points, lower line; bar: 95 % interval of the mean; thin line: 90 % of the flights";
+        canvas.draw(&Text::new(legend, (24, 830), text(FONT - 4)))?;
+        canvas.present()?;
+    }
+    Ok(svg)
+}
+
+/// The range that leaves out a twentieth of the flights on either side.
+fn middle_90_percent(mut flights: Vec<f64>) -> [f64; 2] {
+    flights.sort_by(f64::total_cmp);
+    let twentieth = flights.len() / 20;
+    let at = |index: usize| flights.get(index).copied().unwrap_or(f64::NAN);
+    [
+        at(twentieth),
+        at(flights.len().saturating_sub(1 + twentieth)),
+    ]
+}

@@ -1,0 +1,17 @@
+//! How figures tell the models apart.
+
+use plotters::prelude::RGBColor;
+
+use crate::flight::model::Model;
+
+/// Colour of a model (Okabe and Ito's palette, safe for the colour-blind).
+pub(super) const fn colour(model: Model) -> RGBColor {
+    match model {
+        Model::Uncorrected => RGBColor(95, 95, 95),
+        Model::Static => RGBColor(0, 114, 178),
+        Model::Printed => RGBColor(213, 94, 0),
+        Model::Scale => RGBColor(86, 180, 233),
+        Model::FiveCoefficient => RGBColor(204, 121, 167),
+        Model::Exact => RGBColor(0, 140, 100),
+    }
+}

@@ -1,0 +1,63 @@
+//! The comparison of the models, as tables write it.
+
+use crate::flight::experiment::{Experiment, Points};
+use crate::flight::model::Model;
+use crate::flight::statistics::Estimate;
+
+/// One model's row.
+#[derive(Debug, Clone, PartialEq)]
+pub(super) struct Row {
+    pub(super) label: &'static str,
+    pub(super) control_m: String,
+    pub(super) check_m: String,
+    pub(super) control_ratio: String,
+    pub(super) check_ratio: String,
+    pub(super) image_um: String,
+    pub(super) iterations: String,
+    pub(super) sigma0: String,
+}
+
+pub(super) fn rows(experiment: &Experiment) -> Vec<Row> {
+    Model::ALL
+        .into_iter()
+        .map(|model| {
+            let ratio = |points| match model {
+                Model::Static => "1".to_owned(),
+                _ => interval(&experiment.ratio_to_static(model, points), 3),
+            };
+            let image_um = Estimate::of_mean(&experiment.each(model, |outcome| {
+                1e3 * outcome.rms_mm.last().copied().unwrap_or(f64::NAN)
+            }));
+            let sigma0 = Estimate::of_mean(&experiment.each(model, |outcome| outcome.sigma0));
+            Row {
+                label: model.label(),
+                control_m: interval(&experiment.error_m(model, Points::Control), 3),
+                check_m: interval(&experiment.error_m(model, Points::Check), 3),
+                control_ratio: ratio(Points::Control),
+                check_ratio: ratio(Points::Check),
+                image_um: format!("{:.2}", image_um.value),
+                iterations: most_iterations(experiment, model).to_string(),
+                sigma0: format!("{:.2}", sigma0.value),
+            }
+        })
+        .collect()
+}
+
+/// Iterations of the flight that needed most.
+pub(super) fn most_iterations(experiment: &Experiment, model: Model) -> usize {
+    experiment
+        .repetitions
+        .iter()
+        .filter_map(|outcomes| outcomes.get(model.index()))
+        .map(|outcome| outcome.iterations)
+        .max()
+        .unwrap_or(0)
+}
+
+/// `0.248 (0.243 to 0.252)`.
+pub(super) fn interval(estimate: &Estimate, decimals: usize) -> String {
+    format!(
+        "{:.decimals$} ({:.decimals$} to {:.decimals$})",
+        estimate.value, estimate.lower, estimate.upper
+    )
+}

@@ -1,0 +1,151 @@
+//! The flight for machines: `summary.json`.
+
+use serde::Serialize;
+
+use super::rows::most_iterations;
+use super::verdict::{self, Verdict};
+use crate::flight::correction::COEFFICIENT_NAMES;
+use crate::flight::experiment::{Experiment, Points};
+use crate::flight::model::Model;
+use crate::flight::statistics::{CONFIDENCE, Estimate};
+
+/// The numbers of a flight. Keys are only ever added.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct Summary {
+    /// Name of the scenario.
+    pub scenario: String,
+    /// Name of the camera.
+    pub camera: String,
+    /// Seed of the noise.
+    pub seed: u64,
+    /// Flights.
+    pub repetitions: usize,
+    /// Frames of each.
+    pub frames: usize,
+    /// Images of control points in each.
+    pub control_points: usize,
+    /// Check points in each.
+    pub check_points: usize,
+    /// V/H, 1/s.
+    pub vh_per_s: f64,
+    /// δ, µm.
+    pub travel_um: f64,
+    /// c̄, µm.
+    pub centroid_um: f64,
+    /// Probability of all intervals but those of `coverage`, too.
+    pub confidence: f64,
+    /// What five coefficients do to residuals of pure noise.
+    pub ratio_of_pure_noise: f64,
+    /// Every model.
+    pub models: Vec<ModelSummary>,
+    /// Every model but the static one, against it.
+    pub verdicts: Vec<Verdict>,
+    /// Further sentences.
+    pub findings: Vec<String>,
+    /// The one above all.
+    pub headline: String,
+}
+
+/// The numbers of one model.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct ModelSummary {
+    /// Key.
+    pub model: &'static str,
+    /// Planimetric RMS at control points, mean over the flights, m.
+    pub control_m: Estimate,
+    /// At check points, m.
+    pub check_m: Estimate,
+    /// Ratio to the static model at control points, flight by flight.
+    pub control_ratio: Estimate,
+    /// At check points.
+    pub check_ratio: Estimate,
+    /// Image RMS, Yuan et al. 2012, eq. 29, µm.
+    pub image_rms_um: Estimate,
+    /// Iterations until it stays within 0.1 % of its last value, in the flight that needed most.
+    pub most_iterations: usize,
+    /// σ0.
+    pub sigma0: Estimate,
+    /// How often an orientation element lies within one σ of the truth.
+    pub coverage: Estimate,
+    /// Fitted coefficients in powers of mm; empty where none are fitted.
+    pub coefficients: Vec<CoefficientSummary>,
+}
+
+/// One fitted coefficient.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct CoefficientSummary {
+    /// Symbol.
+    pub name: &'static str,
+    /// Mean over the flights.
+    pub mean: Estimate,
+    /// Mean of the standard deviations that the adjustments give.
+    pub standard_deviation: f64,
+}
+
+impl Summary {
+    /// The summary of an experiment.
+    #[must_use]
+    pub fn of(experiment: &Experiment) -> Self {
+        let interior = experiment.strip.corrections.interior();
+        let mut findings = verdict::comparisons(experiment);
+        findings.push(verdict::pure_noise(experiment));
+        findings.extend(verdict::coverage(experiment));
+        Self {
+            scenario: experiment.scenario.written.name.clone(),
+            camera: experiment.scenario.camera.name.clone(),
+            seed: experiment.seed,
+            repetitions: experiment.repetitions.len(),
+            frames: experiment.strip.frames.len(),
+            control_points: experiment.control_observations() / 2,
+            check_points: experiment.check_points(),
+            vh_per_s: experiment.scenario.vh_per_s(),
+            travel_um: 1e3 * interior.travel_mm,
+            centroid_um: 1e3 * interior.centroid_mm,
+            confidence: CONFIDENCE,
+            ratio_of_pure_noise: experiment.ratio_of_pure_noise(),
+            models: Model::ALL
+                .into_iter()
+                .map(|model| ModelSummary::of(experiment, model))
+                .collect(),
+            verdicts: verdict::verdicts(experiment),
+            findings,
+            headline: verdict::headline(experiment),
+        }
+    }
+}
+
+impl ModelSummary {
+    fn of(experiment: &Experiment, model: Model) -> Self {
+        let coefficients = COEFFICIENT_NAMES
+            .into_iter()
+            .enumerate()
+            .zip(model.estimated())
+            .filter(|(_, is_fitted)| *is_fitted)
+            .map(|((index, name), _)| {
+                let of = |all: &[f64; 5]| all.get(index).copied().unwrap_or(f64::NAN);
+                let sigmas = experiment.each(model, |outcome| of(&outcome.coefficient_sigmas));
+                CoefficientSummary {
+                    name,
+                    mean: Estimate::of_mean(
+                        &experiment.each(model, |outcome| of(&outcome.coefficients)),
+                    ),
+                    standard_deviation: Estimate::of_mean(&sigmas).value,
+                }
+            })
+            .collect();
+        Self {
+            model: model.key(),
+            control_m: experiment.error_m(model, Points::Control),
+            check_m: experiment.error_m(model, Points::Check),
+            control_ratio: experiment.ratio_to_static(model, Points::Control),
+            check_ratio: experiment.ratio_to_static(model, Points::Check),
+            image_rms_um: Estimate::of_mean(&experiment.each(model, |outcome| {
+                1e3 * outcome.rms_mm.last().copied().unwrap_or(f64::NAN)
+            })),
+            most_iterations: most_iterations(experiment, model),
+            sigma0: Estimate::of_mean(&experiment.each(model, |outcome| outcome.sigma0)),
+            coverage: experiment.coverage(model),
+            coefficients,
+        }
+    }
+}

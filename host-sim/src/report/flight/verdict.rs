@@ -1,0 +1,246 @@
+//! What the intervals say, in words.
+
+use serde::Serialize;
+
+use super::rows::interval;
+use crate::flight::experiment::{Experiment, Points};
+use crate::flight::model::Model;
+use crate::flight::statistics::Estimate;
+
+/// What an interval of a ratio of errors says.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
+#[serde(rename_all = "lowercase")]
+pub enum Change {
+    /// The whole interval is below 1: the error is smaller.
+    Gain,
+    /// The whole interval is above 1: the error is larger.
+    Loss,
+    /// The interval holds 1.
+    Undecided,
+}
+
+impl Change {
+    /// Of a ratio of errors.
+    #[must_use]
+    pub fn of(ratio: &Estimate) -> Self {
+        if ratio.upper < 1.0 {
+            Self::Gain
+        } else if ratio.lower > 1.0 {
+            Self::Loss
+        } else {
+            Self::Undecided
+        }
+    }
+}
+
+/// A model against the static calibration.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct Verdict {
+    /// Key of the model.
+    pub model: &'static str,
+    /// At the points of the adjustment.
+    pub control: Change,
+    /// At new points.
+    pub check: Change,
+    /// Both in a sentence.
+    pub sentence: String,
+}
+
+/// Every model but the static one, against it.
+#[must_use]
+pub fn verdicts(experiment: &Experiment) -> Vec<Verdict> {
+    Model::ALL
+        .into_iter()
+        .filter(|model| *model != Model::Static)
+        .map(|model| {
+            let control = experiment.ratio_to_static(model, Points::Control);
+            let check = experiment.ratio_to_static(model, Points::Check);
+            Verdict {
+                model: model.key(),
+                control: Change::of(&control),
+                check: Change::of(&check),
+                sentence: sentence(model.label(), &control, &check),
+            }
+        })
+        .collect()
+}
+
+fn sentence(label: &str, control: &Estimate, check: &Estimate) -> String {
+    let fate = match (Change::of(control), Change::of(check)) {
+        (Change::Gain, Change::Gain) => {
+            let survives = (1.0 - check.value) / (1.0 - control.value);
+            if survives >= 0.9 {
+                "the gain survives on check points".to_owned()
+            } else {
+                format!(
+                    "the gain survives on check points in part: {:.0} % of it",
+                    100.0 * survives
+                )
+            }
+        }
+        (Change::Gain, Change::Loss) => {
+            "the gain does not survive: check points are worse".to_owned()
+        }
+        (Change::Gain, Change::Undecided) => {
+            "the gain does not survive: no change at check points is shown".to_owned()
+        }
+        (Change::Loss, Change::Loss) => "worse at control and check points".to_owned(),
+        (_, Change::Gain) => "better at check points".to_owned(),
+        (_, Change::Loss) => "worse at check points".to_owned(),
+        (_, Change::Undecided) => "no change at check points is shown".to_owned(),
+    };
+    format!(
+        "{label}: {fate} (control {}, check {}).",
+        percent(control),
+        percent(check)
+    )
+}
+
+/// The fitted coefficients beyond scale, and the exact model against both.
+#[must_use]
+pub fn comparisons(experiment: &Experiment) -> Vec<String> {
+    let ratio = |model, to, points| {
+        Estimate::of_ratio(
+            &experiment.ground_m(model, points),
+            &experiment.ground_m(to, points),
+        )
+    };
+    [
+        (
+            "Fitting the other four coefficients beside K_m0",
+            Model::FiveCoefficient,
+            Model::Scale,
+        ),
+        (
+            "The exact model instead of the five fitted coefficients",
+            Model::Exact,
+            Model::FiveCoefficient,
+        ),
+    ]
+    .into_iter()
+    .map(|(what, model, to)| {
+        let check = ratio(model, to, Points::Check);
+        let says = match Change::of(&check) {
+            Change::Gain => "lowers the error at check points",
+            Change::Loss => "raises the error at check points",
+            Change::Undecided => "does not change the error at check points as far as is shown",
+        };
+        format!(
+            "{what} {says}: {} (at control points {}).",
+            percent(&check),
+            percent(&ratio(model, to, Points::Control))
+        )
+    })
+    .collect()
+}
+
+/// One sentence above everything else.
+#[must_use]
+pub fn headline(experiment: &Experiment) -> String {
+    let error = |model, points| experiment.error_m(model, points).value;
+    let of = |points| {
+        format!(
+            "{:.3} m to {:.3} m",
+            error(Model::Static, points),
+            error(Model::FiveCoefficient, points)
+        )
+    };
+    let survives = match (
+        Change::of(&experiment.ratio_to_static(Model::FiveCoefficient, Points::Control)),
+        Change::of(&experiment.ratio_to_static(Model::FiveCoefficient, Points::Check)),
+    ) {
+        (Change::Gain, Change::Gain) => "a gain at both",
+        (Change::Gain, _) => "a gain at the fitted points only",
+        (_, Change::Gain) => "a gain at the check points only",
+        _ => "a gain at neither",
+    };
+    format!(
+        "From the static model to five fitted coefficients the ground error goes from {} at control points and from {} at check points: {survives}.",
+        of(Points::Control),
+        of(Points::Check)
+    )
+}
+
+/// What fitting alone does to residuals.
+#[must_use]
+pub fn pure_noise(experiment: &Experiment) -> String {
+    let observations = experiment.control_observations();
+    format!(
+        "For comparison: five coefficients fitted to pure noise in {observations} image coordinates lower the residuals at the fitted points to {:.2} of what they were, at new points not at all.",
+        experiment.ratio_of_pure_noise()
+    )
+}
+
+/// How often the truth lies within one σ.
+#[must_use]
+pub fn coverage(experiment: &Experiment) -> Vec<String> {
+    [Model::Static, Model::FiveCoefficient, Model::Exact]
+        .into_iter()
+        .map(|model| {
+            let coverage = experiment.coverage(model);
+            let says = if coverage.holds(ONE_SIGMA) {
+                "as it should be"
+            } else if coverage.value < ONE_SIGMA {
+                "too seldom: the standard deviations are too good to be true"
+            } else {
+                "more often than promised"
+            };
+            format!(
+                "{}: {} of the orientation elements lie within one standard deviation of the truth, {says}.",
+                model.label(),
+                interval(&coverage, 3)
+            )
+        })
+        .collect()
+}
+
+/// Probability of one standard deviation.
+pub(super) const ONE_SIGMA: f64 = 0.682_689_492;
+
+/// A ratio as a change: `-39.2 % (-41.2 to -37.1 %)`.
+fn percent(ratio: &Estimate) -> String {
+    // Adding zero turns -0 into 0.
+    let change = |value: f64| {
+        let percent = (1000.0 * (value - 1.0)).round() / 10.0 + 0.0;
+        format!("{percent:+.1}")
+    };
+    format!(
+        "{} % ({} to {} %)",
+        change(ratio.value),
+        change(ratio.lower),
+        change(ratio.upper)
+    )
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    const fn ratio(value: f64, half: f64) -> Estimate {
+        Estimate {
+            value,
+            lower: value - half,
+            upper: value + half,
+        }
+    }
+
+    #[test]
+    fn words_follow_from_the_intervals() {
+        let says = |control: Estimate, check: Estimate| sentence("m", &control, &check);
+        let gain = ratio(0.6, 0.05);
+        assert!(says(gain, ratio(0.62, 0.05)).contains("survives on check points ("));
+        assert!(says(gain, ratio(0.9, 0.05)).contains("in part: 25 % of it"));
+        assert!(says(gain, ratio(0.98, 0.05)).contains("does not survive: no change"));
+        assert!(says(gain, ratio(1.1, 0.05)).contains("does not survive: check points are worse"));
+        assert!(says(ratio(1.0, 0.1), gain).contains("better at check points"));
+        assert!(says(ratio(1.2, 0.1), ratio(1.2, 0.1)).contains("worse at control and check"));
+    }
+
+    #[test]
+    fn intervals_that_hold_one_decide_nothing() {
+        assert_eq!(Change::of(&ratio(0.99, 0.02)), Change::Undecided);
+        assert_eq!(Change::of(&ratio(0.97, 0.02)), Change::Gain);
+        assert_eq!(Change::of(&ratio(1.03, 0.02)), Change::Loss);
+        assert_eq!(percent(&ratio(0.608, 0.02)), "-39.2 % (-41.2 to -37.2 %)");
+    }
+}
