@@ -1,6 +1,7 @@
 //! Many flights of one scenario, each with its own errors, adjusted with every model.
 
 use super::adjustment::AdjustmentError;
+use super::exterior_orientation::ELEMENTS;
 use super::model::Model;
 use super::noise::Noise;
 use super::outcome::Outcome;
@@ -100,17 +101,15 @@ impl Experiment {
         )
     }
 
-    /// How often an element of the exterior orientation is within one σ of the truth.
+    /// How often an element of the exterior orientation is within one σ of the truth. The elements
+    /// of one flight depend on each other; flights do not.
     #[must_use]
     pub fn coverage(&self, model: Model) -> Estimate {
-        let outcomes = self
-            .repetitions
-            .iter()
-            .filter_map(|all| all.get(model.index()));
-        let (covered, elements) = outcomes.fold((0, 0), |(covered, elements), outcome| {
-            (covered + outcome.covered, elements + outcome.elements)
-        });
-        Estimate::of_probability(covered, elements)
+        let elements = ELEMENTS * self.strip.frames.len();
+        let elements = f64::from(u32::try_from(elements).unwrap_or(u32::MAX));
+        Estimate::of_mean(&self.each(model, |outcome| {
+            f64::from(outcome.covered.iter().sum::<u32>()) / elements
+        }))
     }
 
     /// Image observations of control points: two a point.

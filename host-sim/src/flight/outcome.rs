@@ -27,10 +27,8 @@ pub struct Outcome {
     pub coefficient_sigmas: [f64; COEFFICIENTS],
     /// σ0.
     pub sigma0: f64,
-    /// Elements of exterior orientations within one σ of the truth.
-    pub covered: u32,
-    /// Elements of exterior orientations.
-    pub elements: u32,
+    /// In how many frames each element of the exterior orientation is within one σ of the truth.
+    pub covered: [u32; ELEMENTS],
 }
 
 /// The RMS has arrived where it changes by less than this fraction.
@@ -90,7 +88,6 @@ impl Outcome {
                 }
             }
         }
-        let (covered, elements) = coverage(strip, &adjusted);
         let mut coefficient_sigmas = adjusted.coefficient_sigmas;
         for (sigma, scale) in coefficient_sigmas
             .iter_mut()
@@ -105,17 +102,15 @@ impl Outcome {
             coefficients: strip.corrections.in_mm(&adjusted.coefficients),
             coefficient_sigmas,
             sigma0: adjusted.variance_of_unit_weight.sqrt(),
+            covered: coverage(strip, &adjusted),
             rms_mm: adjusted.rms_mm,
-            covered,
-            elements,
         })
     }
 }
 
-/// Elements of exterior orientations within one σ of the truth, and how many there are.
-fn coverage(strip: &Strip, adjusted: &Adjusted) -> (u32, u32) {
-    let mut covered = 0;
-    let mut elements = 0;
+/// In how many frames each element is within one σ of the truth.
+fn coverage(strip: &Strip, adjusted: &Adjusted) -> [u32; ELEMENTS] {
+    let mut covered = [0; ELEMENTS];
     for ((frame, orientation), sigmas) in strip
         .frames
         .iter()
@@ -123,10 +118,9 @@ fn coverage(strip: &Strip, adjusted: &Adjusted) -> (u32, u32) {
         .zip(&adjusted.orientation_sigmas)
     {
         let error = orientation.elements() - frame.orientation.elements();
-        for (error, sigma) in error.iter().zip(sigmas) {
-            covered += u32::from(error.abs() <= *sigma);
+        for ((covered, error), sigma) in covered.iter_mut().zip(error.iter()).zip(sigmas) {
+            *covered += u32::from(error.abs() <= *sigma);
         }
-        elements += u32::try_from(ELEMENTS).unwrap_or(0);
     }
-    (covered, elements)
+    covered
 }

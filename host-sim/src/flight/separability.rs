@@ -121,7 +121,8 @@ fn named(
             .position(|free| *free == index)
             .is_some_and(&is_large)
     });
-    // What each element contributes to undoing it, by its effect on the image points.
+    // What each element of all frames together contributes to undoing it, by its effect on the
+    // image points.
     let mut effects = [0.0_f64; ELEMENTS];
     for (block, image) in all.frames.iter().zip(&by_image.frames) {
         let Some(factor) = Factor::new(&block.matrix) else {
@@ -130,10 +131,11 @@ fn named(
         let undoing = factor.solve(&(block.coupling * combination));
         let image = image.matrix.diagonal();
         for ((effect, step), weight) in effects.iter_mut().zip(undoing.iter()).zip(image.iter()) {
-            *effect = effect.max(step.abs() * weight.sqrt());
+            *effect += step.powi(2) * weight;
         }
     }
-    let undoing: f64 = effects.iter().copied().fold(0.0, f64::max);
+    let effects = effects.map(f64::sqrt);
+    let undoing = effects.iter().copied().fold(0.0, f64::max);
     // Coefficients that only imitate each other need no orientation.
     if undoing > 0.3 {
         unknowns.extend(names(&ELEMENT_NAMES, large(&effects)));

@@ -59,12 +59,13 @@ impl Estimate {
         }
     }
 
-    /// A probability from `hits` in `trials`: the exact interval of Clopper and Pearson (1934).
+    /// A probability from `hits` in `trials`, with the exact interval of Clopper and Pearson (1934) that
+    /// holds it with the probability `confidence`.
     #[must_use]
-    pub fn of_probability(hits: u32, trials: u32) -> Self {
+    pub fn of_probability(hits: u32, trials: u32, confidence: f64) -> Self {
         let misses = f64::from(trials.saturating_sub(hits));
         let (hits, trials) = (f64::from(hits), f64::from(trials));
-        let tail = (1.0 - CONFIDENCE) / 2.0;
+        let tail = (1.0 - confidence) / 2.0;
         let quantile = |a: f64, b: f64, probability: f64, otherwise: f64| {
             Beta::new(a, b).map_or(otherwise, |beta| beta.inverse_cdf(probability))
         };
@@ -106,10 +107,10 @@ mod tests {
     #[test]
     fn interval_of_a_probability_is_clopper_and_pearsons() {
         // Tabulated for 10 in 20: 0.272 to 0.728; for 0 in 20: up to 0.168.
-        let half = Estimate::of_probability(10, 20);
+        let half = Estimate::of_probability(10, 20, 0.95);
         assert!((half.lower - 0.272).abs() < 1e-3 && (half.upper - 0.728).abs() < 1e-3);
-        let none = Estimate::of_probability(0, 20);
+        let none = Estimate::of_probability(0, 20, 0.95);
         assert!(none.lower <= 0.0 && (none.upper - 0.168).abs() < 1e-3);
-        assert!(Estimate::of_probability(20, 20).upper >= 1.0);
+        assert!(Estimate::of_probability(20, 20, 0.95).upper >= 1.0);
     }
 }

@@ -18,6 +18,8 @@ mod calibrate_five_refused;
 #[cfg(unix)]
 mod fake_camera;
 #[cfg(test)]
+mod flight;
+#[cfg(test)]
 mod observations;
 #[cfg(test)]
 mod output;

@@ -1,6 +1,5 @@
 //! Ground errors of the models at control and at check points.
 
-use plotters::coord::combinators::IntoLogRange;
 use plotters::element::{Circle, PathElement, Text};
 use plotters::prelude::{ChartBuilder, Color, IntoDrawingArea, SVGBackend};
 use plotters::style::text_anchor::HPos;
@@ -22,14 +21,7 @@ const NAMES: u32 = 350;
 /// # Errors
 /// [`FigureError`] if the drawing fails.
 pub fn ground_errors(experiment: &Experiment) -> Result<String, FigureError> {
-    let all = Model::ALL.iter().flat_map(|model| {
-        [Points::Control, Points::Check]
-            .into_iter()
-            .flat_map(|points| experiment.ground_m(*model, points))
-    });
-    let (least, most) = all.fold((f64::INFINITY, 0.0_f64), |(least, most), error| {
-        (least.min(error), most.max(error))
-    });
+    let (least, most) = range(experiment);
     if !(least > 0.0 && most.is_finite()) {
         return Err(FigureError::NothingToDraw);
     }
@@ -46,7 +38,7 @@ pub fn ground_errors(experiment: &Experiment) -> Result<String, FigureError> {
             .margin_bottom(60)
             .x_label_area_size(80)
             .y_label_area_size(1)
-            .build_cartesian_2d((0.9 * least..1.1 * most).log_scale(), -6.0..0.0)?;
+            .build_cartesian_2d(0.0..1.12 * most, -6.0..0.0)?;
         chart
             .configure_mesh()
             .light_line_style(plotters::style::TRANSPARENT)
@@ -64,6 +56,12 @@ pub fn ground_errors(experiment: &Experiment) -> Result<String, FigureError> {
                 let flights = experiment.ground_m(model, points);
                 let mean = Estimate::of_mean(&flights);
                 let [low, high] = middle_90_percent(flights);
+                if mean.value > most {
+                    let (x, y) = chart.backend_coord(&(1.11 * most, y));
+                    let number = format!("{:.3} m, beyond the axis →", mean.value);
+                    canvas.draw(&Text::new(number, (x, y), text_at(FONT - 4, HPos::Right)))?;
+                    continue;
+                }
                 chart.draw_series([
                     PathElement::new([(low, y), (high, y)], ink.stroke_width(2)),
                     PathElement::new([(mean.lower, y), (mean.upper, y)], ink.stroke_width(9)),
@@ -76,14 +74,7 @@ pub fn ground_errors(experiment: &Experiment) -> Result<String, FigureError> {
                 chart.draw_series([Circle::new((mean.value, y), 9, ink.stroke_width(3))])?;
                 let (x, y) = chart.backend_coord(&(high, y));
                 let number = format!("{:.3} m", mean.value);
-                // Beside the bar, on whichever side there is room.
-                let right = x < 1450;
-                let (x, anchor) = if right {
-                    (x + 14, HPos::Left)
-                } else {
-                    (chart.backend_coord(&(low, 0.0)).0 - 14, HPos::Right)
-                };
-                canvas.draw(&Text::new(number, (x, y), text_at(FONT - 4, anchor)))?;
+                canvas.draw(&Text::new(number, (x + 14, y), text(FONT - 4)))?;
             }
             let (_, y) = chart.backend_coord(&(least, -row - 0.5));
             canvas.draw(&Text::new(model.label(), (24, y), text(FONT).color(&ink)))?;
@@ -93,6 +84,24 @@ pub fn ground_errors(experiment: &Experiment) -> Result<String, FigureError> {
         canvas.present()?;
     }
     Ok(svg)
+}
+
+/// Errors this many times those of the static model are beyond the axis.
+const LARGE: f64 = 3.0;
+
+/// Smallest and largest error of a flight, of the models that the axis reaches.
+fn range(experiment: &Experiment) -> (f64, f64) {
+    Model::ALL
+        .iter()
+        .flat_map(|model| [(*model, Points::Control), (*model, Points::Check)])
+        .filter(|(model, points)| {
+            let error = experiment.error_m(*model, *points).value;
+            error <= LARGE * experiment.error_m(Model::Static, *points).value
+        })
+        .map(|(model, points)| middle_90_percent(experiment.ground_m(model, points)))
+        .fold((f64::INFINITY, 0.0), |(least, most), [low, high]| {
+            (least.min(low), most.max(high))
+        })
 }
 
 /// The range that leaves out a twentieth of the flights on either side.

@@ -32,7 +32,7 @@ pub struct Summary {
     pub travel_um: f64,
     /// c̄, µm.
     pub centroid_um: f64,
-    /// Probability of all intervals but those of `coverage`, too.
+    /// Probability that an interval holds the true value.
     pub confidence: f64,
     /// What five coefficients do to residuals of pure noise.
     pub ratio_of_pure_noise: f64,

@@ -1,0 +1,56 @@
+//! Standard deviations against what really happens.
+
+use host_sim::flight::experiment::Experiment;
+use host_sim::flight::model::Model;
+use host_sim::flight::statistics::Estimate;
+
+use crate::support::scenario;
+
+const ONE_SIGMA: f64 = 0.682_689_492;
+const FLIGHTS: u32 = 400;
+
+#[test]
+fn one_standard_deviation_holds_the_truth_as_often_as_it_should() {
+    let experiment = Experiment::run(scenario("yuan-2012.toml"), 5, FLIGHTS, || ()).unwrap();
+    for model in [Model::Scale, Model::FiveCoefficient, Model::Exact] {
+        for element in 0..6 {
+            let hits = experiment
+                .repetitions
+                .iter()
+                .map(|outcomes| outcomes[model.index()].covered[element])
+                .sum();
+            // 18 intervals, each of which fails once in a thousand.
+            let interval = Estimate::of_probability(hits, FLIGHTS, 0.999);
+            assert!(
+                interval.holds(ONE_SIGMA),
+                "{model:?} {element}: {interval:?}"
+            );
+        }
+    }
+    // The static model leaves a focus shift in the image, and its σ do not know.
+    assert!(experiment.coverage(Model::Static).upper < ONE_SIGMA);
+}
+
+#[test]
+fn coefficients_scatter_as_their_standard_deviations_say() {
+    let experiment = Experiment::run(scenario("yuan-2012.toml"), 6, FLIGHTS, || ()).unwrap();
+    for index in 0..5 {
+        let values = experiment.each(Model::FiveCoefficient, |o| o.coefficients[index]);
+        let sigmas = experiment.each(Model::FiveCoefficient, |o| o.coefficient_sigmas[index]);
+        let mean = Estimate::of_mean(&values).value;
+        let scatter: f64 = values.iter().map(|v| (v - mean).powi(2)).sum::<f64>() / 399.0;
+        let ratio = scatter.sqrt() / Estimate::of_mean(&sigmas).value;
+        // Four standard errors of a standard deviation from 400 values.
+        assert!((ratio - 1.0).abs() < 0.14, "{index}: {ratio}");
+    }
+}
+
+#[test]
+fn sigma_of_unit_weight_is_one_for_the_right_model() {
+    let experiment = Experiment::run(scenario("yuan-2012.toml"), 7, FLIGHTS, || ()).unwrap();
+    for model in [Model::FiveCoefficient, Model::Exact] {
+        let squares = experiment.each(model, |outcome| outcome.sigma0.powi(2));
+        // 400 flights with a redundancy of at least 15: 0.6 times 4 standard errors is 0.1.
+        assert!((Estimate::of_mean(&squares).value - 1.0).abs() < 0.08);
+    }
+}

@@ -1,0 +1,44 @@
+//! The shipped scenarios, and flights of them.
+
+use std::path::Path;
+
+use host_sim::flight::adjustment::{Adjusted, AdjustmentError};
+use host_sim::flight::model::Model;
+use host_sim::flight::noise::Noise;
+use host_sim::flight::outcome::adjustment;
+use host_sim::flight::strip::Strip;
+use host_sim::flight::survey::{Errors, observe};
+use host_sim::formats::scenario::Scenario;
+
+pub(crate) const SHIPPED: [&str; 2] = ["yuan-2012.toml", "strip.toml"];
+
+fn folder() -> &'static Path {
+    Path::new(concat!(env!("CARGO_MANIFEST_DIR"), "/scenarios"))
+}
+
+pub(crate) fn text(name: &str) -> String {
+    std::fs::read_to_string(folder().join(name)).unwrap()
+}
+
+pub(crate) fn scenario(name: &str) -> Scenario {
+    parsed(&text(name))
+}
+
+pub(crate) fn parsed(text: &str) -> Scenario {
+    Scenario::parse("scenario.toml", text, folder()).unwrap()
+}
+
+/// One flight of the strip with the share `noise` of the scenario's errors.
+pub(crate) fn flown(
+    scenario: &Scenario,
+    strip: &Strip,
+    model: Model,
+    noise: f64,
+) -> Result<Adjusted, AdjustmentError> {
+    let errors = Errors {
+        noise,
+        ..Errors::of(scenario)
+    };
+    let observed = observe(strip, &errors, Noise::new(1, 1));
+    adjustment(strip, &observed, &errors, model).solve()
+}
