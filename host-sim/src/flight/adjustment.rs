@@ -258,15 +258,6 @@ impl Adjustment {
             .collect()
     }
 
-    fn residual(
-        &self,
-        point: &ControlObservation,
-        projection: &Projection,
-        state: &State,
-    ) -> Vector2<f64> {
-        Vector2::from(point.corrected.ideal(&state.coefficients)) - projection.image_mm
-    }
-
     fn cost(&self, state: &State, weights: &[Vec<Matrix2<f64>>]) -> Result<f64, AdjustmentError> {
         let mut cost = 0.0;
         for ((frame, orientation), weights) in
@@ -274,7 +265,7 @@ impl Adjustment {
         {
             for (point, weight) in frame.control.iter().zip(weights) {
                 let projection = self.projection(orientation, point.ground_m)?;
-                let residual = self.residual(point, &projection, state);
+                let residual = residual(point, &projection, state);
                 cost += residual.dot(&(weight * residual));
             }
             for (residual, sigma) in frame
@@ -300,7 +291,7 @@ impl Adjustment {
         for (frame, orientation) in self.frames.iter().zip(&state.orientations) {
             for point in &frame.control {
                 let projection = self.projection(orientation, point.ground_m)?;
-                squares += self.residual(point, &projection, state).norm_squared();
+                squares += residual(point, &projection, state).norm_squared();
                 points += 1.0;
             }
         }
@@ -320,7 +311,7 @@ impl Adjustment {
             let mut block = FrameBlock::default();
             for (point, weight) in frame.control.iter().zip(weights) {
                 let projection = self.projection(orientation, point.ground_m)?;
-                let residual = self.residual(point, &projection, state);
+                let residual = residual(point, &projection, state);
                 let columns = point.corrected.columns.iter().zip(self.estimated);
                 let columns: Vec<Vector2<f64>> = columns
                     .map(|(column, is_free)| {
@@ -353,6 +344,11 @@ impl Adjustment {
         }
         Ok(normals)
     }
+}
+
+/// Corrected less projected, mm.
+fn residual(point: &ControlObservation, projection: &Projection, state: &State) -> Vector2<f64> {
+    Vector2::from(point.corrected.ideal(&state.coefficients)) - projection.image_mm
 }
 
 impl PosObservation {

@@ -107,14 +107,14 @@ impl Corrections {
         let radius = self.interior.radius_mm();
         let (u, w) = (x / radius, y / radius);
         let [ex, ey] = self.interior.axis;
-        let q = u * u + w * w;
+        let square = u * u + w * w;
         let along = u * ex + w * ey;
         [
             [u, w],
-            [u * q, w * q],
-            [u * q * q, w * q * q],
+            [u * square, w * square],
+            [u * square * square, w * square * square],
             [along * u, along * w],
-            [q * ex, q * ey],
+            [square * ex, square * ey],
         ]
     }
 

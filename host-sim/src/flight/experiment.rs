@@ -12,7 +12,7 @@ use crate::failure::Failure;
 use crate::formats::scenario::Scenario;
 
 /// One flight: an outcome for each of [`Model::ALL`].
-pub type Repetition = [Outcome; Model::ALL.len()];
+pub type Repetition = Vec<Outcome>;
 
 /// All flights.
 #[derive(Debug, Clone)]
@@ -53,11 +53,14 @@ impl Experiment {
         for repetition in 1..=u64::from(repetitions) {
             // Stream 0 holds the attitudes of the strip.
             let observed = observe(&strip, &errors, Noise::new(seed, repetition));
-            let [a, b, c, d, e, f] = Model::ALL.map(|model| {
-                Outcome::of(&strip, &observed, &errors, model)
-                    .map_err(|error| refused(&scenario, model, &error))
-            });
-            flights.push([a?, b?, c?, d?, e?, f?]);
+            let outcomes = Model::ALL
+                .into_iter()
+                .map(|model| {
+                    Outcome::of(&strip, &observed, &errors, model)
+                        .map_err(|error| refused(&scenario, model, &error))
+                })
+                .collect::<Result<_, _>>()?;
+            flights.push(outcomes);
             flown();
         }
         Ok(Self {

@@ -6,7 +6,7 @@ use rand_distr::{Distribution, StandardNormal};
 
 /// A source of normal deviates.
 ///
-/// The generator is ChaCha with 8 rounds, whose output is the same on every machine; deviates by the
+/// The generator is `ChaCha` with 8 rounds, whose output is the same on every machine; deviates by the
 /// ziggurat method of `rand_distr` with functions of `libm`.
 #[derive(Debug, Clone)]
 pub struct Noise(ChaCha8Rng);

@@ -13,7 +13,8 @@ pub const MIN_ORIENTATION_SEPARATION: f64 = 1e-3;
 /// Coefficients are inseparable from the exterior orientation where all but this fraction of the
 /// effect of a combination of them can be undone by orientations within their σ. On flat ground
 /// with a free orientation the fraction is the lens distortion, up to 1 %; relief of 5 % of the
-/// height adds less than as much again.
+/// height adds less than as much again. `K_m0`, `K_m1` and `K_m2` among themselves leave 4 to 5 % in
+/// the shipped scenarios.
 pub const MIN_COEFFICIENT_SEPARATION: f64 = 0.02;
 
 /// Unknowns with more than this share of the largest in an inseparable combination are named.

@@ -232,7 +232,11 @@ fn corrections(scenario: &Scenario) -> Result<Corrections, Failure> {
         .map_err(|error| {
             scenario.fault(
                 "flight.speed_m_s, height_m, exposure_s",
-                format!("the camera refuses the exposure: {error}"),
+                format!(
+                    "V/H = speed_m_s / (height_m - terrain.height_m) = {} 1/s and {} s: the camera refuses the exposure: {error}",
+                    scenario.vh_per_s(),
+                    scenario.written.flight.exposure_s
+                ),
             )
         })?;
     Ok(Corrections::new(

@@ -130,6 +130,6 @@ pub fn observe(strip: &Strip, errors: &Errors, mut noise: Noise) -> Vec<Observed
         .collect()
 }
 
-fn add([a, b, c]: [f64; 3], [x, y, z]: [f64; 3]) -> [f64; 3] {
-    [a + x, b + y, c + z]
+fn add([x, y, z]: [f64; 3], [dx, dy, dz]: [f64; 3]) -> [f64; 3] {
+    [x + dx, y + dy, z + dz]
 }
