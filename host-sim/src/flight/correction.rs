@@ -45,22 +45,26 @@ pub struct Corrections {
     lens: Lens,
     printed: FittedModel,
     exact: FrameCorrection,
+    enlargement: f64,
 }
 
 impl Corrections {
-    /// Of an exposure: the static calibration, eqs. 20-21, and the camera's own frame.
+    /// Of an exposure: the static calibration, eqs. 20-21, the camera's own frame, and the
+    /// enlargement κ by the focus shift that the camera is told of.
     #[must_use]
     pub const fn new(
         interior: InteriorOrientation,
         lens: Lens,
         printed: FittedModel,
         exact: FrameCorrection,
+        enlargement: f64,
     ) -> Self {
         Self {
             interior,
             lens,
             printed,
             exact,
+            enlargement,
         }
     }
 
@@ -81,6 +85,7 @@ impl Corrections {
             Model::Static | Model::Scale | Model::FiveCoefficient => {
                 self.lens.displacement(about_calibrated)
             }
+            Model::Focus => self.enlarged(about_calibrated),
             Model::Printed => self.printed.distortion(measured_mm),
             // What the camera itself answers, in single precision.
             Model::Exact => {
@@ -99,6 +104,14 @@ impl Corrections {
             point_mm: self.interior.about_centroid([x - dx, y - dy]),
             columns,
         }
+    }
+
+    /// The static distortion of an image enlarged by 1 + κ: `κr/(1+κ) + D(r/(1+κ))`.
+    fn enlarged(&self, [x, y]: [f64; 2]) -> [f64; 2] {
+        let shrink = 1.0 / (1.0 + self.enlargement);
+        let (x, y) = (shrink * x, shrink * y);
+        let [dx, dy] = self.lens.displacement([x, y]);
+        [self.enlargement * x + dx, self.enlargement * y + dy]
     }
 
     /// Yuan et al. 2012, eq. 22, in coordinates (u, w) from the calibrated principal point divided

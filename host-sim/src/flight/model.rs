@@ -9,6 +9,8 @@ pub enum Model {
     Static,
     /// Static, and eqs. 20-21 as printed.
     Printed,
+    /// Static, and the enlargement by the focus shift that the camera is told of; no motion.
+    Focus,
     /// Static, and `K_m0` alone from self-calibration: which part of the gain is scale.
     Scale,
     /// All five coefficients from self-calibration, eq. 22.
@@ -19,10 +21,11 @@ pub enum Model {
 
 impl Model {
     /// All, in the order of tables.
-    pub const ALL: [Self; 6] = [
+    pub const ALL: [Self; 7] = [
         Self::Uncorrected,
         Self::Static,
         Self::Printed,
+        Self::Focus,
         Self::Scale,
         Self::FiveCoefficient,
         Self::Exact,
@@ -35,6 +38,7 @@ impl Model {
             Self::Uncorrected => "no correction",
             Self::Static => "static",
             Self::Printed => "static + printed (20)-(21)",
+            Self::Focus => "static + known focus shift",
             Self::Scale => "static + fitted K_m0",
             Self::FiveCoefficient => "five coefficients, fitted",
             Self::Exact => "exact",
@@ -48,6 +52,7 @@ impl Model {
             Self::Uncorrected => "none",
             Self::Static => "static",
             Self::Printed => "printed",
+            Self::Focus => "focus",
             Self::Scale => "scale",
             Self::FiveCoefficient => "five",
             Self::Exact => "exact",

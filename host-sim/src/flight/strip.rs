@@ -244,6 +244,7 @@ fn corrections(scenario: &Scenario) -> Result<Corrections, Failure> {
         camera.lens(),
         FittedModel::printed(camera, path.travel_mm),
         frame.correction,
+        f64::from(frame.record.enlargement),
     ))
 }
 

@@ -79,7 +79,9 @@ fn papers_scenario_has_a_complete_report_that_says_what_survives() {
         .collect();
     assert_eq!(
         keys,
-        ["none", "static", "printed", "scale", "five", "exact"]
+        [
+            "none", "static", "printed", "focus", "scale", "five", "exact"
+        ]
     );
     for model in models {
         assert!(model["check_m"]["lower"].as_f64().unwrap() > 0.0);
@@ -94,7 +96,7 @@ fn papers_scenario_has_a_complete_report_that_says_what_survives() {
     assert_eq!(page.matches("<svg").count(), 3);
     assert!(!page.contains("NaN"));
     let rows = fs::read_to_string(bench.path("report/repetitions.csv")).unwrap();
-    assert_eq!(rows.lines().count(), 1 + 3 * 6);
+    assert_eq!(rows.lines().count(), 1 + 3 * 7);
 }
 
 #[test]

@@ -15,7 +15,7 @@ fn papers_scenario_is_of_the_papers_order_and_its_gain_shrinks_at_check_points()
     let control = experiment.ratio_to_static(Model::FiveCoefficient, Points::Control);
     let check = experiment.ratio_to_static(Model::FiveCoefficient, Points::Check);
     assert!(control.upper < check.lower);
-    // MODEL.md, section 8: pure noise.
+    // Errata, Y12: pure noise.
     assert!((experiment.ratio_of_pure_noise() - 0.87).abs() < 0.005);
 }
 

@@ -5,13 +5,14 @@ use plotters::prelude::{ChartBuilder, Color, IntoDrawingArea, SVGBackend};
 use plotters::style::text_anchor::HPos;
 
 use super::palette::colour;
+use super::rows::decimals_of;
 use crate::flight::experiment::{Experiment, Points};
 use crate::flight::model::Model;
 use crate::flight::statistics::Estimate;
 use crate::report::figure::{FigureError, GRID, OUTLINE, text, text_at};
 use crate::report::wording;
 
-const SIZE: (u32, u32) = (1600, 860);
+const SIZE: (u32, u32) = (1600, 960);
 const FONT: u32 = 24;
 /// Width of the column of names.
 const NAMES: u32 = 350;
@@ -38,7 +39,7 @@ pub fn ground_errors(experiment: &Experiment) -> Result<String, FigureError> {
             .margin_bottom(60)
             .x_label_area_size(80)
             .y_label_area_size(1)
-            .build_cartesian_2d(0.0..1.12 * most, -6.0..0.0)?;
+            .build_cartesian_2d(0.0..1.12 * most, -7.0..0.0)?;
         chart
             .configure_mesh()
             .light_line_style(plotters::style::TRANSPARENT)
@@ -50,7 +51,7 @@ pub fn ground_errors(experiment: &Experiment) -> Result<String, FigureError> {
             .x_label_formatter(&|metres| wording::decimals(*metres, 3))
             .x_desc("RMS of the place (X and Y together), m")
             .draw()?;
-        for (row, model) in (0..6).map(f64::from).zip(Model::ALL) {
+        for (row, model) in (0..7).map(f64::from).zip(Model::ALL) {
             let ink = colour(model);
             for (points, y) in [(Points::Control, -row - 0.32), (Points::Check, -row - 0.68)] {
                 let flights = experiment.ground_m(model, points);
@@ -73,14 +74,14 @@ pub fn ground_errors(experiment: &Experiment) -> Result<String, FigureError> {
                 chart.draw_series([Circle::new((mean.value, y), 9, style)])?;
                 chart.draw_series([Circle::new((mean.value, y), 9, ink.stroke_width(3))])?;
                 let (x, y) = chart.backend_coord(&(high, y));
-                let number = format!("{:.3} m", mean.value);
+                let number = format!("{:.*} m", decimals_of(mean.value), mean.value);
                 canvas.draw(&Text::new(number, (x + 14, y), text(FONT - 4)))?;
             }
             let (_, y) = chart.backend_coord(&(least, -row - 0.5));
             canvas.draw(&Text::new(model.label(), (24, y), text(FONT).color(&ink)))?;
         }
         let legend = "hollow: control points, upper line; filled: check points, lower line; bar: 95 % interval of the mean; thin line: 90 % of the flights";
-        canvas.draw(&Text::new(legend, (24, 830), text(FONT - 4)))?;
+        canvas.draw(&Text::new(legend, (24, 930), text(FONT - 4)))?;
         canvas.present()?;
     }
     Ok(svg)

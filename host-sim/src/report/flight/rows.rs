@@ -31,8 +31,8 @@ pub(super) fn rows(experiment: &Experiment) -> Vec<Row> {
             let sigma0 = Estimate::of_mean(&experiment.each(model, |outcome| outcome.sigma0));
             Row {
                 label: model.label(),
-                control_m: interval(&experiment.error_m(model, Points::Control), 3),
-                check_m: interval(&experiment.error_m(model, Points::Check), 3),
+                control_m: metres(&experiment.error_m(model, Points::Control)),
+                check_m: metres(&experiment.error_m(model, Points::Check)),
                 control_ratio: ratio(Points::Control),
                 check_ratio: ratio(Points::Check),
                 image_um: format!("{:.2}", image_um.value),
@@ -52,6 +52,15 @@ pub(super) fn most_iterations(experiment: &Experiment, model: Model) -> usize {
         .map(|outcome| outcome.iterations)
         .max()
         .unwrap_or(0)
+}
+
+/// Decimals of an error in metres: tenths of a millimetre under a decimetre.
+pub(super) const fn decimals_of(metres: f64) -> usize {
+    if metres < 0.1 { 4 } else { 3 }
+}
+
+fn metres(estimate: &Estimate) -> String {
+    interval(estimate, decimals_of(estimate.value))
 }
 
 /// `0.248 (0.243 to 0.252)`.

@@ -2,7 +2,7 @@
 
 use serde::Serialize;
 
-use super::rows::interval;
+use super::rows::{decimals_of, interval};
 use crate::flight::experiment::{Experiment, Points};
 use crate::flight::model::Model;
 use crate::flight::statistics::Estimate;
@@ -111,9 +111,9 @@ pub fn comparisons(experiment: &Experiment) -> Vec<String> {
             Model::FiveCoefficient,
         ),
         (
-            "The exact model instead of static with K_m0, which is what the motion of the principal point is worth,",
+            "Knowing the motion of the principal point beside the focus shift, which is the exact model's part,",
             Model::Exact,
-            Model::Scale,
+            Model::Focus,
         ),
     ]
     .into_iter()
@@ -138,11 +138,9 @@ pub fn comparisons(experiment: &Experiment) -> Vec<String> {
 pub fn headline(experiment: &Experiment) -> String {
     let error = |model, points| experiment.error_m(model, points).value;
     let of = |points| {
-        format!(
-            "{:.3} m to {:.3} m",
-            error(Model::Static, points),
-            error(Model::FiveCoefficient, points)
-        )
+        let [from, to] = [Model::Static, Model::FiveCoefficient].map(|model| error(model, points));
+        let decimals = decimals_of(from.min(to));
+        format!("{from:.decimals$} m to {to:.decimals$} m")
     };
     let control = experiment.ratio_to_static(Model::FiveCoefficient, Points::Control);
     let check = experiment.ratio_to_static(Model::FiveCoefficient, Points::Check);
