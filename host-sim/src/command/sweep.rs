@@ -6,7 +6,7 @@ use fmc_camera::flight::camera::FrameError;
 use fmc_camera::geometry::range::Quantity;
 use indicatif::{ProgressBar, ProgressStyle};
 
-use crate::cli::{FocusSignName, ReadingName, RegressorName, StrategyName, SweepArgs, WeightName};
+use crate::cli::{FocusSignName, ReadingName, RegressOn, StrategyName, SweepArgs, WeightName};
 use crate::failure::Failure;
 use crate::formats::camera_file::{CameraFile, MechanismName, Per, Strategy};
 use crate::formats::output::{self, OutputFolder};
@@ -66,8 +66,8 @@ fn options(args: &SweepArgs) -> SweepOptions {
         },
         tied: args.tie,
         regressor: match args.regress_on {
-            RegressorName::Travel => Per::Travel,
-            RegressorName::Centroid => Per::Centroid,
+            RegressOn::Travel => Per::Travel,
+            RegressOn::Centroid => Per::Centroid,
         },
     }
 }

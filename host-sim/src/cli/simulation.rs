@@ -1,0 +1,159 @@
+//! Simulating, and what a camera's errors cost.
+
+use std::path::PathBuf;
+
+use clap::{Args, ValueEnum};
+
+use super::calibration::RegressOn;
+use super::{FocusSignName, ReadingName, WeightName};
+use crate::formats::number::{between, exposure_time, finite};
+
+/// Arguments of `smear`.
+#[derive(Debug, Args)]
+pub struct SmearArgs {
+    /// Camera file (TOML).
+    #[arg(long, value_name = "FILE")]
+    pub camera: PathBuf,
+    /// True V/H, ground speed over height above the reference plane, 1/s.
+    #[arg(long, value_name = "PER_S", value_parser = finite, allow_negative_numbers = true)]
+    pub vh: f64,
+    /// Exposure time, first light to last: seconds or a fraction such as 1/200.
+    #[arg(long, value_name = "S", value_parser = exposure_time, allow_hyphen_values = true)]
+    pub exposure: f64,
+    /// How much more than the true V/H the camera compensates for, per cent; -50 to 50.
+    #[arg(long, value_name = "PERCENT", default_value = "0", value_parser = finite, allow_negative_numbers = true)]
+    pub vh_error_percent: f64,
+    /// Terrain above the reference plane, per cent of the height; -100 to 90.
+    #[arg(long, value_name = "PERCENT", default_value = "0", value_parser = finite, allow_negative_numbers = true)]
+    pub relief_percent: f64,
+    /// Optical axis forward of the vertical, degrees; -45 to 45.
+    #[arg(long, value_name = "DEG", default_value = "0", value_parser = finite, allow_negative_numbers = true)]
+    pub pitch_deg: f64,
+    /// Optical axis to the left of the vertical, degrees; -45 to 45.
+    #[arg(long, value_name = "DEG", default_value = "0", value_parser = finite, allow_negative_numbers = true)]
+    pub roll_deg: f64,
+    /// Track to the right of the FMC axis, degrees; -45 to 45.
+    #[arg(long, value_name = "DEG", default_value = "0", value_parser = finite, allow_negative_numbers = true)]
+    pub drift_deg: f64,
+    /// Rate about the axis to the right, nose up, degrees per second; -60 to 60.
+    #[arg(long, value_name = "DEG_S", default_value = "0", value_parser = finite, allow_negative_numbers = true)]
+    pub pitch_rate_deg_s: f64,
+    /// Rate about the FMC axis, right side down, degrees per second; -60 to 60.
+    #[arg(long, value_name = "DEG_S", default_value = "0", value_parser = finite, allow_negative_numbers = true)]
+    pub roll_rate_deg_s: f64,
+    /// Rate about the axis upwards, nose to the left, degrees per second; -60 to 60.
+    #[arg(long, value_name = "DEG_S", default_value = "0", value_parser = finite, allow_negative_numbers = true)]
+    pub yaw_rate_deg_s: f64,
+    /// Folder for smear.csv, summary.json and the arrow fields; made if it does not exist.
+    #[arg(long, value_name = "DIR")]
+    pub out: Option<PathBuf>,
+}
+
+/// Arguments of `sweep`.
+#[derive(Debug, Args)]
+pub struct SweepArgs {
+    /// Camera file (TOML); its limits must hold V/H 0.05 to 0.17 1/s and 1/700 to 1/100 s.
+    #[arg(long, value_name = "FILE")]
+    pub camera: PathBuf,
+    /// Standard deviation of the Gaussian noise on dx and on dy, µm, 0 to 1000.
+    #[arg(long, value_name = "UM", default_value = "0.85", value_parser = between(0.0, 1000.0), allow_negative_numbers = true)]
+    pub noise_um: f64,
+    /// Detector out of its calibrated plane in every exposure, positive away from the lens, µm;
+    /// adds to the stage's run-out.
+    #[arg(long, value_name = "UM", default_value = "6", value_parser = finite, allow_negative_numbers = true)]
+    pub focus_shift_um: f64,
+    /// Which formula turns a focus shift into distortion.
+    #[arg(long, value_name = "SIGN", default_value = "physical")]
+    pub focus_sign: FocusSignName,
+    /// Seed of the noise, a whole number: the same seed gives the same files.
+    #[arg(
+        long,
+        value_name = "N",
+        default_value = "1",
+        allow_negative_numbers = true
+    )]
+    pub seed: u64,
+    /// What weights the mean over the exposure: the light, or the arc length of the distortion
+    /// hodograph as printed in eqs. 10-11.
+    #[arg(long, value_name = "WEIGHT", default_value = "exposure")]
+    pub weight: WeightName,
+    /// How eqs. 12-13 are read: as changes (consistent), or literally, which counts the static
+    /// distortion twice.
+    #[arg(long, value_name = "READING", default_value = "consistent")]
+    pub reading: ReadingName,
+    /// Impose `K_d1` = 2 `P_m1`, as a lens of K1 alone demands.
+    #[arg(long)]
+    pub tie: bool,
+    /// What `K_d1` and `P_m1` are multiplied by.
+    #[arg(long, value_name = "WHAT", default_value = "travel")]
+    pub regress_on: RegressOn,
+    /// Where the run-up puts the exposure, instead of what the camera file says.
+    #[arg(long, value_name = "STRATEGY")]
+    pub strategy: Option<StrategyName>,
+    /// Folder for report.html, summary.json, coefficients.csv and the figure (coefficients.svg,
+    /// coefficients.png); made if it does not exist.
+    #[arg(long, value_name = "DIR")]
+    pub out: PathBuf,
+}
+
+/// Where the run-up puts the exposure.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
+pub enum StrategyName {
+    /// The run-up starts early: the exposure centroid falls on the calibrated position.
+    Centred,
+    /// The stage starts at the calibrated position and has left it when the shutter opens.
+    FromRest,
+}
+
+/// Arguments of `budget`.
+#[derive(Debug, Args)]
+pub struct BudgetArgs {
+    /// Camera file (TOML).
+    #[arg(long, value_name = "FILE")]
+    pub camera: PathBuf,
+    /// Height above the ground, m, 10 to 20000.
+    #[arg(long, value_name = "M", default_value = "1000", value_parser = between(10.0, 20_000.0), allow_negative_numbers = true)]
+    pub height_m: f64,
+    /// Focus shift that nobody measured, µm, 0 to 100; adds to the stage's run-out.
+    #[arg(long, value_name = "UM", default_value = "5", value_parser = between(0.0, 100.0), allow_negative_numbers = true)]
+    pub focus_um: f64,
+    /// Error of V/H, %, 0 to 50.
+    #[arg(long, value_name = "PERCENT", default_value = "1", value_parser = between(0.0, 50.0), allow_negative_numbers = true)]
+    pub vh_error_percent: f64,
+    /// Terrain above the height that V/H holds for, % of it, 0 to 50.
+    #[arg(long, value_name = "PERCENT", default_value = "10", value_parser = between(0.0, 50.0), allow_negative_numbers = true)]
+    pub relief_percent: f64,
+    /// Drift angle that is not turned out, degrees, 0 to 45.
+    #[arg(long, value_name = "DEG", default_value = "1", value_parser = between(0.0, 45.0), allow_negative_numbers = true)]
+    pub drift_deg: f64,
+    /// Rate of roll, of pitch and of yaw that the mount leaves, degrees per second, 0 to 60.
+    #[arg(long, value_name = "DEG_PER_S", default_value = "1", value_parser = between(0.0, 60.0), allow_negative_numbers = true)]
+    pub rate_deg_s: f64,
+    /// Step of the stage's encoder, µm, 0 to 100.
+    #[arg(long, value_name = "UM", default_value = "1", value_parser = between(0.0, 100.0), allow_negative_numbers = true)]
+    pub encoder_um: f64,
+    /// Error of the time stamp against position and attitude, ms, 0 to 100.
+    #[arg(long, value_name = "MS", default_value = "0.1", value_parser = between(0.0, 100.0), allow_negative_numbers = true)]
+    pub timing_ms: f64,
+    /// Folder for report.html, summary.json and the figure (budget.svg, budget.png); made if it
+    /// does not exist.
+    #[arg(long, value_name = "DIR")]
+    pub out: Option<PathBuf>,
+}
+
+/// Arguments of `flight`.
+#[derive(Debug, Args)]
+pub struct FlightArgs {
+    /// Scenario (TOML); host-sim/scenarios holds two, with every key explained.
+    #[arg(long, value_name = "FILE")]
+    pub scenario: PathBuf,
+    /// Seed of the noise, a whole number: the same seed gives the same files.
+    #[arg(long, value_name = "N", default_value = "1")]
+    pub seed: u64,
+    /// How often the scenario is flown, each time with other errors, 2 to 10000.
+    #[arg(long, value_name = "N", default_value = "100", value_parser = clap::value_parser!(u32).range(2..=10_000))]
+    pub repetitions: u32,
+    /// Folder for report.html, summary.json, repetitions.csv and figures; made if it does not exist.
+    #[arg(long, value_name = "DIR")]
+    pub out: PathBuf,
+}
