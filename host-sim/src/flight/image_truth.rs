@@ -1,5 +1,8 @@
-//! Where an ideal point is really recorded.
+//! Where a ground point is really recorded.
 
+use super::collinearity::image_point;
+use super::exterior_orientation::ExteriorOrientation;
+use super::interior_orientation::InteriorOrientation;
 use crate::reference::strict::StrictSolver;
 
 /// Largest number of steps of the inversion; real lenses contract by 0.03 a step.
@@ -8,9 +11,15 @@ const MOST_STEPS: usize = 100;
 /// The inversion stops where the measured point leads back to the ideal one within this, mm.
 const CLOSE_ENOUGH_MM: f64 = 1e-11;
 
-/// The distortion that the flight is simulated with, as a function of the measured point.
+/// Points farther out than this many half formats are not looked for: a polynomial means nothing
+/// there.
+const FARTHEST: f64 = 1.5;
+
+/// What the flight is simulated with.
 ///
-/// Anything that distorts can take this place: the strict solver, a model with known coefficients.
+/// Anything that distorts can take this place, the strict solver or a model with known
+/// coefficients; a simulation that knows better than collinearity where a ground point comes to lie
+/// replaces [`Self::recorded`].
 pub trait ImageTruth {
     /// Measured - ideal at a measured point of the sensor frame, mm.
     fn distortion(&self, measured_mm: [f64; 2]) -> [f64; 2];
@@ -30,6 +39,26 @@ pub trait ImageTruth {
             }
         }
         None
+    }
+
+    /// Where a ground point is recorded, sensor frame, mm; `None` for one that is far off the sensor
+    /// or not below the lens.
+    ///
+    /// # Model
+    /// Collinearity with the pair of exposure means, principal point and time, then the distortion.
+    fn recorded(
+        &self,
+        interior: &InteriorOrientation,
+        orientation: &ExteriorOrientation,
+        ground_m: [f64; 3],
+    ) -> Option<[f64; 2]> {
+        let [x, y] = image_point(orientation, interior.principal_distance_mm, ground_m)?;
+        let [cx, cy] = interior.centroid_point_mm;
+        let [half_x, half_y] = interior.half_format_mm;
+        if x.abs() > FARTHEST * half_x || y.abs() > FARTHEST * half_y {
+            return None;
+        }
+        self.measured([x + cx, y + cy])
     }
 }
 

@@ -3,7 +3,7 @@
 use fmc_camera::Camera;
 use fmc_camera::flight::exposure::{CorrectionModel, Exposure};
 
-use super::collinearity::{ground_at_height, image_point};
+use super::collinearity::ground_at_height;
 use super::correction::Corrections;
 use super::exterior_orientation::ExteriorOrientation;
 use super::image_truth::ImageTruth;
@@ -90,7 +90,7 @@ impl Strip {
         let per_side = scenario.written.check.points_per_side;
         for frame in &mut strip.frames {
             let recorded = |control, ground_m| {
-                let measured_mm = recorded(truth, &interior, &frame.orientation, ground_m)?;
+                let measured_mm = truth.recorded(&interior, &frame.orientation, ground_m)?;
                 interior.contains(measured_mm).then_some(TruePoint {
                     control,
                     ground_m,
@@ -312,22 +312,6 @@ fn on_terrain(
     }
     let [x, y] = place;
     Some([x, y, z])
-}
-
-fn recorded(
-    truth: &dyn ImageTruth,
-    interior: &InteriorOrientation,
-    orientation: &ExteriorOrientation,
-    ground_m: [f64; 3],
-) -> Option<[f64; 2]> {
-    let [x, y] = image_point(orientation, interior.principal_distance_mm, ground_m)?;
-    let [cx, cy] = interior.centroid_point_mm;
-    // Far off the sensor a polynomial means nothing.
-    let [half_x, half_y] = interior.half_format_mm;
-    if x.abs() > 1.5 * half_x || y.abs() > 1.5 * half_y {
-        return None;
-    }
-    truth.measured([x + cx, y + cy])
 }
 
 /// Diagonal of the box around places, m.

@@ -1,5 +1,7 @@
 //! Standard deviations against what really happens.
 
+use std::sync::LazyLock;
+
 use host_sim::flight::experiment::Experiment;
 use host_sim::flight::model::Model;
 use host_sim::flight::statistics::Estimate;
@@ -9,9 +11,12 @@ use crate::support::scenario;
 const ONE_SIGMA: f64 = 0.682_689_492;
 const FLIGHTS: u32 = 400;
 
+static FLOWN: LazyLock<Experiment> =
+    LazyLock::new(|| Experiment::run(scenario("yuan-2012.toml"), 5, FLIGHTS, || ()).unwrap());
+
 #[test]
 fn one_standard_deviation_holds_the_truth_as_often_as_it_should() {
-    let experiment = Experiment::run(scenario("yuan-2012.toml"), 5, FLIGHTS, || ()).unwrap();
+    let experiment = &*FLOWN;
     for model in [Model::Scale, Model::FiveCoefficient, Model::Exact] {
         for element in 0..6 {
             let hits = experiment
@@ -33,7 +38,7 @@ fn one_standard_deviation_holds_the_truth_as_often_as_it_should() {
 
 #[test]
 fn coefficients_scatter_as_their_standard_deviations_say() {
-    let experiment = Experiment::run(scenario("yuan-2012.toml"), 6, FLIGHTS, || ()).unwrap();
+    let experiment = &*FLOWN;
     for index in 0..5 {
         let values = experiment.each(Model::FiveCoefficient, |o| o.coefficients[index]);
         let sigmas = experiment.each(Model::FiveCoefficient, |o| o.coefficient_sigmas[index]);
@@ -47,7 +52,7 @@ fn coefficients_scatter_as_their_standard_deviations_say() {
 
 #[test]
 fn sigma_of_unit_weight_is_one_for_the_right_model() {
-    let experiment = Experiment::run(scenario("yuan-2012.toml"), 7, FLIGHTS, || ()).unwrap();
+    let experiment = &*FLOWN;
     for model in [Model::FiveCoefficient, Model::Exact] {
         let squares = experiment.each(model, |outcome| outcome.sigma0.powi(2));
         // 400 flights with a redundancy of at least 15: 0.6 times 4 standard errors is 0.1.

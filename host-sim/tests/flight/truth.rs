@@ -23,18 +23,22 @@ fn assert_same(found: &ExteriorOrientation, truth: &ExteriorOrientation) {
 
 #[test]
 fn exact_model_gives_the_orientations_back_from_any_observed_orientation() {
-    for name in SHIPPED {
+    // Metres and degrees off, and hundreds of metres and ten degrees.
+    let near = ("[3.0, -2.0, 4.0]", "[0.5, -0.5, 1.0]");
+    let far = ("[200.0, -150.0, 250.0]", "[-8.0, 7.0, 10.0]");
+    for (name, (position, attitude)) in SHIPPED.iter().flat_map(|name| [(name, near), (name, far)])
+    {
         // Points without errors, and an orientation on board that says nothing.
-        let far = text(name)
+        let biased = text(name)
             .replace(
                 "position_bias_m = [0.0, 0.0, 0.0]",
-                "position_bias_m = [3.0, -2.0, 4.0]",
+                &format!("position_bias_m = {position}"),
             )
             .replace(
                 "attitude_bias_deg = [0.0, 0.0, 0.0]",
-                "attitude_bias_deg = [0.5, -0.5, 1.0]",
+                &format!("attitude_bias_deg = {attitude}"),
             );
-        let lines: Vec<String> = far
+        let lines: Vec<String> = biased
             .lines()
             .map(|line| match line.split(' ').next() {
                 Some("position_sigma_m") => "position_sigma_m = \"free\"".to_owned(),
