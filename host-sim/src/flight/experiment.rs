@@ -3,13 +3,13 @@
 use super::adjustment::AdjustmentError;
 use super::exterior_orientation::ELEMENTS;
 use super::model::Model;
-use super::noise::Noise;
 use super::outcome::Outcome;
 use super::statistics::Estimate;
 use super::strip::Strip;
 use super::survey::{Errors, observe};
 use crate::failure::Failure;
 use crate::formats::scenario::Scenario;
+use crate::noise::Noise;
 
 /// One flight: an outcome for each of [`Model::ALL`].
 pub type Repetition = Vec<Outcome>;

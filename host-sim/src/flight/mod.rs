@@ -14,7 +14,6 @@ pub mod ground_error;
 pub mod image_truth;
 pub mod interior_orientation;
 pub mod model;
-pub mod noise;
 pub mod normal_equations;
 pub mod outcome;
 pub mod separability;

@@ -1,5 +1,6 @@
 //! A strip of frames as flown: true orientations, and where its points are truly recorded.
 
+use crate::noise::Noise;
 use fmc_camera::Camera;
 use fmc_camera::flight::exposure::{CorrectionModel, Exposure};
 
@@ -8,7 +9,6 @@ use super::correction::Corrections;
 use super::exterior_orientation::ExteriorOrientation;
 use super::image_truth::ImageTruth;
 use super::interior_orientation::InteriorOrientation;
-use super::noise::Noise;
 use super::terrain::Terrain;
 use crate::failure::Failure;
 use crate::formats::number::single;

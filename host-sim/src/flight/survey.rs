@@ -1,10 +1,10 @@
 //! The strip as one flight observes it: every observation with its error.
 
+use crate::noise::Noise;
 use nalgebra::SVector;
 
 use super::adjustment::{PointSigmas, PosObservation};
 use super::exterior_orientation::{ELEMENTS, ExteriorOrientation};
-use super::noise::Noise;
 use super::strip::{Strip, TruePoint};
 use crate::formats::scenario::Scenario;
 

@@ -11,11 +11,11 @@ use fmc_camera::geometry::principal_distance::FocusSign;
 use fmc_camera::geometry::range::OutOfRange;
 use fmc_camera::geometry::sensor::SensorPoint;
 
-use super::noise;
 use super::options::{Case, SweepOptions};
 use super::result::{CaseResult, FrameFit, ModelResiduals, Sweep};
 use crate::formats::camera_file::{CameraFile, MechanismName, Per};
 use crate::formats::number::single;
+use crate::noise::Noise;
 use crate::reference::exposure::{ExposurePath, ExposureRequest, FocusFormula};
 use crate::reference::strict::StrictSolver;
 use crate::verify::grid::{self, GridExposure};
@@ -104,7 +104,11 @@ impl<'a> Plan<'a> {
             frame(&checked, planned.exposure, &request, &options)?;
         }
         let points: Vec<SensorPoint> = grid::points(camera.half_format_mm()).points().collect();
-        let noise = noise::standard(options.seed, exposures.len() * points.len());
+        // The same for every case, so that cases can be compared.
+        let mut source = Noise::new(options.seed, 0);
+        let noise = (0..exposures.len() * points.len())
+            .map(|_| source.next([1.0; 2]))
+            .collect();
         Ok(Self {
             camera,
             options,

@@ -4,11 +4,11 @@ use std::path::Path;
 
 use host_sim::flight::adjustment::{Adjusted, AdjustmentError};
 use host_sim::flight::model::Model;
-use host_sim::flight::noise::Noise;
 use host_sim::flight::outcome::adjustment;
 use host_sim::flight::strip::Strip;
 use host_sim::flight::survey::{Errors, observe};
 use host_sim::formats::scenario::Scenario;
+use host_sim::noise::Noise;
 
 pub(crate) const SHIPPED: [&str; 2] = ["yuan-2012.toml", "strip.toml"];
 

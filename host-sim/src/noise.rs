@@ -45,6 +45,12 @@ mod tests {
     }
 
     #[test]
+    fn noise_of_a_seed_never_changes() {
+        let text = format!("{:.12?}", Noise::new(1, 0).next([1.0; 2]));
+        assert_eq!(text, "[-0.234847058556, -1.410817700611]");
+    }
+
+    #[test]
     fn seed_and_stream_determine_the_noise() {
         let first = |seed, stream| Noise::new(seed, stream).next([1.0; 4]).map(f64::to_bits);
         assert_eq!(first(7, 3), first(7, 3));
