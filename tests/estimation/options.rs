@@ -50,6 +50,11 @@ fn tie_gives_both_where_the_truth_is_tied() {
     for (value, truth) in fit.values.into_iter().zip(tied) {
         assert!((value / truth - 1.0).abs() < 1e-9);
     }
+    let sigma = |parameter| fit.standard_deviation(parameter);
+    let ratio = sigma(Parameter::Kd1) / sigma(Parameter::Pm1);
+    assert!((ratio - 2.0).abs() < 1e-9, "{ratio}");
+    let correlation = fit.correlation(Parameter::Kd1, Parameter::Pm1);
+    assert!((correlation - 1.0).abs() < 1e-9, "{correlation}");
 }
 
 /// One exposure alone, as Yuan et al. 2012 fit in their section 4.1.

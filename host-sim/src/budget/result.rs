@@ -1,6 +1,7 @@
 //! The terms of a budget.
 
 use super::assumptions::Assumptions;
+use crate::formats::camera_file::MechanismName;
 
 /// What a term does to the image.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -33,7 +34,9 @@ pub enum Source {
     StaticDistortion,
     /// Calibration about the moved principal point, without the moments of the motion.
     SecondOrder,
-    /// Focus shift that is not corrected.
+    /// Run-out of the stage that is not corrected.
+    RunOut,
+    /// Focus shift that nobody measured.
     FocusShift,
     /// What is left of it when it is.
     FocusRemainder,
@@ -51,15 +54,18 @@ pub enum Source {
     TiltRate,
     /// Yaw rate.
     YawRate,
+    /// Charge that moves in whole rows under an image that moves evenly.
+    RowTransfer,
 }
 
 impl Source {
     /// All.
-    pub const ALL: [Self; 13] = [
+    pub const ALL: [Self; 15] = [
         Self::OpeningTime,
         Self::CalibratedPoint,
         Self::StaticDistortion,
         Self::SecondOrder,
+        Self::RunOut,
         Self::FocusShift,
         Self::FocusRemainder,
         Self::Encoder,
@@ -69,7 +75,18 @@ impl Source {
         Self::Drift,
         Self::TiltRate,
         Self::YawRate,
+        Self::RowTransfer,
     ];
+
+    /// Whether a camera with this mechanism has it.
+    #[must_use]
+    pub fn is_of(self, mechanism: MechanismName) -> bool {
+        match self {
+            Self::RunOut | Self::Encoder => mechanism == MechanismName::Stage,
+            Self::RowTransfer => mechanism == MechanismName::Tdi,
+            _ => true,
+        }
+    }
 
     /// In `summary.json`.
     #[must_use]
@@ -79,6 +96,7 @@ impl Source {
             Self::CalibratedPoint => "calibrated-principal-point",
             Self::StaticDistortion => "static-distortion",
             Self::SecondOrder => "second-order",
+            Self::RunOut => "run-out",
             Self::FocusShift => "focus-shift",
             Self::FocusRemainder => "focus-remainder",
             Self::Encoder => "encoder",
@@ -88,6 +106,7 @@ impl Source {
             Self::Drift => "drift",
             Self::TiltRate => "tilt-rate",
             Self::YawRate => "yaw-rate",
+            Self::RowTransfer => "row-transfer",
         }
     }
 
@@ -99,7 +118,8 @@ impl Source {
             Self::CalibratedPoint => "calibrated principal point, not the centroid's",
             Self::StaticDistortion => "static distortion, not the exposure mean",
             Self::SecondOrder => "second order of the motion (μ2)",
-            Self::FocusShift => "focus shift not corrected",
+            Self::RunOut => "run-out of the stage, not corrected",
+            Self::FocusShift => "focus shift that nobody measured",
             Self::FocusRemainder => "focus shift corrected: what a real lens leaves",
             Self::Encoder => "encoder, half a step",
             Self::Timing => "time stamp",
@@ -108,6 +128,7 @@ impl Source {
             Self::Drift => "drift",
             Self::TiltRate => "roll or pitch rate",
             Self::YawRate => "yaw rate",
+            Self::RowTransfer => "row transfer: 1 px",
         }
     }
 
@@ -115,15 +136,17 @@ impl Source {
     #[must_use]
     pub const fn kind(self) -> Kind {
         match self {
-            Self::VhError | Self::Relief | Self::Drift | Self::TiltRate | Self::YawRate => {
-                Kind::Smear
-            }
+            Self::VhError
+            | Self::Relief
+            | Self::Drift
+            | Self::TiltRate
+            | Self::YawRate
+            | Self::RowTransfer => Kind::Smear,
             _ => Kind::Position,
         }
     }
 
-    /// Whether a frame record and correction of this project remove it (the focus shift where it is
-    /// known).
+    /// Whether a frame record and correction of this project remove it.
     #[must_use]
     pub const fn is_removed(self) -> bool {
         matches!(
@@ -132,7 +155,7 @@ impl Source {
                 | Self::CalibratedPoint
                 | Self::StaticDistortion
                 | Self::SecondOrder
-                | Self::FocusShift
+                | Self::RunOut
         )
     }
 }

@@ -57,6 +57,7 @@ pub fn budget(camera: &CameraFile, assumptions: Assumptions) -> Result<Budget, B
     };
     let mut terms: Vec<Term> = Source::ALL
         .into_iter()
+        .filter(|source| source.is_of(camera.fmc.mechanism))
         .map(|source| {
             let of = |effects: &[(Source, f64)]| {
                 effects
@@ -165,9 +166,14 @@ impl Set {
                 (Source::StaticDistortion, first_order),
                 (Source::SecondOrder, second_order),
                 (
-                    Source::FocusShift,
-                    focus_mm / camera.exit_pupil_mm() * radius_mm,
+                    Source::RunOut,
+                    accepted.run_out_mm.abs() / camera.exit_pupil_mm() * radius_mm,
                 ),
+                (
+                    Source::FocusShift,
+                    assumed.focus_mm / camera.exit_pupil_mm() * radius_mm,
+                ),
+                (Source::RowTransfer, camera.sensor.pixel_um / 1000.0),
                 (Source::FocusRemainder, focus_mm * FOCUS_REMAINDER),
                 (Source::Encoder, assumed.encoder_mm / 2.0),
                 (Source::Timing, f_mm * vh_per_s * assumed.timing_s),
@@ -281,6 +287,35 @@ mod tests {
         near(Source::YawRate, 9.952, 0.01);
         let sorted = budget.terms.is_sorted_by(|a, b| a.limits_mm >= b.limits_mm);
         assert!(sorted);
+    }
+
+    #[test]
+    fn principal_point_run_out_and_exit_pupil_have_their_part_whatever_their_sign() {
+        let camera = camera(
+            "[fmc]\nstrategy = \"from-rest\"\nflatness_um = [-3.0]\n[distortion]\nk1 = 9.2268e-8\n",
+        );
+        let camera = CameraFile {
+            exit_pupil_mm: Some(80.0),
+            principal_point_mm: [-2.0, 0.0],
+            ..camera
+        };
+        let found = budget(&camera, assumptions()).unwrap();
+        let effect_um = |source| 1e3 * found.effect_mm(source);
+        // (42.32, 40.32) mm from the principal point; 3 and 5 µm over 80 mm.
+        let radius_mm = 42.32_f64.hypot(40.32);
+        assert!((effect_um(Source::RunOut) - 3.0 * radius_mm / 80.0).abs() < 1e-3);
+        assert!((effect_um(Source::FocusShift) - 5.0 * radius_mm / 80.0).abs() < 1e-3);
+        // The run-out is none of the distortion terms.
+        assert!(effect_um(Source::StaticDistortion) < 0.3);
+    }
+
+    #[test]
+    fn charge_in_rows_has_a_step_and_no_stage() {
+        let found = budget(&camera("[fmc]\nmechanism = \"tdi\"\n"), assumptions()).unwrap();
+        let sources: Vec<Source> = found.terms.iter().map(|term| term.source).collect();
+        assert!(sources.contains(&Source::RowTransfer));
+        assert!(!sources.contains(&Source::Encoder) && !sources.contains(&Source::RunOut));
+        assert!((1e3 * found.effect_mm(Source::RowTransfer) - 8.75).abs() < 1e-9);
     }
 
     #[test]

@@ -71,6 +71,7 @@ impl FiveCalibration {
             |error: FitError| fit_failure(&table.file, &measurements, &lens, options, error);
         if measurements.len() >= 3 {
             units::check(&table.file, &measurements, camera)?;
+            units::check_sign(&table.file, &measurements, camera)?;
         }
         for measurement in &measurements {
             measurement.observation().checked(&lens).map_err(|error| {
@@ -90,6 +91,7 @@ impl FiveCalibration {
             tested,
             critical,
         } = snoop(&lens, options, &measurements, &start).map_err(failure)?;
+        units::check_sigma(&table.file, table.has_sigma, fit.sigma0, &measurements)?;
         let centred = measurements
             .iter()
             .all(|measurement| measurement.centroid_mm.abs() < f64::from(MIN_REGRESSOR_MM));

@@ -80,6 +80,83 @@ pub(super) fn check(
     Ok(())
 }
 
+/// A σ0 without `sigma_um`, µm, between these, under distortions that are nowhere larger than [`LARGEST_OF_MM`], is that of
+/// numbers in millimetres; a smaller one is that of data without noise.
+const SIGMA_OF_MM: std::ops::Range<f64> = 2e-5..0.02;
+
+/// Of distortions in millimetres, µm.
+const LARGEST_OF_MM: f64 = 2.0;
+
+/// With `sigma_um`, σ0 differs from 1 by no more than this factor.
+const MOST_SIGMA: f64 = 50.0;
+
+/// A correlation of observed and static distortion below this is that of opposite signs.
+const OPPOSITE: f64 = -0.5;
+
+/// Checks what the fit says of the noise: a scale that no camera and no measurement has.
+///
+/// # Errors
+/// [`Failure`] naming file, value and allowed range.
+pub(super) fn check_sigma(
+    file: &str,
+    has_sigma: bool,
+    sigma0: f64,
+    measurements: &[Measurement],
+) -> Result<(), Failure> {
+    let components = measurements.iter().flat_map(|m| m.row.distortion_mm);
+    let largest_um = 1000.0 * components.fold(0.0, |most: f64, d| most.max(d.abs()));
+    if !has_sigma && SIGMA_OF_MM.contains(&sigma0) && largest_um < LARGEST_OF_MM {
+        let most = SIGMA_OF_MM.end;
+        return Err(Failure::bad_input(format!(
+            "{file}: dx_um and dy_um, at most {largest_um:.3} µm, leave residuals of {sigma0:.3e} µm, less than the {most} µm that anybody measures; \
+             are they in mm?"
+        )));
+    }
+    let range = 1.0 / MOST_SIGMA..=MOST_SIGMA;
+    // Data without noise leave nothing, whatever σ they are given.
+    if has_sigma && sigma0 > 1e-6 && !range.contains(&sigma0) {
+        return Err(Failure::bad_input(format!(
+            "{file}: the residuals are {sigma0:.3e} times sigma_um, outside {} to {MOST_SIGMA}; are sigma_um, dx_um and \
+             dy_um all in µm, and measured - ideal in the sensor frame?",
+            range.start()
+        )));
+    }
+    Ok(())
+}
+
+/// Checks that the observed distortion is not the negative of the calibrated one.
+///
+/// # Errors
+/// [`Failure`] naming file and correlation.
+pub(super) fn check_sign(
+    file: &str,
+    measurements: &[Measurement],
+    camera: &CameraFile,
+) -> Result<(), Failure> {
+    let lens = camera.lens();
+    let [x0, y0] = camera.principal_point_mm;
+    let [mut both, mut observed, mut known] = [0.0_f64; 3];
+    for measurement in measurements {
+        let [x, y] = measurement.row.point_mm;
+        let of_lens = lens.displacement([x - x0, y - y0]);
+        for (seen, static_mm) in measurement.row.distortion_mm.into_iter().zip(of_lens) {
+            both += seen * static_mm;
+            observed += seen * seen;
+            known += static_mm * static_mm;
+        }
+    }
+    let correlation = both / (observed * known).sqrt();
+    let count = f64::from(u32::try_from(2 * measurements.len()).unwrap_or(u32::MAX));
+    let static_um = 1000.0 * (known / count).sqrt();
+    if static_um >= LEAST_STATIC_UM && correlation < OPPOSITE {
+        return Err(Failure::bad_input(format!(
+            "{file}: dx_um and dy_um run against the static calibration (correlation {correlation:.2}, at least {OPPOSITE} is \
+             allowed); are they corrections? Distortion is measured - ideal"
+        )));
+    }
+    Ok(())
+}
+
 fn check_coordinates(
     file: &str,
     measurements: &[Measurement],

@@ -114,7 +114,7 @@ pub struct BudgetArgs {
     /// Height above the ground, m, 10 to 20000.
     #[arg(long, value_name = "M", default_value = "1000", value_parser = between(10.0, 20_000.0), allow_negative_numbers = true)]
     pub height_m: f64,
-    /// Focus shift that nobody measured, µm, 0 to 100; adds to the stage's run-out.
+    /// Focus shift that nobody measured, µm, 0 to 100; beside the stage's run-out.
     #[arg(long, value_name = "UM", default_value = "5", value_parser = between(0.0, 100.0), allow_negative_numbers = true)]
     pub focus_um: f64,
     /// Error of V/H, %, 0 to 50.

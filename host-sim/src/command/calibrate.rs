@@ -32,7 +32,7 @@ pub(super) fn five(args: &FiveArgs) -> Result<(), Failure> {
     let outputs = args
         .out
         .as_deref()
-        .map(|folder| Outputs::of(&calibration, &args.camera, &camera_name, folder))
+        .map(|folder| Outputs::of(&calibration, args, &camera_name, folder))
         .transpose()?;
     output::write(None, |sink| {
         sink.write_all(five_table::text(&calibration).as_bytes())
@@ -64,10 +64,11 @@ struct Outputs {
 impl Outputs {
     fn of(
         calibration: &FiveCalibration,
-        camera: &Path,
+        args: &FiveArgs,
         camera_name: &str,
         folder: &Path,
     ) -> Result<Self, Failure> {
+        let camera = args.camera.as_path();
         let text =
             std::fs::read_to_string(camera).map_err(|error| Failure::reading(camera, &error))?;
         let camera_text = fitted_block::with_coefficients(
@@ -98,6 +99,16 @@ impl Outputs {
         for against in residual_plot::Against::ALL {
             let svg = residual_plot::residuals_against(calibration, against).map_err(drawing)?;
             files.push((against.file_name().to_owned(), svg.into_bytes()));
+        }
+        for (index, (name, _)) in files.iter().enumerate() {
+            let out = folder.join(name);
+            output::check_not_an_input(&out, &args.observations)?;
+            if files.iter().skip(index + 1).any(|(other, _)| other == name) {
+                return Err(Failure::bad_input(format!(
+                    "--camera {}: a report of calibrate five is called {name}, too; rename the camera file",
+                    camera.display()
+                )));
+            }
         }
         Ok(Self {
             folder: OutputFolder::create(folder)?,

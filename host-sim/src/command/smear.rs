@@ -18,7 +18,7 @@ pub(super) fn run(args: &SmearArgs) -> Result<(), Failure> {
         .disturbances()
         .map_err(|error| Failure::bad_input(error.to_string()))?;
     let (camera, checked) = CameraFile::read(&args.camera)?;
-    let exposure = args.exposure_args();
+    let exposure = args.exposure_args(disturbances.told_vh_per_s(args.vh));
     let record = checked
         .frame(&exposure.exposure())
         .map_err(|error| exposure.refused(&DeviceError::Frame(error)))?
@@ -76,11 +76,12 @@ impl SmearArgs {
         ])
     }
 
-    /// The exposure as the other commands ask for it, so that it is refused in the same words.
-    fn exposure_args(&self) -> ExposureArgs {
+    /// The exposure for the V/H that the camera is told, as the other commands ask for it, so that it is refused in the
+    /// same words.
+    fn exposure_args(&self, told_vh_per_s: f64) -> ExposureArgs {
         ExposureArgs {
             camera: self.camera.clone(),
-            vh: self.vh,
+            vh: told_vh_per_s,
             exposure: self.exposure,
             opening_offset_mm: None,
             focus_shift_um: 0.0,

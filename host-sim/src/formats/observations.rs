@@ -34,6 +34,32 @@ pub struct ObservationRow {
     pub sigma_mm: f64,
 }
 
+impl ObservationRow {
+    /// Its numbers, to tell it from others.
+    fn bits(&self) -> [u64; 8] {
+        let [x, y] = self.point_mm;
+        let [dx, dy] = self.distortion_mm;
+        let Self {
+            vh_per_s,
+            exposure_s,
+            opening_offset_mm,
+            sigma_mm,
+            ..
+        } = *self;
+        [
+            x,
+            y,
+            dx,
+            dy,
+            vh_per_s,
+            exposure_s,
+            opening_offset_mm,
+            sigma_mm,
+        ]
+        .map(f64::to_bits)
+    }
+}
+
 /// The rows of a file.
 #[derive(Debug, Clone, PartialEq)]
 pub struct ObservationTable {
@@ -90,6 +116,7 @@ impl ObservationTable {
         })?;
         let mut rows = Vec::new();
         let mut lines_of_ids: HashMap<Box<str>, u64> = HashMap::new();
+        let mut lines_of_numbers: HashMap<[u64; 8], u64> = HashMap::new();
         let mut record = ByteRecord::new();
         while reader
             .read_byte_record(&mut record)
@@ -104,6 +131,12 @@ impl ObservationTable {
                 return Err(Failure::bad_input(format!(
                     "{file}, lines {first} and {line}: id {} appears twice; an id names one observation",
                     clipped(id)
+                )));
+            }
+            // The same numbers to the last digit are one observation, written twice.
+            if let Some(first) = lines_of_numbers.insert(row.bits(), line) {
+                return Err(Failure::bad_input(format!(
+                    "{file}, lines {first} and {line}: the same observation twice, number by number; it would count double"
                 )));
             }
             rows.push(row);

@@ -34,16 +34,31 @@ pub fn write(
 /// # Errors
 /// [`Failure`] naming the file.
 pub fn check_not_the_input(out: Option<&Path>, camera: &Path) -> Result<(), Failure> {
-    let same = out.is_some_and(
-        |out| matches!((fs::canonicalize(out), fs::canonicalize(camera)), (Ok(a), Ok(b)) if a == b),
-    );
-    if same {
+    if out.is_some_and(|out| is_the_same(out, camera)) {
         return Err(Failure::bad_input(format!(
             "--out {} is the camera file itself",
             camera.display()
         )));
     }
     Ok(())
+}
+
+/// Refuses to replace another input by an answer.
+///
+/// # Errors
+/// [`Failure`] naming the file.
+pub fn check_not_an_input(out: &Path, input: &Path) -> Result<(), Failure> {
+    if is_the_same(out, input) {
+        return Err(Failure::bad_input(format!(
+            "--out would replace {}, which is read; name another folder",
+            input.display()
+        )));
+    }
+    Ok(())
+}
+
+fn is_the_same(out: &Path, input: &Path) -> bool {
+    matches!((fs::canonicalize(out), fs::canonicalize(input)), (Ok(a), Ok(b)) if a == b)
 }
 
 fn write_file(path: &Path, body: impl FnOnce(&mut dyn Write) -> io::Result<()>) -> io::Result<()> {

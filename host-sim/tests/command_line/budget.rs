@@ -37,7 +37,7 @@ fn page_names_every_term_and_the_report_is_complete() {
     }
     assert_eq!(bench.files(), ["camera.toml", "points.csv"]);
     let summary = summary(&bench, &[]);
-    assert_eq!(summary["terms"].as_array().unwrap().len(), 13);
+    assert_eq!(summary["terms"].as_array().unwrap().len(), 14);
     for file in ["budget.png", "budget.svg", "report.html"] {
         assert!(fs::metadata(bench.path("out").join(file)).unwrap().len() > 1000);
     }

@@ -220,3 +220,87 @@ fn output_never_replaces_the_camera_file() {
     assert_eq!(fs::read(bench.path("camera.toml")).unwrap(), before);
     assert_eq!(bench.files(), ["camera.toml", "obs.csv", "points.csv"]);
 }
+
+/// A lens that has never been calibrated: nothing to compare the distortions with.
+#[test]
+fn millimetres_of_a_lens_that_is_not_known_yet_are_named() {
+    let rows: Vec<Row> = good()
+        .into_iter()
+        .map(|row| Row {
+            dx_um: 1e-3 * row.dx_um,
+            dy_um: 1e-3 * row.dy_um,
+            ..row
+        })
+        .collect();
+    let bench = Bench::with(
+        "name = \"new\"\nprincipal_distance_mm = 100.0\n[sensor]\nwidth_px = 9216\nheight_px = 9216\npixel_um = 8.75\n",
+        b"",
+    );
+    fs::write(bench.path("obs.csv"), csv(&rows)).unwrap();
+    bench
+        .run(&["calibrate", "five", "obs.csv", "--camera", "camera.toml"])
+        .refused(&["obs.csv", "dx_um and dy_um", "in mm?"]);
+}
+
+#[test]
+fn sigma_that_is_not_that_of_the_residuals_is_named() {
+    for sigma_um in ["0.00085", "850"] {
+        let text = csv(&good());
+        let mut lines = text.lines();
+        let mut with_sigma = format!("{},sigma_um\n", lines.next().unwrap());
+        for line in lines {
+            let _ = writeln!(with_sigma, "{line},{sigma_um}");
+        }
+        refused(&with_sigma, &["times sigma_um", "outside 0.02 to 50"]);
+    }
+}
+
+#[test]
+fn corrections_instead_of_distortions_are_named() {
+    let rows: Vec<Row> = good()
+        .into_iter()
+        .map(|row| Row {
+            dx_um: -row.dx_um,
+            dy_um: -row.dy_um,
+            ..row
+        })
+        .collect();
+    refused(
+        &csv(&rows),
+        &["against the static calibration", "corrections?"],
+    );
+}
+
+#[test]
+fn observation_that_stands_twice_is_named_by_both_lines() {
+    let text = csv(&good());
+    let second = text.lines().nth(1).unwrap();
+    let again = second.split_once(',').unwrap().1;
+    refused(
+        &format!("{text}again,{again}\n"),
+        &["lines 2 and", "the same observation twice"],
+    );
+}
+
+#[test]
+fn observations_are_not_replaced_by_the_residuals() {
+    let bench = Bench::new();
+    fs::create_dir(bench.path("out")).unwrap();
+    let text = csv(&good());
+    fs::write(bench.path("out/residuals.csv"), &text).unwrap();
+    bench
+        .run(&[
+            "calibrate",
+            "five",
+            "out/residuals.csv",
+            "--camera",
+            "camera.toml",
+            "--out",
+            "out",
+        ])
+        .refused(&["out/residuals.csv", "name another folder"]);
+    assert_eq!(
+        fs::read_to_string(bench.path("out/residuals.csv")).unwrap(),
+        text
+    );
+}

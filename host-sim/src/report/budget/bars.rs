@@ -16,8 +16,10 @@ const RIGHT: i32 = 1340;
 /// Right end of the numbers.
 const NUMBERS: i32 = 1460;
 const FONT: u32 = 22;
-/// Decades of the axis, powers of ten of a micrometre.
+/// Decades of the axis, powers of ten of a micrometre; longer where a term needs it.
 const DECADES: [i32; 2] = [-4, 3];
+/// Last decade of any axis.
+const LAST_DECADE: i32 = 9;
 const REMOVED: RGBColor = RGBColor(0, 114, 178);
 const REMAINS: RGBColor = RGBColor(213, 94, 0);
 const SMEAR: RGBColor = RGBColor(150, 150, 150);
@@ -47,7 +49,9 @@ pub fn bars(budget: &Budget) -> Result<String, FigureError> {
             canvas.draw(&Rectangle::new([(x, 80), (x + 26, 100)], colour.filled()))?;
             canvas.draw(&Text::new(words, (x + 38, 90), text(FONT)))?;
         }
-        let [first, last] = DECADES;
+        let decades = decades(budget);
+        let place = |um| place(um, decades);
+        let [first, last] = decades;
         for decade in first..=last {
             let x = place(10.0_f64.powi(decade));
             canvas.draw(&PathElement::new(
@@ -111,9 +115,23 @@ fn colour(term: &Term) -> RGBColor {
     }
 }
 
-/// Where a length in µm is drawn: on an end of the axis, if it does not reach that far.
-fn place(um: f64) -> i32 {
-    let [first, last] = DECADES.map(f64::from);
+/// The decades that hold every term.
+fn decades(budget: &Budget) -> [i32; 2] {
+    let [first, last] = DECADES;
+    let longest_um = budget
+        .terms
+        .iter()
+        .fold(0.0, |most, term| f64::max(most, 1e3 * term.limits_mm));
+    let holds = |decade: &i32| 10.0_f64.powi(*decade) >= longest_um;
+    [
+        first,
+        (last..LAST_DECADE).find(holds).unwrap_or(LAST_DECADE),
+    ]
+}
+
+/// Where a length in µm is drawn: at the start of the axis, if it does not reach that.
+fn place(um: f64, decades: [i32; 2]) -> i32 {
+    let [first, last] = decades.map(f64::from);
     let share = if um > 0.0 {
         ((um.log10() - first) / (last - first)).clamp(0.0, 1.0)
     } else {
@@ -134,8 +152,8 @@ mod tests {
         assert_eq!(svg.matches("height=\"26\"").count(), budget.terms.len());
         assert!(!svg.contains("NaN") && !svg.contains("inf"));
         for um in [0.0, 1e-9, 1e9] {
-            assert!((LEFT..=RIGHT).contains(&place(um)));
+            assert!((LEFT..=RIGHT).contains(&place(um, DECADES)));
         }
-        assert_eq!(place(1.0), 1040);
+        assert_eq!(place(1.0, DECADES), 1040);
     }
 }

@@ -99,8 +99,8 @@ pub(super) fn assumed(budget: &Budget, source: Source) -> String {
     let assumed = &budget.assumptions;
     let number = |value: f64| wording::decimals(value, 3);
     let what = match source {
-        Source::FocusShift if assumed.focus_mm > 0.0 => {
-            format!("{} µm and the run-out", number(1e3 * assumed.focus_mm))
+        Source::FocusShift => {
+            format!("{} µm", number(1e3 * assumed.focus_mm))
         }
         Source::Encoder => format!("{} µm", number(1e3 * assumed.encoder_mm)),
         Source::Timing => format!("{} ms", number(1e3 * assumed.timing_s)),
@@ -122,16 +122,19 @@ fn advice(budget: &Budget) -> String {
         format!("{} cm", three_digits(100.0 * ground_m))
     };
     let distortion_px = budget.pixels(budget.effect_mm(Source::StaticDistortion));
+    let run_out_px = budget.pixels(budget.effect_mm(Source::RunOut));
     let focus_px = budget.pixels(budget.effect_mm(Source::FocusShift));
     let distortion = if distortion_px >= WORTH_PX {
         "correct the distortion that the motion changes, too"
     } else {
-        "the distortion that the motion changes matters less, and costs nothing to correct"
+        "the distortion that the motion changes matters less"
     };
     let focus = if focus_px >= WORTH_PX {
-        "calibrate the stage's run-out, for the focus shift"
+        "find out how far the detector is out of its calibrated plane, which no correction removes unless it is known"
+    } else if run_out_px >= WORTH_PX {
+        "keep the calibration of the run-out"
     } else {
-        "the focus shift is small:"
+        "detector and plane matter less"
     };
     let smear = budget
         .terms
@@ -149,7 +152,7 @@ fn advice(budget: &Budget) -> String {
         cm(Source::OpeningTime),
         cm(Source::CalibratedPoint),
         three_digits(distortion_px),
-        three_digits(focus_px),
+        three_digits(focus_px.max(run_out_px)),
     )
 }
 

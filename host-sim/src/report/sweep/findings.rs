@@ -94,6 +94,9 @@ pub(super) struct Estimate {
     pub(super) unit: &'static str,
 }
 
+/// The exact model leaves less than this by rounding alone, µm rms.
+const ROUNDING_UM: f64 = 1e-5;
+
 /// Everything a report says.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub(super) struct Findings {
@@ -114,8 +117,13 @@ impl Findings {
             Err(error) => sentences.push(no_fit(*error)),
         }
         sentences.push(format!(
-            "The exact model has nothing fitted: it evaluates the calibration where the principal point was and takes the focus shift as known. What it leaves without noise is {} µm: rounding in single precision{}.",
+            "The exact model has nothing fitted: it evaluates the calibration where the principal point was and takes the focus shift as known. What it leaves without noise is {} µm: {}{}.",
             fine_micrometres(both.exact.noise_free.rms_um()),
+            if both.exact.noise_free.rms_um() < ROUNDING_UM {
+                "rounding in single precision"
+            } else {
+                "what its fold leaves out"
+            },
             match (sweep.options.weight, sweep.options.reading) {
                 (_, Reading::Literal) => " and, in the literal reading, the static distortion counted once too often",
                 (Weight::ArcLength, _) => " and the printed weight, which is not the sensor's",
@@ -218,11 +226,14 @@ fn motion_terms(sweep: &Sweep, fit: &Fit<f64>) -> Vec<String> {
             ""
         }
     )];
-    if let Some(scatter) = sweep.kd1_scatter_at_15_um() {
+    // Without noise there is no scatter: what is left is what the model cannot follow.
+    if let Some(scatter) = sweep.kd1_scatter_at_15_um()
+        && sweep.options.noise_mm > 0.0
+    {
         let frames = sweep.both().frames.iter();
         let longest = frames.map(|f| f.regressor_mm.abs()).fold(0.0, f64::max);
         sentences.push(format!(
-            "From one exposure alone the standard deviation of K_d1 is {} times 2|K1| where it is multiplied by 15 µm, and {} times where by {:.0} µm, the most in this sweep: hence the scatter on the left of the figure.",
+            "From one exposure alone the standard deviation of K_d1 is {} times 2|K1| where it is multiplied by 15 µm, and {} times where by {:.0} µm, the most in this sweep: hence the scatter where it is small.",
             two_digits(scatter),
             two_digits(scatter * 0.015 / longest),
             1e3 * longest,
@@ -232,7 +243,7 @@ fn motion_terms(sweep: &Sweep, fit: &Fit<f64>) -> Vec<String> {
         && left.sigma0 >= 1e-3
     {
         sentences.push(format!(
-            "Five coefficients cannot follow everything: without noise they leave {:.3} µm. The model has neither the constant shift K_m0·s nor what the motion makes of K2, K3 and P{}{}.",
+            "Five coefficients cannot follow everything: without noise they leave {:.3} µm. The model has neither the constant shift K_m0·s nor what the motion makes of K2, K3 and P, nor a principal distance that differs from exposure to exposure{}{}.",
             left.sigma0,
             if sweep.options.regressor == Per::Travel && sweep.strategy == "from-rest" {
                 "; and after a run-up from rest the offset of the centroid is not proportional to δ (--regress-on centroid)"
