@@ -5,6 +5,7 @@ use core::f32::consts::PI;
 use core::fmt;
 
 use super::calibration::Calibration;
+use super::planar_flow::{FlightPoint, GroundScale, Quadratic, extent};
 use super::range::{OutOfRange, Quantity};
 use super::sensor::{FmcAxis, Sensor, SensorPoint};
 
@@ -369,95 +370,6 @@ impl ImageMotion {
                 y_mm_s: sign * forward,
             }
         }
-    }
-}
-
-/// A point of the image relative to the principal point, along the camera's axes.
-#[derive(Debug, Clone, Copy)]
-struct FlightPoint {
-    right_mm: f32,
-    forward_mm: f32,
-}
-
-impl FlightPoint {
-    fn of(view: &View, point: SensorPoint) -> Self {
-        let x_mm = point.x_mm - view.principal_point.x_mm;
-        let y_mm = point.y_mm - view.principal_point.y_mm;
-        let sign = view.axis.sign();
-        if view.axis.is_x() {
-            Self {
-                right_mm: -sign * y_mm,
-                forward_mm: sign * x_mm,
-            }
-        } else {
-            Self {
-                right_mm: sign * x_mm,
-                forward_mm: sign * y_mm,
-            }
-        }
-    }
-}
-
-/// Two opposite corners of the sensor.
-type Extent = [FlightPoint; 2];
-
-fn extent(view: &View) -> Extent {
-    let (x, y) = (view.sensor.half_width_mm(), view.sensor.half_height_mm());
-    [SensorPoint::new(-x, -y), SensorPoint::new(x, y)].map(|corner| FlightPoint::of(view, corner))
-}
-
-/// s: the scale of the ground's image by its scale below the camera, linear over the image.
-#[derive(Debug, Clone, Copy)]
-struct GroundScale {
-    centre: f32,
-    along_right: f32,
-    along_forward: f32,
-}
-
-impl GroundScale {
-    /// A linear function is least in a corner.
-    fn least_in(&self, [one, other]: &Extent) -> f32 {
-        let least = |slope: f32, from: f32, to: f32| (slope * from).min(slope * to);
-        self.centre
-            + least(self.along_right, one.right_mm, other.right_mm)
-            + least(self.along_forward, one.forward_mm, other.forward_mm)
-    }
-}
-
-/// A velocity component, mm/s, as a function of the image point; x is right, y forward.
-#[derive(Debug, Clone, Copy, PartialEq)]
-struct Quadratic {
-    constant: f32,
-    x: f32,
-    y: f32,
-    xx: f32,
-    xy: f32,
-    yy: f32,
-}
-
-impl Quadratic {
-    fn at(&self, point: FlightPoint) -> f32 {
-        let (x, y) = (point.right_mm, point.forward_mm);
-        self.constant + x * (self.x + self.xx * x + self.xy * y) + y * (self.y + self.yy * y)
-    }
-
-    /// The polar form: a Bernstein coefficient over the extent, where the arguments are its ends.
-    fn control_point(
-        &self,
-        [one, other]: &Extent,
-        (x1, x2): (f32, f32),
-        (y1, y2): (f32, f32),
-    ) -> f32 {
-        let x = |share: f32| one.right_mm + share * (other.right_mm - one.right_mm);
-        let y = |share: f32| one.forward_mm + share * (other.forward_mm - one.forward_mm);
-        let (x1, x2, y1, y2) = (x(x1), x(x2), y(y1), y(y2));
-        let (mean_x, mean_y) = (0.5 * (x1 + x2), 0.5 * (y1 + y2));
-        self.constant
-            + self.x * mean_x
-            + self.y * mean_y
-            + self.xx * x1 * x2
-            + self.xy * mean_x * mean_y
-            + self.yy * y1 * y2
     }
 }
 

@@ -15,6 +15,7 @@ pub mod inverse;
 pub mod invertibility;
 pub mod mesh;
 pub mod moments;
+mod planar_flow;
 pub mod principal_distance;
 pub mod principal_point;
 pub mod range;

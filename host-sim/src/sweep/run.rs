@@ -13,6 +13,7 @@ use fmc_camera::geometry::sensor::SensorPoint;
 
 use super::options::{Case, SweepOptions};
 use super::result::{CaseResult, FrameFit, ModelResiduals, Sweep};
+use crate::calibrate::measurement::known_lens;
 use crate::formats::camera_file::{CameraFile, MechanismName, Per};
 use crate::formats::number::single;
 use crate::noise::Noise;
@@ -269,21 +270,6 @@ fn frame(
     camera
         .frame(&asked)
         .map_err(|error| SweepError::Frame { exposure, error })
-}
-
-/// The static calibration in double precision.
-fn known_lens(camera: &CameraFile) -> KnownLens<f64> {
-    let lens = camera.lens();
-    let [x0, y0] = camera.principal_point_mm;
-    let [half_width, half_height] = camera.half_format_mm();
-    KnownLens {
-        principal_point_mm: [x0, y0],
-        k: lens.k,
-        p: lens.p,
-        b: lens.b,
-        axis: camera.fmc.axis.into(),
-        radius_mm: (half_width + x0.abs()).hypot(half_height + y0.abs()),
-    }
 }
 
 fn sum([ax, ay]: [f64; 2], [bx, by]: [f64; 2]) -> [f64; 2] {

@@ -10,9 +10,8 @@
 //! - `stack_used_bytes`: the deepest the stack has been since the start;
 //! - `reset` and `power_off`, which wait, with a bound, until the last byte has left, and do not return;
 //!
-//! and functions `stop_after_panic`, which does not return either, `now_us`: microseconds since the start, wrapping, also for
-//! the log, and `carry_log`, which
-//! takes the log's bytes away or drops them, without waiting for a reader.
+//! and functions `stop_after_panic`, which does not return either, `now_us`: microseconds since the start, wrapping, also
+//! for the log, and `carry_log`, which takes the log's bytes away or drops them, without waiting for a reader.
 
 mod cause;
 mod log;
