@@ -3,7 +3,7 @@
 use core::fmt;
 
 use super::exposure::{CorrectionModel, Exposure, Limits};
-use super::frame_record::{FocusConvention, FrameRecord};
+use super::interior_orientation::{FocusConvention, InteriorOrientation};
 use super::stage::{RunUp, Stage, StagePlan, StrokeTooShort, Tracking};
 use crate::geometry::calibration::{Calibration, CalibrationError, CalibrationRecord};
 use crate::geometry::frame_correction::FrameCorrection;
@@ -82,7 +82,7 @@ pub struct Camera {
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Frame {
     /// What is reported.
-    pub record: FrameRecord,
+    pub record: InteriorOrientation,
     /// What corrects its coordinates.
     pub correction: FrameCorrection,
 }
@@ -246,7 +246,7 @@ impl Camera {
             CorrectionModel::Static => (FrameCorrection::without_motion(&self.calibration), 0.0),
         };
         Ok(Frame {
-            record: FrameRecord {
+            record: InteriorOrientation {
                 vh_per_s: exposure.vh_per_s,
                 exposure_s: exposure.exposure_s,
                 motion: *motion,

@@ -1,47 +1,208 @@
-//! What a frame leaves for the block adjustment: its interior orientation and how it came about.
+//! What every trigger leaves: the exposure and its interior orientation, or the reason why there is none.
 
-use super::exposure::CorrectionModel;
-use crate::geometry::frame_correction::Kernel;
-use crate::geometry::principal_point::PrincipalPointMotion;
-use crate::geometry::sensor::SensorPoint;
+use core::fmt;
 
-/// How a focus shift is reported.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-#[cfg_attr(feature = "link", derive(serde::Serialize, serde::Deserialize))]
-pub enum FocusConvention {
-    /// (A): the principal distance is reported unchanged and the corrected coordinates contain the
-    /// enlargement.
-    FixedPrincipalDistance,
-}
+use super::fault::{Fault, Faults};
+use super::interior_orientation::InteriorOrientation;
+use super::time::Time;
+use super::utc::UtcTime;
+use super::vh::VhEstimate;
 
-/// The interior orientation of one frame.
-///
-/// Principal point and time belong together: both are means over the exposure, and only as a pair
-/// are they right at every terrain height.
+/// The record of one trigger.
 #[derive(Debug, Clone, Copy, PartialEq)]
 #[cfg_attr(feature = "link", derive(serde::Serialize, serde::Deserialize))]
 pub struct FrameRecord {
-    /// η = V/H used, 1/s.
-    pub vh_per_s: f32,
-    /// t: exposure, s.
-    pub exposure_s: f32,
-    /// Δδ, δ, E\[τ\], c̄ and moments along the FMC axis.
-    pub motion: PrincipalPointMotion,
-    /// Principal point at the exposure centroid, sensor frame, mm.
-    pub principal_point: SensorPoint,
-    /// Principal distance that goes with the corrected coordinates, mm.
-    pub principal_distance_mm: f32,
-    /// Δz: run-out and focus shift of this frame, mm.
-    pub focus_shift_mm: f32,
-    /// κ: relative enlargement of the image that Δz causes, by the formula asked for; 0 with models
-    /// that know none.
-    pub enlargement: f32,
-    /// How Δz is reported.
-    pub focus_convention: FocusConvention,
-    /// Which model corrects the coordinates of this frame.
-    pub model: CorrectionModel,
-    /// Which kernel evaluates it.
-    pub kernel: Kernel,
-    /// Upper bound of what model fold and kernel leave out, per axis, nm.
-    pub left_out_nm: f32,
+    /// Number of the trigger since the camera started, from 1; none is left out.
+    pub sequence: u32,
+    /// When the trigger came, camera time.
+    pub trigger: Time,
+    /// What became of it.
+    pub outcome: Outcome,
+    /// What went wrong from the trigger to the record.
+    pub faults: Faults,
+    /// What a user of the frame should know.
+    pub flags: Flags,
+    /// CRC-32 of the calibration in use, as the link names it; 0: none.
+    pub calibration_crc: u32,
+}
+
+/// What became of a trigger.
+#[allow(clippy::large_enum_variant, reason = "no heap")]
+#[derive(Debug, Clone, Copy, PartialEq)]
+#[cfg_attr(feature = "link", derive(serde::Serialize, serde::Deserialize))]
+pub enum Outcome {
+    /// The shutter opened.
+    Exposed(ExposedFrame),
+    /// The shutter was not opened.
+    Refused(Reason),
+}
+
+/// An exposure as it was measured.
+#[derive(Debug, Clone, Copy, PartialEq)]
+#[cfg_attr(feature = "link", derive(serde::Serialize, serde::Deserialize))]
+pub struct ExposedFrame {
+    /// First light, camera time.
+    pub opened: Time,
+    /// Last light, camera time; where the closing edge was not seen, when it was given up.
+    pub closed: Time,
+    /// The exposure's centroid, which goes with the centroid principal point; camera time.
+    pub centroid: Time,
+    /// The centroid in UTC, where the receiver's time pulse has set the clock.
+    pub centroid_utc: Option<UtcTime>,
+    /// V/H used, with its σ, age and source; none without compensation for want of one.
+    pub vh: Option<VhEstimate>,
+    /// Δδ of the plan, mm along the FMC axis.
+    pub planned_opening_mm: f32,
+    /// δ of the plan, mm.
+    pub planned_travel_mm: f32,
+    /// Interior orientation from the measured motion.
+    pub interior: InteriorOrientation,
+    /// σ of the centroid principal point along the FMC axis, mm.
+    pub principal_point_sigma_mm: f32,
+    /// Predicted residual smear, the largest on the sensor with one σ of V/H, µm.
+    pub smear_um: f32,
+    /// The same in pixels.
+    pub smear_px: f32,
+}
+
+/// Why a trigger was refused.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[cfg_attr(feature = "link", derive(serde::Serialize, serde::Deserialize))]
+pub enum Reason {
+    /// The camera was not armed.
+    NotArmed,
+    /// No calibration is loaded.
+    NoCalibration,
+    /// The frame before was not finished.
+    Overlap,
+    /// V/H or exposure is outside the camera's limits.
+    OutsideLimits,
+    /// The travel does not fit the stroke, even off centre.
+    Stroke,
+    /// The speed is beyond the mechanism's.
+    Speed,
+    /// The stage did not reach its speed in time.
+    NotAtSpeed,
+    /// The shutter did not open.
+    ShutterMissing,
+    /// A fault ended it before the shutter opened.
+    Fault(Fault),
+    /// It was disarmed before the shutter opened.
+    Disarmed,
+    /// Too many records had not been acknowledged.
+    RecordsFull,
+}
+
+impl Reason {
+    /// The name in documents and tables.
+    #[must_use]
+    pub const fn name(self) -> &'static str {
+        match self {
+            Self::NotArmed => "not armed",
+            Self::NoCalibration => "no calibration",
+            Self::Overlap => "overlap",
+            Self::OutsideLimits => "outside limits",
+            Self::Stroke => "stroke",
+            Self::Speed => "speed",
+            Self::NotAtSpeed => "not at speed",
+            Self::ShutterMissing => "shutter missing",
+            Self::Fault(fault) => fault.name(),
+            Self::Disarmed => "disarmed",
+            Self::RecordsFull => "records full",
+        }
+    }
+}
+
+impl fmt::Display for Reason {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str(self.name())
+    }
+}
+
+/// What a user of a frame should know.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Flag {
+    /// The stage stood still: no compensation.
+    NoCompensation,
+    /// V/H was older than its source's rate: the last good one was used.
+    LastGoodVh,
+    /// The exposure opened off the planned place, as the stage came from elsewhere.
+    OffCentre,
+    /// Predicted smear exceeds the budget.
+    SmearOverBudget,
+    /// The motion is the plan's, not measured: the encoder is not believed.
+    PlannedMotion,
+    /// The coordinates are corrected by the static calibration alone.
+    StaticCorrection,
+    /// A single wrong encoder reading was left out.
+    EncoderGlitch,
+    /// An encoder reading is missing at one end of the exposure; it was continued from the neighbours.
+    ExtrapolatedMotion,
+    /// Attitude rates were given and are in the predicted smear.
+    WithAttitude,
+}
+
+impl Flag {
+    /// All of them.
+    pub const ALL: [Self; 9] = [
+        Self::NoCompensation,
+        Self::LastGoodVh,
+        Self::OffCentre,
+        Self::SmearOverBudget,
+        Self::PlannedMotion,
+        Self::StaticCorrection,
+        Self::EncoderGlitch,
+        Self::ExtrapolatedMotion,
+        Self::WithAttitude,
+    ];
+
+    /// The name in documents and tables.
+    #[must_use]
+    pub const fn name(self) -> &'static str {
+        match self {
+            Self::NoCompensation => "no compensation",
+            Self::LastGoodVh => "last good V/H",
+            Self::OffCentre => "off centre",
+            Self::SmearOverBudget => "smear over budget",
+            Self::PlannedMotion => "planned motion",
+            Self::StaticCorrection => "static correction",
+            Self::EncoderGlitch => "encoder glitch",
+            Self::ExtrapolatedMotion => "extrapolated motion",
+            Self::WithAttitude => "with attitude",
+        }
+    }
+
+    const fn bit(self) -> u32 {
+        1 << self as u32
+    }
+}
+
+/// A set of flags.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+#[cfg_attr(feature = "link", derive(serde::Serialize, serde::Deserialize))]
+pub struct Flags {
+    bits: u32,
+}
+
+impl Flags {
+    /// None.
+    pub const NONE: Self = Self { bits: 0 };
+
+    /// Adds one.
+    pub const fn insert(&mut self, flag: Flag) {
+        self.bits |= flag.bit();
+    }
+
+    /// Whether it is among them.
+    #[must_use]
+    pub const fn contains(self, flag: Flag) -> bool {
+        self.bits & flag.bit() != 0
+    }
+
+    /// Each of them.
+    pub fn iter(self) -> impl Iterator<Item = Flag> {
+        Flag::ALL
+            .into_iter()
+            .filter(move |flag| self.contains(*flag))
+    }
 }

@@ -47,6 +47,18 @@ pub struct StagePlan {
     pub stop_mm: f32,
 }
 
+/// Where the stage should be at an instant, and how it should move.
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
+#[cfg_attr(feature = "link", derive(serde::Serialize, serde::Deserialize))]
+pub struct Setpoint {
+    /// Offset along the FMC axis from the calibrated position, mm.
+    pub offset_mm: f32,
+    /// Speed along the FMC axis, mm/s.
+    pub speed_mm_s: f32,
+    /// Acceleration along the FMC axis, mm/s².
+    pub acceleration_mm_s2: f32,
+}
+
 /// The travel does not fit the stroke.
 #[derive(Debug, Clone, Copy, PartialEq)]
 #[cfg_attr(feature = "link", derive(serde::Serialize, serde::Deserialize))]

@@ -5,7 +5,7 @@ use std::collections::BTreeSet;
 
 use fmc_camera::flight::camera::{CameraRecord, Mechanism};
 use fmc_camera::flight::exposure::Exposure;
-use fmc_camera::flight::frame_record::FrameRecord;
+use fmc_camera::flight::interior_orientation::InteriorOrientation;
 use fmc_camera::flight::stage::{RunUp, StrokeTooShort};
 use fmc_camera::geometry::brown::Brown;
 use fmc_camera::geometry::calibration::CalibrationRecord;
@@ -91,9 +91,9 @@ fn documented_names_are_those_of_the_code() {
         field!(CentralMoments.second),
         field!(CentralMoments.third),
         field!(CentralMoments.fourth),
-        field!(FrameRecord.principal_point),
-        field!(FrameRecord.focus_shift_mm),
-        field!(FrameRecord.enlargement),
+        field!(InteriorOrientation.principal_point),
+        field!(InteriorOrientation.focus_shift_mm),
+        field!(InteriorOrientation.enlargement),
         path!(ShutterProfile::Trapezoid {}),
         field!(CameraRecord.mechanism),
         path!(RunUp::Centred),

@@ -3,7 +3,7 @@
 use std::io::Write;
 
 use fmc_camera::flight::exposure::CorrectionModel;
-use fmc_camera::flight::frame_record::{FocusConvention, FrameRecord};
+use fmc_camera::flight::interior_orientation::{FocusConvention, InteriorOrientation};
 use fmc_camera::geometry::frame_correction::Kernel;
 use serde::Serialize;
 
@@ -55,7 +55,7 @@ struct FrameReport {
 }
 
 impl FrameReport {
-    fn new(camera: &CameraFile, record: &FrameRecord) -> Self {
+    fn new(camera: &CameraFile, record: &InteriorOrientation) -> Self {
         Self {
             camera: camera.name.clone(),
             model: match record.model {

@@ -5,7 +5,7 @@ use std::time::{Duration, Instant};
 
 use fmc_camera::flight::camera::CameraRecord;
 use fmc_camera::flight::exposure::Exposure;
-use fmc_camera::flight::frame_record::FrameRecord;
+use fmc_camera::flight::interior_orientation::InteriorOrientation;
 use fmc_camera::geometry::estimation::fit::Fit;
 use fmc_camera::geometry::estimation::options::FitOptions;
 use fmc_camera::geometry::evaluation_form::Displacement;
@@ -104,7 +104,7 @@ impl<P: Port> Client<P> {
     ///
     /// # Errors
     /// [`LinkError::Refused`] where the exposure cannot be taken.
-    pub fn expose(&mut self, exposure: &Exposure) -> Result<FrameRecord, LinkError> {
+    pub fn expose(&mut self, exposure: &Exposure) -> Result<InteriorOrientation, LinkError> {
         self.frame_record(&Request::Expose(*exposure))
     }
 
@@ -112,11 +112,11 @@ impl<P: Port> Client<P> {
     ///
     /// # Errors
     /// [`LinkError::Refused`] where there is none.
-    pub fn record(&mut self) -> Result<FrameRecord, LinkError> {
+    pub fn record(&mut self) -> Result<InteriorOrientation, LinkError> {
         self.frame_record(&Request::Record)
     }
 
-    fn frame_record(&mut self, request: &Request) -> Result<FrameRecord, LinkError> {
+    fn frame_record(&mut self, request: &Request) -> Result<InteriorOrientation, LinkError> {
         match self.ask(request)? {
             Answer::Frame(record) => Ok(record),
             _ => Err(self.unexpected(request)),

@@ -4,7 +4,7 @@ use std::fmt;
 
 use fmc_camera::flight::camera::FrameError;
 use fmc_camera::flight::exposure::Exposure;
-use fmc_camera::flight::frame_record::FrameRecord;
+use fmc_camera::flight::interior_orientation::InteriorOrientation;
 use fmc_camera::geometry::calibration::CalibrationError;
 use fmc_camera::geometry::frame_correction::Corrected;
 use fmc_camera::geometry::inverse::DistortError;
@@ -105,9 +105,9 @@ pub enum DifferentResult {
     /// Frame records.
     Record {
         /// The camera's.
-        camera: FrameRecord,
+        camera: InteriorOrientation,
         /// The twin's.
-        twin: FrameRecord,
+        twin: InteriorOrientation,
     },
     /// The first point that differs.
     Point {

@@ -21,7 +21,7 @@ mod link_tests;
 
 use fmc_camera::flight::camera::CameraRecord;
 use fmc_camera::flight::exposure::Exposure;
-use fmc_camera::flight::frame_record::FrameRecord;
+use fmc_camera::flight::interior_orientation::InteriorOrientation;
 use fmc_camera::geometry::frame_correction::Corrected;
 use fmc_camera::geometry::sensor::SensorPoint;
 use fmc_camera::io::link::message::{Counters, Grid};
@@ -46,7 +46,7 @@ pub trait Device {
     ///
     /// # Errors
     /// [`DeviceError::Frame`] where the camera refuses the exposure.
-    fn expose(&mut self, exposure: &Exposure) -> Result<FrameRecord, DeviceError>;
+    fn expose(&mut self, exposure: &Exposure) -> Result<InteriorOrientation, DeviceError>;
 
     /// Corrects measured points of the current frame, in order.
     ///

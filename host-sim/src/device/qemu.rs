@@ -7,7 +7,7 @@ use std::thread::JoinHandle;
 
 use fmc_camera::flight::camera::CameraRecord;
 use fmc_camera::flight::exposure::Exposure;
-use fmc_camera::flight::frame_record::FrameRecord;
+use fmc_camera::flight::interior_orientation::InteriorOrientation;
 use fmc_camera::geometry::frame_correction::Corrected;
 use fmc_camera::geometry::sensor::SensorPoint;
 use fmc_camera::io::link::message::{Counters, Grid};
@@ -154,7 +154,7 @@ impl Device for Qemu {
         answer.map_err(|error| self.watch.explain(error))
     }
 
-    fn expose(&mut self, exposure: &Exposure) -> Result<FrameRecord, DeviceError> {
+    fn expose(&mut self, exposure: &Exposure) -> Result<InteriorOrientation, DeviceError> {
         let answer = self.remote.expose(exposure);
         answer.map_err(|error| self.watch.explain(error))
     }

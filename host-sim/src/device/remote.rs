@@ -2,7 +2,7 @@
 
 use fmc_camera::flight::camera::CameraRecord;
 use fmc_camera::flight::exposure::Exposure;
-use fmc_camera::flight::frame_record::FrameRecord;
+use fmc_camera::flight::interior_orientation::InteriorOrientation;
 use fmc_camera::geometry::evaluation_form::Displacement;
 use fmc_camera::geometry::frame_correction::Corrected;
 use fmc_camera::geometry::mesh::MeshRow;
@@ -76,7 +76,7 @@ impl<P: Port> Remote<P> {
     ///
     /// # Errors
     /// [`DeviceError::NoFrame`] before the first exposure.
-    pub fn record(&mut self) -> Result<FrameRecord, DeviceError> {
+    pub fn record(&mut self) -> Result<InteriorOrientation, DeviceError> {
         self.client.record().map_err(|error| self.failed(error, 0))
     }
 
@@ -266,7 +266,7 @@ impl<P: Port> Device for Remote<P> {
         Ok(())
     }
 
-    fn expose(&mut self, exposure: &Exposure) -> Result<FrameRecord, DeviceError> {
+    fn expose(&mut self, exposure: &Exposure) -> Result<InteriorOrientation, DeviceError> {
         self.exposure = Some(*exposure);
         let camera = self
             .client

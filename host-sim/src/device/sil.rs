@@ -2,7 +2,7 @@
 
 use fmc_camera::flight::camera::{Camera, CameraRecord};
 use fmc_camera::flight::exposure::Exposure;
-use fmc_camera::flight::frame_record::FrameRecord;
+use fmc_camera::flight::interior_orientation::InteriorOrientation;
 use fmc_camera::geometry::frame_correction::{Corrected, FrameCorrection};
 use fmc_camera::geometry::sensor::SensorPoint;
 
@@ -48,7 +48,7 @@ impl Device for InProcess {
         Ok(())
     }
 
-    fn expose(&mut self, exposure: &Exposure) -> Result<FrameRecord, DeviceError> {
+    fn expose(&mut self, exposure: &Exposure) -> Result<InteriorOrientation, DeviceError> {
         let camera = self.camera.as_ref().ok_or(DeviceError::NoFrame)?;
         // Points that follow a refused exposure must not meet the frame before it.
         self.correction = None;

@@ -1,6 +1,6 @@
 //! The error budget of the whole verification grid: maximum, root mean square and bias.
 
-use fmc_camera::flight::frame_record::FrameRecord;
+use fmc_camera::flight::interior_orientation::InteriorOrientation;
 use fmc_camera::geometry::frame_correction::Corrected;
 use fmc_camera::{CameraRecord, Exposure, SensorPoint};
 use host_sim::device::{Device, DeviceError, Evidence, InProcess};
@@ -92,7 +92,7 @@ impl Device for Wrong {
         self.camera.load(&camera)
     }
 
-    fn expose(&mut self, exposure: &Exposure) -> Result<FrameRecord, DeviceError> {
+    fn expose(&mut self, exposure: &Exposure) -> Result<InteriorOrientation, DeviceError> {
         self.camera.expose(exposure)
     }
 

@@ -9,7 +9,7 @@ use super::frame::Frame;
 use super::{MAX_OBSERVATIONS, MAX_POINTS, PROTOCOL_VERSION};
 use crate::flight::camera::{CameraRecord, FrameError};
 use crate::flight::exposure::Exposure;
-use crate::flight::frame_record::FrameRecord;
+use crate::flight::interior_orientation::InteriorOrientation;
 use crate::geometry::calibration::CalibrationError;
 use crate::geometry::estimation::fit::{Fit, FitError};
 use crate::geometry::estimation::observation::Observation;
@@ -80,7 +80,7 @@ pub enum Answer {
     /// The calibration is in use.
     Loaded(CalibrationIdentity),
     /// The frame is predicted, or asked for again.
-    Frame(FrameRecord),
+    Frame(InteriorOrientation),
     /// The points, in order, with the distortion as evaluated before the subtraction.
     Points(Vec<Corrected, MAX_POINTS>),
     /// The distortion, measured - ideal, along the row.

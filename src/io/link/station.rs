@@ -8,7 +8,7 @@ use super::message::{
 use super::{MAX_POINTS, digest};
 use crate::flight::camera::{self, Camera, CameraRecord};
 use crate::flight::exposure::Exposure;
-use crate::flight::frame_record::FrameRecord;
+use crate::flight::interior_orientation::InteriorOrientation;
 use crate::geometry::estimation::adjustment::Adjustment;
 use crate::geometry::estimation::known_lens::KnownLens;
 use crate::geometry::estimation::options::FitOptions;
@@ -293,7 +293,7 @@ impl Desk {
         Ok(calibration)
     }
 
-    fn expose(&mut self, exposure: &Exposure) -> Result<FrameRecord, Refusal> {
+    fn expose(&mut self, exposure: &Exposure) -> Result<InteriorOrientation, Refusal> {
         let camera = self.camera.as_ref().ok_or(Refusal::NoCalibration)?;
         // Points that follow a refused exposure must not meet the frame before it.
         self.frame = None;

@@ -1,0 +1,3 @@
+//! The camera's state machine: one frame from trigger to record.
+
+pub mod state;

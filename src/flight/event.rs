@@ -1,0 +1,104 @@
+//! What happens to a camera in flight, and what it does.
+
+use super::drive::StageReading;
+use super::fault::Fault;
+use super::stage::Setpoint;
+use super::time::Time;
+use super::vh::VhSample;
+
+/// Something that happens, at a time that comes with it.
+#[derive(Debug, Clone, Copy, PartialEq)]
+#[cfg_attr(feature = "link", derive(serde::Serialize, serde::Deserialize))]
+pub enum Event {
+    /// Somebody wants something.
+    Command(Command),
+    /// A sensor of the aircraft says something about V/H.
+    Vh(VhSample),
+    /// Attitude and its rates.
+    Attitude(AttitudeSample),
+    /// An exposure is wanted.
+    Trigger,
+    /// The shutter's sensor.
+    Shutter(ShutterEdge),
+    /// The stage is somewhere.
+    Stage(StageReading),
+    /// A limit switch has closed.
+    LimitSwitch,
+    /// The drive cannot do what it was told to, or the stage's position cannot be read.
+    Drive(Fault),
+    /// The supply voltage has fallen too low, or is good again.
+    Supply(Supply),
+    /// The control loop comes round.
+    Tick,
+}
+
+/// What somebody wants.
+#[derive(Debug, Clone, Copy, PartialEq)]
+#[cfg_attr(feature = "link", derive(serde::Serialize, serde::Deserialize))]
+pub enum Command {
+    /// Triggers are to be obeyed.
+    Arm,
+    /// Triggers are to be refused, and the stage left alone.
+    Disarm,
+    /// A fault has been looked at: the camera may go on.
+    ClearFault,
+    /// Exposure time of the frames to come, s.
+    Exposure(f32),
+}
+
+/// An edge of the shutter's sensor.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[cfg_attr(feature = "link", derive(serde::Serialize, serde::Deserialize))]
+pub enum ShutterEdge {
+    /// First light.
+    Opened,
+    /// Last light.
+    Closed,
+}
+
+/// The supply voltage.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[cfg_attr(feature = "link", derive(serde::Serialize, serde::Deserialize))]
+pub enum Supply {
+    /// Too low to move the stage.
+    Low,
+    /// Good.
+    Good,
+}
+
+/// Attitude of the camera, as the aircraft's inertial unit has it.
+#[derive(Debug, Clone, Copy, PartialEq)]
+#[cfg_attr(feature = "link", derive(serde::Serialize, serde::Deserialize))]
+pub struct AttitudeSample {
+    /// Pitch, roll, drift, °; signs of [`crate::geometry::image_motion::Attitude`].
+    pub pitch_deg: f32,
+    /// Roll, °.
+    pub roll_deg: f32,
+    /// Drift, °.
+    pub drift_deg: f32,
+    /// Rates about right, forward and up, °/s.
+    pub rates_deg_s: [f32; 3],
+}
+
+/// What the camera does about it.
+#[derive(Debug, Clone, Copy, PartialEq)]
+#[cfg_attr(feature = "link", derive(serde::Serialize, serde::Deserialize))]
+pub enum Action {
+    /// The stage is to be there, and move so, now.
+    MoveStage(Setpoint),
+    /// No force on the stage.
+    ReleaseStage,
+    /// The shutter is to open at a time, so that first light is one latency later, for an exposure, s.
+    OpenShutter {
+        /// When the command must leave.
+        at: Time,
+        /// Exposure time, s.
+        exposure_s: f32,
+    },
+    /// The shutter is to close at once, or stay closed.
+    CloseShutter,
+    /// A record is there: its sequence number.
+    FrameReady(u32),
+    /// Something went wrong.
+    Fault(Fault),
+}

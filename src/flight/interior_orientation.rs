@@ -1,0 +1,47 @@
+//! The interior orientation of a frame, for the block adjustment, and how it came about.
+
+use super::exposure::CorrectionModel;
+use crate::geometry::frame_correction::Kernel;
+use crate::geometry::principal_point::PrincipalPointMotion;
+use crate::geometry::sensor::SensorPoint;
+
+/// How a focus shift is reported.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[cfg_attr(feature = "link", derive(serde::Serialize, serde::Deserialize))]
+pub enum FocusConvention {
+    /// (A): the principal distance is reported unchanged and the corrected coordinates contain the
+    /// enlargement.
+    FixedPrincipalDistance,
+}
+
+/// The interior orientation of one frame.
+///
+/// Principal point and time belong together: both are means over the exposure, and only as a pair
+/// are they right at every terrain height.
+#[derive(Debug, Clone, Copy, PartialEq)]
+#[cfg_attr(feature = "link", derive(serde::Serialize, serde::Deserialize))]
+pub struct InteriorOrientation {
+    /// η = V/H used, 1/s.
+    pub vh_per_s: f32,
+    /// t: exposure, s.
+    pub exposure_s: f32,
+    /// Δδ, δ, E\[τ\], c̄ and moments along the FMC axis.
+    pub motion: PrincipalPointMotion,
+    /// Principal point at the exposure centroid, sensor frame, mm.
+    pub principal_point: SensorPoint,
+    /// Principal distance that goes with the corrected coordinates, mm.
+    pub principal_distance_mm: f32,
+    /// Δz: run-out and focus shift of this frame, mm.
+    pub focus_shift_mm: f32,
+    /// κ: relative enlargement of the image that Δz causes, by the formula asked for; 0 with models
+    /// that know none.
+    pub enlargement: f32,
+    /// How Δz is reported.
+    pub focus_convention: FocusConvention,
+    /// Which model corrects the coordinates of this frame.
+    pub model: CorrectionModel,
+    /// Which kernel evaluates it.
+    pub kernel: Kernel,
+    /// Upper bound of what model fold and kernel leave out, per axis, nm.
+    pub left_out_nm: f32,
+}
