@@ -9,9 +9,6 @@ use crate::geometry::principal_point::StageSample;
 /// Readings kept.
 pub const CAPACITY: usize = 64;
 
-/// Readings by which the speed is measured.
-const SPEED_READINGS: usize = 6;
-
 /// How far the path is continued beyond its ends, s.
 const CONTINUED_S: f32 = 0.003;
 
@@ -107,33 +104,6 @@ impl StageTrack {
         self.readings.back().copied()
     }
 
-    /// The speed over the last readings, mm/s: the slope of the line of least squares; `None` before there are six.
-    #[must_use]
-    pub fn speed_mm_s(&self) -> Option<f32> {
-        let before = self.readings.len().checked_sub(SPEED_READINGS)?;
-        let latest = || self.readings.iter().skip(before);
-        let first = *latest().next()?;
-        let at = |reading: &StageReading| {
-            (
-                reading.time.seconds_since(first.time),
-                reading.offset_mm - first.offset_mm,
-            )
-        };
-        let (mut time_sum, mut offset_sum, mut count) = (0.0, 0.0, 0.0);
-        for (time_s, offset_mm) in latest().map(at) {
-            time_sum += time_s;
-            offset_sum += offset_mm;
-            count += 1.0;
-        }
-        let (mean_s, mean_mm) = (time_sum / count, offset_sum / count);
-        let (mut covariance, mut variance) = (0.0, 0.0);
-        for (time_s, offset_mm) in latest().map(at) {
-            covariance += (time_s - mean_s) * (offset_mm - mean_mm);
-            variance += (time_s - mean_s) * (time_s - mean_s);
-        }
-        (variance > 0.0).then(|| covariance / variance)
-    }
-
     /// The path from first to last light.
     #[must_use]
     pub fn path(&self, opened: Time, closed: Time) -> ExposurePath {
@@ -198,19 +168,6 @@ mod tests {
             time: Time::from_us(us),
             offset_mm,
         }
-    }
-
-    #[test]
-    fn speed_is_that_of_the_latest_readings() {
-        let mut track = StageTrack::new();
-        for tick in 0..5 {
-            track.push(reading(1000 * tick));
-            assert_eq!(track.speed_mm_s(), None);
-        }
-        track.push(reading(5000));
-        assert!((track.speed_mm_s().unwrap() - 20.0).abs() < 1e-3);
-        track.push(reading(5000));
-        assert_eq!(track.last(), Some(reading(5000)));
     }
 
     #[test]

@@ -41,16 +41,15 @@ pub enum Finding {
 /// - lost or added counts, [`Fault::Encoder`], where that one follows again from the new place;
 /// - motion of the stage otherwise.
 ///
-/// Motion is at fault where it is off its set point by more than `following_mm`: [`Fault::WrongDirection`] where
-/// the stage has moved against its command, [`Fault::Runaway`] where it is ahead of it, else [`Fault::Stall`].
+/// Motion is at fault where it is off its set point by more than `following_mm`: where the stage should move,
+/// [`Fault::WrongDirection`] if it moves the other way, [`Fault::Runaway`] if it is ahead, else [`Fault::Stall`]; where it
+/// should stand, [`Fault::Runaway`] if it moves, else [`Fault::Stall`]: it has not come there.
 ///
 /// What stays undetected: counts lost or added in a step of less than `jump_mm`.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub struct StageWatch {
     last: Option<(StageReading, Setpoint)>,
     suspicion_mm: Option<f32>,
-    /// Where the stage was when it was told to move.
-    origin_mm: Option<f32>,
 }
 
 impl StageWatch {
@@ -60,13 +59,7 @@ impl StageWatch {
         Self {
             last: None,
             suspicion_mm: None,
-            origin_mm: None,
         }
-    }
-
-    /// The stage is told to move from here.
-    pub fn start(&mut self, origin_mm: f32) {
-        self.origin_mm = Some(origin_mm);
     }
 
     /// Looks at a reading and the set point of its time.
@@ -80,7 +73,7 @@ impl StageWatch {
             return Finding::Fault(Fault::Encoder);
         }
         let Some((last, last_setpoint)) = self.last.replace((reading, setpoint)) else {
-            return self.following(reading, setpoint, tolerance);
+            return following(reading, setpoint, 0.0, tolerance);
         };
         let moved_mm = reading.offset_mm - last.offset_mm;
         let step_mm = moved_mm - (setpoint.offset_mm - last_setpoint.offset_mm);
@@ -98,33 +91,37 @@ impl StageWatch {
                 self.suspicion_mm = Some(step_mm);
                 Finding::Suspicious
             }
-            _ => self.following(reading, setpoint, tolerance),
+            _ => following(reading, setpoint, moved_mm, tolerance),
         }
     }
+}
 
-    fn following(
-        &self,
-        reading: StageReading,
-        setpoint: Setpoint,
-        tolerance: &StageTolerance,
-    ) -> Finding {
-        let error_mm = reading.offset_mm - setpoint.offset_mm;
-        if libm::fabsf(error_mm) <= tolerance.following_mm {
-            return Finding::Follows;
-        }
-        let origin_mm = self.origin_mm.unwrap_or(setpoint.offset_mm);
-        let moved_mm = reading.offset_mm - origin_mm;
-        let told_mm = setpoint.offset_mm - origin_mm;
-        Finding::Fault(
-            if moved_mm * told_mm < 0.0 && libm::fabsf(moved_mm) > tolerance.jump_mm {
-                Fault::WrongDirection
-            } else if told_mm == 0.0 || error_mm * told_mm > 0.0 {
-                Fault::Runaway
-            } else {
-                Fault::Stall
-            },
-        )
+/// Judges motion: where the stage is, and by how much it has moved since the reading before.
+fn following(
+    reading: StageReading,
+    setpoint: Setpoint,
+    moved_mm: f32,
+    tolerance: &StageTolerance,
+) -> Finding {
+    let error_mm = reading.offset_mm - setpoint.offset_mm;
+    if libm::fabsf(error_mm) <= tolerance.following_mm {
+        return Finding::Follows;
     }
+    let speed = setpoint.speed_mm_s;
+    let is_moving = libm::fabsf(moved_mm) > 0.5 * tolerance.jump_mm;
+    Finding::Fault(if speed == 0.0 {
+        if is_moving {
+            Fault::Runaway
+        } else {
+            Fault::Stall
+        }
+    } else if is_moving && moved_mm * speed < 0.0 {
+        Fault::WrongDirection
+    } else if error_mm * speed > 0.0 {
+        Fault::Runaway
+    } else {
+        Fault::Stall
+    })
 }
 
 #[cfg(test)]
@@ -141,7 +138,6 @@ mod tests {
     /// Findings over readings at 1 kHz, the set point at constant speed from 0.
     fn findings(readings: impl Iterator<Item = f32>) -> std::vec::Vec<Finding> {
         let mut watch = StageWatch::new();
-        watch.start(0.0);
         let mut time = Time::START;
         readings
             .map(|offset_mm| {
