@@ -55,6 +55,8 @@ pub enum Quantity {
     PitchRateDegS,
     RollRateDegS,
     YawRateDegS,
+    JerkMmS3,
+    MaxSpeedMmS,
 }
 
 /// Largest principal-distance change the correction is shown invertible for, as a fraction κ of
@@ -112,6 +114,8 @@ impl Quantity {
             Self::PitchRateDegS => "pitch_rate_deg_s",
             Self::RollRateDegS => "roll_rate_deg_s",
             Self::YawRateDegS => "yaw_rate_deg_s",
+            Self::JerkMmS3 => "jerk_mm_s3",
+            Self::MaxSpeedMmS => "max_speed_mm_s",
         }
     }
 
@@ -142,6 +146,8 @@ impl Quantity {
             Self::ReliefPercent => (-100.0, 90.0),
             Self::PitchDeg | Self::RollDeg | Self::DriftDeg => (-45.0, 45.0),
             Self::PitchRateDegS | Self::RollRateDegS | Self::YawRateDegS => (-60.0, 60.0),
+            Self::JerkMmS3 => (1.0, 1e12),
+            Self::MaxSpeedMmS => (1e-3, 1e5),
             Self::K0
             | Self::K1
             | Self::K2

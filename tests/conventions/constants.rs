@@ -1,6 +1,7 @@
 //! The constants of section 11.
 
 use crate::document::{names, rows};
+use fmc_camera::flight::stage::{POSITION_NM, RUN_UP_RESERVE};
 use fmc_camera::geometry::estimation::adjustment::{MIN_POINTS, MIN_REGRESSOR_MM, MIN_SPREAD};
 use fmc_camera::geometry::estimation::design::MIN_SEPARATION;
 use fmc_camera::geometry::frame_correction::SHORT_KERNEL_NM;
@@ -30,6 +31,8 @@ fn documented_constants_are_those_of_the_code() {
         ("MIN_REGRESSOR_MM", MIN_REGRESSOR_MM.to_string()),
         ("MIN_SEPARATION", MIN_SEPARATION.to_string()),
         ("LEAST_GROUND_SCALE", LEAST_GROUND_SCALE.to_string()),
+        ("RUN_UP_RESERVE", RUN_UP_RESERVE.to_string()),
+        ("POSITION_NM", POSITION_NM.to_string()),
     ];
     let documented: Vec<_> = rows("constant")
         .into_iter()

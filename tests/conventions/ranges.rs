@@ -17,6 +17,8 @@ macro_rules! quantities {
 fn unit_in(name: &str) -> Option<&'static str> {
     let units = [
         ("_mm_s2", "mm/s²"),
+        ("_mm_s3", "mm/s³"),
+        ("_mm_s", "mm/s"),
         ("_deg_s", "°/s"),
         ("_deg", "°"),
         ("_percent", "%"),
@@ -91,6 +93,8 @@ fn documented_ranges_are_those_of_the_code() {
         PitchRateDegS,
         RollRateDegS,
         YawRateDegS,
+        JerkMmS3,
+        MaxSpeedMmS,
     );
     let of_the_code = quantities.map(|quantity| {
         let (least, most) = quantity.range();
