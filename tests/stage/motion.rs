@@ -110,7 +110,8 @@ proptest! {
                 f64::from(segment.start.acceleration_mm_s2) * time + jerk * time * time / 2.0
             })
             .sum();
-        let scale = from.speed_mm_s.abs() + from.acceleration_mm_s2.powi(2) / limits.jerk_mm_s3.unwrap_or(f32::INFINITY);
+        let turn_s = from.acceleration_mm_s2 / limits.jerk_mm_s3.unwrap_or(f32::INFINITY);
+        let scale = from.speed_mm_s.abs() + (from.acceleration_mm_s2 * turn_s).abs();
         prop_assert!(
             (f64::from(from.speed_mm_s) + change).abs() <= 2e-6 * f64::from(scale),
             "{} mm/s are left: {stop:?}", f64::from(from.speed_mm_s) + change

@@ -55,9 +55,9 @@ pub(crate) fn any_limits() -> impl Strategy<Value = MechanismLimits> {
     )
         .prop_map(
             |(acceleration, jerk, speed, settling_ms, stroke_mm)| MechanismLimits {
-                acceleration_mm_s2: 10_f32.powf(acceleration),
-                jerk_mm_s3: jerk.map(|jerk| 10_f32.powf(jerk)),
-                max_speed_mm_s: speed.map(|speed| 10_f32.powf(speed)),
+                acceleration_mm_s2: libm::powf(10.0, acceleration),
+                jerk_mm_s3: jerk.map(|jerk| libm::powf(10.0, jerk)),
+                max_speed_mm_s: speed.map(|speed| libm::powf(10.0, speed)),
                 settling_ms,
                 stroke_mm,
             },

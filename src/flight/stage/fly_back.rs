@@ -47,13 +47,7 @@ impl Stage {
                 half_stroke_mm,
             }));
         }
-        if !(to_mm.abs() <= half_stroke_mm) {
-            return Err(PlanError::Stroke(StrokeTooShort {
-                from_mm: stopped_mm,
-                to_mm,
-                half_stroke_mm,
-            }));
-        }
+        self.check_reach(to_mm, to_mm)?;
         let distance_mm = to_mm - stopped_mm;
         let ramp = self.ramp(self.fastest(distance_mm.abs()).copysign(distance_mm));
         let rest_mm = distance_mm - 2.0 * ramp.distance_mm;

@@ -122,7 +122,7 @@ impl Profile {
     /// A NaN counts as before the start.
     #[must_use]
     pub fn setpoint(&self, time_s: f32) -> Setpoint {
-        if !(time_s > 0.0) {
+        if time_s <= 0.0 || time_s.is_nan() {
             return self.start;
         }
         // The sum of the durations is rounded.
