@@ -2,6 +2,10 @@
 
 use crate::document::{names, rows};
 use fmc_camera::flight::stage::{POSITION_NM, RUN_UP_RESERVE};
+use fmc_camera::flight::vh::channel::{
+    CONSISTENT_SAMPLES, NOISE_SIGMAS, UNIT_RELEASE, UNIT_TOLERANCE,
+};
+use fmc_camera::flight::vh::settings::{LEAST_HEIGHT_M, LEAST_SPEED_M_S, LEAST_VH_PER_S};
 use fmc_camera::geometry::estimation::adjustment::{MIN_POINTS, MIN_REGRESSOR_MM, MIN_SPREAD};
 use fmc_camera::geometry::estimation::design::MIN_SEPARATION;
 use fmc_camera::geometry::frame_correction::SHORT_KERNEL_NM;
@@ -33,6 +37,13 @@ fn documented_constants_are_those_of_the_code() {
         ("LEAST_GROUND_SCALE", LEAST_GROUND_SCALE.to_string()),
         ("RUN_UP_RESERVE", RUN_UP_RESERVE.to_string()),
         ("POSITION_NM", POSITION_NM.to_string()),
+        ("LEAST_VH_PER_S", LEAST_VH_PER_S.to_string()),
+        ("LEAST_SPEED_M_S", LEAST_SPEED_M_S.to_string()),
+        ("LEAST_HEIGHT_M", LEAST_HEIGHT_M.to_string()),
+        ("NOISE_SIGMAS", NOISE_SIGMAS.to_string()),
+        ("CONSISTENT_SAMPLES", CONSISTENT_SAMPLES.to_string()),
+        ("UNIT_TOLERANCE", UNIT_TOLERANCE.to_string()),
+        ("UNIT_RELEASE", UNIT_RELEASE.to_string()),
     ];
     let documented: Vec<_> = rows("constant")
         .into_iter()

@@ -23,10 +23,12 @@ fn unit_in(name: &str) -> Option<&'static str> {
         ("_deg", "°"),
         ("_percent", "%"),
         ("_per_s", "1/s"),
+        ("_m_s", "m/s"),
         ("_mm", "mm"),
         ("_um", "µm"),
         ("_px", "px"),
         ("_ms", "ms"),
+        ("_m", "m"),
         ("_s", "s"),
     ];
     let name = name.split('[').next()?;
@@ -95,6 +97,17 @@ fn documented_ranges_are_those_of_the_code() {
         YawRateDegS,
         JerkMmS3,
         MaxSpeedMmS,
+        GroundSpeedMS,
+        HeightAboveGroundM,
+        AltitudeM,
+        TerrainHeightM,
+        SourcePeriodS,
+        SourceValidityS,
+        SourceSlew,
+        SourceSigma,
+        SourceFrozenS,
+        DisagreementPercent,
+        SmearBudgetPx,
     );
     let of_the_code = quantities.map(|quantity| {
         let (least, most) = quantity.range();

@@ -178,5 +178,17 @@ const fn key_path(quantity: Quantity) -> &'static [&'static str] {
         | Quantity::PitchRateDegS
         | Quantity::RollRateDegS
         | Quantity::YawRateDegS => &[],
+        // Of the sources of V/H, in no camera file.
+        Quantity::GroundSpeedMS
+        | Quantity::HeightAboveGroundM
+        | Quantity::AltitudeM
+        | Quantity::TerrainHeightM
+        | Quantity::SourcePeriodS
+        | Quantity::SourceValidityS
+        | Quantity::SourceSlew
+        | Quantity::SourceSigma
+        | Quantity::SourceFrozenS
+        | Quantity::DisagreementPercent
+        | Quantity::SmearBudgetPx => &[],
     }
 }

@@ -4,6 +4,9 @@ use fmc_camera::flight::{
     camera::{Camera, CameraRecord},
     exposure::{Exposure, FlightDirection, Limits},
     stage::{Profile, Stage, Travel},
+    exposure::{Exposure, Limits},
+    stage::Stage,
+    vh::{VhChannel, VhCounters, VhEstimate, VhFindingKind, VhMonitor, VhSettings, WrongUnit},
 };
 
 /// Keeps the public functions of `fmc_camera::flight`.
@@ -40,5 +43,21 @@ pub(crate) fn keep() {
         Profile::end,
         Profile::segments,
         Profile::reach_mm,
+        VhChannel::of,
+        VhChannel::name,
+        WrongUnit::factor,
+        VhFindingKind::name,
+        VhCounters::of,
+        VhSettings::checked,
+        VhSettings::of,
+        VhEstimate::smear_px,
+        VhMonitor::new,
+        VhMonitor::settings,
+        VhMonitor::counters,
+        VhMonitor::clear,
+        VhMonitor::observe,
+        VhMonitor::estimate,
+        VhMonitor::fits_budget,
+        VhMonitor::disagrees,
     ];
 }
