@@ -2,6 +2,10 @@
 
 use crate::document::{names, rows};
 use fmc_camera::flight::stage::{POSITION_NM, RUN_UP_RESERVE};
+use fmc_camera::flight::utc::{
+    CLOCK_TOLERANCE_PPM, CONSISTENT_PULSES, CONSISTENT_TIMES, DRIFT_WANDER_PPM_PER_S, HOLDOVER_S,
+    UNMEASURED_DRIFT_PPM, WORST_PULSE_SIGMA_S,
+};
 use fmc_camera::flight::vh::channel::{
     CONSISTENT_SAMPLES, NOISE_SIGMAS, UNIT_RELEASE, UNIT_TOLERANCE,
 };
@@ -44,6 +48,13 @@ fn documented_constants_are_those_of_the_code() {
         ("CONSISTENT_SAMPLES", CONSISTENT_SAMPLES.to_string()),
         ("UNIT_TOLERANCE", UNIT_TOLERANCE.to_string()),
         ("UNIT_RELEASE", UNIT_RELEASE.to_string()),
+        ("CLOCK_TOLERANCE_PPM", CLOCK_TOLERANCE_PPM.to_string()),
+        ("UNMEASURED_DRIFT_PPM", UNMEASURED_DRIFT_PPM.to_string()),
+        ("DRIFT_WANDER_PPM_PER_S", DRIFT_WANDER_PPM_PER_S.to_string()),
+        ("HOLDOVER_S", HOLDOVER_S.to_string()),
+        ("WORST_PULSE_SIGMA_S", WORST_PULSE_SIGMA_S.to_string()),
+        ("CONSISTENT_TIMES", CONSISTENT_TIMES.to_string()),
+        ("CONSISTENT_PULSES", CONSISTENT_PULSES.to_string()),
     ];
     let documented: Vec<_> = rows("constant")
         .into_iter()

@@ -6,6 +6,7 @@ use fmc_camera::flight::{
     stage::{Profile, Stage, Travel},
     exposure::{Exposure, Limits},
     stage::Stage,
+    utc::UtcClock,
     vh::{VhChannel, VhCounters, VhEstimate, VhFindingKind, VhMonitor, VhSettings, WrongUnit},
 };
 
@@ -43,6 +44,11 @@ pub(crate) fn keep() {
         Profile::end,
         Profile::segments,
         Profile::reach_mm,
+        UtcClock::new,
+        UtcClock::drift_ppm,
+        UtcClock::pulse,
+        UtcClock::receiver_time,
+        UtcClock::utc,
         VhChannel::of,
         VhChannel::name,
         WrongUnit::factor,
