@@ -229,7 +229,7 @@ fn ramp_and_cruise_are_followed_within_a_step_between_set_points() {
         for pulse in 1..=40_u16 {
             drive.pulse();
             let off = wanted_mm(time_s + f32::from(pulse) / 40_000.0) * 1000.0
-                - bench.borrow().steps as f32;
+                - f32::from(i16::try_from(bench.borrow().steps).unwrap());
             // Half a step, and two pulses at 15 steps per ms.
             assert!(off.abs() <= 1.4, "{tick} {pulse}: {off} steps");
         }

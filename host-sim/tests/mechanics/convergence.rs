@@ -58,8 +58,8 @@ fn steady_force_against_friction_and_damping_is_the_formula() {
     mechanics.advance(0.2, true, 0.03);
     // m·v' = F - F_c - b·v: v = (F - F_c)/b·(1 - exp(-t·b/m)), integrated.
     let (force, damping) = (0.2 * 6.0 - 0.25, 22.0);
-    let tau = 0.3 / damping;
-    let speed = force / damping * (1.0 - (-0.03 / tau as f64).exp());
+    let tau: f64 = 0.3 / damping;
+    let speed = force / damping * (1.0 - (-0.03 / tau).exp());
     let way_mm = 1e3 * (force / damping * 0.03 - tau * speed);
     let off_nm = 1e6 * (mechanics.position_mm() - way_mm);
     // The trapezoid of the position: h²/12 of the change of acceleration, a tenth of a nanometre.

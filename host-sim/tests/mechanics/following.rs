@@ -1,7 +1,7 @@
 //! How well the stage follows with the gains of the library, against what they are documented to do.
 
-use fmc_camera::flight::drive::loop_settings::{FollowingBounds, LoopSettings};
 use fmc_camera::flight::drive::pwm_encoder::DriveSettings;
+use fmc_camera::flight::drive::{following::FollowingBounds, loop_settings::LoopSettings};
 use host_sim::mechanics::{EncoderSide, MechanicsSettings};
 
 use crate::profile::{ACCELERATION_MM_S2, FASTEST_MM_S, Profile};

@@ -2,7 +2,10 @@
 
 use std::f64::consts::PI;
 
-use fmc_camera::flight::drive::loop_settings::{LoopMargins, LoopSettings, Plant};
+use fmc_camera::flight::drive::{
+    following::LoopMargins,
+    loop_settings::{LoopSettings, Plant},
+};
 use nalgebra::Complex;
 
 use crate::support::TICK_S;

@@ -62,7 +62,7 @@ fn cruise_s(speed_mm_s: f64) -> f64 {
 
 /// The lines of the table in the library's documentation.
 fn documented() -> Vec<(String, String, Vec<f64>)> {
-    let source = include_str!("../../../src/flight/drive/loop_settings.rs");
+    let source = include_str!("../../../src/flight/drive/following.rs");
     let rows = source.lines().filter_map(|line| {
         let cells: Vec<_> = line.trim().strip_prefix("/// | ")?.split('|').collect();
         let numbers: Vec<f64> = cells[2..]
@@ -114,6 +114,8 @@ fn jam_and_wrong_sign_pass_the_limit_within_five_ms_and_healthy_motion_never_doe
         }
     }
     // The bounds of healthy motion are asserted in `following`.
-    assert!(2.0 * LoopSettings::LEARNED.seen_um < LoopSettings::FOLLOWING_LIMIT_UM);
-    assert!(LoopSettings::UNLEARNED.seen_um < LoopSettings::FOLLOWING_LIMIT_UNLEARNED_UM);
+    const {
+        assert!(2.0 * LoopSettings::LEARNED.seen_um < LoopSettings::FOLLOWING_LIMIT_UM);
+        assert!(LoopSettings::UNLEARNED.seen_um < LoopSettings::FOLLOWING_LIMIT_UNLEARNED_UM);
+    }
 }

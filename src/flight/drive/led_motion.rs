@@ -38,24 +38,26 @@ pub(super) struct Lead {
     pub starts: bool,
 }
 
-/// Delays between set point, reading and force.
+/// Delays between set point, reading and force, s.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) struct Delays {
-    pub reading_age_s: f32,
-    pub duty_delay_s: f32,
+    /// Age of the reading.
+    pub reading: f32,
+    /// Until a duty acts.
+    pub duty: f32,
     /// Until the next call.
-    pub tick_s: f32,
+    pub tick: f32,
 }
 
 impl LedMotion {
     /// One tick on; `dt_s` has passed since the last.
     pub(super) fn lead(&mut self, setpoint: Setpoint, dt_s: f32, delays: Delays) -> Lead {
-        let ahead = moved(setpoint, delays.duty_delay_s);
+        let ahead = moved(setpoint, delays.duty);
         let (led, starts) = match self.at.map(|last| moved(last, dt_s)) {
             Some(led) if (ahead.offset_mm - led.offset_mm).abs() <= JUMP_MM => (led, false),
             _ => (ahead, true),
         };
-        let tick_s = delays.tick_s;
+        let tick_s = delays.tick;
         let push_mm_s2 = ahead.acceleration_mm_s2
             + ((ahead.offset_mm - led.offset_mm) * JOIN_OFFSET / tick_s
                 + (ahead.speed_mm_s - led.speed_mm_s) * JOIN_SPEED)
@@ -65,7 +67,7 @@ impl LedMotion {
             ..led
         });
         Lead {
-            expected_mm: moved(led, -(delays.duty_delay_s + delays.reading_age_s)).offset_mm,
+            expected_mm: moved(led, -(delays.duty + delays.reading)).offset_mm,
             speed_mm_s: led.speed_mm_s + 0.5 * push_mm_s2 * tick_s,
             push_mm_s2,
             starts,
@@ -92,9 +94,9 @@ mod tests {
     use super::*;
 
     const DELAYS: Delays = Delays {
-        reading_age_s: 0.0,
-        duty_delay_s: 0.0,
-        tick_s: 1e-3,
+        reading: 0.0,
+        duty: 0.0,
+        tick: 1e-3,
     };
 
     /// Up to 5 mm/s at 1000 mm/s², where the ramp ends between two ticks.

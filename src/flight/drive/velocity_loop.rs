@@ -61,7 +61,7 @@ impl VelocityLoop {
     /// ed. 2012, chapter 17: position P over velocity PI, with feed-forward). e is where the stage should have been at the reading,
     /// less the reading; its slope, from one reading to the next, is the error of speed without the lag that
     /// a difference of positions has. v and a are the set point's, with corners between two ticks made up for in two
-    /// ticks. k_v, k_a and k_f are learned from what the feedback has to add; K goes with k_a, the mass. The integral stands
+    /// ticks. `k_v`, `k_a` and `k_f` are learned from what the feedback has to add; K goes with `k_a`, the mass. The integral stands
     /// still while the duty is at its limit and the error would drive it further. At a set point at rest an error
     /// inside the rest band is left alone, without duty, until it is twice as wide: no hunting over a step of the encoder.
     ///
@@ -69,7 +69,7 @@ impl VelocityLoop {
     /// `measured_offset_mm` and the set point along the FMC axis; `dt_s` since the last call, 0 at the first.
     ///
     /// # Accuracy
-    /// What the stage then does is at [`LoopSettings`]. A set point or a reading that is no number gives duty 0 and starts
+    /// What the stage then does is at [`LoopSettings::tuned`]. A set point or a reading that is no number gives duty 0 and starts
     /// the loop afresh.
     pub fn duty(&mut self, setpoint: Setpoint, measured_offset_mm: f32, dt_s: f32) -> f32 {
         let settings = self.settings;
@@ -84,9 +84,9 @@ impl VelocityLoop {
             setpoint,
             dt_s,
             Delays {
-                reading_age_s: settings.reading_age_s,
-                duty_delay_s: settings.duty_delay_s,
-                tick_s,
+                reading: settings.reading_age_s,
+                duty: settings.duty_delay_s,
+                tick: tick_s,
             },
         );
         let error_mm = lead.expected_mm - measured_offset_mm;
