@@ -119,3 +119,36 @@ fn jam_and_wrong_sign_pass_the_limit_within_five_ms_and_healthy_motion_never_doe
         assert!(LoopSettings::UNLEARNED.seen_um < LoopSettings::FOLLOWING_LIMIT_UNLEARNED_UM);
     }
 }
+
+#[test]
+fn what_a_jam_teaches_is_soon_forgotten() {
+    // Jammed for 10 ms in cruise, twice as long as it takes to be noticed, then free again.
+    let settings = MechanicsSettings::default();
+    let mut motion = profile(5.0);
+    motion.rest(0.1);
+    motion.strokes(2);
+    let after_s = motion.end_s();
+    motion.cruise(17.0, 0.02, ACCELERATION_MM_S2);
+    motion.rest(0.05);
+    let jam = Injection {
+        until_s: cruise_s(5.0) + 0.01,
+        ..Injection::from(JAM, cruise_s(5.0))
+    };
+    let mut largest_um: f64 = 0.0;
+    run(
+        settings,
+        drive_for(&settings),
+        &motion,
+        &[jam],
+        |tick, _, _| {
+            if tick.time_s > after_s {
+                largest_um = largest_um.max(tick.error_um.abs());
+            }
+        },
+    );
+    println!("{largest_um}");
+    assert!(
+        largest_um <= f64::from(LoopSettings::LEARNED.seen_um),
+        "{largest_um}"
+    );
+}
