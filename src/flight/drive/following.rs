@@ -38,7 +38,7 @@ impl LoopSettings {
         gain: 2.54,
     };
 
-    /// The stage of [`Plant::REFERENCE`].
+    /// The stage of [`Plant::REFERENCE`](super::loop_settings::Plant::REFERENCE).
     pub const NOMINAL: FollowingBounds = FollowingBounds {
         cruise_um: 0.16,
         smear_um: 0.15,
