@@ -69,6 +69,8 @@ pub struct Controller {
     watch: StageWatch,
     /// Following error of the stage; without force, its place.
     following: Slope,
+    /// Ways of the exercise that are left.
+    exercise: u8,
     /// Why there is no compensation.
     degraded: Option<Fault>,
     /// The encoder has lost its place, until it is cleared.
@@ -140,6 +142,7 @@ impl Controller {
             track: StageTrack::new(),
             watch: StageWatch::new(),
             following: Slope::new(),
+            exercise: 0,
             degraded: None,
             is_place_lost: false,
             standing_since: None,

@@ -3,7 +3,16 @@
 use fmc_camera::flight::{
     camera::{Camera, CameraRecord},
     controller::{Controller, state::State},
-    drive::rig::RigDrive,
+    drive::{
+        FmcDrive,
+        loop_settings::{LoopSettings, Plant},
+        pwm_encoder::{DriveSettings, PwmEncoder},
+        quadrature::{QuadratureCounter, QuadratureDecoder},
+        rig::RigDrive,
+        step_dir::StepDir,
+        step_settings::StepSettings,
+        velocity_loop::VelocityLoop,
+    },
     exposure::{Exposure, FlightDirection, Limits},
     fault::{Fault, Faults},
     frame_record::{Flag, Flags, Reason},
@@ -19,18 +28,6 @@ use fmc_camera::flight::{
     unit::CameraUnit,
     utc::UtcClock,
     vh::{VhChannel, VhCounters, VhEstimate, VhFindingKind, VhMonitor, VhSettings, WrongUnit},
-    drive::{
-        FmcDrive,
-        loop_settings::{LoopSettings, Plant},
-        pwm_encoder::{DriveSettings, PwmEncoder},
-        quadrature::{QuadratureCounter, QuadratureDecoder},
-        rig::RigDrive,
-        step_dir::StepDir,
-        step_settings::StepSettings,
-        velocity_loop::VelocityLoop,
-    },
-    exposure::{Exposure, Limits},
-    stage::Stage,
 };
 
 use crate::pin::Pin;
