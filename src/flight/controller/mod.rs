@@ -124,6 +124,9 @@ impl Controller {
     ) -> Result<Self, ControllerError> {
         let camera = Camera::new(*record).map_err(ControllerError::Calibration)?;
         let settings = settings.checked().map_err(ControllerError::Settings)?;
+        camera
+            .check_exposure_time(settings.exposure_s)
+            .map_err(|error| ControllerError::Travel(error.into()))?;
         let mut faults = Faults::NONE;
         let state = match start {
             Start::Orderly => State::Standby,
