@@ -37,8 +37,9 @@ impl Controller {
             }
             Finding::Fault(fault) => self.fail(reading.time, fault, actions),
         }
+        let error_mm = reading.offset_mm - setpoint.offset_mm;
         self.track.push(reading);
-        self.following
-            .push(reading.time, reading.offset_mm - setpoint.offset_mm);
+        self.following.push(reading.time, error_mm);
+        self.following_error.push(error_mm);
     }
 }
