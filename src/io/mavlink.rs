@@ -1,4 +1,4 @@
-//! Messages of an autopilot (MAVLink 1 and 2): speed, heights and time, byte by byte.
+//! Messages of an autopilot (`MAVLink` 1 and 2): speed, heights and time, byte by byte.
 //!
 //! Read are `GLOBAL_POSITION_INT`, `DISTANCE_SENSOR`, `ALTITUDE` and `SYSTEM_TIME` of the common dialect; every other
 //! message is passed over. Frames are cut here: the reader of the crate `mavlink` indexes into its buffer, and what it
@@ -27,6 +27,9 @@ pub const MAX_SAMPLES: usize = 3;
 /// `GLOBAL_POSITION_INT` after an `ALTITUDE` whose altitude is passed over: the two may differ by tens of metres, and
 /// `ALTITUDE` has the terrain's height that goes with its own.
 pub const ALTITUDE_PREFERRED: u8 = 50;
+
+/// Place of the signal's quality in a `DISTANCE_SENSOR`: an extension, which the crate decodes only with std.
+const SIGNAL_QUALITY_AT: usize = 38;
 
 /// Quality a distance sensor gives a measurement that is none.
 const INVALID_SIGNAL: u8 = 1;
@@ -249,7 +252,8 @@ fn read(
         }
         DISTANCE_SENSOR_DATA::ID => {
             let distance = decoded::<DISTANCE_SENSOR_DATA, DISTANCE>(payload)?;
-            of_distance(&distance, &mut samples)?;
+            let has_signal = payload.get(SIGNAL_QUALITY_AT) != Some(&INVALID_SIGNAL);
+            of_distance(&distance, has_signal, &mut samples)?;
         }
         ALTITUDE_DATA::ID => {
             let altitude = decoded::<ALTITUDE_DATA, ALTITUDE>(payload)?;
@@ -320,12 +324,16 @@ fn of_position(
     Ok(())
 }
 
-fn of_distance(distance: &DISTANCE_SENSOR_DATA, samples: &mut Samples) -> Result<(), MavlinkError> {
+fn of_distance(
+    distance: &DISTANCE_SENSOR_DATA,
+    has_signal: bool,
+    samples: &mut Samples,
+) -> Result<(), MavlinkError> {
     if distance.orientation != MavSensorOrientation::MAV_SENSOR_ROTATION_PITCH_270 {
         return Ok(());
     }
     let range_cm = distance.min_distance..=distance.max_distance;
-    if distance.signal_quality == INVALID_SIGNAL || !range_cm.contains(&distance.current_distance) {
+    if !has_signal || !range_cm.contains(&distance.current_distance) {
         return Err(MavlinkError::NoDistance);
     }
     let sample = match distance.mavtype {

@@ -1,4 +1,4 @@
-//! The link.
+//! The link, and what aircraft send.
 
 use fmc_camera::io::link::{
     deck::RigDeck,
@@ -7,6 +7,8 @@ use fmc_camera::io::link::{
     message::{Answer, Grid, Identity, Request},
     station::Station,
 };
+use fmc_camera::io::mavlink::MavlinkReceiver;
+use fmc_camera::io::nmea::NmeaReceiver;
 
 /// Keeps the public functions of `fmc_camera::io`.
 pub(crate) fn keep() {
@@ -32,5 +34,15 @@ pub(crate) fn keep() {
         Station::<RigDeck>::count_overrun,
         Station::<RigDeck>::counters,
         Station::<RigDeck>::deck_mut,
+        Station::receive,
+        Station::to_send,
+        Station::sent,
+        Station::count_overrun,
+        Station::counters,
+        NmeaReceiver::new,
+        NmeaReceiver::receive,
+        MavlinkReceiver::new,
+        MavlinkReceiver::receive,
+        MavlinkReceiver::buffered,
     ];
 }
