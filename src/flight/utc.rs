@@ -91,8 +91,8 @@ struct Doubt {
 /// # Model
 /// With the last pulse at camera time T, the beginning of second N, and the clock's drift d measured from pulse to pulse
 /// (exponential mean, gain 1/8), UTC at camera time t is `N + (t - T)/(1 + d)`. With `age = |t - T|`:
-/// `σ² = σ_pulse² + ((σ_d + w·age)·age)² + σ_q²`, where σ_d is the mean deviation of the measured drifts, w
-/// [`DRIFT_WANDER_PPM_PER_S`] and σ_q the rounding to microseconds. While the receiver's times contradict the count of
+/// `σ² = σ_pulse² + ((σ_d + w·age)·age)² + σ_q²`, where `σ_d` is the mean deviation of the measured drifts, w
+/// [`DRIFT_WANDER_PPM_PER_S`] and `σ_q` the rounding to microseconds. While the receiver's times contradict the count of
 /// pulses, the contradiction is added to σ.
 #[derive(Debug, Clone)]
 pub struct UtcClock {

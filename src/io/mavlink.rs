@@ -3,8 +3,8 @@
 //! Read are `GLOBAL_POSITION_INT`, `DISTANCE_SENSOR`, `ALTITUDE` and `SYSTEM_TIME` of the common dialect; every other
 //! message is passed over. Frames are cut here: the reader of the crate `mavlink` indexes into its buffer, and what it
 //! cannot use it must have read whole. A candidate whose checksum is wrong is given up from its second byte, so that no
-//! frame is lost behind a false beginning. The crate checks the sum and decodes the payload, which it gets in an array of
-//! the message's full length: its own filling up of a shortened payload indexes. Signatures are not verified.
+//! frame is lost behind a false beginning. The crate knows each message's part of the checksum and decodes the payload, which
+//! it gets in an array of the message's full length: its own filling up of a shortened payload indexes. Signatures are not verified.
 
 use core::fmt;
 
@@ -12,7 +12,8 @@ use ::mavlink::dialects::common::{
     ALTITUDE_DATA, DISTANCE_SENSOR_DATA, GLOBAL_POSITION_INT_DATA, MavDistanceSensor, MavMessage,
     MavSensorOrientation, SYSTEM_TIME_DATA,
 };
-use ::mavlink::{MAV_STX, MAV_STX_V2, MavlinkVersion, Message, MessageData, calculate_crc};
+use ::mavlink::{MAV_STX, MAV_STX_V2, MavlinkVersion, Message, MessageData};
+use crc::{CRC_16_MCRF4XX, Crc, Table};
 use heapless::Vec;
 
 use crate::flight::vh::VhSample;
@@ -39,6 +40,9 @@ const LEAST_ABOVE_TERRAIN_M: f32 = -1000.0;
 
 /// 2000-01-01 and 2200-01-01, µs since 1970: an autopilot that knows the time knows one between them.
 const POSSIBLE_UNIX_US: [u64; 2] = [946_684_800_000_000, 7_258_118_400_000_000];
+
+/// The crate's own can panic.
+const CRC: Crc<u16, Table<1>> = Crc::<u16, Table<1>>::new(&CRC_16_MCRF4XX);
 
 /// In version 2: the frame ends with a signature.
 const SIGNED: u8 = 1;
@@ -224,8 +228,10 @@ fn checked_payload(bytes: &[u8], layout: Layout) -> Option<&[u8]> {
     let (frame, rest) = bytes.split_at_checked(layout.payload_at + layout.payload_bytes)?;
     let (checksum, _) = rest.split_first_chunk::<CHECKSUM_BYTES>()?;
     let (_, checked) = frame.split_first()?;
-    let right = calculate_crc(checked, MavMessage::extra_crc(layout.message));
-    if u16::from_le_bytes(*checksum) != right {
+    let mut right = CRC.digest();
+    right.update(checked);
+    right.update(&[MavMessage::extra_crc(layout.message)]);
+    if u16::from_le_bytes(*checksum) != right.finalize() {
         return None;
     }
     frame.get(layout.payload_at..)

@@ -7,8 +7,6 @@ use fmc_camera::io::link::{
     message::{Answer, Grid, Identity, Request},
     station::Station,
 };
-use fmc_camera::io::mavlink::MavlinkReceiver;
-use fmc_camera::io::nmea::NmeaReceiver;
 
 /// Keeps the public functions of `fmc_camera::io`.
 pub(crate) fn keep() {
@@ -39,10 +37,25 @@ pub(crate) fn keep() {
         Station::sent,
         Station::count_overrun,
         Station::counters,
-        NmeaReceiver::new,
-        NmeaReceiver::receive,
+    ];
+    #[cfg(feature = "mavlink")]
+    keep_mavlink();
+    #[cfg(feature = "nmea")]
+    keep_nmea();
+}
+
+#[cfg(feature = "mavlink")]
+fn keep_mavlink() {
+    use fmc_camera::io::mavlink::MavlinkReceiver;
+    keep![
         MavlinkReceiver::new,
         MavlinkReceiver::receive,
         MavlinkReceiver::buffered,
     ];
+}
+
+#[cfg(feature = "nmea")]
+fn keep_nmea() {
+    use fmc_camera::io::nmea::NmeaReceiver;
+    keep![NmeaReceiver::new, NmeaReceiver::receive];
 }
