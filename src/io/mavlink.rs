@@ -5,6 +5,8 @@
 //! cannot use it must have read whole. A candidate whose checksum is wrong is given up from its second byte, so that no
 //! frame is lost behind a false beginning. The crate knows each message's part of the checksum and decodes the payload, which
 //! it gets in an array of the message's full length: its own filling up of a shortened payload indexes. Signatures are not verified.
+//!
+//! The link check of `tests/no-panic` with its feature `mavlink` finds no panic here.
 
 use core::fmt;
 
