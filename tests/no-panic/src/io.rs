@@ -32,11 +32,6 @@ pub(crate) fn keep() {
         Station::<RigDeck>::count_overrun,
         Station::<RigDeck>::counters,
         Station::<RigDeck>::deck_mut,
-        Station::receive,
-        Station::to_send,
-        Station::sent,
-        Station::count_overrun,
-        Station::counters,
     ];
     #[cfg(feature = "mavlink")]
     keep_mavlink();
