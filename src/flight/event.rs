@@ -44,8 +44,10 @@ pub enum Command {
     Arm,
     /// Triggers are to be refused, and the stage left alone.
     Disarm,
-    /// A fault has been looked at: the camera may go on.
+    /// A fault has been looked at: the camera goes to standby.
     ClearFault,
+    /// The encoder's count has been referred to the calibrated position again, as after [`Fault::Encoder`] it must be.
+    Referenced,
     /// Exposure time of the frames to come, s.
     Exposure(f32),
 }
@@ -98,6 +100,13 @@ pub enum Action {
         at: Time,
         /// Exposure time, s.
         exposure_s: f32,
+    },
+    /// The rows of a TDI sensor are to be clocked from a time on.
+    ClockRows {
+        /// When the shutter's command leaves.
+        at: Time,
+        /// Speed of the charge along the FMC axis, mm/s.
+        speed_mm_s: f32,
     },
     /// The shutter is to close at once, or stay closed.
     CloseShutter,

@@ -36,7 +36,7 @@ pub enum Fault {
     BrownOut,
     /// The camera has started again after its watchdog bit.
     Watchdog,
-    /// V/H is lost: no source gives one that fits the smear budget.
+    /// V/H is lost: every source is silent for longer than its validity, or not believed.
     VhLost,
 }
 

@@ -12,13 +12,13 @@ use super::vh::VhEstimate;
 #[derive(Debug, Clone, Copy, PartialEq)]
 #[cfg_attr(feature = "link", derive(serde::Serialize, serde::Deserialize))]
 pub struct FrameRecord {
-    /// Number of the trigger since the camera started, from 1; none is left out.
+    /// Number of the trigger since the camera was prepared, from 1; none is left out.
     pub sequence: u32,
-    /// When the trigger came, camera time.
+    /// When the trigger came, camera time; of those refused as [`Reason::RecordsFull`], the first's for all but the last.
     pub trigger: Time,
     /// What became of it.
     pub outcome: Outcome,
-    /// What went wrong from the trigger to the record.
+    /// What went wrong from the end of the frame before to the record.
     pub faults: Faults,
     /// What a user of the frame should know.
     pub flags: Flags,
@@ -139,15 +139,17 @@ pub enum Flag {
     StaticCorrection,
     /// A single wrong encoder reading was left out.
     EncoderGlitch,
-    /// An encoder reading is missing at one end of the exposure; it was continued from the neighbours.
+    /// Encoder readings are missing in the exposure or at one end of it; the path was continued from the others.
     ExtrapolatedMotion,
     /// Attitude rates were given and are in the predicted smear.
     WithAttitude,
+    /// Last light was not seen: the exposure is taken to have been as long as it should.
+    LastLightAssumed,
 }
 
 impl Flag {
     /// All of them.
-    pub const ALL: [Self; 9] = [
+    pub const ALL: [Self; 10] = [
         Self::NoCompensation,
         Self::LastGoodVh,
         Self::OffCentre,
@@ -157,6 +159,7 @@ impl Flag {
         Self::EncoderGlitch,
         Self::ExtrapolatedMotion,
         Self::WithAttitude,
+        Self::LastLightAssumed,
     ];
 
     /// The name in documents and tables.
@@ -172,6 +175,7 @@ impl Flag {
             Self::EncoderGlitch => "encoder glitch",
             Self::ExtrapolatedMotion => "extrapolated motion",
             Self::WithAttitude => "with attitude",
+            Self::LastLightAssumed => "last light assumed",
         }
     }
 

@@ -90,28 +90,25 @@ impl RecordLog {
             flags: Flags::NONE,
             calibration_crc,
         };
-        match &mut self.refused {
-            Some(range) => {
-                range.last_sequence = sequence;
-                range.last = trigger;
-            }
-            None => {
-                let place = Place {
-                    record,
-                    is_pending: true,
-                };
-                if self.whole.push_back(place).is_ok() {
-                    return Numbered::Pending(sequence);
-                }
-                self.calibration_crc = calibration_crc;
-                self.refused = Some(Range {
-                    first_sequence: sequence,
-                    last_sequence: sequence,
-                    first: trigger,
-                    last: trigger,
-                });
-            }
+        if let Some(range) = &mut self.refused {
+            range.last_sequence = sequence;
+            range.last = trigger;
+            return Numbered::Full(sequence);
         }
+        let place = Place {
+            record,
+            is_pending: true,
+        };
+        if self.whole.push_back(place).is_ok() {
+            return Numbered::Pending(sequence);
+        }
+        self.calibration_crc = calibration_crc;
+        self.refused = Some(Range {
+            first_sequence: sequence,
+            last_sequence: sequence,
+            first: trigger,
+            last: trigger,
+        });
         Numbered::Full(sequence)
     }
 

@@ -48,7 +48,7 @@ impl Rig {
     pub fn new(
         record: &CameraRecord,
         calibration_crc: u32,
-        settings: FlightSettings,
+        settings: &FlightSettings,
         start: Start,
     ) -> Result<Self, ControllerError> {
         let controller = Controller::new(record, calibration_crc, settings, start)?;

@@ -30,6 +30,8 @@ pub struct FlightSettings {
     pub trigger_interval_s: f32,
     /// σ of the satellite receiver's time pulse, s.
     pub time_pulse_sigma_s: f32,
+    /// Whether the encoder counts on while the supply is too low for the motor.
+    pub encoder_survives_brown_out: bool,
     /// Sources of V/H.
     pub vh: VhSettings,
     /// Motor, encoder and velocity loop.
@@ -96,6 +98,7 @@ impl Default for FlightSettings {
             shutter_tolerance_s: 0.001,
             trigger_interval_s: 0.0,
             time_pulse_sigma_s: 1e-6,
+            encoder_survives_brown_out: true,
             vh: VhSettings::default(),
             drive: DriveSettings::default(),
         }

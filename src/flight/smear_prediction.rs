@@ -1,10 +1,11 @@
 //! The residual smear of a frame, predicted from what the camera knows.
 
 use super::event::AttitudeSample;
+use super::exposure::FlightDirection;
 use super::vh::VhEstimate;
 use crate::geometry::calibration::Calibration;
 use crate::geometry::image_motion::{Attitude, FlightState, GroundMotion, ImageMotion, View};
-use crate::geometry::sensor::SensorPoint;
+use crate::geometry::sensor::{FmcAxis, SensorPoint};
 
 /// Points along each side of the grid on which the lens' gradient is looked for.
 const GRID_POINTS: u8 = 9;
@@ -13,6 +14,7 @@ const GRID_POINTS: u8 = 9;
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct SmearPrediction {
     view: View,
+    direction: FlightDirection,
     /// max |∂D/∂e| over the sensor.
     lens_gradient: f32,
 }
@@ -24,15 +26,36 @@ pub struct Compensation {
     pub exposure_s: f32,
     /// δ: travel in the direction of flight, mm; 0: the stage stood still.
     pub travel_mm: f32,
+    /// How far the stage left a straight line in time meanwhile, to both sides together, mm.
+    pub wander_mm: f32,
     /// Principal point at the centroid, mm.
     pub principal_point: SensorPoint,
 }
 
+/// What an exposure leaves.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct PredictedSmear {
+    /// The largest on the sensor, µm.
+    pub largest_um: f32,
+    /// Whether the attitude is in it.
+    pub is_with_attitude: bool,
+}
+
 impl SmearPrediction {
-    /// The prediction for a camera that flies along its FMC axis.
+    /// The prediction for a camera that flies along its FMC axis, or against it.
     #[must_use]
-    pub fn new(calibration: &Calibration) -> Self {
-        let view = View::calibrated(calibration);
+    pub fn new(calibration: &Calibration, direction: FlightDirection) -> Self {
+        let calibrated = View::calibrated(calibration);
+        let view = View {
+            axis: match (direction, calibrated.axis) {
+                (FlightDirection::Forward, axis) => axis,
+                (FlightDirection::Reverse, FmcAxis::PlusX) => FmcAxis::MinusX,
+                (FlightDirection::Reverse, FmcAxis::MinusX) => FmcAxis::PlusX,
+                (FlightDirection::Reverse, FmcAxis::PlusY) => FmcAxis::MinusY,
+                (FlightDirection::Reverse, FmcAxis::MinusY) => FmcAxis::PlusY,
+            },
+            ..calibrated
+        };
         let record = calibration.record();
         let origin = record.principal_point;
         let (half_width, half_height) = (view.sensor.half_width_mm(), view.sensor.half_height_mm());
@@ -54,35 +77,40 @@ impl SmearPrediction {
         }
         Self {
             view,
+            direction,
             lens_gradient,
         }
     }
 
-    /// The largest residual smear on the sensor, µm.
+    /// The largest residual smear on the sensor.
     ///
     /// # Model
     /// The largest length of the residual image motion over a grid of the sensor
     /// ([`ImageMotion::largest_smear`]), with attitude, rates and drift where they are given; to that are added
-    /// `f·σ_η·t` for one σ of V/H, and `|δ|·max|∂D/∂e|`, by which the lens distortion changes along the travel. The
-    /// terrain is taken as level at the height that V/H refers to.
+    /// `f·σ_η·t` for one σ of V/H, how far the stage left its straight line, and `|δ|·max|∂D/∂e|`, by which the lens
+    /// distortion changes along the travel. The terrain is taken as level at the height that V/H refers to.
     ///
     /// Attitudes for which no image motion can be given (see [`ImageMotion::new`]) count as not given.
     ///
     /// # Units and frames
-    /// `travel_mm` positive in the direction of flight.
+    /// `travel_mm` positive in the direction of flight; the attitude about the camera's axes, the drift from the direction
+    /// of flight.
     #[must_use]
-    pub fn largest_um(
+    pub fn of(
         &self,
         vh: &VhEstimate,
         attitude: Option<&AttitudeSample>,
         compensation: &Compensation,
-    ) -> f32 {
+    ) -> PredictedSmear {
         let focal_mm = self.view.principal_distance_mm;
         let Compensation {
             exposure_s,
             travel_mm,
+            wander_mm,
             principal_point,
         } = *compensation;
+        // Flown backwards, the camera's right and front are the flight's left and rear.
+        let sign = self.direction.sign();
         let view = View {
             principal_point,
             ..self.view
@@ -106,27 +134,32 @@ impl SmearPrediction {
                     ..level.motion
                 },
                 attitude: Attitude {
-                    pitch_deg: sample.pitch_deg,
-                    roll_deg: sample.roll_deg,
-                    pitch_rate_deg_s,
-                    roll_rate_deg_s,
+                    pitch_deg: sign * sample.pitch_deg,
+                    roll_deg: sign * sample.roll_deg,
+                    pitch_rate_deg_s: sign * pitch_rate_deg_s,
+                    roll_rate_deg_s: sign * roll_rate_deg_s,
                     yaw_rate_deg_s,
                 },
                 ..level
             }
         });
-        let motion = with_attitude
-            .and_then(|flight| ImageMotion::new(&view, &flight).ok())
-            .or_else(|| ImageMotion::new(&view, &level).ok());
+        let with_attitude = with_attitude.and_then(|flight| ImageMotion::new(&view, &flight).ok());
+        let is_with_attitude = with_attitude.is_some();
+        let motion = with_attitude.or_else(|| ImageMotion::new(&view, &level).ok());
         let motion_um = match motion {
             Some(motion) => motion.largest_smear(exposure_s).smear.length_um(),
             // No image motion of a level camera: V/H is out of its range. The whole of it is left.
             None => 1000.0 * focal_mm * exposure_s * libm::fabsf(vh.vh_per_s - compensated),
         };
-        motion_um
+        let largest_um = motion_um
             + against_um
             + 1000.0 * focal_mm * vh.sigma_per_s * exposure_s
-            + 1000.0 * libm::fabsf(travel_mm) * self.lens_gradient
+            + 1000.0 * wander_mm
+            + 1000.0 * libm::fabsf(travel_mm) * self.lens_gradient;
+        PredictedSmear {
+            largest_um,
+            is_with_attitude,
+        }
     }
 
     /// Micrometres as pixels.
@@ -157,13 +190,14 @@ mod tests {
             k0,
             ..Brown::default()
         };
-        SmearPrediction::new(&Calibration::new(record).unwrap())
+        SmearPrediction::new(&Calibration::new(record).unwrap(), FlightDirection::Forward)
     }
 
     fn compensation(travel_mm: f32) -> Compensation {
         Compensation {
             exposure_s: 1.0 / 300.0,
             travel_mm,
+            wander_mm: 0.0,
             principal_point: SensorPoint::default(),
         }
     }
@@ -174,7 +208,7 @@ mod tests {
     #[test]
     fn compensation_leaves_its_error_and_nothing_leaves_everything() {
         let level = prediction(0.0);
-        let left = |travel_mm| level.largest_um(&VH, None, &compensation(travel_mm));
+        let left = |travel_mm| level.of(&VH, None, &compensation(travel_mm)).largest_um;
         assert!(left(DELTA_MM) < 1e-3);
         assert!((left(1.01 * DELTA_MM) - 0.3333).abs() < 1e-3);
         assert!((left(0.0) - 33.333).abs() < 1e-2);
@@ -188,10 +222,14 @@ mod tests {
             sigma_per_s: 0.001,
             ..VH
         };
-        let found = prediction(0.0).largest_um(&uncertain, None, &compensation(DELTA_MM));
+        let found = prediction(0.0)
+            .of(&uncertain, None, &compensation(DELTA_MM))
+            .largest_um;
         assert!((found - 0.3333).abs() < 1e-3, "1 % of 33.3 µm: {found}");
         // A scale error of 1e-3 over 33.3 µm.
-        let lens = prediction(1e-3).largest_um(&VH, None, &compensation(DELTA_MM));
+        let lens = prediction(1e-3)
+            .of(&VH, None, &compensation(DELTA_MM))
+            .largest_um;
         assert!((lens - 0.0333).abs() < 1e-3, "{lens}");
         let rate = AttitudeSample {
             pitch_deg: 0.0,
@@ -199,12 +237,19 @@ mod tests {
             drift_deg: 0.0,
             rates_deg_s: [1.0, 0.0, 0.0],
         };
-        let found = prediction(0.0).largest_um(&VH, Some(&rate), &compensation(DELTA_MM));
+        let found = prediction(0.0)
+            .of(&VH, Some(&rate), &compensation(DELTA_MM))
+            .largest_um;
         assert!((found - 6.8).abs() < 0.1, "pitch rate 1 °/s: {found}");
         let absurd = AttitudeSample {
             pitch_deg: f32::NAN,
             ..rate
         };
-        assert!(prediction(0.0).largest_um(&VH, Some(&absurd), &compensation(DELTA_MM)) < 1e-3);
+        assert!(
+            prediction(0.0)
+                .of(&VH, Some(&absurd), &compensation(DELTA_MM))
+                .largest_um
+                < 1e-3
+        );
     }
 }

@@ -26,6 +26,10 @@ pub struct ExposurePath {
     pub samples: Vec<StageSample, { CAPACITY + 2 }>,
     /// Whether an end was continued from its neighbours.
     pub is_continued: bool,
+    /// The longest time between two samples in the exposure, s.
+    pub longest_gap_s: f32,
+    /// How far the path leaves the straight line between its ends, to both sides together, mm.
+    pub wander_mm: f32,
     /// Whether the samples cover the exposure.
     pub is_covered: bool,
 }
@@ -111,6 +115,8 @@ impl StageTrack {
         let mut path = ExposurePath {
             samples: Vec::new(),
             is_continued: false,
+            longest_gap_s: 0.0,
+            wander_mm: 0.0,
             is_covered: false,
         };
         let samples = || {
@@ -121,7 +127,10 @@ impl StageTrack {
         };
         let count = self.readings.len();
         let first_two = (samples().next(), samples().nth(1));
-        let last_two = (samples().nth(count.saturating_sub(2)), samples().last());
+        let last_two = (
+            samples().nth(count.saturating_sub(2)),
+            samples().next_back(),
+        );
         let ((Some(first), Some(second)), (Some(before), Some(last))) = (first_two, last_two)
         else {
             return path;
@@ -142,7 +151,36 @@ impl StageTrack {
             let _ = path.samples.push(continued(before, last, exposure_s));
         }
         path.is_covered = first.time_s <= CONTINUED_S && last.time_s + CONTINUED_S >= exposure_s;
+        path.look_over(exposure_s);
         path
+    }
+}
+
+impl ExposurePath {
+    /// Finds gap and wander.
+    fn look_over(&mut self, exposure_s: f32) {
+        let pairs = || {
+            let inside = |(before, after): &(&StageSample, &StageSample)| {
+                after.time_s > 0.0 && before.time_s < exposure_s
+            };
+            self.samples
+                .iter()
+                .zip(self.samples.iter().skip(1))
+                .filter(inside)
+        };
+        let (Some((first, _)), Some((_, last))) = (pairs().next(), pairs().next_back()) else {
+            return;
+        };
+        let slope = (last.offset_mm - first.offset_mm) / (last.time_s - first.time_s);
+        let (mut least, mut most, mut gap_s) = (0.0_f32, 0.0_f32, 0.0_f32);
+        for (before, after) in pairs() {
+            let line_mm = first.offset_mm + slope * (after.time_s - first.time_s);
+            least = least.min(after.offset_mm - line_mm);
+            most = most.max(after.offset_mm - line_mm);
+            gap_s = gap_s.max(after.time_s - before.time_s);
+        }
+        self.wander_mm = most - least;
+        self.longest_gap_s = gap_s;
     }
 }
 
@@ -189,6 +227,7 @@ mod tests {
             let exposure_s = closed.seconds_since(opened);
             let motion =
                 PrincipalPointMotion::from_samples(&path.samples, exposure_s, &shutter).unwrap();
+            assert!(path.wander_mm < 1e-4 && path.longest_gap_s < 1.1e-3 + exposure_s / 16.0);
             let expected = 0.1 + 20.0 * (0.0193 + 0.5 * exposure_s);
             assert!((motion.centroid_mm - expected).abs() < 2e-6 + 1e-6 * expected);
         }

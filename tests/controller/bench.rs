@@ -43,7 +43,7 @@ impl Bench {
 
     pub(crate) fn with(camera: &CameraRecord, settings: FlightSettings, start: Start) -> Self {
         Self {
-            controller: Controller::new(camera, 0xca1, settings, start).unwrap(),
+            controller: Controller::new(camera, 0xca1, &settings, start).unwrap(),
             now: Time::from_us(1_000_000),
             stage: Setpoint::default(),
             stage_follows: true,

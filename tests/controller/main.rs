@@ -3,4 +3,5 @@
 mod bench;
 mod faults;
 mod nominal;
+mod sequences;
 mod table;

@@ -52,7 +52,7 @@ fn trigger_leads_through_all_states_to_a_measured_record() {
 #[test]
 fn settings_that_cannot_be_flown_are_refused_with_their_numbers() {
     let refused = |settings| {
-        Controller::new(&camera(), 0, settings, Start::Orderly)
+        Controller::new(&camera(), 0, &settings, Start::Orderly)
             .unwrap_err()
             .to_string()
     };
@@ -87,7 +87,7 @@ fn settings_that_cannot_be_flown_are_refused_with_their_numbers() {
         trigger_interval_s: 0.5,
         ..nominal
     };
-    assert!(Controller::new(&camera(), 0, slow, Start::Orderly).is_ok());
+    assert!(Controller::new(&camera(), 0, &slow, Start::Orderly).is_ok());
 }
 
 #[test]

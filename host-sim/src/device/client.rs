@@ -271,12 +271,15 @@ impl<P: Port> Client<P> {
         }
     }
 
-    /// Makes the frame exposed last in flight the current one.
+    /// Makes the frame exposed last in flight the current one; its number and interior orientation.
     ///
     /// # Errors
     /// [`LinkError::Refused`] where there is none.
-    pub fn flown(&mut self) -> Result<InteriorOrientation, LinkError> {
-        self.frame_record(&Request::Flown)
+    pub fn flown(&mut self) -> Result<(u32, InteriorOrientation), LinkError> {
+        match self.ask(&Request::Flown)? {
+            Answer::Flown(sequence, interior) => Ok((sequence, interior)),
+            _ => Err(self.unexpected(&Request::Flown)),
+        }
     }
 
     /// What the camera's end of the link has seen since it started.

@@ -71,12 +71,11 @@ impl FlyingDevice for InProcess {
             return Err(DeviceError::RecordsKept(kept));
         }
         let crc = digest::of_record(camera).unwrap_or_default();
-        let rig =
-            Rig::new(camera, crc, *settings, Start::Orderly).map_err(|error| match error {
-                ControllerError::Calibration(error) => DeviceError::Calibration(error),
-                ControllerError::Settings(error) => DeviceError::Settings(error),
-                ControllerError::Travel(error) => DeviceError::Frame(error),
-            })?;
+        let rig = Rig::new(camera, crc, settings, Start::Orderly).map_err(|error| match error {
+            ControllerError::Calibration(error) => DeviceError::Calibration(error),
+            ControllerError::Settings(error) => DeviceError::Settings(error),
+            ControllerError::Travel(error) => DeviceError::Frame(error),
+        })?;
         self.rig = Some(rig);
         Ok(())
     }

@@ -16,6 +16,7 @@ impl Controller {
             Command::Arm => self.arm(now, actions),
             Command::Disarm => self.disarm(now, actions),
             Command::ClearFault => self.clear_fault(actions),
+            Command::Referenced => self.referenced(),
             // One outside the camera's limits leads to the refusal of every trigger.
             Command::Exposure(exposure_s) => self.exposure_s = exposure_s,
         }
@@ -24,13 +25,7 @@ impl Controller {
     fn arm(&mut self, now: Time, actions: &mut Actions) {
         match self.state {
             State::Standby if !self.is_supply_good => act(actions, Action::Fault(Fault::BrownOut)),
-            State::Standby if self.degraded.is_some_and(is_of_the_stage) => {
-                self.state = self.ready();
-            }
-            State::Standby => {
-                self.exercise = EXERCISE_WAYS;
-                self.resume(now, actions);
-            }
+            State::Standby => self.resume(now, actions),
             // On its way to standby.
             _ => self.is_disarming = false,
         }
@@ -48,16 +43,27 @@ impl Controller {
         }
     }
 
-    /// To standby, from a fault or from flying without compensation because of one. An exposure goes on.
+    /// To standby, from a fault or from flying without compensation because of one. An exposure goes on. A place that
+    /// is lost stays so.
     fn clear_fault(&mut self, actions: &mut Actions) {
         if self.frame.is_some() {
             return;
         }
         if let State::Fault(_) | State::Degraded(_) | State::Standby = self.state {
-            self.degraded = None;
-            self.is_place_lost = false;
+            self.stage_fault = self.is_place_lost.then_some(Fault::Encoder);
+            self.rounds.forget_overload();
             self.is_disarming = false;
             self.stand_by(actions);
+        }
+    }
+
+    /// The encoder counts from the calibrated position again.
+    fn referenced(&mut self) {
+        if self.motion.is_none() && self.frame.is_none() {
+            self.is_place_lost = false;
+            self.track.clear();
+            self.following.clear();
+            self.stage_fault = self.stage_fault.filter(|fault| *fault != Fault::Encoder);
         }
     }
 
@@ -66,37 +72,26 @@ impl Controller {
         self.state = State::Standby;
     }
 
-    /// Force on the stage, and to its waiting place.
+    /// Force on the stage, to and fro, and to its waiting place; where there is none, or something is wrong with it, ready without.
     pub(super) fn resume(&mut self, now: Time, actions: &mut Actions) {
-        self.degraded = None;
-        self.following.clear();
-        self.watch = StageWatch::new();
-        if !self.camera.has_stage() {
-            self.state = State::Armed;
+        if !self.camera.has_stage() || self.stage_fault.is_some() {
+            self.state = self.ready(now);
             return;
         }
-        let Some(profile) = self.way_back(now) else {
-            self.state = State::Fault(Fault::Encoder);
-            act(actions, Action::Fault(Fault::Encoder));
-            return;
-        };
-        self.motion = Motion::Profile {
-            profile,
-            since: now,
-        };
-        self.state = State::FlyBack;
+        self.arming = Some(EXERCISE_WAYS);
+        self.following.clear();
+        self.watch = StageWatch::new();
+        self.last_reading = now;
+        match self.way_back(now) {
+            Some(profile) => {
+                self.motion = Some(Motion {
+                    profile,
+                    since: now,
+                });
+                self.state = State::FlyBack;
+            }
+            // The reading is not a number, or the stage's end is not.
+            None => self.fail(Fault::Encoder, actions),
+        }
     }
-}
-
-/// Faults after which the stage is left alone until they are cleared.
-const fn is_of_the_stage(fault: Fault) -> bool {
-    matches!(
-        fault,
-        Fault::Stall
-            | Fault::Runaway
-            | Fault::WrongDirection
-            | Fault::LimitSwitch
-            | Fault::Encoder
-            | Fault::Drive
-    )
 }

@@ -13,18 +13,36 @@ use crate::flight::time::Time;
 impl Controller {
     /// A fault that ends whatever the camera is doing: no force on the stage, no exposure that has not begun. One
     /// that has begun is recorded when it ends.
-    pub(super) fn fail(&mut self, now: Time, fault: Fault, actions: &mut Actions) {
-        self.note(fault);
-        self.is_place_lost |= fault == Fault::Encoder;
-        if let State::Standby | State::Fault(_) = self.state {
+    pub(super) fn fail(&mut self, fault: Fault, actions: &mut Actions) {
+        if self.stage_fault == Some(fault) && self.motion.is_none() {
+            // It has been so since, and nothing has been asked of the stage.
+            self.change_frame(|frame| frame.faults.insert(fault));
             return;
+        }
+        self.note(fault);
+        self.stop(fault, actions);
+    }
+
+    /// As [`Self::fail`], of a fault that is in a record already.
+    pub(super) fn stop(&mut self, fault: Fault, actions: &mut Actions) {
+        if is_of_the_stage(fault) && self.camera.has_stage() {
+            self.is_place_lost |= fault == Fault::Encoder;
+            let first = self.stage_fault.unwrap_or(fault);
+            self.stage_fault = Some(if self.is_place_lost {
+                Fault::Encoder
+            } else {
+                first
+            });
         }
         act(actions, Action::Fault(fault));
         self.release(actions);
+        if let State::Standby | State::Fault(_) = self.state {
+            return;
+        }
         if let Some(frame) = self.frame
             && frame.opened.is_none()
         {
-            self.refuse_frame(now, Reason::Fault(fault), actions);
+            self.refuse_frame(Reason::Fault(fault), actions);
         }
         self.state = State::Fault(fault);
     }
@@ -39,11 +57,10 @@ impl Controller {
 
     /// No force on the stage.
     pub(super) fn release(&mut self, actions: &mut Actions) {
-        if let Motion::Profile { .. } = self.motion {
+        if self.motion.take().is_some() {
             act(actions, Action::ReleaseStage);
         }
-        self.motion = Motion::Released;
-        self.exercise = 0;
+        self.arming = None;
         self.following.clear();
         self.watch = StageWatch::new();
         self.standing_since = None;
@@ -51,11 +68,11 @@ impl Controller {
 
     /// The frame in flight ends before the shutter has opened; the stage goes back.
     pub(super) fn call_off(&mut self, now: Time, reason: Reason, actions: &mut Actions) {
-        self.refuse_frame(now, reason, actions);
+        self.refuse_frame(reason, actions);
         self.go_back(now, actions);
     }
 
-    fn refuse_frame(&mut self, now: Time, reason: Reason, actions: &mut Actions) {
+    fn refuse_frame(&mut self, reason: Reason, actions: &mut Actions) {
         if let Some(frame) = self.frame.take() {
             if frame.is_commanded {
                 act(actions, Action::CloseShutter);
@@ -68,7 +85,6 @@ impl Controller {
             } = frame;
             self.refuse(sequence, trigger, reason, faults, actions);
         }
-        let _ = now;
     }
 
     /// After a frame: back to the waiting place, where there is a stage with force on it.
@@ -76,27 +92,49 @@ impl Controller {
         if let State::Fault(_) = self.state {
             return;
         }
-        match &self.motion {
-            Motion::Released if core::mem::take(&mut self.is_disarming) => self.stand_by(actions),
-            Motion::Released => self.state = self.ready(),
-            Motion::Profile { .. } => match self.way_back(now) {
-                Some(profile) => {
-                    self.motion = Motion::Profile {
-                        profile,
-                        since: now,
-                    };
-                    self.state = State::FlyBack;
-                }
-                // The set point is not a number.
-                None => self.fail(now, Fault::Drive, actions),
-            },
+        if self.motion.is_none() {
+            if core::mem::take(&mut self.is_disarming) {
+                self.stand_by(actions);
+            } else {
+                self.state = self.ready(now);
+            }
+            return;
+        }
+        match self.way_back(now) {
+            Some(profile) => {
+                self.motion = Some(Motion {
+                    profile,
+                    since: now,
+                });
+                self.state = State::FlyBack;
+            }
+            // The set point is not a number.
+            None => self.fail(Fault::Drive, actions),
         }
     }
 
-    pub(super) fn supply(&mut self, now: Time, supply: Supply, actions: &mut Actions) {
+    pub(super) fn supply(&mut self, supply: Supply, actions: &mut Actions) {
         self.is_supply_good = supply == Supply::Good;
-        if !self.is_supply_good {
-            self.fail(now, Fault::BrownOut, actions);
+        if self.is_supply_good {
+            return;
         }
+        if !self.settings.encoder_survives_brown_out && self.camera.has_stage() {
+            self.is_place_lost = true;
+            self.stage_fault = Some(Fault::Encoder);
+        }
+        self.fail(Fault::BrownOut, actions);
     }
+}
+
+/// Faults after which the stage is left alone until they are cleared.
+const fn is_of_the_stage(fault: Fault) -> bool {
+    matches!(
+        fault,
+        Fault::Stall
+            | Fault::Runaway
+            | Fault::WrongDirection
+            | Fault::LimitSwitch
+            | Fault::Encoder
+            | Fault::Drive
+    )
 }

@@ -19,12 +19,18 @@ pub(super) struct FrameInFlight {
     pub(super) planned_opening_mm: f32,
     /// δ of the plan, mm.
     pub(super) planned_travel_mm: f32,
+    /// Until the next round: after so long the stage starts, s, and the shutter opens, s after that.
+    pub(super) start: Option<[f32; 2]>,
     /// First light of the plan.
     pub(super) first_light: Time,
     /// Whether the shutter has been told to open.
     pub(super) is_commanded: bool,
     pub(super) opened: Option<Time>,
     pub(super) closed: Option<Time>,
+    /// When the shutter was told to close because it had been open for too long.
+    pub(super) told_to_close: Option<Time>,
+    /// Last light was not seen.
+    pub(super) is_end_assumed: bool,
     pub(super) faults: Faults,
     pub(super) flags: Flags,
 }

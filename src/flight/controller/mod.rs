@@ -16,6 +16,7 @@ mod faults;
 mod frame;
 mod motion;
 mod recording;
+mod rounds;
 mod shutter;
 mod stage_readings;
 pub mod state;
@@ -29,6 +30,7 @@ use heapless::Vec;
 
 use self::frame::FrameInFlight;
 use self::motion::Motion;
+use self::rounds::Rounds;
 use self::state::State;
 use super::camera::{self, Camera, CameraRecord, FrameError};
 use super::drive::settings::SettingOutOfRange;
@@ -65,19 +67,22 @@ pub struct Controller {
     utc: UtcClock,
     attitude: Option<(Time, AttitudeSample)>,
     state: State,
-    motion: Motion,
+    /// `None`: no force on the stage.
+    motion: Option<Motion>,
     track: StageTrack,
     watch: StageWatch,
     /// Following error of the stage; without force, its place.
     following: Slope,
     following_error: FollowingError,
-    /// Ways of the exercise that are left.
-    exercise: u8,
-    /// Why there is no compensation.
-    degraded: Option<Fault>,
-    /// The encoder has lost its place, until it is cleared.
+    /// While arming: ways of the exercise that are left.
+    arming: Option<u8>,
+    /// What went wrong with the stage, until it is cleared: it is left alone.
+    stage_fault: Option<Fault>,
+    /// The encoder has lost its place, until somebody has found it again.
     is_place_lost: bool,
-    /// Where it was released, and since when it has not moved.
+    /// When the stage was read last, or the readings began to be waited for.
+    last_reading: Time,
+    /// Where it stands without force, and since when.
     standing_since: Option<(Time, f32)>,
     frame: Option<FrameInFlight>,
     latest: Option<(u32, camera::Frame)>,
@@ -89,9 +94,7 @@ pub struct Controller {
     is_disarming: bool,
     exposure_s: f32,
     last_event: Option<Time>,
-    last_tick: Option<Time>,
-    late_lately: u8,
-    late_since: Time,
+    rounds: Rounds,
     counts: Counts,
 }
 
@@ -121,7 +124,7 @@ impl Controller {
     pub fn new(
         record: &CameraRecord,
         calibration_crc: u32,
-        settings: FlightSettings,
+        settings: &FlightSettings,
         start: Start,
     ) -> Result<Self, ControllerError> {
         let camera = Camera::new(*record).map_err(ControllerError::Calibration)?;
@@ -138,19 +141,22 @@ impl Controller {
             }
         };
         let controller = Self {
-            smear: SmearPrediction::new(camera.calibration()),
+            smear: SmearPrediction::new(camera.calibration(), settings.direction),
             vh: VhMonitor::new(settings.vh),
             utc: UtcClock::new(settings.time_pulse_sigma_s),
             attitude: None,
             state,
-            motion: Motion::Released,
+            motion: None,
             track: StageTrack::new(),
             watch: StageWatch::new(),
             following: Slope::new(),
             following_error: FollowingError::default(),
-            exercise: 0,
-            degraded: None,
-            is_place_lost: false,
+            arming: None,
+            stage_fault: (start == Start::AfterWatchdog && camera.has_stage())
+                .then_some(Fault::Encoder),
+            // What an encoder counts is gone with the processor.
+            is_place_lost: start == Start::AfterWatchdog && camera.has_stage(),
+            last_reading: Time::START,
             standing_since: None,
             frame: None,
             latest: None,
@@ -160,9 +166,7 @@ impl Controller {
             is_disarming: false,
             exposure_s: settings.exposure_s,
             last_event: None,
-            last_tick: None,
-            late_lately: 0,
-            late_since: Time::START,
+            rounds: Rounds::default(),
             counts: Counts::default(),
             camera,
             calibration_crc,
@@ -192,10 +196,10 @@ impl Controller {
             }
             Event::Trigger => self.trigger(time, &mut actions),
             Event::Shutter(edge) => self.shutter_edge(time, edge, &mut actions),
-            Event::Stage(reading) => self.stage_reading(reading, &mut actions),
-            Event::LimitSwitch => self.fail(time, Fault::LimitSwitch, &mut actions),
-            Event::Drive(fault) => self.fail(time, fault, &mut actions),
-            Event::Supply(supply) => self.supply(time, supply, &mut actions),
+            Event::Stage(reading) => self.stage_reading(time, reading, &mut actions),
+            Event::LimitSwitch => self.fail(Fault::LimitSwitch, &mut actions),
+            Event::Drive(fault) => self.fail(fault, &mut actions),
+            Event::Supply(supply) => self.supply(supply, &mut actions),
             Event::Tick => self.tick(time, &mut actions),
         }
         actions
@@ -237,10 +241,10 @@ impl Controller {
         &self.following_error
     }
 
-    /// Whether a frame is in flight: calibration and settings must stay.
+    /// Whether a frame is in flight or the stage has force on it: calibration and settings must stay.
     #[must_use]
     pub const fn is_busy(&self) -> bool {
-        self.frame.is_some()
+        self.frame.is_some() || self.motion.is_some()
     }
 
     /// Number and frame of the exposure recorded last, for the correction of its points.
@@ -269,7 +273,7 @@ impl Controller {
     /// Where the stage should be at a time; `None` where it is released.
     #[must_use]
     pub fn setpoint(&self, now: Time) -> Option<Setpoint> {
-        self.motion.setpoint(now)
+        self.motion.as_ref().map(|motion| motion.setpoint(now))
     }
 }
 

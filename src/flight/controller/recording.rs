@@ -2,17 +2,24 @@
 
 use super::frame::FrameInFlight;
 use super::state::State;
-use super::timing::{ATTITUDE_WITHIN_S, STAMP_SIGMA_S};
+use super::timing::{ATTITUDE_WITHIN_S, READING_GAP_S, STAMP_SIGMA_S};
 use super::{Actions, Controller, act};
 use crate::flight::camera;
 use crate::flight::event::Action;
-use crate::flight::exposure::{CorrectionModel, Exposure, FlightDirection};
+use crate::flight::exposure::{CorrectionModel, Exposure};
 use crate::flight::fault::Faults;
 use crate::flight::frame_record::{ExposedFrame, Flag, Flags, FrameRecord, Outcome, Reason};
 use crate::flight::smear_prediction::Compensation;
 use crate::flight::time::Time;
 use crate::flight::vh::{VhEstimate, VhSource};
 use crate::geometry::principal_point::{PrincipalPointMotion, UniformTravel};
+
+/// What is left open of a measured motion.
+#[derive(Debug, Clone, Copy)]
+struct Uncertainty {
+    sigma_mm: f32,
+    wander_mm: f32,
+}
 
 impl Controller {
     /// The record of a trigger without an exposure.
@@ -47,12 +54,6 @@ impl Controller {
         }
     }
 
-    /// Records an exposure whose end has not been seen, as if it had ended then.
-    pub(super) fn give_up_exposure(&mut self, now: Time, closed: Time, actions: &mut Actions) {
-        self.change_frame(|frame| frame.closed = frame.closed.or(Some(closed)));
-        self.record_exposure(now, actions);
-    }
-
     /// Records the exposure in flight, and ends it.
     pub(super) fn record_exposure(&mut self, now: Time, actions: &mut Actions) {
         let Some(frame) = self.frame.take() else {
@@ -62,7 +63,17 @@ impl Controller {
             return;
         };
         let mut flags = frame.flags;
-        let (motion, sigma_mm) = self.motion_of(&frame, opened, closed, &mut flags);
+        if frame.is_end_assumed {
+            flags.insert(Flag::LastLightAssumed);
+        }
+        let (motion, mut sigma_mm, wander_mm) = self.motion_of(&frame, opened, closed, &mut flags);
+        if frame.is_end_assumed
+            && let Some(last) = self.track.last()
+        {
+            // It may have been open until now: the centroid may lie half as far on.
+            let closing_mm = motion.opening_offset_mm + motion.travel_mm;
+            sigma_mm = sigma_mm.max(0.5 * libm::fabsf(last.offset_mm - closing_mm));
+        }
         let exposure = Exposure {
             exposure_s: closed.seconds_since(opened),
             model: if flags.contains(Flag::StaticCorrection) {
@@ -76,17 +87,18 @@ impl Controller {
             Ok(predicted) => (Some(predicted), sigma_mm),
             Err(_) => (self.standing(&exposure, &mut flags), self.half_stroke_mm()),
         };
-        let outcome = match predicted {
-            Some(predicted) => {
-                self.latest = Some((frame.sequence, predicted));
-                self.counts.exposed = self.counts.exposed.saturating_add(1);
-                let times = [opened, closed];
-                Outcome::Exposed(self.exposed(&frame, times, &predicted, sigma_mm, &mut flags))
-            }
-            None => {
-                self.counts.refused = self.counts.refused.saturating_add(1);
-                Outcome::Refused(Reason::Unusable)
-            }
+        let outcome = if let Some(predicted) = predicted {
+            self.latest = Some((frame.sequence, predicted));
+            self.counts.exposed = self.counts.exposed.saturating_add(1);
+            let uncertain = Uncertainty {
+                sigma_mm,
+                wander_mm,
+            };
+            let times = [opened, closed];
+            Outcome::Exposed(self.exposed(&frame, times, &predicted, uncertain, &mut flags))
+        } else {
+            self.counts.refused = self.counts.refused.saturating_add(1);
+            Outcome::Refused(Reason::Unusable)
         };
         self.records.finish(FrameRecord {
             sequence: frame.sequence,
@@ -103,14 +115,14 @@ impl Controller {
         }
     }
 
-    /// The motion as it was measured, or, where it was not, as it was planned; with σ of its centroid, mm.
+    /// The motion as it was measured, or, where it was not, as it was planned; with σ of its centroid and its wander, mm.
     fn motion_of(
         &self,
         frame: &FrameInFlight,
         opened: Time,
         closed: Time,
         flags: &mut Flags,
-    ) -> (PrincipalPointMotion, f32) {
+    ) -> (PrincipalPointMotion, f32, f32) {
         let exposure_s = closed.seconds_since(opened);
         let shutter = self.camera.shutter();
         let planned = UniformTravel {
@@ -121,37 +133,33 @@ impl Controller {
         if !self.camera.has_stage() {
             // Rows move as the clock drives them.
             let motion = self.camera.rows(planned);
-            return (motion, libm::fabsf(planned.speed_mm_s) * STAMP_SIGMA_S);
+            return (motion, libm::fabsf(planned.speed_mm_s) * STAMP_SIGMA_S, 0.0);
         }
-        let measured = (!self.is_place_lost)
+        let gap_s = READING_GAP_S.max(exposure_s / 16.0);
+        let measured = (!self.is_place_lost && !flags.contains(Flag::PlannedMotion))
             .then(|| self.track.path(opened, closed))
-            .filter(|path| path.is_covered)
+            .filter(|path| path.is_covered && path.longest_gap_s <= 4.0 * gap_s)
             .and_then(|path| {
                 let motion =
                     PrincipalPointMotion::from_samples(&path.samples, exposure_s, shutter).ok()?;
-                Some((motion, path.is_continued))
+                let is_whole = !path.is_continued && path.longest_gap_s <= gap_s;
+                Some((motion, is_whole, path.wander_mm))
             });
-        match measured {
-            Some((motion, is_continued)) => {
-                if is_continued {
-                    flags.insert(Flag::ExtrapolatedMotion);
-                }
-                let step_mm = 1e-3 * self.settings.drive.encoder_step_um;
-                let stamp_mm = motion.travel_mm / exposure_s * STAMP_SIGMA_S;
-                (
-                    motion,
-                    libm::sqrtf(step_mm * step_mm / 12.0 + stamp_mm * stamp_mm),
-                )
-            }
-            None => {
-                flags.insert(Flag::PlannedMotion);
-                flags.insert(Flag::StaticCorrection);
-                (
-                    PrincipalPointMotion::from_plan(planned, shutter),
-                    self.half_stroke_mm(),
-                )
-            }
+        let Some((motion, is_whole, wander_mm)) = measured else {
+            flags.insert(Flag::PlannedMotion);
+            flags.insert(Flag::StaticCorrection);
+            let motion = PrincipalPointMotion::from_plan(planned, shutter);
+            return (motion, self.half_stroke_mm(), 0.0);
+        };
+        let step_mm = 1e-3 * self.settings.drive.encoder_step_um;
+        let stamp_mm = motion.travel_mm / exposure_s * STAMP_SIGMA_S;
+        let mut sigma_mm = libm::sqrtf(step_mm * step_mm / 12.0 + stamp_mm * stamp_mm);
+        if !is_whole {
+            flags.insert(Flag::ExtrapolatedMotion);
+            // What a stage that follows may do unseen.
+            sigma_mm = sigma_mm.max(1e-3 * self.settings.following_tolerance_um);
         }
+        (motion, sigma_mm, (wander_mm - step_mm).max(0.0))
     }
 
     /// The frame of a stage about which nothing is known.
@@ -180,7 +188,10 @@ impl Controller {
         frame: &FrameInFlight,
         [opened, closed]: [Time; 2],
         predicted: &camera::Frame,
-        sigma_mm: f32,
+        Uncertainty {
+            sigma_mm,
+            wander_mm,
+        }: Uncertainty,
         flags: &mut Flags,
     ) -> ExposedFrame {
         let interior = predicted.record;
@@ -189,9 +200,6 @@ impl Controller {
             let apart_s = libm::fabsf(centroid.seconds_since(*time));
             (apart_s <= ATTITUDE_WITHIN_S).then_some(sample)
         });
-        if attitude.is_some() {
-            flags.insert(Flag::WithAttitude);
-        }
         // Without any V/H the largest that the camera may fly at bounds the smear.
         let vh = frame.vh.unwrap_or_else(|| VhEstimate {
             vh_per_s: self.camera.limits().vh_per_s[1],
@@ -200,18 +208,20 @@ impl Controller {
             source: VhSource::Direct,
             extrapolated: true,
         });
-        let smear_um = self.smear.largest_um(
+        let smear = self.smear.of(
             &vh,
             attitude,
             &Compensation {
                 exposure_s: interior.exposure_s,
-                travel_mm: match frame.exposure.direction {
-                    FlightDirection::Forward => interior.motion.travel_mm,
-                    FlightDirection::Reverse => -interior.motion.travel_mm,
-                },
+                travel_mm: frame.exposure.direction.sign() * interior.motion.travel_mm,
+                wander_mm,
                 principal_point: interior.principal_point,
             },
         );
+        if smear.is_with_attitude {
+            flags.insert(Flag::WithAttitude);
+        }
+        let smear_um = smear.largest_um;
         let smear_px = self.smear.pixels(smear_um);
         if smear_px > self.settings.smear_budget_px {
             flags.insert(Flag::SmearOverBudget);

@@ -22,6 +22,10 @@ impl Controller {
                 let late_s = time.seconds_since(frame.first_light);
                 if !frame.is_commanded || late_s < -tolerance_s {
                     self.report(Fault::ShutterUnexpected, actions);
+                    if frame.is_commanded {
+                        // Its command may not have left yet: it is not to open once more.
+                        act(actions, Action::CloseShutter);
+                    }
                 } else if late_s > tolerance_s {
                     self.report(Fault::ShutterLate, actions);
                 }
@@ -42,6 +46,9 @@ impl Controller {
             _ => {
                 self.counts.unexpected_edges = self.counts.unexpected_edges.saturating_add(1);
                 self.report(Fault::ShutterUnexpected, actions);
+                if edge == ShutterEdge::Opened && frame.closed.is_some() {
+                    act(actions, Action::CloseShutter);
+                }
             }
         }
     }

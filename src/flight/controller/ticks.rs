@@ -1,14 +1,16 @@
 //! The control loop comes round.
 
+use super::frame::FrameInFlight;
+use super::rounds::Round;
 use super::state::State;
 use super::timing::{
-    CLOCK_JUMP_S, LATE_EVENT_S, LATE_TICK_S, LEAD_S, OVERLOAD_ROUNDS, OVERLOAD_WINDOW_S,
-    READING_WITHIN_S, SHUTTER_GIVEN_UP_S, SHUTTER_MISSING_S, STANDING_S, TICK_S,
+    CLOCK_JUMP_S, LATE_EVENT_S, LATE_TICK_S, LEAD_S, READING_WITHIN_S, READINGS_CEASE_S,
+    SHUTTER_GIVEN_UP_S, SHUTTER_MISSING_S, STANDING_S,
 };
 use super::{Actions, Controller, act};
 use crate::flight::event::Action;
 use crate::flight::fault::Fault;
-use crate::flight::frame_record::Reason;
+use crate::flight::frame_record::{Flag, Reason};
 use crate::flight::time::Time;
 
 impl Controller {
@@ -23,80 +25,79 @@ impl Controller {
             self.last_event = Some(last.max(time));
             return;
         }
-        // What was measured so far has nothing to do with the times to come.
+        self.jump_of_the_clock(time, actions);
+    }
+
+    /// What was measured so far has nothing to do with the times to come.
+    fn jump_of_the_clock(&mut self, time: Time, actions: &mut Actions) {
         self.last_event = Some(time);
-        self.last_tick = None;
-        if let Some(opened) = self.frame.and_then(|frame| frame.opened) {
-            let exposure_s = self.frame.map_or(0.0, |frame| frame.exposure.exposure_s);
-            self.note(Fault::Clock);
-            self.give_up_exposure(time, opened.plus_s(exposure_s), actions);
+        self.rounds.restart();
+        self.last_reading = time;
+        self.note(Fault::Clock);
+        if let Some(FrameInFlight {
+            opened: Some(opened),
+            exposure,
+            ..
+        }) = self.frame
+        {
+            self.change_frame(|frame| {
+                frame.is_end_assumed |= frame.closed.is_none();
+                frame.flags.insert(Flag::PlannedMotion);
+                frame.closed = frame.closed.or(Some(opened.plus_s(exposure.exposure_s)));
+            });
+            self.record_exposure(time, actions);
         }
         self.track.clear();
         self.following.clear();
         self.standing_since = None;
-        self.fail(time, Fault::Clock, actions);
+        self.stop(Fault::Clock, actions);
     }
 
     pub(super) fn tick(&mut self, now: Time, actions: &mut Actions) {
-        self.check_rounds(now, actions);
+        if self.rounds.last().is_none() && self.state == State::Fault(Fault::Watchdog) {
+            // Nobody knows what the shutter was told before.
+            act(actions, Action::CloseShutter);
+        }
+        self.check_round(now, actions);
+        self.start(now);
+        if self.motion.is_some() && now.seconds_since(self.last_reading) > READINGS_CEASE_S {
+            self.fail(Fault::Encoder, actions);
+        }
         self.look_after_frame(now, actions);
         match self.state {
-            State::Armed if self.vh.estimate(now).is_none() => {
-                self.degraded = Some(Fault::VhLost);
-                self.state = State::Degraded(Fault::VhLost);
-                act(actions, Action::Fault(Fault::VhLost));
-            }
-            State::Degraded(Fault::VhLost) if self.vh.estimate(now).is_some() => {
-                self.degraded = None;
-                self.state = State::Armed;
-            }
-            State::Degraded(Fault::Overload)
-                if now.seconds_since(self.late_since) > OVERLOAD_WINDOW_S =>
+            State::Armed | State::Degraded(_) => self.keep_ready(now, actions),
+            State::FlyBack
+                if self
+                    .motion
+                    .as_ref()
+                    .is_none_or(|motion| motion.is_over(now)) =>
             {
-                self.degraded = None;
-                self.state = State::Armed;
+                self.arrive(now, actions);
             }
-            State::FlyBack if self.motion.is_over(now) => self.arrive(now, actions),
             State::Fault(fault) if self.frame.is_none() => self.recover(now, fault, actions),
             _ => {}
         }
-        if let Some(setpoint) = self.motion.setpoint(now) {
-            act(actions, Action::MoveStage(setpoint));
+        if let Some(motion) = &self.motion {
+            act(actions, Action::MoveStage(motion.setpoint(now)));
         }
     }
 
     /// Late rounds are counted, and lead to flying without compensation where there are too many.
-    fn check_rounds(&mut self, now: Time, actions: &mut Actions) {
-        let Some(last) = self.last_tick.replace(now) else {
-            return;
-        };
-        let round_s = now.seconds_since(last);
-        if round_s <= LATE_TICK_S {
-            return;
+    fn check_round(&mut self, now: Time, actions: &mut Actions) {
+        let round = self.rounds.look(now);
+        match round {
+            Round::Punctual => {}
+            Round::Backwards => self.jump_of_the_clock(now, actions),
+            Round::Late | Round::Overload => {
+                self.counts.late_ticks = self.counts.late_ticks.saturating_add(1);
+                self.note(Fault::Overload);
+            }
         }
-        self.counts.late_ticks = self.counts.late_ticks.saturating_add(1);
-        if now.seconds_since(self.late_since) > OVERLOAD_WINDOW_S {
-            self.late_lately = 0;
-        }
-        self.late_since = now;
-        self.late_lately = self.late_lately.saturating_add(1);
-        self.note(Fault::Overload);
-        if self.late_lately >= OVERLOAD_ROUNDS {
-            self.overload(now, actions);
-        }
-    }
-
-    fn overload(&mut self, now: Time, actions: &mut Actions) {
-        match self.state {
-            State::Armed => self.state = State::Degraded(Fault::Overload),
-            State::RunUp | State::Tracking => {
+        if round == Round::Overload {
+            act(actions, Action::Fault(Fault::Overload));
+            if let State::RunUp | State::Tracking = self.state {
                 self.call_off(now, Reason::Fault(Fault::Overload), actions);
             }
-            State::Exposing | State::FlyBack => {}
-            State::Standby | State::Fault(_) | State::Degraded(_) => return,
-        }
-        if self.degraded.replace(Fault::Overload) != Some(Fault::Overload) {
-            act(actions, Action::Fault(Fault::Overload));
         }
     }
 
@@ -109,30 +110,13 @@ impl Controller {
             (None, _) if !frame.is_commanded => self.command_shutter(now, actions),
             (None, _) => {
                 let late_s = now.seconds_since(frame.first_light);
-                let command = frame.first_light.plus_s(-self.settings.shutter_latency_s);
                 if late_s > self.settings.shutter_tolerance_s + SHUTTER_MISSING_S {
                     act(actions, Action::Fault(Fault::ShutterMissing));
                     self.note(Fault::ShutterMissing);
                     self.call_off(now, Reason::ShutterMissing, actions);
-                } else if now < command && now.plus_s(TICK_S) >= command && !self.is_at_speed() {
-                    // The last moment in which the command can be taken back.
-                    act(actions, Action::CloseShutter);
-                    self.state = State::RunUp;
-                    self.change_frame(|frame| frame.is_commanded = false);
                 }
             }
-            (Some(opened), None) => {
-                let open_s = now.seconds_since(opened);
-                let over_s = open_s - frame.exposure.exposure_s - self.settings.shutter_tolerance_s;
-                if over_s > SHUTTER_GIVEN_UP_S {
-                    self.give_up_exposure(now, now, actions);
-                    self.fail(now, Fault::ShutterLong, actions);
-                } else if over_s > 0.0 && !frame.faults.contains(Fault::ShutterLong) {
-                    self.note(Fault::ShutterLong);
-                    act(actions, Action::Fault(Fault::ShutterLong));
-                    act(actions, Action::CloseShutter);
-                }
-            }
+            (Some(opened), None) => self.look_for_last_light(now, opened, actions),
             (Some(_), Some(closed)) => {
                 let is_read = self.track.last().is_some_and(|last| last.time >= closed);
                 if is_read
@@ -145,7 +129,33 @@ impl Controller {
         }
     }
 
-    /// Tells the shutter to open when it is time, or gives up.
+    /// A shutter that is open for too long is told to close, and given up where that does not help.
+    fn look_for_last_light(&mut self, now: Time, opened: Time, actions: &mut Actions) {
+        let Some(frame) = self.frame else {
+            return;
+        };
+        let planned = opened.plus_s(frame.exposure.exposure_s);
+        match frame.told_to_close {
+            None if now.seconds_since(planned) > self.settings.shutter_tolerance_s => {
+                self.note(Fault::ShutterLong);
+                self.change_frame(|frame| frame.told_to_close = Some(now));
+                act(actions, Action::Fault(Fault::ShutterLong));
+                act(actions, Action::CloseShutter);
+            }
+            Some(told) if now.seconds_since(told) > SHUTTER_GIVEN_UP_S => {
+                self.change_frame(|frame| {
+                    frame.is_end_assumed = true;
+                    frame.closed = Some(planned);
+                });
+                self.record_exposure(now, actions);
+                self.stop(Fault::ShutterLong, actions);
+            }
+            _ => {}
+        }
+    }
+
+    /// Tells the shutter to open in the last round before it is time, if the stage is at speed by then; a little later
+    /// if it is by then; or gives up.
     fn command_shutter(&mut self, now: Time, actions: &mut Actions) {
         let Some(frame) = self.frame else {
             return;
@@ -156,11 +166,15 @@ impl Controller {
             return;
         }
         if now.seconds_since(planned) > self.settings.shutter_tolerance_s {
-            self.call_off(now, Reason::NotAtSpeed, actions);
+            let reason = if frame.faults.contains(Fault::Overload) {
+                Reason::Fault(Fault::Overload)
+            } else {
+                Reason::NotAtSpeed
+            };
+            self.call_off(now, reason, actions);
             return;
         }
-        // A command that was taken back is repeated where the stage has come to its speed meanwhile.
-        if now >= planned && !self.is_at_speed() {
+        if !self.is_at_speed(now) {
             return;
         }
         let at = planned.max(now);
@@ -169,6 +183,10 @@ impl Controller {
             frame.first_light = at.plus_s(latency_s);
         });
         self.state = State::Tracking;
+        if !self.camera.has_stage() {
+            let speed_mm_s = frame.planned_travel_mm / frame.exposure.exposure_s;
+            act(actions, Action::ClockRows { at, speed_mm_s });
+        }
         act(
             actions,
             Action::OpenShutter {
@@ -180,12 +198,15 @@ impl Controller {
 
     /// Whether the speed is right to within 1 % or the smear budget: the following error must not change by more
     /// while the shutter is open.
-    fn is_at_speed(&self) -> bool {
+    fn is_at_speed(&self, now: Time) -> bool {
         let Some(frame) = &self.frame else {
             return false;
         };
         if !self.camera.has_stage() || self.is_place_lost {
             return true;
+        }
+        if now.seconds_since(self.last_reading) > LATE_TICK_S {
+            return false;
         }
         let Some(error_mm_s) = self.following.per_s() else {
             return false;
@@ -203,39 +224,56 @@ impl Controller {
     fn arrive(&mut self, now: Time, actions: &mut Actions) {
         if core::mem::take(&mut self.is_disarming) {
             self.stand_by(actions);
-        } else if self.exercise > 0 {
-            self.exercise = self.exercise.saturating_sub(1);
+        } else if let Some(ways) = self.arming.filter(|ways| *ways > 0) {
+            self.arming = Some(ways.saturating_sub(1));
             self.go_back(now, actions);
         } else {
-            self.state = self.ready();
+            self.arming = None;
+            self.state = self.ready(now);
         }
     }
 
-    /// Ready for a trigger, with or without compensation.
-    pub(super) fn ready(&self) -> State {
-        self.degraded.map_or(State::Armed, State::Degraded)
+    /// Ready for a trigger, with compensation or, for want of stage, time or V/H, without.
+    pub(super) fn ready(&mut self, now: Time) -> State {
+        let is_overloaded = self.rounds.is_overloaded(now);
+        let why_not = if self.stage_fault.is_some() {
+            self.stage_fault
+        } else if is_overloaded {
+            Some(Fault::Overload)
+        } else if self.vh.estimate(now).is_none() {
+            Some(Fault::VhLost)
+        } else {
+            None
+        };
+        why_not.map_or(State::Armed, State::Degraded)
+    }
+
+    /// Looks whether compensation is possible, or possible again.
+    fn keep_ready(&mut self, now: Time, actions: &mut Actions) {
+        let ready = self.ready(now);
+        if let State::Degraded(fault) = ready
+            && ready != self.state
+        {
+            act(actions, Action::Fault(fault));
+        }
+        self.state = ready;
     }
 
     /// The way out of a fault that needs nobody.
     fn recover(&mut self, now: Time, fault: Fault, actions: &mut Actions) {
-        match fault {
-            Fault::BrownOut if self.is_supply_good => self.resume(now, actions),
-            Fault::Stall
-            | Fault::Runaway
-            | Fault::WrongDirection
-            | Fault::LimitSwitch
-            | Fault::Encoder
-            | Fault::Drive
-                if self.has_stood(now) =>
-            {
-                self.degraded = Some(fault);
-                if core::mem::take(&mut self.is_disarming) {
-                    self.stand_by(actions);
-                } else {
-                    self.state = State::Degraded(fault);
-                }
-            }
-            _ => {}
+        let is_over = match fault {
+            Fault::BrownOut => self.is_supply_good,
+            // Somebody must look at these.
+            Fault::Clock | Fault::Watchdog | Fault::ShutterLong => false,
+            _ => self.has_stood(now),
+        };
+        if !is_over {
+            return;
+        }
+        if core::mem::take(&mut self.is_disarming) {
+            self.stand_by(actions);
+        } else {
+            self.resume(now, actions);
         }
     }
 

@@ -46,5 +46,12 @@ pub const STAMP_SIGMA_S: f32 = 1e-6;
 /// How old an attitude may be to be taken for a frame's, s.
 pub const ATTITUDE_WITHIN_S: f32 = 0.25;
 
-/// How long before it leaves the board has the shutter's command, s: two rounds of the control loop.
-pub const LEAD_S: f32 = 2.0 * TICK_S;
+/// How long before it must leave the shutter's command is given at most, s: the stage's speed is looked at in the last
+/// round before it.
+pub const LEAD_S: f32 = TICK_S;
+
+/// After so long without a reading of a stage that has force on it, s, its encoder has failed.
+pub const READINGS_CEASE_S: f32 = 0.005;
+
+/// A gap between two readings in an exposure that is longer, s, and longer than a 16th of the exposure, is flagged.
+pub const READING_GAP_S: f32 = 0.0025;

@@ -36,6 +36,7 @@ impl Controller {
             },
             State::Standby => Reason::NotArmed,
             State::Fault(fault) => Reason::Fault(fault),
+            State::FlyBack if self.arming.is_some() => Reason::NotArmed,
             State::RunUp | State::Tracking | State::Exposing | State::FlyBack => Reason::Overlap,
         };
         self.refuse(sequence, time, reason, Faults::NONE, actions);
@@ -58,14 +59,13 @@ impl Controller {
         if !self.camera.has_stage() {
             return self.start_rows(sequence, trigger, vh, exposure);
         }
-        let standing = self.motion.setpoint(trigger).unwrap_or_default();
+        let standing = self.setpoint(trigger).ok_or(Reason::NotArmed)?;
         let travel = self
             .camera
             .travel(standing.offset_mm, &exposure, self.margin_s())
             .map_err(reason_of)?;
         // The shutter's command must leave a latency before first light, and be known before that.
         let wait_s = (self.settings.shutter_latency_s + LEAD_S - travel.opening_s).max(0.0);
-        let since = trigger.plus_s(TICK_S + wait_s);
         let mut flags = Flags::NONE;
         if travel.off_centre_mm != 0.0 {
             flags.insert(Flag::OffCentre);
@@ -80,18 +80,22 @@ impl Controller {
             exposure,
             planned_opening_mm: travel.plan.opening_mm,
             planned_travel_mm: travel.plan.closing_mm - travel.plan.opening_mm,
-            first_light: since.plus_s(travel.opening_s),
+            start: Some([wait_s, travel.opening_s]),
+            first_light: trigger,
             is_commanded: false,
             opened: None,
             closed: None,
+            told_to_close: None,
+            is_end_assumed: false,
             faults: Faults::NONE,
             flags,
         });
         self.state = State::RunUp;
-        self.motion = Motion::Profile {
+        self.motion = Some(Motion {
             profile: travel.profile,
-            since,
-        };
+            // Until the next round, which may be late.
+            since: Time::from_us(u64::MAX),
+        });
         Ok(())
     }
 
@@ -115,10 +119,13 @@ impl Controller {
             exposure,
             planned_opening_mm: motion.opening_offset_mm,
             planned_travel_mm: motion.travel_mm,
-            first_light: self.soonest_light(trigger),
+            start: Some([LEAD_S, self.settings.shutter_latency_s]),
+            first_light: trigger,
             is_commanded: false,
             opened: None,
             closed: None,
+            told_to_close: None,
+            is_end_assumed: false,
             faults: Faults::NONE,
             flags,
         });
@@ -137,7 +144,7 @@ impl Controller {
         flags.insert(Flag::NoCompensation);
         let mut faults = Faults::NONE;
         faults.insert(fault);
-        let place = match self.motion.setpoint(trigger) {
+        let place = match self.setpoint(trigger) {
             Some(setpoint) => setpoint.offset_mm,
             None => self.track.last().map_or(0.0, |reading| reading.offset_mm),
         };
@@ -148,10 +155,13 @@ impl Controller {
             exposure,
             planned_opening_mm: place,
             planned_travel_mm: 0.0,
-            first_light: self.soonest_light(trigger),
+            start: Some([LEAD_S, self.settings.shutter_latency_s]),
+            first_light: trigger,
             is_commanded: false,
             opened: None,
             closed: None,
+            told_to_close: None,
+            is_end_assumed: false,
             faults,
             flags,
         });
@@ -159,9 +169,23 @@ impl Controller {
         Ok(())
     }
 
-    /// First light where nothing has to move before.
-    fn soonest_light(&self, trigger: Time) -> Time {
-        trigger.plus_s(TICK_S + LEAD_S + self.settings.shutter_latency_s)
+    /// The first round after the trigger: from here on the stage moves, at the same time after every trigger unless
+    /// the round is late.
+    pub(super) fn start(&mut self, now: Time) {
+        let Some(frame) = &mut self.frame else {
+            return;
+        };
+        if let Some([wait_s, opening_s]) = frame.start.take() {
+            let since = now.max(frame.trigger.plus_s(TICK_S)).plus_s(wait_s);
+            frame.first_light = since.plus_s(opening_s);
+            if let (Some(motion), State::RunUp, false) = (
+                &mut self.motion,
+                self.state,
+                frame.flags.contains(Flag::NoCompensation),
+            ) {
+                motion.since = since;
+            }
+        }
     }
 
     fn begin(&mut self, mut frame: FrameInFlight) {
@@ -192,15 +216,15 @@ impl Controller {
 
     /// The way to the waiting place, or to the next end of the exercise, from wherever the stage is.
     pub(super) fn way_back(&self, now: Time) -> Option<Profile> {
-        let from = self.motion.setpoint(now).unwrap_or_else(|| Setpoint {
+        let from = self.setpoint(now).unwrap_or_else(|| Setpoint {
             offset_mm: self.track.last().map_or(0.0, |reading| reading.offset_mm),
             ..Setpoint::default()
         });
         let reach_mm = EXERCISE_REACH * self.camera.calibration().record().stroke_mm;
-        let place_mm = match self.exercise {
-            0 => self.waiting_place_mm(now).unwrap_or(0.0),
-            ways if ways % 2 == 0 => -reach_mm,
-            _ => reach_mm,
+        let place_mm = match self.arming {
+            None | Some(0) => self.waiting_place_mm(now).unwrap_or(0.0),
+            Some(ways) if ways % 2 == 0 => -reach_mm,
+            Some(_) => reach_mm,
         };
         self.camera.stage().reposition(from, place_mm).ok()
     }

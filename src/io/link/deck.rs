@@ -2,7 +2,9 @@
 
 use super::message::{Refusal, Status};
 use crate::flight::camera::{self, CameraRecord};
+use crate::flight::controller::state::State;
 use crate::flight::controller::{Controller, ControllerError, Start};
+use crate::flight::fault::Fault;
 use crate::flight::frame_record::FrameRecord;
 use crate::flight::rig::{Rig, RigAnswer, RigStep};
 use crate::flight::settings::FlightSettings;
@@ -17,7 +19,7 @@ pub trait FlightDeck {
         &mut self,
         camera: &CameraRecord,
         calibration_crc: u32,
-        settings: FlightSettings,
+        settings: &FlightSettings,
     ) -> Result<(), ControllerError>;
 
     /// The camera's controller; `None` before it is prepared.
@@ -50,10 +52,16 @@ impl FlightDeck for RigDeck {
         &mut self,
         camera: &CameraRecord,
         calibration_crc: u32,
-        settings: FlightSettings,
+        settings: &FlightSettings,
     ) -> Result<(), ControllerError> {
+        // A fault that nobody has cleared is not forgotten.
+        if let Some(rig) = &self.rig {
+            self.start = match rig.controller().state() {
+                State::Fault(Fault::Watchdog) => Start::AfterWatchdog,
+                _ => Start::Orderly,
+            };
+        }
         self.rig = Some(Rig::new(camera, calibration_crc, settings, self.start)?);
-        self.start = Start::Orderly;
         Ok(())
     }
 
@@ -76,7 +84,7 @@ pub(super) fn prepare(
     deck: &mut impl FlightDeck,
     camera: &CameraRecord,
     calibration_crc: u32,
-    settings: FlightSettings,
+    settings: &FlightSettings,
 ) -> Result<(), Refusal> {
     check_idle(deck)?;
     match deck.controller().map_or(0, Controller::kept) {
@@ -119,8 +127,7 @@ pub(super) fn status(deck: &impl FlightDeck) -> Result<Status, Refusal> {
     })
 }
 
-/// The frame exposed last, for the correction of its points.
-pub(super) fn latest(deck: &impl FlightDeck) -> Option<camera::Frame> {
-    let (_, frame) = deck.controller()?.latest()?;
-    Some(*frame)
+/// Number and frame of the exposure recorded last, for the correction of its points.
+pub(super) fn latest(deck: &impl FlightDeck) -> Option<(u32, camera::Frame)> {
+    deck.controller()?.latest().copied()
 }

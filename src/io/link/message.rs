@@ -125,6 +125,8 @@ pub enum Answer {
     Kept(u32),
     /// What the camera is doing.
     Status(Status),
+    /// Number and interior orientation of the frame that is the current one now.
+    Flown(u32, InteriorOrientation),
 }
 
 /// Why the camera does not do what it is asked for. Nothing has changed, except that after an
@@ -183,7 +185,7 @@ pub enum Refusal {
     Settings,
     /// The mechanism cannot make the travel, or not in the time between triggers.
     Travel(FrameError),
-    /// A frame is in flight: calibration and settings stay.
+    /// A frame is in flight, or the stage has force on it: calibration and settings stay.
     FrameInFlight,
     /// So many flight records have not been acknowledged, and would be lost.
     RecordsKept(u32),
@@ -221,7 +223,7 @@ impl fmt::Display for Refusal {
             Self::NotPrepared => f.write_str("it has not been prepared for flight"),
             Self::Settings => f.write_str("a flight setting is not believable"),
             Self::Travel(error) => error.fmt(f),
-            Self::FrameInFlight => f.write_str("a frame is in flight"),
+            Self::FrameInFlight => f.write_str("it is armed or in flight"),
             Self::RecordsKept(count) => {
                 write!(f, "{count} flight records have not been acknowledged")
             }

@@ -303,7 +303,7 @@ impl<Deck: FlightDeck> Desk<Deck> {
             }
             Request::Prepare(settings) => {
                 let (record, crc) = self.loaded.as_ref().ok_or(Refusal::NoCalibration)?;
-                deck::prepare(&mut self.deck, record, *crc, *settings)?;
+                deck::prepare(&mut self.deck, record, *crc, settings)?;
                 Answer::Prepared
             }
             Request::Rig(step) => Answer::Rig(self.deck.step(step).ok_or(Refusal::NoRig)??),
@@ -313,9 +313,9 @@ impl<Deck: FlightDeck> Desk<Deck> {
             }
             Request::Status => Answer::Status(deck::status(&self.deck)?),
             Request::Flown => {
-                let frame = deck::latest(&self.deck).ok_or(Refusal::NoFrame)?;
+                let (sequence, frame) = deck::latest(&self.deck).ok_or(Refusal::NoFrame)?;
                 self.frame = Some(frame);
-                Answer::Frame(frame.record)
+                Answer::Flown(sequence, frame.record)
             }
         };
         Ok((answer, Event::Answered))

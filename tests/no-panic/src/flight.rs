@@ -128,7 +128,7 @@ pub(crate) fn keep() {
         Slope::clear,
         Slope::per_s,
         SmearPrediction::new,
-        SmearPrediction::largest_um,
+        SmearPrediction::of,
         SmearPrediction::pixels,
         StageTrack::new,
         StageTrack::push,

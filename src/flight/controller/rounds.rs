@@ -1,0 +1,78 @@
+//! Whether the control loop comes round in time.
+
+use super::timing::{LATE_TICK_S, OVERLOAD_ROUNDS, OVERLOAD_WINDOW_S};
+use crate::flight::time::Time;
+
+/// The rounds of the control loop.
+#[derive(Debug, Clone, Copy, Default)]
+pub(super) struct Rounds {
+    last: Option<Time>,
+    late_lately: u8,
+    /// The first of them, and the last.
+    late_first: Time,
+    late_last: Time,
+    is_overloaded: bool,
+}
+
+/// What a round shows.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(super) enum Round {
+    Punctual,
+    /// Later than it should.
+    Late,
+    /// Late, and too many others lately as well, for the first time.
+    Overload,
+    /// Before the one before.
+    Backwards,
+}
+
+impl Rounds {
+    /// The loop comes round.
+    pub(super) fn look(&mut self, now: Time) -> Round {
+        let Some(last) = self.last.replace(now) else {
+            return Round::Punctual;
+        };
+        if now < last {
+            return Round::Backwards;
+        }
+        if now.seconds_since(last) <= LATE_TICK_S {
+            return Round::Punctual;
+        }
+        if now.seconds_since(self.late_first) > OVERLOAD_WINDOW_S {
+            self.late_lately = 0;
+            self.late_first = now;
+        }
+        self.late_last = now;
+        self.late_lately = self.late_lately.saturating_add(1);
+        if self.late_lately >= OVERLOAD_ROUNDS && !self.is_overloaded {
+            self.is_overloaded = true;
+            Round::Overload
+        } else {
+            Round::Late
+        }
+    }
+
+    /// Whether there have been too many late ones; over after a while of punctual ones.
+    pub(super) fn is_overloaded(&mut self, now: Time) -> bool {
+        if self.is_overloaded && now.seconds_since(self.late_last) > OVERLOAD_WINDOW_S {
+            self.forget_overload();
+        }
+        self.is_overloaded
+    }
+
+    /// Somebody has looked at it.
+    pub(super) fn forget_overload(&mut self) {
+        self.is_overloaded = false;
+        self.late_lately = 0;
+    }
+
+    /// The clock has jumped: the next round is the first.
+    pub(super) fn restart(&mut self) {
+        self.last = None;
+    }
+
+    /// The last one.
+    pub(super) const fn last(&self) -> Option<Time> {
+        self.last
+    }
+}
