@@ -1,5 +1,14 @@
 //! The camera's state machine, as firmware and simulator drive it.
 
+#![cfg(test)]
+#![allow(
+    clippy::unwrap_used,
+    clippy::panic,
+    clippy::indexing_slicing,
+    clippy::large_types_passed_by_value,
+    reason = "tests"
+)]
+
 mod bench;
 mod faults;
 mod nominal;
