@@ -17,6 +17,7 @@ pub mod html;
 mod length;
 mod marker;
 pub mod raster;
+pub mod records;
 pub mod residual_field;
 pub mod residual_plot;
 pub mod residuals_csv;
