@@ -9,6 +9,7 @@ pub mod device;
 pub mod failure;
 pub mod flight;
 pub mod formats;
+pub mod mechanics;
 pub mod noise;
 pub mod reference;
 pub mod report;
