@@ -4,6 +4,15 @@ use super::fault::Fault;
 use super::stage::Setpoint;
 use super::time::Time;
 
+pub mod loop_settings;
+pub mod pwm_encoder;
+pub mod quadrature;
+pub mod rig;
+pub mod settings;
+pub mod step_dir;
+pub mod step_settings;
+pub mod velocity_loop;
+
 /// A position of the stage as its encoder has it.
 #[derive(Debug, Clone, Copy, PartialEq)]
 #[cfg_attr(feature = "link", derive(serde::Serialize, serde::Deserialize))]
@@ -15,19 +24,111 @@ pub struct StageReading {
 }
 
 /// A mechanism that moves the stage.
+///
+/// Two are here: [`step_dir::StepDir`] and [`pwm_encoder::PwmEncoder`]. A piezo, a voice coil with its own
+/// amplifier or a motion controller on a bus gets an implementation of its own, which owns its pins or its bus.
+///
+/// # Who calls, and when
+/// The control loop alone, once per tick (1 kHz): first [`position`](Self::position), then, unless the stage is
+/// released, [`follow`](Self::follow), both with the time of the tick. [`release`](Self::release) comes whenever it
+/// must: between the two, twice, or before anything else. Set points are of one continuous motion inside the stroke;
+/// after a release the next may be anywhere, but it is at rest.
+///
+/// # Time allowed
+/// `position` and `follow` together: 100 µs, a tenth of a tick. Neither waits: not for the stage, not for a conversion,
+/// not for a bus. A mechanism behind a slow bus answers with the newest reading that it has, under the time of that
+/// reading; one older than two ticks is none, but [`Fault::Encoder`].
+///
+/// # Signs
+/// Offsets, speeds and accelerations are along the FMC axis: positive where the *principal point* moves over the
+/// detector in the direction of flight. Where the detector moves and the lens does not, the principal point moves
+/// against the detector. Motors and encoders that count the other way are turned round inside the implementation.
+///
+/// # Faults
+/// The implementation reports what only it can know: a pin, a bus, an amplifier or a limit switch. It does not judge
+/// whether the stage follows or a reading is believable; the controller does, from set points and readings (stall,
+/// runaway, wrong direction, encoder). After an error the stage has not been told anything new and is under no new
+/// force, the next call is as good as the first, and nothing needs to be reset. The controller answers an error with
+/// `release`.
+///
+/// # Examples
+/// A piezo stage whose amplifier follows a voltage and reports its own position:
+///
+/// ```
+/// use fmc_camera::flight::drive::{FmcDrive, StageReading};
+/// use fmc_camera::flight::fault::Fault;
+/// use fmc_camera::flight::stage::Setpoint;
+/// use fmc_camera::flight::time::Time;
+///
+/// /// What the amplifier's data sheet offers.
+/// trait Amplifier {
+///     fn set_um(&mut self, position_um: f32) -> Result<(), ()>;
+///     fn sensor_um(&mut self) -> Result<f32, ()>;
+///     fn off(&mut self);
+/// }
+///
+/// struct Piezo<A> {
+///     amplifier: A,
+///     /// Position at which the principal point is at its calibrated place, µm.
+///     zero_um: f32,
+///     /// By how much the stage lags behind the voltage, s.
+///     lag_s: f32,
+/// }
+///
+/// impl<A: Amplifier> FmcDrive for Piezo<A> {
+///     fn position(&mut self, now: Time) -> Result<StageReading, Fault> {
+///         let um = self.amplifier.sensor_um().map_err(|()| Fault::Encoder)?;
+///         Ok(StageReading { time: now, offset_mm: (um - self.zero_um) / 1000.0 })
+///     }
+///
+///     fn follow(&mut self, _: Time, setpoint: Setpoint) -> Result<(), Fault> {
+///         // Ahead by the lag, and by half the millisecond for which the voltage stays.
+///         let ahead_mm = setpoint.speed_mm_s * (self.lag_s + 0.5e-3);
+///         let um = self.zero_um + (setpoint.offset_mm + ahead_mm) * 1000.0;
+///         self.amplifier.set_um(um).map_err(|()| Fault::Drive)
+///     }
+///
+///     fn release(&mut self) {
+///         self.amplifier.off();
+///     }
+/// }
+/// # struct Bench(f32);
+/// # impl Amplifier for Bench {
+/// #     fn set_um(&mut self, position_um: f32) -> Result<(), ()> { self.0 = position_um; Ok(()) }
+/// #     fn sensor_um(&mut self) -> Result<f32, ()> { Ok(self.0) }
+/// #     fn off(&mut self) {}
+/// # }
+/// # let mut piezo = Piezo { amplifier: Bench(0.0), zero_um: 50.0, lag_s: 1e-3 };
+/// # let setpoint = Setpoint { offset_mm: 0.01, speed_mm_s: 4.0, ..Setpoint::default() };
+/// # piezo.follow(Time::START, setpoint).unwrap();
+/// # assert!((piezo.position(Time::START).unwrap().offset_mm - 0.016).abs() < 1e-6);
+/// ```
 pub trait FmcDrive {
     /// Where the stage is now.
     ///
+    /// On return the reading is the newest there is, under the time at which the stage was there (which is before
+    /// `now` by the encoder's latency), and nothing has moved because of the call. It may come at any time, released
+    /// or not, and more than once in a tick.
+    ///
     /// # Errors
-    /// [`Fault`] where that cannot be said.
+    /// [`Fault`] where that cannot be said: [`Fault::Encoder`].
     fn position(&mut self, now: Time) -> Result<StageReading, Fault>;
 
     /// Follows a set point, until the next call.
     ///
+    /// The set point is for `now`: there the stage should be at `offset_mm`, and go on with that speed and
+    /// acceleration. On return the mechanism has been told; it need not have moved. Where calls fail to come it must
+    /// not run on for ever: after a few ticks it stands, or a watchdog takes the force off.
+    ///
     /// # Errors
-    /// [`Fault`] where it cannot.
+    /// [`Fault`] where it cannot: [`Fault::LimitSwitch`] where a switch is closed on that side, [`Fault::Drive`]
+    /// for anything else. The set point is then not followed.
     fn follow(&mut self, now: Time, setpoint: Setpoint) -> Result<(), Fault>;
 
     /// Takes the force off.
+    ///
+    /// On return no force is asked of the mechanism and none will be until the next [`follow`](Self::follow). It may
+    /// be called at any time, twice is as good as once, and it cannot fail: what fails on the way is tried to its end
+    /// and is reported by the next `follow`.
     fn release(&mut self);
 }

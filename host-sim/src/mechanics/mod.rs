@@ -1,0 +1,252 @@
+//! The stage's mechanics: a motor that pushes a mass through friction and play, with what the encoder and the limit
+//! switches make of it, and with its faults.
+
+mod fault;
+mod history;
+mod motion;
+mod settings;
+
+use std::collections::VecDeque;
+
+pub use fault::{Injection, MechanicalFault};
+pub use history::Instant;
+pub use settings::{EncoderSide, LONGEST_SUBSTEP_S, MechanicsSettings};
+
+use history::History;
+use motion::{Forces, Motion};
+
+/// What the bridge is told.
+#[derive(Debug, Clone, Copy, PartialEq)]
+struct Order {
+    at_s: f64,
+    duty: f64,
+    powered: bool,
+}
+
+/// The stage, moving.
+///
+/// Offsets are along the FMC axis, positive duty pushes that way. The screw moves under force; the stage follows it with
+/// play: with the screw pushing along the axis the two offsets are equal, against it the stage is the play ahead. Friction
+/// of the stage keeps it on its flank: true while the stage's own friction is larger than its mass times the
+/// deceleration.
+#[derive(Debug, Clone)]
+pub struct Mechanics {
+    settings: MechanicsSettings,
+    injections: Vec<Injection>,
+    time_s: f64,
+    motion: Motion,
+    stage_mm: f64,
+    order: Order,
+    /// Orders on their way to the bridge.
+    orders: VecDeque<Order>,
+    history: History,
+    /// The count about which a reversed encoder counts backwards.
+    pivot: Option<i64>,
+    /// By how much the count is off for good after a reversal.
+    shift: i64,
+}
+
+impl Mechanics {
+    /// A stage at rest at the calibrated position.
+    ///
+    /// # Errors
+    /// The field, its value and what is allowed.
+    pub fn new(settings: MechanicsSettings) -> Result<Self, String> {
+        let settings = settings.checked()?;
+        let start = Instant {
+            time_s: 0.0,
+            screw_mm: 0.0,
+            stage_mm: 0.0,
+        };
+        Ok(Self {
+            settings,
+            injections: Vec::new(),
+            time_s: 0.0,
+            motion: Motion::default(),
+            stage_mm: 0.0,
+            order: Order {
+                at_s: 0.0,
+                duty: 0.0,
+                powered: false,
+            },
+            orders: VecDeque::new(),
+            history: History::new(start, settings.history_s),
+            pivot: None,
+            shift: 0,
+        })
+    }
+
+    /// Something will break.
+    pub fn inject(&mut self, injection: Injection) {
+        self.injections.push(injection);
+    }
+
+    /// Since the start, s.
+    #[must_use]
+    pub const fn time_s(&self) -> f64 {
+        self.time_s
+    }
+
+    /// Where the stage truly is, mm along the FMC axis from the calibrated position.
+    #[must_use]
+    pub const fn position_mm(&self) -> f64 {
+        self.stage_mm
+    }
+
+    /// How fast the screw truly is, mm/s.
+    #[must_use]
+    pub const fn speed_mm_s(&self) -> f64 {
+        self.motion.speed_mm_s
+    }
+
+    /// Where screw and stage truly were from a time on, one instant per substep; at most as far back as the settings
+    /// remember.
+    pub fn history(&self, since_s: f64) -> impl Iterator<Item = Instant> {
+        self.history.since(since_s)
+    }
+
+    /// Where the stage truly was at a time, mm; before the memory and after now, the nearest it has.
+    #[must_use]
+    pub fn position_at_mm(&self, time_s: f64) -> f64 {
+        self.history
+            .at(time_s)
+            .map_or(self.stage_mm, |instant| instant.stage_mm)
+    }
+
+    /// Lets time pass, with a duty (-1 to 1) at a bridge that is on or off from now on.
+    pub fn advance(&mut self, duty: f64, powered: bool, dt_s: f64) {
+        self.orders.push_back(Order {
+            at_s: self.time_s + self.settings.duty_latency_s,
+            duty: duty.clamp(-1.0, 1.0),
+            powered,
+        });
+        let end_s = self.time_s + dt_s;
+        while self.time_s < end_s {
+            while let Some(order) = self.orders.pop_front_if(|order| order.at_s <= self.time_s) {
+                self.order = order;
+            }
+            let mut next_s = end_s.min(self.time_s + self.settings.substep_s);
+            if let Some(order) = self.orders.front() {
+                next_s = next_s.min(order.at_s);
+            }
+            self.substep(next_s);
+        }
+    }
+
+    /// The encoder's count, as the camera would read it now.
+    #[expect(
+        clippy::cast_possible_truncation,
+        reason = "a counter of 32 bits wraps"
+    )]
+    pub fn encoder_count(&mut self) -> i32 {
+        let raw = self.raw_count();
+        let reversed = self.has(|fault| matches!(fault, MechanicalFault::EncoderReversed));
+        match (reversed, self.pivot) {
+            (true, None) => self.pivot = Some(raw),
+            (false, Some(pivot)) => {
+                // It goes on from where the reversed count ended.
+                self.shift += 2 * (pivot - raw);
+                self.pivot = None;
+            }
+            _ => {}
+        }
+        let counted = self.pivot.map_or(raw, |pivot| 2 * pivot - raw) + self.shift;
+        let glitch: i64 = self
+            .active()
+            .filter_map(|fault| match fault {
+                MechanicalFault::EncoderGlitch { counts } => Some(i64::from(counts)),
+                _ => None,
+            })
+            .sum();
+        (counted + glitch) as i32
+    }
+
+    /// Whether the limit switches are closed, the low and the high one.
+    #[must_use]
+    pub fn limits_closed(&self) -> [bool; 2] {
+        let stuck = self.has(|fault| matches!(fault, MechanicalFault::LimitStuck));
+        let [low, high] = self.settings.limits_mm;
+        [
+            stuck || self.stage_mm <= low,
+            stuck || self.stage_mm >= high,
+        ]
+    }
+
+    /// Whether either limit switch is closed.
+    #[must_use]
+    pub fn limit_closed(&self) -> bool {
+        self.limits_closed().contains(&true)
+    }
+
+    fn active(&self) -> impl Iterator<Item = MechanicalFault> {
+        self.injections
+            .iter()
+            .filter(|injection| injection.is_active(self.time_s))
+            .map(|injection| injection.fault)
+    }
+
+    fn has(&self, is_it: impl Fn(MechanicalFault) -> bool) -> bool {
+        self.active().any(is_it)
+    }
+
+    /// What the motor and its friction do now.
+    fn forces(&self) -> Forces {
+        let Order {
+            mut duty,
+            mut powered,
+            ..
+        } = self.order;
+        let (mut sign, mut jam_n) = (1.0, 0.0);
+        for fault in self.active() {
+            match fault {
+                MechanicalFault::Stall { force_n } => jam_n += force_n,
+                MechanicalFault::MotorReversed => sign = -1.0,
+                MechanicalFault::Runaway { duty: own } => (duty, powered) = (own, true),
+                MechanicalFault::BridgeOff => powered = false,
+                MechanicalFault::EncoderGlitch { .. }
+                | MechanicalFault::EncoderReversed
+                | MechanicalFault::LimitStuck => {}
+            }
+        }
+        let settings = &self.settings;
+        Forces {
+            motor_n: if powered {
+                sign * duty * settings.force_n
+            } else {
+                0.0
+            },
+            damping_n_s_m: settings.viscous_n_s_m
+                + if powered {
+                    settings.back_emf_n_s_m
+                } else {
+                    0.0
+                },
+            jam_n,
+        }
+    }
+
+    fn substep(&mut self, until_s: f64) {
+        let step_s = until_s - self.time_s;
+        self.motion = self.motion.after(&self.settings, self.forces(), step_s);
+        let screw_mm = self.motion.position_mm;
+        let ahead_mm = 1e-3 * self.settings.backlash_um;
+        self.stage_mm = self.stage_mm.clamp(screw_mm, screw_mm + ahead_mm);
+        self.time_s = until_s;
+        self.history.push(Instant {
+            time_s: until_s,
+            screw_mm,
+            stage_mm: self.stage_mm,
+        });
+    }
+
+    #[expect(clippy::cast_possible_truncation, reason = "some thousands of counts")]
+    fn raw_count(&self) -> i64 {
+        let settings = &self.settings;
+        let read = self.history.at(self.time_s - settings.encoder_latency_s);
+        let offset_mm = read.map_or(0.0, |instant| match settings.encoder_side {
+            EncoderSide::Screw => instant.screw_mm,
+            EncoderSide::Stage => instant.stage_mm,
+        });
+        ((1e3 * offset_mm - settings.encoder_phase_um) / settings.encoder_step_um).round() as i64
+    }
+}

@@ -1,0 +1,116 @@
+//! What the stage is made of.
+
+use serde::Deserialize;
+
+/// A stage with its motor, screw, encoder and end stops; masses and forces are reduced to the moving stage.
+#[derive(Debug, Clone, Copy, PartialEq, Deserialize)]
+#[serde(default, deny_unknown_fields)]
+pub struct MechanicsSettings {
+    /// Moving mass, with the motor's and the screw's inertia, kg.
+    pub mass_kg: f64,
+    /// Force of full duty at rest, N.
+    pub force_n: f64,
+    /// Back-EMF, N per m/s; there while the bridge is on.
+    pub back_emf_n_s_m: f64,
+    /// Viscous friction, N per m/s.
+    pub viscous_n_s_m: f64,
+    /// Coulomb friction, N.
+    pub coulomb_n: f64,
+    /// Friction at which it breaks away, N.
+    pub breakaway_n: f64,
+    /// Stribeck speed: how fast the one turns into the other, mm/s.
+    pub stribeck_mm_s: f64,
+    /// Play between the screw and the stage, µm.
+    pub backlash_um: f64,
+    /// What the encoder sits on.
+    pub encoder_side: EncoderSide,
+    /// Travel per count of the encoder, µm.
+    pub encoder_step_um: f64,
+    /// Where a count ends, µm.
+    pub encoder_phase_um: f64,
+    /// Age of what the encoder reads, s.
+    pub encoder_latency_s: f64,
+    /// Time from a duty asked for to the force, s.
+    pub duty_latency_s: f64,
+    /// Offsets of the end stops, mm.
+    pub end_stops_mm: [f64; 2],
+    /// Offsets beyond which the limit switches are closed, mm.
+    pub limits_mm: [f64; 2],
+    /// Longest step of the integration, s.
+    pub substep_s: f64,
+    /// For how long the motion is remembered, s.
+    pub history_s: f64,
+}
+
+/// Where the encoder sits.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Deserialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum EncoderSide {
+    /// On the motor or its screw: play moves the stage unseen.
+    Screw,
+    /// On the stage itself.
+    Stage,
+}
+
+impl Default for MechanicsSettings {
+    /// The stage that the library's gains are tuned on (`Plant::REFERENCE`).
+    fn default() -> Self {
+        Self {
+            mass_kg: 0.3,
+            force_n: 6.0,
+            back_emf_n_s_m: 20.0,
+            viscous_n_s_m: 2.0,
+            coulomb_n: 0.25,
+            breakaway_n: 0.32,
+            stribeck_mm_s: 1.0,
+            backlash_um: 1.0,
+            encoder_side: EncoderSide::Screw,
+            encoder_step_um: 0.1,
+            encoder_phase_um: 0.03,
+            encoder_latency_s: 1e-4,
+            duty_latency_s: 1e-4,
+            end_stops_mm: [-2.5, 2.5],
+            limits_mm: [-2.2, 2.2],
+            substep_s: 2e-5,
+            history_s: 2.0,
+        }
+    }
+}
+
+/// Longest step of the integration that is allowed, s.
+pub const LONGEST_SUBSTEP_S: f64 = 5e-5;
+
+impl MechanicsSettings {
+    /// The settings, if a stage can be built so.
+    ///
+    /// # Errors
+    /// The field, its value and what is allowed.
+    pub fn checked(self) -> Result<Self, String> {
+        let ranges = [
+            ("mass_kg", self.mass_kg, 1e-3, 100.0),
+            ("force_n", self.force_n, 1e-3, 1e4),
+            ("back_emf_n_s_m", self.back_emf_n_s_m, 0.0, 1e4),
+            ("viscous_n_s_m", self.viscous_n_s_m, 0.0, 1e4),
+            ("coulomb_n", self.coulomb_n, 0.0, 1e3),
+            ("breakaway_n", self.breakaway_n, self.coulomb_n, 1e3),
+            ("stribeck_mm_s", self.stribeck_mm_s, 1e-3, 1e3),
+            ("backlash_um", self.backlash_um, 0.0, 1e3),
+            ("encoder_step_um", self.encoder_step_um, 1e-3, 100.0),
+            ("encoder_phase_um", self.encoder_phase_um, -100.0, 100.0),
+            ("encoder_latency_s", self.encoder_latency_s, 0.0, 0.01),
+            ("duty_latency_s", self.duty_latency_s, 0.0, 0.01),
+            ("end_stops_mm[0]", self.end_stops_mm[0], -100.0, 0.0),
+            ("end_stops_mm[1]", self.end_stops_mm[1], 0.0, 100.0),
+            ("limits_mm[0]", self.limits_mm[0], -100.0, 0.0),
+            ("limits_mm[1]", self.limits_mm[1], 0.0, 100.0),
+            ("substep_s", self.substep_s, 1e-7, LONGEST_SUBSTEP_S),
+            ("history_s", self.history_s, 0.02, 60.0),
+        ];
+        for (name, value, least, most) in ranges {
+            if !(value >= least && value <= most) {
+                return Err(format!("{name} = {value} is outside {least} to {most}"));
+            }
+        }
+        Ok(self)
+    }
+}

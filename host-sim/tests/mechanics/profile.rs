@@ -1,0 +1,130 @@
+//! Motions at constant acceleration, one after the other.
+
+use fmc_camera::flight::stage::Setpoint;
+
+/// What the stage is meant to do in a part of a motion.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(crate) enum Phase {
+    Rest,
+    Ramp,
+    Cruise,
+    FlyBack,
+}
+
+#[derive(Debug, Clone, Copy)]
+struct Part {
+    phase: Phase,
+    start_s: f64,
+    offset_mm: f64,
+    speed_mm_s: f64,
+    acceleration_mm_s2: f64,
+}
+
+/// A motion from rest to rest, as many times as wanted.
+#[derive(Debug, Clone)]
+pub(crate) struct Profile {
+    parts: Vec<Part>,
+    end_s: f64,
+    end_mm: f64,
+    measured_from_s: f64,
+}
+
+/// What is asked for at an instant.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct Wanted {
+    pub(crate) phase: Phase,
+    /// Since the phase began.
+    pub(crate) since_s: f64,
+    pub(crate) offset_mm: f64,
+    pub(crate) speed_mm_s: f64,
+    pub(crate) acceleration_mm_s2: f64,
+}
+
+impl Profile {
+    /// At rest at the calibrated position, which lasts so long.
+    pub(crate) fn at_rest(duration_s: f64) -> Self {
+        let mut profile = Self {
+            parts: Vec::new(),
+            end_s: 0.0,
+            end_mm: 0.0,
+            measured_from_s: 0.0,
+        };
+        profile.add(Phase::Rest, duration_s, 0.0, 0.0);
+        profile
+    }
+
+    fn add(&mut self, phase: Phase, duration_s: f64, speed_mm_s: f64, acceleration_mm_s2: f64) {
+        self.parts.push(Part {
+            phase,
+            start_s: self.end_s,
+            offset_mm: self.end_mm,
+            speed_mm_s,
+            acceleration_mm_s2,
+        });
+        self.end_s += duration_s;
+        self.end_mm += duration_s * (speed_mm_s + 0.5 * acceleration_mm_s2 * duration_s);
+    }
+
+    pub(crate) fn rest(&mut self, duration_s: f64) {
+        self.add(Phase::Rest, duration_s, 0.0, 0.0);
+    }
+
+    /// Up to a speed, on at that speed for a time, and down to rest.
+    pub(crate) fn cruise(&mut self, speed_mm_s: f64, duration_s: f64, acceleration: f64) {
+        let ramp_s = speed_mm_s.abs() / acceleration;
+        let acceleration = acceleration.copysign(speed_mm_s);
+        self.add(Phase::Ramp, ramp_s, 0.0, acceleration);
+        self.add(Phase::Cruise, duration_s, speed_mm_s, 0.0);
+        self.add(Phase::Ramp, ramp_s, speed_mm_s, -acceleration);
+    }
+
+    /// To a place, as fast as acceleration and speed allow.
+    pub(crate) fn move_to(&mut self, offset_mm: f64, fastest_mm_s: f64, acceleration: f64) {
+        let way_mm = offset_mm - self.end_mm;
+        let speed_mm_s = fastest_mm_s.min((way_mm.abs() * acceleration).sqrt());
+        let ramp_s = speed_mm_s / acceleration;
+        let cruise_s = way_mm.abs() / speed_mm_s - ramp_s;
+        let (speed, acceleration) = (speed_mm_s.copysign(way_mm), acceleration.copysign(way_mm));
+        self.add(Phase::FlyBack, ramp_s, 0.0, acceleration);
+        self.add(Phase::FlyBack, cruise_s, speed, 0.0);
+        self.add(Phase::FlyBack, ramp_s, speed, -acceleration);
+    }
+
+    /// What came before is a warm-up.
+    pub(crate) fn measure_from_here(&mut self) {
+        self.measured_from_s = self.end_s;
+    }
+
+    pub(crate) fn measured_from_s(&self) -> f64 {
+        self.measured_from_s
+    }
+
+    pub(crate) fn end_s(&self) -> f64 {
+        self.end_s
+    }
+
+    pub(crate) fn at(&self, time_s: f64) -> Wanted {
+        let next = self.parts.partition_point(|part| part.start_s <= time_s);
+        let part = self.parts[next.max(1) - 1];
+        let since_s = time_s - part.start_s;
+        Wanted {
+            phase: part.phase,
+            since_s,
+            offset_mm: part.offset_mm
+                + since_s * (part.speed_mm_s + 0.5 * part.acceleration_mm_s2 * since_s),
+            speed_mm_s: part.speed_mm_s + part.acceleration_mm_s2 * since_s,
+            acceleration_mm_s2: part.acceleration_mm_s2,
+        }
+    }
+}
+
+impl Wanted {
+    #[expect(clippy::cast_possible_truncation, reason = "the camera's precision")]
+    pub(crate) fn setpoint(&self) -> Setpoint {
+        Setpoint {
+            offset_mm: self.offset_mm as f32,
+            speed_mm_s: self.speed_mm_s as f32,
+            acceleration_mm_s2: self.acceleration_mm_s2 as f32,
+        }
+    }
+}

@@ -1,0 +1,135 @@
+//! Gains of the velocity loop, from the plant they are for.
+
+use super::settings::{SettingOutOfRange, within};
+
+/// What the motor has to move, all of it reduced to the stage.
+#[derive(Debug, Clone, Copy, PartialEq)]
+#[cfg_attr(feature = "link", derive(serde::Serialize, serde::Deserialize))]
+pub struct Plant {
+    /// Moving mass, with the motor's and the screw's inertia, kg.
+    pub mass_kg: f32,
+    /// Force of full duty at rest, N.
+    pub force_n: f32,
+    /// Viscous friction and back-EMF together, N per m/s.
+    pub damping_n_s_m: f32,
+    /// Coulomb friction, N.
+    pub friction_n: f32,
+}
+
+impl Plant {
+    /// The stage that the gains were tuned on in simulation: 0.3 kg, 6 N, 22 N·s/m, 0.25 N.
+    pub const REFERENCE: Self = Self {
+        mass_kg: 0.3,
+        force_n: 6.0,
+        damping_n_s_m: 22.0,
+        friction_n: 0.25,
+    };
+
+    /// The plant, if it is one.
+    ///
+    /// # Errors
+    /// [`SettingOutOfRange`] naming the field.
+    pub fn checked(self) -> Result<Self, SettingOutOfRange> {
+        within("mass_kg", self.mass_kg, 1e-3, 100.0)?;
+        within("force_n", self.force_n, 1e-3, 1e4)?;
+        within("damping_n_s_m", self.damping_n_s_m, 0.0, 1e4)?;
+        within("friction_n", self.friction_n, 0.0, 1e3)?;
+        Ok(self)
+    }
+}
+
+/// Gains and limits of the velocity loop.
+#[derive(Debug, Clone, Copy, PartialEq)]
+#[cfg_attr(feature = "link", derive(serde::Serialize, serde::Deserialize))]
+pub struct LoopSettings {
+    /// Speed asked for per following error, 1/s.
+    pub position_gain_per_s: f32,
+    /// Duty per error of speed, 1/(mm/s).
+    pub speed_gain_per_mm_s: f32,
+    /// How fast the integral of the speed error takes over from the speed error, 1/s.
+    pub integral_rate_per_s: f32,
+    /// Part of a new difference of following errors in the measured error of speed, 0 to 1.
+    pub slope_weight: f32,
+    /// Duty per speed, 1/(mm/s): viscous friction and back-EMF.
+    pub speed_feed_per_mm_s: f32,
+    /// Duty per acceleration, 1/(mm/s²): the mass.
+    pub acceleration_feed_per_mm_s2: f32,
+    /// Duty against Coulomb friction.
+    pub friction_feed: f32,
+    /// Largest duty, 0 to 1.
+    pub max_duty: f32,
+    /// Following error that is left alone at rest, µm: above the encoder's step.
+    pub rest_band_um: f32,
+    /// How fast the three that are fed forward are learned from what the feedback has to add, 1/s; 0 is never.
+    pub learning_rate_per_s: f32,
+    /// Age of a reading of the encoder when it is used, s.
+    pub reading_age_s: f32,
+    /// Time from a duty to its force, s.
+    pub duty_delay_s: f32,
+}
+
+impl LoopSettings {
+    /// ω_p: position loop, 1/s.
+    pub const POSITION_RATE_PER_S: f32 = 250.0;
+
+    /// ω_v: velocity loop, 1/s.
+    pub const SPEED_RATE_PER_S: f32 = 750.0;
+
+    /// ω_i: integral, 1/s.
+    pub const INTEGRAL_RATE_PER_S: f32 = 120.0;
+
+    /// The gains for a plant.
+    ///
+    /// # Model
+    /// With m the mass, F the force of full duty, b the damping and F_c the friction, the force asked for is
+    /// `m·ω_v·((1 + ω_i/s)·(ω_p·e + de/dt)) + m·a + b·v + F_c·sgn(v)`, in parts of F.
+    pub const fn tuned(plant: Plant) -> Self {
+        // N per m/s² is mN per mm/s².
+        let duty_per_mm_s2 = 1e-3 * plant.mass_kg / plant.force_n;
+        Self {
+            position_gain_per_s: Self::POSITION_RATE_PER_S,
+            speed_gain_per_mm_s: Self::SPEED_RATE_PER_S * duty_per_mm_s2,
+            integral_rate_per_s: Self::INTEGRAL_RATE_PER_S,
+            slope_weight: 1.0,
+            speed_feed_per_mm_s: 1e-3 * plant.damping_n_s_m / plant.force_n,
+            acceleration_feed_per_mm_s2: duty_per_mm_s2,
+            friction_feed: plant.friction_n / plant.force_n,
+            max_duty: 1.0,
+            rest_band_um: 1.0,
+            learning_rate_per_s: 30.0,
+            reading_age_s: 1e-4,
+            duty_delay_s: 1e-4,
+        }
+    }
+
+    /// The settings, if each is in its range.
+    ///
+    /// # Errors
+    /// [`SettingOutOfRange`] naming the field.
+    pub fn checked(self) -> Result<Self, SettingOutOfRange> {
+        within("position_gain_per_s", self.position_gain_per_s, 0.0, 1e4)?;
+        within("speed_gain_per_mm_s", self.speed_gain_per_mm_s, 0.0, 1e3)?;
+        within("integral_rate_per_s", self.integral_rate_per_s, 0.0, 1e4)?;
+        within("slope_weight", self.slope_weight, 0.01, 1.0)?;
+        within("speed_feed_per_mm_s", self.speed_feed_per_mm_s, 0.0, 10.0)?;
+        within(
+            "acceleration_feed_per_mm_s2",
+            self.acceleration_feed_per_mm_s2,
+            0.0,
+            1.0,
+        )?;
+        within("friction_feed", self.friction_feed, 0.0, 1.0)?;
+        within("max_duty", self.max_duty, 0.01, 1.0)?;
+        within("rest_band_um", self.rest_band_um, 0.0, 1000.0)?;
+        within("learning_rate_per_s", self.learning_rate_per_s, 0.0, 100.0)?;
+        within("reading_age_s", self.reading_age_s, 0.0, 0.01)?;
+        within("duty_delay_s", self.duty_delay_s, 0.0, 0.01)?;
+        Ok(self)
+    }
+}
+
+impl Default for LoopSettings {
+    fn default() -> Self {
+        Self::tuned(Plant::REFERENCE)
+    }
+}

@@ -1,0 +1,216 @@
+//! A motor behind a bridge, driven by pulse width and direction, with a quadrature encoder.
+
+use embedded_hal::digital::{OutputPin, PinState};
+use embedded_hal::pwm::SetDutyCycle;
+
+use super::loop_settings::LoopSettings;
+use super::quadrature::QuadratureCounter;
+use super::settings::{SettingOutOfRange, within};
+use super::velocity_loop::VelocityLoop;
+use super::{FmcDrive, StageReading};
+use crate::flight::fault::Fault;
+use crate::flight::stage::Setpoint;
+use crate::flight::time::Time;
+
+/// Longer without a set point than this, s, and the loop starts afresh.
+const LONGEST_PAUSE_S: f32 = 0.005;
+
+/// How motor and encoder are built in.
+#[derive(Debug, Clone, Copy, PartialEq)]
+#[cfg_attr(feature = "link", derive(serde::Serialize, serde::Deserialize))]
+pub struct DriveSettings {
+    /// Travel per count of the encoder, µm.
+    pub encoder_step_um: f32,
+    /// The encoder counts down along the FMC axis.
+    pub encoder_reversed: bool,
+    /// Direction low and positive duty move the stage against the FMC axis.
+    pub motor_reversed: bool,
+    /// Gains and limits.
+    pub velocity_loop: LoopSettings,
+}
+
+impl Default for DriveSettings {
+    fn default() -> Self {
+        Self {
+            encoder_step_um: 0.1,
+            encoder_reversed: false,
+            motor_reversed: false,
+            velocity_loop: LoopSettings::default(),
+        }
+    }
+}
+
+impl DriveSettings {
+    /// The settings, if each is in its range.
+    ///
+    /// # Errors
+    /// [`SettingOutOfRange`] naming the field.
+    pub fn checked(self) -> Result<Self, SettingOutOfRange> {
+        within("encoder_step_um", self.encoder_step_um, 1e-3, 100.0)?;
+        self.velocity_loop.checked()?;
+        Ok(self)
+    }
+}
+
+/// The pins and the counter of the drive.
+#[derive(Debug)]
+pub struct Pins<Pwm, Direction, Counter> {
+    /// Pulse width of the bridge.
+    pub pwm: Pwm,
+    /// Direction of the bridge: low is positive duty.
+    pub direction: Direction,
+    /// The encoder.
+    pub counter: Counter,
+}
+
+/// The drive: velocity loop, bridge and encoder.
+///
+/// Duty 0 is all that [`release`](FmcDrive::release) can do with these pins; whether that brakes or lets go is the
+/// bridge's. The pulse width stays if calls fail to come: the firmware's watchdog has to take the bridge's enable away.
+#[derive(Debug)]
+pub struct PwmEncoder<Pwm, Direction, Counter> {
+    pins: Pins<Pwm, Direction, Counter>,
+    settings: DriveSettings,
+    velocity_loop: VelocityLoop,
+    /// The count at the calibrated position.
+    zero: i32,
+    followed: Option<Time>,
+    direction: Option<PinState>,
+    release_failed: bool,
+}
+
+impl<Pwm, Direction, Counter> PwmEncoder<Pwm, Direction, Counter>
+where
+    Pwm: SetDutyCycle,
+    Direction: OutputPin,
+    Counter: QuadratureCounter,
+{
+    /// A drive without force; count 0 is the calibrated position.
+    ///
+    /// # Errors
+    /// [`SettingOutOfRange`] naming the field.
+    pub fn new(
+        settings: DriveSettings,
+        pins: Pins<Pwm, Direction, Counter>,
+    ) -> Result<Self, SettingOutOfRange> {
+        let settings = settings.checked()?;
+        Ok(Self {
+            pins,
+            settings,
+            velocity_loop: VelocityLoop::new(settings.velocity_loop),
+            zero: 0,
+            followed: None,
+            direction: None,
+            release_failed: false,
+        })
+    }
+
+    /// Says where the stage is now, counts of the encoder along the FMC axis from the calibrated position: at its
+    /// reference mark.
+    pub fn set_position(&mut self, counts: i32) {
+        let counts = if self.settings.encoder_reversed {
+            counts.wrapping_neg()
+        } else {
+            counts
+        };
+        self.zero = self.pins.counter.count().wrapping_sub(counts);
+        self.followed = None;
+    }
+
+    /// Whether force is asked of the motor.
+    pub const fn is_powered(&self) -> bool {
+        self.followed.is_some()
+    }
+
+    /// The pins, to look at.
+    pub const fn pins(&self) -> &Pins<Pwm, Direction, Counter> {
+        &self.pins
+    }
+
+    /// The pins, to work on.
+    pub const fn pins_mut(&mut self) -> &mut Pins<Pwm, Direction, Counter> {
+        &mut self.pins
+    }
+
+    #[expect(clippy::cast_precision_loss, reason = "exact to 16 million counts")]
+    fn offset_mm(&mut self) -> f32 {
+        // The difference is right across a wrap of the counter.
+        let counts = self.pins.counter.count().wrapping_sub(self.zero) as f32;
+        let offset_mm = counts * (1e-3 * self.settings.encoder_step_um);
+        if self.settings.encoder_reversed {
+            -offset_mm
+        } else {
+            offset_mm
+        }
+    }
+
+    #[expect(
+        clippy::cast_possible_truncation,
+        clippy::cast_sign_loss,
+        reason = "between 0 and the largest duty"
+    )]
+    fn drive(&mut self, duty: f32) -> Result<(), Fault> {
+        let duty = if self.settings.motor_reversed {
+            -duty
+        } else {
+            duty
+        };
+        let direction = PinState::from(duty < 0.0);
+        if self.direction != Some(direction) && duty.abs() > 0.0 {
+            // No pulse of the old width in the new direction.
+            self.direction = None;
+            self.pins.pwm.set_duty_cycle(0).map_err(|_| Fault::Drive)?;
+            self.pins
+                .direction
+                .set_state(direction)
+                .map_err(|_| Fault::Drive)?;
+            self.direction = Some(direction);
+        }
+        let full = self.pins.pwm.max_duty_cycle();
+        let width = libm::roundf(duty.abs() * f32::from(full)) as u16;
+        self.pins
+            .pwm
+            .set_duty_cycle(width.min(full))
+            .map_err(|_| Fault::Drive)
+    }
+}
+
+impl<Pwm, Direction, Counter> FmcDrive for PwmEncoder<Pwm, Direction, Counter>
+where
+    Pwm: SetDutyCycle,
+    Direction: OutputPin,
+    Counter: QuadratureCounter,
+{
+    fn position(&mut self, now: Time) -> Result<StageReading, Fault> {
+        Ok(StageReading {
+            time: now.plus_s(-self.settings.velocity_loop.reading_age_s),
+            offset_mm: self.offset_mm(),
+        })
+    }
+
+    fn follow(&mut self, now: Time, setpoint: Setpoint) -> Result<(), Fault> {
+        if core::mem::take(&mut self.release_failed) {
+            self.release();
+            return Err(Fault::Drive);
+        }
+        let dt_s = match self.followed {
+            Some(before) => now.seconds_since(before),
+            None => f32::INFINITY,
+        };
+        let dt_s = if (0.0..=LONGEST_PAUSE_S).contains(&dt_s) {
+            dt_s
+        } else {
+            self.velocity_loop.restart();
+            0.0
+        };
+        let measured_mm = self.offset_mm();
+        let duty = self.velocity_loop.duty(setpoint, measured_mm, dt_s);
+        self.followed = Some(now);
+        self.drive(duty).inspect_err(|_| self.release())
+    }
+
+    fn release(&mut self) {
+        self.followed = None;
+        self.release_failed = self.pins.pwm.set_duty_cycle(0).is_err();
+    }
+}

@@ -1,0 +1,122 @@
+//! The drive with numbers for pins: for rigs and simulations.
+
+use core::convert::Infallible;
+
+use embedded_hal::digital::{ErrorType, OutputPin};
+use embedded_hal::pwm::{self, SetDutyCycle};
+
+use super::pwm_encoder::{DriveSettings, Pins, PwmEncoder};
+use super::quadrature::QuadratureCounter;
+use super::settings::SettingOutOfRange;
+use super::{FmcDrive, StageReading};
+use crate::flight::fault::Fault;
+use crate::flight::stage::Setpoint;
+use crate::flight::time::Time;
+
+/// Steps of the pulse width, as a timer of 200 MHz has them at 20 kHz.
+const FULL_DUTY: u16 = 10_000;
+
+/// A pulse width that is a number.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+struct Width(u16);
+
+impl pwm::ErrorType for Width {
+    type Error = Infallible;
+}
+
+impl SetDutyCycle for Width {
+    fn max_duty_cycle(&self) -> u16 {
+        FULL_DUTY
+    }
+
+    fn set_duty_cycle(&mut self, duty: u16) -> Result<(), Infallible> {
+        self.0 = duty;
+        Ok(())
+    }
+}
+
+/// A pin that is a truth value.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+struct Level(bool);
+
+impl ErrorType for Level {
+    type Error = Infallible;
+}
+
+impl OutputPin for Level {
+    fn set_low(&mut self) -> Result<(), Infallible> {
+        self.0 = false;
+        Ok(())
+    }
+
+    fn set_high(&mut self) -> Result<(), Infallible> {
+        self.0 = true;
+        Ok(())
+    }
+}
+
+/// A counter that is set from outside.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+struct Count(i32);
+
+impl QuadratureCounter for Count {
+    fn count(&mut self) -> i32 {
+        self.0
+    }
+}
+
+/// [`PwmEncoder`] without hardware: the count comes in as a number, the duty goes out as one.
+#[derive(Debug)]
+pub struct RigDrive {
+    drive: PwmEncoder<Width, Level, Count>,
+}
+
+impl RigDrive {
+    /// A drive without force; count 0 is the calibrated position.
+    ///
+    /// # Errors
+    /// [`SettingOutOfRange`] naming the field.
+    pub fn new(settings: DriveSettings) -> Result<Self, SettingOutOfRange> {
+        let pins = Pins {
+            pwm: Width::default(),
+            direction: Level::default(),
+            counter: Count::default(),
+        };
+        Ok(Self {
+            drive: PwmEncoder::new(settings, pins)?,
+        })
+    }
+
+    /// What the encoder has counted by now.
+    pub const fn set_count(&mut self, count: i32) {
+        self.drive.pins_mut().counter = Count(count);
+    }
+
+    /// The duty at the bridge, -1 to 1: in the sense of its direction pin, low is positive.
+    #[must_use]
+    pub fn duty(&self) -> f32 {
+        let pins = self.drive.pins();
+        let duty = f32::from(pins.pwm.0) / f32::from(FULL_DUTY);
+        if pins.direction.0 { -duty } else { duty }
+    }
+
+    /// Whether force is asked of the motor.
+    #[must_use]
+    pub const fn powered(&self) -> bool {
+        self.drive.is_powered()
+    }
+}
+
+impl FmcDrive for RigDrive {
+    fn position(&mut self, now: Time) -> Result<StageReading, Fault> {
+        self.drive.position(now)
+    }
+
+    fn follow(&mut self, now: Time, setpoint: Setpoint) -> Result<(), Fault> {
+        self.drive.follow(now, setpoint)
+    }
+
+    fn release(&mut self) {
+        self.drive.release();
+    }
+}

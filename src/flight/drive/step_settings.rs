@@ -1,0 +1,62 @@
+//! How a stepper is built in.
+
+use super::settings::{SettingOutOfRange, within};
+
+/// Settings of a stepper with step and direction inputs.
+#[derive(Debug, Clone, Copy, PartialEq)]
+#[cfg_attr(feature = "link", derive(serde::Serialize, serde::Deserialize))]
+pub struct StepSettings {
+    /// Steps per millimetre of the stage, micro-steps counted as the driver counts them.
+    pub steps_per_mm: f32,
+    /// Direction low moves the stage against the FMC axis.
+    pub reversed: bool,
+    /// Calls of [`pulse`](super::step_dir::StepDir::pulse) per second, Hz.
+    pub pulse_rate_hz: f32,
+    /// Most steps per second, at most half the pulse rate, Hz.
+    pub max_step_rate_hz: f32,
+    /// Pulses between a change of direction and the step after it: the driver's set-up time.
+    pub setup_pulses: u8,
+    /// A limit switch pulls its pin low when it closes.
+    pub limit_closed_low: bool,
+    /// Offset along the FMC axis at which the low limit switch opens, mm.
+    pub homing_offset_mm: f32,
+    /// Speed of homing, mm/s.
+    pub homing_speed_mm_s: f32,
+    /// Longest way to the low limit switch, mm.
+    pub homing_travel_mm: f32,
+}
+
+impl Default for StepSettings {
+    /// 1 mm of pitch, 200 steps, 16 micro-steps; 40 kHz.
+    fn default() -> Self {
+        Self {
+            steps_per_mm: 3200.0,
+            reversed: false,
+            pulse_rate_hz: 40_000.0,
+            max_step_rate_hz: 20_000.0,
+            setup_pulses: 1,
+            limit_closed_low: true,
+            homing_offset_mm: -2.2,
+            homing_speed_mm_s: 1.0,
+            homing_travel_mm: 10.0,
+        }
+    }
+}
+
+impl StepSettings {
+    /// The settings, if each is in its range.
+    ///
+    /// # Errors
+    /// [`SettingOutOfRange`] naming the field.
+    pub fn checked(self) -> Result<Self, SettingOutOfRange> {
+        within("steps_per_mm", self.steps_per_mm, 1.0, 100_000.0)?;
+        let pulse_rate = within("pulse_rate_hz", self.pulse_rate_hz, 100.0, 1e6)?;
+        let most = 0.5 * pulse_rate;
+        let rate = within("max_step_rate_hz", self.max_step_rate_hz, 1.0, most)?;
+        within("homing_offset_mm", self.homing_offset_mm, -100.0, 100.0)?;
+        let fastest = rate / self.steps_per_mm;
+        within("homing_speed_mm_s", self.homing_speed_mm_s, 1e-3, fastest)?;
+        within("homing_travel_mm", self.homing_travel_mm, 0.0, 200.0)?;
+        Ok(self)
+    }
+}
