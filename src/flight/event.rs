@@ -16,6 +16,10 @@ pub enum Event {
     Vh(VhSample),
     /// Attitude and its rates.
     Attitude(AttitudeSample),
+    /// The satellite receiver's pulse: a second begins.
+    TimePulse,
+    /// The UTC second, since 1970, that began with the last pulse.
+    GnssTime(u64),
     /// An exposure is wanted.
     Trigger,
     /// The shutter's sensor.

@@ -33,7 +33,7 @@ pub struct FrameRecord {
 pub enum Outcome {
     /// The shutter opened.
     Exposed(ExposedFrame),
-    /// The shutter was not opened.
+    /// There is no exposure that can be used.
     Refused(Reason),
 }
 
@@ -91,6 +91,8 @@ pub enum Reason {
     Disarmed,
     /// Too many records had not been acknowledged.
     RecordsFull,
+    /// The shutter opened, but no interior orientation can be given.
+    Unusable,
 }
 
 impl Reason {
@@ -109,6 +111,7 @@ impl Reason {
             Self::Fault(fault) => fault.name(),
             Self::Disarmed => "disarmed",
             Self::RecordsFull => "records full",
+            Self::Unusable => "unusable",
         }
     }
 }

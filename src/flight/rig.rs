@@ -1,16 +1,12 @@
 //! The camera on a test rig: the wires of its drive, shutter and sensors are numbers, its time is given.
 
-use heapless::Vec;
-
+use super::camera::CameraRecord;
 use super::controller::state::State;
-use super::event::{Action, Event};
+use super::controller::{Controller, ControllerError, Start};
+use super::drive::rig::RigDrive;
+use super::settings::FlightSettings;
 use super::time::Time;
-
-/// Events in one step.
-pub const MAX_EVENTS: usize = 16;
-
-/// Actions in one answer.
-pub const MAX_ACTIONS: usize = 24;
+use super::unit::{CameraUnit, Events, RoundActions};
 
 /// What happens from one round of the control loop to the next.
 #[derive(Debug, Clone, PartialEq, Default)]
@@ -21,7 +17,7 @@ pub struct RigStep {
     /// What the encoder has counted by then.
     pub encoder_count: i32,
     /// What happened since the last round, in order of time.
-    pub events: Vec<(Time, Event), MAX_EVENTS>,
+    pub events: Events,
 }
 
 /// What the camera does in that round.
@@ -33,7 +29,55 @@ pub struct RigAnswer {
     /// Whether the motor's power stage is on.
     pub powered: bool,
     /// What else it does, in order.
-    pub actions: Vec<Action, MAX_ACTIONS>,
+    pub actions: RoundActions,
     /// What it is doing now.
     pub state: State,
+}
+
+/// A camera on a test rig.
+#[derive(Debug)]
+pub struct Rig {
+    unit: CameraUnit<RigDrive>,
+}
+
+impl Rig {
+    /// A camera in standby, its stage at the calibrated position where the encoder counts 0.
+    ///
+    /// # Errors
+    /// As [`Controller::new`].
+    pub fn new(
+        record: &CameraRecord,
+        calibration_crc: u32,
+        settings: FlightSettings,
+        start: Start,
+    ) -> Result<Self, ControllerError> {
+        let controller = Controller::new(record, calibration_crc, settings, start)?;
+        let drive = RigDrive::new(settings.drive).map_err(ControllerError::Settings)?;
+        Ok(Self {
+            unit: CameraUnit::new(controller, drive),
+        })
+    }
+
+    /// One round of the control loop.
+    pub fn step(&mut self, step: &RigStep) -> RigAnswer {
+        self.unit.drive_mut().set_count(step.encoder_count);
+        let actions = self.unit.round(step.time, &step.events);
+        RigAnswer {
+            duty: self.unit.drive().duty(),
+            powered: self.unit.drive().powered(),
+            actions,
+            state: self.unit.controller().state(),
+        }
+    }
+
+    /// The state machine.
+    #[must_use]
+    pub const fn controller(&self) -> &Controller {
+        self.unit.controller()
+    }
+
+    /// The state machine, to acknowledge its records.
+    pub const fn controller_mut(&mut self) -> &mut Controller {
+        self.unit.controller_mut()
+    }
 }

@@ -128,6 +128,7 @@ mod tests {
     fn counter_that_wraps_goes_on_and_stamps_from_before_are_in_the_past() {
         let mut clock = Clock::new();
         assert_eq!(clock.extend(2_000_000_000).us(), 2_000_000_000);
+        assert_eq!(clock.extend(3_500_000_000).us(), 3_500_000_000);
         assert_eq!(clock.extend(u32::MAX - 5).us(), u64::from(u32::MAX) - 5);
         let now = clock.extend(10);
         assert_eq!(now.us(), (1 << 32) + 10);

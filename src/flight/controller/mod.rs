@@ -1,3 +1,287 @@
 //! The camera's state machine: one frame from trigger to record.
+//!
+//! Events come in with their time, in order; actions go out. Nothing waits, nothing is read from outside, so that firmware,
+//! simulator and tests run the same code. Per round of the control loop (1 kHz): what has happened since the last round,
+//! then [`Event::Stage`], then [`Event::Tick`].
+//!
+//! ```text
+//! standby ──arm──► fly-back ──► armed ──trigger──► run-up ──at speed──► tracking ──first light──► exposing
+//!                     ▲                                                     │                        │
+//!                     └─────────────────────────────────────────────────────┴────── last light ──────┘
+//! armed ◄──► degraded(V/H lost, overload)      any ──► fault ──stage stands──► degraded(its fault)
+//! ```
 
+mod commands;
+mod faults;
+mod frame;
+mod motion;
+mod recording;
+mod shutter;
+mod stage_readings;
 pub mod state;
+mod ticks;
+mod trigger;
+
+use core::fmt;
+
+use heapless::Vec;
+
+use self::frame::FrameInFlight;
+use self::motion::Motion;
+use self::state::State;
+use super::camera::{self, Camera, CameraRecord, FrameError};
+use super::drive::settings::SettingOutOfRange;
+use super::event::{Action, AttitudeSample, Event};
+use super::fault::{Fault, Faults};
+use super::frame_record::FrameRecord;
+use super::record_log::RecordLog;
+use super::settings::FlightSettings;
+use super::slope::Slope;
+use super::smear_prediction::SmearPrediction;
+use super::stage::Setpoint;
+use super::stage_track::StageTrack;
+use super::stage_watch::StageWatch;
+use super::time::Time;
+use super::utc::UtcClock;
+use super::vh::VhMonitor;
+use crate::geometry::calibration::CalibrationError;
+
+/// Most actions that one event leads to.
+pub const MAX_ACTIONS: usize = 6;
+
+/// What an event leads to, in order.
+pub type Actions = Vec<Action, MAX_ACTIONS>;
+
+/// Period of the control loop, s.
+pub const TICK_S: f32 = 1e-3;
+
+/// The camera's state machine.
+#[derive(Debug, Clone)]
+pub struct Controller {
+    camera: Camera,
+    calibration_crc: u32,
+    settings: FlightSettings,
+    smear: SmearPrediction,
+    vh: VhMonitor,
+    utc: UtcClock,
+    attitude: Option<(Time, AttitudeSample)>,
+    state: State,
+    motion: Motion,
+    track: StageTrack,
+    watch: StageWatch,
+    /// Following error of the stage; without force, its place.
+    following: Slope,
+    /// Why there is no compensation.
+    degraded: Option<Fault>,
+    /// The encoder has lost its place, until it is cleared.
+    is_place_lost: bool,
+    /// Where it was released, and since when it has not moved.
+    standing_since: Option<(Time, f32)>,
+    frame: Option<FrameInFlight>,
+    latest: Option<(u32, camera::Frame)>,
+    records: RecordLog,
+    /// What happened with no frame in flight; goes into the next record.
+    faults: Faults,
+    is_supply_good: bool,
+    /// A disarm waits for the exposure to end.
+    is_disarming: bool,
+    exposure_s: f32,
+    last_event: Time,
+    last_tick: Option<Time>,
+    late_lately: u8,
+    late_since: Time,
+    counts: Counts,
+}
+
+/// What has happened since the controller was made.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+#[cfg_attr(feature = "link", derive(serde::Serialize, serde::Deserialize))]
+pub struct Counts {
+    /// Triggers.
+    pub triggers: u32,
+    /// Records with an exposure.
+    pub exposed: u32,
+    /// Records without.
+    pub refused: u32,
+    /// Wrong encoder readings that were left out.
+    pub glitches: u32,
+    /// Rounds of the control loop that came late.
+    pub late_ticks: u32,
+    /// Edges of the shutter that nobody had asked for.
+    pub unexpected_edges: u32,
+}
+
+impl Controller {
+    /// The controller of a camera, in standby. After a bite of the watchdog it begins with that fault.
+    ///
+    /// # Errors
+    /// [`ControllerError`] naming what is not believable.
+    pub fn new(
+        record: &CameraRecord,
+        calibration_crc: u32,
+        settings: FlightSettings,
+        start: Start,
+    ) -> Result<Self, ControllerError> {
+        let camera = Camera::new(*record).map_err(ControllerError::Calibration)?;
+        let settings = settings.checked().map_err(ControllerError::Settings)?;
+        let controller = Self {
+            smear: SmearPrediction::new(camera.calibration()),
+            vh: VhMonitor::new(settings.vh)
+                .map_err(|error| ControllerError::Settings(error.into()))?,
+            utc: UtcClock::new(),
+            attitude: None,
+            state: match start {
+                Start::Orderly => State::Standby,
+                Start::AfterWatchdog => State::Fault(Fault::Watchdog),
+            },
+            motion: Motion::Released,
+            track: StageTrack::new(),
+            watch: StageWatch::new(),
+            following: Slope::new(),
+            degraded: None,
+            is_place_lost: false,
+            standing_since: None,
+            frame: None,
+            latest: None,
+            records: RecordLog::new(),
+            faults: Faults::NONE,
+            is_supply_good: true,
+            is_disarming: false,
+            exposure_s: settings.exposure_s,
+            last_event: Time::START,
+            last_tick: None,
+            late_lately: 0,
+            late_since: Time::START,
+            counts: Counts::default(),
+            camera,
+            calibration_crc,
+            settings,
+        };
+        controller.check_interval()?;
+        Ok(controller)
+    }
+
+    /// What happens, and what is to be done about it. Events come in order of their times; one that is older than the
+    /// one before by more than [`ticks::LATE_EVENT_S`] is a [`Fault::Clock`].
+    pub fn handle(&mut self, time: Time, event: Event) -> Actions {
+        let mut actions = Actions::new();
+        self.check_clock(time, &mut actions);
+        match event {
+            Event::Command(command) => self.obey(time, command, &mut actions),
+            Event::Vh(sample) => {
+                self.vh.observe(time, sample);
+            }
+            Event::Attitude(sample) => self.attitude = Some((time, sample)),
+            Event::TimePulse => {
+                self.utc.pulse(time);
+            }
+            Event::GnssTime(unix_s) => {
+                self.utc.name_pulse(time, unix_s);
+            }
+            Event::Trigger => self.trigger(time, &mut actions),
+            Event::Shutter(edge) => self.shutter_edge(time, edge, &mut actions),
+            Event::Stage(reading) => self.stage_reading(reading, &mut actions),
+            Event::LimitSwitch => self.fail(time, Fault::LimitSwitch, &mut actions),
+            Event::Drive(fault) => self.fail(time, fault, &mut actions),
+            Event::Supply(supply) => self.supply(time, supply, &mut actions),
+            Event::Tick => self.tick(time, &mut actions),
+        }
+        actions
+    }
+
+    /// What the camera is doing.
+    #[must_use]
+    pub const fn state(&self) -> State {
+        self.state
+    }
+
+    /// The validated camera.
+    #[must_use]
+    pub const fn camera(&self) -> &Camera {
+        &self.camera
+    }
+
+    /// The settings.
+    #[must_use]
+    pub const fn settings(&self) -> &FlightSettings {
+        &self.settings
+    }
+
+    /// The sources of V/H.
+    #[must_use]
+    pub const fn vh(&self) -> &VhMonitor {
+        &self.vh
+    }
+
+    /// What has happened so far.
+    #[must_use]
+    pub const fn counts(&self) -> Counts {
+        self.counts
+    }
+
+    /// Whether a frame is in flight: calibration and settings must stay.
+    #[must_use]
+    pub const fn is_busy(&self) -> bool {
+        self.frame.is_some()
+    }
+
+    /// Number and frame of the exposure recorded last, for the correction of its points.
+    #[must_use]
+    pub const fn latest(&self) -> Option<&(u32, camera::Frame)> {
+        self.latest.as_ref()
+    }
+
+    /// The oldest record with this number or a higher one.
+    #[must_use]
+    pub fn record(&self, from_sequence: u32) -> Option<FrameRecord> {
+        self.records.from(from_sequence)
+    }
+
+    /// The PC has all records up to this number. Says how many are left.
+    pub fn acknowledge(&mut self, through: u32) -> u32 {
+        self.records.acknowledge(through)
+    }
+
+    /// Where the stage should be at a time; `None` where it is released.
+    #[must_use]
+    pub fn setpoint(&self, now: Time) -> Option<Setpoint> {
+        self.motion.setpoint(now)
+    }
+}
+
+/// How the camera has come to run.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Start {
+    /// Switched on, or asked to start again.
+    Orderly,
+    /// Its watchdog was not fed, or the processor failed.
+    AfterWatchdog,
+}
+
+/// A camera cannot be flown so.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub enum ControllerError {
+    /// The calibration is not usable.
+    Calibration(CalibrationError),
+    /// A setting is not believable.
+    Settings(SettingOutOfRange),
+    /// The mechanism cannot make any travel within the camera's limits, or not between two triggers.
+    Travel(FrameError),
+}
+
+impl fmt::Display for ControllerError {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::Calibration(error) => error.fmt(f),
+            Self::Settings(error) => error.fmt(f),
+            Self::Travel(error) => error.fmt(f),
+        }
+    }
+}
+
+impl core::error::Error for ControllerError {}
+
+/// Adds an action; there is room for those of one event.
+fn act(actions: &mut Actions, action: Action) {
+    let _ = actions.push(action);
+}

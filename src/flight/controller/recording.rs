@@ -1,0 +1,247 @@
+//! The end of a frame: its record.
+
+use super::frame::FrameInFlight;
+use super::state::State;
+use super::{Actions, Controller, act};
+use crate::flight::camera;
+use crate::flight::event::Action;
+use crate::flight::exposure::{CorrectionModel, Exposure, FlightDirection};
+use crate::flight::fault::Faults;
+use crate::flight::frame_record::{ExposedFrame, Flag, Flags, FrameRecord, Outcome, Reason};
+use crate::flight::smear_prediction::Compensation;
+use crate::flight::time::Time;
+use crate::flight::vh::{VhEstimate, VhSource};
+use crate::geometry::principal_point::{PrincipalPointMotion, UniformTravel};
+
+/// σ of the times at which stage and shutter are read, s: half of the clock's step, with what an interrupt may wait.
+pub const STAMP_SIGMA_S: f32 = 1e-6;
+
+/// How old an attitude may be to be taken for a frame's, s.
+pub const ATTITUDE_WITHIN_S: f32 = 0.25;
+
+impl Controller {
+    /// The record of a trigger without an exposure.
+    pub(super) fn refuse(
+        &mut self,
+        sequence: u32,
+        trigger: Time,
+        reason: Reason,
+        faults: Faults,
+        actions: &mut Actions,
+    ) {
+        self.records.finish(FrameRecord {
+            sequence,
+            trigger,
+            outcome: Outcome::Refused(reason),
+            faults,
+            flags: Flags::NONE,
+            calibration_crc: self.calibration_crc,
+        });
+        self.announce_refused(sequence, actions);
+    }
+
+    pub(super) fn announce_refused(&mut self, sequence: u32, actions: &mut Actions) {
+        self.counts.refused = self.counts.refused.saturating_add(1);
+        act(actions, Action::FrameReady(sequence));
+    }
+
+    /// Changes the frame in flight, if there is one.
+    pub(super) fn change_frame(&mut self, change: impl FnOnce(&mut FrameInFlight)) {
+        if let Some(frame) = &mut self.frame {
+            change(frame);
+        }
+    }
+
+    /// Records an exposure whose end has not been seen, as far as it is known.
+    pub(super) fn give_up_exposure(&mut self, now: Time, actions: &mut Actions) {
+        let Some(frame) = self.frame else {
+            return;
+        };
+        let Some(opened) = frame.opened else {
+            return;
+        };
+        if frame.closed.is_none() {
+            let planned = opened.plus_s(frame.exposure.exposure_s);
+            self.change_frame(|frame| frame.closed = Some(now.max(planned)));
+        }
+        self.record_exposure(now, actions);
+    }
+
+    /// Records the exposure in flight, and ends it.
+    pub(super) fn record_exposure(&mut self, now: Time, actions: &mut Actions) {
+        let Some(frame) = self.frame.take() else {
+            return;
+        };
+        let (Some(opened), Some(closed)) = (frame.opened, frame.closed) else {
+            return;
+        };
+        let mut flags = frame.flags;
+        let (motion, sigma_mm) = self.motion_of(&frame, opened, closed, &mut flags);
+        let exposure = Exposure {
+            exposure_s: closed.seconds_since(opened),
+            model: if flags.contains(Flag::StaticCorrection) {
+                CorrectionModel::Static
+            } else {
+                frame.exposure.model
+            },
+            ..frame.exposure
+        };
+        let (predicted, sigma_mm) = match self.camera.frame_of(&exposure, &motion) {
+            Ok(predicted) => (Some(predicted), sigma_mm),
+            Err(_) => (self.standing(&exposure, &mut flags), self.half_stroke_mm()),
+        };
+        let outcome = match predicted {
+            Some(predicted) => {
+                self.latest = Some((frame.sequence, predicted));
+                self.counts.exposed = self.counts.exposed.saturating_add(1);
+                let times = [opened, closed];
+                Outcome::Exposed(self.exposed(&frame, times, &predicted, sigma_mm, &mut flags))
+            }
+            None => {
+                self.counts.refused = self.counts.refused.saturating_add(1);
+                Outcome::Refused(Reason::Unusable)
+            }
+        };
+        self.records.finish(FrameRecord {
+            sequence: frame.sequence,
+            trigger: frame.trigger,
+            outcome,
+            faults: frame.faults,
+            flags,
+            calibration_crc: self.calibration_crc,
+        });
+        act(actions, Action::FrameReady(frame.sequence));
+        self.track.keep_latest();
+        if self.state == State::Exposing {
+            self.go_back(now, actions);
+        }
+    }
+
+    /// The motion as it was measured, or, where it was not, as it was planned; with σ of its centroid, mm.
+    fn motion_of(
+        &self,
+        frame: &FrameInFlight,
+        opened: Time,
+        closed: Time,
+        flags: &mut Flags,
+    ) -> (PrincipalPointMotion, f32) {
+        let exposure_s = closed.seconds_since(opened);
+        let shutter = self.camera.shutter();
+        let planned = UniformTravel {
+            opening_offset_mm: frame.planned_opening_mm,
+            speed_mm_s: frame.planned_travel_mm / frame.exposure.exposure_s,
+            exposure_s,
+        };
+        if !self.camera.has_stage() {
+            // Rows move as the clock drives them.
+            let motion = self.camera.rows(planned);
+            return (motion, libm::fabsf(planned.speed_mm_s) * STAMP_SIGMA_S);
+        }
+        let measured = (!self.is_place_lost)
+            .then(|| self.track.path(opened, closed))
+            .filter(|path| path.is_covered)
+            .and_then(|path| {
+                let motion =
+                    PrincipalPointMotion::from_samples(&path.samples, exposure_s, shutter).ok()?;
+                Some((motion, path.is_continued))
+            });
+        match measured {
+            Some((motion, is_continued)) => {
+                if is_continued {
+                    flags.insert(Flag::ExtrapolatedMotion);
+                }
+                let step_mm = 1e-3 * self.settings.drive.encoder_step_um;
+                let stamp_mm = motion.travel_mm / exposure_s * STAMP_SIGMA_S;
+                (
+                    motion,
+                    libm::sqrtf(step_mm * step_mm / 12.0 + stamp_mm * stamp_mm),
+                )
+            }
+            None => {
+                flags.insert(Flag::PlannedMotion);
+                flags.insert(Flag::StaticCorrection);
+                (
+                    PrincipalPointMotion::from_plan(planned, shutter),
+                    self.half_stroke_mm(),
+                )
+            }
+        }
+    }
+
+    /// The frame of a stage about which nothing is known.
+    fn standing(&self, exposure: &Exposure, flags: &mut Flags) -> Option<camera::Frame> {
+        flags.insert(Flag::PlannedMotion);
+        flags.insert(Flag::StaticCorrection);
+        let still = UniformTravel {
+            opening_offset_mm: 0.0,
+            speed_mm_s: 0.0,
+            exposure_s: exposure.exposure_s,
+        };
+        let motion = PrincipalPointMotion::from_plan(still, self.camera.shutter());
+        let exposure = Exposure {
+            model: CorrectionModel::Static,
+            ..*exposure
+        };
+        self.camera.frame_of(&exposure, &motion).ok()
+    }
+
+    fn half_stroke_mm(&self) -> f32 {
+        0.5 * self.camera.calibration().record().stroke_mm
+    }
+
+    fn exposed(
+        &self,
+        frame: &FrameInFlight,
+        [opened, closed]: [Time; 2],
+        predicted: &camera::Frame,
+        sigma_mm: f32,
+        flags: &mut Flags,
+    ) -> ExposedFrame {
+        let interior = predicted.record;
+        let centroid = opened.plus_s(interior.motion.centroid_time_s);
+        let attitude = self.attitude.as_ref().and_then(|(time, sample)| {
+            let apart_s = libm::fabsf(centroid.seconds_since(*time));
+            (apart_s <= ATTITUDE_WITHIN_S).then_some(sample)
+        });
+        if attitude.is_some() {
+            flags.insert(Flag::WithAttitude);
+        }
+        // Without any V/H the largest that the camera may fly at bounds the smear.
+        let vh = frame.vh.unwrap_or_else(|| VhEstimate {
+            vh_per_s: self.camera.limits().vh_per_s[1],
+            sigma_per_s: 0.0,
+            age_s: 0.0,
+            source: VhSource::Direct,
+            extrapolated: true,
+        });
+        let smear_um = self.smear.largest_um(
+            &vh,
+            attitude,
+            &Compensation {
+                exposure_s: interior.exposure_s,
+                travel_mm: match frame.exposure.direction {
+                    FlightDirection::Forward => interior.motion.travel_mm,
+                    FlightDirection::Reverse => -interior.motion.travel_mm,
+                },
+                principal_point: interior.principal_point,
+            },
+        );
+        let smear_px = self.smear.pixels(smear_um);
+        if smear_px > self.settings.smear_budget_px {
+            flags.insert(Flag::SmearOverBudget);
+        }
+        ExposedFrame {
+            opened,
+            closed,
+            centroid,
+            centroid_utc: self.utc.utc(centroid),
+            vh: frame.vh,
+            planned_opening_mm: frame.planned_opening_mm,
+            planned_travel_mm: frame.planned_travel_mm,
+            interior,
+            principal_point_sigma_mm: sigma_mm,
+            smear_um,
+            smear_px,
+        }
+    }
+}

@@ -1,0 +1,245 @@
+//! A trigger: a frame begins, or is refused.
+
+use super::frame::FrameInFlight;
+use super::motion::Motion;
+use super::state::State;
+use super::{Actions, Controller, ControllerError, TICK_S};
+use crate::flight::camera::FrameError;
+use crate::flight::exposure::Exposure;
+use crate::flight::fault::{Fault, Faults};
+use crate::flight::frame_record::{Flag, Flags, Reason};
+use crate::flight::record_log::Numbered;
+use crate::flight::stage::{PlanError, Profile, Setpoint};
+use crate::flight::time::Time;
+use crate::flight::vh::VhEstimate;
+
+/// How long before it leaves the board has the shutter's command, s: two rounds of the control loop.
+pub(super) const LEAD_S: f32 = 2.0 * TICK_S;
+
+impl Controller {
+    /// Every trigger gets a number, and with it a record.
+    pub(super) fn trigger(&mut self, time: Time, actions: &mut Actions) {
+        self.counts.triggers = self.counts.triggers.saturating_add(1);
+        let sequence = match self.records.number(time, self.calibration_crc) {
+            Numbered::Pending(sequence) => sequence,
+            Numbered::Full(sequence) => {
+                self.announce_refused(sequence, actions);
+                return;
+            }
+        };
+        let reason = match self.state {
+            State::Armed => match self.start_compensated(sequence, time) {
+                Ok(()) => return,
+                Err(reason) => reason,
+            },
+            State::Degraded(fault) => match self.start_standing(sequence, time, fault) {
+                Ok(()) => return,
+                Err(reason) => reason,
+            },
+            State::Standby => Reason::NotArmed,
+            State::Fault(fault) => Reason::Fault(fault),
+            State::RunUp | State::Tracking | State::Exposing | State::FlyBack => Reason::Overlap,
+        };
+        self.refuse(sequence, time, reason, Faults::NONE, actions);
+    }
+
+    /// The exposure that a V/H asks for.
+    fn exposure(&self, vh_per_s: f32) -> Exposure {
+        Exposure {
+            direction: self.settings.direction,
+            ..Exposure::new(vh_per_s, self.exposure_s)
+        }
+    }
+
+    /// The stage begins to move.
+    fn start_compensated(&mut self, sequence: u32, trigger: Time) -> Result<(), Reason> {
+        let Some(vh) = self.vh.estimate(trigger) else {
+            return self.start_standing(sequence, trigger, Fault::VhLost);
+        };
+        let exposure = self.exposure(vh.vh_per_s);
+        if !self.camera.has_stage() {
+            return self.start_rows(sequence, trigger, vh, exposure);
+        }
+        let standing = self.motion.setpoint(trigger).unwrap_or_default();
+        let travel = self
+            .camera
+            .travel(standing.offset_mm, &exposure, self.margin_s())
+            .map_err(reason_of)?;
+        // The shutter's command must leave a latency before first light, and be known before that.
+        let wait_s = (self.settings.shutter_latency_s + LEAD_S - travel.opening_s).max(0.0);
+        let since = trigger.plus_s(TICK_S + wait_s);
+        let mut flags = Flags::NONE;
+        if travel.off_centre_mm != 0.0 {
+            flags.insert(Flag::OffCentre);
+        }
+        if vh.extrapolated {
+            flags.insert(Flag::LastGoodVh);
+        }
+        self.begin(FrameInFlight {
+            sequence,
+            trigger,
+            vh: Some(vh),
+            exposure,
+            planned_opening_mm: travel.plan.opening_mm,
+            planned_travel_mm: travel.plan.closing_mm - travel.plan.opening_mm,
+            first_light: since.plus_s(travel.opening_s),
+            is_commanded: false,
+            opened: None,
+            closed: None,
+            faults: Faults::NONE,
+            flags,
+        });
+        self.state = State::RunUp;
+        self.motion = Motion::Profile {
+            profile: travel.profile,
+            since,
+        };
+        Ok(())
+    }
+
+    /// The rows of a TDI sensor begin to move: no stage, no run-up.
+    fn start_rows(
+        &mut self,
+        sequence: u32,
+        trigger: Time,
+        vh: VhEstimate,
+        exposure: Exposure,
+    ) -> Result<(), Reason> {
+        let motion = self.camera.motion(&exposure).map_err(reason_of)?;
+        let mut flags = Flags::NONE;
+        if vh.extrapolated {
+            flags.insert(Flag::LastGoodVh);
+        }
+        self.begin(FrameInFlight {
+            sequence,
+            trigger,
+            vh: Some(vh),
+            exposure,
+            planned_opening_mm: motion.opening_offset_mm,
+            planned_travel_mm: motion.travel_mm,
+            first_light: self.soonest_light(trigger),
+            is_commanded: false,
+            opened: None,
+            closed: None,
+            faults: Faults::NONE,
+            flags,
+        });
+        self.state = State::RunUp;
+        Ok(())
+    }
+
+    /// The stage stays where it is, for the reason of a fault.
+    fn start_standing(&mut self, sequence: u32, trigger: Time, fault: Fault) -> Result<(), Reason> {
+        let vh = self.vh.estimate(trigger);
+        let exposure = self.exposure(vh.map_or(0.0, |vh| vh.vh_per_s));
+        self.camera
+            .check_exposure_time(self.exposure_s)
+            .map_err(|_| Reason::OutsideLimits)?;
+        let mut flags = Flags::NONE;
+        flags.insert(Flag::NoCompensation);
+        let mut faults = Faults::NONE;
+        faults.insert(fault);
+        let place = match self.motion.setpoint(trigger) {
+            Some(setpoint) => setpoint.offset_mm,
+            None => self.track.last().map_or(0.0, |reading| reading.offset_mm),
+        };
+        self.begin(FrameInFlight {
+            sequence,
+            trigger,
+            vh,
+            exposure,
+            planned_opening_mm: place,
+            planned_travel_mm: 0.0,
+            first_light: self.soonest_light(trigger),
+            is_commanded: false,
+            opened: None,
+            closed: None,
+            faults,
+            flags,
+        });
+        self.state = State::RunUp;
+        Ok(())
+    }
+
+    /// First light where nothing has to move before.
+    fn soonest_light(&self, trigger: Time) -> Time {
+        trigger.plus_s(TICK_S + LEAD_S + self.settings.shutter_latency_s)
+    }
+
+    fn begin(&mut self, mut frame: FrameInFlight) {
+        for fault in core::mem::take(&mut self.faults).iter() {
+            frame.faults.insert(fault);
+        }
+        self.frame = Some(frame);
+    }
+
+    /// How much longer than the exposure the stage stays at speed.
+    pub(super) fn margin_s(&self) -> f32 {
+        2.0 * self.settings.shutter_tolerance_s + TICK_S
+    }
+
+    /// Where the stage waits for the next trigger: at the place for the V/H there is, or, where there is none, for the
+    /// largest of the camera's limits.
+    pub(super) fn waiting_place_mm(&self, now: Time) -> Result<f32, FrameError> {
+        let [_, most] = self.camera.limits().vh_per_s;
+        let at = |vh_per_s| {
+            self.camera
+                .waiting_place_mm(&self.exposure(vh_per_s), self.margin_s())
+        };
+        match self.vh.estimate(now) {
+            Some(vh) => at(vh.vh_per_s).or_else(|_| at(most)),
+            None => at(most),
+        }
+    }
+
+    /// The way to the waiting place, from wherever the stage is.
+    pub(super) fn way_back(&self, now: Time) -> Option<Profile> {
+        let from = self.motion.setpoint(now).unwrap_or_else(|| Setpoint {
+            offset_mm: self.track.last().map_or(0.0, |reading| reading.offset_mm),
+            ..Setpoint::default()
+        });
+        let place_mm = self.waiting_place_mm(now).unwrap_or(0.0);
+        self.camera.stage().reposition(from, place_mm).ok()
+    }
+
+    /// Whether the mechanism is back before the next trigger, at the largest V/H of the camera's limits.
+    pub(super) fn check_interval(&self) -> Result<(), ControllerError> {
+        let available_s = self.settings.trigger_interval_s;
+        if available_s == 0.0 || !self.camera.has_stage() {
+            return Ok(());
+        }
+        let [_, most] = self.camera.limits().vh_per_s;
+        let exposure = self.exposure(most);
+        let needed = || {
+            let place_mm = self.camera.waiting_place_mm(&exposure, self.margin_s())?;
+            let travel = self.camera.travel(place_mm, &exposure, self.margin_s())?;
+            let cycle_s = self.camera.stage().cycle_s(&travel, place_mm)?;
+            let before_s =
+                TICK_S + (self.settings.shutter_latency_s + LEAD_S - travel.opening_s).max(0.0);
+            Ok(before_s + cycle_s)
+        };
+        let needed_s = needed().map_err(ControllerError::Travel)?;
+        if needed_s <= available_s {
+            Ok(())
+        } else {
+            Err(ControllerError::Travel(
+                PlanError::Time {
+                    needed_s,
+                    available_s,
+                }
+                .into(),
+            ))
+        }
+    }
+}
+
+/// Why a frame that cannot be planned is refused.
+fn reason_of(error: FrameError) -> Reason {
+    match error {
+        FrameError::Stroke(_) => Reason::Stroke,
+        FrameError::Speed { .. } => Reason::Speed,
+        FrameError::OutOfRange(_) | FrameError::NotFitted | FrameError::Time { .. } => {
+            Reason::OutsideLimits
+        }
+    }
+}

@@ -1,0 +1,264 @@
+//! The records of all triggers, kept until the PC has acknowledged them.
+
+use heapless::Deque;
+
+use super::fault::Faults;
+use super::frame_record::{Flags, FrameRecord, Outcome, Reason};
+use super::time::Time;
+
+/// Whole records kept.
+pub const CAPACITY: usize = 32;
+
+/// Records in order of their numbers, from the oldest that is not acknowledged to the newest.
+///
+/// Where all [`CAPACITY`] places are taken, triggers are refused as [`Reason::RecordsFull`]; those records differ in
+/// number and time alone, and are kept as a range. The range ends with the acknowledgement of its last number, so
+/// that it never has a gap.
+#[derive(Debug, Clone, Default)]
+pub struct RecordLog {
+    whole: Deque<Place, CAPACITY>,
+    refused: Option<Range>,
+    last_sequence: u32,
+    calibration_crc: u32,
+}
+
+/// A record, or the place of one to come.
+#[derive(Debug, Clone, Copy)]
+struct Place {
+    record: FrameRecord,
+    is_pending: bool,
+}
+
+/// The number a trigger has got.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Numbered {
+    /// Its record is to be finished.
+    Pending(u32),
+    /// There is no room for its record: it is refused.
+    Full(u32),
+}
+
+/// Triggers refused for want of room.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+struct Range {
+    first_sequence: u32,
+    last_sequence: u32,
+    first: Time,
+    last: Time,
+}
+
+impl Range {
+    /// The record of one of them. Between the first and the last, the time is that of the first.
+    fn record(&self, sequence: u32, calibration_crc: u32) -> FrameRecord {
+        FrameRecord {
+            sequence,
+            trigger: if sequence == self.last_sequence {
+                self.last
+            } else {
+                self.first
+            },
+            outcome: Outcome::Refused(Reason::RecordsFull),
+            faults: Faults::NONE,
+            flags: Flags::NONE,
+            calibration_crc,
+        }
+    }
+}
+
+impl RecordLog {
+    /// A log before the first trigger.
+    #[must_use]
+    pub const fn new() -> Self {
+        Self {
+            whole: Deque::new(),
+            refused: None,
+            last_sequence: 0,
+            calibration_crc: 0,
+        }
+    }
+
+    /// Numbers a trigger that has come. Its record is pending until [`Self::finish`], and none that comes after it can
+    /// be fetched before. Where there is no room, its record is made at once: refused.
+    pub fn number(&mut self, trigger: Time, calibration_crc: u32) -> Numbered {
+        self.last_sequence = self.last_sequence.saturating_add(1);
+        let sequence = self.last_sequence;
+        let record = FrameRecord {
+            sequence,
+            trigger,
+            outcome: Outcome::Refused(Reason::RecordsFull),
+            faults: Faults::NONE,
+            flags: Flags::NONE,
+            calibration_crc,
+        };
+        match &mut self.refused {
+            Some(range) => {
+                range.last_sequence = sequence;
+                range.last = trigger;
+            }
+            None => {
+                let place = Place {
+                    record,
+                    is_pending: true,
+                };
+                if self.whole.push_back(place).is_ok() {
+                    return Numbered::Pending(sequence);
+                }
+                self.calibration_crc = calibration_crc;
+                self.refused = Some(Range {
+                    first_sequence: sequence,
+                    last_sequence: sequence,
+                    first: trigger,
+                    last: trigger,
+                });
+            }
+        }
+        Numbered::Full(sequence)
+    }
+
+    /// What became of a pending trigger; false where none of that number is.
+    pub fn finish(&mut self, record: FrameRecord) -> bool {
+        let place = self
+            .whole
+            .iter_mut()
+            .find(|place| place.is_pending && place.record.sequence == record.sequence);
+        match place {
+            Some(place) => {
+                *place = Place {
+                    record,
+                    is_pending: false,
+                };
+                true
+            }
+            None => false,
+        }
+    }
+
+    /// The oldest record with this number or a higher one.
+    ///
+    /// `None` also where a pending one comes first.
+    #[must_use]
+    pub fn from(&self, sequence: u32) -> Option<FrameRecord> {
+        let mut pending = false;
+        for place in &self.whole {
+            pending |= place.is_pending;
+            if place.record.sequence >= sequence {
+                return (!pending).then_some(place.record);
+            }
+        }
+        let range = self.refused.as_ref().filter(|_| !pending)?;
+        (sequence <= range.last_sequence)
+            .then(|| range.record(sequence.max(range.first_sequence), self.calibration_crc))
+    }
+
+    /// The PC has all records up to this number: they are forgotten, except pending ones and what comes after them. Says
+    /// how many are left.
+    pub fn acknowledge(&mut self, through: u32) -> u32 {
+        while self
+            .whole
+            .front()
+            .is_some_and(|place| !place.is_pending && place.record.sequence <= through)
+        {
+            self.whole.pop_front();
+        }
+        if let Some(range) = self.refused.as_mut().filter(|_| self.whole.is_empty()) {
+            if range.last_sequence <= through {
+                self.refused = None;
+            } else if range.first_sequence <= through {
+                range.first_sequence = through.saturating_add(1);
+            }
+        }
+        self.kept()
+    }
+
+    /// Records that are not acknowledged.
+    #[must_use]
+    pub fn kept(&self) -> u32 {
+        let refused = self.refused.as_ref().map_or(0, |range| {
+            range
+                .last_sequence
+                .saturating_sub(range.first_sequence)
+                .saturating_add(1)
+        });
+        let whole = u32::try_from(self.whole.len()).unwrap_or(u32::MAX);
+        whole.saturating_add(refused)
+    }
+
+    /// The number of the last trigger; 0 before the first.
+    #[must_use]
+    pub const fn last_sequence(&self) -> u32 {
+        self.last_sequence
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn finish(log: &mut RecordLog, sequence: u32) {
+        let record = FrameRecord {
+            sequence,
+            trigger: Time::from_us(u64::from(sequence)),
+            outcome: Outcome::Refused(Reason::Overlap),
+            faults: Faults::NONE,
+            flags: Flags::NONE,
+            calibration_crc: 7,
+        };
+        assert!(log.finish(record));
+    }
+
+    fn number(log: &mut RecordLog) -> Numbered {
+        let next = u64::from(log.last_sequence()) + 1;
+        log.number(Time::from_us(next), 7)
+    }
+
+    #[test]
+    fn records_come_in_order_and_wait_for_the_one_in_flight() {
+        let mut log = RecordLog::new();
+        for sequence in 1..=3 {
+            assert_eq!(number(&mut log), Numbered::Pending(sequence));
+        }
+        finish(&mut log, 1);
+        finish(&mut log, 3);
+        assert_eq!(log.from(0).unwrap().sequence, 1);
+        assert_eq!(log.from(2), None);
+        assert_eq!(log.from(3), None, "2 is still pending");
+        assert_eq!(log.acknowledge(3), 2, "only 1 is forgotten");
+        finish(&mut log, 2);
+        assert_eq!(log.from(0).unwrap().sequence, 2);
+        assert_eq!(log.from(3).unwrap().sequence, 3);
+        assert_eq!(log.from(4), None);
+        assert_eq!(log.acknowledge(2), 1);
+        assert_eq!(log.acknowledge(u32::MAX), 0);
+        assert_eq!(log.last_sequence(), 3);
+    }
+
+    #[test]
+    fn every_trigger_has_a_record_when_nobody_fetches_them() {
+        let mut log = RecordLog::new();
+        let last = u32::try_from(CAPACITY).unwrap() + 1000;
+        for sequence in 1..=last {
+            match number(&mut log) {
+                Numbered::Pending(found) => finish(&mut log, found),
+                Numbered::Full(found) => assert_eq!(found, sequence),
+            }
+        }
+        assert_eq!(log.kept(), last);
+        let mut next = 1;
+        while let Some(record) = log.from(next) {
+            assert_eq!(record.sequence, next);
+            let is_first = next <= u32::try_from(CAPACITY).unwrap();
+            assert_eq!(
+                record.outcome == Outcome::Refused(Reason::RecordsFull),
+                !is_first
+            );
+            next += 1;
+        }
+        assert_eq!(next, last + 1);
+        // Acknowledged in part: the range stays without a gap, and later triggers join it.
+        assert_eq!(log.acknowledge(last - 10), 10);
+        assert_eq!(number(&mut log), Numbered::Full(last + 1));
+        assert_eq!(log.from(0).unwrap().sequence, last - 9);
+        assert_eq!(log.acknowledge(last + 1), 0);
+        assert_eq!(number(&mut log), Numbered::Pending(last + 2));
+    }
+}

@@ -1,0 +1,91 @@
+//! How fast a quantity changes.
+
+use heapless::Deque;
+
+use super::time::Time;
+
+/// Values by which the slope is measured.
+pub const VALUES: usize = 4;
+
+/// The slope of the latest values.
+#[derive(Debug, Clone, Default)]
+pub struct Slope {
+    latest: Deque<(Time, f32), VALUES>,
+}
+
+impl Slope {
+    /// No value yet.
+    #[must_use]
+    pub const fn new() -> Self {
+        Self {
+            latest: Deque::new(),
+        }
+    }
+
+    /// Takes a value.
+    pub fn push(&mut self, time: Time, value: f32) {
+        if self.latest.is_full() {
+            self.latest.pop_front();
+        }
+        // There is room now.
+        let _ = self.latest.push_back((time, value));
+    }
+
+    /// Forgets all values.
+    pub fn clear(&mut self) {
+        self.latest.clear();
+    }
+
+    /// The slope of the line of least squares through the last [`VALUES`] values, per second; `None` before there are
+    /// so many, or where their times are one.
+    #[must_use]
+    pub fn per_s(&self) -> Option<f32> {
+        let (first_time, first_value) = *self.latest.front()?;
+        if !self.latest.is_full() {
+            return None;
+        }
+        let relative = || {
+            self.latest
+                .iter()
+                .map(|(time, value)| (time.seconds_since(first_time), value - first_value))
+        };
+        let (mut time_sum, mut value_sum, mut count) = (0.0, 0.0, 0.0);
+        for (time_s, value) in relative() {
+            time_sum += time_s;
+            value_sum += value;
+            count += 1.0;
+        }
+        let (mean_s, mean) = (time_sum / count, value_sum / count);
+        let (mut covariance, mut variance) = (0.0, 0.0);
+        for (time_s, value) in relative() {
+            covariance += (time_s - mean_s) * (value - mean);
+            variance += (time_s - mean_s) * (time_s - mean_s);
+        }
+        (variance > 0.0).then(|| covariance / variance)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn slope_is_that_of_the_latest_values() {
+        let mut slope = Slope::new();
+        slope.push(Time::START, 1000.0);
+        for tick in 1..=4_u8 {
+            assert_eq!(slope.per_s().is_some(), tick > 4);
+            slope.push(
+                Time::from_us(1000 * u64::from(tick)),
+                7.0 - 0.02 * f32::from(tick),
+            );
+        }
+        assert!((slope.per_s().unwrap() + 20.0).abs() < 1e-2);
+        slope.clear();
+        assert_eq!(slope.per_s(), None);
+        for _ in 0..VALUES {
+            slope.push(Time::START, 1.0);
+        }
+        assert_eq!(slope.per_s(), None);
+    }
+}

@@ -1,0 +1,210 @@
+//! The residual smear of a frame, predicted from what the camera knows.
+
+use super::event::AttitudeSample;
+use super::vh::VhEstimate;
+use crate::geometry::calibration::Calibration;
+use crate::geometry::image_motion::{Attitude, FlightState, GroundMotion, ImageMotion, View};
+use crate::geometry::sensor::SensorPoint;
+
+/// Points along each side of the grid on which the lens' gradient is looked for.
+const GRID_POINTS: u8 = 9;
+
+/// A calibrated camera, as far as smear depends on it.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct SmearPrediction {
+    view: View,
+    /// max |∂D/∂e| over the sensor.
+    lens_gradient: f32,
+}
+
+/// What one exposure was like.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Compensation {
+    /// t: exposure, s.
+    pub exposure_s: f32,
+    /// δ: travel in the direction of flight, mm; 0: the stage stood still.
+    pub travel_mm: f32,
+    /// Principal point at the centroid, mm.
+    pub principal_point: SensorPoint,
+}
+
+impl SmearPrediction {
+    /// The prediction for a camera that flies along its FMC axis.
+    #[must_use]
+    pub fn new(calibration: &Calibration) -> Self {
+        let view = View::calibrated(calibration);
+        let record = calibration.record();
+        let origin = record.principal_point;
+        let (half_width, half_height) = (view.sensor.half_width_mm(), view.sensor.half_height_mm());
+        let place = |index: u8| 2.0 * f32::from(index) / f32::from(GRID_POINTS - 1) - 1.0;
+        let mut lens_gradient: f32 = 0.0;
+        for row in 0..GRID_POINTS {
+            for column in 0..GRID_POINTS {
+                let jacobian = record.distortion.jacobian(
+                    half_width * place(column) - origin.x_mm,
+                    half_height * place(row) - origin.y_mm,
+                );
+                let gradient = if record.axis.is_x() {
+                    libm::hypotf(jacobian.dx_by_x, jacobian.dy_by_x)
+                } else {
+                    libm::hypotf(jacobian.dx_by_y, jacobian.dy_by_y)
+                };
+                lens_gradient = lens_gradient.max(gradient);
+            }
+        }
+        Self {
+            view,
+            lens_gradient,
+        }
+    }
+
+    /// The largest residual smear on the sensor, µm.
+    ///
+    /// # Model
+    /// The largest length of the residual image motion over a grid of the sensor
+    /// ([`ImageMotion::largest_smear`]), with attitude, rates and drift where they are given; to that are added
+    /// `f·σ_η·t` for one σ of V/H, and `|δ|·max|∂D/∂e|`, by which the lens distortion changes along the travel. The
+    /// terrain is taken as level at the height that V/H refers to.
+    ///
+    /// Attitudes for which no image motion can be given (see [`ImageMotion::new`]) count as not given.
+    ///
+    /// # Units and frames
+    /// `travel_mm` positive in the direction of flight.
+    #[must_use]
+    pub fn largest_um(
+        &self,
+        vh: &VhEstimate,
+        attitude: Option<&AttitudeSample>,
+        compensation: &Compensation,
+    ) -> f32 {
+        let focal_mm = self.view.principal_distance_mm;
+        let Compensation {
+            exposure_s,
+            travel_mm,
+            principal_point,
+        } = *compensation;
+        let view = View {
+            principal_point,
+            ..self.view
+        };
+        let compensated = travel_mm / (focal_mm * exposure_s);
+        let level = FlightState {
+            motion: GroundMotion {
+                vh_per_s: vh.vh_per_s,
+                ..GroundMotion::default()
+            },
+            attitude: Attitude::default(),
+            compensated_vh_per_s: compensated.max(0.0),
+        };
+        // A stage that has moved against the flight adds to the smear.
+        let against_um = 1000.0 * (-travel_mm).max(0.0);
+        let with_attitude = attitude.map(|sample| {
+            let [pitch_rate_deg_s, roll_rate_deg_s, yaw_rate_deg_s] = sample.rates_deg_s;
+            FlightState {
+                motion: GroundMotion {
+                    drift_deg: sample.drift_deg,
+                    ..level.motion
+                },
+                attitude: Attitude {
+                    pitch_deg: sample.pitch_deg,
+                    roll_deg: sample.roll_deg,
+                    pitch_rate_deg_s,
+                    roll_rate_deg_s,
+                    yaw_rate_deg_s,
+                },
+                ..level
+            }
+        });
+        let motion = with_attitude
+            .and_then(|flight| ImageMotion::new(&view, &flight).ok())
+            .or_else(|| ImageMotion::new(&view, &level).ok());
+        let motion_um = match motion {
+            Some(motion) => motion.largest_smear(exposure_s).smear.length_um(),
+            // No image motion of a level camera: V/H is out of its range. The whole of it is left.
+            None => 1000.0 * focal_mm * exposure_s * libm::fabsf(vh.vh_per_s - compensated),
+        };
+        motion_um
+            + against_um
+            + 1000.0 * focal_mm * vh.sigma_per_s * exposure_s
+            + 1000.0 * libm::fabsf(travel_mm) * self.lens_gradient
+    }
+
+    /// Micrometres as pixels.
+    #[must_use]
+    pub fn pixels(&self, smear_um: f32) -> f32 {
+        smear_um / (1000.0 * self.view.sensor.pixel_mm())
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::flight::vh::VhSource;
+    use crate::geometry::brown::Brown;
+    use crate::geometry::calibration::CalibrationRecord;
+
+    const VH: VhEstimate = VhEstimate {
+        vh_per_s: 0.1,
+        sigma_per_s: 0.0,
+        age_s: 0.0,
+        source: VhSource::Direct,
+        extrapolated: false,
+    };
+
+    fn prediction(k0: f32) -> SmearPrediction {
+        let mut record = CalibrationRecord::new(100.0, [9216, 9216], 8.75);
+        record.distortion = Brown {
+            k0,
+            ..Brown::default()
+        };
+        SmearPrediction::new(&Calibration::new(record).unwrap())
+    }
+
+    fn compensation(travel_mm: f32) -> Compensation {
+        Compensation {
+            exposure_s: 1.0 / 300.0,
+            travel_mm,
+            principal_point: SensorPoint::default(),
+        }
+    }
+
+    /// MODEL: f = 100 mm, V/H 0.10 1/s, 1/300 s: δ = 33.3 µm.
+    const DELTA_MM: f32 = 0.1 / 3.0;
+
+    #[test]
+    fn compensation_leaves_its_error_and_nothing_leaves_everything() {
+        let level = prediction(0.0);
+        let left = |travel_mm| level.largest_um(&VH, None, &compensation(travel_mm));
+        assert!(left(DELTA_MM) < 1e-3);
+        assert!((left(1.01 * DELTA_MM) - 0.3333).abs() < 1e-3);
+        assert!((left(0.0) - 33.333).abs() < 1e-2);
+        assert!((left(-DELTA_MM) - 66.667).abs() < 1e-2);
+        assert!((level.pixels(8.75) - 1.0).abs() < 1e-6);
+    }
+
+    #[test]
+    fn sigma_lens_and_attitude_rate_add_what_the_model_says() {
+        let uncertain = VhEstimate {
+            sigma_per_s: 0.001,
+            ..VH
+        };
+        let found = prediction(0.0).largest_um(&uncertain, None, &compensation(DELTA_MM));
+        assert!((found - 0.3333).abs() < 1e-3, "1 % of 33.3 µm: {found}");
+        // A scale error of 1e-3 over 33.3 µm.
+        let lens = prediction(1e-3).largest_um(&VH, None, &compensation(DELTA_MM));
+        assert!((lens - 0.0333).abs() < 1e-3, "{lens}");
+        let rate = AttitudeSample {
+            pitch_deg: 0.0,
+            roll_deg: 0.0,
+            drift_deg: 0.0,
+            rates_deg_s: [1.0, 0.0, 0.0],
+        };
+        let found = prediction(0.0).largest_um(&VH, Some(&rate), &compensation(DELTA_MM));
+        assert!((found - 6.8).abs() < 0.1, "pitch rate 1 °/s: {found}");
+        let absurd = AttitudeSample {
+            pitch_deg: f32::NAN,
+            ..rate
+        };
+        assert!(prediction(0.0).largest_um(&VH, Some(&absurd), &compensation(DELTA_MM)) < 1e-3);
+    }
+}

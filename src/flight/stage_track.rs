@@ -1,0 +1,212 @@
+//! Where the stage has been lately.
+
+use heapless::{Deque, Vec};
+
+use super::drive::StageReading;
+use super::time::Time;
+use crate::geometry::principal_point::StageSample;
+
+/// Readings kept.
+pub const CAPACITY: usize = 64;
+
+/// How far the path is continued beyond its ends, s.
+const CONTINUED_S: f32 = 0.003;
+
+/// The latest readings, in order of time; from the opening of the shutter on, all of the exposure.
+#[derive(Debug, Clone, Default)]
+pub struct StageTrack {
+    readings: Deque<StageReading, CAPACITY>,
+    keep_from: Option<Time>,
+}
+
+/// The path of an exposure.
+#[derive(Debug, Clone)]
+pub struct ExposurePath {
+    /// Samples, s after first light, that cover the exposure as far as [`Self::is_covered`].
+    pub samples: Vec<StageSample, { CAPACITY + 2 }>,
+    /// Whether an end was continued from its neighbours.
+    pub is_continued: bool,
+    /// Whether the samples cover the exposure.
+    pub is_covered: bool,
+}
+
+impl StageTrack {
+    /// Nothing read yet.
+    #[must_use]
+    pub const fn new() -> Self {
+        Self {
+            readings: Deque::new(),
+            keep_from: None,
+        }
+    }
+
+    /// Takes a reading. One that is not later than the one before is left out.
+    ///
+    /// Where there is no room, the oldest is forgotten; while an exposure is kept, every other one is, so that an
+    /// exposure of any length is covered.
+    pub fn push(&mut self, reading: StageReading) {
+        if self
+            .readings
+            .back()
+            .is_some_and(|last| reading.time <= last.time)
+        {
+            return;
+        }
+        if self.readings.is_full() {
+            self.make_room();
+        }
+        // There is room now.
+        let _ = self.readings.push_back(reading);
+    }
+
+    fn make_room(&mut self) {
+        let Some(keep_from) = self.keep_from else {
+            self.readings.pop_front();
+            return;
+        };
+        let mut thinned = Deque::new();
+        let mut keep = true;
+        for (reading, next) in self.readings.iter().zip(self.readings.iter().skip(1)) {
+            if next.time <= keep_from {
+                // Before the exposure.
+                continue;
+            }
+            if keep {
+                let _ = thinned.push_back(*reading);
+            }
+            keep = !keep;
+        }
+        if let Some(last) = self.readings.back() {
+            let _ = thinned.push_back(*last);
+        }
+        self.readings = thinned;
+    }
+
+    /// Keeps everything from an instant on: the shutter opens.
+    pub fn keep_from(&mut self, opened: Time) {
+        self.keep_from = Some(opened);
+    }
+
+    /// The exposure is over: old readings may be forgotten.
+    pub fn keep_latest(&mut self) {
+        self.keep_from = None;
+    }
+
+    /// Forgets everything: the readings to come have nothing to do with those so far.
+    pub fn clear(&mut self) {
+        self.readings.clear();
+        self.keep_from = None;
+    }
+
+    /// The last reading.
+    #[must_use]
+    pub fn last(&self) -> Option<StageReading> {
+        self.readings.back().copied()
+    }
+
+    /// The path from first to last light.
+    #[must_use]
+    pub fn path(&self, opened: Time, closed: Time) -> ExposurePath {
+        let exposure_s = closed.seconds_since(opened);
+        let mut path = ExposurePath {
+            samples: Vec::new(),
+            is_continued: false,
+            is_covered: false,
+        };
+        let samples = || {
+            self.readings.iter().map(|reading| StageSample {
+                time_s: reading.time.seconds_since(opened),
+                offset_mm: reading.offset_mm,
+            })
+        };
+        let count = self.readings.len();
+        let first_two = (samples().next(), samples().nth(1));
+        let last_two = (samples().nth(count.saturating_sub(2)), samples().last());
+        let ((Some(first), Some(second)), (Some(before), Some(last))) = (first_two, last_two)
+        else {
+            return path;
+        };
+        if count < 2 {
+            return path;
+        }
+        // There is room for all and two more.
+        if first.time_s > 0.0 && first.time_s <= CONTINUED_S {
+            path.is_continued = true;
+            let _ = path.samples.push(continued(second, first, 0.0));
+        }
+        for sample in samples() {
+            let _ = path.samples.push(sample);
+        }
+        if last.time_s < exposure_s && last.time_s + CONTINUED_S >= exposure_s {
+            path.is_continued = true;
+            let _ = path.samples.push(continued(before, last, exposure_s));
+        }
+        path.is_covered = first.time_s <= CONTINUED_S && last.time_s + CONTINUED_S >= exposure_s;
+        path
+    }
+}
+
+/// The straight line through two samples, at a time beyond the second.
+fn continued(first: StageSample, second: StageSample, time_s: f32) -> StageSample {
+    let slope = (second.offset_mm - first.offset_mm) / (second.time_s - first.time_s);
+    StageSample {
+        time_s,
+        offset_mm: second.offset_mm + slope * (time_s - second.time_s),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::geometry::principal_point::PrincipalPointMotion;
+    use crate::geometry::shutter::{Shutter, ShutterProfile};
+
+    fn reading(us: u64) -> StageReading {
+        #[expect(clippy::cast_precision_loss, reason = "small")]
+        let offset_mm = 0.1 + 20.0e-6 * us as f32;
+        StageReading {
+            time: Time::from_us(us),
+            offset_mm,
+        }
+    }
+
+    #[test]
+    fn long_exposures_are_covered_by_fewer_readings() {
+        let shutter = Shutter::new(ShutterProfile::Uniform).unwrap();
+        for length_ms in [1, 10, 63, 64, 65, 1000] {
+            let mut track = StageTrack::new();
+            for tick in 0..20 {
+                track.push(reading(1000 * tick));
+            }
+            let opened = Time::from_us(19_300);
+            track.keep_from(opened);
+            let closed = Time::from_us(19_300 + 1000 * length_ms);
+            for tick in 20..=20 + length_ms {
+                track.push(reading(1000 * tick));
+            }
+            let path = track.path(opened, closed);
+            assert!(path.is_covered && !path.is_continued, "{length_ms}");
+            let exposure_s = closed.seconds_since(opened);
+            let motion =
+                PrincipalPointMotion::from_samples(&path.samples, exposure_s, &shutter).unwrap();
+            let expected = 0.1 + 20.0 * (0.0193 + 0.5 * exposure_s);
+            assert!((motion.centroid_mm - expected).abs() < 2e-6 + 1e-6 * expected);
+        }
+    }
+
+    #[test]
+    fn ends_are_continued_by_three_milliseconds_at_most() {
+        let mut track = StageTrack::new();
+        assert!(!track.path(Time::START, Time::from_us(1000)).is_covered);
+        track.push(reading(2000));
+        assert!(!track.path(Time::START, Time::from_us(3000)).is_covered);
+        track.push(reading(3000));
+        let path = track.path(Time::START, Time::from_us(5000));
+        assert!(path.is_covered && path.is_continued);
+        let [first, .., last] = path.samples[..] else {
+            panic!()
+        };
+        assert!((first.offset_mm - 0.1).abs() < 1e-6 && (last.offset_mm - 0.2).abs() < 1e-6);
+        assert!(!track.path(Time::START, Time::from_us(6001)).is_covered);
+    }
+}

@@ -1,0 +1,211 @@
+//! Whether the stage does what it is told.
+
+use super::drive::StageReading;
+use super::fault::Fault;
+use super::stage::Setpoint;
+
+/// Of a jump that stays, what the drive may have made good by the next reading.
+const MADE_GOOD: f32 = 0.5;
+
+/// While the stage accelerates, so many times more per reading is no jump.
+const ACCELERATING: f32 = 4.0;
+
+/// What the stage may be off before something is wrong.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct StageTolerance {
+    /// Between set point and reading, mm.
+    pub following_mm: f32,
+    /// Between what a reading and its set point have moved since the ones before, at constant speed, mm.
+    pub jump_mm: f32,
+}
+
+/// What a reading shows.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Finding {
+    /// The stage follows.
+    Follows,
+    /// The reading is far from where the stage can be; the next one will tell.
+    Suspicious,
+    /// The reading before was wrong, this one is right.
+    Glitch,
+    /// Something is wrong.
+    Fault(Fault),
+}
+
+/// Compares readings with set points.
+///
+/// # Model
+/// A reading whose step from the one before differs from its set point's by more than `jump_mm` is suspicious. With the
+/// next it turns out to be
+/// - a glitch, where that one steps back by as much;
+/// - lost or added counts, [`Fault::Encoder`], where that one follows again from the new place;
+/// - motion of the stage otherwise.
+///
+/// Motion is at fault where it is off its set point by more than `following_mm`: where the stage should move,
+/// [`Fault::WrongDirection`] if it moves the other way, [`Fault::Runaway`] if it is ahead, else [`Fault::Stall`]; where it
+/// should stand, [`Fault::Runaway`] if it moves, else [`Fault::Stall`]: it has not come there.
+///
+/// What stays undetected: counts lost or added in a step of less than `jump_mm`.
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
+pub struct StageWatch {
+    last: Option<(StageReading, Setpoint)>,
+    suspicion_mm: Option<f32>,
+}
+
+impl StageWatch {
+    /// A watch that has seen nothing.
+    #[must_use]
+    pub const fn new() -> Self {
+        Self {
+            last: None,
+            suspicion_mm: None,
+        }
+    }
+
+    /// Looks at a reading and the set point of its time.
+    pub fn look(
+        &mut self,
+        reading: StageReading,
+        setpoint: Setpoint,
+        tolerance: &StageTolerance,
+    ) -> Finding {
+        if !reading.offset_mm.is_finite() {
+            return Finding::Fault(Fault::Encoder);
+        }
+        let Some((last, last_setpoint)) = self.last.replace((reading, setpoint)) else {
+            return following(reading, setpoint, 0.0, tolerance);
+        };
+        let moved_mm = reading.offset_mm - last.offset_mm;
+        let step_mm = moved_mm - (setpoint.offset_mm - last_setpoint.offset_mm);
+        let is_steady = setpoint.acceleration_mm_s2 == 0.0;
+        let jump_mm = tolerance.jump_mm * if is_steady { 1.0 } else { ACCELERATING };
+        match self.suspicion_mm.take() {
+            Some(suspicion_mm) if libm::fabsf(suspicion_mm + step_mm) <= jump_mm => Finding::Glitch,
+            Some(suspicion_mm)
+                if libm::fabsf(step_mm) <= MADE_GOOD * libm::fabsf(suspicion_mm)
+                    || step_mm * suspicion_mm < 0.0 =>
+            {
+                Finding::Fault(Fault::Encoder)
+            }
+            None if libm::fabsf(step_mm) > jump_mm => {
+                self.suspicion_mm = Some(step_mm);
+                Finding::Suspicious
+            }
+            _ => following(reading, setpoint, moved_mm, tolerance),
+        }
+    }
+}
+
+/// Judges motion: where the stage is, and by how much it has moved since the reading before.
+fn following(
+    reading: StageReading,
+    setpoint: Setpoint,
+    moved_mm: f32,
+    tolerance: &StageTolerance,
+) -> Finding {
+    let error_mm = reading.offset_mm - setpoint.offset_mm;
+    if libm::fabsf(error_mm) <= tolerance.following_mm {
+        return Finding::Follows;
+    }
+    let speed = setpoint.speed_mm_s;
+    let is_moving = libm::fabsf(moved_mm) > 0.5 * tolerance.jump_mm;
+    Finding::Fault(if speed == 0.0 {
+        if is_moving {
+            Fault::Runaway
+        } else {
+            Fault::Stall
+        }
+    } else if is_moving && moved_mm * speed < 0.0 {
+        Fault::WrongDirection
+    } else if error_mm * speed > 0.0 {
+        Fault::Runaway
+    } else {
+        Fault::Stall
+    })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::flight::time::Time;
+
+    const TOLERANCE: StageTolerance = StageTolerance {
+        following_mm: 0.008,
+        jump_mm: 0.001,
+    };
+    const SPEED_MM_S: f32 = 5.0;
+
+    /// Findings over readings at 1 kHz, the set point at constant speed from 0.
+    fn findings(readings: impl Iterator<Item = f32>) -> std::vec::Vec<Finding> {
+        let mut watch = StageWatch::new();
+        let mut time = Time::START;
+        readings
+            .map(|offset_mm| {
+                let setpoint = Setpoint {
+                    offset_mm: SPEED_MM_S * time.seconds_since(Time::START),
+                    speed_mm_s: SPEED_MM_S,
+                    acceleration_mm_s2: 0.0,
+                };
+                let finding = watch.look(StageReading { time, offset_mm }, setpoint, &TOLERANCE);
+                time = time.plus_s(1e-3);
+                finding
+            })
+            .collect()
+    }
+
+    fn steady() -> impl Iterator<Item = f32> {
+        (0..20_u8).map(|tick| 1e-3 * SPEED_MM_S * f32::from(tick))
+    }
+
+    fn first_fault(findings: &[Finding]) -> Option<(usize, Fault)> {
+        findings
+            .iter()
+            .enumerate()
+            .find_map(|(tick, finding)| match finding {
+                Finding::Fault(fault) => Some((tick, *fault)),
+                _ => None,
+            })
+    }
+
+    #[test]
+    fn steady_motion_follows() {
+        assert!(findings(steady()).iter().all(|it| *it == Finding::Follows));
+    }
+
+    #[test]
+    fn stall_is_seen_within_three_readings() {
+        let stalled = steady().map(|offset_mm| offset_mm.min(0.05));
+        assert_eq!(first_fault(&findings(stalled)), Some((12, Fault::Stall)));
+    }
+
+    #[test]
+    fn motion_against_the_command_and_ahead_of_it_have_their_names() {
+        let wrong = steady().map(|offset_mm| -offset_mm);
+        assert_eq!(
+            first_fault(&findings(wrong)).unwrap().1,
+            Fault::WrongDirection
+        );
+        let ahead = steady().map(|offset_mm| 3.0 * offset_mm);
+        assert_eq!(first_fault(&findings(ahead)).unwrap().1, Fault::Runaway);
+    }
+
+    #[test]
+    fn one_wrong_reading_is_a_glitch_and_lost_counts_are_a_fault() {
+        let glitch = steady()
+            .enumerate()
+            .map(|(tick, offset_mm)| offset_mm + if tick == 9 { 0.5 } else { 0.0 });
+        let found = findings(glitch);
+        assert_eq!(found[9], Finding::Suspicious);
+        assert_eq!(found[10], Finding::Glitch);
+        assert_eq!(first_fault(&found), None);
+        let lost = steady()
+            .enumerate()
+            .map(|(tick, offset_mm)| offset_mm - if tick >= 9 { 0.003 } else { 0.0 });
+        assert_eq!(first_fault(&findings(lost)), Some((10, Fault::Encoder)));
+        let not_a_number = steady().map(|_| f32::NAN);
+        assert_eq!(
+            first_fault(&findings(not_a_number)),
+            Some((0, Fault::Encoder))
+        );
+    }
+}

@@ -1,0 +1,100 @@
+//! Controller and drive together: one round of the control loop.
+
+use heapless::Vec;
+
+use super::controller::{Actions, Controller, MAX_ACTIONS};
+use super::drive::FmcDrive;
+use super::event::{Action, Event};
+use super::time::Time;
+
+/// Events in one round.
+pub const MAX_EVENTS: usize = 6;
+
+/// Most actions of one round: those of its events, of the stage's reading, of the tick, and of a drive that fails.
+pub const MAX_ROUND_ACTIONS: usize = MAX_ACTIONS * (MAX_EVENTS + 3);
+
+/// Events with their times, in order of time.
+pub type Events = Vec<(Time, Event), MAX_EVENTS>;
+
+/// What a round leads to, besides the drive's motion.
+pub type RoundActions = Vec<Action, MAX_ROUND_ACTIONS>;
+
+/// A camera that moves a stage.
+#[derive(Debug)]
+pub struct CameraUnit<Drive> {
+    controller: Controller,
+    drive: Drive,
+}
+
+impl<Drive: FmcDrive> CameraUnit<Drive> {
+    /// A camera and its drive, which is released.
+    #[must_use]
+    pub const fn new(controller: Controller, drive: Drive) -> Self {
+        Self { controller, drive }
+    }
+
+    /// One round of the control loop: what has happened since the last, a look at the stage, and what follows from both.
+    ///
+    /// [`Action::MoveStage`] and [`Action::ReleaseStage`] have been done on return; the others are the caller's.
+    pub fn round(&mut self, now: Time, events: &Events) -> RoundActions {
+        let mut outside = RoundActions::new();
+        for (time, event) in events {
+            let actions = self.controller.handle(*time, *event);
+            self.take(now, actions, &mut outside);
+        }
+        let reading = match self.drive.position(now) {
+            Ok(reading) => Event::Stage(reading),
+            Err(fault) => Event::Drive(fault),
+        };
+        let actions = self.controller.handle(now, reading);
+        self.take(now, actions, &mut outside);
+        let actions = self.controller.handle(now, Event::Tick);
+        self.take(now, actions, &mut outside);
+        outside
+    }
+
+    fn take(&mut self, now: Time, actions: Actions, outside: &mut RoundActions) {
+        let mut failed = None;
+        for action in actions {
+            match action {
+                Action::MoveStage(setpoint) => failed = self.drive.follow(now, setpoint).err(),
+                Action::ReleaseStage => self.drive.release(),
+                // There is room for all.
+                other => {
+                    let _ = outside.push(other);
+                }
+            }
+        }
+        if let Some(fault) = failed {
+            for action in self.controller.handle(now, Event::Drive(fault)) {
+                if action == Action::ReleaseStage {
+                    self.drive.release();
+                } else {
+                    let _ = outside.push(action);
+                }
+            }
+        }
+    }
+
+    /// The state machine.
+    #[must_use]
+    pub const fn controller(&self) -> &Controller {
+        &self.controller
+    }
+
+    /// The state machine, to acknowledge its records.
+    pub const fn controller_mut(&mut self) -> &mut Controller {
+        &mut self.controller
+    }
+
+    /// The drive.
+    #[must_use]
+    pub const fn drive(&self) -> &Drive {
+        &self.drive
+    }
+
+    /// The drive.
+    pub const fn drive_mut(&mut self) -> &mut Drive {
+        &mut self.drive
+    }
+}
