@@ -16,6 +16,7 @@ pub mod frames_csv;
 pub mod html;
 mod length;
 mod marker;
+pub mod mission;
 pub mod raster;
 pub mod records;
 pub mod residual_field;
