@@ -117,6 +117,12 @@ impl MissionScenario {
         })
     }
 
+    /// A fault of one field: file, field and what is wrong.
+    #[must_use]
+    pub fn fault(&self, field: &str, fault: impl std::fmt::Display) -> Failure {
+        Failure::bad_input(format!("{}: {field}: {fault}", self.file))
+    }
+
     /// Only the injections.
     #[must_use]
     pub fn injections(&self) -> Vec<Injection> {

@@ -4,7 +4,7 @@ use fmc_camera::flight::controller::state::State;
 use fmc_camera::flight::event::{Action, Command, Event};
 use fmc_camera::flight::fault::Fault;
 use fmc_camera::flight::frame_record::{FrameRecord, Outcome};
-use fmc_camera::flight::rig::{MAX_EVENTS, RigAnswer, RigStep};
+use fmc_camera::flight::rig::{RigAnswer, RigStep};
 use fmc_camera::flight::stage::Setpoint;
 use fmc_camera::flight::time::Time;
 
@@ -128,6 +128,8 @@ struct Flight<'a> {
     next_trigger: usize,
     last_trigger_us: u64,
     limit_was_closed: bool,
+    /// Events that the last round had no room for.
+    waiting: Vec<(Time, Event)>,
     failed_since_us: Option<u64>,
     setpoint: Option<Setpoint>,
     /// Light that has passed, without its record yet.
@@ -178,6 +180,7 @@ impl<'a> Flight<'a> {
             last_trigger_us: triggers_us.last().copied().unwrap_or(0),
             next_trigger: 0,
             limit_was_closed: false,
+            waiting: Vec::new(),
             failed_since_us: None,
             setpoint: None,
             finished: Vec::new(),
@@ -237,6 +240,7 @@ impl<'a> Flight<'a> {
         }
         let step = self.step(now_us);
         let answer = self.device.step(&step)?;
+        self.setpoint = self.device.setpoint(Time::from_us(now_us));
         self.obey(now_us, &answer);
         self.feel(now_us, &answer);
         self.recorder.push(Round {
@@ -282,16 +286,19 @@ impl<'a> Flight<'a> {
         for command in self.commands(now_us) {
             events.push((Time::from_us(now_us), Event::Command(command)));
         }
+        // What the camera did not take in the last round comes first.
+        let mut waiting = std::mem::take(&mut self.waiting);
         events.sort_by_key(|(time, _)| *time);
+        waiting.append(&mut events);
         let mut step = RigStep {
             time: Time::from_us(now_us),
             encoder_count: self.mechanics.encoder_count(),
             ..RigStep::default()
         };
-        debug_assert!(events.len() <= MAX_EVENTS, "{events:?}");
-        for event in events {
-            // More than the camera takes in a round are lost, as on its wires.
-            let _ = step.events.push(event);
+        for event in waiting {
+            if let Err(event) = step.events.push(event) {
+                self.waiting.push(event);
+            }
         }
         step
     }
@@ -313,8 +320,8 @@ impl<'a> Flight<'a> {
     fn obey(&mut self, now_us: u64, answer: &RigAnswer) {
         for action in &answer.actions {
             match action {
-                Action::MoveStage(setpoint) => self.setpoint = Some(*setpoint),
-                Action::ReleaseStage => self.setpoint = None,
+                // Done by the camera's own drive.
+                Action::MoveStage(_) | Action::ReleaseStage => {}
                 Action::OpenShutter { at, exposure_s } => {
                     self.shutter
                         .open(at.us().max(now_us), f64::from(*exposure_s));
@@ -339,10 +346,13 @@ impl<'a> Flight<'a> {
     /// When a fault can first be felt: those of the stage only while it is to move.
     fn feel(&mut self, now_us: u64, answer: &RigAnswer) {
         let time_s = seconds(now_us);
-        let is_moving = self
-            .setpoint
-            .is_some_and(|setpoint| setpoint.speed_mm_s != 0.0)
-            && answer.powered;
+        let is_moving = match self.setpoint {
+            Some(setpoint) => setpoint.speed_mm_s != 0.0,
+            None => {
+                let moves = [State::RunUp, State::Tracking, State::Exposing, State::FlyBack];
+                answer.powered && moves.contains(&answer.state)
+            }
+        };
         for (injection, felt) in self.injections.iter().zip(&mut self.flown.felt_us) {
             let needs_motion = matches!(
                 injection.fault,
