@@ -12,7 +12,7 @@ use fmc_camera::io::link::frame::{Frame, FrameReceiver};
 use fmc_camera::io::link::message::{Answer, Header, Identity, Request, Start};
 use fmc_camera::io::link::station::Station;
 
-use fmc_camera::io::link::LONGEST_FRAME;
+use fmc_camera::io::link::{LONGEST_FRAME, PROTOCOL_VERSION};
 use wire_format::{frame_of, payload_of};
 
 /// Any bytes on the wire: a payload is accepted exactly where a slow and simple reading of the same
@@ -77,7 +77,7 @@ pub(crate) fn station(bytes: &[u8]) {
             }
             // As the body of the next request.
             1 | 2 => {
-                let mut payload = vec![1, 5];
+                let mut payload = vec![PROTOCOL_VERSION, 5];
                 payload.extend(leb128(sequence));
                 payload.extend(piece);
                 send(&mut station, &frame_of(&payload));

@@ -4,7 +4,7 @@ use core::fmt;
 
 use super::exposure::{CorrectionModel, Exposure, Limits};
 use super::interior_orientation::{FocusConvention, InteriorOrientation};
-use super::stage::{RunUp, Stage, StagePlan, StrokeTooShort, Tracking};
+use super::stage::{MechanismLimits, PlanError, RunUp, Stage, StagePlan, StrokeTooShort, Tracking};
 use crate::geometry::calibration::{Calibration, CalibrationError, CalibrationRecord};
 use crate::geometry::frame_correction::FrameCorrection;
 use crate::geometry::principal_distance::FocusShift;
@@ -24,6 +24,10 @@ pub enum Mechanism {
         settling_ms: f32,
         /// Where the run-up puts the exposure.
         run_up: RunUp,
+        /// Largest change of the acceleration, mm/s³; `None` is unlimited.
+        jerk_mm_s3: Option<f32>,
+        /// Largest speed, mm/s; `None` is unlimited.
+        max_speed_mm_s: Option<f32>,
     },
     /// The charge moves in rows. The row labels fix the opening offset: Δδ = 0 unless given.
     Tdi {
@@ -48,8 +52,8 @@ pub struct CameraRecord {
 
 impl CameraRecord {
     /// A camera of this calibration with the mechanism, shutter and limits of a camera file that
-    /// names none: a stage with 1000 mm/s² and 5 ms of settling, centred run-up, uniform shutter,
-    /// V/H 0.05 to 0.17 1/s, exposures of 1 to 20 ms.
+    /// names none: a stage with 1000 mm/s², without limit of jerk and speed, 5 ms of settling,
+    /// centred run-up, uniform shutter, V/H 0.05 to 0.17 1/s, exposures of 1 to 20 ms.
     #[must_use]
     pub const fn new(calibration: CalibrationRecord) -> Self {
         Self {
@@ -58,6 +62,8 @@ impl CameraRecord {
                 acceleration_mm_s2: 1000.0,
                 settling_ms: 5.0,
                 run_up: RunUp::Centred,
+                jerk_mm_s3: None,
+                max_speed_mm_s: None,
             },
             shutter: ShutterProfile::Uniform,
             limits: Limits {
@@ -97,6 +103,20 @@ pub enum FrameError {
     Stroke(StrokeTooShort),
     /// The camera has no five-coefficient model.
     NotFitted,
+    /// The stage is not that fast.
+    Speed {
+        /// Speed along the FMC axis that is asked for, mm/s.
+        wanted_mm_s: f32,
+        /// The stage's largest, in either direction, mm/s.
+        max_mm_s: f32,
+    },
+    /// The travel takes longer than there is time.
+    Time {
+        /// What it takes, s.
+        needed_s: f32,
+        /// What there is, s.
+        available_s: f32,
+    },
 }
 
 impl From<OutOfRange> for FrameError {
@@ -111,12 +131,51 @@ impl From<StrokeTooShort> for FrameError {
     }
 }
 
+impl From<PlanError> for FrameError {
+    fn from(error: PlanError) -> Self {
+        match error {
+            PlanError::OutOfRange(error) => Self::OutOfRange(error),
+            PlanError::Stroke(error) => Self::Stroke(error),
+            PlanError::Speed {
+                wanted_mm_s,
+                max_mm_s,
+            } => Self::Speed {
+                wanted_mm_s,
+                max_mm_s,
+            },
+            PlanError::Time {
+                needed_s,
+                available_s,
+            } => Self::Time {
+                needed_s,
+                available_s,
+            },
+        }
+    }
+}
+
 impl fmt::Display for FrameError {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
             Self::OutOfRange(error) => error.fmt(f),
             Self::Stroke(error) => error.fmt(f),
             Self::NotFitted => f.write_str("the camera has no fitted five-coefficient model"),
+            Self::Speed {
+                wanted_mm_s,
+                max_mm_s,
+            } => PlanError::Speed {
+                wanted_mm_s: *wanted_mm_s,
+                max_mm_s: *max_mm_s,
+            }
+            .fmt(f),
+            Self::Time {
+                needed_s,
+                available_s,
+            } => PlanError::Time {
+                needed_s: *needed_s,
+                available_s: *available_s,
+            }
+            .fmt(f),
         }
     }
 }
@@ -136,11 +195,25 @@ impl Camera {
                 acceleration_mm_s2,
                 settling_ms,
                 run_up: _,
-            } => Stage::new(acceleration_mm_s2, settling_ms, stroke_mm)?,
+                jerk_mm_s3,
+                max_speed_mm_s,
+            } => Stage::new(MechanismLimits {
+                acceleration_mm_s2,
+                jerk_mm_s3,
+                max_speed_mm_s,
+                settling_ms,
+                stroke_mm,
+            })?,
             Mechanism::Tdi { first_transfer } => {
                 Quantity::FirstTransfer.check(first_transfer)?;
                 let (_, most) = Quantity::AccelerationMmS2.range();
-                Stage::new(most, 0.0, stroke_mm)?
+                Stage::new(MechanismLimits {
+                    acceleration_mm_s2: most,
+                    jerk_mm_s3: None,
+                    max_speed_mm_s: None,
+                    settling_ms: 0.0,
+                    stroke_mm,
+                })?
             }
         };
         Ok(Self {
@@ -164,17 +237,43 @@ impl Camera {
         &self.shutter
     }
 
+    /// The planner of the stage's motion. Of a TDI sensor: of the path of its charge, which needs no run-up.
+    #[must_use]
+    pub const fn stage(&self) -> &Stage {
+        &self.stage
+    }
+
+    /// Where the run-up puts the exposure; `None` without a stage.
+    #[must_use]
+    pub const fn run_up(&self) -> Option<RunUp> {
+        match self.mechanism {
+            Mechanism::Stage { run_up, .. } => Some(run_up),
+            Mechanism::Tdi { .. } => None,
+        }
+    }
+
+    /// What the stage has to track in an exposure, without margin for a shutter that is late.
+    ///
+    /// # Model
+    /// v = f·η (Yuan et al. 2012, eq. 8), negative where the camera flies against the FMC axis.
+    #[must_use]
+    pub fn tracking(&self, exposure: &Exposure) -> Tracking {
+        let speed = self.calibration.record().principal_distance_mm * exposure.vh_per_s;
+        Tracking {
+            speed_mm_s: exposure.direction.sign() * speed,
+            exposure_s: exposure.exposure_s,
+            centroid_time_s: exposure.exposure_s * self.shutter.centroid(),
+            margin_s: 0.0,
+        }
+    }
+
     /// The stage's travel for an exposure.
     ///
     /// # Errors
-    /// [`FrameError`] for an exposure outside the limits or a travel outside the stroke.
+    /// [`FrameError`] for an exposure outside the limits, a speed beyond the stage's or a travel outside the stroke.
     pub fn plan(&self, exposure: &Exposure) -> Result<StagePlan, FrameError> {
         self.limits.check(exposure)?;
-        let tracking = Tracking {
-            speed_mm_s: self.calibration.record().principal_distance_mm * exposure.vh_per_s,
-            exposure_s: exposure.exposure_s,
-            centroid_time_s: exposure.exposure_s * self.shutter.centroid(),
-        };
+        let tracking = self.tracking(exposure);
         let plan = match (exposure.opening_offset_mm, self.mechanism) {
             (Some(offset_mm), _) => {
                 let offset_mm = Quantity::OpeningOffsetMm.check(offset_mm)?;
@@ -189,16 +288,15 @@ impl Camera {
     /// The motion of the principal point predicted for an exposure.
     ///
     /// # Model
-    /// v = f·η, δ = v·t (Yuan et al. 2012, eq. 8), Δδ from the stage's plan.
+    /// v = ±f·η, δ = v·t (Yuan et al. 2012, eq. 8), Δδ from the stage's plan.
     ///
     /// # Errors
     /// As [`Self::plan`]; also for more TDI rows than
     /// [`MAX_ROWS`](crate::geometry::tdi::MAX_ROWS).
     pub fn motion(&self, exposure: &Exposure) -> Result<PrincipalPointMotion, FrameError> {
-        let record = self.calibration.record();
         let travel = UniformTravel {
             opening_offset_mm: self.plan(exposure)?.opening_mm,
-            speed_mm_s: record.principal_distance_mm * exposure.vh_per_s,
+            speed_mm_s: self.tracking(exposure).speed_mm_s,
             exposure_s: exposure.exposure_s,
         };
         match self.mechanism {

@@ -16,6 +16,28 @@ pub enum CorrectionModel {
     Static,
 }
 
+/// Which way the camera flies. Strips are flown to and fro; the camera need not be turned round.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+#[cfg_attr(feature = "link", derive(serde::Serialize, serde::Deserialize))]
+pub enum FlightDirection {
+    /// Along the FMC axis.
+    #[default]
+    Forward,
+    /// Against it: the stage moves the other way, v and δ are negative.
+    Reverse,
+}
+
+impl FlightDirection {
+    /// Sign of v and δ along the FMC axis: +1 or -1.
+    #[must_use]
+    pub const fn sign(self) -> f32 {
+        match self {
+            Self::Forward => 1.0,
+            Self::Reverse => -1.0,
+        }
+    }
+}
+
 /// One exposure.
 #[derive(Debug, Clone, Copy, PartialEq)]
 #[cfg_attr(feature = "link", derive(serde::Serialize, serde::Deserialize))]
@@ -32,6 +54,8 @@ pub struct Exposure {
     pub focus_sign: FocusSign,
     /// Which model corrects the coordinates.
     pub model: CorrectionModel,
+    /// Which way the camera flies; V/H is positive either way.
+    pub direction: FlightDirection,
 }
 
 impl Exposure {
@@ -45,6 +69,7 @@ impl Exposure {
             focus_shift_um: 0.0,
             focus_sign: FocusSign::Physical,
             model: CorrectionModel::Exact,
+            direction: FlightDirection::Forward,
         }
     }
 }

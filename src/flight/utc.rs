@@ -1,4 +1,42 @@
-//! Absolute time.
+//! Absolute time, from the receiver's time pulse and the times that name its pulses.
+//!
+//! The pulse says exactly when a second begins, and not which; the receiver's messages say which, and late. The camera's
+//! clock carries the time from one pulse to the next.
+
+use super::time::Time;
+
+/// How far a pulse may lie from a whole number of seconds after the last, per second, beyond its jitter: more than any
+/// crystal drifts.
+pub const CLOCK_TOLERANCE_PPM: f32 = 200.0;
+
+/// σ of the clock's drift before it is measured, ppm.
+pub const UNMEASURED_DRIFT_PPM: f32 = 50.0;
+
+/// By how much the drift may change, ppm per second without a pulse: a crystal that warms up by 1 K per minute.
+pub const DRIFT_WANDER_PPM_PER_S: f32 = 0.02;
+
+/// Age of the last pulse beyond which there is no absolute time, s.
+pub const HOLDOVER_S: f32 = 600.0;
+
+/// Largest σ of a pulse's time stamp, s.
+pub const WORST_PULSE_SIGMA_S: f32 = 1e-3;
+
+/// Times in a row that must name pulses alike: before there is absolute time, and before a count of pulses gives in.
+pub const CONSISTENT_TIMES: u8 = 3;
+
+/// Pulses in a row, a second apart, that must contradict those before until they are the pulses.
+pub const CONSISTENT_PULSES: u8 = 3;
+
+/// By how much a message may seem to come before the time it names, s: jitter of its own stamp.
+const EARLY_S: f32 = 0.02;
+
+/// Part of a new measurement in the drift.
+const DRIFT_GAIN: f32 = 0.125;
+
+/// Standard deviation of a number rounded to whole microseconds, s.
+const QUANTISATION_S: f32 = 0.289e-6;
+
+const US_PER_S: u64 = 1_000_000;
 
 /// An instant of UTC.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -8,4 +46,471 @@ pub struct UtcTime {
     pub unix_us: u64,
     /// σ, s.
     pub sigma_s: f32,
+}
+
+/// What a pulse or a time shows.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[cfg_attr(feature = "link", derive(serde::Serialize, serde::Deserialize))]
+pub enum UtcFinding {
+    /// So many pulses did not come.
+    MissingPulses(u32),
+    /// A pulse that belongs to no second; not used.
+    ExtraPulse,
+    /// Pulses have come at another place in the second for long enough: they are the pulses, and unnamed.
+    PulsesMoved,
+    /// The receiver's time differs by so many seconds from the count of pulses; not used yet, and σ covers it.
+    WrongSecond(i64),
+    /// It has done so for long enough, and is believed: a leap second or a receiver that was wrong before.
+    Stepped(i64),
+    /// A pulse or a time that comes from before the last one; not used.
+    FromThePast,
+    /// A time without a pulse in the second before it; it names nothing.
+    NoPulse,
+}
+
+/// The last pulse.
+#[derive(Debug, Clone, Copy, PartialEq)]
+struct Pulse {
+    time: Time,
+    /// Which second begins with it, s since 1970.
+    second: Option<u64>,
+    /// How many times in a row have said so.
+    named: u8,
+}
+
+/// By how many seconds the receiver contradicts the count of pulses, at how many pulses in a row, the last of them.
+#[derive(Debug, Clone, Copy, PartialEq)]
+struct Doubt {
+    difference_s: i64,
+    times: u8,
+    pulse: Time,
+}
+
+/// Makes UTC of the camera's time.
+///
+/// # Model
+/// With the last pulse at camera time T, the beginning of second N, and the clock's drift d measured from pulse to pulse
+/// (exponential mean, gain 1/8), UTC at camera time t is `N + (t - T)/(1 + d)`. With `age = |t - T|`:
+/// `σ² = σ_pulse² + ((σ_d + w·age)·age)² + σ_q²`, where σ_d is the mean deviation of the measured drifts, w
+/// [`DRIFT_WANDER_PPM_PER_S`] and σ_q the rounding to microseconds. While the receiver's times contradict the count of
+/// pulses, the contradiction is added to σ.
+#[derive(Debug, Clone)]
+pub struct UtcClock {
+    pulse_sigma_s: f32,
+    pulse: Option<Pulse>,
+    /// The last of the pulses that do not fit those before, and how many of them fit one another.
+    stray: Option<(Time, u8)>,
+    doubt: Option<Doubt>,
+    drift_ppm: f32,
+    drift_sigma_ppm: f32,
+    drifts: u8,
+}
+
+impl UtcClock {
+    /// A clock that knows nothing; the jitter of a pulse's time stamp as σ, s: [`WORST_PULSE_SIGMA_S`] where that is
+    /// none or worse.
+    #[must_use]
+    pub const fn new(pulse_sigma_s: f32) -> Self {
+        let possible = pulse_sigma_s >= 0.0 && pulse_sigma_s <= WORST_PULSE_SIGMA_S;
+        Self {
+            pulse_sigma_s: if possible {
+                pulse_sigma_s
+            } else {
+                WORST_PULSE_SIGMA_S
+            },
+            pulse: None,
+            stray: None,
+            doubt: None,
+            drift_ppm: 0.0,
+            drift_sigma_ppm: UNMEASURED_DRIFT_PPM,
+            drifts: 0,
+        }
+    }
+
+    /// Drift of the camera's clock, ppm; positive where it is fast. `None` before it is measured.
+    #[must_use]
+    pub fn drift_ppm(&self) -> Option<f32> {
+        (self.drifts > 0).then_some(self.drift_ppm)
+    }
+
+    /// Takes the edge of a pulse.
+    pub fn pulse(&mut self, time: Time) -> Option<UtcFinding> {
+        let Some(last) = self.pulse else {
+            self.start(time);
+            return None;
+        };
+        if time <= last.time {
+            return Some(UtcFinding::FromThePast);
+        }
+        let Some((seconds, drift_ppm)) = self.whole_seconds(last.time, time) else {
+            return Some(self.take_stray(time));
+        };
+        self.stray = None;
+        self.measure(drift_ppm);
+        self.pulse = Some(Pulse {
+            time,
+            named: last.named,
+            second: last
+                .second
+                .map(|second| second.saturating_add(u64::from(seconds))),
+        });
+        (seconds > 1).then(|| UtcFinding::MissingPulses(seconds.saturating_sub(1)))
+    }
+
+    /// Takes a time of the receiver, µs since 1970, whose message came at a camera time: it names the last pulse.
+    ///
+    /// A message comes up to a second late. With the pulse's age a at its arrival and the fraction φ of its second, the
+    /// pulse began that second where `a ≥ φ`, and the next where the message had been made before the pulse.
+    pub fn receiver_time(&mut self, time: Time, unix_us: u64) -> Option<UtcFinding> {
+        let Some(pulse) = self.pulse else {
+            return Some(UtcFinding::NoPulse);
+        };
+        if time < pulse.time {
+            return Some(UtcFinding::FromThePast);
+        }
+        let age_s = time.seconds_since(pulse.time);
+        if age_s >= 1.0 {
+            return Some(UtcFinding::NoPulse);
+        }
+        let second = unix_us / US_PER_S;
+        let fraction_s = Time::from_us(unix_us % US_PER_S).seconds_since(Time::START);
+        let second = if age_s + EARLY_S >= fraction_s {
+            second
+        } else {
+            second.saturating_add(1)
+        };
+        self.name(pulse, second)
+    }
+
+    /// UTC of a camera time, up to [`HOLDOVER_S`] from the last pulse; `None` while no pulse is named.
+    ///
+    /// # Accuracy
+    /// As its σ says; the arithmetic rounds to the microsecond.
+    #[must_use]
+    pub fn utc(&self, time: Time) -> Option<UtcTime> {
+        let pulse = self.pulse?;
+        let second = pulse.second.filter(|_| pulse.named >= CONSISTENT_TIMES)?;
+        let age_s = time.seconds_since(pulse.time);
+        let distance_s = libm::fabsf(age_s);
+        if distance_s > HOLDOVER_S {
+            return None;
+        }
+        // The drift alone in f32: a second of age is exact in microseconds.
+        let pulse_us = second.saturating_mul(US_PER_S);
+        let drift = 1e-6 * self.drift_ppm;
+        let correction_s = -(age_s * drift / (1.0 + drift));
+        let elapsed = |from: u64| {
+            let later = from.saturating_add(time.us_since(pulse.time));
+            later.saturating_sub(pulse.time.us_since(time))
+        };
+        let unix_us = Time::from_us(elapsed(pulse_us)).plus_s(correction_s).us();
+        let drift_s =
+            (self.drift_sigma_ppm + DRIFT_WANDER_PPM_PER_S * distance_s) * 1e-6 * distance_s;
+        let variance = self.pulse_sigma_s * self.pulse_sigma_s
+            + drift_s * drift_s
+            + QUANTISATION_S * QUANTISATION_S;
+        Some(UtcTime {
+            unix_us,
+            sigma_s: libm::sqrtf(variance) + self.doubt_s(),
+        })
+    }
+
+    /// By how much the receiver contradicts the count, s.
+    fn doubt_s(&self) -> f32 {
+        let difference_s = self
+            .doubt
+            .map_or(0, |doubt| doubt.difference_s.unsigned_abs());
+        Time::from_us(difference_s.saturating_mul(US_PER_S)).seconds_since(Time::START)
+    }
+
+    fn start(&mut self, time: Time) {
+        self.pulse = Some(Pulse {
+            time,
+            second: None,
+            named: 0,
+        });
+        self.stray = None;
+        self.doubt = None;
+    }
+
+    /// How many seconds from one pulse to the other, and the drift that makes them whole, ppm.
+    fn whole_seconds(&self, from: Time, to: Time) -> Option<(u32, f32)> {
+        let elapsed_us = to.us_since(from);
+        let seconds = u32::try_from(elapsed_us.saturating_add(US_PER_S / 2) / US_PER_S).ok()?;
+        if seconds == 0 {
+            return None;
+        }
+        let whole_us = u64::from(seconds) * US_PER_S;
+        let excess_s = Time::from_us(elapsed_us).seconds_since(Time::from_us(whole_us));
+        let elapsed_s = Time::from_us(whole_us).seconds_since(Time::START);
+        let allowed_s = CLOCK_TOLERANCE_PPM * 1e-6 * elapsed_s + 6.0 * self.pulse_sigma_s;
+        // Beyond half a second nobody knows how many there were.
+        (libm::fabsf(excess_s) <= allowed_s && elapsed_s <= HOLDOVER_S)
+            .then(|| (seconds, excess_s / elapsed_s * 1e6))
+    }
+
+    fn take_stray(&mut self, time: Time) -> UtcFinding {
+        let before = self
+            .stray
+            .filter(|(before, _)| self.whole_seconds(*before, time).is_some())
+            .map_or(0, |(_, pulses)| pulses);
+        let pulses = before.saturating_add(1);
+        if pulses < CONSISTENT_PULSES {
+            self.stray = Some((time, pulses));
+            return UtcFinding::ExtraPulse;
+        }
+        self.start(time);
+        UtcFinding::PulsesMoved
+    }
+
+    fn measure(&mut self, drift_ppm: f32) {
+        // Of one second between two pulses, each with its jitter.
+        let least_ppm = 1.5e6 * (self.pulse_sigma_s + QUANTISATION_S);
+        if self.drifts == 0 {
+            self.drift_ppm = drift_ppm;
+            self.drift_sigma_ppm = least_ppm;
+        } else {
+            // σ of a normal distribution is 1.25 of its mean deviation.
+            let deviation = drift_ppm - self.drift_ppm;
+            let grown = 1.25 * libm::fabsf(deviation) - self.drift_sigma_ppm;
+            self.drift_ppm += DRIFT_GAIN * deviation;
+            self.drift_sigma_ppm =
+                (self.drift_sigma_ppm + DRIFT_GAIN * grown).max(DRIFT_GAIN * least_ppm);
+        }
+        self.drifts = self.drifts.saturating_add(1);
+    }
+
+    /// Compares the second a time gives the last pulse with the count, or begins the count.
+    fn name(&mut self, pulse: Pulse, second: u64) -> Option<UtcFinding> {
+        let named = match pulse.second {
+            Some(counted) if counted == second => pulse.named.saturating_add(1),
+            Some(counted) if pulse.named >= CONSISTENT_TIMES => {
+                return Some(self.contradict(pulse, counted, second));
+            }
+            // Not yet believed: it begins anew.
+            _ => 1,
+        };
+        self.doubt = None;
+        self.pulse = Some(Pulse {
+            second: Some(second),
+            named,
+            ..pulse
+        });
+        None
+    }
+
+    fn contradict(&mut self, pulse: Pulse, counted: u64, second: u64) -> UtcFinding {
+        let difference_s = signed(second).saturating_sub(signed(counted));
+        let times = match self.doubt {
+            Some(doubt) if doubt.difference_s == difference_s => {
+                // Several times of one pulse are one witness.
+                let more = u8::from(doubt.pulse != pulse.time);
+                doubt.times.saturating_add(more)
+            }
+            _ => 1,
+        };
+        if times >= CONSISTENT_TIMES {
+            self.doubt = None;
+            self.pulse = Some(Pulse {
+                second: Some(second),
+                ..pulse
+            });
+            return UtcFinding::Stepped(difference_s);
+        }
+        self.doubt = Some(Doubt {
+            difference_s,
+            times,
+            pulse: pulse.time,
+        });
+        UtcFinding::WrongSecond(difference_s)
+    }
+}
+
+/// Seconds as a number that may be subtracted; there are no more in the life of the sun.
+fn signed(seconds: u64) -> i64 {
+    i64::try_from(seconds).unwrap_or(i64::MAX)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use proptest::prelude::*;
+
+    /// 2026-01-01T00:00:00 UTC.
+    const NEW_YEAR_S: u64 = 1_767_225_600;
+    const SIGMA_S: f32 = 1e-6;
+
+    /// Pulse and time of the second so many after the start, by a clock that is 20 ppm fast and started 0.3 s before.
+    fn pulse_at(second: u64) -> Time {
+        Time::from_us(300_000 + second * 1_000_020)
+    }
+
+    fn message_at(second: u64) -> Time {
+        pulse_at(second).plus_s(0.15)
+    }
+
+    fn second(clock: &mut UtcClock, second: u64) -> [Option<UtcFinding>; 2] {
+        [
+            clock.pulse(pulse_at(second)),
+            clock.receiver_time(message_at(second), (NEW_YEAR_S + second) * US_PER_S),
+        ]
+    }
+
+    fn running(seconds: u64) -> UtcClock {
+        let mut clock = UtcClock::new(SIGMA_S);
+        for s in 0..seconds {
+            assert_eq!(second(&mut clock, s), [None, None], "{s}");
+        }
+        clock
+    }
+
+    /// Error of UTC so many camera seconds after the pulse, µs.
+    fn error_us(clock: &UtcClock, after: u64, seconds: f64) -> f64 {
+        let camera = pulse_at(after).us() as f64 + seconds * 1_000_020.0;
+        let found = clock.utc(Time::from_us(camera.round() as u64)).unwrap();
+        let expected = (NEW_YEAR_S + after) as f64 * 1e6 + seconds * 1e6;
+        found.unix_us as f64 - expected
+    }
+
+    #[test]
+    fn utc_follows_the_pulse_and_the_measured_drift() {
+        let clock = running(10);
+        assert!((clock.drift_ppm().unwrap() - 20.0).abs() < 0.01);
+        for seconds in [-3.0, 0.0, 0.25, 0.999, 30.0, 500.0] {
+            let error = error_us(&clock, 9, seconds);
+            // Rounding of both clocks to 1 µs.
+            assert!(error.abs() <= 2.0, "{seconds}: {error} µs");
+        }
+    }
+
+    #[test]
+    fn there_is_no_utc_before_three_times_agree_nor_beyond_the_holdover() {
+        let clock = running(2);
+        assert_eq!(clock.utc(pulse_at(2)), None);
+        let clock = running(3);
+        assert!(clock.utc(pulse_at(3)).is_some());
+        assert_eq!(clock.utc(pulse_at(2).plus_s(HOLDOVER_S + 1.0)), None);
+        assert_eq!(UtcClock::new(SIGMA_S).utc(Time::START), None);
+    }
+
+    #[test]
+    fn sigma_grows_with_the_age_of_the_pulse() {
+        let clock = running(30);
+        let sigma = |age| clock.utc(pulse_at(29).plus_s(age)).unwrap().sigma_s;
+        // Pulse 1 µs and rounding 0.29 µs.
+        assert!((sigma(0.0) - 1.041e-6).abs() < 1e-8);
+        assert!(sigma(1.0) > sigma(0.0) && sigma(10.0) > 2.0 * sigma(1.0));
+        // 0.24 ppm and 0.02 ppm/s · 100 s over 100 s.
+        assert!((sigma(100.0) - 2.24e-4).abs() < 1e-5, "{}", sigma(100.0));
+        let jitter_unknown = UtcClock::new(f32::NAN);
+        assert!(jitter_unknown.pulse_sigma_s <= WORST_PULSE_SIGMA_S);
+    }
+
+    #[test]
+    fn missing_pulses_are_counted_and_utc_goes_on() {
+        let mut clock = running(5);
+        let found = second(&mut clock, 8);
+        assert_eq!(found, [Some(UtcFinding::MissingPulses(3)), None]);
+        assert!(error_us(&clock, 8, 0.5).abs() <= 2.0);
+    }
+
+    #[test]
+    fn extra_pulse_is_not_used() {
+        let mut clock = running(5);
+        for extra in [0.002, 0.3, 0.997] {
+            let found = clock.pulse(pulse_at(4).plus_s(extra));
+            assert_eq!(found, Some(UtcFinding::ExtraPulse));
+        }
+        assert_eq!(second(&mut clock, 5), [None, None]);
+        assert!(error_us(&clock, 5, 0.5).abs() <= 2.0);
+        let found = clock.pulse(pulse_at(4));
+        assert_eq!(found, Some(UtcFinding::FromThePast));
+    }
+
+    #[test]
+    fn clock_that_began_with_a_false_pulse_comes_right() {
+        let mut clock = UtcClock::new(SIGMA_S);
+        clock.pulse(pulse_at(0).plus_s(-0.2));
+        let found = [0, 1, 2].map(|s| clock.pulse(pulse_at(s)));
+        let extra = Some(UtcFinding::ExtraPulse);
+        assert_eq!(found, [extra, extra, Some(UtcFinding::PulsesMoved)]);
+        for s in 3..7 {
+            assert_eq!(second(&mut clock, s), [None, None]);
+        }
+        assert!(error_us(&clock, 6, 0.5).abs() <= 2.0);
+    }
+
+    #[test]
+    fn one_wrong_second_is_outvoted_and_in_sigma() {
+        for wrong in [-1, 1, 3600, -86400] {
+            let mut clock = running(5);
+            clock.pulse(pulse_at(5));
+            let time = (NEW_YEAR_S + 5).saturating_add_signed(wrong) * US_PER_S;
+            for message in 0..10_u8 {
+                let arrival = pulse_at(5).plus_s(0.1 + 0.01 * f32::from(message));
+                let found = clock.receiver_time(arrival, time);
+                assert_eq!(found, Some(UtcFinding::WrongSecond(wrong)));
+            }
+            assert!(error_us(&clock, 5, 0.5).abs() <= 2.0);
+            let sigma_s = clock.utc(pulse_at(5)).unwrap().sigma_s;
+            assert!(f64::from(sigma_s) >= wrong.unsigned_abs() as f64);
+            assert_eq!(second(&mut clock, 6), [None, None]);
+            assert!(clock.utc(pulse_at(6)).unwrap().sigma_s < 1e-5);
+        }
+    }
+
+    #[test]
+    fn leap_second_and_backward_jump_are_believed_at_the_third_pulse() {
+        for step in [-1, -2, 5] {
+            let mut clock = running(5);
+            let found = [5, 6, 7].map(|s| {
+                clock.pulse(pulse_at(s));
+                let time = (NEW_YEAR_S + s).saturating_add_signed(step) * US_PER_S;
+                clock.receiver_time(message_at(s), time).unwrap()
+            });
+            let wrong = UtcFinding::WrongSecond(step);
+            assert_eq!(found, [wrong, wrong, UtcFinding::Stepped(step)]);
+            let error = error_us(&clock, 7, 0.0) - step as f64 * 1e6;
+            assert!(error.abs() <= 2.0);
+        }
+    }
+
+    #[test]
+    fn time_with_a_fraction_names_the_second_its_pulse_began() {
+        let mut clock = running(5);
+        clock.pulse(pulse_at(5));
+        // Made 50 ms before the pulse, come 30 ms after it; and made after it.
+        let made = (NEW_YEAR_S + 4) * US_PER_S + 950_000;
+        assert_eq!(clock.receiver_time(pulse_at(5).plus_s(0.03), made), None);
+        let made = (NEW_YEAR_S + 5) * US_PER_S + 300_000;
+        assert_eq!(clock.receiver_time(pulse_at(5).plus_s(0.38), made), None);
+        let late = clock.receiver_time(pulse_at(5).plus_s(1.5), made);
+        assert_eq!(late, Some(UtcFinding::NoPulse));
+    }
+
+    proptest! {
+        #![proptest_config(ProptestConfig { failure_persistence: None, ..ProptestConfig::with_cases(1000) })]
+
+        #[test]
+        fn any_pulses_and_times_give_a_finite_sigma(
+            inputs in prop::collection::vec((any::<bool>(), any::<u64>(), any::<u64>()), 0..40),
+            sigma_s in any::<f32>(),
+        ) {
+            let mut clock = UtcClock::new(sigma_s);
+            for s in 0..4 {
+                second(&mut clock, s);
+            }
+            for (is_pulse, time, unix_us) in inputs {
+                let time = Time::from_us(time);
+                if is_pulse {
+                    clock.pulse(time);
+                } else {
+                    clock.receiver_time(time, unix_us);
+                }
+                if let Some(found) = clock.utc(time) {
+                    prop_assert!(found.sigma_s.is_finite() && found.sigma_s >= 0.0);
+                }
+            }
+        }
+    }
 }

@@ -31,7 +31,7 @@ pub struct PrincipalPointMotion {
 pub struct UniformTravel {
     /// Δδ: offset when the shutter opens, mm.
     pub opening_offset_mm: f32,
-    /// v = f·η: speed along the FMC axis, mm/s.
+    /// v = ±f·η: speed along the FMC axis, mm/s; negative where the camera flies against it.
     pub speed_mm_s: f32,
     /// t: exposure time, the shutter's base, s.
     pub exposure_s: f32,
@@ -78,8 +78,8 @@ impl PrincipalPointMotion {
     /// The motion of a TDI sensor, whose charge follows the image in rows of `pixel_mm`.
     ///
     /// # Model
-    /// `c̄ = Δδ + p·M` with M of [`mean_transfers`]; the moments are those of the smooth path of
-    /// the image in the lens frame.
+    /// `c̄ = Δδ ± p·M` with M of [`mean_transfers`] and the sign of v; the moments are those of the
+    /// smooth path of the image in the lens frame.
     ///
     /// # Errors
     /// As [`mean_transfers`].
@@ -90,9 +90,10 @@ impl PrincipalPointMotion {
         shutter: &Shutter,
     ) -> Result<Self, OutOfRange> {
         let smooth = Self::from_plan(travel, shutter);
-        let rows = mean_transfers(smooth.travel_mm / pixel_mm, first_transfer, shutter)?;
+        let rows = mean_transfers(smooth.travel_mm.abs() / pixel_mm, first_transfer, shutter)?;
+        let row_mm = pixel_mm.copysign(smooth.travel_mm);
         Ok(Self {
-            centroid_mm: travel.opening_offset_mm + pixel_mm * rows,
+            centroid_mm: travel.opening_offset_mm + row_mm * rows,
             ..smooth
         })
     }

@@ -55,6 +55,19 @@ pub enum Quantity {
     PitchRateDegS,
     RollRateDegS,
     YawRateDegS,
+    JerkMmS3,
+    MaxSpeedMmS,
+    GroundSpeedMS,
+    HeightAboveGroundM,
+    AltitudeM,
+    TerrainHeightM,
+    SourcePeriodS,
+    SourceValidityS,
+    SourceSlew,
+    SourceSigma,
+    SourceFrozenS,
+    DisagreementPercent,
+    SmearBudgetPx,
 }
 
 /// Largest principal-distance change the correction is shown invertible for, as a fraction κ of
@@ -112,6 +125,19 @@ impl Quantity {
             Self::PitchRateDegS => "pitch_rate_deg_s",
             Self::RollRateDegS => "roll_rate_deg_s",
             Self::YawRateDegS => "yaw_rate_deg_s",
+            Self::JerkMmS3 => "jerk_mm_s3",
+            Self::MaxSpeedMmS => "max_speed_mm_s",
+            Self::GroundSpeedMS => "ground_speed_m_s",
+            Self::HeightAboveGroundM => "height_above_ground_m",
+            Self::AltitudeM => "altitude_m",
+            Self::TerrainHeightM => "terrain_height_m",
+            Self::SourcePeriodS => "source_period_s",
+            Self::SourceValidityS => "source_validity_s",
+            Self::SourceSlew => "source_slew",
+            Self::SourceSigma => "source_sigma",
+            Self::SourceFrozenS => "source_frozen_s",
+            Self::DisagreementPercent => "disagreement_percent",
+            Self::SmearBudgetPx => "smear_budget_px",
         }
     }
 
@@ -142,6 +168,17 @@ impl Quantity {
             Self::ReliefPercent => (-100.0, 90.0),
             Self::PitchDeg | Self::RollDeg | Self::DriftDeg => (-45.0, 45.0),
             Self::PitchRateDegS | Self::RollRateDegS | Self::YawRateDegS => (-60.0, 60.0),
+            Self::JerkMmS3 => (1.0, 1e12),
+            Self::MaxSpeedMmS => (1e-3, 1e5),
+            Self::GroundSpeedMS => (0.0, 1000.0),
+            Self::HeightAboveGroundM => (0.0, 100_000.0),
+            Self::AltitudeM => (-1000.0, 100_000.0),
+            Self::TerrainHeightM => (-1000.0, 10_000.0),
+            Self::SourcePeriodS | Self::SourceValidityS => (0.001, 3600.0),
+            Self::SourceSlew | Self::SourceSigma => (1e-6, 1e6),
+            Self::SourceFrozenS => (0.0, 3600.0),
+            Self::DisagreementPercent => (0.01, 100.0),
+            Self::SmearBudgetPx => (0.001, 100.0),
             Self::K0
             | Self::K1
             | Self::K2

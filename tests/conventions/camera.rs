@@ -28,6 +28,8 @@ pub(crate) fn record() -> CameraRecord {
             acceleration_mm_s2: 1000.0,
             settling_ms: 5.0,
             run_up: RunUp::Centred,
+            jerk_mm_s3: None,
+            max_speed_mm_s: None,
         },
         shutter: ShutterProfile::Uniform,
         limits: Limits {

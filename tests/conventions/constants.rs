@@ -1,6 +1,15 @@
 //! The constants of section 11.
 
 use crate::document::{names, rows};
+use fmc_camera::flight::stage::{POSITION_NM, RUN_UP_RESERVE};
+use fmc_camera::flight::utc::{
+    CLOCK_TOLERANCE_PPM, CONSISTENT_PULSES, CONSISTENT_TIMES, DRIFT_WANDER_PPM_PER_S, HOLDOVER_S,
+    UNMEASURED_DRIFT_PPM, WORST_PULSE_SIGMA_S,
+};
+use fmc_camera::flight::vh::channel::{
+    CONSISTENT_SAMPLES, NOISE_SIGMAS, UNIT_RELEASE, UNIT_TOLERANCE,
+};
+use fmc_camera::flight::vh::settings::{LEAST_HEIGHT_M, LEAST_SPEED_M_S, LEAST_VH_PER_S};
 use fmc_camera::geometry::estimation::adjustment::{MIN_POINTS, MIN_REGRESSOR_MM, MIN_SPREAD};
 use fmc_camera::geometry::estimation::design::MIN_SEPARATION;
 use fmc_camera::geometry::frame_correction::SHORT_KERNEL_NM;
@@ -30,6 +39,22 @@ fn documented_constants_are_those_of_the_code() {
         ("MIN_REGRESSOR_MM", MIN_REGRESSOR_MM.to_string()),
         ("MIN_SEPARATION", MIN_SEPARATION.to_string()),
         ("LEAST_GROUND_SCALE", LEAST_GROUND_SCALE.to_string()),
+        ("RUN_UP_RESERVE", RUN_UP_RESERVE.to_string()),
+        ("POSITION_NM", POSITION_NM.to_string()),
+        ("LEAST_VH_PER_S", LEAST_VH_PER_S.to_string()),
+        ("LEAST_SPEED_M_S", LEAST_SPEED_M_S.to_string()),
+        ("LEAST_HEIGHT_M", LEAST_HEIGHT_M.to_string()),
+        ("NOISE_SIGMAS", NOISE_SIGMAS.to_string()),
+        ("CONSISTENT_SAMPLES", CONSISTENT_SAMPLES.to_string()),
+        ("UNIT_TOLERANCE", UNIT_TOLERANCE.to_string()),
+        ("UNIT_RELEASE", UNIT_RELEASE.to_string()),
+        ("CLOCK_TOLERANCE_PPM", CLOCK_TOLERANCE_PPM.to_string()),
+        ("UNMEASURED_DRIFT_PPM", UNMEASURED_DRIFT_PPM.to_string()),
+        ("DRIFT_WANDER_PPM_PER_S", DRIFT_WANDER_PPM_PER_S.to_string()),
+        ("HOLDOVER_S", HOLDOVER_S.to_string()),
+        ("WORST_PULSE_SIGMA_S", WORST_PULSE_SIGMA_S.to_string()),
+        ("CONSISTENT_TIMES", CONSISTENT_TIMES.to_string()),
+        ("CONSISTENT_PULSES", CONSISTENT_PULSES.to_string()),
     ];
     let documented: Vec<_> = rows("constant")
         .into_iter()

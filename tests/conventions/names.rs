@@ -6,7 +6,7 @@ use std::collections::BTreeSet;
 use fmc_camera::flight::camera::{CameraRecord, Mechanism};
 use fmc_camera::flight::exposure::Exposure;
 use fmc_camera::flight::interior_orientation::InteriorOrientation;
-use fmc_camera::flight::stage::{RunUp, StrokeTooShort};
+use fmc_camera::flight::stage::{MechanismLimits, RunUp, StrokeTooShort, Tracking, Travel};
 use fmc_camera::geometry::brown::Brown;
 use fmc_camera::geometry::calibration::CalibrationRecord;
 use fmc_camera::geometry::evaluation_form::Displacement;
@@ -61,6 +61,11 @@ fn documented_names_are_those_of_the_code() {
         field!(CalibrationRecord.stroke_mm),
         field!(StrokeTooShort.from_mm),
         field!(StrokeTooShort.to_mm),
+        field!(MechanismLimits.jerk_mm_s3),
+        field!(MechanismLimits.max_speed_mm_s),
+        field!(Tracking.margin_s),
+        field!(Travel.off_centre_mm),
+        field!(Exposure.direction),
         field!(Displacement.dx_mm),
         field!(Displacement.dy_mm),
         field!(Brown.k0),

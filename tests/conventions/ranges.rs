@@ -17,14 +17,18 @@ macro_rules! quantities {
 fn unit_in(name: &str) -> Option<&'static str> {
     let units = [
         ("_mm_s2", "mm/s²"),
+        ("_mm_s3", "mm/s³"),
+        ("_mm_s", "mm/s"),
         ("_deg_s", "°/s"),
         ("_deg", "°"),
         ("_percent", "%"),
         ("_per_s", "1/s"),
+        ("_m_s", "m/s"),
         ("_mm", "mm"),
         ("_um", "µm"),
         ("_px", "px"),
         ("_ms", "ms"),
+        ("_m", "m"),
         ("_s", "s"),
     ];
     let name = name.split('[').next()?;
@@ -91,6 +95,19 @@ fn documented_ranges_are_those_of_the_code() {
         PitchRateDegS,
         RollRateDegS,
         YawRateDegS,
+        JerkMmS3,
+        MaxSpeedMmS,
+        GroundSpeedMS,
+        HeightAboveGroundM,
+        AltitudeM,
+        TerrainHeightM,
+        SourcePeriodS,
+        SourceValidityS,
+        SourceSlew,
+        SourceSigma,
+        SourceFrozenS,
+        DisagreementPercent,
+        SmearBudgetPx,
     );
     let of_the_code = quantities.map(|quantity| {
         let (least, most) = quantity.range();

@@ -1,10 +1,10 @@
 //! What happens to frames on a bad wire.
 
 use fmc_camera::flight::exposure::Exposure;
-use fmc_camera::io::link::LONGEST_FRAME;
 use fmc_camera::io::link::frame::Damage;
 use fmc_camera::io::link::message::{Answer, Header, Refusal, Request, Unreadable};
 use fmc_camera::io::link::station::{Event, NOBODY};
+use fmc_camera::io::link::{LONGEST_FRAME, PROTOCOL_VERSION};
 
 use crate::pc::{Pc, SESSION, frame};
 use crate::targets::wire_format::{between_zeros, frame_of};
@@ -85,11 +85,11 @@ fn host_that_died_in_the_middle_of_a_frame_does_not_spoil_the_next_session() {
 #[test]
 fn other_protocol_is_answered_with_ones_own_version() {
     let mut pc = Pc::connected();
-    let answers = pc.send(&frame_of(&[2, 1, 1, 0]));
+    let answers = pc.send(&frame_of(&[1, 1, 1, 0]));
     assert_eq!(answers, [(NOBODY, Answer::Refused(Refusal::OtherProtocol))]);
     assert_eq!(
         pc.event,
-        Some(Event::Unreadable(Unreadable::OtherProtocol(2)))
+        Some(Event::Unreadable(Unreadable::OtherProtocol(1)))
     );
     assert_eq!(pc.station.counters().other_protocol, 1);
 }
@@ -97,9 +97,9 @@ fn other_protocol_is_answered_with_ones_own_version() {
 #[test]
 fn whole_frame_without_a_request_is_counted() {
     let mut pc = Pc::connected();
-    assert!(pc.send(&frame_of(&[1])).is_empty());
+    assert!(pc.send(&frame_of(&[PROTOCOL_VERSION])).is_empty());
     assert_eq!(pc.event, Some(Event::Unreadable(Unreadable::NoHeader)));
-    let mut unknown = vec![1];
+    let mut unknown = vec![PROTOCOL_VERSION];
     unknown.extend([0x91, 0xa0, 0xd4, 0xf2, 0x05]); // SESSION as LEB128
     unknown.extend([u8::try_from(pc.next).unwrap(), 77]);
     let answers = pc.send(&frame_of(&unknown));

@@ -90,6 +90,10 @@ fn exposure_failure(file: &str, row: &ObservationRow, error: &FrameError) -> Fai
         FrameError::OutOfRange(range) => {
             Failure::bad_input(format!("{place}: {range} (the camera's)"))
         }
+        FrameError::Speed { .. } => Failure::bad_input(format!(
+            "{place}: vh_per_s = {}: {error} (max_speed_mm_s of the camera)",
+            row.vh_per_s
+        )),
         _ => Failure::bad_input(format!(
             "{place}: opening_offset_mm = {} with vh_per_s = {} and exposure_s = {}: {error} (stroke_mm of the camera)",
             row.opening_offset_mm, row.vh_per_s, row.exposure_s

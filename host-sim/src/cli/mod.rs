@@ -148,6 +148,9 @@ pub struct ExposureArgs {
     /// V/H, ground speed over height above ground, 1/s.
     #[arg(long, value_name = "PER_S", value_parser = finite, allow_negative_numbers = true)]
     pub vh: f64,
+    /// Which way the camera flies; V/H is positive either way.
+    #[arg(long, value_name = "DIRECTION", default_value = "forward")]
+    pub direction: DirectionName,
     /// Exposure time, first light to last: seconds or a fraction such as 1/200.
     #[arg(long, value_name = "S", value_parser = exposure_time, allow_hyphen_values = true)]
     pub exposure: f64,
@@ -226,6 +229,26 @@ pub struct FrameArgs {
     /// Answer file; without it standard output.
     #[arg(long, value_name = "FILE")]
     pub out: Option<PathBuf>,
+}
+
+/// Which way the camera flies.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
+pub enum DirectionName {
+    /// Along the FMC axis.
+    Forward,
+    /// Against the FMC axis: a strip flown back, the camera not turned; travel and speed of the stage are negative.
+    Reverse,
+}
+
+impl DirectionName {
+    /// As on the command line.
+    #[must_use]
+    pub const fn name(self) -> &'static str {
+        match self {
+            Self::Forward => "forward",
+            Self::Reverse => "reverse",
+        }
+    }
 }
 
 /// Which formula turns a focus shift into distortion.

@@ -1,11 +1,11 @@
 //! The exposure that several commands are asked for.
 
 use fmc_camera::flight::camera::FrameError;
-use fmc_camera::flight::exposure::{CorrectionModel, Exposure};
+use fmc_camera::flight::exposure::{CorrectionModel, Exposure, FlightDirection};
 use fmc_camera::geometry::principal_distance::FocusSign;
 use fmc_camera::geometry::range::Quantity;
 
-use crate::cli::{ExposureArgs, FocusSignName, ModelName};
+use crate::cli::{DirectionName, ExposureArgs, FocusSignName, ModelName};
 use crate::device::DeviceError;
 use crate::failure::Failure;
 use crate::formats::camera_file::{CameraFile, MechanismName};
@@ -55,6 +55,15 @@ impl ExposureArgs {
                 ModelName::Fitted => CorrectionModel::Fitted,
                 ModelName::Static => CorrectionModel::Static,
             },
+            direction: self.direction(),
+        }
+    }
+
+    /// Which way the camera flies.
+    pub(super) const fn direction(&self) -> FlightDirection {
+        match self.direction {
+            DirectionName::Forward => FlightDirection::Forward,
+            DirectionName::Reverse => FlightDirection::Reverse,
         }
     }
 
@@ -69,6 +78,7 @@ impl ExposureArgs {
                 FocusSignName::Physical => FocusFormula::Physical,
                 FocusSignName::Printed => FocusFormula::Printed,
             },
+            direction: self.direction(),
         }
     }
 
@@ -95,6 +105,10 @@ impl ExposureArgs {
             DeviceError::Frame(error @ FrameError::Stroke(_)) => Failure::bad_input(format!(
                 "{file}: [fmc] stroke_mm is too short for --vh {} --exposure {}: {error}",
                 self.vh, self.exposure
+            )),
+            DeviceError::Frame(error @ FrameError::Speed { .. }) => Failure::bad_input(format!(
+                "{file}: [fmc] max_speed_mm_s is too small for --vh {}: {error}",
+                self.vh
             )),
             DeviceError::Frame(_) | DeviceError::Calibration(_) => {
                 Failure::bad_input(format!("{file}: {error}"))

@@ -7,7 +7,7 @@ use fmc_camera::flight::interior_orientation::{FocusConvention, InteriorOrientat
 use fmc_camera::geometry::frame_correction::Kernel;
 use serde::Serialize;
 
-use crate::cli::FrameArgs;
+use crate::cli::{ExposureArgs, FrameArgs};
 use crate::failure::Failure;
 use crate::formats::camera_file::CameraFile;
 use crate::formats::output;
@@ -21,7 +21,7 @@ pub(super) fn run(args: &FrameArgs) -> Result<(), Failure> {
         .load(&camera.record())
         .and_then(|()| device.expose(&request.exposure()))
         .map_err(|error| request.refused(&error))?;
-    let report = FrameReport::new(&camera, &record);
+    let report = FrameReport::new(&camera, request, &record);
     output::write(args.out.as_deref(), |sink| {
         if args.json {
             serde_json::to_writer_pretty(&mut *sink, &report)?;
@@ -40,6 +40,7 @@ struct FrameReport {
     vh_per_s: f32,
     exposure_s: f32,
     fmc_axis: &'static str,
+    direction: &'static str,
     opening_offset_mm: f32,
     travel_mm: f32,
     centroid_offset_mm: f32,
@@ -55,7 +56,7 @@ struct FrameReport {
 }
 
 impl FrameReport {
-    fn new(camera: &CameraFile, record: &InteriorOrientation) -> Self {
+    fn new(camera: &CameraFile, request: &ExposureArgs, record: &InteriorOrientation) -> Self {
         Self {
             camera: camera.name.clone(),
             model: match record.model {
@@ -66,6 +67,7 @@ impl FrameReport {
             vh_per_s: record.vh_per_s,
             exposure_s: record.exposure_s,
             fmc_axis: camera.fmc.axis.name(),
+            direction: request.direction.name(),
             opening_offset_mm: record.motion.opening_offset_mm,
             travel_mm: record.motion.travel_mm,
             centroid_offset_mm: record.motion.centroid_mm,
@@ -92,7 +94,11 @@ impl FrameReport {
         writeln!(sink, "model                    {}", self.model)?;
         writeln!(sink, "V/H                      {} 1/s", self.vh_per_s)?;
         writeln!(sink, "exposure t               {} s", self.exposure_s)?;
-        writeln!(sink, "FMC axis                 {}", self.fmc_axis)?;
+        writeln!(
+            sink,
+            "FMC axis                 {}, flight {}",
+            self.fmc_axis, self.direction
+        )?;
         writeln!(
             sink,
             "opening offset Δδ        {:.6} mm",

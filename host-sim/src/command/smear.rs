@@ -4,7 +4,7 @@ use std::io;
 
 use fmc_camera::geometry::image_motion::{ImageMotionError, View};
 
-use crate::cli::{ExposureArgs, FocusSignName, ModelName, SmearArgs};
+use crate::cli::{DirectionName, ExposureArgs, FocusSignName, ModelName, SmearArgs};
 use crate::device::DeviceError;
 use crate::failure::Failure;
 use crate::formats::camera_file::CameraFile;
@@ -85,6 +85,7 @@ impl SmearArgs {
             exposure: self.exposure,
             opening_offset_mm: None,
             focus_shift_um: 0.0,
+            direction: DirectionName::Forward,
             focus_sign: FocusSignName::Physical,
             model: ModelName::Exact,
         }

@@ -105,7 +105,9 @@ fn refused(error: &SweepError, args: &SweepArgs) -> Failure {
             _ => format!("{file}: {grid}"),
         },
         FrameError::Stroke(_) => format!("{file}: [fmc] stroke_mm is too short: {grid}"),
+        FrameError::Speed { .. } => format!("{file}: [fmc] max_speed_mm_s is too small: {grid}"),
         FrameError::NotFitted => format!("{file}: {error}"),
+        FrameError::Time { .. } => format!("{file}: {grid}"),
     })
 }
 

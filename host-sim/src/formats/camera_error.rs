@@ -155,6 +155,8 @@ const fn key_path(quantity: Quantity) -> &'static [&'static str] {
         Quantity::Pm1 => &["fitted", "pm1"],
         Quantity::AccelerationMmS2 => &["fmc", "acceleration_mm_s2"],
         Quantity::SettlingMs => &["fmc", "settling_ms"],
+        Quantity::JerkMmS3 => &["fmc", "jerk_mm_s3"],
+        Quantity::MaxSpeedMmS => &["fmc", "max_speed_mm_s"],
         Quantity::StrokeMm => &["fmc", "stroke_mm"],
         Quantity::FlatnessUm => &["fmc", "flatness_um"],
         Quantity::FirstTransfer | Quantity::TdiRows => &["fmc", "first_transfer"],
@@ -176,5 +178,17 @@ const fn key_path(quantity: Quantity) -> &'static [&'static str] {
         | Quantity::PitchRateDegS
         | Quantity::RollRateDegS
         | Quantity::YawRateDegS => &[],
+        // Of the sources of V/H, in no camera file.
+        Quantity::GroundSpeedMS
+        | Quantity::HeightAboveGroundM
+        | Quantity::AltitudeM
+        | Quantity::TerrainHeightM
+        | Quantity::SourcePeriodS
+        | Quantity::SourceValidityS
+        | Quantity::SourceSlew
+        | Quantity::SourceSigma
+        | Quantity::SourceFrozenS
+        | Quantity::DisagreementPercent
+        | Quantity::SmearBudgetPx => &[],
     }
 }

@@ -105,6 +105,10 @@ pub struct FmcTable {
     pub settling_ms: f64,
     pub stroke_mm: f64,
     pub flatness_um: Vec<f64>,
+    /// 0: unlimited.
+    pub jerk_mm_s3: f64,
+    /// 0: unlimited.
+    pub max_speed_mm_s: f64,
 }
 
 impl Default for FmcTable {
@@ -118,8 +122,15 @@ impl Default for FmcTable {
             settling_ms: 5.0,
             stroke_mm: 4.0,
             flatness_um: vec![0.0],
+            jerk_mm_s3: 0.0,
+            max_speed_mm_s: 0.0,
         }
     }
+}
+
+/// A limit of the mechanism; 0 in the file is none.
+fn limit(value: f64) -> Option<f64> {
+    (value != 0.0).then_some(value)
 }
 
 /// Direction in which the principal point moves.
@@ -351,6 +362,17 @@ impl CameraFile {
                 .check(single(value))
                 .map_err(|error| text.invalid_calibration(&error.into()))?;
         }
+        for (quantity, value) in [
+            (Quantity::JerkMmS3, limit(self.fmc.jerk_mm_s3)),
+            (Quantity::MaxSpeedMmS, limit(self.fmc.max_speed_mm_s)),
+        ] {
+            if let Some(Err(error)) = value.map(|value| quantity.check(single(value))) {
+                return Err(text.invalid(
+                    &["fmc", quantity.name()],
+                    &format!("({error}; 0 or absent: unlimited)"),
+                ));
+            }
+        }
         if self.fmc.flatness_um.len() > FLATNESS_TERMS {
             return Err(text.invalid(
                 &["fmc", "flatness_um"],
@@ -469,6 +491,8 @@ impl CameraFile {
                     acceleration_mm_s2: single(self.fmc.acceleration_mm_s2),
                     settling_ms: single(self.fmc.settling_ms),
                     run_up: self.fmc.strategy.unwrap_or_default().into(),
+                    jerk_mm_s3: limit(self.fmc.jerk_mm_s3).map(single),
+                    max_speed_mm_s: limit(self.fmc.max_speed_mm_s).map(single),
                 },
                 MechanismName::Tdi => Mechanism::Tdi {
                     first_transfer: single(self.fmc.first_transfer),

@@ -1,6 +1,8 @@
 //! One exposure in double precision: where the principal point is, and how much light falls.
 
-use crate::formats::camera_file::{CameraFile, MechanismName, Profile, Strategy};
+use fmc_camera::flight::exposure::FlightDirection;
+
+use crate::formats::camera_file::{CameraFile, FmcTable, MechanismName, Profile, Strategy};
 
 /// Which formula turns a focus shift into distortion.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -24,6 +26,8 @@ pub struct ExposureRequest {
     pub focus_shift_mm: f64,
     /// Which formula.
     pub focus_formula: FocusFormula,
+    /// Which way the camera flies.
+    pub direction: FlightDirection,
 }
 
 impl ExposureRequest {
@@ -36,8 +40,41 @@ impl ExposureRequest {
             opening_offset_mm: None,
             focus_shift_mm: 0.0,
             focus_formula: FocusFormula::Physical,
+            direction: FlightDirection::Forward,
         }
     }
+
+    /// V/H along the FMC axis, 1/s: negative where the camera flies against it.
+    #[must_use]
+    pub const fn signed_vh_per_s(&self) -> f64 {
+        match self.direction {
+            FlightDirection::Forward => self.vh_per_s,
+            FlightDirection::Reverse => -self.vh_per_s,
+        }
+    }
+}
+
+/// Run-up from rest to a speed and the settling at it, mm, with the sign of the speed.
+///
+/// # Model
+/// The acceleration rises to its peak p for p/J, stays, and falls as long, p² = J|v| but at most the largest: the rise
+/// and the fall together give p²/J of the speed. The mean speed is half the last one, as the acceleration is symmetric
+/// in time.
+fn run_up_mm(speed: f64, fmc: &FmcTable) -> f64 {
+    let limited = fmc.jerk_mm_s3 != 0.0;
+    let most = fmc.acceleration_mm_s2;
+    let (peak, rise_s) = if limited {
+        let peak = (fmc.jerk_mm_s3 * speed.abs()).sqrt().min(most);
+        (peak, peak / fmc.jerk_mm_s3)
+    } else {
+        (most, 0.0)
+    };
+    let ramp_s = if peak > 0.0 {
+        speed.abs() / peak + rise_s
+    } else {
+        0.0
+    };
+    speed * (ramp_s / 2.0 + fmc.settling_ms / 1000.0)
 }
 
 /// The path of the principal point along the FMC axis and the light along it, over the fraction u
@@ -58,7 +95,7 @@ impl ExposurePath {
     /// The path of an exposure of the camera.
     #[must_use]
     pub fn new(camera: &CameraFile, request: &ExposureRequest) -> Self {
-        let speed = camera.principal_distance_mm * request.vh_per_s;
+        let speed = camera.principal_distance_mm * request.signed_vh_per_s();
         let ramps = match camera.shutter.profile {
             Profile::Uniform => [0.0, 0.0],
             Profile::Trapezoid => [
@@ -77,10 +114,7 @@ impl ExposurePath {
             (None, MechanismName::Tdi) => 0.0,
             (None, MechanismName::Stage) => match camera.fmc.strategy.unwrap_or_default() {
                 Strategy::Centred => -path.travel_mm * path.centroid(),
-                Strategy::FromRest => {
-                    speed.powi(2) / (2.0 * camera.fmc.acceleration_mm_s2)
-                        + speed * camera.fmc.settling_ms / 1000.0
-                }
+                Strategy::FromRest => run_up_mm(speed, &camera.fmc),
             },
         };
         if camera.fmc.mechanism == MechanismName::Tdi {
@@ -138,7 +172,7 @@ impl ExposurePath {
     /// Mean of the staircase less the mean of the smooth path, mm: the light that falls between
     /// transfers n and n+1 is recorded n rows on.
     fn staircase_offset(&self, pitch_mm: f64, first_transfer: f64) -> f64 {
-        let rows = self.travel_mm / pitch_mm;
+        let rows = self.travel_mm.abs() / pitch_mm;
         if rows <= 0.0 {
             return 0.0;
         }
@@ -150,7 +184,8 @@ impl ExposurePath {
             count += 1.0;
             mean_rows += count * light;
         }
-        pitch_mm * mean_rows / self.light(0.0, 1.0) - self.travel_mm * self.centroid()
+        let row_mm = pitch_mm.copysign(self.travel_mm);
+        row_mm * mean_rows / self.light(0.0, 1.0) - self.travel_mm * self.centroid()
     }
 
     /// ∫ transmission du over [from, to], by the midpoint rule, exact on each linear stretch.

@@ -71,11 +71,11 @@ pub struct Scene {
 
 impl Scene {
     /// A camera in still air, level over flat ground at height 0, perfectly compensated: it flies
-    /// along the ground frame's y and is over the origin at time 0.
+    /// along the ground frame's y, or against it, and is over the origin at time 0.
     #[must_use]
     pub fn still(camera: &CameraFile, request: &ExposureRequest, height_m: f64) -> Self {
         Self {
-            trajectory: Trajectory::level(height_m, request.vh_per_s * height_m),
+            trajectory: Trajectory::level(height_m, request.signed_vh_per_s() * height_m),
             attitude: Attitude::level(),
             terrain: Terrain::Plane { height_m: 0.0 },
             interior: InteriorOrientation::of(camera),

@@ -15,7 +15,7 @@ const MOST_EVENTS: u32 = 100_000;
 pub struct Stage {
     /// Δδ: offset when the shutter opens, mm.
     pub opening_offset_mm: f64,
-    /// The speed asked for, mm/s.
+    /// The speed asked for, mm/s; negative against the FMC axis.
     pub speed_mm_s: f64,
     /// How much faster it is, per cent.
     pub speed_error_percent: f64,
@@ -77,7 +77,7 @@ impl Stage {
     pub fn planned(camera: &CameraFile, request: &ExposureRequest) -> Self {
         Self {
             opening_offset_mm: ExposurePath::new(camera, request).opening_offset_mm,
-            speed_mm_s: camera.principal_distance_mm * request.vh_per_s,
+            speed_mm_s: camera.principal_distance_mm * request.signed_vh_per_s(),
             speed_error_percent: 0.0,
             rows: match camera.fmc.mechanism {
                 MechanismName::Stage => None,
@@ -109,8 +109,9 @@ impl Stage {
         match self.rows {
             None => self.opening_offset_mm + travel_mm,
             Some(rows) => {
-                let transfers = (travel_mm / rows.pitch_mm - rows.first_transfer).floor() + 1.0;
-                self.opening_offset_mm + rows.pitch_mm * transfers.max(0.0)
+                let periods = travel_mm.abs() / rows.pitch_mm;
+                let transfers = ((periods - rows.first_transfer).floor() + 1.0).max(0.0);
+                self.opening_offset_mm + rows.pitch_mm.copysign(travel_mm) * transfers
             }
         }
     }
@@ -121,7 +122,7 @@ impl Stage {
         let Some(rows) = self.rows else {
             return Vec::new();
         };
-        let period_s = rows.pitch_mm / self.true_speed_mm_s();
+        let period_s = rows.pitch_mm / self.true_speed_mm_s().abs();
         let first = rows.first_transfer * period_s;
         if !(period_s > 0.0 && period_s.is_finite()) {
             return Vec::new();

@@ -10,6 +10,8 @@ fn correct_agrees_with_the_reference_and_distort_undoes_it() {
         &["--focus-sign", "printed", "--focus-shift-um", "5"],
         &["--model", "static"],
         &["--model", "fitted"],
+        &["--direction", "reverse", "--exposure", "0.02"],
+        &["--direction", "reverse", "--model", "fitted"],
     ] {
         let bench = Bench::new();
         let corrected = bench.points("correct", more).ok();

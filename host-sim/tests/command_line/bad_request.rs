@@ -75,6 +75,39 @@ fn stroke_too_short_for_the_plan_is_refused_with_what_is_needed() {
 }
 
 #[test]
+fn speed_beyond_the_stages_is_refused_in_both_directions() {
+    let slow = CAMERA.replace("stroke_mm = 4.0", "stroke_mm = 4.0\nmax_speed_mm_s = 12.0");
+    let bench = Bench::with(&slow, POINTS.as_bytes());
+    for command in ["correct", "distort", "reference", "frame"] {
+        for (direction, wanted) in [("forward", " 17"), ("reverse", "-17")] {
+            let asked = ["--vh", "0.17", "--direction", direction];
+            bench.points(command, &asked).refused(&[
+                "max_speed_mm_s",
+                "camera.toml",
+                wanted,
+                "12 mm/s",
+            ]);
+        }
+        bench.points(command, &["--vh", "0.12"]).ok();
+        bench
+            .points(command, &["--direction", "sideways"])
+            .refused(&["--direction", "forward", "reverse"]);
+    }
+    // Jerk makes the run-up longer: 17 mm/s over 17√(17/10⁴) = 0.7009 mm of ramp instead of 0.1445 mm.
+    let jerk = CAMERA.replace(
+        "strategy = \"centred\"",
+        "strategy = \"from-rest\"\njerk_mm_s3 = 1.0e4",
+    );
+    let bench = Bench::with(&jerk, POINTS.as_bytes());
+    let answer = bench.points("frame", &["--vh", "0.17"]).ok();
+    assert!(answer.stdout.contains("0.785926 mm"), "{}", answer.stdout);
+    let short = jerk.replace("stroke_mm = 4.0", "stroke_mm = 3.0");
+    Bench::with(&short, POINTS.as_bytes())
+        .points("frame", &["--vh", "0.17"])
+        .refused(&["stroke_mm", "1.5718 mm"]);
+}
+
+#[test]
 fn focus_shift_beyond_one_per_cent_is_refused() {
     Bench::new()
         .points("correct", &["--focus-shift-um", "1001"])

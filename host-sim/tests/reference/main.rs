@@ -10,6 +10,7 @@ mod paper_numbers;
 mod published_cameras;
 #[cfg(test)]
 mod ray_traced_truth;
+mod run_up;
 #[cfg(test)]
 mod support;
 #[cfg(test)]

@@ -1,5 +1,6 @@
 //! Still air, flat ground and perfect compensation: the strict solver's case.
 
+use fmc_camera::flight::exposure::FlightDirection;
 use host_sim::formats::camera_file::CameraFile;
 use host_sim::reference::exposure::ExposureRequest;
 use host_sim::reference::strict::{StrictSolver, Weight};
@@ -97,8 +98,14 @@ fn ramps_run_out_focus_and_every_axis_agree_with_the_strict_solver() {
             focus_shift_mm: 0.004,
             ..ExposureRequest::planned(0.17, 0.01)
         };
-        let (followed, _) = differences(&camera, &request);
-        assert!(followed <= FOLLOWED_MM, "{axis}: {followed}");
+        for direction in [FlightDirection::Forward, FlightDirection::Reverse] {
+            let request = ExposureRequest {
+                direction,
+                ..request
+            };
+            let (followed, _) = differences(&camera, &request);
+            assert!(followed <= FOLLOWED_MM, "{axis} {direction:?}: {followed}");
+        }
     }
 }
 
@@ -108,7 +115,12 @@ fn rows_of_a_tdi_sensor_lag_as_the_strict_solver_says() {
         "[distortion]\nk1 = -2e-6\n[fmc]\nmechanism = \"tdi\"\nfirst_transfer = 1.0\n\
          [shutter]\nprofile = \"trapezoid\"\nopening_fraction = 0.2\nclosing_fraction = 0.1\n",
     );
-    let request = ExposureRequest::planned(0.13, 0.01);
-    let (_, fixed) = differences(&camera, &request);
-    assert!(fixed <= FIXED_MM, "{fixed}");
+    for direction in [FlightDirection::Forward, FlightDirection::Reverse] {
+        let request = ExposureRequest {
+            direction,
+            ..ExposureRequest::planned(0.13, 0.01)
+        };
+        let (_, fixed) = differences(&camera, &request);
+        assert!(fixed <= FIXED_MM, "{direction:?}: {fixed}");
+    }
 }

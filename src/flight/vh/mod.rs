@@ -1,6 +1,16 @@
 //! V/H: from what the aircraft says of its speed and height, or given directly.
 
-use super::time::Time;
+pub mod channel;
+pub mod finding;
+pub mod monitor;
+pub mod settings;
+#[cfg(test)]
+mod tests;
+
+pub use channel::CONSISTENT_SAMPLES;
+pub use finding::{VhChannel, VhCounters, VhFinding, VhFindingKind, WrongUnit};
+pub use monitor::VhMonitor;
+pub use settings::{ChannelSettings, VhSettings};
 
 /// Where a V/H comes from.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -20,14 +30,18 @@ pub enum VhSource {
 pub enum VhSample {
     /// V/H, 1/s.
     Direct(f32),
-    /// Ground speed, m/s.
+    /// Ground speed of the satellite receiver, m/s.
     GroundSpeed(f32),
-    /// Height above the ground, from a radar or laser altimeter, m.
+    /// Height above the ground, from a radar altimeter, m.
     HeightAboveGround(f32),
     /// Altitude above sea level, m.
     Altitude(f32),
     /// Height of the terrain above sea level, m.
     TerrainHeight(f32),
+    /// Ground speed of the inertial unit, m/s.
+    InertialSpeed(f32),
+    /// Height above the ground, from a laser altimeter, m.
+    LaserHeight(f32),
 }
 
 /// V/H at an instant.
@@ -46,35 +60,42 @@ pub struct VhEstimate {
     pub extrapolated: bool,
 }
 
-/// Keeps the samples and makes V/H of them.
-#[derive(Debug, Clone, Default)]
-pub struct VhMonitor {
-    direct: Option<(Time, f32)>,
+/// What makes smear of an error of V/H.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct SmearScale {
+    /// f, mm.
+    pub principal_distance_mm: f32,
+    /// t: exposure, s.
+    pub exposure_s: f32,
+    /// p: pixel, µm.
+    pub pixel_um: f32,
 }
 
-impl VhMonitor {
-    /// A monitor without samples.
+impl VhEstimate {
+    /// Smear of one σ of V/H, px.
+    ///
+    /// # Model
+    /// `f·σ·t/p`: the image moves at `f·V/H`, and the stage at `f` times the V/H it was given.
+    ///
+    /// # Accuracy
+    /// That of `f32`; an infinity or a NaN where the scale is none.
+    ///
+    /// ```
+    /// use fmc_camera::flight::vh::{SmearScale, VhEstimate, VhSource};
+    /// let estimate = VhEstimate {
+    ///     vh_per_s: 0.1,
+    ///     sigma_per_s: 0.001,
+    ///     age_s: 0.2,
+    ///     source: VhSource::Altimeter,
+    ///     extrapolated: false,
+    /// };
+    /// let scale = SmearScale { principal_distance_mm: 100.0, exposure_s: 0.01, pixel_um: 10.0 };
+    /// // 100 mm · 0.001 1/s · 0.01 s = 1 µm.
+    /// assert!((estimate.smear_px(&scale) - 0.1).abs() < 1e-6);
+    /// ```
     #[must_use]
-    pub const fn new() -> Self {
-        Self { direct: None }
-    }
-
-    /// Takes a sample.
-    pub fn observe(&mut self, time: Time, sample: VhSample) {
-        if let VhSample::Direct(vh_per_s) = sample {
-            self.direct = Some((time, vh_per_s));
-        }
-    }
-
-    /// V/H now; `None` where there is none within its validity.
-    #[must_use]
-    pub fn estimate(&self, now: Time) -> Option<VhEstimate> {
-        self.direct.map(|(time, vh_per_s)| VhEstimate {
-            vh_per_s,
-            sigma_per_s: 0.001 * vh_per_s,
-            age_s: now.seconds_since(time),
-            source: VhSource::Direct,
-            extrapolated: false,
-        })
+    pub fn smear_px(&self, scale: &SmearScale) -> f32 {
+        let smear_um = 1000.0 * scale.principal_distance_mm * self.sigma_per_s * scale.exposure_s;
+        smear_um / scale.pixel_um
     }
 }

@@ -61,6 +61,11 @@ impl Given {
         entry.number.parse().unwrap()
     }
 
+    fn optional(&self, symbol: &str, unit: &str) -> Option<f32> {
+        let given = self.0.iter().any(|entry| entry.symbol == symbol);
+        given.then(|| self.number(symbol, unit))
+    }
+
     fn point(&self, x: &str, y: &str) -> SensorPoint {
         SensorPoint::new(self.number(x, "mm"), self.number(y, "mm"))
     }
@@ -89,6 +94,8 @@ impl Given {
             acceleration_mm_s2: self.number("a", "mm/s²"),
             settling_ms: self.number("t_settle", "ms"),
             run_up,
+            jerk_mm_s3: self.optional("J", "mm/s³"),
+            max_speed_mm_s: None,
         };
         record
     }

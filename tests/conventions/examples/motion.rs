@@ -3,6 +3,7 @@
 use super::{Example, Given, Results};
 use crate::camera;
 use fmc_camera::flight::camera::Camera;
+use fmc_camera::flight::exposure::{Exposure, FlightDirection};
 use fmc_camera::flight::stage::RunUp;
 use fmc_camera::geometry::shutter::{Shutter, ShutterProfile};
 use fmc_camera::geometry::tdi::mean_transfers;
@@ -11,6 +12,10 @@ pub(super) const EXAMPLES: &[Example] = &[
     ("travel while open", travel),
     ("centred", |given| planned(given, RunUp::Centred)),
     ("from rest", |given| planned(given, RunUp::FromRest)),
+    ("from rest, with limited jerk", |given| {
+        planned(given, RunUp::FromRest)
+    }),
+    ("centred, against the axis", reverse),
     (
         "TDI, whole rows, first transfer after a row period",
         tdi_lag,
@@ -47,6 +52,19 @@ fn planned(given: &Given, run_up: RunUp) -> Results {
     vec![
         ("Δδ", "mm", motion.opening_offset_mm.into()),
         ("c̄", "mm", motion.centroid_mm.into()),
+    ]
+}
+
+fn reverse(given: &Given) -> Results {
+    let camera = Camera::new(given.stage_camera(RunUp::Centred)).unwrap();
+    let exposure = Exposure {
+        direction: FlightDirection::Reverse,
+        ..given.exposure()
+    };
+    let motion = camera.motion(&exposure).unwrap();
+    vec![
+        ("δ", "mm", motion.travel_mm.into()),
+        ("Δδ", "mm", motion.opening_offset_mm.into()),
     ]
 }
 

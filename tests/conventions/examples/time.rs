@@ -83,6 +83,8 @@ fn run_up_not_reported(given: &Given) -> Results {
         acceleration_mm_s2: given.number("a", "mm/s²"),
         settling_ms: 0.0,
         run_up: RunUp::FromRest,
+        jerk_mm_s3: None,
+        max_speed_mm_s: None,
     };
     let camera = Camera::new(record).unwrap();
     let plan = camera.plan(&Exposure::new(v / height, 0.01)).unwrap();

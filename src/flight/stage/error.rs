@@ -1,0 +1,89 @@
+//! Why a travel cannot be made.
+
+use core::fmt;
+
+use crate::geometry::range::OutOfRange;
+
+/// The travel does not fit the stroke.
+#[derive(Debug, Clone, Copy, PartialEq)]
+#[cfg_attr(feature = "link", derive(serde::Serialize, serde::Deserialize))]
+pub struct StrokeTooShort {
+    /// Start of the travel that is needed, mm from the calibrated position.
+    pub from_mm: f32,
+    /// Its end, mm.
+    pub to_mm: f32,
+    /// What there is on either side, mm.
+    pub half_stroke_mm: f32,
+}
+
+impl fmt::Display for StrokeTooShort {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        write!(
+            f,
+            "the exposure moves the principal point from {:.4} mm to {:.4} mm, the stroke allows -{:.4} mm to {:.4} mm",
+            self.from_mm, self.to_mm, self.half_stroke_mm, self.half_stroke_mm
+        )
+    }
+}
+
+impl core::error::Error for StrokeTooShort {}
+
+/// The stage cannot make a travel.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub enum PlanError {
+    /// A quantity is not believable.
+    OutOfRange(OutOfRange),
+    /// The travel leaves the stroke.
+    Stroke(StrokeTooShort),
+    /// The stage is not that fast.
+    Speed {
+        /// Speed along the FMC axis that is asked for, mm/s.
+        wanted_mm_s: f32,
+        /// The stage's largest, in either direction, mm/s.
+        max_mm_s: f32,
+    },
+    /// It takes longer than there is time.
+    Time {
+        /// What it takes, s.
+        needed_s: f32,
+        /// What there is, s.
+        available_s: f32,
+    },
+}
+
+impl From<OutOfRange> for PlanError {
+    fn from(error: OutOfRange) -> Self {
+        Self::OutOfRange(error)
+    }
+}
+
+impl From<StrokeTooShort> for PlanError {
+    fn from(error: StrokeTooShort) -> Self {
+        Self::Stroke(error)
+    }
+}
+
+impl fmt::Display for PlanError {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::OutOfRange(error) => error.fmt(f),
+            Self::Stroke(error) => error.fmt(f),
+            Self::Speed {
+                wanted_mm_s,
+                max_mm_s,
+            } => write!(
+                f,
+                "the exposure needs a speed of {wanted_mm_s} mm/s, the stage allows -{max_mm_s} mm/s to {max_mm_s} mm/s"
+            ),
+            Self::Time {
+                needed_s,
+                available_s,
+            } => write!(
+                f,
+                "the travel takes {needed_s:.4} s, there are {available_s:.4} s"
+            ),
+        }
+    }
+}
+
+impl core::error::Error for PlanError {}

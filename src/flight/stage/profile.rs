@@ -1,0 +1,184 @@
+//! A motion of the stage as a list of segments of constant jerk.
+
+use heapless::Vec;
+
+use super::Setpoint;
+
+/// Most segments of a profile: three of a stop, seven of the fly-back after it.
+pub const MAX_SEGMENTS: usize = 10;
+
+/// A stretch of constant jerk.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Segment {
+    /// How long it lasts, s.
+    pub duration_s: f32,
+    /// Where it begins.
+    pub start: Setpoint,
+    /// Change of the acceleration, mm/s³; 0 is constant acceleration.
+    pub jerk_mm_s3: f32,
+}
+
+impl Segment {
+    /// The set point a time after the segment's start.
+    fn at(&self, time_s: f32) -> Setpoint {
+        let Setpoint {
+            offset_mm,
+            speed_mm_s,
+            acceleration_mm_s2,
+        } = self.start;
+        let jerk = self.jerk_mm_s3;
+        Setpoint {
+            offset_mm: offset_mm
+                + time_s
+                    * (speed_mm_s + time_s * (0.5 * acceleration_mm_s2 + time_s * (jerk / 6.0))),
+            speed_mm_s: speed_mm_s + time_s * (acceleration_mm_s2 + time_s * (0.5 * jerk)),
+            acceleration_mm_s2: acceleration_mm_s2 + time_s * jerk,
+        }
+    }
+
+    /// When the speed is zero, s after the start; what lies outside the segment is no such time.
+    fn turning_times_s(&self) -> [f32; 2] {
+        let Setpoint {
+            speed_mm_s,
+            acceleration_mm_s2,
+            ..
+        } = self.start;
+        // The stable pair of roots of jt²/2 + at + v.
+        let root = libm::sqrtf(
+            acceleration_mm_s2 * acceleration_mm_s2 - 2.0 * self.jerk_mm_s3 * speed_mm_s,
+        );
+        let sum = -(acceleration_mm_s2 + root.copysign(acceleration_mm_s2));
+        [sum / self.jerk_mm_s3, 2.0 * speed_mm_s / sum]
+    }
+}
+
+/// A motion that begins in any state and ends at rest.
+///
+/// # Model
+/// In each segment `s(t) = s₀ + v₀t + a₀t²/2 + jt³/6`, from the segment's own start, so that rounding does not grow
+/// with time. Where the jerk is unlimited the acceleration steps from one segment to the next; position and speed
+/// are continuous.
+///
+/// # Accuracy
+/// [`POSITION_NM`] against the same segments in double precision and against the exact plan, over 4 mm in 1 s
+/// (`tests/stage/accuracy.rs`).
+#[derive(Debug, Clone, PartialEq, Default)]
+pub struct Profile {
+    start: Setpoint,
+    segments: Vec<Segment, MAX_SEGMENTS>,
+    end: Setpoint,
+    duration_s: f32,
+}
+
+/// Largest error of a profile's position, nm, over 4 mm in 1 s (0.33 nm found).
+pub const POSITION_NM: f32 = 0.5;
+
+impl Profile {
+    /// Nothing happens yet.
+    pub(super) const fn from(start: Setpoint) -> Self {
+        Self {
+            start,
+            segments: Vec::new(),
+            end: start,
+            duration_s: 0.0,
+        }
+    }
+
+    /// Goes on for a time with a jerk, from an acceleration.
+    pub(super) fn then(&mut self, duration_s: f32, acceleration_mm_s2: f32, jerk_mm_s3: f32) {
+        if duration_s > 0.0 {
+            let segment = Segment {
+                duration_s,
+                start: Setpoint {
+                    acceleration_mm_s2,
+                    ..self.end
+                },
+                jerk_mm_s3,
+            };
+            // The planner never makes more: three of a stop, seven of the way.
+            if self.segments.push(segment).is_ok() {
+                self.end = segment.at(duration_s);
+                self.duration_s += duration_s;
+            }
+        }
+    }
+
+    /// The acceleration has ended at a speed: its rounding is not carried on.
+    pub(super) const fn settle_at_speed(&mut self, speed_mm_s: f32) {
+        self.end.speed_mm_s = speed_mm_s;
+        self.end.acceleration_mm_s2 = 0.0;
+    }
+
+    /// The motion has ended at a place.
+    pub(super) const fn stand_at(&mut self, offset_mm: f32) {
+        self.end = Setpoint {
+            offset_mm,
+            speed_mm_s: 0.0,
+            acceleration_mm_s2: 0.0,
+        };
+    }
+
+    /// Where the stage should be a time after the start: at the start before it, at rest at the end after the end.
+    /// A NaN counts as before the start.
+    #[must_use]
+    pub fn setpoint(&self, time_s: f32) -> Setpoint {
+        if time_s <= 0.0 || time_s.is_nan() {
+            return self.start;
+        }
+        // The sum of the durations is rounded.
+        if time_s >= self.duration_s {
+            return self.end;
+        }
+        let mut left_s = time_s;
+        for segment in &self.segments {
+            if left_s < segment.duration_s {
+                return segment.at(left_s);
+            }
+            left_s -= segment.duration_s;
+        }
+        self.end
+    }
+
+    /// How long it takes, s.
+    #[must_use]
+    pub const fn duration_s(&self) -> f32 {
+        self.duration_s
+    }
+
+    /// Where it begins.
+    #[must_use]
+    pub const fn start(&self) -> Setpoint {
+        self.start
+    }
+
+    /// Where the stage stands when it is over.
+    #[must_use]
+    pub const fn end(&self) -> Setpoint {
+        self.end
+    }
+
+    /// The segments, in order.
+    #[must_use]
+    pub fn segments(&self) -> &[Segment] {
+        &self.segments
+    }
+
+    /// Least and largest offset on the way, mm.
+    #[must_use]
+    pub fn reach_mm(&self) -> (f32, f32) {
+        let mut least = self.start.offset_mm.min(self.end.offset_mm);
+        let mut most = self.start.offset_mm.max(self.end.offset_mm);
+        for segment in &self.segments {
+            least = least.min(segment.start.offset_mm);
+            most = most.max(segment.start.offset_mm);
+            for time_s in segment.turning_times_s() {
+                if time_s > 0.0 && time_s < segment.duration_s {
+                    let Setpoint { offset_mm, .. } = segment.at(time_s);
+                    least = least.min(offset_mm);
+                    most = most.max(offset_mm);
+                }
+            }
+        }
+        (least, most)
+    }
+}

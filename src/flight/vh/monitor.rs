@@ -1,0 +1,338 @@
+//! Keeps what the sensors say, and makes V/H of it.
+
+use super::channel::{Accepted, Channel, Held, is_times};
+use super::finding::{VhChannel, VhCounters, VhFinding, VhFindingKind};
+use super::settings::{ChannelSettings, VhSettings};
+use super::{SmearScale, VhEstimate, VhSample, VhSource};
+use crate::flight::time::Time;
+
+/// Keeps the samples and makes V/H of them.
+///
+/// # Model
+/// Three ways, the first that is not lost is used: V/H as given; ground speed over the height of an altimeter; ground
+/// speed over altitude less terrain height. Of two sensors of one quantity the satellite receiver goes before the
+/// inertial unit, the laser before the radar. Every sample passes the checks of its own source first (range, sign, unit,
+/// jump, frozen), see [`VhFindingKind`].
+///
+/// `σ² = (σ_V/H)² + (V·σ_H/H²)²`, each with its age; see [`ChannelSettings`]. Where another sensor or way that is not
+/// lost differs by more than the limit, σ² grows by the square of the difference: nobody knows which of the two is
+/// wrong, so V/H is still given, and it is for the smear budget to refuse it.
+///
+/// # What gets through
+/// A value that drifts no faster than the slew limit is not told from a real change; it is bounded by the ranges, and by
+/// the disagreement limit where there is a second way. A first sample has no past: alone, it is bounded by its range.
+#[derive(Debug, Clone)]
+pub struct VhMonitor {
+    settings: VhSettings,
+    direct: Channel,
+    ground_speed: Channel,
+    inertial_speed: Channel,
+    height_above_ground: Channel,
+    laser_height: Channel,
+    altitude: Channel,
+    terrain_height: Channel,
+    disagree: bool,
+    counters: VhCounters,
+}
+
+impl Default for VhMonitor {
+    fn default() -> Self {
+        Self::new(VhSettings::DEFAULT)
+    }
+}
+
+impl VhMonitor {
+    /// A monitor without samples; settings as [`VhSettings::checked`] gave them.
+    #[must_use]
+    pub const fn new(settings: VhSettings) -> Self {
+        Self {
+            settings,
+            direct: Channel::NEW,
+            ground_speed: Channel::NEW,
+            inertial_speed: Channel::NEW,
+            height_above_ground: Channel::NEW,
+            laser_height: Channel::NEW,
+            altitude: Channel::NEW,
+            terrain_height: Channel::NEW,
+            disagree: false,
+            counters: VhCounters {
+                not_a_number: 0,
+                out_of_range: 0,
+                wrong_sign: 0,
+                wrong_unit: 0,
+                jump: 0,
+                frozen: 0,
+                from_the_past: 0,
+                disagreement: 0,
+                recovered: 0,
+            },
+        }
+    }
+
+    /// The settings.
+    #[must_use]
+    pub const fn settings(&self) -> &VhSettings {
+        &self.settings
+    }
+
+    /// How often each finding was made.
+    #[must_use]
+    pub const fn counters(&self) -> VhCounters {
+        self.counters
+    }
+
+    /// Forgets samples and suspicions: somebody has looked. The counts stay.
+    pub const fn clear(&mut self) {
+        let counters = self.counters;
+        *self = Self::new(self.settings);
+        self.counters = counters;
+    }
+
+    /// Takes a sample, and says what it shows where that is out of the ordinary.
+    pub fn observe(&mut self, time: Time, sample: VhSample) -> Option<VhFinding> {
+        let finding = self.finding(time, sample);
+        if let Some(finding) = finding {
+            self.counters.count(finding.kind);
+        }
+        finding
+    }
+
+    /// V/H now; `None` where there is none within its validity and the range of V/H.
+    #[must_use]
+    pub fn estimate(&self, now: Time) -> Option<VhEstimate> {
+        let ways = self.ways(now);
+        let (source, way) = first(&ways)?;
+        let difference = self.farthest(&ways, way.value);
+        Some(VhEstimate {
+            vh_per_s: way.value,
+            sigma_per_s: libm::sqrtf(way.sigma * way.sigma + difference * difference),
+            age_s: way.age_s,
+            source,
+            extrapolated: way.silent,
+        })
+    }
+
+    /// Whether one σ of V/H smears by no more than the budget.
+    #[must_use]
+    pub fn fits_budget(&self, estimate: &VhEstimate, scale: &SmearScale) -> bool {
+        estimate.smear_px(scale) <= self.settings.smear_budget_px
+    }
+
+    /// Whether two sensors of one quantity or two ways differ by more than the limit now.
+    #[must_use]
+    pub fn disagrees(&self, now: Time) -> bool {
+        self.disagreement(now).is_some()
+    }
+
+    fn finding(&mut self, time: Time, sample: VhSample) -> Option<VhFinding> {
+        let (channel, value) = VhChannel::of(sample);
+        let expected = self.expected(channel, time);
+        let settings = *self.settings.of(channel);
+        let unit = channel.wrong_unit();
+        let taken = self
+            .channel_mut(channel)
+            .take(&settings, unit, time, value, expected);
+        let accepted = match taken {
+            Err(refusal) => {
+                return Some(VhFinding {
+                    channel,
+                    kind: refusal.kind,
+                    value,
+                    expected: refusal.expected,
+                });
+            }
+            Ok(accepted) => accepted,
+        };
+        let disagreed = self.disagree;
+        if let Some(found) = self.bar_another(channel, time) {
+            return Some(found);
+        }
+        let against = self.disagreement(time);
+        self.disagree = against.is_some();
+        let (kind, value, expected) = match (against, disagreed, accepted) {
+            (Some([used, other]), false, _) => (VhFindingKind::Disagreement, used, Some(other)),
+            (None, true, _) | (_, _, Accepted::Recovered) => {
+                (VhFindingKind::Recovered, value, expected)
+            }
+            (_, _, Accepted::AsBefore) => return None,
+        };
+        Some(VhFinding {
+            channel,
+            kind,
+            value,
+            expected,
+        })
+    }
+
+    /// Bars a source that the new sample shows to be in the wrong unit: of two numbers that differ by a unit's factor
+    /// the larger, as feet and knots are smaller than metres and metres per second.
+    fn bar_another(&mut self, accepted: VhChannel, time: Time) -> Option<VhFinding> {
+        for channel in VhChannel::ALL {
+            let Some(unit) = channel.wrong_unit() else {
+                continue;
+            };
+            let (Some(held), Some(expected)) =
+                (self.held(channel, time), self.expected(channel, time))
+            else {
+                continue;
+            };
+            if channel != accepted && is_times(held.value, expected, unit.factor()) {
+                self.channel_mut(channel).bar(unit);
+                return Some(VhFinding {
+                    channel,
+                    kind: VhFindingKind::WrongUnit(unit),
+                    value: held.value,
+                    expected: Some(expected),
+                });
+            }
+        }
+        None
+    }
+
+    /// What all other sources together say that one should be.
+    fn expected(&self, channel: VhChannel, now: Time) -> Option<f32> {
+        let value = |channel| self.held(channel, now).map(|held| held.value);
+        let direct = value(VhChannel::Direct);
+        let radar = value(VhChannel::HeightAboveGround);
+        let laser = value(VhChannel::LaserHeight);
+        let altitude = value(VhChannel::Altitude);
+        let terrain = value(VhChannel::TerrainHeight);
+        let speed = value(VhChannel::GroundSpeed).or_else(|| value(VhChannel::InertialSpeed));
+        let over_terrain = altitude
+            .zip(terrain)
+            .map(|(altitude, terrain)| altitude - terrain);
+        let altimeter = laser.or(radar);
+        let from_direct = || Some(speed? / direct?);
+        let from_height = || Some(direct? * altimeter.or(over_terrain)?);
+        match channel {
+            VhChannel::Direct => None,
+            VhChannel::GroundSpeed => value(VhChannel::InertialSpeed).or_else(from_height),
+            VhChannel::InertialSpeed => value(VhChannel::GroundSpeed).or_else(from_height),
+            VhChannel::HeightAboveGround => laser.or(over_terrain).or_else(from_direct),
+            VhChannel::LaserHeight => radar.or(over_terrain).or_else(from_direct),
+            VhChannel::Altitude => Some(terrain? + altimeter.or_else(from_direct)?),
+            VhChannel::TerrainHeight => Some(altitude? - altimeter.or_else(from_direct)?),
+        }
+    }
+
+    /// The V/H or speed in use and another that differs from it by more than the limit.
+    fn disagreement(&self, now: Time) -> Option<[f32; 2]> {
+        let sensors = [
+            [VhChannel::GroundSpeed, VhChannel::InertialSpeed],
+            [VhChannel::LaserHeight, VhChannel::HeightAboveGround],
+        ]
+        .into_iter()
+        .filter_map(|[one, other]| {
+            let used = self.held(one, now)?.value;
+            Some([used, self.held(other, now)?.value])
+        });
+        let ways = self.ways(now);
+        let used = first(&ways).map(|(_, way)| way.value);
+        let others = ways
+            .iter()
+            .filter_map(|(_, way)| Some([used?, (*way)?.value]));
+        sensors
+            .chain(others)
+            .find(|[used, other]| self.differ(*used, *other))
+    }
+
+    /// How far the way farthest off differs, where it differs by more than the limit; else 0.
+    fn farthest(&self, ways: &Ways, used: f32) -> f32 {
+        ways.iter()
+            .filter_map(|(_, way)| *way)
+            .filter(|way| self.differ(used, way.value))
+            .fold(0.0, |farthest, way| (way.value - used).abs().max(farthest))
+    }
+
+    fn differ(&self, used: f32, other: f32) -> bool {
+        (used - other).abs() > 0.01 * self.settings.disagreement_percent * used
+    }
+
+    /// V/H by each way that is not lost, the best first.
+    fn ways(&self, now: Time) -> Ways {
+        let speed = self.of_two(VhChannel::GroundSpeed, VhChannel::InertialSpeed, now);
+        let altimeter = self.of_two(VhChannel::LaserHeight, VhChannel::HeightAboveGround, now);
+        let over_terrain = self
+            .held(VhChannel::Altitude, now)
+            .zip(self.held(VhChannel::TerrainHeight, now))
+            .map(|(altitude, terrain)| {
+                let variance = altitude.sigma * altitude.sigma + terrain.sigma * terrain.sigma;
+                let height = altitude.value - terrain.value;
+                Held::of_two(height, libm::sqrtf(variance), altitude, terrain)
+            })
+            .filter(|height| within(&self.settings.height_above_ground, height.value));
+        let quotient = |height: Option<Held>| {
+            let (speed, height) = (speed?, height?);
+            let vh_per_s = speed.value / height.value;
+            let of_speed = speed.sigma / height.value;
+            let of_height = vh_per_s * height.sigma / height.value;
+            let sigma = libm::sqrtf(of_speed * of_speed + of_height * of_height);
+            Some(Held::of_two(vh_per_s, sigma, speed, height))
+        };
+        [
+            (VhSource::Direct, self.held(VhChannel::Direct, now)),
+            (VhSource::Altimeter, quotient(altimeter)),
+            (VhSource::Terrain, quotient(over_terrain)),
+        ]
+        .map(|(source, way)| {
+            let way = way.filter(|way| within(&self.settings.direct, way.value));
+            (source, way)
+        })
+    }
+
+    /// The better of two sensors of one quantity that are not lost, with their difference in its σ where they disagree.
+    fn of_two(&self, better: VhChannel, other: VhChannel, now: Time) -> Option<Held> {
+        let other = self.held(other, now);
+        let Some(better) = self.held(better, now) else {
+            return other;
+        };
+        let difference = other
+            .filter(|other| self.differ(better.value, other.value))
+            .map_or(0.0, |other| better.value - other.value);
+        Some(Held {
+            sigma: libm::sqrtf(better.sigma * better.sigma + difference * difference),
+            ..better
+        })
+    }
+
+    fn held(&self, channel: VhChannel, now: Time) -> Option<Held> {
+        self.channel(channel).held(self.settings.of(channel), now)
+    }
+
+    const fn channel(&self, channel: VhChannel) -> &Channel {
+        match channel {
+            VhChannel::Direct => &self.direct,
+            VhChannel::GroundSpeed => &self.ground_speed,
+            VhChannel::InertialSpeed => &self.inertial_speed,
+            VhChannel::HeightAboveGround => &self.height_above_ground,
+            VhChannel::LaserHeight => &self.laser_height,
+            VhChannel::Altitude => &self.altitude,
+            VhChannel::TerrainHeight => &self.terrain_height,
+        }
+    }
+
+    const fn channel_mut(&mut self, channel: VhChannel) -> &mut Channel {
+        match channel {
+            VhChannel::Direct => &mut self.direct,
+            VhChannel::GroundSpeed => &mut self.ground_speed,
+            VhChannel::InertialSpeed => &mut self.inertial_speed,
+            VhChannel::HeightAboveGround => &mut self.height_above_ground,
+            VhChannel::LaserHeight => &mut self.laser_height,
+            VhChannel::Altitude => &mut self.altitude,
+            VhChannel::TerrainHeight => &mut self.terrain_height,
+        }
+    }
+}
+
+/// V/H by each way, the best first.
+type Ways = [(VhSource, Option<Held>); 3];
+
+fn first(ways: &Ways) -> Option<(VhSource, Held)> {
+    ways.iter()
+        .find_map(|(source, way)| Some((*source, (*way)?)))
+}
+
+fn within(settings: &ChannelSettings, value: f32) -> bool {
+    let [min, max] = settings.range;
+    value >= min && value <= max
+}

@@ -1,0 +1,226 @@
+//! What is believed of each source of V/H, and for how long.
+
+use super::finding::VhChannel;
+use crate::geometry::range::{OutOfRange, Quantity};
+
+/// Least V/H a source may be allowed, 1/s: an aircraft that stands has none.
+pub const LEAST_VH_PER_S: f32 = 1e-4;
+
+/// Least ground speed a source may be allowed, m/s.
+pub const LEAST_SPEED_M_S: f32 = 0.1;
+
+/// Least height above ground a source may be allowed, m.
+pub const LEAST_HEIGHT_M: f32 = 1.0;
+
+/// What is believed of one source, in its own unit.
+#[derive(Debug, Clone, Copy, PartialEq)]
+#[cfg_attr(feature = "link", derive(serde::Serialize, serde::Deserialize))]
+pub struct ChannelSettings {
+    /// Least and largest value.
+    pub range: [f32; 2],
+    /// Age from which it counts as silent, s.
+    pub period_s: f32,
+    /// Age from which it is lost, s.
+    pub validity_s: f32,
+    /// How fast its value can change, per second.
+    pub slew_per_s: f32,
+    /// σ of a fresh value.
+    pub sigma: f32,
+    /// How long exactly the same value may repeat, s; 0: for ever.
+    pub frozen_s: f32,
+}
+
+impl ChannelSettings {
+    /// These settings, if range and times are possible for a source of this quantity.
+    const fn checked(self, quantity: Quantity, least: f32) -> Result<Self, OutOfRange> {
+        let Self {
+            range: [min, max],
+            period_s,
+            validity_s,
+            slew_per_s,
+            sigma,
+            frozen_s,
+        } = self;
+        let (_, most) = quantity.range();
+        let checks = [
+            quantity.check_within(min, least, most),
+            quantity.check_within(max, min, most),
+            Quantity::SourcePeriodS.check(period_s),
+            Quantity::SourceValidityS.check(validity_s),
+            // Lost before it is silent makes no sense.
+            Quantity::SourceValidityS.check_within(validity_s, period_s, f32::MAX),
+            Quantity::SourceSlew.check(slew_per_s),
+            Quantity::SourceSigma.check(sigma),
+            Quantity::SourceFrozenS.check(frozen_s),
+        ];
+        let mut rest = checks.as_slice();
+        while let Some((check, others)) = rest.split_first() {
+            if let Err(error) = check {
+                return Err(*error);
+            }
+            rest = others;
+        }
+        Ok(self)
+    }
+}
+
+/// What is believed of each source, and what of V/H.
+#[derive(Debug, Clone, Copy, PartialEq)]
+#[cfg_attr(feature = "link", derive(serde::Serialize, serde::Deserialize))]
+pub struct VhSettings {
+    /// V/H given directly, 1/s; its range is that of every V/H.
+    pub direct: ChannelSettings,
+    /// Ground speed of the satellite receiver, m/s.
+    pub ground_speed: ChannelSettings,
+    /// Ground speed of the inertial unit, m/s.
+    pub inertial_speed: ChannelSettings,
+    /// Height above ground of the radar altimeter, m; its range is that of altitude less terrain height, too.
+    pub height_above_ground: ChannelSettings,
+    /// Height above ground of the laser altimeter, m.
+    pub laser_height: ChannelSettings,
+    /// Altitude above sea level, m.
+    pub altitude: ChannelSettings,
+    /// Height of the terrain above sea level, m.
+    pub terrain_height: ChannelSettings,
+    /// Difference between two ways to the same number up to which they agree, per cent.
+    pub disagreement_percent: f32,
+    /// Smear from the uncertainty of V/H up to which a frame is worth taking, px.
+    pub smear_budget_px: f32,
+}
+
+impl VhSettings {
+    /// A survey aircraft with receiver, inertial unit and altimeter of its class: speeds change by half of g at most,
+    /// the ground below by a slope of 45° at 100 m/s.
+    pub const DEFAULT: Self = Self {
+        direct: ChannelSettings {
+            range: [0.001, 2.0],
+            period_s: 1.2,
+            validity_s: 5.0,
+            slew_per_s: 0.01,
+            sigma: 0.0005,
+            frozen_s: 0.0,
+        },
+        ground_speed: ChannelSettings {
+            range: [5.0, 350.0],
+            period_s: 1.2,
+            validity_s: 10.0,
+            slew_per_s: 5.0,
+            sigma: 0.1,
+            frozen_s: 10.0,
+        },
+        inertial_speed: ChannelSettings {
+            range: [5.0, 350.0],
+            period_s: 0.2,
+            validity_s: 10.0,
+            slew_per_s: 5.0,
+            sigma: 0.3,
+            frozen_s: 2.0,
+        },
+        height_above_ground: ChannelSettings {
+            range: [20.0, 15_000.0],
+            period_s: 0.5,
+            validity_s: 5.0,
+            slew_per_s: 100.0,
+            sigma: 3.0,
+            frozen_s: 5.0,
+        },
+        laser_height: ChannelSettings {
+            range: [20.0, 5000.0],
+            period_s: 0.5,
+            validity_s: 5.0,
+            slew_per_s: 100.0,
+            sigma: 0.5,
+            frozen_s: 5.0,
+        },
+        altitude: ChannelSettings {
+            range: [-450.0, 15_000.0],
+            period_s: 1.2,
+            validity_s: 10.0,
+            slew_per_s: 20.0,
+            sigma: 3.0,
+            frozen_s: 30.0,
+        },
+        terrain_height: ChannelSettings {
+            range: [-450.0, 9000.0],
+            period_s: 10.0,
+            validity_s: 60.0,
+            slew_per_s: 100.0,
+            sigma: 10.0,
+            frozen_s: 0.0,
+        },
+        disagreement_percent: 5.0,
+        smear_budget_px: 0.3,
+    };
+
+    /// These settings, if every one is possible.
+    ///
+    /// # Errors
+    /// [`OutOfRange`] with the first that is not.
+    pub fn checked(self) -> Result<Self, OutOfRange> {
+        let (lowest, _) = Quantity::AltitudeM.range();
+        let speed = (Quantity::GroundSpeedMS, LEAST_SPEED_M_S);
+        let height = (Quantity::HeightAboveGroundM, LEAST_HEIGHT_M);
+        for channel in VhChannel::ALL {
+            let (quantity, least) = match channel {
+                VhChannel::Direct => (Quantity::VhPerS, LEAST_VH_PER_S),
+                VhChannel::GroundSpeed | VhChannel::InertialSpeed => speed,
+                VhChannel::HeightAboveGround | VhChannel::LaserHeight => height,
+                VhChannel::Altitude => (Quantity::AltitudeM, lowest),
+                VhChannel::TerrainHeight => (Quantity::TerrainHeightM, lowest),
+            };
+            self.of(channel).checked(quantity, least)?;
+        }
+        Quantity::DisagreementPercent.check(self.disagreement_percent)?;
+        Quantity::SmearBudgetPx.check(self.smear_budget_px)?;
+        Ok(self)
+    }
+
+    /// Those of one source.
+    #[must_use]
+    pub const fn of(&self, channel: VhChannel) -> &ChannelSettings {
+        match channel {
+            VhChannel::Direct => &self.direct,
+            VhChannel::GroundSpeed => &self.ground_speed,
+            VhChannel::InertialSpeed => &self.inertial_speed,
+            VhChannel::HeightAboveGround => &self.height_above_ground,
+            VhChannel::LaserHeight => &self.laser_height,
+            VhChannel::Altitude => &self.altitude,
+            VhChannel::TerrainHeight => &self.terrain_height,
+        }
+    }
+}
+
+impl Default for VhSettings {
+    fn default() -> Self {
+        Self::DEFAULT
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn default_is_possible_and_what_is_not_is_named() {
+        assert_eq!(VhSettings::DEFAULT.checked(), Ok(VhSettings::DEFAULT));
+        let mut standing = VhSettings::DEFAULT;
+        standing.ground_speed.range = [0.0, 100.0];
+        let mut never_silent = VhSettings::DEFAULT;
+        never_silent.altitude.validity_s = 1.0;
+        let mut upside_down = VhSettings::DEFAULT;
+        upside_down.laser_height.range = [500.0, 100.0];
+        let mut without_sigma = VhSettings::DEFAULT;
+        without_sigma.direct.sigma = 0.0;
+        let mut unlimited = VhSettings::DEFAULT;
+        unlimited.smear_budget_px = f32::INFINITY;
+        for (settings, quantity) in [
+            (standing, Quantity::GroundSpeedMS),
+            (never_silent, Quantity::SourceValidityS),
+            (upside_down, Quantity::HeightAboveGroundM),
+            (without_sigma, Quantity::SourceSigma),
+            (unlimited, Quantity::SmearBudgetPx),
+        ] {
+            assert_eq!(settings.checked().unwrap_err().quantity, quantity);
+        }
+    }
+}
