@@ -10,7 +10,6 @@ pub mod failure;
 pub mod flight;
 pub mod formats;
 pub mod mechanics;
-pub mod mechanics;
 pub mod mission;
 pub mod noise;
 pub mod reference;

@@ -3,6 +3,7 @@
 use std::path::Path;
 
 use fmc_camera::flight::camera::{Camera, FrameError};
+use fmc_camera::flight::controller::{Controller, ControllerError, Start};
 use fmc_camera::flight::exposure::Exposure;
 
 use super::camera_error::CameraText;
@@ -14,6 +15,7 @@ use super::number::single;
 use crate::failure::Failure;
 use crate::mission::expectation::Expectation;
 use crate::mission::fault::Injection;
+use crate::mission::settings::flight_settings;
 
 /// The nominal mission that is part of the program, and its camera.
 const NOMINAL: &str = include_str!("../../scenarios/mission.toml");
@@ -105,7 +107,7 @@ impl MissionScenario {
         let (camera, checked) = camera_of(&written.camera)?;
         let interval_s = interval_s(&written, &camera, &text)?;
         check_exposure(&written, &camera, &checked, &text)?;
-        check_interval(&written, &camera, interval_s, &text)?;
+        check_settings(&written, &camera, interval_s, &text)?;
         let faults = mission_fault::planned(&written, interval_s, &text)?;
         Ok(Self {
             file: file.to_owned(),
@@ -250,39 +252,54 @@ fn check_exposure(
     }
 }
 
-/// The mechanism must be back before the next trigger.
-fn check_interval(
+/// The camera must accept how it is to be flown: settings, and time enough from trigger to trigger.
+fn check_settings(
     written: &MissionFile,
     camera: &CameraFile,
     interval_s: f64,
     text: &CameraText,
 ) -> Result<(), Failure> {
-    let least_s = cycle_s(written, camera);
-    if interval_s >= least_s {
-        return Ok(());
-    }
-    let key = if written.flight.interval_s.is_some() {
-        "interval_s"
-    } else {
-        "forward_overlap_percent"
+    let settings = flight_settings(written, interval_s);
+    let refused = match Controller::new(&camera.record(), 0, settings, Start::Orderly) {
+        Ok(_) => return Ok(()),
+        Err(refused) => refused,
     };
-    Err(text.invalid(
-        &["flight", key],
-        &format!(
-            "triggers every {:.1} ms; run-up, exposure, stop and fly-back of the stage take {:.1} ms, so that triggers would overlap",
-            1e3 * interval_s,
-            1e3 * least_s
+    let (path, fault): (&[&str], String) = match refused {
+        ControllerError::Travel(FrameError::Time {
+            needed_s,
+            available_s,
+        }) => {
+            let key = if written.flight.interval_s.is_some() {
+                "interval_s"
+            } else {
+                "forward_overlap_percent"
+            };
+            return Err(text.invalid(
+                &["flight", key],
+                &format!(
+                    "triggers every {:.1} ms; run-up, exposure, stop and fly-back take {:.1} ms at the largest V/H of the camera file, so that triggers would overlap",
+                    1e3 * available_s,
+                    1e3 * needed_s
+                ),
+            ));
+        }
+        ControllerError::Travel(error) => (
+            &["camera"],
+            format!("cannot be flown at the largest V/H of its limits: {error}"),
         ),
-    ))
+        ControllerError::Calibration(error) => (&["camera"], error.to_string()),
+        ControllerError::Settings(error) => (setting_path(error.setting), error.to_string()),
+    };
+    Err(text.invalid(path, &format!("is refused by the camera: {fault}")))
 }
 
-/// What one frame takes at least, s: run-up, shutter latency, exposure, stop and fly-back at the
-/// acceleration of the camera file.
-fn cycle_s(written: &MissionFile, camera: &CameraFile) -> f64 {
-    let speed = camera.principal_distance_mm * vh_per_s(written);
-    let acceleration = camera.fmc.acceleration_mm_s2;
-    let (ramp_s, settling_s) = (speed / acceleration, camera.fmc.settling_ms / 1000.0);
-    let tracking_s = settling_s + written.flight.exposure_s;
-    let travel_mm = speed * (ramp_s + tracking_s);
-    2.0 * ramp_s + tracking_s + 2.0 * (travel_mm / acceleration).sqrt()
+/// Where a setting of the camera comes from.
+fn setting_path(setting: &str) -> &'static [&'static str] {
+    match setting {
+        "exposure_s" => &["flight", "exposure_s"],
+        "smear_budget_px" => &["limits", "smear_px"],
+        "shutter_latency_s" => &["shutter", "latency_ms"],
+        "trigger_interval_s" => &["flight", "interval_s"],
+        _ => &["mechanics"],
+    }
 }
