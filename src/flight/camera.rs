@@ -1,5 +1,7 @@
 //! The camera: calibration, mechanism, shutter and limits, and the frame they predict.
 
+mod travel;
+
 use core::fmt;
 
 use super::exposure::{CorrectionModel, Exposure, Limits};

@@ -18,7 +18,7 @@ pub enum Event {
     Attitude(AttitudeSample),
     /// The satellite receiver's pulse: a second begins.
     TimePulse,
-    /// The UTC second, since 1970, that began with the last pulse.
+    /// The UTC that the receiver gives for its last pulse, µs since 1970.
     GnssTime(u64),
     /// An exposure is wanted.
     Trigger,

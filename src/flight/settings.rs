@@ -1,7 +1,5 @@
 //! How a camera is flown: what its calibration does not say.
 
-use core::fmt;
-
 use super::drive::pwm_encoder::DriveSettings;
 use super::drive::settings::SettingOutOfRange;
 use super::exposure::FlightDirection;
@@ -30,6 +28,8 @@ pub struct FlightSettings {
     pub shutter_tolerance_s: f32,
     /// Shortest time between triggers that is planned, s; 0: not known.
     pub trigger_interval_s: f32,
+    /// σ of the satellite receiver's time pulse, s.
+    pub time_pulse_sigma_s: f32,
     /// Sources of V/H.
     pub vh: VhSettings,
     /// Motor, encoder and velocity loop.
@@ -60,6 +60,7 @@ impl FlightSettings {
             ("jump_tolerance_um", self.jump_tolerance_um, 0.01, 10_000.0),
             ("shutter_latency_s", self.shutter_latency_s, 0.0, 1.0),
             ("shutter_tolerance_s", self.shutter_tolerance_s, 1e-5, 0.1),
+            ("time_pulse_sigma_s", self.time_pulse_sigma_s, 0.0, 0.01),
             ("trigger_interval_s", self.trigger_interval_s, 0.0, 3600.0),
         ];
         for (field, value, min, max) in ranges {
@@ -94,6 +95,7 @@ impl Default for FlightSettings {
             shutter_latency_s: 0.002,
             shutter_tolerance_s: 0.001,
             trigger_interval_s: 0.0,
+            time_pulse_sigma_s: 1e-6,
             vh: VhSettings::default(),
             drive: DriveSettings::default(),
         }

@@ -5,7 +5,10 @@ use std::time::{Duration, Instant};
 
 use fmc_camera::flight::camera::CameraRecord;
 use fmc_camera::flight::exposure::Exposure;
+use fmc_camera::flight::frame_record::FrameRecord;
 use fmc_camera::flight::interior_orientation::InteriorOrientation;
+use fmc_camera::flight::rig::{RigAnswer, RigStep};
+use fmc_camera::flight::settings::FlightSettings;
 use fmc_camera::geometry::estimation::fit::Fit;
 use fmc_camera::geometry::estimation::options::FitOptions;
 use fmc_camera::geometry::evaluation_form::Displacement;
@@ -14,7 +17,7 @@ use fmc_camera::geometry::mesh::MeshRow;
 use fmc_camera::io::link::frame::{Frame, FrameReceiver};
 use fmc_camera::io::link::message::{
     Answer, CalibrationIdentity, Counters, Grid, Header, Identity, Observations, Points, Refusal,
-    Request, Unreadable,
+    Request, Status, Unreadable,
 };
 
 use super::link_error::{Heard, LinkError};
@@ -209,6 +212,73 @@ impl<P: Port> Client<P> {
         }
     }
 
+    /// Makes the camera ready to be flown.
+    ///
+    /// # Errors
+    /// [`LinkError::Refused`] for settings that are not believable, and while records are kept.
+    pub fn prepare(&mut self, settings: &FlightSettings) -> Result<(), LinkError> {
+        let request = Request::Prepare(*settings);
+        match self.ask(&request)? {
+            Answer::Prepared => Ok(()),
+            _ => Err(self.unexpected(&request)),
+        }
+    }
+
+    /// One round of the control loop on a test rig.
+    ///
+    /// # Errors
+    /// [`LinkError::Refused`] for a camera that has not been prepared, or is not on a rig.
+    pub fn rig(&mut self, step: &RigStep) -> Result<RigAnswer, LinkError> {
+        let request = Request::Rig(step.clone());
+        match self.ask(&request)? {
+            Answer::Rig(answer) => Ok(answer),
+            _ => Err(self.unexpected(&request)),
+        }
+    }
+
+    /// The oldest flight record with this number or a higher one, and its CRC-32.
+    ///
+    /// # Errors
+    /// [`LinkError::Refused`] for a camera that has not been prepared.
+    pub fn flight_record(&mut self, from: u32) -> Result<Option<(FrameRecord, u32)>, LinkError> {
+        let request = Request::FlightRecord(from);
+        match self.ask(&request)? {
+            Answer::FlightRecord(record) => Ok(record),
+            _ => Err(self.unexpected(&request)),
+        }
+    }
+
+    /// Flight records up to this number are safe; how many are left.
+    ///
+    /// # Errors
+    /// [`LinkError::Refused`] for a camera that has not been prepared.
+    pub fn acknowledge(&mut self, through: u32) -> Result<u32, LinkError> {
+        let request = Request::Acknowledge(through);
+        match self.ask(&request)? {
+            Answer::Kept(left) => Ok(left),
+            _ => Err(self.unexpected(&request)),
+        }
+    }
+
+    /// What a camera in flight is doing.
+    ///
+    /// # Errors
+    /// [`LinkError::Refused`] for a camera that has not been prepared.
+    pub fn status(&mut self) -> Result<Status, LinkError> {
+        match self.ask(&Request::Status)? {
+            Answer::Status(status) => Ok(status),
+            _ => Err(self.unexpected(&Request::Status)),
+        }
+    }
+
+    /// Makes the frame exposed last in flight the current one.
+    ///
+    /// # Errors
+    /// [`LinkError::Refused`] where there is none.
+    pub fn flown(&mut self) -> Result<InteriorOrientation, LinkError> {
+        self.frame_record(&Request::Flown)
+    }
+
     /// What the camera's end of the link has seen since it started.
     ///
     /// # Errors
@@ -376,5 +446,11 @@ const fn name(request: &Request) -> &'static str {
         Request::StartFit(_) => "start fit",
         Request::Observe(_) => "observe",
         Request::Fit => "fit",
+        Request::Prepare(_) => "prepare",
+        Request::Rig(_) => "rig",
+        Request::FlightRecord(_) => "flight record",
+        Request::Acknowledge(_) => "acknowledge",
+        Request::Status => "status",
+        Request::Flown => "flown",
     }
 }

@@ -3,6 +3,7 @@
 use std::fmt;
 
 use fmc_camera::flight::camera::FrameError;
+use fmc_camera::flight::drive::settings::SettingOutOfRange;
 use fmc_camera::flight::exposure::Exposure;
 use fmc_camera::flight::interior_orientation::InteriorOrientation;
 use fmc_camera::geometry::calibration::CalibrationError;
@@ -46,6 +47,17 @@ pub enum DeviceError {
     /// Points before the first exposure.
     #[error("the camera has not been exposed yet")]
     NoFrame,
+    /// A flight before it has been prepared.
+    #[error("the camera has not been prepared for flight")]
+    NotPrepared,
+    /// It refuses how it is to be flown.
+    #[error("the camera refuses the flight's settings: {0}")]
+    Settings(SettingOutOfRange),
+    /// Records of the flight before would be lost.
+    #[error(
+        "the camera still has {0} records of an earlier flight; fetch them with `host-sim records`"
+    )]
+    RecordsKept(u32),
     /// It cannot be talked to.
     #[error("{device}: {error}")]
     Link {
@@ -120,6 +132,13 @@ pub enum DifferentResult {
         /// What the twin does.
         twin: Corrected,
     },
+    /// What is done in a round of the control loop, or a flight record.
+    Round {
+        /// The camera's.
+        camera: String,
+        /// The twin's.
+        twin: String,
+    },
     /// Digests of a grid whose points are all the same.
     Digest {
         /// The camera's.
@@ -163,6 +182,9 @@ impl fmt::Display for Difference {
                 f,
                 "the camera's frame record is {camera:?}, this PC's {twin:?}"
             ),
+            DifferentResult::Round { camera, twin } => {
+                write!(f, "in flight the camera answers {camera}, this PC {twin}")
+            }
             DifferentResult::Point {
                 index,
                 given,

@@ -64,6 +64,9 @@ pub enum LinkError {
         /// What was asked.
         request: &'static str,
     },
+    /// A flight record is not the one that the camera made.
+    #[error("flight record {0} does not have its CRC")]
+    RecordCrc(u32),
     /// The camera refuses.
     #[error("the camera refuses \"{request}\": {refusal}")]
     Refused {

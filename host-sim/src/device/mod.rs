@@ -2,6 +2,7 @@
 
 pub mod client;
 pub mod error;
+pub mod flying;
 pub mod image;
 pub mod link_error;
 pub mod log;
@@ -11,6 +12,7 @@ mod open;
 pub mod port;
 pub mod qemu;
 pub mod remote;
+mod remote_flight;
 pub mod serial;
 mod sil;
 
@@ -27,6 +29,7 @@ use fmc_camera::geometry::sensor::SensorPoint;
 use fmc_camera::io::link::message::{Counters, Grid};
 
 pub use error::DeviceError;
+pub use flying::FlyingDevice;
 pub use name::{DeviceName, Machine};
 pub use open::{OpenError, Opener};
 pub use sil::InProcess;

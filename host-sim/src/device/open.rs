@@ -5,7 +5,7 @@ use std::path::PathBuf;
 use super::error::DeviceError;
 use super::link_error::LinkError;
 use super::qemu::{Qemu, QemuOptions};
-use super::{Device, DeviceName, InProcess, serial};
+use super::{Device, DeviceName, FlyingDevice, InProcess, serial};
 use crate::failure::Failure;
 
 /// Opens devices.
@@ -93,6 +93,18 @@ impl Opener {
     /// # Errors
     /// [`OpenError`] saying what is missing, in use, or not a camera.
     pub fn open(&self, name: &DeviceName) -> Result<Box<dyn Device>, OpenError> {
+        Ok(match name {
+            DeviceName::Sil => Box::new(InProcess::default()),
+            DeviceName::Qemu(machine) => Box::new(Qemu::start(*machine, &self.qemu)?),
+            DeviceName::Serial(path) => Box::new(serial::connect(path)?),
+        })
+    }
+
+    /// Opens a device for a simulated flight.
+    ///
+    /// # Errors
+    /// As [`Self::open`].
+    pub fn open_flying(&self, name: &DeviceName) -> Result<Box<dyn FlyingDevice>, OpenError> {
         Ok(match name {
             DeviceName::Sil => Box::new(InProcess::default()),
             DeviceName::Qemu(machine) => Box::new(Qemu::start(*machine, &self.qemu)?),

@@ -7,7 +7,12 @@ use std::thread::JoinHandle;
 
 use fmc_camera::flight::camera::CameraRecord;
 use fmc_camera::flight::exposure::Exposure;
+use fmc_camera::flight::frame_record::FrameRecord;
 use fmc_camera::flight::interior_orientation::InteriorOrientation;
+use fmc_camera::flight::rig::{RigAnswer, RigStep};
+use fmc_camera::flight::settings::FlightSettings;
+use fmc_camera::flight::stage::Setpoint;
+use fmc_camera::flight::time::Time;
 use fmc_camera::geometry::frame_correction::Corrected;
 use fmc_camera::geometry::sensor::SensorPoint;
 use fmc_camera::io::link::message::{Counters, Grid};
@@ -20,7 +25,7 @@ use super::name::Machine;
 use super::open::OpenError;
 use super::port::TcpPort;
 use super::remote::Remote;
-use super::{Device, DeviceError, Evidence};
+use super::{Device, DeviceError, Evidence, FlyingDevice};
 
 /// How the firmware runs in QEMU.
 #[derive(Debug, Clone, Default, PartialEq, Eq)]
@@ -180,6 +185,40 @@ impl Device for Qemu {
 
     fn counters(&mut self) -> Result<Option<Counters>, DeviceError> {
         let answer = self.remote.counters();
+        answer.map_err(|error| self.watch.explain(error))
+    }
+}
+
+impl FlyingDevice for Qemu {
+    fn description(&self) -> String {
+        Device::description(self)
+    }
+
+    fn prepare(
+        &mut self,
+        camera: &CameraRecord,
+        settings: &FlightSettings,
+    ) -> Result<(), DeviceError> {
+        let answer = self.remote.prepare(camera, settings);
+        answer.map_err(|error| self.watch.explain(error))
+    }
+
+    fn setpoint(&self, now: Time) -> Option<Setpoint> {
+        self.remote.setpoint(now)
+    }
+
+    fn step(&mut self, step: &RigStep) -> Result<RigAnswer, DeviceError> {
+        let answer = self.remote.step(step);
+        answer.map_err(|error| self.watch.explain(error))
+    }
+
+    fn record(&mut self, from_sequence: u32) -> Result<Option<FrameRecord>, DeviceError> {
+        let answer = FlyingDevice::record(&mut self.remote, from_sequence);
+        answer.map_err(|error| self.watch.explain(error))
+    }
+
+    fn acknowledge(&mut self, through: u32) -> Result<u32, DeviceError> {
+        let answer = self.remote.acknowledge(through);
         answer.map_err(|error| self.watch.explain(error))
     }
 }

@@ -26,9 +26,9 @@ pub const SAMPLE_STEP: usize = 8;
 #[derive(Debug)]
 pub struct Remote<P> {
     name: String,
-    client: Client<P>,
+    pub(super) client: Client<P>,
     identity: Identity,
-    twin: InProcess,
+    pub(super) twin: InProcess,
     exposure: Option<Exposure>,
     evidence: Evidence,
 }
@@ -129,12 +129,15 @@ impl<P: Port> Remote<P> {
     }
 
     /// The device's error for one of the link; `before` points of the batch were answered earlier.
-    fn failed(&self, error: LinkError, before: usize) -> DeviceError {
+    pub(super) fn failed(&self, error: LinkError, before: usize) -> DeviceError {
         if let LinkError::Refused { refusal, .. } = error {
             match refusal {
                 Refusal::Calibration(error) => return DeviceError::Calibration(error),
                 Refusal::Exposure(error) => return DeviceError::Frame(error),
                 Refusal::NoCalibration | Refusal::NoFrame => return DeviceError::NoFrame,
+                Refusal::NotPrepared => return DeviceError::NotPrepared,
+                Refusal::RecordsKept(count) => return DeviceError::RecordsKept(count),
+                Refusal::Travel(error) => return DeviceError::Frame(error),
                 Refusal::OffSensor { index } => {
                     return DeviceError::OffSensor {
                         index: before + usize::from(index),
@@ -155,7 +158,7 @@ impl<P: Port> Remote<P> {
         }
     }
 
-    fn different(&self, result: DifferentResult) -> DeviceError {
+    pub(super) fn different(&self, result: DifferentResult) -> DeviceError {
         DeviceError::Different(Box::new(Difference {
             exposure: self.exposure,
             result,
@@ -318,7 +321,7 @@ impl<P: Port> Device for Remote<P> {
 }
 
 /// Whether two results are the same bit for bit, NaN and the sign of zero included.
-fn same_bits<T: Serialize>(a: &T, b: &T) -> bool {
+pub(super) fn same_bits<T: Serialize>(a: &T, b: &T) -> bool {
     match (postcard::to_allocvec(a), postcard::to_allocvec(b)) {
         (Ok(a), Ok(b)) => a == b,
         _ => false,

@@ -3,6 +3,7 @@
 use fmc_camera::flight::camera::{Camera, CameraRecord};
 use fmc_camera::flight::exposure::Exposure;
 use fmc_camera::flight::interior_orientation::InteriorOrientation;
+use fmc_camera::flight::rig::Rig;
 use fmc_camera::geometry::frame_correction::{Corrected, FrameCorrection};
 use fmc_camera::geometry::sensor::SensorPoint;
 
@@ -17,6 +18,7 @@ pub struct InProcess {
     camera: Option<Camera>,
     correction: Option<FrameCorrection>,
     evidence: Evidence,
+    pub(super) rig: Option<Rig>,
 }
 
 impl InProcess {

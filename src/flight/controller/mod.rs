@@ -20,6 +20,7 @@ mod shutter;
 mod stage_readings;
 pub mod state;
 mod ticks;
+pub mod timing;
 mod trigger;
 
 use core::fmt;
@@ -52,9 +53,6 @@ pub const MAX_ACTIONS: usize = 6;
 /// What an event leads to, in order.
 pub type Actions = Vec<Action, MAX_ACTIONS>;
 
-/// Period of the control loop, s.
-pub const TICK_S: f32 = 1e-3;
-
 /// The camera's state machine.
 #[derive(Debug, Clone)]
 pub struct Controller {
@@ -86,7 +84,7 @@ pub struct Controller {
     /// A disarm waits for the exposure to end.
     is_disarming: bool,
     exposure_s: f32,
-    last_event: Time,
+    last_event: Option<Time>,
     last_tick: Option<Time>,
     late_lately: u8,
     late_since: Time,
@@ -124,16 +122,20 @@ impl Controller {
     ) -> Result<Self, ControllerError> {
         let camera = Camera::new(*record).map_err(ControllerError::Calibration)?;
         let settings = settings.checked().map_err(ControllerError::Settings)?;
+        let mut faults = Faults::NONE;
+        let state = match start {
+            Start::Orderly => State::Standby,
+            Start::AfterWatchdog => {
+                faults.insert(Fault::Watchdog);
+                State::Fault(Fault::Watchdog)
+            }
+        };
         let controller = Self {
             smear: SmearPrediction::new(camera.calibration()),
-            vh: VhMonitor::new(settings.vh)
-                .map_err(|error| ControllerError::Settings(error.into()))?,
-            utc: UtcClock::new(),
+            vh: VhMonitor::new(settings.vh),
+            utc: UtcClock::new(settings.time_pulse_sigma_s),
             attitude: None,
-            state: match start {
-                Start::Orderly => State::Standby,
-                Start::AfterWatchdog => State::Fault(Fault::Watchdog),
-            },
+            state,
             motion: Motion::Released,
             track: StageTrack::new(),
             watch: StageWatch::new(),
@@ -144,11 +146,11 @@ impl Controller {
             frame: None,
             latest: None,
             records: RecordLog::new(),
-            faults: Faults::NONE,
+            faults,
             is_supply_good: true,
             is_disarming: false,
             exposure_s: settings.exposure_s,
-            last_event: Time::START,
+            last_event: None,
             last_tick: None,
             late_lately: 0,
             late_since: Time::START,
@@ -162,7 +164,8 @@ impl Controller {
     }
 
     /// What happens, and what is to be done about it. Events come in order of their times; one that is older than the
-    /// one before by more than [`ticks::LATE_EVENT_S`] is a [`Fault::Clock`].
+    /// one before by more than [`timing::LATE_EVENT_S`], or later by more than [`timing::CLOCK_JUMP_S`], is a
+    /// [`Fault::Clock`].
     pub fn handle(&mut self, time: Time, event: Event) -> Actions {
         let mut actions = Actions::new();
         self.check_clock(time, &mut actions);
@@ -175,8 +178,8 @@ impl Controller {
             Event::TimePulse => {
                 self.utc.pulse(time);
             }
-            Event::GnssTime(unix_s) => {
-                self.utc.name_pulse(time, unix_s);
+            Event::GnssTime(unix_us) => {
+                self.utc.receiver_time(time, unix_us);
             }
             Event::Trigger => self.trigger(time, &mut actions),
             Event::Shutter(edge) => self.shutter_edge(time, edge, &mut actions),
@@ -235,6 +238,12 @@ impl Controller {
     #[must_use]
     pub fn record(&self, from_sequence: u32) -> Option<FrameRecord> {
         self.records.from(from_sequence)
+    }
+
+    /// Records that have not been acknowledged.
+    #[must_use]
+    pub fn kept(&self) -> u32 {
+        self.records.kept()
     }
 
     /// The PC has all records up to this number. Says how many are left.

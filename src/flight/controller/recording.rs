@@ -2,6 +2,7 @@
 
 use super::frame::FrameInFlight;
 use super::state::State;
+use super::timing::{ATTITUDE_WITHIN_S, STAMP_SIGMA_S};
 use super::{Actions, Controller, act};
 use crate::flight::camera;
 use crate::flight::event::Action;
@@ -12,12 +13,6 @@ use crate::flight::smear_prediction::Compensation;
 use crate::flight::time::Time;
 use crate::flight::vh::{VhEstimate, VhSource};
 use crate::geometry::principal_point::{PrincipalPointMotion, UniformTravel};
-
-/// σ of the times at which stage and shutter are read, s: half of the clock's step, with what an interrupt may wait.
-pub const STAMP_SIGMA_S: f32 = 1e-6;
-
-/// How old an attitude may be to be taken for a frame's, s.
-pub const ATTITUDE_WITHIN_S: f32 = 0.25;
 
 impl Controller {
     /// The record of a trigger without an exposure.
@@ -52,18 +47,9 @@ impl Controller {
         }
     }
 
-    /// Records an exposure whose end has not been seen, as far as it is known.
-    pub(super) fn give_up_exposure(&mut self, now: Time, actions: &mut Actions) {
-        let Some(frame) = self.frame else {
-            return;
-        };
-        let Some(opened) = frame.opened else {
-            return;
-        };
-        if frame.closed.is_none() {
-            let planned = opened.plus_s(frame.exposure.exposure_s);
-            self.change_frame(|frame| frame.closed = Some(now.max(planned)));
-        }
+    /// Records an exposure whose end has not been seen, as if it had ended then.
+    pub(super) fn give_up_exposure(&mut self, now: Time, closed: Time, actions: &mut Actions) {
+        self.change_frame(|frame| frame.closed = frame.closed.or(Some(closed)));
         self.record_exposure(now, actions);
     }
 

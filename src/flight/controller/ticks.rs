@@ -1,56 +1,38 @@
 //! The control loop comes round.
 
 use super::state::State;
-use super::trigger::LEAD_S;
-use super::{Actions, Controller, TICK_S, act};
+use super::timing::{
+    CLOCK_JUMP_S, LATE_EVENT_S, LATE_TICK_S, LEAD_S, OVERLOAD_ROUNDS, OVERLOAD_WINDOW_S,
+    READING_WITHIN_S, SHUTTER_GIVEN_UP_S, SHUTTER_MISSING_S, STANDING_S, TICK_S,
+};
+use super::{Actions, Controller, act};
 use crate::flight::event::Action;
 use crate::flight::fault::Fault;
 use crate::flight::frame_record::Reason;
 use crate::flight::time::Time;
 
-/// How much older than the one before an event may be, s: what an interrupt has stamped waits for the control loop.
-pub const LATE_EVENT_S: f32 = 0.01;
-
-/// From one round of the control loop to the next, s: what is longer is late.
-pub const LATE_TICK_S: f32 = 1.5 * TICK_S;
-
-/// From one round to the next, s: what is longer is a jump of the clock.
-pub const CLOCK_JUMP_S: f32 = 1.0;
-
-/// So many late rounds within [`OVERLOAD_WINDOW_S`] are an overload.
-pub const OVERLOAD_ROUNDS: u8 = 3;
-
-/// How long rounds must be punctual for an overload to be over, s.
-pub const OVERLOAD_WINDOW_S: f32 = 1.0;
-
-/// After so long without first light, s, beyond the shutter's tolerance, it is missing.
-pub const SHUTTER_MISSING_S: f32 = 0.005;
-
-/// A shutter that has been told to close and does not is given up after so long, s.
-pub const SHUTTER_GIVEN_UP_S: f32 = 0.05;
-
-/// How long the last light waits for a reading of the stage, s.
-const READING_WITHIN_S: f32 = 0.003;
-
-/// How long a stage without force must have stood before it is believed to stand, s.
-pub const STANDING_S: f32 = 0.05;
-
 impl Controller {
-    /// Events come in order of time, or nearly so.
+    /// Events come in order of time, or nearly so, and one at least with every round.
     pub(super) fn check_clock(&mut self, time: Time, actions: &mut Actions) {
-        if self.last_event.seconds_since(time) > LATE_EVENT_S {
-            // What was measured so far has nothing to do with the times to come.
-            self.last_event = time;
-            self.last_tick = None;
-            self.jump_of_the_clock(time, actions);
-        } else {
-            self.last_event = self.last_event.max(time);
+        let Some(last) = self.last_event else {
+            self.last_event = Some(time);
+            return;
+        };
+        let later_s = time.seconds_since(last);
+        if (-LATE_EVENT_S..=CLOCK_JUMP_S).contains(&later_s) {
+            self.last_event = Some(last.max(time));
+            return;
         }
-    }
-
-    fn jump_of_the_clock(&mut self, time: Time, actions: &mut Actions) {
-        self.give_up_exposure(time, actions);
+        // What was measured so far has nothing to do with the times to come.
+        self.last_event = Some(time);
+        self.last_tick = None;
+        if let Some(opened) = self.frame.and_then(|frame| frame.opened) {
+            let exposure_s = self.frame.map_or(0.0, |frame| frame.exposure.exposure_s);
+            self.note(Fault::Clock);
+            self.give_up_exposure(time, opened.plus_s(exposure_s), actions);
+        }
         self.track.clear();
+        self.following.clear();
         self.standing_since = None;
         self.fail(time, Fault::Clock, actions);
     }
@@ -89,10 +71,6 @@ impl Controller {
             return;
         };
         let round_s = now.seconds_since(last);
-        if round_s > CLOCK_JUMP_S {
-            self.jump_of_the_clock(now, actions);
-            return;
-        }
         if round_s <= LATE_TICK_S {
             return;
         }
@@ -147,7 +125,7 @@ impl Controller {
                 let open_s = now.seconds_since(opened);
                 let over_s = open_s - frame.exposure.exposure_s - self.settings.shutter_tolerance_s;
                 if over_s > SHUTTER_GIVEN_UP_S {
-                    self.give_up_exposure(now, actions);
+                    self.give_up_exposure(now, now, actions);
                     self.fail(now, Fault::ShutterLong, actions);
                 } else if over_s > 0.0 && !frame.faults.contains(Fault::ShutterLong) {
                     self.note(Fault::ShutterLong);

@@ -3,7 +3,8 @@
 use super::frame::FrameInFlight;
 use super::motion::Motion;
 use super::state::State;
-use super::{Actions, Controller, ControllerError, TICK_S};
+use super::timing::{LEAD_S, TICK_S};
+use super::{Actions, Controller, ControllerError};
 use crate::flight::camera::FrameError;
 use crate::flight::exposure::Exposure;
 use crate::flight::fault::{Fault, Faults};
@@ -12,9 +13,6 @@ use crate::flight::record_log::Numbered;
 use crate::flight::stage::{PlanError, Profile, Setpoint};
 use crate::flight::time::Time;
 use crate::flight::vh::VhEstimate;
-
-/// How long before it leaves the board has the shutter's command, s: two rounds of the control loop.
-pub(super) const LEAD_S: f32 = 2.0 * TICK_S;
 
 impl Controller {
     /// Every trigger gets a number, and with it a record.

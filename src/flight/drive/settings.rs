@@ -2,6 +2,8 @@
 
 use core::fmt;
 
+use crate::geometry::range::OutOfRange;
+
 /// A setting is not a number, or lies outside its range.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct SettingOutOfRange {
@@ -29,8 +31,19 @@ impl fmt::Display for SettingOutOfRange {
 
 impl core::error::Error for SettingOutOfRange {}
 
+impl From<OutOfRange> for SettingOutOfRange {
+    fn from(error: OutOfRange) -> Self {
+        Self {
+            setting: error.quantity.name(),
+            value: error.value,
+            min: error.min,
+            max: error.max,
+        }
+    }
+}
+
 /// A value, if it is a number in `[min, max]`.
-pub(super) const fn within(
+pub(in crate::flight) const fn within(
     setting: &'static str,
     value: f32,
     min: f32,

@@ -4,9 +4,10 @@ use super::LONGEST_PAYLOAD;
 use super::frame::CRC;
 use super::message::Grid;
 use crate::flight::camera::CameraRecord;
+use crate::flight::frame_record::FrameRecord;
 use crate::geometry::frame_correction::{Corrected, FrameCorrection};
 
-/// Longest camera record as `postcard` writes it, bytes.
+/// Longest camera or flight record as `postcard` writes it, bytes.
 const LONGEST_RECORD: usize = 256;
 
 /// CRC-32 over the bits of every corrected point of a grid: x', y', dx, dy, little-endian.
@@ -32,6 +33,14 @@ pub fn of_record(record: &CameraRecord) -> Option<u32> {
             "a calibration fits a message"
         );
     }
+    let mut buffer = [0; LONGEST_RECORD];
+    let bytes = postcard::to_slice(record, &mut buffer).ok()?;
+    Some(CRC.checksum(bytes))
+}
+
+/// CRC-32 over a flight record as the link carries it; `None` only if it were longer than the record's type allows.
+#[must_use]
+pub fn of_flight_record(record: &FrameRecord) -> Option<u32> {
     let mut buffer = [0; LONGEST_RECORD];
     let bytes = postcard::to_slice(record, &mut buffer).ok()?;
     Some(CRC.checksum(bytes))

@@ -8,8 +8,13 @@ use serde::{Deserialize, Serialize};
 use super::frame::Frame;
 use super::{MAX_OBSERVATIONS, MAX_POINTS, PROTOCOL_VERSION};
 use crate::flight::camera::{CameraRecord, FrameError};
+use crate::flight::controller::Counts;
+use crate::flight::controller::state::State;
 use crate::flight::exposure::Exposure;
+use crate::flight::frame_record::FrameRecord;
 use crate::flight::interior_orientation::InteriorOrientation;
+use crate::flight::rig::{RigAnswer, RigStep};
+use crate::flight::settings::FlightSettings;
 use crate::geometry::calibration::CalibrationError;
 use crate::geometry::estimation::fit::{Fit, FitError};
 use crate::geometry::estimation::observation::Observation;
@@ -69,6 +74,19 @@ pub enum Request {
     Observe(Observations),
     /// The coefficients of all observations so far. The calibration stays as it is.
     Fit,
+    /// Makes the camera ready to be flown, in standby, with the calibration that is loaded and no record
+    /// of a flight before that is not acknowledged.
+    Prepare(FlightSettings),
+    /// One round of the control loop on a test rig.
+    Rig(RigStep),
+    /// The oldest flight record with this number or a higher one.
+    FlightRecord(u32),
+    /// All flight records up to this number are safe on the PC.
+    Acknowledge(u32),
+    /// What the camera is doing.
+    Status,
+    /// The frame exposed last in flight becomes the current one; the points that follow belong to it.
+    Flown,
 }
 
 /// What the camera answers.
@@ -97,6 +115,16 @@ pub enum Answer {
     Observed(u32),
     /// The five coefficients, with their precision.
     Fitted(Fit<f32>),
+    /// The camera is ready to be flown.
+    Prepared,
+    /// What the camera does in a round.
+    Rig(RigAnswer),
+    /// A flight record with its CRC-32, by [`super::digest::of_flight_record`]; none where there is none yet.
+    FlightRecord(Option<(FrameRecord, u32)>),
+    /// So many flight records are left.
+    Kept(u32),
+    /// What the camera is doing.
+    Status(Status),
 }
 
 /// Why the camera does not do what it is asked for. Nothing has changed, except that after an
@@ -149,6 +177,18 @@ pub enum Refusal {
     },
     /// The observations do not determine the coefficients.
     Fit(FitError),
+    /// It has not been prepared for flight.
+    NotPrepared,
+    /// The settings are not believable; the same check on the PC names the one.
+    Settings,
+    /// The mechanism cannot make the travel, or not in the time between triggers.
+    Travel(FrameError),
+    /// A frame is in flight: calibration and settings stay.
+    FrameInFlight,
+    /// So many flight records have not been acknowledged, and would be lost.
+    RecordsKept(u32),
+    /// It is not on a test rig: its time is its own.
+    NoRig,
 }
 
 impl fmt::Display for Refusal {
@@ -178,6 +218,14 @@ impl fmt::Display for Refusal {
                 write!(f, "observation {index} of the batch: {error}")
             }
             Self::Fit(error) => error.fmt(f),
+            Self::NotPrepared => f.write_str("it has not been prepared for flight"),
+            Self::Settings => f.write_str("a flight setting is not believable"),
+            Self::Travel(error) => error.fmt(f),
+            Self::FrameInFlight => f.write_str("a frame is in flight"),
+            Self::RecordsKept(count) => {
+                write!(f, "{count} flight records have not been acknowledged")
+            }
+            Self::NoRig => f.write_str("it is not on a test rig"),
         }
     }
 }
@@ -231,6 +279,17 @@ impl Identity {
             calibration: None,
         }
     }
+}
+
+/// What a camera in flight is doing.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+pub struct Status {
+    /// State of the controller.
+    pub state: State,
+    /// What has happened since it was prepared.
+    pub counts: Counts,
+    /// Records that have not been acknowledged.
+    pub kept: u32,
 }
 
 /// Which calibration, and whether it outlives a restart.

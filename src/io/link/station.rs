@@ -1,13 +1,16 @@
 //! The camera's end of the link: bytes in, bytes out, no clock and no port.
 
+use super::deck::{self, FlightDeck, RigDeck};
 use super::frame::{Damage, Frame, FrameReceiver};
 use super::message::{
     Answer, CalibrationIdentity, Counters, Header, Identity, Observations, Points, Refusal,
-    Request, Storage, Unreadable,
+    Request, Start, Storage, Unreadable,
 };
 use super::{MAX_POINTS, digest};
 use crate::flight::camera::{self, Camera, CameraRecord};
+use crate::flight::controller;
 use crate::flight::exposure::Exposure;
+use crate::flight::frame_record::FrameRecord;
 use crate::flight::interior_orientation::InteriorOrientation;
 use crate::geometry::estimation::adjustment::Adjustment;
 use crate::geometry::estimation::known_lens::KnownLens;
@@ -47,23 +50,37 @@ pub enum Event {
 /// byte before that has left: another request's answer would cut it short, and the PC would have to
 /// ask again.
 #[derive(Debug)]
-pub struct Station {
+pub struct Station<Deck = RigDeck> {
     receiver: FrameReceiver,
-    desk: Desk,
+    desk: Desk<Deck>,
 }
 
 impl Station {
-    /// A station without session and calibration.
+    /// A station without session and calibration, its camera on a test rig.
     #[must_use]
     pub const fn new(identity: Identity, stack_used_bytes: fn() -> u32) -> Self {
+        let start = match identity.start {
+            Start::Watchdog | Start::Fault => controller::Start::AfterWatchdog,
+            Start::PowerOn | Start::Requested => controller::Start::Orderly,
+        };
+        Self::with(identity, stack_used_bytes, RigDeck::new(start))
+    }
+}
+
+impl<Deck: FlightDeck> Station<Deck> {
+    /// A station without session and calibration.
+    #[must_use]
+    pub const fn with(identity: Identity, stack_used_bytes: fn() -> u32, deck: Deck) -> Self {
         Self {
             receiver: FrameReceiver::new(),
             desk: Desk {
                 identity,
                 stack_used_bytes,
+                deck,
                 last: None,
                 kept: None,
                 camera: None,
+                loaded: None,
                 frame: None,
                 adjustment: None,
                 answer: Frame::EMPTY,
@@ -122,6 +139,11 @@ impl Station {
     pub fn counters(&self) -> Counters {
         self.desk.counters()
     }
+
+    /// The camera in flight.
+    pub const fn deck_mut(&mut self) -> &mut Deck {
+        &mut self.desk.deck
+    }
 }
 
 /// Which of the two frames is on its way.
@@ -135,7 +157,7 @@ enum Which {
 
 /// Who reads requests and writes answers.
 #[derive(Debug)]
-struct Desk {
+struct Desk<Deck> {
     identity: Identity,
     stack_used_bytes: fn() -> u32,
     /// The request of the session that was answered last.
@@ -143,7 +165,10 @@ struct Desk {
     /// The request to which the answer kept belongs.
     kept: Option<Header>,
     camera: Option<Camera>,
+    /// What is loaded, and its digest.
+    loaded: Option<(CameraRecord, u32)>,
     frame: Option<camera::Frame>,
+    deck: Deck,
     adjustment: Option<Adjustment<f32>>,
     answer: Frame,
     /// What is said to others meanwhile: the answer stays, for whoever asks for it again.
@@ -153,7 +178,7 @@ struct Desk {
     counters: Counters,
 }
 
-impl Desk {
+impl<Deck: FlightDeck> Desk<Deck> {
     fn lost(&mut self, damage: Damage) -> Event {
         count(match damage {
             Damage::Truncated => &mut self.counters.truncated,
@@ -276,17 +301,41 @@ impl Desk {
                 let adjustment = self.adjustment.as_ref().ok_or(Refusal::NoFit)?;
                 Answer::Fitted(adjustment.fit().map_err(Refusal::Fit)?)
             }
+            Request::Prepare(settings) => {
+                let (record, crc) = self.loaded.as_ref().ok_or(Refusal::NoCalibration)?;
+                deck::prepare(&mut self.deck, record, *crc, *settings)?;
+                Answer::Prepared
+            }
+            Request::Rig(step) => Answer::Rig(self.deck.step(step).ok_or(Refusal::NoRig)??),
+            Request::FlightRecord(from) => Answer::FlightRecord(self.flight_record(*from)?),
+            Request::Acknowledge(through) => {
+                Answer::Kept(deck::acknowledge(&mut self.deck, *through)?)
+            }
+            Request::Status => Answer::Status(deck::status(&self.deck)?),
+            Request::Flown => {
+                let frame = deck::latest(&self.deck).ok_or(Refusal::NoFrame)?;
+                self.frame = Some(frame);
+                Answer::Frame(frame.record)
+            }
         };
         Ok((answer, Event::Answered))
     }
 
+    fn flight_record(&self, from: u32) -> Result<Option<(FrameRecord, u32)>, Refusal> {
+        let record = deck::record(&self.deck, from)?;
+        // Every record fits its digest's buffer.
+        Ok(record.and_then(|record| Some((record, digest::of_flight_record(&record)?))))
+    }
+
     fn load(&mut self, record: &CameraRecord) -> Result<CalibrationIdentity, Refusal> {
+        deck::check_idle(&self.deck)?;
         let camera = Camera::new(*record).map_err(Refusal::Calibration)?;
         let calibration = CalibrationIdentity {
             crc: digest::of_record(record).ok_or(Refusal::Unknown)?,
             storage: Storage::Volatile,
         };
         self.camera = Some(camera);
+        self.loaded = Some((*record, calibration.crc));
         self.frame = None;
         self.adjustment = None;
         self.identity.calibration = Some(calibration);

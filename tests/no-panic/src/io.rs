@@ -1,6 +1,7 @@
 //! The link.
 
 use fmc_camera::io::link::{
+    deck::RigDeck,
     digest,
     frame::{Frame, FrameReceiver},
     message::{Answer, Grid, Identity, Request},
@@ -21,11 +22,15 @@ pub(crate) fn keep() {
         Answer::read,
         digest::of_grid,
         digest::of_record,
+        digest::of_flight_record,
+        RigDeck::new,
         Station::new,
-        Station::receive,
-        Station::to_send,
-        Station::sent,
-        Station::count_overrun,
-        Station::counters,
+        Station::<RigDeck>::with,
+        Station::<RigDeck>::receive,
+        Station::<RigDeck>::to_send,
+        Station::<RigDeck>::sent,
+        Station::<RigDeck>::count_overrun,
+        Station::<RigDeck>::counters,
+        Station::<RigDeck>::deck_mut,
     ];
 }

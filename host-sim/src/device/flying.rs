@@ -1,0 +1,99 @@
+//! The camera in a simulated flight, wherever it runs.
+
+use fmc_camera::flight::camera::{Camera, CameraRecord};
+use fmc_camera::flight::controller::{ControllerError, Start};
+use fmc_camera::flight::frame_record::FrameRecord;
+use fmc_camera::flight::rig::{Rig, RigAnswer, RigStep};
+use fmc_camera::flight::settings::FlightSettings;
+use fmc_camera::flight::stage::Setpoint;
+use fmc_camera::flight::time::Time;
+use fmc_camera::io::link::digest;
+
+use super::{DeviceError, InProcess};
+
+/// A camera whose drive, shutter and sensors are simulated, one round of its control loop at a time.
+pub trait FlyingDevice {
+    /// What it is, for the first line of a report.
+    fn description(&self) -> String;
+
+    /// Gives it the camera's calibration and how it is flown; it is in standby.
+    ///
+    /// # Errors
+    /// [`DeviceError`] where it refuses them, or still has records that nobody has fetched.
+    fn prepare(
+        &mut self,
+        camera: &CameraRecord,
+        settings: &FlightSettings,
+    ) -> Result<(), DeviceError>;
+
+    /// Where the stage should be at a time; `None` where it has been told nothing.
+    fn setpoint(&self, now: Time) -> Option<Setpoint>;
+
+    /// One round of the control loop.
+    ///
+    /// # Errors
+    /// [`DeviceError`] where it cannot be talked to.
+    fn step(&mut self, step: &RigStep) -> Result<RigAnswer, DeviceError>;
+
+    /// The oldest record with at least that number that has not been acknowledged.
+    ///
+    /// # Errors
+    /// [`DeviceError`] where it cannot be talked to.
+    fn record(&mut self, from_sequence: u32) -> Result<Option<FrameRecord>, DeviceError>;
+
+    /// Records up to that number are safe; the camera may forget them. Says how many are left.
+    ///
+    /// # Errors
+    /// [`DeviceError`] where it cannot be talked to.
+    fn acknowledge(&mut self, through: u32) -> Result<u32, DeviceError>;
+}
+
+impl InProcess {
+    /// The camera that has been prepared.
+    fn rig(&mut self) -> Result<&mut Rig, DeviceError> {
+        self.rig.as_mut().ok_or(DeviceError::NotPrepared)
+    }
+}
+
+impl FlyingDevice for InProcess {
+    fn description(&self) -> String {
+        super::Device::description(self)
+    }
+
+    fn prepare(
+        &mut self,
+        camera: &CameraRecord,
+        settings: &FlightSettings,
+    ) -> Result<(), DeviceError> {
+        Camera::new(*camera).map_err(DeviceError::Calibration)?;
+        let kept = self.rig.as_ref().map_or(0, |rig| rig.controller().kept());
+        if kept > 0 {
+            return Err(DeviceError::RecordsKept(kept));
+        }
+        let crc = digest::of_record(camera).unwrap_or_default();
+        let rig =
+            Rig::new(camera, crc, *settings, Start::Orderly).map_err(|error| match error {
+                ControllerError::Calibration(error) => DeviceError::Calibration(error),
+                ControllerError::Settings(error) => DeviceError::Settings(error),
+                ControllerError::Travel(error) => DeviceError::Frame(error),
+            })?;
+        self.rig = Some(rig);
+        Ok(())
+    }
+
+    fn setpoint(&self, now: Time) -> Option<Setpoint> {
+        self.rig.as_ref()?.controller().setpoint(now)
+    }
+
+    fn step(&mut self, step: &RigStep) -> Result<RigAnswer, DeviceError> {
+        Ok(self.rig()?.step(step))
+    }
+
+    fn record(&mut self, from_sequence: u32) -> Result<Option<FrameRecord>, DeviceError> {
+        Ok(self.rig()?.controller().record(from_sequence))
+    }
+
+    fn acknowledge(&mut self, through: u32) -> Result<u32, DeviceError> {
+        Ok(self.rig()?.controller_mut().acknowledge(through))
+    }
+}

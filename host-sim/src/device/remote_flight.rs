@@ -1,0 +1,116 @@
+//! A camera at the other end of a link in a simulated flight, round by round beside its twin.
+
+use fmc_camera::flight::camera::CameraRecord;
+use fmc_camera::flight::frame_record::FrameRecord;
+use fmc_camera::flight::rig::{RigAnswer, RigStep};
+use fmc_camera::flight::settings::FlightSettings;
+use fmc_camera::flight::stage::Setpoint;
+use fmc_camera::flight::time::Time;
+use fmc_camera::io::link::digest;
+
+use super::error::DifferentResult;
+use super::flying::FlyingDevice;
+use super::link_error::LinkError;
+use super::port::Port;
+use super::remote::{Remote, same_bits};
+use super::{Device, DeviceError};
+
+impl<P: Port> Remote<P> {
+    /// The oldest record with at least that number, whether this program has prepared the flight or another.
+    ///
+    /// # Errors
+    /// [`DeviceError::Link`], also for a record that does not have its CRC.
+    pub fn fetch_record(&mut self, from_sequence: u32) -> Result<Option<FrameRecord>, DeviceError> {
+        let fetched = self
+            .client
+            .flight_record(from_sequence)
+            .map_err(|error| self.failed(error, 0))?;
+        let Some((record, crc)) = fetched else {
+            return Ok(None);
+        };
+        if digest::of_flight_record(&record) == Some(crc) {
+            Ok(Some(record))
+        } else {
+            Err(self.failed(LinkError::RecordCrc(record.sequence), 0))
+        }
+    }
+
+    /// Records up to that number are safe. Says how many are left.
+    ///
+    /// # Errors
+    /// [`DeviceError::Link`].
+    pub fn acknowledge_records(&mut self, through: u32) -> Result<u32, DeviceError> {
+        self.client
+            .acknowledge(through)
+            .map_err(|error| self.failed(error, 0))
+    }
+
+    fn other_round(&self, camera: &RigAnswer, twin: &RigAnswer) -> DeviceError {
+        self.different(DifferentResult::Round {
+            camera: format!("{camera:?}"),
+            twin: format!("{twin:?}"),
+        })
+    }
+}
+
+impl<P: Port> FlyingDevice for Remote<P> {
+    fn description(&self) -> String {
+        Device::description(self)
+    }
+
+    fn prepare(
+        &mut self,
+        camera: &CameraRecord,
+        settings: &FlightSettings,
+    ) -> Result<(), DeviceError> {
+        Device::load(self, camera)?;
+        let prepared = self
+            .client
+            .prepare(settings)
+            .map_err(|error| self.failed(error, 0));
+        match self.twin.prepare(camera, settings) {
+            Ok(()) => prepared,
+            // The twin knows more than the link carries.
+            Err(error) if prepared.is_err() => Err(error),
+            Err(error) => Err(self.different(DifferentResult::Refusal {
+                camera: None,
+                twin: Some(error.to_string()),
+            })),
+        }
+    }
+
+    fn setpoint(&self, now: Time) -> Option<Setpoint> {
+        self.twin.setpoint(now)
+    }
+
+    fn step(&mut self, step: &RigStep) -> Result<RigAnswer, DeviceError> {
+        let camera = self
+            .client
+            .rig(step)
+            .map_err(|error| self.failed(error, 0))?;
+        let twin = self.twin.step(step)?;
+        if same_bits(&camera, &twin) {
+            Ok(camera)
+        } else {
+            Err(self.other_round(&camera, &twin))
+        }
+    }
+
+    fn record(&mut self, from_sequence: u32) -> Result<Option<FrameRecord>, DeviceError> {
+        let camera = self.fetch_record(from_sequence)?;
+        let twin = self.twin.record(from_sequence)?;
+        if same_bits(&camera, &twin) {
+            Ok(camera)
+        } else {
+            Err(self.different(DifferentResult::Round {
+                camera: format!("{camera:?}"),
+                twin: format!("{twin:?}"),
+            }))
+        }
+    }
+
+    fn acknowledge(&mut self, through: u32) -> Result<u32, DeviceError> {
+        self.twin.acknowledge(through)?;
+        self.acknowledge_records(through)
+    }
+}

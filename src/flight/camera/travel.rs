@@ -1,0 +1,82 @@
+//! The travel of a real exposure: from where the stage stands, with time for a shutter that is late.
+
+use super::{Camera, FrameError, Mechanism};
+use crate::flight::exposure::{Exposure, Limits};
+use crate::flight::stage::{Tracking, Travel};
+use crate::geometry::principal_point::{PrincipalPointMotion, UniformTravel};
+use crate::geometry::range::{OutOfRange, Quantity};
+
+impl Camera {
+    /// Whether a stage moves the detector.
+    #[must_use]
+    pub const fn has_stage(&self) -> bool {
+        self.run_up().is_some()
+    }
+
+    /// The exposures it accepts.
+    #[must_use]
+    pub const fn limits(&self) -> &Limits {
+        &self.limits
+    }
+
+    /// The travel of an exposure from where the stage stands, mm along the FMC axis; it stays at speed for `margin_s`
+    /// longer than the exposure.
+    ///
+    /// # Errors
+    /// [`FrameError`] for an exposure outside the limits, a speed beyond the stage's or a travel outside the stroke.
+    pub fn travel(
+        &self,
+        from_mm: f32,
+        exposure: &Exposure,
+        margin_s: f32,
+    ) -> Result<Travel, FrameError> {
+        self.limits.check(exposure)?;
+        let run_up = self.run_up().unwrap_or_default();
+        let tracking = self.tracking_for(exposure, margin_s);
+        Ok(self.stage.travel(from_mm, run_up, tracking)?)
+    }
+
+    /// Where the stage waits for the trigger of an exposure, mm along the FMC axis.
+    ///
+    /// # Errors
+    /// As [`Self::travel`].
+    pub fn waiting_place_mm(&self, exposure: &Exposure, margin_s: f32) -> Result<f32, FrameError> {
+        self.limits.check(exposure)?;
+        let run_up = self.run_up().unwrap_or_default();
+        let tracking = self.tracking_for(exposure, margin_s);
+        Ok(self.stage.waiting_place_mm(run_up, tracking)?)
+    }
+
+    fn tracking_for(&self, exposure: &Exposure, margin_s: f32) -> Tracking {
+        Tracking {
+            margin_s,
+            ..self.tracking(exposure)
+        }
+    }
+
+    /// The motion of rows that are clocked at the speed of a travel, of any length: beyond
+    /// [`MAX_ROWS`](crate::geometry::tdi::MAX_ROWS) it is the smooth one, which then differs by less than a row in
+    /// ten thousand.
+    #[must_use]
+    pub fn rows(&self, travel: UniformTravel) -> PrincipalPointMotion {
+        let smooth = PrincipalPointMotion::from_plan(travel, &self.shutter);
+        match self.mechanism {
+            Mechanism::Stage { .. } => smooth,
+            Mechanism::Tdi { first_transfer } => {
+                let pixel_mm = self.calibration.sensor().pixel_mm();
+                PrincipalPointMotion::from_tdi(travel, pixel_mm, first_transfer, &self.shutter)
+                    .unwrap_or(smooth)
+            }
+        }
+    }
+
+    /// Whether an exposure may be that long, s, whatever V/H is.
+    ///
+    /// # Errors
+    /// [`OutOfRange`] with the camera's own limits.
+    pub fn check_exposure_time(&self, exposure_s: f32) -> Result<(), OutOfRange> {
+        let [least, most] = self.limits.exposure_s;
+        Quantity::ExposureS.check_within(exposure_s, least, most)?;
+        Ok(())
+    }
+}

@@ -1,0 +1,125 @@
+//! What the link flies: a camera on a test rig, or the one of the board.
+
+use super::message::{Refusal, Status};
+use crate::flight::camera::{self, CameraRecord};
+use crate::flight::controller::{Controller, ControllerError, Start};
+use crate::flight::frame_record::FrameRecord;
+use crate::flight::rig::{Rig, RigAnswer, RigStep};
+use crate::flight::settings::FlightSettings;
+
+/// A camera that can be prepared for flight.
+pub trait FlightDeck {
+    /// Makes a camera ready to be flown, in place of the one before.
+    ///
+    /// # Errors
+    /// As [`Controller::new`].
+    fn prepare(
+        &mut self,
+        camera: &CameraRecord,
+        calibration_crc: u32,
+        settings: FlightSettings,
+    ) -> Result<(), ControllerError>;
+
+    /// The camera's controller; `None` before it is prepared.
+    fn controller(&self) -> Option<&Controller>;
+
+    /// The same, to acknowledge records.
+    fn controller_mut(&mut self) -> Option<&mut Controller>;
+
+    /// One round of the control loop; `None` for a camera that is not on a test rig.
+    fn step(&mut self, step: &RigStep) -> Option<Result<RigAnswer, Refusal>>;
+}
+
+/// A test rig, with a camera or without.
+#[derive(Debug)]
+pub struct RigDeck {
+    start: Start,
+    rig: Option<Rig>,
+}
+
+impl RigDeck {
+    /// A rig without a camera.
+    #[must_use]
+    pub const fn new(start: Start) -> Self {
+        Self { start, rig: None }
+    }
+}
+
+impl FlightDeck for RigDeck {
+    fn prepare(
+        &mut self,
+        camera: &CameraRecord,
+        calibration_crc: u32,
+        settings: FlightSettings,
+    ) -> Result<(), ControllerError> {
+        self.rig = Some(Rig::new(camera, calibration_crc, settings, self.start)?);
+        self.start = Start::Orderly;
+        Ok(())
+    }
+
+    fn controller(&self) -> Option<&Controller> {
+        self.rig.as_ref().map(Rig::controller)
+    }
+
+    fn controller_mut(&mut self) -> Option<&mut Controller> {
+        self.rig.as_mut().map(Rig::controller_mut)
+    }
+
+    fn step(&mut self, step: &RigStep) -> Option<Result<RigAnswer, Refusal>> {
+        let answer = self.rig.as_mut().map(|rig| rig.step(step));
+        Some(answer.ok_or(Refusal::NotPrepared))
+    }
+}
+
+/// What the link asks of a deck, in its own words.
+pub(super) fn prepare(
+    deck: &mut impl FlightDeck,
+    camera: &CameraRecord,
+    calibration_crc: u32,
+    settings: FlightSettings,
+) -> Result<(), Refusal> {
+    check_idle(deck)?;
+    match deck.controller().map_or(0, Controller::kept) {
+        0 => {}
+        kept => return Err(Refusal::RecordsKept(kept)),
+    }
+    deck.prepare(camera, calibration_crc, settings)
+        .map_err(|error| match error {
+            ControllerError::Calibration(error) => Refusal::Calibration(error),
+            ControllerError::Settings(_) => Refusal::Settings,
+            ControllerError::Travel(error) => Refusal::Travel(error),
+        })
+}
+
+/// Calibration and settings stay while a frame is in flight.
+pub(super) fn check_idle(deck: &impl FlightDeck) -> Result<(), Refusal> {
+    match deck.controller() {
+        Some(controller) if controller.is_busy() => Err(Refusal::FrameInFlight),
+        _ => Ok(()),
+    }
+}
+
+pub(super) fn record(deck: &impl FlightDeck, from: u32) -> Result<Option<FrameRecord>, Refusal> {
+    let controller = deck.controller().ok_or(Refusal::NotPrepared)?;
+    Ok(controller.record(from))
+}
+
+pub(super) fn acknowledge(deck: &mut impl FlightDeck, through: u32) -> Result<u32, Refusal> {
+    let controller = deck.controller_mut().ok_or(Refusal::NotPrepared)?;
+    Ok(controller.acknowledge(through))
+}
+
+pub(super) fn status(deck: &impl FlightDeck) -> Result<Status, Refusal> {
+    let controller = deck.controller().ok_or(Refusal::NotPrepared)?;
+    Ok(Status {
+        state: controller.state(),
+        counts: controller.counts(),
+        kept: controller.kept(),
+    })
+}
+
+/// The frame exposed last, for the correction of its points.
+pub(super) fn latest(deck: &impl FlightDeck) -> Option<camera::Frame> {
+    let (_, frame) = deck.controller()?.latest()?;
+    Some(*frame)
+}

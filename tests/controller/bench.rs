@@ -1,0 +1,174 @@
+//! A controller with an ideal stage and a shutter that does as it is told.
+
+use fmc_camera::flight::controller::state::State;
+use fmc_camera::flight::controller::{Controller, Start};
+use fmc_camera::flight::drive::StageReading;
+use fmc_camera::flight::event::{Action, Command, Event, ShutterEdge};
+use fmc_camera::flight::frame_record::FrameRecord;
+use fmc_camera::flight::settings::FlightSettings;
+use fmc_camera::flight::stage::Setpoint;
+use fmc_camera::flight::time::Time;
+use fmc_camera::flight::vh::VhSample;
+use fmc_camera::{CalibrationRecord, CameraRecord};
+
+/// 100 mm, 9216 x 9216 pixels of 8.75 µm, a stage of 4 mm.
+pub(crate) fn camera() -> CameraRecord {
+    CameraRecord::new(CalibrationRecord::new(100.0, [9216, 9216], 8.75))
+}
+
+/// The world around a controller.
+pub(crate) struct Bench {
+    pub(crate) controller: Controller,
+    pub(crate) now: Time,
+    /// Where the stage is: where it was last told to be.
+    pub(crate) stage: Setpoint,
+    /// Whether the stage follows.
+    pub(crate) stage_follows: bool,
+    /// Whether the encoder is read.
+    pub(crate) is_read: bool,
+    /// Whether the shutter obeys.
+    pub(crate) shutter_obeys: bool,
+    pub(crate) shutter_late_s: f32,
+    /// V/H that arrives with every round.
+    pub(crate) vh_per_s: Option<f32>,
+    pub(crate) edges: Vec<(Time, ShutterEdge)>,
+    /// All actions so far but the stage's motion.
+    pub(crate) actions: Vec<(Time, Action)>,
+}
+
+impl Bench {
+    pub(crate) fn new(settings: FlightSettings) -> Self {
+        Self::with(&camera(), settings, Start::Orderly)
+    }
+
+    pub(crate) fn with(camera: &CameraRecord, settings: FlightSettings, start: Start) -> Self {
+        Self {
+            controller: Controller::new(camera, 0xca1, settings, start).unwrap(),
+            now: Time::from_us(1_000_000),
+            stage: Setpoint::default(),
+            stage_follows: true,
+            is_read: true,
+            shutter_obeys: true,
+            shutter_late_s: 0.0,
+            vh_per_s: Some(0.1),
+            edges: Vec::new(),
+            actions: Vec::new(),
+        }
+    }
+
+    /// An armed camera, its stage at the waiting place.
+    pub(crate) fn armed() -> Self {
+        let mut bench = Self::new(FlightSettings::default());
+        bench.arm();
+        bench
+    }
+
+    pub(crate) fn arm(&mut self) {
+        self.run(2);
+        self.send(Event::Command(Command::Arm));
+        self.run_until(500, |state| state == State::Armed);
+    }
+
+    /// Something happens now.
+    pub(crate) fn send(&mut self, event: Event) {
+        self.send_at(self.now, event);
+    }
+
+    pub(crate) fn send_at(&mut self, time: Time, event: Event) {
+        let before = self.actions.len();
+        let actions = self.controller.handle(time, event);
+        for action in actions {
+            match action {
+                Action::MoveStage(setpoint) if self.stage_follows => self.stage = setpoint,
+                Action::MoveStage(_) => {}
+                other => self.actions.push((time, other)),
+            }
+        }
+        let new: Vec<_> = self.actions[before..].to_vec();
+        for (_, action) in new {
+            match action {
+                Action::OpenShutter { at, exposure_s } if self.shutter_obeys => {
+                    let latency_s = self.controller.settings().shutter_latency_s;
+                    let opened = at.plus_s(latency_s + self.shutter_late_s);
+                    self.edges.push((opened, ShutterEdge::Opened));
+                    self.edges
+                        .push((opened.plus_s(exposure_s), ShutterEdge::Closed));
+                }
+                Action::CloseShutter => {
+                    // A blade that has not moved stays; one that has goes on to its planned end.
+                    let now = self.now;
+                    if self
+                        .edges
+                        .first()
+                        .is_some_and(|(time, edge)| *edge == ShutterEdge::Opened && *time > now)
+                    {
+                        self.edges.clear();
+                    }
+                }
+                _ => {}
+            }
+        }
+    }
+
+    /// A round of the control loop, a millisecond later.
+    pub(crate) fn round(&mut self) {
+        self.now = self.now.plus_s(1e-3);
+        if let Some(vh_per_s) = self.vh_per_s {
+            self.send(Event::Vh(VhSample::Direct(vh_per_s)));
+        }
+        while let Some((time, edge)) = self.edges.first().copied()
+            && time <= self.now
+        {
+            self.edges.remove(0);
+            self.send_at(time, Event::Shutter(edge));
+        }
+        if self.is_read {
+            let reading = StageReading {
+                time: self.now,
+                offset_mm: self.place_mm(),
+            };
+            self.send(Event::Stage(reading));
+        }
+        self.send(Event::Tick);
+    }
+
+    /// Where the stage is now: it goes on from the last set point.
+    pub(crate) fn place_mm(&self) -> f32 {
+        if self.stage_follows {
+            self.controller
+                .setpoint(self.now)
+                .unwrap_or(self.stage)
+                .offset_mm
+        } else {
+            self.stage.offset_mm
+        }
+    }
+
+    pub(crate) fn run(&mut self, rounds: u32) {
+        for _ in 0..rounds {
+            self.round();
+        }
+    }
+
+    /// Runs until a state is reached, and says after how many rounds.
+    pub(crate) fn run_until(&mut self, most: u32, reached: impl Fn(State) -> bool) -> u32 {
+        for rounds in 0..most {
+            if reached(self.controller.state()) {
+                return rounds;
+            }
+            self.round();
+        }
+        panic!("still {} after {most} rounds", self.controller.state());
+    }
+
+    /// The records from a number on.
+    pub(crate) fn records(&self) -> Vec<FrameRecord> {
+        let mut records: Vec<FrameRecord> = Vec::new();
+        let mut next = 0;
+        while let Some(record) = self.controller.record(next) {
+            next = record.sequence + 1;
+            records.push(record);
+        }
+        records
+    }
+}
