@@ -2,10 +2,8 @@
 
 use crate::cli::DeviceArgs;
 use crate::device::qemu::QemuOptions;
-use crate::device::{Device, DeviceName, InProcess, OpenError, Opener};
+use crate::device::{Device, DeviceName, FlyingDevice, InProcess, OpenError, Opener};
 use crate::failure::Failure;
-use crate::mission::flying_device::FlyingDevice;
-use crate::mission::in_process::FlyingInProcess;
 
 impl DeviceArgs {
     /// Opens the device; the camera's code in this process where none is named.
@@ -44,12 +42,7 @@ impl DeviceArgs {
     pub(super) fn open_flying(&self) -> Result<Box<dyn FlyingDevice>, Failure> {
         let name = self.device.as_ref().unwrap_or(&DeviceName::Sil);
         self.check_options(name)?;
-        match name {
-            DeviceName::Sil => Ok(Box::new(FlyingInProcess::default())),
-            DeviceName::Qemu(_) | DeviceName::Serial(_) => Err(Failure::bad_input(format!(
-                "--device {name} does not fly yet: use sil"
-            ))),
-        }
+        Ok(self.opener().open_flying(name)?)
     }
 
     fn opener(&self) -> Opener {

@@ -8,8 +8,6 @@ pub mod aircraft;
 pub mod expectation;
 pub mod fault;
 pub mod flight_loop;
-pub mod flying_device;
-pub mod in_process;
 pub mod judgement;
 pub mod oracle;
 pub mod sensors;

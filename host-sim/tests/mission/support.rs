@@ -2,11 +2,10 @@
 
 use std::path::{Path, PathBuf};
 
+use host_sim::device::{FlyingDevice, InProcess};
 use host_sim::formats::mission_scenario::MissionScenario;
 use host_sim::mechanics::Mechanics;
 use host_sim::mission::flight_loop::{FlightOptions, Flown, fly};
-use host_sim::mission::flying_device::FlyingDevice;
-use host_sim::mission::in_process::FlyingInProcess;
 use host_sim::mission::judgement::Judgement;
 use host_sim::mission::settings::flight_settings;
 
@@ -22,7 +21,7 @@ pub(crate) fn fault_scenario(name: &str) -> MissionScenario {
 
 /// A flight in this process.
 pub(crate) fn flown(scenario: &MissionScenario, seed: u64) -> Flown {
-    let mut device = FlyingInProcess::default();
+    let mut device = InProcess::default();
     let settings = flight_settings(&scenario.written, scenario.interval_s);
     device.prepare(&scenario.camera.record(), &settings).unwrap();
     let mechanics = Mechanics::new(scenario.written.mechanics).unwrap();
