@@ -2,3 +2,7 @@
 
 #[cfg(feature = "link")]
 pub mod link;
+#[cfg(feature = "mavlink")]
+pub mod mavlink;
+#[cfg(feature = "nmea")]
+pub mod nmea;

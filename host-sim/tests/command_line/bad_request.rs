@@ -100,11 +100,11 @@ fn speed_beyond_the_stages_is_refused_in_both_directions() {
     );
     let bench = Bench::with(&jerk, POINTS.as_bytes());
     let answer = bench.points("frame", &["--vh", "0.17"]).ok();
-    assert!(answer.stdout.contains("0.785926 mm"), "{}", answer.stdout);
+    assert!(answer.stdout.contains("0.785928 mm"), "{}", answer.stdout);
     let short = jerk.replace("stroke_mm = 4.0", "stroke_mm = 3.0");
     Bench::with(&short, POINTS.as_bytes())
         .points("frame", &["--vh", "0.17"])
-        .refused(&["stroke_mm", "1.5718 mm"]);
+        .refused(&["stroke_mm", "1.5719 mm"]);
 }
 
 #[test]

@@ -246,13 +246,13 @@ fn image_of_another_protocol_is_named_with_both_versions() {
     qemu.serve_with(|mut link| {
         use std::io::{Read, Write};
         link.read_exact(&mut [0; 8]).unwrap();
-        link.write_all(&frame_of(&[2, 0, 0, 9])).unwrap();
+        link.write_all(&frame_of(&[1, 0, 0, 9])).unwrap();
         let _ = link.read_to_end(&mut Vec::new());
     });
     qemu.run(&VERIFY).failed(
         3,
         &[
-            "version 2 of the protocol, this program version 1",
+            "version 1 of the protocol, this program version 2",
             "cargo xtask firmware",
         ],
     );

@@ -202,7 +202,7 @@ fn camera_of_another_protocol_is_named_with_both_versions() {
     port.correct(&Bench::new()).failed(
         3,
         &[
-            "version 7 of the protocol, this program version 1",
+            "version 7 of the protocol, this program version 2",
             "cargo xtask firmware",
         ],
     );

@@ -1,8 +1,18 @@
-//! The library's drive on the simulated stage.
+//! The simulated stage, and the library's drive on it.
 
 #[cfg(test)]
-mod explore;
+mod convergence;
+#[cfg(test)]
+mod faults;
+#[cfg(test)]
+mod following;
+#[cfg(test)]
+mod margins;
 #[cfg(test)]
 mod profile;
+#[cfg(test)]
+mod stage;
+#[cfg(test)]
+mod stall;
 #[cfg(test)]
 mod support;

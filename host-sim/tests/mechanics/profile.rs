@@ -2,6 +2,12 @@
 
 use fmc_camera::flight::stage::Setpoint;
 
+/// Of run-ups, stops and fly-backs, mm/s².
+pub(crate) const ACCELERATION_MM_S2: f64 = 1000.0;
+
+/// Of fly-backs, mm/s.
+pub(crate) const FASTEST_MM_S: f64 = 50.0;
+
 /// What the stage is meant to do in a part of a motion.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(crate) enum Phase {
@@ -76,6 +82,16 @@ impl Profile {
         self.add(Phase::Ramp, ramp_s, 0.0, acceleration);
         self.add(Phase::Cruise, duration_s, speed_mm_s, 0.0);
         self.add(Phase::Ramp, ramp_s, speed_mm_s, -acceleration);
+    }
+
+    /// So many times to and fro, as at arming.
+    pub(crate) fn strokes(&mut self, strokes: u32) {
+        for _ in 0..strokes {
+            self.move_to(-1.0, FASTEST_MM_S, ACCELERATION_MM_S2);
+            self.rest(0.02);
+            self.move_to(1.0, FASTEST_MM_S, ACCELERATION_MM_S2);
+            self.rest(0.02);
+        }
     }
 
     /// To a place, as fast as acceleration and speed allow.

@@ -32,7 +32,7 @@ pub(crate) struct Followed {
     pub(crate) rest_um: f64,
     /// Largest following error that the camera sees.
     pub(crate) seen_um: f64,
-    /// Changes of the duty while the stage rests, 20 ms after the stop.
+    /// Ticks with duty although the stage has been at rest for 200 ms.
     pub(crate) hunting: u32,
 }
 
@@ -48,6 +48,18 @@ impl Followed {
             hunting: self.hunting.max(other.hunting),
         }
     }
+}
+
+/// The library's drive, told what is known of a stage: its encoder and its latencies, not what it weighs.
+#[expect(clippy::cast_possible_truncation, reason = "the camera's precision")]
+pub(crate) fn drive_for(settings: &MechanicsSettings) -> DriveSettings {
+    let mut drive = DriveSettings {
+        encoder_step_um: settings.encoder_step_um as f32,
+        ..DriveSettings::default()
+    };
+    drive.velocity_loop.reading_age_s = settings.encoder_latency_s as f32;
+    drive.velocity_loop.duty_delay_s = settings.duty_latency_s as f32;
+    drive
 }
 
 /// One tick as the camera sees it.
@@ -95,23 +107,14 @@ pub(crate) fn followed(
 ) -> Followed {
     let mut found = Followed::default();
     let mut settled: Vec<(f64, f64)> = Vec::new();
-    let mut last_duty = None;
     run(settings, drive, profile, &[], |tick, mechanics, duty| {
         if tick.time_s < profile.measured_from_s() {
             return;
         }
         found.seen_um = found.seen_um.max(tick.error_um.abs());
-        let rests = {
-            let wanted = profile.at(tick.time_s);
-            wanted.phase == Phase::Rest && wanted.since_s > 0.02
-        };
-        if rests {
-            if last_duty.is_some_and(|last| last != duty) {
-                found.hunting += 1;
-            }
-            last_duty = Some(duty);
-        } else {
-            last_duty = None;
+        let wanted = profile.at(tick.time_s);
+        if wanted.phase == Phase::Rest && wanted.since_s > 0.2 && duty != 0.0 {
+            found.hunting += 1;
         }
         for instant in mechanics.history(tick.time_s - TICK_S) {
             let wanted = profile.at(instant.time_s);

@@ -4,6 +4,9 @@ use super::fault::Fault;
 use super::stage::Setpoint;
 use super::time::Time;
 
+pub mod following;
+mod known_force;
+mod led_motion;
 pub mod loop_settings;
 pub mod pwm_encoder;
 pub mod quadrature;

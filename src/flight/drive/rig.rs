@@ -92,6 +92,11 @@ impl RigDrive {
         self.drive.pins_mut().counter = Count(count);
     }
 
+    /// Says where the stage is now, counts of the encoder along the FMC axis from the calibrated position.
+    pub fn set_position(&mut self, counts: i32) {
+        self.drive.set_position(counts);
+    }
+
     /// The duty at the bridge, -1 to 1: in the sense of its direction pin, low is positive.
     #[must_use]
     pub fn duty(&self) -> f32 {

@@ -1,7 +1,15 @@
 //! The velocity loop: from set point and reading to the duty of the motor, arithmetic alone.
 
+use super::known_force::{KnownForce, STANDING_MM_S};
+use super::led_motion::{Delays, LedMotion};
 use super::loop_settings::LoopSettings;
 use crate::flight::stage::Setpoint;
+
+/// The next call comes after this, as long as nothing else is known, s.
+const TICK_S: f32 = 1e-3;
+
+/// Calls that come faster count as this far apart, s.
+const SHORTEST_TICK_S: f32 = 2e-4;
 
 /// Below this error of speed a stage inside the rest band is at rest, mm/s.
 const REST_SPEED_MM_S: f32 = 1.0;
@@ -9,114 +17,106 @@ const REST_SPEED_MM_S: f32 = 1.0;
 /// Learning stops beyond this following error, mm: something else is wrong then.
 const LEARNING_ERROR_MM: f32 = 0.05;
 
-/// Speed at which viscous friction is learned as fast as Coulomb friction, mm/s.
-const LEARNING_SPEED_MM_S: f32 = 20.0;
-
-/// The same for the mass, mm/s².
-const LEARNING_ACCELERATION_MM_S2: f32 = 1000.0;
-
 /// A cascade: following error to speed, speed error to duty, with the known forces fed forward.
 #[derive(Debug, Clone, PartialEq)]
 pub struct VelocityLoop {
     settings: LoopSettings,
-    feed: Feed,
-    last: Option<Last>,
+    known: KnownForce,
+    led: LedMotion,
+    last_error_mm: Option<f32>,
     slope_mm_s: f32,
     integral: f32,
     resting: bool,
 }
 
-/// Duty per what is known of the motion.
-#[derive(Debug, Clone, Copy, PartialEq)]
-struct Feed {
-    per_speed: f32,
-    per_acceleration: f32,
-    friction: f32,
-}
-
-/// The last call.
-#[derive(Debug, Clone, Copy, PartialEq)]
-struct Last {
-    error_mm: f32,
-    /// The speed that its acceleration leads to, when the next duty acts.
-    next_speed_mm_s: f32,
-}
-
 impl VelocityLoop {
-    /// A loop that has seen nothing yet; settings are those that
-    /// [`LoopSettings::checked`] lets pass.
+    /// A loop that has seen nothing yet; settings are those that [`LoopSettings::checked`] lets pass.
     #[must_use]
-    pub const fn new(settings: LoopSettings) -> Self {
+    pub fn new(settings: LoopSettings) -> Self {
         Self {
             settings,
-            feed: Feed {
-                per_speed: settings.speed_feed_per_mm_s,
-                per_acceleration: settings.acceleration_feed_per_mm_s2,
-                friction: settings.friction_feed,
-            },
-            last: None,
+            known: KnownForce::new(&settings),
+            led: LedMotion::default(),
+            last_error_mm: None,
             slope_mm_s: 0.0,
             integral: 0.0,
             resting: false,
         }
     }
 
-    /// Forgets where the stage was: before a motion that is no continuation of the last. What it has learned stays.
-    pub const fn restart(&mut self) {
-        self.last = None;
-        self.slope_mm_s = 0.0;
-        self.integral = 0.0;
-        self.resting = false;
+    /// Forgets where the stage was: before a motion that is no continuation of the last. What it has learned of
+    /// friction, damping and mass stays.
+    pub fn restart(&mut self) {
+        let known = self.known;
+        *self = Self {
+            known,
+            ..Self::new(self.settings)
+        };
     }
 
     /// The duty for the time until the next call, -1 to 1, positive along the FMC axis.
+    ///
+    /// # Model
+    /// `K·(w + ω_i·∫w dt) + k_v·v + k_a·a + k_f·sgn(v)` with `w = ω_p·e + de/dt` (Ellis, Control System Design Guide, 4th
+    /// ed. 2012, chapter 17: position P over velocity PI, with feed-forward). e is where the stage should have been at the reading,
+    /// less the reading; its slope, from one reading to the next, is the error of speed without the lag that
+    /// a difference of positions has. v and a are the set point's, with corners between two ticks made up for in two
+    /// ticks. `k_v`, `k_a` and `k_f` are learned from what the feedback has to add; K goes with `k_a`, the mass. The integral stands
+    /// still while the duty is at its limit and the error would drive it further. At a set point at rest an error
+    /// inside the rest band is left alone, without duty, until it is twice as wide: no hunting over a step of the encoder.
+    ///
+    /// # Units and frames
+    /// `measured_offset_mm` and the set point along the FMC axis; `dt_s` since the last call, 0 at the first.
+    ///
+    /// # Accuracy
+    /// What the stage then does is at [`LoopSettings::tuned`]. A set point or a reading that is no number gives duty 0 and starts
+    /// the loop afresh.
     pub fn duty(&mut self, setpoint: Setpoint, measured_offset_mm: f32, dt_s: f32) -> f32 {
         let settings = self.settings;
-        let age_s = settings.reading_age_s;
-        let (speed, acceleration) = (setpoint.speed_mm_s, setpoint.acceleration_mm_s2);
-        let moved_since_mm = age_s * (speed - 0.5 * acceleration * age_s);
-        let error_mm = setpoint.offset_mm - moved_since_mm - measured_offset_mm;
-        let next_speed_mm_s = speed + acceleration * (dt_s + settings.duty_delay_s);
-        let last = self.last.replace(Last {
-            error_mm,
-            next_speed_mm_s,
-        });
-        let mut push_mm_s2 = acceleration;
-        if let Some(last) = last
-            && dt_s > 0.0
-        {
-            let slope_mm_s = (error_mm - last.error_mm) / dt_s;
-            self.slope_mm_s += settings.slope_weight * (slope_mm_s - self.slope_mm_s);
-            push_mm_s2 = (next_speed_mm_s - last.next_speed_mm_s) / dt_s;
+        let (dt_s, tick_s) = if dt_s > SHORTEST_TICK_S {
+            (dt_s, dt_s)
+        } else if dt_s > 0.0 {
+            (dt_s, SHORTEST_TICK_S)
+        } else {
+            (0.0, TICK_S)
+        };
+        let lead = self.led.lead(
+            setpoint,
+            dt_s,
+            Delays {
+                reading: settings.reading_age_s,
+                duty: settings.duty_delay_s,
+                tick: tick_s,
+            },
+        );
+        let error_mm = lead.expected_mm - measured_offset_mm;
+        match self.last_error_mm.replace(error_mm) {
+            Some(last_error_mm) if !lead.starts => {
+                let slope_mm_s = (error_mm - last_error_mm) / tick_s;
+                self.slope_mm_s += settings.slope_weight * (slope_mm_s - self.slope_mm_s);
+            }
+            _ => self.slope_mm_s = 0.0,
         }
-
-        let at_rest = speed.abs() + acceleration.abs() + push_mm_s2.abs() <= 0.0;
+        let at_rest = setpoint.speed_mm_s.abs() + setpoint.acceleration_mm_s2.abs() <= 0.0
+            && lead.speed_mm_s.abs() <= STANDING_MM_S;
         if self.rests(at_rest, error_mm) {
             self.integral = 0.0;
             return 0.0;
         }
 
-        let speed_error = settings.position_gain_per_s * error_mm + self.slope_mm_s;
-        let mean_speed = speed + acceleration * (0.5 * dt_s + settings.duty_delay_s);
-        let direction = if speed.abs() > 0.0 {
-            sign(speed)
-        } else {
-            sign(acceleration)
-        };
-        let known = self.feed.per_speed * mean_speed
-            + self.feed.per_acceleration * push_mm_s2
-            + self.feed.friction * direction;
         // The gain is for the mass that has been learned.
-        let gain = settings.speed_gain_per_mm_s * self.mass_ratio();
-        let corrected = gain * speed_error + self.integral;
-        let step = gain * settings.integral_rate_per_s * speed_error * dt_s;
-        let free = known + corrected;
+        let gain = settings.speed_gain_per_mm_s * self.known.mass_ratio(&settings);
+        let speed_error = settings.position_gain_per_s * error_mm + self.slope_mm_s;
+        let added = gain * speed_error + self.integral;
+        let free = self.known.duty(&lead) + added;
         let max = settings.max_duty;
-        if free.abs() <= max || free * step < 0.0 {
+        let is_free = free.abs() <= max;
+        let step = gain * settings.integral_rate_per_s * speed_error * dt_s;
+        if is_free || free * step < 0.0 {
             self.integral = limited(self.integral + step, max);
         }
-        if free.abs() <= max && error_mm.abs() <= LEARNING_ERROR_MM && !at_rest {
-            self.learn(direction, mean_speed, push_mm_s2, corrected * dt_s);
+        if is_free && !at_rest && error_mm.abs() <= LEARNING_ERROR_MM {
+            self.known.learn(&settings, &lead, added * dt_s);
         }
         let duty = limited(free, max);
         if duty.is_finite() {
@@ -124,33 +124,6 @@ impl VelocityLoop {
         } else {
             *self = Self::new(settings);
             0.0
-        }
-    }
-
-    fn learn(&mut self, direction: f32, speed_mm_s: f32, push_mm_s2: f32, corrected_s: f32) {
-        let settings = &self.settings;
-        let speed = speed_mm_s / LEARNING_SPEED_MM_S;
-        let push = push_mm_s2 / LEARNING_ACCELERATION_MM_S2;
-        let step = settings.learning_rate_per_s * corrected_s / (1.0 + speed * speed + push * push);
-        let feed = &mut self.feed;
-        feed.friction = near(feed.friction + step * direction, settings.friction_feed);
-        feed.per_speed = near(
-            feed.per_speed + step * speed / LEARNING_SPEED_MM_S,
-            settings.speed_feed_per_mm_s,
-        );
-        feed.per_acceleration = near(
-            feed.per_acceleration + step * push / LEARNING_ACCELERATION_MM_S2,
-            settings.acceleration_feed_per_mm_s2,
-        );
-    }
-
-    /// The mass that has been learned, in parts of that of the settings.
-    fn mass_ratio(&self) -> f32 {
-        let set = self.settings.acceleration_feed_per_mm_s2;
-        if set > 0.0 {
-            self.feed.per_acceleration / set
-        } else {
-            1.0
         }
     }
 
@@ -167,27 +140,6 @@ impl VelocityLoop {
     }
 }
 
-/// Not less than half and not more than twice the setting.
-fn near(value: f32, setting: f32) -> f32 {
-    if value > 2.0 * setting {
-        2.0 * setting
-    } else if value < 0.5 * setting {
-        0.5 * setting
-    } else {
-        value
-    }
-}
-
-fn sign(value: f32) -> f32 {
-    if value > 0.0 {
-        1.0
-    } else if value < 0.0 {
-        -1.0
-    } else {
-        0.0
-    }
-}
-
 /// `f32::clamp` panics where the limits are no numbers.
 fn limited(value: f32, max: f32) -> f32 {
     if value > max {
@@ -196,5 +148,101 @@ fn limited(value: f32, max: f32) -> f32 {
         -max
     } else {
         value
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    const TICK: f32 = 1e-3;
+
+    fn cruise(tick: u8) -> Setpoint {
+        Setpoint {
+            offset_mm: 0.017 * f32::from(tick),
+            speed_mm_s: 17.0,
+            acceleration_mm_s2: 0.0,
+        }
+    }
+
+    fn exact() -> LoopSettings {
+        LoopSettings {
+            reading_age_s: 0.0,
+            duty_delay_s: 0.0,
+            ..LoopSettings::default()
+        }
+    }
+
+    #[test]
+    fn stage_on_its_set_point_gets_the_known_force_alone() {
+        let mut velocity_loop = VelocityLoop::new(exact());
+        let mut duty = 0.0;
+        for tick in 0..10 {
+            duty = velocity_loop.duty(cruise(tick), cruise(tick).offset_mm, TICK);
+        }
+        // By hand: (22 N·s/m · 0.017 m/s + 0.25 N) / 6 N.
+        assert!((duty - 0.104).abs() < 1e-4, "{duty}");
+    }
+
+    #[test]
+    fn reading_of_known_age_is_no_error() {
+        let aged = LoopSettings {
+            reading_age_s: 4e-4,
+            duty_delay_s: 2e-4,
+            ..LoopSettings::default()
+        };
+        let mut velocity_loop = VelocityLoop::new(aged);
+        let mut duty = 0.0;
+        for tick in 0..10 {
+            duty = velocity_loop.duty(cruise(tick), cruise(tick).offset_mm - 17.0 * 4e-4, TICK);
+        }
+        assert!((duty - 0.104).abs() < 1e-4, "{duty}");
+    }
+
+    #[test]
+    fn integral_does_not_wind_up_behind_the_limit() {
+        let mut velocity_loop = VelocityLoop::new(exact());
+        for tick in 0..200 {
+            assert!(velocity_loop.duty(cruise(tick), 0.0, TICK) <= 1.0);
+        }
+        // Free again and at its place: nothing is left that pushes on.
+        let end = Setpoint {
+            offset_mm: 3.4,
+            ..Setpoint::default()
+        };
+        velocity_loop.duty(end, 3.4, TICK);
+        assert!(velocity_loop.integral.abs() < 0.15, "{velocity_loop:?}");
+        let duties = [(); 5].map(|()| velocity_loop.duty(end, 3.4, TICK));
+        assert!(duties[4].abs() <= 0.0, "{duties:?}");
+    }
+
+    #[test]
+    fn rest_band_is_left_alone_until_twice_as_wide() {
+        let band_mm = 1e-3 * LoopSettings::default().rest_band_um;
+        let mut velocity_loop = VelocityLoop::new(exact());
+        let rest = Setpoint::default();
+        let errors = [
+            (0.9, true),
+            (1.9, true),
+            (2.1, false),
+            (1.5, false),
+            (1.1, false),
+            (0.9, true),
+        ];
+        for (bands, rests) in errors {
+            let duty = velocity_loop.duty(rest, -bands * band_mm, TICK);
+            assert_eq!(duty.abs() <= 0.0, rests, "{bands}: {duty}");
+        }
+    }
+
+    #[test]
+    fn what_is_no_number_moves_nothing_and_is_forgotten() {
+        let mut velocity_loop = VelocityLoop::new(exact());
+        velocity_loop.duty(cruise(0), 0.0, TICK);
+        assert!(velocity_loop.duty(cruise(1), f32::NAN, TICK).abs() <= 0.0);
+        assert_eq!(velocity_loop, VelocityLoop::new(exact()));
+        for _ in 0..3 {
+            assert!(velocity_loop.duty(cruise(0), 0.0, f32::NAN) > 0.0);
+        }
     }
 }

@@ -19,7 +19,25 @@ use fmc_camera::flight::{
     unit::CameraUnit,
     utc::UtcClock,
     vh::{VhChannel, VhCounters, VhEstimate, VhFindingKind, VhMonitor, VhSettings, WrongUnit},
+    drive::{
+        FmcDrive,
+        loop_settings::{LoopSettings, Plant},
+        pwm_encoder::{DriveSettings, PwmEncoder},
+        quadrature::{QuadratureCounter, QuadratureDecoder},
+        rig::RigDrive,
+        step_dir::StepDir,
+        step_settings::StepSettings,
+        velocity_loop::VelocityLoop,
+    },
+    exposure::{Exposure, Limits},
+    stage::Stage,
 };
+
+use crate::pin::Pin;
+
+type Decoder = QuadratureDecoder<Pin, Pin>;
+type Motor = PwmEncoder<Pin, Pin, Decoder>;
+type Stepper = StepDir<Pin, Pin, Pin, Pin>;
 
 /// Keeps the public functions of `fmc_camera::flight`.
 pub(crate) fn keep() {
@@ -148,5 +166,40 @@ pub(crate) fn keep() {
         VhMonitor::estimate,
         VhMonitor::fits_budget,
         VhMonitor::disagrees,
+        Plant::checked,
+        LoopSettings::tuned,
+        LoopSettings::checked,
+        VelocityLoop::new,
+        VelocityLoop::restart,
+        VelocityLoop::duty,
+        DriveSettings::checked,
+        Motor::new,
+        Motor::set_position,
+        Motor::is_powered,
+        Motor::pins,
+        Motor::pins_mut,
+        Motor::position,
+        Motor::follow,
+        Motor::release,
+        Decoder::new,
+        Decoder::sample,
+        Decoder::glitches,
+        Decoder::count,
+        RigDrive::new,
+        RigDrive::set_count,
+        RigDrive::set_position,
+        RigDrive::duty,
+        RigDrive::powered,
+        RigDrive::position,
+        RigDrive::follow,
+        RigDrive::release,
+        StepSettings::checked,
+        Stepper::new,
+        Stepper::start_homing,
+        Stepper::homing,
+        Stepper::pulse,
+        Stepper::position,
+        Stepper::follow,
+        Stepper::release,
     ];
 }

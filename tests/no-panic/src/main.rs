@@ -22,6 +22,7 @@ mod geometry;
 mod io;
 #[cfg(feature = "negative-control")]
 mod negative_control;
+mod pin;
 
 fn keep_everything() {
     geometry::keep();

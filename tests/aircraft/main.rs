@@ -1,0 +1,15 @@
+//! What aircraft send, as a user of the crate sees it: bytes in, speed, heights and time out.
+
+#![cfg(test)]
+#![allow(
+    clippy::unwrap_used,
+    clippy::panic,
+    clippy::indexing_slicing,
+    reason = "tests"
+)]
+
+#[path = "../../fuzz/aircraft.rs"]
+mod aircraft;
+mod fuzzed;
+mod mavlink;
+mod nmea;

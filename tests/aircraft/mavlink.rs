@@ -1,0 +1,178 @@
+//! Messages of an autopilot.
+
+use fmc_camera::flight::vh::VhSample;
+use fmc_camera::io::mavlink::{ALTITUDE_PREFERRED, MavlinkError, MavlinkReading, MavlinkReceiver};
+
+use crate::aircraft::{Kind, frame, messages};
+
+fn answer(bytes: &[u8]) -> Option<Result<MavlinkReading, MavlinkError>> {
+    let mut receiver = MavlinkReceiver::new();
+    bytes
+        .iter()
+        .filter_map(|byte| receiver.receive(*byte))
+        .last()
+}
+
+fn samples(bytes: &[u8]) -> Vec<VhSample> {
+    answer(bytes).unwrap().unwrap().samples.to_vec()
+}
+
+/// 36 m/s north and 48 m/s east, 1200.5 m above the sea.
+fn position() -> Vec<u8> {
+    let mut payload = 1000_u32.to_le_bytes().to_vec();
+    for number in [481_234_567, 115_678_901, 1_200_500, 1_000_000_i32] {
+        payload.extend(number.to_le_bytes());
+    }
+    for number in [3600, 4800, 0, 9000_i16] {
+        payload.extend(number.to_le_bytes());
+    }
+    payload
+}
+
+/// Distance in cm of a sensor for 1 m to 600 m.
+fn distance(distance_cm: u16, kind: u8, orientation: u8) -> Vec<u8> {
+    let mut payload = 1000_u32.to_le_bytes().to_vec();
+    for number in [100, 60_000, distance_cm] {
+        payload.extend(number.to_le_bytes());
+    }
+    payload.extend([kind, 1, orientation, 255]);
+    payload
+}
+
+/// Altitude, height above terrain and clearance.
+fn altitude(amsl: f32, above_terrain: f32, clearance: f32) -> Vec<u8> {
+    let mut payload = 1000_u64.to_le_bytes().to_vec();
+    for number in [0.0, amsl, 0.0, 0.0, above_terrain, clearance] {
+        payload.extend(number.to_le_bytes());
+    }
+    payload
+}
+
+fn position_frame(kind: Kind) -> Vec<u8> {
+    frame(kind, 33, 104, &position())
+}
+
+fn distance_frame(payload: &[u8]) -> Vec<u8> {
+    frame(Kind::Two, 132, 85, payload)
+}
+
+fn altitude_frame(payload: &[u8]) -> Vec<u8> {
+    frame(Kind::Two, 141, 47, payload)
+}
+
+#[test]
+fn messages_of_both_versions_are_read() {
+    for kind in [Kind::One, Kind::Two, Kind::Signed] {
+        let found = samples(&position_frame(kind));
+        assert_eq!(
+            found,
+            [VhSample::GroundSpeed(60.0), VhSample::Altitude(1200.5)]
+        );
+    }
+    let found = samples(&altitude_frame(&altitude(1200.0, 1000.0, 990.0)));
+    let expected = [
+        VhSample::Altitude(1200.0),
+        VhSample::TerrainHeight(200.0),
+        VhSample::HeightAboveGround(990.0),
+    ];
+    assert_eq!(found, expected);
+    let time_us = 1_767_225_600_000_000_u64.to_le_bytes();
+    let time = answer(&frame(Kind::One, 2, 137, &[&time_us[..], &[0; 4]].concat()));
+    assert_eq!(time.unwrap().unwrap().unix_us, Some(1_767_225_600_000_000));
+}
+
+#[test]
+fn distance_counts_downward_within_its_range_and_with_a_signal() {
+    const DOWN: u8 = 25;
+    let laser = samples(&distance_frame(&distance(50_000, 0, DOWN)));
+    assert_eq!(laser, [VhSample::LaserHeight(500.0)]);
+    let radar = samples(&distance_frame(&distance(50_000, 3, DOWN)));
+    assert_eq!(radar, [VhSample::HeightAboveGround(500.0)]);
+    assert_eq!(
+        answer(&distance_frame(&distance(50_000, 0, 0))),
+        None,
+        "forward"
+    );
+    for beyond_cm in [0, 99, 60_001, u16::MAX] {
+        let found = answer(&distance_frame(&distance(beyond_cm, 0, DOWN)));
+        assert_eq!(found, Some(Err(MavlinkError::NoDistance)));
+    }
+    let mut invalid = distance(50_000, 0, DOWN);
+    invalid.extend([0; 24]);
+    invalid.push(1);
+    let found = answer(&distance_frame(&invalid));
+    assert_eq!(found, Some(Err(MavlinkError::NoDistance)));
+    let unknown = answer(&distance_frame(&distance(50_000, 99, DOWN)));
+    assert_eq!(unknown, Some(Err(MavlinkError::Malformed)));
+}
+
+#[test]
+fn what_the_autopilot_does_not_know_is_not_read() {
+    let unknown = altitude(f32::NAN, f32::NAN, -1.0);
+    assert_eq!(answer(&altitude_frame(&unknown)), None);
+    let without_terrain = samples(&altitude_frame(&altitude(1200.0, -1001.0, f32::NAN)));
+    assert_eq!(without_terrain, [VhSample::Altitude(1200.0)]);
+    let infinite = altitude(f32::INFINITY, 0.0, -1.0);
+    let found = answer(&altitude_frame(&infinite));
+    assert!(matches!(found, Some(Err(MavlinkError::OutOfRange(_)))));
+    let mut nowhere = position();
+    nowhere[4..12].fill(0);
+    let found = answer(&frame(Kind::Two, 33, 104, &nowhere));
+    assert_eq!(found, Some(Err(MavlinkError::NoFix)));
+    let found = answer(&frame(Kind::Two, 2, 137, &[0]));
+    assert_eq!(found, Some(Err(MavlinkError::NoFix)));
+}
+
+#[test]
+fn altitude_comes_from_the_message_that_has_the_terrain_too() {
+    let mut receiver = MavlinkReceiver::new();
+    let of_position = |receiver: &mut MavlinkReceiver| {
+        messages(receiver, &position_frame(Kind::Two))[0]
+            .samples
+            .len()
+    };
+    assert_eq!(of_position(&mut receiver), 2);
+    messages(
+        &mut receiver,
+        &altitude_frame(&altitude(1200.0, 1000.0, -1.0)),
+    );
+    for _ in 0..ALTITUDE_PREFERRED {
+        assert_eq!(of_position(&mut receiver), 1);
+    }
+    assert_eq!(of_position(&mut receiver), 2);
+}
+
+#[test]
+fn damaged_frame_is_not_read_and_the_next_is() {
+    let next = altitude_frame(&altitude(1200.0, 1000.0, 990.0));
+    for kind in [Kind::One, Kind::Two] {
+        let whole = position_frame(kind);
+        for damage in 0..whole.len() {
+            for bit in 0..8 {
+                let mut bytes = whole.clone();
+                bytes[damage] ^= 1 << bit;
+                // What a wrong length hides comes when its bytes have.
+                bytes.extend(&next);
+                bytes.extend([0; 280]);
+                let found = messages(&mut MavlinkReceiver::new(), &bytes);
+                assert_eq!(found.len(), 1, "byte {damage} bit {bit}");
+                assert_eq!(found[0].samples.len(), 3);
+            }
+        }
+    }
+}
+
+#[test]
+fn false_beginning_hides_no_message() {
+    let hidden = [position_frame(Kind::One), position_frame(Kind::Two)].concat();
+    let bytes = [&[0xfd, 255, 0][..], &hidden, &hidden, &hidden, &[0; 280]].concat();
+    assert_eq!(messages(&mut MavlinkReceiver::new(), &bytes).len(), 6);
+    for end in 1..position_frame(Kind::Two).len() {
+        let bytes = [&position_frame(Kind::Two)[..end], &hidden, &[0; 280]].concat();
+        assert_eq!(
+            messages(&mut MavlinkReceiver::new(), &bytes).len(),
+            2,
+            "{end}"
+        );
+    }
+}

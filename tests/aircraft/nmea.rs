@@ -1,0 +1,162 @@
+//! Sentences of a satellite receiver.
+
+use fmc_camera::flight::time::Time;
+use fmc_camera::flight::utc::UtcClock;
+use fmc_camera::flight::vh::{VhMonitor, VhSample};
+use fmc_camera::io::nmea::{LONGEST_SENTENCE, NmeaError, NmeaReading, NmeaReceiver};
+
+use crate::aircraft::{received, sentence};
+
+fn answers(bytes: &[u8]) -> Vec<Result<NmeaReading, NmeaError>> {
+    received(&mut NmeaReceiver::new(), bytes)
+}
+
+fn answer(name: &str, fields: &str) -> Result<NmeaReading, NmeaError> {
+    let answers = answers(&sentence(name, fields.as_bytes()));
+    assert_eq!(answers.len(), 1, "{fields}");
+    answers[0]
+}
+
+/// Published examples, with their checksums as printed.
+const RMC: &[u8] = b"$GPRMC,225446.33,A,4916.45,N,12311.12,W,000.5,054.7,191194,020.3,E,A*2B\r\n";
+const GGA: &[u8] = b"$GPGGA,123519,4807.038,N,01131.000,E,1,08,0.9,545.4,M,46.9,M,,*47\r\n";
+
+#[test]
+fn published_sentences_are_read() {
+    let rmc = answers(RMC)[0].unwrap();
+    let Some(VhSample::GroundSpeed(speed)) = rmc.sample else {
+        panic!("{rmc:?}");
+    };
+    // 0.5 knots.
+    assert!((speed - 0.257_222).abs() < 1e-6);
+    // date -u -d 1994-11-19T22:54:46.33 +%s%6N
+    assert_eq!(rmc.unix_us, Some(785_285_686_330_000));
+    let gga = answers(GGA)[0].unwrap();
+    assert_eq!(gga.sample, Some(VhSample::Altitude(545.4)));
+    assert_eq!(gga.unix_us, None);
+    let vtg = answer("GPVTG", "054.7,T,034.4,M,100.0,N,185.2,K").unwrap();
+    let Some(VhSample::GroundSpeed(speed)) = vtg.sample else {
+        panic!("{vtg:?}");
+    };
+    assert!((speed - 51.4444).abs() < 1e-4);
+}
+
+#[test]
+fn damaged_sentence_is_refused_and_the_next_is_read() {
+    for damage in 1..RMC.len() - 2 {
+        for bit in 0..8 {
+            let mut bytes = RMC.to_vec();
+            bytes[damage] ^= 1 << bit;
+            if bytes.ends_with(b"*2b\r\n") {
+                // The same checksum.
+                continue;
+            }
+            bytes.extend(GGA);
+            let answers = answers(&bytes);
+            let readings: Vec<_> = answers.iter().flatten().collect();
+            // Another name or an end in its middle may silence it; never is it read.
+            assert_eq!(readings.len(), 1, "byte {damage} bit {bit}: {answers:?}");
+            assert_eq!(readings[0].sample, Some(VhSample::Altitude(545.4)));
+        }
+    }
+}
+
+#[test]
+fn truncated_and_mixed_streams_resynchronise_at_the_next_sentence() {
+    for end in 1..RMC.len() - 2 {
+        let answers = answers(&[&RMC[..end], GGA].concat());
+        assert_eq!(answers[0], Err(NmeaError::Truncated));
+        assert!(answers[1].is_ok());
+        assert_eq!(answers.len(), 2);
+    }
+    let binary = [0xb5, 0x62, 1, 7, 92, 0, b'$', 3, 0xff];
+    let mixed = [&binary[..], RMC, &binary, GGA, &RMC[..30], &binary, GGA].concat();
+    assert_eq!(answers(&mixed).iter().flatten().count(), 3);
+}
+
+#[test]
+fn sentence_too_long_or_without_checksum_is_refused() {
+    let long = vec![b'x'; 10 * LONGEST_SENTENCE];
+    let oversized = answers(&sentence("GPRMC", &long));
+    assert_eq!(oversized, [Err(NmeaError::Oversized)]);
+    for bad in [
+        "$GPRMC,225446\r\n",
+        "$\r\n",
+        "$*\r\n",
+        "$GPRMC*4\r\n",
+        "$GPRMC,*GG\r\n",
+    ] {
+        assert_eq!(answers(bad.as_bytes()), [Err(NmeaError::Checksum)], "{bad}");
+    }
+    assert!(answers(&sentence("GPGSV", b"3,1,11,03,03,111,00")).is_empty());
+}
+
+#[test]
+fn what_is_no_number_or_beyond_its_range_is_refused() {
+    for speed in ["nan", "NaN", "inf", "-inf", "-60.0", "5000", "1e38"] {
+        let fields = format!("225446,A,4916.45,N,12311.12,W,{speed},054.7,191194,,");
+        let answer = answer("GPRMC", &fields);
+        assert!(answer.is_err(), "{speed}: {answer:?}");
+    }
+    for altitude in ["nan", "inf", "-5000", "2e5"] {
+        let fields = format!("123519,4807.038,N,01131.0,E,1,08,0.9,{altitude},M,46.9,M,,");
+        let answer = answer("GPGGA", &fields);
+        assert!(
+            matches!(answer, Err(NmeaError::OutOfRange(_))),
+            "{altitude}: {answer:?}"
+        );
+    }
+    // Altitude in feet, were it said so.
+    let feet = answer(
+        "GPGGA",
+        "123519,4807.038,N,01131.0,E,1,08,0.9,1789.4,F,46.9,M,,",
+    );
+    assert_eq!(feet, Err(NmeaError::Malformed));
+}
+
+#[test]
+fn receiver_without_fix_or_in_simulation_gives_nothing() {
+    assert_eq!(answer("GPRMC", ",V,,,,,,,,,,N"), Err(NmeaError::NoFix));
+    for mode in ["E", "M", "N", "S"] {
+        let fields = format!("225446,A,4916.45,N,12311.12,W,100.0,054.7,191194,020.3,E,{mode}");
+        assert_eq!(answer("GPRMC", &fields), Err(NmeaError::NoFix), "{mode}");
+    }
+    for quality in [0, 6, 7, 8] {
+        let fields = format!("123519,4807.038,N,01131.0,E,{quality},08,0.9,545.4,M,46.9,M,,");
+        assert_eq!(answer("GPGGA", &fields), Err(NmeaError::NoFix));
+    }
+    assert_eq!(answer("GPVTG", ",T,,M,,N,,K"), Err(NmeaError::NoFix));
+}
+
+#[test]
+fn sentences_and_pulses_set_the_clock_and_give_vh() {
+    let mut receiver = NmeaReceiver::new();
+    let mut monitor = VhMonitor::default();
+    let mut clock = UtcClock::new(1e-6);
+    for second in 0..5_u64 {
+        let pulse = Time::from_us(2_000_000 + second * 1_000_000);
+        clock.pulse(pulse);
+        let arrival = pulse.plus_s(0.2);
+        let rmc = format!("12000{second},A,4916.45,N,12311.12,W,116.{second},054.7,010126,,");
+        let gga = format!("12000{second},4807.038,N,01131.0,E,4,08,0.9,1200.{second},M,46.9,M,,");
+        for (name, fields) in [("GNRMC", rmc), ("GNGGA", gga)] {
+            for reading in received(&mut receiver, &sentence(name, fields.as_bytes())) {
+                let reading = reading.unwrap();
+                let found = reading
+                    .sample
+                    .and_then(|sample| monitor.observe(arrival, sample));
+                assert_eq!(found, None);
+                let found = reading
+                    .unix_us
+                    .and_then(|time| clock.receiver_time(arrival, time));
+                assert_eq!(found, None);
+            }
+        }
+        monitor.observe(arrival, VhSample::TerrainHeight(200.0));
+    }
+    let now = Time::from_us(6_500_000);
+    // 2026-01-01T12:00:04.5.
+    assert_eq!(clock.utc(now).unwrap().unix_us, 1_767_268_804_500_000);
+    let estimate = monitor.estimate(now).unwrap();
+    assert!((estimate.vh_per_s - 116.4 * 0.514_444 / 1000.4).abs() < 1e-6);
+}

@@ -1,0 +1,8 @@
+//! The drives, seen from their pins.
+
+#[cfg(test)]
+mod pwm_encoder;
+#[cfg(test)]
+mod quadrature;
+#[cfg(test)]
+mod step_dir;
