@@ -2,7 +2,7 @@
 
 use crate::cli::DeviceArgs;
 use crate::device::qemu::QemuOptions;
-use crate::device::{Device, DeviceName, FlyingDevice, InProcess, OpenError, Opener};
+use crate::device::{Device, DeviceName, FlyingDevice, InProcess, OpenError, Opener, RecordSource};
 use crate::failure::Failure;
 
 impl DeviceArgs {
@@ -43,6 +43,22 @@ impl DeviceArgs {
         let name = self.device.as_ref().unwrap_or(&DeviceName::Sil);
         self.check_options(name)?;
         Ok(self.opener().open_flying(name)?)
+    }
+
+    /// Opens a device that may have records of a flight.
+    ///
+    /// # Errors
+    /// [`Failure`] where none is named, and where it cannot be opened.
+    pub(super) fn open_records(&self) -> Result<Box<dyn RecordSource>, Failure> {
+        const WHICH: &str = "a camera that has flown is needed: name it with --device serial:PATH";
+        let name = self
+            .device
+            .as_ref()
+            .ok_or_else(|| Failure::bad_input(WHICH))?;
+        self.check_options(name)?;
+        self.opener()
+            .open_records(name)?
+            .ok_or_else(|| Failure::bad_input(format!("--device {name}: {WHICH}")))
     }
 
     fn opener(&self) -> Opener {

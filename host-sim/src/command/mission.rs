@@ -14,7 +14,9 @@ use crate::mission::judgement::Judgement;
 use crate::mission::settings::flight_settings;
 use crate::report::figure::FigureError;
 use crate::report::mission::summary::Summary;
-use crate::report::mission::{MissionReport, frames_plot, histogram, html, text, timeline, truth_csv};
+use crate::report::mission::{
+    MissionReport, frames_plot, histogram, html, text, timeline, truth_csv,
+};
 use crate::report::records;
 
 pub(super) fn run(args: &MissionArgs) -> Result<(), Failure> {
@@ -103,9 +105,7 @@ fn write(out: &std::path::Path, report: &MissionReport<'_>) -> Result<(), Failur
         ),
         (
             "histogram.svg",
-            histogram::histograms(report)
-                .map_err(drawing)?
-                .into_bytes(),
+            histogram::histograms(report).map_err(drawing)?.into_bytes(),
         ),
     ];
     if report.flown.trace.is_some() {

@@ -23,16 +23,15 @@ pub(super) fn run(args: &RecordsArgs) -> Result<(), Failure> {
             )));
         }
     }
-    let mut device = args.device.open_flying()?;
+    let mut device = args.device.open_records()?;
     let mut recorded: Vec<FrameRecord> = Vec::new();
     let mut next = 0;
-    while let Some(record) = device.record(next)? {
+    while let Some(record) = device.fetch(next)? {
         next = record.sequence.saturating_add(1);
         recorded.push(record);
     }
     let (mut csv, mut json) = (Vec::new(), Vec::new());
-    let failed =
-        |error: &dyn std::fmt::Display| Failure::device_or_io(format!("records: {error}"));
+    let failed = |error: &dyn std::fmt::Display| Failure::device_or_io(format!("records: {error}"));
     records::write_csv(&recorded, &mut csv).map_err(|error| failed(&error))?;
     records::write_json(None, &recorded, &mut json).map_err(|error| failed(&error))?;
     let folder = OutputFolder::create(&args.out)?;
@@ -42,7 +41,7 @@ pub(super) fn run(args: &RecordsArgs) -> Result<(), Failure> {
     folder.sync()?;
     // They are safe now, and only now.
     if let Some(last) = recorded.last() {
-        device.acknowledge(last.sequence)?;
+        device.are_safe(last.sequence)?;
     }
     output::write(None, |sink: &mut dyn Write| match recorded.as_slice() {
         [] => writeln!(sink, "no records"),

@@ -83,7 +83,16 @@ impl MissionScenario {
         exposures: Option<u32>,
     ) -> Result<Self, Failure> {
         Self::parse_with(file, text, exposures, |camera| {
-            CameraFile::read(&folder.join(camera))
+            let path = folder.join(camera);
+            if path.is_file() {
+                Ok(CameraFile::read(&path)?)
+            } else {
+                let written = CameraText::new(file, text);
+                Err(written.invalid(
+                    &["camera"],
+                    &format!("names a camera file, {}, that is not there", path.display()),
+                ))
+            }
         })
     }
 

@@ -348,7 +348,12 @@ impl<'a> Flight<'a> {
         let is_moving = match self.setpoint {
             Some(setpoint) => setpoint.speed_mm_s != 0.0,
             None => {
-                let moves = [State::RunUp, State::Tracking, State::Exposing, State::FlyBack];
+                let moves = [
+                    State::RunUp,
+                    State::Tracking,
+                    State::Exposing,
+                    State::FlyBack,
+                ];
                 answer.powered && moves.contains(&answer.state)
             }
         };

@@ -9,7 +9,11 @@ use crate::support::flown;
 fn same_seed_gives_the_same_records_bit_for_bit_and_another_seed_others() {
     let scenario = MissionScenario::nominal(Some(8)).unwrap();
     let records = |seed| {
-        let records: Vec<_> = flown(&scenario, seed).frames.iter().map(|frame| frame.record).collect();
+        let records: Vec<_> = flown(&scenario, seed)
+            .frames
+            .iter()
+            .map(|frame| frame.record)
+            .collect();
         crc32(&records)
     };
     assert_eq!(records(5), records(5));

@@ -17,14 +17,23 @@ fn there_is_a_scenario_for_every_fault() {
             with_scenario.insert(fault.injection.fault);
         }
     }
-    assert!(with_scenario.iter().eq(BTreeSet::from(InjectedFault::ALL).iter()));
+    assert!(
+        with_scenario
+            .iter()
+            .eq(BTreeSet::from(InjectedFault::ALL).iter())
+    );
 }
 
 #[test]
 fn silent_source_is_bridged_then_flown_without() {
     let (flown, _) = passed(&fault_scenario("vh-drop-out"), 1);
     // First the last good V/H, then no compensation; every trigger is exposed.
-    let has = |flag| flown.frames.iter().position(|frame| frame.record.flags.contains(flag));
+    let has = |flag| {
+        flown
+            .frames
+            .iter()
+            .position(|frame| frame.record.flags.contains(flag))
+    };
     assert!(has(Flag::LastGoodVh).unwrap() < has(Flag::NoCompensation).unwrap());
 }
 
@@ -123,7 +132,11 @@ fn late_shutter_is_recorded_where_it_opened() {
 fn shutter_that_stays_shut_leaves_a_refusal_and_no_exposure() {
     let (flown, _) = passed(&fault_scenario("shutter-missing"), 1);
     let exposed = |outcome: &Outcome| matches!(outcome, Outcome::Exposed(_));
-    let count = flown.frames.iter().filter(|frame| exposed(&frame.record.outcome)).count();
+    let count = flown
+        .frames
+        .iter()
+        .filter(|frame| exposed(&frame.record.outcome))
+        .count();
     assert_eq!(count, flown.frames.len() - 1);
 }
 
@@ -131,14 +144,25 @@ fn shutter_that_stays_shut_leaves_a_refusal_and_no_exposure() {
 fn bouncing_sensor_is_noticed_and_the_frame_is_right() {
     let (flown, judgement) = passed(&fault_scenario("shutter-double"), 1);
     for (frame, errors) in flown.frames.iter().zip(&judgement.errors) {
-        assert!(errors.unwrap().pp_error_px.abs() < 0.1, "{:?}", frame.record.sequence);
+        assert!(
+            errors.unwrap().pp_error_px.abs() < 0.1,
+            "{:?}",
+            frame.record.sequence
+        );
     }
 }
 
 #[test]
 fn trigger_that_comes_too_soon_is_refused_and_disturbs_nothing() {
     let (_, judgement) = passed(&fault_scenario("trigger-overlap"), 1);
-    assert_eq!(judgement.errors.iter().filter(|errors| errors.is_none()).count(), 1);
+    assert_eq!(
+        judgement
+            .errors
+            .iter()
+            .filter(|errors| errors.is_none())
+            .count(),
+        1
+    );
 }
 
 #[test]

@@ -14,7 +14,10 @@ fn nominal_mission_keeps_its_limits() {
     assert!((limits.pp_error_px - 0.1).abs() < 1e-12 && (limits.smear_px - 0.25).abs() < 1e-12);
     for errors in &judgement.errors {
         let errors = errors.unwrap();
-        assert!(errors.pp_error_px.abs() <= 0.1 && errors.smear_px <= 0.25, "{errors:?}");
+        assert!(
+            errors.pp_error_px.abs() <= 0.1 && errors.smear_px <= 0.25,
+            "{errors:?}"
+        );
     }
 }
 

@@ -23,7 +23,9 @@ pub(crate) fn fault_scenario(name: &str) -> MissionScenario {
 pub(crate) fn flown(scenario: &MissionScenario, seed: u64) -> Flown {
     let mut device = InProcess::default();
     let settings = flight_settings(&scenario.written, scenario.interval_s);
-    device.prepare(&scenario.camera.record(), &settings).unwrap();
+    device
+        .prepare(&scenario.camera.record(), &settings)
+        .unwrap();
     let mechanics = Mechanics::new(scenario.written.mechanics).unwrap();
     let options = FlightOptions { seed, frame: None };
     fly(scenario, options, mechanics, &mut device, |_| {}).unwrap()
