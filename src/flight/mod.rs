@@ -6,6 +6,7 @@ pub mod drive;
 pub mod event;
 pub mod exposure;
 pub mod fault;
+pub mod following_error;
 pub mod frame_record;
 pub mod interior_orientation;
 pub mod record_log;

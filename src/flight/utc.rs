@@ -91,8 +91,8 @@ struct Doubt {
 /// # Model
 /// With the last pulse at camera time T, the beginning of second N, and the clock's drift d measured from pulse to pulse
 /// (exponential mean, gain 1/8), UTC at camera time t is `N + (t - T)/(1 + d)`. With `age = |t - T|`:
-/// `σ² = σ_pulse² + ((σ_d + w·age)·age)² + σ_q²`, where σ_d is the mean deviation of the measured drifts, w
-/// [`DRIFT_WANDER_PPM_PER_S`] and σ_q the rounding to microseconds. While the receiver's times contradict the count of
+/// `σ² = σ_pulse² + ((σ_d + w·age)·age)² + σ_q²`, where `σ_d` is the mean deviation of the measured drifts, w
+/// [`DRIFT_WANDER_PPM_PER_S`] and `σ_q` the rounding to microseconds. While the receiver's times contradict the count of
 /// pulses, the contradiction is added to σ.
 #[derive(Debug, Clone)]
 pub struct UtcClock {
@@ -364,22 +364,24 @@ mod tests {
         clock
     }
 
-    /// Error of UTC so many camera seconds after the pulse, µs.
-    fn error_us(clock: &UtcClock, after: u64, seconds: f64) -> f64 {
-        let camera = pulse_at(after).us() as f64 + seconds * 1_000_020.0;
-        let found = clock.utc(Time::from_us(camera.round() as u64)).unwrap();
-        let expected = (NEW_YEAR_S + after) as f64 * 1e6 + seconds * 1e6;
-        found.unix_us as f64 - expected
+    /// Error of UTC so many milliseconds after the pulse, µs.
+    fn error_us(clock: &UtcClock, after: u64, ms: i64) -> i64 {
+        // 20 ppm of a millisecond are 0.02 µs.
+        let elapsed_us = ms * 1000 + ms / 50;
+        let camera = pulse_at(after).us().saturating_add_signed(elapsed_us);
+        let found = clock.utc(Time::from_us(camera)).unwrap();
+        let expected = ((NEW_YEAR_S + after) * US_PER_S).saturating_add_signed(ms * 1000);
+        found.unix_us.cast_signed() - expected.cast_signed()
     }
 
     #[test]
     fn utc_follows_the_pulse_and_the_measured_drift() {
         let clock = running(10);
         assert!((clock.drift_ppm().unwrap() - 20.0).abs() < 0.01);
-        for seconds in [-3.0, 0.0, 0.25, 0.999, 30.0, 500.0] {
-            let error = error_us(&clock, 9, seconds);
+        for ms in [-3000, 0, 250, 999, 30_000, 500_000] {
+            let error = error_us(&clock, 9, ms);
             // Rounding of both clocks to 1 µs.
-            assert!(error.abs() <= 2.0, "{seconds}: {error} µs");
+            assert!(error.abs() <= 2, "{ms} ms: {error} µs");
         }
     }
 
@@ -411,7 +413,7 @@ mod tests {
         let mut clock = running(5);
         let found = second(&mut clock, 8);
         assert_eq!(found, [Some(UtcFinding::MissingPulses(3)), None]);
-        assert!(error_us(&clock, 8, 0.5).abs() <= 2.0);
+        assert!(error_us(&clock, 8, 500).abs() <= 2);
     }
 
     #[test]
@@ -422,7 +424,7 @@ mod tests {
             assert_eq!(found, Some(UtcFinding::ExtraPulse));
         }
         assert_eq!(second(&mut clock, 5), [None, None]);
-        assert!(error_us(&clock, 5, 0.5).abs() <= 2.0);
+        assert!(error_us(&clock, 5, 500).abs() <= 2);
         let found = clock.pulse(pulse_at(4));
         assert_eq!(found, Some(UtcFinding::FromThePast));
     }
@@ -437,7 +439,7 @@ mod tests {
         for s in 3..7 {
             assert_eq!(second(&mut clock, s), [None, None]);
         }
-        assert!(error_us(&clock, 6, 0.5).abs() <= 2.0);
+        assert!(error_us(&clock, 6, 500).abs() <= 2);
     }
 
     #[test]
@@ -451,9 +453,10 @@ mod tests {
                 let found = clock.receiver_time(arrival, time);
                 assert_eq!(found, Some(UtcFinding::WrongSecond(wrong)));
             }
-            assert!(error_us(&clock, 5, 0.5).abs() <= 2.0);
+            assert!(error_us(&clock, 5, 500).abs() <= 2);
             let sigma_s = clock.utc(pulse_at(5)).unwrap().sigma_s;
-            assert!(f64::from(sigma_s) >= wrong.unsigned_abs() as f64);
+            let covered = Time::START.plus_s(sigma_s).us() / US_PER_S;
+            assert!(covered >= wrong.unsigned_abs());
             assert_eq!(second(&mut clock, 6), [None, None]);
             assert!(clock.utc(pulse_at(6)).unwrap().sigma_s < 1e-5);
         }
@@ -470,8 +473,8 @@ mod tests {
             });
             let wrong = UtcFinding::WrongSecond(step);
             assert_eq!(found, [wrong, wrong, UtcFinding::Stepped(step)]);
-            let error = error_us(&clock, 7, 0.0) - step as f64 * 1e6;
-            assert!(error.abs() <= 2.0);
+            let error = error_us(&clock, 7, 0) - step * 1_000_000;
+            assert!(error.abs() <= 2);
         }
     }
 

@@ -66,7 +66,7 @@ impl Bench {
     pub(crate) fn arm(&mut self) {
         self.run(2);
         self.send(Event::Command(Command::Arm));
-        self.run_until(500, |state| state == State::Armed);
+        self.run_until(2000, |state| state == State::Armed);
     }
 
     /// Something happens now.

@@ -1,11 +1,15 @@
 //! Frames in which nothing goes wrong.
 
+use fmc_camera::flight::camera::Mechanism;
 use fmc_camera::flight::controller::state::State;
-use fmc_camera::flight::event::Event;
+use fmc_camera::flight::controller::{Controller, Start};
+use fmc_camera::flight::event::{Action, Event};
+use fmc_camera::flight::exposure::FlightDirection;
 use fmc_camera::flight::fault::Faults;
 use fmc_camera::flight::frame_record::{Flags, Outcome};
+use fmc_camera::flight::settings::FlightSettings;
 
-use crate::bench::Bench;
+use crate::bench::{Bench, camera};
 
 #[test]
 fn trigger_leads_through_all_states_to_a_measured_record() {
@@ -43,4 +47,97 @@ fn trigger_leads_through_all_states_to_a_measured_record() {
     // σ of V/H given directly: 0.0005 1/s of 0.1 1/s, 0.5 % of 33.3 µm.
     assert!((frame.smear_px - 0.019).abs() < 0.002, "{}", frame.smear_px);
     assert!(frame.principal_point_sigma_mm < 5e-5);
+}
+
+#[test]
+fn settings_that_cannot_be_flown_are_refused_with_their_numbers() {
+    let refused = |settings| {
+        Controller::new(&camera(), 0, settings, Start::Orderly)
+            .unwrap_err()
+            .to_string()
+    };
+    let nominal = FlightSettings::default();
+    for (settings, expected) in [
+        (
+            FlightSettings {
+                exposure_s: 0.5,
+                ..nominal
+            },
+            "exposure_s = 0.5 is outside 0.001 to 0.02",
+        ),
+        (
+            FlightSettings {
+                shutter_latency_s: f32::NAN,
+                ..nominal
+            },
+            "shutter_latency_s = NaN is outside 0 to 1",
+        ),
+        (
+            FlightSettings {
+                trigger_interval_s: 0.05,
+                ..nominal
+            },
+            "s, there are 0.0500 s",
+        ),
+    ] {
+        let found = refused(settings);
+        assert!(found.contains(expected), "{found}");
+    }
+    let slow = FlightSettings {
+        trigger_interval_s: 0.5,
+        ..nominal
+    };
+    assert!(Controller::new(&camera(), 0, slow, Start::Orderly).is_ok());
+}
+
+#[test]
+fn reverse_flight_mirrors_the_record() {
+    let fly = |direction| {
+        let mut bench = Bench::new(FlightSettings {
+            direction,
+            ..FlightSettings::default()
+        });
+        bench.arm();
+        bench.send(Event::Trigger);
+        bench.run(200);
+        let [record] = bench.records()[..] else {
+            panic!("one record");
+        };
+        let Outcome::Exposed(frame) = record.outcome else {
+            panic!("{record:?}");
+        };
+        frame
+    };
+    let (forward, reverse) = (fly(FlightDirection::Forward), fly(FlightDirection::Reverse));
+    let (there, back) = (forward.interior.motion, reverse.interior.motion);
+    assert!((there.travel_mm + back.travel_mm).abs() < 1e-7 && back.travel_mm < -0.03);
+    assert!((there.centroid_mm + back.centroid_mm).abs() < 1e-7);
+    assert!((forward.smear_um - reverse.smear_um).abs() < 1e-3);
+}
+
+#[test]
+fn rows_of_a_tdi_sensor_need_no_stage() {
+    let mut record = camera();
+    record.mechanism = Mechanism::Tdi {
+        first_transfer: 0.5,
+    };
+    let mut bench = Bench::with(&record, FlightSettings::default(), Start::Orderly);
+    bench.is_read = false;
+    bench.arm();
+    bench.send(Event::Trigger);
+    bench.run(50);
+    let [record] = bench.records()[..] else {
+        panic!("one record");
+    };
+    let Outcome::Exposed(frame) = record.outcome else {
+        panic!("{record:?}");
+    };
+    assert_eq!((record.faults, record.flags), (Faults::NONE, Flags::NONE));
+    assert!((frame.interior.motion.travel_mm - 0.0333).abs() < 2e-4);
+    assert!(
+        !bench
+            .actions
+            .iter()
+            .any(|(_, it)| *it == Action::ReleaseStage)
+    );
 }

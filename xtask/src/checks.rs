@@ -123,15 +123,15 @@ fn run_step(step: Step, workspace: &Workspace, target: Option<&Target<'_>>) -> R
     let command = match step {
         Step::Format => workspace.cargo("fmt --all --check"),
         Step::HostLints => workspace
-            .cargo("clippy --workspace --exclude hil --all-targets --locked -- -D warnings"),
+            .cargo("clippy --workspace --exclude hil --all-targets --features fmc-camera/nmea,fmc-camera/mavlink --locked -- -D warnings"),
         Step::HilLints => {
             workspace.cargo("clippy --package hil --all-targets --locked -- -D warnings")
         }
         Step::Docs => {
-            let doc = workspace.cargo("doc --workspace --exclude hil --no-deps --locked");
+            let doc = workspace.cargo("doc --workspace --exclude hil --no-deps --features fmc-camera/nmea,fmc-camera/mavlink --locked");
             doc.env("RUSTDOCFLAGS", "-D warnings")
         }
-        Step::HostTests => workspace.cargo("test --workspace --exclude hil --locked"),
+        Step::HostTests => workspace.cargo("test --workspace --exclude hil --features fmc-camera/nmea,fmc-camera/mavlink --locked"),
         Step::Verify => {
             verify::build_host_sim(workspace)?;
             let host_sim = workspace.shell.cmd(workspace.host_sim()).quiet();

@@ -141,7 +141,7 @@ pub(crate) fn test(workspace: &Workspace, target: &Target<'_>) -> Result<()> {
     let with_drills = build(workspace, target, Image::Mps2WithDrills)?;
     // All packages, because their features decide together what the dependencies are built with.
     let test =
-        workspace.cargo("test --workspace --exclude hil --locked --test firmware -- --ignored");
+        workspace.cargo("test --workspace --exclude hil --features fmc-camera/nmea,fmc-camera/mavlink --locked --test firmware -- --ignored");
     let test = test
         .env("FMC_FIRMWARE", flight)
         .env("FMC_FIRMWARE_WITH_DRILLS", with_drills);

@@ -25,6 +25,7 @@ pub struct MissionFile {
     #[serde(default)]
     pub terrain: MissionTerrainTable,
     pub vh: Vec<VhTable>,
+    pub gnss: Option<GnssTable>,
     #[serde(default)]
     pub shutter: MissionShutterTable,
     #[serde(default)]
@@ -145,6 +146,17 @@ pub struct VhTable {
     pub sigma_percent: f64,
     #[serde(default)]
     pub latency_ms: f64,
+}
+
+/// `[gnss]`.
+#[derive(Debug, Clone, PartialEq, Eq, Deserialize)]
+#[serde(deny_unknown_fields)]
+#[expect(
+    missing_docs,
+    reason = "each field is the key of the same name in the scenario"
+)]
+pub struct GnssTable {
+    pub first_pulse_unix_s: i64,
 }
 
 /// What gives V/H.

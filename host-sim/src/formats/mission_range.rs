@@ -23,6 +23,7 @@ const SENSOR_SIGMA: Range = range(0.0, 20.0, "%");
 const SENSOR_LATENCY: Range = range(0.0, 2000.0, "ms");
 const SHUTTER_LATENCY: Range = range(0.0, 100.0, "ms");
 const SHUTTER_JITTER: Range = range(0.0, 1000.0, "µs");
+const UNIX_S: Range = range(0.0, 2_147_483_647.0, "s since 1970");
 const PIXELS: Range = range(0.001, 100.0, "px");
 
 /// Refuses the first number of the mission that is out of its range; faults and mechanics apart.
@@ -101,6 +102,13 @@ pub(super) fn check_numbers(mission: &MissionFile, text: &CameraText) -> Result<
         ] {
             range.check(value, text, &["vh", index.as_str(), key])?;
         }
+    }
+    if let Some(gnss) = &mission.gnss {
+        UNIX_S.check(
+            whole(gnss.first_pulse_unix_s),
+            text,
+            &["gnss", "first_pulse_unix_s"],
+        )?;
     }
     if flight.height_m <= terrain.height_m + terrain.relief_m {
         return Err(text.invalid(

@@ -15,11 +15,20 @@ use crate::formats::mission_scenario::MissionScenario;
 use crate::formats::number::single;
 use crate::noise::Noise;
 
+/// When the receiver's first time pulse comes, µs.
+const FIRST_PULSE_US: u64 = 300_250;
+/// A second, µs.
+const SECOND_US: u64 = 1_000_000;
+/// So long after its pulse comes the message that names it, µs.
+const NAMED_AFTER_US: u64 = 120_000;
+
 /// All sensors of the aircraft.
 #[derive(Debug, Clone)]
 pub struct Sensors {
     sources: Vec<Source>,
     attitude: Option<Clocked>,
+    /// The time pulse, and the second that the first one begins.
+    pulses: Option<(Clocked, u64)>,
     /// When something happens next, µs.
     due_us: u64,
     told_vh_per_s: f64,
@@ -74,6 +83,13 @@ impl Sensors {
                 period_us: microseconds(1.0 / reported_hz),
                 next_us: 700,
             }),
+            pulses: scenario.written.gnss.as_ref().map(|gnss| {
+                let clock = Clocked {
+                    period_us: SECOND_US,
+                    next_us: FIRST_PULSE_US,
+                };
+                (clock, u64::try_from(gnss.first_pulse_unix_s).unwrap_or(0))
+            }),
             due_us: 0,
             told_vh_per_s: 0.0,
         }
@@ -103,6 +119,23 @@ impl Sensors {
                 let sample = aircraft.attitude_sample(seconds(clock.next_us));
                 arrived.push((Time::from_us(clock.next_us), Event::Attitude(sample)));
                 clock.next_us += clock.period_us.max(1);
+            }
+            due_us = due_us.min(clock.next_us);
+        }
+        if let Some((clock, first_unix_s)) = &mut self.pulses {
+            // Half of the rounds of this clock are pulses, the others their names.
+            while clock.next_us <= to_us {
+                let time = Time::from_us(clock.next_us);
+                let into_second_us = (clock.next_us - FIRST_PULSE_US) % SECOND_US;
+                let second = (clock.next_us - FIRST_PULSE_US) / SECOND_US;
+                if into_second_us == 0 {
+                    arrived.push((time, Event::TimePulse));
+                    clock.next_us += NAMED_AFTER_US;
+                } else {
+                    let unix_us = (*first_unix_s + second) * SECOND_US;
+                    arrived.push((time, Event::GnssTime(unix_us)));
+                    clock.next_us += clock.period_us - NAMED_AFTER_US;
+                }
             }
             due_us = due_us.min(clock.next_us);
         }

@@ -2,6 +2,7 @@
 
 use super::motion::Motion;
 use super::state::State;
+use super::timing::EXERCISE_WAYS;
 use super::{Actions, Controller, act};
 use crate::flight::event::{Action, Command};
 use crate::flight::fault::Fault;
@@ -26,7 +27,10 @@ impl Controller {
             State::Standby if self.degraded.is_some_and(is_of_the_stage) => {
                 self.state = self.ready();
             }
-            State::Standby => self.resume(now, actions),
+            State::Standby => {
+                self.exercise = EXERCISE_WAYS;
+                self.resume(now, actions);
+            }
             // On its way to standby.
             _ => self.is_disarming = false,
         }

@@ -43,6 +43,7 @@ impl Controller {
             act(actions, Action::ReleaseStage);
         }
         self.motion = Motion::Released;
+        self.exercise = 0;
         self.following.clear();
         self.watch = StageWatch::new();
         self.standing_since = None;

@@ -34,6 +34,7 @@ use super::camera::{self, Camera, CameraRecord, FrameError};
 use super::drive::settings::SettingOutOfRange;
 use super::event::{Action, AttitudeSample, Event};
 use super::fault::{Fault, Faults};
+use super::following_error::FollowingError;
 use super::frame_record::FrameRecord;
 use super::record_log::RecordLog;
 use super::settings::FlightSettings;
@@ -69,6 +70,9 @@ pub struct Controller {
     watch: StageWatch,
     /// Following error of the stage; without force, its place.
     following: Slope,
+    following_error: FollowingError,
+    /// Ways of the exercise that are left.
+    exercise: u8,
     /// Why there is no compensation.
     degraded: Option<Fault>,
     /// The encoder has lost its place, until it is cleared.
@@ -122,6 +126,9 @@ impl Controller {
     ) -> Result<Self, ControllerError> {
         let camera = Camera::new(*record).map_err(ControllerError::Calibration)?;
         let settings = settings.checked().map_err(ControllerError::Settings)?;
+        camera
+            .check_exposure_time(settings.exposure_s)
+            .map_err(|error| ControllerError::Travel(error.into()))?;
         let mut faults = Faults::NONE;
         let state = match start {
             Start::Orderly => State::Standby,
@@ -140,6 +147,8 @@ impl Controller {
             track: StageTrack::new(),
             watch: StageWatch::new(),
             following: Slope::new(),
+            following_error: FollowingError::default(),
+            exercise: 0,
             degraded: None,
             is_place_lost: false,
             standing_since: None,
@@ -220,6 +229,12 @@ impl Controller {
     #[must_use]
     pub const fn counts(&self) -> Counts {
         self.counts
+    }
+
+    /// How well the stage has followed lately.
+    #[must_use]
+    pub const fn following_error(&self) -> &FollowingError {
+        &self.following_error
     }
 
     /// Whether a frame is in flight: calibration and settings must stay.

@@ -1,5 +1,6 @@
 //! Readings of the stage's encoder.
 
+use super::timing::UNLEARNED_TOLERANCE;
 use super::{Actions, Controller};
 use crate::flight::drive::StageReading;
 use crate::flight::fault::Fault;
@@ -19,7 +20,10 @@ impl Controller {
             }
             return;
         };
-        let tolerance = self.settings.stage_tolerance();
+        let mut tolerance = self.settings.stage_tolerance();
+        if self.exercise > 0 {
+            tolerance.following_mm *= UNLEARNED_TOLERANCE;
+        }
         match self.watch.look(reading, setpoint, &tolerance) {
             Finding::Suspicious => return,
             Finding::Follows => {}
@@ -33,8 +37,9 @@ impl Controller {
             }
             Finding::Fault(fault) => self.fail(reading.time, fault, actions),
         }
+        let error_mm = reading.offset_mm - setpoint.offset_mm;
         self.track.push(reading);
-        self.following
-            .push(reading.time, reading.offset_mm - setpoint.offset_mm);
+        self.following.push(reading.time, error_mm);
+        self.following_error.push(error_mm);
     }
 }

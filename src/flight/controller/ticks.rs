@@ -56,7 +56,7 @@ impl Controller {
                 self.degraded = None;
                 self.state = State::Armed;
             }
-            State::FlyBack if self.motion.is_over(now) => self.arrive(actions),
+            State::FlyBack if self.motion.is_over(now) => self.arrive(now, actions),
             State::Fault(fault) if self.frame.is_none() => self.recover(now, fault, actions),
             _ => {}
         }
@@ -200,9 +200,12 @@ impl Controller {
     }
 
     /// The stage is back.
-    fn arrive(&mut self, actions: &mut Actions) {
+    fn arrive(&mut self, now: Time, actions: &mut Actions) {
         if core::mem::take(&mut self.is_disarming) {
             self.stand_by(actions);
+        } else if self.exercise > 0 {
+            self.exercise = self.exercise.saturating_sub(1);
+            self.go_back(now, actions);
         } else {
             self.state = self.ready();
         }

@@ -1,5 +1,15 @@
 //! Times by which the camera judges.
 
+/// Ways that the stage goes to and fro when the camera is armed: two strokes, by which a velocity loop learns the
+/// stage's friction and mass ([`LoopSettings::LEARNED`](crate::flight::drive::loop_settings::LoopSettings::LEARNED)).
+pub const EXERCISE_WAYS: u8 = 4;
+
+/// Their ends, as a part of the stroke from the calibrated position.
+pub const EXERCISE_REACH: f32 = 0.25;
+
+/// Until then the stage may be off its set point by so many times more.
+pub const UNLEARNED_TOLERANCE: f32 = 1.5;
+
 /// Period of the control loop, s.
 pub const TICK_S: f32 = 1e-3;
 

@@ -3,7 +3,7 @@
 use super::frame::FrameInFlight;
 use super::motion::Motion;
 use super::state::State;
-use super::timing::{LEAD_S, TICK_S};
+use super::timing::{EXERCISE_REACH, LEAD_S, TICK_S};
 use super::{Actions, Controller, ControllerError};
 use crate::flight::camera::FrameError;
 use crate::flight::exposure::Exposure;
@@ -190,13 +190,18 @@ impl Controller {
         }
     }
 
-    /// The way to the waiting place, from wherever the stage is.
+    /// The way to the waiting place, or to the next end of the exercise, from wherever the stage is.
     pub(super) fn way_back(&self, now: Time) -> Option<Profile> {
         let from = self.motion.setpoint(now).unwrap_or_else(|| Setpoint {
             offset_mm: self.track.last().map_or(0.0, |reading| reading.offset_mm),
             ..Setpoint::default()
         });
-        let place_mm = self.waiting_place_mm(now).unwrap_or(0.0);
+        let reach_mm = EXERCISE_REACH * self.camera.calibration().record().stroke_mm;
+        let place_mm = match self.exercise {
+            0 => self.waiting_place_mm(now).unwrap_or(0.0),
+            ways if ways % 2 == 0 => -reach_mm,
+            _ => reach_mm,
+        };
         self.camera.stage().reposition(from, place_mm).ok()
     }
 

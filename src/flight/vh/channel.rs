@@ -229,7 +229,7 @@ impl Channel {
             } else {
                 value * value * barred.ratio > barred.value * barred.value
             };
-            if !confirmed && !(back && value > 0.0) {
+            if !(confirmed || back && value > 0.0) {
                 // It follows while the aircraft climbs.
                 if value > 0.0 {
                     self.barred = Some(Barred { value, ..barred });

@@ -115,6 +115,7 @@ pub(super) fn status(deck: &impl FlightDeck) -> Result<Status, Refusal> {
         state: controller.state(),
         counts: controller.counts(),
         kept: controller.kept(),
+        following_rms_um: controller.following_error().rms_um(),
     })
 }
 

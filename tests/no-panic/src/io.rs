@@ -1,4 +1,4 @@
-//! The link.
+//! The link, and what aircraft send.
 
 use fmc_camera::io::link::{
     deck::RigDeck,
@@ -33,4 +33,24 @@ pub(crate) fn keep() {
         Station::<RigDeck>::counters,
         Station::<RigDeck>::deck_mut,
     ];
+    #[cfg(feature = "mavlink")]
+    keep_mavlink();
+    #[cfg(feature = "nmea")]
+    keep_nmea();
+}
+
+#[cfg(feature = "mavlink")]
+fn keep_mavlink() {
+    use fmc_camera::io::mavlink::MavlinkReceiver;
+    keep![
+        MavlinkReceiver::new,
+        MavlinkReceiver::receive,
+        MavlinkReceiver::buffered,
+    ];
+}
+
+#[cfg(feature = "nmea")]
+fn keep_nmea() {
+    use fmc_camera::io::nmea::NmeaReceiver;
+    keep![NmeaReceiver::new, NmeaReceiver::receive];
 }

@@ -1,0 +1,51 @@
+//! How well the stage follows: a figure for the status, not for a coordinate.
+
+use micromath::F32Ext;
+
+/// Readings over which the mean runs: an exponential window of a second and two hundredths at 1 kHz.
+pub const WINDOW: f32 = 1024.0;
+
+/// Most that [`FollowingError::rms_um`] is off for the approximate square root, as a fraction.
+pub const ROOT_ERROR: f32 = 0.06;
+
+/// The mean square of the following error over about a second.
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
+pub struct FollowingError {
+    mean_square_um2: f32,
+}
+
+impl FollowingError {
+    /// Takes a following error, mm.
+    pub fn push(&mut self, error_mm: f32) {
+        let error_um = 1000.0 * error_mm;
+        self.mean_square_um2 += (error_um * error_um - self.mean_square_um2) / WINDOW;
+    }
+
+    /// Its root mean square, µm.
+    ///
+    /// # Accuracy
+    /// [`ROOT_ERROR`]: the square root is `micromath`'s approximate one.
+    #[must_use]
+    pub fn rms_um(&self) -> f32 {
+        F32Ext::sqrt(self.mean_square_um2)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn rms_is_right_within_the_stated_error() {
+        for amplitude_um in [0.1_f32, 0.37, 1.0, 2.9, 8.0] {
+            let mut following = FollowingError::default();
+            for reading in 0..20_000_u16 {
+                let sign = if reading % 2 == 0 { 1.0 } else { -1.0 };
+                following.push(sign * 1e-3 * amplitude_um);
+            }
+            let error = following.rms_um() / amplitude_um - 1.0;
+            assert!(error.abs() <= ROOT_ERROR, "{amplitude_um}: {error}");
+        }
+        assert!(FollowingError::default().rms_um() < 1e-6);
+    }
+}
