@@ -269,9 +269,8 @@ fn check_settings(
     text: &CameraText,
 ) -> Result<(), Failure> {
     let settings = flight_settings(written, interval_s);
-    let refused = match Controller::new(&camera.record(), 0, settings, Start::Orderly) {
-        Ok(_) => return Ok(()),
-        Err(refused) => refused,
+    let Err(refused) = Controller::new(&camera.record(), 0, settings, Start::Orderly) else {
+        return Ok(());
     };
     let (path, fault): (&[&str], String) = match refused {
         ControllerError::Travel(FrameError::Time {

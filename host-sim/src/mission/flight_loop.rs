@@ -30,6 +30,8 @@ const ARMED_AT_US: u64 = 200_000;
 const PATH_MARGIN_S: f64 = 0.002;
 /// Before its trigger a frame's trace begins, µs.
 const TRACE_BEFORE_US: u64 = 20_000;
+/// After its record it goes on, µs: the fly-back.
+const TRACE_AFTER_US: u64 = 70_000;
 /// What the edges of a shutter's sensor may differ from the light by, µs.
 const SAME_OPENING_US: u64 = 100_000;
 /// The flight goes on so long after its last trigger, µs, and at most so long.
@@ -108,6 +110,13 @@ pub fn fly(
     Flight::new(scenario, options, mechanics, device).run(description, status)
 }
 
+/// A frame whose rounds are to be kept.
+struct Traced {
+    sequence: u32,
+    trigger_us: u64,
+    until_us: u64,
+}
+
 /// A flight under way.
 struct Flight<'a> {
     device: &'a mut dyn FlyingDevice,
@@ -136,6 +145,8 @@ struct Flight<'a> {
     truths: Vec<FrameTruth>,
     next_sequence: u32,
     record_waits: bool,
+    /// The frame that is shown, as long as its rounds go on.
+    traced: Option<Traced>,
     /// How bad the frame of the trace is.
     trace_badness: f64,
     flown: Flown,
@@ -186,6 +197,7 @@ impl<'a> Flight<'a> {
             truths: Vec::new(),
             next_sequence: 1,
             record_waits: false,
+            traced: None,
             trace_badness: f64::NEG_INFINITY,
             flown: Flown {
                 device: String::new(),
@@ -224,6 +236,7 @@ impl<'a> Flight<'a> {
                 break;
             }
         }
+        self.finish_trace();
         self.flown.unrecorded = std::mem::take(&mut self.truths);
         self.flown.duration_s = seconds(now_us);
         self.flown.device = description;
@@ -262,6 +275,13 @@ impl<'a> Flight<'a> {
             .advance(f64::from(answer.duty), answer.powered, until_next_s);
         self.expose(next_us);
         self.fetch(now_us)?;
+        if self
+            .traced
+            .as_ref()
+            .is_some_and(|traced| now_us >= traced.until_us)
+        {
+            self.finish_trace();
+        }
         Ok(answer)
     }
 
@@ -345,18 +365,16 @@ impl<'a> Flight<'a> {
     /// When a fault can first be felt: those of the stage only while it is to move.
     fn feel(&mut self, now_us: u64, answer: &RigAnswer) {
         let time_s = seconds(now_us);
-        let is_moving = match self.setpoint {
-            Some(setpoint) => setpoint.speed_mm_s != 0.0,
-            None => {
-                let moves = [
-                    State::RunUp,
-                    State::Tracking,
-                    State::Exposing,
-                    State::FlyBack,
-                ];
-                answer.powered && moves.contains(&answer.state)
-            }
-        };
+        let moves = [
+            State::RunUp,
+            State::Tracking,
+            State::Exposing,
+            State::FlyBack,
+        ];
+        let is_moving = self.setpoint.map_or_else(
+            || answer.powered && moves.contains(&answer.state),
+            |setpoint| setpoint.speed_mm_s != 0.0,
+        );
         for (injection, felt) in self.injections.iter().zip(&mut self.flown.felt_us) {
             let needs_motion = matches!(
                 injection.fault,
@@ -420,29 +438,38 @@ impl<'a> Flight<'a> {
         let badness = self.badness(&frame);
         if badness > self.trace_badness {
             self.trace_badness = badness;
-            let rounds = self
-                .recorder
-                .since(frame.record.trigger.us().saturating_sub(TRACE_BEFORE_US));
-            let until_us = now_us;
-            let rounds: Vec<Round> = rounds
-                .into_iter()
-                .filter(|round| round.time_us <= until_us)
-                .collect();
-            let true_vh_per_s = rounds
-                .iter()
-                .map(|round| {
-                    let there = self.aircraft.speed_and_height(seconds(round.time_us));
-                    there.vh_per_s()
-                })
-                .collect();
-            self.flown.trace = Some(Trace {
+            self.finish_trace();
+            self.traced = Some(Traced {
                 sequence: frame.record.sequence,
                 trigger_us: frame.record.trigger.us(),
-                rounds,
-                true_vh_per_s,
+                until_us: now_us + TRACE_AFTER_US,
             });
         }
         self.flown.frames.push(frame);
+    }
+
+    /// Cuts the rounds of the frame that is shown out of those that are remembered.
+    fn finish_trace(&mut self) {
+        let Some(traced) = self.traced.take() else {
+            return;
+        };
+        let mut rounds = self
+            .recorder
+            .since(traced.trigger_us.saturating_sub(TRACE_BEFORE_US));
+        rounds.retain(|round| round.time_us <= traced.until_us);
+        let true_vh_per_s = rounds
+            .iter()
+            .map(|round| {
+                let there = self.aircraft.speed_and_height(seconds(round.time_us));
+                there.vh_per_s()
+            })
+            .collect();
+        self.flown.trace = Some(Trace {
+            sequence: traced.sequence,
+            trigger_us: traced.trigger_us,
+            rounds,
+            true_vh_per_s,
+        });
     }
 
     /// The true exposure that a record means: the one that opened at its time.

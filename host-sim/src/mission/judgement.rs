@@ -217,7 +217,10 @@ fn refused(flown: &Flown, most: usize) -> Finding {
         .filter(|frame| matches!(frame.record.outcome, Outcome::Refused(_)))
         .count();
     Finding {
-        what: format!("at most {most} triggers refused"),
+        what: match most {
+            0 => "no trigger refused".to_owned(),
+            most => format!("at most {most} triggers refused"),
+        },
         found: format!("{refused} refused"),
         passed: refused <= most,
     }

@@ -5,10 +5,9 @@ use plotters::prelude::{ChartBuilder, Color, IntoDrawingArea, RGBColor, SVGBacke
 use plotters::style::text_anchor::HPos;
 
 use super::MissionReport;
-use super::style::{ALARM, CAMERA, FONT, LABELS, TRUTH};
+use super::style::{ALARM, CAMERA, FONT, LABELS, TRUTH, tick};
 use crate::mission::judgement::FrameErrors;
 use crate::report::figure::{Canvas, FigureError, GRID, OUTLINE, text, text_at};
-use crate::report::wording;
 
 const SIZE: (u32, u32) = (1600, 900);
 
@@ -123,8 +122,8 @@ fn draw(area: &Canvas<'_>, panel: &Panel<'_>) -> Result<(), FigureError> {
         .label_style(text(FONT))
         .axis_desc_style(text(FONT))
         .y_labels(7)
-        .x_label_formatter(&|frame| wording::decimals(*frame, 0))
-        .y_label_formatter(&|value| wording::decimals(*value, 3))
+        .x_label_formatter(&|frame| tick(*frame, 0))
+        .y_label_formatter(&|value| tick(*value, 3))
         .x_desc("trigger")
         .y_desc(panel.unit)
         .draw()?;
@@ -132,12 +131,15 @@ fn draw(area: &Canvas<'_>, panel: &Panel<'_>) -> Result<(), FigureError> {
         let line = [(*frame, low), (*frame, low + 0.08 * (high - low))];
         chart.draw_series([PathElement::new(line, ALARM.stroke_width(3))])?;
     }
-    let radius = if panel.last_frame > 200.0 { 2 } else { 5 };
+    let is_crowded = panel.last_frame > 200.0;
     for (colour, dots) in &panel.dots {
-        chart.draw_series(
-            dots.iter()
-                .map(|dot| Circle::new(*dot, radius, colour.filled())),
-        )?;
+        // What the camera says are rings, so that what is true shows inside.
+        let (radius, style) = match (*colour == CAMERA, is_crowded) {
+            (true, false) => (8, colour.stroke_width(2)),
+            (false, false) => (5, colour.filled()),
+            (_, true) => (2, colour.filled()),
+        };
+        chart.draw_series(dots.iter().map(|dot| Circle::new(*dot, radius, style)))?;
     }
     for limit in &panel.limits {
         let line = [(0.5, *limit), (panel.last_frame + 0.5, *limit)];

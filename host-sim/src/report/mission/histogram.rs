@@ -4,9 +4,8 @@ use plotters::element::{PathElement, Rectangle, Text};
 use plotters::prelude::{ChartBuilder, Color, IntoDrawingArea, RGBColor, SVGBackend};
 
 use super::MissionReport;
-use super::style::{ALARM, FONT, LABELS, TRUTH};
+use super::style::{ALARM, FONT, LABELS, TRUTH, tick};
 use crate::report::figure::{Canvas, FigureError, GRID, OUTLINE, text};
-use crate::report::wording;
 
 const SIZE: (u32, u32) = (1600, 520);
 const BINS: u32 = 40;
@@ -97,8 +96,8 @@ fn draw(
         .axis_desc_style(text(FONT))
         .x_labels(6)
         .y_labels(6)
-        .x_label_formatter(&|value| wording::decimals(*value, 3))
-        .y_label_formatter(&|count| wording::decimals(*count, 0))
+        .x_label_formatter(&|value| tick(*value, 3))
+        .y_label_formatter(&|count| tick(*count, 0))
         .y_desc("frames")
         .draw()?;
     chart.draw_series(

@@ -2,6 +2,8 @@
 
 use plotters::prelude::RGBColor;
 
+use crate::report::wording;
+
 /// What the camera says.
 pub(super) const CAMERA: RGBColor = RGBColor(0, 114, 178);
 /// What is true.
@@ -28,4 +30,10 @@ pub(super) fn around(values: impl Iterator<Item = f64>, least_width: f64) -> [f6
     let middle = 0.5 * (low + high);
     let half = 0.5 * f64::max(1.15 * (high - low), least_width);
     [middle - half, middle + half]
+}
+
+/// A number at an axis; one that rounds to nothing has no sign.
+pub(super) fn tick(value: f64, decimals: usize) -> String {
+    let text = wording::decimals(value, decimals);
+    if text == "-0" { "0".to_owned() } else { text }
 }

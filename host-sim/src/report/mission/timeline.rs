@@ -2,12 +2,12 @@
 
 use plotters::element::{PathElement, Rectangle, Text};
 use plotters::prelude::{ChartBuilder, Color, IntoDrawingArea, RGBColor, SVGBackend};
+use plotters::style::text_anchor::HPos;
 
 use super::MissionReport;
-use super::style::{ALARM, CAMERA, FONT, LABELS, TRUTH, WANTED, around};
+use super::style::{ALARM, CAMERA, FONT, LABELS, TRUTH, WANTED, around, tick};
 use crate::mission::trace::{Round, Trace};
-use crate::report::figure::{Canvas, FigureError, GRID, OUTLINE, text};
-use crate::report::wording;
+use crate::report::figure::{Canvas, FigureError, GRID, OUTLINE, text, text_at};
 
 const SIZE: (u32, u32) = (1600, 1280);
 /// Longest stretch that is drawn, ms after the trigger.
@@ -187,8 +187,14 @@ impl<'a> View<'a> {
             // Short states in turns, so that their names do not run into each other.
             let y = [16, 38, 60].get(row % 3).copied().unwrap_or(16);
             row += 1;
-            let style = text(FONT - 4).color(&colour);
-            area.draw(&Text::new(round.state.to_string(), (x + 6, y), style))?;
+            let is_late = *ms > self.from_ms + 0.85 * (self.to_ms - self.from_ms);
+            let (x, side) = if is_late {
+                (x - 6, HPos::Right)
+            } else {
+                (x + 6, HPos::Left)
+            };
+            let style = text_at(FONT - 4, side).color(&colour);
+            area.draw(&Text::new(round.state.to_string(), (x, y), style))?;
         }
         Ok(())
     }
@@ -207,7 +213,7 @@ impl<'a> View<'a> {
             .y_label_area_size(LABELS)
             .build_cartesian_2d(self.from_ms..self.to_ms, low..high)?;
         let decimals = panel.decimals;
-        let label = move |value: &f64| wording::decimals(*value, decimals);
+        let label = move |value: &f64| tick(*value, decimals);
         let mut mesh = chart.configure_mesh();
         mesh.light_line_style(plotters::style::TRANSPARENT)
             .bold_line_style(GRID)
@@ -216,7 +222,7 @@ impl<'a> View<'a> {
             .axis_desc_style(text(FONT))
             .y_labels(5)
             .y_label_formatter(&label)
-            .x_label_formatter(&|ms| wording::decimals(*ms, 0))
+            .x_label_formatter(&|ms| tick(*ms, 0))
             .y_desc(panel.unit);
         if is_last {
             mesh.x_desc("ms after the trigger");
