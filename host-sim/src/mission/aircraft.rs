@@ -9,6 +9,9 @@ use crate::scene::terrain::Terrain;
 use crate::scene::trajectory::Trajectory;
 use crate::scene::turbulence::{Spectrum, Turbulence};
 
+/// Slower turns than this are taken out by whoever holds the camera level, Hz: over a long flight the angles stay small.
+const LEVELLED_BELOW_HZ: f64 = 0.05;
+
 /// Aircraft and ground of a mission; the same for the same seed.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Aircraft {
@@ -79,9 +82,9 @@ impl Aircraft {
                 reference_s: 0.0,
                 rates_deg_s: [0.0; 3],
                 turbulence: [
-                    process(4, pitch, turn.rate_corner_hz),
-                    process(5, roll, turn.rate_corner_hz),
-                    process(6, yaw, turn.rate_corner_hz),
+                    process(4, pitch, turn.rate_corner_hz).above(LEVELLED_BELOW_HZ),
+                    process(5, roll, turn.rate_corner_hz).above(LEVELLED_BELOW_HZ),
+                    process(6, yaw, turn.rate_corner_hz).above(LEVELLED_BELOW_HZ),
                 ],
             },
             terrain: Terrain::Hills {

@@ -220,7 +220,7 @@ fn unknown_outcome_is_named_with_those_there_are() {
 #[test]
 fn triggers_faster_than_the_mechanism_are_refused() {
     refused(
-        "forward_overlap_percent = 80.0",
+        "forward_overlap_percent = 90.0",
         "interval_s = 0.05",
         &[
             "flight.interval_s = 0.05",
@@ -229,13 +229,13 @@ fn triggers_faster_than_the_mechanism_are_refused() {
         ],
     );
     refused(
-        "forward_overlap_percent = 80.0",
+        "forward_overlap_percent = 90.0",
         "forward_overlap_percent = 99.0",
         &["forward_overlap_percent = 99.0", "would overlap"],
     );
     refused(
-        "forward_overlap_percent = 80.0",
-        "forward_overlap_percent = 80.0\ninterval_s = 1.0",
+        "forward_overlap_percent = 90.0",
+        "forward_overlap_percent = 90.0\ninterval_s = 1.0",
         &["contradicts forward_overlap_percent"],
     );
 }
