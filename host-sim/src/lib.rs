@@ -10,6 +10,7 @@ pub mod failure;
 pub mod flight;
 pub mod formats;
 pub mod mechanics;
+pub mod mission;
 pub mod noise;
 pub mod reference;
 pub mod report;

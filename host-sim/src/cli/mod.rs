@@ -5,9 +5,11 @@ use std::path::PathBuf;
 use clap::{Args, Parser, Subcommand, ValueEnum};
 
 mod calibration;
+mod mission;
 mod simulation;
 
 pub use calibration::{CalibrateArgs, CalibrationMethod, FiveArgs, RegressOn, StaticP2};
+pub use mission::{MissionArgs, RecordsArgs};
 pub use simulation::{BudgetArgs, FlightArgs, SmearArgs, StrategyName, SweepArgs};
 
 use crate::device::DeviceName;
@@ -86,6 +88,21 @@ pub enum Command {
     /// To repeat the paper's 0.29 m and 0.18 m:
     /// host-sim flight --scenario host-sim/scenarios/yuan-2012.toml --out flight
     Flight(FlightArgs),
+    /// Fly a mission in simulated time with the camera in the loop.
+    ///
+    /// Aircraft, V/H sensors, shutter and the mechanics of the stage are simulated; the camera's own code plans every
+    /// exposure, moves the stage, releases the shutter and records the interior orientation, a thousand rounds of its
+    /// control loop per simulated second. Every record is held against the physical exposure: where the principal point
+    /// really was, how far the image really moved. Fails (exit 1) when a trigger has no record, a limit of the scenario is
+    /// exceeded, or a fault does not lead to what the scenario expects of it.
+    ///
+    /// The nominal mission of 1000 exposures: host-sim mission --out mission
+    Mission(MissionArgs),
+    /// Take what a camera has recorded: records.csv and records.json.
+    ///
+    /// Every trigger has a record: the exposure's interior orientation and time, or why there was none. The camera keeps
+    /// them until they are safe on this PC's disk.
+    Records(RecordsArgs),
 }
 
 /// Arguments of `verify`.

@@ -2,7 +2,7 @@
 
 use crate::cli::DeviceArgs;
 use crate::device::qemu::QemuOptions;
-use crate::device::{Device, DeviceName, InProcess, OpenError, Opener};
+use crate::device::{Device, DeviceName, FlyingDevice, InProcess, OpenError, Opener, RecordSource};
 use crate::failure::Failure;
 
 impl DeviceArgs {
@@ -33,6 +33,32 @@ impl DeviceArgs {
             }
             Err(error) => Err(error.into()),
         }
+    }
+
+    /// Opens the device for a flight; the camera's code in this process where none is named.
+    ///
+    /// # Errors
+    /// [`Failure`] where it cannot be opened.
+    pub(super) fn open_flying(&self) -> Result<Box<dyn FlyingDevice>, Failure> {
+        let name = self.device.as_ref().unwrap_or(&DeviceName::Sil);
+        self.check_options(name)?;
+        Ok(self.opener().open_flying(name)?)
+    }
+
+    /// Opens a device that may have records of a flight.
+    ///
+    /// # Errors
+    /// [`Failure`] where none is named, and where it cannot be opened.
+    pub(super) fn open_records(&self) -> Result<Box<dyn RecordSource>, Failure> {
+        const WHICH: &str = "a camera that has flown is needed: name it with --device serial:PATH";
+        let name = self
+            .device
+            .as_ref()
+            .ok_or_else(|| Failure::bad_input(WHICH))?;
+        self.check_options(name)?;
+        self.opener()
+            .open_records(name)?
+            .ok_or_else(|| Failure::bad_input(format!("--device {name}: {WHICH}")))
     }
 
     fn opener(&self) -> Opener {

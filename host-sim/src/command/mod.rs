@@ -6,7 +6,9 @@ mod device;
 mod exposure;
 mod flight;
 mod frame;
+mod mission;
 mod points;
+mod records;
 mod reference;
 mod smear;
 mod sweep;
@@ -33,5 +35,7 @@ pub fn run(cli: Cli) -> Result<(), Failure> {
         Command::Smear(args) => smear::run(&args),
         Command::Sweep(args) => sweep::run(&args),
         Command::Flight(args) => flight::run(&args),
+        Command::Mission(args) => mission::run(&args),
+        Command::Records(args) => records::run(&args),
     }
 }

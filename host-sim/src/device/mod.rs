@@ -11,6 +11,7 @@ mod name;
 mod open;
 pub mod port;
 pub mod qemu;
+pub mod record_source;
 pub mod remote;
 mod remote_flight;
 pub mod serial;
@@ -32,6 +33,7 @@ pub use error::DeviceError;
 pub use flying::FlyingDevice;
 pub use name::{DeviceName, Machine};
 pub use open::{OpenError, Opener};
+pub use record_source::RecordSource;
 pub use sil::InProcess;
 
 /// A camera that can be given a calibration, exposed, and asked to correct points.

@@ -5,7 +5,7 @@ use std::path::PathBuf;
 use super::error::DeviceError;
 use super::link_error::LinkError;
 use super::qemu::{Qemu, QemuOptions};
-use super::{Device, DeviceName, FlyingDevice, InProcess, serial};
+use super::{Device, DeviceName, FlyingDevice, InProcess, RecordSource, serial};
 use crate::failure::Failure;
 
 /// Opens devices.
@@ -109,6 +109,21 @@ impl Opener {
             DeviceName::Sil => Box::new(InProcess::default()),
             DeviceName::Qemu(machine) => Box::new(Qemu::start(*machine, &self.qemu)?),
             DeviceName::Serial(path) => Box::new(serial::connect(path)?),
+        })
+    }
+
+    /// Opens a device that may have records of a flight; `None` for the camera in this process, which has not flown.
+    ///
+    /// # Errors
+    /// As [`Self::open`].
+    pub fn open_records(
+        &self,
+        name: &DeviceName,
+    ) -> Result<Option<Box<dyn RecordSource>>, OpenError> {
+        Ok(match name {
+            DeviceName::Sil => None,
+            DeviceName::Qemu(machine) => Some(Box::new(Qemu::start(*machine, &self.qemu)?)),
+            DeviceName::Serial(path) => Some(Box::new(serial::connect(path)?)),
         })
     }
 }

@@ -189,6 +189,13 @@ impl Device for Qemu {
     }
 }
 
+impl Qemu {
+    /// The camera at the end of its serial port.
+    pub(super) const fn remote_mut(&mut self) -> &mut Remote<TcpPort> {
+        &mut self.remote
+    }
+}
+
 impl FlyingDevice for Qemu {
     fn description(&self) -> String {
         Device::description(self)

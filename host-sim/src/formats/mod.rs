@@ -3,6 +3,10 @@
 pub mod camera_error;
 pub mod camera_file;
 pub mod fitted_block;
+mod mission_fault;
+pub mod mission_file;
+mod mission_range;
+pub mod mission_scenario;
 pub mod number;
 pub mod observations;
 pub mod output;

@@ -136,6 +136,20 @@ impl OutputFolder {
         &self.path
     }
 
+    /// The names of its files are on the disk, too.
+    ///
+    /// # Errors
+    /// [`Failure`] naming the folder.
+    pub fn sync(&self) -> Result<(), Failure> {
+        // Elsewhere a folder cannot be opened, and renaming is as safe as it gets.
+        if cfg!(unix) {
+            File::open(&self.path)
+                .and_then(|folder| folder.sync_all())
+                .map_err(|error| Failure::writing(self.path.display(), &error))?;
+        }
+        Ok(())
+    }
+
     /// Writes one file of the folder.
     ///
     /// # Errors

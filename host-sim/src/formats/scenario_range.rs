@@ -16,16 +16,16 @@ pub(super) struct Range {
 
 /// Of a coordinate in the ground frame.
 pub(super) const PLACE: Range = range(-1e6, 1e6, "m");
-const FLYING_HEIGHT: Range = range(50.0, 15_000.0, "m");
-const SPEED: Range = range(10.0, 350.0, "m/s");
-const EXPOSURE: Range = range(1e-6, 0.1, "s");
+pub(super) const FLYING_HEIGHT: Range = range(50.0, 15_000.0, "m");
+pub(super) const SPEED: Range = range(10.0, 350.0, "m/s");
+pub(super) const EXPOSURE: Range = range(1e-6, 0.1, "s");
 const HEADING: Range = range(-360.0, 360.0, "°");
 const FRAMES: Range = range(1.0, 200.0, "frames");
 const BASE: Range = range(0.0, 20_000.0, "m");
 const ATTITUDE_SPREAD: Range = range(0.0, 10.0, "°");
-const TERRAIN_HEIGHT: Range = range(-500.0, 9000.0, "m");
-const RELIEF: Range = range(0.0, 4000.0, "m");
-const WAVELENGTH: Range = range(10.0, 1e5, "m");
+pub(super) const TERRAIN_HEIGHT: Range = range(-500.0, 9000.0, "m");
+pub(super) const RELIEF: Range = range(0.0, 4000.0, "m");
+pub(super) const WAVELENGTH: Range = range(10.0, 1e5, "m");
 const FOCUS_SHIFT: Range = range(-500.0, 500.0, "µm");
 const IMAGE_SIGMA: Range = range(0.01, 100.0, "µm");
 const POSITION_SIGMA: Range = range(0.001, 1000.0, "m");
@@ -35,7 +35,7 @@ const ATTITUDE_BIAS: Range = range(-10.0, 10.0, "°");
 const CONTROL_SIGMA: Range = range(0.001, 10.0, "m");
 const CHECK_POINTS: Range = range(2.0, 50.0, "points");
 
-const fn range(least: f64, most: f64, unit: &'static str) -> Range {
+pub(super) const fn range(least: f64, most: f64, unit: &'static str) -> Range {
     Range { least, most, unit }
 }
 
@@ -70,7 +70,12 @@ impl Range {
     }
 
     /// Refuses a list with a value outside.
-    fn check_each(&self, values: &[f64], text: &CameraText, path: &[&str]) -> Result<(), Failure> {
+    pub(super) fn check_each(
+        &self,
+        values: &[f64],
+        text: &CameraText,
+        path: &[&str],
+    ) -> Result<(), Failure> {
         match values.iter().find(|value| !self.holds(**value)) {
             None => Ok(()),
             Some(value) => Err(text.invalid(
@@ -154,6 +159,6 @@ pub(super) fn check_numbers(scenario: &ScenarioFile, text: &CameraText) -> Resul
 }
 
 /// A count as a number.
-fn whole(count: i64) -> f64 {
+pub(super) fn whole(count: i64) -> f64 {
     i32::try_from(count).map_or(f64::INFINITY, f64::from)
 }

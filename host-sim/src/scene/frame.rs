@@ -18,8 +18,8 @@ const GAUSS: [(f64, f64); 4] = [
 ///
 /// # Model
 /// Everything is integrated over the time the shutter is open, weighted by its transmission, with
-/// 8 nodes on every stretch on which the transmission is linear, no charge is transferred and the
-/// turbulence runs through a quarter of its shortest wave.
+/// 8 nodes on every stretch on which the transmission is linear, no charge is transferred, the path
+/// of the stage has no knot and the turbulence runs through a quarter of its shortest wave.
 #[derive(Debug, Clone)]
 pub struct Frame<'a> {
     scene: &'a Scene,
@@ -49,7 +49,7 @@ impl<'a> Frame<'a> {
     pub(super) fn new(scene: &'a Scene, opening_s: f64) -> Self {
         let exposure_s = scene.shutter.exposure_s;
         let mut edges: Vec<f64> = scene.shutter.edges_s().to_vec();
-        edges.extend(scene.stage.transfers_s(exposure_s));
+        edges.extend(scene.stage.breaks_s(exposure_s));
         edges.sort_by(f64::total_cmp);
         let highest_hz = scene
             .trajectory

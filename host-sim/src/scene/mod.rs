@@ -33,6 +33,7 @@ pub mod interior;
 pub mod lens;
 pub mod shutter;
 pub mod stage;
+pub mod stage_path;
 pub mod terrain;
 pub mod trajectory;
 pub mod turbulence;

@@ -2,6 +2,7 @@
 
 use fmc_camera::geometry::principal_point::StageSample;
 
+use super::stage_path::StagePath;
 use crate::formats::camera_file::{CameraFile, MechanismName};
 use crate::formats::number::single;
 use crate::reference::exposure::{ExposurePath, ExposureRequest};
@@ -20,6 +21,8 @@ pub struct Stage {
     pub speed_error_percent: f64,
     /// The rows of a TDI sensor, whose charge moves instead of a stage.
     pub rows: Option<Rows>,
+    /// The path that was recorded, instead of a constant speed.
+    pub path: Option<StagePath>,
     /// Run-out: distance of the detector from its plane, positive away from the lens, µm, a
     /// polynomial of the offset in mm, lowest power first.
     pub flatness_um: Vec<f64>,
@@ -83,6 +86,7 @@ impl Stage {
                     first_transfer: camera.fmc.first_transfer,
                 }),
             },
+            path: None,
             flatness_um: camera.fmc.flatness_um.clone(),
             focus_shift_um: 1000.0 * request.focus_shift_mm,
             encoder: Encoder::EXACT,
@@ -98,6 +102,9 @@ impl Stage {
     /// Offset of the principal point at a time after first light, mm.
     #[must_use]
     pub fn offset_mm(&self, after_opening_s: f64) -> f64 {
+        if let Some(path) = &self.path {
+            return path.offset_mm(after_opening_s);
+        }
         let travel_mm = self.true_speed_mm_s() * after_opening_s;
         match self.rows {
             None => self.opening_offset_mm + travel_mm,
@@ -124,6 +131,18 @@ impl Stage {
             .map(|row| first + period_s * f64::from(row))
             .take_while(|time| *time < exposure_s)
             .collect()
+    }
+
+    /// Times after first light, before `exposure_s`, between which the motion is smooth.
+    #[must_use]
+    pub fn breaks_s(&self, exposure_s: f64) -> Vec<f64> {
+        match &self.path {
+            None => self.transfers_s(exposure_s),
+            Some(path) => path
+                .times_s()
+                .filter(|time| (0.0..exposure_s).contains(time))
+                .collect(),
+        }
     }
 
     /// Δz at a time after first light, mm.
@@ -163,6 +182,7 @@ mod tests {
             speed_mm_s: 10.0,
             speed_error_percent: 0.0,
             rows,
+            path: None,
             flatness_um: vec![1.0, 2.0, -4.0],
             focus_shift_um: 0.5,
             encoder: Encoder::EXACT,

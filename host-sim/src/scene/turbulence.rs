@@ -71,6 +71,13 @@ impl Turbulence {
         }
     }
 
+    /// The process without its waves below a frequency, Hz: what levels itself takes them out.
+    #[must_use]
+    pub fn above(mut self, lowest_hz: f64) -> Self {
+        self.waves.retain(|wave| wave.angular >= TAU * lowest_hz);
+        self
+    }
+
     /// The process at a time, s.
     #[must_use]
     pub fn value(&self, time_s: f64) -> f64 {
@@ -145,6 +152,23 @@ mod tests {
         for time in [-2.0, 0.1, 4.0] {
             let slope = (process.integral(time + 1e-4) - process.integral(time - 1e-4)) / 2e-4;
             assert!((slope - process.value(time)).abs() < 1e-4);
+        }
+    }
+
+    #[test]
+    fn integral_of_a_process_above_a_frequency_stays_small() {
+        let levelled = Turbulence::new(SPECTRUM, 3).above(0.1);
+        let slow = TAU * 0.1;
+        assert!(levelled.waves.iter().all(|wave| wave.angular >= slow));
+        assert!(levelled.waves.len() > 20);
+        // Each wave by itself turns by no more than twice its amplitude over ω.
+        let most: f64 = levelled
+            .waves
+            .iter()
+            .map(|wave| 2.0 * wave.amplitude / wave.angular)
+            .sum();
+        for hour in 0..5 {
+            assert!(levelled.integral(3600.0 * f64::from(hour)).abs() <= most);
         }
     }
 

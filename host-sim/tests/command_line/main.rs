@@ -20,12 +20,17 @@ mod fake_camera;
 #[cfg(test)]
 mod flight;
 #[cfg(test)]
+mod mission;
+#[cfg(test)]
 mod observations;
 #[cfg(test)]
 mod output;
 #[cfg(test)]
 #[cfg(unix)]
 mod qemu;
+#[cfg(test)]
+#[cfg(unix)]
+mod records;
 #[cfg(test)]
 #[cfg(unix)]
 mod serial;

@@ -17,8 +17,8 @@ use crate::support::Bench;
 use crate::wire_format::frame_of;
 
 /// A pseudo-terminal whose far end is served by a thread.
-struct Port {
-    name: String,
+pub(crate) struct Port {
+    pub(crate) name: String,
     /// Keeps the terminal between two programs, as a real port stays.
     _near: File,
 }
@@ -40,11 +40,11 @@ impl Port {
         Self { name, _near: near }
     }
 
-    fn with_camera(mut camera: FakeCamera) -> Self {
+    pub(crate) fn with_camera(mut camera: FakeCamera) -> Self {
         Self::with(move |mut far| camera.serve(&mut far))
     }
 
-    fn device(&self) -> String {
+    pub(crate) fn device(&self) -> String {
         format!("serial:{}", self.name)
     }
 

@@ -7,6 +7,7 @@ use host_sim::formats::number::single;
 use host_sim::reference::exposure::ExposureRequest;
 use host_sim::scene::Scene;
 use host_sim::scene::stage::Encoder;
+use host_sim::scene::stage_path::StagePath;
 use host_sim::scene::turbulence::{Spectrum, Turbulence};
 
 use crate::support::{HEIGHT_M, apart, points, square};
@@ -136,4 +137,31 @@ fn turbulence_smears_by_what_it_turns_the_camera() {
     // Two axes of 1 °/s: f·t·√2·0.01745 = 24.7 µm.
     let rms_um = 1e3 * (sum / f64::from(exposures)).sqrt();
     assert!((rms_um / 24.7 - 1.0).abs() < 0.1, "{rms_um}");
+}
+
+#[test]
+fn recorded_path_of_constant_speed_is_constant_speed_and_a_step_moves_what_comes_after_it() {
+    let camera = square("");
+    let constant = scene(&camera);
+    let mut recorded = constant.clone();
+    let at = |time: f64| constant.stage.offset_mm(time);
+    let straight = |times: &[f64]| times.iter().map(|time| (*time, at(*time))).collect();
+    recorded.stage.path = StagePath::new(straight(&[-0.001, 0.0033, 0.0071, 0.011]));
+    let (one, other) = (constant.expose(0.0), recorded.expose(0.0));
+    assert!((one.centroid_offset_mm() - other.centroid_offset_mm()).abs() < 1e-13);
+    let ground = one.ground_point([20.0, -10.0]).unwrap();
+    let [before, after] = [&one, &other].map(|frame| frame.image_point(ground).unwrap());
+    assert!(apart(before.point_mm, after.point_mm) < 1e-12);
+    assert!(apart(before.smear_mm, after.smear_mm) < 1e-12);
+
+    // 8 µm more from a quarter of the exposure on: three quarters of the light see them.
+    let quarter = 0.25 * EXPOSURE_S;
+    let mut knots: Vec<(f64, f64)> = straight(&[0.0, quarter]);
+    knots.push((quarter + 1e-9, at(quarter + 1e-9) + 0.008));
+    knots.push((EXPOSURE_S, at(EXPOSURE_S) + 0.008));
+    recorded.stage.path = StagePath::new(knots);
+    let stepped = recorded.expose(0.0);
+    let moved_mm = stepped.centroid_offset_mm() - one.centroid_offset_mm();
+    assert!((moved_mm - 0.006).abs() < 1e-9, "{moved_mm}");
+    assert!(apart(stepped.image_point(ground).unwrap().smear_mm, [0.0, 0.008]) < 1e-9);
 }

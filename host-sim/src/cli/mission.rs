@@ -1,0 +1,43 @@
+//! Missions and their records.
+
+use std::path::PathBuf;
+
+use clap::Args;
+
+use super::DeviceArgs;
+
+/// Arguments of `mission`.
+#[derive(Debug, Args)]
+pub struct MissionArgs {
+    /// Scenario (TOML); host-sim/scenarios/mission.toml has every key explained, host-sim/scenarios/faults one for each
+    /// fault. Without it the nominal mission of 1000 exposures.
+    #[arg(long, value_name = "FILE")]
+    pub scenario: Option<PathBuf>,
+    /// Where the camera runs.
+    #[command(flatten)]
+    pub device: DeviceArgs,
+    /// Another number of exposures than the scenario's, 1 to 100000.
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=100_000))]
+    pub exposures: Option<u32>,
+    /// Seed of air, noise and jitter, a whole number: the same seed gives the same files.
+    #[arg(long, value_name = "N", default_value = "1")]
+    pub seed: u64,
+    /// The trigger whose frame is shown millisecond by millisecond; without it the first with a fault, or else the one with
+    /// the largest smear.
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..))]
+    pub frame: Option<u32>,
+    /// Folder for report.html, records.csv, records.json, truth.csv, summary.json and figures; made if it does not exist.
+    #[arg(long, value_name = "DIR")]
+    pub out: PathBuf,
+}
+
+/// Arguments of `records`.
+#[derive(Debug, Args)]
+pub struct RecordsArgs {
+    /// Where the camera runs.
+    #[command(flatten)]
+    pub device: DeviceArgs,
+    /// Folder for records.csv and records.json; made if it does not exist. Records that are there already are not replaced.
+    #[arg(long, value_name = "DIR")]
+    pub out: PathBuf,
+}

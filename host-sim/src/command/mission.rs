@@ -1,0 +1,157 @@
+//! `mission`: a simulated flight with the camera in the loop.
+
+use std::io::{self, Write};
+
+use indicatif::{ProgressBar, ProgressStyle};
+
+use crate::cli::MissionArgs;
+use crate::failure::Failure;
+use crate::formats::mission_scenario::MissionScenario;
+use crate::formats::output::{self, OutputFolder};
+use crate::mechanics::Mechanics;
+use crate::mission::flight_loop::{FlightOptions, Status, fly};
+use crate::mission::judgement::Judgement;
+use crate::mission::settings::flight_settings;
+use crate::report::figure::FigureError;
+use crate::report::mission::summary::Summary;
+use crate::report::mission::{
+    MissionReport, frames_plot, histogram, html, text, timeline, truth_csv,
+};
+use crate::report::records;
+
+pub(super) fn run(args: &MissionArgs) -> Result<(), Failure> {
+    let scenario = match &args.scenario {
+        Some(path) => MissionScenario::read(path, args.exposures)?,
+        None => MissionScenario::nominal(args.exposures)?,
+    };
+    if let Some(frame) = args.frame
+        && frame > scenario.exposures()
+    {
+        return Err(Failure::bad_input(format!(
+            "--frame {frame}: the mission has {} exposures",
+            scenario.exposures()
+        )));
+    }
+    let mechanics = Mechanics::new(scenario.written.mechanics)
+        .map_err(|fault| scenario.fault("mechanics", fault))?;
+    let mut device = args.device.open_flying()?;
+    device.prepare(
+        &scenario.camera.record(),
+        &flight_settings(&scenario.written, scenario.interval_s),
+    )?;
+    let options = FlightOptions {
+        seed: args.seed,
+        frame: args.frame,
+    };
+    let line = StatusLine::new(&scenario);
+    let flown = fly(&scenario, options, mechanics, device.as_mut(), |status| {
+        line.show(status);
+    });
+    line.bar.finish_and_clear();
+    let flown = flown?;
+    let judgement = Judgement::of(&scenario, &flown);
+    let report = MissionReport {
+        scenario: &scenario,
+        seed: args.seed,
+        flown: &flown,
+        judgement: &judgement,
+    };
+    write(&args.out, &report)?;
+    output::write(None, |sink| sink.write_all(text::text(&report).as_bytes()))?;
+    eprintln!("report: {}", args.out.join("report.html").display());
+    if judgement.passed() {
+        Ok(())
+    } else {
+        let failed: Vec<String> = judgement
+            .findings
+            .iter()
+            .filter(|finding| !finding.passed)
+            .map(|finding| format!("{}: {}", finding.what, finding.found))
+            .collect();
+        Err(Failure::check(format!(
+            "{}: {}",
+            scenario.file,
+            failed.join("; ")
+        )))
+    }
+}
+
+/// Everything is there before the first file is written.
+fn write(out: &std::path::Path, report: &MissionReport<'_>) -> Result<(), Failure> {
+    let drawing = |error: FigureError| Failure::device_or_io(format!("figure: {error}"));
+    let page = html::page(report)
+        .map_err(|error| Failure::device_or_io(format!("report.html: {error}")))?;
+    let recorded = report.records();
+    let (mut csv, mut json, mut truth) = (Vec::new(), Vec::new(), Vec::new());
+    let writing = |name: &str, error: &dyn std::fmt::Display| {
+        Failure::device_or_io(format!("{name}: {error}"))
+    };
+    records::write_csv(&recorded, &mut csv).map_err(|error| writing("records.csv", &error))?;
+    records::write_json(Some(&report.scenario.camera.name), &recorded, &mut json)
+        .map_err(|error| writing("records.json", &error))?;
+    truth_csv::write(report, &mut truth).map_err(|error| writing("truth.csv", &error))?;
+    let mut summary = serde_json::to_vec_pretty(&Summary::of(report))
+        .map_err(|error| writing("summary.json", &error))?;
+    summary.push(b'\n');
+    let mut files: Vec<(&str, Vec<u8>)> = vec![
+        ("report.html", page.into_bytes()),
+        ("records.csv", csv),
+        ("records.json", json),
+        ("truth.csv", truth),
+        ("summary.json", summary),
+        (
+            "frames.svg",
+            frames_plot::frames(report).map_err(drawing)?.into_bytes(),
+        ),
+        (
+            "histogram.svg",
+            histogram::histograms(report).map_err(drawing)?.into_bytes(),
+        ),
+    ];
+    if report.flown.trace.is_some() {
+        let figure = timeline::timeline(report).map_err(drawing)?;
+        files.push(("timeline.svg", figure.into_bytes()));
+    }
+    let folder = OutputFolder::create(out)?;
+    for (name, bytes) in files {
+        folder.write(name, |sink: &mut dyn Write| -> io::Result<()> {
+            sink.write_all(&bytes)
+        })?;
+    }
+    Ok(())
+}
+
+/// One line on a terminal: time, frame, state, V/H, smear.
+struct StatusLine {
+    bar: ProgressBar,
+    pixel_mm: f64,
+}
+
+impl StatusLine {
+    fn new(scenario: &MissionScenario) -> Self {
+        let bar = ProgressBar::new(u64::from(scenario.exposures()));
+        if let Ok(style) =
+            ProgressStyle::with_template("{bar:30} {pos}/{len} exposures, {msg}, {eta} left")
+        {
+            bar.set_style(style);
+        }
+        Self {
+            bar,
+            pixel_mm: scenario.camera.sensor.pixel_um / 1000.0,
+        }
+    }
+
+    fn show(&self, status: &Status) {
+        if self.bar.is_hidden() {
+            return;
+        }
+        let smear = status.last_smear_mm.map_or(String::new(), |smear_mm| {
+            format!(", last smear {:.3} px", smear_mm / self.pixel_mm)
+        });
+        self.bar.set_position(status.frames as u64);
+        self.bar.set_message(format!(
+            "{:.1} s, {}, V/H {:.4} 1/s{smear}",
+            status.time_s, status.state, status.told_vh_per_s
+        ));
+    }
+}

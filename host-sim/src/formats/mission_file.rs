@@ -1,0 +1,259 @@
+//! The scenario of a simulated mission, in TOML, as written.
+
+use std::path::PathBuf;
+
+use serde::Deserialize;
+
+use crate::mechanics::MechanicsSettings;
+
+/// A mission as written. Units are in the names of the fields, which are those of the file;
+/// `scenarios/mission.toml` documents each.
+#[derive(Debug, Clone, PartialEq, Deserialize)]
+#[serde(deny_unknown_fields)]
+#[expect(
+    missing_docs,
+    reason = "each field is the key of the same name in the scenario"
+)]
+pub struct MissionFile {
+    pub name: String,
+    pub camera: PathBuf,
+    pub flight: MissionFlightTable,
+    #[serde(default)]
+    pub air: AirTable,
+    #[serde(default)]
+    pub attitude: AttitudeTable,
+    #[serde(default)]
+    pub terrain: MissionTerrainTable,
+    pub vh: Vec<VhTable>,
+    pub gnss: Option<GnssTable>,
+    #[serde(default)]
+    pub shutter: MissionShutterTable,
+    #[serde(default)]
+    pub mechanics: MechanicsSettings,
+    #[serde(default)]
+    pub limits: MissionLimitsTable,
+    #[serde(default)]
+    pub fault: Vec<FaultTable>,
+}
+
+/// `[flight]`.
+#[derive(Debug, Clone, PartialEq, Deserialize)]
+#[serde(deny_unknown_fields)]
+#[expect(
+    missing_docs,
+    reason = "each field is the key of the same name in the scenario"
+)]
+pub struct MissionFlightTable {
+    pub height_m: f64,
+    pub speed_m_s: f64,
+    pub exposure_s: f64,
+    pub exposures: i64,
+    pub forward_overlap_percent: Option<f64>,
+    pub interval_s: Option<f64>,
+    #[serde(default = "two")]
+    pub first_trigger_s: f64,
+    pub clear_faults_after_s: Option<f64>,
+}
+
+const fn two() -> f64 {
+    2.0
+}
+
+/// `[air]`.
+#[derive(Debug, Clone, PartialEq, Deserialize)]
+#[serde(deny_unknown_fields, default)]
+#[expect(
+    missing_docs,
+    reason = "each field is the key of the same name in the scenario"
+)]
+pub struct AirTable {
+    pub gust_rms_m_s: [f64; 3],
+    pub gust_corner_hz: f64,
+}
+
+impl Default for AirTable {
+    fn default() -> Self {
+        Self {
+            gust_rms_m_s: [0.0; 3],
+            gust_corner_hz: 0.1,
+        }
+    }
+}
+
+/// `[attitude]`.
+#[derive(Debug, Clone, PartialEq, Deserialize)]
+#[serde(deny_unknown_fields, default)]
+#[expect(
+    missing_docs,
+    reason = "each field is the key of the same name in the scenario"
+)]
+pub struct AttitudeTable {
+    pub pitch_deg: f64,
+    pub roll_deg: f64,
+    pub drift_deg: f64,
+    pub rate_rms_deg_s: [f64; 3],
+    pub rate_corner_hz: f64,
+    pub reported_hz: f64,
+}
+
+impl Default for AttitudeTable {
+    fn default() -> Self {
+        Self {
+            pitch_deg: 0.0,
+            roll_deg: 0.0,
+            drift_deg: 0.0,
+            rate_rms_deg_s: [0.0; 3],
+            rate_corner_hz: 1.0,
+            reported_hz: 0.0,
+        }
+    }
+}
+
+/// `[terrain]`.
+#[derive(Debug, Clone, PartialEq, Deserialize)]
+#[serde(deny_unknown_fields, default)]
+#[expect(
+    missing_docs,
+    reason = "each field is the key of the same name in the scenario"
+)]
+pub struct MissionTerrainTable {
+    pub height_m: f64,
+    pub relief_m: f64,
+    pub wavelength_m: f64,
+}
+
+impl Default for MissionTerrainTable {
+    fn default() -> Self {
+        Self {
+            height_m: 0.0,
+            relief_m: 0.0,
+            wavelength_m: 4000.0,
+        }
+    }
+}
+
+/// `[[vh]]`.
+#[derive(Debug, Clone, PartialEq, Deserialize)]
+#[serde(deny_unknown_fields)]
+#[expect(
+    missing_docs,
+    reason = "each field is the key of the same name in the scenario"
+)]
+pub struct VhTable {
+    pub source: VhSourceName,
+    pub rate_hz: f64,
+    #[serde(default)]
+    pub sigma_percent: f64,
+    #[serde(default)]
+    pub latency_ms: f64,
+}
+
+/// `[gnss]`.
+#[derive(Debug, Clone, PartialEq, Eq, Deserialize)]
+#[serde(deny_unknown_fields)]
+#[expect(
+    missing_docs,
+    reason = "each field is the key of the same name in the scenario"
+)]
+pub struct GnssTable {
+    pub first_pulse_unix_s: i64,
+}
+
+/// What gives V/H.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Deserialize)]
+#[serde(rename_all = "lowercase")]
+pub enum VhSourceName {
+    /// V/H itself.
+    Direct,
+    /// Ground speed and height over the ground.
+    Altimeter,
+    /// Ground speed, altitude, and height of the terrain from a model.
+    Terrain,
+}
+
+impl VhSourceName {
+    /// As in the scenario.
+    #[must_use]
+    pub const fn name(self) -> &'static str {
+        match self {
+            Self::Direct => "direct",
+            Self::Altimeter => "altimeter",
+            Self::Terrain => "terrain",
+        }
+    }
+}
+
+/// `[shutter]`.
+#[derive(Debug, Clone, PartialEq, Deserialize)]
+#[serde(deny_unknown_fields, default)]
+#[expect(
+    missing_docs,
+    reason = "each field is the key of the same name in the scenario"
+)]
+pub struct MissionShutterTable {
+    pub latency_ms: f64,
+    pub jitter_us: f64,
+}
+
+impl Default for MissionShutterTable {
+    fn default() -> Self {
+        Self {
+            latency_ms: 2.0,
+            jitter_us: 20.0,
+        }
+    }
+}
+
+/// `[limits]`.
+#[derive(Debug, Clone, PartialEq, Deserialize)]
+#[serde(deny_unknown_fields, default)]
+#[expect(
+    missing_docs,
+    reason = "each field is the key of the same name in the scenario"
+)]
+pub struct MissionLimitsTable {
+    pub pp_error_px: f64,
+    pub smear_px: f64,
+}
+
+impl Default for MissionLimitsTable {
+    fn default() -> Self {
+        Self {
+            pp_error_px: 0.1,
+            smear_px: 0.25,
+        }
+    }
+}
+
+/// `[[fault]]`.
+#[derive(Debug, Clone, PartialEq, Deserialize)]
+#[serde(deny_unknown_fields)]
+#[expect(
+    missing_docs,
+    reason = "each field is the key of the same name in the scenario"
+)]
+pub struct FaultTable {
+    pub name: String,
+    pub at_frame: Option<i64>,
+    pub onset_s: Option<f64>,
+    pub size: Option<f64>,
+    pub duration_s: Option<f64>,
+    #[serde(default)]
+    pub expect: ExpectTable,
+}
+
+/// `expect` of a fault.
+#[derive(Debug, Clone, PartialEq, Default, Deserialize)]
+#[serde(deny_unknown_fields, default)]
+#[expect(
+    missing_docs,
+    reason = "each field is the key of the same name in the scenario"
+)]
+pub struct ExpectTable {
+    pub fault: Option<String>,
+    pub within_ms: Option<f64>,
+    pub state: Option<String>,
+    pub refused: Option<String>,
+    pub flag: Option<String>,
+    pub refused_at_most: Option<i64>,
+}

@@ -1,0 +1,182 @@
+//! Frame records as files for the block adjustment: `records.csv` and `records.json`.
+
+mod row;
+
+use std::io::{self, Write};
+
+use crc::{CRC_32_ISO_HDLC, Crc};
+use fmc_camera::flight::frame_record::FrameRecord;
+use serde::Serialize;
+
+use row::Row;
+
+/// What the numbers of a record mean, for whoever reads the file without this program.
+const CONVENTIONS: [&str; 6] = [
+    "sensor frame: upright image, origin at the centre of the pixel array, x right, y up, mm",
+    "principal_point and centroid time are means over the exposure and belong together: use them as a pair",
+    "principal_distance_mm goes with coordinates that were corrected for this frame; it does not contain the focus shift",
+    "offsets and travel are along the FMC axis, from the calibrated position",
+    "times in us are the camera's own clock since it started; centroid_unix_us is UTC without leap seconds, where a time pulse has set it",
+    "refused triggers have a reason and no exposure; no trigger is left out",
+];
+
+/// Writes `records.csv`: one row per trigger.
+///
+/// # Errors
+/// Those of the sink.
+pub fn write_csv(records: &[FrameRecord], sink: impl Write) -> csv::Result<()> {
+    let mut writer = csv::WriterBuilder::new()
+        .has_headers(false)
+        .from_writer(sink);
+    writer.write_record(row::NAMES)?;
+    for record in records {
+        writer.serialize(Row::<String>::of(record))?;
+    }
+    writer.flush()?;
+    Ok(())
+}
+
+/// Writes `records.json`.
+///
+/// # Errors
+/// Those of the sink.
+pub fn write_json(
+    camera: Option<&str>,
+    records: &[FrameRecord],
+    sink: impl Write,
+) -> io::Result<()> {
+    #[derive(Serialize)]
+    struct File<'a> {
+        camera: Option<&'a str>,
+        conventions: [&'static str; 6],
+        records_crc32: String,
+        records: Vec<Row<Vec<&'static str>>>,
+    }
+    let file = File {
+        camera,
+        conventions: CONVENTIONS,
+        records_crc32: format!("{:08x}", crc32(records)),
+        records: records.iter().map(Row::of).collect(),
+    };
+    let mut sink = sink;
+    serde_json::to_writer_pretty(&mut sink, &file)?;
+    writeln!(sink)
+}
+
+/// CRC-32 of all records as the link carries them: two flights with the same one have the same records, bit for bit.
+#[must_use]
+pub fn crc32(records: &[FrameRecord]) -> u32 {
+    let crc = Crc::<u32>::new(&CRC_32_ISO_HDLC);
+    let mut digest = crc.digest();
+    for record in records {
+        if let Ok(bytes) = postcard::to_allocvec(record) {
+            digest.update(&bytes);
+        }
+    }
+    digest.finalize()
+}
+
+#[cfg(test)]
+mod tests {
+    use fmc_camera::flight::camera::{Camera, CameraRecord};
+    use fmc_camera::flight::exposure::Exposure;
+    use fmc_camera::flight::fault::{Fault, Faults};
+    use fmc_camera::flight::frame_record::{ExposedFrame, Flag, Flags, Outcome, Reason};
+    use fmc_camera::flight::time::Time;
+
+    use super::*;
+    use crate::formats::camera_file::CameraFile;
+
+    fn camera() -> (CameraRecord, Camera) {
+        let text = "name = \"bare\"\nprincipal_distance_mm = 100.0\n\
+                    [sensor]\nwidth_px = 9216\nheight_px = 9216\npixel_um = 8.75\n";
+        let (file, camera) = CameraFile::parse("bare.toml", text).unwrap();
+        (file.record(), camera)
+    }
+
+    fn records() -> Vec<FrameRecord> {
+        let (_, camera) = camera();
+        let frame = camera.frame(&Exposure::new(0.1, 0.004)).unwrap();
+        let mut flags = Flags::NONE;
+        flags.insert(Flag::OffCentre);
+        flags.insert(Flag::LastGoodVh);
+        let exposed = FrameRecord {
+            sequence: 1,
+            trigger: Time::from_us(2_000_000),
+            outcome: Outcome::Exposed(ExposedFrame {
+                opened: Time::from_us(2_030_000),
+                closed: Time::from_us(2_034_000),
+                centroid: Time::from_us(2_032_000),
+                centroid_utc: None,
+                vh: None,
+                planned_opening_mm: -0.02,
+                planned_travel_mm: 0.04,
+                interior: frame.record,
+                principal_point_sigma_mm: 1e-4,
+                smear_um: 0.5,
+                smear_px: 0.06,
+            }),
+            faults: Faults::NONE,
+            flags,
+            calibration_crc: 0xdead_beef,
+        };
+        let mut faults = Faults::NONE;
+        faults.insert(Fault::Stall);
+        let refused = FrameRecord {
+            sequence: 2,
+            trigger: Time::from_us(3_000_000),
+            outcome: Outcome::Refused(Reason::Fault(Fault::Stall)),
+            faults,
+            flags: Flags::NONE,
+            calibration_crc: 0xdead_beef,
+        };
+        vec![exposed, refused]
+    }
+
+    #[test]
+    fn every_column_has_its_name_and_refused_triggers_leave_the_exposure_empty() {
+        let mut csv = Vec::new();
+        write_csv(&records(), &mut csv).unwrap();
+        let mut reader = csv::Reader::from_reader(csv.as_slice());
+        let names: Vec<String> = reader.headers().unwrap().iter().map(Into::into).collect();
+        let rows: Vec<csv::StringRecord> = reader.records().map(Result::unwrap).collect();
+        let field = |row: usize, name: &str| {
+            let column = names.iter().position(|one| one == name).unwrap();
+            rows[row].get(column).unwrap().to_owned()
+        };
+        assert_eq!(field(0, "outcome"), "exposed");
+        assert_eq!(field(0, "flags"), "last good V/H; off centre");
+        assert_eq!(field(0, "calibration_crc32"), "deadbeef");
+        // Centred: the principal point is the calibrated one, to a rounding of 20 µm in single precision.
+        let y: f64 = field(0, "principal_point_y_mm").parse().unwrap();
+        assert!(y.abs() < 1e-8);
+        assert_eq!(field(1, "outcome"), "refused");
+        assert_eq!(field(1, "reason"), "stall");
+        assert_eq!(field(1, "faults"), "stall");
+        assert_eq!(field(1, "principal_point_x_mm"), "");
+    }
+
+    #[test]
+    fn names_of_the_columns_are_the_keys_of_the_json_file_in_their_order() {
+        let mut json = Vec::new();
+        write_json(Some("bare"), &records(), &mut json).unwrap();
+        let text = String::from_utf8(json).unwrap();
+        let mut from = text.find("\"records\"").unwrap();
+        for name in row::NAMES {
+            let key = format!("\"{name}\":");
+            from += text[from..].find(&key).unwrap_or_else(|| panic!("{name}"));
+        }
+        let value: serde_json::Value = serde_json::from_str(&text).unwrap();
+        assert_eq!(value["records"][1]["faults"][0], "stall");
+        assert_eq!(value["records"][0]["flags"][1], "off centre");
+        assert!(value["records"][1]["opened_us"].is_null());
+    }
+
+    #[test]
+    fn one_bit_of_a_record_changes_the_checksum() {
+        let mut other = records();
+        other[1].trigger = Time::from_us(3_000_001);
+        assert_ne!(crc32(&records()), crc32(&other));
+        assert_eq!(crc32(&records()), crc32(&records()));
+    }
+}

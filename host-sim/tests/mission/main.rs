@@ -1,0 +1,12 @@
+//! Flights with the camera's own code in the loop, against the physical exposure.
+
+#[cfg(test)]
+mod determinism;
+#[cfg(test)]
+mod faults;
+#[cfg(test)]
+mod nominal;
+#[cfg(test)]
+mod support;
+#[cfg(test)]
+mod sweep;

@@ -1,0 +1,32 @@
+//! The nominal mission keeps its limits.
+
+use host_sim::formats::mission_scenario::MissionScenario;
+
+use crate::support::passed;
+
+#[test]
+fn nominal_mission_keeps_its_limits() {
+    let scenario = MissionScenario::nominal(Some(50)).unwrap();
+    let (flown, judgement) = passed(&scenario, 1);
+    assert_eq!(flown.frames.len(), 50);
+    assert!(flown.unrecorded.is_empty());
+    let limits = &scenario.written.limits;
+    assert!((limits.pp_error_px - 0.1).abs() < 1e-12 && (limits.smear_px - 0.25).abs() < 1e-12);
+    for errors in &judgement.errors {
+        let errors = errors.unwrap();
+        assert!(
+            errors.pp_error_px.abs() <= 0.1 && errors.smear_px <= 0.25,
+            "{errors:?}"
+        );
+    }
+}
+
+#[test]
+fn standing_stage_shows_in_the_truth() {
+    // The same flight, its smear limits out of reach: the oracle is not told what the camera meant.
+    let mut scenario = MissionScenario::nominal(Some(10)).unwrap();
+    scenario.written.mechanics.force_n = 0.3;
+    let flown = crate::support::flown(&scenario, 1);
+    let judgement = host_sim::mission::judgement::Judgement::of(&scenario, &flown);
+    assert!(!judgement.passed());
+}

@@ -1,0 +1,52 @@
+//! Scenarios and flights of them.
+
+use std::path::{Path, PathBuf};
+
+use host_sim::device::{FlyingDevice, InProcess};
+use host_sim::formats::mission_scenario::MissionScenario;
+use host_sim::mechanics::Mechanics;
+use host_sim::mission::flight_loop::{FlightOptions, Flown, fly};
+use host_sim::mission::judgement::Judgement;
+use host_sim::mission::settings::flight_settings;
+
+pub(crate) fn folder() -> PathBuf {
+    Path::new(env!("CARGO_MANIFEST_DIR")).join("scenarios")
+}
+
+/// A shipped fault scenario.
+pub(crate) fn fault_scenario(name: &str) -> MissionScenario {
+    let path = folder().join("faults").join(format!("{name}.toml"));
+    MissionScenario::read(&path, None).unwrap()
+}
+
+/// A flight in this process.
+pub(crate) fn flown(scenario: &MissionScenario, seed: u64) -> Flown {
+    let mut device = InProcess::default();
+    let settings = flight_settings(&scenario.written, scenario.interval_s);
+    device
+        .prepare(&scenario.camera.record(), &settings)
+        .unwrap();
+    let mechanics = Mechanics::new(scenario.written.mechanics).unwrap();
+    let options = FlightOptions { seed, frame: None };
+    fly(scenario, options, mechanics, &mut device, |_| {}).unwrap()
+}
+
+/// The flight and what is found of it; every finding must be as it should be.
+pub(crate) fn passed(scenario: &MissionScenario, seed: u64) -> (Flown, Judgement) {
+    let flown = flown(scenario, seed);
+    let judgement = Judgement::of(scenario, &flown);
+    let failed: Vec<String> = judgement
+        .findings
+        .iter()
+        .filter(|finding| !finding.passed)
+        .map(|finding| format!("{}: {}", finding.what, finding.found))
+        .collect();
+    assert!(
+        failed.is_empty(),
+        "{}: {failed:#?}\nannounced {:?}\nstates {:?}",
+        scenario.file,
+        flown.announced.iter().take(10).collect::<Vec<_>>(),
+        flown.states.iter().rev().take(10).collect::<Vec<_>>()
+    );
+    (flown, judgement)
+}
