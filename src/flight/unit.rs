@@ -40,23 +40,23 @@ impl<Drive: FmcDrive> CameraUnit<Drive> {
         let mut outside = RoundActions::new();
         for (time, event) in events {
             let actions = self.controller.handle(*time, *event);
-            self.take(now, actions, &mut outside);
+            self.take(now, &actions, &mut outside);
         }
         let reading = match self.drive.position(now) {
             Ok(reading) => Event::Stage(reading),
             Err(fault) => Event::Drive(fault),
         };
         let actions = self.controller.handle(now, reading);
-        self.take(now, actions, &mut outside);
+        self.take(now, &actions, &mut outside);
         let actions = self.controller.handle(now, Event::Tick);
-        self.take(now, actions, &mut outside);
+        self.take(now, &actions, &mut outside);
         outside
     }
 
-    fn take(&mut self, now: Time, actions: Actions, outside: &mut RoundActions) {
+    fn take(&mut self, now: Time, actions: &Actions, outside: &mut RoundActions) {
         let mut failed = None;
         for action in actions {
-            match action {
+            match *action {
                 Action::MoveStage(setpoint) => failed = self.drive.follow(now, setpoint).err(),
                 Action::ReleaseStage => self.drive.release(),
                 // There is room for all.
@@ -66,11 +66,11 @@ impl<Drive: FmcDrive> CameraUnit<Drive> {
             }
         }
         if let Some(fault) = failed {
-            for action in self.controller.handle(now, Event::Drive(fault)) {
-                if action == Action::ReleaseStage {
+            for action in &self.controller.handle(now, Event::Drive(fault)) {
+                if *action == Action::ReleaseStage {
                     self.drive.release();
                 } else {
-                    let _ = outside.push(action);
+                    let _ = outside.push(*action);
                 }
             }
         }
