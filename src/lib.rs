@@ -5,6 +5,11 @@
 #[cfg(test)]
 extern crate std;
 
+/// Its code compiles.
+#[cfg(all(doctest, feature = "link"))]
+#[doc = include_str!("../docs/integration.md")]
+pub mod integration {}
+
 pub mod flight;
 pub mod geometry;
 pub mod io;

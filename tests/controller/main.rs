@@ -10,6 +10,7 @@
 )]
 
 mod bench;
+mod document;
 mod faults;
 mod nominal;
 mod sequences;

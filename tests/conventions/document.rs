@@ -5,7 +5,12 @@ const DOCUMENT: &str = include_str!("../../docs/conventions.md");
 
 /// The rows of every table whose first heading is `heading`.
 pub(crate) fn rows(heading: &str) -> Vec<Vec<&'static str>> {
-    let rows: Vec<_> = DOCUMENT
+    rows_of(DOCUMENT, heading)
+}
+
+/// The same of another document.
+pub(crate) fn rows_of(document: &'static str, heading: &str) -> Vec<Vec<&'static str>> {
+    let rows: Vec<_> = document
         .split("\n\n")
         .filter(|block| first_heading(block) == Some(heading))
         .flat_map(|table| table.lines().skip(2))
@@ -35,11 +40,16 @@ fn cells(line: &str) -> Vec<&str> {
 #[test]
 fn numbers_with_a_unit_stand_only_in_tables_that_are_checked() {
     const CHECKED: &[Option<&str>] = &[Some("example"), Some("quantity"), Some("constant")];
+    assert_numbers_checked(DOCUMENT, CHECKED);
+}
+
+/// Numbers with a unit stand in tables of these headings alone.
+pub(crate) fn assert_numbers_checked(document: &str, checked: &[Option<&str>]) {
     const UNITS: &[&str] = &[
         "mm", "µm", "nm", "m", "cm", "px", "s", "ms", "1/s", "mm/s", "m/s", "%", "rows", "°", "°/s",
     ];
-    for block in DOCUMENT.split("\n\n") {
-        if CHECKED.contains(&first_heading(block)) {
+    for block in document.split("\n\n") {
+        if checked.contains(&first_heading(block)) {
             continue;
         }
         let words: Vec<_> = block.split_whitespace().collect();

@@ -1,4 +1,4 @@
-//! `docs/conventions.md` against the code: names, ranges, constants and worked examples.
+//! `docs/conventions.md` and `docs/integration.md` against the code: names, ranges, constants and worked examples.
 
 #[cfg(test)]
 mod bounds;
@@ -10,6 +10,8 @@ mod constants;
 mod document;
 #[cfg(test)]
 mod examples;
+#[cfg(test)]
+mod integration;
 #[cfg(test)]
 mod names;
 #[cfg(test)]

@@ -1,0 +1,57 @@
+//! The constants by which the camera judges.
+
+use fmc_camera::flight::controller::timing::{
+    ATTITUDE_WITHIN_S, CLOCK_JUMP_S, EXERCISE_REACH, EXERCISE_WAYS, LATE_EVENT_S, LATE_TICK_S,
+    LEAD_S, OVERLOAD_ROUNDS, OVERLOAD_WINDOW_S, READING_WITHIN_S, SHUTTER_GIVEN_UP_S,
+    SHUTTER_MISSING_S, STAMP_SIGMA_S, STANDING_S, TICK_S, UNLEARNED_TOLERANCE,
+};
+use fmc_camera::flight::record_log::CAPACITY;
+use fmc_camera::flight::unit::MAX_EVENTS;
+
+use super::rows;
+use crate::document::names;
+
+const TIMING: &str = include_str!("../../../src/flight/controller/timing.rs");
+
+#[test]
+fn documented_constants_are_those_of_the_code() {
+    let constants = [
+        ("EXERCISE_WAYS", EXERCISE_WAYS.to_string()),
+        ("EXERCISE_REACH", EXERCISE_REACH.to_string()),
+        ("UNLEARNED_TOLERANCE", UNLEARNED_TOLERANCE.to_string()),
+        ("TICK_S", TICK_S.to_string()),
+        ("LATE_EVENT_S", LATE_EVENT_S.to_string()),
+        ("LATE_TICK_S", LATE_TICK_S.to_string()),
+        ("CLOCK_JUMP_S", CLOCK_JUMP_S.to_string()),
+        ("OVERLOAD_ROUNDS", OVERLOAD_ROUNDS.to_string()),
+        ("OVERLOAD_WINDOW_S", OVERLOAD_WINDOW_S.to_string()),
+        ("SHUTTER_MISSING_S", SHUTTER_MISSING_S.to_string()),
+        ("SHUTTER_GIVEN_UP_S", SHUTTER_GIVEN_UP_S.to_string()),
+        ("STANDING_S", STANDING_S.to_string()),
+        ("READING_WITHIN_S", READING_WITHIN_S.to_string()),
+        ("STAMP_SIGMA_S", STAMP_SIGMA_S.to_string()),
+        ("ATTITUDE_WITHIN_S", ATTITUDE_WITHIN_S.to_string()),
+        ("LEAD_S", LEAD_S.to_string()),
+        ("MAX_EVENTS", MAX_EVENTS.to_string()),
+        ("CAPACITY", CAPACITY.to_string()),
+    ];
+    let documented: Vec<_> = rows("constant")
+        .into_iter()
+        .map(|row| (names(row[0])[0], row[1].to_owned()))
+        .collect();
+    assert_eq!(documented, constants);
+}
+
+#[test]
+fn no_constant_of_the_controller_is_left_out() {
+    let documented: Vec<_> = rows("constant")
+        .into_iter()
+        .map(|row| names(row[0])[0])
+        .collect();
+    let timing = TIMING
+        .lines()
+        .filter_map(|line| line.strip_prefix("pub const ")?.split(':').next());
+    for name in timing {
+        assert!(documented.contains(&name), "{name}");
+    }
+}

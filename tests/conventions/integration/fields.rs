@@ -1,0 +1,76 @@
+//! The fields of a record.
+
+use fmc_camera::flight::frame_record::{ExposedFrame, FrameRecord};
+use fmc_camera::flight::interior_orientation::InteriorOrientation;
+
+use super::rows;
+use crate::document::names;
+
+/// The names of all fields; does not compile where one is missing.
+macro_rules! fields {
+    ($type:ident { $($field:ident),+ $(,)? }) => {{
+        let _ = |$type { $($field),+ }: $type| {
+            $(let _ = $field;)+
+        };
+        vec![$(stringify!($field)),+]
+    }};
+}
+
+/// The names in the first column, in the alphabet's order.
+fn documented(heading: &str) -> Vec<&'static str> {
+    let mut found: Vec<_> = rows(heading)
+        .into_iter()
+        .flat_map(|row| names(row[0]))
+        .collect();
+    found.sort_unstable();
+    found
+}
+
+fn sorted(mut names: Vec<&'static str>) -> Vec<&'static str> {
+    names.sort_unstable();
+    names
+}
+
+#[test]
+fn fields_of_a_record_are_those_of_the_code() {
+    let record = fields!(FrameRecord {
+        sequence,
+        trigger,
+        outcome,
+        faults,
+        flags,
+        calibration_crc,
+    });
+    assert_eq!(documented("field of `FrameRecord`"), sorted(record));
+    let exposed = fields!(ExposedFrame {
+        opened,
+        closed,
+        centroid,
+        centroid_utc,
+        vh,
+        planned_opening_mm,
+        planned_travel_mm,
+        interior,
+        principal_point_sigma_mm,
+        smear_um,
+        smear_px,
+    });
+    assert_eq!(documented("field of `ExposedFrame`"), sorted(exposed));
+    let interior = fields!(InteriorOrientation {
+        vh_per_s,
+        exposure_s,
+        motion,
+        principal_point,
+        principal_distance_mm,
+        focus_shift_mm,
+        enlargement,
+        focus_convention,
+        model,
+        kernel,
+        left_out_nm,
+    });
+    // `focus_convention` is named twice.
+    let mut found = documented("field of `InteriorOrientation`");
+    found.dedup();
+    assert_eq!(found, sorted(interior));
+}

@@ -1,0 +1,152 @@
+//! The settings of a flight: defaults and ranges.
+
+use fmc_camera::flight::settings::FlightSettings;
+use fmc_camera::flight::vh::{ChannelSettings, VhSettings};
+
+use super::rows;
+use crate::document::names;
+
+/// Fields under their paths; does not compile for one that is not there.
+macro_rules! settings {
+    ($($($field:ident).+),+ $(,)?) => {
+        [$((
+            concat!($(".", stringify!($field)),+),
+            (|settings| &mut settings.$($field).+) as fn(&mut FlightSettings) -> &mut f32,
+        )),+]
+    };
+}
+
+const SETTINGS: [(&str, fn(&mut FlightSettings) -> &mut f32); 24] = settings![
+    exposure_s,
+    smear_budget_px,
+    speed_tolerance_percent,
+    following_tolerance_um,
+    jump_tolerance_um,
+    shutter_latency_s,
+    shutter_tolerance_s,
+    trigger_interval_s,
+    time_pulse_sigma_s,
+    vh.disagreement_percent,
+    vh.smear_budget_px,
+    drive.encoder_step_um,
+    drive.velocity_loop.position_gain_per_s,
+    drive.velocity_loop.speed_gain_per_mm_s,
+    drive.velocity_loop.integral_rate_per_s,
+    drive.velocity_loop.slope_weight,
+    drive.velocity_loop.speed_feed_per_mm_s,
+    drive.velocity_loop.acceleration_feed_per_mm_s2,
+    drive.velocity_loop.friction_feed,
+    drive.velocity_loop.max_duty,
+    drive.velocity_loop.rest_band_um,
+    drive.velocity_loop.learning_rate_per_s,
+    drive.velocity_loop.reading_age_s,
+    drive.velocity_loop.duty_delay_s,
+];
+
+/// Whether the settings are believed with this value of one of them.
+fn is_believed(field: fn(&mut FlightSettings) -> &mut f32, value: f32) -> bool {
+    let mut settings = FlightSettings::default();
+    *field(&mut settings) = value;
+    settings.checked().is_ok()
+}
+
+#[test]
+fn defaults_and_ranges_are_those_of_the_code() {
+    let documented = rows("setting");
+    assert_eq!(documented.len(), SETTINGS.len());
+    for (row, (name, field)) in documented.iter().zip(SETTINGS) {
+        assert_eq!(Some(names(row[0])[0]), name.strip_prefix('.'));
+        let [shown, least, most] =
+            [row[1], row[2], row[3]].map(|cell| cell.parse::<f32>().unwrap());
+        let default = *field(&mut FlightSettings::default());
+        // The document has six digits.
+        let apart = (shown - default).abs();
+        assert!(apart <= 2e-6 * default, "{name} = {default}");
+        for end in [least, most] {
+            assert!(is_believed(field, end), "{name} = {end}");
+        }
+        for outside in [least.next_down(), most.next_up()] {
+            assert!(!is_believed(field, outside), "{name} = {outside}");
+        }
+    }
+}
+
+/// All fields, so that none is left out of the table without notice.
+#[test]
+fn no_setting_is_left_out() {
+    let FlightSettings {
+        exposure_s: _,
+        direction: _,
+        smear_budget_px: _,
+        speed_tolerance_percent: _,
+        following_tolerance_um: _,
+        jump_tolerance_um: _,
+        shutter_latency_s: _,
+        shutter_tolerance_s: _,
+        trigger_interval_s: _,
+        time_pulse_sigma_s: _,
+        vh,
+        drive,
+    } = FlightSettings::default();
+    let printed = format!("{drive:?} {vh:?}");
+    // `field: number`, beside those of the sources' own table.
+    let fields = printed
+        .split([' ', ','])
+        .filter_map(|word| word.strip_suffix(':'))
+        .filter(|name| SETTINGS.iter().any(|(path, _)| path.ends_with(name)));
+    let documented = SETTINGS
+        .iter()
+        .filter(|(path, _)| path.matches('.').count() > 1);
+    assert_eq!(fields.count(), documented.count());
+}
+
+#[test]
+fn sources_are_believed_as_documented() {
+    let VhSettings {
+        direct,
+        ground_speed,
+        inertial_speed,
+        height_above_ground,
+        laser_height,
+        altitude,
+        terrain_height,
+        disagreement_percent: _,
+        smear_budget_px: _,
+    } = VhSettings::DEFAULT;
+    let row = |name: &str, source: ChannelSettings| {
+        let [least, most] = source.range;
+        [
+            name.to_owned(),
+            format!("{least} to {most}"),
+            source.period_s.to_string(),
+            source.validity_s.to_string(),
+            source.slew_per_s.to_string(),
+            source.sigma.to_string(),
+            source.frozen_s.to_string(),
+        ]
+    };
+    let expected = [
+        row("direct", direct),
+        row("ground_speed", ground_speed),
+        row("inertial_speed", inertial_speed),
+        row("height_above_ground", height_above_ground),
+        row("laser_height", laser_height),
+        row("altitude", altitude),
+        row("terrain_height", terrain_height),
+    ];
+    let documented: Vec<_> = rows("source of V/H")
+        .into_iter()
+        .map(|row| {
+            [
+                names(row[0])[0],
+                row[2],
+                row[3],
+                row[4],
+                row[5],
+                row[6],
+                row[7],
+            ]
+        })
+        .collect();
+    assert_eq!(documented, expected);
+}
