@@ -9,9 +9,14 @@
     reason = "tests"
 )]
 
+#[cfg(test)]
 mod bench;
+#[cfg(test)]
 mod document;
+#[cfg(test)]
 mod faults;
+#[cfg(test)]
 mod nominal;
 mod sequences;
+#[cfg(test)]
 mod table;

@@ -96,7 +96,7 @@ fn draw_time(canvas: &Canvas<'_>, flight: &Flight) -> Drawn {
     write(
         canvas,
         words,
-        ((LEFT + RIGHT) / 2, SPEED.end + 56),
+        (i32::midpoint(LEFT, RIGHT), SPEED.end + 56),
         HPos::Center,
     )
 }
@@ -115,7 +115,12 @@ fn draw_states(canvas: &Canvas<'_>, flight: &Flight) -> Drawn {
         // Two lines of names: neighbours do not touch.
         let line = if *state == State::Tracking { 20 } else { 48 };
         let name = state.name().to_owned();
-        write(canvas, name, ((left + right) / 2, line), HPos::Center)?;
+        write(
+            canvas,
+            name,
+            (i32::midpoint(left, right), line),
+            HPos::Center,
+        )?;
     }
     Ok(())
 }
@@ -152,7 +157,7 @@ fn draw_signals(canvas: &Canvas<'_>, flight: &Flight) -> Drawn {
     edge(canvas, command, COMMAND)?;
     fill(canvas, opened..closed, LIGHT, ORANGE)?;
     let words = "grey: the board has it and waits".to_owned();
-    let beside = (closed + 14, (COMMAND.start + COMMAND.end) / 2);
+    let beside = (closed + 14, i32::midpoint(COMMAND.start, COMMAND.end));
     write(canvas, words, beside, HPos::Left)
 }
 
@@ -170,7 +175,7 @@ fn draw_curve(
     (words, step): ([&str; 2], usize),
     value: impl Fn(&Instant) -> f64,
 ) -> Drawn {
-    let middle = (scale.pixels.start + scale.pixels.end) / 2;
+    let middle = i32::midpoint(scale.pixels.start, scale.pixels.end);
     for (line, words) in (0..).zip(words) {
         let place = (12, middle + 30 * line - 15);
         write(canvas, words.to_owned(), place, HPos::Left)?;
@@ -195,7 +200,7 @@ fn draw_curve(
 }
 
 fn label(canvas: &Canvas<'_>, words: &str, rows: &Range<i32>) -> Drawn {
-    let middle = (rows.start + rows.end) / 2;
+    let middle = i32::midpoint(rows.start, rows.end);
     write(canvas, words.to_owned(), (12, middle), HPos::Left)
 }
 
