@@ -12,6 +12,8 @@
 #[cfg(test)]
 mod bench;
 #[cfg(test)]
+mod bring_up;
+#[cfg(test)]
 mod document;
 #[cfg(test)]
 mod faults;
