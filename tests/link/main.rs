@@ -12,6 +12,7 @@ mod conversation;
 mod damage;
 mod fit;
 mod fuzzed;
+mod in_flight;
 mod messages;
 mod pc;
 mod refusals;

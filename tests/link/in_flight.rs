@@ -1,0 +1,122 @@
+//! A calibration that comes during a flight, and what is prepared after it.
+
+use fmc_camera::flight::controller::state::State;
+use fmc_camera::flight::event::{Action, Command, Event, ShutterEdge};
+use fmc_camera::flight::frame_record::Outcome;
+use fmc_camera::flight::rig::{RigAnswer, RigStep};
+use fmc_camera::flight::settings::FlightSettings;
+use fmc_camera::flight::time::Time;
+use fmc_camera::flight::vh::VhSample;
+use fmc_camera::io::link::deck::FlightDeck;
+use fmc_camera::io::link::message::{Answer, CalibrationIdentity, Refusal, Request};
+
+use crate::pc::{Pc, camera_record};
+
+/// A test rig with an ideal stage.
+struct Flight {
+    pc: Pc,
+    now: Time,
+    edges: Vec<(Time, Event)>,
+}
+
+impl Flight {
+    fn round(&mut self, event: Option<Event>) -> RigAnswer {
+        self.now = self.now.plus_s(1e-3);
+        let now = self.now;
+        let controller = self.pc.station.deck_mut().controller().unwrap();
+        let offset_mm = controller.setpoint(now).map_or(0.0, |it| it.offset_mm);
+        let mut step = RigStep {
+            time: now,
+            encoder_count: format!("{:.0}", offset_mm * 1e4).parse().unwrap(),
+            ..RigStep::default()
+        };
+        let due = self.edges.extract_if(.., |(time, _)| *time <= now);
+        step.events.extend(due);
+        step.events
+            .extend(event.into_iter().map(|event| (now, event)));
+        let Answer::Rig(answer) = self.pc.ask(&Request::Rig(step)) else {
+            panic!("no round");
+        };
+        for action in &answer.actions {
+            if let Action::OpenShutter { at, exposure_s } = action {
+                let opened = at.plus_s(0.002);
+                let closed = opened.plus_s(*exposure_s);
+                self.edges
+                    .push((opened, Event::Shutter(ShutterEdge::Opened)));
+                self.edges
+                    .push((closed, Event::Shutter(ShutterEdge::Closed)));
+            }
+        }
+        answer
+    }
+
+    fn run_until(&mut self, state: State) {
+        for _ in 0..2000 {
+            let vh = Event::Vh(VhSample::Direct(0.1));
+            if self.round(Some(vh)).state == state {
+                return;
+            }
+        }
+        panic!("never {state}");
+    }
+
+    fn load(&mut self, pixel_um: f32) -> Answer {
+        let mut camera = camera_record();
+        camera.calibration.pixel_um = pixel_um;
+        self.pc.ask(&Request::Load(camera))
+    }
+
+    fn prepare(&mut self) -> Answer {
+        self.pc.ask(&Request::Prepare(FlightSettings::default()))
+    }
+}
+
+#[test]
+fn calibration_waits_for_the_exposure_and_the_flight_keeps_the_one_it_was_prepared_with() {
+    let mut flight = Flight {
+        pc: Pc::connected(),
+        now: Time::START,
+        edges: Vec::new(),
+    };
+    let Answer::Loaded(CalibrationIdentity { crc: first_crc, .. }) = flight.load(3.76) else {
+        panic!("not loaded");
+    };
+    assert_eq!(flight.prepare(), Answer::Prepared);
+    flight.round(Some(Event::Command(Command::ClearFault)));
+    flight.round(Some(Event::Command(Command::Arm)));
+    flight.run_until(State::Armed);
+    flight.round(Some(Event::Trigger));
+    flight.run_until(State::Exposing);
+    assert_eq!(flight.load(3.9), Answer::Refused(Refusal::FrameInFlight));
+    assert_eq!(flight.prepare(), Answer::Refused(Refusal::FrameInFlight));
+    flight.run_until(State::Armed);
+
+    let Answer::Loaded(CalibrationIdentity { crc, .. }) = flight.load(3.9) else {
+        panic!("not loaded");
+    };
+    assert_ne!(crc, first_crc);
+    flight.round(Some(Event::Trigger));
+    flight.run_until(State::Armed);
+    for sequence in [1, 2] {
+        let Answer::FlightRecord(Some((record, _))) =
+            flight.pc.ask(&Request::FlightRecord(sequence))
+        else {
+            panic!("no record");
+        };
+        assert_eq!(
+            (record.sequence, record.calibration_crc),
+            (sequence, first_crc)
+        );
+        assert!(matches!(record.outcome, Outcome::Exposed(_)), "{record:?}");
+    }
+
+    assert_eq!(flight.prepare(), Answer::Refused(Refusal::RecordsKept(2)));
+    assert_eq!(flight.pc.ask(&Request::Acknowledge(2)), Answer::Kept(0));
+    assert_eq!(flight.prepare(), Answer::Prepared);
+    // In standby, under the new calibration, and counting from 1.
+    flight.round(Some(Event::Trigger));
+    let Answer::FlightRecord(Some((record, _))) = flight.pc.ask(&Request::FlightRecord(0)) else {
+        panic!("no record");
+    };
+    assert_eq!((record.sequence, record.calibration_crc), (1, crc));
+}
