@@ -336,3 +336,16 @@ fn clock_that_jumps_ends_the_frame_and_is_a_fault() {
         }
     }
 }
+
+#[test]
+fn supply_that_comes_back_does_not_move_a_stage_that_has_failed() {
+    let mut bench = in_state(State::RunUp);
+    bench.send(Event::Drive(Fault::Drive));
+    bench.run_until(100, |state| state == State::Degraded(Fault::Drive));
+    bench.send(Event::Supply(Supply::Low));
+    assert_eq!(bench.controller.state(), State::Fault(Fault::BrownOut));
+    bench.send(Event::Supply(Supply::Good));
+    bench.run(500);
+    assert_eq!(bench.controller.state(), State::Degraded(Fault::Drive));
+    assert_eq!(bench.controller.setpoint(bench.now), None, "force");
+}
