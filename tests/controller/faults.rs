@@ -349,3 +349,51 @@ fn supply_that_comes_back_does_not_move_a_stage_that_has_failed() {
     assert_eq!(bench.controller.state(), State::Degraded(Fault::Drive));
     assert_eq!(bench.controller.setpoint(bench.now), None, "force");
 }
+
+#[test]
+fn overload_during_a_frame_does_not_hide_a_stage_that_has_failed() {
+    let mut bench = in_state(State::RunUp);
+    bench.send(Event::Drive(Fault::Drive));
+    bench.run_until(100, |state| state == State::Degraded(Fault::Drive));
+    for _ in 0..3 {
+        bench.send(Event::Trigger);
+        bench.now = bench.now.plus_s(0.004);
+        bench.round();
+    }
+    assert_eq!(bench.controller.counts().late_ticks, 3);
+    bench.run(100);
+    bench.send(Event::Trigger);
+    bench.run(3000);
+    assert_eq!(bench.controller.state(), State::Degraded(Fault::Drive));
+}
+
+#[test]
+fn stage_that_fails_without_force_is_not_moved_until_it_is_cleared() {
+    for fault in [Fault::Encoder, Fault::Drive, Fault::LimitSwitch] {
+        let event = match fault {
+            Fault::LimitSwitch => Event::LimitSwitch,
+            fault => Event::Drive(fault),
+        };
+        // The encoder goes with the supply.
+        let mut without_supply = Bench::armed();
+        without_supply.send(Event::Supply(Supply::Low));
+        without_supply.send(event);
+        without_supply.send(Event::Supply(Supply::Good));
+        let mut standby = Bench::new(FlightSettings::default());
+        standby.run(2);
+        standby.send(event);
+        standby.send(event);
+        assert_eq!(standby.controller.state(), State::Standby);
+        standby.send(Event::Command(Command::Arm));
+        for mut bench in [without_supply, standby] {
+            bench.run(500);
+            assert_eq!(bench.controller.state(), State::Degraded(fault));
+            assert_eq!(bench.controller.setpoint(bench.now), None, "force");
+            let announced = bench.actions.iter();
+            let announced = announced.filter(|(_, it)| *it == Action::Fault(fault));
+            assert_eq!(announced.count(), 1);
+            bench.send(Event::Command(Command::ClearFault));
+            bench.arm();
+        }
+    }
+}
