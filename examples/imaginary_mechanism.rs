@@ -49,7 +49,7 @@ impl FmcDrive for VoiceCoil {
 /// A second and a half with one trigger, and what happens in it.
 pub(crate) fn flight() -> Result<String, Box<dyn Error>> {
     let camera = CameraRecord::new(CalibrationRecord::new(100.0, [9216, 9216], 8.75));
-    let controller = Controller::new(&camera, 0, FlightSettings::default(), Start::Orderly)?;
+    let controller = Controller::new(&camera, 0, &FlightSettings::default(), Start::Orderly)?;
     let mut unit = CameraUnit::new(controller, VoiceCoil::default());
     let (mut edges, mut log) = (Vec::new(), String::new());
     for round in 1..=1500 {

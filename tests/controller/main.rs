@@ -9,16 +9,10 @@
     reason = "tests"
 )]
 
-#[cfg(test)]
 mod bench;
-#[cfg(test)]
 mod bring_up;
-#[cfg(test)]
 mod document;
-#[cfg(test)]
 mod faults;
-#[cfg(test)]
 mod nominal;
 mod sequences;
-#[cfg(test)]
 mod table;

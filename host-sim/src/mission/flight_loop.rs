@@ -340,7 +340,7 @@ impl<'a> Flight<'a> {
         for action in &answer.actions {
             match action {
                 // Done by the camera's own drive.
-                Action::MoveStage(_) | Action::ReleaseStage => {}
+                Action::MoveStage(_) | Action::ReleaseStage | Action::ClockRows { .. } => {}
                 Action::OpenShutter { at, exposure_s } => {
                     self.shutter
                         .open(at.us().max(now_us), f64::from(*exposure_s));

@@ -89,6 +89,7 @@ fn settings_without_a_range_are_named() {
         shutter_tolerance_s: _,
         trigger_interval_s: _,
         time_pulse_sigma_s: _,
+        encoder_survives_brown_out: _,
         vh: _,
         drive:
             DriveSettings {
@@ -114,6 +115,7 @@ fn settings_without_a_range_are_named() {
     } = FlightSettings::default();
     for name in [
         "`direction`",
+        "`encoder_survives_brown_out`",
         "`drive.encoder_reversed`",
         "`drive.motor_reversed`",
     ] {
