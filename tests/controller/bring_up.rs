@@ -46,7 +46,7 @@ fn first_exposure_needs_no_vh_and_the_next_is_compensated() {
     let [while_arming, standing, compensated] = bench.records()[..] else {
         panic!("{:?}", bench.records());
     };
-    assert_eq!(while_arming.outcome, Outcome::Refused(Reason::Overlap));
+    assert_eq!(while_arming.outcome, Outcome::Refused(Reason::NotArmed));
     assert!(standing.flags.contains(Flag::NoCompensation));
     assert!(matches!(standing.outcome, Outcome::Exposed(_)));
     assert_eq!(compensated.flags, Flags::NONE);

@@ -166,8 +166,16 @@ fn ends(bench: &mut Bench) -> &'static str {
     bench.run(2000);
     assert_ne!(bench.controller.state(), State::Armed, "not cleared");
     bench.send(Event::Command(Command::ClearFault));
+    bench.send(Event::Command(Command::Arm));
+    bench.run(2000);
+    if bench.controller.state() == State::Armed {
+        return "clear, arm";
+    }
+    bench.send(Event::Command(Command::Referenced));
+    bench.send(Event::Command(Command::ClearFault));
+    bench.send(Event::Command(Command::Referenced));
     bench.arm();
-    "clear, arm"
+    "clear, reference, arm"
 }
 
 #[test]

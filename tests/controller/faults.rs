@@ -393,6 +393,7 @@ fn stage_that_fails_without_force_is_not_moved_until_it_is_cleared() {
             let announced = announced.filter(|(_, it)| *it == Action::Fault(fault));
             assert_eq!(announced.count(), 1);
             bench.send(Event::Command(Command::ClearFault));
+            bench.send(Event::Command(Command::Referenced));
             bench.arm();
         }
     }

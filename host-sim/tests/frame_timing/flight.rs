@@ -98,7 +98,7 @@ pub(crate) fn fly() -> Flight {
     let camera = CameraRecord::new(CalibrationRecord::new(100.0, [9216, 9216], 8.75));
     let settings = FlightSettings::default();
     let mut bench = Bench {
-        controller: Controller::new(&camera, 0, settings, Start::Orderly).unwrap(),
+        controller: Controller::new(&camera, 0, &settings, Start::Orderly).unwrap(),
         edges: Vec::new(),
         flight: Flight::default(),
     };
