@@ -91,13 +91,18 @@ fn calibration_waits_for_the_exposure_and_the_flight_keeps_the_one_it_was_prepar
     assert_eq!(flight.load(3.9), Answer::Refused(Refusal::FrameInFlight));
     assert_eq!(flight.prepare(), Answer::Refused(Refusal::FrameInFlight));
     flight.run_until(State::Armed);
+    assert_eq!(flight.load(3.9), Answer::Refused(Refusal::FrameInFlight));
 
+    flight.round(Some(Event::Command(Command::Disarm)));
     let Answer::Loaded(CalibrationIdentity { crc, .. }) = flight.load(3.9) else {
         panic!("not loaded");
     };
     assert_ne!(crc, first_crc);
+    flight.round(Some(Event::Command(Command::Arm)));
+    flight.run_until(State::Armed);
     flight.round(Some(Event::Trigger));
     flight.run_until(State::Armed);
+    flight.round(Some(Event::Command(Command::Disarm)));
     for sequence in [1, 2] {
         let Answer::FlightRecord(Some((record, _))) =
             flight.pc.ask(&Request::FlightRecord(sequence))
