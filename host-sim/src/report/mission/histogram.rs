@@ -54,16 +54,18 @@ pub fn histograms(report: &MissionReport<'_>) -> Result<String, FigureError> {
 
 /// Frames in each of equal bins over a range.
 fn counts(values: &[f64], [low, high]: [f64; 2]) -> Vec<u32> {
-    let width = (high - low) / f64::from(BINS);
+    let edge = |bin: u32| low + (high - low) * f64::from(bin) / f64::from(BINS);
+    // Below each edge; the last bin has its upper end, too.
+    let below = |bin: u32| {
+        let inside = |value: &&f64| **value >= low && (**value < edge(bin) || bin == BINS);
+        values
+            .iter()
+            .filter(|value| **value <= high)
+            .filter(inside)
+            .count()
+    };
     (0..BINS)
-        .map(|bin| {
-            let from = low + f64::from(bin) * width;
-            let inside = |value: &&f64| {
-                let is_last = bin + 1 == BINS;
-                **value >= from && (**value < from + width || (is_last && **value <= high))
-            };
-            u32::try_from(values.iter().filter(inside).count()).unwrap_or(u32::MAX)
-        })
+        .map(|bin| u32::try_from(below(bin + 1) - below(bin)).unwrap_or(u32::MAX))
         .collect()
 }
 
