@@ -147,7 +147,7 @@ impl SmearPrediction {
         let is_with_attitude = with_attitude.is_some();
         let motion = with_attitude.or_else(|| ImageMotion::new(&view, &level).ok());
         let motion_um = match motion {
-            Some(motion) => motion.largest_smear(exposure_s).smear.length_um(),
+            Some(motion) => motion.largest_on_grid(exposure_s).1.length_um(),
             // No image motion of a level camera: V/H is out of its range. The whole of it is left.
             None => 1000.0 * focal_mm * exposure_s * libm::fabsf(vh.vh_per_s - compensated),
         };

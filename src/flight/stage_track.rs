@@ -22,7 +22,7 @@ pub struct StageTrack {
 /// The path of an exposure.
 #[derive(Debug, Clone)]
 pub struct ExposurePath {
-    /// Samples, s after first light, that cover the exposure as far as [`Self::is_covered`].
+    /// Samples, s after first light, that cover the exposure as far as [`Self::is_covered`]; one at most before it.
     pub samples: Vec<StageSample, { CAPACITY + 2 }>,
     /// Whether an end was continued from its neighbours.
     pub is_continued: bool,
@@ -119,31 +119,27 @@ impl StageTrack {
             wander_mm: 0.0,
             is_covered: false,
         };
-        let samples = || {
-            self.readings.iter().map(|reading| StageSample {
-                time_s: reading.time.seconds_since(opened),
-                offset_mm: reading.offset_mm,
-            })
+        let sample = |reading: &StageReading| StageSample {
+            time_s: reading.time.seconds_since(opened),
+            offset_mm: reading.offset_mm,
         };
-        let count = self.readings.len();
+        let samples = || self.readings.iter().map(sample);
+        let from_the_end = || self.readings.iter().rev().map(sample);
         let first_two = (samples().next(), samples().nth(1));
-        let last_two = (
-            samples().nth(count.saturating_sub(2)),
-            samples().next_back(),
-        );
+        let last_two = (from_the_end().nth(1), from_the_end().next());
         let ((Some(first), Some(second)), (Some(before), Some(last))) = (first_two, last_two)
         else {
             return path;
         };
-        if count < 2 {
-            return path;
-        }
+        // What lies before the reading before the opening says nothing of the exposure.
+        let pairs = self.readings.iter().zip(self.readings.iter().skip(1));
+        let before_it = pairs.take_while(|(_, next)| next.time <= opened).count();
         // There is room for all and two more.
         if first.time_s > 0.0 && first.time_s <= CONTINUED_S {
             path.is_continued = true;
             let _ = path.samples.push(continued(second, first, 0.0));
         }
-        for sample in samples() {
+        for sample in samples().skip(before_it) {
             let _ = path.samples.push(sample);
         }
         if last.time_s < exposure_s && last.time_s + CONTINUED_S >= exposure_s {

@@ -16,6 +16,9 @@ pub const LEAST_GROUND_SCALE: f32 = 0.1;
 /// Points along each side of the grid on which the largest smear is looked for.
 const GRID_POINTS: u8 = 9;
 
+/// Squares of lengths differ by less than this where rounding can hide which is longer.
+const CLEARLY_SHORTER: f32 = 1.0 - 1e-5;
+
 /// The camera as far as image motion depends on it.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct View {
@@ -317,25 +320,38 @@ impl ImageMotion {
     /// is reached; with opposing terms it is above.
     #[must_use]
     pub fn largest_smear(&self, exposure_s: f32) -> LargestSmear {
-        let sensor = &self.view.sensor;
-        let (half_width, half_height) = (sensor.half_width_mm(), sensor.half_height_mm());
-        let place = |index: u8| 2.0 * f32::from(index) / f32::from(GRID_POINTS - 1) - 1.0;
-        let mut point = SensorPoint::default();
-        let mut smear = self.smear(point, exposure_s);
-        for row in 0..GRID_POINTS {
-            for column in 0..GRID_POINTS {
-                let at = SensorPoint::new(half_width * place(column), half_height * place(row));
-                let found = self.smear(at, exposure_s);
-                if found.length_um() > smear.length_um() {
-                    (point, smear) = (at, found);
-                }
-            }
-        }
+        let (point, smear) = self.largest_on_grid(exposure_s);
         LargestSmear {
             point,
             smear,
             bound_um: self.fastest_mm_s() * exposure_s * 1000.0,
         }
+    }
+
+    /// The grid's part of [`Self::largest_smear`].
+    pub(crate) fn largest_on_grid(&self, exposure_s: f32) -> (SensorPoint, Smear) {
+        let sensor = &self.view.sensor;
+        let (half_width, half_height) = (sensor.half_width_mm(), sensor.half_height_mm());
+        let place = |index: u8| 2.0 * f32::from(index) / f32::from(GRID_POINTS - 1) - 1.0;
+        let square = |smear: Smear| smear.x_um * smear.x_um + smear.y_um * smear.y_um;
+        let mut point = SensorPoint::default();
+        let mut smear = self.smear(point, exposure_s);
+        let mut length_um = smear.length_um();
+        for row in 0..GRID_POINTS {
+            for column in 0..GRID_POINTS {
+                let at = SensorPoint::new(half_width * place(column), half_height * place(row));
+                let found = self.smear(at, exposure_s);
+                // Shorter by more than squares can err: its length, which takes longest, need not be known.
+                if square(found) < CLEARLY_SHORTER * square(smear) {
+                    continue;
+                }
+                let found_um = found.length_um();
+                if found_um > length_um {
+                    (point, smear, length_um) = (at, found, found_um);
+                }
+            }
+        }
+        (point, smear)
     }
 
     /// The longest control point of the residual velocity over the sensor, mm/s.
@@ -458,6 +474,32 @@ mod tests {
             let found_um = largest.smear.length_um();
             assert!((found_um - expected_um).abs() < 2e-4, "{name}: {found_um}");
             assert!(largest.bound_um >= found_um - 1e-4, "{name}");
+        }
+    }
+
+    #[test]
+    fn largest_on_the_grid_is_that_of_all_lengths() {
+        for (pitch_deg, roll_rate_deg_s, vh_per_s) in [
+            (0.0, 0.0, 0.1),
+            (0.0, 0.0, 0.101),
+            (1.0, 0.0, 0.1),
+            (-2.0, 1.5, 0.12),
+            (0.3, -4.0, 0.05),
+        ] {
+            let motion = with(|f| {
+                f.attitude.pitch_deg = pitch_deg;
+                f.attitude.roll_rate_deg_s = roll_rate_deg_s;
+                f.compensated_vh_per_s = vh_per_s;
+            });
+            let half_mm = motion.view.sensor.half_width_mm();
+            let place = |index: u8| half_mm * (2.0 * f32::from(index) / 8.0 - 1.0);
+            let middle = motion.smear(SensorPoint::default(), EXPOSURE_S).length_um();
+            let longest = (0..81_u8)
+                .map(|index| SensorPoint::new(place(index % 9), place(index / 9)))
+                .map(|point| motion.smear(point, EXPOSURE_S).length_um())
+                .fold(middle, f32::max);
+            let found = motion.largest_smear(EXPOSURE_S).smear.length_um();
+            assert_eq!(found.to_bits(), longest.to_bits(), "{found} {longest}");
         }
     }
 

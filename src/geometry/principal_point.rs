@@ -243,10 +243,22 @@ impl<'a> MeasuredPath<'a> {
     /// Visits the quadrature nodes of every stretch on which path and transmission are linear
     /// with (weight, offset in mm).
     fn for_each_node(&self, shutter: &Shutter, mut visit: impl FnMut(f32, f32)) {
+        let pieces = shutter
+            .pieces()
+            .map(|(open, close)| (open * self.exposure_s, close * self.exposure_s));
         for (before, after) in Self::stretches(self.samples) {
-            for (open_from, open_to) in shutter.pieces() {
-                let from = before.time_s.max(open_from * self.exposure_s);
-                let to = after.time_s.min(open_to * self.exposure_s);
+            for (open_s, close_s) in pieces {
+                // Comparisons: none is a NaN, and a call of `f32::max` takes longer than the node.
+                let from = if before.time_s > open_s {
+                    before.time_s
+                } else {
+                    open_s
+                };
+                let to = if after.time_s < close_s {
+                    after.time_s
+                } else {
+                    close_s
+                };
                 if to > from {
                     for (time_s, weight) in gauss_nodes(from, to) {
                         let transmission = shutter.transmission(time_s / self.exposure_s);

@@ -10,6 +10,7 @@ use xshell::cmd;
 use crate::{
     cost::{self, Footprint, Instructions},
     firmware::{self, Image},
+    load,
     route::{Need, QEMU},
     target::Target,
     verify,
@@ -43,6 +44,9 @@ pub(crate) fn run(workspace: &Workspace, update: bool) -> Result<ExitCode> {
     let target = Target::set_up(workspace, Need::ToolchainAndQemu)?;
     let instructions = count(workspace, &target)?;
     print!("{}", cost::text(&instructions)?);
+    for load in load::loads(&instructions) {
+        eprintln!("{load}");
+    }
     let footprint = vec![footprint(workspace, &target)?];
     eprint!("\n{}", cost::text(&footprint)?);
     if update {
@@ -65,7 +69,16 @@ pub(crate) fn check(workspace: &Workspace, target: &Target<'_>) -> Result<()> {
             "note: {INSTRUCTIONS} has no rows of {compiler}: only the limits are checked; `cargo xtask bench --update` adds them"
         );
     }
-    let mut findings = cost::compare(&instructions, &count(workspace, target)?);
+    let counted = count(workspace, target)?;
+    for load in load::loads(&counted) {
+        eprintln!("{load}");
+        ensure!(
+            load.is_allowed(),
+            "{:.0} % must be left at least, and a round must end before the next at a usual clock",
+            100.0 * load::LEAST_IDLE
+        );
+    }
+    let mut findings = cost::compare(&instructions, &counted);
     findings.extend(cost::compare(
         &footprint_table,
         &[footprint(workspace, target)?],

@@ -9,6 +9,7 @@ mod board;
 mod checks;
 mod cost;
 mod firmware;
+mod load;
 mod machine;
 mod no_panic;
 mod route;

@@ -33,6 +33,14 @@ impl Counter {
         (repetitions, unit): (u32, &str),
         work: impl FnOnce() -> Option<T>,
     ) -> Option<()> {
+        let (instructions, result) = self.measure(work)?;
+        black_box(result?);
+        Self::print(kernel, (repetitions, unit), instructions);
+        Some(())
+    }
+
+    /// Runs `work` and says how many instructions it takes; `None` if that is longer than the timer can count.
+    pub(crate) fn measure<T>(&mut self, work: impl FnOnce() -> T) -> Option<(u32, T)> {
         self.timer.clear_current();
         // Reading says whether the timer has run out since it was read last.
         self.timer.has_wrapped();
@@ -40,18 +48,15 @@ impl Counter {
         let result = work();
         let end = SYST::get_current();
         let wrapped = self.timer.has_wrapped();
-        black_box(result?);
         let ticks = start.wrapping_sub(end) & RELOAD;
         if wrapped && end >= start || ticks > RELOAD / 2 {
             return None;
         }
-        hprintln!(
-            "{},{},{},{}",
-            kernel,
-            unit,
-            repetitions,
-            ticks * INSTRUCTIONS_PER_TICK
-        );
-        Some(())
+        Some((ticks * INSTRUCTIONS_PER_TICK, black_box(result)))
+    }
+
+    /// Prints what `repetitions` have taken.
+    pub(crate) fn print(kernel: &str, (repetitions, unit): (u32, &str), instructions: u32) {
+        hprintln!("{},{},{},{}", kernel, unit, repetitions, instructions);
     }
 }

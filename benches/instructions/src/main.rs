@@ -10,9 +10,13 @@
 #[cfg(target_os = "none")]
 mod counter;
 #[cfg(target_os = "none")]
+mod flight;
+#[cfg(target_os = "none")]
 mod geometry;
 #[cfg(target_os = "none")]
 mod link;
+#[cfg(target_os = "none")]
+mod sensors;
 #[cfg(target_os = "none")]
 mod specimen;
 #[cfg(target_os = "none")]
@@ -30,6 +34,7 @@ fn count() -> ! {
     let counted = cortex_m::Peripherals::take().and_then(|peripherals| {
         let mut counter = counter::Counter::new(peripherals.SYST);
         geometry::count(&mut counter)?;
+        flight::count(&mut counter)?;
         link::count(&mut counter)
     });
     exit(if counted.is_some() {

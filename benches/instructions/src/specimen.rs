@@ -1,7 +1,10 @@
 //! The cameras whose work is counted, and their points.
 
+use fmc_camera::flight::camera::Mechanism;
+use fmc_camera::flight::stage::RunUp;
 use fmc_camera::geometry::calibration::CalibrationRecord;
 use fmc_camera::geometry::sensor::SensorPoint;
+use fmc_camera::geometry::shutter::ShutterProfile;
 use fmc_camera::{Brown, CameraRecord, Exposure};
 
 /// Phase One iXM-RS150F with 50 mm: K1 to K3, the short form.
@@ -27,6 +30,24 @@ pub(crate) fn full() -> CameraRecord {
         ..record.calibration.distortion
     };
     record
+}
+
+/// The full form behind a leaf shutter, on a stage of limited jerk: all that an exposure's record can cost.
+pub(crate) fn flown() -> CameraRecord {
+    CameraRecord {
+        mechanism: Mechanism::Stage {
+            acceleration_mm_s2: 1000.0,
+            settling_ms: 5.0,
+            run_up: RunUp::Centred,
+            jerk_mm_s3: Some(100_000.0),
+            max_speed_mm_s: None,
+        },
+        shutter: ShutterProfile::Trapezoid {
+            opening_fraction: 0.2,
+            closing_fraction: 0.25,
+        },
+        ..full()
+    }
 }
 
 /// A lens of 20 % distortion at the corner, near to folding: shown to be one-to-one box by box, which takes longest.

@@ -49,6 +49,28 @@ pub trait FlyingDevice {
 }
 
 impl InProcess {
+    /// As [`FlyingDevice::prepare`], for a camera that has come to run in a certain way.
+    pub(super) fn prepare_after(
+        &mut self,
+        start: Start,
+        camera: &CameraRecord,
+        settings: &FlightSettings,
+    ) -> Result<(), DeviceError> {
+        Camera::new(*camera).map_err(DeviceError::Calibration)?;
+        let kept = self.rig.as_ref().map_or(0, |rig| rig.controller().kept());
+        if kept > 0 {
+            return Err(DeviceError::RecordsKept(kept));
+        }
+        let crc = digest::of_record(camera).unwrap_or_default();
+        let rig = Rig::new(camera, crc, *settings, start).map_err(|error| match error {
+            ControllerError::Calibration(error) => DeviceError::Calibration(error),
+            ControllerError::Settings(error) => DeviceError::Settings(error),
+            ControllerError::Travel(error) => DeviceError::Frame(error),
+        })?;
+        self.rig = Some(rig);
+        Ok(())
+    }
+
     /// The camera that has been prepared.
     fn rig(&mut self) -> Result<&mut Rig, DeviceError> {
         self.rig.as_mut().ok_or(DeviceError::NotPrepared)
@@ -65,19 +87,7 @@ impl FlyingDevice for InProcess {
         camera: &CameraRecord,
         settings: &FlightSettings,
     ) -> Result<(), DeviceError> {
-        Camera::new(*camera).map_err(DeviceError::Calibration)?;
-        let kept = self.rig.as_ref().map_or(0, |rig| rig.controller().kept());
-        if kept > 0 {
-            return Err(DeviceError::RecordsKept(kept));
-        }
-        let crc = digest::of_record(camera).unwrap_or_default();
-        let rig = Rig::new(camera, crc, settings, Start::Orderly).map_err(|error| match error {
-            ControllerError::Calibration(error) => DeviceError::Calibration(error),
-            ControllerError::Settings(error) => DeviceError::Settings(error),
-            ControllerError::Travel(error) => DeviceError::Frame(error),
-        })?;
-        self.rig = Some(rig);
-        Ok(())
+        self.prepare_after(Start::Orderly, camera, settings)
     }
 
     fn setpoint(&self, now: Time) -> Option<Setpoint> {

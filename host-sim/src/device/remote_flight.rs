@@ -1,12 +1,16 @@
 //! A camera at the other end of a link in a simulated flight, round by round beside its twin.
 
 use fmc_camera::flight::camera::CameraRecord;
+use fmc_camera::flight::controller::Start;
+use fmc_camera::flight::controller::state::State;
+use fmc_camera::flight::fault::Fault;
 use fmc_camera::flight::frame_record::FrameRecord;
 use fmc_camera::flight::rig::{RigAnswer, RigStep};
 use fmc_camera::flight::settings::FlightSettings;
 use fmc_camera::flight::stage::Setpoint;
 use fmc_camera::flight::time::Time;
 use fmc_camera::io::link::digest;
+use fmc_camera::io::link::message;
 
 use super::error::DifferentResult;
 use super::flying::FlyingDevice;
@@ -45,6 +49,25 @@ impl<P: Port> Remote<P> {
             .map_err(|error| self.failed(error, 0))
     }
 
+    /// How the camera begins its flight: the first after a bite of the watchdog with that fault.
+    fn start_of_flight(&mut self) -> Result<Start, DeviceError> {
+        let status = self
+            .client
+            .status()
+            .map_err(|error| self.failed(error, 0))?;
+        let has_failed = matches!(
+            self.identity().start,
+            message::Start::Watchdog | message::Start::Fault
+        );
+        Ok(
+            if has_failed && status.state == State::Fault(Fault::Watchdog) {
+                Start::AfterWatchdog
+            } else {
+                Start::Orderly
+            },
+        )
+    }
+
     fn other_round(&self, camera: &RigAnswer, twin: &RigAnswer) -> DeviceError {
         self.different(DifferentResult::Round {
             camera: format!("{camera:?}"),
@@ -68,7 +91,11 @@ impl<P: Port> FlyingDevice for Remote<P> {
             .client
             .prepare(settings)
             .map_err(|error| self.failed(error, 0));
-        match self.twin.prepare(camera, settings) {
+        let start = match &prepared {
+            Ok(()) => self.start_of_flight()?,
+            Err(_) => Start::Orderly,
+        };
+        match self.twin.prepare_after(start, camera, settings) {
             Ok(()) => prepared,
             // The twin knows more than the link carries.
             Err(error) if prepared.is_err() => Err(error),

@@ -8,6 +8,8 @@ mod crash;
 #[cfg(test)]
 mod fit;
 #[cfg(test)]
+mod flight;
+#[cfg(test)]
 mod mission;
 #[cfg(test)]
 mod program;

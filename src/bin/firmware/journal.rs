@@ -61,5 +61,11 @@ fn refusal_name(refusal: Refusal) -> &'static str {
         Refusal::NoFit => "no adjustment",
         Refusal::Observation { .. } => "observation",
         Refusal::Fit(_) => "fit",
+        Refusal::NotPrepared => "not prepared for flight",
+        Refusal::Settings => "flight settings",
+        Refusal::Travel(_) => "travel not possible",
+        Refusal::FrameInFlight => "frame in flight",
+        Refusal::RecordsKept(_) => "records not acknowledged",
+        Refusal::NoRig => "no test rig",
     }
 }

@@ -126,7 +126,7 @@ impl VhMonitor {
 
     fn finding(&mut self, time: Time, sample: VhSample) -> Option<VhFinding> {
         let (channel, value) = VhChannel::of(sample);
-        let expected = self.expected(channel, time);
+        let expected = self.values(time).expected(channel);
         let settings = *self.settings.of(channel);
         let unit = channel.wrong_unit();
         let taken = self
@@ -167,21 +167,21 @@ impl VhMonitor {
     /// Bars a source that the new sample shows to be in the wrong unit: of two numbers that differ by a unit's factor
     /// the larger, as feet and knots are smaller than metres and metres per second.
     fn bar_another(&mut self, accepted: VhChannel, time: Time) -> Option<VhFinding> {
+        let values = self.values(time);
         for channel in VhChannel::ALL {
             let Some(unit) = channel.wrong_unit() else {
                 continue;
             };
-            let (Some(held), Some(expected)) =
-                (self.held(channel, time), self.expected(channel, time))
+            let (Some(value), Some(expected)) = (values.of(channel), values.expected(channel))
             else {
                 continue;
             };
-            if channel != accepted && is_times(held.value, expected, unit.factor()) {
+            if channel != accepted && is_times(value, expected, unit.factor()) {
                 self.channel_mut(channel).bar(unit);
                 return Some(VhFinding {
                     channel,
                     kind: VhFindingKind::WrongUnit(unit),
-                    value: held.value,
+                    value,
                     expected: Some(expected),
                 });
             }
@@ -189,29 +189,16 @@ impl VhMonitor {
         None
     }
 
-    /// What all other sources together say that one should be.
-    fn expected(&self, channel: VhChannel, now: Time) -> Option<f32> {
+    fn values(&self, now: Time) -> Values {
         let value = |channel| self.held(channel, now).map(|held| held.value);
-        let direct = value(VhChannel::Direct);
-        let radar = value(VhChannel::HeightAboveGround);
-        let laser = value(VhChannel::LaserHeight);
-        let altitude = value(VhChannel::Altitude);
-        let terrain = value(VhChannel::TerrainHeight);
-        let speed = value(VhChannel::GroundSpeed).or_else(|| value(VhChannel::InertialSpeed));
-        let over_terrain = altitude
-            .zip(terrain)
-            .map(|(altitude, terrain)| altitude - terrain);
-        let altimeter = laser.or(radar);
-        let from_direct = || Some(speed? / direct?);
-        let from_height = || Some(direct? * altimeter.or(over_terrain)?);
-        match channel {
-            VhChannel::Direct => None,
-            VhChannel::GroundSpeed => value(VhChannel::InertialSpeed).or_else(from_height),
-            VhChannel::InertialSpeed => value(VhChannel::GroundSpeed).or_else(from_height),
-            VhChannel::HeightAboveGround => laser.or(over_terrain).or_else(from_direct),
-            VhChannel::LaserHeight => radar.or(over_terrain).or_else(from_direct),
-            VhChannel::Altitude => Some(terrain? + altimeter.or_else(from_direct)?),
-            VhChannel::TerrainHeight => Some(altitude? - altimeter.or_else(from_direct)?),
+        Values {
+            direct: value(VhChannel::Direct),
+            ground_speed: value(VhChannel::GroundSpeed),
+            inertial_speed: value(VhChannel::InertialSpeed),
+            radar: value(VhChannel::HeightAboveGround),
+            laser: value(VhChannel::LaserHeight),
+            altitude: value(VhChannel::Altitude),
+            terrain: value(VhChannel::TerrainHeight),
         }
     }
 
@@ -320,6 +307,61 @@ impl VhMonitor {
             VhChannel::LaserHeight => &mut self.laser_height,
             VhChannel::Altitude => &mut self.altitude,
             VhChannel::TerrainHeight => &mut self.terrain_height,
+        }
+    }
+}
+
+/// What the sources say that are not lost.
+#[derive(Debug, Clone, Copy)]
+struct Values {
+    direct: Option<f32>,
+    ground_speed: Option<f32>,
+    inertial_speed: Option<f32>,
+    radar: Option<f32>,
+    laser: Option<f32>,
+    altitude: Option<f32>,
+    terrain: Option<f32>,
+}
+
+impl Values {
+    const fn of(&self, channel: VhChannel) -> Option<f32> {
+        match channel {
+            VhChannel::Direct => self.direct,
+            VhChannel::GroundSpeed => self.ground_speed,
+            VhChannel::InertialSpeed => self.inertial_speed,
+            VhChannel::HeightAboveGround => self.radar,
+            VhChannel::LaserHeight => self.laser,
+            VhChannel::Altitude => self.altitude,
+            VhChannel::TerrainHeight => self.terrain,
+        }
+    }
+
+    /// What all other sources together say that one should be.
+    fn expected(&self, channel: VhChannel) -> Option<f32> {
+        let Self {
+            direct,
+            ground_speed,
+            inertial_speed,
+            radar,
+            laser,
+            altitude,
+            terrain,
+        } = *self;
+        let speed = ground_speed.or(inertial_speed);
+        let over_terrain = altitude
+            .zip(terrain)
+            .map(|(altitude, terrain)| altitude - terrain);
+        let altimeter = laser.or(radar);
+        let from_direct = || Some(speed? / direct?);
+        let from_height = || Some(direct? * altimeter.or(over_terrain)?);
+        match channel {
+            VhChannel::Direct => None,
+            VhChannel::GroundSpeed => inertial_speed.or_else(from_height),
+            VhChannel::InertialSpeed => ground_speed.or_else(from_height),
+            VhChannel::HeightAboveGround => laser.or(over_terrain).or_else(from_direct),
+            VhChannel::LaserHeight => radar.or(over_terrain).or_else(from_direct),
+            VhChannel::Altitude => Some(terrain? + altimeter.or_else(from_direct)?),
+            VhChannel::TerrainHeight => Some(altitude? - altimeter.or_else(from_direct)?),
         }
     }
 }

@@ -1,0 +1,290 @@
+//! Flights of the camera in QEMU: its stage, shutter and sensors are simulated, round by round of its control loop. The
+//! device compares every round and every record with its twin on this PC, bit by bit.
+
+use std::env;
+use std::io::Write as _;
+use std::thread;
+use std::time::{Duration, Instant};
+
+use fmc_camera::flight::controller::state::State;
+use fmc_camera::flight::event::{Action, Command, Event, ShutterEdge};
+use fmc_camera::flight::fault::{Fault, Faults};
+use fmc_camera::flight::frame_record::{Flags, FrameRecord, Outcome, Reason};
+use fmc_camera::flight::rig::{RigAnswer, RigStep};
+use fmc_camera::flight::settings::FlightSettings;
+use fmc_camera::flight::time::Time;
+use fmc_camera::flight::vh::VhSample;
+use fmc_camera::io::link::message::{Refusal, Start};
+use fmc_camera::{CalibrationRecord, CameraRecord, SensorPoint};
+use host_sim::device::link_error::LinkError;
+use host_sim::device::qemu::{Qemu, QemuOptions};
+use host_sim::device::{Device, DeviceError, FlyingDevice, Machine};
+use host_sim::mechanics::{Mechanics, MechanicsSettings};
+
+const MACHINES: [Machine; 2] = [Machine::An386, Machine::An500];
+
+/// V/H, 1/s: the image moves at 10 mm/s.
+const VH_PER_S: f32 = 0.1;
+
+/// Rounds from one V/H to the next.
+const VH_ROUNDS: u64 = 50;
+
+/// Rounds per second that a slow PC reaches too: a busy one has 600 to 1200.
+const LEAST_ROUNDS_PER_S: f64 = 100.0;
+
+/// 100 mm, 9216 x 9216 pixels of 8.75 µm.
+fn camera() -> CameraRecord {
+    CameraRecord::new(CalibrationRecord::new(100.0, [9216, 9216], 8.75))
+}
+
+/// The world around a camera.
+struct Flight {
+    device: Qemu,
+    mechanics: Mechanics,
+    settings: FlightSettings,
+    answer: Option<RigAnswer>,
+    round: u64,
+    edges: Vec<(Time, Event)>,
+}
+
+impl Flight {
+    fn new(device: Qemu) -> Self {
+        Self {
+            device,
+            mechanics: Mechanics::new(MechanicsSettings::default()).unwrap(),
+            settings: FlightSettings::default(),
+            answer: None,
+            round: 0,
+            edges: Vec::new(),
+        }
+    }
+
+    fn prepared(device: Qemu) -> Self {
+        let mut flight = Self::new(device);
+        flight.prepare().unwrap();
+        flight
+    }
+
+    fn prepare(&mut self) -> Result<(), DeviceError> {
+        self.device.prepare(&camera(), &self.settings)
+    }
+
+    /// A millisecond passes, and something may happen at its end.
+    fn round(&mut self, happens: Option<Event>) -> Vec<Action> {
+        self.round += 1;
+        let (duty, powered) = self
+            .answer
+            .as_ref()
+            .map_or((0.0, false), |answer| (answer.duty, answer.powered));
+        self.mechanics.advance(f64::from(duty), powered, 1e-3);
+        let time = Time::from_us(1000 * self.round);
+        let is_past = |(edge, _): &(Time, Event)| *edge <= time;
+        let mut step = RigStep {
+            time,
+            encoder_count: self.mechanics.encoder_count(),
+            events: self.edges.iter().copied().filter(is_past).collect(),
+        };
+        self.edges.retain(|edge| !is_past(edge));
+        if self.round.is_multiple_of(VH_ROUNDS) {
+            // A source that never moves is taken for a frozen one.
+            let wobble = if self.round.is_multiple_of(2 * VH_ROUNDS) {
+                1.0002
+            } else {
+                1.0
+            };
+            let vh = Event::Vh(VhSample::Direct(VH_PER_S * wobble));
+            step.events.push((time, vh)).unwrap();
+        }
+        if let Some(event) = happens {
+            step.events.push((time, event)).unwrap();
+        }
+        let answer = self.device.step(&step).unwrap();
+        for action in &answer.actions {
+            if let Action::OpenShutter { at, exposure_s } = *action {
+                let opened = at.plus_s(self.settings.shutter_latency_s);
+                let closed = opened.plus_s(exposure_s);
+                self.edges = vec![
+                    (opened, Event::Shutter(ShutterEdge::Opened)),
+                    (closed, Event::Shutter(ShutterEdge::Closed)),
+                ];
+            }
+        }
+        let actions = answer.actions.to_vec();
+        self.answer = Some(answer);
+        actions
+    }
+
+    fn state(&self) -> State {
+        self.answer.as_ref().unwrap().state
+    }
+
+    fn until(&mut self, state: State) {
+        for _ in 0..3000 {
+            if self.state() == state {
+                return;
+            }
+            self.round(None);
+        }
+        panic!("{:?} instead of {state:?}", self.state());
+    }
+
+    fn arm(&mut self) {
+        for _ in 0..VH_ROUNDS {
+            self.round(None);
+        }
+        self.round(Some(Event::Command(Command::Arm)));
+        self.until(State::Armed);
+    }
+
+    /// A trigger, and all until the next is possible. Says the number of its record.
+    fn expose(&mut self) -> u32 {
+        let mut actions = self.round(Some(Event::Trigger));
+        while self.state() != State::Armed {
+            actions.extend(self.round(None));
+        }
+        let ready = actions.iter().find_map(|action| match action {
+            Action::FrameReady(sequence) => Some(*sequence),
+            _ => None,
+        });
+        ready.unwrap()
+    }
+
+    fn fetched(&mut self, sequence: u32) -> FrameRecord {
+        let record = FlyingDevice::record(&mut self.device, sequence)
+            .unwrap()
+            .unwrap();
+        assert_eq!(record.sequence, sequence);
+        record
+    }
+}
+
+/// 10 mm/s for 1/300 s about the calibrated principal point.
+fn assert_compensated(record: &FrameRecord) {
+    assert_eq!(
+        (record.faults, record.flags),
+        (Faults::NONE, Flags::NONE),
+        "{record:?}"
+    );
+    let Outcome::Exposed(frame) = record.outcome else {
+        panic!("{record:?}");
+    };
+    let motion = frame.interior.motion;
+    // What the stage smears when the loop has learned, 0.92 µm, and two steps of the encoder.
+    assert!((motion.travel_mm - 0.03333).abs() < 1.1e-3, "{motion:?}");
+    // The shutter's edges are on a grid of 1 ms: the centroid is where the stage was then, to its following error.
+    assert!(motion.centroid_mm.abs() < 2e-3, "{motion:?}");
+}
+
+#[test]
+#[ignore = "needs QEMU and the image: cargo xtask test"]
+fn flown_frames_have_the_twins_records() {
+    for machine in MACHINES {
+        let mut flight = Flight::prepared(Qemu::start(machine, &QemuOptions::default()).unwrap());
+        let start = Instant::now();
+        flight.arm();
+        for sequence in 1..=4 {
+            assert_eq!(flight.expose(), sequence);
+            let record = flight.fetched(sequence);
+            assert_compensated(&record);
+            assert_eq!(flight.device.acknowledge(sequence), Ok(0));
+        }
+        #[expect(clippy::cast_precision_loss, reason = "some thousand rounds")]
+        let rounds_per_s = flight.round as f64 / start.elapsed().as_secs_f64();
+        println!(
+            "{machine}: {} rounds, {rounds_per_s:.0} a second",
+            flight.round
+        );
+        assert!(rounds_per_s > LEAST_ROUNDS_PER_S, "{rounds_per_s}");
+        let counters = flight.device.remote().counters().unwrap().unwrap();
+        println!("{machine}: {} bytes of stack", counters.stack_used_bytes);
+        assert_eq!(counters.overrun_bytes + counters.repeated, 0);
+    }
+}
+
+#[test]
+#[ignore = "needs QEMU and the image: cargo xtask test"]
+fn calibration_in_the_middle_of_an_exposure_is_refused_and_changes_nothing() {
+    let mut flight = Flight::prepared(Qemu::start(MACHINES[0], &QemuOptions::default()).unwrap());
+    flight.arm();
+    flight.round(Some(Event::Trigger));
+    flight.until(State::Exposing);
+    let mut other = camera();
+    other.calibration.principal_distance_mm = 90.0;
+    let refused = |result| {
+        matches!(
+            result,
+            Err(DeviceError::Link {
+                error: LinkError::Refused {
+                    refusal: Refusal::FrameInFlight,
+                    ..
+                },
+                ..
+            })
+        )
+    };
+    assert!(refused(flight.device.load(&other)));
+    flight.until(State::Armed);
+    let record = flight.fetched(1);
+    assert_compensated(&record);
+    let Outcome::Exposed(frame) = record.outcome else {
+        panic!("{record:?}");
+    };
+    assert!((frame.interior.principal_distance_mm - 100.0).abs() < 1e-6);
+    // Between frames it is taken; the flight goes on with the old one until it is prepared again.
+    flight.device.load(&other).unwrap();
+    assert_eq!(flight.expose(), 2);
+    assert_eq!(flight.fetched(2).calibration_crc, record.calibration_crc);
+}
+
+#[test]
+#[ignore = "needs QEMU and the image: cargo xtask test"]
+fn camera_is_not_prepared_again_before_its_records_are_fetched() {
+    let mut flight = Flight::prepared(Qemu::start(MACHINES[1], &QemuOptions::default()).unwrap());
+    flight.round(None);
+    flight.round(Some(Event::Trigger));
+    let record = flight.fetched(1);
+    assert_eq!(record.outcome, Outcome::Refused(Reason::NotArmed));
+    assert_eq!(flight.prepare(), Err(DeviceError::RecordsKept(1)));
+    assert_eq!(flight.fetched(1), record);
+    assert_eq!(flight.device.acknowledge(1), Ok(0));
+    flight.prepare().unwrap();
+    assert_eq!(FlyingDevice::record(&mut flight.device, 0), Ok(None));
+}
+
+#[test]
+#[ignore = "needs QEMU and the image: cargo xtask test"]
+fn after_the_watchdog_the_camera_is_in_that_fault_until_it_is_cleared() {
+    let options = QemuOptions {
+        firmware: Some(env::var_os("FMC_FIRMWARE_WITH_DRILLS").unwrap().into()),
+        print_log: false,
+    };
+    let mut flight = Flight::prepared(Qemu::start(MACHINES[0], &options).unwrap());
+    flight.arm();
+    flight.device.log_wire().write_all(b"h").unwrap();
+    let start = Instant::now();
+    // A request that changes nothing, until the restart has ended the session.
+    while flight.device.correct(&[SensorPoint::default()]) == Err(DeviceError::NoFrame) {
+        assert!(start.elapsed() < Duration::from_secs(30));
+        thread::sleep(Duration::from_millis(5));
+    }
+    flight.device.remote().reconnect().unwrap();
+    assert_eq!(flight.device.remote().identity().start, Start::Watchdog);
+    let mut flight = Flight::prepared(flight.device);
+    flight.round(None);
+    assert_eq!(flight.state(), State::Fault(Fault::Watchdog));
+    flight.round(Some(Event::Trigger));
+    let record = flight.fetched(1);
+    assert_eq!(
+        record.outcome,
+        Outcome::Refused(Reason::Fault(Fault::Watchdog))
+    );
+    flight.round(Some(Event::Command(Command::ClearFault)));
+    assert_eq!(flight.state(), State::Standby);
+    flight.arm();
+    assert_eq!(flight.expose(), 2);
+    // It has been reported once: the next flight begins in standby.
+    assert_eq!(flight.device.acknowledge(2), Ok(0));
+    let mut flight = Flight::prepared(flight.device);
+    flight.round(None);
+    assert_eq!(flight.state(), State::Standby);
+}

@@ -1,0 +1,138 @@
+//! What the control loop leaves of a core, from the instructions that its rounds take.
+
+use std::fmt;
+
+use crate::cost::Instructions;
+
+/// Clocks: of the emulated machines, and of a usual Cortex-M4F.
+const CLOCKS_MHZ: [f64; 2] = [25.0, 168.0];
+
+/// From one round to the next.
+const ROUND_MS: f64 = 1.0;
+
+/// Mean over the frame cycle at 2 frames/s.
+const MEAN: &str = "control_round";
+/// The dearest at the longest exposure within the camera's limits.
+const WORST: &str = "control_round_worst";
+/// The dearest with a shutter that stays open until it is given up.
+const STUCK: &str = "control_round_stuck_shutter";
+
+/// Least of the time that must be left at the slowest clock, on average.
+pub(crate) const LEAST_IDLE: f64 = 0.8;
+
+/// Load of one core at one clock, at an instruction per cycle.
+#[derive(Clone, Debug, PartialEq)]
+pub(crate) struct Load {
+    core: String,
+    clock_mhz: f64,
+    /// Share of the time that is left.
+    idle: f64,
+    worst_ms: f64,
+    stuck_ms: f64,
+}
+
+impl Load {
+    /// Whether it leaves enough, and no round lasts into the next at the clock of a usual core.
+    pub(crate) fn is_allowed(&self) -> bool {
+        let is_slowest = self.clock_mhz <= CLOCKS_MHZ[0];
+        self.idle >= LEAST_IDLE && (is_slowest || self.worst_ms.max(self.stuck_ms) < ROUND_MS)
+    }
+}
+
+impl fmt::Display for Load {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        write!(
+            f,
+            "control loop on {} at {} MHz, 1 kHz, 2 frames/s: {:.1} % idle, worst round {:.2} ms, {:.2} ms with a stuck shutter",
+            self.core,
+            self.clock_mhz,
+            100.0 * self.idle,
+            self.worst_ms,
+            self.stuck_ms
+        )
+    }
+}
+
+/// The loads of every core that is in the rows.
+pub(crate) fn loads(rows: &[Instructions]) -> Vec<Load> {
+    let mut loads = Vec::new();
+    for mean in rows.iter().filter(|row| row.kernel == MEAN) {
+        let of = |kernel| {
+            let is_it = |row: &&Instructions| {
+                (&row.core, &row.compiler, row.kernel.as_str())
+                    == (&mean.core, &mean.compiler, kernel)
+            };
+            rows.iter().find(is_it).map(|row| row.count)
+        };
+        let (Some(worst), Some(stuck)) = (of(WORST), of(STUCK)) else {
+            continue;
+        };
+        for clock_mhz in CLOCKS_MHZ {
+            let ms = |instructions: f64| instructions / (1000.0 * clock_mhz);
+            loads.push(Load {
+                core: mean.core.clone(),
+                clock_mhz,
+                idle: 1.0 - ms(mean.count) / ROUND_MS,
+                worst_ms: ms(worst),
+                stuck_ms: ms(stuck),
+            });
+        }
+    }
+    loads
+}
+
+#[cfg(test)]
+mod tests {
+    use std::path::Path;
+
+    use super::loads;
+    use crate::cost::{self, Instructions};
+
+    fn rows([mean, worst, stuck]: [f64; 3]) -> Vec<Instructions> {
+        [
+            ("control_round", mean),
+            ("control_round_worst", worst),
+            ("control_round_stuck_shutter", stuck),
+        ]
+        .map(|(kernel, count)| Instructions {
+            core: "cortex-m4f".to_owned(),
+            kernel: kernel.to_owned(),
+            count,
+            unit: "round".to_owned(),
+            compiler: "rustc".to_owned(),
+        })
+        .to_vec()
+    }
+
+    #[test]
+    fn load_is_that_of_an_instruction_per_cycle() {
+        let found = loads(&rows([4000.0, 25_000.0, 50_000.0]));
+        let text = found[0].to_string();
+        assert!(
+            text.ends_with("84.0 % idle, worst round 1.00 ms, 2.00 ms with a stuck shutter"),
+            "{text}"
+        );
+        assert!(found.iter().all(super::Load::is_allowed));
+    }
+
+    #[test]
+    fn too_little_left_and_a_round_into_the_next_are_not_allowed() {
+        let allowed = |counts| {
+            let loads = loads(&rows(counts));
+            loads.len() == 2 && loads.iter().all(super::Load::is_allowed)
+        };
+        assert!(allowed([4999.0, 30_000.0, 60_000.0]));
+        assert!(!allowed([5001.0, 30_000.0, 60_000.0]));
+        assert!(!allowed([4000.0, 168_000.0, 60_000.0]));
+        assert!(!allowed([4000.0, 30_000.0, 168_000.0]));
+    }
+
+    #[test]
+    fn committed_table_is_within_the_limits() {
+        let root = Path::new(env!("CARGO_MANIFEST_DIR")).join("..");
+        let table = cost::read(&root.join("docs/instructions.csv")).unwrap();
+        let loads = loads(&table);
+        assert!(!loads.is_empty());
+        assert!(loads.iter().all(super::Load::is_allowed), "{loads:?}");
+    }
+}
