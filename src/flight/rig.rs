@@ -45,17 +45,21 @@ impl Rig {
     ///
     /// # Errors
     /// As [`Controller::new`].
+    #[inline]
     pub fn new(
         record: &CameraRecord,
         calibration_crc: u32,
         settings: &FlightSettings,
         start: Start,
     ) -> Result<Self, ControllerError> {
-        let controller = Controller::new(record, calibration_crc, settings, start)?;
         let drive = RigDrive::new(settings.drive).map_err(ControllerError::Settings)?;
-        Ok(Self {
-            unit: CameraUnit::new(controller, drive),
-        })
+        // One copy of the controller, which is large, and none more.
+        match Controller::new(record, calibration_crc, settings, start) {
+            Ok(controller) => Ok(Self {
+                unit: CameraUnit::new(controller, drive),
+            }),
+            Err(error) => Err(error),
+        }
     }
 
     /// One round of the control loop.

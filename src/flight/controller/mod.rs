@@ -140,7 +140,9 @@ impl Controller {
                 State::Fault(Fault::Watchdog)
             }
         };
-        let controller = Self {
+        trigger::check_interval(&camera, &settings)?;
+        // Made where it is to be: it is large, and a copy on the way takes as much of the stack.
+        Ok(Self {
             smear: SmearPrediction::new(camera.calibration(), settings.direction),
             vh: VhMonitor::new(settings.vh),
             utc: UtcClock::new(settings.time_pulse_sigma_s),
@@ -171,9 +173,7 @@ impl Controller {
             camera,
             calibration_crc,
             settings,
-        };
-        controller.check_interval()?;
-        Ok(controller)
+        })
     }
 
     /// What happens, and what is to be done about it. Events come in order of their times; one that is older than the

@@ -5,11 +5,12 @@ use super::motion::Motion;
 use super::state::State;
 use super::timing::{EXERCISE_REACH, LEAD_S, TICK_S};
 use super::{Actions, Controller, ControllerError};
-use crate::flight::camera::FrameError;
+use crate::flight::camera::{Camera, FrameError};
 use crate::flight::exposure::Exposure;
 use crate::flight::fault::{Fault, Faults};
 use crate::flight::frame_record::{Flag, Flags, Reason};
 use crate::flight::record_log::Numbered;
+use crate::flight::settings::FlightSettings;
 use crate::flight::stage::{PlanError, Profile, Setpoint};
 use crate::flight::time::Time;
 use crate::flight::vh::VhEstimate;
@@ -44,10 +45,7 @@ impl Controller {
 
     /// The exposure that a V/H asks for.
     fn exposure(&self, vh_per_s: f32) -> Exposure {
-        Exposure {
-            direction: self.settings.direction,
-            ..Exposure::new(vh_per_s, self.exposure_s)
-        }
+        exposure(&self.settings, vh_per_s, self.exposure_s)
     }
 
     /// The stage begins to move.
@@ -197,7 +195,7 @@ impl Controller {
 
     /// How much longer than the exposure the stage stays at speed.
     pub(super) fn margin_s(&self) -> f32 {
-        2.0 * self.settings.shutter_tolerance_s + TICK_S
+        margin_s(&self.settings)
     }
 
     /// Where the stage waits for the next trigger: at the place for the V/H there is, or, where there is none, for the
@@ -228,36 +226,52 @@ impl Controller {
         };
         self.camera.stage().reposition(from, place_mm).ok()
     }
+}
 
-    /// Whether the mechanism is back before the next trigger, at the largest V/H of the camera's limits.
-    pub(super) fn check_interval(&self) -> Result<(), ControllerError> {
-        let available_s = self.settings.trigger_interval_s;
-        if available_s == 0.0 || !self.camera.has_stage() {
-            return Ok(());
-        }
-        let [_, most] = self.camera.limits().vh_per_s;
-        let exposure = self.exposure(most);
-        let needed = || {
-            let place_mm = self.camera.waiting_place_mm(&exposure, self.margin_s())?;
-            let travel = self.camera.travel(place_mm, &exposure, self.margin_s())?;
-            let cycle_s = self.camera.stage().cycle_s(&travel, place_mm)?;
-            let before_s =
-                TICK_S + (self.settings.shutter_latency_s + LEAD_S - travel.opening_s).max(0.0);
-            Ok(before_s + cycle_s)
-        };
-        let needed_s = needed().map_err(ControllerError::Travel)?;
-        if needed_s <= available_s {
-            Ok(())
-        } else {
-            Err(ControllerError::Travel(
-                PlanError::Time {
-                    needed_s,
-                    available_s,
-                }
-                .into(),
-            ))
-        }
+/// Whether the mechanism is back before the next trigger, at the largest V/H of the camera's limits.
+pub(super) fn check_interval(
+    camera: &Camera,
+    settings: &FlightSettings,
+) -> Result<(), ControllerError> {
+    let available_s = settings.trigger_interval_s;
+    if available_s == 0.0 || !camera.has_stage() {
+        return Ok(());
     }
+    let [_, most] = camera.limits().vh_per_s;
+    let exposure = exposure(settings, most, settings.exposure_s);
+    let margin_s = margin_s(settings);
+    let needed = || {
+        let place_mm = camera.waiting_place_mm(&exposure, margin_s)?;
+        let travel = camera.travel(place_mm, &exposure, margin_s)?;
+        let cycle_s = camera.stage().cycle_s(&travel, place_mm)?;
+        let before_s = TICK_S + (settings.shutter_latency_s + LEAD_S - travel.opening_s).max(0.0);
+        Ok(before_s + cycle_s)
+    };
+    let needed_s = needed().map_err(ControllerError::Travel)?;
+    if needed_s <= available_s {
+        Ok(())
+    } else {
+        Err(ControllerError::Travel(
+            PlanError::Time {
+                needed_s,
+                available_s,
+            }
+            .into(),
+        ))
+    }
+}
+
+/// The exposure that a V/H asks for.
+fn exposure(settings: &FlightSettings, vh_per_s: f32, exposure_s: f32) -> Exposure {
+    Exposure {
+        direction: settings.direction,
+        ..Exposure::new(vh_per_s, exposure_s)
+    }
+}
+
+/// How much longer than the exposure the stage stays at speed.
+fn margin_s(settings: &FlightSettings) -> f32 {
+    2.0 * settings.shutter_tolerance_s + TICK_S
 }
 
 /// Why a frame that cannot be planned is refused.

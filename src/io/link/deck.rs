@@ -61,7 +61,10 @@ impl FlightDeck for RigDeck {
                 _ => Start::Orderly,
             };
         }
-        self.rig = Some(Rig::new(camera, calibration_crc, settings, self.start)?);
+        match Rig::new(camera, calibration_crc, settings, self.start) {
+            Ok(rig) => self.rig = Some(rig),
+            Err(error) => return Err(error),
+        }
         Ok(())
     }
 
