@@ -38,6 +38,7 @@ type Motor = PwmEncoder<Pin, Pin, Decoder>;
 type Stepper = StepDir<Pin, Pin, Pin, Pin>;
 
 /// Keeps the public functions of `fmc_camera::flight`.
+#[allow(clippy::too_many_lines, reason = "a list")]
 pub(crate) fn keep() {
     keep![
         CameraRecord::new,
