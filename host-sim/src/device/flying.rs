@@ -62,7 +62,7 @@ impl InProcess {
             return Err(DeviceError::RecordsKept(kept));
         }
         let crc = digest::of_record(camera).unwrap_or_default();
-        let rig = Rig::new(camera, crc, *settings, start).map_err(|error| match error {
+        let rig = Rig::new(camera, crc, settings, start).map_err(|error| match error {
             ControllerError::Calibration(error) => DeviceError::Calibration(error),
             ControllerError::Settings(error) => DeviceError::Settings(error),
             ControllerError::Travel(error) => DeviceError::Frame(error),

@@ -94,7 +94,7 @@ pub(super) fn prepare(
         0 => {}
         kept => return Err(Refusal::RecordsKept(kept)),
     }
-    deck.prepare(camera, calibration_crc, *settings)
+    deck.prepare(camera, calibration_crc, settings)
         .map_err(|error| match error {
             ControllerError::Calibration(error) => Refusal::Calibration(error),
             ControllerError::Settings(_) => Refusal::Settings,
