@@ -332,6 +332,12 @@ fn signed(seconds: u64) -> i64 {
 }
 
 #[cfg(test)]
+#[allow(
+    clippy::cast_possible_truncation,
+    clippy::cast_precision_loss,
+    clippy::cast_sign_loss,
+    reason = "times in f64, exact to 0.25 µs"
+)]
 mod tests {
     use super::*;
     use proptest::prelude::*;
