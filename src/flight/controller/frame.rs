@@ -5,6 +5,17 @@ use crate::flight::fault::Faults;
 use crate::flight::frame_record::Flags;
 use crate::flight::time::Time;
 use crate::flight::vh::VhEstimate;
+use crate::geometry::principal_point::PrincipalPointMotion;
+
+/// How the stage moved in an exposure.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(super) struct MeasuredMotion {
+    pub(super) motion: PrincipalPointMotion,
+    /// σ of its centroid, mm.
+    pub(super) sigma_mm: f32,
+    /// How far the stage left a straight line in time, mm.
+    pub(super) wander_mm: f32,
+}
 
 /// A frame from its trigger to its record.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -27,6 +38,8 @@ pub(super) struct FrameInFlight {
     pub(super) is_commanded: bool,
     pub(super) opened: Option<Time>,
     pub(super) closed: Option<Time>,
+    /// How the stage moved, once that has been worked out.
+    pub(super) measured: Option<MeasuredMotion>,
     /// When the shutter was told to close because it had been open for too long.
     pub(super) told_to_close: Option<Time>,
     /// Last light was not seen.

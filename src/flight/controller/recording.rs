@@ -1,6 +1,6 @@
 //! The end of a frame: its record.
 
-use super::frame::FrameInFlight;
+use super::frame::{FrameInFlight, MeasuredMotion};
 use super::state::State;
 use super::timing::{ATTITUDE_WITHIN_S, READING_GAP_S, STAMP_SIGMA_S};
 use super::{Actions, Controller, act};
@@ -13,13 +13,6 @@ use crate::flight::smear_prediction::Compensation;
 use crate::flight::time::Time;
 use crate::flight::vh::{VhEstimate, VhSource};
 use crate::geometry::principal_point::{PrincipalPointMotion, UniformTravel};
-
-/// What is left open of a measured motion.
-#[derive(Debug, Clone, Copy)]
-struct Uncertainty {
-    sigma_mm: f32,
-    wander_mm: f32,
-}
 
 impl Controller {
     /// The record of a trigger without an exposure.
@@ -54,19 +47,43 @@ impl Controller {
         }
     }
 
-    /// Records the exposure in flight, and ends it.
-    pub(super) fn record_exposure(&mut self, now: Time, actions: &mut Actions) {
-        let Some(frame) = self.frame.take() else {
+    /// Works out how the stage moved in the exposure in flight. What follows from it takes as long again, and is left
+    /// to the next round.
+    pub(super) fn measure_exposure(&mut self) {
+        let Some(mut frame) = self.frame else {
             return;
         };
         let (Some(opened), Some(closed)) = (frame.opened, frame.closed) else {
             return;
         };
         let mut flags = frame.flags;
+        frame.measured = Some(self.motion_of(&frame, opened, closed, &mut flags));
+        frame.flags = flags;
+        self.frame = Some(frame);
+    }
+
+    /// Records the exposure in flight, and ends it.
+    pub(super) fn record_exposure(&mut self, now: Time, actions: &mut Actions) {
+        if self.frame.is_some_and(|frame| frame.measured.is_none()) {
+            self.measure_exposure();
+        }
+        let Some(frame) = self.frame.take() else {
+            return;
+        };
+        let (Some(opened), Some(closed), Some(measured)) =
+            (frame.opened, frame.closed, frame.measured)
+        else {
+            return;
+        };
+        let mut flags = frame.flags;
         if frame.is_end_assumed {
             flags.insert(Flag::LastLightAssumed);
         }
-        let (motion, mut sigma_mm, wander_mm) = self.motion_of(&frame, opened, closed, &mut flags);
+        let MeasuredMotion {
+            motion,
+            mut sigma_mm,
+            ..
+        } = measured;
         if frame.is_end_assumed
             && let Some(last) = self.track.last()
         {
@@ -90,12 +107,12 @@ impl Controller {
         let outcome = if let Some(predicted) = predicted {
             self.latest = Some((frame.sequence, predicted));
             self.counts.exposed = self.counts.exposed.saturating_add(1);
-            let uncertain = Uncertainty {
+            let measured = MeasuredMotion {
                 sigma_mm,
-                wander_mm,
+                ..measured
             };
             let times = [opened, closed];
-            Outcome::Exposed(self.exposed(&frame, times, &predicted, uncertain, &mut flags))
+            Outcome::Exposed(self.exposed(&frame, times, &predicted, measured, &mut flags))
         } else {
             self.counts.refused = self.counts.refused.saturating_add(1);
             Outcome::Refused(Reason::Unusable)
@@ -115,14 +132,14 @@ impl Controller {
         }
     }
 
-    /// The motion as it was measured, or, where it was not, as it was planned; with σ of its centroid and its wander, mm.
+    /// The motion as it was measured, or, where it was not, as it was planned.
     fn motion_of(
         &self,
         frame: &FrameInFlight,
         opened: Time,
         closed: Time,
         flags: &mut Flags,
-    ) -> (PrincipalPointMotion, f32, f32) {
+    ) -> MeasuredMotion {
         let exposure_s = closed.seconds_since(opened);
         let shutter = self.camera.shutter();
         let planned = UniformTravel {
@@ -133,7 +150,11 @@ impl Controller {
         if !self.camera.has_stage() {
             // Rows move as the clock drives them.
             let motion = self.camera.rows(planned);
-            return (motion, libm::fabsf(planned.speed_mm_s) * STAMP_SIGMA_S, 0.0);
+            return MeasuredMotion {
+                motion,
+                sigma_mm: libm::fabsf(planned.speed_mm_s) * STAMP_SIGMA_S,
+                wander_mm: 0.0,
+            };
         }
         let gap_s = READING_GAP_S.max(exposure_s / 16.0);
         let measured = (!self.is_place_lost && !flags.contains(Flag::PlannedMotion))
@@ -149,7 +170,11 @@ impl Controller {
             flags.insert(Flag::PlannedMotion);
             flags.insert(Flag::StaticCorrection);
             let motion = PrincipalPointMotion::from_plan(planned, shutter);
-            return (motion, self.half_stroke_mm(), 0.0);
+            return MeasuredMotion {
+                motion,
+                sigma_mm: self.half_stroke_mm(),
+                wander_mm: 0.0,
+            };
         };
         let step_mm = 1e-3 * self.settings.drive.encoder_step_um;
         let stamp_mm = motion.travel_mm / exposure_s * STAMP_SIGMA_S;
@@ -159,7 +184,12 @@ impl Controller {
             // What a stage that follows may do unseen.
             sigma_mm = sigma_mm.max(1e-3 * self.settings.following_tolerance_um);
         }
-        (motion, sigma_mm, (wander_mm - step_mm).max(0.0))
+        MeasuredMotion {
+            motion,
+            sigma_mm,
+            // The encoder's own steps are no wander.
+            wander_mm: (wander_mm - step_mm).max(0.0),
+        }
     }
 
     /// The frame of a stage about which nothing is known.
@@ -188,10 +218,11 @@ impl Controller {
         frame: &FrameInFlight,
         [opened, closed]: [Time; 2],
         predicted: &camera::Frame,
-        Uncertainty {
+        MeasuredMotion {
             sigma_mm,
             wander_mm,
-        }: Uncertainty,
+            ..
+        }: MeasuredMotion,
         flags: &mut Flags,
     ) -> ExposedFrame {
         let interior = predicted.record;

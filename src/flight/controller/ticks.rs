@@ -123,7 +123,11 @@ impl Controller {
                     || !self.camera.has_stage()
                     || now.seconds_since(closed) > READING_WITHIN_S
                 {
-                    self.record_exposure(now, actions);
+                    if frame.measured.is_some() {
+                        self.record_exposure(now, actions);
+                    } else {
+                        self.measure_exposure();
+                    }
                 }
             }
         }
