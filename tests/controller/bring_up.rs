@@ -31,6 +31,7 @@ fn first_exposure_needs_no_vh_and_the_next_is_compensated() {
     bench.vh_per_s = None;
     bench.run(2);
     bench.send(Event::Command(Command::Arm));
+    bench.run(5);
     bench.send(Event::Trigger);
     bench.run_until(2000, |it| it == State::Degraded(Fault::VhLost));
     assert!(

@@ -171,7 +171,7 @@ fn ends(bench: &mut Bench) -> &'static str {
     if bench.controller.state() == State::Armed {
         return "clear, arm";
     }
-    bench.send(Event::Command(Command::Referenced));
+    assert_eq!(bench.controller.state(), State::Degraded(Fault::Encoder));
     bench.send(Event::Command(Command::ClearFault));
     bench.send(Event::Command(Command::Referenced));
     bench.arm();

@@ -243,6 +243,26 @@ fn low_supply_releases_the_stage_until_it_is_good() {
 }
 
 #[test]
+fn encoder_that_does_not_survive_low_supply_is_referenced_before_the_stage_moves() {
+    let mut bench = Bench::new(FlightSettings {
+        encoder_survives_brown_out: false,
+        ..FlightSettings::default()
+    });
+    bench.arm();
+    bench.send(Event::Supply(Supply::Low));
+    bench.send(Event::Supply(Supply::Good));
+    bench.run(500);
+    assert_eq!(bench.controller.state(), State::Degraded(Fault::Encoder));
+    assert_eq!(bench.controller.setpoint(bench.now), None, "force");
+    bench.send(Event::Trigger);
+    bench.run(100);
+    assert!(only(&bench).flags.contains(Flag::StaticCorrection));
+    bench.send(Event::Command(Command::ClearFault));
+    bench.send(Event::Command(Command::Referenced));
+    bench.arm();
+}
+
+#[test]
 fn watchdog_begins_in_its_fault_and_is_in_the_next_record() {
     let mut bench = Bench::with(&camera(), FlightSettings::default(), Start::AfterWatchdog);
     assert_eq!(bench.controller.state(), State::Fault(Fault::Watchdog));
@@ -386,14 +406,24 @@ fn stage_that_fails_without_force_is_not_moved_until_it_is_cleared() {
         assert_eq!(standby.controller.state(), State::Standby);
         standby.send(Event::Command(Command::Arm));
         for mut bench in [without_supply, standby] {
-            bench.run(500);
+            for _ in 0..500 {
+                bench.round();
+                assert_eq!(bench.controller.setpoint(bench.now), None, "force");
+            }
             assert_eq!(bench.controller.state(), State::Degraded(fault));
-            assert_eq!(bench.controller.setpoint(bench.now), None, "force");
             let announced = bench.actions.iter();
             let announced = announced.filter(|(_, it)| *it == Action::Fault(fault));
             assert_eq!(announced.count(), 1);
             bench.send(Event::Command(Command::ClearFault));
-            bench.send(Event::Command(Command::Referenced));
+            if fault == Fault::Encoder {
+                // Its place is still lost.
+                bench.send(Event::Command(Command::Arm));
+                bench.run(500);
+                assert_eq!(bench.controller.state(), State::Degraded(fault));
+                assert_eq!(bench.controller.setpoint(bench.now), None, "force");
+                bench.send(Event::Command(Command::Disarm));
+                bench.send(Event::Command(Command::Referenced));
+            }
             bench.arm();
         }
     }

@@ -110,24 +110,6 @@ fn stall_outlives_a_brown_out() {
 }
 
 #[test]
-fn lost_place_outlives_a_brown_out() {
-    // `fail` in a fault only notes: place lost in a brown-out, then `resume` drives the stage, and no reading is looked at.
-    let mut bench = Bench::armed();
-    bench.send(Event::Supply(Supply::Low));
-    bench.send(Event::Drive(Fault::Encoder));
-    bench.run(5);
-    bench.send(Event::Supply(Supply::Good));
-    for _ in 0..500 {
-        bench.round();
-        assert!(
-            bench.controller.setpoint(bench.now).is_none(),
-            "driven in {}",
-            bench.controller.state()
-        );
-    }
-}
-
-#[test]
 fn place_lost_in_standby_is_not_driven_blind() {
     // In standby the fault is noted, `is_place_lost` stays, arming drives the stage with its watch switched off.
     let mut bench = Bench::new(FlightSettings::default());
@@ -555,19 +537,6 @@ fn attitude_that_cannot_be_used_is_not_in_the_smear() {
     }));
     bench.run(100);
     assert!(!bench.records()[0].flags.contains(Flag::WithAttitude));
-}
-
-#[test]
-fn trigger_while_arming_does_not_overlap_a_frame() {
-    let mut bench = Bench::new(FlightSettings::default());
-    bench.run(2);
-    bench.send(Event::Command(Command::Arm));
-    bench.run(5);
-    bench.send(Event::Trigger);
-    assert_eq!(
-        bench.records()[0].outcome,
-        Outcome::Refused(Reason::NotArmed)
-    );
 }
 
 #[test]
