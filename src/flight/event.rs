@@ -47,6 +47,7 @@ pub enum Command {
     /// A fault has been looked at: the camera goes to standby.
     ClearFault,
     /// The encoder's count has been referred to the calibrated position again, as after [`Fault::Encoder`] it must be.
+    /// In standby alone; elsewhere it is ignored.
     Referenced,
     /// Exposure time of the frames to come, s.
     Exposure(f32),

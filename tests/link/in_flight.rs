@@ -82,8 +82,8 @@ fn calibration_waits_for_the_exposure_and_the_flight_keeps_the_one_it_was_prepar
         panic!("not loaded");
     };
     assert_eq!(flight.prepare(), Answer::Prepared);
-    flight.round(Some(Event::Command(Command::Referenced)));
     flight.round(Some(Event::Command(Command::ClearFault)));
+    flight.round(Some(Event::Command(Command::Referenced)));
     flight.round(Some(Event::Command(Command::Arm)));
     flight.run_until(State::Armed);
     flight.round(Some(Event::Trigger));

@@ -61,6 +61,10 @@ impl InProcess {
         if kept > 0 {
             return Err(DeviceError::RecordsKept(kept));
         }
+        let start = match &self.rig {
+            Some(rig) if start == Start::Orderly => rig.controller().next_start(),
+            _ => start,
+        };
         let crc = digest::of_record(camera).unwrap_or_default();
         let rig = Rig::new(camera, crc, settings, start).map_err(|error| match error {
             ControllerError::Calibration(error) => DeviceError::Calibration(error),

@@ -62,6 +62,8 @@ impl<P: Port> Remote<P> {
         Ok(
             if has_failed && status.state == State::Fault(Fault::Watchdog) {
                 Start::AfterWatchdog
+            } else if status.is_place_lost {
+                Start::Unreferenced
             } else {
                 Start::Orderly
             },

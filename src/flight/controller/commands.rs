@@ -57,9 +57,9 @@ impl Controller {
         }
     }
 
-    /// The encoder counts from the calibrated position again.
+    /// The encoder counts from the calibrated position again; in standby alone, where nothing follows from it at once.
     fn referenced(&mut self) {
-        if self.motion.is_none() && self.frame.is_none() {
+        if self.state == State::Standby {
             self.is_place_lost = false;
             self.track.clear();
             self.following.clear();

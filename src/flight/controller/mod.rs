@@ -134,7 +134,7 @@ impl Controller {
             .map_err(|error| ControllerError::Travel(error.into()))?;
         let mut faults = Faults::NONE;
         let state = match start {
-            Start::Orderly => State::Standby,
+            Start::Orderly | Start::Unreferenced => State::Standby,
             Start::AfterWatchdog => {
                 faults.insert(Fault::Watchdog);
                 State::Fault(Fault::Watchdog)
@@ -154,10 +154,9 @@ impl Controller {
             following: Slope::new(),
             following_error: FollowingError::default(),
             arming: None,
-            stage_fault: (start == Start::AfterWatchdog && camera.has_stage())
-                .then_some(Fault::Encoder),
+            stage_fault: (start != Start::Orderly && camera.has_stage()).then_some(Fault::Encoder),
             // What an encoder counts is gone with the processor.
-            is_place_lost: start == Start::AfterWatchdog && camera.has_stage(),
+            is_place_lost: start != Start::Orderly && camera.has_stage(),
             last_reading: Time::START,
             standing_since: None,
             frame: None,
@@ -235,6 +234,22 @@ impl Controller {
         self.counts
     }
 
+    /// Whether the encoder has lost its place.
+    #[must_use]
+    pub const fn is_place_lost(&self) -> bool {
+        self.is_place_lost
+    }
+
+    /// How the controller must begin that takes the place of this one: what nobody has cleared is not forgotten.
+    #[must_use]
+    pub fn next_start(&self) -> Start {
+        match self.state {
+            State::Fault(Fault::Watchdog) => Start::AfterWatchdog,
+            _ if self.is_place_lost => Start::Unreferenced,
+            _ => Start::Orderly,
+        }
+    }
+
     /// How well the stage has followed lately.
     #[must_use]
     pub const fn following_error(&self) -> &FollowingError {
@@ -284,6 +299,8 @@ pub enum Start {
     Orderly,
     /// Its watchdog was not fed, or the processor failed.
     AfterWatchdog,
+    /// As [`Self::Orderly`], but the encoder has lost its place.
+    Unreferenced,
 }
 
 /// A camera cannot be flown so.

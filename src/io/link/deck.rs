@@ -2,9 +2,7 @@
 
 use super::message::{Refusal, Status};
 use crate::flight::camera::{self, CameraRecord};
-use crate::flight::controller::state::State;
 use crate::flight::controller::{Controller, ControllerError, Start};
-use crate::flight::fault::Fault;
 use crate::flight::frame_record::FrameRecord;
 use crate::flight::rig::{Rig, RigAnswer, RigStep};
 use crate::flight::settings::FlightSettings;
@@ -56,10 +54,7 @@ impl FlightDeck for RigDeck {
     ) -> Result<(), ControllerError> {
         // A fault that nobody has cleared is not forgotten.
         if let Some(rig) = &self.rig {
-            self.start = match rig.controller().state() {
-                State::Fault(Fault::Watchdog) => Start::AfterWatchdog,
-                _ => Start::Orderly,
-            };
+            self.start = rig.controller().next_start();
         }
         match Rig::new(camera, calibration_crc, settings, self.start) {
             Ok(rig) => self.rig = Some(rig),
@@ -126,6 +121,7 @@ pub(super) fn status(deck: &impl FlightDeck) -> Result<Status, Refusal> {
         state: controller.state(),
         counts: controller.counts(),
         kept: controller.kept(),
+        is_place_lost: controller.is_place_lost(),
         following_rms_um: controller.following_error().rms_um(),
     })
 }

@@ -292,6 +292,8 @@ pub struct Status {
     pub counts: Counts,
     /// Records that have not been acknowledged.
     pub kept: u32,
+    /// Whether the encoder has lost its place.
+    pub is_place_lost: bool,
     /// Root mean square of the stage's following error over about a second, µm, within 6 %.
     pub following_rms_um: f32,
 }

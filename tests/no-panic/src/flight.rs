@@ -107,6 +107,8 @@ pub(crate) fn keep() {
         FollowingError::push,
         FollowingError::rms_um,
         Controller::following_error,
+        Controller::is_place_lost,
+        Controller::next_start,
         FlightSettings::checked,
         Reason::name,
         Flag::name,
