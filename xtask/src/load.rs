@@ -32,10 +32,9 @@ pub(crate) struct Load {
 }
 
 impl Load {
-    /// Whether it leaves enough, and no round lasts into the next at the clock of a usual core.
+    /// Whether it leaves enough, and no round lasts into the next.
     pub(crate) fn is_allowed(&self) -> bool {
-        let is_slowest = self.clock_mhz <= CLOCKS_MHZ[0];
-        self.idle >= LEAST_IDLE && (is_slowest || self.worst_ms.max(self.stuck_ms) < ROUND_MS)
+        self.idle >= LEAST_IDLE && self.worst_ms.max(self.stuck_ms) < ROUND_MS
     }
 }
 

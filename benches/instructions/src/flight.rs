@@ -7,6 +7,7 @@ use fmc_camera::flight::drive::StageReading;
 use fmc_camera::flight::drive::rig::RigDrive;
 use fmc_camera::flight::drive::velocity_loop::VelocityLoop;
 use fmc_camera::flight::event::{Action, Command, Event, ShutterEdge};
+use fmc_camera::flight::exposure::FlightDirection;
 use fmc_camera::flight::settings::FlightSettings;
 use fmc_camera::flight::smear_prediction::{Compensation, SmearPrediction};
 use fmc_camera::flight::stage_track::StageTrack;
@@ -109,7 +110,7 @@ fn record_parts(counter: &mut Counter, camera: &Camera) -> Option<()> {
         PrincipalPointMotion::from_samples(black_box(&path.samples), exposure_s, camera.shutter())
             .ok()
     })?;
-    let smear = SmearPrediction::new(camera.calibration());
+    let smear = SmearPrediction::new(camera.calibration(), FlightDirection::Forward);
     let vh = VhEstimate {
         vh_per_s: 0.1,
         sigma_per_s: 0.001,
@@ -118,12 +119,13 @@ fn record_parts(counter: &mut Counter, camera: &Camera) -> Option<()> {
         extrapolated: false,
     };
     let compensation = Compensation {
+        wander_mm: 1e-4,
         exposure_s,
         travel_mm: 0.1 * 51.3712 * exposure_s,
         principal_point: SensorPoint::default(),
     };
     counter.count("smear_prediction", PER_FRAME, || {
-        Some(black_box(&smear).largest_um(&vh, Some(&sensors::ATTITUDE), &compensation))
+        Some(black_box(&smear).of(&vh, Some(&sensors::ATTITUDE), &compensation))
     })
 }
 
@@ -135,7 +137,7 @@ fn settings() -> FlightSettings {
 }
 
 fn controller() -> Option<Controller> {
-    Controller::new(&flown(), CALIBRATION_CRC, settings(), Start::Orderly).ok()
+    Controller::new(&flown(), CALIBRATION_CRC, &settings(), Start::Orderly).ok()
 }
 
 /// What an event is counted as: the dearest of a kind is printed.
@@ -281,7 +283,7 @@ fn fly(counter: &mut Counter, open_s: &[f32], record: CameraRecord) -> Option<(u
         exposure_s: open_s.first()?.min(LONGEST_EXPOSURE_S),
         ..settings()
     };
-    let controller = Controller::new(&record, CALIBRATION_CRC, settings, Start::Orderly).ok()?;
+    let controller = Controller::new(&record, CALIBRATION_CRC, &settings, Start::Orderly).ok()?;
     let drive = RigDrive::new(settings.drive).ok()?;
     let mut unit = CameraUnit::new(controller, drive);
     let mut open_s = open_s.iter().cycle();
