@@ -230,8 +230,12 @@ fn calibration_in_the_middle_of_an_exposure_is_refused_and_changes_nothing() {
         panic!("{record:?}");
     };
     assert!((frame.interior.principal_distance_mm - 100.0).abs() < 1e-6);
-    // Between frames it is taken; the flight goes on with the old one until it is prepared again.
+    // Armed, the stage has force on it: no. In standby it is taken; the flight goes on with the old one until it is
+    // prepared again.
+    assert!(refused(flight.device.load(&other)));
+    flight.round(Some(Event::Command(Command::Disarm)));
     flight.device.load(&other).unwrap();
+    flight.arm();
     assert_eq!(flight.expose(), 2);
     assert_eq!(flight.fetched(2).calibration_crc, record.calibration_crc);
 }
@@ -280,8 +284,11 @@ fn after_the_watchdog_the_camera_is_in_that_fault_until_it_is_cleared() {
     );
     flight.round(Some(Event::Command(Command::ClearFault)));
     assert_eq!(flight.state(), State::Standby);
+    // What the encoder had counted is gone.
+    flight.round(Some(Event::Command(Command::Referenced)));
     flight.arm();
     assert_eq!(flight.expose(), 2);
+    flight.round(Some(Event::Command(Command::Disarm)));
     // It has been reported once: the next flight begins in standby.
     assert_eq!(flight.device.acknowledge(2), Ok(0));
     let mut flight = Flight::prepared(flight.device);
