@@ -42,13 +42,13 @@ fn camera_answers_after_100_kb_of_garbage_and_has_counted_it() {
         } = start(machine);
         link.write_all(&garbage(100_000)).unwrap();
         let mut client = Client::new(TcpPort::new(link).unwrap());
-        // QEMU takes some 40 kB/s: the first tries wait behind the garbage.
-        client.connect().unwrap();
+        // QEMU takes some 40 kB/s, on a busy PC less: the first tries wait behind the garbage.
+        let sessions = (1..=6).find(|_| client.connect().is_ok()).unwrap();
         let counters = client.counters().unwrap();
         let lost = counters.truncated + counters.oversized + counters.wrong_crc;
         assert!(lost > 200, "{counters:?}");
         // Besides the connection nothing was done, or taken for a request.
-        assert_eq!(counters.done, 1);
+        assert!((1..=sessions).contains(&counters.done), "{counters:?}");
         assert_eq!(counters.unknown + counters.other_protocol, 0);
     }
 }
