@@ -163,10 +163,10 @@ fn sizes(image: &Path) -> Result<(u64, u64)> {
 fn footprint(workspace: &Workspace, target: &Target<'_>) -> Result<Footprint> {
     let image = firmware::build(workspace, target, Image::Mps2)?;
     let (flash_bytes, static_ram_bytes) = sizes(&image)?;
-    verify::build_host_sim(workspace)?;
+    let host_sim = verify::tested_host_sim(workspace)?;
     let out = workspace.target_dir.join("bench-verify");
     let camera = workspace.root.join("host-sim/cameras/rc30-5324.toml");
-    let host_sim = workspace.shell.cmd(workspace.host_sim()).quiet();
+    let host_sim = workspace.shell.cmd(host_sim).quiet();
     host_sim
         .args(["verify", "--device", "qemu", "--camera"])
         .arg(camera)

@@ -18,6 +18,10 @@ use crate::{
     workspace::Workspace,
 };
 
+/// What is tested on the host: cargo's words for it. The same everywhere, so that nothing is built twice.
+pub(crate) const TESTED: &str =
+    "--workspace --exclude hil --features fmc-camera/nmea,fmc-camera/mavlink";
+
 /// One step; its name is that of `--only`.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
 pub(crate) enum Step {
@@ -123,18 +127,18 @@ fn run_step(step: Step, workspace: &Workspace, target: Option<&Target<'_>>) -> R
     let command = match step {
         Step::Format => workspace.cargo("fmt --all --check"),
         Step::HostLints => workspace
-            .cargo("clippy --workspace --exclude hil --all-targets --features fmc-camera/nmea,fmc-camera/mavlink --locked -- -D warnings"),
+            .cargo(&format!("clippy {TESTED} --all-targets --locked -- -D warnings")),
         Step::HilLints => {
             workspace.cargo("clippy --package hil --all-targets --locked -- -D warnings")
         }
         Step::Docs => {
-            let doc = workspace.cargo("doc --workspace --exclude hil --no-deps --features fmc-camera/nmea,fmc-camera/mavlink --locked");
+            let doc = workspace.cargo(&format!("doc {TESTED} --no-deps --locked"));
             doc.env("RUSTDOCFLAGS", "-D warnings")
         }
-        Step::HostTests => workspace.cargo("test --workspace --exclude hil --features fmc-camera/nmea,fmc-camera/mavlink --locked"),
+        Step::HostTests => workspace.cargo(&format!("test {TESTED} --locked")),
         Step::Verify => {
-            verify::build_host_sim(workspace)?;
-            let host_sim = workspace.shell.cmd(workspace.host_sim()).quiet();
+            let host_sim = verify::tested_host_sim(workspace)?;
+            let host_sim = workspace.shell.cmd(host_sim).quiet();
             let verify = host_sim.args(["verify", "--device", "sil", "--out"]);
             verify.arg(verify::default_out(workspace))
         }

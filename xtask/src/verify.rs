@@ -2,12 +2,13 @@
 
 use std::{
     ffi::{OsStr, OsString},
+    path::PathBuf,
     process::{Command, ExitCode},
 };
 
 use anyhow::{Context as _, Result};
 
-use crate::{firmware, workspace::Workspace};
+use crate::{checks::TESTED, firmware, workspace::Workspace};
 
 /// Exit code where the program ended by a signal and gave none of its own.
 const ENDED_BY_SIGNAL: u8 = 3;
@@ -28,29 +29,33 @@ pub(crate) fn run(workspace: &Workspace, mut arguments: Vec<OsString>) -> Result
             set_up => set_up?,
         }
     }
-    build_host_sim(workspace)?;
+    let host_sim = released_host_sim(workspace)?;
     if !names_out(&arguments) {
         arguments.extend(["--out".into(), default_out(workspace)]);
     }
-    let host_sim = workspace
-        .shell
-        .cmd(workspace.host_sim())
-        .arg("verify")
-        .args(arguments);
-    let status = Command::from(host_sim).status().context("start host-sim")?;
+    let verify = workspace.shell.cmd(host_sim).arg("verify").args(arguments);
+    let status = Command::from(verify).status().context("start host-sim")?;
     let code = status.code().map_or(ENDED_BY_SIGNAL, |code| {
         u8::try_from(code).unwrap_or(u8::MAX)
     });
     Ok(ExitCode::from(code))
 }
 
-/// Builds `host-sim` in release, with cargo's progress on the terminal.
+/// `host-sim` as its users have it, built with cargo's progress on the terminal.
+fn released_host_sim(workspace: &Workspace) -> Result<PathBuf> {
+    let build = workspace.cargo("build --release --locked --package host-sim");
+    build.run()?;
+    Ok(workspace.host_sim("release"))
+}
+
+/// `host-sim` as the tests have built it: in a fraction of the time that a release takes.
 ///
 /// # Errors
 /// Where the build fails.
-pub(crate) fn build_host_sim(workspace: &Workspace) -> Result<()> {
-    let build = workspace.cargo("build --release --locked --package host-sim");
-    build.run().map_err(Into::into)
+pub(crate) fn tested_host_sim(workspace: &Workspace) -> Result<PathBuf> {
+    let build = workspace.cargo(&format!("build {TESTED} --locked --bin host-sim"));
+    build.run()?;
+    Ok(workspace.host_sim("debug"))
 }
 
 /// Where the report goes unless the user says otherwise: `verify` in the target directory, seen from the user's.

@@ -52,10 +52,10 @@ impl Workspace {
         cargo.args(line.split_whitespace())
     }
 
-    /// Release build of `host-sim`.
-    pub(crate) fn host_sim(&self) -> PathBuf {
+    /// `host-sim` in the directory of a profile.
+    pub(crate) fn host_sim(&self, profile: &str) -> PathBuf {
         self.target_dir
-            .join("release")
+            .join(profile)
             .join(format!("host-sim{EXE_SUFFIX}"))
     }
 }
