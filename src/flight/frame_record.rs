@@ -71,8 +71,6 @@ pub struct ExposedFrame {
 pub enum Reason {
     /// The camera was not armed.
     NotArmed,
-    /// No calibration is loaded.
-    NoCalibration,
     /// The frame before was not finished.
     Overlap,
     /// V/H or exposure is outside the camera's limits.
@@ -101,7 +99,6 @@ impl Reason {
     pub const fn name(self) -> &'static str {
         match self {
             Self::NotArmed => "not armed",
-            Self::NoCalibration => "no calibration",
             Self::Overlap => "overlap",
             Self::OutsideLimits => "outside limits",
             Self::Stroke => "stroke",

@@ -67,7 +67,6 @@ pub enum Quantity {
     SourceSigma,
     SourceFrozenS,
     DisagreementPercent,
-    SmearBudgetPx,
 }
 
 /// Largest principal-distance change the correction is shown invertible for, as a fraction κ of
@@ -137,7 +136,6 @@ impl Quantity {
             Self::SourceSigma => "source_sigma",
             Self::SourceFrozenS => "source_frozen_s",
             Self::DisagreementPercent => "disagreement_percent",
-            Self::SmearBudgetPx => "smear_budget_px",
         }
     }
 
@@ -178,7 +176,6 @@ impl Quantity {
             Self::SourceSlew | Self::SourceSigma => (1e-6, 1e6),
             Self::SourceFrozenS => (0.0, 3600.0),
             Self::DisagreementPercent => (0.01, 100.0),
-            Self::SmearBudgetPx => (0.001, 100.0),
             Self::K0
             | Self::K1
             | Self::K2

@@ -107,7 +107,6 @@ fn documented_ranges_are_those_of_the_code() {
         SourceSigma,
         SourceFrozenS,
         DisagreementPercent,
-        SmearBudgetPx,
     );
     let of_the_code = quantities.map(|quantity| {
         let (least, most) = quantity.range();

@@ -188,7 +188,6 @@ const fn key_path(quantity: Quantity) -> &'static [&'static str] {
         | Quantity::SourceSlew
         | Quantity::SourceSigma
         | Quantity::SourceFrozenS
-        | Quantity::DisagreementPercent
-        | Quantity::SmearBudgetPx => &[],
+        | Quantity::DisagreementPercent => &[],
     }
 }

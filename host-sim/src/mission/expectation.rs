@@ -13,7 +13,6 @@ pub const STATE_NAMES: [&str; 8] = [
 /// Names of the reasons for which a trigger is refused, faults apart.
 pub const REASON_NAMES: [&str; 10] = [
     "not armed",
-    "no calibration",
     "overlap",
     "outside limits",
     "stroke",

@@ -47,3 +47,32 @@ pub(super) struct FrameInFlight {
     pub(super) faults: Faults,
     pub(super) flags: Flags,
 }
+
+impl FrameInFlight {
+    /// A frame of which no more is known than this; nothing moves.
+    pub(super) const fn new(
+        sequence: u32,
+        trigger: Time,
+        vh: Option<VhEstimate>,
+        exposure: Exposure,
+    ) -> Self {
+        Self {
+            sequence,
+            trigger,
+            vh,
+            exposure,
+            planned_opening_mm: 0.0,
+            planned_travel_mm: 0.0,
+            start: None,
+            first_light: trigger,
+            is_commanded: false,
+            opened: None,
+            closed: None,
+            measured: None,
+            told_to_close: None,
+            is_end_assumed: false,
+            faults: Faults::NONE,
+            flags: Flags::NONE,
+        }
+    }
+}

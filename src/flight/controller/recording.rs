@@ -2,7 +2,9 @@
 
 use super::frame::{FrameInFlight, MeasuredMotion};
 use super::state::State;
-use super::timing::{ATTITUDE_WITHIN_S, READING_GAP_S, STAMP_SIGMA_S};
+use super::timing::{
+    ATTITUDE_WITHIN_S, LONGEST_GAP, READING_GAP_PART, READING_GAP_S, STAMP_SIGMA_S,
+};
 use super::{Actions, Controller, act};
 use crate::flight::camera;
 use crate::flight::event::Action;
@@ -156,10 +158,10 @@ impl Controller {
                 wander_mm: 0.0,
             };
         }
-        let gap_s = READING_GAP_S.max(exposure_s / 16.0);
+        let gap_s = READING_GAP_S.max(READING_GAP_PART * exposure_s);
         let measured = (!self.is_place_lost && !flags.contains(Flag::PlannedMotion))
             .then(|| self.track.path(opened, closed))
-            .filter(|path| path.is_covered && path.longest_gap_s <= 4.0 * gap_s)
+            .filter(|path| path.is_covered && path.longest_gap_s <= LONGEST_GAP * gap_s)
             .and_then(|path| {
                 let motion =
                     PrincipalPointMotion::from_samples(&path.samples, exposure_s, shutter).ok()?;

@@ -53,5 +53,12 @@ pub const LEAD_S: f32 = TICK_S;
 /// After so long without a reading of a stage that has force on it, s, its encoder has failed.
 pub const READINGS_CEASE_S: f32 = 0.005;
 
-/// A gap between two readings in an exposure that is longer, s, and longer than a 16th of the exposure, is flagged.
+/// A gap between two readings in an exposure that is longer, s, and a larger part of it than [`READING_GAP_PART`], is
+/// flagged.
 pub const READING_GAP_S: f32 = 0.0025;
+
+/// See [`READING_GAP_S`].
+pub const READING_GAP_PART: f32 = 1.0 / 16.0;
+
+/// A gap so many times longer than one that is flagged leaves no measured motion.
+pub const LONGEST_GAP: f32 = 4.0;

@@ -72,22 +72,11 @@ impl Controller {
             flags.insert(Flag::LastGoodVh);
         }
         self.begin(FrameInFlight {
-            sequence,
-            trigger,
-            vh: Some(vh),
-            exposure,
             planned_opening_mm: travel.plan.opening_mm,
             planned_travel_mm: travel.plan.closing_mm - travel.plan.opening_mm,
             start: Some([wait_s, travel.opening_s]),
-            first_light: trigger,
-            is_commanded: false,
-            opened: None,
-            closed: None,
-            measured: None,
-            told_to_close: None,
-            is_end_assumed: false,
-            faults: Faults::NONE,
             flags,
+            ..FrameInFlight::new(sequence, trigger, Some(vh), exposure)
         });
         self.state = State::RunUp;
         self.motion = Some(Motion {
@@ -112,22 +101,11 @@ impl Controller {
             flags.insert(Flag::LastGoodVh);
         }
         self.begin(FrameInFlight {
-            sequence,
-            trigger,
-            vh: Some(vh),
-            exposure,
             planned_opening_mm: motion.opening_offset_mm,
             planned_travel_mm: motion.travel_mm,
             start: Some([LEAD_S, self.settings.shutter_latency_s]),
-            first_light: trigger,
-            is_commanded: false,
-            opened: None,
-            closed: None,
-            measured: None,
-            told_to_close: None,
-            is_end_assumed: false,
-            faults: Faults::NONE,
             flags,
+            ..FrameInFlight::new(sequence, trigger, Some(vh), exposure)
         });
         self.state = State::RunUp;
         Ok(())
@@ -149,22 +127,11 @@ impl Controller {
             None => self.track.last().map_or(0.0, |reading| reading.offset_mm),
         };
         self.begin(FrameInFlight {
-            sequence,
-            trigger,
-            vh,
-            exposure,
             planned_opening_mm: place,
-            planned_travel_mm: 0.0,
             start: Some([LEAD_S, self.settings.shutter_latency_s]),
-            first_light: trigger,
-            is_commanded: false,
-            opened: None,
-            closed: None,
-            measured: None,
-            told_to_close: None,
-            is_end_assumed: false,
             faults,
             flags,
+            ..FrameInFlight::new(sequence, trigger, vh, exposure)
         });
         self.state = State::RunUp;
         Ok(())

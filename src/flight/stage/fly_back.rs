@@ -83,25 +83,4 @@ impl Stage {
         let back = self.reposition(travel.profile.end(), waiting_place_mm)?;
         Ok(travel.stop_s + back.duration_s())
     }
-
-    /// The [cycle](Self::cycle_s), if it is over when the next trigger comes.
-    ///
-    /// # Errors
-    /// [`PlanError::Time`] where it is not, and as [`Self::reposition`].
-    pub fn fits_interval(
-        &self,
-        travel: &Travel,
-        waiting_place_mm: f32,
-        interval_s: f32,
-    ) -> Result<f32, PlanError> {
-        let needed_s = self.cycle_s(travel, waiting_place_mm)?;
-        if needed_s <= interval_s {
-            Ok(needed_s)
-        } else {
-            Err(PlanError::Time {
-                needed_s,
-                available_s: interval_s,
-            })
-        }
-    }
 }

@@ -3,7 +3,7 @@
 use super::channel::{Accepted, Channel, Held, is_times};
 use super::finding::{VhChannel, VhCounters, VhFinding, VhFindingKind};
 use super::settings::{ChannelSettings, VhSettings};
-use super::{SmearScale, VhEstimate, VhSample, VhSource};
+use super::{VhEstimate, VhSample, VhSource};
 use crate::flight::time::Time;
 
 /// Keeps the samples and makes V/H of them.
@@ -110,12 +110,6 @@ impl VhMonitor {
             source,
             extrapolated: way.silent,
         })
-    }
-
-    /// Whether one σ of V/H smears by no more than the budget.
-    #[must_use]
-    pub fn fits_budget(&self, estimate: &VhEstimate, scale: &SmearScale) -> bool {
-        estimate.smear_px(scale) <= self.settings.smear_budget_px
     }
 
     /// Whether two sensors of one quantity or two ways differ by more than the limit now.

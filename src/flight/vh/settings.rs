@@ -84,8 +84,6 @@ pub struct VhSettings {
     pub terrain_height: ChannelSettings,
     /// Difference between two ways to the same number up to which they agree, per cent.
     pub disagreement_percent: f32,
-    /// Smear from the uncertainty of V/H up to which a frame is worth taking, px.
-    pub smear_budget_px: f32,
 }
 
 impl VhSettings {
@@ -149,7 +147,6 @@ impl VhSettings {
             frozen_s: 0.0,
         },
         disagreement_percent: 5.0,
-        smear_budget_px: 0.3,
     };
 
     /// These settings, if every one is possible.
@@ -171,7 +168,6 @@ impl VhSettings {
             self.of(channel).checked(quantity, least)?;
         }
         Quantity::DisagreementPercent.check(self.disagreement_percent)?;
-        Quantity::SmearBudgetPx.check(self.smear_budget_px)?;
         Ok(self)
     }
 
@@ -211,14 +207,11 @@ mod tests {
         upside_down.laser_height.range = [500.0, 100.0];
         let mut without_sigma = VhSettings::DEFAULT;
         without_sigma.direct.sigma = 0.0;
-        let mut unlimited = VhSettings::DEFAULT;
-        unlimited.smear_budget_px = f32::INFINITY;
         for (settings, quantity) in [
             (standing, Quantity::GroundSpeedMS),
             (never_silent, Quantity::SourceValidityS),
             (upside_down, Quantity::HeightAboveGroundM),
             (without_sigma, Quantity::SourceSigma),
-            (unlimited, Quantity::SmearBudgetPx),
         ] {
             assert_eq!(settings.checked().unwrap_err().quantity, quantity);
         }

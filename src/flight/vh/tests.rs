@@ -112,7 +112,7 @@ fn inertial_speed_and_laser_take_over_and_their_differences_are_in_sigma() {
 }
 
 #[test]
-fn silence_extrapolates_with_growing_sigma_in_pixels_until_the_budget_refuses_it() {
+fn silence_extrapolates_with_growing_sigma_in_pixels_until_its_validity_ends() {
     let monitor = flying(&GOOD[..2]);
     // The lens: 150 mm, 8.75 µm, 1/200 s.
     let scale = SmearScale {
@@ -124,10 +124,6 @@ fn silence_extrapolates_with_growing_sigma_in_pixels_until_the_budget_refuses_it
         let estimate = monitor.estimate(at(4.0 + age)).unwrap();
         assert_eq!(estimate.extrapolated, age >= 0.5);
         assert!((estimate.age_s - age).abs() < 1e-5);
-        assert_eq!(
-            monitor.fits_budget(&estimate, &scale),
-            estimate.smear_px(&scale) <= 0.3
-        );
         estimate.smear_px(&scale)
     };
     let grown = [0.0, 0.4, 1.0, 2.0, 4.0, 4.9].map(smear);
@@ -135,7 +131,6 @@ fn silence_extrapolates_with_growing_sigma_in_pixels_until_the_budget_refuses_it
     assert!(grown[0] < 0.02);
     // After 1 s: 100 m/√3 of 1000 m and 5 m/s/√3 of 60 m/s, 7.5 % of 0.06 1/s over 85.7 px·s.
     assert!((grown[2] - 0.386).abs() < 0.01, "{grown:?}");
-    assert!(grown[2] > 0.3);
     assert!(monitor.estimate(at(9.01)).is_none());
 }
 

@@ -35,7 +35,7 @@ pub mod message;
 pub mod station;
 
 /// The version of frames and messages. Changes whenever a message does.
-pub const PROTOCOL_VERSION: u8 = 2;
+pub const PROTOCOL_VERSION: u8 = 3;
 
 /// Points in one message; every buffer's size follows from it.
 pub const MAX_POINTS: usize = 64;

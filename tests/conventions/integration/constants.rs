@@ -2,8 +2,9 @@
 
 use fmc_camera::flight::controller::timing::{
     ATTITUDE_WITHIN_S, CLOCK_JUMP_S, EXERCISE_REACH, EXERCISE_WAYS, LATE_EVENT_S, LATE_TICK_S,
-    LEAD_S, OVERLOAD_ROUNDS, OVERLOAD_WINDOW_S, READING_GAP_S, READING_WITHIN_S, READINGS_CEASE_S,
-    SHUTTER_GIVEN_UP_S, SHUTTER_MISSING_S, STAMP_SIGMA_S, STANDING_S, TICK_S, UNLEARNED_TOLERANCE,
+    LEAD_S, LONGEST_GAP, OVERLOAD_ROUNDS, OVERLOAD_WINDOW_S, READING_GAP_PART, READING_GAP_S,
+    READING_WITHIN_S, READINGS_CEASE_S, SHUTTER_GIVEN_UP_S, SHUTTER_MISSING_S, STAMP_SIGMA_S,
+    STANDING_S, TICK_S, UNLEARNED_TOLERANCE,
 };
 use fmc_camera::flight::record_log::CAPACITY;
 use fmc_camera::flight::unit::MAX_EVENTS;
@@ -34,6 +35,8 @@ fn documented_constants_are_those_of_the_code() {
         ("LEAD_S", LEAD_S.to_string()),
         ("READINGS_CEASE_S", READINGS_CEASE_S.to_string()),
         ("READING_GAP_S", READING_GAP_S.to_string()),
+        ("READING_GAP_PART", READING_GAP_PART.to_string()),
+        ("LONGEST_GAP", LONGEST_GAP.to_string()),
         ("MAX_EVENTS", MAX_EVENTS.to_string()),
         ("CAPACITY", CAPACITY.to_string()),
     ];

@@ -35,8 +35,7 @@ fn every_flag_is_explained() {
 /// The reason after another; does not compile with one that is not here.
 const fn next(reason: Reason) -> Option<Reason> {
     Some(match reason {
-        Reason::NotArmed => Reason::NoCalibration,
-        Reason::NoCalibration => Reason::Overlap,
+        Reason::NotArmed => Reason::Overlap,
         Reason::Overlap => Reason::OutsideLimits,
         Reason::OutsideLimits => Reason::Stroke,
         Reason::Stroke => Reason::Speed,

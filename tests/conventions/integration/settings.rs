@@ -20,7 +20,7 @@ macro_rules! settings {
     };
 }
 
-const SETTINGS: [(&str, Field); 24] = settings![
+const SETTINGS: [(&str, Field); 23] = settings![
     exposure_s,
     smear_budget_px,
     speed_tolerance_percent,
@@ -31,7 +31,6 @@ const SETTINGS: [(&str, Field); 24] = settings![
     trigger_interval_s,
     time_pulse_sigma_s,
     vh.disagreement_percent,
-    vh.smear_budget_px,
     drive.encoder_step_um,
     drive.velocity_loop.position_gain_per_s,
     drive.velocity_loop.speed_gain_per_mm_s,
@@ -134,7 +133,6 @@ fn sources_are_believed_as_documented() {
         altitude,
         terrain_height,
         disagreement_percent: _,
-        smear_budget_px: _,
     } = VhSettings::DEFAULT;
     let row = |name: &str, source: ChannelSettings| {
         let [least, most] = source.range;
