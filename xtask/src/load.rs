@@ -126,12 +126,59 @@ mod tests {
         assert!(!allowed([4000.0, 24_999.0, 25_000.0]));
     }
 
+    /// The committed table of instructions.
+    fn committed() -> Vec<Instructions> {
+        let root = Path::new(env!("CARGO_MANIFEST_DIR")).join("..");
+        cost::read(&root.join("docs/instructions.csv")).unwrap()
+    }
+
+    /// Cells of the rows of the table under this heading of `docs/control_loop.md`.
+    fn documented(heading: &str) -> Vec<Vec<&'static str>> {
+        let (_, rows) = include_str!("../../docs/control_loop.md")
+            .split_once(heading)
+            .unwrap();
+        rows.lines()
+            .skip(2)
+            .take_while(|line| line.starts_with('|'))
+            .map(|line| line.split('|').map(str::trim).skip(1).collect())
+            .collect()
+    }
+
     #[test]
     fn committed_table_is_within_the_limits() {
-        let root = Path::new(env!("CARGO_MANIFEST_DIR")).join("..");
-        let table = cost::read(&root.join("docs/instructions.csv")).unwrap();
-        let loads = loads(&table);
+        let loads = loads(&committed());
         assert!(!loads.is_empty());
         assert!(loads.iter().all(super::Load::is_allowed), "{loads:?}");
+    }
+
+    #[test]
+    fn documented_loads_are_those_of_the_committed_table() {
+        let documented = documented("| Cortex-M4F at | idle, mean | worst round |");
+        let loads: Vec<_> = loads(&committed())
+            .into_iter()
+            .filter(|load| load.core == "cortex-m4f")
+            .collect();
+        assert_eq!(documented.len(), loads.len());
+        for (row, load) in documented.iter().zip(loads) {
+            let clock = format!("{} MHz", load.clock_mhz);
+            assert!(row[0].starts_with(&clock), "{row:?}");
+            let numbers = [
+                format!("{:.1} %", 100.0 * load.idle),
+                format!("{:.2} ms", load.worst_ms),
+                format!("{:.2} ms", load.stuck_ms),
+            ];
+            assert_eq!(row[1..4], numbers);
+        }
+    }
+
+    #[test]
+    fn documented_interrupts_and_bytes_are_those_of_the_committed_table() {
+        let documented = documented("| row | instructions | per |");
+        assert!(documented.len() > 10);
+        for row in documented {
+            let kernel = row[0].trim_matches('`');
+            let measured = committed().into_iter().find(|row| row.kernel == kernel);
+            assert_eq!(measured.unwrap().count.to_string(), row[1], "{kernel}");
+        }
     }
 }

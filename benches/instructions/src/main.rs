@@ -8,13 +8,20 @@
 #![cfg_attr(target_os = "none", no_std, no_main)]
 
 #[cfg(target_os = "none")]
+mod aircraft;
+#[cfg(target_os = "none")]
 mod counter;
 #[cfg(target_os = "none")]
 mod flight;
 #[cfg(target_os = "none")]
 mod geometry;
 #[cfg(target_os = "none")]
+mod interrupts;
+#[cfg(target_os = "none")]
 mod link;
+#[cfg(target_os = "none")]
+#[path = "../../../src/bin/firmware/board/receive_ring.rs"]
+mod receive_ring;
 #[cfg(target_os = "none")]
 mod sensors;
 #[cfg(target_os = "none")]
@@ -35,6 +42,8 @@ fn count() -> ! {
         let mut counter = counter::Counter::new(peripherals.SYST);
         geometry::count(&mut counter)?;
         flight::count(&mut counter)?;
+        interrupts::count(&mut counter)?;
+        aircraft::count(&mut counter)?;
         link::count(&mut counter)
     });
     exit(if counted.is_some() {

@@ -11,7 +11,7 @@ pub const STATE_NAMES: [&str; 8] = [
 ];
 
 /// Names of the reasons for which a trigger is refused, faults apart.
-pub const REASON_NAMES: [&str; 10] = [
+pub const REASON_NAMES: [&str; 9] = [
     "not armed",
     "overlap",
     "outside limits",

@@ -1,0 +1,98 @@
+//! What aircraft send, byte by byte: whole sentences and messages, and the dearest byte among others.
+
+use core::hint::black_box;
+
+use fmc_camera::io::mavlink::MavlinkReceiver;
+use fmc_camera::io::nmea::NmeaReceiver;
+
+use crate::counter::Counter;
+
+const SENTENCES: [(&str, &[u8]); 3] = [
+    (
+        "nmea_rmc",
+        b"$GPRMC,225446.33,A,4916.45,N,12311.12,W,000.5,054.7,191194,020.3,E,A*2B\r",
+    ),
+    (
+        "nmea_gga",
+        b"$GPGGA,123519,4807.038,N,01131.000,E,1,08,0.9,545.4,M,46.9,M,,*47\r",
+    ),
+    ("nmea_vtg", b"$GPVTG,054.7,T,034.4,M,100.0,N,185.2,K*44\r"),
+];
+
+const MESSAGES: [(&str, &[u8]); 3] = [
+    (
+        "mavlink_global_position_int",
+        b"\xfd\x1c\0\0\0\x01\x01\x21\0\0\xe8\x03\0\0\x87\x0e\xaf\x1c\xb5\x1e\xe5\x06\x74\x51\x12\0\x40\x42\x0f\0\
+          \x10\x0e\xc0\x12\0\0\x28\x23\xe3\xb7",
+    ),
+    (
+        "mavlink_distance_sensor",
+        b"\xfd\x0e\0\0\0\x01\x01\x84\0\0\xe8\x03\0\0\x64\0\x60\xea\x50\xc3\0\x01\x19\xff\x38\x90",
+    ),
+    (
+        "mavlink_altitude",
+        b"\xfd\x20\0\0\0\x01\x01\x8d\0\0\xe8\x03\0\0\0\0\0\0\0\0\0\0\0\0\x96\x44\0\0\0\0\0\0\0\0\0\0\x7a\x44\0\x80\
+          \x77\x44\xb2\x24",
+    ),
+];
+
+/// Bytes of MAVLink that are nested as deep as they can be: 43 false beginnings, all of whose frames end with the same
+/// byte, where each is checked in vain.
+const NESTED: [u8; 262] = {
+    let mut bytes = [0; 262];
+    let mut at = 0;
+    let mut payload_bytes = 254;
+    while payload_bytes >= 6 {
+        bytes[at] = 0xfe;
+        bytes[at + 1] = payload_bytes;
+        at += 6;
+        payload_bytes -= 6;
+    }
+    bytes
+};
+
+pub(crate) fn count(counter: &mut Counter) -> Option<()> {
+    for (name, sentence) in SENTENCES {
+        let mut receiver = NmeaReceiver::new();
+        counter.count(name, (1, "sentence"), || {
+            let answers = black_box(sentence)
+                .iter()
+                .map(|byte| receiver.receive(*byte));
+            answers.flatten().last()?.ok()
+        })?;
+    }
+    for (name, message) in MESSAGES {
+        let mut receiver = MavlinkReceiver::new();
+        counter.count(name, (1, "message"), || {
+            let answers = black_box(message)
+                .iter()
+                .map(|byte| receiver.receive(*byte));
+            answers.flatten().last()?.ok()
+        })?;
+    }
+    let (_, rmc) = SENTENCES.first()?;
+    let mut receiver = NmeaReceiver::new();
+    dearest(counter, "nmea_byte_worst", rmc, |byte| {
+        black_box(receiver.receive(byte));
+    })?;
+    let mut receiver = MavlinkReceiver::new();
+    dearest(counter, "mavlink_byte_worst", &NESTED, |byte| {
+        black_box(receiver.receive(byte));
+    })
+}
+
+/// Prints what the dearest of these bytes costs.
+fn dearest(
+    counter: &mut Counter,
+    name: &str,
+    bytes: &[u8],
+    mut receive: impl FnMut(u8),
+) -> Option<()> {
+    let mut most = 0;
+    for byte in bytes {
+        let (instructions, ()) = counter.measure(|| receive(black_box(*byte)))?;
+        most = instructions.max(most);
+    }
+    Counter::print(name, (1, "byte"), most);
+    Some(())
+}
