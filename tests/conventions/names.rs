@@ -20,7 +20,10 @@ use fmc_camera::geometry::principal_point::{PrincipalPointMotion, StageSample, U
 use fmc_camera::geometry::sensor::{FmcAxis, PixelPoint, SensorPoint};
 use fmc_camera::geometry::shutter::ShutterProfile;
 
-const CAMERA_FILE: &str = include_str!("../../host-sim/src/formats/camera_file.rs");
+const CAMERA_FILE: [&str; 2] = [
+    include_str!("../../host-sim/src/formats/camera_file.rs"),
+    include_str!("../../host-sim/src/formats/camera_file/tables.rs"),
+];
 
 /// `Type.field`, as documented; does not compile for a field that is not there.
 macro_rules! field {
@@ -130,7 +133,7 @@ fn documented_names_are_those_of_the_code() {
 fn camera_file_keys() -> BTreeSet<String> {
     let mut table = None;
     let mut keys = BTreeSet::new();
-    for line in CAMERA_FILE.lines() {
+    for line in CAMERA_FILE.iter().flat_map(|file| file.lines()) {
         if let Some(name) = line.strip_prefix("pub struct ") {
             table = Some(match name.trim_end_matches(" {") {
                 "CameraFile" => String::new(),

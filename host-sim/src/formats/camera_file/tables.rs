@@ -1,0 +1,283 @@
+//! The tables of the camera file.
+
+use fmc_camera::flight::stage::RunUp;
+use fmc_camera::geometry::five_coefficient::Regressor;
+use fmc_camera::geometry::sensor::FmcAxis;
+use serde::de::Error as _;
+use serde::{Deserialize, Deserializer};
+
+/// `[sensor]`.
+#[derive(Debug, Clone, PartialEq, Deserialize)]
+#[serde(deny_unknown_fields)]
+#[expect(
+    missing_docs,
+    reason = "each field is the key of the same name in the camera file"
+)]
+pub struct SensorTable {
+    pub width_px: i64,
+    pub height_px: i64,
+    pub pixel_um: f64,
+}
+
+/// `[distortion]`.
+#[derive(Debug, Clone, PartialEq, Default, Deserialize)]
+#[serde(deny_unknown_fields, default)]
+#[expect(
+    missing_docs,
+    reason = "each field is the key of the same name in the camera file"
+)]
+pub struct DistortionTable {
+    pub sign: Sign,
+    pub k0: f64,
+    pub k1: f64,
+    pub k2: f64,
+    pub k3: f64,
+    pub p1: f64,
+    pub p2: f64,
+    pub b1: f64,
+    pub b2: f64,
+}
+
+/// Which sign the coefficients of `[distortion]` have.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Deserialize)]
+#[serde(rename_all = "lowercase")]
+pub enum Sign {
+    /// Measured - ideal.
+    #[default]
+    Distortion,
+    /// To be added to the measured point.
+    Correction,
+}
+
+/// `[fmc]`.
+#[derive(Debug, Clone, PartialEq, Deserialize)]
+#[serde(deny_unknown_fields, default)]
+#[expect(
+    missing_docs,
+    reason = "each field is the key of the same name in the camera file"
+)]
+pub struct FmcTable {
+    pub axis: Axis,
+    pub mechanism: MechanismName,
+    pub first_transfer: f64,
+    /// `None`: not written, centred where there is a stage.
+    pub strategy: Option<Strategy>,
+    pub acceleration_mm_s2: f64,
+    pub settling_ms: f64,
+    pub stroke_mm: f64,
+    pub flatness_um: Vec<f64>,
+    /// 0: unlimited.
+    pub jerk_mm_s3: f64,
+    /// 0: unlimited.
+    pub max_speed_mm_s: f64,
+}
+
+impl Default for FmcTable {
+    fn default() -> Self {
+        Self {
+            axis: Axis::PlusY,
+            mechanism: MechanismName::Stage,
+            first_transfer: 0.5,
+            strategy: None,
+            acceleration_mm_s2: 1000.0,
+            settling_ms: 5.0,
+            stroke_mm: 4.0,
+            flatness_um: vec![0.0],
+            jerk_mm_s3: 0.0,
+            max_speed_mm_s: 0.0,
+        }
+    }
+}
+
+/// Direction in which the principal point moves.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Deserialize)]
+#[expect(missing_docs, reason = "each variant is spelt in the camera file")]
+pub enum Axis {
+    #[serde(rename = "+x")]
+    PlusX,
+    #[serde(rename = "-x")]
+    MinusX,
+    #[serde(rename = "+y")]
+    PlusY,
+    #[serde(rename = "-y")]
+    MinusY,
+}
+
+impl Axis {
+    /// As in the camera file.
+    #[must_use]
+    pub const fn name(self) -> &'static str {
+        match self {
+            Self::PlusX => "+x",
+            Self::MinusX => "-x",
+            Self::PlusY => "+y",
+            Self::MinusY => "-y",
+        }
+    }
+
+    /// The unit vector e.
+    #[must_use]
+    pub const fn unit(self) -> [f64; 2] {
+        match self {
+            Self::PlusX => [1.0, 0.0],
+            Self::MinusX => [-1.0, 0.0],
+            Self::PlusY => [0.0, 1.0],
+            Self::MinusY => [0.0, -1.0],
+        }
+    }
+}
+
+impl From<Axis> for FmcAxis {
+    fn from(axis: Axis) -> Self {
+        match axis {
+            Axis::PlusX => Self::PlusX,
+            Axis::MinusX => Self::MinusX,
+            Axis::PlusY => Self::PlusY,
+            Axis::MinusY => Self::MinusY,
+        }
+    }
+}
+
+/// How the image is held still.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Deserialize)]
+#[serde(rename_all = "lowercase")]
+#[expect(missing_docs, reason = "each variant is spelt in the camera file")]
+pub enum MechanismName {
+    Stage,
+    Tdi,
+}
+
+/// Where the run-up puts the exposure.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Deserialize)]
+#[serde(rename_all = "kebab-case")]
+#[expect(missing_docs, reason = "each variant is spelt in the camera file")]
+pub enum Strategy {
+    #[default]
+    Centred,
+    FromRest,
+}
+
+impl Strategy {
+    /// Both.
+    pub const ALL: [Self; 2] = [Self::Centred, Self::FromRest];
+
+    /// As in the camera file.
+    #[must_use]
+    pub const fn name(self) -> &'static str {
+        match self {
+            Self::Centred => "centred",
+            Self::FromRest => "from-rest",
+        }
+    }
+}
+
+impl From<Strategy> for RunUp {
+    fn from(strategy: Strategy) -> Self {
+        match strategy {
+            Strategy::Centred => Self::Centred,
+            Strategy::FromRest => Self::FromRest,
+        }
+    }
+}
+
+/// `[shutter]`.
+#[derive(Debug, Clone, PartialEq, Default, Deserialize)]
+#[serde(deny_unknown_fields, default)]
+#[expect(
+    missing_docs,
+    reason = "each field is the key of the same name in the camera file"
+)]
+pub struct ShutterTable {
+    pub profile: Profile,
+    pub opening_fraction: f64,
+    pub closing_fraction: f64,
+}
+
+/// Shape of the transmission.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Deserialize)]
+#[serde(rename_all = "lowercase")]
+#[expect(missing_docs, reason = "each variant is spelt in the camera file")]
+pub enum Profile {
+    #[default]
+    Uniform,
+    Trapezoid,
+}
+
+/// `[limits]`.
+#[derive(Debug, Clone, PartialEq, Deserialize)]
+#[serde(deny_unknown_fields, default)]
+#[expect(
+    missing_docs,
+    reason = "each field is the key of the same name in the camera file"
+)]
+pub struct LimitsTable {
+    #[serde(deserialize_with = "pair")]
+    pub vh_per_s: [f64; 2],
+    #[serde(deserialize_with = "pair")]
+    pub exposure_s: [f64; 2],
+}
+
+impl Default for LimitsTable {
+    fn default() -> Self {
+        Self {
+            vh_per_s: [0.05, 0.17],
+            exposure_s: [0.001, 0.02],
+        }
+    }
+}
+
+/// `[fitted]`.
+#[derive(Debug, Clone, PartialEq, Default, Deserialize)]
+#[serde(deny_unknown_fields, default)]
+#[expect(
+    missing_docs,
+    reason = "each field is the key of the same name in the camera file"
+)]
+pub struct FittedTable {
+    pub km0: f64,
+    pub km1: f64,
+    pub km2: f64,
+    pub kd1: f64,
+    pub pm1: f64,
+    pub per: Per,
+}
+
+/// What `kd1` and `pm1` are multiplied by.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Deserialize)]
+#[serde(rename_all = "lowercase")]
+pub enum Per {
+    /// δ, the travel while the shutter is open.
+    #[default]
+    Travel,
+    /// c̄, the offset of the exposure centroid.
+    Centroid,
+}
+
+impl Per {
+    /// As in the camera file.
+    #[must_use]
+    pub const fn name(self) -> &'static str {
+        match self {
+            Self::Travel => "travel",
+            Self::Centroid => "centroid",
+        }
+    }
+}
+
+impl From<Per> for Regressor {
+    fn from(per: Per) -> Self {
+        match per {
+            Per::Travel => Self::Travel,
+            Per::Centroid => Self::Centroid,
+        }
+    }
+}
+
+/// Two numbers, no more and no fewer.
+pub(super) fn pair<'de, D: Deserializer<'de>>(deserializer: D) -> Result<[f64; 2], D::Error> {
+    let numbers = Vec::<f64>::deserialize(deserializer)?;
+    let count = numbers.len();
+    numbers
+        .try_into()
+        .map_err(|_| D::Error::custom(format!("{count} numbers where 2 are expected")))
+}

@@ -1,0 +1,116 @@
+//! What holds whatever the sensors say.
+
+use super::*;
+
+/// Any number, more often one that a sensor may give.
+fn number() -> impl Strategy<Value = f32> {
+    prop_oneof![
+        4 => 50.0_f32..70.0,
+        4 => 900.0_f32..1300.0,
+        2 => 0.01_f32..0.1,
+        2 => prop::sample::select(vec![
+            f32::NAN, f32::INFINITY, f32::NEG_INFINITY, 0.0, -0.0, f32::MIN_POSITIVE, f32::MAX,
+            -60.0, -1000.0, 60.0, 116.6, 1000.0, 3280.84, 304.8, 200.0,
+        ]),
+        1 => any::<f32>(),
+    ]
+}
+
+fn sample() -> impl Strategy<Value = VhSample> {
+    (number(), 0..7_u8).prop_map(|(value, channel)| match channel {
+        0 => VhSample::Direct(value),
+        1 => VhSample::GroundSpeed(value),
+        2 => VhSample::HeightAboveGround(value),
+        3 => VhSample::Altitude(value),
+        4 => VhSample::TerrainHeight(value),
+        5 => VhSample::InertialSpeed(value),
+        _ => VhSample::LaserHeight(value),
+    })
+}
+
+/// σ of V/H from fresh samples of this source at the least.
+fn base_sigma(settings: &VhSettings, estimate: &VhEstimate) -> f32 {
+    let [_, highest] = settings.height_above_ground.range;
+    match estimate.source {
+        VhSource::Direct => settings.direct.sigma,
+        VhSource::Altimeter | VhSource::Terrain => settings.ground_speed.sigma / highest,
+    }
+}
+
+proptest! {
+    #![proptest_config(ProptestConfig { failure_persistence: None, ..ProptestConfig::with_cases(1000) })]
+
+    #[test]
+    fn estimate_of_any_samples_is_finite_positive_in_range_and_ages(
+        samples in prop::collection::vec((0_u64..2_000_000, sample()), 0..80),
+    ) {
+        let settings = VhSettings::DEFAULT;
+        let mut monitor = VhMonitor::new(settings);
+        let mut now_us = 0;
+        for (step_us, sample) in samples {
+            now_us += step_us;
+            monitor.observe(Time::from_us(now_us), sample);
+            for silence in 0..60_u64 {
+                let now = Time::from_us(now_us + silence * 1_000_000);
+                let Some(found) = monitor.estimate(now) else {
+                    continue;
+                };
+                let [least, most] = settings.direct.range;
+                prop_assert!((least..=most).contains(&found.vh_per_s), "{found:?}");
+                prop_assert!(found.sigma_per_s.is_finite() && found.age_s < 60.0);
+                prop_assert!(found.sigma_per_s >= base_sigma(&settings, &found));
+            }
+            prop_assert!(monitor.estimate(Time::from_us(now_us + 60_000_000)).is_none());
+        }
+    }
+
+    #[test]
+    fn sigma_and_age_grow_while_all_are_silent(
+        samples in prop::collection::vec((0_u64..2_000_000, sample()), 0..80),
+    ) {
+        let mut monitor = VhMonitor::default();
+        let mut now_us = 0;
+        for (step_us, sample) in samples {
+            now_us += step_us;
+            // One sensor of each quantity: another that takes over is fresher.
+            let sample = match sample {
+                VhSample::InertialSpeed(value) => VhSample::GroundSpeed(value),
+                VhSample::LaserHeight(value) => VhSample::HeightAboveGround(value),
+                other => other,
+            };
+            monitor.observe(Time::from_us(now_us), sample);
+        }
+        let heard = Time::from_us(now_us);
+        let mut before = monitor.estimate(heard);
+        for tenths in 1..620_u64 {
+            let now = Time::from_us(now_us + tenths * 100_000);
+            let found = monitor.estimate(now);
+            if let (Some(before), Some(found)) = (before, found)
+                && before.source == found.source
+            {
+                prop_assert!(found.age_s > before.age_s);
+                // A way that disagreed takes the difference with it when it is lost.
+                prop_assert!(found.sigma_per_s > before.sigma_per_s || monitor.disagrees(heard));
+            }
+            before = found;
+        }
+    }
+
+    #[test]
+    fn change_from_one_sample_to_the_next_is_bounded_by_slew_and_noise(
+        heights in prop::collection::vec(number(), 1..60),
+    ) {
+        // Fewer in a row than a jump needs to be believed, then a good one.
+        let mut monitor = flying(&GOOD[..2]);
+        for (step, height) in (1_u16..).zip(heights) {
+            let now = at(4.0 + 0.1 * f32::from(step));
+            monitor.observe(now, noisy(GOOD[0], step));
+            let height = if step % 4 == 0 { 1000.0 } else { height };
+            monitor.observe(now, VhSample::HeightAboveGround(height));
+            // Three of 10 m + 18 m each away from 1000 m, before the slew back to it.
+            if let Some(error) = error(&monitor, 4.0 + 0.1 * f32::from(step)) {
+                prop_assert!(error < 0.2, "{error}");
+            }
+        }
+    }
+}

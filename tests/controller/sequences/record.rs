@@ -1,0 +1,108 @@
+//! What a record says.
+
+use super::*;
+
+#[test]
+fn attitude_that_cannot_be_used_is_not_in_the_smear() {
+    let mut bench = Bench::armed();
+    bench.send(Event::Trigger);
+    bench.run(15);
+    bench.send(Event::Attitude(AttitudeSample {
+        pitch_deg: f32::NAN,
+        roll_deg: 0.0,
+        drift_deg: 0.0,
+        rates_deg_s: [0.0; 3],
+    }));
+    bench.run(100);
+    assert!(!bench.records()[0].flags.contains(Flag::WithAttitude));
+}
+
+#[test]
+fn shutter_that_opens_before_its_command_is_not_opened_again() {
+    // The command waits at the board for another 1.7 ms; nothing takes it back.
+    let mut bench = Bench::armed();
+    bench.send(Event::Trigger);
+    bench.run_until(100, |it| it == State::Tracking);
+    bench.edges.clear();
+    bench.send(Event::Shutter(ShutterEdge::Opened));
+    bench.round();
+    assert_eq!(closes(&bench), 1, "{:?}", bench.actions);
+}
+
+#[test]
+fn exposure_cut_by_a_clock_jump_is_not_measured() {
+    // As `clock_that_jumps_ends_the_frame_and_is_a_fault`, one round later: the last light is an assumption, the path up
+    // to it "continued", σ 30 nm.
+    let mut bench = exposing_for(1.0 / 300.0);
+    bench.run(1);
+    bench.edges.clear();
+    bench.now = Time::from_us(3_600_000_000);
+    bench.run(5);
+    let record = bench.records()[0];
+    assert!(
+        record.flags.contains(Flag::StaticCorrection),
+        "σ {} mm, flags {:?}",
+        exposed(&record).principal_point_sigma_mm,
+        record.flags.iter().collect::<Vec<_>>()
+    );
+}
+
+#[test]
+fn round_before_the_one_before_is_a_jump_of_the_clock() {
+    // Stamps of interrupts may be 10 ms old; rounds come in order.
+    let mut bench = Bench::armed();
+    bench.now = bench.now.plus_s(-0.006);
+    bench.round();
+    assert_eq!(bench.controller.state(), State::Fault(Fault::Clock));
+}
+
+#[test]
+fn attitude_of_a_camera_flown_backwards_is_about_its_own_axes() {
+    // Rates are about the camera's axes, the camera is not turned: in flight against the axis they act the other way.
+    // (If the sample is meant about the axes of the flight, its comment and that of `Attitude` are wrong instead.)
+    let smear_px = |direction, pitch_rate_deg_s| {
+        let mut bench = Bench::new(FlightSettings {
+            direction,
+            ..FlightSettings::default()
+        });
+        bench.arm();
+        bench.send(Event::Drive(Fault::Drive));
+        bench.run_until(200, |it| it == State::Degraded(Fault::Drive));
+        bench.send(Event::Attitude(AttitudeSample {
+            pitch_deg: 0.0,
+            roll_deg: 0.0,
+            drift_deg: 0.0,
+            rates_deg_s: [pitch_rate_deg_s, 0.0, 0.0],
+        }));
+        bench.send(Event::Trigger);
+        bench.run(100);
+        exposed(&bench.records()[0]).smear_px
+    };
+    let ahead = [1.0, -1.0].map(|rate| smear_px(FlightDirection::Forward, rate));
+    let back = [1.0, -1.0].map(|rate| smear_px(FlightDirection::Reverse, rate));
+    assert!((ahead[0] - ahead[1]).abs() > 1.0);
+    assert!(
+        (back[0] - ahead[1]).abs() < 0.01 && (back[1] - ahead[0]).abs() < 0.01,
+        "ahead {ahead:?} px, back {back:?} px"
+    );
+}
+
+#[cfg(feature = "link")]
+mod link {
+    use super::*;
+    use fmc_camera::io::link::deck::{FlightDeck, RigDeck};
+
+    #[test]
+    fn watchdog_is_not_forgotten_by_preparing_twice() {
+        // `RigDeck::prepare` spends its start on the first controller; the second knows nothing, and no record does.
+        let mut deck = RigDeck::new(Start::AfterWatchdog);
+        deck.prepare(&camera(), 1, &FlightSettings::default())
+            .unwrap();
+        deck.prepare(&camera(), 1, &FlightSettings::default())
+            .unwrap();
+        assert_eq!(
+            deck.controller().unwrap().state(),
+            State::Fault(Fault::Watchdog)
+        );
+    }
+}

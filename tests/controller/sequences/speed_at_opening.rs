@@ -1,0 +1,84 @@
+//! The shutter opens without the stage at speed.
+
+use super::*;
+
+/// When the shutter's command leaves in the frame of [`Bench::armed`] triggered at once.
+fn command() -> Time {
+    let mut bench = Bench::armed();
+    bench.send(Event::Trigger);
+    bench.run_until(100, |it| it == State::Tracking);
+    let opens = bench.actions.iter().find_map(|(_, action)| match action {
+        Action::OpenShutter { at, .. } => Some(*at),
+        _ => None,
+    });
+    opens.unwrap()
+}
+
+/// Rounds with their times relative to the command, s, of a stage that falls back by 7 % of its speed from 8 ms before.
+fn slow_stage(ends_s: &[f32]) -> Bench {
+    const SLOW_MM_S: f32 = -0.7;
+    let command = command();
+    let slow_from = command.plus_s(-0.008);
+    let mut bench = Bench::armed();
+    bench.send(Event::Trigger);
+    let go = |bench: &mut Bench, to: Time| {
+        let off_mm = SLOW_MM_S * to.seconds_since(slow_from).max(0.0);
+        let round_s = to.seconds_since(bench.now);
+        round(bench, round_s, Some(off_mm.max(-0.0095)));
+    };
+    while bench.now.plus_s(0.001) < command.plus_s(ends_s[0]) {
+        let to = bench.now.plus_s(0.001);
+        go(&mut bench, to);
+    }
+    for end_s in ends_s {
+        go(&mut bench, command.plus_s(*end_s));
+    }
+    for _ in 0..60 {
+        let to = bench.now.plus_s(0.001);
+        go(&mut bench, to);
+    }
+    bench
+}
+
+#[test]
+fn stage_not_at_speed_is_seen_with_rounds_of_1_4_ms() {
+    // Control: punctual rounds refuse the frame.
+    let punctual = slow_stage(&[-0.0015, -0.0005, 0.0005, 0.0015]);
+    assert_eq!(
+        punctual.records()[0].outcome,
+        Outcome::Refused(Reason::NotAtSpeed)
+    );
+    // No round in the last millisecond before the command (1.4 ms are not even late): nobody looks at the speed.
+    let bench = slow_stage(&[-0.001_05, 0.000_35, 0.0015]);
+    assert_eq!(bench.controller.counts().late_ticks, 0);
+    assert_eq!(
+        bench.records()[0].outcome,
+        Outcome::Refused(Reason::NotAtSpeed)
+    );
+}
+
+#[test]
+fn command_taken_back_is_not_repeated_without_a_look_at_the_speed() {
+    // Taken back 0.9 ms before it leaves; the next round, 0.1 ms before, sends it again: `now < planned` is not checked.
+    let bench = slow_stage(&[-0.0009, -0.0001, 0.0009]);
+    assert_eq!(
+        bench.records()[0].outcome,
+        Outcome::Refused(Reason::NotAtSpeed)
+    );
+}
+
+#[test]
+fn shutter_does_not_open_on_readings_that_have_ceased() {
+    // The slope of old readings counts for ever; there is no fault for an encoder that says nothing.
+    let mut bench = Bench::armed();
+    bench.send(Event::Trigger);
+    bench.run(5);
+    bench.is_read = false;
+    bench.run(100);
+    let opens = |it: &(Time, Action)| matches!(it.1, Action::OpenShutter { .. });
+    assert!(
+        !bench.actions.iter().any(opens),
+        "{:?}",
+        bench.records()[0].outcome
+    );
+}
