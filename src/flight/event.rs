@@ -34,6 +34,20 @@ pub enum Event {
     Supply(Supply),
     /// The control loop comes round.
     Tick,
+    /// So many events could not be kept until the control loop came round.
+    Lost(u32),
+}
+
+impl Event {
+    /// Whether somebody may say so in a message: commands, and what other instruments measure. Everything else comes
+    /// from the camera's own inputs, with the time at which they changed.
+    #[must_use]
+    pub const fn is_told(&self) -> bool {
+        matches!(
+            self,
+            Self::Command(_) | Self::Vh(_) | Self::Attitude(_) | Self::GnssTime(_)
+        )
+    }
 }
 
 /// What somebody wants.

@@ -37,43 +37,7 @@ impl<Drive: FmcDrive> CameraUnit<Drive> {
     ///
     /// [`Action::MoveStage`] and [`Action::ReleaseStage`] have been done on return; the others are the caller's.
     pub fn round(&mut self, now: Time, events: &Events) -> RoundActions {
-        let mut outside = RoundActions::new();
-        for (time, event) in events {
-            let actions = self.controller.handle(*time, *event);
-            self.take(now, &actions, &mut outside);
-        }
-        let reading = match self.drive.position(now) {
-            Ok(reading) => Event::Stage(reading),
-            Err(fault) => Event::Drive(fault),
-        };
-        let actions = self.controller.handle(now, reading);
-        self.take(now, &actions, &mut outside);
-        let actions = self.controller.handle(now, Event::Tick);
-        self.take(now, &actions, &mut outside);
-        outside
-    }
-
-    fn take(&mut self, now: Time, actions: &Actions, outside: &mut RoundActions) {
-        let mut failed = None;
-        for action in actions {
-            match *action {
-                Action::MoveStage(setpoint) => failed = self.drive.follow(now, setpoint).err(),
-                Action::ReleaseStage => self.drive.release(),
-                // There is room for all.
-                other => {
-                    let _ = outside.push(other);
-                }
-            }
-        }
-        if let Some(fault) = failed {
-            for action in &self.controller.handle(now, Event::Drive(fault)) {
-                if *action == Action::ReleaseStage {
-                    self.drive.release();
-                } else {
-                    let _ = outside.push(*action);
-                }
-            }
-        }
+        round(&mut self.controller, &mut self.drive, now, events)
     }
 
     /// The state machine.
@@ -96,5 +60,57 @@ impl<Drive: FmcDrive> CameraUnit<Drive> {
     /// The drive.
     pub const fn drive_mut(&mut self) -> &mut Drive {
         &mut self.drive
+    }
+}
+
+/// A round of the control loop, as [`CameraUnit::round`].
+pub(crate) fn round(
+    controller: &mut Controller,
+    drive: &mut impl FmcDrive,
+    now: Time,
+    events: &Events,
+) -> RoundActions {
+    let mut outside = RoundActions::new();
+    for (time, event) in events {
+        let actions = controller.handle(*time, *event);
+        take(controller, drive, now, &actions, &mut outside);
+    }
+    let reading = match drive.position(now) {
+        Ok(reading) => Event::Stage(reading),
+        Err(fault) => Event::Drive(fault),
+    };
+    let actions = controller.handle(now, reading);
+    take(controller, drive, now, &actions, &mut outside);
+    let actions = controller.handle(now, Event::Tick);
+    take(controller, drive, now, &actions, &mut outside);
+    outside
+}
+
+fn take(
+    controller: &mut Controller,
+    drive: &mut impl FmcDrive,
+    now: Time,
+    actions: &Actions,
+    outside: &mut RoundActions,
+) {
+    let mut failed = None;
+    for action in actions {
+        match *action {
+            Action::MoveStage(setpoint) => failed = drive.follow(now, setpoint).err(),
+            Action::ReleaseStage => drive.release(),
+            // There is room for all.
+            other => {
+                let _ = outside.push(other);
+            }
+        }
+    }
+    if let Some(fault) = failed {
+        for action in &controller.handle(now, Event::Drive(fault)) {
+            if *action == Action::ReleaseStage {
+                drive.release();
+            } else {
+                let _ = outside.push(*action);
+            }
+        }
     }
 }

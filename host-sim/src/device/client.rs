@@ -4,6 +4,7 @@ use std::io::ErrorKind;
 use std::time::{Duration, Instant};
 
 use fmc_camera::flight::camera::CameraRecord;
+use fmc_camera::flight::event::Event;
 use fmc_camera::flight::exposure::Exposure;
 use fmc_camera::flight::frame_record::FrameRecord;
 use fmc_camera::flight::interior_orientation::InteriorOrientation;
@@ -282,6 +283,19 @@ impl<P: Port> Client<P> {
         }
     }
 
+    /// Tells a camera that something happens now.
+    ///
+    /// # Errors
+    /// [`LinkError::Refused`] for a camera that has not been prepared, or is on a rig, and for an event that is none to
+    /// be told.
+    pub fn tell(&mut self, event: Event) -> Result<(), LinkError> {
+        let request = Request::Tell(event);
+        match self.ask(&request)? {
+            Answer::Told => Ok(()),
+            _ => Err(self.unexpected(&request)),
+        }
+    }
+
     /// What the camera's end of the link has seen since it started.
     ///
     /// # Errors
@@ -455,5 +469,6 @@ const fn name(request: &Request) -> &'static str {
         Request::Acknowledge(_) => "acknowledge",
         Request::Status => "status",
         Request::Flown => "flown",
+        Request::Tell(_) => "tell",
     }
 }

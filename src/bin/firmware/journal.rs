@@ -67,5 +67,9 @@ fn refusal_name(refusal: Refusal) -> &'static str {
         Refusal::FrameInFlight => "frame in flight",
         Refusal::RecordsKept(_) => "records not acknowledged",
         Refusal::NoRig => "no test rig",
+        Refusal::OnRig => "on a test rig",
+        Refusal::NotTold => "not to be told",
+        Refusal::QueueFull => "too many events",
+        Refusal::NoRowClock => "no row clock",
     }
 }

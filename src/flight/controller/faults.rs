@@ -47,6 +47,12 @@ impl Controller {
         self.state = State::Fault(fault);
     }
 
+    /// Events came faster than the control loop takes them.
+    pub(super) fn lose(&mut self, events: u32, actions: &mut Actions) {
+        self.counts.lost_events = self.counts.lost_events.saturating_add(events);
+        self.report(Fault::Overload, actions);
+    }
+
     /// A fault that goes into the record of the frame in flight, or of the next.
     pub(super) fn note(&mut self, fault: Fault) {
         match &mut self.frame {

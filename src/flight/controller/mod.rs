@@ -114,6 +114,8 @@ pub struct Counts {
     pub late_ticks: u32,
     /// Edges of the shutter that nobody had asked for.
     pub unexpected_edges: u32,
+    /// Events that could not be kept until the control loop came round.
+    pub lost_events: u32,
 }
 
 impl Controller {
@@ -200,6 +202,7 @@ impl Controller {
             Event::Drive(fault) => self.fail(fault, &mut actions),
             Event::Supply(supply) => self.supply(supply, &mut actions),
             Event::Tick => self.tick(time, &mut actions),
+            Event::Lost(events) => self.lose(events, &mut actions),
         }
         actions
     }

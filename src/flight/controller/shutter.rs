@@ -54,7 +54,7 @@ impl Controller {
     }
 
     /// A fault that ends nothing.
-    fn report(&mut self, fault: Fault, actions: &mut Actions) {
+    pub(super) fn report(&mut self, fault: Fault, actions: &mut Actions) {
         self.note(fault);
         act(actions, Action::Fault(fault));
     }

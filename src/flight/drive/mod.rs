@@ -4,6 +4,8 @@ use super::fault::Fault;
 use super::stage::Setpoint;
 use super::time::Time;
 
+pub mod enabled_drive;
+pub mod flown_drive;
 pub mod following;
 mod known_force;
 mod led_motion;

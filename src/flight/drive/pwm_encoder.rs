@@ -3,6 +3,7 @@
 use embedded_hal::digital::{OutputPin, PinState};
 use embedded_hal::pwm::SetDutyCycle;
 
+use super::flown_drive::FlownDrive;
 use super::loop_settings::LoopSettings;
 use super::quadrature::QuadratureCounter;
 use super::settings::{SettingOutOfRange, within};
@@ -66,7 +67,8 @@ pub struct Pins<Pwm, Direction, Counter> {
 /// The drive: velocity loop, bridge and encoder.
 ///
 /// Duty 0 is all that [`release`](FmcDrive::release) can do with these pins; whether that brakes or lets go is the
-/// bridge's. The pulse width stays if calls fail to come: the firmware's watchdog has to take the bridge's enable away.
+/// bridge's; [`EnabledDrive`](super::enabled_drive::EnabledDrive) adds a pin that lets go. The pulse width stays if calls
+/// fail to come: something that goes on without them has to take the bridge's enable away.
 #[derive(Debug)]
 pub struct PwmEncoder<Pwm, Direction, Counter> {
     pins: Pins<Pwm, Direction, Counter>,
@@ -115,6 +117,20 @@ where
         };
         self.zero = self.pins.counter.count().wrapping_sub(counts);
         self.followed = None;
+    }
+
+    /// Takes other settings: released, the loop as new, the count at the calibrated position as it was.
+    ///
+    /// # Errors
+    /// [`SettingOutOfRange`] naming the field; the settings before stay.
+    pub fn set_settings(&mut self, settings: DriveSettings) -> Result<(), SettingOutOfRange> {
+        let settings = settings.checked()?;
+        self.release();
+        self.settings = settings;
+        self.velocity_loop = VelocityLoop::new(settings.velocity_loop);
+        // `motor_reversed` may have changed what the pin means.
+        self.direction = None;
+        Ok(())
     }
 
     /// Whether force is asked of the motor.
@@ -212,5 +228,20 @@ where
     fn release(&mut self) {
         self.followed = None;
         self.release_failed = self.pins.pwm.set_duty_cycle(0).is_err();
+    }
+}
+
+impl<Pwm, Direction, Counter> FlownDrive for PwmEncoder<Pwm, Direction, Counter>
+where
+    Pwm: SetDutyCycle,
+    Direction: OutputPin,
+    Counter: QuadratureCounter,
+{
+    fn set_settings(&mut self, settings: DriveSettings) -> Result<(), SettingOutOfRange> {
+        self.set_settings(settings)
+    }
+
+    fn set_reference(&mut self) {
+        self.set_position(0);
     }
 }

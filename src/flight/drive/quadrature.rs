@@ -14,6 +14,31 @@ pub trait QuadratureCounter {
     fn count(&mut self) -> i32;
 }
 
+/// Makes a count that wraps at 32 bits of a timer's, which does at 16.
+///
+/// Ask at least once per half turn, 32,768 edges: at 0.1 µm per edge and 50 mm/s every 65 ms.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub struct WideCount {
+    last: u16,
+    count: i32,
+}
+
+impl WideCount {
+    /// A count of 0 where the timer has 0.
+    #[must_use]
+    pub const fn new() -> Self {
+        Self { last: 0, count: 0 }
+    }
+
+    /// The count at a reading of the timer: the one nearest to the last.
+    pub fn extend(&mut self, timer: u16) -> i32 {
+        let step = timer.wrapping_sub(self.last).cast_signed();
+        self.last = timer;
+        self.count = self.count.wrapping_add(i32::from(step));
+        self.count
+    }
+}
+
 /// Counts the edges of two pins, in an interrupt at each of them or faster than they come.
 ///
 /// For bench set-ups and slow stages: at 17 mm/s and 0.5 µm per edge there are 34 000 edges per second. A transition of

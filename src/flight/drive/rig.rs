@@ -5,6 +5,7 @@ use core::convert::Infallible;
 use embedded_hal::digital::{ErrorType, OutputPin};
 use embedded_hal::pwm::{self, SetDutyCycle};
 
+use super::flown_drive::FlownDrive;
 use super::pwm_encoder::{DriveSettings, Pins, PwmEncoder};
 use super::quadrature::QuadratureCounter;
 use super::settings::SettingOutOfRange;
@@ -123,5 +124,15 @@ impl FmcDrive for RigDrive {
 
     fn release(&mut self) {
         self.drive.release();
+    }
+}
+
+impl FlownDrive for RigDrive {
+    fn set_settings(&mut self, settings: DriveSettings) -> Result<(), SettingOutOfRange> {
+        self.drive.set_settings(settings)
+    }
+
+    fn set_reference(&mut self) {
+        self.drive.set_position(0);
     }
 }

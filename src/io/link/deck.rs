@@ -1,8 +1,9 @@
-//! What the link flies: a camera on a test rig, or the one of the board.
+//! What the link flies: a camera on a test rig, or the one of a board ([`super::flown_deck`]).
 
-use super::message::{Refusal, Status};
+use super::message::{self, Refusal, Status};
 use crate::flight::camera::{self, CameraRecord};
 use crate::flight::controller::{Controller, ControllerError, Start};
+use crate::flight::event::Event;
 use crate::flight::frame_record::FrameRecord;
 use crate::flight::rig::{Rig, RigAnswer, RigStep};
 use crate::flight::settings::FlightSettings;
@@ -12,13 +13,13 @@ pub trait FlightDeck {
     /// Makes a camera ready to be flown, in place of the one before.
     ///
     /// # Errors
-    /// As [`Controller::new`].
+    /// As [`Controller::new`], and what the deck itself cannot do.
     fn prepare(
         &mut self,
         camera: &CameraRecord,
         calibration_crc: u32,
         settings: &FlightSettings,
-    ) -> Result<(), ControllerError>;
+    ) -> Result<(), Refusal>;
 
     /// The camera's controller; `None` before it is prepared.
     fn controller(&self) -> Option<&Controller>;
@@ -28,6 +29,13 @@ pub trait FlightDeck {
 
     /// One round of the control loop; `None` for a camera that is not on a test rig.
     fn step(&mut self, step: &RigStep) -> Option<Result<RigAnswer, Refusal>>;
+
+    /// Something happens, now.
+    ///
+    /// # Errors
+    /// [`Refusal::OnRig`] on a test rig; [`Refusal::NotPrepared`]; [`Refusal::NotTold`] for an event that is none to be
+    /// told; [`Refusal::QueueFull`].
+    fn tell(&mut self, event: Event) -> Result<(), Refusal>;
 }
 
 /// A test rig, with a camera or without.
@@ -43,6 +51,15 @@ impl RigDeck {
     pub const fn new(start: Start) -> Self {
         Self { start, rig: None }
     }
+
+    /// A rig without a camera, whose encoder counts on through a start in good order.
+    #[must_use]
+    pub const fn after(start: message::Start) -> Self {
+        Self::new(match start {
+            message::Start::Watchdog | message::Start::Fault => Start::AfterWatchdog,
+            message::Start::PowerOn | message::Start::Requested => Start::Orderly,
+        })
+    }
 }
 
 impl FlightDeck for RigDeck {
@@ -51,14 +68,14 @@ impl FlightDeck for RigDeck {
         camera: &CameraRecord,
         calibration_crc: u32,
         settings: &FlightSettings,
-    ) -> Result<(), ControllerError> {
+    ) -> Result<(), Refusal> {
         // A fault that nobody has cleared is not forgotten.
         if let Some(rig) = &self.rig {
             self.start = rig.controller().next_start();
         }
         match Rig::new(camera, calibration_crc, settings, self.start) {
             Ok(rig) => self.rig = Some(rig),
-            Err(error) => return Err(error),
+            Err(error) => return Err(error.into()),
         }
         Ok(())
     }
@@ -75,6 +92,20 @@ impl FlightDeck for RigDeck {
         let answer = self.rig.as_mut().map(|rig| rig.step(step));
         Some(answer.ok_or(Refusal::NotPrepared))
     }
+
+    fn tell(&mut self, _: Event) -> Result<(), Refusal> {
+        Err(Refusal::OnRig)
+    }
+}
+
+impl From<ControllerError> for Refusal {
+    fn from(error: ControllerError) -> Self {
+        match error {
+            ControllerError::Calibration(error) => Self::Calibration(error),
+            ControllerError::Settings(_) => Self::Settings,
+            ControllerError::Travel(error) => Self::Travel(error),
+        }
+    }
 }
 
 /// What the link asks of a deck, in its own words.
@@ -90,14 +121,9 @@ pub(super) fn prepare(
         kept => return Err(Refusal::RecordsKept(kept)),
     }
     deck.prepare(camera, calibration_crc, settings)
-        .map_err(|error| match error {
-            ControllerError::Calibration(error) => Refusal::Calibration(error),
-            ControllerError::Settings(_) => Refusal::Settings,
-            ControllerError::Travel(error) => Refusal::Travel(error),
-        })
 }
 
-/// Calibration and settings stay while a frame is in flight.
+/// While a frame is in flight calibration and settings stay, and nothing is begun that lasts longer than a round.
 pub(super) fn check_idle(deck: &impl FlightDeck) -> Result<(), Refusal> {
     match deck.controller() {
         Some(controller) if controller.is_busy() => Err(Refusal::FrameInFlight),

@@ -10,6 +10,7 @@ use super::{MAX_OBSERVATIONS, MAX_POINTS, PROTOCOL_VERSION};
 use crate::flight::camera::{CameraRecord, FrameError};
 use crate::flight::controller::Counts;
 use crate::flight::controller::state::State;
+use crate::flight::event::Event;
 use crate::flight::exposure::Exposure;
 use crate::flight::frame_record::FrameRecord;
 use crate::flight::interior_orientation::InteriorOrientation;
@@ -87,6 +88,8 @@ pub enum Request {
     Status,
     /// The frame exposed last in flight becomes the current one; the points that follow belong to it.
     Flown,
+    /// Something happens, now: a command, or what another instrument has measured ([`Event::is_told`]).
+    Tell(Event),
 }
 
 /// What the camera answers.
@@ -127,6 +130,8 @@ pub enum Answer {
     Status(Status),
     /// Number and interior orientation of the frame that is the current one now.
     Flown(u32, InteriorOrientation),
+    /// The next round of the control loop takes it.
+    Told,
 }
 
 /// Why the camera does not do what it is asked for. Nothing has changed, except that after an
@@ -191,6 +196,14 @@ pub enum Refusal {
     RecordsKept(u32),
     /// It is not on a test rig: its time is its own.
     NoRig,
+    /// It is on a test rig: events come with the rig's rounds.
+    OnRig,
+    /// It takes such an event from its own inputs alone, not from a message.
+    NotTold,
+    /// As many events wait for the control loop as can be kept.
+    QueueFull,
+    /// It has no output that clocks the rows of a TDI sensor.
+    NoRowClock,
 }
 
 impl fmt::Display for Refusal {
@@ -228,6 +241,12 @@ impl fmt::Display for Refusal {
                 write!(f, "{count} flight records have not been acknowledged")
             }
             Self::NoRig => f.write_str("it is not on a test rig"),
+            Self::OnRig => f.write_str("it is on a test rig: events come with the rig's rounds"),
+            Self::NotTold => f.write_str("it takes such an event from its own inputs alone"),
+            Self::QueueFull => f.write_str("too many events wait for its control loop"),
+            Self::NoRowClock => {
+                f.write_str("it has no output that clocks the rows of a TDI sensor")
+            }
         }
     }
 }

@@ -30,6 +30,7 @@
 
 pub mod deck;
 pub mod digest;
+pub mod flown_deck;
 pub mod frame;
 pub mod message;
 pub mod station;

@@ -4,11 +4,10 @@ use super::deck::{self, FlightDeck, RigDeck};
 use super::frame::{Damage, Frame, FrameReceiver};
 use super::message::{
     Answer, CalibrationIdentity, Counters, Header, Identity, Observations, Points, Refusal,
-    Request, Start, Storage, Unreadable,
+    Request, Storage, Unreadable,
 };
 use super::{MAX_POINTS, digest};
 use crate::flight::camera::{self, Camera, CameraRecord};
-use crate::flight::controller;
 use crate::flight::exposure::Exposure;
 use crate::flight::frame_record::FrameRecord;
 use crate::flight::interior_orientation::InteriorOrientation;
@@ -59,11 +58,8 @@ impl Station {
     /// A station without session and calibration, its camera on a test rig.
     #[must_use]
     pub const fn new(identity: Identity, stack_used_bytes: fn() -> u32) -> Self {
-        let start = match identity.start {
-            Start::Watchdog | Start::Fault => controller::Start::AfterWatchdog,
-            Start::PowerOn | Start::Requested => controller::Start::Orderly,
-        };
-        Self::with(identity, stack_used_bytes, RigDeck::new(start))
+        let deck = RigDeck::after(identity.start);
+        Self::with(identity, stack_used_bytes, deck)
     }
 }
 
@@ -285,6 +281,7 @@ impl<Deck: FlightDeck> Desk<Deck> {
                 ))
             }
             Request::Digest(grid) => {
+                deck::check_idle(&self.deck)?;
                 let correction = &self.frame()?.correction;
                 on_sensor(correction, grid.points())?;
                 Answer::Digest(digest::of_grid(correction, grid))
@@ -298,6 +295,7 @@ impl<Deck: FlightDeck> Desk<Deck> {
             Request::StartFit(options) => Answer::Observed(self.start_fit(*options)?),
             Request::Observe(observations) => Answer::Observed(self.observe(observations)?),
             Request::Fit => {
+                deck::check_idle(&self.deck)?;
                 let adjustment = self.adjustment.as_ref().ok_or(Refusal::NoFit)?;
                 Answer::Fitted(adjustment.fit().map_err(Refusal::Fit)?)
             }
@@ -316,6 +314,10 @@ impl<Deck: FlightDeck> Desk<Deck> {
                 let (sequence, frame) = deck::latest(&self.deck).ok_or(Refusal::NoFrame)?;
                 self.frame = Some(frame);
                 Answer::Flown(sequence, frame.record)
+            }
+            Request::Tell(event) => {
+                self.deck.tell(*event)?;
+                Answer::Told
             }
         };
         Ok((answer, Event::Answered))
@@ -352,6 +354,7 @@ impl<Deck: FlightDeck> Desk<Deck> {
     }
 
     fn start_fit(&mut self, options: FitOptions) -> Result<u32, Refusal> {
+        deck::check_idle(&self.deck)?;
         let camera = self.camera.as_ref().ok_or(Refusal::NoCalibration)?;
         let adjustment = Adjustment::new(KnownLens::of(camera.calibration()), options);
         let points = adjustment.points();
@@ -361,6 +364,7 @@ impl<Deck: FlightDeck> Desk<Deck> {
 
     /// Takes all observations of a batch, or none.
     fn observe(&mut self, observations: &Observations) -> Result<u32, Refusal> {
+        deck::check_idle(&self.deck)?;
         let camera = self.camera.as_ref().ok_or(Refusal::NoCalibration)?;
         let adjustment = self.adjustment.as_mut().ok_or(Refusal::NoFit)?;
         let calibration = camera.calibration();

@@ -1,0 +1,74 @@
+//! A drive whose power stage has an enable pin.
+
+use embedded_hal::digital::OutputPin;
+
+use super::flown_drive::FlownDrive;
+use super::pwm_encoder::DriveSettings;
+use super::settings::SettingOutOfRange;
+use super::{FmcDrive, StageReading};
+use crate::flight::fault::Fault;
+use crate::flight::stage::Setpoint;
+use crate::flight::time::Time;
+
+/// A drive, and the pin that is high while it may put force on the stage.
+///
+/// The pin stays high where rounds fail to come: something that goes on without the control loop has to take it away
+/// then ([`RoundGuard`](crate::flight::round_guard::RoundGuard)).
+#[derive(Debug)]
+pub struct EnabledDrive<Drive, Enable> {
+    drive: Drive,
+    enable: Enable,
+    release_failed: bool,
+}
+
+impl<Drive: FmcDrive, Enable: OutputPin> EnabledDrive<Drive, Enable> {
+    /// A drive that is released, its pin low.
+    pub fn new(drive: Drive, enable: Enable) -> Self {
+        let mut enabled = Self {
+            drive,
+            enable,
+            release_failed: false,
+        };
+        enabled.release();
+        enabled
+    }
+}
+
+impl<Drive: FmcDrive, Enable: OutputPin> FmcDrive for EnabledDrive<Drive, Enable> {
+    fn position(&mut self, now: Time) -> Result<StageReading, Fault> {
+        self.drive.position(now)
+    }
+
+    fn follow(&mut self, now: Time, setpoint: Setpoint) -> Result<(), Fault> {
+        if core::mem::take(&mut self.release_failed) {
+            self.release();
+            return Err(Fault::Drive);
+        }
+        let followed = self.drive.follow(now, setpoint);
+        // With the new duty, not with one before it.
+        let enabled = match followed {
+            Ok(()) => self.enable.set_high().map_err(|_| Fault::Drive),
+            Err(fault) => Err(fault),
+        };
+        if enabled.is_err() {
+            self.release();
+        }
+        enabled
+    }
+
+    fn release(&mut self) {
+        self.release_failed = self.enable.set_low().is_err();
+        self.drive.release();
+    }
+}
+
+impl<Drive: FlownDrive, Enable: OutputPin> FlownDrive for EnabledDrive<Drive, Enable> {
+    fn set_settings(&mut self, settings: DriveSettings) -> Result<(), SettingOutOfRange> {
+        self.release();
+        self.drive.set_settings(settings)
+    }
+
+    fn set_reference(&mut self) {
+        self.drive.set_reference();
+    }
+}
