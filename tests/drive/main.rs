@@ -1,6 +1,8 @@
 //! The drives, seen from their pins.
 
 #[cfg(test)]
+mod enabled_drive;
+#[cfg(test)]
 mod pwm_encoder;
 #[cfg(test)]
 mod quadrature;

@@ -4,7 +4,7 @@ use std::io;
 
 use embedded_hal_mock::eh1::MockError;
 use embedded_hal_mock::eh1::digital::{Mock, State, Transaction};
-use fmc_camera::flight::drive::quadrature::{QuadratureCounter, QuadratureDecoder};
+use fmc_camera::flight::drive::quadrature::{QuadratureCounter, QuadratureDecoder, WideCount};
 use fmc_camera::flight::fault::Fault;
 
 /// Counts after each pair of levels (A, B), and glitches in the end.
@@ -56,4 +56,17 @@ fn pin_that_cannot_be_read_is_an_encoder_fault_and_counts_nothing() {
     assert_eq!((decoder.count(), decoder.glitches()), (0, 0));
     a.done();
     b.done();
+}
+
+#[test]
+fn timer_of_sixteen_bits_counts_on_across_its_wraps_both_ways() {
+    let mut wide = WideCount::new();
+    let mut true_count = 0_i32;
+    // Just under half a turn at most.
+    for step in [1, 32_767, 30_000, 12_000, -32_767, -32_767, -32_767, 5, -80] {
+        true_count += step;
+        let [low, high, ..] = true_count.to_le_bytes();
+        assert_eq!(wide.extend(u16::from_le_bytes([low, high])), true_count);
+    }
+    assert!(true_count < -20_000, "{true_count}");
 }

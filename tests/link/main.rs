@@ -11,6 +11,7 @@
 mod conversation;
 mod damage;
 mod fit;
+mod flown;
 mod fuzzed;
 mod in_flight;
 mod messages;

@@ -1,6 +1,7 @@
 //! Messages as bytes.
 
 use fmc_camera::flight::camera::{CameraRecord, Mechanism};
+use fmc_camera::flight::event::{AttitudeSample, Event};
 use fmc_camera::flight::exposure::Exposure;
 use fmc_camera::flight::stage::RunUp;
 use fmc_camera::geometry::estimation::fit::Fit;
@@ -11,7 +12,7 @@ use fmc_camera::geometry::frame_correction::Corrected;
 use fmc_camera::geometry::sensor::SensorPoint;
 use fmc_camera::geometry::shutter::ShutterProfile;
 use fmc_camera::io::link::frame::{Frame, FrameReceiver};
-use fmc_camera::io::link::message::{Answer, Grid, Header, Identity, Request, Start};
+use fmc_camera::io::link::message::{Answer, Grid, Header, Identity, Refusal, Request, Start};
 use fmc_camera::io::link::{
     LONGEST_FRAME, LONGEST_PAYLOAD, MAX_OBSERVATIONS, MAX_POINTS, PROTOCOL_VERSION,
 };
@@ -131,6 +132,44 @@ fn bytes_on_the_wire_are_those_of_the_description() {
     let crc = [0, 7, 14, 21, 28].map(|shift| ((crc >> shift) & 127 | 128).to_le_bytes()[0]);
     assert_eq!(request.bytes(), [&[0], &checked[..], &crc, &[0]].concat());
     assert_eq!(PROTOCOL_VERSION, 3);
+}
+
+#[test]
+fn requests_and_answers_keep_the_numbers_they_were_given() {
+    let header = Header {
+        session: 1,
+        sequence: 2,
+    };
+    let attitude = Event::Attitude(AttitudeSample {
+        pitch_deg: 1.0,
+        roll_deg: 2.0,
+        drift_deg: 3.0,
+        rates_deg_s: [0.1, 0.2, 0.3],
+    });
+    // After version, session and number.
+    for (request, number) in [
+        (Request::Connect, 0),
+        (Request::Reset, 9),
+        (Request::Fit, 13),
+        (Request::Flown, 19),
+        (Request::Tell(attitude), 20),
+    ] {
+        let payload = payload_of(&frame(header, &request));
+        assert_eq!(payload[3], number, "{request:?}");
+        assert_eq!(Request::read(&payload), Ok((header, Some(request))));
+    }
+    for (answer, number) in [
+        (Answer::Ending, 7),
+        (Answer::Refused(Refusal::OnRig), 8),
+        (Answer::Prepared, 11),
+        (Answer::Told, 17),
+    ] {
+        let mut frame = Frame::EMPTY;
+        answer.write(header, &mut frame).unwrap();
+        let payload = payload_of(&frame);
+        assert_eq!(payload[3], number, "{answer:?}");
+        assert_eq!(Answer::read(&payload), Ok((header, Some(answer))));
+    }
 }
 
 #[test]

@@ -3,6 +3,7 @@
 use fmc_camera::flight::camera::CameraRecord;
 use fmc_camera::geometry::brown::Brown;
 use fmc_camera::geometry::calibration::CalibrationRecord;
+use fmc_camera::io::link::deck::{FlightDeck, RigDeck};
 use fmc_camera::io::link::frame::{Frame, FrameReceiver};
 use fmc_camera::io::link::message::{Answer, Header, Identity, Request, Start};
 use fmc_camera::io::link::station::{Event, Station};
@@ -13,8 +14,8 @@ pub(crate) const SESSION: u32 = 0x5e55_1011;
 pub(crate) const STACK_USED: u32 = 1234;
 
 /// A station, and the number of the next request.
-pub(crate) struct Pc {
-    pub(crate) station: Station,
+pub(crate) struct Pc<Deck = RigDeck> {
+    pub(crate) station: Station<Deck>,
     pub(crate) next: u16,
     pub(crate) event: Option<Event>,
 }
@@ -23,11 +24,7 @@ impl Pc {
     /// Without a session.
     pub(crate) fn unconnected() -> Self {
         let identity = Identity::new("test build", "test board", true, Start::Watchdog);
-        Self {
-            station: Station::new(identity, || STACK_USED),
-            next: 0,
-            event: None,
-        }
+        Self::of(Station::new(identity, || STACK_USED))
     }
 
     pub(crate) fn connected() -> Self {
@@ -42,6 +39,17 @@ impl Pc {
         let answer = pc.ask(&Request::Load(camera_record()));
         assert!(matches!(answer, Answer::Loaded(_)), "{answer:?}");
         pc
+    }
+}
+
+impl<Deck: FlightDeck> Pc<Deck> {
+    /// Without a session.
+    pub(crate) const fn of(station: Station<Deck>) -> Self {
+        Self {
+            station,
+            next: 0,
+            event: None,
+        }
     }
 
     /// Asks the next request of the session.

@@ -1,12 +1,16 @@
 //! The link, and what aircraft send.
 
+use fmc_camera::flight::drive::rig::RigDrive;
 use fmc_camera::io::link::{
-    deck::RigDeck,
+    deck::{FlightDeck, RigDeck},
     digest,
+    flown_deck::FlownDeck,
     frame::{Frame, FrameReceiver},
     message::{Answer, Grid, Identity, Request},
     station::Station,
 };
+
+type Deck = FlownDeck<RigDrive>;
 
 /// Keeps the public functions of `fmc_camera::io`.
 pub(crate) fn keep() {
@@ -24,6 +28,22 @@ pub(crate) fn keep() {
         digest::of_record,
         digest::of_flight_record,
         RigDeck::new,
+        RigDeck::after,
+        Deck::new,
+        Deck::with_row_clock,
+        Deck::set_now,
+        Deck::capture,
+        Deck::count_lost,
+        Deck::see,
+        Deck::round,
+        Deck::drive,
+        Deck::drive_mut,
+        Deck::prepare,
+        Deck::controller,
+        Deck::controller_mut,
+        Deck::step,
+        Deck::tell,
+        Station::<Deck>::receive,
         Station::new,
         Station::<RigDeck>::with,
         Station::<RigDeck>::receive,
