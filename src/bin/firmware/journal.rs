@@ -1,5 +1,7 @@
 //! The log of what the link brings.
 
+#[cfg(feature = "board-nucleo-h743zi")]
+use fmc_camera::flight::fault::Fault;
 use fmc_camera::io::link::frame::Damage;
 use fmc_camera::io::link::message::{Refusal, Start, Unreadable};
 use fmc_camera::io::link::station::Event;
@@ -33,6 +35,12 @@ pub(crate) fn note(event: Event) {
         Event::Reset => defmt::info!("reset requested"),
         Event::PowerOff => defmt::info!("power off requested"),
     }
+}
+
+/// Something went wrong in flight.
+#[cfg(feature = "board-nucleo-h743zi")]
+pub(crate) fn note_fault(fault: Fault) {
+    defmt::warn!("fault {=u8}: {=str}", fault.code(), fault.name());
 }
 
 fn damage_name(damage: Damage) -> &'static str {

@@ -1,5 +1,7 @@
 //! The camera's firmware: one loop between the serial link and the camera.
 //!
+//! On a board with a mechanism the control loop comes round in it, every millisecond, between two bytes of the link.
+//!
 //! Requests come in byte by byte through an interrupt and a ring; the station takes them out, answers, and the answer
 //! leaves before the next request is looked at. The watchdog is fed from here, so that it bites when the loop stands
 //! still.
@@ -44,10 +46,11 @@ fn main() {
 fn run(mut board: Board, start: Start) -> ! {
     journal::note_start(Board::NAME, BUILD, start);
     let identity = Identity::new(BUILD, Board::NAME, Board::CAN_POWER_OFF, start);
-    let mut station = Station::new(identity, Board::stack_used_bytes);
+    let mut station = Station::with(identity, Board::stack_used_bytes, Board::deck(start));
     let mut ending = None;
     loop {
         board.feed_watchdog();
+        board.fly(station.deck_mut());
         station.count_overrun(board.overruns());
         let waiting = station.to_send();
         if !waiting.is_empty() {

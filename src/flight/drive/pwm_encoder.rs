@@ -95,8 +95,16 @@ where
         settings: DriveSettings,
         pins: Pins<Pwm, Direction, Counter>,
     ) -> Result<Self, SettingOutOfRange> {
-        let settings = settings.checked()?;
-        Ok(Self {
+        let mut drive = Self::unprepared(pins);
+        drive.take_settings(settings)?;
+        Ok(drive)
+    }
+
+    /// A drive without force and with the default settings, until it is given others.
+    #[must_use]
+    pub fn unprepared(pins: Pins<Pwm, Direction, Counter>) -> Self {
+        let settings = DriveSettings::default();
+        Self {
             pins,
             settings,
             velocity_loop: VelocityLoop::new(settings.velocity_loop),
@@ -104,7 +112,7 @@ where
             followed: None,
             direction: None,
             release_failed: false,
-        })
+        }
     }
 
     /// Says where the stage is now, counts of the encoder along the FMC axis from the calibrated position: at its
@@ -124,12 +132,16 @@ where
     /// # Errors
     /// [`SettingOutOfRange`] naming the field; the settings before stay.
     pub fn set_settings(&mut self, settings: DriveSettings) -> Result<(), SettingOutOfRange> {
-        let settings = settings.checked()?;
+        self.take_settings(settings)?;
         self.release();
-        self.settings = settings;
-        self.velocity_loop = VelocityLoop::new(settings.velocity_loop);
         // `motor_reversed` may have changed what the pin means.
         self.direction = None;
+        Ok(())
+    }
+
+    fn take_settings(&mut self, settings: DriveSettings) -> Result<(), SettingOutOfRange> {
+        self.settings = settings.checked()?;
+        self.velocity_loop = VelocityLoop::new(settings.velocity_loop);
         Ok(())
     }
 

@@ -208,6 +208,7 @@ pub(crate) fn keep() {
         VelocityLoop::duty,
         DriveSettings::checked,
         Motor::new,
+        Motor::unprepared,
         Motor::set_position,
         Motor::is_powered,
         Motor::pins,

@@ -3,6 +3,8 @@
 //! A board brings a type `Board` with
 //! - `start`: itself, and why it starts; `None` where that fails;
 //! - `NAME`, and `CAN_POWER_OFF`: whether `power_off` does anything;
+//! - `deck`: what the link flies, a type `Deck`, not prepared; `fly`: makes a round of the control loop where one is due,
+//!   and never waits;
 //! - `receive`: the next byte from the link, kept by an interrupt until asked for; `overruns`: bytes lost since asked last;
 //! - `send`: passes on as many bytes as the transmitter takes now, and never waits;
 //! - `feed_watchdog`, to be called from the main loop alone;

@@ -18,11 +18,14 @@ use core::sync::atomic::Ordering;
 use cortex_m::peripheral::{Peripherals, SCB};
 use cortex_m_semihosting::debug;
 
-use fmc_camera::io::link::message::Start;
+use fmc_camera::io::link::{deck::RigDeck, message::Start};
 
 use super::cause;
 
 pub(super) use self::{clock::now_us, fault::stop_after_panic, log::carry_log};
+
+/// What the link flies.
+pub(crate) type Deck = RigDeck;
 
 /// The board, started.
 pub(crate) struct Board {
@@ -56,6 +59,15 @@ impl Board {
             start,
         ))
     }
+
+    /// A test rig.
+    pub(crate) const fn deck(start: Start) -> Deck {
+        RigDeck::after(start)
+    }
+
+    /// Nothing: rounds come over the link.
+    #[inline]
+    pub(crate) const fn fly(&mut self, _: &mut Deck) {}
 
     pub(crate) fn receive(&mut self) -> Option<u8> {
         link::receive()

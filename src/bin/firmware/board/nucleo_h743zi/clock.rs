@@ -18,7 +18,7 @@ pub(super) const CORE_MHZ: u32 = 400;
 pub(super) const PERIPHERAL_HZ: u32 = 100_000_000;
 
 /// Clock of the timers, twice that of other peripherals.
-const TIMER_MHZ: u16 = 200;
+pub(super) const TIMER_MHZ: u16 = 200;
 
 /// The 8 MHz that the ST-LINK feeds in, multiplied to 800 MHz and halved. Buses run at their limits in this voltage
 /// range: 200 MHz, peripherals 100 MHz.

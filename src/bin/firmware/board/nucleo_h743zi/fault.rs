@@ -5,13 +5,14 @@ use cortex_m_rt::exception;
 use fmc_camera::io::link::message::Start;
 
 use super::super::cause;
-use super::clock::CORE_MHZ;
+use super::{clock::CORE_MHZ, control_loop};
 
 /// Time for the debugger to collect the log.
 const LOG_US: u32 = 20_000;
 
 /// Logs by `log`, unless that is what failed, and restarts.
 fn restart(log: impl FnOnce()) -> ! {
+    control_loop::stop();
     if cause::noted() != Start::Fault {
         cause::note(Start::Fault);
         log();

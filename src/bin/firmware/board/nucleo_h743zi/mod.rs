@@ -3,28 +3,38 @@
 //! The link is USART3, which the board's ST-LINK shows to the PC as a serial port; logs leave through the debugger (RTT).
 //! `docs/board.md` has pins, connectors and instructions.
 
+mod captures;
 mod clock;
-mod drive_pins;
+mod control_loop;
 mod fault;
+mod inputs;
+mod line;
 mod link;
 mod log;
+mod motor;
+mod shutter;
+mod step_pins;
 
-use cortex_m::peripheral::{SYST, syst::SystClkSource};
-use cortex_m_rt::exception;
 use embassy_stm32::{
     gpio::{Level, Output, Speed},
     pac::{self, iwdg::vals::Key},
 };
 
-use self::{clock::Microseconds, drive_pins::DrivePins, link::Link};
-use fmc_camera::io::link::message::Start;
+use self::{
+    captures::{CapturePins, Captures},
+    clock::Microseconds,
+    inputs::Inputs,
+    link::Link,
+    motor::{Motor, MotorPins},
+    shutter::Shutter,
+    step_pins::StepPins,
+};
+use fmc_camera::flight::time::Clock;
+use fmc_camera::io::link::{flown_deck::FlownDeck, message::Start};
 
 use super::cause;
 
 pub(super) use self::{clock::now_us, fault::stop_after_panic, log::carry_log};
-
-/// Interval of the interrupts that end [`Board::idle`] where nothing is received.
-const TICK_US: u32 = 1000;
 
 /// The board with everything that the firmware uses of it.
 pub(crate) struct Board {
@@ -33,10 +43,18 @@ pub(crate) struct Board {
     alive: Output<'static>,
     /// LD3, red: lit where this start follows a fault or the watchdog.
     _restarted: Output<'static>,
+    time: Clock,
     _clock: Microseconds,
-    /// Reserved for mechanism, shutter, trigger and time pulse.
-    _drive: DrivePins,
+    _motor: Motor,
+    _captures: Captures,
+    _shutter: Shutter,
+    _inputs: Inputs,
+    /// Reserved.
+    _stepper: StepPins,
 }
+
+/// What the link flies: the camera on this board's pins.
+pub(crate) type Deck = FlownDeck<motor::Drive>;
 
 impl Board {
     /// Name of this board.
@@ -53,32 +71,49 @@ impl Board {
         core.SCB.enable_dcache(&mut core.CPUID);
         let p = embassy_stm32::init(clock::configuration());
 
-        start_tick(&mut core.SYST);
-
         let restarted = Level::from(matches!(start, Start::Watchdog | Start::Fault));
         let board = Self {
             link: Link::start(p.USART3, p.PD8, p.PD9),
             alive: Output::new(p.PB0, Level::High, Speed::Low),
             _restarted: Output::new(p.PB14, restarted, Speed::Low),
+            time: Clock::new(),
+            _motor: Motor::start(
+                (p.TIM1, p.TIM4),
+                MotorPins {
+                    pwm: p.PE9,
+                    direction: p.PE10,
+                    enable: p.PE12,
+                    encoder_a: p.PD12,
+                    encoder_b: p.PD13,
+                },
+            ),
+            // Before what counts with it.
             _clock: Microseconds::start(p.TIM2),
-            _drive: DrivePins {
-                encoder_a: p.PD12,
-                encoder_b: p.PD13,
-                motor_pwm: p.PE9,
-                motor_direction: p.PE10,
-                motor_enable: p.PE12,
-                step: p.PC6,
-                step_direction: p.PB15,
-                limit_low: p.PC8,
-                limit_high: p.PC9,
-                shutter_command: p.PC10,
+            _captures: Captures::start(CapturePins {
                 trigger: p.PA0,
                 time_pulse: p.PB3,
                 shutter_opened: p.PB10,
                 shutter_closed: p.PB11,
+            }),
+            _shutter: Shutter::start(p.TIM5, p.PC10),
+            _inputs: Inputs::start(p.PC8, p.PC9),
+            _stepper: StepPins {
+                step: p.PC6,
+                step_direction: p.PB15,
             },
         };
+        control_loop::start(&mut core.SYST);
         Some((board, start))
+    }
+
+    /// The camera on this board's pins, not prepared.
+    pub(crate) fn deck(start: Start) -> Deck {
+        FlownDeck::new(motor::drive(), start)
+    }
+
+    /// A round of the control loop, where one is due.
+    pub(crate) fn fly(&mut self, deck: &mut Deck) {
+        control_loop::turn(&mut self.time, deck);
     }
 
     /// Oldest byte received, in order.
@@ -104,11 +139,11 @@ impl Board {
         self.alive.set_level(lit.into());
     }
 
-    /// Sleeps until the next interrupt: a byte, or 1 ms at the latest. A byte that has come just before is not missed,
-    /// since an interrupt that waits to be served also ends the sleep.
+    /// Sleeps until the next interrupt: a byte, or 1 ms at the latest. A byte or a round that has come just before is not
+    /// missed, since an interrupt that waits to be served also ends the sleep.
     pub(crate) fn idle(&mut self) {
         cortex_m::interrupt::free(|_| {
-            if self.link.received.is_empty() {
+            if self.link.received.is_empty() && !control_loop::is_due() {
                 cortex_m::asm::wfi();
             }
         });
@@ -121,6 +156,7 @@ impl Board {
 
     /// Restarts, once the last byte has left.
     pub(crate) fn reset(&mut self) -> ! {
+        control_loop::stop();
         self.link.finish();
         cortex_m::peripheral::SCB::sys_reset()
     }
@@ -129,18 +165,6 @@ impl Board {
     pub(crate) fn power_off(&mut self) -> ! {
         self.reset()
     }
-}
-
-/// Ends [`Board::idle`].
-#[exception]
-fn SysTick() {}
-
-fn start_tick(timer: &mut SYST) {
-    timer.set_clock_source(SystClkSource::Core);
-    timer.set_reload(clock::CORE_MHZ * TICK_US - 1);
-    timer.clear_current();
-    timer.enable_interrupt();
-    timer.enable_counter();
 }
 
 /// Starts the watchdog before anything that could wait for ever, with the interval that it has after a reset: 0.5 s.

@@ -1,0 +1,150 @@
+//! The edges of trigger, time pulse and shutter sensor: stamped by TIM2, the clock itself, kept by its interrupt.
+
+use embassy_stm32::{
+    Peri, bind_interrupts,
+    gpio::{AfType, Flex, Pull},
+    interrupt::typelevel::{self, Interrupt as _},
+    pac::{
+        self,
+        timer::{
+            regs::SrGp16,
+            vals::{CcmrInputCcs, FilterValue},
+        },
+    },
+    peripherals::{PA0, PB3, PB10, PB11, TIM2},
+    timer::{Ch1, Ch2, Ch3, Ch4},
+};
+use fmc_camera::flight::{
+    drive::flown_drive::FlownDrive,
+    event::{Event, ShutterEdge},
+    stamp_ring::StampRing,
+    time::Clock,
+};
+use fmc_camera::io::link::flown_deck::FlownDeck;
+
+/// Edges of one line that are kept from one round to the next.
+const PLACES: usize = 8;
+
+/// What an edge of each channel is.
+const EVENTS: [Event; 4] = [
+    Event::Trigger,
+    Event::TimePulse,
+    Event::Shutter(ShutterEdge::Opened),
+    Event::Shutter(ShutterEdge::Closed),
+];
+
+static EDGES: [StampRing<PLACES>; 4] = [const { StampRing::new() }; 4];
+
+bind_interrupts!(struct Interrupts {
+    TIM2 => Capture;
+});
+
+/// The pins of the capture inputs.
+pub(super) struct CapturePins {
+    pub(super) trigger: Peri<'static, PA0>,
+    pub(super) time_pulse: Peri<'static, PB3>,
+    pub(super) shutter_opened: Peri<'static, PB10>,
+    pub(super) shutter_closed: Peri<'static, PB11>,
+}
+
+/// The inputs, at work.
+pub(super) struct Captures {
+    _pins: [Flex<'static>; 4],
+}
+
+impl Captures {
+    /// Begins to stamp rising edges, where the clock runs. 8 samples at 200 MHz keep out what is shorter than 40 ns.
+    pub(super) fn start(pins: CapturePins) -> Self {
+        let input = AfType::input(Pull::Down);
+        let pins = [
+            attach_channel::<_, Ch1>(pins.trigger, input),
+            attach_channel::<_, Ch2>(pins.time_pulse, input),
+            attach_channel::<_, Ch3>(pins.shutter_opened, input),
+            attach_channel::<_, Ch4>(pins.shutter_closed, input),
+        ];
+        let timer = pac::TIM2;
+        for pair in 0..2 {
+            timer.ccmr_input(pair).modify(|w| {
+                for channel in 0..2 {
+                    w.set_ccs(channel, CcmrInputCcs::TI4);
+                    w.set_icf(channel, FilterValue::FCK_INT_N8);
+                }
+            });
+        }
+        timer.ccer().modify(|w| {
+            for channel in 0..4 {
+                w.set_cce(channel, true);
+            }
+        });
+        // What the set-up itself may have stamped.
+        timer.sr().write_value(SrGp16(0));
+        listen();
+        // SAFETY: the handler shares nothing with other code but atomics, and registers of which main loop and handler
+        // use the same one with interrupts masked alone.
+        unsafe { typelevel::TIM2::enable() };
+        Self { _pins: pins }
+    }
+}
+
+fn attach_channel<Pin, Channel>(pin: Peri<'static, Pin>, input: AfType) -> Flex<'static>
+where
+    Pin: embassy_stm32::timer::TimerPin<TIM2, Channel>,
+    Channel: embassy_stm32::timer::TimerChannel,
+{
+    super::line::attach::<Pin, TIM2, Channel>(pin, input)
+}
+
+/// Lets every channel interrupt.
+fn listen() {
+    critical_section::with(|_| {
+        pac::TIM2.dier().modify(|w| {
+            for channel in 0..4 {
+                w.set_ccie(channel, true);
+            }
+        });
+    });
+}
+
+/// Hands over what has been stamped.
+pub(super) fn hand_over<Drive: FlownDrive>(clock: &mut Clock, deck: &mut FlownDeck<Drive>) {
+    for (edges, event) in EDGES.iter().zip(EVENTS) {
+        // No more than were there at first, however fast they come.
+        for stamp in (0..PLACES).map_while(|_| edges.pop()) {
+            deck.capture(clock.extend(stamp), event);
+        }
+        let lost = edges.take_lost();
+        if lost > 0 {
+            deck.count_lost(lost);
+        }
+    }
+    // A line that had filled its ring was not listened to any more.
+    listen();
+}
+
+/// The interrupt of every edge.
+struct Capture;
+
+impl typelevel::Handler<typelevel::TIM2> for Capture {
+    unsafe fn on_interrupt() {
+        let timer = pac::TIM2;
+        let status = timer.sr().read();
+        let mut overrun = SrGp16(u32::MAX);
+        for (channel, edges) in EDGES.iter().enumerate() {
+            if status.ccof(channel) {
+                // At least one edge before the one that is held.
+                edges.lose(1);
+                overrun.set_ccof(channel, false);
+            }
+            if status.ccif(channel) {
+                // Reading it is what clears the interrupt.
+                edges.push(timer.ccr(channel).read());
+                if !edges.has_room() {
+                    // A line that oscillates must not take all the time there is: not before the next round.
+                    timer.dier().modify(|w| w.set_ccie(channel, false));
+                }
+            }
+        }
+        // Zeros clear, ones leave.
+        timer.sr().write_value(overrun);
+    }
+}

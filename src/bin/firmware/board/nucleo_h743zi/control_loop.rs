@@ -1,0 +1,71 @@
+//! The control loop: a round every millisecond, and no force where rounds fail to come.
+
+use core::sync::atomic::{AtomicBool, Ordering};
+
+use cortex_m::peripheral::{SYST, syst::SystClkSource};
+use cortex_m_rt::exception;
+use fmc_camera::flight::{event::Action, round_guard::RoundGuard, time::Clock};
+use fmc_camera::io::link::flown_deck::FlownDeck;
+
+use crate::journal;
+
+use super::{captures, clock, inputs, motor, shutter};
+
+/// From one round to the next.
+const ROUND_US: u32 = 1000;
+
+static IS_DUE: AtomicBool = AtomicBool::new(false);
+static GUARD: RoundGuard = RoundGuard::new();
+
+/// Begins to ask for rounds.
+pub(super) fn start(timer: &mut SYST) {
+    timer.set_clock_source(SystClkSource::Core);
+    timer.set_reload(clock::CORE_MHZ * ROUND_US - 1);
+    timer.clear_current();
+    timer.enable_interrupt();
+    timer.enable_counter();
+}
+
+/// Whether a round is waited for.
+pub(super) fn is_due() -> bool {
+    IS_DUE.load(Ordering::Relaxed)
+}
+
+/// Says what time it is, and makes a round where one is due.
+pub(super) fn turn(time: &mut Clock, deck: &mut FlownDeck<motor::Drive>) {
+    deck.set_now(time.extend(clock::now_us()));
+    if !IS_DUE.swap(false, Ordering::Relaxed) {
+        return;
+    }
+    captures::hand_over(time, deck);
+    deck.see(inputs::levels());
+    let now_us = clock::now_us();
+    GUARD.come_round(now_us);
+    for action in &deck.round(time.extend(now_us)) {
+        match *action {
+            Action::OpenShutter { at, exposure_s } => shutter::open(at, exposure_s),
+            Action::CloseShutter => shutter::close(),
+            Action::Fault(fault) => journal::note_fault(fault),
+            // The stage's have been done; a camera whose rows are to be clocked is not prepared.
+            Action::MoveStage(_)
+            | Action::ReleaseStage
+            | Action::ClockRows { .. }
+            | Action::FrameReady(_) => {}
+        }
+    }
+}
+
+/// Nothing moves and nothing is exposed any more.
+pub(super) fn stop() {
+    motor::off();
+    shutter::close();
+}
+
+/// Asks for a round. It comes whether the main loop goes round or not.
+#[exception]
+fn SysTick() {
+    IS_DUE.store(true, Ordering::Relaxed);
+    if GUARD.is_overdue(clock::now_us()) {
+        motor::off();
+    }
+}

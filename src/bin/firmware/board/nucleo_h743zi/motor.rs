@@ -1,0 +1,160 @@
+//! The motor: pulse width by TIM1, direction and enable by lines, its encoder counted by TIM4.
+
+use core::convert::Infallible;
+
+use embassy_stm32::{
+    Peri,
+    gpio::{AfType, Flex, Level, Output, OutputType, Pull, Speed},
+    pac::{
+        self,
+        timer::vals::{CcmrInputCcs, CcmrOutputCcs, FilterValue, OcmGp, Ossi, Sms},
+    },
+    peripherals::{PD12, PD13, PE9, PE10, PE12, TIM1, TIM4},
+    rcc,
+    timer::{Ch1, Ch2},
+};
+use embedded_hal::pwm::{ErrorType, SetDutyCycle};
+use fmc_camera::flight::drive::{
+    enabled_drive::EnabledDrive,
+    pwm_encoder::{Pins, PwmEncoder},
+    quadrature::{QuadratureCounter, WideCount},
+};
+
+use super::line::{Line, attach};
+
+/// Steps of the pulse width: 200 MHz over 20 kHz, above what can be heard.
+const FULL_DUTY: u16 = 10_000;
+
+/// Low is positive duty.
+const DIRECTION: Line = Line::new(pac::GPIOE, 10);
+
+/// High lets the power stage on.
+const ENABLE: Line = Line::new(pac::GPIOE, 12);
+
+/// The drive that the library flies.
+pub(crate) type Drive = EnabledDrive<PwmEncoder<MotorPwm, Line, Encoder>, Line>;
+
+/// The drive, without force, with the settings of no flight yet.
+pub(super) fn drive() -> Drive {
+    let pins = Pins {
+        pwm: MotorPwm,
+        direction: DIRECTION,
+        counter: Encoder {
+            count: WideCount::new(),
+        },
+    };
+    EnabledDrive::new(PwmEncoder::unprepared(pins), ENABLE)
+}
+
+/// Takes the force off, from wherever: the next set point puts it on again.
+pub(super) fn off() {
+    ENABLE.set(false);
+    pac::TIM1.ccr(0).write(|w| w.set_ccr(0));
+}
+
+/// The pins of the motor.
+pub(super) struct MotorPins {
+    pub(super) pwm: Peri<'static, PE9>,
+    pub(super) direction: Peri<'static, PE10>,
+    pub(super) enable: Peri<'static, PE12>,
+    pub(super) encoder_a: Peri<'static, PD12>,
+    pub(super) encoder_b: Peri<'static, PD13>,
+}
+
+/// Pins and timers, at work.
+pub(super) struct Motor {
+    _outputs: [Output<'static>; 2],
+    _timed: [Flex<'static>; 3],
+}
+
+impl Motor {
+    /// Starts both timers; there is no force.
+    pub(super) fn start(
+        _timers: (Peri<'static, TIM1>, Peri<'static, TIM4>),
+        pins: MotorPins,
+    ) -> Self {
+        let outputs = [
+            Output::new(pins.enable, Level::Low, Speed::Low),
+            Output::new(pins.direction, Level::Low, Speed::Low),
+        ];
+        rcc::enable_and_reset::<TIM1>();
+        rcc::enable_and_reset::<TIM4>();
+        start_pulses();
+        start_encoder();
+        let pulses = AfType::output(OutputType::PushPull, Speed::Medium);
+        let tracks = AfType::input(Pull::Up);
+        Self {
+            _outputs: outputs,
+            _timed: [
+                attach::<_, TIM1, Ch1>(pins.pwm, pulses),
+                attach::<_, TIM4, Ch1>(pins.encoder_a, tracks),
+                attach::<_, TIM4, Ch2>(pins.encoder_b, tracks),
+            ],
+        }
+    }
+}
+
+/// Edge-aligned, from duty 0. The timer stops, and its output is low, while a debugger holds the processor.
+fn start_pulses() {
+    let timer = pac::TIM1;
+    pac::DBGMCU.apb2fzr1().modify(|w| w.set_tim1(true));
+    timer.psc().write_value(0);
+    timer.arr().write(|w| w.set_arr(FULL_DUTY - 1));
+    timer.ccr(0).write(|w| w.set_ccr(0));
+    timer.ccmr_output(0).modify(|w| {
+        w.set_ccs(0, CcmrOutputCcs::OUTPUT);
+        w.set_ocm(0, OcmGp::PWM_MODE1);
+        // A new width begins with a period.
+        w.set_ocpe(0, true);
+    });
+    timer.ccer().modify(|w| w.set_cce(0, true));
+    timer.egr().write(|w| w.set_ug(true));
+    timer.bdtr().modify(|w| {
+        w.set_ossi(Ossi::IDLE_LEVEL);
+        w.set_moe(true);
+    });
+    timer.cr1().modify(|w| w.set_cen(true));
+}
+
+/// Every edge of both tracks; 8 samples at 200 MHz keep out what is shorter than 40 ns.
+fn start_encoder() {
+    let timer = pac::TIM4;
+    timer.arr().write(|w| w.set_arr(u16::MAX));
+    timer.ccmr_input(0).modify(|w| {
+        for track in 0..2 {
+            w.set_ccs(track, CcmrInputCcs::TI4);
+            w.set_icf(track, FilterValue::FCK_INT_N8);
+        }
+    });
+    timer.smcr().modify(|w| w.set_sms(Sms::ENCODER_MODE_3));
+    timer.cr1().modify(|w| w.set_cen(true));
+}
+
+/// Channel 1 of TIM1.
+pub(crate) struct MotorPwm;
+
+impl ErrorType for MotorPwm {
+    type Error = Infallible;
+}
+
+impl SetDutyCycle for MotorPwm {
+    fn max_duty_cycle(&self) -> u16 {
+        FULL_DUTY
+    }
+
+    fn set_duty_cycle(&mut self, duty: u16) -> Result<(), Infallible> {
+        pac::TIM1.ccr(0).write(|w| w.set_ccr(duty));
+        Ok(())
+    }
+}
+
+/// The count of TIM4, which the control loop reads every millisecond.
+pub(crate) struct Encoder {
+    count: WideCount,
+}
+
+impl QuadratureCounter for Encoder {
+    fn count(&mut self) -> i32 {
+        self.count.extend(pac::TIM4.cnt().read().cnt())
+    }
+}
