@@ -5,10 +5,12 @@ use std::path::PathBuf;
 use clap::{Args, Parser, Subcommand, ValueEnum};
 
 mod calibration;
+mod camera;
 mod mission;
 mod simulation;
 
 pub use calibration::{CalibrateArgs, CalibrationMethod, FiveArgs, RegressOn, StaticP2};
+pub use camera::{CameraAction, CameraArgs, ExposureTimeArgs, PrepareArgs, StatusArgs, VhArgs};
 pub use mission::{MissionArgs, RecordsArgs};
 pub use simulation::{BudgetArgs, FlightArgs, SmearArgs, StrategyName, SweepArgs};
 
@@ -103,6 +105,11 @@ pub enum Command {
     /// Every trigger has a record: the exposure's interior orientation and time, or why there was none. The camera keeps
     /// them until they are safe on this PC's disk.
     Records(RecordsArgs),
+    /// Prepare, arm and watch a camera on a board: one with a mechanism, a shutter and a trigger line of its own.
+    ///
+    /// First `prepare --camera FILE`, then, with the stage at its calibrated position, `referenced`, then `arm`. V/H comes
+    /// from the aircraft or, on a bench, from `vh`. Whatever it has recorded, `host-sim records` fetches.
+    Camera(CameraArgs),
 }
 
 /// Arguments of `verify`.

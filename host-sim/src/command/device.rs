@@ -2,7 +2,9 @@
 
 use crate::cli::DeviceArgs;
 use crate::device::qemu::QemuOptions;
-use crate::device::{Device, DeviceName, FlyingDevice, InProcess, OpenError, Opener, RecordSource};
+use crate::device::{
+    Device, DeviceName, FlownCamera, FlyingDevice, InProcess, OpenError, Opener, RecordSource,
+};
 use crate::failure::Failure;
 
 impl DeviceArgs {
@@ -58,6 +60,22 @@ impl DeviceArgs {
         self.check_options(name)?;
         self.opener()
             .open_records(name)?
+            .ok_or_else(|| Failure::bad_input(format!("--device {name}: {WHICH}")))
+    }
+
+    /// Opens a camera on a board.
+    ///
+    /// # Errors
+    /// [`Failure`] where none is named, and where it cannot be opened.
+    pub(super) fn open_flown(&self) -> Result<Box<dyn FlownCamera>, Failure> {
+        const WHICH: &str = "a camera on a board is needed: name it with --device serial:PATH; `host-sim mission` flies simulated ones";
+        let name = self
+            .device
+            .as_ref()
+            .ok_or_else(|| Failure::bad_input(WHICH))?;
+        self.check_options(name)?;
+        self.opener()
+            .open_flown(name)?
             .ok_or_else(|| Failure::bad_input(format!("--device {name}: {WHICH}")))
     }
 

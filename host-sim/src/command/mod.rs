@@ -2,6 +2,7 @@
 
 mod budget;
 mod calibrate;
+mod camera;
 mod device;
 mod exposure;
 mod flight;
@@ -37,5 +38,6 @@ pub fn run(cli: Cli) -> Result<(), Failure> {
         Command::Flight(args) => flight::run(&args),
         Command::Mission(args) => mission::run(&args),
         Command::Records(args) => records::run(&args),
+        Command::Camera(args) => camera::run(&args),
     }
 }

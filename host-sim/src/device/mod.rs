@@ -2,6 +2,7 @@
 
 pub mod client;
 pub mod error;
+pub mod flown_camera;
 pub mod flying;
 pub mod image;
 pub mod link_error;
@@ -30,6 +31,7 @@ use fmc_camera::geometry::sensor::SensorPoint;
 use fmc_camera::io::link::message::{Counters, Grid};
 
 pub use error::DeviceError;
+pub use flown_camera::FlownCamera;
 pub use flying::FlyingDevice;
 pub use name::{DeviceName, Machine};
 pub use open::{OpenError, Opener};

@@ -5,7 +5,7 @@ use std::path::PathBuf;
 use super::error::DeviceError;
 use super::link_error::LinkError;
 use super::qemu::{Qemu, QemuOptions};
-use super::{Device, DeviceName, FlyingDevice, InProcess, RecordSource, serial};
+use super::{Device, DeviceName, FlownCamera, FlyingDevice, InProcess, RecordSource, serial};
 use crate::failure::Failure;
 
 /// Opens devices.
@@ -123,6 +123,17 @@ impl Opener {
         Ok(match name {
             DeviceName::Sil => None,
             DeviceName::Qemu(machine) => Some(Box::new(Qemu::start(*machine, &self.qemu)?)),
+            DeviceName::Serial(path) => Some(Box::new(serial::connect(path)?)),
+        })
+    }
+
+    /// Opens a camera on a board; `None` for what has no mechanism.
+    ///
+    /// # Errors
+    /// As [`Self::open`].
+    pub fn open_flown(&self, name: &DeviceName) -> Result<Option<Box<dyn FlownCamera>>, OpenError> {
+        Ok(match name {
+            DeviceName::Sil | DeviceName::Qemu(_) => None,
             DeviceName::Serial(path) => Some(Box::new(serial::connect(path)?)),
         })
     }

@@ -3,6 +3,7 @@
 pub mod camera_error;
 pub mod camera_file;
 pub mod fitted_block;
+pub mod flight_settings;
 mod mission_fault;
 pub mod mission_file;
 mod mission_range;

@@ -4,6 +4,7 @@
 pub mod arrow_field;
 mod arrow_scale;
 pub mod budget;
+pub mod camera_status;
 mod comparison;
 pub mod error_plot;
 pub mod figure;

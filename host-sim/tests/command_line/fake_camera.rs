@@ -2,27 +2,38 @@
 
 use std::io::{ErrorKind, Read, Write};
 
+use fmc_camera::io::link::deck::{FlightDeck, RigDeck};
 use fmc_camera::io::link::frame::{Frame, FrameReceiver};
 use fmc_camera::io::link::message::{Answer, Identity, Start};
 use fmc_camera::io::link::station::{Event, Station};
 
 /// A camera, in order until told otherwise.
-pub(crate) struct FakeCamera {
-    station: Station,
+pub(crate) struct FakeCamera<Deck = RigDeck> {
+    station: Station<Deck>,
     /// Changes an answer before it is sent.
     pub(crate) change: fn(&mut Answer),
     /// Called with the number of answers given so far; `false` ends the service.
     pub(crate) goes_on: Box<dyn FnMut(usize) -> bool + Send>,
+    /// What happens to it before it looks at what has arrived.
+    pub(crate) before: Box<dyn FnMut(&mut Deck) + Send>,
 }
 
 impl FakeCamera {
     /// A camera in order.
     pub(crate) fn new() -> Self {
+        Self::with(RigDeck::after(Start::PowerOn))
+    }
+}
+
+impl<Deck: FlightDeck> FakeCamera<Deck> {
+    /// A camera in order, of which this is flown.
+    pub(crate) fn with(deck: Deck) -> Self {
         let identity = Identity::new("of the test", "fake", true, Start::PowerOn);
         Self {
-            station: Station::new(identity, || 0),
+            station: Station::with(identity, || 0, deck),
             change: |_| {},
             goes_on: Box::new(|_| true),
+            before: Box::new(|_| ()),
         }
     }
 
@@ -37,6 +48,7 @@ impl FakeCamera {
                 Err(error) if error.kind() == ErrorKind::TimedOut => continue,
                 Err(_) => return,
             };
+            (self.before)(self.station.deck_mut());
             for byte in &buffer[..count] {
                 let event = self.station.receive(*byte);
                 let frame = self.station.to_send().to_vec();

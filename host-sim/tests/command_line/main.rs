@@ -16,6 +16,9 @@ mod calibrate_five;
 mod calibrate_five_refused;
 #[cfg(test)]
 #[cfg(unix)]
+mod camera;
+#[cfg(test)]
+#[cfg(unix)]
 mod fake_camera;
 #[cfg(test)]
 mod flight;

@@ -12,6 +12,8 @@ use std::time::{Duration, Instant};
 use rustix::fs::OFlags;
 use rustix::pty::{OpenptFlags, grantpt, openpt, ptsname, unlockpt};
 
+use fmc_camera::io::link::deck::FlightDeck;
+
 use crate::fake_camera::FakeCamera;
 use crate::support::Bench;
 use crate::wire_format::frame_of;
@@ -40,7 +42,9 @@ impl Port {
         Self { name, _near: near }
     }
 
-    pub(crate) fn with_camera(mut camera: FakeCamera) -> Self {
+    pub(crate) fn with_camera<Deck: FlightDeck + Send + 'static>(
+        mut camera: FakeCamera<Deck>,
+    ) -> Self {
         Self::with(move |mut far| camera.serve(&mut far))
     }
 

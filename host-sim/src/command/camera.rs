@@ -1,0 +1,194 @@
+//! `camera`: a camera on a board, prepared, armed and watched from the PC.
+
+use std::thread::sleep;
+use std::time::{Duration, Instant};
+
+use fmc_camera::flight::camera::CameraRecord;
+use fmc_camera::flight::controller::state::State;
+use fmc_camera::flight::controller::{Controller, Start};
+use fmc_camera::flight::event::{Command, Event};
+use fmc_camera::flight::exposure::FlightDirection;
+use fmc_camera::flight::settings::FlightSettings;
+use fmc_camera::flight::vh::{VhSample, VhSettings};
+use fmc_camera::io::link::message::{Refusal, Status};
+
+use crate::cli::{CameraAction, CameraArgs, DirectionName, PrepareArgs, StatusArgs, VhArgs};
+use crate::device::DeviceError;
+use crate::device::link_error::LinkError;
+use crate::failure::Failure;
+use crate::formats::camera_file::CameraFile;
+use crate::formats::number::single;
+use crate::formats::{flight_settings, output};
+use crate::report::camera_status;
+
+/// How long it may take until the camera has done as it was told.
+const DONE_WITHIN: Duration = Duration::from_secs(5);
+
+/// From one look at what it is doing to the next.
+const LOOK_EVERY: Duration = Duration::from_millis(20);
+
+/// How often V/H is told.
+const VH_EVERY: Duration = Duration::from_millis(500);
+
+pub(super) fn run(args: &CameraArgs) -> Result<(), Failure> {
+    // Whatever is wrong with the input is said before a port is opened.
+    match &args.action {
+        CameraAction::Prepare(prepare) => {
+            let (camera, settings) = read(prepare)?;
+            let mut device = args.device.open_flown()?;
+            device.prepare(&camera, &settings).map_err(failed)?;
+            say(&device.status().map_err(failed)?)
+        }
+        CameraAction::Arm => obey(args, Command::Arm, |status| {
+            matches!(status.state, State::Armed | State::Degraded(_))
+        }),
+        CameraAction::Disarm => obey(args, Command::Disarm, |status| {
+            matches!(status.state, State::Standby | State::Fault(_))
+        }),
+        CameraAction::ClearFault => obey(args, Command::ClearFault, |status| {
+            status.state == State::Standby
+        }),
+        CameraAction::Referenced => obey(args, Command::Referenced, |status| {
+            status.state == State::Standby && !status.is_place_lost
+        }),
+        CameraAction::Exposure(args_of) => {
+            let exposure_s = single(args_of.exposure);
+            let settings = FlightSettings {
+                exposure_s,
+                ..FlightSettings::default()
+            };
+            settings
+                .checked()
+                .map_err(|error| Failure::bad_input(error.to_string()))?;
+            tell(args, Event::Command(Command::Exposure(exposure_s)))
+        }
+        CameraAction::Vh(vh) => tell_vh(args, vh),
+        CameraAction::Status(StatusArgs { json }) => {
+            let status = args.device.open_flown()?.status().map_err(failed)?;
+            output::write(None, |sink| {
+                if *json {
+                    camera_status::write_json(&status, sink)
+                } else {
+                    camera_status::write_text(&status, sink)
+                }
+            })
+        }
+    }
+}
+
+/// Calibration and settings, of which this PC has seen that the camera can fly with them.
+fn read(args: &PrepareArgs) -> Result<(CameraRecord, FlightSettings), Failure> {
+    let (file, _) = CameraFile::read(&args.camera)?;
+    let camera = file.record();
+    let mut settings = match &args.settings {
+        Some(path) => flight_settings::read(path)?,
+        None => FlightSettings::default(),
+    };
+    match args.direction {
+        Some(DirectionName::Forward) => settings.direction = FlightDirection::Forward,
+        Some(DirectionName::Reverse) => settings.direction = FlightDirection::Reverse,
+        None => {}
+    }
+    Controller::new(&camera, 0, &settings, Start::Orderly)
+        .map_err(|error| Failure::bad_input(format!("{}: {error}", args.camera.display())))?;
+    Ok((camera, settings))
+}
+
+fn tell(args: &CameraArgs, event: Event) -> Result<(), Failure> {
+    let mut device = args.device.open_flown()?;
+    device.tell(event).map_err(failed)?;
+    say(&device.status().map_err(failed)?)
+}
+
+/// Gives a command and waits until it is done.
+fn obey(
+    args: &CameraArgs,
+    command: Command,
+    is_done: impl Fn(&Status) -> bool,
+) -> Result<(), Failure> {
+    let mut device = args.device.open_flown()?;
+    device.tell(Event::Command(command)).map_err(failed)?;
+    let start = Instant::now();
+    loop {
+        sleep(LOOK_EVERY);
+        let status = device.status().map_err(failed)?;
+        if let (Command::Arm, State::Fault(fault)) = (command, status.state) {
+            return Err(Failure::device_or_io(format!("the camera has not armed: {fault}"))
+                .with_help("docs/integration.md, section 7, has cause and remedy; then `host-sim camera clear-fault`"));
+        }
+        if is_done(&status) {
+            return say(&status);
+        }
+        if start.elapsed() > DONE_WITHIN {
+            return Err(not_done(command, &status));
+        }
+    }
+}
+
+fn not_done(command: Command, status: &Status) -> Failure {
+    let failure = Failure::device_or_io(format!(
+        "{} s after the command the camera is still in state {}",
+        DONE_WITHIN.as_secs(),
+        status.state
+    ));
+    match command {
+        Command::Referenced => failure.with_help(
+            "a place is taken in standby alone: `host-sim camera disarm`, or `clear-fault` after a fault",
+        ),
+        Command::Arm if status.state == State::Standby => {
+            failure.with_help("it does not arm while its supply is low")
+        }
+        Command::ClearFault => {
+            failure.with_help("it stays while a frame is in flight, or is armed: `host-sim camera disarm`")
+        }
+        _ => failure,
+    }
+}
+
+fn tell_vh(args: &CameraArgs, vh: &VhArgs) -> Result<(), Failure> {
+    let vh_per_s = single(vh.vh);
+    let [least, most] = VhSettings::DEFAULT.direct.range;
+    if !(least..=most).contains(&vh_per_s) {
+        return Err(Failure::bad_input(format!(
+            "vh = {vh_per_s} is outside {least} to {most} 1/s"
+        )));
+    }
+    let mut device = args.device.open_flown()?;
+    let end = Instant::now() + Duration::from_secs_f64(vh.for_s);
+    loop {
+        device
+            .tell(Event::Vh(VhSample::Direct(vh_per_s)))
+            .map_err(failed)?;
+        if Instant::now() + VH_EVERY > end {
+            return say(&device.status().map_err(failed)?);
+        }
+        sleep(VH_EVERY);
+    }
+}
+
+/// One line: the state.
+fn say(status: &Status) -> Result<(), Failure> {
+    output::write(None, |sink| writeln!(sink, "{}", status.state))
+}
+
+/// A failure, with what can be done about it.
+fn failed(error: DeviceError) -> Failure {
+    let help = match &error {
+        DeviceError::NotPrepared => {
+            "give it calibration and settings first: `host-sim camera prepare --camera FILE`"
+        }
+        DeviceError::Link {
+            error: LinkError::Refused { refusal, .. },
+            ..
+        } => match refusal {
+            Refusal::OnRig => "fly it with `host-sim mission`, which simulates what is around it",
+            Refusal::FrameInFlight => "`host-sim camera disarm` comes first",
+            Refusal::NoRowClock => {
+                "its firmware can fly cameras whose stage moves the detector, mechanism = \"stage\""
+            }
+            _ => return error.into(),
+        },
+        _ => return error.into(),
+    };
+    Failure::from(error).with_help(help)
+}

@@ -1,0 +1,108 @@
+//! A file of flight settings: those that it names, over the defaults.
+
+use std::fs;
+use std::path::Path;
+
+use fmc_camera::flight::settings::FlightSettings;
+use toml::{Table, Value};
+
+use crate::failure::Failure;
+
+/// Reads a file of settings, each under its name in the camera's own `FlightSettings`.
+///
+/// # Errors
+/// [`Failure`] naming the file, and a setting that there is not, is of another kind, or outside its range.
+pub fn read(path: &Path) -> Result<FlightSettings, Failure> {
+    let text = fs::read_to_string(path).map_err(|error| Failure::reading(path, &error))?;
+    parse(&text).map_err(|what| Failure::bad_input(format!("{}: {what}", path.display())))
+}
+
+fn parse(text: &str) -> Result<FlightSettings, String> {
+    let written: Table = text
+        .parse()
+        .map_err(|error: toml::de::Error| error.to_string())?;
+    let mut settings =
+        Table::try_from(FlightSettings::default()).map_err(|error| error.to_string())?;
+    overlay(&mut settings, written, "")?;
+    let settings: FlightSettings = settings
+        .try_into()
+        .map_err(|error: toml::de::Error| error.to_string())?;
+    settings.checked().map_err(|error| error.to_string())
+}
+
+/// Replaces what is written.
+fn overlay(settings: &mut Table, written: Table, above: &str) -> Result<(), String> {
+    for (name, value) in written {
+        let path = format!("{above}{name}");
+        match (settings.get_mut(&name), value) {
+            (None, _) => return Err(format!("there is no setting {path}")),
+            (Some(Value::Table(settings)), Value::Table(written)) => {
+                overlay(settings, written, &format!("{path}."))?;
+            }
+            (Some(place), value) => {
+                let value = match (&*place, value) {
+                    #[expect(
+                        clippy::cast_precision_loss,
+                        reason = "whole numbers of settings are small"
+                    )]
+                    (Value::Float(_), Value::Integer(number)) => Value::Float(number as f64),
+                    (_, value) => value,
+                };
+                if !place.same_type(&value) {
+                    return Err(format!("{path} = {value} is not a {}", place.type_str()));
+                }
+                *place = value;
+            }
+        }
+    }
+    Ok(())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use fmc_camera::flight::exposure::FlightDirection;
+
+    #[test]
+    fn what_is_not_written_is_the_default_bit_by_bit() {
+        assert_eq!(parse("").unwrap(), FlightSettings::default());
+        let settings = parse(
+            "exposure_s = 0.005\ndirection = \"Reverse\"\n[drive]\nencoder_step_um = 1\n\
+             [drive.velocity_loop]\nmax_duty = 0.3\n[vh.laser_height]\nrange = [5, 500.0]\n",
+        )
+        .unwrap();
+        let mut expected = FlightSettings {
+            exposure_s: 0.005,
+            direction: FlightDirection::Reverse,
+            ..FlightSettings::default()
+        };
+        expected.drive.encoder_step_um = 1.0;
+        expected.drive.velocity_loop.max_duty = 0.3;
+        expected.vh.laser_height.range = [5.0, 500.0];
+        assert_eq!(settings, expected);
+    }
+
+    #[test]
+    fn wrong_settings_are_named_with_value_and_range() {
+        for (text, parts) in [
+            ("exposure = 0.1", ["no setting exposure", ""]),
+            ("[drive]\nstep = 1", ["no setting drive.step", ""]),
+            ("drive = 1", ["drive = 1", "table"]),
+            ("exposure_s = true", ["exposure_s = true", "float"]),
+            (
+                "smear_budget_px = 1000",
+                ["smear_budget_px = 1000", "0.01 to 100"],
+            ),
+            (
+                "[drive]\nencoder_step_um = 0",
+                ["encoder_step_um = 0", "0.001 to 100"],
+            ),
+            ("direction = \"Up\"", ["Up", "Reverse"]),
+        ] {
+            let error = parse(text).unwrap_err();
+            for part in parts {
+                assert!(error.contains(part), "{text}: {error}");
+            }
+        }
+    }
+}

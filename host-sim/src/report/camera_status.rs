@@ -1,0 +1,91 @@
+//! What a camera is doing, as users and programs read it.
+
+use std::io::{self, Write};
+
+use fmc_camera::flight::controller::state::State;
+use fmc_camera::flight::fault::Fault;
+use fmc_camera::io::link::message::Status;
+use serde::Serialize;
+
+/// One block of lines.
+///
+/// # Errors
+/// Those of the sink.
+pub fn write_text(status: &Status, sink: &mut dyn Write) -> io::Result<()> {
+    let counts = status.counts;
+    let place = if status.is_place_lost {
+        "lost: say where the stage stands, in standby, with `host-sim camera referenced`"
+    } else {
+        "known"
+    };
+    writeln!(sink, "state            {}", status.state)?;
+    writeln!(sink, "place of stage   {place}")?;
+    writeln!(
+        sink,
+        "following error  {:.2} µm RMS",
+        status.following_rms_um
+    )?;
+    writeln!(
+        sink,
+        "triggers         {}: {} exposed, {} refused",
+        counts.triggers, counts.exposed, counts.refused
+    )?;
+    writeln!(sink, "records          {} to be fetched", status.kept)?;
+    writeln!(
+        sink,
+        "irregular        {} late rounds, {} encoder glitches, {} unexpected edges of the shutter, {} events lost",
+        counts.late_ticks, counts.glitches, counts.unexpected_edges, counts.lost_events
+    )
+}
+
+/// For programs.
+///
+/// # Errors
+/// Those of the sink.
+pub fn write_json(status: &Status, sink: &mut dyn Write) -> io::Result<()> {
+    serde_json::to_writer_pretty(&mut *sink, &StatusReport::of(status))?;
+    writeln!(sink)
+}
+
+/// Units are in the names.
+#[derive(Debug, Serialize)]
+struct StatusReport {
+    state: &'static str,
+    fault_code: Option<u8>,
+    fault: Option<&'static str>,
+    is_place_lost: bool,
+    following_rms_um: f32,
+    records_kept: u32,
+    triggers: u32,
+    exposed: u32,
+    refused: u32,
+    late_rounds: u32,
+    encoder_glitches: u32,
+    unexpected_edges: u32,
+    lost_events: u32,
+}
+
+impl StatusReport {
+    fn of(status: &Status) -> Self {
+        let fault = match status.state {
+            State::Degraded(fault) | State::Fault(fault) => Some(fault),
+            _ => None,
+        };
+        let counts = status.counts;
+        Self {
+            state: status.state.name(),
+            fault_code: fault.map(Fault::code),
+            fault: fault.map(Fault::name),
+            is_place_lost: status.is_place_lost,
+            following_rms_um: status.following_rms_um,
+            records_kept: status.kept,
+            triggers: counts.triggers,
+            exposed: counts.exposed,
+            refused: counts.refused,
+            late_rounds: counts.late_ticks,
+            encoder_glitches: counts.glitches,
+            unexpected_edges: counts.unexpected_edges,
+            lost_events: counts.lost_events,
+        }
+    }
+}

@@ -1,0 +1,218 @@
+//! `camera`: a camera on a board, prepared, armed and watched over a serial port.
+
+use std::fs;
+use std::sync::Arc;
+use std::sync::atomic::{AtomicU32, Ordering};
+
+use fmc_camera::flight::drive::pwm_encoder::DriveSettings;
+use fmc_camera::flight::drive::rig::RigDrive;
+use fmc_camera::flight::event::{Action, Event, ShutterEdge};
+use fmc_camera::flight::time::Time;
+use fmc_camera::io::link::deck::FlightDeck;
+use fmc_camera::io::link::flown_deck::FlownDeck;
+use fmc_camera::io::link::message::Start;
+
+use crate::fake_camera::FakeCamera;
+use crate::serial::Port;
+use crate::support::{Answer, Bench};
+
+/// Rounds of the control loop from one message to the next.
+const ROUNDS: u64 = 60;
+
+/// A board with an ideal stage and an ideal shutter, whose time goes on with the messages it gets.
+struct Board {
+    bench: Bench,
+    port: Port,
+    triggers: Arc<AtomicU32>,
+}
+
+impl Board {
+    fn new() -> Self {
+        let drive = RigDrive::new(DriveSettings::default()).unwrap();
+        let mut camera = FakeCamera::with(FlownDeck::new(drive, Start::PowerOn));
+        let triggers = Arc::new(AtomicU32::new(0));
+        let wanted = Arc::clone(&triggers);
+        let mut now = Time::START;
+        let mut edges: Vec<(Time, Event)> = Vec::new();
+        camera.before = Box::new(move |deck| {
+            for _ in 0..ROUNDS {
+                now = Time::from_us(now.us() + 1000);
+                if wanted.swap(0, Ordering::SeqCst) > 0 {
+                    deck.capture(now, Event::Trigger);
+                }
+                for (time, event) in edges.extract_if(.., |(time, _)| *time <= now) {
+                    deck.capture(time, event);
+                }
+                round(deck, now, &mut edges);
+            }
+        });
+        Self {
+            bench: Bench::new(),
+            port: Port::with_camera(camera),
+            triggers,
+        }
+    }
+
+    fn run(&self, action: &[&str]) -> Answer {
+        let device = self.port.device();
+        let arguments = [&["camera", "--device", &device], action].concat();
+        self.bench.run(&arguments)
+    }
+
+    fn says(&self, action: &[&str], line: &str) {
+        let answer = self.run(action).ok();
+        assert_eq!(answer.stdout, format!("{line}\n"), "{action:?}");
+    }
+
+    fn status(&self) -> serde_json::Value {
+        let answer = self.run(&["status", "--json"]).ok();
+        serde_json::from_str(&answer.stdout).unwrap()
+    }
+}
+
+fn round(deck: &mut FlownDeck<RigDrive>, now: Time, edges: &mut Vec<(Time, Event)>) {
+    let setpoint = deck.controller().and_then(|it| it.setpoint(now));
+    if let Some(setpoint) = setpoint {
+        let count = format!("{:.0}", setpoint.offset_mm * 1e4).parse().unwrap();
+        deck.drive_mut().set_count(count);
+    }
+    for action in deck.round(now) {
+        if let Action::OpenShutter { at, exposure_s } = action {
+            let opened = at.plus_s(0.002);
+            edges.push((opened, Event::Shutter(ShutterEdge::Opened)));
+            let closed = opened.plus_s(exposure_s);
+            edges.push((closed, Event::Shutter(ShutterEdge::Closed)));
+        }
+    }
+}
+
+#[test]
+fn camera_on_a_board_is_flown_by_commands_and_its_records_are_fetched() {
+    let board = Board::new();
+    board
+        .run(&["status"])
+        .failed(3, &["not been prepared", "camera prepare"]);
+    board.says(&["prepare", "--camera", "camera.toml"], "standby");
+    let status = board.run(&["status"]).ok().stdout;
+    for part in ["standby", "lost", "camera referenced", "0 to be fetched"] {
+        assert!(status.contains(part), "{status}");
+    }
+    board.says(&["arm"], "degraded: encoder (14)");
+    board.says(&["clear-fault"], "standby");
+    board.says(&["referenced"], "standby");
+    board.says(&["exposure", "1/100"], "standby");
+    board.says(&["vh", "0.1"], "standby");
+    board.says(&["arm"], "armed");
+    board
+        .run(&["prepare", "--camera", "camera.toml"])
+        .failed(3, &["armed or in flight", "camera disarm"]);
+
+    board.triggers.store(1, Ordering::SeqCst);
+    // Two messages later the frame is over and the stage back.
+    let status = board.status();
+    assert_eq!(status["state"], "armed", "{status}");
+    assert_eq!(
+        (&status["triggers"], &status["exposed"]),
+        (&1.into(), &1.into())
+    );
+    assert_eq!(status["lost_events"], 0);
+    board.says(&["disarm"], "standby");
+    board
+        .run(&["prepare", "--camera", "camera.toml"])
+        .failed(3, &["1 records", "host-sim records"]);
+    let device = board.port.device();
+    let fetched = board
+        .bench
+        .run(&["records", "--device", &device, "--out", "kept"])
+        .ok();
+    assert!(fetched.stdout.contains("1 records"), "{}", fetched.stdout);
+    let records = fs::read(board.bench.path("kept/records.json")).unwrap();
+    let records: serde_json::Value = serde_json::from_slice(&records).unwrap();
+    let record = &records["records"][0];
+    let exposure_s = record["exposure_s"].as_f64().unwrap();
+    // To the microsecond of the stamps.
+    assert!((exposure_s - 0.01).abs() < 1.1e-6, "{record}");
+    board.says(
+        &[
+            "prepare",
+            "--camera",
+            "camera.toml",
+            "--direction",
+            "reverse",
+        ],
+        "standby",
+    );
+    assert_eq!(board.status()["triggers"], 0);
+}
+
+#[test]
+fn reference_out_of_standby_is_not_taken_silently() {
+    let board = Board::new();
+    board.says(&["prepare", "--camera", "camera.toml"], "standby");
+    board.says(&["arm"], "degraded: encoder (14)");
+    board
+        .run(&["referenced"])
+        .failed(3, &["still in state degraded", "standby alone"]);
+}
+
+#[test]
+fn settings_are_checked_here_and_named() {
+    let board = Board::new();
+    fs::write(
+        board.bench.path("flight.toml"),
+        "smear_budget_px = 1000.0\n",
+    )
+    .unwrap();
+    fs::write(board.bench.path("slow.toml"), "exposure_s = 0.5\n").unwrap();
+    let prepare = ["prepare", "--camera", "camera.toml", "--settings"];
+    board
+        .run(&[&prepare[..], &["flight.toml"]].concat())
+        .refused(&["flight.toml", "smear_budget_px = 1000", "0.01 to 100"]);
+    board
+        .run(&[&prepare[..], &["slow.toml"]].concat())
+        .refused(&["camera.toml", "0.5", "0.001"]);
+    board
+        .run(&[&prepare[..], &["nowhere.toml"]].concat())
+        .refused(&["nowhere.toml"]);
+    fs::write(
+        board.bench.path("flight.toml"),
+        "exposure_s = 0.005\n[drive]\nencoder_step_um = 0.2\n",
+    )
+    .unwrap();
+    board.says(&[&prepare[..], &["flight.toml"]].concat(), "standby");
+}
+
+#[test]
+fn bad_input_is_refused_before_a_port_is_opened() {
+    let bench = Bench::new();
+    let run = |arguments: &[&str]| {
+        bench.run(&[&["camera", "--device", "serial:nowhere"], arguments].concat())
+    };
+    run(&["exposure", "20"]).refused(&["exposure_s = 20", "0.000001 to 10"]);
+    run(&["exposure", "-1"]).refused(&["positive time"]);
+    run(&["vh", "5"]).refused(&["vh = 5", "0.001 to 2"]);
+    run(&["vh", "0.1", "--for", "-2"]).refused(&["--for"]);
+    run(&["prepare"]).refused(&["--camera"]);
+    run(&["prepare", "--camera", "none.toml"]).refused(&["none.toml"]);
+    run(&["fly"]).refused(&["fly"]);
+    run(&["arm"]).failed(3, &["nowhere: there is no such port"]);
+    for device in [
+        &["camera", "arm"][..],
+        &["camera", "--device", "sil", "arm"],
+        &["camera", "--device", "qemu", "status"],
+    ] {
+        bench
+            .run(device)
+            .refused(&["--device serial:PATH", "host-sim mission"]);
+    }
+}
+
+#[test]
+fn camera_on_a_test_rig_says_what_to_use_instead() {
+    let bench = Bench::new();
+    let port = Port::with_camera(FakeCamera::new());
+    let device = port.device();
+    bench
+        .run(&["camera", "--device", &device, "arm"])
+        .failed(3, &[&device, "test rig", "host-sim mission"]);
+}
