@@ -83,6 +83,16 @@ mod tests {
     }
 
     #[test]
+    fn documented_example_is_read() {
+        let document = include_str!("../../../docs/integration.md");
+        let (_, rest) = document.split_once("```toml\n").unwrap();
+        let (example, _) = rest.split_once("```").unwrap();
+        let settings = parse(example).unwrap();
+        assert!(settings.drive.motor_reversed, "{settings:?}");
+        assert_ne!(settings, FlightSettings::default());
+    }
+
+    #[test]
     fn wrong_settings_are_named_with_value_and_range() {
         for (text, parts) in [
             ("exposure = 0.1", ["no setting exposure", ""]),

@@ -7,6 +7,7 @@ use fmc_camera::flight::controller::timing::{
     STANDING_S, TICK_S, UNLEARNED_TOLERANCE,
 };
 use fmc_camera::flight::record_log::CAPACITY;
+use fmc_camera::flight::round_guard::LONGEST_ROUND_US;
 use fmc_camera::flight::unit::MAX_EVENTS;
 
 use super::rows;
@@ -38,6 +39,7 @@ fn documented_constants_are_those_of_the_code() {
         ("READING_GAP_PART", READING_GAP_PART.to_string()),
         ("LONGEST_GAP", LONGEST_GAP.to_string()),
         ("MAX_EVENTS", MAX_EVENTS.to_string()),
+        ("LONGEST_ROUND_US", LONGEST_ROUND_US.to_string()),
         ("CAPACITY", CAPACITY.to_string()),
     ];
     let documented: Vec<_> = rows("constant")
