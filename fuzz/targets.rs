@@ -4,10 +4,16 @@
 pub(crate) mod wire_format;
 
 use fmc_camera::flight::camera::{Camera, CameraRecord};
+use fmc_camera::flight::drive::pwm_encoder::DriveSettings;
+use fmc_camera::flight::drive::rig::RigDrive;
 use fmc_camera::flight::exposure::Exposure;
+use fmc_camera::flight::time::Time;
+use fmc_camera::flight::unit::MAX_ROUND_ACTIONS;
 use fmc_camera::geometry::calibration::CalibrationRecord;
 use fmc_camera::geometry::frame_correction::Corrected;
 use fmc_camera::geometry::sensor::SensorPoint;
+use fmc_camera::io::link::deck::{FlightDeck, RigDeck};
+use fmc_camera::io::link::flown_deck::FlownDeck;
 use fmc_camera::io::link::frame::{Frame, FrameReceiver};
 use fmc_camera::io::link::message::{Answer, Header, Identity, Request, Start};
 use fmc_camera::io::link::station::Station;
@@ -56,8 +62,21 @@ pub(crate) fn wire(bytes: &[u8]) {
 /// The input is cut into pieces by its own length bytes; a piece goes as it is, or with header and
 /// CRC around it, so that every request is reached.
 pub(crate) fn station(bytes: &[u8]) {
+    station_of(RigDeck::after(Start::PowerOn), bytes, |_| ());
+    let drive = RigDrive::new(DriveSettings::default()).unwrap();
+    let mut now = Time::START;
+    // On a board a millisecond and a round of the control loop follow every request.
+    station_of(FlownDeck::new(drive, Start::PowerOn), bytes, |deck| {
+        now = Time::from_us(now.us() + 1000);
+        let actions = deck.round(now);
+        assert!(actions.len() < MAX_ROUND_ACTIONS);
+    });
+}
+
+/// The same, of any camera; something happens to it after every request.
+fn station_of<Deck: FlightDeck>(deck: Deck, bytes: &[u8], mut then: impl FnMut(&mut Deck)) {
     let identity = Identity::new("", "", true, Start::PowerOn);
-    let mut station = Station::new(identity, || 0);
+    let mut station = Station::with(identity, || 0, deck);
     send(&mut station, &framed(&Request::Connect, 0));
     let mut sequence = 1;
     let mut rest = bytes;
@@ -88,12 +107,13 @@ pub(crate) fn station(bytes: &[u8]) {
                 send(&mut station, &frame_of(piece));
             }
         }
+        then(station.deck_mut());
     }
     works_for_the_next_host(&mut station);
 }
 
 /// A new session, a calibration, an exposure and a point: the bits of the library.
-fn works_for_the_next_host(station: &mut Station) {
+fn works_for_the_next_host<Deck: FlightDeck>(station: &mut Station<Deck>) {
     let record = CameraRecord::new(CalibrationRecord::new(100.0, [8000, 4000], 10.0));
     let exposure = Exposure::new(0.1, 0.005);
     let point = SensorPoint::new(12.0, -3.0);
@@ -122,7 +142,7 @@ fn works_for_the_next_host(station: &mut Station) {
 }
 
 /// Sends bytes and reads the answers; every one is whole.
-fn send(station: &mut Station, bytes: &[u8]) -> Vec<Option<Answer>> {
+fn send<Deck: FlightDeck>(station: &mut Station<Deck>, bytes: &[u8]) -> Vec<Option<Answer>> {
     let mut answers = Vec::new();
     for byte in bytes {
         station.receive(*byte);

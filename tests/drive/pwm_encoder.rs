@@ -249,3 +249,52 @@ fn settings_out_of_range_are_refused_by_name() {
         "encoder_step_um = 0 is outside 0.001 to 100"
     );
 }
+
+#[test]
+fn other_settings_release_the_motor_and_keep_the_zero() {
+    let mut width = pwm::Mock::new(&[
+        // 20 µm along the axis: 0.4.
+        width(0),
+        full(),
+        width(400),
+        // Released, with the new settings.
+        width(0),
+        // The pin is set again: what it means may have changed.
+        width(0),
+        full(),
+        width(400),
+        width(0),
+    ]);
+    let mut level = digital::Mock::new(&[low(), high()]);
+    let pins = Pins {
+        pwm: width.clone(),
+        direction: level.clone(),
+        counter: Count(5000),
+    };
+    let mut drive = PwmEncoder::new(settings(), pins).unwrap();
+    drive.set_position(0);
+    drive.follow(tick(0), at(0.02)).unwrap();
+
+    let wrong = DriveSettings {
+        encoder_step_um: 0.0,
+        ..settings()
+    };
+    let error = drive.set_settings(wrong).unwrap_err();
+    assert_eq!(error.setting, "encoder_step_um");
+    assert!(drive.is_powered(), "nothing has changed");
+
+    let reversed = DriveSettings {
+        encoder_step_um: 0.2,
+        motor_reversed: true,
+        ..settings()
+    };
+    drive.set_settings(reversed).unwrap();
+    assert!(!drive.is_powered());
+    drive.pins_mut().counter = Count(5100);
+    let reading = drive.position(tick(1)).unwrap();
+    assert!((reading.offset_mm - 0.02).abs() < 1e-7, "{reading:?}");
+    drive.follow(tick(1), at(0.04)).unwrap();
+    drive.release();
+    width.done();
+    level.done();
+}

@@ -15,7 +15,9 @@ use fmc_camera::flight::vh::VhSample;
 use fmc_camera::geometry::estimation::options::FitOptions;
 use fmc_camera::io::link::deck::FlightDeck;
 use fmc_camera::io::link::flown_deck::FlownDeck;
-use fmc_camera::io::link::message::{Answer, Grid, Identity, Refusal, Request, Start, Status};
+use fmc_camera::io::link::message::{
+    Answer, Grid, Identity, Observations, Refusal, Request, Start, Status,
+};
 use fmc_camera::io::link::station::Station;
 
 use crate::pc::{Pc, camera_record};
@@ -380,7 +382,7 @@ fn nothing_that_lasts_longer_than_a_round_is_begun_while_the_stage_has_force_on_
             y_mm: heapless_of(0.0),
         }),
         Request::StartFit(FitOptions::default()),
-        Request::Observe(Default::default()),
+        Request::Observe(Observations::new()),
         Request::Fit,
         Request::Load(camera_record()),
         Request::Prepare(FlightSettings::default()),

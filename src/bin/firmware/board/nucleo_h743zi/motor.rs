@@ -104,8 +104,8 @@ fn start_pulses() {
     timer.ccmr_output(0).modify(|w| {
         w.set_ccs(0, CcmrOutputCcs::OUTPUT);
         w.set_ocm(0, OcmGp::PWM_MODE1);
-        // A new width begins with a period.
-        w.set_ocpe(0, true);
+        // A new width counts at once: 0 is to end the pulse before the direction turns.
+        w.set_ocpe(0, false);
     });
     timer.ccer().modify(|w| w.set_cce(0, true));
     timer.egr().write(|w| w.set_ug(true));
