@@ -132,6 +132,35 @@ fn lost_place_leads_to_static_correction_with_a_sigma_that_says_so() {
 }
 
 #[test]
+fn encoder_that_may_be_the_wrong_way_round_has_lost_the_place() {
+    let mut bench = in_state(State::Exposing);
+    bench.send(Event::Drive(Fault::WrongDirection));
+    bench.run(100);
+    let record = only(&bench);
+    assert!(record.flags.contains(Flag::StaticCorrection));
+    // What had force on it may have gone anywhere: half of the stroke, and smear of as much.
+    assert!((exposed(&record).principal_point_sigma_mm - 2.0).abs() < 1e-6);
+    assert!(exposed(&record).smear_um > 2000.0);
+    assert_eq!(
+        bench.controller.state(),
+        State::Degraded(Fault::WrongDirection)
+    );
+    bench.send(Event::Command(Command::ClearFault));
+    bench.send(Event::Command(Command::Arm));
+    bench.run(100);
+    assert_eq!(bench.controller.state(), State::Degraded(Fault::Encoder));
+    bench.send(Event::Trigger);
+    bench.run(100);
+    let standing = *bench.records().last().unwrap();
+    // A stage without force stands: its place is not known, but it does not smear.
+    assert!((exposed(&standing).principal_point_sigma_mm - 2.0).abs() < 1e-6);
+    assert!(exposed(&standing).smear_um < 100.0);
+    bench.send(Event::Command(Command::ClearFault));
+    bench.send(Event::Command(Command::Referenced));
+    bench.arm();
+}
+
+#[test]
 fn late_edge_is_exposed_and_says_so() {
     let mut bench = Bench::armed();
     bench.shutter_late_s = 0.0025;

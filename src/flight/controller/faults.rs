@@ -26,10 +26,11 @@ impl Controller {
     /// As [`Self::fail`], of a fault that is in a record already.
     pub(super) fn stop(&mut self, fault: Fault, actions: &mut Actions) {
         if is_of_the_stage(fault) && self.camera.has_stage() {
-            self.is_place_lost |= fault == Fault::Encoder;
+            // Where it is the encoder that is the wrong way round, it has counted to a place where the stage is not.
+            self.is_place_lost |= matches!(fault, Fault::Encoder | Fault::WrongDirection);
             let first = self.stage_fault.unwrap_or(fault);
-            self.stage_fault = Some(if self.is_place_lost {
-                Fault::Encoder
+            self.stage_fault = Some(if fault == Fault::Encoder {
+                fault
             } else {
                 first
             });

@@ -166,21 +166,34 @@ impl Controller {
                 let motion =
                     PrincipalPointMotion::from_samples(&path.samples, exposure_s, shutter).ok()?;
                 let is_whole = !path.is_continued && path.longest_gap_s <= gap_s;
-                Some((motion, is_whole, path.wander_mm))
+                Some((motion, is_whole, path))
             });
-        let Some((motion, is_whole, wander_mm)) = measured else {
+        let Some((motion, is_whole, path)) = measured else {
             flags.insert(Flag::PlannedMotion);
             flags.insert(Flag::StaticCorrection);
             let motion = PrincipalPointMotion::from_plan(planned, shutter);
+            let half_stroke_mm = self.half_stroke_mm();
             return MeasuredMotion {
                 motion,
-                sigma_mm: self.half_stroke_mm(),
-                wander_mm: 0.0,
+                sigma_mm: half_stroke_mm,
+                // What had force on it may have gone anywhere.
+                wander_mm: if flags.contains(Flag::NoCompensation) {
+                    0.0
+                } else {
+                    half_stroke_mm
+                },
             };
         };
         let step_mm = 1e-3 * self.settings.drive.encoder_step_um;
         let stamp_mm = motion.travel_mm / exposure_s * STAMP_SIGMA_S;
-        let mut sigma_mm = libm::sqrtf(step_mm * step_mm / 12.0 + stamp_mm * stamp_mm);
+        // The encoder's own steps are no wander.
+        let wander_mm = (path.wander_mm - step_mm).max(0.0);
+        // A parabola that leaves its chord by so much over the exposure leaves it between two readings by the square of
+        // their share of it.
+        let share = (path.longest_gap_s / exposure_s).min(1.0);
+        let bend_mm = wander_mm * share * share;
+        let mut sigma_mm =
+            libm::sqrtf(step_mm * step_mm / 12.0 + stamp_mm * stamp_mm + bend_mm * bend_mm);
         if !is_whole {
             flags.insert(Flag::ExtrapolatedMotion);
             // What a stage that follows may do unseen.
@@ -189,8 +202,7 @@ impl Controller {
         MeasuredMotion {
             motion,
             sigma_mm,
-            // The encoder's own steps are no wander.
-            wander_mm: (wander_mm - step_mm).max(0.0),
+            wander_mm,
         }
     }
 
