@@ -121,7 +121,7 @@ fn write(out: &std::path::Path, report: &MissionReport<'_>) -> Result<(), Failur
     Ok(())
 }
 
-/// One line on a terminal: time, frame, state, V/H, smear.
+/// One line on a terminal: frame, state, V/H, smear, time.
 struct StatusLine {
     bar: ProgressBar,
     pixel_mm: f64,
@@ -130,9 +130,8 @@ struct StatusLine {
 impl StatusLine {
     fn new(scenario: &MissionScenario) -> Self {
         let bar = ProgressBar::new(u64::from(scenario.exposures()));
-        if let Ok(style) =
-            ProgressStyle::with_template("{bar:30} {pos}/{len} exposures, {msg}, {eta} left")
-        {
+        // What is too long for the terminal is cut off at its end, not wrapped.
+        if let Ok(style) = ProgressStyle::with_template("{bar:10} {pos}/{len} {wide_msg}") {
             bar.set_style(style);
         }
         Self {
@@ -146,12 +145,16 @@ impl StatusLine {
             return;
         }
         let smear = status.last_smear_mm.map_or(String::new(), |smear_mm| {
-            format!(", last smear {:.3} px", smear_mm / self.pixel_mm)
+            format!(", smear {:.3} px", smear_mm / self.pixel_mm)
         });
+        let left = match self.bar.eta().as_secs() {
+            0 => String::new(),
+            left_s => format!(", {left_s} s left"),
+        };
         self.bar.set_position(status.frames as u64);
         self.bar.set_message(format!(
-            "{:.1} s, {}, V/H {:.4} 1/s{smear}",
-            status.time_s, status.state, status.told_vh_per_s
+            "{}, V/H {:.4} 1/s{smear}, {:.1} s flown{left}",
+            status.state, status.told_vh_per_s, status.time_s
         ));
     }
 }

@@ -4,14 +4,16 @@ use fmc_camera::flight::fault::Fault;
 use fmc_camera::flight::frame_record::Flag;
 
 use super::camera_error::CameraText;
-use super::mission_file::{ExpectTable, FaultTable, MissionFile};
+use super::mission_file::{ExpectTable, FaultTable, MissionFile, VhQuantity, VhSourceName};
 use super::mission_scenario::PlannedFault;
 use super::scenario_range::{Range, range, whole};
 use crate::failure::Failure;
-use crate::mission::expectation::{Expectation, REASON_NAMES, STATE_NAMES};
+use crate::mission::expectation::{Expectation, REASON_NAMES, STATE_NAMES, VH_WAYS, way_name};
 use crate::mission::fault::{InjectedFault, Injection};
 
 const WITHIN: Range = range(0.0, 1e6, "ms");
+const WITHIN_S: Range = range(0.0, 1000.0, "s");
+const SMEAR: Range = range(0.0, 1000.0, "px");
 const DURATION: Range = range(1e-6, 1e6, "s");
 
 /// The faults of a mission with that time from trigger to trigger.
@@ -58,15 +60,67 @@ impl Entry<'_> {
         if fault.is_counted() && size.fract() != 0.0 {
             return Err(self.invalid("size", "is not a whole number"));
         }
+        let injection = Injection {
+            fault,
+            onset_s: self.onset_s(written, interval_s)?,
+            size,
+            duration_s: self.duration_s(fault)?,
+            source: self.source(fault, written)?,
+            quantity: self.quantity(fault, written)?,
+        };
+        let expectation = self.expectation(&self.table.expect)?;
+        if expectation.armed_within_s.is_some() && injection.end_s().is_infinite() {
+            return Err(self.invalid_expectation(
+                "armed_within_s",
+                "counts from the end of the fault, which has none: give its duration_s",
+            ));
+        }
         Ok(PlannedFault {
-            injection: Injection {
-                fault,
-                onset_s: self.onset_s(written, interval_s)?,
-                size,
-                duration_s: self.duration_s(fault)?,
-            },
-            expectation: self.expectation(&self.table.expect)?,
+            injection,
+            expectation,
         })
+    }
+
+    /// Whose fault it is: one of the scenario's sources.
+    fn source(
+        &self,
+        fault: InjectedFault,
+        written: &MissionFile,
+    ) -> Result<Option<VhSourceName>, Failure> {
+        let Some(source) = self.table.source else {
+            return Ok(None);
+        };
+        if !fault.is_of_vh() {
+            return Err(self.invalid(
+                "source",
+                &format!("is not for {fault}, only for faults of V/H"),
+            ));
+        }
+        if written.vh.iter().all(|table| table.source != source) {
+            return Err(self.invalid("source", "is a source that no [[vh]] has"));
+        }
+        Ok(Some(source))
+    }
+
+    fn quantity(
+        &self,
+        fault: InjectedFault,
+        written: &MissionFile,
+    ) -> Result<Option<VhQuantity>, Failure> {
+        let Some(quantity) = self.table.of else {
+            return Ok(None);
+        };
+        if !fault.is_of_vh() {
+            return Err(self.invalid("of", &format!("is not for {fault}, only for faults of V/H")));
+        }
+        let source = self
+            .table
+            .source
+            .or_else(|| written.vh.first().map(|table| table.source));
+        if quantity == VhQuantity::Height && source == Some(VhSourceName::Direct) {
+            return Err(self.invalid("of", "is not for the source direct, which gives V/H alone"));
+        }
+        Ok(Some(quantity))
     }
 
     /// So long after a frame's trigger, or after the start.
@@ -104,6 +158,10 @@ impl Entry<'_> {
     fn duration_s(&self, fault: InjectedFault) -> Result<f64, Failure> {
         match self.table.duration_s {
             None => Ok(f64::INFINITY),
+            Some(_) if fault.is_sized_by_its_duration() => Err(self.invalid(
+                "duration_s",
+                &format!("is not for {fault}, which lasts for its size, in s"),
+            )),
             Some(_) if fault.is_momentary() => Err(self.invalid(
                 "duration_s",
                 &format!("is not for {fault}, which happens once"),
@@ -158,6 +216,20 @@ impl Entry<'_> {
                 self.invalid_expectation("refused_at_most", "is out of range: allowed 0 and more")
             })?),
         };
+        let vh_from = self.one_of(
+            "vh_from",
+            table.vh_from.as_deref(),
+            |name| VH_WAYS.into_iter().find(|way| way_name(*way) == name),
+            || VH_WAYS.map(way_name).join(", "),
+        )?;
+        for (range, value, key) in [
+            (SMEAR, table.smear_px, "smear_px"),
+            (WITHIN_S, table.armed_within_s, "armed_within_s"),
+        ] {
+            if let Some(value) = value {
+                range.check(value, self.text, &self.expect_path(key))?;
+            }
+        }
         Ok(Expectation {
             fault,
             within_ms: table.within_ms,
@@ -165,6 +237,9 @@ impl Entry<'_> {
             refused,
             flag,
             refused_at_most,
+            vh_from,
+            smear_px: table.smear_px,
+            armed_within_s: table.armed_within_s,
         })
     }
 

@@ -27,6 +27,8 @@ pub struct MissionFile {
     pub vh: Vec<VhTable>,
     pub gnss: Option<GnssTable>,
     #[serde(default)]
+    pub line: LineTable,
+    #[serde(default)]
     pub shutter: MissionShutterTable,
     #[serde(default)]
     pub mechanics: MechanicsSettings,
@@ -159,28 +161,89 @@ pub struct GnssTable {
     pub first_pulse_unix_s: i64,
 }
 
+/// `[line]`.
+#[derive(Debug, Clone, PartialEq, Eq, Deserialize)]
+#[serde(deny_unknown_fields, default)]
+#[expect(
+    missing_docs,
+    reason = "each field is the key of the same name in the scenario"
+)]
+pub struct LineTable {
+    pub carries: Option<Vec<String>>,
+    pub receiver: ReceiverFormat,
+    pub baud: i64,
+}
+
+impl Default for LineTable {
+    fn default() -> Self {
+        Self {
+            carries: None,
+            receiver: ReceiverFormat::Whole,
+            baud: 38_400,
+        }
+    }
+}
+
+/// How the satellite receiver says speed and altitude.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Deserialize)]
+#[serde(rename_all = "lowercase")]
+pub enum ReceiverFormat {
+    /// In messages that arrive whole or not at all.
+    Whole,
+    /// In sentences of NMEA 0183, byte after byte.
+    Nmea,
+}
+
 /// What gives V/H.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Deserialize)]
 #[serde(rename_all = "lowercase")]
 pub enum VhSourceName {
     /// V/H itself.
     Direct,
-    /// Ground speed and height over the ground.
+    /// Ground speed of a satellite receiver and height over the ground of a radar altimeter.
     Altimeter,
-    /// Ground speed, altitude, and height of the terrain from a model.
+    /// Ground speed of an inertial unit and height over the ground of a laser altimeter.
+    Laser,
+    /// Ground speed and altitude of a satellite receiver, and height of the terrain from a model.
     Terrain,
 }
 
 impl VhSourceName {
+    /// All of them.
+    pub const ALL: [Self; 4] = [Self::Direct, Self::Altimeter, Self::Laser, Self::Terrain];
+
+    /// The one of a name.
+    #[must_use]
+    pub fn named(name: &str) -> Option<Self> {
+        Self::ALL.into_iter().find(|source| source.name() == name)
+    }
+
+    /// Whether its speed is that of the satellite receiver.
+    #[must_use]
+    pub const fn has_receiver(self) -> bool {
+        matches!(self, Self::Altimeter | Self::Terrain)
+    }
+
     /// As in the scenario.
     #[must_use]
     pub const fn name(self) -> &'static str {
         match self {
             Self::Direct => "direct",
             Self::Altimeter => "altimeter",
+            Self::Laser => "laser",
             Self::Terrain => "terrain",
         }
     }
+}
+
+/// One of the numbers that a source of V/H gives.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Deserialize)]
+#[serde(rename_all = "lowercase")]
+pub enum VhQuantity {
+    /// Ground speed, or V/H itself.
+    Speed,
+    /// Height over the ground, or altitude.
+    Height,
 }
 
 /// `[shutter]`.
@@ -234,6 +297,8 @@ impl Default for MissionLimitsTable {
 )]
 pub struct FaultTable {
     pub name: String,
+    pub source: Option<VhSourceName>,
+    pub of: Option<VhQuantity>,
     pub at_frame: Option<i64>,
     pub onset_s: Option<f64>,
     pub size: Option<f64>,
@@ -256,4 +321,7 @@ pub struct ExpectTable {
     pub refused: Option<String>,
     pub flag: Option<String>,
     pub refused_at_most: Option<i64>,
+    pub vh_from: Option<String>,
+    pub smear_px: Option<f64>,
+    pub armed_within_s: Option<f64>,
 }

@@ -21,10 +21,48 @@ const REPORTED: Range = range(0.0, 200.0, "Hz");
 const SENSOR_RATE: Range = range(0.1, 200.0, "Hz");
 const SENSOR_SIGMA: Range = range(0.0, 20.0, "%");
 const SENSOR_LATENCY: Range = range(0.0, 2000.0, "ms");
+const BAUD: Range = range(1200.0, 921_600.0, "bits per second");
 const SHUTTER_LATENCY: Range = range(0.0, 100.0, "ms");
 const SHUTTER_JITTER: Range = range(0.0, 1000.0, "µs");
 const UNIX_S: Range = range(0.0, 2_147_483_647.0, "s since 1970");
 const PIXELS: Range = range(0.001, 100.0, "px");
+
+/// Something written that has a range.
+trait Ranged {
+    fn check(&self, range: Range, text: &CameraText, path: &[&str]) -> Result<(), Failure>;
+}
+
+impl Ranged for f64 {
+    fn check(&self, range: Range, text: &CameraText, path: &[&str]) -> Result<(), Failure> {
+        range.check(*self, text, path)
+    }
+}
+
+impl Ranged for i64 {
+    fn check(&self, range: Range, text: &CameraText, path: &[&str]) -> Result<(), Failure> {
+        range.check(whole(*self), text, path)
+    }
+}
+
+impl Ranged for [f64; 3] {
+    fn check(&self, range: Range, text: &CameraText, path: &[&str]) -> Result<(), Failure> {
+        range.check_each(self, text, path)
+    }
+}
+
+impl<T: Ranged> Ranged for Option<T> {
+    fn check(&self, range: Range, text: &CameraText, path: &[&str]) -> Result<(), Failure> {
+        self.as_ref()
+            .map_or(Ok(()), |value| value.check(range, text, path))
+    }
+}
+
+/// Checks `table.key` under these names, which are those of the file.
+macro_rules! check {
+    ($text:ident: $($table:ident.$key:ident $range:ident),+ $(,)?) => {
+        $($table.$key.check($range, $text, &[stringify!($table), stringify!($key)])?;)+
+    };
+}
 
 /// Refuses the first number of the mission that is out of its range; faults and mechanics apart.
 pub(super) fn check_numbers(mission: &MissionFile, text: &CameraText) -> Result<(), Failure> {
@@ -33,67 +71,38 @@ pub(super) fn check_numbers(mission: &MissionFile, text: &CameraText) -> Result<
         air,
         attitude,
         terrain,
-        vh,
+        line,
         shutter,
         limits,
         ..
     } = mission;
-    for (range, value, table, key) in [
-        (FLYING_HEIGHT, flight.height_m, "flight", "height_m"),
-        (SPEED, flight.speed_m_s, "flight", "speed_m_s"),
-        (EXPOSURE, flight.exposure_s, "flight", "exposure_s"),
-        (EXPOSURES, whole(flight.exposures), "flight", "exposures"),
-        (
-            FIRST_TRIGGER,
-            flight.first_trigger_s,
-            "flight",
-            "first_trigger_s",
-        ),
-        (GUST_CORNER, air.gust_corner_hz, "air", "gust_corner_hz"),
-        (ANGLE, attitude.pitch_deg, "attitude", "pitch_deg"),
-        (ANGLE, attitude.roll_deg, "attitude", "roll_deg"),
-        (ANGLE, attitude.drift_deg, "attitude", "drift_deg"),
-        (
-            RATE_CORNER,
-            attitude.rate_corner_hz,
-            "attitude",
-            "rate_corner_hz",
-        ),
-        (REPORTED, attitude.reported_hz, "attitude", "reported_hz"),
-        (TERRAIN_HEIGHT, terrain.height_m, "terrain", "height_m"),
-        (RELIEF, terrain.relief_m, "terrain", "relief_m"),
-        (WAVELENGTH, terrain.wavelength_m, "terrain", "wavelength_m"),
-        (SHUTTER_LATENCY, shutter.latency_ms, "shutter", "latency_ms"),
-        (SHUTTER_JITTER, shutter.jitter_us, "shutter", "jitter_us"),
-        (PIXELS, limits.pp_error_px, "limits", "pp_error_px"),
-        (PIXELS, limits.smear_px, "limits", "smear_px"),
-    ] {
-        range.check(value, text, &[table, key])?;
-    }
-    for (range, value, key) in [
-        (
-            OVERLAP,
-            flight.forward_overlap_percent,
-            "forward_overlap_percent",
-        ),
-        (INTERVAL, flight.interval_s, "interval_s"),
-        (
-            CLEARED_AFTER,
-            flight.clear_faults_after_s,
-            "clear_faults_after_s",
-        ),
-    ] {
-        if let Some(value) = value {
-            range.check(value, text, &["flight", key])?;
-        }
-    }
-    GUST.check_each(&air.gust_rms_m_s, text, &["air", "gust_rms_m_s"])?;
-    RATE.check_each(
-        &attitude.rate_rms_deg_s,
-        text,
-        &["attitude", "rate_rms_deg_s"],
-    )?;
-    for (index, sensor) in vh.iter().enumerate() {
+    check!(text:
+        flight.height_m FLYING_HEIGHT,
+        flight.speed_m_s SPEED,
+        flight.exposure_s EXPOSURE,
+        flight.exposures EXPOSURES,
+        flight.forward_overlap_percent OVERLAP,
+        flight.interval_s INTERVAL,
+        flight.first_trigger_s FIRST_TRIGGER,
+        flight.clear_faults_after_s CLEARED_AFTER,
+        air.gust_rms_m_s GUST,
+        air.gust_corner_hz GUST_CORNER,
+        attitude.pitch_deg ANGLE,
+        attitude.roll_deg ANGLE,
+        attitude.drift_deg ANGLE,
+        attitude.rate_rms_deg_s RATE,
+        attitude.rate_corner_hz RATE_CORNER,
+        attitude.reported_hz REPORTED,
+        terrain.height_m TERRAIN_HEIGHT,
+        terrain.relief_m RELIEF,
+        terrain.wavelength_m WAVELENGTH,
+        line.baud BAUD,
+        shutter.latency_ms SHUTTER_LATENCY,
+        shutter.jitter_us SHUTTER_JITTER,
+        limits.pp_error_px PIXELS,
+        limits.smear_px PIXELS,
+    );
+    for (index, sensor) in mission.vh.iter().enumerate() {
         let index = index.to_string();
         for (range, value, key) in [
             (SENSOR_RATE, sensor.rate_hz, "rate_hz"),
@@ -104,11 +113,7 @@ pub(super) fn check_numbers(mission: &MissionFile, text: &CameraText) -> Result<
         }
     }
     if let Some(gnss) = &mission.gnss {
-        UNIX_S.check(
-            whole(gnss.first_pulse_unix_s),
-            text,
-            &["gnss", "first_pulse_unix_s"],
-        )?;
+        check!(text: gnss.first_pulse_unix_s UNIX_S);
     }
     if flight.height_m <= terrain.height_m + terrain.relief_m {
         return Err(text.invalid(

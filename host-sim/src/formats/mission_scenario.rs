@@ -9,12 +9,13 @@ use fmc_camera::flight::exposure::Exposure;
 use super::camera_error::CameraText;
 use super::camera_file::{CameraFile, MechanismName};
 use super::mission_fault;
-use super::mission_file::MissionFile;
+use super::mission_file::{MissionFile, ReceiverFormat, VhSourceName};
 use super::mission_range;
 use super::number::single;
 use crate::failure::Failure;
 use crate::mission::expectation::Expectation;
 use crate::mission::fault::Injection;
+use crate::mission::fault::line::Carried;
 use crate::mission::settings::flight_settings;
 
 /// The nominal mission that is part of the program, and its camera.
@@ -112,6 +113,7 @@ impl MissionScenario {
         }
         mission_range::check_numbers(&written, &text)?;
         check_sources(&written, &text)?;
+        check_line(&written, &text)?;
         check_mechanics(&written, &text)?;
         let (camera, checked) = camera_of(&written.camera)?;
         let interval_s = interval_s(&written, &camera, &text)?;
@@ -144,6 +146,15 @@ impl MissionScenario {
     #[must_use]
     pub fn vh_per_s(&self) -> f64 {
         vh_per_s(&self.written)
+    }
+
+    /// What hangs on the serial line.
+    #[must_use]
+    pub fn carried(&self) -> Carried {
+        match &self.written.line.carries {
+            Some(names) => Carried::of_names(names.iter().map(String::as_str)),
+            None => Carried::everything(),
+        }
     }
 
     /// Number of exposures.
@@ -179,6 +190,31 @@ fn check_sources(written: &MissionFile, text: &CameraText) -> Result<(), Failure
                 "is a source that an earlier [[vh]] has already",
             ));
         }
+    }
+    Ok(())
+}
+
+/// What hangs on the line is known, and there is a receiver where one is to speak.
+fn check_line(written: &MissionFile, text: &CameraText) -> Result<(), Failure> {
+    for name in written.line.carries.iter().flatten() {
+        if Carried::named(name).is_none() {
+            let sources = VhSourceName::ALL.map(VhSourceName::name);
+            return Err(text.invalid(
+                &["line", "carries"],
+                &format!(
+                    "holds \"{name}\"; there are {}, and of single sources {}",
+                    Carried::NAMES.join(", "),
+                    sources.join(", ")
+                ),
+            ));
+        }
+    }
+    let has_receiver = written.vh.iter().any(|table| table.source.has_receiver());
+    if written.line.receiver == ReceiverFormat::Nmea && !has_receiver {
+        return Err(text.invalid(
+            &["line", "receiver"],
+            "speaks of a receiver, which only the sources altimeter and terrain have",
+        ));
     }
     Ok(())
 }

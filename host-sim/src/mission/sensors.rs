@@ -1,19 +1,16 @@
 //! What the aircraft's sensors tell the camera, and when.
 
-use std::collections::VecDeque;
-
 use fmc_camera::flight::event::Event;
 use fmc_camera::flight::time::Time;
-use fmc_camera::flight::vh::VhSample;
 
-use super::aircraft::{Aircraft, SpeedAndHeight};
+use super::aircraft::Aircraft;
 use super::fault::Injection;
+use super::fault::line::{SerialLine, Traffic};
 use super::fault::trigger::microseconds;
-use super::fault::vh::VhFaults;
-use crate::formats::mission_file::VhSourceName;
+use super::receiver::{SentenceCounts, SentenceLine};
+use super::source::{Source, ToldVh};
+use crate::formats::mission_file::ReceiverFormat;
 use crate::formats::mission_scenario::MissionScenario;
-use crate::formats::number::single;
-use crate::noise::Noise;
 
 /// When the receiver's first time pulse comes, µs.
 const FIRST_PULSE_US: u64 = 300_250;
@@ -26,59 +23,56 @@ const NAMED_AFTER_US: u64 = 120_000;
 #[derive(Debug, Clone)]
 pub struct Sensors {
     sources: Vec<Source>,
+    /// Speed and altitude of the receiver as sentences.
+    sentences: Option<SentenceLine>,
+    line: SerialLine,
     attitude: Option<Clocked>,
     /// The time pulse, and the second that the first one begins.
     pulses: Option<(Clocked, u64)>,
     /// When something happens next, µs.
     due_us: u64,
-    told_vh_per_s: f64,
+    /// V/H as the first source has it.
+    told: Option<ToldVh>,
 }
 
 /// Something that comes round.
 #[derive(Debug, Clone, Copy)]
-struct Clocked {
-    period_us: u64,
-    next_us: u64,
-}
-
-/// A source of V/H.
-#[derive(Debug, Clone)]
-struct Source {
-    name: VhSourceName,
-    clock: Clocked,
-    latency_us: u64,
-    /// σ of V/H relative to it.
-    sigma: f64,
-    noise: Noise,
-    faults: VhFaults,
-    under_way: VecDeque<(u64, VhSample)>,
+pub(super) struct Clocked {
+    pub(super) period_us: u64,
+    pub(super) next_us: u64,
 }
 
 impl Sensors {
-    /// The sensors of a scenario; faults are those of the first V/H source.
+    /// The sensors of a scenario, with the faults of its sources.
     #[must_use]
-    pub fn of(scenario: &MissionScenario, injections: &[Injection], seed: u64) -> Self {
-        let sources = scenario
-            .written
-            .vh
-            .iter()
-            .zip(1_u64..)
-            .map(|(sensor, number)| Source {
-                name: sensor.source,
-                clock: Clocked {
-                    period_us: microseconds(1.0 / sensor.rate_hz),
-                    // Nobody's clocks are in step.
-                    next_us: 1000 * number + 137 * number,
-                },
-                latency_us: microseconds(sensor.latency_ms / 1000.0),
-                sigma: sensor.sigma_percent / 100.0,
-                noise: Noise::new(seed, number),
-                faults: VhFaults::new(if number == 1 { injections } else { &[] }),
-                under_way: VecDeque::new(),
-            });
+    pub fn of(
+        scenario: &MissionScenario,
+        line: &SerialLine,
+        injections: &[Injection],
+        seed: u64,
+    ) -> Self {
+        let tables = &scenario.written.vh;
+        let sources = tables.iter().zip(1_u64..).map(|(table, number)| {
+            // There is one receiver in the aircraft.
+            let is_speed_known = table.source.has_receiver()
+                && tables
+                    .iter()
+                    .take_while(|earlier| earlier.source != table.source)
+                    .any(|earlier| earlier.source.has_receiver());
+            Source::new(table, number, injections, is_speed_known, seed)
+        });
         let reported_hz = scenario.written.attitude.reported_hz;
+        let receiver = tables.iter().find(|table| table.source.has_receiver());
+        let sentences = receiver
+            .filter(|_| scenario.written.line.receiver == ReceiverFormat::Nmea)
+            .map(|table| {
+                let baud = u64::try_from(scenario.written.line.baud).unwrap_or(0);
+                SentenceLine::new(Traffic::Vh(table.source), baud)
+            });
         Self {
             sources: sources.collect(),
+            sentences,
+            line: line.clone(),
             attitude: (reported_hz > 0.0).then(|| Clocked {
                 period_us: microseconds(1.0 / reported_hz),
                 next_us: 700,
@@ -91,7 +85,7 @@ impl Sensors {
                 (clock, u64::try_from(gnss.first_pulse_unix_s).unwrap_or(0))
             }),
             due_us: 0,
-            told_vh_per_s: 0.0,
+            told: tables.first().map(|table| ToldVh::of(table.source)),
         }
     }
 
@@ -103,21 +97,26 @@ impl Sensors {
         }
         let mut due_us = u64::MAX;
         for source in &mut self.sources {
-            source.measure(aircraft, to_us);
-            while let Some((at_us, sample)) = source.under_way.front().copied() {
-                if at_us > to_us {
-                    due_us = due_us.min(at_us);
-                    break;
+            source.measure(aircraft, &mut self.sentences, to_us);
+            while let Some((at_us, sample)) = source.arrived(to_us) {
+                if !self.line.loses(source.traffic(), at_us) {
+                    arrived.push((Time::from_us(at_us), Event::Vh(sample)));
                 }
-                source.under_way.pop_front();
+            }
+            due_us = due_us.min(source.due_us());
+        }
+        if let Some(sentences) = &mut self.sentences {
+            for (at_us, sample) in sentences.read(&self.line, to_us) {
                 arrived.push((Time::from_us(at_us), Event::Vh(sample)));
             }
-            due_us = due_us.min(source.clock.next_us);
+            due_us = due_us.min(sentences.due_us().unwrap_or(u64::MAX));
         }
         if let Some(clock) = &mut self.attitude {
             while clock.next_us <= to_us {
-                let sample = aircraft.attitude_sample(seconds(clock.next_us));
-                arrived.push((Time::from_us(clock.next_us), Event::Attitude(sample)));
+                if !self.line.loses(Traffic::Attitude, clock.next_us) {
+                    let sample = aircraft.attitude_sample(seconds(clock.next_us));
+                    arrived.push((Time::from_us(clock.next_us), Event::Attitude(sample)));
+                }
                 clock.next_us += clock.period_us.max(1);
             }
             due_us = due_us.min(clock.next_us);
@@ -133,7 +132,9 @@ impl Sensors {
                     clock.next_us += NAMED_AFTER_US;
                 } else {
                     let unix_us = (*first_unix_s + second) * SECOND_US;
-                    arrived.push((time, Event::GnssTime(unix_us)));
+                    if !self.line.loses(Traffic::Time, clock.next_us) {
+                        arrived.push((time, Event::GnssTime(unix_us)));
+                    }
                     clock.next_us += clock.period_us - NAMED_AFTER_US;
                 }
             }
@@ -141,93 +142,26 @@ impl Sensors {
         }
         self.due_us = due_us;
         arrived.sort_by_key(|(time, _)| *time);
-        if let Some(first) = self.sources.first()
-            && let Some(told) = first.told(&arrived)
-        {
-            self.told_vh_per_s = told;
+        if let Some(told) = &mut self.told {
+            for (_, event) in &arrived {
+                told.hear(event);
+            }
         }
         arrived
     }
 
     /// V/H as the first source has it, 1/s; 0 before it has spoken.
     #[must_use]
-    pub const fn told_vh_per_s(&self) -> f64 {
-        self.told_vh_per_s
-    }
-}
-
-impl Source {
-    /// Takes the samples that are due up to a time and sends them.
-    fn measure(&mut self, aircraft: &Aircraft, to_us: u64) {
-        while self.clock.next_us <= to_us {
-            let time_us = self.clock.next_us;
-            self.clock.next_us += self.clock.period_us.max(1);
-            let time_s = seconds(time_us);
-            let truth = aircraft.speed_and_height(time_s);
-            // Speed and height share the variance.
-            let part = self.sigma / 2.0_f64.sqrt();
-            let [whole, of_speed, of_height] = self.noise.next([self.sigma, part, part]);
-            let value = match self.name {
-                VhSourceName::Direct => truth.vh_per_s() * (1.0 + whole),
-                VhSourceName::Altimeter | VhSourceName::Terrain => {
-                    truth.ground_speed_m_s * (1.0 + of_speed)
-                }
-            };
-            let Some(said) = self.faults.said(time_s, value) else {
-                continue;
-            };
-            for sample in samples(self.name, said, &truth, of_height) {
-                self.under_way
-                    .push_back((time_us + self.latency_us, sample));
-            }
-        }
+    pub fn told_vh_per_s(&self) -> f64 {
+        self.told.map_or(0.0, |told| told.vh_per_s())
     }
 
-    /// V/H of the last samples among the arrivals.
-    fn told(&self, arrived: &[(Time, Event)]) -> Option<f64> {
-        let [mut speed, mut height] = [None, None];
-        for (_, event) in arrived {
-            match (self.name, event) {
-                (VhSourceName::Direct, Event::Vh(VhSample::Direct(vh))) => {
-                    return Some(f64::from(*vh));
-                }
-                (_, Event::Vh(VhSample::GroundSpeed(value))) => speed = Some(f64::from(*value)),
-                (
-                    VhSourceName::Altimeter,
-                    Event::Vh(VhSample::HeightAboveGround(value) | VhSample::Altitude(value)),
-                ) => height = Some(f64::from(*value)),
-                (VhSourceName::Terrain, Event::Vh(VhSample::Altitude(value))) => {
-                    height = Some(f64::from(*value));
-                }
-                (VhSourceName::Terrain, Event::Vh(VhSample::TerrainHeight(value))) => {
-                    height = height.map(|altitude: f64| altitude - f64::from(*value));
-                }
-                _ => {}
-            }
-        }
-        Some(speed? / height?)
-    }
-}
-
-/// What a source sends of one instant.
-fn samples(
-    name: VhSourceName,
-    said: f64,
-    truth: &SpeedAndHeight,
-    height_error: f64,
-) -> Vec<VhSample> {
-    let above_ground_m = truth.height_above_ground_m();
-    match name {
-        VhSourceName::Direct => vec![VhSample::Direct(single(said))],
-        VhSourceName::Altimeter => vec![
-            VhSample::GroundSpeed(single(said)),
-            VhSample::HeightAboveGround(single(above_ground_m * (1.0 + height_error))),
-        ],
-        VhSourceName::Terrain => vec![
-            VhSample::GroundSpeed(single(said)),
-            VhSample::Altitude(single(truth.altitude_m + above_ground_m * height_error)),
-            VhSample::TerrainHeight(single(truth.terrain_m)),
-        ],
+    /// What became of the receiver's sentences.
+    #[must_use]
+    pub fn sentence_counts(&self) -> SentenceCounts {
+        self.sentences
+            .as_ref()
+            .map_or_else(SentenceCounts::default, SentenceLine::counts)
     }
 }
 

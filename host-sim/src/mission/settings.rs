@@ -66,6 +66,10 @@ fn vh_settings(written: &MissionFile) -> VhSettings {
                 told(&mut settings.ground_speed, part * speed_m_s);
                 told(&mut settings.height_above_ground, part * height_m);
             }
+            VhSourceName::Laser => {
+                told(&mut settings.inertial_speed, part * speed_m_s);
+                told(&mut settings.laser_height, part * height_m);
+            }
             VhSourceName::Terrain => {
                 told(&mut settings.ground_speed, part * speed_m_s);
                 told(&mut settings.altitude, part * height_m);

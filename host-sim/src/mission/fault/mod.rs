@@ -11,7 +11,7 @@
 //! assert_eq!(sweep.count(), 4);
 //! ```
 
-pub mod link;
+pub mod line;
 pub mod shutter;
 pub mod stage;
 pub mod trigger;
@@ -19,10 +19,12 @@ pub mod vh;
 
 use std::fmt;
 
+use crate::formats::mission_file::{VhQuantity, VhSourceName};
+
 /// Something that goes wrong outside the camera.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
 pub enum InjectedFault {
-    /// The first V/H source is silent.
+    /// A V/H source is silent.
     VhDropOut,
     /// Its values jump.
     VhJump,
@@ -52,7 +54,7 @@ pub enum InjectedFault {
     ShutterDouble,
     /// Another trigger comes soon after one.
     TriggerOverlap,
-    /// The link to the computer is cut.
+    /// The serial line is cut, with everything that hangs on it.
     UartCut,
 }
 
@@ -125,7 +127,7 @@ impl InjectedFault {
             }
             Self::ShutterDouble => "ms after the first edge",
             Self::TriggerOverlap => "ms after the trigger",
-            Self::UartCut => "of the requests",
+            Self::UartCut => "s",
         }
     }
 
@@ -133,7 +135,7 @@ impl InjectedFault {
     #[must_use]
     pub const fn range(self) -> [f64; 2] {
         match self {
-            Self::VhDropOut | Self::VhNan | Self::VhWrongSign | Self::UartCut => [0.01, 1.0],
+            Self::VhDropOut | Self::VhNan | Self::VhWrongSign => [0.01, 1.0],
             Self::VhJump => [-99.0, 1000.0],
             Self::VhFrozen => [0.0, 60.0],
             Self::VhWrongUnit => [0.001, 1000.0],
@@ -145,7 +147,7 @@ impl InjectedFault {
             Self::ShutterLate => [0.01, 100.0],
             Self::ShutterMissing => [0.0, 2.0],
             Self::ShutterDouble => [0.01, 50.0],
-            Self::TriggerOverlap => [0.001, 1000.0],
+            Self::TriggerOverlap | Self::UartCut => [0.001, 1000.0],
         }
     }
 
@@ -162,10 +164,10 @@ impl InjectedFault {
             Self::ShutterDouble => 0.5,
             Self::TriggerOverlap => 20.0,
             Self::Stall => 50.0,
+            Self::UartCut => 6.0,
             Self::VhDropOut
             | Self::VhNan
             | Self::VhWrongSign
-            | Self::UartCut
             | Self::SignError
             | Self::Runaway
             | Self::LimitSwitch => 1.0,
@@ -176,6 +178,26 @@ impl InjectedFault {
     #[must_use]
     pub const fn is_momentary(self) -> bool {
         matches!(self, Self::TriggerOverlap)
+    }
+
+    /// Whether its size is how long it lasts, s.
+    #[must_use]
+    pub const fn is_sized_by_its_duration(self) -> bool {
+        matches!(self, Self::UartCut)
+    }
+
+    /// Whether it is one of a source of V/H.
+    #[must_use]
+    pub const fn is_of_vh(self) -> bool {
+        matches!(
+            self,
+            Self::VhDropOut
+                | Self::VhJump
+                | Self::VhNan
+                | Self::VhFrozen
+                | Self::VhWrongUnit
+                | Self::VhWrongSign
+        )
     }
 
     /// Whether its sizes are whole numbers.
@@ -203,8 +225,12 @@ pub struct Injection {
     pub onset_s: f64,
     /// How much, in the fault's own unit.
     pub size: f64,
-    /// For how long, s; infinite: to the end.
+    /// For how long, s; infinite: to the end. Not looked at where the size says it.
     pub duration_s: f64,
+    /// Of a fault of V/H: whose; `None`: of the first source.
+    pub source: Option<VhSourceName>,
+    /// Of a fault of V/H: of which of the source's numbers; `None`: speed or V/H, and of a drop-out all.
+    pub quantity: Option<VhQuantity>,
 }
 
 impl Injection {
@@ -216,6 +242,8 @@ impl Injection {
             onset_s,
             size: fault.default_size(),
             duration_s: f64::INFINITY,
+            source: None,
+            quantity: None,
         }
     }
 
@@ -231,10 +259,30 @@ impl Injection {
         Self { duration_s, ..self }
     }
 
+    /// The same of another source of V/H.
+    #[must_use]
+    pub const fn of_source(self, source: VhSourceName) -> Self {
+        Self {
+            source: Some(source),
+            ..self
+        }
+    }
+
+    /// When it is over, s of the flight; infinite: never.
+    #[must_use]
+    pub fn end_s(&self) -> f64 {
+        let lasts_s = if self.fault.is_sized_by_its_duration() {
+            self.size
+        } else {
+            self.duration_s
+        };
+        self.onset_s + lasts_s
+    }
+
     /// Whether it is there at a time, s.
     #[must_use]
     pub fn is_on(&self, time_s: f64) -> bool {
-        time_s >= self.onset_s && time_s < self.onset_s + self.duration_s
+        time_s >= self.onset_s && time_s < self.end_s()
     }
 }
 

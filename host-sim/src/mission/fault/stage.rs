@@ -25,7 +25,7 @@ fn one(injection: &Injection) -> Option<mechanics::Injection> {
     Some(mechanics::Injection {
         fault,
         from_s: injection.onset_s,
-        until_s: injection.onset_s + injection.duration_s,
+        until_s: injection.end_s(),
     })
 }
 

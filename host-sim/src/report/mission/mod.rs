@@ -12,7 +12,7 @@ pub mod truth_csv;
 use fmc_camera::flight::frame_record::FrameRecord;
 
 use crate::formats::mission_scenario::MissionScenario;
-use crate::mission::flight_loop::Flown;
+use crate::mission::flown::Flown;
 use crate::mission::judgement::Judgement;
 
 /// Everything a report is made of.
