@@ -2,8 +2,10 @@
 
 use std::collections::BTreeSet;
 
-use fmc_camera::flight::frame_record::{Flag, Outcome};
+use fmc_camera::flight::frame_record::{Flag, Outcome, Reason};
+use fmc_camera::flight::vh::VhSource;
 use host_sim::mission::fault::InjectedFault;
+use host_sim::mission::flown::FlownFrame;
 
 use crate::support::{fault_scenario, folder, passed};
 
@@ -166,9 +168,104 @@ fn trigger_that_comes_too_soon_is_refused_and_disturbs_nothing() {
 }
 
 #[test]
-fn records_outlast_a_cut_of_the_link() {
-    let (flown, _) = passed(&fault_scenario("uart-cut"), 1);
+fn edge_that_the_sensor_misses_is_refused_or_flagged() {
+    let (flown, _) = passed(&fault_scenario("shutter-opening-edge"), 1);
+    // The light has passed all the same.
+    assert_eq!(flown.unrecorded.len(), 1);
+    let (flown, judgement) = passed(&fault_scenario("shutter-closing-edge"), 1);
+    let assumed = flown
+        .frames
+        .iter()
+        .zip(&judgement.errors)
+        .filter(|(frame, _)| frame.record.flags.contains(Flag::LastLightAssumed));
+    for (_, errors) in assumed {
+        assert!(errors.unwrap().pp_error_px.abs() < 0.1);
+    }
+}
+
+#[test]
+fn cut_line_is_bridged_then_flown_without_and_everything_comes_afterwards() {
+    let scenario = fault_scenario("uart-cut");
+    let (flown, _) = passed(&scenario, 1);
     assert!(flown.lost_requests > 0);
     let sequences = flown.frames.iter().map(|frame| frame.record.sequence);
-    assert!(sequences.eq(1..=24));
+    assert!(sequences.eq(1..=48));
+    // In the middle of a sentence: what was there of it is no speed.
+    let sentences = flown.sentences;
+    assert_eq!(sentences.refused, 1, "{sentences:?}");
+    assert!(sentences.read + 140 < sentences.sent && sentences.lost_bytes > 5000);
+    // The clock goes on from its pulses: UTC of every frame from the onset on is right to 20 µs, the simulation's step.
+    let first_pulse_s = scenario.written.gnss.as_ref().unwrap().first_pulse_unix_s;
+    for frame in flown.frames.iter().skip(8) {
+        let (Outcome::Exposed(exposed), Some(truth)) = (&frame.record.outcome, &frame.truth) else {
+            panic!("trigger {} has no exposure", frame.record.sequence);
+        };
+        let said_us = exposed.centroid_utc.unwrap().unix_us;
+        let true_us = 1e6 * (truth.centroid_s - 0.300_25);
+        let since_pulse_us = said_us - 1_000_000 * u64::try_from(first_pulse_s).unwrap();
+        let apart_us = f64::from(u32::try_from(since_pulse_us).unwrap()) - true_us;
+        assert!(apart_us.abs() < 20.0, "{apart_us} µs");
+    }
+}
+
+#[test]
+fn records_beyond_the_cameras_memory_are_refused_and_none_is_overwritten() {
+    let (flown, _) = passed(&fault_scenario("uart-cut-records"), 1);
+    let full = flown
+        .frames
+        .iter()
+        .filter(|frame| frame.record.outcome == Outcome::Refused(Reason::RecordsFull));
+    // 40 triggers in 20 s, and one as the line comes back; 32 records are kept.
+    assert_eq!(full.count(), 9);
+}
+
+#[test]
+fn second_source_serves_when_the_first_falls_silent() {
+    let (flown, judgement) = passed(&fault_scenario("vh-drop-out-second-source"), 1);
+    let sources: Vec<VhSource> = flown.frames.iter().filter_map(source).collect();
+    let direct = sources.iter().take_while(|one| **one == VhSource::Direct);
+    // The silent one is held for its validity: ten triggers in five seconds.
+    assert_eq!(direct.count(), 17);
+    let rest = sources.iter().skip(17);
+    assert!(rest.clone().count() == 23 && rest.clone().all(|one| *one == VhSource::Altimeter));
+    for errors in judgement.errors.iter().flatten() {
+        assert!(errors.smear_px < 0.25, "{errors:?}");
+    }
+    let (flown, _) = passed(&fault_scenario("vh-drop-out-third-source"), 1);
+    assert!(flown.announced.is_empty());
+}
+
+#[test]
+fn source_that_has_jumped_is_flagged_where_another_has_not() {
+    let (flown, judgement) = passed(&fault_scenario("vh-jump-second-source"), 1);
+    let mut smeared = 0;
+    for (frame, errors) in flown.frames.iter().zip(&judgement.errors) {
+        let errors = errors.unwrap();
+        // 30 % of 4.6 px, and the camera says so.
+        if errors.smear_px > 0.25 {
+            smeared += 1;
+            assert!(frame.record.flags.contains(Flag::SmearOverBudget));
+            assert!(errors.predicted_px > errors.smear_px - 0.25, "{errors:?}");
+        }
+    }
+    assert!(smeared > 10);
+}
+
+#[test]
+fn second_source_serves_when_the_first_is_frozen_or_in_another_unit() {
+    for name in ["vh-frozen-second-source", "vh-wrong-unit-second-source"] {
+        let (flown, judgement) = passed(&fault_scenario(name), 1);
+        assert!(flown.announced.is_empty(), "{name}: {:?}", flown.announced);
+        for (frame, errors) in flown.frames.iter().zip(&judgement.errors) {
+            assert!(errors.unwrap().smear_px < 0.25, "{name}: {errors:?}");
+            assert_eq!(source(frame), Some(VhSource::Altimeter));
+        }
+    }
+}
+
+fn source(frame: &FlownFrame) -> Option<VhSource> {
+    match &frame.record.outcome {
+        Outcome::Exposed(exposed) => exposed.vh.map(|vh| vh.source),
+        Outcome::Refused(_) => None,
+    }
 }

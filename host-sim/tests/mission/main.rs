@@ -7,6 +7,8 @@ mod faults;
 #[cfg(test)]
 mod nominal;
 #[cfg(test)]
+mod stall;
+#[cfg(test)]
 mod support;
 #[cfg(test)]
 mod sweep;

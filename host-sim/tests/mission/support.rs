@@ -5,7 +5,8 @@ use std::path::{Path, PathBuf};
 use host_sim::device::{FlyingDevice, InProcess};
 use host_sim::formats::mission_scenario::MissionScenario;
 use host_sim::mechanics::Mechanics;
-use host_sim::mission::flight_loop::{FlightOptions, Flown, fly};
+use host_sim::mission::flight_loop::{FlightOptions, fly};
+use host_sim::mission::flown::Flown;
 use host_sim::mission::judgement::Judgement;
 use host_sim::mission::settings::flight_settings;
 
@@ -21,13 +22,18 @@ pub(crate) fn fault_scenario(name: &str) -> MissionScenario {
 
 /// A flight in this process.
 pub(crate) fn flown(scenario: &MissionScenario, seed: u64) -> Flown {
+    flown_with(scenario, seed, None)
+}
+
+/// The same, with the rounds of a frame.
+pub(crate) fn flown_with(scenario: &MissionScenario, seed: u64, frame: Option<u32>) -> Flown {
     let mut device = InProcess::default();
     let settings = flight_settings(&scenario.written, scenario.interval_s);
     device
         .prepare(&scenario.camera.record(), &settings)
         .unwrap();
     let mechanics = Mechanics::new(scenario.written.mechanics).unwrap();
-    let options = FlightOptions { seed, frame: None };
+    let options = FlightOptions { seed, frame };
     fly(scenario, options, mechanics, &mut device, |_| {}).unwrap()
 }
 
