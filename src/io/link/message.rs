@@ -190,7 +190,8 @@ pub enum Refusal {
     Settings,
     /// The mechanism cannot make the travel, or not in the time between triggers.
     Travel(FrameError),
-    /// A frame is in flight, or the stage has force on it: calibration and settings stay.
+    /// A frame is in flight, or the stage has force on it: calibration and settings stay, and nothing is begun that lasts
+    /// longer than a round of the control loop.
     FrameInFlight,
     /// So many flight records have not been acknowledged, and would be lost.
     RecordsKept(u32),

@@ -1,6 +1,7 @@
 //! ST NUCLEO-H743ZI2: STM32H743ZI, Cortex-M7 at 400 MHz.
 //!
 //! The link is USART3, which the board's ST-LINK shows to the PC as a serial port; logs leave through the debugger (RTT).
+//! A motor with an encoder moves the stage; edges of trigger, time pulse and shutter are stamped by the clock's own timer.
 //! `docs/board.md` has pins, connectors and instructions.
 
 mod captures;
