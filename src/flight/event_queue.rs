@@ -176,7 +176,9 @@ impl EventQueue {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::flight::event::Supply;
+    use crate::flight::controller::timing::{LATE_EVENT_S, TICK_S};
+    use crate::flight::event::{AttitudeSample, Supply};
+    use crate::flight::fault::Fault;
     use crate::flight::unit::MAX_ROUND_ACTIONS;
     use crate::flight::vh::VhSample;
 
@@ -296,5 +298,79 @@ mod tests {
         queue.push(NOW, Event::Trigger);
         queue.clear();
         assert!(queue.take(NOW).is_empty());
+    }
+
+    /// An event of each kind.
+    fn of_every_kind() -> [Event; 11] {
+        let attitude = AttitudeSample {
+            pitch_deg: 0.0,
+            roll_deg: 0.0,
+            drift_deg: 0.0,
+            rates_deg_s: [0.0; 3],
+        };
+        [
+            OPENED,
+            CLOSED,
+            Event::Trigger,
+            Event::TimePulse,
+            Event::LimitSwitch,
+            Event::Drive(Fault::Drive),
+            Event::Supply(Supply::Low),
+            Event::Command(Command::Referenced),
+            Event::Vh(VhSample::Direct(0.1)),
+            Event::Attitude(attitude),
+            Event::GnssTime(0),
+        ]
+    }
+
+    #[test]
+    fn full_queue_is_handed_over_before_its_events_are_too_old() {
+        let mut queue = EventQueue::new();
+        // Each kind more often than it has places, and every command one that begins a round.
+        for time in 0..5 {
+            for event in of_every_kind() {
+                queue.push(at(time), event);
+            }
+        }
+        assert_eq!(queue.waiting.len(), CAPACITY);
+        let mut rounds = 0_u8;
+        while !queue.waiting.is_empty() {
+            // One more is lost in every round.
+            queue.count_lost(1);
+            queue.take(NOW);
+            rounds += 1;
+        }
+        let waited_s = f32::from(rounds) * TICK_S;
+        assert!(waited_s <= LATE_EVENT_S, "{rounds} rounds");
+    }
+
+    #[test]
+    fn whatever_comes_is_handed_over_in_order_refused_or_counted() {
+        let arrivals = proptest::collection::vec((0..11_usize, 0..1000_u64, 0..8_u8), 0..200);
+        proptest::proptest!(|(arrivals in arrivals)| {
+            let mut queue = EventQueue::new();
+            let (mut pushed, mut handed, mut lost) = (0, 0, 0);
+            let mut take = |queue: &mut EventQueue| {
+                let batch = queue.take(NOW);
+                assert!(batch.is_sorted_by_key(|(time, _)| *time));
+                for (_, event) in &batch {
+                    match event {
+                        Event::Lost(events) => lost += events,
+                        _ => handed += 1,
+                    }
+                }
+            };
+            for (kind, time, round) in arrivals {
+                queue.push(at(time), of_every_kind()[kind]);
+                pushed += 1;
+                if round == 0 {
+                    take(&mut queue);
+                }
+            }
+            while !queue.waiting.is_empty() || queue.lost > 0 {
+                take(&mut queue);
+            }
+            assert_eq!(pushed, handed + lost);
+        });
     }
 }

@@ -8,10 +8,12 @@
     reason = "tests"
 )]
 
+mod board;
 mod conversation;
 mod damage;
 mod fit;
 mod flown;
+mod flown_requests;
 mod fuzzed;
 mod in_flight;
 mod messages;

@@ -1,0 +1,154 @@
+//! What a camera on a board is asked for, and refuses.
+
+use fmc_camera::flight::camera::Mechanism;
+use fmc_camera::flight::controller::state::State;
+use fmc_camera::flight::drive::FmcDrive;
+use fmc_camera::flight::drive::pwm_encoder::DriveSettings;
+use fmc_camera::flight::drive::rig::RigDrive;
+use fmc_camera::flight::event::{Command, Event, ShutterEdge};
+use fmc_camera::flight::fault::Fault;
+use fmc_camera::flight::rig::RigStep;
+use fmc_camera::flight::settings::FlightSettings;
+use fmc_camera::flight::time::Time;
+use fmc_camera::flight::vh::VhSample;
+use fmc_camera::geometry::estimation::options::FitOptions;
+use fmc_camera::io::link::deck::FlightDeck;
+use fmc_camera::io::link::flown_deck::FlownDeck;
+use fmc_camera::io::link::message::{Answer, Grid, Observations, Refusal, Request, Start};
+
+use crate::board::{Board, COUNT_AT_START};
+use crate::pc::{Pc, camera_record};
+#[test]
+fn only_what_is_told_may_be_told_and_what_finds_no_place_is_refused() {
+    let mut board = Board::connected(Start::PowerOn, 0);
+    let arm = Event::Command(Command::Arm);
+    let refused = |answer| match answer {
+        Answer::Refused(refusal) => refusal,
+        other => panic!("{other:?}"),
+    };
+    assert_eq!(refused(board.tell(arm)), Refusal::NotPrepared);
+    // Lost on nobody: there is no camera.
+    board.deck().capture(Time::START, Event::Trigger);
+    board.pc.ask(&Request::Load(camera_record()));
+    board.prepare();
+    for wired in [
+        Event::Trigger,
+        Event::TimePulse,
+        Event::Shutter(ShutterEdge::Opened),
+        Event::LimitSwitch,
+        Event::Drive(Fault::Drive),
+        Event::Tick,
+        Event::Lost(1),
+    ] {
+        assert_eq!(refused(board.tell(wired)), Refusal::NotTold, "{wired:?}");
+    }
+    let vh = Event::Vh(VhSample::Direct(0.1));
+    for _ in 0..4 {
+        assert_eq!(board.tell(vh), Answer::Told);
+    }
+    assert_eq!(refused(board.tell(vh)), Refusal::QueueFull);
+    // What somebody wants finds a place all the same.
+    assert_eq!(board.tell(Event::Command(Command::Disarm)), Answer::Told);
+    board.round();
+    assert_eq!(board.tell(vh), Answer::Told);
+    board.round();
+    let counts = board.status().counts;
+    assert_eq!((counts.triggers, counts.lost_events), (0, 0));
+
+    let mut rig = Pc::loaded();
+    assert_eq!(refused(rig.ask(&Request::Tell(arm))), Refusal::OnRig);
+    let step = RigStep::default();
+    assert_eq!(refused(board.pc.ask(&Request::Rig(step))), Refusal::NoRig);
+}
+
+#[test]
+fn nothing_that_lasts_longer_than_a_round_is_begun_while_the_stage_has_force_on_it() {
+    let mut board = Board::prepared_at(0);
+    board.arm();
+    let long = [
+        Request::Digest(Grid {
+            x_mm: heapless_of(0.0),
+            y_mm: heapless_of(0.0),
+        }),
+        Request::StartFit(FitOptions::default()),
+        Request::Observe(Observations::new()),
+        Request::Fit,
+        Request::Load(camera_record()),
+        Request::Prepare(FlightSettings::default()),
+    ];
+    board.trigger(0);
+    let flown = board.pc.ask(&Request::Flown);
+    assert!(matches!(flown, Answer::Flown(1, _)), "{flown:?}");
+    for request in &long {
+        let answer = board.pc.ask(request);
+        assert_eq!(
+            answer,
+            Answer::Refused(Refusal::FrameInFlight),
+            "{request:?}"
+        );
+    }
+    board.command(Command::Disarm);
+    for request in &long[..2] {
+        let answer = board.pc.ask(request);
+        assert!(!matches!(answer, Answer::Refused(_)), "{answer:?}");
+    }
+}
+
+fn heapless_of<const N: usize>(value: f32) -> heapless::Vec<f32, N> {
+    std::iter::once(value).collect()
+}
+
+#[test]
+fn second_prepare_takes_new_drive_settings_and_keeps_the_place() {
+    let mut board = Board::prepared_at(0);
+    board.arm();
+    board.command(Command::Disarm);
+    board.count(COUNT_AT_START + 1000);
+    let offset_mm = |board: &mut Board| {
+        let reading = board.deck().drive_mut().position(Time::START).unwrap();
+        reading.offset_mm
+    };
+    assert!((offset_mm(&mut board) - 0.1).abs() < 1e-6);
+    let mut settings = FlightSettings::default();
+    settings.drive.encoder_step_um = 0.2;
+    settings.drive.encoder_reversed = true;
+    assert_eq!(board.pc.ask(&Request::Prepare(settings)), Answer::Prepared);
+    assert!((offset_mm(&mut board) + 0.2).abs() < 1e-6);
+    board.round();
+    let status = board.status();
+    assert!(!status.is_place_lost);
+    assert_eq!(status.counts.triggers, 0);
+}
+
+#[test]
+fn reference_is_taken_in_standby_alone() {
+    let mut board = Board::prepared_at(0);
+    board.arm();
+    let count = board.deck().drive_mut().position(Time::START).unwrap();
+    board.command(Command::Referenced);
+    board.round();
+    let unchanged = board.deck().drive_mut().position(Time::START).unwrap();
+    // At the waiting place, 51 µm at most from where it was: a new zero there would be 0.
+    assert!((unchanged.offset_mm - count.offset_mm).abs() < 1e-3);
+    assert!(unchanged.offset_mm.abs() > 1e-3, "{unchanged:?}");
+    assert_eq!(board.deck().controller().unwrap().state(), State::Armed);
+}
+
+#[test]
+fn tdi_camera_needs_an_output_that_clocks_its_rows() {
+    let mut board = Board::connected(Start::PowerOn, 0);
+    let mut camera = camera_record();
+    camera.mechanism = Mechanism::Tdi {
+        first_transfer: 0.5,
+    };
+    let loaded = board.pc.ask(&Request::Load(camera));
+    assert!(matches!(loaded, Answer::Loaded(_)), "{loaded:?}");
+    assert_eq!(board.prepare(), Answer::Refused(Refusal::NoRowClock));
+
+    let drive = RigDrive::new(DriveSettings::default()).unwrap();
+    let mut clocking = FlownDeck::new(drive, Start::PowerOn).with_row_clock();
+    assert_eq!(
+        clocking.prepare(&camera, 0, &FlightSettings::default()),
+        Ok(())
+    );
+}
