@@ -6,6 +6,8 @@ use fmc_camera::flight::fault::Fault;
 use fmc_camera::flight::frame_record::Flag;
 use fmc_camera::flight::vh::VhSource;
 
+use crate::report::wording;
+
 /// Names of the camera's states.
 pub const STATE_NAMES: [&str; 8] = [
     "standby", "armed", "degraded", "run-up", "tracking", "exposing", "fly-back", "fault",
@@ -81,7 +83,10 @@ impl fmt::Display for Expectation {
         }
         match self.refused_at_most {
             Some(0) => parts.push("no trigger refused".to_owned()),
-            Some(most) => parts.push(format!("at most {most} triggers refused")),
+            Some(most) => parts.push(format!(
+                "at most {} refused",
+                wording::counted(most, "trigger")
+            )),
             None => {}
         }
         if let Some(way) = self.vh_from {

@@ -6,6 +6,7 @@ use super::flown::{Flown, FlownFrame};
 use super::outcome::outcome;
 use crate::formats::camera_file::CameraFile;
 use crate::formats::mission_scenario::MissionScenario;
+use crate::report::wording;
 
 /// Flags that say nothing against the coordinates of a frame.
 const HARMLESS: [Flag; 6] = [
@@ -144,8 +145,9 @@ fn unanswered(flown: &Flown) -> Finding {
     Finding {
         what: "every trigger has its record".to_owned(),
         found: format!(
-            "{answered} of {} triggers answered in order, {extra} records too many",
-            flown.triggers_us.len()
+            "{answered} of {} answered in order, {} too many",
+            wording::counted(flown.triggers_us.len(), "trigger"),
+            wording::counted(extra, "record")
         ),
         passed: missing == 0 && extra == 0,
     }
@@ -178,8 +180,9 @@ fn coordinates(
             "principal point within {limit_px} px of the truth, or {SIGMAS} σ where the record says more, in all frames without fault or flag"
         ),
         found: format!(
-            "{} frames, largest error {worst:.4} px, {invented} records of light that did not pass",
-            clean().count()
+            "{}, largest error {worst:.4} px, {} of light that did not pass",
+            wording::counted(clean().count(), "frame"),
+            wording::counted(invented, "record")
         ),
         passed: are_right && invented == 0,
     }
@@ -231,7 +234,7 @@ pub(super) fn refused(flown: &Flown, most: usize) -> Finding {
     Finding {
         what: match most {
             0 => "no trigger refused".to_owned(),
-            most => format!("at most {most} triggers refused"),
+            most => format!("at most {} refused", wording::counted(most, "trigger")),
         },
         found: format!("{refused} refused"),
         passed: refused <= most,

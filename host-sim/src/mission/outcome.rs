@@ -13,6 +13,7 @@ use super::flown::{Flown, FlownFrame};
 use super::judgement::{Finding, FrameErrors, refused};
 use super::sensors::seconds;
 use crate::formats::mission_scenario::{MissionScenario, PlannedFault};
+use crate::report::wording;
 
 /// Before the onset of a fault a frame may have been triggered that it meets, µs.
 const FRAME_BEFORE_US: u64 = 1_000_000;
@@ -175,7 +176,7 @@ impl<'a> Aftermath<'a> {
             .count();
         self.finding(
             &format!("a frame with the flag \"{}\"", flag.name()),
-            format!("{found} frames"),
+            wording::counted(found, "frame"),
             found > 0,
         )
     }
@@ -276,8 +277,8 @@ impl<'a> Aftermath<'a> {
             .all(|(one, next)| one < next);
         let found = match (held.first(), held.last()) {
             (Some(first), Some(last)) => format!(
-                "{} frames with the last good V/H, σ from {first:.5} to {last:.5} 1/s",
-                held.len()
+                "{} with the last good V/H, σ from {first:.5} to {last:.5} 1/s",
+                wording::counted(held.len(), "frame")
             ),
             _ => "no frame with the last good V/H".to_owned(),
         };

@@ -9,12 +9,14 @@ use super::aircraft::Aircraft;
 use super::flown::FlownFrame;
 use super::sensors::seconds;
 
-/// Rounds that are remembered.
-const REMEMBERED: usize = 3000;
+/// Rounds that are remembered: as long as a record may take to come over a line that is cut.
+const REMEMBERED: usize = 120_000;
 /// Before its trigger a frame's trace begins, µs.
 const TRACE_BEFORE_US: u64 = 20_000;
 /// After its record it goes on, µs: the fly-back.
 const TRACE_AFTER_US: u64 = 70_000;
+/// After its trigger it goes on at most, µs.
+const LONGEST_TRACE_US: u64 = 250_000;
 
 /// One round of the control loop.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -102,7 +104,8 @@ impl Tracer {
             self.traced = Some(Traced {
                 sequence: frame.record.sequence,
                 trigger_us: frame.record.trigger.us(),
-                until_us: now_us + TRACE_AFTER_US,
+                until_us: (now_us + TRACE_AFTER_US)
+                    .min(frame.record.trigger.us() + LONGEST_TRACE_US),
             });
         }
     }
@@ -135,6 +138,9 @@ impl Tracer {
             .partition_point(|round| round.time_us < since_us);
         let mut rounds: Vec<Round> = self.rounds.range(first..).copied().collect();
         rounds.retain(|round| round.time_us <= traced.until_us);
+        if rounds.is_empty() {
+            return;
+        }
         let true_vh_per_s = rounds
             .iter()
             .map(|round| {

@@ -23,7 +23,7 @@ pub(super) fn grouped(number: &str) -> String {
 }
 
 /// A number of things, with their name in the singular or plural.
-pub(super) fn counted(number: usize, noun: &str) -> String {
+pub(crate) fn counted(number: usize, noun: &str) -> String {
     let plural = if number == 1 { "" } else { "s" };
     format!("{} {noun}{plural}", count(number as u64))
 }

@@ -183,6 +183,71 @@ fn fault_out_of_its_range_is_refused() {
 }
 
 #[test]
+fn fault_of_a_source_that_is_not_there_or_not_of_one_is_refused() {
+    let of_vh = "name = \"vh-jump\"\n";
+    refused_fault(
+        "name = \"stall\"\n",
+        &format!("{of_vh}source = \"terrain\"\n"),
+        &["fault.0.source = \"terrain\"", "no [[vh]] has"],
+    );
+    refused_fault(
+        "name = \"stall\"\n",
+        "name = \"stall\"\nsource = \"altimeter\"\n",
+        &["fault.0.source", "not for stall"],
+    );
+    refused_fault(
+        "name = \"stall\"\n",
+        "name = \"stall\"\nof = \"height\"\n",
+        &["fault.0.of", "not for stall"],
+    );
+}
+
+#[test]
+fn cut_has_its_duration_as_its_size_and_nothing_else() {
+    refused_fault(
+        "name = \"stall\"\n",
+        "name = \"uart-cut\"\n",
+        &["fault.0.duration_s", "lasts for its size"],
+    );
+    let without = |text: &str| changed(text, "duration_s = 2.0\n", "");
+    let here = changed(&without(STALL), "../cameras", "cameras");
+    let bench = bench(&changed(
+        &here,
+        "name = \"stall\"\nat_frame = 8\nonset_s = 0.02 ",
+        "name = \"uart-cut\"\nat_frame = 8\n# ",
+    ));
+    let bench_of = |size: &str| {
+        let text = fs::read_to_string(bench.path("scenario.toml")).unwrap();
+        fs::write(
+            bench.path("scenario.toml"),
+            changed(&text, "size = 50.0", &format!("size = {size}")),
+        )
+        .unwrap();
+        fly(&bench, &[])
+    };
+    bench_of("2000.0").refused(&["fault.0.size = 2000.0", "0.001 to 1000 s"]);
+}
+
+#[test]
+fn line_that_carries_what_there_is_not_is_refused() {
+    refused(
+        "carries = [\"vh\", ",
+        "carries = [\"gyro\", ",
+        &["line.carries", "gyro", "attitude", "altimeter"],
+    );
+    refused(
+        "baud = 38400 ",
+        "baud = 12 ",
+        &["line.baud = 12", "1200 to 921600"],
+    );
+    refused(
+        "receiver = \"whole\"",
+        "receiver = \"morse\"",
+        &["morse", "nmea"],
+    );
+}
+
+#[test]
 fn fault_without_onset_is_refused() {
     let here = changed(
         &changed(STALL, "../cameras", "cameras"),
@@ -214,6 +279,16 @@ fn unknown_outcome_is_named_with_those_there_are() {
         "flag = \"no compensation\"",
         "flag = \"red\"",
         &["expect.flag", "encoder glitch"],
+    );
+    refused_fault(
+        "flag = \"no compensation\"",
+        "vh_from = \"moon\"",
+        &["expect.vh_from", "altimeter"],
+    );
+    refused_fault(
+        "flag = \"no compensation\"",
+        "smear_px = -1.0",
+        &["expect.smear_px = -1.0", "0 to 1000 px"],
     );
 }
 

@@ -5,11 +5,14 @@ use plotters::prelude::{ChartBuilder, Color, IntoDrawingArea, RGBColor, SVGBacke
 use plotters::style::text_anchor::HPos;
 
 use super::MissionReport;
-use super::style::{ALARM, CAMERA, FONT, LABELS, TRUTH, tick};
+use super::style::{ALARM, CAMERA, FONT, LABELS, TRUTH, WANTED, tick};
 use crate::mission::judgement::FrameErrors;
 use crate::report::figure::{Canvas, FigureError, GRID, OUTLINE, text, text_at};
 
 const SIZE: (u32, u32) = (1600, 900);
+
+/// Predictions are drawn up to so many times the largest true smear.
+const LARGEST_PREDICTED: f64 = 3.0;
 
 /// One panel.
 struct Panel<'a> {
@@ -56,9 +59,22 @@ pub fn frames(report: &MissionReport<'_>) -> Result<String, FigureError> {
         series(|errors| errors.smear_px),
         series(|errors| errors.predicted_px),
     );
-    let point = series(|errors| errors.pp_error_px);
-    let most_smear = most(&smear, limits.smear_px).max(most(&predicted, 0.0));
-    let most_point = most(&point, limits.pp_error_px);
+    let point_of = |is_clean: bool| -> Vec<(f64, f64)> {
+        numbered()
+            .filter_map(|(frame, errors)| Some((frame, errors.as_ref()?)))
+            .filter(|(_, errors)| errors.is_clean == is_clean && errors.pp_error_px.is_finite())
+            .map(|(frame, errors)| (number(frame.record.sequence), errors.pp_error_px))
+            .collect()
+    };
+    let (point, doubtful) = (point_of(true), point_of(false));
+    // Where nothing is known of the stage, the prediction is half of its stroke.
+    let most_true = most(&smear, limits.smear_px);
+    let most_smear = most(&predicted, 0.0).clamp(most_true, LARGEST_PREDICTED * most_true);
+    let predicted = predicted
+        .into_iter()
+        .map(|(frame, value)| (frame, value.min(most_smear)))
+        .collect();
+    let most_point = most(&point, limits.pp_error_px).max(most(&doubtful, 0.0));
     let mut svg = String::new();
     {
         let canvas = SVGBackend::with_string(&mut svg, SIZE).into_drawing_area();
@@ -82,26 +98,46 @@ pub fn frames(report: &MissionReport<'_>) -> Result<String, FigureError> {
                 title: "Centroid principal point, reported less true",
                 unit: "px",
                 range: [-most_point, most_point],
-                limits: vec![-limits.pp_error_px, limits.pp_error_px],
-                dots: vec![(TRUTH, point)],
+                limits: vec![limits.pp_error_px, -limits.pp_error_px],
+                dots: vec![(WANTED, doubtful), (TRUTH, point)],
                 refused: &refused,
                 last_frame,
             },
         )?;
-        let legend = [
-            (TRUTH, "true"),
-            (CAMERA, "predicted by the camera, with one σ of V/H"),
-            (ALARM, "limit; refused trigger"),
-        ];
-        let mut x = 760;
-        for (colour, name) in legend {
-            canvas.draw(&Circle::new((x, 30), 6, colour.filled()))?;
-            canvas.draw(&Text::new(name, (x + 14, 30), text(FONT - 3)))?;
-            x += if colour == TRUTH { 90 } else { 430 };
-        }
+        draw_legend(
+            &upper,
+            &[
+                (TRUTH, "true"),
+                (CAMERA, "predicted by the camera, with one σ of V/H"),
+                (ALARM, "limit; refused trigger"),
+            ],
+        )?;
+        draw_legend(
+            &lower,
+            &[
+                (TRUTH, "no fault, no flag against it"),
+                (WANTED, "a fault or a flag against it"),
+            ],
+        )?;
         canvas.present()?;
     }
     Ok(svg)
+}
+
+fn draw_legend(area: &Canvas<'_>, entries: &[(RGBColor, &str)]) -> Result<(), FigureError> {
+    let mut x = 760;
+    for (colour, name) in entries {
+        let style = if *colour == CAMERA {
+            colour.stroke_width(2)
+        } else {
+            colour.filled()
+        };
+        area.draw(&Circle::new((x, 30), 6, style))?;
+        area.draw(&Text::new((*name).to_owned(), (x + 14, 30), text(FONT - 3)))?;
+        // So wide is a letter at most.
+        x += 30 + 10 * i32::try_from(name.chars().count()).unwrap_or(0);
+    }
+    Ok(())
 }
 
 fn draw(area: &Canvas<'_>, panel: &Panel<'_>) -> Result<(), FigureError> {
@@ -141,13 +177,19 @@ fn draw(area: &Canvas<'_>, panel: &Panel<'_>) -> Result<(), FigureError> {
         };
         chart.draw_series(dots.iter().map(|dot| Circle::new(*dot, radius, style)))?;
     }
+    let mut last_y = i32::MIN / 2;
     for limit in &panel.limits {
         let line = [(0.5, *limit), (panel.last_frame + 0.5, *limit)];
         chart.draw_series([PathElement::new(line, ALARM.stroke_width(2))])?;
         let (x, y) = chart.backend_coord(&(panel.last_frame + 0.5, *limit));
         let (base_x, base_y) = area.get_base_pixel();
-        let name = format!("{limit} px");
+        // Two limits that lie on each other have one name.
+        if (y - last_y).abs() < 24 {
+            continue;
+        }
+        last_y = y;
         let place = (x - base_x - 6, y - base_y - 14);
+        let name = format!("{limit} px");
         let style = text_at(FONT - 4, HPos::Right).color(&ALARM);
         area.draw(&Text::new(name, place, style))?;
     }

@@ -1,11 +1,13 @@
 //! The mission as a page that stands alone: `report.html`.
 
 use askama::Template;
+use fmc_camera::flight::controller::state::State;
 use fmc_camera::flight::fault::Fault;
 use fmc_camera::flight::frame_record::{Flag, Outcome};
 
 use super::summary::{Count, Summary};
 use super::{MissionReport, frames_plot, histogram, text, timeline};
+use crate::mission::flown::Flown;
 use crate::report::html::{PageError, inline};
 use crate::report::wording;
 
@@ -36,7 +38,7 @@ struct Timeline {
 
 /// A fault of the scenario.
 struct Injected {
-    name: &'static str,
+    name: String,
     onset_s: String,
     size: String,
     duration: String,
@@ -112,19 +114,17 @@ fn injected(report: &MissionReport<'_>) -> Vec<Injected> {
         .iter()
         .map(|planned| {
             let injection = &planned.injection;
-            let later: Vec<String> = flown
-                .announced
-                .iter()
-                .filter(|(time_us, _)| seconds(*time_us) >= injection.onset_s)
-                .take(3)
-                .map(|(time_us, fault)| format!("{fault} at {:.3} s", seconds(*time_us)))
-                .collect();
+            let later = named(flown, injection.onset_s);
+            let lasts_s = injection.end_s() - injection.onset_s;
             Injected {
-                name: injection.fault.name(),
+                name: match injection.source {
+                    Some(source) => format!("{} of {}", injection.fault, source.name()),
+                    None => injection.fault.to_string(),
+                },
                 onset_s: format!("{:.3}", injection.onset_s),
                 size: format!("{} {}", injection.size, injection.fault.unit()),
-                duration: if injection.duration_s.is_finite() {
-                    format!("{} s", injection.duration_s)
+                duration: if lasts_s.is_finite() {
+                    format!("{} s", wording::decimals(lasts_s, 3))
                 } else {
                     "to the end".to_owned()
                 },
@@ -136,6 +136,29 @@ fn injected(report: &MissionReport<'_>) -> Vec<Injected> {
                 },
             }
         })
+        .collect()
+}
+
+/// The first faults and states without compensation that the camera has named after a time.
+fn named(flown: &Flown, onset_s: f64) -> Vec<String> {
+    let announced = flown
+        .announced
+        .iter()
+        .map(|(time_us, fault)| (*time_us, fault.to_string()));
+    let states = flown
+        .states
+        .iter()
+        .filter_map(|(time_us, state)| match state {
+            State::Degraded(fault) => Some((*time_us, format!("{fault}, without compensation"))),
+            _ => None,
+        });
+    let mut all: Vec<(u64, String)> = announced.chain(states).collect();
+    all.retain(|(time_us, _)| seconds(*time_us) >= onset_s);
+    all.sort_by_key(|(time_us, _)| *time_us);
+    all.dedup_by(|next, one| next.1 == one.1);
+    all.into_iter()
+        .take(3)
+        .map(|(time_us, what)| format!("{what} at {:.3} s", seconds(time_us)))
         .collect()
 }
 

@@ -35,6 +35,8 @@ pub struct Summary {
     pub vh_per_s: f64,
     /// Error of the centroid principal point, px.
     pub pp_error_px: Spread,
+    /// The same of the frames without a fault or a flag against them, px.
+    pub pp_error_clean_px: Spread,
     /// Smear of centre and corners, attitude included, px.
     pub smear_px: Spread,
     /// What compensation is responsible for, px.
@@ -142,6 +144,11 @@ impl Summary {
             simulated_s: flown.duration_s,
             vh_per_s: scenario.vh_per_s(),
             pp_error_px: Spread::of(errors().map(|errors| errors.pp_error_px)),
+            pp_error_clean_px: Spread::of(
+                errors()
+                    .filter(|errors| errors.is_clean)
+                    .map(|errors| errors.pp_error_px),
+            ),
             smear_px: Spread::of(errors().map(|errors| errors.smear_px)),
             compensation_smear_px: Spread::of(errors().map(|errors| errors.compensation_px)),
             limits: Limits {
