@@ -18,8 +18,9 @@ fn records_of_a_flight_whose_link_was_cut_are_fetched_later_and_once() {
     fs::write(bench.path("cameras/mission.toml"), CAMERA).unwrap();
     // Cut from the second frame to the end.
     let cut = MISSION
-        .replace("at_frame = 8", "at_frame = 2")
-        .replace("duration_s = 6.0\n", "");
+        .replace("at_frame = 9", "at_frame = 2")
+        .replace("onset_s = 0.04 ", "onset_s = 0.0 ")
+        .replace("size = 14.01 ", "size = 900.0 ");
     fs::write(bench.path("faults/cut.toml"), cut).unwrap();
     let device = port.device();
     let flown = bench.run(&[
