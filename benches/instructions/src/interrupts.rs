@@ -1,20 +1,24 @@
 //! Interrupts, from the instruction that asks for one to the one after it. What the core itself does on the way in and
 //! out (12 cycles each on a Cortex-M4) is no instruction, and the registers of the device are the board's.
 
-use core::sync::atomic::{AtomicU32, Ordering};
+use core::sync::atomic::{AtomicBool, AtomicU32, Ordering};
 
 use cortex_m::asm;
 use cortex_m::interrupt::InterruptNumber;
 use cortex_m::peripheral::NVIC;
 use cortex_m_rt::exception;
+use fmc_camera::flight::stamp_ring::StampRing;
 
 use crate::counter::Counter;
 use crate::receive_ring::ReceiveRing;
 
-const BYTES: u32 = 100;
+const TIMES: u32 = 100;
 
 static RECEIVED: ReceiveRing = ReceiveRing::new();
+static EDGES: StampRing<128> = StampRing::new();
 static SERVED: AtomicU32 = AtomicU32::new(0);
+/// Whether the next is an edge; otherwise it is a byte.
+static IS_EDGE: AtomicBool = AtomicBool::new(false);
 
 /// An interrupt that no device of the machine asks for.
 #[derive(Clone, Copy)]
@@ -27,27 +31,49 @@ unsafe impl InterruptNumber for Spare {
     }
 }
 
-/// A byte has come.
+/// A byte has come, or an edge.
 #[exception]
 unsafe fn DefaultHandler(_: i16) {
-    RECEIVED.push(0x55);
+    if IS_EDGE.load(Ordering::Relaxed) {
+        EDGES.push(1000);
+    } else {
+        RECEIVED.push(0x55);
+    }
     SERVED.fetch_add(1, Ordering::Relaxed);
+}
+
+/// Asks for the interrupt, and goes on after it.
+fn interrupt() {
+    NVIC::pend(Spare);
+    asm::dsb();
+    asm::isb();
 }
 
 pub(crate) fn count(counter: &mut Counter) -> Option<()> {
     // SAFETY: what the interrupt shares is atomic.
     unsafe { NVIC::unmask(Spare) };
-    counter.count("interrupt_receive", (BYTES, "byte"), || {
-        for _ in 0..BYTES {
-            NVIC::pend(Spare);
-            asm::dsb();
-            asm::isb();
-        }
-        (SERVED.load(Ordering::Relaxed) == BYTES).then_some(())
-    })?;
+    for (kernel, unit, is_edge) in [
+        ("interrupt_receive", "byte", false),
+        ("interrupt_capture", "edge", true),
+    ] {
+        SERVED.store(0, Ordering::Relaxed);
+        IS_EDGE.store(is_edge, Ordering::Relaxed);
+        counter.count(kernel, (TIMES, unit), || {
+            for _ in 0..TIMES {
+                interrupt();
+            }
+            (SERVED.load(Ordering::Relaxed) == TIMES).then_some(())
+        })?;
+    }
     NVIC::mask(Spare);
-    counter.count("receive_ring_pop", (BYTES, "byte"), || {
-        (0..BYTES).try_for_each(|_| RECEIVED.pop().map(drop))
+    counter.count("receive_ring_pop", (TIMES, "byte"), || {
+        (0..TIMES).try_for_each(|_| RECEIVED.pop().map(drop))
     })?;
+    counter.count("stamp_ring_pop", (TIMES, "edge"), || {
+        (0..TIMES).try_for_each(|_| EDGES.pop().map(drop))
+    })?;
+    if EDGES.take_lost() > 0 {
+        return None;
+    }
     (RECEIVED.is_empty() && RECEIVED.has_room() && RECEIVED.take_lost() == 0).then_some(())
 }
