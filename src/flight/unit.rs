@@ -34,6 +34,7 @@ impl<Drive: FmcDrive> CameraUnit<Drive> {
     }
 
     /// One round of the control loop: what has happened since the last, a look at the stage, and what follows from both.
+    /// The stage is read first, at `now`.
     ///
     /// [`Action::MoveStage`] and [`Action::ReleaseStage`] have been done on return; the others are the caller's.
     pub fn round(&mut self, now: Time, events: &Events) -> RoundActions {
@@ -71,14 +72,15 @@ pub(crate) fn round(
     events: &Events,
 ) -> RoundActions {
     let mut outside = RoundActions::new();
-    for (time, event) in events {
-        let actions = controller.handle(*time, *event);
-        take(controller, drive, now, &actions, &mut outside);
-    }
+    // At the time it is stamped with: what the events cost is no way of the stage.
     let reading = match drive.position(now) {
         Ok(reading) => Event::Stage(reading),
         Err(fault) => Event::Drive(fault),
     };
+    for (time, event) in events {
+        let actions = controller.handle(*time, *event);
+        take(controller, drive, now, &actions, &mut outside);
+    }
     let actions = controller.handle(now, reading);
     take(controller, drive, now, &actions, &mut outside);
     let actions = controller.handle(now, Event::Tick);

@@ -8,3 +8,5 @@ mod pwm_encoder;
 mod quadrature;
 #[cfg(test)]
 mod step_dir;
+#[cfg(test)]
+mod unit;

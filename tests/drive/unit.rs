@@ -1,0 +1,51 @@
+//! Drive and controller in one round.
+
+use fmc_camera::flight::controller::{Controller, Start};
+use fmc_camera::flight::drive::{FmcDrive, StageReading};
+use fmc_camera::flight::event::{Command, Event};
+use fmc_camera::flight::fault::Fault;
+use fmc_camera::flight::settings::FlightSettings;
+use fmc_camera::flight::stage::Setpoint;
+use fmc_camera::flight::time::Time;
+use fmc_camera::flight::unit::{CameraUnit, Events};
+use fmc_camera::{CalibrationRecord, CameraRecord};
+
+/// What was asked of the drive in a round.
+#[derive(Debug, Default)]
+struct Asked(Vec<&'static str>);
+
+impl FmcDrive for Asked {
+    fn position(&mut self, now: Time) -> Result<StageReading, Fault> {
+        self.0.push("position");
+        Ok(StageReading {
+            time: now,
+            offset_mm: 0.0,
+        })
+    }
+
+    fn follow(&mut self, _: Time, _: Setpoint) -> Result<(), Fault> {
+        self.0.push("follow");
+        Ok(())
+    }
+
+    fn release(&mut self) {
+        self.0.push("release");
+    }
+}
+
+#[test]
+fn stage_is_read_when_the_round_begins_and_not_after_its_events() {
+    let camera = CameraRecord::new(CalibrationRecord::new(100.0, [9216, 9216], 8.75));
+    let controller =
+        Controller::new(&camera, 0, &FlightSettings::default(), Start::Orderly).unwrap();
+    let mut unit = CameraUnit::new(controller, Asked::default());
+    let mut round = |at_us, event| {
+        let now = Time::from_us(at_us);
+        unit.round(now, &Events::from_iter([(now, event)]));
+        core::mem::take(&mut unit.drive_mut().0)
+    };
+    let arm = Event::Command(Command::Arm);
+    assert_eq!(round(1000, arm), ["position", "follow"]);
+    // What an event leads to may take longer than the stage may have moved.
+    assert_eq!(round(2000, Event::LimitSwitch), ["position", "release"]);
+}
