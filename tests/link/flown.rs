@@ -214,6 +214,39 @@ fn switches_and_supply_are_events_once_when_they_change_and_after_every_prepare(
 }
 
 #[test]
+fn switch_that_is_still_closed_when_faults_are_cleared_keeps_the_stage_without_force() {
+    let mut board = Board::prepared_at(0);
+    board.arm();
+    // As a wire that breaks.
+    board.levels.limit_high = true;
+    board.round();
+    assert_eq!(board.status().state, State::Fault(Fault::LimitSwitch));
+    board.command(Command::ClearFault);
+    board.round();
+    assert_eq!(board.status().state, State::Standby);
+    board.command(Command::Arm);
+    assert_eq!(board.status().state, State::Degraded(Fault::LimitSwitch));
+    assert!(!board.deck().drive_mut().powered());
+
+    // Both in one round: the next finds out.
+    board.tell(Event::Command(Command::ClearFault));
+    board.command(Command::Arm);
+    board.round();
+    assert_eq!(board.status().state, State::Fault(Fault::LimitSwitch));
+    assert!(!board.deck().drive_mut().powered());
+
+    // Off the switch, the next that closes is seen.
+    board.levels = InputLevels::GOOD;
+    board.round();
+    board.command(Command::ClearFault);
+    board.command(Command::Arm);
+    board.run_until(State::Armed);
+    board.levels.limit_high = true;
+    board.round();
+    assert_eq!(board.status().state, State::Fault(Fault::LimitSwitch));
+}
+
+#[test]
 fn after_the_watchdog_the_shutter_is_closed_and_somebody_must_look() {
     let mut board = Board::connected(Start::Watchdog, 0);
     board.pc.ask(&Request::Load(camera_record()));

@@ -82,7 +82,8 @@ impl<Drive: FlownDrive> FlownDeck<Drive> {
         }
     }
 
-    /// What the lines say now: changes become events, and what is wrong when a camera is prepared does, too.
+    /// What the lines say now: changes become events, and what is wrong when a camera is prepared does, too. So does a
+    /// limit switch that is closed when faults are cleared: it has not been left yet.
     pub fn see(&mut self, levels: InputLevels) {
         if self.controller.is_none() {
             return;
@@ -125,6 +126,16 @@ impl<Drive: FlownDrive> FlownDeck<Drive> {
             && controller.state() == State::Standby
         {
             self.drive.set_reference();
+        }
+        if events
+            .iter()
+            .any(|(_, event)| *event == Event::Command(Command::ClearFault))
+        {
+            // A switch that is still closed, or whose wire is broken, says so again.
+            self.known = InputLevels {
+                supply_low: self.known.supply_low,
+                ..InputLevels::GOOD
+            };
         }
         unit::round(controller, &mut self.drive, now, &events)
     }
