@@ -31,6 +31,11 @@ pub(super) fn is_due() -> bool {
     IS_DUE.load(Ordering::Relaxed)
 }
 
+/// Whether rounds have failed to come.
+pub(super) fn is_overdue() -> bool {
+    GUARD.is_overdue(clock::now_us())
+}
+
 /// Says what time it is, and makes a round where one is due.
 pub(super) fn turn(time: &mut Clock, deck: &mut FlownDeck<motor::Drive>) {
     deck.set_now(time.extend(clock::now_us()));
@@ -65,7 +70,7 @@ pub(super) fn stop() {
 #[exception]
 fn SysTick() {
     IS_DUE.store(true, Ordering::Relaxed);
-    if GUARD.is_overdue(clock::now_us()) {
+    if is_overdue() {
         motor::off();
     }
 }

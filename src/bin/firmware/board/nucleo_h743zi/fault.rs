@@ -1,4 +1,4 @@
-//! What follows a panic or a hard fault: time for the log, a mark for the next start, a reset.
+//! What follows a panic, a hard fault or an exception that nobody asked for: time for the log, a mark for the next start, a reset.
 
 use cortex_m::peripheral::SCB;
 use cortex_m_rt::exception;
@@ -41,4 +41,10 @@ unsafe fn HardFault() -> ! {
             configurable
         );
     })
+}
+
+/// Waiting here would keep out `SysTick`, which guards the motor, and the shutter's compare.
+#[exception]
+unsafe fn DefaultHandler(number: i16) -> ! {
+    restart(|| defmt::error!("unexpected exception {=i16}", number))
 }
