@@ -62,7 +62,7 @@ pub struct LoopSettings {
     pub rest_band_um: f32,
     /// How fast the three that are fed forward are learned from what the feedback has to add, 1/s; 0 is never.
     pub learning_rate_per_s: f32,
-    /// Age of a reading of the encoder when it is used, s.
+    /// Age of a reading of the encoder when it is used, s: so much before the round is its time stamp.
     pub reading_age_s: f32,
     /// Time from a duty to its force, s.
     pub duty_delay_s: f32,
