@@ -22,7 +22,8 @@ const INSTRUCTIONS: &str = "docs/instructions.csv";
 const FOOTPRINT: &str = "docs/footprint.csv";
 
 /// The cores, and the machines that have them.
-const CORES: [(&str, &str); 2] = [("cortex-m4f", "mps2-an386"), ("cortex-m7", "mps2-an500")];
+pub(crate) const CORES: [(&str, &str); 2] =
+    [("cortex-m4f", "mps2-an386"), ("cortex-m7", "mps2-an500")];
 
 /// Where the memory of variables begins on every Cortex-M.
 const RAM: u64 = 0x2000_0000;

@@ -11,7 +11,7 @@ use clap::ValueEnum;
 use crate::{
     bench, board,
     firmware::{self, Image},
-    no_panic,
+    kernel, no_panic,
     route::Need,
     target::Target,
     verify,
@@ -47,7 +47,7 @@ pub(crate) enum Step {
     FirmwareLints,
     /// Link check that the firmware cannot panic, and its negative control
     FirmwareNoPanic,
-    /// Firmware built, and tested in QEMU
+    /// Point kernel and firmware built, and tested in QEMU
     Firmware,
     /// Lints and image for the board, and what in it can panic
     Board,
@@ -144,7 +144,7 @@ fn run_step(step: Step, workspace: &Workspace, target: Option<&Target<'_>>) -> R
         }
         // In release, so that the core library is built once for lints, library and link check.
         Step::TargetLints => target()?.cargo(
-            "clippy --release -p fmc-camera --lib -p no-panic-check --bin no-panic-check -- -D warnings",
+            "clippy --release -p fmc-camera --lib -p fmc-camera-kernel -p kernel-check --bin kernel-check -p no-panic-check --bin no-panic-check -- -D warnings",
         ),
         Step::TargetBuild => target()?.cargo("build --release -p fmc-camera --lib"),
         Step::NoPanic => return no_panic::check(workspace, target()?),
@@ -153,7 +153,10 @@ fn run_step(step: Step, workspace: &Workspace, target: Option<&Target<'_>>) -> R
             return firmware::lint(target()?, Image::Mps2WithDrills);
         }
         Step::FirmwareNoPanic => return firmware::check_no_panic(target()?),
-        Step::Firmware => return firmware::test(workspace, target()?),
+        Step::Firmware => {
+            kernel::test(workspace, target()?)?;
+            return firmware::test(workspace, target()?);
+        }
         Step::Board => return board::check(workspace, target()?),
         Step::Costs => return bench::check(workspace, target()?),
     };

@@ -9,6 +9,7 @@ mod board;
 mod checks;
 mod cost;
 mod firmware;
+mod kernel;
 mod load;
 mod machine;
 mod no_panic;
