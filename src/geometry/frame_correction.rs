@@ -205,22 +205,6 @@ impl FrameCorrection {
         subtracted(measured, self.distortion(measured))
     }
 
-    /// Replaces every measured point of a slice by its ideal point: the hot path.
-    pub fn correct_slice(&self, points: &mut [SensorPoint]) {
-        match self.kernel {
-            Kernel::Short => {
-                for point in points {
-                    *point = subtracted(*point, self.evaluate::<false>(*point)).point;
-                }
-            }
-            Kernel::Full => {
-                for point in points {
-                    *point = subtracted(*point, self.evaluate::<true>(*point)).point;
-                }
-            }
-        }
-    }
-
     #[inline]
     fn evaluate<const FULL: bool>(&self, point: SensorPoint) -> Displacement {
         let x = point.x_mm - self.centre.x_mm;

@@ -16,6 +16,7 @@ pub mod invertibility;
 pub mod mesh;
 pub mod moments;
 mod planar_flow;
+pub mod point_kernel;
 pub mod principal_distance;
 pub mod principal_point;
 pub mod range;

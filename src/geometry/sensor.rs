@@ -4,7 +4,7 @@ use super::range::{OutOfRange, Quantity};
 
 /// A point of the sensor frame: upright positive image, origin at the centre of the pixel array,
 /// x right, y up, millimetres.
-#[derive(Debug, Clone, Copy, PartialEq, Default)]
+#[derive(Debug, Clone, Copy, PartialEq, Default, bytemuck::Pod, bytemuck::Zeroable)]
 #[cfg_attr(feature = "link", derive(serde::Serialize, serde::Deserialize))]
 #[repr(C)]
 pub struct SensorPoint {

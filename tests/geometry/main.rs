@@ -11,4 +11,6 @@ mod golden;
 #[cfg(test)]
 mod jacobian;
 #[cfg(test)]
+mod point_kernel;
+#[cfg(test)]
 mod round_trip;

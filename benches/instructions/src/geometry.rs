@@ -26,6 +26,8 @@ pub(crate) fn count(counter: &mut Counter) -> Option<()> {
     }
     slice(counter, "correct_slice", &correction)?;
     slice(counter, "correct_slice_full", &full)?;
+    slice_xy(counter, "correct_slice_xy", &correction)?;
+    slice_xy(counter, "correct_slice_xy_full", &full)?;
     single(counter, "correct", &correction)?;
     single(counter, "correct_full", &full)?;
     distort(counter, "distort", &correction)?;
@@ -44,14 +46,34 @@ pub(crate) fn count(counter: &mut Counter) -> Option<()> {
     Some(())
 }
 
-/// The hot path: points replaced in place.
+/// Points of a slice, as a program would take them from a list of tie points.
+const SLICE: usize = 256;
+
+/// The hot path: points replaced in place, a slice at a time.
 fn slice(counter: &mut Counter, kernel: &str, correction: &FrameCorrection) -> Option<()> {
     let mut points = points();
     counter.count(kernel, PER_POINT, || {
-        black_box(correction).correct_slice(black_box(&mut points));
+        for slice in points.chunks_mut(SLICE) {
+            black_box(correction).correct_slice(black_box(slice));
+        }
         Some(())
     })?;
     black_box(points);
+    Some(())
+}
+
+/// The same with x and y apart.
+fn slice_xy(counter: &mut Counter, kernel: &str, correction: &FrameCorrection) -> Option<()> {
+    let mut x = points().map(|point| point.x_mm);
+    let mut y = points().map(|point| point.y_mm);
+    counter.count(kernel, PER_POINT, || {
+        for (x, y) in x.chunks_mut(SLICE).zip(y.chunks_mut(SLICE)) {
+            let (x, y) = black_box((x, y));
+            black_box(correction).correct_slice_xy(x, y).ok()?;
+        }
+        Some(())
+    })?;
+    black_box((x, y));
     Some(())
 }
 

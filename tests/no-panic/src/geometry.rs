@@ -67,6 +67,7 @@ pub(crate) fn keep() {
         FrameCorrection::distortion,
         FrameCorrection::correct,
         FrameCorrection::correct_slice,
+        FrameCorrection::correct_slice_xy,
         FrameCorrection::jacobian,
         FrameCorrection::distort,
         View::calibrated,
