@@ -5,6 +5,10 @@
 //! what is left over of a slice there, they are [`portable`]. Both do the same operations in the same order, each rounded
 //! to single precision, none fused: the same bits, which `tests/kernel` checks on emulated cores.
 //!
+//! On Cortex-M55 (`-Ctarget-cpu=cortex-m55`) the compiler makes vectors of the portable kernel. They take numbers below
+//! 1.2e-38 for zero, as the architecture has it: the bits are the same where no number on the way is as small, and no
+//! camera's is.
+//!
 //! This is the only crate of the library's with `unsafe`: it calls the assembly, in `thumbv7em.rs`.
 
 #![no_std]

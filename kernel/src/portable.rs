@@ -1,10 +1,12 @@
 //! The kernel in plain Rust: what every other one is held against.
 //!
-//! Loops of independent points, so that a compiler with vectors to fill can fill them.
+//! Loops of independent points, so that a compiler with vectors to fill can fill them, and inlined, so that the vectors are
+//! those of the program that calls.
 
 use crate::Coefficients;
 
 /// [`crate::short_pairs`].
+#[inline]
 pub fn short_pairs(coefficients: &Coefficients, points: &mut [[f32; 2]]) {
     for point in points {
         *point = ideal::<false>(coefficients, *point);
@@ -12,6 +14,7 @@ pub fn short_pairs(coefficients: &Coefficients, points: &mut [[f32; 2]]) {
 }
 
 /// [`crate::full_pairs`].
+#[inline]
 pub fn full_pairs(coefficients: &Coefficients, points: &mut [[f32; 2]]) {
     for point in points {
         *point = ideal::<true>(coefficients, *point);
@@ -19,6 +22,7 @@ pub fn full_pairs(coefficients: &Coefficients, points: &mut [[f32; 2]]) {
 }
 
 /// [`crate::short_xy`].
+#[inline]
 pub fn short_xy(coefficients: &Coefficients, x_mm: &mut [f32], y_mm: &mut [f32]) {
     for (x, y) in x_mm.iter_mut().zip(y_mm) {
         [*x, *y] = ideal::<false>(coefficients, [*x, *y]);
@@ -26,6 +30,7 @@ pub fn short_xy(coefficients: &Coefficients, x_mm: &mut [f32], y_mm: &mut [f32])
 }
 
 /// [`crate::full_xy`].
+#[inline]
 pub fn full_xy(coefficients: &Coefficients, x_mm: &mut [f32], y_mm: &mut [f32]) {
     for (x, y) in x_mm.iter_mut().zip(y_mm) {
         [*x, *y] = ideal::<true>(coefficients, [*x, *y]);

@@ -25,6 +25,10 @@ const FOOTPRINT: &str = "docs/footprint.csv";
 pub(crate) const CORES: [(&str, &str); 2] =
     [("cortex-m4f", "mps2-an386"), ("cortex-m7", "mps2-an500")];
 
+/// The core with vectors, and the machine that has it: counted are the kernels that use them, by the head of their names.
+pub(crate) const VECTOR_CORE: (&str, &str) = ("cortex-m55", "mps3-an547");
+const WITH_VECTORS: &str = "correct_slice";
+
 /// Where the memory of variables begins on every Cortex-M.
 const RAM: u64 = 0x2000_0000;
 
@@ -106,35 +110,52 @@ fn count(workspace: &Workspace, target: &Target<'_>) -> Result<Vec<Instructions>
     let compiler = target.compiler()?;
     let mut rows = Vec::new();
     for (core, machine) in CORES {
-        // One instruction takes one nanosecond of the emulated time.
-        let qemu = cmd!(
-            workspace.shell,
-            "timeout 60 {QEMU} -M {machine} -display none -monitor none -serial none -icount shift=0 -semihosting-config enable=on,target=native -kernel {image}"
-        );
-        let counted = qemu
-            .quiet()
-            .read()
-            .with_context(|| format!("count on {machine}"))?;
-        let mut reader = csv::ReaderBuilder::new()
-            .has_headers(false)
-            .from_reader(counted.as_bytes());
-        for line in reader.deserialize() {
-            let Counted {
-                kernel,
-                unit,
-                repetitions,
-                instructions,
-            } = line?;
-            rows.push(Instructions {
-                core: core.to_owned(),
-                kernel,
-                count: (100.0 * instructions / repetitions).round() / 100.0,
-                unit,
-                compiler: compiler.clone(),
-            });
-        }
+        rows.extend(count_on(workspace, (core, machine), &image, &compiler)?);
+    }
+    if let Some(image) = target.build_for_vectors("instruction-count")? {
+        let counted = count_on(workspace, VECTOR_CORE, &image, &compiler)?;
+        let with_vectors = |row: &Instructions| row.kernel.starts_with(WITH_VECTORS);
+        rows.extend(counted.into_iter().filter(with_vectors));
     }
     ensure!(!rows.is_empty(), "the counting program printed nothing");
+    Ok(rows)
+}
+
+/// Counts on one core.
+fn count_on(
+    workspace: &Workspace,
+    (core, machine): (&str, &str),
+    image: &Path,
+    compiler: &str,
+) -> Result<Vec<Instructions>> {
+    // One instruction takes one nanosecond of the emulated time.
+    let qemu = cmd!(
+        workspace.shell,
+        "timeout 60 {QEMU} -M {machine} -display none -monitor none -serial none -icount shift=0 -semihosting-config enable=on,target=native -kernel {image}"
+    );
+    let counted = qemu
+        .quiet()
+        .read()
+        .with_context(|| format!("count on {machine}"))?;
+    let mut reader = csv::ReaderBuilder::new()
+        .has_headers(false)
+        .from_reader(counted.as_bytes());
+    let mut rows = Vec::new();
+    for line in reader.deserialize() {
+        let Counted {
+            kernel,
+            unit,
+            repetitions,
+            instructions,
+        } = line?;
+        rows.push(Instructions {
+            core: core.to_owned(),
+            kernel,
+            count: (100.0 * instructions / repetitions).round() / 100.0,
+            unit,
+            compiler: compiler.to_owned(),
+        });
+    }
     Ok(rows)
 }
 

@@ -10,15 +10,20 @@ use serde::{Deserialize, Serialize, de::DeserializeOwned};
 const MAX_RISE: f64 = 0.01;
 
 /// Kernels with a limit of their own: core, kernel, instructions per point.
-const LIMITS: [(&str, &str, f64); 8] = [
+const LIMITS: [(&str, &str, f64); 13] = [
     ("cortex-m4f", "correct_slice", 25.0),
     ("cortex-m4f", "correct_slice_xy", 25.0),
     ("cortex-m4f", "correct_slice_full", 29.0),
     ("cortex-m4f", "correct_slice_xy_full", 29.0),
+    ("cortex-m4f", "correct_slice_256", 25.0),
+    ("cortex-m4f", "correct_slice_full_256", 29.0),
     ("cortex-m7", "correct_slice", 25.0),
     ("cortex-m7", "correct_slice_xy", 25.0),
     ("cortex-m7", "correct_slice_full", 29.0),
     ("cortex-m7", "correct_slice_xy_full", 29.0),
+    ("cortex-m7", "correct_slice_256", 25.0),
+    ("cortex-m7", "correct_slice_full_256", 29.0),
+    ("cortex-m55", "correct_slice", 7.1),
 ];
 
 /// A row of the table of instructions.

@@ -10,7 +10,7 @@ use anyhow::Result;
 use xshell::{Shell, cmd};
 
 use crate::{
-    route::{Facts, QEMU, TARGET, Toolchain, version},
+    route::{Facts, QEMU, TARGET, Toolchain, VECTOR_TARGET, version},
     target::LINKER_VARIABLE,
     workspace::host_cargo,
 };
@@ -25,6 +25,8 @@ pub(crate) struct Machine {
     pub(crate) facts: Facts,
     /// A linker that knows the target.
     pub(crate) linker: Option<PathBuf>,
+    /// Whether the active toolchain has a compiled core library for the core with vectors too.
+    pub(crate) active_has_vector_core: bool,
 }
 
 impl Machine {
@@ -45,7 +47,7 @@ impl Machine {
 
         let bin = Path::new(DISTRIBUTION_BIN);
         let offers = |sysroot: &Path, clippy| Toolchain {
-            target_core: has_target_core(sysroot),
+            target_core: has_target_core(sysroot, TARGET),
             library_sources: sysroot
                 .join("lib/rustlib/src/rust/library/core/Cargo.toml")
                 .is_file(),
@@ -73,6 +75,7 @@ impl Machine {
                         .is_ok_and(|user| user == "0"),
             },
             linker,
+            active_has_vector_core: has_target_core(&active, VECTOR_TARGET),
         })
     }
 }
@@ -98,9 +101,9 @@ fn distribution_sysroot(shell: &Shell) -> Option<PathBuf> {
     new_enough.then(|| sysroot.into())
 }
 
-/// Whether a toolchain has a compiled core library for the target.
-fn has_target_core(sysroot: &Path) -> bool {
-    let libraries = sysroot.join("lib/rustlib").join(TARGET).join("lib");
+/// Whether a toolchain has a compiled core library for a target.
+fn has_target_core(sysroot: &Path, target: &str) -> bool {
+    let libraries = sysroot.join("lib/rustlib").join(target).join("lib");
     file_names(&libraries)
         .iter()
         .any(|name| name.starts_with("libcore-"))

@@ -13,6 +13,9 @@ use std::fmt;
 /// The microcontroller: Cortex-M4F and M7 with hardware floating point.
 pub(crate) const TARGET: &str = "thumbv7em-none-eabihf";
 
+/// Cortex-M55, whose vectors the point kernel is compiled for.
+pub(crate) const VECTOR_TARGET: &str = "thumbv8m.main-none-eabihf";
+
 /// Debian's packages of a compiler, its cargo and its library sources.
 const COMPILER_PACKAGES: [&str; 3] = ["rustc-web", "cargo-web", "rust-web-src"];
 /// Debian's package of clippy for the same compiler.

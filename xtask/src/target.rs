@@ -10,12 +10,14 @@ use xshell::{Cmd, Shell, cmd};
 
 use crate::{
     machine::{DISTRIBUTION_BIN, Machine},
-    route::{self, Need, Plan, QEMU, Route, TARGET},
+    route::{self, Need, Plan, QEMU, Route, TARGET, VECTOR_TARGET},
     workspace::{Workspace, host_cargo},
 };
 
 /// Cargo's name for the target's linker.
 pub(crate) const LINKER_VARIABLE: &str = "CARGO_TARGET_THUMBV7EM_NONE_EABIHF_LINKER";
+/// And for the core with vectors.
+const VECTOR_LINKER_VARIABLE: &str = "CARGO_TARGET_THUMBV8M_MAIN_NONE_EABIHF_LINKER";
 
 /// Commands that build for the target.
 #[derive(Debug)]
@@ -23,6 +25,8 @@ pub(crate) struct Target<'a> {
     shell: &'a Shell,
     route: Route,
     linker: Option<PathBuf>,
+    /// Whether there is a core library for [`VECTOR_TARGET`], compiled or to compile.
+    has_vector_core: bool,
     /// Apart from the host's: compilers of host and target may differ, and would discard each other's work.
     artifacts: PathBuf,
 }
@@ -51,6 +55,7 @@ impl<'a> Target<'a> {
             route,
             // A compiler with a compiled core library brings its linker along.
             linker: machine.linker.filter(|_| route != Route::Active),
+            has_vector_core: route != Route::Active || machine.active_has_vector_core,
             artifacts: workspace.target_dir.join("thumb"),
         };
         eprintln!("xtask: {TARGET}: {}", target.description()?);
@@ -88,13 +93,42 @@ impl<'a> Target<'a> {
 
     /// Cargo for the target, with the words of `line` as arguments, the subcommand first.
     pub(crate) fn cargo(&self, line: &str) -> Cmd<'a> {
+        self.cargo_for(TARGET, line)
+    }
+
+    /// Builds a package's program of the same name for Cortex-M55 with its vectors and says where it is; says that it
+    /// does not where the toolchain lacks the core library.
+    ///
+    /// The processor is named to the program's own crate alone, which the kernel is inlined into: the core library does not
+    /// compile for it (rustc 1.96, "Do not know how to promote this operator").
+    ///
+    /// # Errors
+    /// Where the build fails.
+    pub(crate) fn build_for_vectors(&self, package: &str) -> Result<Option<PathBuf>> {
+        if !self.has_vector_core {
+            eprintln!(
+                "note: nothing for Cortex-M55, for which `rustup target add {VECTOR_TARGET}` is needed"
+            );
+            return Ok(None);
+        }
+        let line = format!("rustc --release -p {package} --bin {package}");
+        let build = self.cargo_for(VECTOR_TARGET, &line);
+        let build = build.args(["--", "-Ctarget-cpu=cortex-m55"]);
+        eprintln!("$ {build}");
+        build.run()?;
+        let programs = self.artifacts.join(VECTOR_TARGET).join("release");
+        Ok(Some(programs.join(package)))
+    }
+
+    /// Cargo for one of the targets.
+    fn cargo_for(&self, target: &str, line: &str) -> Cmd<'a> {
         let (subcommand, arguments) = line.split_once(' ').unwrap_or((line, ""));
         let program = match self.route {
             Route::Active | Route::ActiveFromSource => host_cargo().into(),
             Route::Distribution => distribution_program(subcommand),
         };
         let cargo = self.in_environment(self.shell.cmd(program).quiet());
-        let cargo = cargo.args([subcommand, "--locked", "--target", TARGET, "--target-dir"]);
+        let cargo = cargo.args([subcommand, "--locked", "--target", target, "--target-dir"]);
         cargo
             .arg(&self.artifacts)
             .args(arguments.split_whitespace())
@@ -119,7 +153,9 @@ impl<'a> Target<'a> {
                 .env("CARGO", bin.join("cargo"));
         }
         match &self.linker {
-            Some(linker) => command.env(LINKER_VARIABLE, linker),
+            Some(linker) => command
+                .env(LINKER_VARIABLE, linker)
+                .env(VECTOR_LINKER_VARIABLE, linker),
             None => command,
         }
     }

@@ -6,8 +6,12 @@ use cortex_m::peripheral::SYST;
 use cortex_m::peripheral::syst::SystClkSource;
 use cortex_m_semihosting::hprintln;
 
-/// Instructions to a tick: 1 ns each, the timer runs at 25 MHz.
-const INSTRUCTIONS_PER_TICK: u32 = 40;
+/// Instructions to so many ticks: 1 ns each, the timer runs at 25 MHz.
+#[cfg(not(mps3))]
+const INSTRUCTIONS_PER_TICKS: (u32, u32) = (40, 1);
+/// Instructions to so many ticks: 1 ns each, the timer runs at 32 MHz.
+#[cfg(mps3)]
+const INSTRUCTIONS_PER_TICKS: (u32, u32) = (125, 4);
 /// The timer counts down from here.
 const RELOAD: u32 = 0x00ff_ffff;
 
@@ -52,7 +56,8 @@ impl Counter {
         if wrapped && end >= start || ticks > RELOAD / 2 {
             return None;
         }
-        Some((ticks * INSTRUCTIONS_PER_TICK, black_box(result)))
+        let (instructions, per_ticks) = INSTRUCTIONS_PER_TICKS;
+        Some((ticks * instructions / per_ticks, black_box(result)))
     }
 
     /// Prints what `repetitions` have taken.

@@ -10,6 +10,8 @@ use fmc_camera::{Camera, Exposure, FrameCorrection};
 use crate::counter::Counter;
 use crate::specimen::{EXPOSURE, POINTS, full, points, short, strong};
 
+/// Points to a call where it is not all of them.
+const BATCH: usize = 256;
 /// Repetitions of what is done once per frame.
 const FRAMES: u32 = 100;
 const PER_FRAME: (u32, &str) = (FRAMES, "frame");
@@ -24,8 +26,10 @@ pub(crate) fn count(counter: &mut Counter) -> Option<()> {
     if (correction.kernel(), full.kernel()) != (Kernel::Short, Kernel::Full) {
         return None;
     }
-    slice(counter, "correct_slice", &correction)?;
-    slice(counter, "correct_slice_full", &full)?;
+    slice::<POINTS>(counter, "correct_slice", &correction)?;
+    slice::<POINTS>(counter, "correct_slice_full", &full)?;
+    slice::<BATCH>(counter, "correct_slice_256", &correction)?;
+    slice::<BATCH>(counter, "correct_slice_full_256", &full)?;
     slice_xy(counter, "correct_slice_xy", &correction)?;
     slice_xy(counter, "correct_slice_xy_full", &full)?;
     single(counter, "correct", &correction)?;
@@ -46,14 +50,15 @@ pub(crate) fn count(counter: &mut Counter) -> Option<()> {
     Some(())
 }
 
-/// Points of a slice, as a program would take them from a list of tie points.
-const SLICE: usize = 256;
-
-/// The hot path: points replaced in place, a slice at a time.
-fn slice(counter: &mut Counter, kernel: &str, correction: &FrameCorrection) -> Option<()> {
+/// The hot path: points replaced in place, so many to a call.
+fn slice<const LENGTH: usize>(
+    counter: &mut Counter,
+    kernel: &str,
+    correction: &FrameCorrection,
+) -> Option<()> {
     let mut points = points();
     counter.count(kernel, PER_POINT, || {
-        for slice in points.chunks_mut(SLICE) {
+        for slice in points.chunks_mut(LENGTH) {
             black_box(correction).correct_slice(black_box(slice));
         }
         Some(())
@@ -67,11 +72,8 @@ fn slice_xy(counter: &mut Counter, kernel: &str, correction: &FrameCorrection) -
     let mut x = points().map(|point| point.x_mm);
     let mut y = points().map(|point| point.y_mm);
     counter.count(kernel, PER_POINT, || {
-        for (x, y) in x.chunks_mut(SLICE).zip(y.chunks_mut(SLICE)) {
-            let (x, y) = black_box((x, y));
-            black_box(correction).correct_slice_xy(x, y).ok()?;
-        }
-        Some(())
+        let (x, y) = black_box((&mut x, &mut y));
+        black_box(correction).correct_slice_xy(x, y).ok()
     })?;
     black_box((x, y));
     Some(())

@@ -6,6 +6,7 @@ use fmc_camera_kernel::Coefficients;
 
 use crate::check::{self, Difference, MOST};
 use crate::corners::coefficients;
+use crate::subnormal::Numbers;
 
 /// Points in all.
 const POINTS: usize = 10_000_000;
@@ -26,18 +27,22 @@ pub(crate) fn compare() -> Result<usize, Difference> {
     let mut compared = 0;
     let mut round = 0_u32;
     while compared < POINTS {
-        let any_bits = round.is_multiple_of(4);
-        let form = generator.form(any_bits);
+        let numbers = if round.is_multiple_of(4) {
+            Numbers::Any
+        } else {
+            Numbers::OfCameras
+        };
+        let form = generator.form(numbers);
         for point in &mut points {
-            *point = from_fn(|_| generator.number(REACH_MM, any_bits));
+            *point = from_fn(|_| generator.number(REACH_MM, numbers));
         }
         // All remainders of a block and of two.
         let length = MOST - usize::from(generator.next().to_le_bytes()[1] % 12);
         let (points, _) = points.split_at(length);
         if round.is_multiple_of(2) == round.is_multiple_of(3) {
-            check::pairs(&form, points)?;
+            check::pairs(numbers, &form, points)?;
         } else {
-            check::xy(&form, points)?;
+            check::xy(numbers, &form, points)?;
         }
         compared += length;
         round += 1;
@@ -57,9 +62,9 @@ impl Generator {
     }
 
     /// Between -`largest` and `largest`, or of any bits.
-    fn number(&mut self, largest: f32, any_bits: bool) -> f32 {
+    fn number(&mut self, largest: f32, numbers: Numbers) -> f32 {
         let bits = self.next();
-        if any_bits {
+        if numbers == Numbers::Any {
             f32::from_bits(bits)
         } else {
             #[expect(clippy::cast_precision_loss, reason = "a random number is rounded")]
@@ -68,7 +73,7 @@ impl Generator {
         }
     }
 
-    fn form(&mut self, any_bits: bool) -> Coefficients {
-        coefficients(LARGEST.map(|largest| self.number(largest, any_bits)))
+    fn form(&mut self, numbers: Numbers) -> Coefficients {
+        coefficients(LARGEST.map(|largest| self.number(largest, numbers)))
     }
 }
