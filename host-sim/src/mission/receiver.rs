@@ -129,6 +129,17 @@ mod tests {
         (receiver.read(&line, 1_000_000), receiver.counts())
     }
 
+    /// To the millimetre per second; a digit of the sentence is half of one.
+    fn speeds_m_s(samples: &[(u64, VhSample)]) -> Vec<String> {
+        samples
+            .iter()
+            .map(|(_, sample)| match sample {
+                VhSample::GroundSpeed(speed_m_s) => format!("{speed_m_s:.3}"),
+                other => format!("{other:?}"),
+            })
+            .collect()
+    }
+
     #[test]
     fn speed_and_altitude_come_through_when_their_last_byte_is_there() {
         let line = SerialLine::new(Carried::everything(), &[]);
@@ -154,11 +165,7 @@ mod tests {
     fn sentence_that_is_cut_short_is_refused_and_the_next_whole_one_is_read() {
         // 20 ms into the second sentence, which takes 40 ms; back in the pause after it.
         let (samples, counts) = flown(0.12, 0.05);
-        let speeds = samples.iter().map(|(_, sample)| *sample);
-        assert!(
-            speeds.eq([90.0, 92.0].map(VhSample::GroundSpeed)),
-            "{samples:?}"
-        );
+        assert_eq!(speeds_m_s(&samples), ["90.000", "92.000"]);
         assert_eq!((counts.sent, counts.read, counts.refused), (3, 2, 1));
         assert!(counts.lost_bytes > 10);
     }
@@ -167,8 +174,7 @@ mod tests {
     fn end_of_one_sentence_behind_the_beginning_of_another_is_no_sentence() {
         // From the middle of the first to the middle of the second.
         let (samples, counts) = flown(0.02, 0.1);
-        let speeds = samples.iter().map(|(_, sample)| *sample);
-        assert!(speeds.eq([VhSample::GroundSpeed(92.0)]), "{samples:?}");
+        assert_eq!(speeds_m_s(&samples), ["92.000"]);
         assert_eq!((counts.read, counts.refused), (1, 1));
     }
 }
