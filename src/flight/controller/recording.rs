@@ -166,9 +166,9 @@ impl Controller {
                 let motion =
                     PrincipalPointMotion::from_samples(&path.samples, exposure_s, shutter).ok()?;
                 let is_whole = !path.is_continued && path.longest_gap_s <= gap_s;
-                Some((motion, is_whole, path))
+                Some((motion, is_whole, path.longest_gap_s, path.wander_mm))
             });
-        let Some((motion, is_whole, path)) = measured else {
+        let Some((motion, is_whole, longest_gap_s, wander_mm)) = measured else {
             flags.insert(Flag::PlannedMotion);
             flags.insert(Flag::StaticCorrection);
             let motion = PrincipalPointMotion::from_plan(planned, shutter);
@@ -187,10 +187,10 @@ impl Controller {
         let step_mm = 1e-3 * self.settings.drive.encoder_step_um;
         let stamp_mm = motion.travel_mm / exposure_s * STAMP_SIGMA_S;
         // The encoder's own steps are no wander.
-        let wander_mm = (path.wander_mm - step_mm).max(0.0);
+        let wander_mm = (wander_mm - step_mm).max(0.0);
         // A parabola that leaves its chord by so much over the exposure leaves it between two readings by the square of
         // their share of it.
-        let share = (path.longest_gap_s / exposure_s).min(1.0);
+        let share = (longest_gap_s / exposure_s).min(1.0);
         let bend_mm = wander_mm * share * share;
         let mut sigma_mm =
             libm::sqrtf(step_mm * step_mm / 12.0 + stamp_mm * stamp_mm + bend_mm * bend_mm);
