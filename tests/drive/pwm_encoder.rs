@@ -103,6 +103,25 @@ fn traffic(
 }
 
 #[test]
+fn loop_follows_from_the_count_that_was_read_in_its_round() {
+    let mut drive = RigDrive::new(settings()).unwrap();
+    let read = drive.position(tick(1)).unwrap();
+    assert!(read.offset_mm.abs() < 1e-6);
+    // 10 µm on while the round computes.
+    drive.set_count(100);
+    drive.follow(tick(1), at(0.0)).unwrap();
+    assert_eq!(drive.duty(), 0.0);
+    // A round that has not read the stage reads it now: back by 10 µm, 0.2.
+    drive.follow(tick(2), at(0.0)).unwrap();
+    assert!((drive.duty() + 0.2).abs() < 0.01, "{}", drive.duty());
+    // So it is in the round that does.
+    drive.position(tick(3)).unwrap();
+    drive.set_count(0);
+    drive.follow(tick(3), at(0.0)).unwrap();
+    assert!((drive.duty() + 0.2).abs() < 0.01, "{}", drive.duty());
+}
+
+#[test]
 fn short_motion_is_exactly_this_traffic() {
     let followed = traffic(
         settings(),

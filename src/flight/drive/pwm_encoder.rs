@@ -76,6 +76,8 @@ pub struct PwmEncoder<Pwm, Direction, Counter> {
     velocity_loop: VelocityLoop,
     /// The count at the calibrated position.
     zero: i32,
+    /// What was counted for the newest reading, and when it was asked for.
+    read: Option<(Time, i32)>,
     followed: Option<Time>,
     direction: Option<PinState>,
     release_failed: bool,
@@ -109,6 +111,7 @@ where
             settings,
             velocity_loop: VelocityLoop::new(settings.velocity_loop),
             zero: 0,
+            read: None,
             followed: None,
             direction: None,
             release_failed: false,
@@ -161,9 +164,9 @@ where
     }
 
     #[expect(clippy::cast_precision_loss, reason = "exact to 16 million counts")]
-    fn offset_mm(&mut self) -> f32 {
+    fn offset_mm(&self, count: i32) -> f32 {
         // The difference is right across a wrap of the counter.
-        let counts = self.pins.counter.count().wrapping_sub(self.zero) as f32;
+        let counts = count.wrapping_sub(self.zero) as f32;
         let offset_mm = counts * (1e-3 * self.settings.encoder_step_um);
         if self.settings.encoder_reversed {
             -offset_mm
@@ -210,9 +213,11 @@ where
     Counter: QuadratureCounter,
 {
     fn position(&mut self, now: Time) -> Result<StageReading, Fault> {
+        let count = self.pins.counter.count();
+        self.read = Some((now, count));
         Ok(StageReading {
             time: now.plus_s(-self.settings.velocity_loop.reading_age_s),
-            offset_mm: self.offset_mm(),
+            offset_mm: self.offset_mm(count),
         })
     }
 
@@ -231,7 +236,12 @@ where
             self.velocity_loop.restart();
             0.0
         };
-        let measured_mm = self.offset_mm();
+        let count = match self.read {
+            // That of this instant: what has been computed since is no way of the stage.
+            Some((time, count)) if time == now => count,
+            _ => self.pins.counter.count(),
+        };
+        let measured_mm = self.offset_mm(count);
         let duty = self.velocity_loop.duty(setpoint, measured_mm, dt_s);
         self.followed = Some(now);
         self.drive(duty).inspect_err(|_| self.release())
