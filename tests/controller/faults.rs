@@ -366,6 +366,32 @@ fn late_rounds_are_counted_and_too_many_lead_to_no_compensation() {
 }
 
 #[test]
+fn late_rounds_of_standby_are_counted_and_nothing_follows_from_them() {
+    let mut bench = Bench::new(FlightSettings::default());
+    bench.run(2);
+    for _ in 0..5 {
+        bench.now = bench.now.plus_s(0.004);
+        bench.round();
+    }
+    bench.send(Event::Command(Command::Arm));
+    bench.run_until(2000, |state| state == State::Armed);
+    assert_eq!(bench.controller.counts().late_ticks, 5);
+    assert!(!acted(&bench, Action::Fault(Fault::Overload)));
+    bench.send(Event::Trigger);
+    bench.run(100);
+    let record = only(&bench);
+    assert!(record.faults.is_empty(), "{:?}", record.faults);
+    assert!(!record.flags.contains(Flag::NoCompensation));
+    // Armed, it counts again.
+    bench.run_until(2000, |state| state == State::Armed);
+    for _ in 0..3 {
+        bench.now = bench.now.plus_s(0.004);
+        bench.round();
+    }
+    assert_eq!(bench.controller.state(), State::Degraded(Fault::Overload));
+}
+
+#[test]
 fn clock_that_jumps_ends_the_frame_and_is_a_fault() {
     for state in [State::RunUp, State::Exposing] {
         for now in [Time::from_us(10), Time::from_us(3_600_000_000)] {

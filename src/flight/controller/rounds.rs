@@ -20,6 +20,8 @@ pub(super) enum Round {
     Punctual,
     /// Later than it should.
     Late,
+    /// As late, but nothing depends on it.
+    Idle,
     /// Late, and too many others lately as well, for the first time.
     Overload,
     /// Before the one before.
@@ -27,8 +29,8 @@ pub(super) enum Round {
 }
 
 impl Rounds {
-    /// The loop comes round.
-    pub(super) fn look(&mut self, now: Time) -> Round {
+    /// The loop comes round; whether anything depends on that.
+    pub(super) fn look(&mut self, now: Time, is_needed: bool) -> Round {
         let Some(last) = self.last.replace(now) else {
             return Round::Punctual;
         };
@@ -37,6 +39,9 @@ impl Rounds {
         }
         if now.seconds_since(last) <= LATE_TICK_S {
             return Round::Punctual;
+        }
+        if !is_needed {
+            return Round::Idle;
         }
         if now.seconds_since(self.late_first) > OVERLOAD_WINDOW_S {
             self.late_lately = 0;

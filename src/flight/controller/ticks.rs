@@ -82,16 +82,19 @@ impl Controller {
         }
     }
 
-    /// Late rounds are counted, and lead to flying without compensation where there are too many.
+    /// Late rounds are counted, and lead to flying without compensation where there are too many; not those of standby,
+    /// where a request may last longer than a round.
     fn check_round(&mut self, now: Time, actions: &mut Actions) {
-        let round = self.rounds.look(now);
+        let round = self.rounds.look(now, self.state != State::Standby);
         match round {
             Round::Punctual => {}
             Round::Backwards => self.jump_of_the_clock(now, actions),
-            Round::Late | Round::Overload => {
+            Round::Idle | Round::Late | Round::Overload => {
                 self.counts.late_ticks = self.counts.late_ticks.saturating_add(1);
-                self.note(Fault::Overload);
             }
+        }
+        if let Round::Late | Round::Overload = round {
+            self.note(Fault::Overload);
         }
         if round == Round::Overload {
             act(actions, Action::Fault(Fault::Overload));
