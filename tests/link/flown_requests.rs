@@ -94,6 +94,60 @@ fn nothing_that_lasts_longer_than_a_round_is_begun_while_the_stage_has_force_on_
     }
 }
 
+#[test]
+fn nothing_is_loaded_or_prepared_while_it_flies_without_force_on_the_stage() {
+    let mut board = Board::prepared_at(0);
+    let long = [
+        Request::Load(camera_record()),
+        Request::Prepare(FlightSettings::default()),
+        Request::StartFit(FitOptions::default()),
+    ];
+    board.command(Command::Arm);
+    assert_eq!(board.status().state, State::Degraded(Fault::Encoder));
+    assert!(!board.deck().drive_mut().powered());
+    for request in &long {
+        let answer = board.pc.ask(request);
+        assert_eq!(
+            answer,
+            Answer::Refused(Refusal::FrameInFlight),
+            "{request:?}"
+        );
+    }
+    // Its records can be taken.
+    assert_eq!(board.pc.ask(&Request::Acknowledge(0)), Answer::Kept(0));
+    board.command(Command::Disarm);
+    for request in &long {
+        let answer = board.pc.ask(request);
+        assert!(!matches!(answer, Answer::Refused(_)), "{answer:?}");
+    }
+}
+
+#[test]
+fn armed_tdi_camera_is_busy_without_a_stage() {
+    let mut camera = camera_record();
+    camera.mechanism = Mechanism::Tdi {
+        first_transfer: 0.5,
+    };
+    let drive = RigDrive::new(DriveSettings::default()).unwrap();
+    let mut deck = FlownDeck::new(drive, Start::PowerOn).with_row_clock();
+    deck.prepare(&camera, 0, &FlightSettings::default())
+        .unwrap();
+    let mut round = |number: u64, event| {
+        let now = Time::from_us(1000 * number);
+        deck.set_now(now);
+        deck.tell(event).unwrap();
+        deck.round(now);
+        let controller = deck.controller().unwrap();
+        (controller.state(), controller.is_busy())
+    };
+    let vh = Event::Vh(VhSample::Direct(0.1));
+    assert_eq!(round(1, vh), (State::Standby, false));
+    let arm = Event::Command(Command::Arm);
+    assert_eq!(round(2, arm), (State::Armed, true));
+    let disarm = Event::Command(Command::Disarm);
+    assert_eq!(round(3, disarm), (State::Standby, false));
+}
+
 fn heapless_of<const N: usize>(value: f32) -> heapless::Vec<f32, N> {
     std::iter::once(value).collect()
 }

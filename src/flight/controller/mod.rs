@@ -259,10 +259,10 @@ impl Controller {
         &self.following_error
     }
 
-    /// Whether a frame is in flight or the stage has force on it: calibration and settings must stay.
+    /// Whether it is armed, with compensation or without, or a frame is in flight: calibration and settings must stay.
     #[must_use]
     pub const fn is_busy(&self) -> bool {
-        self.frame.is_some() || self.motion.is_some()
+        self.frame.is_some() || !matches!(self.state, State::Standby | State::Fault(_))
     }
 
     /// Number and frame of the exposure recorded last, for the correction of its points.
