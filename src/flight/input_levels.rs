@@ -24,4 +24,22 @@ impl InputLevels {
     pub const fn has_closed_since(&self, before: &Self) -> bool {
         (self.limit_low && !before.limit_low) || (self.limit_high && !before.limit_high)
     }
+
+    /// The same, each limit switch as it was known where it says something else than just before.
+    #[cfg(feature = "link")]
+    pub(crate) const fn with_steady_limits(&self, before: &Self, known: &Self) -> Self {
+        Self {
+            limit_low: if self.limit_low == before.limit_low {
+                self.limit_low
+            } else {
+                known.limit_low
+            },
+            limit_high: if self.limit_high == before.limit_high {
+                self.limit_high
+            } else {
+                known.limit_high
+            },
+            supply_low: self.supply_low,
+        }
+    }
 }

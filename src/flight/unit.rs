@@ -3,8 +3,9 @@
 use heapless::Vec;
 
 use super::controller::{Actions, Controller, MAX_ACTIONS};
-use super::drive::FmcDrive;
+use super::drive::{FmcDrive, StageReading};
 use super::event::{Action, Event};
+use super::fault::Fault;
 use super::time::Time;
 
 /// Events in one round.
@@ -38,7 +39,8 @@ impl<Drive: FmcDrive> CameraUnit<Drive> {
     ///
     /// [`Action::MoveStage`] and [`Action::ReleaseStage`] have been done on return; the others are the caller's.
     pub fn round(&mut self, now: Time, events: &Events) -> RoundActions {
-        round(&mut self.controller, &mut self.drive, now, events)
+        let reading = self.drive.position(now);
+        round(&mut self.controller, &mut self.drive, now, reading, events)
     }
 
     /// The state machine.
@@ -64,16 +66,16 @@ impl<Drive: FmcDrive> CameraUnit<Drive> {
     }
 }
 
-/// A round of the control loop, as [`CameraUnit::round`].
+/// A round of the control loop, as [`CameraUnit::round`], the stage having been read: what the events cost is no way of it.
 pub(crate) fn round(
     controller: &mut Controller,
     drive: &mut impl FmcDrive,
     now: Time,
+    reading: Result<StageReading, Fault>,
     events: &Events,
 ) -> RoundActions {
     let mut outside = RoundActions::new();
-    // At the time it is stamped with: what the events cost is no way of the stage.
-    let reading = match drive.position(now) {
+    let reading = match reading {
         Ok(reading) => Event::Stage(reading),
         Err(fault) => Event::Drive(fault),
     };

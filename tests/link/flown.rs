@@ -186,14 +186,16 @@ fn bouncing_trigger_costs_its_own_bounces_and_says_so() {
 fn switches_and_supply_are_events_once_when_they_change_and_after_every_prepare() {
     let mut board = Board::prepared_at(0);
     board.levels.limit_low = true;
-    board.round();
-    board.round();
+    for _ in 0..3 {
+        board.round();
+    }
     assert_eq!(board.faults, [Fault::LimitSwitch]);
     board.levels.limit_high = true;
     board.levels.supply_low = true;
     board.round();
-    // The other switch is another event.
-    let expected = [Fault::LimitSwitch, Fault::LimitSwitch, Fault::BrownOut];
+    board.round();
+    // The other switch is another event, a round later than what needs one alone.
+    let expected = [Fault::LimitSwitch, Fault::BrownOut, Fault::LimitSwitch];
     assert_eq!(board.faults, expected);
     board.levels = InputLevels::GOOD;
     board.round();
@@ -214,11 +216,43 @@ fn switches_and_supply_are_events_once_when_they_change_and_after_every_prepare(
 }
 
 #[test]
+fn spike_of_one_round_on_a_switch_is_no_closing_and_no_opening() {
+    let mut board = Board::prepared_at(0);
+    board.arm();
+    for _ in 0..5 {
+        for is_closed in [true, false] {
+            board.levels.limit_high = is_closed;
+            board.round();
+        }
+    }
+    // Each of the two for a round is neither for two.
+    board.levels.limit_low = true;
+    board.round();
+    board.levels = InputLevels {
+        limit_high: true,
+        ..InputLevels::GOOD
+    };
+    board.round();
+    assert_eq!(board.status().state, State::Armed);
+    assert_eq!(board.faults, []);
+    board.round();
+    assert_eq!(board.faults, [Fault::LimitSwitch]);
+    // Closed throughout, as far as can be seen.
+    board.levels.limit_high = false;
+    board.round();
+    board.levels.limit_high = true;
+    board.round();
+    board.round();
+    assert_eq!(board.faults, [Fault::LimitSwitch]);
+}
+
+#[test]
 fn switch_that_is_still_closed_when_faults_are_cleared_keeps_the_stage_without_force() {
     let mut board = Board::prepared_at(0);
     board.arm();
     // As a wire that breaks.
     board.levels.limit_high = true;
+    board.round();
     board.round();
     assert_eq!(board.status().state, State::Fault(Fault::LimitSwitch));
     board.command(Command::ClearFault);
@@ -242,6 +276,7 @@ fn switch_that_is_still_closed_when_faults_are_cleared_keeps_the_stage_without_f
     board.command(Command::Arm);
     board.run_until(State::Armed);
     board.levels.limit_high = true;
+    board.round();
     board.round();
     assert_eq!(board.status().state, State::Fault(Fault::LimitSwitch));
 }

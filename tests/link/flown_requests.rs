@@ -148,6 +148,27 @@ fn armed_tdi_camera_is_busy_without_a_stage() {
     assert_eq!(round(3, disarm), (State::Standby, false));
 }
 
+#[test]
+fn encoder_is_seen_in_the_status_before_anybody_has_said_where_the_stage_stands() {
+    let mut board = Board::connected(Start::PowerOn, 0);
+    board.pc.ask(&Request::Load(camera_record()));
+    let offset_mm = |board: &mut Board| board.deck().offset_mm();
+    assert_eq!(offset_mm(&mut board), None, "before the first round");
+    board.round();
+    let started_mm = offset_mm(&mut board).unwrap();
+    assert!((started_mm - 1.2345).abs() < 1e-6, "{started_mm} mm");
+    board.prepare();
+    // Pushed by hand, 0.1 mm.
+    board.count(COUNT_AT_START + 1000);
+    board.round();
+    let status = board.status();
+    assert!(status.is_place_lost);
+    let pushed_mm = status.offset_mm.unwrap() - started_mm;
+    assert!((pushed_mm - 0.1).abs() < 1e-6, "{pushed_mm} mm");
+    board.command(Command::Referenced);
+    assert_eq!(board.status().offset_mm, Some(0.0));
+}
+
 fn heapless_of<const N: usize>(value: f32) -> heapless::Vec<f32, N> {
     std::iter::once(value).collect()
 }

@@ -20,6 +20,10 @@ pub fn write_text(status: &Status, sink: &mut dyn Write) -> io::Result<()> {
     };
     writeln!(sink, "state            {}", status.state)?;
     writeln!(sink, "place of stage   {place}")?;
+    match status.offset_mm {
+        Some(offset_mm) => writeln!(sink, "encoder          {offset_mm:.4} mm from its zero")?,
+        None => writeln!(sink, "encoder          not read")?,
+    }
     writeln!(
         sink,
         "following error  {:.2} µm RMS",
@@ -54,6 +58,7 @@ struct StatusReport {
     fault_code: Option<u8>,
     fault: Option<&'static str>,
     is_place_lost: bool,
+    offset_mm: Option<f32>,
     following_rms_um: f32,
     records_kept: u32,
     triggers: u32,
@@ -77,6 +82,7 @@ impl StatusReport {
             fault_code: fault.map(Fault::code),
             fault: fault.map(Fault::name),
             is_place_lost: status.is_place_lost,
+            offset_mm: status.offset_mm,
             following_rms_um: status.following_rms_um,
             records_kept: status.kept,
             triggers: counts.triggers,

@@ -27,6 +27,10 @@ pub trait FlightDeck {
     /// The same, to acknowledge records.
     fn controller_mut(&mut self) -> Option<&mut Controller>;
 
+    /// Where the stage was when it was read last, mm along the FMC axis from the encoder's zero, whether its place is known
+    /// or lost; `None` on a test rig, or without a reading.
+    fn offset_mm(&self) -> Option<f32>;
+
     /// One round of the control loop; `None` for a camera that is not on a test rig.
     fn step(&mut self, step: &RigStep) -> Option<Result<RigAnswer, Refusal>>;
 
@@ -86,6 +90,10 @@ impl FlightDeck for RigDeck {
 
     fn controller_mut(&mut self) -> Option<&mut Controller> {
         self.rig.as_mut().map(Rig::controller_mut)
+    }
+
+    fn offset_mm(&self) -> Option<f32> {
+        None
     }
 
     fn step(&mut self, step: &RigStep) -> Option<Result<RigAnswer, Refusal>> {
@@ -148,6 +156,7 @@ pub(super) fn status(deck: &impl FlightDeck) -> Result<Status, Refusal> {
         counts: controller.counts(),
         kept: controller.kept(),
         is_place_lost: controller.is_place_lost(),
+        offset_mm: deck.offset_mm(),
         following_rms_um: controller.following_error().rms_um(),
     })
 }

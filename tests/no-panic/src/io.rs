@@ -41,6 +41,7 @@ pub(crate) fn keep() {
         Deck::prepare,
         Deck::controller,
         Deck::controller_mut,
+        Deck::offset_mm,
         Deck::step,
         Deck::tell,
         Station::<Deck>::receive,
