@@ -24,6 +24,9 @@ use crate::report::camera_status;
 /// How long it may take until the camera has done as it was told.
 const DONE_WITHIN: Duration = Duration::from_secs(5);
 
+/// How long the strokes at arming may take, as slow as the stage may be.
+const STROKES_WITHIN: Duration = Duration::from_mins(1);
+
 /// From one look at what it is doing to the next.
 const LOOK_EVERY: Duration = Duration::from_millis(20);
 
@@ -109,6 +112,7 @@ fn obey(
     let mut device = args.device.open_flown()?;
     device.tell(Event::Command(command)).map_err(failed)?;
     let start = Instant::now();
+    let mut is_said = false;
     loop {
         sleep(LOOK_EVERY);
         let status = device.status().map_err(failed)?;
@@ -119,23 +123,41 @@ fn obey(
         if is_done(&status) {
             return say(&status);
         }
-        if start.elapsed() > DONE_WITHIN {
-            return Err(not_done(command, &status));
+        let (elapsed, within) = (start.elapsed(), done_within(command, status.state));
+        if elapsed > within {
+            return Err(not_done(command, status.state));
+        }
+        if elapsed > DONE_WITHIN && !is_said {
+            eprintln!(
+                "note: waiting for the stage, which makes its strokes to and fro, {} s at most",
+                within.as_secs()
+            );
+            is_said = true;
         }
     }
 }
 
-fn not_done(command: Command, status: &Status) -> Failure {
+/// How long a command may take while the camera is in a state.
+fn done_within(command: Command, state: State) -> Duration {
+    match (command, state) {
+        (Command::Arm, State::FlyBack) => STROKES_WITHIN,
+        _ => DONE_WITHIN,
+    }
+}
+
+fn not_done(command: Command, state: State) -> Failure {
     let failure = Failure::device_or_io(format!(
-        "{} s after the command the camera is still in state {}",
-        DONE_WITHIN.as_secs(),
-        status.state
+        "{} s after the command the camera is still in state {state}",
+        done_within(command, state).as_secs(),
     ));
     match command {
+        Command::Arm if state == State::FlyBack => failure.with_help(
+            "its strokes to and fro are as slow as acceleration_mm_s2, jerk_mm_s3 and max_speed_mm_s of the camera file say",
+        ),
         Command::Referenced => failure.with_help(
             "a place is taken in standby alone: `host-sim camera disarm`, or `clear-fault` after a fault",
         ),
-        Command::Arm if status.state == State::Standby => {
+        Command::Arm if state == State::Standby => {
             failure.with_help("it does not arm while its supply is low")
         }
         Command::ClearFault => {
@@ -191,4 +213,33 @@ fn failed(error: DeviceError) -> Failure {
         _ => return error.into(),
     };
     Failure::from(error).with_help(help)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use fmc_camera::flight::fault::Fault;
+
+    #[test]
+    fn strokes_at_arming_are_waited_for_longer_than_anything_else() {
+        let states = [
+            State::Standby,
+            State::Armed,
+            State::Degraded(Fault::VhLost),
+            State::FlyBack,
+        ];
+        for state in states {
+            let is_stroke = state == State::FlyBack;
+            let expected_s = if is_stroke { 60 } else { 5 };
+            assert_eq!(done_within(Command::Arm, state).as_secs(), expected_s);
+            assert_eq!(done_within(Command::Disarm, state).as_secs(), 5);
+        }
+        let failure = format!("{:?}", not_done(Command::Arm, State::FlyBack));
+        assert!(
+            failure.contains("60 s after") && failure.contains("fly-back"),
+            "{failure}"
+        );
+        let failure = format!("{:?}", not_done(Command::Arm, State::Standby));
+        assert!(failure.contains("5 s after"), "{failure}");
+    }
 }
