@@ -12,6 +12,7 @@ use std::time::{Duration, Instant};
 use rustix::fs::OFlags;
 use rustix::pty::{OpenptFlags, grantpt, openpt, ptsname, unlockpt};
 
+use fmc_camera::io::link::PROTOCOL_VERSION;
 use fmc_camera::io::link::deck::FlightDeck;
 
 use crate::fake_camera::FakeCamera;
@@ -203,13 +204,9 @@ fn camera_of_another_protocol_is_named_with_both_versions() {
             }
         }
     });
-    port.correct(&Bench::new()).failed(
-        3,
-        &[
-            "version 7 of the protocol, this program version 2",
-            "cargo xtask firmware",
-        ],
-    );
+    let versions = format!("version 7 of the protocol, this program version {PROTOCOL_VERSION}");
+    port.correct(&Bench::new())
+        .failed(3, &[&versions, "cargo xtask firmware"]);
 }
 
 #[test]
