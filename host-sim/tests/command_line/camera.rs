@@ -94,9 +94,17 @@ fn camera_on_a_board_is_flown_by_commands_and_its_records_are_fetched() {
         .failed(3, &["not been prepared", "camera prepare"]);
     board.says(&["prepare", "--camera", "camera.toml"], "standby");
     let status = board.run(&["status"]).ok().stdout;
-    for part in ["standby", "lost", "camera referenced", "0 to be fetched"] {
+    let encoder = "encoder          0.0000 mm from its zero";
+    for part in [
+        "standby",
+        "lost",
+        "camera referenced",
+        "0 to be fetched",
+        encoder,
+    ] {
         assert!(status.contains(part), "{status}");
     }
+    assert_eq!(board.status()["offset_mm"], 0.0);
     board.says(&["arm"], "degraded: encoder (14)");
     board.says(&["clear-fault"], "standby");
     board.says(&["referenced"], "standby");
