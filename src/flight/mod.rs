@@ -21,7 +21,6 @@ pub mod smear_prediction;
 pub mod stage;
 pub mod stage_track;
 pub mod stage_watch;
-pub mod stamp_ring;
 pub mod time;
 pub mod unit;
 pub mod utc;

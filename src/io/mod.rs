@@ -6,3 +6,4 @@ pub mod link;
 pub mod mavlink;
 #[cfg(feature = "nmea")]
 pub mod nmea;
+pub mod ring;

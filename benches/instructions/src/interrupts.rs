@@ -7,7 +7,7 @@ use cortex_m::asm;
 use cortex_m::interrupt::InterruptNumber;
 use cortex_m::peripheral::NVIC;
 use cortex_m_rt::exception;
-use fmc_camera::flight::stamp_ring::StampRing;
+use fmc_camera::io::ring::Ring;
 
 use crate::counter::Counter;
 use crate::receive_ring::ReceiveRing;
@@ -15,7 +15,7 @@ use crate::receive_ring::ReceiveRing;
 const TIMES: u32 = 100;
 
 static RECEIVED: ReceiveRing = ReceiveRing::new();
-static EDGES: StampRing<128> = StampRing::new();
+static EDGES: Ring<u32, 128> = Ring::new();
 static SERVED: AtomicU32 = AtomicU32::new(0);
 /// Whether the next is an edge; otherwise it is a byte.
 static IS_EDGE: AtomicBool = AtomicBool::new(false);

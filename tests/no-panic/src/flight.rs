@@ -32,7 +32,6 @@ use fmc_camera::flight::{
     stage::{Profile, Stage, Travel},
     stage_track::StageTrack,
     stage_watch::StageWatch,
-    stamp_ring::StampRing,
     time::{Clock, Time},
     unit::CameraUnit,
     utc::UtcClock,
@@ -44,7 +43,6 @@ use crate::pin::Pin;
 type Decoder = QuadratureDecoder<Pin, Pin>;
 type Motor = PwmEncoder<Pin, Pin, Decoder>;
 type Enabled = EnabledDrive<Motor, Pin>;
-type Ring = StampRing<8>;
 type Stepper = StepDir<Pin, Pin, Pin, Pin>;
 
 /// Keeps the public functions of `fmc_camera::flight`.
@@ -135,12 +133,6 @@ pub(crate) fn keep() {
         ShutterOutput::close,
         ShutterOutput::look,
         shutter_output::has_come,
-        Ring::new,
-        Ring::push,
-        Ring::pop,
-        Ring::has_room,
-        Ring::lose,
-        Ring::take_lost,
         Reason::name,
         Flag::name,
         Flags::insert,

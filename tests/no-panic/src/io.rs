@@ -9,12 +9,30 @@ use fmc_camera::io::link::{
     message::{Answer, Grid, Identity, Request},
     station::Station,
 };
+use fmc_camera::io::ring::Ring;
 
+type Bytes = Ring<u8, 8>;
 type Deck = FlownDeck<RigDrive>;
+type Stamps = Ring<u32, 8>;
 
 /// Keeps the public functions of `fmc_camera::io`.
 pub(crate) fn keep() {
     keep![
+        Bytes::new,
+        Bytes::push,
+        Bytes::pop,
+        Bytes::has_room,
+        Bytes::is_empty,
+        Bytes::lose,
+        Bytes::take_lost,
+        Stamps::new,
+        Stamps::push,
+        Stamps::pop,
+        Stamps::has_room,
+        Stamps::is_empty,
+        Stamps::lose,
+        Stamps::take_lost,
+        Stamps::capture,
         Frame::bytes,
         FrameReceiver::new,
         FrameReceiver::receive,

@@ -17,10 +17,9 @@ use embassy_stm32::{
 use fmc_camera::flight::{
     drive::flown_drive::FlownDrive,
     event::{Event, ShutterEdge},
-    stamp_ring::StampRing,
     time::Clock,
 };
-use fmc_camera::io::link::flown_deck::FlownDeck;
+use fmc_camera::io::{link::flown_deck::FlownDeck, ring::Ring};
 
 /// Edges of one line that are kept from one round to the next.
 const PLACES: usize = 8;
@@ -33,7 +32,7 @@ const EVENTS: [Event; 4] = [
     Event::Shutter(ShutterEdge::Closed),
 ];
 
-static EDGES: [StampRing<PLACES>; 4] = [const { StampRing::new() }; 4];
+static EDGES: [Ring<u32, PLACES>; 4] = [const { Ring::new() }; 4];
 
 bind_interrupts!(struct Interrupts {
     TIM2 => Capture;
@@ -130,18 +129,15 @@ impl typelevel::Handler<typelevel::TIM2> for Capture {
         let status = timer.sr().read();
         let mut overrun = SrGp16(u32::MAX);
         for (channel, edges) in EDGES.iter().enumerate() {
-            if status.ccof(channel) {
-                // At least one edge before the one that is held.
-                edges.lose(1);
+            let was_overwritten = status.ccof(channel);
+            if was_overwritten {
                 overrun.set_ccof(channel, false);
             }
-            if status.ccif(channel) {
-                // Reading it is what clears the interrupt.
-                edges.push(timer.ccr(channel).read());
-                if !edges.has_room() {
-                    // A line that oscillates must not take all the time there is: not before the next round.
-                    timer.dier().modify(|w| w.set_ccie(channel, false));
-                }
+            // Reading it is what clears the interrupt.
+            let stamp = status.ccif(channel).then(|| timer.ccr(channel).read());
+            if !edges.capture(stamp, was_overwritten) {
+                // Not before the next round.
+                timer.dier().modify(|w| w.set_ccie(channel, false));
             }
         }
         // Zeros clear, ones leave.
