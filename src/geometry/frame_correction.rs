@@ -4,6 +4,7 @@ use super::brown::Brown;
 use super::calibration::Calibration;
 use super::evaluation_form::{Displacement, EvaluationForm, Jacobian};
 use super::moments::CentralMoments;
+use super::newton_step::longest_last_step2;
 use super::principal_distance::FocusShift;
 use super::principal_point::PrincipalPointMotion;
 use super::sensor::{FmcAxis, Sensor, SensorPoint};
@@ -42,6 +43,8 @@ pub struct FrameCorrection {
     kernel: Kernel,
     left_out_nm: f32,
     sensor: Sensor,
+    /// Of Newton's steps to a measured point, mm².
+    longest_last_step2: f32,
 }
 
 impl FrameCorrection {
@@ -129,6 +132,7 @@ impl FrameCorrection {
             kernel,
             left_out_nm: model_left_out_nm + kernel_left_out_nm,
             sensor: *calibration.sensor(),
+            longest_last_step2: longest_last_step2(calibration, &form, centre),
         }
     }
 
@@ -136,6 +140,11 @@ impl FrameCorrection {
     #[must_use]
     pub fn contains(&self, point: SensorPoint) -> bool {
         self.sensor.contains(point)
+    }
+
+    /// The square of the longest step that may be the last towards a measured point, mm².
+    pub(super) const fn longest_last_step2(&self) -> f32 {
+        self.longest_last_step2
     }
 
     /// The point of the sensor nearest to `point`.

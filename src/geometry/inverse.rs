@@ -3,7 +3,7 @@
 use core::fmt;
 
 use super::evaluation_form::{Displacement, Jacobian};
-use super::frame_correction::{Corrected, FrameCorrection};
+use super::frame_correction::{Corrected, FrameCorrection, Kernel};
 use super::sensor::SensorPoint;
 
 /// Most Newton steps.
@@ -45,6 +45,23 @@ impl fmt::Display for DistortError {
 
 impl core::error::Error for DistortError {}
 
+/// A point of a slice to which no measured one belongs.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct DistortSliceError {
+    /// Its place in the slice, from 0.
+    pub index: usize,
+    /// Why.
+    pub error: DistortError,
+}
+
+impl fmt::Display for DistortSliceError {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        write!(f, "point {}: {}", self.index, self.error)
+    }
+}
+
+impl core::error::Error for DistortSliceError {}
+
 impl FrameCorrection {
     /// The measured point of an ideal one: the inverse of [`Self::correct`].
     ///
@@ -68,7 +85,33 @@ impl FrameCorrection {
     /// [`DistortError`]; never a finite point that does not belong to `ideal`. A lens of tens of
     /// per cent of distortion may hold Newton's method at an edge or cycling: then an error, though
     /// there is a measured point.
+    #[inline]
     pub fn distort(&self, ideal: SensorPoint) -> Result<Corrected, DistortError> {
+        let quick = match self.kernel() {
+            Kernel::Short => self.predicted::<false>(ideal),
+            Kernel::Full => self.predicted::<true>(ideal),
+        };
+        match quick {
+            Some(measured) => Ok(measured),
+            None => self.searched(ideal),
+        }
+    }
+
+    /// [`Self::distort`] by one step, where it may be the last and leads to the sensor.
+    #[inline]
+    fn predicted<const FULL: bool>(&self, ideal: SensorPoint) -> Option<Corrected> {
+        let (centre, form) = (self.centre(), self.form());
+        let (x, y) = (ideal.x_mm - centre.x_mm, ideal.y_mm - centre.y_mm);
+        let start = form.start::<FULL>(x, y);
+        let (distortion, step2_mm2) = form.stepped::<FULL>(x, y, start);
+        let point = shifted(ideal, distortion);
+        let found = step2_mm2 <= self.longest_last_step2() && self.contains(point);
+        found.then_some(Corrected { point, distortion })
+    }
+
+    #[cold]
+    #[inline(never)]
+    fn searched(&self, ideal: SensorPoint) -> Result<Corrected, DistortError> {
         // Every iterate stays on the sensor, where the map is one-to-one: beyond it the polynomial
         // may have other roots.
         let mut d = self.on_sensor(ideal, self.distortion(self.clamped(ideal)));
@@ -108,6 +151,69 @@ impl FrameCorrection {
             d = kept;
         }
         Err(DistortError::NotConverged { residual_nm })
+    }
+
+    /// Replaces every ideal point of a slice by its measured point.
+    ///
+    /// # Model
+    /// [`Self::distort`], bit for bit, on every machine. A point does not touch another.
+    ///
+    /// # Units and frames
+    /// Sensor frame, mm; domain as [`Self::distort`].
+    ///
+    /// # Accuracy
+    /// That of [`Self::distort`].
+    ///
+    /// # Errors
+    /// [`DistortSliceError`] for the first point that no measured one belongs to. Those before it have been replaced; it
+    /// and those behind it are as they were.
+    ///
+    /// # Examples
+    /// ```
+    /// # use fmc_camera::{Brown, Calibration, CalibrationRecord, FrameCorrection, SensorPoint};
+    /// let mut record = CalibrationRecord::new(100.0, [9216, 9216], 8.75);
+    /// record.distortion = Brown { k1: 1e-6, ..Brown::NONE };
+    /// let correction = FrameCorrection::without_motion(&Calibration::new(record)?);
+    /// // K1·r² = 1e-6 * 500 of each measured coordinate; half the side is 40.32 mm.
+    /// let mut points = [SensorPoint::new(9.995, 19.99), SensorPoint::new(0.0, 50.0)];
+    /// let refused = correction.distort_slice(&mut points).unwrap_err();
+    /// assert_eq!((points[0], refused.index), (SensorPoint::new(10.0, 20.0), 1));
+    /// # Ok::<(), Box<dyn core::error::Error>>(())
+    /// ```
+    pub fn distort_slice(&self, points: &mut [SensorPoint]) -> Result<(), DistortSliceError> {
+        let mut rest = points;
+        let mut index = 0;
+        loop {
+            let found = match self.kernel() {
+                Kernel::Short => self.predicted_run::<false>(rest),
+                Kernel::Full => self.predicted_run::<true>(rest),
+            };
+            let left = rest.get_mut(found..).and_then(<[_]>::split_first_mut);
+            let Some((point, behind)) = left else {
+                return Ok(());
+            };
+            index += found;
+            let measured = self.searched(*point);
+            *point = measured
+                .map_err(|error| DistortSliceError { index, error })?
+                .point;
+            index += 1;
+            rest = behind;
+        }
+    }
+
+    /// Replaces points as long as one step is enough; how many. A loop without calls keeps the coefficients in registers.
+    #[inline(never)]
+    fn predicted_run<const FULL: bool>(&self, points: &mut [SensorPoint]) -> usize {
+        let all = points.len();
+        let is_last = |point: &mut SensorPoint| match self.predicted::<FULL>(*point) {
+            Some(measured) => {
+                *point = measured.point;
+                false
+            }
+            None => true,
+        };
+        points.iter_mut().position(is_last).unwrap_or(all)
     }
 
     /// The displacement cut where it would leave the sensor.

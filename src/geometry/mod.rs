@@ -15,6 +15,7 @@ pub mod inverse;
 pub mod invertibility;
 pub mod mesh;
 pub mod moments;
+pub mod newton_step;
 mod planar_flow;
 pub mod point_kernel;
 pub mod principal_distance;

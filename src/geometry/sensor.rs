@@ -89,6 +89,10 @@ pub struct Sensor {
     width_px: u32,
     height_px: u32,
     pixel_um: f32,
+    /// The corner up and to the right.
+    corner: SensorPoint,
+    /// Farthest |x| and |y| that are still taken for points of the array.
+    farthest: SensorPoint,
 }
 
 impl Sensor {
@@ -107,10 +111,15 @@ impl Sensor {
             let longest_px = libm::floorf(MAX_SIDE_MM / pixel_mm).min(pixels(MAX_SIDE_PX));
             quantity.check_within(pixels(side_px), 1.0, longest_px)?;
         }
+        let half_mm = |side_px: u32| pixels(side_px) * pixel_um / 2000.0;
+        let corner = SensorPoint::new(half_mm(width_px), half_mm(height_px));
+        let two_units_on = |half_mm: f32| half_mm.next_up().next_up();
         Ok(Self {
             width_px,
             height_px,
             pixel_um,
+            corner,
+            farthest: SensorPoint::new(two_units_on(corner.x_mm), two_units_on(corner.y_mm)),
         })
     }
 
@@ -134,14 +143,14 @@ impl Sensor {
 
     /// The distance from the centre to the left and right edge, mm.
     #[must_use]
-    pub fn half_width_mm(&self) -> f32 {
-        pixels(self.width_px) * self.pixel_um / 2000.0
+    pub const fn half_width_mm(&self) -> f32 {
+        self.corner.x_mm
     }
 
     /// The distance from the centre to the upper and lower edge, mm.
     #[must_use]
-    pub fn half_height_mm(&self) -> f32 {
-        pixels(self.height_px) * self.pixel_um / 2000.0
+    pub const fn half_height_mm(&self) -> f32 {
+        self.corner.y_mm
     }
 
     /// Whether the point lies on the array, edges included. A NaN does not.
@@ -149,10 +158,10 @@ impl Sensor {
     /// # Accuracy
     /// In single precision an edge is known to two units in the last place; a point is on it within
     /// that.
+    #[inline]
     #[must_use]
     pub fn contains(&self, point: SensorPoint) -> bool {
-        let within = |value: f32, half: f32| value.abs() <= half.next_up().next_up();
-        within(point.x_mm, self.half_width_mm()) && within(point.y_mm, self.half_height_mm())
+        point.x_mm.abs() <= self.farthest.x_mm && point.y_mm.abs() <= self.farthest.y_mm
     }
 
     /// The sensor-frame point of a pixel coordinate.

@@ -36,6 +36,8 @@ pub(crate) fn count(counter: &mut Counter) -> Option<()> {
     single(counter, "correct_full", &full)?;
     distort(counter, "distort", &correction)?;
     distort(counter, "distort_full", &full)?;
+    distort_slice(counter, "distort_slice", &correction)?;
+    distort_slice(counter, "distort_slice_full", &full)?;
     fold(counter, "frame_fold", &camera, EXPOSURE)?;
     let still = Exposure {
         model: CorrectionModel::Static,
@@ -98,6 +100,17 @@ fn distort(counter: &mut Counter, kernel: &str, correction: &FrameCorrection) ->
         }
         Some(())
     })
+}
+
+/// Points replaced in place by their measured ones.
+fn distort_slice(counter: &mut Counter, kernel: &str, correction: &FrameCorrection) -> Option<()> {
+    let mut points = points();
+    counter.count(kernel, PER_POINT, || {
+        let points = black_box(points.as_mut_slice());
+        black_box(correction).distort_slice(points).ok()
+    })?;
+    black_box(points);
+    Some(())
 }
 
 /// An exposure into coefficients.

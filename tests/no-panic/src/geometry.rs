@@ -70,6 +70,7 @@ pub(crate) fn keep() {
         FrameCorrection::correct_slice_xy,
         FrameCorrection::jacobian,
         FrameCorrection::distort,
+        FrameCorrection::distort_slice,
         View::calibrated,
         Smear::length_um,
         ImageMotion::new,
