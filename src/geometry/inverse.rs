@@ -6,11 +6,14 @@ use super::evaluation_form::{Displacement, Jacobian};
 use super::frame_correction::{Corrected, FrameCorrection, Kernel};
 use super::sensor::SensorPoint;
 
-/// Most Newton steps.
+/// Most Newton steps without looking where they lead; a lens of up to a per cent of distortion needs one.
+pub const FREE_STEPS: u8 = 3;
+
+/// Most Newton steps along which every place is kept on the sensor.
 pub const MAX_STEPS: u8 = 12;
 
-/// The step taken from a residual of at most this length, nm, is the last one: Newton's steps
-/// shrink quadratically, and the next would be far below rounding.
+/// The step taken on the sensor from a residual of at most this length, nm, is the last one: Newton's
+/// steps shrink quadratically, and the next would be far below rounding.
 pub const LAST_RESIDUAL_NM: f32 = 20.0;
 
 /// No measured point belongs to the ideal one.
@@ -66,11 +69,17 @@ impl FrameCorrection {
     /// The measured point of an ideal one: the inverse of [`Self::correct`].
     ///
     /// # Model
-    /// Newton's method on the displacement d: `d - D(ideal + d) = 0`, from `d = D(ideal)`, at most
-    /// [`MAX_STEPS`] steps, the last from a residual of at most [`LAST_RESIDUAL_NM`]. Iterating the
-    /// displacement, not the coordinate, keeps its finer resolution until the one addition at the
-    /// end. The calibration has been shown to be one-to-one over the sensor, so that a solution on
-    /// the sensor is the only one.
+    /// Newton's method on the displacement d: `d - D(ideal + d) = 0`. Iterating the displacement, not
+    /// the coordinate, keeps its finer resolution until the one addition at the end. The calibration
+    /// has been shown to be one-to-one over the sensor, so that a solution on the sensor is the only one.
+    ///
+    /// First from where the radial terms lead, `d = D(ideal)·(1 + s + s²)` with the slope s of the radial
+    /// distortion, up to [`FREE_STEPS`] steps. The last is one so short that it leaves no more than
+    /// [`LEFT_BY_ONE_STEP_NM`](super::newton_step::LEFT_BY_ONE_STEP_NM), by a bound of the frame's curvature (Newton and Kantorovich), and it must
+    /// end on the sensor; on lenses of up to a per cent of distortion it is the first.
+    ///
+    /// Where there is none, again from `d = D(ideal)` with every place kept on the sensor, at most [`MAX_STEPS`]
+    /// steps, the last from a residual of at most [`LAST_RESIDUAL_NM`].
     ///
     /// # Units and frames
     /// Sensor frame, mm. The ideal point may lie off the sensor; the measured one must lie on it,
@@ -79,7 +88,10 @@ impl FrameCorrection {
     /// # Accuracy
     /// `distort(correct(p))` is within two units in the last place of p, or of its ideal point
     /// where that is larger, divided by the scale `∂(ideal)/∂(measured)` where that is below 0.7,
-    /// and within 0.02 nm where all this is less (`tests/geometry/round_trip.rs`).
+    /// and within 0.02 nm where all this is less (`tests/geometry/round_trip.rs`). The displacement is
+    /// within 0.11 nm of that in double precision on the published cameras (`tests/geometry/inverse.rs`).
+    /// Instructions on Cortex-M4F and M7 where the first step is the last: 115 with the short kernel and 128 with the full
+    /// one (`docs/instructions.csv`); where every place has to be kept on the sensor, some hundred more.
     ///
     /// # Errors
     /// [`DistortError`]; never a finite point that does not belong to `ideal`. A lens of tens of
@@ -88,30 +100,43 @@ impl FrameCorrection {
     #[inline]
     pub fn distort(&self, ideal: SensorPoint) -> Result<Corrected, DistortError> {
         let quick = match self.kernel() {
-            Kernel::Short => self.predicted::<false>(ideal),
-            Kernel::Full => self.predicted::<true>(ideal),
+            Kernel::Short => self.freely::<false>(ideal),
+            Kernel::Full => self.freely::<true>(ideal),
         };
         match quick {
             Some(measured) => Ok(measured),
-            None => self.searched(ideal),
+            None => self.kept_on_sensor(ideal),
         }
     }
 
-    /// [`Self::distort`] by one step, where it may be the last and leads to the sensor.
-    #[inline]
-    fn predicted<const FULL: bool>(&self, ideal: SensorPoint) -> Option<Corrected> {
+    /// [`Self::distort`] by free steps; `None` where they do not find a point of the sensor.
+    #[expect(
+        clippy::inline_always,
+        reason = "a call per point would load the coefficients again: 20 instructions"
+    )]
+    #[inline(always)]
+    fn freely<const FULL: bool>(&self, ideal: SensorPoint) -> Option<Corrected> {
         let (centre, form) = (self.centre(), self.form());
         let (x, y) = (ideal.x_mm - centre.x_mm, ideal.y_mm - centre.y_mm);
-        let start = form.start::<FULL>(x, y);
-        let (distortion, step2_mm2) = form.stepped::<FULL>(x, y, start);
-        let point = shifted(ideal, distortion);
-        let found = step2_mm2 <= self.longest_last_step2() && self.contains(point);
-        found.then_some(Corrected { point, distortion })
+        let mut distortion = form.start::<FULL>(x, y);
+        for _ in 0..FREE_STEPS {
+            let step2_mm2;
+            (distortion, step2_mm2) = form.stepped::<FULL>(x, y, distortion);
+            if step2_mm2 <= self.longest_last_step2() {
+                let point = shifted(ideal, distortion);
+                return self
+                    .contains(point)
+                    .then_some(Corrected { point, distortion });
+            }
+        }
+        None
     }
 
+    /// [`Self::distort`] where free steps find nothing: at the edge, beyond it, and with a strong lens. It decides which
+    /// error it is.
     #[cold]
     #[inline(never)]
-    fn searched(&self, ideal: SensorPoint) -> Result<Corrected, DistortError> {
+    fn kept_on_sensor(&self, ideal: SensorPoint) -> Result<Corrected, DistortError> {
         // Every iterate stays on the sensor, where the map is one-to-one: beyond it the polynomial
         // may have other roots.
         let mut d = self.on_sensor(ideal, self.distortion(self.clamped(ideal)));
@@ -162,7 +187,8 @@ impl FrameCorrection {
     /// Sensor frame, mm; domain as [`Self::distort`].
     ///
     /// # Accuracy
-    /// That of [`Self::distort`].
+    /// That of [`Self::distort`]. Instructions to a point on Cortex-M4F and M7 where the first step is the last: 95 with the
+    /// short kernel and 106 with the full one.
     ///
     /// # Errors
     /// [`DistortSliceError`] for the first point that no measured one belongs to. Those before it have been replaced; it
@@ -185,15 +211,15 @@ impl FrameCorrection {
         let mut index = 0;
         loop {
             let found = match self.kernel() {
-                Kernel::Short => self.predicted_run::<false>(rest),
-                Kernel::Full => self.predicted_run::<true>(rest),
+                Kernel::Short => self.free_run::<false>(rest),
+                Kernel::Full => self.free_run::<true>(rest),
             };
             let left = rest.get_mut(found..).and_then(<[_]>::split_first_mut);
             let Some((point, behind)) = left else {
                 return Ok(());
             };
             index += found;
-            let measured = self.searched(*point);
+            let measured = self.kept_on_sensor(*point);
             *point = measured
                 .map_err(|error| DistortSliceError { index, error })?
                 .point;
@@ -202,11 +228,11 @@ impl FrameCorrection {
         }
     }
 
-    /// Replaces points as long as one step is enough; how many. A loop without calls keeps the coefficients in registers.
+    /// Replaces points as long as one step is enough; how many. A loop that calls nothing keeps the coefficients in registers.
     #[inline(never)]
-    fn predicted_run<const FULL: bool>(&self, points: &mut [SensorPoint]) -> usize {
+    fn free_run<const FULL: bool>(&self, points: &mut [SensorPoint]) -> usize {
         let all = points.len();
-        let is_last = |point: &mut SensorPoint| match self.predicted::<FULL>(*point) {
+        let is_last = |point: &mut SensorPoint| match self.freely::<FULL>(*point) {
             Some(measured) => {
                 *point = measured.point;
                 false

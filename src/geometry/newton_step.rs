@@ -4,12 +4,12 @@ use super::calibration::Calibration;
 use super::evaluation_form::{Displacement, EvaluationForm};
 use super::sensor::SensorPoint;
 
-/// What one Newton step may leave of the displacement where `distort` takes no other, nm: a
-/// fifth of the rounding of the distortion.
+/// What the last Newton step of `distort` may leave of the displacement, nm: a tenth of what rounding does to the
+/// distortion.
 pub const LEFT_BY_ONE_STEP_NM: f32 = 0.01;
 
-/// Longest last step, as a fraction of half the shorter side of the sensor: nearer to the edge
-/// than the calibration has been shown to be one-to-one beyond it.
+/// Longest last step, as a fraction of half the shorter side of the sensor: the step starts as near to the sensor, where
+/// the calibration has been shown to be one-to-one.
 pub const MAX_LAST_STEP_FRACTION: f32 = 1e-3;
 
 /// The square of the longest step that may be the last towards a point of the sensor, mm².
@@ -130,6 +130,115 @@ impl EvaluationForm {
             }
         } else {
             Displacement { dx_mm, dy_mm }
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::geometry::brown::Brown;
+    use crate::geometry::calibration::CalibrationRecord;
+    use proptest::prelude::*;
+
+    /// Distortion and derivatives by x and by y, in double precision.
+    fn evaluated(form: &EvaluationForm, [x, y]: [f64; 2]) -> [[f64; 2]; 3] {
+        let [k0, k1, k2, k3] = [form.k0, form.k1, form.k2, form.k3].map(f64::from);
+        let [hx, hy, gx, gy] = [form.hx, form.hy, form.gx, form.gy].map(f64::from);
+        let r2 = x * x + y * y;
+        let gain = k0 + r2 * (k1 + r2 * (k2 + r2 * k3)) + hx * x + hy * y;
+        let slope = 2.0 * (k1 + r2 * (2.0 * k2 + r2 * 3.0 * k3));
+        let [by_x, by_y] = [slope * x + hx, slope * y + hy];
+        [
+            [x * gain + gx * r2, y * gain + gy * r2],
+            [gain + x * by_x + 2.0 * gx * x, y * by_x + 2.0 * gy * x],
+            [x * by_y + 2.0 * gx * y, gain + y * by_y + 2.0 * gy * y],
+        ]
+    }
+
+    /// One step from `measured`, and where it leads.
+    fn stepped(form: &EvaluationForm, ideal: [f64; 2], measured: [f64; 2]) -> [f64; 2] {
+        let [d, by_x, by_y] = evaluated(form, measured);
+        let residual = [0, 1].map(|axis| measured[axis] - d[axis] - ideal[axis]);
+        let (scale_x, scale_y) = (1.0 - by_x[0], 1.0 - by_y[1]);
+        let determinant = scale_x * scale_y - by_x[1] * by_y[0];
+        [
+            measured[0] - (scale_y * residual[0] + by_y[0] * residual[1]) / determinant,
+            measured[1] - (by_x[1] * residual[0] + scale_x * residual[1]) / determinant,
+        ]
+    }
+
+    proptest! {
+        #[test]
+        fn longest_last_step_leaves_what_it_may(
+            k1 in -9e-5_f32..9e-5,
+            k2 in -3e-8_f32..3e-8,
+            k3 in -1e-11_f32..1e-11,
+            p in [-2e-5_f32..2e-5, -2e-5_f32..2e-5],
+            at in [-1.0_f64..1.0, -1.0_f64..1.0],
+            direction in 0.0_f64..core::f64::consts::TAU,
+        ) {
+            let mut record = CalibrationRecord::new(100.0, [8000, 6000], 10.0);
+            record.distortion = Brown { k1, k2, k3, p1: p[0], p2: p[1], ..Brown::NONE };
+            let calibration = Calibration::new(record);
+            prop_assume!(calibration.is_ok());
+            let form = record.distortion.evaluation_form();
+            let step2 = longest_last_step2(&calibration.unwrap(), &form, SensorPoint::default());
+            let measured = [40.0 * at[0], 30.0 * at[1]];
+            let [d, ..] = evaluated(&form, measured);
+            let ideal = [measured[0] - d[0], measured[1] - d[1]];
+            let away = libm::sqrt(f64::from(step2));
+            let [x, y] = [libm::cos(direction), libm::sin(direction)];
+            let found = stepped(&form, ideal, [measured[0] + away * x, measured[1] + away * y]);
+            let left_nm = 1e6 * libm::hypot(found[0] - measured[0], found[1] - measured[1]);
+            prop_assert!(left_nm <= f64::from(LEFT_BY_ONE_STEP_NM), "{left_nm} nm");
+        }
+    }
+
+    #[test]
+    fn lens_of_the_field_may_end_with_a_step_of_a_micrometre() {
+        let mut record = CalibrationRecord::new(51.3712, [14204, 10652], 3.76);
+        record.distortion = Brown {
+            k1: -1.6056e-5,
+            k2: 6.18966e-9,
+            k3: -1.31329e-12,
+            ..Brown::NONE
+        };
+        let calibration = Calibration::new(record).unwrap();
+        let form = record.distortion.evaluation_form();
+        let step2 = longest_last_step2(&calibration, &form, SensorPoint::default());
+        let step_um = 1e3 * libm::sqrtf(step2);
+        assert!((0.8..1.2).contains(&step_um), "{step_um} µm");
+        // Without distortion it is the sensor that limits it: half the shorter side is 20.03 mm.
+        record.distortion = Brown::NONE;
+        let calibration = Calibration::new(record).unwrap();
+        let still = EvaluationForm::default();
+        let step2 = longest_last_step2(&calibration, &still, SensorPoint::default());
+        assert!((step2 - 0.02003 * 0.02003).abs() < 1e-6, "{step2} mm²");
+    }
+
+    #[test]
+    fn value_of_the_common_scheme_has_the_bits_of_the_displacement() {
+        let form = EvaluationForm {
+            k0: 1e-3,
+            k1: -1.6056e-5,
+            k2: 6.18966e-9,
+            k3: -1.31329e-12,
+            hx: 1e-6,
+            hy: -3e-6,
+            gx: 2e-6,
+            gy: -4e-6,
+            b1: 1e-4,
+            b2: -2e-4,
+            tx: 1e-3,
+            ty: -2e-3,
+        };
+        for (x, y) in [(0.0, 0.0), (20.0, -15.0), (-26.0, 19.3), (1e-3, -30.0)] {
+            let local = form.local(x, y);
+            let full = form.local_displacement::<true>(x, y, &local);
+            let short = form.local_displacement::<false>(x, y, &local);
+            assert_eq!(full, form.displacement(x, y));
+            assert_eq!(short, form.short_displacement(x, y));
         }
     }
 }

@@ -14,8 +14,9 @@ use fmc_camera::geometry::estimation::adjustment::{MIN_POINTS, MIN_REGRESSOR_MM,
 use fmc_camera::geometry::estimation::design::MIN_SEPARATION;
 use fmc_camera::geometry::frame_correction::SHORT_KERNEL_NM;
 use fmc_camera::geometry::image_motion::LEAST_GROUND_SCALE;
-use fmc_camera::geometry::inverse::{LAST_RESIDUAL_NM, MAX_STEPS};
+use fmc_camera::geometry::inverse::{FREE_STEPS, LAST_RESIDUAL_NM, MAX_STEPS};
 use fmc_camera::geometry::invertibility::{MAX_DISC_SLOPE, MIN_SCALE};
+use fmc_camera::geometry::newton_step::{LEFT_BY_ONE_STEP_NM, MAX_LAST_STEP_FRACTION};
 use fmc_camera::geometry::principal_distance::FLATNESS_TERMS;
 use fmc_camera::geometry::range::MAX_FOCUS_FRACTION;
 use fmc_camera::geometry::sensor::{MAX_SIDE_MM, MAX_SIDE_PX};
@@ -32,6 +33,9 @@ fn documented_constants_are_those_of_the_code() {
         ("MIN_SCALE", MIN_SCALE.to_string()),
         ("MAX_DISC_SLOPE", MAX_DISC_SLOPE.to_string()),
         ("SHORT_KERNEL_NM", SHORT_KERNEL_NM.to_string()),
+        ("LEFT_BY_ONE_STEP_NM", LEFT_BY_ONE_STEP_NM.to_string()),
+        ("MAX_LAST_STEP_FRACTION", MAX_LAST_STEP_FRACTION.to_string()),
+        ("FREE_STEPS", FREE_STEPS.to_string()),
         ("LAST_RESIDUAL_NM", LAST_RESIDUAL_NM.to_string()),
         ("MAX_STEPS", MAX_STEPS.to_string()),
         ("MIN_POINTS", MIN_POINTS.to_string()),

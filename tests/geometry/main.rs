@@ -9,6 +9,8 @@ mod cameras;
 #[cfg(test)]
 mod golden;
 #[cfg(test)]
+mod inverse;
+#[cfg(test)]
 mod jacobian;
 #[cfg(test)]
 mod point_kernel;

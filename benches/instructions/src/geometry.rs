@@ -8,7 +8,7 @@ use fmc_camera::geometry::sensor::SensorPoint;
 use fmc_camera::{Camera, Exposure, FrameCorrection};
 
 use crate::counter::Counter;
-use crate::specimen::{EXPOSURE, POINTS, full, points, short, strong};
+use crate::specimen::{self, EXPOSURE, POINTS, full, points, short, strong};
 
 /// Points to a call where it is not all of them.
 const BATCH: usize = 256;
@@ -36,6 +36,8 @@ pub(crate) fn count(counter: &mut Counter) -> Option<()> {
     single(counter, "correct_full", &full)?;
     distort(counter, "distort", &correction)?;
     distort(counter, "distort_full", &full)?;
+    let strong = Camera::new(strong()).ok()?.frame(&EXPOSURE).ok()?;
+    distort(counter, "distort_strong", &strong.correction)?;
     distort_slice(counter, "distort_slice", &correction)?;
     distort_slice(counter, "distort_slice_full", &full)?;
     fold(counter, "frame_fold", &camera, EXPOSURE)?;
@@ -44,7 +46,10 @@ pub(crate) fn count(counter: &mut Counter) -> Option<()> {
         ..EXPOSURE
     };
     fold(counter, "frame_fold_static", &camera, still)?;
-    for (kernel, record) in [("calibration", record), ("calibration_strong", strong())] {
+    for (kernel, record) in [
+        ("calibration", record),
+        ("calibration_strong", specimen::strong()),
+    ] {
         counter.count(kernel, (1, "calibration"), || {
             Camera::new(black_box(record)).ok()
         })?;
