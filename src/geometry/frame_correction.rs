@@ -147,6 +147,12 @@ impl FrameCorrection {
         self.longest_last_step2
     }
 
+    /// The pixel array.
+    #[must_use]
+    pub const fn sensor(&self) -> &Sensor {
+        &self.sensor
+    }
+
     /// The point of the sensor nearest to `point`.
     pub(super) fn clamped(&self, point: SensorPoint) -> SensorPoint {
         let (half_width, half_height) = (self.sensor.half_width_mm(), self.sensor.half_height_mm());

@@ -13,6 +13,8 @@ mod inverse;
 #[cfg(test)]
 mod jacobian;
 #[cfg(test)]
+mod mesh;
+#[cfg(test)]
 mod point_kernel;
 #[cfg(test)]
 mod round_trip;

@@ -3,7 +3,9 @@
 use core::hint::black_box;
 
 use fmc_camera::flight::exposure::CorrectionModel;
+use fmc_camera::geometry::evaluation_form::Displacement;
 use fmc_camera::geometry::frame_correction::Kernel;
+use fmc_camera::geometry::mesh::displacement_rows::DisplacementRows;
 use fmc_camera::geometry::sensor::SensorPoint;
 use fmc_camera::{Camera, Exposure, FrameCorrection};
 
@@ -17,6 +19,9 @@ const FRAMES: u32 = 100;
 const PER_FRAME: (u32, &str) = (FRAMES, "frame");
 #[expect(clippy::cast_possible_truncation, reason = "1024 points")]
 const PER_POINT: (u32, &str) = (POINTS as u32, "point");
+/// Every eighth pixel of 3.76 µm: 30.8 mm of the sensor.
+const MESH_STEP_MM: f32 = 8.0 * 0.00376;
+const ROW_START: SensorPoint = SensorPoint::new(-26.0, 15.0);
 
 pub(crate) fn count(counter: &mut Counter) -> Option<()> {
     let record = short();
@@ -41,6 +46,7 @@ pub(crate) fn count(counter: &mut Counter) -> Option<()> {
     distort_slice(counter, "distort_slice", &correction)?;
     distort_slice(counter, "distort_slice_full", &full)?;
     fold(counter, "frame_fold", &camera, EXPOSURE)?;
+    mesh_rows(counter)?;
     let still = Exposure {
         model: CorrectionModel::Static,
         ..EXPOSURE
@@ -123,6 +129,42 @@ fn fold(counter: &mut Counter, kernel: &str, camera: &Camera, exposure: Exposure
     counter.count(kernel, PER_FRAME, || {
         for _ in 0..FRAMES {
             black_box(black_box(camera).frame(black_box(&exposure)).ok()?);
+        }
+        Some(())
+    })
+}
+
+/// Displacements along rows of the measured image: without K3, with it, and all terms.
+fn mesh_rows(counter: &mut Counter) -> Option<()> {
+    let mut without_k3 = short();
+    without_k3.calibration.distortion.k3 = 0.0;
+    for (kernel, record) in [
+        ("mesh_row", without_k3),
+        ("mesh_row_k3", short()),
+        ("mesh_row_k3_full", full()),
+    ] {
+        let correction = Camera::new(record).ok()?.frame(&EXPOSURE).ok()?.correction;
+        let rows = DisplacementRows::new(&correction, MESH_STEP_MM);
+        let mut row = [Displacement::default(); POINTS];
+        counter.count(kernel, PER_POINT, || {
+            black_box(&rows)
+                .row(black_box(ROW_START))
+                .write(black_box(&mut row));
+            Some(())
+        })?;
+        black_box(row);
+    }
+    let correction = Camera::new(full()).ok()?.frame(&EXPOSURE).ok()?.correction;
+    counter.count("mesh_row_setup", (FRAMES, "row"), || {
+        let rows = DisplacementRows::new(&correction, MESH_STEP_MM);
+        for _ in 0..FRAMES {
+            black_box(black_box(&rows).row(black_box(ROW_START)));
+        }
+        Some(())
+    })?;
+    counter.count("mesh_rows_setup", PER_FRAME, || {
+        for _ in 0..FRAMES {
+            black_box(DisplacementRows::new(black_box(&correction), MESH_STEP_MM));
         }
         Some(())
     })

@@ -1,0 +1,163 @@
+//! Rows by differences are the distortion, within the bound they state.
+
+use crate::cameras;
+use fmc_camera::geometry::brown::Brown;
+use fmc_camera::geometry::calibration::{Calibration, CalibrationRecord};
+use fmc_camera::geometry::evaluation_form::Displacement;
+use fmc_camera::geometry::frame_correction::FrameCorrection;
+use fmc_camera::geometry::mesh::displacement_rows::{
+    DisplacementRows, RESTART_INTERVAL, ROW_ROUNDING_NM,
+};
+use fmc_camera::geometry::sensor::{FmcAxis, SensorPoint};
+use proptest::prelude::*;
+
+/// The evaluation form in double precision.
+pub(crate) fn form_f64(correction: &FrameCorrection, x_mm: f64, y_mm: f64) -> [f64; 2] {
+    let form = correction.form();
+    let [k0, k1, k2, k3] = [form.k0, form.k1, form.k2, form.k3].map(f64::from);
+    let [hx, hy, gx, gy] = [form.hx, form.hy, form.gx, form.gy].map(f64::from);
+    let [b1, b2, tx, ty] = [form.b1, form.b2, form.tx, form.ty].map(f64::from);
+    let x = x_mm - f64::from(correction.centre().x_mm);
+    let y = y_mm - f64::from(correction.centre().y_mm);
+    let r2 = x * x + y * y;
+    let gain = k0 + r2 * (k1 + r2 * (k2 + r2 * k3)) + hx * x + hy * y;
+    [
+        x * gain + gx * r2 + b1 * x + b2 * y + tx,
+        y * gain + gy * r2 + ty,
+    ]
+}
+
+/// A sensor 104 mm wide and high; behind it 0.5 mm of distortion per axis at the corner.
+pub(crate) fn wide(distortion: Brown) -> CalibrationRecord {
+    CalibrationRecord {
+        width_px: 10_400,
+        height_px: 10_400,
+        pixel_um: 10.0,
+        ..cameras::square(distortion, FmcAxis::PlusY)
+    }
+}
+
+/// Distortions of [`wide`]: K1 alone, K1 to K3 that compete, and these with all other terms.
+pub(crate) fn half_a_millimetre() -> [Brown; 3] {
+    let third_order = Brown {
+        k1: 1.78e-6,
+        ..Brown::default()
+    };
+    let competing = Brown {
+        k1: 2.5e-6,
+        k2: -1.6e-10,
+        k3: 5.0e-15,
+        ..Brown::default()
+    };
+    let all = Brown {
+        k0: 1e-4,
+        p1: 1e-6,
+        p2: -2e-6,
+        b1: 1e-4,
+        b2: -2e-4,
+        ..competing
+    };
+    [third_order, competing, all]
+}
+
+/// The largest error over the rows of a sensor, nm; every row from edge to edge.
+fn largest_error_nm(correction: &FrameCorrection, rows: &DisplacementRows, step_mm: f32) -> f64 {
+    let sensor = correction.sensor();
+    let (left, top) = (-sensor.half_width_mm(), sensor.half_height_mm());
+    let count = (1..).take_while(|i| left + f32::from(*i as u16) * step_mm <= -left);
+    let mut row = vec![Displacement::default(); count.count() + 1];
+    let mut largest = 0.0_f64;
+    for index in -8_i8..=8 {
+        let y_mm = f32::from(index) / 8.0 * top;
+        rows.row(SensorPoint::new(left, y_mm)).write(&mut row);
+        for (index, found) in (0_u32..).zip(&row) {
+            let x_mm = f64::from(left) + f64::from(index) * f64::from(step_mm);
+            let [dx, dy] = form_f64(correction, x_mm, f64::from(y_mm));
+            largest = largest
+                .max((f64::from(found.dx_mm) - dx).abs())
+                .max((f64::from(found.dy_mm) - dy).abs());
+        }
+    }
+    1e6 * largest
+}
+
+/// Corrections of a calibration: still, and at either end of a motion in both directions of flight.
+pub(crate) fn corrections(calibration: &Calibration) -> Vec<FrameCorrection> {
+    use fmc_camera::geometry::principal_point::{PrincipalPointMotion, UniformTravel};
+    use fmc_camera::geometry::shutter::{Shutter, ShutterProfile};
+    let shutter = Shutter::new(ShutterProfile::Uniform).unwrap();
+    let moved = [(0.1, 17.0), (-0.1, -17.0)].map(|(opening_offset_mm, speed_mm_s)| {
+        let travel = UniformTravel {
+            opening_offset_mm,
+            speed_mm_s,
+            exposure_s: 0.01,
+        };
+        let motion = PrincipalPointMotion::from_plan(travel, &shutter);
+        FrameCorrection::exact(calibration, &motion, &cameras::focus(calibration, 0.005))
+    });
+    let still = FrameCorrection::without_motion(calibration);
+    moved.into_iter().chain([still]).collect()
+}
+
+#[test]
+fn rows_of_every_camera_are_within_their_stated_bound_and_four_nanometres() {
+    let wide = half_a_millimetre().map(wide);
+    for (name, record) in ["published"; 5]
+        .into_iter()
+        .zip(cameras::published())
+        .chain(["wide"; 3].into_iter().zip(wide))
+    {
+        let calibration = Calibration::new(record).unwrap();
+        for correction in corrections(&calibration) {
+            for spacing_px in [8.0, 16.0, 64.0] {
+                let step_mm = spacing_px * calibration.sensor().pixel_mm();
+                let rows = DisplacementRows::new(&correction, step_mm);
+                let error_nm = largest_error_nm(&correction, &rows, step_mm);
+                let bound_nm = rows.rounding_bound_nm();
+                println!(
+                    "{name} {} px of {} um: every {}, error {error_nm:.3} nm, bound {bound_nm:.2} nm",
+                    spacing_px,
+                    record.pixel_um,
+                    rows.restart_interval()
+                );
+                assert!(error_nm <= f64::from(bound_nm), "{error_nm} > {bound_nm} nm");
+                assert!(bound_nm <= ROW_ROUNDING_NM, "{bound_nm} nm");
+            }
+        }
+    }
+}
+
+proptest! {
+    #![proptest_config(ProptestConfig::with_cases(200))]
+
+    #[test]
+    fn rows_of_any_lens_are_within_their_stated_bound(
+        lens in cameras::lenses(),
+        axis in cameras::axes(),
+        motion in cameras::motions(),
+        step_mm in 0.02_f32..2.0,
+    ) {
+        let calibration = Calibration::new(cameras::square(lens, axis)).unwrap();
+        let focus = cameras::focus(&calibration, 0.01);
+        let correction = FrameCorrection::exact(&calibration, &motion, &focus);
+        let rows = DisplacementRows::new(&correction, step_mm);
+        let error_nm = largest_error_nm(&correction, &rows, step_mm);
+        prop_assert!(error_nm <= f64::from(rows.rounding_bound_nm()), "{error_nm} nm");
+    }
+}
+
+#[test]
+fn interval_is_the_longest_where_the_lens_allows_it_and_shorter_where_not() {
+    let [third_order, ..] = half_a_millimetre();
+    let interval = |distortion, step_mm| {
+        let calibration = Calibration::new(wide(distortion)).unwrap();
+        let correction = FrameCorrection::without_motion(&calibration);
+        DisplacementRows::new(&correction, step_mm).restart_interval()
+    };
+    let weak = Brown {
+        k1: 0.1 * third_order.k1,
+        ..third_order
+    };
+    assert_eq!(interval(weak, 0.08), RESTART_INTERVAL.get());
+    assert!(interval(third_order, 0.64) < RESTART_INTERVAL.get());
+}
