@@ -258,7 +258,7 @@ impl FrameCorrection {
 }
 
 /// `(I - J)⁻¹` times the residual; not finite where I - J is singular.
-fn newton_step(j: Jacobian, residual: Displacement) -> Displacement {
+pub(super) fn newton_step(j: Jacobian, residual: Displacement) -> Displacement {
     let scale_x = 1.0 - j.dx_by_x;
     let scale_y = 1.0 - j.dy_by_y;
     let determinant = scale_x * scale_y - j.dx_by_y * j.dy_by_x;
@@ -268,6 +268,6 @@ fn newton_step(j: Jacobian, residual: Displacement) -> Displacement {
     }
 }
 
-fn shifted(point: SensorPoint, by: Displacement) -> SensorPoint {
+pub(super) fn shifted(point: SensorPoint, by: Displacement) -> SensorPoint {
     SensorPoint::new(point.x_mm + by.dx_mm, point.y_mm + by.dy_mm)
 }

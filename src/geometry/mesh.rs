@@ -8,7 +8,11 @@
 
 mod differences;
 pub mod displacement_rows;
+pub mod format;
+mod rounding_bound;
 mod row_polynomial;
+pub mod source_row;
+pub mod vertex;
 
 use super::sensor::SensorPoint;
 

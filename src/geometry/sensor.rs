@@ -219,7 +219,7 @@ impl Sensor {
     clippy::cast_precision_loss,
     reason = "exact: every count that passes validation is at most MAX_SIDE_PX < 2^24"
 )]
-const fn pixels(count: u32) -> f32 {
+pub(super) const fn pixels(count: u32) -> f32 {
     count as f32
 }
 

@@ -120,7 +120,10 @@ fn rows_of_every_camera_are_within_their_stated_bound_and_four_nanometres() {
                     record.pixel_um,
                     rows.restart_interval()
                 );
-                assert!(error_nm <= f64::from(bound_nm), "{error_nm} > {bound_nm} nm");
+                assert!(
+                    error_nm <= f64::from(bound_nm),
+                    "{error_nm} > {bound_nm} nm"
+                );
                 assert!(bound_nm <= ROW_ROUNDING_NM, "{bound_nm} nm");
             }
         }

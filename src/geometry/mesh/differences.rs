@@ -72,6 +72,9 @@ mod tests {
         let mut cube = Differences::at([0.0, 0.0, 0.0, 1.0], 2.0, 1.0, &scales(1.0));
         assert_eq!(cube, Differences([8.0, 19.0, 18.0, 6.0]));
         let values = [(); 5].map(|()| cube.take());
-        assert_eq!(values.map(f32::to_bits), [8.0_f32, 27.0, 64.0, 125.0, 216.0].map(f32::to_bits));
+        assert_eq!(
+            values.map(f32::to_bits),
+            [8.0_f32, 27.0, 64.0, 125.0, 216.0].map(f32::to_bits)
+        );
     }
 }

@@ -3,6 +3,7 @@
 use core::num::NonZero;
 
 use super::differences::{Differences, scales};
+use super::rounding_bound::RoundingBound;
 use super::row_polynomial::RowPolynomial;
 use crate::geometry::evaluation_form::{Displacement, EvaluationForm};
 use crate::geometry::frame_correction::FrameCorrection;
@@ -25,15 +26,6 @@ const fn points(count: u16) -> NonZero<u16> {
 /// differences start more often.
 pub const ROW_ROUNDING_NM: f32 = 4.0;
 
-/// Half a unit in the last place, relative.
-const UNIT_ROUNDOFF: f32 = f32::EPSILON / 2.0;
-
-/// Roundings on the longest way from the coefficients of the form to those of a row.
-const FOLD_ROUNDINGS: f32 = 10.0;
-/// Roundings of the position of a start, each relative to the row's reach: those of the first point, of the
-/// way along the row, of their sum, and of a node.
-const POSITION_ROUNDINGS: f32 = 5.0;
-
 /// The distortion along rows with one step, for one frame: prepared once, then row by row.
 ///
 /// # Model
@@ -46,16 +38,10 @@ const POSITION_ROUNDINGS: f32 = 5.0;
 /// Sensor frame, mm: points `first + index·step` of the measured image; measured - ideal.
 ///
 /// # Accuracy
-/// Rounding of d differences that are each the sum of two: a rounding of the k-th difference grows over N points
-/// as `C(N, k+1)`, so that with u = 2⁻²⁴, a reach of ρ about the centre, `L = N·step`, degree n, and Â the polynomial
-/// with the absolute values of its coefficients at the largest |Y|,
-///
-/// `error ≤ u·[ N·(Â(ρ) + Â(ρ+L))/2 + (3n + 12)·Â(ρ+L) + 5ρ·Â'(ρ+L) ]`:
-///
-/// additions, start, and position of the start. [`Self::rounding_bound_nm`] gives its number for the frame, and it holds for
-/// all rows of the sensor. The interval is the longest of 64, 32, 16 and 8 that keeps it within [`ROW_ROUNDING_NM`]:
-/// 104 mm of width and 0.5 mm of distortion are within it (`tests/geometry/mesh.rs`, where a hundredth to a quarter
-/// of the bound is measured). A lens for which 8 does not has its larger bound stated.
+/// [`Self::rounding_bound_nm`] is the bound of [`rounding_bound`](mod@super::rounding_bound) for the frame and holds
+/// for all rows of the sensor. The interval is the longest of 64, 32, 16 and 8 that keeps it within [`ROW_ROUNDING_NM`]:
+/// 104 mm of width and 0.5 mm of distortion stay within it, with errors of at most 0.6 nm
+/// (`tests/geometry/mesh.rs`). A lens for which 8 does not has its larger bound stated.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct DisplacementRows {
     centre: SensorPoint,
@@ -76,7 +62,7 @@ impl DisplacementRows {
             sensor.half_width_mm() + centre.x_mm.abs(),
             sensor.half_height_mm() + centre.y_mm.abs(),
         ];
-        let majorant = Majorant::new(correction.form(), reach);
+        let rounding = RoundingBound::new(correction.form(), reach);
         let [mut interval, ..] = INTERVALS;
         let mut bound_nm = f32::INFINITY;
         for candidate in INTERVALS {
@@ -84,7 +70,7 @@ impl DisplacementRows {
                 break;
             }
             interval = candidate;
-            bound_nm = majorant.rounding_bound_nm(candidate, step_mm);
+            bound_nm = rounding.nanometres(candidate, step_mm);
         }
         Self {
             centre,
@@ -171,57 +157,4 @@ impl DisplacementRow<'_> {
             index += f32::from(rows.interval.get());
         }
     }
-}
-
-/// Both polynomials of a row with the absolute values of their coefficients at the largest |Y|.
-struct Majorant {
-    row: RowPolynomial,
-    degree: f32,
-    reach: f32,
-}
-
-impl Majorant {
-    fn new(form: &EvaluationForm, [reach_x, reach_y]: [f32; 2]) -> Self {
-        let absolute = EvaluationForm {
-            k0: form.k0.abs(),
-            k1: form.k1.abs(),
-            k2: form.k2.abs(),
-            k3: form.k3.abs(),
-            hx: form.hx.abs(),
-            hy: form.hy.abs(),
-            gx: form.gx.abs(),
-            gy: form.gy.abs(),
-            b1: form.b1.abs(),
-            b2: form.b2.abs(),
-            tx: form.tx.abs(),
-            ty: form.ty.abs(),
-        };
-        Self {
-            row: RowPolynomial::new(&absolute, reach_y),
-            degree: if form.k3 == 0.0 { 5.0 } else { 7.0 },
-            reach: reach_x,
-        }
-    }
-
-    /// The bound of [`DisplacementRows`] for the larger of the two axes, nm.
-    fn rounding_bound_nm(&self, interval: NonZero<u16>, step_mm: f32) -> f32 {
-        let additions = f32::from(interval.get()) - 1.0;
-        let beyond = self.reach + additions * step_mm.abs();
-        let axis = |coefficients: &[f32]| {
-            let (near, _) = value_and_slope(coefficients, self.reach);
-            let (far, slope) = value_and_slope(coefficients, beyond);
-            additions * 0.5 * (near + far)
-                + (3.0 * self.degree + 2.0 + FOLD_ROUNDINGS) * far
-                + POSITION_ROUNDINGS * self.reach * slope
-        };
-        1e6 * UNIT_ROUNDOFF * axis(&self.row.dx).max(axis(&self.row.dy))
-    }
-}
-
-/// A polynomial and its derivative, lowest power first.
-fn value_and_slope(coefficients: &[f32], x: f32) -> (f32, f32) {
-    let from_the_highest = coefficients.iter().rev();
-    from_the_highest.fold((0.0, 0.0), |(value, slope), coefficient| {
-        (value * x + coefficient, slope * x + value)
-    })
 }

@@ -1,0 +1,50 @@
+//! Single precision: sources for NVIDIA VPI and for `remap` of `OpenCV` and Vitis Vision.
+//!
+//! VPI's warp map has control points of two floats, x then y (`VPIKeypointF32`), on the output image's grid; `OpenCV`
+//! takes two maps of one float or one of two. All hold the place in the source image.
+
+use super::{MeshFormat, OutOfFormat, PixelAxis, pair32};
+use crate::geometry::mesh::vertex::Vertex;
+
+/// Largest rounding of a coordinate of up to `largest_px`, and of the displacement in it: 0.0005 px at 10000 px.
+#[must_use]
+pub const fn quantisation_px(largest_px: f32) -> f32 {
+    largest_px * (f32::EPSILON / 2.0)
+}
+
+/// Source column and row.
+///
+/// # Errors
+/// [`OutOfFormat`] for a vertex that is not finite.
+pub fn bytes(vertex: &Vertex) -> Result<[u8; 8], OutOfFormat> {
+    let finite = |axis, value_px: f32| {
+        if value_px.is_finite() {
+            Ok(value_px.to_le_bytes())
+        } else {
+            Err(OutOfFormat {
+                format: MeshFormat::Single,
+                col_px: vertex.col_px,
+                row_px: vertex.row_px,
+                axis,
+                value_px,
+                min_px: f32::MIN,
+                max_px: f32::MAX,
+            })
+        }
+    };
+    let columns = finite(
+        PixelAxis::Columns,
+        sum(vertex.col_px, vertex.source_cols_px),
+    )?;
+    let rows = finite(PixelAxis::Rows, sum(vertex.row_px, vertex.source_rows_px))?;
+    Ok(pair32(columns, rows))
+}
+
+/// A place and a share of pixels, in single precision.
+#[expect(
+    clippy::cast_precision_loss,
+    reason = "exact: pixels of an image are fewer than 2^24"
+)]
+pub(super) fn sum(whole_px: i32, share_px: f32) -> f32 {
+    whole_px as f32 + share_px
+}

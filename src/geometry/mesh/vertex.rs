@@ -1,0 +1,157 @@
+//! Vertices of a warp engine's mesh, in pixels.
+
+use core::fmt;
+
+use super::format::{MeshFormat, OutOfFormat, Word};
+use super::source_row::SourceRow;
+use crate::geometry::frame_correction::FrameCorrection;
+use crate::geometry::inverse::DistortError;
+use crate::geometry::sensor::{PixelPoint, Sensor, pixels};
+
+/// A row of vertices of the output image.
+///
+/// The output image has the pixels of the sensor, at their *ideal* places: the corrected image, about the same
+/// principal point. A part of it is asked for by [`Self::origin_px`].
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[cfg_attr(feature = "link", derive(serde::Serialize, serde::Deserialize))]
+pub struct VertexRow {
+    /// Column of the first vertex, pixels of the whole image.
+    pub first_col_px: u32,
+    /// Row of all, pixels of the whole image.
+    pub row_px: u32,
+    /// From one vertex to the next, pixels.
+    pub spacing_px: u16,
+    /// How many vertices.
+    pub count: u16,
+    /// Column and row of the whole image from which source coordinates are counted: the first pixel of the part that
+    /// the engine is given.
+    pub origin_px: [u32; 2],
+}
+
+/// A vertex: a pixel of the output image and the way to its place in the source image, the measured one.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Vertex {
+    /// Column in the output image, from the origin.
+    pub col_px: i32,
+    /// Row in the output image, from the origin.
+    pub row_px: i32,
+    /// Columns from there to its place in the source image, to the right.
+    pub source_cols_px: f32,
+    /// Rows from there to its place in the source image, downwards.
+    pub source_rows_px: f32,
+}
+
+/// A row of a mesh cannot be given.
+#[derive(Debug, Clone, Copy, PartialEq)]
+#[cfg_attr(feature = "link", derive(serde::Serialize, serde::Deserialize))]
+pub enum MeshError {
+    /// A vertex lies more than one spacing beyond the last column or row.
+    OffImage {
+        /// Its column, pixels of the whole image.
+        col_px: u32,
+        /// Its row.
+        row_px: u32,
+    },
+    /// A vertex has no source.
+    Distort {
+        /// Its column, pixels of the whole image.
+        col_px: u32,
+        /// Its row.
+        row_px: u32,
+        /// Why.
+        error: DistortError,
+    },
+    /// A number does not fit the format.
+    Format(OutOfFormat),
+}
+
+impl fmt::Display for MeshError {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::OffImage { col_px, row_px } => write!(
+                f,
+                "the vertex at column {col_px}, row {row_px} is more than one spacing off the image"
+            ),
+            Self::Distort {
+                col_px,
+                row_px,
+                error,
+            } => write!(f, "the vertex at column {col_px}, row {row_px}: {error}"),
+            Self::Format(error) => error.fmt(f),
+        }
+    }
+}
+
+impl core::error::Error for MeshError {}
+
+impl VertexRow {
+    /// The vertices with their sources, in order; the first error ends what is of use.
+    ///
+    /// # Accuracy
+    /// As [`SourceRow`], divided by the pixel; the place of the pixel itself is rounded, to which the distortion answers
+    /// with 0.05 nm at most for 0.5 mm over 104 mm.
+    ///
+    /// # Errors
+    /// [`MeshError`] naming the vertex.
+    pub fn vertices<'frame>(
+        &self,
+        correction: &'frame FrameCorrection,
+    ) -> impl Iterator<Item = Result<Vertex, MeshError>> + use<'frame> {
+        let row = *self;
+        let sensor = *correction.sensor();
+        let mut sources = SourceRow::new(correction);
+        (0..row.count).map(move |index| row.vertex(&sensor, &mut sources, index))
+    }
+
+    /// The vertices as a warp engine stores them, in order.
+    ///
+    /// # Errors
+    /// [`MeshError`] naming the vertex.
+    pub fn words<'frame>(
+        &self,
+        correction: &'frame FrameCorrection,
+        format: MeshFormat,
+    ) -> impl Iterator<Item = Result<Word, MeshError>> + use<'frame> {
+        self.vertices(correction)
+            .map(move |vertex| format.word(&vertex?).map_err(MeshError::Format))
+    }
+
+    fn vertex(
+        &self,
+        sensor: &Sensor,
+        sources: &mut SourceRow<'_>,
+        index: u16,
+    ) -> Result<Vertex, MeshError> {
+        let offset_px = u32::from(self.spacing_px).wrapping_mul(u32::from(index));
+        let col_px = self.first_col_px.saturating_add(offset_px);
+        let row_px = self.row_px;
+        let beyond = |place_px: u32, side_px: u32| {
+            place_px >= side_px.saturating_add(u32::from(self.spacing_px))
+        };
+        if beyond(col_px, sensor.width_px()) || beyond(row_px, sensor.height_px()) {
+            return Err(MeshError::OffImage { col_px, row_px });
+        }
+        let ideal = sensor.sensor_from_pixel(PixelPoint {
+            col_px: pixels(col_px),
+            row_px: pixels(row_px),
+        });
+        let d = sources.next(ideal).map_err(|error| MeshError::Distort {
+            col_px,
+            row_px,
+            error,
+        })?;
+        let [origin_col_px, origin_row_px] = self.origin_px;
+        Ok(Vertex {
+            col_px: from_origin(col_px, origin_col_px),
+            row_px: from_origin(row_px, origin_row_px),
+            source_cols_px: d.dx_mm / sensor.pixel_mm(),
+            source_rows_px: -d.dy_mm / sensor.pixel_mm(),
+        })
+    }
+}
+
+/// Pixels from the origin, negative before it. An origin off every image gives a number that no format holds.
+fn from_origin(place_px: u32, origin_px: u32) -> i32 {
+    let signed = |pixels: u32| i32::try_from(pixels).unwrap_or(i32::MAX);
+    signed(place_px).saturating_sub(signed(origin_px))
+}
