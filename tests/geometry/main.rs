@@ -18,3 +18,5 @@ mod mesh;
 mod point_kernel;
 #[cfg(test)]
 mod round_trip;
+#[cfg(test)]
+mod source_row;

@@ -11,6 +11,9 @@ use fmc_camera::geometry::mesh::displacement_rows::{
 use fmc_camera::geometry::sensor::{FmcAxis, SensorPoint};
 use proptest::prelude::*;
 
+/// Largest error measured on the cameras below, nm: roundings of the worst case do not all come together.
+const MEASURED_NM: f64 = 0.6;
+
 /// The evaluation form in double precision.
 pub(crate) fn form_f64(correction: &FrameCorrection, x_mm: f64, y_mm: f64) -> [f64; 2] {
     let form = correction.form();
@@ -114,12 +117,7 @@ fn rows_of_every_camera_are_within_their_stated_bound_and_four_nanometres() {
                 let rows = DisplacementRows::new(&correction, step_mm);
                 let error_nm = largest_error_nm(&correction, &rows, step_mm);
                 let bound_nm = rows.rounding_bound_nm();
-                println!(
-                    "{name} {} px of {} um: every {}, error {error_nm:.3} nm, bound {bound_nm:.2} nm",
-                    spacing_px,
-                    record.pixel_um,
-                    rows.restart_interval()
-                );
+                assert!(error_nm <= MEASURED_NM, "{name}: {error_nm} nm");
                 assert!(
                     error_nm <= f64::from(bound_nm),
                     "{error_nm} > {bound_nm} nm"

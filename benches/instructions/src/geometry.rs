@@ -5,7 +5,10 @@ use core::hint::black_box;
 use fmc_camera::flight::exposure::CorrectionModel;
 use fmc_camera::geometry::evaluation_form::Displacement;
 use fmc_camera::geometry::frame_correction::Kernel;
-use fmc_camera::geometry::mesh::displacement_rows::DisplacementRows;
+use fmc_camera::geometry::mesh::displacement_rows::{DisplacementRows, RESTART_INTERVAL};
+use fmc_camera::geometry::mesh::format::MeshFormat;
+use fmc_camera::geometry::mesh::source_row::SourceRow;
+use fmc_camera::geometry::mesh::vertex::VertexRow;
 use fmc_camera::geometry::sensor::SensorPoint;
 use fmc_camera::{Camera, Exposure, FrameCorrection};
 
@@ -47,6 +50,7 @@ pub(crate) fn count(counter: &mut Counter) -> Option<()> {
     distort_slice(counter, "distort_slice_full", &full)?;
     fold(counter, "frame_fold", &camera, EXPOSURE)?;
     mesh_rows(counter)?;
+    source_rows(counter, &correction)?;
     let still = Exposure {
         model: CorrectionModel::Static,
         ..EXPOSURE
@@ -145,6 +149,8 @@ fn mesh_rows(counter: &mut Counter) -> Option<()> {
     ] {
         let correction = Camera::new(record).ok()?.frame(&EXPOSURE).ok()?.correction;
         let rows = DisplacementRows::new(&correction, MESH_STEP_MM);
+        // The differences start anew as seldom as they ever do.
+        (rows.restart_interval() == RESTART_INTERVAL.get()).then_some(())?;
         let mut row = [Displacement::default(); POINTS];
         counter.count(kernel, PER_POINT, || {
             black_box(&rows)
@@ -168,4 +174,36 @@ fn mesh_rows(counter: &mut Counter) -> Option<()> {
         }
         Some(())
     })
+}
+
+/// Sources along a row of the ideal image, and vertices as a warp engine stores them.
+fn source_rows(counter: &mut Counter, correction: &FrameCorrection) -> Option<()> {
+    counter.count("mesh_source_row", PER_POINT, || {
+        let mut row = SourceRow::new(black_box(correction));
+        let mut x_mm = ROW_START.x_mm;
+        for _ in 0..POINTS {
+            black_box(row.next(SensorPoint::new(x_mm, ROW_START.y_mm)).ok()?);
+            x_mm += MESH_STEP_MM;
+        }
+        Some(())
+    })?;
+    for (kernel, format) in [
+        ("mesh_words_s16q3", MeshFormat::S16Q3),
+        ("mesh_words_single", MeshFormat::Single),
+    ] {
+        let row = VertexRow {
+            first_col_px: 8,
+            row_px: 800,
+            spacing_px: 8,
+            count: 1024,
+            origin_px: [0, 0],
+        };
+        counter.count(kernel, PER_POINT, || {
+            for word in black_box(&row).words(black_box(correction), format) {
+                black_box(word.ok()?);
+            }
+            Some(())
+        })?;
+    }
+    Some(())
 }

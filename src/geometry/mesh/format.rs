@@ -69,16 +69,14 @@ impl MeshFormat {
     /// # Errors
     /// [`OutOfFormat`] for a number beyond the format's range.
     pub fn word(self, vertex: &Vertex) -> Result<Word, OutOfFormat> {
-        let mut word = Word::new();
-        let whole = match self {
-            Self::S16Q3 => word.extend_from_slice(&s16q3::bytes(vertex)?),
-            Self::Uq12Q4 => word.extend_from_slice(&uq12_4::bytes(vertex)?),
-            Self::Q12Q20 => word.extend_from_slice(&q12_20::bytes(vertex)?),
-            Self::Single => word.extend_from_slice(&single::bytes(vertex)?),
-        };
         // No format has more bytes than a word.
-        debug_assert!(whole.is_ok());
-        Ok(word)
+        let word = |bytes: &[u8]| Word::from_slice(bytes).unwrap_or_default();
+        Ok(match self {
+            Self::S16Q3 => word(&s16q3::bytes(vertex)?),
+            Self::Uq12Q4 => word(&uq12_4::bytes(vertex)?),
+            Self::Q12Q20 => word(&q12_20::bytes(vertex)?),
+            Self::Single => word(&single::bytes(vertex)?),
+        })
     }
 }
 
