@@ -15,6 +15,8 @@ mod jacobian;
 #[cfg(test)]
 mod mesh;
 #[cfg(test)]
+mod mesh_format;
+#[cfg(test)]
 mod point_kernel;
 #[cfg(test)]
 mod round_trip;

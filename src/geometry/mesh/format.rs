@@ -128,6 +128,9 @@ impl fmt::Display for OutOfFormat {
 
 impl core::error::Error for OutOfFormat {}
 
+/// Steps that a 32-bit number holds.
+const LARGEST_SHARE: f32 = 2_147_483_648.0;
+
 /// A fixed-point number: a whole part that is counted exactly and a share that is rounded to the nearest step.
 #[derive(Debug, Clone, Copy)]
 struct Fixed {
@@ -153,21 +156,18 @@ impl Fixed {
         } else {
             place_px
         };
-        let steps_per_px = 1_i64 << self.fraction_bits;
-        #[expect(
-            clippy::cast_possible_truncation,
-            reason = "rounded; beyond the range of i64 it saturates, which no format holds"
-        )]
+        let steps_per_px = 1_i32 << self.fraction_bits;
         #[expect(clippy::cast_precision_loss, reason = "a power of two")]
-        let share = libm::roundf(share_px * steps_per_px as f32) as i64;
-        let steps = i64::from(whole_px) * steps_per_px;
-        let finite = if share_px.is_finite() {
-            Some(share)
-        } else {
-            None
-        };
-        finite
-            .and_then(|share| Steps::try_from(steps.saturating_add(share)).ok())
+        let share = share_px * steps_per_px as f32;
+        // Neither a NaN nor a number that the conversion would cut off.
+        let rounded = (share.abs() < LARGEST_SHARE).then(|| {
+            #[expect(clippy::cast_possible_truncation, reason = "that is the rounding")]
+            let nearest = (share + 0.5_f32.copysign(share)) as i32;
+            i64::from(nearest)
+        });
+        let whole = i64::from(whole_px) * i64::from(steps_per_px);
+        rounded
+            .and_then(|share| Steps::try_from(whole.saturating_add(share)).ok())
             .ok_or_else(|| self.out_of_range(vertex, axis, single::sum(whole_px, share_px)))
     }
 

@@ -7,8 +7,8 @@
 use super::{Fixed, MeshFormat, OutOfFormat, PixelAxis, pair32};
 use crate::geometry::mesh::vertex::Vertex;
 
-/// Half a step, and the rounding of a displacement of up to 64 pixels before it.
-pub const QUANTISATION_PX: f32 = 0.5 / 1_048_576.0 + 64.0 * (f32::EPSILON / 2.0);
+/// Half a step, and rounding before it of a displacement of up to 256 pixels.
+pub const QUANTISATION_PX: f32 = 0.5 / 1_048_576.0 + 256.0 * f32::EPSILON;
 
 const FIXED: Fixed = Fixed {
     format: MeshFormat::Q12Q20,
