@@ -4,6 +4,8 @@ use fmc_camera::flight::camera::Camera;
 use fmc_camera::flight::exposure::Exposure;
 use fmc_camera::geometry::five_coefficient::FiveCoefficients;
 use fmc_camera::geometry::mesh::MeshRow;
+use fmc_camera::geometry::mesh::format::MeshFormat;
+use fmc_camera::geometry::mesh::vertex::VertexRow;
 use fmc_camera::geometry::sensor::SensorPoint;
 use fmc_camera::io::link::digest;
 use fmc_camera::io::link::message::{
@@ -66,6 +68,34 @@ fn answers_are_those_of_the_library_bit_by_bit() {
         for (index, displacement) in (0_u16..).zip(along) {
             let point = SensorPoint::new(-26.0 + f32::from(index) * 0.8125, 7.5);
             assert_eq!(displacement, frame.correction.distortion(point));
+        }
+    }
+}
+
+#[test]
+fn a_mesh_arrives_as_the_library_stores_it_in_every_format() {
+    let mut pc = Pc::loaded();
+    let frame = Camera::new(camera_record())
+        .unwrap()
+        .frame(&EXPOSURE)
+        .unwrap();
+    pc.ask(&Request::Expose(EXPOSURE));
+    for format in MeshFormat::ALL {
+        for count in [0, 1, 64] {
+            let row = VertexRow {
+                first_col_px: 700,
+                row_px: 801,
+                spacing_px: 16,
+                count,
+                origin_px: [600, 700],
+            };
+            let Answer::Mesh(bytes) = pc.ask(&Request::Mesh(row, format)) else {
+                panic!("no mesh");
+            };
+            let words = row.words(&frame.correction, format);
+            let expected: Vec<u8> = words.flat_map(Result::unwrap).collect();
+            assert_eq!(bytes.as_slice(), expected);
+            assert_eq!(bytes.len(), usize::from(count) * format.bytes());
         }
     }
 }

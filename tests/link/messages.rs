@@ -9,6 +9,8 @@ use fmc_camera::geometry::estimation::observation::Observation;
 use fmc_camera::geometry::estimation::options::FitOptions;
 use fmc_camera::geometry::five_coefficient::FiveCoefficients;
 use fmc_camera::geometry::frame_correction::Corrected;
+use fmc_camera::geometry::mesh::format::{MAX_WORD_BYTES, MeshFormat};
+use fmc_camera::geometry::mesh::vertex::VertexRow;
 use fmc_camera::geometry::sensor::SensorPoint;
 use fmc_camera::geometry::shutter::ShutterProfile;
 use fmc_camera::io::link::frame::{Frame, FrameReceiver};
@@ -23,6 +25,15 @@ use crate::pc::{camera_record, frame};
 const LONGEST_HEADER: Header = Header {
     session: u32::MAX,
     sequence: u16::MAX,
+};
+
+/// Every number takes most bytes.
+const LONGEST_MESH_ROW: VertexRow = VertexRow {
+    first_col_px: u32::MAX,
+    row_px: u32::MAX,
+    spacing_px: u16::MAX,
+    count: u16::MAX,
+    origin_px: [u32::MAX; 2],
 };
 
 fn payload_of(frame: &Frame) -> Vec<u8> {
@@ -76,6 +87,7 @@ fn longest_messages_fit_and_come_back_as_they_went() {
             x_mm: std::iter::repeat_n(f32::MAX, MAX_POINTS).collect(),
             y_mm: std::iter::repeat_n(f32::MIN, MAX_POINTS).collect(),
         }),
+        Request::Mesh(LONGEST_MESH_ROW, MeshFormat::Single),
         Request::Expose(Exposure {
             opening_offset_mm: Some(-0.1),
             ..Exposure::new(0.1, 0.01)
@@ -103,6 +115,7 @@ fn longest_messages_fit_and_come_back_as_they_went() {
             sigma0_as_printed: Some(f32::MAX),
             condition: f32::MAX,
         }),
+        Answer::Mesh(std::iter::repeat_n(u8::MAX, MAX_POINTS * MAX_WORD_BYTES).collect()),
         Answer::Connected(Identity::new(&long, &long[..24], true, Start::Fault)),
     ] {
         let mut frame = Frame::EMPTY;
@@ -153,6 +166,7 @@ fn requests_and_answers_keep_the_numbers_they_were_given() {
         (Request::Fit, 13),
         (Request::Flown, 19),
         (Request::Tell(attitude), 20),
+        (Request::Mesh(LONGEST_MESH_ROW, MeshFormat::Single), 21),
     ] {
         let payload = payload_of(&frame(header, &request));
         assert_eq!(payload[3], number, "{request:?}");
@@ -163,6 +177,7 @@ fn requests_and_answers_keep_the_numbers_they_were_given() {
         (Answer::Refused(Refusal::OnRig), 8),
         (Answer::Prepared, 11),
         (Answer::Told, 17),
+        (Answer::Mesh([1, 2, 3, 4].into_iter().collect()), 18),
     ] {
         let mut frame = Frame::EMPTY;
         answer.write(header, &mut frame).unwrap();

@@ -5,6 +5,8 @@ use fmc_camera::flight::exposure::Exposure;
 use fmc_camera::geometry::calibration::CalibrationError;
 use fmc_camera::geometry::inverse::DistortError;
 use fmc_camera::geometry::mesh::MeshRow;
+use fmc_camera::geometry::mesh::format::MeshFormat;
+use fmc_camera::geometry::mesh::vertex::{MeshError, VertexRow};
 use fmc_camera::geometry::range::Quantity;
 use fmc_camera::geometry::sensor::SensorPoint;
 use fmc_camera::io::link::message::{
@@ -131,6 +133,56 @@ fn measured_points_off_the_sensor_are_not_corrected() {
         pc.ask(&Request::Row(row)),
         Answer::Refused(Refusal::TooMany)
     );
+}
+
+#[test]
+fn mesh_that_cannot_be_given_is_refused_by_vertex_and_reason() {
+    let mut pc = Pc::loaded();
+    let row = VertexRow {
+        first_col_px: 0,
+        row_px: 100,
+        spacing_px: 16,
+        count: 64,
+        origin_px: [0, 0],
+    };
+    let ask = |pc: &mut Pc, row| pc.ask(&Request::Mesh(row, MeshFormat::Q12Q20));
+    assert_eq!(ask(&mut pc, row), Answer::Refused(Refusal::NoFrame));
+    pc.ask(&Request::Expose(EXPOSURE));
+    assert!(matches!(ask(&mut pc, row), Answer::Mesh(_)));
+    let many = VertexRow { count: 65, ..row };
+    assert_eq!(ask(&mut pc, many), Answer::Refused(Refusal::TooMany));
+    let far = VertexRow {
+        first_col_px: 2000,
+        ..row
+    };
+    let Answer::Refused(Refusal::Mesh(MeshError::Format(error))) = ask(&mut pc, far) else {
+        panic!("2048 px fit");
+    };
+    assert!((2040..=2080).contains(&error.col_px), "{error}");
+    // No number of the row makes the camera count beyond its own.
+    for off in [u32::MAX, u32::MAX - 1, 1 << 24] {
+        let off_image = VertexRow {
+            row_px: off,
+            spacing_px: u16::MAX,
+            ..row
+        };
+        let refused = ask(&mut pc, off_image);
+        let expected = Answer::Refused(Refusal::Mesh(MeshError::OffImage {
+            col_px: 0,
+            row_px: off,
+        }));
+        assert_eq!(refused, expected);
+        let origin = VertexRow {
+            origin_px: [off; 2],
+            ..row
+        };
+        let refused = ask(&mut pc, origin);
+        let is_refused = matches!(
+            refused,
+            Answer::Refused(Refusal::Mesh(MeshError::Format(_)))
+        );
+        assert!(is_refused, "{refused:?}");
+    }
 }
 
 #[test]

@@ -6,11 +6,13 @@ use clap::{Args, Parser, Subcommand, ValueEnum};
 
 mod calibration;
 mod camera;
+mod mesh;
 mod mission;
 mod simulation;
 
 pub use calibration::{CalibrateArgs, CalibrationMethod, FiveArgs, RegressOn, StaticP2};
 pub use camera::{CameraAction, CameraArgs, ExposureTimeArgs, PrepareArgs, StatusArgs, VhArgs};
+pub use mesh::{ImagePart, MeshArgs, MeshFormatName};
 pub use mission::{MissionArgs, RecordsArgs};
 pub use simulation::{BudgetArgs, FlightArgs, SmearArgs, StrategyName, SweepArgs};
 
@@ -48,6 +50,15 @@ pub enum Command {
     Reference(ReferenceArgs),
     /// Interior orientation of one frame, without points.
     Frame(FrameArgs),
+    /// Write the mesh with which a warp engine corrects a frame.
+    ///
+    /// For vertices of the corrected image, every so many pixels, the places in the recorded image they come from, as the
+    /// engine stores them. The corrected image has the pixels of the sensor; its principal point is the frame's. Where a
+    /// source lies off the sensor the distortion of its edge counts. The camera computes the rows, on whichever device, and
+    /// the files have the same bytes.
+    ///
+    /// For example: host-sim mesh --camera host-sim/cameras/rc30-5324.toml --vh 0.1 --exposure 1/200 --format ti-ldc --out mesh
+    Mesh(MeshArgs),
     /// Determine coefficients from observations.
     Calibrate(CalibrateArgs),
     /// Residual smear of an exposure: what the compensation leaves, term by term.

@@ -7,6 +7,7 @@ mod device;
 mod exposure;
 mod flight;
 mod frame;
+mod mesh;
 mod mission;
 mod points;
 mod records;
@@ -29,6 +30,7 @@ pub fn run(cli: Cli) -> Result<(), Failure> {
         Command::Distort(args) => points::run(&args, points::Direction::Distort),
         Command::Reference(args) => reference::run(&args),
         Command::Frame(args) => frame::run(&args),
+        Command::Mesh(args) => mesh::run(&args),
         Command::Budget(args) => budget::run(&args),
         Command::Calibrate(args) => match args.method {
             CalibrationMethod::Five(args) => calibrate::five(&args),

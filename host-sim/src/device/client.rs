@@ -15,6 +15,8 @@ use fmc_camera::geometry::estimation::options::FitOptions;
 use fmc_camera::geometry::evaluation_form::Displacement;
 use fmc_camera::geometry::frame_correction::Corrected;
 use fmc_camera::geometry::mesh::MeshRow;
+use fmc_camera::geometry::mesh::format::MeshFormat;
+use fmc_camera::geometry::mesh::vertex::VertexRow;
 use fmc_camera::io::link::frame::{Frame, FrameReceiver};
 use fmc_camera::io::link::message::{
     Answer, CalibrationIdentity, Counters, Grid, Header, Identity, Observations, Points, Refusal,
@@ -296,6 +298,20 @@ impl<P: Port> Client<P> {
         }
     }
 
+    /// A row of a warp engine's mesh, as the engine stores it.
+    ///
+    /// # Errors
+    /// [`LinkError::Refused`] for a vertex without a source, or with one that the format does not hold.
+    pub fn mesh(&mut self, row: VertexRow, format: MeshFormat) -> Result<Vec<u8>, LinkError> {
+        let request = Request::Mesh(row, format);
+        match self.ask(&request)? {
+            Answer::Mesh(bytes) if bytes.len() == usize::from(row.count) * format.bytes() => {
+                Ok(bytes.to_vec())
+            }
+            _ => Err(self.unexpected(&request)),
+        }
+    }
+
     /// What the camera's end of the link has seen since it started.
     ///
     /// # Errors
@@ -470,5 +486,6 @@ const fn name(request: &Request) -> &'static str {
         Request::Status => "status",
         Request::Flown => "flown",
         Request::Tell(_) => "tell",
+        Request::Mesh(..) => "mesh",
     }
 }

@@ -9,6 +9,7 @@ use fmc_camera::flight::interior_orientation::InteriorOrientation;
 use fmc_camera::geometry::calibration::CalibrationError;
 use fmc_camera::geometry::frame_correction::Corrected;
 use fmc_camera::geometry::inverse::DistortError;
+use fmc_camera::geometry::mesh::vertex::{MeshError, VertexRow};
 use fmc_camera::geometry::sensor::SensorPoint;
 
 use super::link_error::LinkError;
@@ -36,6 +37,9 @@ pub enum DeviceError {
         /// Index in the batch.
         index: usize,
     },
+    /// A vertex of a mesh has no source, or one that the format does not hold.
+    #[error(transparent)]
+    Mesh(MeshError),
     /// It answered more or fewer points than it was asked.
     #[error("the camera was asked for {asked} points and answered {answered}")]
     Count {
@@ -139,6 +143,11 @@ pub enum DifferentResult {
         /// The twin's.
         twin: String,
     },
+    /// A row of a mesh.
+    Mesh {
+        /// Which row.
+        row: VertexRow,
+    },
     /// Digests of a grid whose points are all the same.
     Digest {
         /// The camera's.
@@ -197,6 +206,13 @@ impl fmt::Display for Difference {
                 given.y_mm,
                 Bits(camera),
                 Bits(twin)
+            ),
+            DifferentResult::Mesh { row } => write!(
+                f,
+                "the mesh differs between columns {} and {} of row {}",
+                row.first_col_px,
+                row.first_col_px + u32::from(row.spacing_px) * u32::from(row.count),
+                row.row_px
             ),
             DifferentResult::Digest { camera, twin } => write!(
                 f,

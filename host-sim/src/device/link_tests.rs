@@ -5,6 +5,8 @@ use fmc_camera::flight::exposure::Exposure;
 use fmc_camera::geometry::brown::Brown;
 use fmc_camera::geometry::calibration::CalibrationRecord;
 use fmc_camera::geometry::mesh::MeshRow;
+use fmc_camera::geometry::mesh::format::MeshFormat;
+use fmc_camera::geometry::mesh::vertex::VertexRow;
 use fmc_camera::geometry::sensor::SensorPoint;
 use fmc_camera::io::link::MAX_POINTS;
 use fmc_camera::io::link::message::{Answer, Grid, Refusal, Start};
@@ -42,6 +44,14 @@ fn grid() -> Grid {
         y_mm: side(30.0).collect(),
     }
 }
+
+const VERTICES: VertexRow = VertexRow {
+    first_col_px: 480,
+    row_px: 160,
+    spacing_px: 16,
+    count: 64,
+    origin_px: [320, 64],
+};
 
 const EXPOSURE: Exposure = Exposure::new(0.1, 0.005);
 
@@ -83,6 +93,17 @@ fn remote_camera_answers_what_the_one_in_process_does() {
     let expected: Vec<_> = twin.correct(&on_row).unwrap();
     let expected: Vec<_> = expected.iter().map(|point| point.distortion).collect();
     assert_eq!(remote.row(row).unwrap(), expected);
+    for format in MeshFormat::ALL {
+        assert_eq!(remote.mesh(&VERTICES, format), twin.mesh(&VERTICES, format));
+    }
+    // A refusal is the same, too.
+    let before = VertexRow {
+        origin_px: [900, 0],
+        ..VERTICES
+    };
+    let refused = remote.mesh(&before, MeshFormat::Uq12Q4);
+    assert!(matches!(refused, Err(DeviceError::Mesh(_))), "{refused:?}");
+    assert_eq!(refused, twin.mesh(&before, MeshFormat::Uq12Q4));
     assert_eq!(remote.evidence().by_digest, 441);
     assert_eq!(remote.evidence().by_value, 2 * 330 + 56);
     assert!(remote.description().contains("board memory"));
@@ -191,6 +212,15 @@ fn every_answer_is_compared_with_the_twin_to_the_last_bit() {
         |remote| remote.correct_grid(&grid()).map(drop),
     );
     assert!(matches!(sample, DifferentResult::Point { index: 0, .. }));
+    let mesh = found(
+        |answer| {
+            if let Answer::Mesh(bytes) = answer {
+                bytes[17] ^= 1;
+            }
+        },
+        |remote| remote.mesh(&VERTICES, MeshFormat::S16Q3).map(drop),
+    );
+    assert_eq!(mesh, DifferentResult::Mesh { row: VERTICES });
     let record = found(
         |answer| {
             if let Answer::Frame(record) = answer {

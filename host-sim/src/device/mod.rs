@@ -27,6 +27,8 @@ use fmc_camera::flight::camera::CameraRecord;
 use fmc_camera::flight::exposure::Exposure;
 use fmc_camera::flight::interior_orientation::InteriorOrientation;
 use fmc_camera::geometry::frame_correction::Corrected;
+use fmc_camera::geometry::mesh::format::MeshFormat;
+use fmc_camera::geometry::mesh::vertex::VertexRow;
 use fmc_camera::geometry::sensor::SensorPoint;
 use fmc_camera::io::link::message::{Counters, Grid};
 
@@ -78,6 +80,14 @@ pub trait Device {
     fn correct_grid(&mut self, grid: &Grid) -> Result<Vec<Corrected>, DeviceError> {
         self.correct(&grid.points().collect::<Vec<_>>())
     }
+
+    /// A row of a warp engine's mesh for the current frame, as the engine stores it; at most
+    /// [`MAX_POINTS`](fmc_camera::io::link::MAX_POINTS) vertices.
+    ///
+    /// # Errors
+    /// [`DeviceError::NoFrame`] before the first exposure; [`DeviceError::Mesh`] for the first vertex without a
+    /// source, or with one that the format does not hold.
+    fn mesh(&mut self, row: &VertexRow, format: MeshFormat) -> Result<Vec<u8>, DeviceError>;
 
     /// How the points answered so far are known to be the camera's.
     fn evidence(&self) -> Evidence;

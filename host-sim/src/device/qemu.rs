@@ -14,6 +14,8 @@ use fmc_camera::flight::settings::FlightSettings;
 use fmc_camera::flight::stage::Setpoint;
 use fmc_camera::flight::time::Time;
 use fmc_camera::geometry::frame_correction::Corrected;
+use fmc_camera::geometry::mesh::format::MeshFormat;
+use fmc_camera::geometry::mesh::vertex::VertexRow;
 use fmc_camera::geometry::sensor::SensorPoint;
 use fmc_camera::io::link::message::{Counters, Grid};
 
@@ -176,6 +178,11 @@ impl Device for Qemu {
 
     fn correct_grid(&mut self, grid: &Grid) -> Result<Vec<Corrected>, DeviceError> {
         let answer = self.remote.correct_grid(grid);
+        answer.map_err(|error| self.watch.explain(error))
+    }
+
+    fn mesh(&mut self, row: &VertexRow, format: MeshFormat) -> Result<Vec<u8>, DeviceError> {
+        let answer = self.remote.mesh(row, format);
         answer.map_err(|error| self.watch.explain(error))
     }
 

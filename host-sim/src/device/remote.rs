@@ -6,6 +6,8 @@ use fmc_camera::flight::interior_orientation::InteriorOrientation;
 use fmc_camera::geometry::evaluation_form::Displacement;
 use fmc_camera::geometry::frame_correction::Corrected;
 use fmc_camera::geometry::mesh::MeshRow;
+use fmc_camera::geometry::mesh::format::MeshFormat;
+use fmc_camera::geometry::mesh::vertex::VertexRow;
 use fmc_camera::geometry::sensor::SensorPoint;
 use fmc_camera::io::link::MAX_POINTS;
 use fmc_camera::io::link::digest;
@@ -137,6 +139,7 @@ impl<P: Port> Remote<P> {
                 Refusal::NoCalibration | Refusal::NoFrame => return DeviceError::NoFrame,
                 Refusal::NotPrepared => return DeviceError::NotPrepared,
                 Refusal::RecordsKept(count) => return DeviceError::RecordsKept(count),
+                Refusal::Mesh(error) => return DeviceError::Mesh(error),
                 Refusal::Travel(error) => return DeviceError::Frame(error),
                 Refusal::OffSensor { index } => {
                     return DeviceError::OffSensor {
@@ -177,6 +180,7 @@ impl<P: Port> Remote<P> {
             | DeviceError::Frame(_)
             | DeviceError::Distort { .. }
             | DeviceError::OffSensor { .. }
+            | DeviceError::Mesh(_)
             | DeviceError::NoFrame => Some(format!("{error:?}")),
             _ => None,
         };
@@ -308,6 +312,17 @@ impl<P: Port> Device for Remote<P> {
         let sample: Vec<SensorPoint> = points.iter().step_by(SAMPLE_STEP).copied().collect();
         self.correct(&sample)?;
         self.twin.correct_grid(grid)
+    }
+
+    fn mesh(&mut self, row: &VertexRow, format: MeshFormat) -> Result<Vec<u8>, DeviceError> {
+        let camera = self.client.mesh(*row, format);
+        let camera = camera.map_err(|error| self.failed(error, 0));
+        let twin = self.twin.mesh(row, format);
+        let (camera, twin) = self.same_outcome(camera, twin)?;
+        if camera != twin {
+            return Err(self.different(DifferentResult::Mesh { row: *row }));
+        }
+        Ok(camera)
     }
 
     fn evidence(&self) -> Evidence {

@@ -5,6 +5,8 @@ use fmc_camera::flight::exposure::Exposure;
 use fmc_camera::flight::interior_orientation::InteriorOrientation;
 use fmc_camera::flight::rig::Rig;
 use fmc_camera::geometry::frame_correction::{Corrected, FrameCorrection};
+use fmc_camera::geometry::mesh::format::MeshFormat;
+use fmc_camera::geometry::mesh::vertex::VertexRow;
 use fmc_camera::geometry::sensor::SensorPoint;
 
 use fmc_camera::io::link::digest;
@@ -82,6 +84,14 @@ impl Device for InProcess {
             })
             .collect()
     }
+
+    fn mesh(&mut self, row: &VertexRow, format: MeshFormat) -> Result<Vec<u8>, DeviceError> {
+        let words = row.words(self.correction()?, format);
+        let words = words.collect::<Result<Vec<_>, _>>();
+        let words = words.map_err(DeviceError::Mesh)?;
+        Ok(words.into_iter().flatten().collect())
+    }
+
     fn evidence(&self) -> Evidence {
         self.evidence
     }

@@ -23,6 +23,8 @@ mod fake_camera;
 #[cfg(test)]
 mod flight;
 #[cfg(test)]
+mod mesh;
+#[cfg(test)]
 mod mission;
 #[cfg(test)]
 mod observations;

@@ -1,6 +1,8 @@
 //! The camera in QEMU, asked as a device.
 
 use fmc_camera::geometry::mesh::MeshRow;
+use fmc_camera::geometry::mesh::format::MeshFormat;
+use fmc_camera::geometry::mesh::vertex::VertexRow;
 use fmc_camera::io::link::message::{Grid, Start};
 use fmc_camera::{CalibrationRecord, CameraRecord, Exposure, SensorPoint};
 use host_sim::device::qemu::{Qemu, QemuOptions};
@@ -56,6 +58,31 @@ fn points_rows_grid_and_record_have_the_bits_computed_on_this_pc() {
                 .iter()
                 .eq(on_row.iter().map(|point| &point.distortion))
         );
+    }
+}
+
+#[test]
+#[ignore = "needs QEMU and the image: cargo xtask test"]
+fn mesh_of_a_warp_engine_has_the_bytes_computed_on_this_pc() {
+    let mut twin = InProcess::default();
+    twin.load(&camera()).unwrap();
+    twin.expose(&EXPOSURE).unwrap();
+    for machine in MACHINES {
+        let mut qemu = exposed(machine);
+        for format in MeshFormat::ALL {
+            for first_col_px in [200, 1224] {
+                let row = VertexRow {
+                    first_col_px,
+                    row_px: 500,
+                    spacing_px: 16,
+                    count: 64,
+                    origin_px: [100, 300],
+                };
+                let bytes = qemu.mesh(&row, format).unwrap();
+                assert_eq!(bytes.len(), 64 * format.bytes());
+                assert_eq!(Ok(bytes), twin.mesh(&row, format));
+            }
+        }
     }
 }
 

@@ -2,6 +2,8 @@
 
 use fmc_camera::flight::interior_orientation::InteriorOrientation;
 use fmc_camera::geometry::frame_correction::Corrected;
+use fmc_camera::geometry::mesh::format::MeshFormat;
+use fmc_camera::geometry::mesh::vertex::VertexRow;
 use fmc_camera::{CameraRecord, Exposure, SensorPoint};
 use host_sim::device::{Device, DeviceError, Evidence, InProcess};
 use host_sim::verify::result::{
@@ -112,6 +114,10 @@ impl Device for Wrong {
 
     fn distort(&mut self, ideal: &[SensorPoint]) -> Result<Vec<Corrected>, DeviceError> {
         self.camera.distort(ideal)
+    }
+
+    fn mesh(&mut self, row: &VertexRow, format: MeshFormat) -> Result<Vec<u8>, DeviceError> {
+        self.camera.mesh(row, format)
     }
 
     fn evidence(&self) -> Evidence {

@@ -24,11 +24,16 @@ use crate::geometry::evaluation_form::Displacement;
 use crate::geometry::frame_correction::Corrected;
 use crate::geometry::inverse::DistortError;
 use crate::geometry::mesh::MeshRow;
+use crate::geometry::mesh::format::{MAX_WORD_BYTES, MeshFormat};
+use crate::geometry::mesh::vertex::{MeshError, VertexRow};
 use crate::geometry::range::OutOfRange;
 use crate::geometry::sensor::SensorPoint;
 
 /// A batch of points.
 pub type Points = Vec<SensorPoint, MAX_POINTS>;
+
+/// A row of a warp engine's mesh, as the engine stores it.
+pub type MeshBytes = Vec<u8, { MAX_POINTS * MAX_WORD_BYTES }>;
 
 /// A batch of observations.
 pub type Observations = Vec<Observation<f32>, MAX_OBSERVATIONS>;
@@ -90,6 +95,8 @@ pub enum Request {
     Flown,
     /// Something happens, now: a command, or what another instrument has measured ([`Event::is_told`]).
     Tell(Event),
+    /// A row of a warp engine's mesh for the current frame, up to [`MAX_POINTS`] vertices.
+    Mesh(VertexRow, MeshFormat),
 }
 
 /// What the camera answers.
@@ -132,6 +139,8 @@ pub enum Answer {
     Flown(u32, InteriorOrientation),
     /// The next round of the control loop takes it.
     Told,
+    /// The row's vertices, in order.
+    Mesh(MeshBytes),
 }
 
 /// Why the camera does not do what it is asked for. Nothing has changed, except that after an
@@ -205,6 +214,8 @@ pub enum Refusal {
     QueueFull,
     /// It has no output that clocks the rows of a TDI sensor.
     NoRowClock,
+    /// A vertex of the mesh has no source, or one that the format does not hold.
+    Mesh(MeshError),
 }
 
 impl fmt::Display for Refusal {
@@ -248,6 +259,7 @@ impl fmt::Display for Refusal {
             Self::NoRowClock => {
                 f.write_str("it has no output that clocks the rows of a TDI sensor")
             }
+            Self::Mesh(error) => error.fmt(f),
         }
     }
 }

@@ -3,8 +3,8 @@
 use super::deck::{self, FlightDeck, RigDeck};
 use super::frame::{Damage, Frame, FrameReceiver};
 use super::message::{
-    Answer, CalibrationIdentity, Counters, Header, Identity, Observations, Points, Refusal,
-    Request, Storage, Unreadable,
+    Answer, CalibrationIdentity, Counters, Header, Identity, MeshBytes, Observations, Points,
+    Refusal, Request, Storage, Unreadable,
 };
 use super::{MAX_POINTS, digest};
 use crate::flight::camera::{self, Camera, CameraRecord};
@@ -15,6 +15,8 @@ use crate::geometry::estimation::adjustment::Adjustment;
 use crate::geometry::estimation::known_lens::KnownLens;
 use crate::geometry::estimation::options::FitOptions;
 use crate::geometry::frame_correction::{Corrected, FrameCorrection};
+use crate::geometry::mesh::format::MeshFormat;
+use crate::geometry::mesh::vertex::VertexRow;
 use crate::geometry::sensor::SensorPoint;
 use heapless::Vec;
 
@@ -319,6 +321,9 @@ impl<Deck: FlightDeck> Desk<Deck> {
                 self.deck.tell(*event)?;
                 Answer::Told
             }
+            Request::Mesh(row, format) => {
+                Answer::Mesh(mesh(&self.frame()?.correction, row, *format)?)
+            }
         };
         Ok((answer, Event::Answered))
     }
@@ -441,6 +446,22 @@ fn distort(
         let _ = measured.push(point);
     }
     Ok(measured)
+}
+
+fn mesh(
+    correction: &FrameCorrection,
+    row: &VertexRow,
+    format: MeshFormat,
+) -> Result<MeshBytes, Refusal> {
+    if usize::from(row.count) > MAX_POINTS {
+        return Err(Refusal::TooMany);
+    }
+    let mut bytes = MeshBytes::new();
+    for word in row.words(correction, format) {
+        // There is room for the longest words of a full row.
+        let _ = bytes.extend_from_slice(&word.map_err(Refusal::Mesh)?);
+    }
+    Ok(bytes)
 }
 
 /// The first [`MAX_POINTS`] of what there is; collecting could panic.

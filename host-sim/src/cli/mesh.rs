@@ -1,0 +1,92 @@
+//! Meshes for warp engines.
+
+use std::path::PathBuf;
+
+use clap::{Args, ValueEnum};
+
+use super::{DeviceArgs, ExposureArgs};
+
+/// Arguments of `mesh`.
+#[derive(Debug, Args)]
+pub struct MeshArgs {
+    /// The exposure.
+    #[command(flatten)]
+    pub exposure: ExposureArgs,
+    /// Where the camera runs.
+    #[command(flatten)]
+    pub device: DeviceArgs,
+    /// How the warp engine stores its mesh.
+    #[arg(long, value_name = "FORMAT")]
+    pub format: MeshFormatName,
+    /// Pixels from one vertex to the next, both ways; 1 gives every pixel its source. 1 to 1024; dw100 has 16, ti-ldc
+    /// and vpi a power of two, for ti-ldc of at most 128.
+    #[arg(long, value_name = "PX", default_value = "16", value_parser = clap::value_parser!(u16).range(1..=1024))]
+    pub spacing: u16,
+    /// A part of the image: first column, first row, width and height, pixels. Coordinates then count from its first
+    /// pixel, in the output and in the source image. Without it the whole image.
+    #[arg(
+        long,
+        value_name = "COL,ROW,WIDTH,HEIGHT",
+        value_parser = image_part
+    )]
+    pub part: Option<ImagePart>,
+    /// Folder for mesh.json and the mesh, mesh.bin or map_x.bin and map_y.bin; made if it does not exist.
+    #[arg(long, value_name = "DIR")]
+    pub out: PathBuf,
+}
+
+/// A part of an image, pixels.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct ImagePart {
+    /// Column and row of its first pixel.
+    pub origin_px: [u32; 2],
+    /// Width and height.
+    pub size_px: [u32; 2],
+}
+
+fn image_part(text: &str) -> Result<ImagePart, String> {
+    let numbers: Result<Vec<u32>, _> = text
+        .split(',')
+        .map(|number| number.trim().parse())
+        .collect();
+    match numbers.as_deref() {
+        Ok([col, row, width, height]) => Ok(ImagePart {
+            origin_px: [*col, *row],
+            size_px: [*width, *height],
+        }),
+        _ => Err(
+            "four whole numbers with commas between them: first column, first row, width, height"
+                .to_owned(),
+        ),
+    }
+}
+
+/// How a warp engine stores its mesh.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
+pub enum MeshFormatName {
+    /// Lens distortion correction (LDC) of TI's TDA and AM6 processors: displacements in 1/8 px, S16Q3, at most 4096 px.
+    TiLdc,
+    /// Dewarp engine DW100 of NXP's i.MX 8M Plus: sources in 1/16 px, UQ12.4, from 0 to below 4096 px.
+    Dw100,
+    /// Q12.20, the type `ap_fixed<32, 12>` of Vitis Vision: sources in 2^-20 px, below 2048 px. The `remap` of Vitis Vision
+    /// itself reads what `opencv` writes.
+    Vitis,
+    /// Control points of NVIDIA VPI: sources in single precision, x and y of each together.
+    Vpi,
+    /// Maps for `remap` of OpenCV: sources in single precision, x and y in a file each.
+    Opencv,
+}
+
+impl MeshFormatName {
+    /// As on the command line.
+    #[must_use]
+    pub const fn name(self) -> &'static str {
+        match self {
+            Self::TiLdc => "ti-ldc",
+            Self::Dw100 => "dw100",
+            Self::Vitis => "vitis",
+            Self::Vpi => "vpi",
+            Self::Opencv => "opencv",
+        }
+    }
+}

@@ -1,0 +1,276 @@
+//! `mesh`: the mesh of a warp engine, from the camera.
+
+use fmc_camera::flight::interior_orientation::InteriorOrientation;
+use fmc_camera::geometry::mesh::format::MeshFormat;
+use fmc_camera::geometry::mesh::vertex::{MeshError, VertexRow};
+use fmc_camera::io::link::MAX_POINTS;
+use indicatif::{ProgressBar, ProgressStyle};
+use serde::Serialize;
+
+use crate::cli::{ImagePart, MeshArgs, MeshFormatName};
+use crate::device::{Device, DeviceError};
+use crate::failure::Failure;
+use crate::formats::camera_file::CameraFile;
+use crate::formats::output::OutputFolder;
+
+/// Most vertices of a mesh: half a gigabyte of the longest words.
+const MAX_VERTICES: u64 = 1 << 26;
+
+/// Pixels of the vertices of TI's LDC: at most 2⁷.
+const LARGEST_LDC_SPACING_PX: u16 = 128;
+/// Pixels of the vertices of the DW100.
+const DW100_SPACING_PX: u16 = fmc_camera::geometry::mesh::format::uq12_4::SPACING_PX;
+
+pub(super) fn run(args: &MeshArgs) -> Result<(), Failure> {
+    let request = &args.exposure;
+    check_spacing(args)?;
+    let camera = request.read_camera()?;
+    let layout = Layout::new(args, &camera)?;
+    let mut device = args.device.open()?;
+    let record = device
+        .load(&camera.record())
+        .and_then(|()| device.expose(&request.exposure()))
+        .map_err(|error| request.refused(&error))?;
+    let mesh = fetch(&mut *device, &layout).map_err(|error| match error {
+        DeviceError::Mesh(error) => refused(error, args),
+        error => request.refused(&error),
+    })?;
+    let files = files(args.format, mesh);
+    let header = Header::new(args, &camera, &record, &layout, &files);
+    let folder = OutputFolder::create(&args.out)?;
+    for (name, bytes) in &files {
+        folder.write(name, |sink| sink.write_all(bytes))?;
+    }
+    // The header comes last: where it is, the mesh is whole.
+    folder.write("mesh.json", |sink| {
+        serde_json::to_writer_pretty(&mut *sink, &header)?;
+        writeln!(sink)
+    })
+}
+
+/// The spacing is one of the engine's.
+fn check_spacing(args: &MeshArgs) -> Result<(), Failure> {
+    let spacing = args.spacing;
+    let allowed = match args.format {
+        MeshFormatName::Dw100 if spacing != DW100_SPACING_PX => "16 px for dw100",
+        MeshFormatName::TiLdc if !spacing.is_power_of_two() || spacing > LARGEST_LDC_SPACING_PX => {
+            "1, 2, 4, 8, 16, 32, 64 or 128 px for ti-ldc"
+        }
+        MeshFormatName::Vpi if !spacing.is_power_of_two() => "a power of two for vpi",
+        _ => return Ok(()),
+    };
+    Err(Failure::bad_input(format!(
+        "--spacing {spacing}: must be {allowed}"
+    )))
+}
+
+/// Where the vertices are.
+#[derive(Debug)]
+struct Layout {
+    format: MeshFormat,
+    spacing_px: u16,
+    origin_px: [u32; 2],
+    size_px: [u32; 2],
+    /// Vertices along a row, and rows.
+    vertices: [u32; 2],
+}
+
+impl Layout {
+    fn new(args: &MeshArgs, camera: &CameraFile) -> Result<Self, Failure> {
+        let calibration = camera.record().calibration;
+        let image = [calibration.width_px, calibration.height_px];
+        let ImagePart { origin_px, size_px } = args.part.unwrap_or(ImagePart {
+            origin_px: [0, 0],
+            size_px: image,
+        });
+        let ([col, row], [width, height]) = (origin_px, size_px);
+        let fits = |first: u32, length: u32, side: u32| {
+            length > 0 && first.checked_add(length).is_some_and(|end| end <= side)
+        };
+        if !fits(col, width, image[0]) || !fits(row, height, image[1]) {
+            return Err(Failure::bad_input(format!(
+                "--part {col},{row},{width},{height}: must be a part of the image of {} x {} px ({})",
+                image[0],
+                image[1],
+                args.exposure.camera.display()
+            )));
+        }
+        let spacing = u32::from(args.spacing);
+        let vertices = [width, height].map(|side| match args.format {
+            // A map has its last vertex at the last pixel or beyond it,
+            MeshFormatName::Opencv | MeshFormatName::Vitis => (side - 1).div_ceil(spacing) + 1,
+            // a mesh of cells where its last cell ends.
+            _ => side.div_ceil(spacing) + 1,
+        });
+        let count = u64::from(vertices[0]) * u64::from(vertices[1]);
+        if count > MAX_VERTICES {
+            return Err(Failure::bad_input(format!(
+                "--spacing {spacing}: {} x {} vertices are more than {MAX_VERTICES}",
+                vertices[0], vertices[1]
+            ))
+            .with_help("a larger --spacing, or the image part by part with --part"));
+        }
+        Ok(Self {
+            format: match args.format {
+                MeshFormatName::TiLdc => MeshFormat::S16Q3,
+                MeshFormatName::Dw100 => MeshFormat::Uq12Q4,
+                MeshFormatName::Vitis => MeshFormat::Q12Q20,
+                MeshFormatName::Vpi | MeshFormatName::Opencv => MeshFormat::Single,
+            },
+            spacing_px: args.spacing,
+            origin_px,
+            size_px,
+            vertices,
+        })
+    }
+
+    /// The requests of one row of vertices: each of as many as the link carries at once.
+    fn requests(&self, row: u32) -> impl Iterator<Item = VertexRow> {
+        let spacing = u32::from(self.spacing_px);
+        let [columns, _] = self.vertices;
+        (0..columns)
+            .step_by(MAX_POINTS)
+            .map(move |first| VertexRow {
+                first_col_px: self.origin_px[0] + first * spacing,
+                row_px: self.origin_px[1] + row * spacing,
+                spacing_px: self.spacing_px,
+                count: u16::try_from(MAX_POINTS).map_or(u16::MAX, |most| {
+                    u16::try_from(columns - first).map_or(most, |left| left.min(most))
+                }),
+                origin_px: self.origin_px,
+            })
+    }
+}
+
+/// All rows, from the camera.
+fn fetch(device: &mut dyn Device, layout: &Layout) -> Result<Vec<u8>, DeviceError> {
+    let bar = ProgressBar::new(u64::from(layout.vertices[1]));
+    if let Ok(style) = ProgressStyle::with_template("mesh {bar:40} {pos}/{len} rows, {eta}") {
+        bar.set_style(style);
+    }
+    let mut mesh = Vec::new();
+    for row in 0..layout.vertices[1] {
+        for request in layout.requests(row) {
+            mesh.extend(device.mesh(&request, layout.format)?);
+        }
+        bar.inc(1);
+    }
+    bar.finish_and_clear();
+    Ok(mesh)
+}
+
+/// A mesh that the camera refuses is the input's fault.
+fn refused(error: MeshError, args: &MeshArgs) -> Failure {
+    let text = format!("--format {}: {error}", args.format.name());
+    let failure = Failure::bad_input(text);
+    match error {
+        MeshError::Format(_) => failure.with_help(
+            "a smaller --part, one that begins further from the edge, or another --format",
+        ),
+        MeshError::OffImage { .. } | MeshError::Distort { .. } => failure,
+    }
+}
+
+/// The mesh as files.
+fn files(format: MeshFormatName, mesh: Vec<u8>) -> Vec<(&'static str, Vec<u8>)> {
+    if format != MeshFormatName::Opencv {
+        return vec![("mesh.bin", mesh)];
+    }
+    let (pairs, _) = mesh.as_chunks::<8>();
+    let columns = pairs
+        .iter()
+        .flat_map(|[x0, x1, x2, x3, ..]| [*x0, *x1, *x2, *x3]);
+    let rows = pairs
+        .iter()
+        .flat_map(|[.., y0, y1, y2, y3]| [*y0, *y1, *y2, *y3]);
+    vec![
+        ("map_x.bin", columns.collect()),
+        ("map_y.bin", rows.collect()),
+    ]
+}
+
+/// mesh.json: what the numbers are.
+#[derive(Debug, Serialize)]
+struct Header {
+    camera: String,
+    format: &'static str,
+    files: Vec<&'static str>,
+    layout: &'static str,
+    meaning: &'static str,
+    /// Vertices along a row.
+    columns: u32,
+    rows: u32,
+    spacing_px: u16,
+    /// The part of the image.
+    origin_px: [u32; 2],
+    size_px: [u32; 2],
+    /// Largest difference to the camera's number.
+    quantisation_px: f32,
+    vh_per_s: f32,
+    exposure_s: f32,
+    direction: &'static str,
+    /// In the corrected image and in the source image alike.
+    principal_point_mm: [f32; 2],
+    principal_distance_mm: f32,
+}
+
+impl Header {
+    fn new(
+        args: &MeshArgs,
+        camera: &CameraFile,
+        record: &InteriorOrientation,
+        layout: &Layout,
+        files: &[(&'static str, Vec<u8>)],
+    ) -> Self {
+        let longest_px = layout.size_px[0].max(layout.size_px[1]) + u32::from(layout.spacing_px);
+        Self {
+            camera: camera.name.clone(),
+            format: args.format.name(),
+            files: files.iter().map(|(name, _)| *name).collect(),
+            layout: match args.format {
+                MeshFormatName::TiLdc => {
+                    "row by row, little endian: signed 16 bits of columns, then of rows, in 1/8 px"
+                }
+                MeshFormatName::Dw100 => {
+                    "row by row, little endian: 32 bits, the source column in the low half, its row in the high half, unsigned in 1/16 px"
+                }
+                MeshFormatName::Vitis => {
+                    "row by row, little endian: signed 32 bits of the source column, then of its row, in 2^-20 px"
+                }
+                MeshFormatName::Vpi => {
+                    "row by row, little endian: single-precision source column, then row, px"
+                }
+                MeshFormatName::Opencv => {
+                    "a file for source columns and one for source rows, each row by row, little endian, single precision, px"
+                }
+            },
+            meaning: match args.format {
+                MeshFormatName::TiLdc => {
+                    "source minus output pixel at output pixels; the centre of the first pixel is (0, 0)"
+                }
+                _ => {
+                    "place in the source image of output pixels; the centre of the first pixel is (0, 0)"
+                }
+            },
+            columns: layout.vertices[0],
+            rows: layout.vertices[1],
+            spacing_px: layout.spacing_px,
+            origin_px: layout.origin_px,
+            size_px: layout.size_px,
+            quantisation_px: layout.format.quantisation_px(pixels(longest_px)),
+            vh_per_s: record.vh_per_s,
+            exposure_s: record.exposure_s,
+            direction: args.exposure.direction.name(),
+            principal_point_mm: [record.principal_point.x_mm, record.principal_point.y_mm],
+            principal_distance_mm: record.principal_distance_mm,
+        }
+    }
+}
+
+#[expect(
+    clippy::cast_precision_loss,
+    reason = "exact: a side has fewer than 2^24 pixels"
+)]
+fn pixels(count: u32) -> f32 {
+    count as f32
+}
