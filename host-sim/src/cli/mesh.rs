@@ -22,14 +22,18 @@ pub struct MeshArgs {
     /// and vpi a power of two, for ti-ldc of at most 128.
     #[arg(long, value_name = "PX", default_value = "16", value_parser = clap::value_parser!(u16).range(1..=1024))]
     pub spacing: u16,
-    /// A part of the image: first column, first row, width and height, pixels. Coordinates then count from its first
-    /// pixel, in the output and in the source image. Without it the whole image.
+    /// The part of the corrected image that the engine makes: first column, first row, width and height, pixels. Without it
+    /// the whole image.
     #[arg(
         long,
         value_name = "COL,ROW,WIDTH,HEIGHT",
         value_parser = image_part
     )]
     pub part: Option<ImagePart>,
+    /// First column and row of the part of the recorded image that the engine is given; sources count from there. Without
+    /// it that of --part.
+    #[arg(long, value_name = "COL,ROW", value_parser = image_pixel)]
+    pub source: Option<[u32; 2]>,
     /// Folder for mesh.json and the mesh, mesh.bin or map_x.bin and map_y.bin; made if it does not exist.
     #[arg(long, value_name = "DIR")]
     pub out: PathBuf,
@@ -42,6 +46,17 @@ pub struct ImagePart {
     pub origin_px: [u32; 2],
     /// Width and height.
     pub size_px: [u32; 2],
+}
+
+fn image_pixel(text: &str) -> Result<[u32; 2], String> {
+    let numbers: Result<Vec<u32>, _> = text
+        .split(',')
+        .map(|number| number.trim().parse())
+        .collect();
+    match numbers.as_deref() {
+        Ok([col, row]) => Ok([*col, *row]),
+        _ => Err("two whole numbers with a comma between them: column, row".to_owned()),
+    }
 }
 
 fn image_part(text: &str) -> Result<ImagePart, String> {

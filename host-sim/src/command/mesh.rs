@@ -71,6 +71,7 @@ struct Layout {
     spacing_px: u16,
     origin_px: [u32; 2],
     size_px: [u32; 2],
+    source_px: [u32; 2],
     /// Vertices along a row, and rows.
     vertices: [u32; 2],
 }
@@ -102,6 +103,22 @@ impl Layout {
             // a mesh of cells where its last cell ends.
             _ => side.div_ceil(spacing) + 1,
         });
+        let source_px = args.source.unwrap_or(origin_px);
+        if args.source.is_some() && args.format == MeshFormatName::TiLdc {
+            return Err(Failure::bad_input(
+                "--source: must be left out for ti-ldc, whose displacements do not depend on it",
+            ));
+        }
+        if source_px[0] >= image[0] || source_px[1] >= image[1] {
+            return Err(Failure::bad_input(format!(
+                "--source {},{}: must be a pixel of the image of {} x {} px ({})",
+                source_px[0],
+                source_px[1],
+                image[0],
+                image[1],
+                args.exposure.camera.display()
+            )));
+        }
         let count = u64::from(vertices[0]) * u64::from(vertices[1]);
         if count > MAX_VERTICES {
             return Err(Failure::bad_input(format!(
@@ -120,6 +137,7 @@ impl Layout {
             spacing_px: args.spacing,
             origin_px,
             size_px,
+            source_px,
             vertices,
         })
     }
@@ -137,7 +155,7 @@ impl Layout {
                 count: u16::try_from(MAX_POINTS).map_or(u16::MAX, |most| {
                     u16::try_from(columns - first).map_or(most, |left| left.min(most))
                 }),
-                origin_px: self.origin_px,
+                origin_px: self.source_px,
             })
     }
 }
@@ -164,9 +182,9 @@ fn refused(error: MeshError, args: &MeshArgs) -> Failure {
     let text = format!("--format {}: {error}", args.format.name());
     let failure = Failure::bad_input(text);
     match error {
-        MeshError::Format(_) => failure.with_help(
-            "a smaller --part, one that begins further from the edge, or another --format",
-        ),
+        MeshError::Format(_) => {
+            failure.with_help("a smaller --part, another --source, or another --format")
+        }
         MeshError::OffImage { .. } | MeshError::Distort { .. } => failure,
     }
 }
@@ -204,6 +222,8 @@ struct Header {
     /// The part of the image.
     origin_px: [u32; 2],
     size_px: [u32; 2],
+    /// The pixel of the recorded image from which sources count.
+    source_origin_px: [u32; 2],
     /// Largest difference to the camera's number.
     quantisation_px: f32,
     vh_per_s: f32,
@@ -257,6 +277,7 @@ impl Header {
             spacing_px: layout.spacing_px,
             origin_px: layout.origin_px,
             size_px: layout.size_px,
+            source_origin_px: layout.source_px,
             quantisation_px: layout.format.quantisation_px(pixels(longest_px)),
             vh_per_s: record.vh_per_s,
             exposure_s: record.exposure_s,

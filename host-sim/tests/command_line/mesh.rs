@@ -34,6 +34,7 @@ fn numbers<const N: usize>(bench: &Bench, name: &str, read: fn([u8; N]) -> f64) 
 fn sources(bench: &Bench, header: &Value) -> Vec<([f64; 2], [f64; 2])> {
     let count = |key: &str| header[key].as_u64().unwrap();
     let origin = [0, 1].map(|axis| header["origin_px"][axis].as_f64().unwrap());
+    let source_origin = [0, 1].map(|axis| header["source_origin_px"][axis].as_f64().unwrap());
     let spacing = header["spacing_px"].as_f64().unwrap();
     let format = header["format"].as_str().unwrap();
     let flat = match format {
@@ -67,7 +68,7 @@ fn sources(bench: &Bench, header: &Value) -> Vec<([f64; 2], [f64; 2])> {
             }
             sources.push((
                 [origin[0] + place[0], origin[1] + place[1]],
-                [origin[0] + source[0], origin[1] + source[1]],
+                [source_origin[0] + source[0], source_origin[1] + source[1]],
             ));
         }
     }
@@ -116,7 +117,8 @@ fn most_off_px(quantisation_px: f64) -> f64 {
 
 #[test]
 fn every_format_leads_the_reference_back_to_the_vertices_within_its_quantisation() {
-    let part = ["--part", "7000,7000,2000,1800"];
+    // At the corner; sources lie up to 13 px closer to the centre.
+    let part = ["--part", "7200,7400,1980,1800", "--source", "7180,7380"];
     for (format, spacing, part, step_px) in [
         ("ti-ldc", "128", &[][..], 1.0 / 8.0),
         ("dw100", "16", &part, 1.0 / 16.0),
@@ -218,6 +220,18 @@ fn what_an_engine_does_not_take_is_refused_by_name() {
         (
             &["--format", "vpi", "--part", "0,0,-1,5"],
             &["--part", "whole numbers"],
+        ),
+        (
+            &["--format", "vpi", "--source", "9216,0"],
+            &["--source 9216,0", "9216 x 9216"],
+        ),
+        (
+            &["--format", "vpi", "--source", "5"],
+            &["--source", "column, row"],
+        ),
+        (
+            &["--format", "ti-ldc", "--source", "5,5"],
+            &["--source", "ti-ldc"],
         ),
         (&["--format", "jpeg"], &["jpeg", "ti-ldc", "opencv"]),
         (&["--format", "vpi", "--vh", "0.5"], &["vh"]),

@@ -96,7 +96,7 @@ pub enum PixelAxis {
 pub struct OutOfFormat {
     /// Which format.
     pub format: MeshFormat,
-    /// Column of the vertex in the output image.
+    /// Column of the vertex, from the origin.
     pub col_px: i32,
     /// Its row.
     pub row_px: i32,
@@ -120,7 +120,7 @@ impl fmt::Display for OutOfFormat {
         };
         write!(
             f,
-            "the vertex at column {}, row {} has a {what} of {} px, and the format holds {} to {} px",
+            "the vertex at column {}, row {} from the origin has a {what} of {} px, and the format holds {} to {} px",
             self.col_px, self.row_px, self.value_px, self.min_px, self.max_px
         )
     }

@@ -11,7 +11,7 @@ use crate::geometry::sensor::{PixelPoint, Sensor, pixels};
 /// A row of vertices of the output image.
 ///
 /// The output image has the pixels of the sensor, at their *ideal* places: the corrected image, about the same
-/// principal point. A part of it is asked for by [`Self::origin_px`].
+/// principal point. An engine that is given a part of the source image counts from [`Self::origin_px`].
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 #[cfg_attr(feature = "link", derive(serde::Serialize, serde::Deserialize))]
 pub struct VertexRow {
@@ -23,17 +23,17 @@ pub struct VertexRow {
     pub spacing_px: u16,
     /// How many vertices.
     pub count: u16,
-    /// Column and row of the whole image from which source coordinates are counted: the first pixel of the part that
-    /// the engine is given.
+    /// Column and row of the whole image from which source coordinates are counted: the first pixel of the part of the
+    /// source image that the engine is given. Displacements do not depend on it.
     pub origin_px: [u32; 2],
 }
 
 /// A vertex: a pixel of the output image and the way to its place in the source image, the measured one.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Vertex {
-    /// Column in the output image, from the origin.
+    /// Column of the output pixel, from the origin.
     pub col_px: i32,
-    /// Row in the output image, from the origin.
+    /// Row of the output pixel, from the origin.
     pub row_px: i32,
     /// Columns from there to its place in the source image, to the right.
     pub source_cols_px: f32,
