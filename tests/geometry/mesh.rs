@@ -67,7 +67,8 @@ pub(crate) fn half_a_millimetre() -> [Brown; 3] {
 fn largest_error_nm(correction: &FrameCorrection, rows: &DisplacementRows, step_mm: f32) -> f64 {
     let sensor = correction.sensor();
     let (left, top) = (-sensor.half_width_mm(), sensor.half_height_mm());
-    let count = (1..).take_while(|i| left + f32::from(*i as u16) * step_mm <= -left);
+    let inside = |index: &u16| left + f32::from(*index) * step_mm <= -left;
+    let count = (1..).take_while(inside);
     let mut row = vec![Displacement::default(); count.count() + 1];
     let mut largest = 0.0_f64;
     for index in -8_i8..=8 {

@@ -34,7 +34,7 @@ pub struct MeshArgs {
     /// it that of --part.
     #[arg(long, value_name = "COL,ROW", value_parser = image_pixel)]
     pub source: Option<[u32; 2]>,
-    /// Folder for mesh.json and the mesh, mesh.bin or map_x.bin and map_y.bin; made if it does not exist.
+    /// Folder for mesh.json and the mesh, mesh.bin or map-x.bin and map-y.bin; made if it does not exist.
     #[arg(long, value_name = "DIR")]
     pub out: PathBuf,
 }
@@ -88,7 +88,7 @@ pub enum MeshFormatName {
     Vitis,
     /// Control points of NVIDIA VPI: sources in single precision, x and y of each together.
     Vpi,
-    /// Maps for `remap` of OpenCV: sources in single precision, x and y in a file each.
+    /// Maps for `remap` of `OpenCV`: sources in single precision, x and y in a file each.
     Opencv,
 }
 

@@ -202,8 +202,8 @@ fn files(format: MeshFormatName, mesh: Vec<u8>) -> Vec<(&'static str, Vec<u8>)> 
         .iter()
         .flat_map(|[.., y0, y1, y2, y3]| [*y0, *y1, *y2, *y3]);
     vec![
-        ("map_x.bin", columns.collect()),
-        ("map_y.bin", rows.collect()),
+        ("map-x.bin", columns.collect()),
+        ("map-y.bin", rows.collect()),
     ]
 }
 

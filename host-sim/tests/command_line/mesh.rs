@@ -49,7 +49,7 @@ fn sources(bench: &Bench, header: &Value) -> Vec<([f64; 2], [f64; 2])> {
         }),
         "vpi" => numbers(bench, "mesh.bin", |q| f64::from(f32::from_le_bytes(q))),
         "opencv" => {
-            let [x, y] = ["map_x.bin", "map_y.bin"]
+            let [x, y] = ["map-x.bin", "map-y.bin"]
                 .map(|name| numbers(bench, name, |q| f64::from(f32::from_le_bytes(q))));
             x.into_iter().zip(y).flat_map(|(x, y)| [x, y]).collect()
         }
@@ -168,7 +168,7 @@ fn the_last_vertex_ends_the_last_cell_and_a_map_of_every_pixel_has_as_many_numbe
         (&dense["columns"], &dense["rows"]),
         (&33.into(), &17.into())
     );
-    let length = fs::metadata(bench.path("mesh/map_y.bin")).unwrap().len();
+    let length = fs::metadata(bench.path("mesh/map-y.bin")).unwrap().len();
     assert_eq!(length, 4 * 33 * 17);
 }
 

@@ -35,7 +35,7 @@ impl<const N: usize> Differences<N> {
     }
 
     /// The value here; afterwards the differences are those of the next point.
-    #[inline(always)]
+    #[inline]
     pub(super) fn take(&mut self) -> f32 {
         let mut value = 0.0;
         if let Some((highest, lower)) = self.0.split_last_mut() {

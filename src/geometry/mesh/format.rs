@@ -129,7 +129,7 @@ impl fmt::Display for OutOfFormat {
 impl core::error::Error for OutOfFormat {}
 
 /// Steps that a 32-bit number holds.
-const LARGEST_SHARE: f32 = 2_147_483_648.0;
+const LARGEST_SHARE: f32 = 65_536.0 * 32_768.0;
 
 /// A fixed-point number: a whole part that is counted exactly and a share that is rounded to the nearest step.
 #[derive(Debug, Clone, Copy)]
