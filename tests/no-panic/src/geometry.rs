@@ -12,6 +12,13 @@ use fmc_camera::geometry::{
     frame_correction::FrameCorrection,
     image_motion::{ImageMotion, Smear, View},
     invertibility::{self, Region},
+    mesh::{
+        MeshRow,
+        displacement_rows::{DisplacementRow, DisplacementRows},
+        format::{MeshFormat, q12_20, s16q3, single, uq12_4},
+        source_row::SourceRow,
+        vertex::VertexRow,
+    },
     moments::CentralMoments,
     principal_distance::{Flatness, FocusShift},
     principal_point::PrincipalPointMotion,
@@ -22,6 +29,7 @@ use fmc_camera::geometry::{
 };
 
 /// Keeps the public functions of `fmc_camera::geometry`.
+#[allow(clippy::too_many_lines, reason = "a list")]
 pub(crate) fn keep() {
     keep![
         Brown::checked,
@@ -80,6 +88,24 @@ pub(crate) fn keep() {
         ImageMotion::largest_smear,
         Region::radius_mm,
         invertibility::least_scale,
+        MeshRow::points,
+        DisplacementRows::new,
+        DisplacementRows::restart_interval,
+        DisplacementRows::rounding_bound_nm,
+        DisplacementRows::row,
+        DisplacementRow::write,
+        SourceRow::new,
+        SourceRow::next,
+        VertexRow::vertices,
+        VertexRow::words,
+        MeshFormat::bytes,
+        MeshFormat::quantisation_px,
+        MeshFormat::word,
+        s16q3::bytes,
+        uq12_4::bytes,
+        q12_20::bytes,
+        single::bytes,
+        single::quantisation_px,
         CentralMoments::scaled,
         FocusShift::lever_mm,
         FocusShift::enlargement,

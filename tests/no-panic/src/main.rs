@@ -20,7 +20,6 @@ macro_rules! keep {
 mod flight;
 mod geometry;
 mod io;
-mod mesh;
 #[cfg(feature = "negative-control")]
 mod negative_control;
 mod pin;
@@ -29,7 +28,6 @@ fn keep_everything() {
     geometry::keep();
     flight::keep();
     io::keep();
-    mesh::keep();
     #[cfg(feature = "negative-control")]
     negative_control::keep();
 }
