@@ -1,6 +1,8 @@
 //! The link: a message from its first byte to the answer's last.
 
 use fmc_camera::geometry::mesh::MeshRow;
+use fmc_camera::geometry::mesh::format::MeshFormat;
+use fmc_camera::geometry::mesh::vertex::VertexRow;
 use fmc_camera::geometry::sensor::SensorPoint;
 use fmc_camera::io::link::frame::Frame;
 use fmc_camera::io::link::message::{Grid, Header, Identity, Points, Request, Start};
@@ -26,6 +28,13 @@ pub(crate) fn count(counter: &mut Counter) -> Option<()> {
         step_mm: 0.75,
         count: 64,
     };
+    let vertices = VertexRow {
+        first_col_px: 4800,
+        row_px: 800,
+        spacing_px: 16,
+        count: 64,
+        origin_px: [0, 0],
+    };
     let grid = Grid {
         x_mm: side(),
         y_mm: heapless::Vec::from_slice(&[-10.0, 10.0]).ok()?,
@@ -38,6 +47,7 @@ pub(crate) fn count(counter: &mut Counter) -> Option<()> {
         ("link_distort_64", Request::Distort(batch)),
         ("link_row_64", Request::Row(row)),
         ("link_digest_64", Request::Digest(grid)),
+        ("link_mesh_64", Request::Mesh(vertices, MeshFormat::S16Q3)),
         ("link_counters", Request::Counters),
     ];
     let mut frame = Frame::EMPTY;
