@@ -79,5 +79,6 @@ fn refusal_name(refusal: Refusal) -> &'static str {
         Refusal::NotTold => "not to be told",
         Refusal::QueueFull => "too many events",
         Refusal::NoRowClock => "no row clock",
+        Refusal::Mesh(_) => "mesh not possible",
     }
 }
