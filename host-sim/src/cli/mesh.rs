@@ -88,7 +88,7 @@ pub enum MeshFormatName {
     Vitis,
     /// Control points of NVIDIA VPI: sources in single precision, x and y of each together.
     Vpi,
-    /// Maps for `remap` of `OpenCV`: sources in single precision, x and y in a file each.
+    /// Maps for `cv::remap`: sources in single precision, x and y in a file each.
     Opencv,
 }
 

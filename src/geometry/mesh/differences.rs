@@ -67,6 +67,22 @@ mod tests {
     use super::*;
 
     #[test]
+    fn without_restarts_rounding_grows_beyond_four_nanometres() {
+        // K1 alone, 0.5 mm at the end of 104 mm, every pixel of 8 µm.
+        let (k1, step) = (3.556e-6, 0.008);
+        let cubic = [0.0, 0.0, 0.0, k1];
+        let error_nm =
+            |value: f32, x: f64| 1e6 * (f64::from(value) - f64::from(k1) * x.powi(3)).abs();
+        let mut once = Differences::at(cubic, -52.0, step, &scales(step));
+        let mut largest_nm = 0.0_f64;
+        for index in 0..13_000 {
+            let x = -52.0 + f64::from(index) * f64::from(step);
+            largest_nm = largest_nm.max(error_nm(once.take(), x));
+        }
+        assert!(largest_nm > 100.0, "{largest_nm} nm");
+    }
+
+    #[test]
     fn differences_of_a_cube_are_exact() {
         // x³ from 2 in steps of 1: 8, 27, 64, 125, 216: whole numbers throughout.
         let mut cube = Differences::at([0.0, 0.0, 0.0, 1.0], 2.0, 1.0, &scales(1.0));
