@@ -105,11 +105,18 @@ pub(crate) fn corrections(calibration: &Calibration) -> Vec<FrameCorrection> {
 
 #[test]
 fn rows_of_every_camera_are_within_their_stated_bound_and_four_nanometres() {
+    // The camera of the paper, in host-sim/cameras.
+    let paper = Brown {
+        k1: 9.226_781e-8,
+        ..Brown::default()
+    };
+    let paper = cameras::square(paper, FmcAxis::PlusY);
     let wide = half_a_millimetre().map(wide);
     for (name, record) in ["published"; 5]
         .into_iter()
         .zip(cameras::published())
         .chain(["wide"; 3].into_iter().zip(wide))
+        .chain([("paper", paper)])
     {
         let calibration = Calibration::new(record).unwrap();
         for correction in corrections(&calibration) {

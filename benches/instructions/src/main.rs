@@ -20,6 +20,8 @@ mod interrupts;
 #[cfg(target_os = "none")]
 mod link;
 #[cfg(target_os = "none")]
+mod mesh;
+#[cfg(target_os = "none")]
 #[path = "../../../src/bin/firmware/board/receive_ring.rs"]
 mod receive_ring;
 #[cfg(target_os = "none")]
@@ -41,6 +43,7 @@ fn count() -> ! {
     let counted = cortex_m::Peripherals::take().and_then(|peripherals| {
         let mut counter = counter::Counter::new(peripherals.SYST);
         geometry::count(&mut counter)?;
+        mesh::count(&mut counter)?;
         flight::count(&mut counter)?;
         interrupts::count(&mut counter)?;
         aircraft::count(&mut counter)?;

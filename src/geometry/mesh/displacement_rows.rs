@@ -38,10 +38,44 @@ pub const ROW_ROUNDING_NM: f32 = 4.0;
 /// Sensor frame, mm: points `first + index·step` of the measured image; measured - ideal.
 ///
 /// # Accuracy
-/// [`Self::rounding_bound_nm`] is the bound of [`rounding_bound`](mod@super::rounding_bound) for the frame and holds
-/// for all rows of the sensor. The interval is the longest of 64, 32, 16 and 8 that keeps it within [`ROW_ROUNDING_NM`]:
+/// Adding difference k + 1 to difference k rounds by at most `u·|Δᵏ|`, u = 2⁻²⁴, and grows over N points into
+/// `C(N, k+1)` times that in the value. With the reach ρ of X about the centre, `L = N·step`, V the largest distortion,
+/// `a_m` the coefficients of a row, `Â(X) = Σ|a_m|Xᵐ` at the largest |Y| and `Ẑ(X) = Σ m|a_m|Xᵐ`,
+///
+/// `error ≤ u·[ N·V + N·(Â(ρ+L) - Â(ρ))/2 + Â(ρ+L) + F̂(ρ+L) + 6Ẑ(ρ+L) + (Â + 10Ẑ)(ρ+L) - (Â + 10Ẑ)(ρ) ]`:
+///
+/// - additions to the value, relative to it; to the differences, whose powers of L sum to the mean of Â over L;
+/// - the start: 2m + 1 roundings of synthetic division for a term of degree m, and those of the fold into the row's
+///   coefficients, F̂, counted by coefficient;
+/// - the place of the start, four roundings of ρ, to which a term of degree m answers m times;
+/// - the starts of the differences: scale and nodes.
+///
+/// [`Self::rounding_bound_nm`] is this number for the frame and holds for all rows of the sensor. The interval is the
+/// longest of 64, 32, 16 and 8 that keeps it within [`ROW_ROUNDING_NM`]:
 /// 104 mm of width and 0.5 mm of distortion stay within it, with errors of at most 0.6 nm
-/// (`tests/geometry/mesh.rs`). A lens for which 8 does not has its larger bound stated.
+/// (`tests/geometry/mesh.rs`). A lens for which 8 does not has its larger bound stated. 13 instructions per point on a
+/// Cortex-M4F, 18 with K3, starts every 64 points included; 170 per row and 560 per frame.
+///
+/// # Examples
+/// ```
+/// use fmc_camera::geometry::calibration::{Calibration, CalibrationRecord};
+/// use fmc_camera::geometry::evaluation_form::Displacement;
+/// use fmc_camera::geometry::frame_correction::FrameCorrection;
+/// use fmc_camera::geometry::mesh::displacement_rows::DisplacementRows;
+/// use fmc_camera::geometry::sensor::SensorPoint;
+/// let mut lens = CalibrationRecord::new(100.0, [8000, 6000], 10.0);
+/// lens.distortion.k1 = -1e-6;
+/// let correction = FrameCorrection::without_motion(&Calibration::new(lens)?);
+/// let rows = DisplacementRows::new(&correction, 10.0);
+/// let mut row = [Displacement::default(); 4];
+/// rows.row(SensorPoint::new(-10.0, 0.0)).write(&mut row);
+/// // K1·r³: 1 µm towards the centre at 10 mm, 8 µm at 20 mm.
+/// let expected_um = [1.0, 0.0, -1.0, -8.0];
+/// for (found, expected_um) in row.iter().zip(expected_um) {
+///     assert!((1000.0 * found.dx_mm - expected_um).abs() < 1e-5);
+/// }
+/// # Ok::<(), fmc_camera::geometry::calibration::CalibrationError>(())
+/// ```
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct DisplacementRows {
     centre: SensorPoint,

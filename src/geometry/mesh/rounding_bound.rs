@@ -1,16 +1,5 @@
-//! What rounding can come to along a row of differences.
-//!
-//! Adding difference k + 1 to difference k rounds by at most `u·|Δᵏ|`, u = 2⁻²⁴, and grows over N points into
-//! `C(N, k+1)` times that in the value. With the reach ρ of X about the centre, `L = N·step`, V the largest
-//! distortion, `a_m` the coefficients of a row, `Â(X) = Σ|a_m|Xᵐ` at the largest |Y| and `Ẑ(X) = Σ m|a_m|Xᵐ`,
-//!
-//! `error ≤ u·[ N·V + N·(Â(ρ+L) - Â(ρ))/2 + Â(ρ+L) + F̂(ρ+L) + 6Ẑ(ρ+L) + (Â + 10Ẑ)(ρ+L) - (Â + 10Ẑ)(ρ) ]`:
-//!
-//! - additions to the value, relative to it; to the differences, whose powers of L sum to the mean of Â over L;
-//! - the start: 2m + 1 roundings of synthetic division for a term of degree m, and those of the fold into the row's
-//!   coefficients, F̂, counted by coefficient;
-//! - the place of the start, four roundings of ρ, to which a term of degree m answers m times;
-//! - the starts of the differences: scale and nodes.
+//! What rounding can come to along a row of differences: the bound of
+//! [`DisplacementRows`](super::displacement_rows::DisplacementRows), where its parts are explained.
 
 use core::num::NonZero;
 

@@ -1,0 +1,99 @@
+//! Rows for warp engines.
+
+use core::hint::black_box;
+
+use fmc_camera::geometry::evaluation_form::Displacement;
+use fmc_camera::geometry::mesh::displacement_rows::{DisplacementRows, RESTART_INTERVAL};
+use fmc_camera::geometry::mesh::format::MeshFormat;
+use fmc_camera::geometry::mesh::source_row::SourceRow;
+use fmc_camera::geometry::mesh::vertex::VertexRow;
+use fmc_camera::geometry::sensor::SensorPoint;
+use fmc_camera::{Camera, FrameCorrection};
+
+use crate::counter::Counter;
+use crate::specimen::{EXPOSURE, POINTS, full, short};
+
+/// Repetitions of what is done once per frame or row.
+const FRAMES: u32 = 100;
+#[expect(clippy::cast_possible_truncation, reason = "1024 points")]
+const PER_POINT: (u32, &str) = (POINTS as u32, "point");
+
+/// Every eighth pixel of 3.76 µm: 30.8 mm of the sensor.
+const MESH_STEP_MM: f32 = 8.0 * 0.00376;
+const ROW_START: SensorPoint = SensorPoint::new(-26.0, 15.0);
+
+pub(crate) fn count(counter: &mut Counter) -> Option<()> {
+    mesh_rows(counter)?;
+    let correction = Camera::new(short()).ok()?.frame(&EXPOSURE).ok()?.correction;
+    source_rows(counter, &correction)
+}
+
+/// Displacements along rows of the measured image: without K3, with it, and all terms.
+fn mesh_rows(counter: &mut Counter) -> Option<()> {
+    let mut without_k3 = short();
+    without_k3.calibration.distortion.k3 = 0.0;
+    for (kernel, record) in [
+        ("mesh_row", without_k3),
+        ("mesh_row_k3", short()),
+        ("mesh_row_k3_full", full()),
+    ] {
+        let correction = Camera::new(record).ok()?.frame(&EXPOSURE).ok()?.correction;
+        let rows = DisplacementRows::new(&correction, MESH_STEP_MM);
+        // The differences start anew as seldom as they ever do.
+        (rows.restart_interval() == RESTART_INTERVAL.get()).then_some(())?;
+        let mut row = [Displacement::default(); POINTS];
+        counter.count(kernel, PER_POINT, || {
+            black_box(&rows)
+                .row(black_box(ROW_START))
+                .write(black_box(&mut row));
+            Some(())
+        })?;
+        black_box(row);
+    }
+    let correction = Camera::new(full()).ok()?.frame(&EXPOSURE).ok()?.correction;
+    counter.count("mesh_row_setup", (FRAMES, "row"), || {
+        let rows = DisplacementRows::new(&correction, MESH_STEP_MM);
+        for _ in 0..FRAMES {
+            black_box(black_box(&rows).row(black_box(ROW_START)));
+        }
+        Some(())
+    })?;
+    counter.count("mesh_rows_setup", (FRAMES, "frame"), || {
+        for _ in 0..FRAMES {
+            black_box(DisplacementRows::new(black_box(&correction), MESH_STEP_MM));
+        }
+        Some(())
+    })
+}
+
+/// Sources along a row of the ideal image, and vertices as a warp engine stores them.
+fn source_rows(counter: &mut Counter, correction: &FrameCorrection) -> Option<()> {
+    counter.count("mesh_source_row", PER_POINT, || {
+        let mut row = SourceRow::new(black_box(correction));
+        let mut x_mm = ROW_START.x_mm;
+        for _ in 0..POINTS {
+            black_box(row.next(SensorPoint::new(x_mm, ROW_START.y_mm)).ok()?);
+            x_mm += MESH_STEP_MM;
+        }
+        Some(())
+    })?;
+    for (kernel, format) in [
+        ("mesh_words_s16q3", MeshFormat::S16Q3),
+        ("mesh_words_single", MeshFormat::Single),
+    ] {
+        let row = VertexRow {
+            first_col_px: 8,
+            row_px: 800,
+            spacing_px: 8,
+            count: 1024,
+            origin_px: [0, 0],
+        };
+        counter.count(kernel, PER_POINT, || {
+            for word in black_box(&row).words(black_box(correction), format) {
+                black_box(word.ok()?);
+            }
+            Some(())
+        })?;
+    }
+    Some(())
+}
