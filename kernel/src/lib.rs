@@ -14,6 +14,8 @@
 #![no_std]
 #![deny(unsafe_op_in_unsafe_fn, clippy::undocumented_unsafe_blocks)]
 
+#[cfg(all(feature = "host", any(target_arch = "x86_64", target_arch = "aarch64")))]
+pub mod host;
 pub mod portable;
 #[cfg(hand_scheduled)]
 mod thumbv7em;

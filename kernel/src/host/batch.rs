@@ -1,0 +1,253 @@
+//! Many points of one frame.
+
+use rayon::prelude::*;
+
+use super::level::Level;
+use super::{pairs, xy};
+use crate::Coefficients;
+
+/// Sets whose ideal points fill at least so many bytes are written past the caches.
+pub const STREAMED_FROM_BYTES: usize = 1 << 20;
+
+/// Sets of at least so many points are shared out to threads.
+pub const THREADED_FROM_POINTS: usize = 1 << 17;
+
+/// Points that a thread takes at once.
+const SHARE: usize = 1 << 15;
+
+/// Which terms are evaluated.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Terms {
+    /// Without b₁, b₂, tx and ty.
+    Short,
+    /// All.
+    Full,
+}
+
+/// The correction of many points of one frame.
+///
+/// Slices of unequal length are taken as far as the shortest goes; what a longer one has more stays as it is.
+#[derive(Debug, Clone, Copy)]
+pub struct Batch {
+    form: Coefficients,
+    terms: Terms,
+    level: Level,
+    streamed_from_bytes: usize,
+    threaded_from_points: usize,
+}
+
+impl Batch {
+    /// With the widest vectors of this machine, threads and streams from their measured sizes on.
+    #[must_use]
+    pub fn new(form: Coefficients, terms: Terms) -> Self {
+        Self {
+            form,
+            terms,
+            level: Level::widest(),
+            streamed_from_bytes: STREAMED_FROM_BYTES,
+            threaded_from_points: THREADED_FROM_POINTS,
+        }
+    }
+
+    /// With other vectors.
+    #[must_use]
+    pub const fn at(mut self, level: Level) -> Self {
+        self.level = level;
+        self
+    }
+
+    /// In the calling thread alone.
+    #[must_use]
+    pub const fn in_one_thread(self) -> Self {
+        self.threaded_from(usize::MAX)
+    }
+
+    /// In threads from so many points on.
+    #[must_use]
+    pub const fn threaded_from(mut self, points: usize) -> Self {
+        self.threaded_from_points = points;
+        self
+    }
+
+    /// Past the caches from so many bytes of ideal points on.
+    #[must_use]
+    pub const fn streamed_from(mut self, bytes: usize) -> Self {
+        self.streamed_from_bytes = bytes;
+        self
+    }
+
+    /// The vectors in use.
+    #[must_use]
+    pub const fn level(&self) -> Level {
+        self.level
+    }
+
+    /// Replaces points (x, y), mm, by their ideal points.
+    pub fn pairs(&self, points: &mut [[f32; 2]]) {
+        if points.len() < self.threaded_from_points {
+            self.pairs_here(points);
+        } else {
+            points
+                .par_chunks_mut(SHARE)
+                .for_each(|points| self.pairs_here(points));
+        }
+    }
+
+    fn pairs_here(&self, points: &mut [[f32; 2]]) {
+        let form = &self.form;
+        match self.terms {
+            Terms::Short => self.level.run(pairs::InPlace::<false> { form, points }),
+            Terms::Full => self.level.run(pairs::InPlace::<true> { form, points }),
+        }
+    }
+
+    /// The ideal points of points (x, y), mm.
+    pub fn pairs_into(&self, points: &[[f32; 2]], ideal: &mut [[f32; 2]]) {
+        let count = points.len().min(ideal.len());
+        let (points, ideal) = (first(points, count), first_mut(ideal, count));
+        let stream = size_of_val(ideal) >= self.streamed_from_bytes;
+        if count < self.threaded_from_points {
+            self.pairs_into_here(points, ideal, stream);
+        } else {
+            points
+                .par_chunks(SHARE)
+                .zip(ideal.par_chunks_mut(SHARE))
+                .for_each(|(points, ideal)| self.pairs_into_here(points, ideal, stream));
+        }
+    }
+
+    fn pairs_into_here(&self, points: &[[f32; 2]], ideal: &mut [[f32; 2]], stream: bool) {
+        let form = &self.form;
+        match self.terms {
+            Terms::Short => self.level.run(pairs::Into::<false> {
+                form,
+                points,
+                ideal,
+                stream,
+            }),
+            Terms::Full => self.level.run(pairs::Into::<true> {
+                form,
+                points,
+                ideal,
+                stream,
+            }),
+        }
+    }
+
+    /// Replaces x and y, mm, by those of the ideal points.
+    pub fn xy(&self, x: &mut [f32], y: &mut [f32]) {
+        let count = x.len().min(y.len());
+        let (x, y) = (first_mut(x, count), first_mut(y, count));
+        if count < self.threaded_from_points {
+            self.xy_here(x, y);
+        } else {
+            x.par_chunks_mut(SHARE)
+                .zip(y.par_chunks_mut(SHARE))
+                .for_each(|(x, y)| self.xy_here(x, y));
+        }
+    }
+
+    fn xy_here(&self, x: &mut [f32], y: &mut [f32]) {
+        let form = &self.form;
+        match self.terms {
+            Terms::Short => self.level.run(xy::InPlace::<false> { form, x, y }),
+            Terms::Full => self.level.run(xy::InPlace::<true> { form, x, y }),
+        }
+    }
+
+    /// The ideal points of x and y, mm.
+    pub fn xy_into(&self, [x, y]: [&[f32]; 2], [ideal_x, ideal_y]: [&mut [f32]; 2]) {
+        let count = [x.len(), y.len(), ideal_x.len(), ideal_y.len()]
+            .into_iter()
+            .fold(usize::MAX, usize::min);
+        let (x, y) = (first(x, count), first(y, count));
+        let (ideal_x, ideal_y) = (first_mut(ideal_x, count), first_mut(ideal_y, count));
+        let stream = 2 * size_of_val(ideal_x) >= self.streamed_from_bytes;
+        if count < self.threaded_from_points {
+            self.xy_into_here([x, y], [ideal_x, ideal_y], stream);
+        } else {
+            x.par_chunks(SHARE)
+                .zip(y.par_chunks(SHARE))
+                .zip(ideal_x.par_chunks_mut(SHARE))
+                .zip(ideal_y.par_chunks_mut(SHARE))
+                .for_each(|(((x, y), ideal_x), ideal_y)| {
+                    self.xy_into_here([x, y], [ideal_x, ideal_y], stream);
+                });
+        }
+    }
+
+    fn xy_into_here(
+        &self,
+        [x, y]: [&[f32]; 2],
+        [ideal_x, ideal_y]: [&mut [f32]; 2],
+        stream: bool,
+    ) {
+        let form = &self.form;
+        match self.terms {
+            Terms::Short => self.level.run(xy::Into::<false> {
+                form,
+                x,
+                y,
+                ideal_x,
+                ideal_y,
+                stream,
+            }),
+            Terms::Full => self.level.run(xy::Into::<true> {
+                form,
+                x,
+                y,
+                ideal_x,
+                ideal_y,
+                stream,
+            }),
+        }
+    }
+
+    /// The ideal points of x and y, mm, and the distortion that was subtracted; in the calling thread.
+    pub fn xy_with_distortion(
+        &self,
+        [x, y]: [&[f32]; 2],
+        [ideal_x, ideal_y]: [&mut [f32]; 2],
+        [dx, dy]: [&mut [f32]; 2],
+    ) {
+        let form = &self.form;
+        let count = [x.len(), y.len(), ideal_x.len(), ideal_y.len()]
+            .into_iter()
+            .chain([dx.len(), dy.len()])
+            .fold(usize::MAX, usize::min);
+        let (x, y) = (first(x, count), first(y, count));
+        let (ideal_x, ideal_y) = (first_mut(ideal_x, count), first_mut(ideal_y, count));
+        let (dx, dy) = (first_mut(dx, count), first_mut(dy, count));
+        match self.terms {
+            Terms::Short => self.level.run(xy::WithDistortion::<false> {
+                form,
+                x,
+                y,
+                ideal_x,
+                ideal_y,
+                dx,
+                dy,
+            }),
+            Terms::Full => self.level.run(xy::WithDistortion::<true> {
+                form,
+                x,
+                y,
+                ideal_x,
+                ideal_y,
+                dx,
+                dy,
+            }),
+        }
+    }
+}
+
+/// At most the first `count` of a slice.
+fn first<T>(of: &[T], count: usize) -> &[T] {
+    of.get(..count).unwrap_or(of)
+}
+
+/// [`first`] to write to.
+fn first_mut<T>(of: &mut [T], count: usize) -> &mut [T] {
+    let count = count.min(of.len());
+    of.split_at_mut(count).0
+}

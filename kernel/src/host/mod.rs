@@ -1,0 +1,26 @@
+//! The kernel of a PC: vectors of the instruction set found at run time, several threads for large sets, and stores
+//! past the caches for sets that do not fit.
+//!
+//! Nothing of this changes a bit: every lane does the operations of [`crate::portable`] in the same order, none fused.
+//! (Of a NaN this holds for being one: its payload is the processor's choice.) The vectors are those of the crate
+//! `pulp`: it detects instructions without the standard library, gives out a proof of them without which a kernel
+//! cannot be called, and lets a test run every level that the machine has.
+
+mod batch;
+mod form;
+mod level;
+mod pairs;
+mod vectors;
+mod xy;
+
+pub use batch::{Batch, STREAMED_FROM_BYTES, THREADED_FROM_POINTS, Terms};
+pub use level::Level;
+
+use vectors::Vectors;
+
+/// How many numbers lie before the first place that can be streamed to.
+#[inline(always)]
+fn head<V: Vectors>(numbers: &[f32]) -> usize {
+    let past = numbers.as_ptr().addr() % V::STREAM_ALIGNMENT;
+    (V::STREAM_ALIGNMENT - past) % V::STREAM_ALIGNMENT / size_of::<f32>()
+}

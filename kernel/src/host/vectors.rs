@@ -1,0 +1,200 @@
+//! The vectors that the host's kernels are written over, and what `pulp` has no common name for.
+
+use pulp::{Scalar, Simd};
+
+/// The vectors of one instruction set, each lane a point of its own.
+pub(super) trait Vectors: Simd {
+    /// Alignment that [`Self::stream`] needs, bytes.
+    const STREAM_ALIGNMENT: usize;
+
+    /// All x and all y of consecutive pairs, in an order that [`Self::joined`] undoes.
+    fn parted(self, pairs: [Self::f32s; 2]) -> [Self::f32s; 2];
+
+    /// Pairs of x and y as [`Self::parted`] gave them.
+    fn joined(self, xy: [Self::f32s; 2]) -> [Self::f32s; 2];
+
+    /// Writes past the caches.
+    ///
+    /// # Safety
+    /// The place is aligned to [`Self::STREAM_ALIGNMENT`], and [`Self::streamed`] is called before anyone reads it.
+    unsafe fn stream(self, place: &mut Self::f32s, value: Self::f32s);
+
+    /// All that was streamed is in memory as any other store would be.
+    fn streamed(self);
+
+    /// Runs `work` compiled for these vectors.
+    fn run<W: Work>(self, work: W);
+}
+
+/// What is compiled once for every instruction set.
+pub(super) trait Work {
+    /// Does it.
+    fn run<V: Vectors>(self, vectors: V);
+}
+
+impl Vectors for Scalar {
+    const STREAM_ALIGNMENT: usize = 1;
+
+    #[inline(always)]
+    fn parted(self, pairs: [f32; 2]) -> [f32; 2] {
+        pairs
+    }
+
+    #[inline(always)]
+    fn joined(self, xy: [f32; 2]) -> [f32; 2] {
+        xy
+    }
+
+    #[inline(always)]
+    unsafe fn stream(self, place: &mut f32, value: f32) {
+        *place = value;
+    }
+
+    #[inline(always)]
+    fn streamed(self) {}
+
+    fn run<W: Work>(self, work: W) {
+        work.run(self);
+    }
+}
+
+#[cfg(target_arch = "x86_64")]
+mod x86_64 {
+    use core::ptr;
+
+    use pulp::x86::{V3, V4};
+    use pulp::{NullaryFnOnce, cast};
+
+    use super::{Vectors, Work};
+
+    /// A piece of work with its vectors, to be called where they are enabled.
+    struct Enabled<V, W>(V, W);
+
+    impl<V: Vectors, W: Work> NullaryFnOnce for Enabled<V, W> {
+        type Output = ();
+
+        #[inline(always)]
+        fn call(self) {
+            self.1.run(self.0);
+        }
+    }
+
+    impl Vectors for V3 {
+        const STREAM_ALIGNMENT: usize = 32;
+
+        #[inline(always)]
+        fn parted(self, [low, high]: [Self::f32s; 2]) -> [Self::f32s; 2] {
+            let (low, high) = (cast(low), cast(high));
+            [
+                cast(self.avx._mm256_shuffle_ps::<0b10_00_10_00>(low, high)),
+                cast(self.avx._mm256_shuffle_ps::<0b11_01_11_01>(low, high)),
+            ]
+        }
+
+        #[inline(always)]
+        fn joined(self, [x, y]: [Self::f32s; 2]) -> [Self::f32s; 2] {
+            let (x, y) = (cast(x), cast(y));
+            [
+                cast(self.avx._mm256_unpacklo_ps(x, y)),
+                cast(self.avx._mm256_unpackhi_ps(x, y)),
+            ]
+        }
+
+        #[inline(always)]
+        unsafe fn stream(self, place: &mut Self::f32s, value: Self::f32s) {
+            // SAFETY: the place is one vector, borrowed exclusively; the caller has aligned it and fences the store.
+            unsafe {
+                self.avx
+                    ._mm256_stream_ps(ptr::from_mut(place).cast(), cast(value));
+            }
+        }
+
+        #[inline(always)]
+        fn streamed(self) {
+            self.sse._mm_sfence();
+        }
+
+        #[inline(always)]
+        fn run<W: Work>(self, work: W) {
+            self.vectorize(Enabled(self, work));
+        }
+    }
+
+    impl Vectors for V4 {
+        const STREAM_ALIGNMENT: usize = 64;
+
+        #[inline(always)]
+        fn parted(self, [low, high]: [Self::f32s; 2]) -> [Self::f32s; 2] {
+            let (low, high) = (cast(low), cast(high));
+            [
+                cast(self.avx512f._mm512_shuffle_ps::<0b10_00_10_00>(low, high)),
+                cast(self.avx512f._mm512_shuffle_ps::<0b11_01_11_01>(low, high)),
+            ]
+        }
+
+        #[inline(always)]
+        fn joined(self, [x, y]: [Self::f32s; 2]) -> [Self::f32s; 2] {
+            let (x, y) = (cast(x), cast(y));
+            [
+                cast(self.avx512f._mm512_unpacklo_ps(x, y)),
+                cast(self.avx512f._mm512_unpackhi_ps(x, y)),
+            ]
+        }
+
+        #[inline(always)]
+        unsafe fn stream(self, place: &mut Self::f32s, value: Self::f32s) {
+            // SAFETY: the place is one vector, borrowed exclusively; the caller has aligned it and fences the store.
+            unsafe {
+                self.avx512f
+                    ._mm512_stream_ps(ptr::from_mut(place).cast(), cast(value));
+            }
+        }
+
+        #[inline(always)]
+        fn streamed(self) {
+            self.sse._mm_sfence();
+        }
+
+        #[inline(always)]
+        fn run<W: Work>(self, work: W) {
+            self.vectorize(Enabled(self, work));
+        }
+    }
+}
+
+#[cfg(target_arch = "aarch64")]
+mod aarch64 {
+    use pulp::aarch64::Neon;
+    use pulp::{Simd as _, cast};
+
+    use super::{Vectors, Work};
+
+    impl Vectors for Neon {
+        const STREAM_ALIGNMENT: usize = 1;
+
+        #[inline(always)]
+        fn parted(self, [low, high]: [Self::f32s; 2]) -> [Self::f32s; 2] {
+            self.deinterleave_shfl_f32s([low, high])
+        }
+
+        #[inline(always)]
+        fn joined(self, xy: [Self::f32s; 2]) -> [Self::f32s; 2] {
+            self.interleave_shfl_f32s(xy)
+        }
+
+        /// An ordinary store: NEON's pairs past the cache have no intrinsic.
+        #[inline(always)]
+        unsafe fn stream(self, place: &mut Self::f32s, value: Self::f32s) {
+            *place = cast(value);
+        }
+
+        #[inline(always)]
+        fn streamed(self) {}
+
+        #[inline(always)]
+        fn run<W: Work>(self, work: W) {
+            // NEON belongs to every aarch64: there is nothing to enable.
+            work.run(self);
+        }
+    }
+}
