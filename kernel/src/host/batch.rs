@@ -223,19 +223,15 @@ impl Batch {
                 form,
                 x,
                 y,
-                ideal_x,
-                ideal_y,
-                dx,
-                dy,
+                ideal: [ideal_x, ideal_y],
+                distortion: [dx, dy],
             }),
             Terms::Full => self.level.run(xy::WithDistortion::<true> {
                 form,
                 x,
                 y,
-                ideal_x,
-                ideal_y,
-                dx,
-                dy,
+                ideal: [ideal_x, ideal_y],
+                distortion: [dx, dy],
             }),
         }
     }

@@ -18,9 +18,22 @@ pub use level::Level;
 
 use vectors::Vectors;
 
-/// How many numbers lie before the first place that can be streamed to.
+/// How many numbers lie before the first that is aligned to a vector.
 #[inline(always)]
 fn head<V: Vectors>(numbers: &[f32]) -> usize {
-    let past = numbers.as_ptr().addr() % V::STREAM_ALIGNMENT;
-    (V::STREAM_ALIGNMENT - past) % V::STREAM_ALIGNMENT / size_of::<f32>()
+    let past = numbers.as_ptr().addr() % V::ALIGNMENT;
+    let before = (V::ALIGNMENT - past) % V::ALIGNMENT / size_of::<f32>();
+    before.min(numbers.len())
+}
+
+/// The last vector of a slice.
+#[inline(always)]
+fn last<V: Vectors>(numbers: &[f32]) -> Option<&V::f32s> {
+    V::as_rsimd_f32s(numbers).1.last()
+}
+
+/// [`last`] to write to.
+#[inline(always)]
+fn last_mut<V: Vectors>(numbers: &mut [f32]) -> Option<&mut V::f32s> {
+    V::as_mut_rsimd_f32s(numbers).1.last_mut()
 }

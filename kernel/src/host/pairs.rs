@@ -1,8 +1,10 @@
 //! Points as pairs (x, y) in one slice.
+//!
+//! Two vectors hold what one does of separate x and y; their ends overlap as those of `xy`.
 
 use super::form::Form;
-use super::head;
 use super::vectors::{Vectors, Work};
+use super::head;
 use crate::Coefficients;
 
 /// Every point replaced by its ideal one.
@@ -16,20 +18,14 @@ impl<const FULL: bool> Work for InPlace<'_, FULL> {
     fn run<V: Vectors>(self, vectors: V) {
         let form = Form::<V, FULL>::new(vectors, self.form);
         let points = self.points.as_flattened_mut();
-        let (points, rest) = points.split_at_mut(whole::<V>(points.len()));
-        let (points, _) = V::as_mut_simd_f32s(points);
-        for point in points.as_chunks_mut().0 {
+        let Some([at_first, at_last]) = ends(&form, points) else {
+            let ideal = form.ideal_pairs(few(vectors, points));
+            return put_few(vectors, points, ideal);
+        };
+        for point in twos_mut::<V>(points.split_at_mut(before::<V>(points)).1) {
             *point = form.ideal_pairs(*point);
         }
-        if !rest.is_empty() {
-            let (low, high) = rest.split_at_mut(rest.len().min(V::F32_LANES));
-            let [ideal_low, ideal_high] = form.ideal_pairs([
-                vectors.partial_load_f32s(low),
-                vectors.partial_load_f32s(high),
-            ]);
-            vectors.partial_store_f32s(low, ideal_low);
-            vectors.partial_store_f32s(high, ideal_high);
-        }
+        put_ends::<V>(points, [at_first, at_last]);
     }
 }
 
@@ -48,26 +44,19 @@ impl<const FULL: bool> Work for Into<'_, FULL> {
         let form = Form::<V, FULL>::new(vectors, self.form);
         let points = self.points.as_flattened();
         let ideal = self.ideal.as_flattened_mut();
-        let before = head::<V>(ideal);
-        // A head of half points, as of a slice aligned to f32 alone, leads to no alignment.
-        let stream = self.stream && before.is_multiple_of(2) && before <= points.len();
-        let (points_head, points) = points.split_at(if stream { before } else { 0 });
-        let (ideal_head, ideal) = ideal.split_at_mut(if stream { before } else { 0 });
-        few(vectors, &form, points_head, ideal_head);
-        let (points, points_rest) = points.split_at(whole::<V>(points.len()));
-        let (ideal, ideal_rest) = ideal.split_at_mut(whole::<V>(ideal.len()));
-        let (points, _) = V::as_simd_f32s(points);
-        let (ideal, _) = V::as_mut_simd_f32s(ideal);
-        let both = points
-            .as_chunks()
-            .0
-            .iter()
-            .zip(ideal.as_chunks_mut::<2>().0);
-        if stream {
-            for (point, [ideal_low, ideal_high]) in both {
+        let Some([at_first, at_last]) = ends(&form, points) else {
+            let few = form.ideal_pairs(few(vectors, points));
+            return put_few(vectors, ideal, few);
+        };
+        let before = before::<V>(ideal);
+        let aligned = before == head::<V>(ideal);
+        let from = twos::<V>(points.split_at(before).1);
+        let to = twos_mut::<V>(ideal.split_at_mut(before).1);
+        if self.stream && aligned {
+            for (point, [ideal_low, ideal_high]) in from.iter().zip(to) {
                 let [low, high] = form.ideal_pairs(*point);
-                // SAFETY: behind its head the slice is aligned, and every place is whole vectors further on; the
-                // fence follows the loop.
+                // SAFETY: behind so many numbers the slice is aligned, and every place is whole vectors further on;
+                // the fence follows the loop.
                 unsafe {
                     vectors.stream(ideal_low, low);
                     vectors.stream(ideal_high, high);
@@ -75,37 +64,71 @@ impl<const FULL: bool> Work for Into<'_, FULL> {
             }
             vectors.streamed();
         } else {
-            for (point, ideal) in both {
+            for (point, ideal) in from.iter().zip(to) {
                 *ideal = form.ideal_pairs(*point);
             }
         }
-        few(vectors, &form, points_rest, ideal_rest);
+        put_ends::<V>(ideal, [at_first, at_last]);
+    }
+}
+
+/// How many numbers, of whole points, lie before the first aligned one.
+///
+/// A slice aligned to half a point has none.
+#[inline(always)]
+fn before<V: Vectors>(numbers: &[f32]) -> usize {
+    let before = head::<V>(numbers);
+    if before.is_multiple_of(2) { before } else { 0 }
+}
+
+/// Two vectors each.
+#[inline(always)]
+fn twos<V: Vectors>(numbers: &[f32]) -> &[[V::f32s; 2]] {
+    V::as_simd_f32s(numbers).0.as_chunks().0
+}
+
+/// [`twos`] to write to.
+#[inline(always)]
+fn twos_mut<V: Vectors>(numbers: &mut [f32]) -> &mut [[V::f32s; 2]] {
+    V::as_mut_simd_f32s(numbers).0.as_chunks_mut().0
+}
+
+/// The first and the last points of two vectors; `None` of fewer.
+#[inline(always)]
+fn ends<V: Vectors, const FULL: bool>(
+    form: &Form<V, FULL>,
+    points: &[f32],
+) -> Option<[[V::f32s; 2]; 2]> {
+    let at_first = twos::<V>(points).first()?;
+    let at_last = V::as_rsimd_f32s(points).1.last_chunk()?;
+    Some([form.ideal_pairs(*at_first), form.ideal_pairs(*at_last)])
+}
+
+/// Writes the first and the last points of two vectors.
+#[inline(always)]
+fn put_ends<V: Vectors>(points: &mut [f32], [at_first, at_last]: [[V::f32s; 2]; 2]) {
+    if let Some(first) = twos_mut::<V>(points).first_mut() {
+        *first = at_first;
+    }
+    if let Some(last) = V::as_mut_rsimd_f32s(points).1.last_chunk_mut() {
+        *last = at_last;
     }
 }
 
 /// Fewer points than two vectors hold.
 #[inline(always)]
-fn few<V: Vectors, const FULL: bool>(
-    vectors: V,
-    form: &Form<V, FULL>,
-    points: &[f32],
-    ideal: &mut [f32],
-) {
-    if points.is_empty() {
-        return;
-    }
+fn few<V: Vectors>(vectors: V, points: &[f32]) -> [V::f32s; 2] {
     let (low, high) = points.split_at(points.len().min(V::F32_LANES));
-    let [ideal_low, ideal_high] = form.ideal_pairs([
+    [
         vectors.partial_load_f32s(low),
         vectors.partial_load_f32s(high),
-    ]);
-    let (low, high) = ideal.split_at_mut(low.len());
-    vectors.partial_store_f32s(low, ideal_low);
-    vectors.partial_store_f32s(high, ideal_high);
+    ]
 }
 
-/// How many of so many numbers fill pairs of vectors.
+/// Writes fewer points than two vectors hold.
 #[inline(always)]
-const fn whole<V: Vectors>(numbers: usize) -> usize {
-    numbers - numbers % (2 * V::F32_LANES)
+fn put_few<V: Vectors>(vectors: V, points: &mut [f32], [at_low, at_high]: [V::f32s; 2]) {
+    let (low, high) = points.split_at_mut(points.len().min(V::F32_LANES));
+    vectors.partial_store_f32s(low, at_low);
+    vectors.partial_store_f32s(high, at_high);
 }

@@ -4,8 +4,8 @@ use pulp::{Scalar, Simd};
 
 /// The vectors of one instruction set, each lane a point of its own.
 pub(super) trait Vectors: Simd {
-    /// Alignment that [`Self::stream`] needs, bytes.
-    const STREAM_ALIGNMENT: usize;
+    /// Bytes to which a vector is best aligned; [`Self::stream`] needs it.
+    const ALIGNMENT: usize;
 
     /// All x and all y of consecutive pairs, in an order that [`Self::joined`] undoes.
     fn parted(self, pairs: [Self::f32s; 2]) -> [Self::f32s; 2];
@@ -16,7 +16,7 @@ pub(super) trait Vectors: Simd {
     /// Writes past the caches.
     ///
     /// # Safety
-    /// The place is aligned to [`Self::STREAM_ALIGNMENT`], and [`Self::streamed`] is called before anyone reads it.
+    /// The place is aligned to [`Self::ALIGNMENT`], and [`Self::streamed`] is called before anyone reads it.
     unsafe fn stream(self, place: &mut Self::f32s, value: Self::f32s);
 
     /// All that was streamed is in memory as any other store would be.
@@ -33,7 +33,7 @@ pub(super) trait Work {
 }
 
 impl Vectors for Scalar {
-    const STREAM_ALIGNMENT: usize = 1;
+    const ALIGNMENT: usize = 4;
 
     #[inline(always)]
     fn parted(self, pairs: [f32; 2]) -> [f32; 2] {
@@ -80,7 +80,7 @@ mod x86_64 {
     }
 
     impl Vectors for V3 {
-        const STREAM_ALIGNMENT: usize = 32;
+        const ALIGNMENT: usize = 32;
 
         #[inline(always)]
         fn parted(self, [low, high]: [Self::f32s; 2]) -> [Self::f32s; 2] {
@@ -121,7 +121,7 @@ mod x86_64 {
     }
 
     impl Vectors for V4 {
-        const STREAM_ALIGNMENT: usize = 64;
+        const ALIGNMENT: usize = 64;
 
         #[inline(always)]
         fn parted(self, [low, high]: [Self::f32s; 2]) -> [Self::f32s; 2] {
@@ -170,7 +170,7 @@ mod aarch64 {
     use super::{Vectors, Work};
 
     impl Vectors for Neon {
-        const STREAM_ALIGNMENT: usize = 1;
+        const ALIGNMENT: usize = 4;
 
         #[inline(always)]
         fn parted(self, [low, high]: [Self::f32s; 2]) -> [Self::f32s; 2] {

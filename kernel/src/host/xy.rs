@@ -1,8 +1,11 @@
 //! Points whose x and y lie in slices of their own, all of one length.
+//!
+//! The first and the last vector of a slice are evaluated beside those that are aligned in between, with which they
+//! overlap: the same points give the same bits twice, and no vector need be filled in part.
 
-use super::form::Form;
-use super::head;
+use super::form::{Form, Ideal};
 use super::vectors::{Vectors, Work};
+use super::{head, last, last_mut};
 use crate::Coefficients;
 
 /// Every point replaced by its ideal one.
@@ -16,21 +19,23 @@ impl<const FULL: bool> Work for InPlace<'_, FULL> {
     #[inline(always)]
     fn run<V: Vectors>(self, vectors: V) {
         let form = Form::<V, FULL>::new(vectors, self.form);
-        let (x, x_rest) = V::as_mut_simd_f32s(self.x);
-        let (y, y_rest) = V::as_mut_simd_f32s(self.y);
-        for (x, y) in x.iter_mut().zip(y) {
+        let (x, y) = (self.x, self.y);
+        let Some([at_first, at_last]) = ends(&form, x, y) else {
+            let ideal = form.ideal(vectors.partial_load_f32s(x), vectors.partial_load_f32s(y));
+            vectors.partial_store_f32s(x, ideal.x);
+            vectors.partial_store_f32s(y, ideal.y);
+            return;
+        };
+        let before = head::<V>(x);
+        let x_places = V::as_mut_simd_f32s(x.split_at_mut(before).1).0;
+        let y_places = V::as_mut_simd_f32s(y.split_at_mut(before).1).0;
+        for (x, y) in x_places.iter_mut().zip(y_places) {
             let ideal = form.ideal(*x, *y);
             *x = ideal.x;
             *y = ideal.y;
         }
-        if !x_rest.is_empty() {
-            let ideal = form.ideal(
-                vectors.partial_load_f32s(x_rest),
-                vectors.partial_load_f32s(y_rest),
-            );
-            vectors.partial_store_f32s(x_rest, ideal.x);
-            vectors.partial_store_f32s(y_rest, ideal.y);
-        }
+        put_ends::<V>(x, [at_first.x, at_last.x]);
+        put_ends::<V>(y, [at_first.y, at_last.y]);
     }
 }
 
@@ -49,65 +54,44 @@ impl<const FULL: bool> Work for Into<'_, FULL> {
     #[inline(always)]
     fn run<V: Vectors>(self, vectors: V) {
         let form = Form::<V, FULL>::new(vectors, self.form);
-        let alike = head::<V>(self.ideal_x);
-        if !self.stream || alike != head::<V>(self.ideal_y) || alike > self.x.len() {
-            return self.stored(vectors, &form);
-        }
-        let (x_head, x) = self.x.split_at(alike);
-        let (y_head, y) = self.y.split_at(alike);
-        let (ideal_x_head, ideal_x) = self.ideal_x.split_at_mut(alike);
-        let (ideal_y_head, ideal_y) = self.ideal_y.split_at_mut(alike);
-        few(vectors, &form, x_head, y_head, ideal_x_head, ideal_y_head);
-        let (x, x_rest) = V::as_simd_f32s(x);
-        let (y, y_rest) = V::as_simd_f32s(y);
-        let (ideal_x, ideal_x_rest) = V::as_mut_simd_f32s(ideal_x);
-        let (ideal_y, ideal_y_rest) = V::as_mut_simd_f32s(ideal_y);
-        for (((x, y), ideal_x), ideal_y) in x.iter().zip(y).zip(ideal_x).zip(ideal_y) {
-            let ideal = form.ideal(*x, *y);
-            // SAFETY: behind their heads both slices are aligned, and every place is whole vectors further on; the
-            // fence follows the loop.
-            unsafe {
-                vectors.stream(ideal_x, ideal.x);
-                vectors.stream(ideal_y, ideal.y);
+        let (ideal_x, ideal_y) = (self.ideal_x, self.ideal_y);
+        let Some([at_first, at_last]) = ends(&form, self.x, self.y) else {
+            let x = vectors.partial_load_f32s(self.x);
+            let y = vectors.partial_load_f32s(self.y);
+            let ideal = form.ideal(x, y);
+            vectors.partial_store_f32s(ideal_x, ideal.x);
+            vectors.partial_store_f32s(ideal_y, ideal.y);
+            return;
+        };
+        let before = head::<V>(ideal_x);
+        let alike = before == head::<V>(ideal_y);
+        let from = V::as_simd_f32s(self.x.split_at(before).1).0.iter();
+        let from = from.zip(V::as_simd_f32s(self.y.split_at(before).1).0);
+        let to = V::as_mut_simd_f32s(ideal_x.split_at_mut(before).1).0;
+        let to = to
+            .iter_mut()
+            .zip(V::as_mut_simd_f32s(ideal_y.split_at_mut(before).1).0);
+        if self.stream && alike {
+            for ((x, y), (ideal_x, ideal_y)) in from.zip(to) {
+                let ideal = form.ideal(*x, *y);
+                // SAFETY: behind so many numbers both slices are aligned, and every place is whole vectors further on;
+                // the fence follows the loop.
+                unsafe {
+                    vectors.stream(ideal_x, ideal.x);
+                    vectors.stream(ideal_y, ideal.y);
+                }
+            }
+            vectors.streamed();
+        } else {
+            for ((x, y), (ideal_x, ideal_y)) in from.zip(to) {
+                let ideal = form.ideal(*x, *y);
+                *ideal_x = ideal.x;
+                *ideal_y = ideal.y;
             }
         }
-        vectors.streamed();
-        few(vectors, &form, x_rest, y_rest, ideal_x_rest, ideal_y_rest);
+        put_ends::<V>(ideal_x, [at_first.x, at_last.x]);
+        put_ends::<V>(ideal_y, [at_first.y, at_last.y]);
     }
-}
-
-impl<const FULL: bool> Into<'_, FULL> {
-    #[inline(always)]
-    fn stored<V: Vectors>(self, vectors: V, form: &Form<V, FULL>) {
-        let (x, x_rest) = V::as_simd_f32s(self.x);
-        let (y, y_rest) = V::as_simd_f32s(self.y);
-        let (ideal_x, ideal_x_rest) = V::as_mut_simd_f32s(self.ideal_x);
-        let (ideal_y, ideal_y_rest) = V::as_mut_simd_f32s(self.ideal_y);
-        for (((x, y), ideal_x), ideal_y) in x.iter().zip(y).zip(ideal_x).zip(ideal_y) {
-            let ideal = form.ideal(*x, *y);
-            *ideal_x = ideal.x;
-            *ideal_y = ideal.y;
-        }
-        few(vectors, form, x_rest, y_rest, ideal_x_rest, ideal_y_rest);
-    }
-}
-
-/// Fewer points than a vector has lanes.
-#[inline(always)]
-fn few<V: Vectors, const FULL: bool>(
-    vectors: V,
-    form: &Form<V, FULL>,
-    x: &[f32],
-    y: &[f32],
-    ideal_x: &mut [f32],
-    ideal_y: &mut [f32],
-) {
-    if x.is_empty() {
-        return;
-    }
-    let ideal = form.ideal(vectors.partial_load_f32s(x), vectors.partial_load_f32s(y));
-    vectors.partial_store_f32s(ideal_x, ideal.x);
-    vectors.partial_store_f32s(ideal_y, ideal.y);
 }
 
 /// Ideal points and the distortion that was subtracted, each into a slice of its own.
@@ -115,39 +99,70 @@ pub(super) struct WithDistortion<'a, const FULL: bool> {
     pub(super) form: &'a Coefficients,
     pub(super) x: &'a [f32],
     pub(super) y: &'a [f32],
-    pub(super) ideal_x: &'a mut [f32],
-    pub(super) ideal_y: &'a mut [f32],
-    pub(super) dx: &'a mut [f32],
-    pub(super) dy: &'a mut [f32],
+    pub(super) ideal: [&'a mut [f32]; 2],
+    pub(super) distortion: [&'a mut [f32]; 2],
 }
 
 impl<const FULL: bool> Work for WithDistortion<'_, FULL> {
     #[inline(always)]
     fn run<V: Vectors>(self, vectors: V) {
         let form = Form::<V, FULL>::new(vectors, self.form);
-        let (x, x_rest) = V::as_simd_f32s(self.x);
-        let (y, y_rest) = V::as_simd_f32s(self.y);
-        let (ideal_x, ideal_x_rest) = V::as_mut_simd_f32s(self.ideal_x);
-        let (ideal_y, ideal_y_rest) = V::as_mut_simd_f32s(self.ideal_y);
-        let (dx, dx_rest) = V::as_mut_simd_f32s(self.dx);
-        let (dy, dy_rest) = V::as_mut_simd_f32s(self.dy);
-        let places = ideal_x.iter_mut().zip(ideal_y).zip(dx).zip(dy);
-        for ((x, y), (((ideal_x, ideal_y), dx), dy)) in x.iter().zip(y).zip(places) {
+        let [ideal_x, ideal_y] = self.ideal;
+        let [dx, dy] = self.distortion;
+        let Some([_, at_last]) = ends(&form, self.x, self.y) else {
+            let x = vectors.partial_load_f32s(self.x);
+            let y = vectors.partial_load_f32s(self.y);
+            let ideal = form.ideal(x, y);
+            vectors.partial_store_f32s(ideal_x, ideal.x);
+            vectors.partial_store_f32s(ideal_y, ideal.y);
+            vectors.partial_store_f32s(dx, ideal.dx);
+            vectors.partial_store_f32s(dy, ideal.dy);
+            return;
+        };
+        let from = V::as_simd_f32s(self.x).0.iter();
+        let from = from.zip(V::as_simd_f32s(self.y).0);
+        let to = V::as_mut_simd_f32s(ideal_x).0.iter_mut();
+        let to = to.zip(V::as_mut_simd_f32s(ideal_y).0);
+        let to = to.zip(V::as_mut_simd_f32s(dx).0);
+        let to = to.zip(V::as_mut_simd_f32s(dy).0);
+        for ((x, y), (((ideal_x, ideal_y), dx), dy)) in from.zip(to) {
             let ideal = form.ideal(*x, *y);
             *ideal_x = ideal.x;
             *ideal_y = ideal.y;
             *dx = ideal.dx;
             *dy = ideal.dy;
         }
-        if !x_rest.is_empty() {
-            let ideal = form.ideal(
-                vectors.partial_load_f32s(x_rest),
-                vectors.partial_load_f32s(y_rest),
-            );
-            vectors.partial_store_f32s(ideal_x_rest, ideal.x);
-            vectors.partial_store_f32s(ideal_y_rest, ideal.y);
-            vectors.partial_store_f32s(dx_rest, ideal.dx);
-            vectors.partial_store_f32s(dy_rest, ideal.dy);
-        }
+        put(last_mut::<V>(ideal_x), at_last.x);
+        put(last_mut::<V>(ideal_y), at_last.y);
+        put(last_mut::<V>(dx), at_last.dx);
+        put(last_mut::<V>(dy), at_last.dy);
+    }
+}
+
+/// The first and the last vector of points; `None` of fewer points than a vector has lanes.
+#[inline(always)]
+fn ends<V: Vectors, const FULL: bool>(
+    form: &Form<V, FULL>,
+    x: &[f32],
+    y: &[f32],
+) -> Option<[Ideal<V>; 2]> {
+    let first = form.ideal(
+        *V::as_simd_f32s(x).0.first()?,
+        *V::as_simd_f32s(y).0.first()?,
+    );
+    Some([first, form.ideal(*last::<V>(x)?, *last::<V>(y)?)])
+}
+
+/// Writes the first and the last vector of a slice.
+#[inline(always)]
+fn put_ends<V: Vectors>(slice: &mut [f32], [at_first, at_last]: [V::f32s; 2]) {
+    put(V::as_mut_simd_f32s(slice).0.first_mut(), at_first);
+    put(last_mut::<V>(slice), at_last);
+}
+
+#[inline(always)]
+fn put<T>(place: Option<&mut T>, value: T) {
+    if let Some(place) = place {
+        *place = value;
     }
 }
