@@ -3,8 +3,8 @@
 //! Two vectors hold what one does of separate x and y; their ends overlap as those of `xy`.
 
 use super::form::Form;
-use super::vectors::{Vectors, Work};
 use super::head;
+use super::vectors::{Vectors, Work};
 use crate::Coefficients;
 
 /// Every point replaced by its ideal one.
