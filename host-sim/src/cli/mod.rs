@@ -18,6 +18,7 @@ pub use simulation::{BudgetArgs, FlightArgs, SmearArgs, StrategyName, SweepArgs}
 
 use crate::device::DeviceName;
 use crate::formats::number::{exposure_time, finite};
+use crate::formats::points::PointFormat;
 
 /// Geometry of an airborne mapping camera with forward motion compensation: strict reference,
 /// verification, and the client of the camera.
@@ -205,12 +206,18 @@ pub struct PointsArgs {
 /// The points and where the answer goes.
 #[derive(Debug, Args)]
 pub struct PointFiles {
-    /// CSV with a header, columns in any order: `id,x_mm,y_mm` (sensor frame) or `id,col_px,row_px`.
+    /// CSV with a header, columns in any order: `id,x_mm,y_mm` (sensor frame) or `id,col_px,row_px`. Or an array of
+    /// `NumPy` (.npy), N rows of `x_mm`, `y_mm`, answered by N rows of `x_mm`, `y_mm`, `dx_um`, `dy_um`. `-` reads standard input.
     #[arg(value_name = "POINTS.csv")]
     pub points: PathBuf,
-    /// Answer file; without it standard output.
+    /// Answer file; it appears only when it is complete. Without it standard output, where a wrong point of a long file
+    /// may come after answers to those before it: the exit code tells.
     #[arg(long, value_name = "FILE")]
     pub out: Option<PathBuf>,
+    /// How points and answers are written, where a file's name does not say so by `.csv` or `.npy`; without it CSV, and
+    /// the answer as the points.
+    #[arg(long, value_name = "FORMAT")]
+    pub format: Option<PointFormat>,
 }
 
 /// Arguments of `reference`.

@@ -9,6 +9,7 @@ mod flight;
 mod frame;
 mod mesh;
 mod mission;
+mod point_stream;
 mod points;
 mod records;
 mod reference;

@@ -4,13 +4,14 @@ use fmc_camera::geometry::frame_correction::Corrected;
 use fmc_camera::geometry::inverse::DistortError;
 use fmc_camera::geometry::sensor::SensorPoint;
 
+use super::point_stream::PointStream;
 use crate::cli::PointsArgs;
 use crate::device::DeviceError;
 use crate::failure::Failure;
 use crate::formats::camera_file::CameraFile;
 use crate::formats::number::single;
 use crate::formats::output;
-use crate::formats::points::{Answer, PointTable};
+use crate::formats::points::{Answer, Block, Checked, Source};
 
 /// Which way the points go.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -28,35 +29,37 @@ pub(super) fn run(args: &PointsArgs, direction: Direction) -> Result<(), Failure
     let request = &args.exposure;
     let camera = request.read_camera()?;
     output::check_not_the_input(args.files.out.as_deref(), &request.camera)?;
-    let points = PointTable::read(&args.files.points, &camera)?;
-    if direction == Direction::Correct {
-        points.check_on_sensor(&camera)?;
-    }
+    let checked = match direction {
+        Direction::Correct => Checked::OnSensor,
+        Direction::Distort => Checked::Finite,
+    };
+    let points = PointStream::open(&args.files, &camera, checked)?;
     let mut device = args.device.open()?;
     device
         .load(&camera.record())
         .and_then(|()| device.expose(&request.exposure()))
         .map_err(|error| request.refused(&error))?;
-    let mut answers = Vec::with_capacity(points.rows.len());
-    for rows in points.rows.chunks(BATCH) {
-        let batch: Vec<SensorPoint> = rows.iter().map(|row| sensor_point(row.point_mm)).collect();
-        let corrected = match direction {
-            Direction::Correct => device.correct(&batch),
-            Direction::Distort => device.distort(&batch),
+    let mut batch = Vec::with_capacity(BATCH);
+    points.answer(|source, block, answers| {
+        for points_mm in block.points_mm.chunks(BATCH) {
+            batch.clear();
+            batch.extend(points_mm.iter().map(|point_mm| sensor_point(*point_mm)));
+            let corrected = match direction {
+                Direction::Correct => device.correct(&batch),
+                Direction::Distort => device.distort(&batch),
+            }
+            .and_then(|corrected| {
+                DeviceError::check_count(batch.len(), corrected.len())?;
+                Ok(corrected)
+            })
+            .map_err(|error| point_failure(&error, source, block, answers.len(), &camera, args))?;
+            answers.extend(
+                corrected
+                    .iter()
+                    .map(|corrected| answer(corrected, direction, &camera)),
+            );
         }
-        .and_then(|corrected| {
-            DeviceError::check_count(batch.len(), corrected.len())?;
-            Ok(corrected)
-        })
-        .map_err(|error| point_failure(&error, &points, answers.len(), &camera, args))?;
-        answers.extend(
-            corrected
-                .iter()
-                .map(|corrected| answer(corrected, direction, &camera)),
-        );
-    }
-    output::write(args.files.out.as_deref(), |sink| {
-        points.write_answers(&answers, &camera, sink)
+        Ok(())
     })
 }
 
@@ -86,7 +89,8 @@ fn answer(corrected: &Corrected, direction: Direction, camera: &CameraFile) -> A
 /// A point without a measured place is the input's fault; anything else the device's.
 fn point_failure(
     error: &DeviceError,
-    points: &PointTable,
+    source: &Source,
+    block: &Block,
     done: usize,
     camera: &CameraFile,
     args: &PointsArgs,
@@ -94,22 +98,23 @@ fn point_failure(
     let (DeviceError::Distort { index, .. } | DeviceError::OffSensor { index }) = error else {
         return args.exposure.refused(error);
     };
-    let Some(row) = points.rows.get(done + index) else {
+    let index = done + index;
+    let Some(point_mm) = block.points_mm.get(index) else {
         return Failure::device_or_io(error.to_string());
     };
     let DeviceError::Distort { error, .. } = error else {
-        return points.off_sensor(row, "the point", row.point_mm, camera);
+        return block.off_sensor(source, index, "the point", *point_mm, camera);
     };
     match error {
-        DistortError::OffSensor(measured) => points.off_sensor(
-            row,
+        DistortError::OffSensor(measured) => block.off_sensor(
+            source,
+            index,
             "its measured point",
             [measured.x_mm, measured.y_mm].map(f64::from),
             camera,
         ),
-        DistortError::NotConverged { .. } => Failure::bad_input(format!(
-            "{}, line {}: point {}: {error}",
-            points.file, row.line, row.id
-        )),
+        DistortError::NotConverged { .. } => {
+            Failure::bad_input(format!("{}: {error}", block.place(source, index)))
+        }
     }
 }

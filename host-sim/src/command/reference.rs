@@ -2,11 +2,12 @@
 
 use fmc_camera::Camera;
 
+use super::point_stream::PointStream;
 use crate::cli::{ModelName, ReadingName, ReferenceArgs, WeightName};
 use crate::device::DeviceError;
 use crate::failure::Failure;
 use crate::formats::output;
-use crate::formats::points::{Answer, PointTable};
+use crate::formats::points::{Answer, Checked};
 use crate::reference::fitted::FittedModel;
 use crate::reference::strict::{Reading, StrictMean, StrictSolver, Weight};
 
@@ -14,8 +15,7 @@ pub(super) fn run(args: &ReferenceArgs) -> Result<(), Failure> {
     let request = &args.exposure;
     let camera = request.read_camera()?;
     output::check_not_the_input(args.files.out.as_deref(), &request.camera)?;
-    let points = PointTable::read(&args.files.points, &camera)?;
-    points.check_on_sensor(&camera)?;
+    let points = PointStream::open(&args.files, &camera, Checked::OnSensor)?;
     // The reference answers for what the camera would accept.
     Camera::new(camera.record())
         .map_err(DeviceError::Calibration)
@@ -46,29 +46,26 @@ pub(super) fn run(args: &ReferenceArgs) -> Result<(), Failure> {
         _ => solver.total(point_mm, reading),
     };
     let mut error_mm = 0.0_f64;
-    let answers: Vec<Answer> = points
-        .rows
-        .iter()
-        .map(|row| {
-            let [x, y] = row.point_mm;
-            let mean = total(row.point_mm);
+    points.answer(|_, block, answers| {
+        answers.extend(block.points_mm.iter().map(|point_mm| {
+            let [x, y] = *point_mm;
+            let mean = total(*point_mm);
             error_mm = error_mm.max(mean.error_mm);
             let [dx, dy] = mean.distortion_mm;
             Answer {
                 point_mm: [x - dx, y - dy],
                 distortion_mm: mean.distortion_mm,
             }
-        })
-        .collect();
+        }));
+        Ok(())
+    })?;
     if reading == Reading::Literal {
         eprintln!(
             "note: literal reading of eqs. 12-13: the static distortion is counted twice; not for use"
         );
     }
     eprintln!("quadrature error at most {:.1e} nm", 1e6 * error_mm);
-    output::write(args.files.out.as_deref(), |sink| {
-        points.write_answers(&answers, &camera, sink)
-    })
+    Ok(())
 }
 
 const fn exactly(distortion_mm: [f64; 2]) -> StrictMean {

@@ -1,5 +1,6 @@
 //! The camera as host-sim sees it, wherever it runs.
 
+mod batch;
 pub mod client;
 pub mod error;
 pub mod flown_camera;

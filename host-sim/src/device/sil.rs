@@ -12,6 +12,7 @@ use fmc_camera::geometry::sensor::SensorPoint;
 use fmc_camera::io::link::digest;
 use fmc_camera::io::link::message::Grid;
 
+use super::batch::PointBatch;
 use super::{Device, DeviceError, Evidence};
 
 /// The camera in this process: the library that the firmware runs, called directly.
@@ -64,10 +65,7 @@ impl Device for InProcess {
     fn correct(&mut self, measured: &[SensorPoint]) -> Result<Vec<Corrected>, DeviceError> {
         let correction = self.correction()?;
         on_sensor(correction, measured.iter().copied())?;
-        let corrected: Vec<_> = measured
-            .iter()
-            .map(|point| correction.correct(*point))
-            .collect();
+        let corrected = PointBatch::new(correction).corrected(measured);
         self.evidence.by_value += corrected.len() as u64;
         Ok(corrected)
     }

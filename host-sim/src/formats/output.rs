@@ -16,17 +16,50 @@ pub fn write(
     path: Option<&Path>,
     body: impl FnOnce(&mut dyn Write) -> io::Result<()>,
 ) -> Result<(), Failure> {
-    match path {
+    stream(path, |sink| body(sink).map_err(Stopped::from))
+}
+
+/// Why an output was not completed.
+#[derive(Debug)]
+pub enum Stopped {
+    /// It cannot be written.
+    Output(io::Error),
+    /// What was to be written failed.
+    Body(Failure),
+}
+
+impl From<io::Error> for Stopped {
+    fn from(error: io::Error) -> Self {
+        Self::Output(error)
+    }
+}
+
+impl From<Failure> for Stopped {
+    fn from(failure: Failure) -> Self {
+        Self::Body(failure)
+    }
+}
+
+/// [`write()`] of what may itself fail: a file then does not appear, standard output keeps what was written to it.
+///
+/// # Errors
+/// [`Failure`] of the body, or naming the file.
+pub fn stream(
+    path: Option<&Path>,
+    body: impl FnOnce(&mut dyn Write) -> Result<(), Stopped>,
+) -> Result<(), Failure> {
+    let (written, name) = match path {
         None => {
             let mut stdout = BufWriter::new(io::stdout().lock());
-            body(&mut stdout)
-                .and_then(|()| stdout.flush())
-                .map_err(|error| Failure::writing("standard output", &error))
+            let written = body(&mut stdout).and_then(|()| Ok(stdout.flush()?));
+            (written, "standard output".to_owned())
         }
-        Some(path) => {
-            write_file(path, body).map_err(|error| Failure::writing(path.display(), &error))
-        }
-    }
+        Some(path) => (write_file(path, body), path.display().to_string()),
+    };
+    written.map_err(|stopped| match stopped {
+        Stopped::Output(error) => Failure::writing(name, &error),
+        Stopped::Body(failure) => failure,
+    })
 }
 
 /// Refuses to replace the camera file by an answer.
@@ -61,17 +94,22 @@ fn is_the_same(out: &Path, input: &Path) -> bool {
     matches!((fs::canonicalize(out), fs::canonicalize(input)), (Ok(a), Ok(b)) if a == b)
 }
 
-fn write_file(path: &Path, body: impl FnOnce(&mut dyn Write) -> io::Result<()>) -> io::Result<()> {
+fn write_file(
+    path: &Path,
+    body: impl FnOnce(&mut dyn Write) -> Result<(), Stopped>,
+) -> Result<(), Stopped> {
     let path = match fs::metadata(path) {
         // A pipe or a device is written in place: renaming would replace it.
         Ok(existing) if !existing.is_file() && !existing.is_dir() => {
             let mut file = BufWriter::new(File::options().write(true).open(path)?);
             body(&mut file)?;
-            return file.flush();
+            return Ok(file.flush()?);
         }
-        Ok(existing) if existing.is_dir() => return Err(io::ErrorKind::IsADirectory.into()),
+        Ok(existing) if existing.is_dir() => {
+            return Err(io::Error::from(io::ErrorKind::IsADirectory).into());
+        }
         Ok(existing) if existing.permissions().readonly() => {
-            return Err(io::ErrorKind::PermissionDenied.into());
+            return Err(io::Error::from(io::ErrorKind::PermissionDenied).into());
         }
         // A symbolic link stays one, whether its target exists or not.
         Ok(_) => fs::canonicalize(path)?,
@@ -96,7 +134,7 @@ fn write_file(path: &Path, body: impl FnOnce(&mut dyn Write) -> io::Result<()>) 
     let file = file.into_inner().map_err(io::IntoInnerError::into_error)?;
     // A disk that is full may say so only now.
     file.as_file().sync_all()?;
-    file.persist(&path)?;
+    file.persist(&path).map_err(io::Error::from)?;
     Ok(())
 }
 

@@ -1,0 +1,107 @@
+//! Points from a file through a model into a file, with as much memory for many as for few.
+
+use std::io::{self, IsTerminal as _};
+use std::path::Path;
+use std::sync::Arc;
+
+use indicatif::{ProgressBar, ProgressStyle};
+
+use crate::cli::PointFiles;
+use crate::failure::Failure;
+use crate::formats::camera_file::CameraFile;
+use crate::formats::output::{self, Stopped};
+use crate::formats::points::{Answer, Answers, Block, Blocks, Checked, PointFormat, Source};
+
+/// Points that are being read.
+pub(super) struct PointStream<'a> {
+    files: &'a PointFiles,
+    camera: &'a CameraFile,
+    source: Arc<Source>,
+    blocks: Blocks,
+    first: Option<Block>,
+    format: PointFormat,
+}
+
+impl<'a> PointStream<'a> {
+    /// Opens the points and reads the first of them: what is wrong there is said before a device is asked.
+    pub(super) fn open(
+        files: &'a PointFiles,
+        camera: &'a CameraFile,
+        checked: Checked,
+    ) -> Result<Self, Failure> {
+        let format = |path: Option<&Path>, otherwise| {
+            path.and_then(PointFormat::of)
+                .or(files.format)
+                .unwrap_or(otherwise)
+        };
+        let points_format = format(Some(&files.points), PointFormat::Csv);
+        let answer_format = format(files.out.as_deref(), points_format);
+        let (source, mut blocks) = Source::open(&files.points, points_format, camera, checked)?;
+        Answers::new(&source, camera, answer_format)?;
+        let first = blocks.next_block()?;
+        Ok(Self {
+            files,
+            camera,
+            source,
+            blocks,
+            first,
+            format: answer_format,
+        })
+    }
+
+    /// Writes what `answer` appends for every block.
+    pub(super) fn answer(
+        mut self,
+        mut answer: impl FnMut(&Source, &Block, &mut Vec<Answer>) -> Result<(), Failure>,
+    ) -> Result<(), Failure> {
+        let source = self.source;
+        let mut writer = Answers::new(&source, self.camera, self.format)?;
+        let bar = progress(&source, self.files.out.is_some());
+        let written = output::stream(self.files.out.as_deref(), |sink| {
+            let Some(mut block) = self.first else {
+                return Ok(writer.begin(sink)?);
+            };
+            let mut answers = Vec::new();
+            let mut begun = false;
+            loop {
+                answers.clear();
+                answer(&source, &block, &mut answers)?;
+                // With a first block refused, nothing is written.
+                if !begun {
+                    writer.begin(sink)?;
+                    begun = true;
+                }
+                writer.write(&block, &answers, sink)?;
+                bar.set_position(block.read_bytes);
+                self.blocks.reuse(block);
+                match self.blocks.next_block()? {
+                    Some(next) => block = next,
+                    None => return Ok::<(), Stopped>(()),
+                }
+            }
+        });
+        bar.finish_and_clear();
+        written
+    }
+}
+
+/// How far the file is read; nothing where a terminal shows the answers.
+fn progress(source: &Source, into_file: bool) -> ProgressBar {
+    if !into_file && io::stdout().is_terminal() {
+        return ProgressBar::hidden();
+    }
+    let (bar, template) = match source.bytes {
+        Some(bytes) => (
+            ProgressBar::new(bytes),
+            "{bar:40} {bytes}/{total_bytes}, {bytes_per_sec}, {eta}",
+        ),
+        None => (
+            ProgressBar::new_spinner(),
+            "{spinner} {bytes}, {bytes_per_sec}",
+        ),
+    };
+    match ProgressStyle::with_template(template) {
+        Ok(style) => bar.with_style(style),
+        Err(_) => bar,
+    }
+}

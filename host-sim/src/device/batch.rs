@@ -1,0 +1,119 @@
+//! Many points of a frame at once, with the vectors of this PC.
+
+use fmc_camera::geometry::evaluation_form::Displacement;
+use fmc_camera::geometry::frame_correction::{Corrected, FrameCorrection, Kernel};
+use fmc_camera::geometry::sensor::SensorPoint;
+use fmc_camera_kernel::Coefficients;
+use fmc_camera_kernel::host::{Batch, Terms};
+
+/// Points that go through the kernel together: their numbers fit the first-level cache.
+const POINTS: usize = 512;
+
+/// The correction of a frame, evaluated for many points with the bits of [`FrameCorrection::correct`].
+#[derive(Debug, Clone, Copy)]
+pub(super) struct PointBatch(Batch);
+
+impl PointBatch {
+    pub(super) fn new(correction: &FrameCorrection) -> Self {
+        let (centre, form) = (correction.centre(), correction.form());
+        let coefficients = Coefficients {
+            cx: centre.x_mm,
+            cy: centre.y_mm,
+            k0: form.k0,
+            k1: form.k1,
+            k2: form.k2,
+            k3: form.k3,
+            hx: form.hx,
+            hy: form.hy,
+            gx: form.gx,
+            gy: form.gy,
+            b1: form.b1,
+            b2: form.b2,
+            tx: form.tx,
+            ty: form.ty,
+        };
+        let terms = match correction.kernel() {
+            Kernel::Short => Terms::Short,
+            Kernel::Full => Terms::Full,
+        };
+        Self(Batch::new(coefficients, terms))
+    }
+
+    /// The measured points with their corrections, in order.
+    pub(super) fn corrected(&self, measured: &[SensorPoint]) -> Vec<Corrected> {
+        let mut corrected = Vec::with_capacity(measured.len());
+        let [mut x, mut y, mut ideal_x, mut ideal_y, mut dx, mut dy] = [[0.0; POINTS]; 6];
+        for measured in measured.chunks(POINTS) {
+            for ((point, x), y) in measured.iter().zip(&mut x).zip(&mut y) {
+                (*x, *y) = (point.x_mm, point.y_mm);
+            }
+            self.0
+                .xy_with_distortion([&x, &y], [&mut ideal_x, &mut ideal_y], [&mut dx, &mut dy]);
+            let ideal = ideal_x.iter().zip(&ideal_y);
+            let distortion = dx.iter().zip(&dy);
+            let both = ideal.zip(distortion).take(measured.len());
+            corrected.extend(both.map(|((x, y), (dx, dy))| Corrected {
+                point: SensorPoint::new(*x, *y),
+                distortion: Displacement {
+                    dx_mm: *dx,
+                    dy_mm: *dy,
+                },
+            }));
+        }
+        corrected
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use fmc_camera::flight::camera::Camera;
+    use fmc_camera::flight::exposure::Exposure;
+
+    use super::*;
+    use crate::formats::camera_file::CameraFile;
+    use crate::formats::number::single;
+    use crate::formats::published::CAMERA_FILES;
+
+    #[test]
+    fn batch_has_the_bits_of_one_point_at_a_time() {
+        let bits = |corrected: Corrected| {
+            let (point, distortion) = (corrected.point, corrected.distortion);
+            [point.x_mm, point.y_mm, distortion.dx_mm, distortion.dy_mm].map(f32::to_bits)
+        };
+        let mut random = fastrand::Rng::with_seed(8);
+        let mut kernels = Vec::new();
+        for (name, text) in CAMERA_FILES {
+            let (file, _) = CameraFile::parse(name, text).unwrap();
+            let camera = Camera::new(file.record()).unwrap();
+            let [half_width, half_height] = file.half_format_mm().map(single);
+            let points: Vec<SensorPoint> = (0..20_000)
+                .map(|_| {
+                    SensorPoint::new(
+                        half_width * (2.0 * random.f32() - 1.0),
+                        half_height * (2.0 * random.f32() - 1.0),
+                    )
+                })
+                .collect();
+            let [_, vh_per_s] = file.limits.vh_per_s.map(single);
+            let [_, exposure_s] = file.limits.exposure_s.map(single);
+            for focus_shift_um in [0.0, 5.0] {
+                let exposure = Exposure {
+                    focus_shift_um,
+                    ..Exposure::new(vh_per_s, exposure_s)
+                };
+                let correction = camera.frame(&exposure).unwrap().correction;
+                kernels.push(correction.kernel());
+                let batch = PointBatch::new(&correction).corrected(&points);
+                assert_eq!(batch.len(), points.len());
+                for (point, batch) in points.iter().zip(batch) {
+                    assert_eq!(
+                        bits(batch),
+                        bits(correction.correct(*point)),
+                        "{name}: {point:?}"
+                    );
+                }
+            }
+        }
+        assert!(kernels.contains(&Kernel::Short) && kernels.contains(&Kernel::Full));
+    }
+}

@@ -1,0 +1,115 @@
+//! Consecutive points of a file.
+
+use super::{Frame, Source};
+use crate::failure::Failure;
+use crate::formats::camera_file::CameraFile;
+use crate::formats::number::clipped;
+
+/// Points that are read, corrected and written together.
+///
+/// So many that what is done once per block costs nothing, so few that they stay in a cache.
+pub(super) const POINTS: usize = 16_384;
+
+/// Consecutive points of a file; memory does not grow with the file.
+#[derive(Debug, Clone, PartialEq, Default)]
+pub struct Block {
+    /// Places in the sensor frame, mm, in the order of the file.
+    pub points_mm: Vec<[f64; 2]>,
+    /// How many points of the file came before.
+    pub before: u64,
+    /// How many bytes of the file end with this block.
+    pub read_bytes: u64,
+    /// Names, one behind the other, as written; an array has none.
+    names: String,
+    /// Where each name ends.
+    name_ends: Vec<usize>,
+    /// The line of each; an array has none.
+    lines: Vec<u64>,
+}
+
+impl Block {
+    /// Makes it empty, to begin behind `before` points.
+    pub(super) fn restart(&mut self, before: u64) {
+        self.points_mm.clear();
+        self.before = before;
+        self.names.clear();
+        self.name_ends.clear();
+        self.lines.clear();
+    }
+
+    pub(super) const fn is_full(&self) -> bool {
+        self.points_mm.len() >= POINTS
+    }
+
+    pub(super) fn push(&mut self, name: &str, point_mm: [f64; 2], line: u64) {
+        self.points_mm.push(point_mm);
+        self.names.push_str(name);
+        self.name_ends.push(self.names.len());
+        self.lines.push(line);
+    }
+
+    /// The names, in order; of an array none.
+    pub(super) fn names(&self) -> impl Iterator<Item = &str> {
+        let mut from = 0;
+        self.name_ends.iter().map(move |end| {
+            let name = self.names.get(from..*end).unwrap_or_default();
+            from = *end;
+            name
+        })
+    }
+
+    /// Where a point stands in the file, for messages.
+    #[must_use]
+    pub fn place(&self, source: &Source, index: usize) -> String {
+        let file = &source.file;
+        match (self.lines.get(index), self.names().nth(index)) {
+            (Some(line), Some(name)) => format!("{file}, line {line}: point {}", clipped(name)),
+            _ => format!("{file}, row {}", self.before + index as u64),
+        }
+    }
+
+    /// Checks that every point lies on the sensor, edges included.
+    ///
+    /// # Errors
+    /// [`Failure`] naming the first that does not, and the sensor's extent.
+    pub fn check_on_sensor(&self, source: &Source, camera: &CameraFile) -> Result<(), Failure> {
+        // An edge typed in decimals is an edge: W·p/2 itself is rounded.
+        let [half_width, half_height] = camera.half_format_mm().map(|half| half * (1.0 + 1e-12));
+        let off = |[x, y]: &[f64; 2]| !(x.abs() <= half_width && y.abs() <= half_height);
+        match self.points_mm.iter().position(off) {
+            None => Ok(()),
+            Some(index) => {
+                let point_mm = self.points_mm.get(index).copied().unwrap_or_default();
+                Err(self.off_sensor(source, index, "the point", point_mm, camera))
+            }
+        }
+    }
+
+    /// The failure of a point whose measured place, `point_mm`, is off the sensor.
+    #[must_use]
+    pub fn off_sensor(
+        &self,
+        source: &Source,
+        index: usize,
+        what: &str,
+        point_mm: [f64; 2],
+        camera: &CameraFile,
+    ) -> Failure {
+        let [first, second] = source.frame.columns();
+        let [x, y] = camera.half_format_mm();
+        let ([a, b], [least, most]) = match source.frame {
+            Frame::Sensor => (point_mm, [[-x, -y], [x, y]]),
+            Frame::Pixel => {
+                let [first, last] = [[-x, y], [x, -y]].map(|p| camera.pixel_from_sensor(p));
+                (camera.pixel_from_sensor(point_mm), [first, last])
+            }
+        };
+        let [least_a, least_b] = least;
+        let [most_a, most_b] = most;
+        Failure::bad_input(format!(
+            "{}: {what} {first} = {a}, {second} = {b} is off the sensor: \
+             {first} {least_a} to {most_a}, {second} {least_b} to {most_b}",
+            self.place(source, index),
+        ))
+    }
+}

@@ -1,0 +1,126 @@
+//! Points of a `NumPy` array: N rows of x and y in the sensor frame, mm.
+
+use std::io::{self, ErrorKind, Read};
+use std::path::Path;
+
+use npyz::{DType, NpyHeader, Order};
+
+use super::Precision;
+use super::block::{self, Block};
+use crate::failure::Failure;
+
+/// The rows of an array, behind its header.
+pub(super) struct NpyPoints<R> {
+    file: String,
+    source: R,
+    precision: Precision,
+    count: u64,
+    read: u64,
+    bytes: Vec<u8>,
+}
+
+impl<R: Read> NpyPoints<R> {
+    /// Reads the header; `file` is what messages call the file.
+    ///
+    /// # Errors
+    /// [`Failure`] naming the file, and what is not as it must be.
+    pub(super) fn new(file: &str, mut source: R) -> Result<Self, Failure> {
+        let header = NpyHeader::from_reader(&mut source).map_err(|error| match error.kind() {
+            ErrorKind::InvalidData | ErrorKind::UnexpectedEof => {
+                Failure::bad_input(format!("{file} is no array of NumPy (.npy): {error}"))
+            }
+            _ => Failure::reading(Path::new(file), &error),
+        })?;
+        let refused = |found: String| {
+            Failure::bad_input(format!(
+                "{file}: the array is {found}; points are N rows of x_mm, y_mm: shape (N, 2), C order, <f4 or <f8"
+            ))
+        };
+        let precision = match header.dtype() {
+            DType::Plain(name) if name.to_string() == "<f4" => Precision::Single,
+            DType::Plain(name) if name.to_string() == "<f8" => Precision::Double,
+            other => return Err(refused(format!("of type {}", other.descr()))),
+        };
+        let [count, 2] = *header.shape() else {
+            return Err(refused(format!("of shape {:?}", header.shape())));
+        };
+        if header.order() != Order::C && count > 1 {
+            return Err(refused("in Fortran order".to_owned()));
+        }
+        Ok(Self {
+            file: file.to_owned(),
+            source,
+            precision,
+            count,
+            read: 0,
+            bytes: Vec::new(),
+        })
+    }
+
+    pub(super) const fn count(&self) -> u64 {
+        self.count
+    }
+
+    pub(super) const fn precision(&self) -> Precision {
+        self.precision
+    }
+
+    /// Reads the next points into a block; none at the end.
+    ///
+    /// # Errors
+    /// [`Failure`] of an array that ends too early, or of a file that goes on behind it.
+    pub(super) fn fill(&mut self, block: &mut Block) -> Result<(), Failure> {
+        block.restart(self.read);
+        let left = self.count - self.read;
+        let rows = usize::try_from(left).map_or(block::POINTS, |left| left.min(block::POINTS));
+        self.bytes.resize(rows * 2 * self.precision.bytes(), 0);
+        self.source
+            .read_exact(&mut self.bytes)
+            .map_err(|error| self.failed(&error))?;
+        match self.precision {
+            Precision::Single => {
+                let (rows, _) = self.bytes.as_chunks::<8>();
+                block.points_mm.extend(rows.iter().map(|row| {
+                    let [a, b, c, d, e, f, g, h] = *row;
+                    [[a, b, c, d], [e, f, g, h]].map(|number| f64::from(f32::from_le_bytes(number)))
+                }));
+            }
+            Precision::Double => {
+                let (numbers, _) = self.bytes.as_chunks::<8>();
+                let (rows, _) = numbers.as_chunks::<2>();
+                block
+                    .points_mm
+                    .extend(rows.iter().map(|row| row.map(f64::from_le_bytes)));
+            }
+        }
+        self.read += rows as u64;
+        block.read_bytes += self.bytes.len() as u64;
+        if rows == 0 && !self.is_at_end()? {
+            return Err(Failure::bad_input(format!(
+                "{}: the file goes on behind the {} rows of its array",
+                self.file, self.count
+            )));
+        }
+        Ok(())
+    }
+
+    fn is_at_end(&mut self) -> Result<bool, Failure> {
+        loop {
+            match self.source.read(&mut [0]) {
+                Ok(count) => return Ok(count == 0),
+                Err(error) if error.kind() == ErrorKind::Interrupted => {}
+                Err(error) => return Err(self.failed(&error)),
+            }
+        }
+    }
+
+    fn failed(&self, error: &io::Error) -> Failure {
+        if error.kind() == ErrorKind::UnexpectedEof {
+            return Failure::bad_input(format!(
+                "{}: the file ends before the {} rows of its array",
+                self.file, self.count
+            ));
+        }
+        Failure::reading(Path::new(&self.file), error)
+    }
+}

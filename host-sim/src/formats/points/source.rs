@@ -1,0 +1,157 @@
+//! A file of points, read ahead.
+
+use std::fs::File;
+use std::io::{self, Read};
+use std::path::Path;
+use std::sync::Arc;
+use std::sync::mpsc::{Receiver, Sender, SyncSender, channel, sync_channel};
+use std::thread;
+
+use super::csv_points::CsvPoints;
+use super::npy_points::NpyPoints;
+use super::{Block, Frame, PointFormat, Precision};
+use crate::failure::Failure;
+use crate::formats::camera_file::CameraFile;
+
+/// Blocks between the thread that reads and the one that answers.
+const AHEAD: usize = 4;
+
+/// A file of points.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Source {
+    /// What messages call it.
+    pub file: String,
+    /// The frame points are given in, and answered in.
+    pub frame: Frame,
+    /// How many there are, where the file says so first.
+    pub count: Option<u64>,
+    /// How precise an array's numbers are.
+    pub precision: Precision,
+    /// Its length, where it is a file that has one.
+    pub bytes: Option<u64>,
+}
+
+/// Which points the file may hold.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Checked {
+    /// Points of the sensor, edges included.
+    OnSensor,
+    /// Any.
+    Finite,
+}
+
+/// The points of a file, block by block, in order; a thread reads ahead.
+#[derive(Debug)]
+pub struct Blocks {
+    full: Receiver<Result<Block, Failure>>,
+    empty: Sender<Block>,
+}
+
+/// The reader of one of the formats.
+enum Points {
+    Csv(CsvPoints<Box<dyn Read + Send>>),
+    Npy(NpyPoints<Box<dyn Read + Send>>),
+}
+
+impl Source {
+    /// Opens a file, `-` for standard input, reads its header and begins to read its points.
+    ///
+    /// # Errors
+    /// [`Failure`] naming the file and what is wrong with its header.
+    pub fn open(
+        path: &Path,
+        format: PointFormat,
+        camera: &CameraFile,
+        checked: Checked,
+    ) -> Result<(Arc<Self>, Blocks), Failure> {
+        let (file, bytes, stream): (_, _, Box<dyn Read + Send>) = if path == Path::new("-") {
+            ("standard input".to_owned(), None, Box::new(io::stdin()))
+        } else {
+            let file = File::open(path).map_err(|error| Failure::reading(path, &error))?;
+            let bytes = file.metadata().ok().filter(std::fs::Metadata::is_file);
+            let bytes = bytes.map(|metadata| metadata.len());
+            (path.display().to_string(), bytes, Box::new(file))
+        };
+        let (points, frame, count, precision) = match format {
+            PointFormat::Csv => {
+                let points = CsvPoints::new(&file, stream)?;
+                let frame = points.frame();
+                (Points::Csv(points), frame, None, Precision::Double)
+            }
+            PointFormat::Npy => {
+                let points = NpyPoints::new(&file, stream)?;
+                let (count, precision) = (points.count(), points.precision());
+                (Points::Npy(points), Frame::Sensor, Some(count), precision)
+            }
+        };
+        let source = Arc::new(Self {
+            file,
+            frame,
+            count,
+            precision,
+            bytes,
+        });
+        let (full_sender, full) = sync_channel(AHEAD);
+        let (empty, empty_receiver) = channel();
+        let (shared, camera) = (Arc::clone(&source), camera.clone());
+        // It is not waited for: with an error elsewhere the process ends while this one may wait for its input.
+        thread::spawn(move || {
+            read_ahead(
+                points,
+                &shared,
+                &camera,
+                checked,
+                &full_sender,
+                &empty_receiver,
+            );
+        });
+        Ok((source, Blocks { full, empty }))
+    }
+}
+
+impl Blocks {
+    /// The next points; `None` behind the last.
+    ///
+    /// # Errors
+    /// [`Failure`] of the first point that is none; those before it have been given out.
+    pub fn next_block(&mut self) -> Result<Option<Block>, Failure> {
+        match self.full.recv() {
+            Ok(block) => block.map(|block| (!block.points_mm.is_empty()).then_some(block)),
+            Err(_) => Err(Failure::device_or_io("the reader of points has ended")),
+        }
+    }
+
+    /// Gives a block back to be filled again.
+    pub fn reuse(&self, block: Block) {
+        // A reader that is done needs none.
+        let _ = self.empty.send(block);
+    }
+}
+
+fn read_ahead(
+    mut points: Points,
+    source: &Source,
+    camera: &CameraFile,
+    checked: Checked,
+    full: &SyncSender<Result<Block, Failure>>,
+    empty: &Receiver<Block>,
+) {
+    loop {
+        let mut block = empty.try_recv().unwrap_or_default();
+        let filled = match &mut points {
+            Points::Csv(points) => points.fill(&mut block, camera),
+            Points::Npy(points) => points.fill(&mut block),
+        };
+        // A point before the one that cannot be read comes first.
+        let on_sensor = match checked {
+            Checked::OnSensor => block.check_on_sensor(source, camera),
+            Checked::Finite => Ok(()),
+        };
+        let last = block.points_mm.is_empty();
+        let block = on_sensor.and(filled).map(|()| block);
+        let ends = last || block.is_err();
+        if full.send(block).is_err() || ends {
+            return;
+        }
+    }
+}
