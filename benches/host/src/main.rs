@@ -1,116 +1,93 @@
 //! Time per point on this PC, as CSV on standard output.
-use std::hint::black_box;
-mod timing;
-use fmc_camera_kernel::Coefficients;
-use fmc_camera_kernel::host::{Batch, Level, Terms};
-use timing::{Contender, by_turns};
+//!
+//! `cargo run --release -p host-benches` measures all sizes; sizes as arguments replace them. Every contender is timed once
+//! per round, so that all meet the same state of the machine; `of_memcpy` is the median over the rounds of a contender's
+//! time by that of copying the same bytes. Nothing asserts these times: they belong to a machine and an hour.
+//!
+//! `host-benches --calls CALLS KERNEL POINTS` runs one contender so often and prints nothing: the difference of two runs
+//! under an instruction counter is its cost.
 
-fn main() {
-    let form = Coefficients {
-        cx: 0.01,
-        cy: 0.05,
-        k0: 1e-5,
-        k1: -1e-7,
-        k2: 1e-11,
-        k3: 1e-15,
-        hx: 1e-8,
-        hy: 2e-8,
-        gx: 1e-8,
-        gy: 3e-9,
-        b1: 1e-5,
-        b2: 1e-5,
-        tx: 1e-6,
-        ty: 1e-6,
+mod contenders;
+mod points;
+mod timing;
+
+use std::io::{self, Write as _};
+use std::process::ExitCode;
+
+use points::Points;
+
+/// Sizes measured without arguments.
+const SIZES: [usize; 5] = [1_000, 10_000, 100_000, 1_000_000, 10_000_000];
+
+/// Point times rounds: short sizes are repeated until an undisturbed moment is met.
+const POINT_ROUNDS: usize = 200_000_000;
+
+fn main() -> ExitCode {
+    let arguments: Vec<String> = std::env::args().skip(1).collect();
+    let done = match arguments.iter().map(String::as_str).collect::<Vec<_>>()[..] {
+        ["--calls", calls, kernel, points] => call(calls, kernel, points),
+        [] => measure(&SIZES),
+        ref sizes => sizes
+            .iter()
+            .map(|size| size.parse().ok())
+            .collect::<Option<Vec<_>>>()
+            .ok_or_else(|| "sizes are whole numbers of points".to_owned())
+            .and_then(|sizes| measure(&sizes)),
     };
-    let which: Vec<usize> = std::env::args()
-        .skip(1)
-        .filter_map(|a| a.parse::<f64>().ok())
-        .map(|f| f as usize)
-        .collect();
-    for n in which {
-        let x: Vec<f32> = (0..n).map(|i| (i % 8001) as f32 * 0.01 - 40.0).collect();
-        let y: Vec<f32> = (0..n).map(|i| (i % 7919) as f32 * 0.01 - 39.0).collect();
-        let pairs: Vec<[f32; 2]> = x.iter().zip(&y).map(|(x, y)| [*x, *y]).collect();
-        let (mut ax, mut ay) = (vec![0f32; n], vec![0f32; n]);
-        let mut ap = vec![[0f32; 2]; n];
-        let cell = std::cell::RefCell::new((&mut ax, &mut ay, &mut ap));
-        let k = Batch::new(form, Terms::Short).threaded_from(0);
-        let mut c = vec![];
-        c.push(Contender::new("memcpy", || {
-            let mut b = cell.borrow_mut();
-            b.0.copy_from_slice(black_box(&x));
-            b.1.copy_from_slice(black_box(&y));
-            black_box(&mut *b);
-        }));
-        c.push(Contender::new("memcpy pairs", || {
-            let mut b = cell.borrow_mut();
-            b.2.copy_from_slice(black_box(&pairs));
-            black_box(&mut *b);
-        }));
-        for level in Level::all() {
-            for (terms, t) in [(Terms::Short, "short"), (Terms::Full, "full")] {
-                for (stream, s) in [(usize::MAX, ""), (0, " stream")] {
-                    let k = Batch::new(form, terms)
-                        .at(level)
-                        .in_one_thread()
-                        .streamed_from(stream);
-                    let (cell, x, y, pairs) = (&cell, &x, &y, &pairs);
-                    c.push(Contender::new(format!("{level} {t} into{s}"), move || {
-                        let mut b = cell.borrow_mut();
-                        let b = &mut *b;
-                        k.xy_into([black_box(x), black_box(y)], [b.0, b.1]);
-                        black_box(b);
-                    }));
-                    c.push(Contender::new(
-                        format!("{level} {t} pairs into{s}"),
-                        move || {
-                            let mut b = cell.borrow_mut();
-                            let b = &mut *b;
-                            k.pairs_into(black_box(pairs), b.2);
-                            black_box(b);
-                        },
-                    ));
-                    if stream > 0 {
-                        c.push(Contender::new(format!("{level} {t} inplace"), move || {
-                            let mut b = cell.borrow_mut();
-                            let b = &mut *b;
-                            k.xy(b.0, b.1);
-                            black_box(b);
-                        }));
-                        c.push(Contender::new(
-                            format!("{level} {t} pairs inplace"),
-                            move || {
-                                let mut b = cell.borrow_mut();
-                                let b = &mut *b;
-                                k.pairs(b.2);
-                                black_box(b);
-                            },
-                        ));
-                    }
-                }
-            }
-        }
-        c.push(Contender::new("threads into", || {
-            let mut b = cell.borrow_mut();
-            let b = &mut *b;
-            k.xy_into([black_box(&x), black_box(&y)], [b.0, b.1]);
-            black_box(b);
-        }));
-        let times = by_turns(
-            &mut c,
-            std::env::var("ROUNDS")
-                .ok()
-                .and_then(|r| r.parse().ok())
-                .unwrap_or(41),
-        );
-        for t in &times {
-            println!(
-                "{n},{},{:.3},{:.3},{:.3}",
-                t.name,
-                1e9 * t.best() / n as f64,
-                1e9 * t.median() / n as f64,
-                t.ratio(&times[0])
-            );
+    match done {
+        Ok(()) => ExitCode::SUCCESS,
+        Err(fault) => {
+            eprintln!("{fault}");
+            ExitCode::from(2)
         }
     }
+}
+
+fn measure(sizes: &[usize]) -> Result<(), String> {
+    let mut sink = csv::Writer::from_writer(io::stdout());
+    let mut row = |fields: &[&str]| sink.write_record(fields).map_err(|error| error.to_string());
+    row(&[
+        "core",
+        "kernel",
+        "points",
+        "ns_per_point",
+        "median_ns_per_point",
+        "of_memcpy",
+    ])?;
+    for size in sizes {
+        let points = Points::new(*size);
+        let mut contenders = contenders::all(&points);
+        let rounds = (POINT_ROUNDS / size.max(&1)).clamp(15, 3_000);
+        let times = timing::by_turns(&mut contenders, rounds);
+        let per_point = |seconds: f64| format!("{:.4}", 1e9 * seconds / points.count());
+        for time in &times {
+            let copy = times.iter().find(|other| other.name == time.copy);
+            row(&[
+                "host",
+                &time.name,
+                &size.to_string(),
+                &per_point(time.best()),
+                &per_point(time.median()),
+                &copy.map_or_else(String::new, |copy| format!("{:.3}", time.ratio(copy))),
+            ])?;
+        }
+        io::stdout().flush().map_err(|error| error.to_string())?;
+    }
+    Ok(())
+}
+
+fn call(calls: &str, kernel: &str, points: &str) -> Result<(), String> {
+    let (Ok(calls), Ok(points)) = (calls.parse::<u32>(), points.parse()) else {
+        return Err("calls and points are whole numbers".to_owned());
+    };
+    let points = Points::new(points);
+    let mut contenders = contenders::all(&points);
+    let Some(contender) = contenders.iter_mut().find(|one| one.name == kernel) else {
+        let names: Vec<_> = contenders.iter().map(|one| one.name.as_str()).collect();
+        return Err(format!("{kernel} is none of\n{}", names.join("\n")));
+    };
+    for _ in 0..calls {
+        (contender.work)();
+    }
+    Ok(())
 }

@@ -2,19 +2,27 @@
 
 use std::time::{Duration, Instant};
 
-/// Least duration of one measurement: the clock and the call of it are nothing beside it.
+/// Least duration of one measurement: the clock and the call of it are nothing beside it, and another process seldom
+/// comes between.
 const LEAST: Duration = Duration::from_micros(20);
 
 /// What is timed against others.
 pub(crate) struct Contender<'a> {
     pub(crate) name: String,
+    /// The contender that copies the same bytes.
+    pub(crate) copy: &'static str,
     pub(crate) work: Box<dyn FnMut() + 'a>,
 }
 
 impl<'a> Contender<'a> {
-    pub(crate) fn new(name: impl Into<String>, work: impl FnMut() + 'a) -> Self {
+    pub(crate) fn new(
+        name: impl Into<String>,
+        copy: &'static str,
+        work: impl FnMut() + 'a,
+    ) -> Self {
         Self {
             name: name.into(),
+            copy,
             work: Box::new(work),
         }
     }
@@ -23,6 +31,7 @@ impl<'a> Contender<'a> {
 /// The times of one contender, seconds per call, a round each.
 pub(crate) struct Times {
     pub(crate) name: String,
+    pub(crate) copy: &'static str,
     pub(crate) rounds: Vec<f64>,
 }
 
@@ -54,6 +63,7 @@ pub(crate) fn by_turns(contenders: &mut [Contender<'_>], rounds: usize) -> Vec<T
         .iter()
         .map(|contender| Times {
             name: contender.name.clone(),
+            copy: contender.copy,
             rounds: Vec::with_capacity(rounds),
         })
         .collect();

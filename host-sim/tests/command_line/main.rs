@@ -27,6 +27,8 @@ mod mesh;
 #[cfg(test)]
 mod mission;
 #[cfg(test)]
+mod npy;
+#[cfg(test)]
 mod observations;
 #[cfg(test)]
 mod output;
@@ -41,6 +43,8 @@ mod records;
 mod serial;
 #[cfg(test)]
 mod smear;
+#[cfg(test)]
+mod streaming;
 #[cfg(test)]
 mod support;
 #[cfg(test)]

@@ -1,0 +1,142 @@
+//! What is timed: the kernel in all its forms, a copy of the same bytes, and another crate.
+
+use std::hint::black_box;
+
+use fmc_camera_kernel::host::{Batch, Level, Terms};
+use fmc_camera_kernel::{Coefficients, portable};
+use opencv_ros_camera::{Distortion, RosOpenCvIntrinsics};
+
+use crate::points::Points;
+use crate::timing::Contender;
+
+/// Copies of x and y apart, and of pairs.
+const COPY_XY: &str = "memcpy x, y";
+const COPY_PAIRS: &str = "memcpy pairs";
+
+/// A frame with all terms; f32 products of these neither vanish nor overflow on the sensor.
+const FORM: Coefficients = Coefficients {
+    cx: 0.0123,
+    cy: -0.0711,
+    k0: 3.1e-5,
+    k1: -2.3e-7,
+    k2: 4.7e-11,
+    k3: -6.1e-15,
+    hx: 1.3e-7,
+    hy: -2.9e-7,
+    gx: 5.3e-7,
+    gy: 7.1e-8,
+    b1: -1.1e-5,
+    b2: 2.3e-5,
+    tx: 3.7e-6,
+    ty: -4.1e-6,
+};
+
+/// Everyone, on the same points.
+pub(crate) fn all(points: &Points) -> Vec<Contender<'_>> {
+    let mut all = vec![
+        Contender::new(COPY_XY, COPY_XY, || {
+            let mut answers = points.answers.borrow_mut();
+            answers.x.copy_from_slice(black_box(&points.x));
+            answers.y.copy_from_slice(black_box(&points.y));
+            black_box(&mut *answers);
+        }),
+        Contender::new(COPY_PAIRS, COPY_PAIRS, || {
+            let mut answers = points.answers.borrow_mut();
+            answers.pairs.copy_from_slice(black_box(&points.pairs));
+            black_box(&mut *answers);
+        }),
+    ];
+    for level in Level::all() {
+        for (terms, name) in [(Terms::Short, "short"), (Terms::Full, "full")] {
+            let batch = Batch::new(FORM, terms).at(level).in_one_thread();
+            all.extend(of_batch(points, batch, &format!("{level} {name}")));
+        }
+    }
+    let widest = Level::widest();
+    let short = Batch::new(FORM, Terms::Short);
+    let stored = short.in_one_thread().streamed_from(usize::MAX);
+    all.push(xy_into(
+        points,
+        stored,
+        &format!("{widest} short x, y, stored"),
+    ));
+    let streamed = short.in_one_thread().streamed_from(0);
+    all.push(xy_into(
+        points,
+        streamed,
+        &format!("{widest} short x, y, streamed"),
+    ));
+    let threads = short.threaded_from(0);
+    all.push(xy_into(
+        points,
+        threads,
+        &format!("{widest} short x, y, threads"),
+    ));
+    all.push(Contender::new(
+        "portable short pairs in place",
+        COPY_PAIRS,
+        || {
+            let mut answers = points.answers.borrow_mut();
+            portable::short_pairs(black_box(&FORM), &mut answers.pairs);
+            black_box(&mut *answers);
+        },
+    ));
+    all.push(other_crate(points));
+    all
+}
+
+/// One batch in its four layouts.
+fn of_batch<'a>(points: &'a Points, batch: Batch, name: &str) -> [Contender<'a>; 4] {
+    [
+        xy_into(points, batch, &format!("{name} x, y")),
+        Contender::new(format!("{name} x, y in place"), COPY_XY, move || {
+            let mut answers = points.answers.borrow_mut();
+            let answers = &mut *answers;
+            batch.xy(&mut answers.x, &mut answers.y);
+            black_box(answers);
+        }),
+        Contender::new(format!("{name} pairs"), COPY_PAIRS, move || {
+            let mut answers = points.answers.borrow_mut();
+            batch.pairs_into(black_box(&points.pairs), &mut answers.pairs);
+            black_box(&mut *answers);
+        }),
+        Contender::new(format!("{name} pairs in place"), COPY_PAIRS, move || {
+            let mut answers = points.answers.borrow_mut();
+            batch.pairs(&mut answers.pairs);
+            black_box(&mut *answers);
+        }),
+    ]
+}
+
+fn xy_into<'a>(points: &'a Points, batch: Batch, name: &str) -> Contender<'a> {
+    Contender::new(name, COPY_XY, move || {
+        let mut answers = points.answers.borrow_mut();
+        let answers = &mut *answers;
+        batch.xy_into(
+            [black_box(&points.x), black_box(&points.y)],
+            [&mut answers.x, &mut answers.y],
+        );
+        black_box(answers);
+    })
+}
+
+/// The correction of `opencv-ros-camera`: pixels in double precision, five iterations as in OpenCV.
+fn other_crate(points: &Points) -> Contender<'_> {
+    let distortion =
+        Distortion::from_opencv_vec(nalgebra::Vector5::new(-0.1, 0.05, 1e-4, 1e-4, 0.01));
+    let (focal_px, centre_px) = (18_857.0, 4_607.5);
+    let camera = RosOpenCvIntrinsics::from_params_with_distortion(
+        focal_px, 0.0, focal_px, centre_px, centre_px, distortion,
+    );
+    let measured = nalgebra::OMatrix::<f64, nalgebra::Dyn, nalgebra::U2>::from_fn(
+        points.pairs.len(),
+        |row, column| {
+            let mm = points.pairs.get(row).and_then(|point| point.get(column));
+            centre_px + f64::from(mm.copied().unwrap_or_default()) / 0.00875
+        },
+    );
+    let measured = cam_geom::Pixels::new(measured);
+    Contender::new("opencv-ros-camera undistort", "", move || {
+        black_box(camera.undistort(black_box(&measured)));
+    })
+}
