@@ -39,6 +39,18 @@ impl PointBatch {
         Self(Batch::new(coefficients, terms))
     }
 
+    /// Whether every point is on the sensor, asked of the farthest alone: the sensor is centred on the origin.
+    pub(super) fn all_on_sensor(correction: &FrameCorrection, points: &[SensorPoint]) -> bool {
+        let (mut farthest, mut numbers) = (SensorPoint::default(), true);
+        for point in points {
+            farthest.x_mm = farthest.x_mm.max(point.x_mm.abs());
+            farthest.y_mm = farthest.y_mm.max(point.y_mm.abs());
+            // A maximum leaves a NaN out.
+            numbers &= !(point.x_mm.is_nan() | point.y_mm.is_nan());
+        }
+        numbers && correction.contains(farthest)
+    }
+
     /// The measured points with their corrections, in order.
     pub(super) fn corrected(&self, measured: &[SensorPoint]) -> Vec<Corrected> {
         let mut corrected = Vec::with_capacity(measured.len());
@@ -73,6 +85,34 @@ mod tests {
     use crate::formats::camera_file::CameraFile;
     use crate::formats::number::single;
     use crate::formats::published::CAMERA_FILES;
+
+    #[test]
+    fn one_point_off_the_sensor_or_no_number_is_seen_wherever_it_stands() {
+        let (name, text) = CAMERA_FILES[0];
+        let (file, _) = CameraFile::parse(name, text).unwrap();
+        let [half_width, half_height] = file.half_format_mm().map(single);
+        let [_, vh_per_s] = file.limits.vh_per_s.map(single);
+        let [exposure_s, _] = file.limits.exposure_s.map(single);
+        let camera = Camera::new(file.record()).unwrap();
+        let exposure = Exposure::new(vh_per_s, exposure_s);
+        let correction = camera.frame(&exposure).unwrap().correction;
+        let corner = SensorPoint::new(half_width, -half_height);
+        let all = |points: &[SensorPoint]| PointBatch::all_on_sensor(&correction, points);
+        assert!(all(&[]) && all(&[corner; 40]));
+        for index in 0..40 {
+            for (x_mm, y_mm) in [
+                (f32::NAN, 0.0),
+                (0.0, f32::NAN),
+                (f32::NEG_INFINITY, 0.0),
+                (-half_width * 1.001, 0.0),
+                (0.0, half_height * 1.001),
+            ] {
+                let mut points = [corner; 40];
+                points[index] = SensorPoint::new(x_mm, y_mm);
+                assert!(!all(&points), "{index}: {x_mm}, {y_mm}");
+            }
+        }
+    }
 
     #[test]
     fn batch_has_the_bits_of_one_point_at_a_time() {

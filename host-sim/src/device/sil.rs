@@ -64,7 +64,9 @@ impl Device for InProcess {
 
     fn correct(&mut self, measured: &[SensorPoint]) -> Result<Vec<Corrected>, DeviceError> {
         let correction = self.correction()?;
-        on_sensor(correction, measured.iter().copied())?;
+        if !PointBatch::all_on_sensor(correction, measured) {
+            on_sensor(correction, measured.iter().copied())?;
+        }
         let corrected = PointBatch::new(correction).corrected(measured);
         self.evidence.by_value += corrected.len() as u64;
         Ok(corrected)

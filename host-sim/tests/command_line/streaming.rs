@@ -141,6 +141,8 @@ fn a_million_points_need_no_more_memory_than_one() {
         .args(["-c", &script])
         .current_dir(bench.folder())
         .env("HOST_SIM", assert_cmd::cargo::cargo_bin!("host-sim"))
+        // However many cores there are: every thread has a stack.
+        .env("RAYON_NUM_THREADS", "2")
         .output()
         .unwrap();
     Answer::new(&output).ok();

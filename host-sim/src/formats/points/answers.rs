@@ -1,6 +1,7 @@
 //! Answers, block by block.
 
 use std::io::{self, Write};
+use std::ops::Range;
 
 use npyz::{DType, WriterBuilder as _};
 
@@ -24,8 +25,8 @@ pub struct Answers<'a> {
     source: &'a Source,
     camera: &'a CameraFile,
     layout: Layout,
-    /// The answers of a block, as they are written.
-    bytes: Vec<u8>,
+    /// The answers of the first and of the second half of a block, as they are written.
+    bytes: [Vec<u8>; 2],
 }
 
 #[derive(Debug, Clone, Copy)]
@@ -61,7 +62,7 @@ impl<'a> Answers<'a> {
             source,
             camera,
             layout,
-            bytes: Vec::new(),
+            bytes: [Vec::new(), Vec::new()],
         })
     }
 
@@ -97,44 +98,65 @@ impl<'a> Answers<'a> {
         answers: &[Answer],
         sink: &mut dyn Write,
     ) -> io::Result<()> {
-        self.bytes.clear();
+        let [first, second] = &mut self.bytes;
+        first.clear();
+        second.clear();
         match self.layout {
-            Layout::Csv => self.push_text(block, answers),
+            Layout::Csv => {
+                // Numbers take longer to write than to read: two threads keep up with the one that reads.
+                let half = answers.len() / 2;
+                let (source, camera) = (self.source, self.camera);
+                rayon::join(
+                    || push_text(first, source, camera, block, answers, 0..half),
+                    || push_text(second, source, camera, block, answers, half..answers.len()),
+                );
+            }
             Layout::Npy {
                 precision: Precision::Single,
                 ..
-            } => push_numbers(&mut self.bytes, answers, |number| {
-                single(number).to_le_bytes()
-            }),
+            } => push_numbers(first, answers, |number| single(number).to_le_bytes()),
             Layout::Npy {
                 precision: Precision::Double,
                 ..
-            } => push_numbers(&mut self.bytes, answers, f64::to_le_bytes),
+            } => push_numbers(first, answers, f64::to_le_bytes),
         }
-        sink.write_all(&self.bytes)
+        sink.write_all(first)?;
+        sink.write_all(second)
     }
+}
 
-    fn push_text(&mut self, block: &Block, answers: &[Answer]) {
-        let text = &mut self.bytes;
-        let mut names = block.names();
-        let mut number = itoa::Buffer::new();
-        for (index, answer) in (block.before..).zip(answers) {
-            push_name(text, names.next().unwrap_or_else(|| number.format(index)));
-            let coordinate = match self.source.frame {
-                Frame::Sensor => answer.point_mm,
-                Frame::Pixel => self.camera.pixel_from_sensor(answer.point_mm),
-            };
-            for value in coordinate {
-                text.push(b',');
-                // Adding zero turns -0 into 0.
-                decimal::push::<9>(text, value + 0.0);
-            }
-            for value in answer.distortion_mm {
-                text.push(b',');
-                decimal::push::<6>(text, 1000.0 * value + 0.0);
-            }
-            text.push(b'\n');
+/// Some of the rows of a block.
+fn push_text(
+    text: &mut Vec<u8>,
+    source: &Source,
+    camera: &CameraFile,
+    block: &Block,
+    answers: &[Answer],
+    rows: Range<usize>,
+) {
+    let mut names = block.names().skip(rows.start);
+    let mut number = itoa::Buffer::new();
+    let answers = (block.before..).zip(answers);
+    for (index, answer) in answers.take(rows.end).skip(rows.start) {
+        let name = names.next();
+        push_name(
+            text,
+            name.unwrap_or_else(|| number.format(index).as_bytes()),
+        );
+        let coordinate = match source.frame {
+            Frame::Sensor => answer.point_mm,
+            Frame::Pixel => camera.pixel_from_sensor(answer.point_mm),
+        };
+        for value in coordinate {
+            text.push(b',');
+            // Adding zero turns -0 into 0.
+            decimal::push::<9>(text, value + 0.0);
         }
+        for value in answer.distortion_mm {
+            text.push(b',');
+            decimal::push::<6>(text, 1000.0 * value + 0.0);
+        }
+        text.push(b'\n');
     }
 }
 
@@ -144,23 +166,28 @@ fn push_numbers<const BYTES: usize>(
     answers: &[Answer],
     number: impl Fn(f64) -> [u8; BYTES],
 ) {
-    bytes.reserve(4 * BYTES * answers.len());
-    for answer in answers {
+    bytes.resize(4 * BYTES * answers.len(), 0);
+    let (numbers, _) = bytes.as_chunks_mut::<BYTES>();
+    let (rows, _) = numbers.as_chunks_mut::<4>();
+    for (row, answer) in rows.iter_mut().zip(answers) {
         let [x, y] = answer.point_mm;
         let [dx, dy] = answer.distortion_mm;
-        for value in [x, y, 1000.0 * dx, 1000.0 * dy] {
-            bytes.extend_from_slice(&number(value));
-        }
+        *row = [x, y, 1000.0 * dx, 1000.0 * dy].map(&number);
     }
 }
 
 /// A field of CSV, in quotes where it needs them; it holds no line break, as no name does.
-fn push_name(text: &mut Vec<u8>, name: &str) {
-    if !name.bytes().any(|byte| matches!(byte, b',' | b'"')) {
-        text.extend_from_slice(name.as_bytes());
+fn push_name(text: &mut Vec<u8>, name: &[u8]) {
+    if !name.iter().any(|byte| matches!(byte, b',' | b'"')) {
+        text.extend_from_slice(name);
         return;
     }
     text.push(b'"');
-    text.extend_from_slice(name.replace('"', "\"\"").as_bytes());
+    for byte in name {
+        if *byte == b'"' {
+            text.push(b'"');
+        }
+        text.push(*byte);
+    }
     text.push(b'"');
 }

@@ -19,8 +19,8 @@ pub struct Block {
     pub before: u64,
     /// How many bytes of the file end with this block.
     pub read_bytes: u64,
-    /// Names, one behind the other, as written; an array has none.
-    names: String,
+    /// Names, one behind the other, as written, in UTF-8; an array has none.
+    names: Vec<u8>,
     /// Where each name ends.
     name_ends: Vec<usize>,
     /// The line of each; an array has none.
@@ -41,15 +41,15 @@ impl Block {
         self.points_mm.len() >= POINTS
     }
 
-    pub(super) fn push(&mut self, name: &str, point_mm: [f64; 2], line: u64) {
+    pub(super) fn push(&mut self, name: &[u8], point_mm: [f64; 2], line: u64) {
         self.points_mm.push(point_mm);
-        self.names.push_str(name);
+        self.names.extend_from_slice(name);
         self.name_ends.push(self.names.len());
         self.lines.push(line);
     }
 
     /// The names, in order; of an array none.
-    pub(super) fn names(&self) -> impl Iterator<Item = &str> {
+    pub(super) fn names(&self) -> impl Iterator<Item = &[u8]> {
         let mut from = 0;
         self.name_ends.iter().map(move |end| {
             let name = self.names.get(from..*end).unwrap_or_default();
@@ -63,7 +63,10 @@ impl Block {
     pub fn place(&self, source: &Source, index: usize) -> String {
         let file = &source.file;
         match (self.lines.get(index), self.names().nth(index)) {
-            (Some(line), Some(name)) => format!("{file}, line {line}: point {}", clipped(name)),
+            (Some(line), Some(name)) => {
+                let name = String::from_utf8_lossy(name);
+                format!("{file}, line {line}: point {}", clipped(&name))
+            }
             _ => format!("{file}, row {}", self.before + index as u64),
         }
     }

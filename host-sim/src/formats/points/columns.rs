@@ -69,8 +69,8 @@ impl Columns {
         camera: &CameraFile,
         block: &mut Block,
     ) -> Result<(), String> {
-        let name = text(record, self.id, "id")?;
-        if name.bytes().any(|byte| byte.is_ascii_control()) || !name.is_ascii() {
+        let name = field(record, self.id);
+        if name.iter().any(|byte| !(b' '..=b'~').contains(byte)) {
             check_name(name)?;
         }
         let [first, second] = self.coordinates;
@@ -88,26 +88,34 @@ impl Columns {
     }
 }
 
-fn text<'a>(record: &'a ByteRecord, index: usize, column: &str) -> Result<&'a str, String> {
-    let bytes = record.get(index).unwrap_or_default().trim_ascii();
-    str::from_utf8(bytes).map_err(|_| format!("column {column} is not text (UTF-8)"))
+fn field(record: &ByteRecord, index: usize) -> &[u8] {
+    record.get(index).unwrap_or_default().trim_ascii()
 }
 
 #[inline]
-fn number(record: &ByteRecord, name: &str, index: usize, column: &str) -> Result<f64, String> {
-    let text = text(record, index, column)?;
-    match text.parse::<f64>() {
+fn number(record: &ByteRecord, name: &[u8], index: usize, column: &str) -> Result<f64, String> {
+    let field = field(record, index);
+    match fast_float2::parse::<f64, _>(field) {
         Ok(number) if number.is_finite() => Ok(number),
-        _ => Err(format!(
-            "point {}: {column} = \"{}\" is not a finite number",
-            clipped(name),
-            clipped(text).escape_debug()
-        )),
+        _ => Err(no_number(name, field, column)),
     }
 }
 
 #[cold]
-fn check_name(name: &str) -> Result<(), String> {
+fn no_number(name: &[u8], field: &[u8], column: &str) -> String {
+    match text(field, column) {
+        Ok(text) => format!(
+            "point {}: {column} = \"{}\" is not a finite number",
+            clipped(&String::from_utf8_lossy(name)),
+            clipped(text).escape_debug()
+        ),
+        Err(fault) => fault,
+    }
+}
+
+#[cold]
+fn check_name(name: &[u8]) -> Result<(), String> {
+    let name = text(name, "id")?;
     if name.contains(char::is_control) {
         return Err(format!(
             "column id holds a control character: {}",
@@ -115,4 +123,83 @@ fn check_name(name: &str) -> Result<(), String> {
         ));
     }
     Ok(())
+}
+
+fn text<'a>(field: &'a [u8], column: &str) -> Result<&'a str, String> {
+    str::from_utf8(field).map_err(|_| format!("column {column} is not text (UTF-8)"))
+}
+
+#[cfg(test)]
+mod tests {
+    /// The reader of numbers takes what the standard library takes, and gives the same bits.
+    #[test]
+    fn numbers_are_those_of_the_standard_library() {
+        let mut random = fastrand::Rng::with_seed(5);
+        let mut texts: Vec<String> = (0..100_000)
+            .flat_map(|_| {
+                let any = f64::from_bits(random.u64(..));
+                let coordinate = 500.0 * (random.f64() - 0.5);
+                [
+                    format!("{any:e}"),
+                    format!("{coordinate}"),
+                    format!("{coordinate:.7}"),
+                ]
+            })
+            .collect();
+        for text in [
+            "",
+            "+",
+            "-",
+            ".",
+            "e",
+            "1",
+            "+1",
+            "-1",
+            "1.",
+            ".5",
+            "+.5",
+            "1.e3",
+            "1e",
+            "1e+",
+            "1e+3",
+            "1E-3",
+            "0x10",
+            "1_000",
+            "1 2",
+            "1,5",
+            "nan",
+            "NaN",
+            "-nan",
+            "inf",
+            "-inf",
+            "+inf",
+            "infinity",
+            "INFINITY",
+            "infinit",
+            "in",
+            "1e400",
+            "1e-400",
+            "-0",
+            "00.100",
+            "9007199254740993",
+            "2.4703282292062327e-324",
+            "1f",
+            "1d5",
+            "++1",
+            "--1",
+            "+-1",
+            "é",
+            "0.1000000000000000055511151231257827021181583404541015625",
+            "179769313486231580793e289",
+        ] {
+            texts.push(text.to_owned());
+        }
+        for text in texts {
+            let standard = text.parse::<f64>().ok().filter(|number| number.is_finite());
+            let fast = fast_float2::parse::<f64, _>(&text)
+                .ok()
+                .filter(|number| number.is_finite());
+            assert_eq!(fast.map(f64::to_bits), standard.map(f64::to_bits), "{text}");
+        }
+    }
 }

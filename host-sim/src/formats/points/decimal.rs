@@ -38,9 +38,9 @@ pub(super) fn push<const DECIMALS: u32>(text: &mut Vec<u8>, value: f64) {
     let mut digits = itoa::Buffer::new();
     text.extend_from_slice(digits.format(rounded / scale).as_bytes());
     // A one before the decimals keeps their zeros, and gives its place to the point.
-    let decimals = digits.format(scale + rounded % scale);
+    let decimals = digits.format(scale + rounded % scale).as_bytes();
     text.push(b'.');
-    text.extend(decimals.bytes().skip(1));
+    text.extend_from_slice(decimals.get(1..).unwrap_or_default());
 }
 
 #[cfg(test)]
