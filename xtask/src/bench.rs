@@ -1,4 +1,4 @@
-//! `cargo xtask bench`: what the camera's work costs on the target, counted in QEMU.
+//! `cargo xtask bench`: what the camera's work costs on the targets, counted in QEMU.
 
 use std::{fs, path::Path, process::ExitCode};
 
@@ -11,8 +11,8 @@ use crate::{
     cost::{self, Footprint, Instructions},
     firmware::{self, Image},
     load,
-    route::{Need, QEMU},
-    target::Target,
+    route::{Architecture, Need, QEMU},
+    target::{Target, Targets},
     verify,
     workspace::Workspace,
 };
@@ -21,13 +21,32 @@ use crate::{
 const INSTRUCTIONS: &str = "docs/instructions.csv";
 const FOOTPRINT: &str = "docs/footprint.csv";
 
-/// The cores, and the machines that have them.
-pub(crate) const CORES: [(&str, &str); 2] =
-    [("cortex-m4f", "mps2-an386"), ("cortex-m7", "mps2-an500")];
+/// A core, and the emulated machine that has it.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Core {
+    pub(crate) name: &'static str,
+    pub(crate) machine: &'static str,
+    pub(crate) architecture: Architecture,
+}
 
-/// The core with vectors, and the machine that has it: counted are the kernels that use them, by the head of their names.
-pub(crate) const VECTOR_CORE: (&str, &str) = ("cortex-m55", "mps3-an547");
-const WITH_VECTORS: &str = "correct_slice";
+/// The cores.
+pub(crate) const CORES: [Core; 3] = [
+    Core {
+        name: "cortex-m4f",
+        machine: "mps2-an386",
+        architecture: Architecture::Armv7em,
+    },
+    Core {
+        name: "cortex-m7",
+        machine: "mps2-an500",
+        architecture: Architecture::Armv7em,
+    },
+    Core {
+        name: "cortex-m55",
+        machine: "mps3-an547",
+        architecture: Architecture::Helium,
+    },
+];
 
 /// Where the memory of variables begins on every Cortex-M.
 const RAM: u64 = 0x2000_0000;
@@ -46,13 +65,13 @@ struct Counted {
 /// # Errors
 /// Where the set-up, a build or QEMU fails.
 pub(crate) fn run(workspace: &Workspace, update: bool) -> Result<ExitCode> {
-    let target = Target::set_up(workspace, Need::ToolchainAndQemu)?;
-    let instructions = count(workspace, &target)?;
+    let targets = Targets::set_up(workspace, Need::ToolchainAndQemu)?;
+    let instructions = count(workspace, &targets)?;
     print!("{}", cost::text(&instructions)?);
     for load in load::loads(&instructions) {
         eprintln!("{load}");
     }
-    let footprint = vec![footprint(workspace, &target)?];
+    let footprint = vec![footprint(workspace, &targets.armv7em)?];
     eprint!("\n{}", cost::text(&footprint)?);
     if update {
         cost::replace(&workspace.root.join(INSTRUCTIONS), instructions)?;
@@ -65,16 +84,15 @@ pub(crate) fn run(workspace: &Workspace, update: bool) -> Result<ExitCode> {
 ///
 /// # Errors
 /// Where something costs more than its table or its limit says.
-pub(crate) fn check(workspace: &Workspace, target: &Target<'_>) -> Result<()> {
+pub(crate) fn check(workspace: &Workspace, targets: &Targets<'_>) -> Result<()> {
     let instructions = cost::read::<Instructions>(&workspace.root.join(INSTRUCTIONS))?;
     let footprint_table = cost::read::<Footprint>(&workspace.root.join(FOOTPRINT))?;
-    let compiler = target.compiler()?;
-    if instructions.iter().all(|row| row.compiler != compiler) {
+    let counted = count(workspace, targets)?;
+    for (compiler, core) in cost::new_groups(&instructions, &counted) {
         eprintln!(
-            "note: {INSTRUCTIONS} has no rows of {compiler}: only the limits are checked; `cargo xtask bench --update` adds them"
+            "note: {INSTRUCTIONS} has no rows of {core} by {compiler}: only the limits are checked; `cargo xtask bench --update` adds them"
         );
     }
-    let counted = count(workspace, target)?;
     for load in load::loads(&counted) {
         eprintln!("{load}");
         ensure!(
@@ -86,7 +104,7 @@ pub(crate) fn check(workspace: &Workspace, target: &Target<'_>) -> Result<()> {
     let mut findings = cost::compare(&instructions, &counted);
     findings.extend(cost::compare(
         &footprint_table,
-        &[footprint(workspace, target)?],
+        &[footprint(workspace, &targets.armv7em)?],
     ));
     let text: Vec<_> = findings
         .iter()
@@ -100,62 +118,53 @@ pub(crate) fn check(workspace: &Workspace, target: &Target<'_>) -> Result<()> {
     Ok(())
 }
 
-/// Counts on every core.
-fn count(workspace: &Workspace, target: &Target<'_>) -> Result<Vec<Instructions>> {
+/// Counts on every core that is built for.
+fn count(workspace: &Workspace, targets: &Targets<'_>) -> Result<Vec<Instructions>> {
     let _root = workspace.shell.push_dir(&workspace.root);
-    let build = target.cargo("build --release -p instruction-count");
-    eprintln!("$ {build}");
-    build.run()?;
-    let image = target.programs().join("instruction-count");
-    let compiler = target.compiler()?;
     let mut rows = Vec::new();
-    for (core, machine) in CORES {
-        rows.extend(count_on(workspace, (core, machine), &image, &compiler)?);
-    }
-    if let Some(image) = target.build_for_vectors("instruction-count")? {
-        let counted = count_on(workspace, VECTOR_CORE, &image, &compiler)?;
-        let with_vectors = |row: &Instructions| row.kernel.starts_with(WITH_VECTORS);
-        rows.extend(counted.into_iter().filter(with_vectors));
+    for Core {
+        name: core,
+        machine,
+        architecture,
+    } in CORES
+    {
+        let Some(target) = targets.of(architecture) else {
+            continue;
+        };
+        let build = target.cargo("build --release -p instruction-count");
+        eprintln!("$ {build}");
+        build.run()?;
+        let image = target.programs().join("instruction-count");
+        let compiler = target.compiler()?;
+        // One instruction takes one nanosecond of the emulated time.
+        let qemu = cmd!(
+            workspace.shell,
+            "timeout 60 {QEMU} -M {machine} -display none -monitor none -serial none -icount shift=0 -semihosting-config enable=on,target=native -kernel {image}"
+        );
+        let counted = qemu
+            .quiet()
+            .read()
+            .with_context(|| format!("count on {machine}"))?;
+        let mut reader = csv::ReaderBuilder::new()
+            .has_headers(false)
+            .from_reader(counted.as_bytes());
+        for line in reader.deserialize() {
+            let Counted {
+                kernel,
+                unit,
+                repetitions,
+                instructions,
+            } = line?;
+            rows.push(Instructions {
+                core: core.to_owned(),
+                kernel,
+                count: (100.0 * instructions / repetitions).round() / 100.0,
+                unit,
+                compiler: compiler.clone(),
+            });
+        }
     }
     ensure!(!rows.is_empty(), "the counting program printed nothing");
-    Ok(rows)
-}
-
-/// Counts on one core.
-fn count_on(
-    workspace: &Workspace,
-    (core, machine): (&str, &str),
-    image: &Path,
-    compiler: &str,
-) -> Result<Vec<Instructions>> {
-    // One instruction takes one nanosecond of the emulated time.
-    let qemu = cmd!(
-        workspace.shell,
-        "timeout 60 {QEMU} -M {machine} -display none -monitor none -serial none -icount shift=0 -semihosting-config enable=on,target=native -kernel {image}"
-    );
-    let counted = qemu
-        .quiet()
-        .read()
-        .with_context(|| format!("count on {machine}"))?;
-    let mut reader = csv::ReaderBuilder::new()
-        .has_headers(false)
-        .from_reader(counted.as_bytes());
-    let mut rows = Vec::new();
-    for line in reader.deserialize() {
-        let Counted {
-            kernel,
-            unit,
-            repetitions,
-            instructions,
-        } = line?;
-        rows.push(Instructions {
-            core: core.to_owned(),
-            kernel,
-            count: (100.0 * instructions / repetitions).round() / 100.0,
-            unit,
-            compiler: compiler.to_owned(),
-        });
-    }
     Ok(rows)
 }
 

@@ -13,7 +13,7 @@ use crate::{
     firmware::{self, Image},
     kernel, no_panic,
     route::Need,
-    target::Target,
+    target::Targets,
     verify,
     workspace::Workspace,
 };
@@ -39,7 +39,7 @@ pub(crate) enum Step {
     Verify,
     /// Lints for the target
     TargetLints,
-    /// Library built for the target
+    /// Library built for the firmware's target, and for Cortex-M55
     TargetBuild,
     /// Link check that no panic is reachable, and its negative control
     NoPanic,
@@ -95,15 +95,15 @@ pub(crate) fn run(workspace: &Workspace, only: Option<Step>) -> Result<ExitCode>
     let start = Instant::now();
     let steps = only.map_or_else(|| Step::value_variants().to_vec(), |step| vec![step]);
     let _root = workspace.shell.push_dir(&workspace.root);
-    // First of all, so that a machine that cannot build for the target says so at once.
+    // First of all, so that a machine that cannot build for a target says so at once.
     let need = steps.iter().filter_map(|step| step.need()).max();
-    let target = need
-        .map(|need| Target::set_up(workspace, need))
+    let targets = need
+        .map(|need| Targets::set_up(workspace, need))
         .transpose()?;
     for (index, &step) in steps.iter().enumerate() {
         eprintln!("\n[{}/{}] {}", index + 1, steps.len(), step.title());
         let start = Instant::now();
-        run_step(step, workspace, target.as_ref()).with_context(|| {
+        run_step(step, workspace, targets.as_ref()).with_context(|| {
             let name = step.name();
             format!("step {name} failed; run it again alone with `cargo xtask test --only {name}`")
         })?;
@@ -122,8 +122,9 @@ pub(crate) fn run(workspace: &Workspace, only: Option<Step>) -> Result<ExitCode>
     Ok(ExitCode::SUCCESS)
 }
 
-fn run_step(step: Step, workspace: &Workspace, target: Option<&Target<'_>>) -> Result<()> {
-    let target = || target.context("the target is not set up");
+fn run_step(step: Step, workspace: &Workspace, targets: Option<&Targets<'_>>) -> Result<()> {
+    let targets = || targets.context("the targets are not set up");
+    let target = || targets().map(|targets| &targets.armv7em);
     let command = match step {
         Step::Format => workspace.cargo("fmt --all --check"),
         Step::HostLints => workspace
@@ -146,7 +147,14 @@ fn run_step(step: Step, workspace: &Workspace, target: Option<&Target<'_>>) -> R
         Step::TargetLints => target()?.cargo(
             "clippy --release -p fmc-camera --lib -p fmc-camera-kernel -p kernel-check --bin kernel-check -p no-panic-check --bin no-panic-check -- -D warnings",
         ),
-        Step::TargetBuild => target()?.cargo("build --release -p fmc-camera --lib"),
+        Step::TargetBuild => {
+            if let Some(helium) = &targets()?.helium {
+                let build = helium.cargo("build --release -p fmc-camera --lib");
+                eprintln!("$ {build}");
+                build.run()?;
+            }
+            target()?.cargo("build --release -p fmc-camera --lib")
+        }
         Step::NoPanic => return no_panic::check(workspace, target()?),
         Step::FirmwareLints => {
             firmware::lint(target()?, Image::Mps2)?;
@@ -154,11 +162,11 @@ fn run_step(step: Step, workspace: &Workspace, target: Option<&Target<'_>>) -> R
         }
         Step::FirmwareNoPanic => return firmware::check_no_panic(target()?),
         Step::Firmware => {
-            kernel::test(workspace, target()?)?;
+            kernel::test(workspace, targets()?)?;
             return firmware::test(workspace, target()?);
         }
         Step::Board => return board::check(workspace, target()?),
-        Step::Costs => return bench::check(workspace, target()?),
+        Step::Costs => return bench::check(workspace, targets()?),
     };
     eprintln!("$ {command}");
     command.run().map_err(Into::into)

@@ -1,48 +1,47 @@
-//! The point kernel on the emulated cores: `tests/kernel` holds it against the portable one, a point at a time.
-
-use std::path::Path;
+//! The point kernel on the emulated cores: `tests/kernel` holds what is scheduled by hand, or by a compiler that fills
+//! vectors, against the portable one.
 
 use anyhow::{Result, ensure};
 use xshell::cmd;
 
 use crate::{
-    bench::{CORES, VECTOR_CORE},
+    bench::{CORES, Core},
     route::QEMU,
-    target::Target,
+    target::Targets,
     workspace::Workspace,
 };
 
-/// Builds the comparison and runs it on every core.
+/// Builds the comparison and runs it on every core that is built for.
 ///
 /// # Errors
 /// Where the build fails, or a bit differs.
-pub(crate) fn test(workspace: &Workspace, target: &Target<'_>) -> Result<()> {
+pub(crate) fn test(workspace: &Workspace, targets: &Targets<'_>) -> Result<()> {
     let _root = workspace.shell.push_dir(&workspace.root);
-    let build = target.cargo("build --release -p kernel-check");
-    eprintln!("$ {build}");
-    build.run()?;
-    for core in CORES {
-        test_on(workspace, core, &target.programs().join("kernel-check"))?;
+    for Core {
+        name: core,
+        machine,
+        architecture,
+    } in CORES
+    {
+        let Some(target) = targets.of(architecture) else {
+            continue;
+        };
+        let build = target.cargo("build --release -p kernel-check");
+        eprintln!("$ {build}");
+        build.run()?;
+        let image = target.programs().join("kernel-check");
+        // A minute at most where nothing else runs.
+        let qemu = cmd!(
+            workspace.shell,
+            "timeout 600 {QEMU} -M {machine} -display none -monitor none -serial none -semihosting-config enable=on,target=native -kernel {image}"
+        );
+        let output = qemu.quiet().ignore_status().output()?;
+        eprint!("{core}: {}", String::from_utf8_lossy(&output.stdout));
+        ensure!(
+            output.status.success(),
+            "the kernels differ on {machine}, or it did not end ({})",
+            output.status
+        );
     }
-    match target.build_for_vectors("kernel-check")? {
-        Some(image) => test_on(workspace, VECTOR_CORE, &image),
-        None => Ok(()),
-    }
-}
-
-/// Runs it on one core.
-fn test_on(workspace: &Workspace, (core, machine): (&str, &str), image: &Path) -> Result<()> {
-    // Half a minute on a machine that does nothing else.
-    let qemu = cmd!(
-        workspace.shell,
-        "timeout 600 {QEMU} -M {machine} -display none -monitor none -serial none -semihosting-config enable=on,target=native -kernel {image}"
-    );
-    let output = qemu.quiet().ignore_status().output()?;
-    eprint!("{core}: {}", String::from_utf8_lossy(&output.stdout));
-    ensure!(
-        output.status.success(),
-        "the kernels differ on {machine}, or the comparison did not end ({})",
-        output.status
-    );
     Ok(())
 }

@@ -1,4 +1,4 @@
-//! What this machine offers for building the target and running what is built: toolchains, linkers, QEMU, the right to
+//! What this machine offers for building for a target and running what is built: toolchains, linkers, QEMU, the right to
 //! install.
 
 use std::{
@@ -10,8 +10,7 @@ use anyhow::Result;
 use xshell::{Shell, cmd};
 
 use crate::{
-    route::{Facts, QEMU, TARGET, Toolchain, VECTOR_TARGET, version},
-    target::LINKER_VARIABLE,
+    route::{Architecture, Facts, QEMU, Toolchain, version},
     workspace::host_cargo,
 };
 
@@ -25,8 +24,6 @@ pub(crate) struct Machine {
     pub(crate) facts: Facts,
     /// A linker that knows the target.
     pub(crate) linker: Option<PathBuf>,
-    /// Whether the active toolchain has a compiled core library for the core with vectors too.
-    pub(crate) active_has_vector_core: bool,
 }
 
 impl Machine {
@@ -34,7 +31,7 @@ impl Machine {
     ///
     /// # Errors
     /// Where the active compiler does not answer.
-    pub(crate) fn look(shell: &Shell) -> Result<Self> {
+    pub(crate) fn look(shell: &Shell, architecture: Architecture) -> Result<Self> {
         let rustc = env::var_os("RUSTC").unwrap_or_else(|| "rustc".into());
         let active = PathBuf::from(cmd!(shell, "{rustc} --print sysroot").quiet().read()?);
         let cargo = host_cargo();
@@ -47,13 +44,16 @@ impl Machine {
 
         let bin = Path::new(DISTRIBUTION_BIN);
         let offers = |sysroot: &Path, clippy| Toolchain {
-            target_core: has_target_core(sysroot, TARGET),
+            target_core: has_core(sysroot, architecture),
             library_sources: sysroot
                 .join("lib/rustlib/src/rust/library/core/Cargo.toml")
                 .is_file(),
             clippy,
         };
-        let linker = find_linker([Some(active.as_path()), distribution.as_deref()]);
+        let linker = find_linker(
+            architecture,
+            [Some(active.as_path()), distribution.as_deref()],
+        );
         Ok(Self {
             facts: Facts {
                 active: offers(&active, active_has_clippy),
@@ -75,7 +75,6 @@ impl Machine {
                         .is_ok_and(|user| user == "0"),
             },
             linker,
-            active_has_vector_core: has_target_core(&active, VECTOR_TARGET),
         })
     }
 }
@@ -101,16 +100,17 @@ fn distribution_sysroot(shell: &Shell) -> Option<PathBuf> {
     new_enough.then(|| sysroot.into())
 }
 
-/// Whether a toolchain has a compiled core library for a target.
-fn has_target_core(sysroot: &Path, target: &str) -> bool {
-    let libraries = sysroot.join("lib/rustlib").join(target).join("lib");
+/// Whether a toolchain has a compiled core library for the target.
+fn has_core(sysroot: &Path, architecture: Architecture) -> bool {
+    let rustlib = sysroot.join("lib/rustlib");
+    let libraries = rustlib.join(architecture.target()).join("lib");
     file_names(&libraries)
         .iter()
         .any(|name| name.starts_with("libcore-"))
 }
 
 /// A linker that knows the target: the user's choice, one that comes with a compiler, LLVM's, or GNU's.
-fn find_linker(sysroots: [Option<&Path>; 2]) -> Option<PathBuf> {
+fn find_linker(architecture: Architecture, sysroots: [Option<&Path>; 2]) -> Option<PathBuf> {
     let with_compiler = sysroots.into_iter().flatten().find_map(|sysroot| {
         let hosts = sysroot.join("lib/rustlib");
         let rust_lld = |host: &String| hosts.join(host).join("bin/rust-lld");
@@ -119,7 +119,7 @@ fn find_linker(sysroots: [Option<&Path>; 2]) -> Option<PathBuf> {
             .map(rust_lld)
             .find(|path| path.is_file())
     });
-    env::var_os(LINKER_VARIABLE)
+    env::var_os(architecture.variable("LINKER"))
         .map(PathBuf::from)
         .or(with_compiler)
         .or_else(|| on_path("ld.lld"))

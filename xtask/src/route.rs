@@ -1,20 +1,50 @@
-//! Which toolchain builds for the target: the decision alone, a pure function of facts about the machine.
+//! Which toolchain builds for a target: the decision alone, a pure function of facts about the machine.
 //!
-//! The target needs a core library of its own. In order of preference it comes
+//! A target needs a core library of its own. In order of preference it comes
 //! 1. ready-made with the active toolchain (`rustup target add`, or `rust-toolchain.toml`, has installed it),
 //! 2. from the library sources of the active toolchain,
 //! 3. from the library sources of the distribution's toolchain,
 //! 4. the same after installing the distribution's packages, where apt-get and the right to use it exist.
 //!
 //! To run the firmware, QEMU is needed as well: the one on the search path, or the distribution's.
+//!
+//! Each target goes its own way. The firmware's must find one; for the other nothing is installed, and where no toolchain
+//! builds for it, it is left out.
 
 use std::fmt;
 
-/// The microcontroller: Cortex-M4F and M7 with hardware floating point.
-pub(crate) const TARGET: &str = "thumbv7em-none-eabihf";
+/// What is built for.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum Architecture {
+    /// Armv7E-M with hardware floating point: Cortex-M4F and M7, which the firmware is for.
+    Armv7em,
+    /// Armv8.1-M with vectors of four numbers (Helium): Cortex-M55.
+    Helium,
+}
 
-/// Cortex-M55, whose vectors the point kernel is compiled for.
-pub(crate) const VECTOR_TARGET: &str = "thumbv8m.main-none-eabihf";
+impl Architecture {
+    /// The compiler's name of it.
+    pub(crate) fn target(self) -> &'static str {
+        match self {
+            Self::Armv7em => "thumbv7em-none-eabihf",
+            Self::Helium => "thumbv8m.main-none-eabihf",
+        }
+    }
+
+    /// The processor to compile for, where the target's name says too little.
+    pub(crate) fn processor(self) -> Option<&'static str> {
+        match self {
+            Self::Armv7em => None,
+            Self::Helium => Some("cortex-m55"),
+        }
+    }
+
+    /// Cargo's variable for a setting of the target: `LINKER`, `RUSTFLAGS`.
+    pub(crate) fn variable(self, setting: &str) -> String {
+        let target = self.target().replace(['-', '.'], "_").to_uppercase();
+        format!("CARGO_TARGET_{target}_{setting}")
+    }
+}
 
 /// Debian's packages of a compiler, its cargo and its library sources.
 const COMPILER_PACKAGES: [&str; 3] = ["rustc-web", "cargo-web", "rust-web-src"];
@@ -45,7 +75,7 @@ pub(crate) struct Toolchain {
     pub(crate) clippy: bool,
 }
 
-/// What the decision rests on.
+/// What the decision for one target rests on.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub(crate) struct Facts {
     /// The toolchain that runs xtask.
@@ -83,15 +113,17 @@ pub(crate) struct Plan {
 /// No toolchain for the target or no QEMU, and no right to install them.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub(crate) struct NoRoute {
+    target: &'static str,
     missing: Vec<&'static str>,
 }
 
 impl fmt::Display for NoRoute {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         if self.missing.iter().any(|package| *package != QEMU) {
+            let target = self.target;
             write!(
                 f,
-                "no toolchain here builds for {TARGET}. Either\n    rustup target add {TARGET}\n"
+                "no toolchain here builds for {target}. Either\n    rustup target add {target}\n"
             )?;
         }
         if self.missing.contains(&QEMU) {
@@ -114,7 +146,11 @@ impl std::error::Error for NoRoute {}
 ///
 /// # Errors
 /// [`NoRoute`] where packages are missing and may not be installed; its text names both ways out.
-pub(crate) fn choose(facts: Facts, need: Need) -> Result<Plan, NoRoute> {
+pub(crate) fn choose(
+    architecture: Architecture,
+    facts: Facts,
+    need: Need,
+) -> Result<Plan, NoRoute> {
     let Facts {
         active,
         distribution,
@@ -146,8 +182,26 @@ pub(crate) fn choose(facts: Facts, need: Need) -> Result<Plan, NoRoute> {
     if install.is_empty() || may_install {
         Ok(Plan { route, install })
     } else {
-        Err(NoRoute { missing: install })
+        Err(NoRoute {
+            target: architecture.target(),
+            missing: install,
+        })
     }
+}
+
+/// The first route that the machine allows as it is.
+///
+/// # Errors
+/// [`NoRoute`] where packages are missing, whether or not they may be installed.
+pub(crate) fn choose_without_installing(
+    architecture: Architecture,
+    facts: Facts,
+) -> Result<Route, NoRoute> {
+    let facts = Facts {
+        may_install: false,
+        ..facts
+    };
+    choose(architecture, facts, Need::Toolchain).map(|plan| plan.route)
 }
 
 /// Major and minor number in the answer to `rustc --version`, or in a `rust-version` of a manifest.
@@ -162,7 +216,7 @@ pub(crate) fn version(text: &str) -> Option<(u32, u32)> {
 
 #[cfg(test)]
 mod tests {
-    use super::*;
+    use super::{Architecture::*, *};
 
     /// Each kind of machine: what its toolchains and the machine itself offer, the route, and the packages it installs.
     /// QEMU is needed in the rows that tell whether there is one.
@@ -211,7 +265,7 @@ mod tests {
             } else {
                 Need::Toolchain
             };
-            let (route, packages) = match choose(facts, need) {
+            let (route, packages) = match choose(Armv7em, facts, need) {
                 Ok(plan) => (format!("{:?}", plan.route), plan.install),
                 Err(refused) => ("refused".to_owned(), refused.missing),
             };
@@ -225,7 +279,7 @@ mod tests {
 
     #[test]
     fn refusal_names_both_ways_out() {
-        let refused = choose(Facts::default(), Need::ToolchainAndQemu).unwrap_err();
+        let refused = choose(Armv7em, Facts::default(), Need::ToolchainAndQemu).unwrap_err();
         let text = refused.to_string();
         assert!(
             text.contains("rustup target add thumbv7em-none-eabihf"),
@@ -245,14 +299,57 @@ mod tests {
 
     #[test]
     fn refusal_speaks_only_of_what_is_missing() {
-        let toolchain_alone = choose(Facts::default(), Need::Toolchain).unwrap_err();
+        let toolchain_alone = choose(Armv7em, Facts::default(), Need::Toolchain).unwrap_err();
         assert!(!toolchain_alone.to_string().contains("QEMU"));
         let has_toolchain = Facts {
             active: toolchain("core clippy"),
             ..Facts::default()
         };
-        let qemu_alone = choose(has_toolchain, Need::ToolchainAndQemu).unwrap_err();
+        let qemu_alone = choose(Armv7em, has_toolchain, Need::ToolchainAndQemu).unwrap_err();
         assert!(!qemu_alone.to_string().contains("toolchain"));
+    }
+
+    #[test]
+    fn nothing_is_installed_for_helium() {
+        let machine = |active, distribution, linker| Facts {
+            active: toolchain(active),
+            distribution: toolchain(distribution),
+            linker,
+            qemu: true,
+            may_install: true,
+        };
+        for (active, distribution, linker, expected) in [
+            ("core clippy", "", false, Some(Route::Active)),
+            ("sources clippy", "", true, Some(Route::ActiveFromSource)),
+            ("clippy", "sources clippy", true, Some(Route::Distribution)),
+            // The firmware's target makes do with less: a toolchain that has it, and its own linker.
+            ("clippy", "", false, None),
+            ("clippy", "sources clippy", false, None),
+            ("sources clippy", "", false, None),
+            ("clippy", "sources", true, None),
+        ] {
+            let facts = machine(active, distribution, linker);
+            let route = choose_without_installing(Helium, facts);
+            assert_eq!(route.ok(), expected, "{active} | {distribution} | {linker}");
+        }
+        let refused = choose_without_installing(Helium, machine("clippy", "", true)).unwrap_err();
+        let text = refused.to_string();
+        assert!(
+            text.contains("rustup target add thumbv8m.main-none-eabihf"),
+            "{text}"
+        );
+    }
+
+    #[test]
+    fn variables_of_a_target_are_those_that_cargo_reads() {
+        assert_eq!(
+            Armv7em.variable("LINKER"),
+            "CARGO_TARGET_THUMBV7EM_NONE_EABIHF_LINKER"
+        );
+        assert_eq!(
+            Helium.variable("RUSTFLAGS"),
+            "CARGO_TARGET_THUMBV8M_MAIN_NONE_EABIHF_RUSTFLAGS"
+        );
     }
 
     #[test]

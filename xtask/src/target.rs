@@ -1,4 +1,4 @@
-//! The toolchain for the target, set up and ready: cargo and clippy commands that build for it.
+//! The toolchain for a target, set up and ready: cargo and clippy commands that build for it.
 
 use std::{
     env,
@@ -10,61 +10,117 @@ use xshell::{Cmd, Shell, cmd};
 
 use crate::{
     machine::{DISTRIBUTION_BIN, Machine},
-    route::{self, Need, Plan, QEMU, Route, TARGET, VECTOR_TARGET},
+    route::{self, Architecture, Need, Plan, QEMU, Route},
     workspace::{Workspace, host_cargo},
 };
 
-/// Cargo's name for the target's linker.
-pub(crate) const LINKER_VARIABLE: &str = "CARGO_TARGET_THUMBV7EM_NONE_EABIHF_LINKER";
-/// And for the core with vectors.
-const VECTOR_LINKER_VARIABLE: &str = "CARGO_TARGET_THUMBV8M_MAIN_NONE_EABIHF_LINKER";
+/// Processor for the core library where it is built from its sources for Helium: of the same instruction set without
+/// vectors, because compilers up to 1.96 fail on the half-precision numbers of the library when they may use Helium's.
+const PROCESSOR_OF_CORE: &str = "cortex-m33";
 
-/// Commands that build for the target.
+/// The targets of this workspace.
+#[derive(Debug)]
+pub(crate) struct Targets<'a> {
+    /// Cortex-M4F and M7.
+    pub(crate) armv7em: Target<'a>,
+    /// Cortex-M55, where a toolchain builds for it.
+    pub(crate) helium: Option<Target<'a>>,
+}
+
+impl<'a> Targets<'a> {
+    /// Sets up the firmware's target, and Helium's as far as that needs no installation of its own.
+    ///
+    /// # Errors
+    /// As [`Target::set_up`].
+    pub(crate) fn set_up(workspace: &'a Workspace, need: Need) -> Result<Self> {
+        let armv7em = Target::set_up(workspace, need)?;
+        let machine = Machine::look(&workspace.shell, Architecture::Helium)?;
+        let helium = match route::choose_without_installing(Architecture::Helium, machine.facts) {
+            Ok(route) => Some(Target::new(
+                workspace,
+                Architecture::Helium,
+                route,
+                machine,
+            )?),
+            Err(no_route) => {
+                eprintln!("note: nothing is built or counted for Cortex-M55: {no_route}");
+                None
+            }
+        };
+        Ok(Self { armv7em, helium })
+    }
+
+    /// The one of an architecture, where there is one.
+    pub(crate) fn of(&self, architecture: Architecture) -> Option<&Target<'a>> {
+        match architecture {
+            Architecture::Armv7em => Some(&self.armv7em),
+            Architecture::Helium => self.helium.as_ref(),
+        }
+    }
+}
+
+/// Commands that build for one target.
 #[derive(Debug)]
 pub(crate) struct Target<'a> {
     shell: &'a Shell,
+    architecture: Architecture,
     route: Route,
     linker: Option<PathBuf>,
-    /// Whether there is a core library for [`VECTOR_TARGET`], compiled or to compile.
-    has_vector_core: bool,
     /// Apart from the host's: compilers of host and target may differ, and would discard each other's work.
     artifacts: PathBuf,
 }
 
 impl<'a> Target<'a> {
-    /// Chooses the route, installs packages where it needs some, and says in one line what will be used.
+    /// The firmware's target: chooses the route, installs packages where it needs some, and says in one line what will be
+    /// used.
     ///
     /// # Errors
     /// Where no route leads to a toolchain, or the installation fails.
     pub(crate) fn set_up(workspace: &'a Workspace, need: Need) -> Result<Self> {
         let shell = &workspace.shell;
-        let mut machine = Machine::look(shell)?;
-        let Plan { route, install } = route::choose(machine.facts, need)?;
+        let architecture = Architecture::Armv7em;
+        let mut machine = Machine::look(shell, architecture)?;
+        let Plan { route, install } = route::choose(architecture, machine.facts, need)?;
         if !install.is_empty() {
             install_packages(shell, &install)?;
-            machine = Machine::look(shell)?;
-            let after = route::choose(machine.facts, need)?;
+            machine = Machine::look(shell, architecture)?;
+            let after = route::choose(architecture, machine.facts, need)?;
             ensure!(
                 after.install.is_empty(),
                 "still missing after installation: {}",
                 after.install.join(" ")
             );
         }
+        Self::new(workspace, architecture, route, machine)
+    }
+
+    /// Commands of that route on that machine.
+    fn new(
+        workspace: &'a Workspace,
+        architecture: Architecture,
+        route: Route,
+        machine: Machine,
+    ) -> Result<Self> {
         let target = Self {
-            shell,
+            shell: &workspace.shell,
+            architecture,
             route,
             // A compiler with a compiled core library brings its linker along.
             linker: machine.linker.filter(|_| route != Route::Active),
-            has_vector_core: route != Route::Active || machine.active_has_vector_core,
             artifacts: workspace.target_dir.join("thumb"),
         };
-        eprintln!("xtask: {TARGET}: {}", target.description()?);
+        eprintln!(
+            "xtask: {}: {}",
+            architecture.target(),
+            target.description()?
+        );
         Ok(target)
     }
 
     /// Where this target's builds put programs.
     pub(crate) fn programs(&self) -> PathBuf {
-        self.artifacts.join(TARGET).join("release")
+        let target = self.artifacts.join(self.architecture.target());
+        target.join("release")
     }
 
     /// The compiler's name and number.
@@ -93,45 +149,44 @@ impl<'a> Target<'a> {
 
     /// Cargo for the target, with the words of `line` as arguments, the subcommand first.
     pub(crate) fn cargo(&self, line: &str) -> Cmd<'a> {
-        self.cargo_for(TARGET, line)
-    }
-
-    /// Builds a package's program of the same name for Cortex-M55 with its vectors and says where it is; says that it
-    /// does not where the toolchain lacks the core library.
-    ///
-    /// The processor is named to the program's own crate alone, which the kernel is inlined into: the core library does not
-    /// compile for it (rustc 1.96, "Do not know how to promote this operator").
-    ///
-    /// # Errors
-    /// Where the build fails.
-    pub(crate) fn build_for_vectors(&self, package: &str) -> Result<Option<PathBuf>> {
-        if !self.has_vector_core {
-            eprintln!(
-                "note: nothing for Cortex-M55, for which `rustup target add {VECTOR_TARGET}` is needed"
-            );
-            return Ok(None);
-        }
-        let line = format!("rustc --release -p {package} --bin {package}");
-        let build = self.cargo_for(VECTOR_TARGET, &line);
-        let build = build.args(["--", "-Ctarget-cpu=cortex-m55"]);
-        eprintln!("$ {build}");
-        build.run()?;
-        let programs = self.artifacts.join(VECTOR_TARGET).join("release");
-        Ok(Some(programs.join(package)))
-    }
-
-    /// Cargo for one of the targets.
-    fn cargo_for(&self, target: &str, line: &str) -> Cmd<'a> {
         let (subcommand, arguments) = line.split_once(' ').unwrap_or((line, ""));
         let program = match self.route {
             Route::Active | Route::ActiveFromSource => host_cargo().into(),
             Route::Distribution => distribution_program(subcommand),
         };
         let cargo = self.in_environment(self.shell.cmd(program).quiet());
+        let target = self.architecture.target();
         let cargo = cargo.args([subcommand, "--locked", "--target", target, "--target-dir"]);
         cargo
             .arg(&self.artifacts)
+            .args(self.settings())
             .args(arguments.split_whitespace())
+    }
+
+    /// Settings of cargo by which the processor is compiled for, but not the core library that is built with it.
+    fn settings(&self) -> Vec<String> {
+        let processor = self.architecture.processor();
+        let Some(processor) = processor.filter(|_| self.route != Route::Active) else {
+            return vec![];
+        };
+        [
+            (
+                "profile.release.rustflags",
+                format!("-Ctarget-cpu={processor}"),
+            ),
+            (
+                "profile.release.package.core.rustflags",
+                format!("-Ctarget-cpu={PROCESSOR_OF_CORE}"),
+            ),
+            // Build scripts would get the profile's, which name no processor of this machine's.
+            (
+                "profile.release.build-override.rustflags",
+                "-Copt-level=0".to_owned(),
+            ),
+        ]
+        .into_iter()
+        .flat_map(|(key, flag)| ["--config".to_owned(), format!("{key}=[\"{flag}\"]")])
+        .collect()
     }
 
     /// The command with the variables of this route and without those that belong to other builds.
@@ -146,6 +201,15 @@ impl<'a> Target<'a> {
                 .env("RUSTC_BOOTSTRAP", "1")
                 .env("CARGO_UNSTABLE_BUILD_STD", "core");
         }
+        if let Some(processor) = self.architecture.processor() {
+            command = if self.route == Route::Active {
+                let flags = self.architecture.variable("RUSTFLAGS");
+                command.env(flags, format!("-Ctarget-cpu={processor}"))
+            } else {
+                // For `settings`.
+                command.env("CARGO_UNSTABLE_PROFILE_RUSTFLAGS", "true")
+            };
+        }
         if distribution {
             let bin = Path::new(DISTRIBUTION_BIN);
             command = command
@@ -153,9 +217,7 @@ impl<'a> Target<'a> {
                 .env("CARGO", bin.join("cargo"));
         }
         match &self.linker {
-            Some(linker) => command
-                .env(LINKER_VARIABLE, linker)
-                .env(VECTOR_LINKER_VARIABLE, linker),
+            Some(linker) => command.env(self.architecture.variable("LINKER"), linker),
             None => command,
         }
     }
@@ -232,7 +294,8 @@ fn install_packages(shell: &Shell, packages: &[&str]) -> Result<()> {
         if others.is_empty() {
             format!("the package cannot be installed; instead put {QEMU} on the search path")
         } else {
-            format!("the packages cannot be installed; instead try: rustup target add {TARGET}")
+            let target = Architecture::Armv7em.target();
+            format!("the packages cannot be installed; instead try: rustup target add {target}")
         }
     })
 }
