@@ -2,12 +2,10 @@
 //!
 //! Two forms, the short one without b₁, b₂, tx and ty, over two layouts, pairs (x, y) and separate x and y. On
 //! Cortex-M4F and M7 (`thumbv7em-none-eabihf`) they are scheduled by hand in `thumbv7em.s`; everywhere else, and for
-//! what is left over of a slice there, they are [`portable`]. Both do the same operations in the same order, each rounded
-//! to single precision, none fused: the same bits, which `tests/kernel` checks on emulated cores.
-//!
-//! On Cortex-M55 (`-Ctarget-cpu=cortex-m55`) the compiler makes vectors of the portable kernel. They take numbers below
-//! 1.2e-38 for zero, as the architecture has it: the bits are the same where no number on the way is as small, and no
-//! camera's is.
+//! what is left over of a slice there, they are [`portable`], which a compiler puts into the vectors of a Cortex-M55
+//! (`-C target-cpu=cortex-m55`). Both do the same operations in the same order, each rounded to single precision, none
+//! fused: the same bits, which `tests/kernel` checks on emulated cores. Only that the vectors take numbers below 2⁻¹²⁶
+//! for zero.
 //!
 //! This is the only crate of the library's with `unsafe`: it calls the assembly, in `thumbv7em.rs`.
 

@@ -1,12 +1,13 @@
 //! The kernel in plain Rust: what every other one is held against.
 //!
-//! Loops of independent points, so that a compiler with vectors to fill can fill them, and inlined, so that the vectors are
-//! those of the program that calls.
+//! Loops of independent points, so that a compiler with vectors to fill can fill them.
 
 use crate::Coefficients;
 
+/// Points that fill a vector. Where their number is a multiple of it, the compiler needs no mask.
+const VECTOR: usize = 4;
+
 /// [`crate::short_pairs`].
-#[inline]
 pub fn short_pairs(coefficients: &Coefficients, points: &mut [[f32; 2]]) {
     for point in points {
         *point = ideal::<false>(coefficients, *point);
@@ -14,7 +15,6 @@ pub fn short_pairs(coefficients: &Coefficients, points: &mut [[f32; 2]]) {
 }
 
 /// [`crate::full_pairs`].
-#[inline]
 pub fn full_pairs(coefficients: &Coefficients, points: &mut [[f32; 2]]) {
     for point in points {
         *point = ideal::<true>(coefficients, *point);
@@ -22,19 +22,44 @@ pub fn full_pairs(coefficients: &Coefficients, points: &mut [[f32; 2]]) {
 }
 
 /// [`crate::short_xy`].
-#[inline]
 pub fn short_xy(coefficients: &Coefficients, x_mm: &mut [f32], y_mm: &mut [f32]) {
-    for (x, y) in x_mm.iter_mut().zip(y_mm) {
-        [*x, *y] = ideal::<false>(coefficients, [*x, *y]);
-    }
+    xy::<false>(coefficients, x_mm, y_mm);
 }
 
 /// [`crate::full_xy`].
-#[inline]
 pub fn full_xy(coefficients: &Coefficients, x_mm: &mut [f32], y_mm: &mut [f32]) {
-    for (x, y) in x_mm.iter_mut().zip(y_mm) {
-        [*x, *y] = ideal::<true>(coefficients, [*x, *y]);
+    xy::<true>(coefficients, x_mm, y_mm);
+}
+
+/// x and y apart: vectors, then what is left over.
+#[inline]
+fn xy<const FULL: bool>(form: &Coefficients, x: &mut [f32], y: &mut [f32]) {
+    let points = x.len().min(y.len());
+    let x = x.get_mut(..points).unwrap_or_default();
+    let y = y.get_mut(..points).unwrap_or_default();
+    let (x_vectors, x_rest) = x.as_chunks_mut::<VECTOR>();
+    let (y_vectors, y_rest) = y.as_chunks_mut::<VECTOR>();
+    let (x_vectors, y_vectors) = (x_vectors.as_flattened_mut(), y_vectors.as_flattened_mut());
+    for (x, y) in x_vectors.iter_mut().zip(y_vectors) {
+        [*x, *y] = ideal::<FULL>(form, [*x, *y]);
     }
+    for (x, y) in x_rest.iter_mut().zip(y_rest) {
+        [*x, *y] = ideal::<FULL>(form, [*x, *y]);
+    }
+}
+
+/// The ideal point of one, without b₁, b₂, tx and ty.
+#[inline]
+#[must_use]
+pub fn short(coefficients: &Coefficients, point: [f32; 2]) -> [f32; 2] {
+    ideal::<false>(coefficients, point)
+}
+
+/// The ideal point of one, all terms.
+#[inline]
+#[must_use]
+pub fn full(coefficients: &Coefficients, point: [f32; 2]) -> [f32; 2] {
+    ideal::<true>(coefficients, point)
 }
 
 /// The ideal point of a measured one: the distortion first, then one subtraction, so that a coordinate is rounded once.

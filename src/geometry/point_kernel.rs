@@ -27,15 +27,18 @@ impl FrameCorrection {
     ///
     /// # Model
     /// [`Self::correct`], bit for bit, on every machine: the same operations in the same order, several points side by
-    /// side. Points beyond the sensor and NaN as there; a point does not touch another. (On Cortex-M55 with vectors numbers
-    /// below 1.2e-38 count as zero.)
+    /// side. Points beyond the sensor and NaN as there; a point does not touch another.
+    ///
+    /// The vectors of a Cortex-M55 take numbers below 2⁻¹²⁶ for zero. A camera has them for a coordinate within 1e-21 mm of
+    /// zero alone, and it differs by less than 1e-28 mm then.
     ///
     /// # Units and frames
     /// Sensor frame, mm.
     ///
     /// # Accuracy
-    /// That of [`Self::correct`]. Instructions to a point: on Cortex-M4F and M7 24 with the short kernel and 28.3 with
-    /// the full one, on Cortex-M55 7 and 9.8, and about 100 to a call (`docs/instructions.csv`).
+    /// That of [`Self::correct`]. On Cortex-M4F and M7 24 instructions to a point with the short kernel and 28.3 with
+    /// the full one, on a Cortex-M55 compiled for its vectors 7.0 and 9.8, and about 100 to a call
+    /// (`docs/instructions.csv`).
     ///
     /// # Examples
     /// ```

@@ -1,12 +1,11 @@
-//! One comparison: the same points through the kernel and, one at a time, through the portable one, in both layouts.
+//! One comparison: the same points as a slice through a kernel, and one by one through the portable one, in both layouts.
 
 use core::fmt;
 use core::hint::black_box;
-use core::slice;
 
-use fmc_camera_kernel::{Coefficients, portable};
+use fmc_camera_kernel::{Coefficients, full_pairs, full_xy, portable, short_pairs, short_xy};
 
-use crate::subnormal::{Numbers, flushed};
+use crate::arithmetic::Arithmetic;
 
 /// Most points of one comparison.
 pub(crate) const MOST: usize = 300;
@@ -32,6 +31,19 @@ pub(crate) struct Difference {
     pub(crate) expected: u32,
 }
 
+impl Difference {
+    /// A number of points that is not allowed.
+    pub(crate) fn of_count(what: &'static str, points: usize) -> Self {
+        Self {
+            what,
+            points,
+            index: 0,
+            found: 0,
+            expected: 0,
+        }
+    }
+}
+
 impl fmt::Display for Difference {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         let Self {
@@ -55,75 +67,42 @@ struct Memory([f32; ROOM]);
 type Pairs = fn(&Coefficients, &mut [[f32; 2]]);
 type Xy = fn(&Coefficients, &mut [f32], &mut [f32]);
 
-/// The portable kernel, a point at a time, so that no compiler makes vectors of them.
-macro_rules! one_at_a_time {
-    (pairs $kernel:path) => {
-        |form, points| {
-            for point in points {
-                $kernel(form, black_box(slice::from_mut(point)));
-            }
-        }
-    };
-    (xy $kernel:path) => {
-        |form, x, y| {
-            for (x, y) in x.iter_mut().zip(y) {
-                let (x, y) = black_box((slice::from_mut(x), slice::from_mut(y)));
-                $kernel(form, x, y);
-            }
-        }
-    };
-}
+type Single = fn(&Coefficients, [f32; 2]) -> [f32; 2];
 
-/// Name, kernel, and what it is held against.
-const PAIRS: [(&str, Pairs, Pairs); 2] = [
-    (
-        "short_pairs",
-        fmc_camera_kernel::short_pairs,
-        one_at_a_time!(pairs portable::short_pairs),
-    ),
-    (
-        "full_pairs",
-        fmc_camera_kernel::full_pairs,
-        one_at_a_time!(pairs portable::full_pairs),
-    ),
+const PAIRS: [(&str, Pairs, Single); 2] = [
+    ("short_pairs", short_pairs, portable::short),
+    ("full_pairs", full_pairs, portable::full),
 ];
-const XY: [(&str, Xy, Xy); 2] = [
-    (
-        "short_xy",
-        fmc_camera_kernel::short_xy,
-        one_at_a_time!(xy portable::short_xy),
-    ),
-    (
-        "full_xy",
-        fmc_camera_kernel::full_xy,
-        one_at_a_time!(xy portable::full_xy),
-    ),
+const XY: [(&str, Xy, Single); 2] = [
+    ("short_xy", short_xy, portable::short),
+    ("full_xy", full_xy, portable::full),
 ];
 
-/// Pairs through the short and the full form.
+/// Pairs through the short and the full form, against single points. The arithmetic is that of single numbers: of the
+/// reference, and of what a kernel leaves over from its vectors.
 ///
 /// # Errors
 /// The first [`Difference`].
 pub(crate) fn pairs(
-    numbers: Numbers,
     form: &Coefficients,
     points: &[[f32; 2]],
+    arithmetic: Arithmetic,
 ) -> Result<(), Difference> {
-    for (what, kernel, portable) in PAIRS {
+    for (what, kernel, single) in PAIRS {
         for offset in OFFSETS {
-            let run = |kernel: Pairs| {
+            let run = |work: &dyn Fn(&mut [[f32; 2]])| {
                 let mut memory = Memory([GUARD; ROOM]);
                 let (slots, _) = memory.0.split_at_mut(ROOM - 2);
                 let (_, slots) = slots.split_at_mut(offset);
                 let (slots, _) = slots.as_chunks_mut::<2>();
                 let (slots, _) = slots.split_at_mut(points.len());
                 slots.copy_from_slice(points);
-                kernel(form, slots);
+                work(slots);
                 memory
             };
-            let expected = run(portable);
-            let or = flushed(numbers, || run(portable));
-            same(what, points.len(), &run(kernel), &expected, or.as_ref())?;
+            let found = run(&|slots| arithmetic.run(|| kernel(black_box(form), slots)));
+            let expected = run(&|slots| one_by_one(single, form, slots.iter_mut(), arithmetic));
+            same(what, points.len(), &found, &expected)?;
         }
     }
     Ok(())
@@ -134,13 +113,13 @@ pub(crate) fn pairs(
 /// # Errors
 /// The first [`Difference`].
 pub(crate) fn xy(
-    numbers: Numbers,
     form: &Coefficients,
     points: &[[f32; 2]],
+    arithmetic: Arithmetic,
 ) -> Result<(), Difference> {
-    for (what, kernel, portable) in XY {
+    for (what, kernel, single) in XY {
         for offset in OFFSETS {
-            let run = |kernel: Xy| {
+            let run = |work: &dyn Fn(&mut [f32], &mut [f32])| {
                 let mut memory = Memory([GUARD; ROOM]);
                 let (x, y) = memory.0.split_at_mut(ROOM / 2);
                 let (_, x) = x.split_at_mut(offset);
@@ -149,29 +128,101 @@ pub(crate) fn xy(
                 for ((x, y), point) in x.iter_mut().zip(y.iter_mut()).zip(points) {
                     [*x, *y] = *point;
                 }
-                kernel(form, x, y);
+                work(x, y);
                 memory
             };
-            let expected = run(portable);
-            let or = flushed(numbers, || run(portable));
-            same(what, points.len(), &run(kernel), &expected, or.as_ref())?;
+            let found = run(&|x, y| arithmetic.run(|| kernel(black_box(form), x, y)));
+            let expected = run(&|x, y| {
+                let mut slots = [[0.0; 2]; MOST];
+                for (slot, point) in slots.iter_mut().zip(points) {
+                    *slot = *point;
+                }
+                let slots = slots.split_at_mut(points.len()).0;
+                one_by_one(single, form, slots.iter_mut(), arithmetic);
+                for ((x, y), slot) in x.iter_mut().zip(y).zip(slots) {
+                    [*x, *y] = *slot;
+                }
+            });
+            same(what, points.len(), &found, &expected)?;
         }
     }
     Ok(())
 }
 
-/// Whether every number is the expected one, or that of `or`.
+/// By how much coordinates may differ.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Bound {
+    /// Besides one in the last place.
+    pub(crate) difference_mm: f32,
+    /// Larger ones may not differ.
+    pub(crate) up_to_mm: f32,
+}
+
+/// Every form and layout against single points in IEEE arithmetic; how many coordinates differ.
+///
+/// # Errors
+/// The first [`Difference`] beyond the bound.
+pub(crate) fn within(
+    form: &Coefficients,
+    points: &[[f32; 2]; MOST],
+    bound: Bound,
+) -> Result<usize, Difference> {
+    let mut different = 0;
+    for ((what, pairs, single), (_, xy, _)) in PAIRS.into_iter().zip(XY) {
+        let mut as_pairs = *points;
+        pairs(form, &mut as_pairs);
+        let (mut x, mut y) = (points.map(|[x, _]| x), points.map(|[_, y]| y));
+        xy(form, &mut x, &mut y);
+        let mut expected = *points;
+        one_by_one(single, form, expected.iter_mut(), Arithmetic::Gradual);
+        let found = as_pairs.iter().zip(x.iter().zip(&y));
+        for (index, ((pair, (x, y)), expected)) in found.zip(&expected).enumerate() {
+            for (found, expected) in pair.iter().chain([x, y]).zip(expected.iter().cycle()) {
+                if found.to_bits() == expected.to_bits() {
+                    continue;
+                }
+                different += 1;
+                let most = bound.difference_mm + f32::EPSILON * expected.abs();
+                let is_within =
+                    (found - expected).abs() <= most && expected.abs() <= bound.up_to_mm;
+                if !is_within {
+                    return Err(Difference {
+                        what,
+                        points: MOST,
+                        index,
+                        found: found.to_bits(),
+                        expected: expected.to_bits(),
+                    });
+                }
+            }
+        }
+    }
+    Ok(different)
+}
+
+/// The portable kernel on single numbers: from a black box and into it, so that no compiler puts points side by side.
+fn one_by_one<'a>(
+    single: Single,
+    form: &Coefficients,
+    points: impl Iterator<Item = &'a mut [f32; 2]>,
+    arithmetic: Arithmetic,
+) {
+    arithmetic.run(|| {
+        for point in points {
+            *point = black_box(single(form, black_box(*point)));
+        }
+    });
+}
+
 fn same(
     what: &'static str,
     points: usize,
     found: &Memory,
     expected: &Memory,
-    or: Option<&Memory>,
 ) -> Result<(), Difference> {
-    let or = or.unwrap_or(expected);
-    let numbers = found.0.iter().zip(&expected.0).zip(&or.0);
-    for (index, ((found, expected), or)) in numbers.enumerate() {
-        if !equal(*found, *expected) && !equal(*found, *or) {
+    for (index, (found, expected)) in found.0.iter().zip(&expected.0).enumerate() {
+        let equal = found.to_bits() == expected.to_bits() || (found.is_nan() && expected.is_nan());
+        if !equal {
             return Err(Difference {
                 what,
                 points,
@@ -182,10 +233,6 @@ fn same(
         }
     }
     Ok(())
-}
-
-fn equal(found: f32, expected: f32) -> bool {
-    found.to_bits() == expected.to_bits() || (found.is_nan() && expected.is_nan())
 }
 
 /// Shows that a last bit, a sign of zero and a NaN are seen where they differ.
@@ -199,7 +246,7 @@ pub(crate) fn sees_differences() -> Result<(), Difference> {
         if let (Some(left), Some(right)) = (left.0.last_mut(), right.0.last_mut()) {
             [*left, *right] = [found, expected];
         }
-        if same("control", 0, &left, &right, None).is_ok() {
+        if same("control", 0, &left, &right).is_ok() {
             return Err(Difference {
                 what: "a difference that is not seen",
                 points: 0,

@@ -2,8 +2,8 @@
 
 use fmc_camera_kernel::Coefficients;
 
+use crate::arithmetic::OF_KERNEL;
 use crate::check::{self, Difference};
-use crate::subnormal::Numbers;
 
 /// Coordinates and coefficients that are special to the arithmetic.
 const SPECIAL: [f32; 17] = [
@@ -69,8 +69,8 @@ pub(crate) fn compare() -> Result<usize, Difference> {
 }
 
 fn both(form: &Coefficients, points: &[[f32; 2]]) -> Result<usize, Difference> {
-    check::pairs(Numbers::Any, form, points)?;
-    check::xy(Numbers::Any, form, points)?;
+    check::pairs(form, points, OF_KERNEL)?;
+    check::xy(form, points, OF_KERNEL)?;
     Ok(points.len())
 }
 

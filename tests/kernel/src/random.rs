@@ -4,9 +4,9 @@ use core::array::from_fn;
 
 use fmc_camera_kernel::Coefficients;
 
+use crate::arithmetic::{Arithmetic, OF_KERNEL};
 use crate::check::{self, Difference, MOST};
 use crate::corners::coefficients;
-use crate::subnormal::Numbers;
 
 /// Points in all.
 const POINTS: usize = 10_000_000;
@@ -27,22 +27,24 @@ pub(crate) fn compare() -> Result<usize, Difference> {
     let mut compared = 0;
     let mut round = 0_u32;
     while compared < POINTS {
-        let numbers = if round.is_multiple_of(4) {
-            Numbers::Any
-        } else {
-            Numbers::OfCameras
-        };
-        let form = generator.form(numbers);
+        let any_bits = round.is_multiple_of(4);
+        let form = generator.form(any_bits);
         for point in &mut points {
-            *point = from_fn(|_| generator.number(REACH_MM, numbers));
+            *point = from_fn(|_| generator.number(REACH_MM, any_bits));
         }
         // All remainders of a block and of two.
         let length = MOST - usize::from(generator.next().to_le_bytes()[1] % 12);
         let (points, _) = points.split_at(length);
-        if round.is_multiple_of(2) == round.is_multiple_of(3) {
-            check::pairs(numbers, &form, points)?;
+        // With a camera's numbers nothing falls below 2⁻¹²⁶.
+        let arithmetic = if any_bits {
+            OF_KERNEL
         } else {
-            check::xy(numbers, &form, points)?;
+            Arithmetic::Gradual
+        };
+        if round.is_multiple_of(2) == round.is_multiple_of(3) {
+            check::pairs(&form, points, arithmetic)?;
+        } else {
+            check::xy(&form, points, arithmetic)?;
         }
         compared += length;
         round += 1;
@@ -51,10 +53,10 @@ pub(crate) fn compare() -> Result<usize, Difference> {
 }
 
 /// Marsaglia's xorshift of 32 bits (J. Stat. Softw. 8(14), 2003).
-struct Generator(u32);
+pub(crate) struct Generator(pub(crate) u32);
 
 impl Generator {
-    fn next(&mut self) -> u32 {
+    pub(crate) fn next(&mut self) -> u32 {
         self.0 ^= self.0 << 13;
         self.0 ^= self.0 >> 17;
         self.0 ^= self.0 << 5;
@@ -62,9 +64,9 @@ impl Generator {
     }
 
     /// Between -`largest` and `largest`, or of any bits.
-    fn number(&mut self, largest: f32, numbers: Numbers) -> f32 {
+    fn number(&mut self, largest: f32, any_bits: bool) -> f32 {
         let bits = self.next();
-        if numbers == Numbers::Any {
+        if any_bits {
             f32::from_bits(bits)
         } else {
             #[expect(clippy::cast_precision_loss, reason = "a random number is rounded")]
@@ -73,7 +75,7 @@ impl Generator {
         }
     }
 
-    fn form(&mut self, numbers: Numbers) -> Coefficients {
-        coefficients(LARGEST.map(|largest| self.number(largest, numbers)))
+    fn form(&mut self, any_bits: bool) -> Coefficients {
+        coefficients(LARGEST.map(|largest| self.number(largest, any_bits)))
     }
 }
