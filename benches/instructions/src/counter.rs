@@ -2,16 +2,17 @@
 
 use core::hint::black_box;
 
+use cortex_m::asm::delay;
 use cortex_m::peripheral::SYST;
 use cortex_m::peripheral::syst::SystClkSource;
 use cortex_m_semihosting::hprintln;
 
-/// Instructions to so many ticks: 1 ns each, the timer runs at 25 MHz.
+/// Instructions to four ticks: 1 ns each, the timer runs at 25 MHz.
 #[cfg(not(mps3))]
-const INSTRUCTIONS_PER_TICKS: (u32, u32) = (40, 1);
-/// Instructions to so many ticks: 1 ns each, the timer runs at 32 MHz.
+const PER_FOUR_TICKS: u32 = 160;
+/// The same where the timer runs at 32 MHz.
 #[cfg(mps3)]
-const INSTRUCTIONS_PER_TICKS: (u32, u32) = (125, 4);
+const PER_FOUR_TICKS: u32 = 125;
 /// The timer counts down from here.
 const RELOAD: u32 = 0x00ff_ffff;
 
@@ -27,6 +28,17 @@ impl Counter {
         timer.clear_current();
         timer.enable_counter();
         Self { timer }
+    }
+
+    /// Whether what is counted are instructions: a loop of two of them must take as many as it does.
+    pub(crate) fn is_calibrated(&mut self) -> bool {
+        const ROUNDS: u32 = 100_000;
+        // It goes round once more than it is told.
+        let counted = self.measure(|| delay(ROUNDS - 1));
+        // What is around the loop is less than two ticks.
+        counted.is_some_and(|(instructions, ())| {
+            (2 * ROUNDS..2 * ROUNDS + PER_FOUR_TICKS / 2).contains(&instructions)
+        })
     }
 
     /// Runs `work` and prints what one of its `repetitions` costs; `None` if it fails or takes longer than the timer
@@ -56,8 +68,8 @@ impl Counter {
         if wrapped && end >= start || ticks > RELOAD / 2 {
             return None;
         }
-        let (instructions, per_ticks) = INSTRUCTIONS_PER_TICKS;
-        Some((ticks * instructions / per_ticks, black_box(result)))
+        // At most 2^23 ticks: the product fits.
+        Some((ticks * PER_FOUR_TICKS / 4, black_box(result)))
     }
 
     /// Prints what `repetitions` have taken.
