@@ -31,10 +31,12 @@ impl Item for u8 {
     type Place = AtomicU8;
     const EMPTY: AtomicU8 = AtomicU8::new(0);
 
+    #[inline]
     fn load(place: &AtomicU8) -> Self {
         place.load(Ordering::Relaxed)
     }
 
+    #[inline]
     fn store(self, place: &AtomicU8) {
         place.store(self, Ordering::Relaxed);
     }
@@ -44,10 +46,12 @@ impl Item for u32 {
     type Place = AtomicU32;
     const EMPTY: AtomicU32 = AtomicU32::new(0);
 
+    #[inline]
     fn load(place: &AtomicU32) -> Self {
         place.load(Ordering::Relaxed)
     }
 
+    #[inline]
     fn store(self, place: &AtomicU32) {
         place.store(self, Ordering::Relaxed);
     }
@@ -88,6 +92,7 @@ impl<T: Item, const PLACES: usize> Ring<T, PLACES> {
     }
 
     /// Keeps an item; where there is no room it is lost and counted.
+    #[inline]
     pub fn push(&self, item: T) {
         let written = self.written.load(Ordering::Relaxed);
         match self.places.get(written % PLACES) {
@@ -101,6 +106,7 @@ impl<T: Item, const PLACES: usize> Ring<T, PLACES> {
     }
 
     /// Takes the oldest item.
+    #[inline]
     pub fn pop(&self) -> Option<T> {
         let read = self.read.load(Ordering::Relaxed);
         if read == self.written.load(Ordering::Acquire) {
@@ -112,12 +118,14 @@ impl<T: Item, const PLACES: usize> Ring<T, PLACES> {
     }
 
     /// Whether another item can be kept.
+    #[inline]
     pub fn has_room(&self) -> bool {
         let written = self.written.load(Ordering::Relaxed);
         written.wrapping_sub(self.read.load(Ordering::Acquire)) < PLACES
     }
 
     /// Whether no item waits.
+    #[inline]
     pub fn is_empty(&self) -> bool {
         self.read.load(Ordering::Relaxed) == self.written.load(Ordering::Acquire)
     }

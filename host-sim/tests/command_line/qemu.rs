@@ -13,6 +13,7 @@ use std::time::{Duration, Instant};
 use fmc_camera::SensorPoint;
 use fmc_camera::flight::camera::FrameError;
 use fmc_camera::geometry::calibration::{CalibrationError, Polynomial};
+use fmc_camera::io::link::PROTOCOL_VERSION;
 use fmc_camera::io::link::message::{Answer, Refusal};
 
 use crate::fake_camera::FakeCamera;
@@ -249,13 +250,9 @@ fn image_of_another_protocol_is_named_with_both_versions() {
         link.write_all(&frame_of(&[1, 0, 0, 9])).unwrap();
         let _ = link.read_to_end(&mut Vec::new());
     });
-    qemu.run(&VERIFY).failed(
-        3,
-        &[
-            "version 1 of the protocol, this program version 2",
-            "cargo xtask firmware",
-        ],
-    );
+    let versions = format!("version 1 of the protocol, this program version {PROTOCOL_VERSION}");
+    qemu.run(&VERIFY)
+        .failed(3, &[&versions, "cargo xtask firmware"]);
 }
 
 #[test]
