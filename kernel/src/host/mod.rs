@@ -6,6 +6,11 @@
 //! `pulp`: it detects instructions without the standard library, gives out a proof of them without which a kernel
 //! cannot be called, and lets a test run every level that the machine has.
 
+#![expect(
+    clippy::inline_always,
+    reason = "what is not inlined where the instructions are enabled is compiled without them"
+)]
+
 mod batch;
 mod form;
 mod level;

@@ -2,6 +2,8 @@
 //!
 //! Two vectors hold what one does of separate x and y; their ends overlap as those of `xy`.
 
+use core::ptr;
+
 use super::form::Form;
 use super::head;
 use super::vectors::{Vectors, Work};
@@ -53,14 +55,23 @@ impl<const FULL: bool> Work for Into<'_, FULL> {
         let from = twos::<V>(points.split_at(before).1);
         let to = twos_mut::<V>(ideal.split_at_mut(before).1);
         if self.stream && aligned {
-            for (point, [ideal_low, ideal_high]) in from.iter().zip(to) {
-                let [low, high] = form.ideal_pairs(*point);
-                // SAFETY: behind so many numbers the slice is aligned, and every place is whole vectors further on;
-                // the fence follows the loop.
+            // Two streams: a processor asks ahead in each, and one alone does not keep the memory busy.
+            let half = from.len() / 2;
+            let (first, second) = from.split_at(half);
+            let (to_first, to_second) = to.split_at_mut(half);
+            let both = first.iter().zip(to_first.iter_mut());
+            for ((a, to_a), (b, to_b)) in both.zip(second.iter().zip(to_second.iter_mut())) {
+                // SAFETY: behind so many numbers the slice is aligned, and every place is whole vectors further on; the
+                // fence follows the loops.
                 unsafe {
-                    vectors.stream(ideal_low, low);
-                    vectors.stream(ideal_high, high);
+                    pass(vectors, &form, a, to_a);
+                    pass(vectors, &form, b, to_b);
                 }
+            }
+            // Of an odd count one is left.
+            for (point, to) in second.iter().zip(to_second.iter_mut()).skip(half) {
+                // SAFETY: as above.
+                unsafe { pass(vectors, &form, point, to) }
             }
             vectors.streamed();
         } else {
@@ -69,6 +80,28 @@ impl<const FULL: bool> Work for Into<'_, FULL> {
             }
         }
         put_ends::<V>(ideal, [at_first, at_last]);
+    }
+}
+
+/// Ideal points past the caches.
+///
+/// # Safety
+/// That of [`Vectors::stream`].
+#[inline(always)]
+unsafe fn pass<V: Vectors, const FULL: bool>(
+    vectors: V,
+    form: &Form<V, FULL>,
+    points: &[V::f32s; 2],
+    [at_low, at_high]: &mut [V::f32s; 2],
+) {
+    let at: *const f32 = ptr::from_ref(points).cast();
+    vectors.ask_ahead(at);
+    vectors.ask_ahead(at.wrapping_add(V::F32_LANES));
+    let [low, high] = form.ideal_pairs(*points);
+    // SAFETY: the caller's.
+    unsafe {
+        vectors.stream(at_low, low);
+        vectors.stream(at_high, high);
     }
 }
 

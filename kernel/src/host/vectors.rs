@@ -19,6 +19,9 @@ pub(super) trait Vectors: Simd {
     /// The place is aligned to [`Self::ALIGNMENT`], and [`Self::streamed`] is called before anyone reads it.
     unsafe fn stream(self, place: &mut Self::f32s, value: Self::f32s);
 
+    /// Asks the memory for what lies a page further on; it need not exist.
+    fn ask_ahead(self, place: *const f32);
+
     /// All that was streamed is in memory as any other store would be.
     fn streamed(self);
 
@@ -51,6 +54,9 @@ impl Vectors for Scalar {
     }
 
     #[inline(always)]
+    fn ask_ahead(self, _: *const f32) {}
+
+    #[inline(always)]
     fn streamed(self) {}
 
     fn run<W: Work>(self, work: W) {
@@ -60,12 +66,16 @@ impl Vectors for Scalar {
 
 #[cfg(target_arch = "x86_64")]
 mod x86_64 {
+    use core::arch::x86_64::_MM_HINT_T0;
     use core::ptr;
 
     use pulp::x86::{V3, V4};
     use pulp::{NullaryFnOnce, cast};
 
     use super::{Vectors, Work};
+
+    /// Numbers in a page of memory: at its end the processor stops to ask by itself.
+    const AHEAD: usize = 1024;
 
     /// A piece of work with its vectors, to be called where they are enabled.
     struct Enabled<V, W>(V, W);
@@ -110,6 +120,12 @@ mod x86_64 {
         }
 
         #[inline(always)]
+        fn ask_ahead(self, place: *const f32) {
+            self.sse
+                ._mm_prefetch::<_MM_HINT_T0>(place.wrapping_add(AHEAD).cast());
+        }
+
+        #[inline(always)]
         fn streamed(self) {
             self.sse._mm_sfence();
         }
@@ -151,6 +167,12 @@ mod x86_64 {
         }
 
         #[inline(always)]
+        fn ask_ahead(self, place: *const f32) {
+            self.sse
+                ._mm_prefetch::<_MM_HINT_T0>(place.wrapping_add(AHEAD).cast());
+        }
+
+        #[inline(always)]
         fn streamed(self) {
             self.sse._mm_sfence();
         }
@@ -187,6 +209,9 @@ mod aarch64 {
         unsafe fn stream(self, place: &mut Self::f32s, value: Self::f32s) {
             *place = cast(value);
         }
+
+        #[inline(always)]
+        fn ask_ahead(self, _: *const f32) {}
 
         #[inline(always)]
         fn streamed(self) {}

@@ -3,6 +3,8 @@
 //! The first and the last vector of a slice are evaluated beside those that are aligned in between, with which they
 //! overlap: the same points give the same bits twice, and no vector need be filled in part.
 
+use core::ptr;
+
 use super::form::{Form, Ideal};
 use super::vectors::{Vectors, Work};
 use super::{head, last, last_mut};
@@ -73,6 +75,8 @@ impl<const FULL: bool> Work for Into<'_, FULL> {
             .zip(V::as_mut_simd_f32s(ideal_y.split_at_mut(before).1).0);
         if self.stream && alike {
             for ((x, y), (ideal_x, ideal_y)) in from.zip(to) {
+                vectors.ask_ahead(ptr::from_ref(x).cast());
+                vectors.ask_ahead(ptr::from_ref(y).cast());
                 let ideal = form.ideal(*x, *y);
                 // SAFETY: behind so many numbers both slices are aligned, and every place is whole vectors further on;
                 // the fence follows the loop.
