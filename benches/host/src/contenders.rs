@@ -120,7 +120,7 @@ fn xy_into<'a>(points: &'a Points, batch: Batch, name: &str) -> Contender<'a> {
     })
 }
 
-/// The correction of `opencv-ros-camera`: pixels in double precision, five iterations as in OpenCV.
+/// The correction of `opencv-ros-camera`: pixels in double precision, five iterations.
 fn other_crate(points: &Points) -> Contender<'_> {
     let distortion =
         Distortion::from_opencv_vec(nalgebra::Vector5::new(-0.1, 0.05, 1e-4, 1e-4, 0.01));

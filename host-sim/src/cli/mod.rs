@@ -207,7 +207,7 @@ pub struct PointsArgs {
 #[derive(Debug, Args)]
 pub struct PointFiles {
     /// CSV with a header, columns in any order: `id,x_mm,y_mm` (sensor frame) or `id,col_px,row_px`. Or an array of
-    /// `NumPy` (.npy), N rows of `x_mm`, `y_mm`, answered by N rows of `x_mm`, `y_mm`, `dx_um`, `dy_um`. `-` reads standard input.
+    /// NumPy (.npy), N rows of `x_mm`, `y_mm`, answered by N rows of `x_mm`, `y_mm`, `dx_um`, `dy_um`. `-` reads standard input.
     #[arg(value_name = "POINTS.csv")]
     pub points: PathBuf,
     /// Answer file; it appears only when it is complete. Without it standard output, where a wrong point of a long file

@@ -1,4 +1,4 @@
-//! Points and answers as arrays of `NumPy`.
+//! Points and answers as arrays of NumPy.
 
 use std::fs;
 use std::io::Write as _;

@@ -1,4 +1,4 @@
-//! Points in and answers out, block by block: CSV, or arrays of `NumPy`.
+//! Points in and answers out, block by block: CSV, or arrays of NumPy.
 
 mod answers;
 mod block;
@@ -23,7 +23,7 @@ use clap::ValueEnum;
 pub enum PointFormat {
     /// A header and a row for each.
     Csv,
-    /// An array of `NumPy`, a row for each, C order, f4 or f8 little-endian, millimetres.
+    /// An array of NumPy, a row for each, C order, f4 or f8 little-endian, millimetres.
     Npy,
 }
 

@@ -1,4 +1,4 @@
-//! Points of a `NumPy` array: N rows of x and y in the sensor frame, mm.
+//! Points of a NumPy array: N rows of x and y in the sensor frame, mm.
 
 use std::io::{self, ErrorKind, Read};
 use std::path::Path;
