@@ -7,10 +7,7 @@ use npyz::{NpyFile, Order, WriterBuilder as _};
 
 use crate::support::{Answer, Bench, CAMERA};
 
-fn array<T: npyz::AutoSerialize>(shape: &[u64], order: Order, numbers: &[T]) -> Vec<u8>
-where
-    T: Copy,
-{
+fn array<T: npyz::AutoSerialize + Copy>(shape: &[u64], order: Order, numbers: &[T]) -> Vec<u8> {
     let mut bytes = Vec::new();
     let mut writer = npyz::WriteOptions::new()
         .default_dtype()

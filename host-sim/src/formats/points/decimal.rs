@@ -13,7 +13,7 @@ pub(super) fn push<const DECIMALS: u32>(text: &mut Vec<u8>, value: f64) {
     let exponent = bits >> 52 & 0x7ff;
     // value = mantissa·2^-shift; a subnormal number is less than half a unit whatever its mantissa.
     let shift = 1075_u64.saturating_sub(exponent);
-    if !(value.abs() < LARGEST) || shift == 0 {
+    if value.is_nan() || value.abs() >= LARGEST || shift == 0 {
         let decimals = DECIMALS as usize;
         // Writing to a vector does not fail.
         let _ = write!(text, "{value:.decimals$}");

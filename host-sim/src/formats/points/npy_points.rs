@@ -79,11 +79,12 @@ impl<R: Read> NpyPoints<R> {
             .map_err(|error| self.failed(&error))?;
         match self.precision {
             Precision::Single => {
-                let (rows, _) = self.bytes.as_chunks::<8>();
-                block.points_mm.extend(rows.iter().map(|row| {
-                    let [a, b, c, d, e, f, g, h] = *row;
-                    [[a, b, c, d], [e, f, g, h]].map(|number| f64::from(f32::from_le_bytes(number)))
-                }));
+                let (numbers, _) = self.bytes.as_chunks::<4>();
+                let (rows, _) = numbers.as_chunks::<2>();
+                let double = |number| f64::from(f32::from_le_bytes(number));
+                block
+                    .points_mm
+                    .extend(rows.iter().map(|row| row.map(double)));
             }
             Precision::Double => {
                 let (numbers, _) = self.bytes.as_chunks::<8>();
