@@ -99,43 +99,72 @@ impl FrameCorrection {
     /// there is a measured point.
     #[inline]
     pub fn distort(&self, ideal: SensorPoint) -> Result<Corrected, DistortError> {
-        let quick = match self.kernel() {
-            Kernel::Short => self.freely::<false>(ideal),
-            Kernel::Full => self.freely::<true>(ideal),
+        let first = match self.kernel() {
+            Kernel::Short => self.first_step::<false>(ideal),
+            Kernel::Full => self.first_step::<true>(ideal),
         };
-        match quick {
-            Some(measured) => Ok(measured),
-            None => self.kept_on_sensor(ideal),
+        match first {
+            Ok(measured) => Ok(measured),
+            Err(distortion) => self.further_steps(ideal, distortion),
         }
     }
 
-    /// [`Self::distort`] by free steps; `None` where they do not find a point of the sensor.
+    /// [`Self::distort`] by one free step, or where that leads if it is not the last or leaves the sensor.
     #[expect(
         clippy::inline_always,
         reason = "a call per point would load the coefficients again: 20 instructions"
     )]
     #[inline(always)]
-    fn freely<const FULL: bool>(&self, ideal: SensorPoint) -> Option<Corrected> {
-        let (centre, form) = (self.centre(), self.form());
-        let (x, y) = (ideal.x_mm - centre.x_mm, ideal.y_mm - centre.y_mm);
-        let mut distortion = form.start::<FULL>(x, y);
-        for _ in 0..FREE_STEPS {
+    fn first_step<const FULL: bool>(&self, ideal: SensorPoint) -> Result<Corrected, Displacement> {
+        let (x, y) = self.from_centre(ideal);
+        let start = self.form().start::<FULL>(x, y);
+        let (distortion, step2_mm2) = self.form().stepped::<FULL>(x, y, start);
+        self.ended(ideal, distortion, step2_mm2).ok_or(distortion)
+    }
+
+    /// [`Self::distort`] from where the first free step has led.
+    #[cold]
+    #[inline(never)]
+    fn further_steps(
+        &self,
+        ideal: SensorPoint,
+        mut distortion: Displacement,
+    ) -> Result<Corrected, DistortError> {
+        let (x, y) = self.from_centre(ideal);
+        for _ in 1..FREE_STEPS {
             let step2_mm2;
-            (distortion, step2_mm2) = form.stepped::<FULL>(x, y, distortion);
-            if step2_mm2 <= self.longest_last_step2() {
-                let point = shifted(ideal, distortion);
-                return self
-                    .contains(point)
-                    .then_some(Corrected { point, distortion });
+            (distortion, step2_mm2) = match self.kernel() {
+                Kernel::Short => self.form().stepped::<false>(x, y, distortion),
+                Kernel::Full => self.form().stepped::<true>(x, y, distortion),
+            };
+            if let Some(measured) = self.ended(ideal, distortion, step2_mm2) {
+                return Ok(measured);
             }
         }
-        None
+        self.kept_on_sensor(ideal)
+    }
+
+    /// Where a free step has led, if it may be the last and ends on the sensor.
+    #[inline]
+    fn ended(
+        &self,
+        ideal: SensorPoint,
+        distortion: Displacement,
+        step2_mm2: f32,
+    ) -> Option<Corrected> {
+        let point = shifted(ideal, distortion);
+        let found = step2_mm2 <= self.longest_last_step2() && self.contains(point);
+        found.then_some(Corrected { point, distortion })
+    }
+
+    #[inline]
+    fn from_centre(&self, ideal: SensorPoint) -> (f32, f32) {
+        let centre = self.centre();
+        (ideal.x_mm - centre.x_mm, ideal.y_mm - centre.y_mm)
     }
 
     /// [`Self::distort`] where free steps find nothing: at the edge, beyond it, and with a strong lens. It decides which
     /// error it is.
-    #[cold]
-    #[inline(never)]
     fn kept_on_sensor(&self, ideal: SensorPoint) -> Result<Corrected, DistortError> {
         // Every iterate stays on the sensor, where the map is one-to-one: beyond it the polynomial
         // may have other roots.
@@ -210,16 +239,19 @@ impl FrameCorrection {
         let mut rest = points;
         let mut index = 0;
         loop {
-            let found = match self.kernel() {
-                Kernel::Short => self.free_run::<false>(rest),
-                Kernel::Full => self.free_run::<true>(rest),
+            let not_found = match self.kernel() {
+                Kernel::Short => self.first_steps::<false>(rest),
+                Kernel::Full => self.first_steps::<true>(rest),
             };
+            let Some((found, distortion)) = not_found else {
+                return Ok(());
+            };
+            index += found;
             let left = rest.get_mut(found..).and_then(<[_]>::split_first_mut);
             let Some((point, behind)) = left else {
                 return Ok(());
             };
-            index += found;
-            let measured = self.kept_on_sensor(*point);
+            let measured = self.further_steps(*point, distortion);
             *point = measured
                 .map_err(|error| DistortSliceError { index, error })?
                 .point;
@@ -228,18 +260,20 @@ impl FrameCorrection {
         }
     }
 
-    /// Replaces points as long as one step is enough; how many. A loop that calls nothing keeps the coefficients in registers.
+    /// Replaces points as long as the first step is the last: at which index it is not, and where it leads. A loop that
+    /// calls nothing keeps the coefficients in registers.
     #[inline(never)]
-    fn free_run<const FULL: bool>(&self, points: &mut [SensorPoint]) -> usize {
-        let all = points.len();
-        let is_last = |point: &mut SensorPoint| match self.freely::<FULL>(*point) {
-            Some(measured) => {
-                *point = measured.point;
-                false
+    fn first_steps<const FULL: bool>(
+        &self,
+        points: &mut [SensorPoint],
+    ) -> Option<(usize, Displacement)> {
+        for (index, point) in points.iter_mut().enumerate() {
+            match self.first_step::<FULL>(*point) {
+                Ok(measured) => *point = measured.point,
+                Err(distortion) => return Some((index, distortion)),
             }
-            None => true,
-        };
-        points.iter_mut().position(is_last).unwrap_or(all)
+        }
+        None
     }
 
     /// The displacement cut where it would leave the sensor.
