@@ -116,7 +116,7 @@ impl FrameCorrection {
     )]
     #[inline(always)]
     fn first_step<const FULL: bool>(&self, ideal: SensorPoint) -> Result<Corrected, Displacement> {
-        let (x, y) = self.from_centre(ideal);
+        let (x, y) = self.centred(ideal);
         let start = self.form().start::<FULL>(x, y);
         let (distortion, step2_mm2) = self.form().stepped::<FULL>(x, y, start);
         self.ended(ideal, distortion, step2_mm2).ok_or(distortion)
@@ -130,7 +130,7 @@ impl FrameCorrection {
         ideal: SensorPoint,
         mut distortion: Displacement,
     ) -> Result<Corrected, DistortError> {
-        let (x, y) = self.from_centre(ideal);
+        let (x, y) = self.centred(ideal);
         for _ in 1..FREE_STEPS {
             let step2_mm2;
             (distortion, step2_mm2) = match self.kernel() {
@@ -158,7 +158,7 @@ impl FrameCorrection {
     }
 
     #[inline]
-    fn from_centre(&self, ideal: SensorPoint) -> (f32, f32) {
+    fn centred(&self, ideal: SensorPoint) -> (f32, f32) {
         let centre = self.centre();
         (ideal.x_mm - centre.x_mm, ideal.y_mm - centre.y_mm)
     }
@@ -304,4 +304,82 @@ pub(super) fn newton_step(j: Jacobian, residual: Displacement) -> Displacement {
 
 pub(super) fn shifted(point: SensorPoint, by: Displacement) -> SensorPoint {
     SensorPoint::new(point.x_mm + by.dx_mm, point.y_mm + by.dy_mm)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::geometry::brown::Brown;
+    use crate::geometry::calibration::{Calibration, CalibrationRecord};
+    use proptest::prelude::*;
+
+    fn correction(distortion: Brown) -> Option<FrameCorrection> {
+        let mut record = CalibrationRecord::new(100.0, [8000, 6000], 10.0);
+        record.distortion = distortion;
+        let calibration = Calibration::new(record).ok()?;
+        Some(FrameCorrection::without_motion(&calibration))
+    }
+
+    /// Two units in the last place at 40 mm, over the scale.
+    fn is_same(a: SensorPoint, b: SensorPoint, scale: f32) -> bool {
+        let near = |a: f32, b: f32| (a - b).abs() <= 7.7e-6 / scale;
+        near(a.x_mm, b.x_mm) && near(a.y_mm, b.y_mm)
+    }
+
+    proptest! {
+        #![proptest_config(ProptestConfig::with_cases(5000))]
+
+        #[test]
+        fn free_steps_lead_to_the_point_that_steps_on_the_sensor_find(
+            k1 in -9e-5_f32..9e-5,
+            k2 in -3e-8_f32..3e-8,
+            p in [-2e-5_f32..2e-5, -2e-5_f32..2e-5],
+            b in [-1e-3_f32..1e-3, -1e-3_f32..1e-3],
+            share in 0.0_f32..1.0,
+            x in -60.0_f32..60.0,
+            y in -45.0_f32..45.0,
+        ) {
+            let lens = Brown { k1: share * k1, k2: share * k2, p1: p[0], p2: p[1], b1: b[0], b2: b[1], ..Brown::NONE };
+            let correction = correction(lens);
+            prop_assume!(correction.is_some());
+            let correction = correction.unwrap();
+            let ideal = SensorPoint::new(x, y);
+            match (correction.distort(ideal), correction.kept_on_sensor(ideal)) {
+                (Ok(free), Ok(kept)) => prop_assert!(is_same(free.point, kept.point, 0.1)),
+                // Held at the edge or cycling, as documented: then what the free steps found must be right.
+                (Ok(free), Err(_)) => {
+                    prop_assert!(is_same(correction.correct(free.point).point, ideal, 1.0));
+                }
+                (Err(free), Err(kept)) => prop_assert_eq!(free, kept),
+                (Err(error), Ok(_)) => prop_assert!(false, "{error}"),
+            }
+        }
+    }
+
+    #[test]
+    fn first_step_is_the_last_over_a_lens_of_one_per_cent() {
+        let lens = Brown {
+            k1: -1.6056e-5,
+            k2: 6.18966e-9,
+            k3: -1.31329e-12,
+            p1: 2e-6,
+            p2: -4.5e-6,
+            ..Brown::NONE
+        };
+        let mut record = CalibrationRecord::new(51.3712, [14204, 10652], 3.76);
+        record.distortion = lens;
+        let calibration = Calibration::new(record).unwrap();
+        let correction = FrameCorrection::without_motion(&calibration);
+        let mut largest = 0.0_f32;
+        for row in -20_i8..=20 {
+            for column in -26_i8..=26 {
+                let measured = SensorPoint::new(f32::from(column), f32::from(row));
+                let answer = correction.correct(measured);
+                let first = correction.first_step::<false>(answer.point);
+                assert!(first.is_ok(), "{measured:?}");
+                largest = largest.max(answer.distortion.dx_mm.abs());
+            }
+        }
+        assert!(largest > 0.3, "no distortion was tried: {largest} mm");
+    }
 }
