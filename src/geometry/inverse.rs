@@ -75,11 +75,13 @@ impl FrameCorrection {
     ///
     /// First from where the radial terms lead, `d = D(ideal)·(1 + s + s²)` with the slope s of the radial
     /// distortion, up to [`FREE_STEPS`] steps. The last is one so short that it leaves no more than
-    /// [`LEFT_BY_ONE_STEP_NM`](super::newton_step::LEFT_BY_ONE_STEP_NM), by a bound of the frame's curvature (Newton and Kantorovich), and it must
+    /// [`LEFT_BY_ONE_STEP_NM`], by a bound of the frame's curvature (Newton and Kantorovich), and it must
     /// end on the sensor; on lenses of up to a per cent of distortion it is the first.
     ///
     /// Where there is none, again from `d = D(ideal)` with every place kept on the sensor, at most [`MAX_STEPS`]
     /// steps, the last from a residual of at most [`LAST_RESIDUAL_NM`].
+    ///
+    /// [`LEFT_BY_ONE_STEP_NM`]: super::newton_step::LEFT_BY_ONE_STEP_NM
     ///
     /// # Units and frames
     /// Sensor frame, mm. The ideal point may lie off the sensor; the measured one must lie on it,

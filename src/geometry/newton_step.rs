@@ -41,7 +41,7 @@ pub(super) fn longest_last_step2(
         .min(longest * longest)
 }
 
-/// At least the diagonal of a rectangle, at most 8 % more, without a root.
+/// At least the diagonal of a rectangle, at most a twelfth more, without a root.
 fn longer_than_diagonal(width: f32, height: f32) -> f32 {
     width.max(height) + (core::f32::consts::SQRT_2 - 1.0) * width.min(height)
 }
