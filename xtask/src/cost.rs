@@ -10,19 +10,27 @@ use serde::{Deserialize, Serialize, de::DeserializeOwned};
 const MAX_RISE: f64 = 0.01;
 
 /// Kernels with a limit of their own: core, kernel, instructions per point.
-const LIMITS: [(&str, &str, f64); 16] = [
+const LIMITS: [(&str, &str, f64); 24] = [
     ("cortex-m4f", "correct_slice", 25.0),
     ("cortex-m4f", "correct_slice_xy", 25.0),
     ("cortex-m4f", "correct_slice_full", 29.0),
     ("cortex-m4f", "correct_slice_xy_full", 29.0),
     ("cortex-m4f", "correct_slice_256", 25.0),
     ("cortex-m4f", "correct_slice_full_256", 29.0),
+    ("cortex-m4f", "distort", 150.0),
+    ("cortex-m4f", "distort_full", 150.0),
+    ("cortex-m4f", "mesh_row", 16.0),
+    ("cortex-m4f", "mesh_row_k3", 20.0),
     ("cortex-m7", "correct_slice", 25.0),
     ("cortex-m7", "correct_slice_xy", 25.0),
     ("cortex-m7", "correct_slice_full", 29.0),
     ("cortex-m7", "correct_slice_xy_full", 29.0),
     ("cortex-m7", "correct_slice_256", 25.0),
     ("cortex-m7", "correct_slice_full_256", 29.0),
+    ("cortex-m7", "distort", 150.0),
+    ("cortex-m7", "distort_full", 150.0),
+    ("cortex-m7", "mesh_row", 16.0),
+    ("cortex-m7", "mesh_row_k3", 20.0),
     ("cortex-m55", "correct_slice", 7.1),
     ("cortex-m55", "correct_slice_xy", 7.1),
     ("cortex-m55", "correct_slice_full", 9.9),

@@ -82,10 +82,11 @@ pub(crate) fn loads(rows: &[Instructions]) -> Vec<Load> {
 
 #[cfg(test)]
 mod tests {
-    use std::path::Path;
-
     use super::loads;
-    use crate::cost::{self, Instructions};
+    use crate::cost::Instructions;
+    use crate::documented;
+
+    const DOCUMENT: &str = include_str!("../../docs/control_loop.md");
 
     fn rows([mean, worst, stuck]: [f64; 3]) -> Vec<Instructions> {
         [
@@ -126,40 +127,22 @@ mod tests {
         assert!(!allowed([4000.0, 24_999.0, 25_000.0]));
     }
 
-    /// The committed table of instructions.
-    fn committed() -> Vec<Instructions> {
-        let root = Path::new(env!("CARGO_MANIFEST_DIR")).join("..");
-        cost::read(&root.join("docs/instructions.csv")).unwrap()
-    }
-
-    /// Cells of the rows of the table under this heading of `docs/control_loop.md`.
-    fn documented(heading: &str) -> Vec<Vec<&'static str>> {
-        let (_, rows) = include_str!("../../docs/control_loop.md")
-            .split_once(heading)
-            .unwrap();
-        rows.lines()
-            .skip(2)
-            .take_while(|line| line.starts_with('|'))
-            .map(|line| line.split('|').map(str::trim).skip(1).collect())
-            .collect()
-    }
-
     #[test]
     fn committed_table_is_within_the_limits() {
-        let loads = loads(&committed());
+        let loads = loads(&documented::instructions());
         assert!(!loads.is_empty());
         assert!(loads.iter().all(super::Load::is_allowed), "{loads:?}");
     }
 
     #[test]
     fn documented_loads_are_those_of_the_committed_table() {
-        let documented = documented("| Cortex-M4F at | idle, mean | worst round |");
-        let loads: Vec<_> = loads(&committed())
+        let rows = documented::rows(DOCUMENT, "| Cortex-M4F at | idle, mean | worst round |");
+        let loads: Vec<_> = loads(&documented::instructions())
             .into_iter()
             .filter(|load| load.core == "cortex-m4f")
             .collect();
-        assert_eq!(documented.len(), loads.len());
-        for (row, load) in documented.iter().zip(loads) {
+        assert_eq!(rows.len(), loads.len());
+        for (row, load) in rows.iter().zip(loads) {
             let clock = format!("{} MHz", load.clock_mhz);
             assert!(row[0].starts_with(&clock), "{row:?}");
             let numbers = [
@@ -173,11 +156,13 @@ mod tests {
 
     #[test]
     fn documented_interrupts_and_bytes_are_those_of_the_committed_table() {
-        let documented = documented("| row | instructions | per |");
-        assert!(documented.len() > 10);
-        for row in documented {
+        let rows = documented::rows(DOCUMENT, "| row | instructions | per |");
+        assert!(rows.len() > 10);
+        for row in rows {
             let kernel = row[0].trim_matches('`');
-            let measured = committed().into_iter().find(|row| row.kernel == kernel);
+            let measured = documented::instructions()
+                .into_iter()
+                .find(|row| row.kernel == kernel);
             assert_eq!(measured.unwrap().count.to_string(), row[1], "{kernel}");
         }
     }

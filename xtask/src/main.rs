@@ -8,6 +8,8 @@ mod bench;
 mod board;
 mod checks;
 mod cost;
+#[cfg(test)]
+mod documented;
 mod firmware;
 mod kernel;
 mod load;

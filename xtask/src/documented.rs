@@ -1,0 +1,42 @@
+//! Numbers in documents, held against the committed tables.
+
+use std::path::Path;
+
+use crate::cost::{self, Instructions};
+
+/// The committed table of instructions.
+pub(crate) fn instructions() -> Vec<Instructions> {
+    let root = Path::new(env!("CARGO_MANIFEST_DIR")).join("..");
+    cost::read(&root.join("docs/instructions.csv")).unwrap()
+}
+
+/// Cells of the rows of the tables under this line of a document.
+pub(crate) fn rows(document: &'static str, heading: &str) -> Vec<Vec<&'static str>> {
+    let tables = document.split(heading).skip(1);
+    tables
+        .flat_map(|table| {
+            let rows = table.lines().skip(2);
+            rows.take_while(|line| line.starts_with('|'))
+        })
+        .map(|line| line.split('|').map(str::trim).skip(1).collect())
+        .collect()
+}
+
+#[test]
+fn counts_of_every_core_are_those_of_the_committed_table() {
+    const CORES: [&str; 3] = ["cortex-m4f", "cortex-m7", "cortex-m55"];
+    let table = instructions();
+    let documented = rows(
+        include_str!("../../docs/performance.md"),
+        "| row | cortex-m4f | cortex-m7 | cortex-m55 |",
+    );
+    assert_eq!(documented.len(), 15);
+    for row in documented {
+        let kernel = row[0].trim_matches('`');
+        for (core, count) in CORES.into_iter().zip(&row[1..]) {
+            let is_it = |row: &&Instructions| row.core == core && row.kernel == kernel;
+            let counted = table.iter().find(is_it).map(|row| row.count.to_string());
+            assert_eq!(counted.as_deref(), Some(*count), "{kernel} on {core}");
+        }
+    }
+}
