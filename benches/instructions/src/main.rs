@@ -22,6 +22,8 @@ mod link;
 #[cfg(target_os = "none")]
 mod mesh;
 #[cfg(target_os = "none")]
+mod other_crate;
+#[cfg(target_os = "none")]
 #[path = "../../../src/bin/firmware/board/receive_ring.rs"]
 mod receive_ring;
 #[cfg(target_os = "none")]
@@ -45,6 +47,7 @@ fn count() -> ! {
         counter.is_calibrated().then_some(())?;
         geometry::count(&mut counter)?;
         mesh::count(&mut counter)?;
+        other_crate::count(&mut counter)?;
         flight::count(&mut counter)?;
         interrupts::count(&mut counter)?;
         aircraft::count(&mut counter)?;

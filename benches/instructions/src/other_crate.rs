@@ -1,0 +1,50 @@
+//! What a user would otherwise take: the crate `opencv-ros-camera`, in single precision, its coordinates in pixels.
+
+use core::hint::black_box;
+
+use cam_geom::Pixels;
+use nalgebra::{SMatrix, Vector5};
+use opencv_ros_camera::{Distortion, RosOpenCvIntrinsics, UndistortedPixels};
+
+use crate::counter::Counter;
+use crate::specimen::points;
+
+/// Points to a call; their matrices are on the stack.
+const BATCH: usize = 256;
+const PIXEL_MM: f32 = 0.00376;
+const PRINCIPAL_DISTANCE_PX: f32 = 51.3712 / PIXEL_MM;
+const CENTRE_PX: [f32; 2] = [7101.5, 5325.5];
+
+/// Ideal to measured is a polynomial there, and back five iterations: the other way round than photogrammetry has it.
+pub(crate) fn count(counter: &mut Counter) -> Option<()> {
+    // K1 to K3 of the short specimen, and no tangential terms, in units of the principal distance.
+    let distortion = Distortion::from_opencv_vec(Vector5::new(0.0424, -0.0431, 0.0, 0.0, 0.0241));
+    let [centre_col, centre_row] = CENTRE_PX;
+    let camera = RosOpenCvIntrinsics::from_params_with_distortion(
+        PRINCIPAL_DISTANCE_PX,
+        0.0,
+        PRINCIPAL_DISTANCE_PX,
+        centre_col,
+        centre_row,
+        distortion,
+    );
+    let points = points();
+    let places = SMatrix::<f32, BATCH, 2>::from_fn(|row, column| {
+        // Every fourth point.
+        let point = points.get(4 * row).copied().unwrap_or_default();
+        match column {
+            0 => centre_col + point.x_mm / PIXEL_MM,
+            _ => centre_row - point.y_mm / PIXEL_MM,
+        }
+    });
+    #[expect(clippy::cast_possible_truncation, reason = "256 points")]
+    let per_point = (BATCH as u32, "point");
+    let ideal = UndistortedPixels { data: places };
+    counter.count("opencv_ros_camera_distort", per_point, || {
+        Some(black_box(&camera).distort(black_box(&ideal)).data[(0, 0)])
+    })?;
+    let measured = Pixels::new(places);
+    counter.count("opencv_ros_camera_undistort", per_point, || {
+        Some(black_box(&camera).undistort(black_box(&measured)).data[(0, 0)])
+    })
+}
