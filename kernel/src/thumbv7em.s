@@ -32,6 +32,11 @@
 \name:
     .endm
 
+    .macro return name
+    bx lr
+    .size \name, . - \name
+    .endm
+
 @ Runs \block as often as \blocks says, at least once: two to a round, the first round entered in the middle where the
 @ number is odd.
     .macro rounds blocks, block, load, store
@@ -210,7 +215,7 @@ ym_c .req s5
     vldmia r2, {s18-s27}
     rounds r1, short_block, load_pairs, store_pairs
     vpop {d8-d15}
-    bx lr
+    return fmc_camera_kernel_short_pairs
 
     function fmc_camera_kernel_full_pairs
     vpush {d8-d15}
@@ -218,7 +223,7 @@ ym_c .req s5
     adds r2, #12
     rounds r1, full_block, load_pairs_and_k, store_pairs
     vpop {d8-d15}
-    bx lr
+    return fmc_camera_kernel_full_pairs
 
     .unreq xm_a
     .unreq ym_a
@@ -254,7 +259,7 @@ ym_c .req s5
     vldmia r3, {s18-s27}
     rounds r2, short_block_xy, load_xy, store_xy
     vpop {d8-d15}
-    bx lr
+    return fmc_camera_kernel_short_xy
 
     function fmc_camera_kernel_full_xy
     vpush {d8-d15}
@@ -262,7 +267,7 @@ ym_c .req s5
     adds r3, #12
     rounds r2, full_block_xy, load_xy_and_k, store_xy
     vpop {d8-d15}
-    bx lr
+    return fmc_camera_kernel_full_xy
 
 @ ---- The names end here: a program's assembly is read in one piece.
 
@@ -307,6 +312,7 @@ ym_c .req s5
     .purgem each
     .purgem with
     .purgem function
+    .purgem return
     .purgem rounds
     .purgem short_head
     .purgem short_tail

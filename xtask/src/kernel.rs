@@ -5,7 +5,7 @@ use anyhow::{Result, ensure};
 use xshell::cmd;
 
 use crate::{
-    bench::{CORES, Core},
+    bench::count::{CORES, Core},
     route::QEMU,
     target::Targets,
     workspace::Workspace,

@@ -7,12 +7,8 @@
 mod bench;
 mod board;
 mod checks;
-mod cost;
-#[cfg(test)]
-mod documented;
 mod firmware;
 mod kernel;
-mod load;
 mod machine;
 mod no_panic;
 mod route;
@@ -45,9 +41,13 @@ enum Command {
     },
     /// Build the firmware for QEMU and print where it is
     Firmware,
-    /// Count instructions per point, frame and message on the emulated cores (CSV); image sizes and stack
+    /// What a point, frame or message costs: instructions on the emulated cores, modelled cycles, time on this PC, beside
+    /// other software (CSV); image sizes and stack
+    ///
+    /// Cycles need LLVM's llvm-mca and llvm-objdump, Debian's package llvm-19, which is installed where that is allowed.
+    /// OpenCV is timed where `python3` has it. The comparison goes to performance.csv and performance.svg in target/bench.
     Bench {
-        /// Write docs/instructions.csv and docs/footprint.csv
+        /// Write the tables and the figure in docs instead
         #[arg(long)]
         update: bool,
     },

@@ -25,6 +25,8 @@ pub(crate) struct Targets<'a> {
     pub(crate) armv7em: Target<'a>,
     /// Cortex-M55, where a toolchain builds for it.
     pub(crate) helium: Option<Target<'a>>,
+    /// Whether what else is wanted may be installed.
+    pub(crate) may_install: bool,
 }
 
 impl<'a> Targets<'a> {
@@ -35,6 +37,7 @@ impl<'a> Targets<'a> {
     pub(crate) fn set_up(workspace: &'a Workspace, need: Need) -> Result<Self> {
         let armv7em = Target::set_up(workspace, need)?;
         let machine = Machine::look(&workspace.shell, Architecture::Helium)?;
+        let may_install = machine.facts.may_install;
         let helium = match route::choose_without_installing(Architecture::Helium, machine.facts) {
             Ok(route) => Some(Target::new(
                 workspace,
@@ -47,7 +50,11 @@ impl<'a> Targets<'a> {
                 None
             }
         };
-        Ok(Self { armv7em, helium })
+        Ok(Self {
+            armv7em,
+            helium,
+            may_install,
+        })
     }
 
     /// The one of an architecture, where there is one.
@@ -82,7 +89,7 @@ impl<'a> Target<'a> {
         let mut machine = Machine::look(shell, architecture)?;
         let Plan { route, install } = route::choose(architecture, machine.facts, need)?;
         if !install.is_empty() {
-            install_packages(shell, &install)?;
+            install_packages(shell, &install).with_context(|| way_out(&install))?;
             machine = Machine::look(shell, architecture)?;
             let after = route::choose(architecture, machine.facts, need)?;
             ensure!(
@@ -276,28 +283,31 @@ fn is_for_active_toolchain(name: &str) -> bool {
 }
 
 /// Installs packages by apt-get; nothing that is installed is removed for them.
-fn install_packages(shell: &Shell, packages: &[&str]) -> Result<()> {
+///
+/// # Errors
+/// Where apt-get fails.
+pub(crate) fn install_packages(shell: &Shell, packages: &[&str]) -> Result<()> {
     eprintln!("xtask: installing {} by apt-get", packages.join(" "));
-    let install = || -> Result<()> {
-        cmd!(shell, "apt-get update --quiet").quiet().run()?;
-        cmd!(
-            shell,
-            "apt-get install --quiet --yes --no-install-recommends --no-remove {packages...}"
-        )
-        .env("DEBIAN_FRONTEND", "noninteractive")
-        .quiet()
-        .run()?;
-        Ok(())
-    };
-    install().with_context(|| {
-        let others: Vec<_> = packages.iter().filter(|name| **name != QEMU).collect();
-        if others.is_empty() {
-            format!("the package cannot be installed; instead put {QEMU} on the search path")
-        } else {
-            let target = Architecture::Armv7em.target();
-            format!("the packages cannot be installed; instead try: rustup target add {target}")
-        }
-    })
+    cmd!(shell, "apt-get update --quiet").quiet().run()?;
+    cmd!(
+        shell,
+        "apt-get install --quiet --yes --no-install-recommends --no-remove {packages...}"
+    )
+    .env("DEBIAN_FRONTEND", "noninteractive")
+    .quiet()
+    .run()?;
+    Ok(())
+}
+
+/// What else leads to a target where its packages cannot be installed.
+fn way_out(packages: &[&str]) -> String {
+    let others: Vec<_> = packages.iter().filter(|name| **name != QEMU).collect();
+    if others.is_empty() {
+        format!("the package cannot be installed; instead put {QEMU} on the search path")
+    } else {
+        let target = Architecture::Armv7em.target();
+        format!("the packages cannot be installed; instead try: rustup target add {target}")
+    }
 }
 
 #[cfg(test)]

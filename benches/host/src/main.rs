@@ -2,7 +2,7 @@
 //!
 //! `cargo run --release -p host-benches` measures all sizes; sizes as arguments replace them. Every contender is timed once
 //! per round, so that all meet the same state of the machine; `of_memcpy` is the median over the rounds of a contender's
-//! time by that of copying the same bytes. Nothing asserts these times: they belong to a machine and an hour.
+//! time by that of copying the same bytes, `clock_ghz` the clock of the core in the same rounds. Nothing asserts these times: they belong to a machine and an hour.
 //!
 //! `host-benches --calls CALLS KERNEL POINTS` runs one contender so often and prints nothing: the difference of two runs
 //! under an instruction counter is its cost.
@@ -15,6 +15,7 @@ use std::io::{self, Write as _};
 use std::process::ExitCode;
 
 use points::Points;
+use timing::CLOCK;
 
 /// Sizes measured without arguments.
 const SIZES: [usize; 5] = [1_000, 10_000, 100_000, 1_000_000, 10_000_000];
@@ -53,14 +54,17 @@ fn measure(sizes: &[usize]) -> Result<(), String> {
         "ns_per_point",
         "median_ns_per_point",
         "of_memcpy",
+        "clock_ghz",
     ])?;
     for size in sizes {
         let points = Points::new(*size);
         let mut contenders = contenders::all(&points);
+        contenders.push(timing::clock());
         let rounds = (POINT_ROUNDS / size.max(&1)).clamp(15, 3_000);
         let times = timing::by_turns(&mut contenders, rounds);
         let per_point = |seconds: f64| format!("{:.4}", 1e9 * seconds / points.count());
-        for time in &times {
+        let clock_ghz = format!("{:.3}", timing::clock_ghz(&times));
+        for time in times.iter().filter(|time| time.name != CLOCK) {
             let copy = times.iter().find(|other| other.name == time.copy);
             row(&[
                 "host",
@@ -69,6 +73,7 @@ fn measure(sizes: &[usize]) -> Result<(), String> {
                 &per_point(time.best()),
                 &per_point(time.median()),
                 &copy.map_or_else(String::new, |copy| format!("{:.3}", time.ratio(copy))),
+                &clock_ghz,
             ])?;
         }
         io::stdout().flush().map_err(|error| error.to_string())?;

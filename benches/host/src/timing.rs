@@ -1,6 +1,12 @@
 //! Wall time, by turns.
 
+use std::hint::black_box;
 use std::time::{Duration, Instant};
+
+/// Name of [`clock`].
+pub(crate) const CLOCK: &str = "clock";
+/// Steps of [`clock`], each of two operations that wait for one another and take a cycle each.
+const STEPS: u32 = 10_000;
 
 /// Least duration of one measurement: the clock and the call of it are nothing beside it, and another process seldom
 /// comes between.
@@ -80,6 +86,26 @@ pub(crate) fn by_turns(contenders: &mut [Contender<'_>], rounds: usize) -> Vec<T
         }
     }
     times
+}
+
+/// Cycles of the clock by which a core counts its operations, as a contender: what it takes is the clock of the moment.
+pub(crate) fn clock() -> Contender<'static> {
+    Contender::new(CLOCK, "", || {
+        let mut number = black_box(1_u64);
+        for _ in 0..STEPS {
+            // A rotation and an exclusive or, which no core makes one of.
+            number = number.rotate_left(7) ^ 0x5bd1;
+        }
+        black_box(number);
+    })
+}
+
+/// The clock that [`clock`] has met where it was least disturbed, GHz.
+pub(crate) fn clock_ghz(times: &[Times]) -> f64 {
+    let clock = times.iter().find(|time| time.name == CLOCK);
+    clock.map_or(f64::NAN, |clock| {
+        f64::from(2 * STEPS) / (1e9 * clock.best())
+    })
 }
 
 /// Calls that take [`LEAST`] together.

@@ -2,7 +2,7 @@
 
 use core::hint::black_box;
 
-use cam_geom::Pixels;
+use cam_geom::{IntrinsicParameters as _, Pixels, Points, coordinate_system::CameraFrame};
 use nalgebra::{SMatrix, Vector5};
 use opencv_ros_camera::{Distortion, RosOpenCvIntrinsics, UndistortedPixels};
 
@@ -46,5 +46,17 @@ pub(crate) fn count(counter: &mut Counter) -> Option<()> {
     let measured = Pixels::new(places);
     counter.count("opencv_ros_camera_undistort", per_point, || {
         Some(black_box(&camera).undistort(black_box(&measured)).data[(0, 0)])
+    })?;
+    // From directions in the camera to pixels: a division more than the polynomial.
+    let rays =
+        Points::<CameraFrame, f32, _, _>::new(SMatrix::<f32, BATCH, 3>::from_fn(|row, column| {
+            match column {
+                0 => (places[(row, 0)] - centre_col) / PRINCIPAL_DISTANCE_PX,
+                1 => (places[(row, 1)] - centre_row) / PRINCIPAL_DISTANCE_PX,
+                _ => 1.0,
+            }
+        }));
+    counter.count("opencv_ros_camera_project", per_point, || {
+        Some(black_box(&camera).camera_to_pixel(black_box(&rays)).data[(0, 0)])
     })
 }

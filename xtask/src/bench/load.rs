@@ -2,7 +2,7 @@
 
 use std::fmt;
 
-use crate::cost::Instructions;
+use super::cost::Instructions;
 
 /// Clocks: of the emulated machines, and of a usual Cortex-M4F.
 const CLOCKS_MHZ: [f64; 2] = [25.0, 168.0];
@@ -82,11 +82,11 @@ pub(crate) fn loads(rows: &[Instructions]) -> Vec<Load> {
 
 #[cfg(test)]
 mod tests {
+    use super::super::cost::Instructions;
+    use super::super::documented;
     use super::loads;
-    use crate::cost::Instructions;
-    use crate::documented;
 
-    const DOCUMENT: &str = include_str!("../../docs/control_loop.md");
+    const DOCUMENT: &str = include_str!("../../../docs/control_loop.md");
 
     fn rows([mean, worst, stuck]: [f64; 3]) -> Vec<Instructions> {
         [

@@ -2,12 +2,19 @@
 
 use std::path::Path;
 
-use crate::cost::{self, Instructions};
+use serde::de::DeserializeOwned;
+
+use super::cost::{self, Instructions};
+
+/// A committed table.
+pub(crate) fn table<T: DeserializeOwned>(path: &str) -> Vec<T> {
+    let root = Path::new(env!("CARGO_MANIFEST_DIR")).join("..");
+    cost::read(&root.join(path)).unwrap()
+}
 
 /// The committed table of instructions.
 pub(crate) fn instructions() -> Vec<Instructions> {
-    let root = Path::new(env!("CARGO_MANIFEST_DIR")).join("..");
-    cost::read(&root.join("docs/instructions.csv")).unwrap()
+    table("docs/instructions.csv")
 }
 
 /// Cells of the rows of the tables under this line of a document.
@@ -27,7 +34,7 @@ fn counts_of_every_core_are_those_of_the_committed_table() {
     const CORES: [&str; 3] = ["cortex-m4f", "cortex-m7", "cortex-m55"];
     let table = instructions();
     let documented = rows(
-        include_str!("../../docs/performance.md"),
+        include_str!("../../../docs/performance.md"),
         "| row | cortex-m4f | cortex-m7 | cortex-m55 |",
     );
     assert_eq!(documented.len(), 17);

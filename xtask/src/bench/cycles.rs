@@ -1,0 +1,249 @@
+//! Cycles of the point kernels' loops, modelled: nobody has measured silicon here.
+//!
+//! For the Cortex-M4F by the table of its manual, for the others by LLVM's model of the processor. Neither knows the
+//! wait states of a memory; LLVM's takes a load of many registers for one cycle, and assumes of the M55 how its vectors
+//! overlap. The loops alone: what a call costs besides is in the instructions.
+
+use anyhow::{Context as _, Result, bail};
+use object::{File, Object as _, ObjectSymbol as _};
+
+use super::{
+    count::{CORES, Core, image},
+    kernel_loop::{Instruction, KernelLoop},
+    llvm::Llvm,
+};
+use crate::{route::Architecture, target::Targets};
+
+/// Rows of the table, their function in the crate `kernel`, and its operations per point.
+const KERNELS: [(&str, &str, u32); 4] = [
+    ("correct_slice", "short_pairs", 23),
+    ("correct_slice_xy", "short_xy", 23),
+    ("correct_slice_full", "full_pairs", 29),
+    ("correct_slice_xy_full", "full_xy", 29),
+];
+
+/// Cycles per point that may not be exceeded: core, row, limit.
+const LIMITS: [(&str, &str, f64); 4] = [
+    ("cortex-m4f", "correct_slice", 31.0),
+    ("cortex-m4f", "correct_slice_xy", 31.0),
+    ("cortex-m7", "correct_slice", 27.0),
+    ("cortex-m7", "correct_slice_xy", 27.0),
+];
+
+/// Of a taken branch on the M4F: one, and one to three to fill the pipeline.
+const TAKEN_BRANCH: u32 = 3;
+
+/// The cycles of a kernel on a core.
+#[derive(Clone, Debug, PartialEq)]
+pub(super) struct Cycles {
+    pub(super) core: &'static str,
+    pub(super) kernel: &'static str,
+    pub(super) per_point: f64,
+    /// The table or model they are from.
+    pub(super) by: String,
+}
+
+impl Cycles {
+    /// What it says where it is over its limit.
+    pub(super) fn over_limit(&self) -> Option<String> {
+        let is_it =
+            |(core, kernel, _): &&(&str, &str, f64)| (*core, *kernel) == (self.core, self.kernel);
+        let (core, kernel, limit) = LIMITS.iter().find(is_it)?;
+        (self.per_point > *limit).then(|| {
+            format!(
+                "{kernel} on {core}: {:.1} cycles, the limit is {limit}",
+                self.per_point
+            )
+        })
+    }
+}
+
+/// The cycles of all kernels on all cores, from the images that were counted.
+///
+/// # Errors
+/// Where a loop is not found, or holds an instruction that the table does not have.
+pub(super) fn cycles(llvm: &Llvm<'_>, targets: &Targets<'_>) -> Result<Vec<Cycles>> {
+    let mut all = Vec::new();
+    for core in CORES {
+        let Some(target) = targets.of(core.architecture) else {
+            continue;
+        };
+        let image = image(target);
+        let bytes = std::fs::read(&image).with_context(|| format!("{}", image.display()))?;
+        let file = File::parse(&*bytes).with_context(|| format!("{}", image.display()))?;
+        for (kernel, function, operations) in KERNELS {
+            let wanted = match core.architecture {
+                Architecture::Armv7em => format!("fmc_camera_kernel_{function}"),
+                Architecture::Helium => format!("fmc_camera_kernel::portable::{function}"),
+            };
+            let is_it = |symbol: &object::Symbol<'_, '_>| {
+                let name = symbol.name().map(rustc_demangle::demangle);
+                name.is_ok_and(|name| format!("{name:#}") == wanted)
+            };
+            let symbol = file.symbols().find(is_it);
+            let symbol = symbol.with_context(|| format!("no {wanted} in the image"))?;
+            // The lowest bit of an address says that Thumb instructions are there.
+            let start = symbol.address() & !1;
+            let disassembly = llvm.disassembly(&image, start..start + symbol.size())?;
+            let found = KernelLoop::find(&disassembly, operations);
+            let found = found.with_context(|| format!("{wanted} on {}", core.name))?;
+            all.push(of_loop(llvm, core, kernel, &found)?);
+        }
+    }
+    Ok(all)
+}
+
+/// The instruction set by its name in LLVM.
+fn triple(architecture: Architecture) -> &'static str {
+    match architecture {
+        Architecture::Armv7em => "thumbv7em-none-eabihf",
+        Architecture::Helium => "thumbv8.1m.main-none-eabihf",
+    }
+}
+
+/// By the manual's table for the M4F, for others by LLVM's model.
+fn of_loop(
+    llvm: &Llvm<'_>,
+    core: Core,
+    kernel: &'static str,
+    found: &KernelLoop,
+) -> Result<Cycles> {
+    let (cycles, by) = match core.name {
+        "cortex-m4f" => (
+            f64::from(by_manual(&found.instructions)?),
+            "manual".to_owned(),
+        ),
+        processor => (
+            llvm.cycles(triple(core.architecture), processor, &found.text())?,
+            llvm.version()?,
+        ),
+    };
+    Ok(Cycles {
+        core: core.name,
+        kernel,
+        per_point: cycles / f64::from(found.points),
+        by,
+    })
+}
+
+/// Cycles of a round on a Cortex-M4F.
+///
+/// # Source
+/// Arm, Cortex-M4 Technical Reference Manual (DDI 0439), tables of processor and floating-point instructions: arithmetic
+/// 1, VMLA 3, VLDM and VSTM 1 and one per register, a taken branch 1 and 1 to 3; arithmetic takes one more where the next
+/// instruction uses its result.
+fn by_manual(round: &[Instruction]) -> Result<u32> {
+    let mut cycles = 0;
+    for (index, one) in round.iter().enumerate() {
+        let names = u32::try_from(one.registers().count())?;
+        cycles += match one.mnemonic.as_str() {
+            "vadd.f32" | "vsub.f32" | "vmul.f32" | "adds" | "subs" | "add" | "sub" | "cmp" => 1,
+            "vmla.f32" => 3,
+            // The first register is the address.
+            "vldmia" | "vstmia" => names,
+            "vldr" | "vstr" => 2,
+            _ if one.is_branch() => TAKEN_BRANCH,
+            unknown => bail!("the table of cycles has no {unknown}"),
+        };
+        let is_arithmetic = |one: &Instruction| one.operations() > 0;
+        if let Some(next) = round.get(index + 1).filter(|_| is_arithmetic(one)) {
+            let reads = |next: &Instruction, name| {
+                // Arithmetic writes the first, unless it adds to it.
+                let written = usize::from(is_arithmetic(next) && next.mnemonic != "vmla.f32");
+                next.registers()
+                    .skip(written)
+                    .any(|register| register == name)
+            };
+            cycles += u32::from(one.registers().next().is_some_and(|name| reads(next, name)));
+        }
+    }
+    Ok(cycles)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::{Cycles, by_manual};
+    use crate::bench::{comparison::Row, documented, kernel_loop::Instruction};
+
+    fn cycles(text: &str) -> anyhow::Result<u32> {
+        let lines = text.lines().enumerate();
+        let round: Vec<_> = lines
+            .map(|(index, line)| Instruction::parse(&format!("{index:x}:\t{line}")).unwrap())
+            .collect();
+        by_manual(&round)
+    }
+
+    #[test]
+    fn instructions_cost_what_the_manual_says() {
+        for (text, expected) in [
+            ("vmul.f32\ts0, s1, s2", 1),
+            ("vmla.f32\ts0, s1, s2", 3),
+            ("vldmia\tr0!, {s0, s1, s2, s3, s4, s5}", 7),
+            ("vldr\ts0, [r1]", 2),
+            ("subs\tr1, #0x1\nbpl.w\t0x0 <kernel>", 4),
+        ] {
+            assert_eq!(cycles(text).unwrap(), expected, "{text}");
+        }
+        let unknown = cycles("vdiv.f32\ts0, s1, s2").unwrap_err();
+        assert_eq!(unknown.to_string(), "the table of cycles has no vdiv.f32");
+    }
+
+    #[test]
+    fn next_instruction_waits_for_what_it_reads() {
+        for (text, expected) in [
+            ("vmul.f32\ts0, s1, s2\nvadd.f32\ts3, s0, s4", 3),
+            ("vmul.f32\ts0, s1, s2\nvadd.f32\ts0, s3, s4", 2),
+            ("vmul.f32\ts0, s1, s2\nvmla.f32\ts0, s3, s4", 5),
+            ("vmul.f32\ts0, s1, s2\nvstmia\tr0!, {s0, s1}", 5),
+            (
+                "vmul.f32\ts0, s1, s2\nvadd.f32\ts3, s4, s5\nvadd.f32\ts6, s0, s1",
+                3,
+            ),
+        ] {
+            assert_eq!(cycles(text).unwrap(), expected, "{text}");
+        }
+    }
+
+    #[test]
+    fn limit_is_of_its_core_and_kernel() {
+        let of = |core, kernel, per_point| Cycles {
+            core,
+            kernel,
+            per_point,
+            by: String::new(),
+        };
+        assert_eq!(of("cortex-m7", "correct_slice", 27.0).over_limit(), None);
+        assert_eq!(
+            of("cortex-m7", "correct_slice_full", 27.1).over_limit(),
+            None
+        );
+        let text = of("cortex-m7", "correct_slice", 27.14).over_limit();
+        let expected = "correct_slice on cortex-m7: 27.1 cycles, the limit is 27";
+        assert_eq!(text.as_deref(), Some(expected));
+    }
+
+    #[test]
+    fn documented_cycles_are_those_of_the_committed_table() {
+        let table: Vec<Row> = documented::table("docs/performance.csv");
+        let documented = documented::rows(
+            include_str!("../../../docs/performance.md"),
+            "| loop of | M4F, by its manual's table | M7, by llvm-mca 19 | M55, by llvm-mca 19 |",
+        );
+        assert_eq!(documented.len(), super::KERNELS.len());
+        for row in documented {
+            let kernel = row[0].trim_matches('`');
+            for (core, cycles) in ["cortex-m4f", "cortex-m7", "cortex-m55"]
+                .iter()
+                .zip(&row[1..])
+            {
+                let is_it = |row: &&Row| row.core == *core && row.kernel == kernel;
+                let cycles_of = table.iter().find(is_it).and_then(|row| row.cycles);
+                assert_eq!(
+                    format!("{:.1}", cycles_of.unwrap()),
+                    *cycles,
+                    "{kernel} on {core}"
+                );
+            }
+        }
+    }
+}

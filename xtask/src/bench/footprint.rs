@@ -1,0 +1,66 @@
+//! Sizes of the flight image, and its stack.
+
+use std::{fs, path::Path};
+
+use anyhow::{Context as _, Result};
+use object::{File, Object as _, ObjectSegment as _};
+use serde::Deserialize;
+
+use super::cost::Footprint;
+use crate::{
+    firmware::{self, Image},
+    target::Target,
+    verify,
+    workspace::Workspace,
+};
+
+/// Where the memory of variables begins on every Cortex-M.
+const RAM: u64 = 0x2000_0000;
+
+/// What the report of `host-sim verify` says of the camera's end of the link.
+#[derive(Debug, Deserialize)]
+struct Summary {
+    link: LinkSummary,
+}
+
+#[derive(Debug, Deserialize)]
+struct LinkSummary {
+    stack_used_bytes: u64,
+}
+
+/// Bytes of flash and of static RAM that an image takes.
+fn sizes(image: &Path) -> Result<(u64, u64)> {
+    let bytes = fs::read(image)?;
+    let file = File::parse(&*bytes).with_context(|| format!("{}", image.display()))?;
+    // What is writable and not zero at the start is in both: copied from flash to RAM.
+    let flash = file.segments().map(|segment| segment.file_range().1).sum();
+    let in_ram = file.segments().filter(|segment| segment.address() >= RAM);
+    let ram = in_ram.map(|segment| segment.size()).sum();
+    Ok((flash, ram))
+}
+
+/// Sizes of the flight image, and its stack over a verification of one camera.
+pub(super) fn footprint(workspace: &Workspace, target: &Target<'_>) -> Result<Footprint> {
+    let image = firmware::build(workspace, target, Image::Mps2)?;
+    let (flash_bytes, static_ram_bytes) = sizes(&image)?;
+    let host_sim = verify::tested_host_sim(workspace)?;
+    let out = workspace.target_dir.join("bench-verify");
+    let camera = workspace.root.join("host-sim/cameras/rc30-5324.toml");
+    let host_sim = workspace.shell.cmd(host_sim).quiet();
+    host_sim
+        .args(["verify", "--device", "qemu", "--camera"])
+        .arg(camera)
+        .arg("--out")
+        .arg(&out)
+        .ignore_stdout()
+        .run()?;
+    let summary = fs::read_to_string(out.join("summary.json"))?;
+    let Summary { link } = serde_json::from_str(&summary).context("summary.json of verify")?;
+    Ok(Footprint {
+        image: Image::Mps2.to_string(),
+        flash_bytes,
+        static_ram_bytes,
+        stack_used_bytes: link.stack_used_bytes,
+        compiler: target.compiler()?,
+    })
+}

@@ -1,0 +1,87 @@
+//! This PC: the kernel's time per point beside copying the same bytes, another crate, and `OpenCV`.
+
+use anyhow::{Context as _, Result};
+use serde::Deserialize;
+use xshell::cmd;
+
+use super::comparison::Row;
+use crate::workspace::Workspace;
+
+/// Points to a call.
+const SIZES: [&str; 5] = ["1000", "10000", "100000", "1000000", "10000000"];
+
+/// What `OpenCV`'s script ends with where Python has no `OpenCV`.
+const NO_OPENCV: i32 = 3;
+
+/// A line of the timing programs.
+#[derive(Debug, Deserialize)]
+struct Timed {
+    core: String,
+    kernel: String,
+    points: u32,
+    ns_per_point: f64,
+    of_memcpy: Option<f64>,
+    clock_ghz: Option<f64>,
+}
+
+/// Times everyone in one run, one after the other; `OpenCV` where `python3` has it.
+///
+/// # Errors
+/// Where the build or a program fails.
+pub(super) fn times(workspace: &Workspace) -> Result<Vec<Row>> {
+    let _root = workspace.shell.push_dir(&workspace.root);
+    let build = workspace.cargo("build --release -p host-benches --locked");
+    eprintln!("$ {build}");
+    build.run()?;
+    let program = workspace.target_dir.join("release/host-benches");
+    let compiler = cmd!(workspace.shell, "rustc --version").quiet().read()?;
+    let compiler: Vec<_> = compiler.split_whitespace().take(2).collect();
+    eprintln!("$ host-benches {}", SIZES.join(" "));
+    let timed = cmd!(workspace.shell, "{program} {SIZES...}")
+        .quiet()
+        .read()?;
+    let mut rows = of_csv(&timed, &compiler.join(" "))?;
+    let opencv = cmd!(workspace.shell, "python3 benches/host/opencv.py {SIZES...}");
+    eprintln!("$ {opencv}");
+    let output = opencv.quiet().ignore_status().output();
+    match output {
+        Ok(output) if output.status.success() => {
+            let text = String::from_utf8(output.stdout)?;
+            rows.extend(of_csv(&text, "")?);
+        }
+        Ok(output) if output.status.code() != Some(NO_OPENCV) => {
+            anyhow::bail!("{}", String::from_utf8_lossy(&output.stderr));
+        }
+        _ => eprintln!(
+            "note: OpenCV is not timed: python3 has none (pip install opencv-python-headless)"
+        ),
+    }
+    Ok(rows)
+}
+
+fn of_csv(text: &str, compiler: &str) -> Result<Vec<Row>> {
+    let mut reader = csv::Reader::from_reader(text.as_bytes());
+    let rows = reader.deserialize().map(|line| {
+        let line: Timed = line?;
+        Ok(Row {
+            core: line.core,
+            kernel: line.kernel,
+            instructions: None,
+            unit: "point".to_owned(),
+            compiler: compiler.to_owned(),
+            points: Some(line.points),
+            cycles: line
+                .clock_ghz
+                .map(|ghz| (1000.0 * ghz * line.ns_per_point).round() / 1000.0),
+            cycles_by: line
+                .clock_ghz
+                .map(|ghz| format!("clock {ghz} GHz"))
+                .unwrap_or_default(),
+            ns: Some(line.ns_per_point),
+            of_memcpy: line.of_memcpy,
+            of_ours: None,
+        })
+    });
+    rows.collect::<csv::Result<_>>()
+        .context("rows of a timing program")
+}

@@ -1,0 +1,179 @@
+//! The innermost loop of a kernel, out of the image that is counted.
+
+use anyhow::{Context as _, Result, ensure};
+
+/// A line of a disassembly.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub(super) struct Instruction {
+    address: u64,
+    pub(super) mnemonic: String,
+    pub(super) operands: String,
+}
+
+/// Branches at the end of a loop that count down by themselves and cost nothing once the loop is known.
+const LOW_OVERHEAD_END: [&str; 2] = ["le", "letp"];
+
+impl Instruction {
+    /// Of a line `address: mnemonic operands <symbol>`; `None` of others.
+    pub(super) fn parse(line: &str) -> Option<Self> {
+        let (address, text) = line.split_once(':')?;
+        let address = u64::from_str_radix(address.trim(), 16).ok()?;
+        let text = text.trim();
+        let (mnemonic, operands) = text.split_once(char::is_whitespace).unwrap_or((text, ""));
+        // What a number means is said behind it.
+        let operands = operands.split(['<', '@']).next().unwrap_or_default();
+        Some(Self {
+            address,
+            mnemonic: mnemonic.to_owned(),
+            operands: operands.trim().to_owned(),
+        })
+    }
+
+    /// Where a branch leads.
+    fn target(&self) -> Option<u64> {
+        let is_branch = self.is_low_overhead_end() || self.mnemonic.starts_with('b');
+        let last = self
+            .operands
+            .rsplit(|c: char| c == ',' || c.is_whitespace())
+            .next()?;
+        let address = last.strip_prefix("0x").filter(|_| is_branch)?;
+        u64::from_str_radix(address, 16).ok()
+    }
+
+    pub(super) fn is_branch(&self) -> bool {
+        self.target().is_some()
+    }
+
+    pub(super) fn is_low_overhead_end(&self) -> bool {
+        LOW_OVERHEAD_END.contains(&self.mnemonic.as_str())
+    }
+
+    /// Floating-point operations of a multiplication, addition or subtraction in single precision, over all its lanes.
+    pub(super) fn operations(&self) -> u32 {
+        let each = match self.mnemonic.as_str() {
+            "vadd.f32" | "vsub.f32" | "vmul.f32" => 1,
+            "vmla.f32" | "vmls.f32" => 2,
+            _ => 0,
+        };
+        let lanes = if self.operands.starts_with('q') { 4 } else { 1 };
+        each * lanes
+    }
+
+    /// Registers that it names, in order; the one that it writes first.
+    pub(super) fn registers(&self) -> impl Iterator<Item = &str> {
+        let names = self.operands.split(|c: char| !c.is_ascii_alphanumeric());
+        names.filter(|name| !name.is_empty())
+    }
+}
+
+/// One round of a loop; its branch is the last instruction.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub(super) struct KernelLoop {
+    pub(super) instructions: Vec<Instruction>,
+    /// Points of a round.
+    pub(super) points: u32,
+}
+
+impl KernelLoop {
+    /// The innermost loop with the most operations, of a function that does `operations` of them per point.
+    ///
+    /// # Errors
+    /// Where there is no loop, or its operations do not make whole points: then it is not what it is taken for.
+    pub(super) fn find(disassembly: &str, operations: u32) -> Result<Self> {
+        let all: Vec<_> = disassembly.lines().filter_map(Instruction::parse).collect();
+        let mut loops = Vec::new();
+        for (end, branch) in all.iter().enumerate() {
+            let start = branch
+                .target()
+                .and_then(|target| all.iter().take(end).position(|one| one.address == target));
+            if let Some(round) = start.and_then(|start| all.get(start..=end)) {
+                loops.push(round);
+            }
+        }
+        let count =
+            |round: &[Instruction]| -> u32 { round.iter().map(Instruction::operations).sum() };
+        let is_inside = |inner: &&[Instruction], outer: &&[Instruction]| {
+            inner.len() < outer.len() && outer.iter().any(|one| inner.first() == Some(one))
+        };
+        let innermost = loops
+            .iter()
+            .filter(|outer| !loops.iter().any(|inner| is_inside(inner, outer)));
+        let round = *innermost
+            .max_by_key(|round| count(round))
+            .context("no loop")?;
+        let (points, rest) = (count(round) / operations, count(round) % operations);
+        ensure!(
+            points > 0 && rest == 0,
+            "a round of {} operations does not make whole points of {operations}",
+            count(round)
+        );
+        Ok(Self {
+            instructions: round.to_vec(),
+            points,
+        })
+    }
+
+    /// The round as an assembler reads it, its branch leading to its own beginning.
+    pub(super) fn text(&self) -> String {
+        let lines = self
+            .instructions
+            .iter()
+            .filter(|one| !one.is_low_overhead_end());
+        let lines = lines.map(|one| {
+            let operands = if one.is_branch() { "0b" } else { &one.operands };
+            format!("{} {operands}\n", one.mnemonic)
+        });
+        std::iter::once("0:\n".to_owned()).chain(lines).collect()
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::KernelLoop;
+
+    /// Two operations per point: a vector of four points, then what is left over, one by one.
+    const DISASSEMBLY: &str = "
+00000100 <kernel>:
+     100:      \tcbz\tr2, 0x132 <kernel+0x32> @ imm = #0x2e
+     104:      \tvldrw.u32\tq0, [r1]
+     108:      \tvsub.f32\tq1, q0, r2
+     10c:      \tvmul.f32\tq1, q1, q1
+     110:      \tvstrw.32\tq1, [r1], #16
+     114:      \tle\tlr, 0x104 <kernel+0x4>
+     118:      \tvldr\ts0, [r1]
+     11c:      \tvsub.f32\ts1, s0, s2
+     120:      \tvmul.f32\ts1, s1, s1
+     124:      \tvstr\ts1, [r1]
+     128:      \tsubs\tr3, #0x1
+     12a:      \tbne\t0x118 <kernel+0x18> @ imm = #-0x16
+     12c:      \tsubs\tr4, #0x1
+     12e:      \tbpl.w\t0x104 <kernel+0x4> @ imm = #-0x2e
+     132:      \tbx\tlr
+";
+
+    #[test]
+    fn innermost_loop_with_most_operations_is_found() {
+        let found = KernelLoop::find(DISASSEMBLY, 2).unwrap();
+        assert_eq!(found.points, 4);
+        let text = "0:\nvldrw.u32 q0, [r1]\nvsub.f32 q1, q0, r2\nvmul.f32 q1, q1, q1\nvstrw.32 q1, [r1], #16\n";
+        assert_eq!(found.text(), text);
+    }
+
+    #[test]
+    fn branch_of_a_round_leads_to_its_beginning() {
+        let rest = DISASSEMBLY.split_once("     118:").unwrap().1;
+        let found = KernelLoop::find(&format!("     118:{rest}"), 2).unwrap();
+        assert_eq!(found.points, 1);
+        assert!(found.text().ends_with("\nsubs r3, #0x1\nbne 0b\n"));
+    }
+
+    #[test]
+    fn what_does_not_make_whole_points_is_another_loop() {
+        let fault = KernelLoop::find(DISASSEMBLY, 3).unwrap_err().to_string();
+        assert_eq!(
+            fault,
+            "a round of 8 operations does not make whole points of 3"
+        );
+        assert!(KernelLoop::find("     132:      \tbx\tlr", 3).is_err());
+    }
+}

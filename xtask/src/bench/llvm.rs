@@ -1,0 +1,150 @@
+//! LLVM's tools: its disassembler, and the model of a processor by which compilers schedule.
+
+use std::{
+    env, fs,
+    ops::Range,
+    path::{Path, PathBuf},
+};
+
+use anyhow::{Context as _, Result};
+use serde::Deserialize;
+use xshell::{Shell, cmd};
+
+use crate::target::install_packages;
+
+/// Debian's package of both tools.
+const PACKAGE: &str = "llvm-19";
+
+/// Rounds of a loop that are modelled: what comes before it is at full speed is nothing beside them.
+const ROUNDS: u32 = 500;
+
+/// Both tools, of one version.
+#[derive(Debug)]
+pub(super) struct Llvm<'a> {
+    shell: &'a Shell,
+    directory: PathBuf,
+    /// What follows the tools' names: empty, or `-19`.
+    suffix: String,
+}
+
+/// What is used of the model's report.
+#[derive(Debug, Deserialize)]
+struct Report {
+    #[serde(rename = "CodeRegions")]
+    regions: Vec<Region>,
+}
+
+#[derive(Debug, Deserialize)]
+struct Region {
+    #[serde(rename = "SummaryView")]
+    summary: Summary,
+}
+
+#[derive(Debug, Deserialize)]
+struct Summary {
+    #[serde(rename = "TotalCycles")]
+    cycles: u32,
+}
+
+impl<'a> Llvm<'a> {
+    /// Finds the tools on the search path, or installs them where that is allowed; else says that no cycles are
+    /// modelled.
+    pub(super) fn set_up(shell: &'a Shell, may_install: bool) -> Option<Self> {
+        if let Some(found) = Self::find(shell) {
+            return Some(found);
+        }
+        if may_install && let Err(fault) = install_packages(shell, &[PACKAGE]) {
+            eprintln!("note: {fault:#}");
+        }
+        let found = Self::find(shell);
+        if found.is_none() {
+            eprintln!("note: no cycles are modelled: neither llvm-mca nor {PACKAGE} is here");
+        }
+        found
+    }
+
+    /// The newest of the distribution's, or the one without a number.
+    fn find(shell: &'a Shell) -> Option<Self> {
+        let path = env::var_os("PATH")?;
+        let tools = env::split_paths(&path).flat_map(|directory| {
+            let names = fs::read_dir(&directory).into_iter().flatten().flatten();
+            let names = names.filter_map(|entry| entry.file_name().into_string().ok());
+            names
+                .filter_map(|name| name.strip_prefix("llvm-mca").map(str::to_owned))
+                .map(|suffix| Self {
+                    shell,
+                    directory: directory.clone(),
+                    suffix,
+                })
+                .collect::<Vec<_>>()
+        });
+        let tools = tools.filter(|tools| tools.program("llvm-objdump").is_file());
+        tools.max_by_key(|tools| {
+            tools
+                .suffix
+                .trim_start_matches('-')
+                .parse::<u32>()
+                .unwrap_or(0)
+        })
+    }
+
+    fn program(&self, name: &str) -> PathBuf {
+        self.directory.join(format!("{name}{}", self.suffix))
+    }
+
+    /// Name and number of the model.
+    ///
+    /// # Errors
+    /// Where the tool does not answer.
+    pub(super) fn version(&self) -> Result<String> {
+        let mca = self.program("llvm-mca");
+        let text = cmd!(self.shell, "{mca} --version").quiet().read()?;
+        let version = text
+            .split_once("version ")
+            .context("llvm-mca --version names none")?
+            .1;
+        let number = version.split_whitespace().next().unwrap_or_default();
+        Ok(format!("llvm-mca {number}"))
+    }
+
+    /// The instructions of a function, as the disassembler writes them: address, colon, mnemonic, operands.
+    ///
+    /// # Errors
+    /// Where the tool fails.
+    pub(super) fn disassembly(&self, image: &Path, addresses: Range<u64>) -> Result<String> {
+        let objdump = self.program("llvm-objdump");
+        let start = format!("--start-address={}", addresses.start);
+        let stop = format!("--stop-address={}", addresses.end);
+        let text = cmd!(
+            self.shell,
+            "{objdump} --disassemble --no-show-raw-insn --mattr=+mve.fp {start} {stop} {image}"
+        );
+        text.quiet()
+            .read()
+            .with_context(|| format!("disassembly of {}", image.display()))
+    }
+
+    /// Cycles that a processor takes for one round of a loop.
+    ///
+    /// # Errors
+    /// Where the tool has no such processor, or does not know an instruction.
+    pub(super) fn cycles(&self, triple: &str, processor: &str, round: &str) -> Result<f64> {
+        let mca = self.program("llvm-mca");
+        let rounds = ROUNDS.to_string();
+        let text = cmd!(
+            self.shell,
+            "{mca} --json -mtriple={triple} -mcpu={processor} -iterations={rounds}"
+        )
+        .quiet()
+        .ignore_stderr()
+        .stdin(round)
+        .read()
+        .with_context(|| format!("model of {processor}"))?;
+        let report: Report = serde_json::from_str(&text).context("report of llvm-mca")?;
+        let region = report
+            .regions
+            .first()
+            .context("llvm-mca modelled nothing")?;
+        Ok(f64::from(region.summary.cycles) / f64::from(ROUNDS))
+    }
+}

@@ -1,0 +1,111 @@
+//! `cargo xtask bench`: what the camera's work costs on the targets, counted in QEMU.
+
+mod comparison;
+mod cost;
+pub(crate) mod count;
+mod cycles;
+#[cfg(test)]
+mod documented;
+mod figure;
+mod footprint;
+mod host;
+mod kernel_loop;
+mod llvm;
+mod load;
+
+use std::{fs, process::ExitCode};
+
+use anyhow::{Context as _, Result, ensure};
+
+use crate::{route::Need, target::Targets, workspace::Workspace};
+use cost::{Footprint, Instructions};
+use llvm::Llvm;
+
+/// The committed tables, and the figure of the last one.
+const INSTRUCTIONS: &str = "docs/instructions.csv";
+const FOOTPRINT: &str = "docs/footprint.csv";
+const PERFORMANCE: &str = "performance.csv";
+const FIGURE: &str = "performance.svg";
+
+/// Prints counts, modelled cycles and times as CSV, and the images' footprint on the error stream; draws what a point
+/// costs on every core. With `update` the tables and the figure in docs are written, otherwise those in target/bench.
+///
+/// # Errors
+/// Where the set-up, a build, QEMU or a timing program fails.
+pub(crate) fn run(workspace: &Workspace, update: bool) -> Result<ExitCode> {
+    let targets = Targets::set_up(workspace, Need::ToolchainAndQemu)?;
+    let llvm = Llvm::set_up(&workspace.shell, targets.may_install);
+    let counted = count::count(workspace, &targets)?;
+    let cycles = llvm.map_or_else(|| Ok(vec![]), |llvm| cycles::cycles(&llvm, &targets))?;
+    let footprint = vec![footprint::footprint(workspace, &targets.armv7em)?];
+    let timed = host::times(workspace)?;
+    let rows = comparison::rows(&counted, &cycles, timed);
+    print!("{}", cost::text(&rows)?);
+    for load in load::loads(&counted) {
+        eprintln!("{load}");
+    }
+    eprint!("\n{}", cost::text(&footprint)?);
+    let compared: Vec<_> = rows
+        .into_iter()
+        .filter(comparison::Row::is_compared)
+        .collect();
+    let (tables, figures) = if update {
+        cost::replace(&workspace.root.join(INSTRUCTIONS), counted)?;
+        cost::replace(&workspace.root.join(FOOTPRINT), footprint)?;
+        let docs = workspace.root.join("docs");
+        (docs.clone(), docs.join("figures"))
+    } else {
+        let out = workspace.target_dir.join("bench");
+        fs::create_dir_all(&out).with_context(|| format!("{}", out.display()))?;
+        (out.clone(), out)
+    };
+    for (path, text) in [
+        (tables.join(PERFORMANCE), cost::text(&compared)?),
+        (figures.join(FIGURE), figure::svg(&compared)?),
+    ] {
+        fs::write(&path, text).with_context(|| format!("{}", path.display()))?;
+        eprintln!("{}", path.display());
+    }
+    Ok(ExitCode::SUCCESS)
+}
+
+/// Compares what is counted with the committed tables.
+///
+/// # Errors
+/// Where something costs more than its table or its limit says.
+pub(crate) fn check(workspace: &Workspace, targets: &Targets<'_>) -> Result<()> {
+    let instructions = cost::read::<Instructions>(&workspace.root.join(INSTRUCTIONS))?;
+    let footprint_table = cost::read::<Footprint>(&workspace.root.join(FOOTPRINT))?;
+    let counted = count::count(workspace, targets)?;
+    for (compiler, core) in cost::new_groups(&instructions, &counted) {
+        eprintln!(
+            "note: {INSTRUCTIONS} has no rows of {core} by {compiler}: only the limits are checked; `cargo xtask bench --update` adds them"
+        );
+    }
+    for load in load::loads(&counted) {
+        eprintln!("{load}");
+        ensure!(
+            load.is_allowed(),
+            "{:.0} % must be left at least, and a round must end before the next at a usual clock",
+            100.0 * load::LEAST_IDLE
+        );
+    }
+    let mut findings = cost::compare(&instructions, &counted);
+    findings.extend(cost::compare(
+        &footprint_table,
+        &[footprint::footprint(workspace, &targets.armv7em)?],
+    ));
+    let findings = findings.iter().map(ToString::to_string);
+    let mut text: Vec<_> = findings.collect();
+    if let Some(llvm) = Llvm::set_up(&workspace.shell, targets.may_install) {
+        let cycles = cycles::cycles(&llvm, targets)?;
+        text.extend(cycles.iter().filter_map(cycles::Cycles::over_limit));
+    }
+    let text: Vec<_> = text.iter().map(|text| format!("\n    {text}")).collect();
+    ensure!(
+        text.is_empty(),
+        "costs have changed; if that is right, `cargo xtask bench --update` writes the tables:{}",
+        text.concat()
+    );
+    Ok(())
+}
