@@ -45,7 +45,7 @@ enum Command {
     /// other software (CSV); image sizes and stack
     ///
     /// Cycles need LLVM's llvm-mca and llvm-objdump, Debian's package llvm-19, which is installed where that is allowed.
-    /// OpenCV is timed where `python3` has it. The comparison goes to performance.csv and performance.svg in target/bench.
+    /// `OpenCV` is timed where `python3` has it. The comparison goes to performance.csv and performance.svg in target/bench.
     Bench {
         /// Write the tables and the figure in docs instead
         #[arg(long)]
