@@ -35,7 +35,7 @@ use fmc_camera::flight::{
     time::{Clock, Time},
     unit::CameraUnit,
     utc::UtcClock,
-    vh::{VhChannel, VhCounters, VhEstimate, VhFindingKind, VhMonitor, VhSettings, WrongUnit},
+    vh::{VhChannel, VhCounters, VhFindingKind, VhMonitor, VhSettings, WrongUnit},
 };
 
 use crate::pin::Pin;
@@ -184,7 +184,6 @@ pub(crate) fn keep() {
         VhCounters::of,
         VhSettings::checked,
         VhSettings::of,
-        VhEstimate::smear_px,
         VhMonitor::new,
         VhMonitor::settings,
         VhMonitor::counters,

@@ -62,17 +62,13 @@ fn inertial_speed_and_laser_take_over_and_their_differences_are_in_sigma() {
 #[test]
 fn silence_extrapolates_with_growing_sigma_in_pixels_until_its_validity_ends() {
     let monitor = flying(&GOOD[..2]);
-    // The lens: 150 mm, 8.75 µm, 1/200 s.
-    let scale = SmearScale {
-        principal_distance_mm: 150.0,
-        exposure_s: 0.005,
-        pixel_um: 8.75,
-    };
+    // f·t/p of 150 mm, 1/200 s and 8.75 µm: what one σ of V/H smears.
+    let smear_px_s = 1000.0 * 150.0 * 0.005 / 8.75;
     let smear = |age: f32| {
         let estimate = monitor.estimate(at(4.0 + age)).unwrap();
         assert_eq!(estimate.extrapolated, age >= 0.5);
         assert!((estimate.age_s - age).abs() < 1e-5);
-        estimate.smear_px(&scale)
+        smear_px_s * estimate.sigma_per_s
     };
     let grown = [0.0, 0.4, 1.0, 2.0, 4.0, 4.9].map(smear);
     assert!(grown.is_sorted(), "{grown:?}");
