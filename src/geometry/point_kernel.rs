@@ -82,9 +82,21 @@ impl FrameCorrection {
         Ok(())
     }
 
-    /// The folded numbers in the kernel's order.
+    /// The numbers of the frame as the point kernel takes them: the centre and the folded form, in its order.
+    ///
+    /// # Examples
+    /// ```
+    /// # use fmc_camera::{Brown, Calibration, CalibrationRecord, FrameCorrection, SensorPoint};
+    /// # let mut record = CalibrationRecord::new(100.0, [9216, 9216], 8.75);
+    /// record.principal_point = SensorPoint::new(0.5, -0.25);
+    /// record.distortion = Brown { k1: 1e-6, ..Brown::NONE };
+    /// let frame = FrameCorrection::without_motion(&Calibration::new(record)?).coefficients();
+    /// assert_eq!([frame.cx, frame.cy, frame.k1], [0.5, -0.25, 1e-6]);
+    /// # Ok::<(), Box<dyn core::error::Error>>(())
+    /// ```
     #[inline]
-    fn coefficients(&self) -> Coefficients {
+    #[must_use]
+    pub fn coefficients(&self) -> Coefficients {
         let (centre, form) = (self.centre(), self.form());
         Coefficients {
             cx: centre.x_mm,

@@ -3,7 +3,6 @@
 use fmc_camera::geometry::evaluation_form::Displacement;
 use fmc_camera::geometry::frame_correction::{Corrected, FrameCorrection, Kernel};
 use fmc_camera::geometry::sensor::SensorPoint;
-use fmc_camera_kernel::Coefficients;
 use fmc_camera_kernel::host::{Batch, Terms};
 
 /// Points that go through the kernel together: their numbers fit the first-level cache.
@@ -15,28 +14,11 @@ pub(super) struct PointBatch(Batch);
 
 impl PointBatch {
     pub(super) fn new(correction: &FrameCorrection) -> Self {
-        let (centre, form) = (correction.centre(), correction.form());
-        let coefficients = Coefficients {
-            cx: centre.x_mm,
-            cy: centre.y_mm,
-            k0: form.k0,
-            k1: form.k1,
-            k2: form.k2,
-            k3: form.k3,
-            hx: form.hx,
-            hy: form.hy,
-            gx: form.gx,
-            gy: form.gy,
-            b1: form.b1,
-            b2: form.b2,
-            tx: form.tx,
-            ty: form.ty,
-        };
         let terms = match correction.kernel() {
             Kernel::Short => Terms::Short,
             Kernel::Full => Terms::Full,
         };
-        Self(Batch::new(coefficients, terms))
+        Self(Batch::new(correction.coefficients(), terms))
     }
 
     /// Whether every point is on the sensor, asked of the farthest alone: the sensor is centred on the origin.

@@ -76,6 +76,7 @@ pub(crate) fn keep() {
         FrameCorrection::correct,
         FrameCorrection::correct_slice,
         FrameCorrection::correct_slice_xy,
+        FrameCorrection::coefficients,
         FrameCorrection::jacobian,
         FrameCorrection::distort,
         FrameCorrection::distort_slice,
