@@ -8,6 +8,7 @@ use fmc_camera::geometry::sensor::SensorPoint;
 use fmc_camera::{Camera, Exposure, FrameCorrection};
 
 use crate::counter::Counter;
+use crate::fold::frames;
 use crate::specimen::{self, EXPOSURE, POINTS, full, points, short, strong};
 
 /// Points to a call where it is not all of them.
@@ -119,10 +120,5 @@ fn distort_slice(counter: &mut Counter, kernel: &str, correction: &FrameCorrecti
 
 /// An exposure into coefficients.
 fn fold(counter: &mut Counter, kernel: &str, camera: &Camera, exposure: Exposure) -> Option<()> {
-    counter.count(kernel, PER_FRAME, || {
-        for _ in 0..FRAMES {
-            black_box(black_box(camera).frame(black_box(&exposure)).ok()?);
-        }
-        Some(())
-    })
+    counter.count(kernel, PER_FRAME, || frames(camera, &exposure, FRAMES))
 }

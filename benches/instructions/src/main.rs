@@ -14,6 +14,8 @@ mod counter;
 #[cfg(target_os = "none")]
 mod flight;
 #[cfg(target_os = "none")]
+mod fold;
+#[cfg(target_os = "none")]
 mod geometry;
 #[cfg(target_os = "none")]
 mod interrupts;
@@ -46,6 +48,7 @@ fn count() -> ! {
         let mut counter = counter::Counter::new(peripherals.SYST);
         counter.is_calibrated().then_some(())?;
         geometry::count(&mut counter)?;
+        fold::count(&mut counter)?;
         mesh::count(&mut counter)?;
         other_crate::count(&mut counter)?;
         flight::count(&mut counter)?;
