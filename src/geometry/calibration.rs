@@ -68,6 +68,8 @@ impl CalibrationRecord {
 pub struct Calibration {
     record: CalibrationRecord,
     sensor: Sensor,
+    /// The distance of the corner of [`Self::region`], mm.
+    radius_mm: f32,
     least_scale: f32,
 }
 
@@ -158,9 +160,11 @@ impl Calibration {
         let mut calibration = Self {
             record,
             sensor,
+            radius_mm: 0.0,
             least_scale: 1.0,
         };
         let region = calibration.region();
+        calibration.radius_mm = region.radius_mm();
         calibration.least_scale = least_scale(
             &lens.evaluation_form(),
             region,
@@ -169,8 +173,10 @@ impl Calibration {
         .map_err(|folds| calibration.folds(Polynomial::Static, folds))?;
         if let Some(fitted) = fitted {
             let still = fitted.folded(lens.evaluation_form(), 0.0, record.axis);
-            let moving =
-                2.0 * (fitted.kd1.abs() + fitted.pm1.abs()) * record.stroke_mm * region.radius_mm();
+            let moving = 2.0
+                * (fitted.kd1.abs() + fitted.pm1.abs())
+                * record.stroke_mm
+                * calibration.radius_mm;
             let scale = least_scale(&still, region, moving)
                 .map_err(|folds| calibration.folds(Polynomial::Fitted, folds))?;
             calibration.least_scale = calibration.least_scale.min(scale);
@@ -194,6 +200,11 @@ impl Calibration {
     #[must_use]
     pub const fn least_scale(&self) -> f32 {
         self.least_scale
+    }
+
+    /// The distance of the corner of [`Self::region`], mm.
+    pub(super) const fn radius_mm(&self) -> f32 {
+        self.radius_mm
     }
 
     /// The sensor enlarged by half the stroke along the FMC axis, and by the largest focus shift,

@@ -86,7 +86,7 @@ impl FrameCorrection {
             .sensor_from_offset(record.principal_point, motion.centroid_mm);
         let form = with_second_moment(&lens, motion.moments.second, record.axis);
         let run_out = run_out_bound(calibration, motion, focus);
-        let left_out_mm = higher_order_bound(&lens, motion, calibration.region().radius_mm());
+        let left_out_mm = higher_order_bound(&lens, motion, calibration.radius_mm());
         Self::folded(calibration, centre, form, (left_out_mm + run_out) * 1e6)
     }
 
@@ -283,7 +283,7 @@ fn run_out_bound(
     let record = calibration.record();
     let slope = record.flatness.steepest(0.5 * record.stroke_mm) / focus.lever_mm();
     let lens = 1.0 + 7.0 * (1.0 - calibration.least_scale());
-    slope * motion.moments.second * (lens + slope * calibration.region().radius_mm())
+    slope * motion.moments.second * (lens + slope * calibration.radius_mm())
 }
 
 /// A bound, mm per axis, on the terms of the exact mean that the evaluation form has no place for.

@@ -43,7 +43,12 @@ pub(super) fn longest_last_step2(
 
 /// At least the diagonal of a rectangle, at most a twelfth more, without a root.
 fn longer_than_diagonal(width: f32, height: f32) -> f32 {
-    width.max(height) + (core::f32::consts::SQRT_2 - 1.0) * width.min(height)
+    let (longer, shorter) = if width >= height {
+        (width, height)
+    } else {
+        (height, width)
+    };
+    longer + (core::f32::consts::SQRT_2 - 1.0) * shorter
 }
 
 /// What displacement and derivatives have in common at a point.

@@ -27,6 +27,9 @@ pub enum ShutterProfile {
 pub struct Shutter {
     opening: f32,
     closing: f32,
+    // What every frame asks for.
+    centroid: f32,
+    moments: CentralMoments,
 }
 
 impl Shutter {
@@ -36,11 +39,8 @@ impl Shutter {
     /// [`OutOfRange`] for a ramp that is negative or not a number, and for ramps that together
     /// are longer than the base.
     pub fn new(profile: ShutterProfile) -> Result<Self, OutOfRange> {
-        match profile {
-            ShutterProfile::Uniform => Ok(Self {
-                opening: 0.0,
-                closing: 0.0,
-            }),
+        let (opening, closing) = match profile {
+            ShutterProfile::Uniform => (0.0, 0.0),
             ShutterProfile::Trapezoid {
                 opening_fraction,
                 closing_fraction,
@@ -54,9 +54,17 @@ impl Shutter {
                 } else {
                     Quantity::ClosingFraction.check_within(closing_fraction, 0.0, rest)?
                 };
-                Ok(Self { opening, closing })
+                (opening, closing)
             }
-        }
+        };
+        let mut shutter = Self {
+            opening,
+            closing,
+            centroid: centroid(opening, closing),
+            moments: CentralMoments::default(),
+        };
+        shutter.moments = shutter.integrated();
+        Ok(shutter)
     }
 
     /// The three stretches of the base over which the transmission is linear.
@@ -121,9 +129,8 @@ impl Shutter {
     /// # Ok::<(), fmc_camera::geometry::range::OutOfRange>(())
     /// ```
     #[must_use]
-    pub fn centroid(&self) -> f32 {
-        let (r1, r2) = (self.opening, self.closing);
-        0.5 + (r1 - r2) * (3.0 - 2.0 * r1 - 2.0 * r2) / (6.0 * (2.0 - r1 - r2))
+    pub const fn centroid(&self) -> f32 {
+        self.centroid
     }
 
     /// Central moments of the time of a photon, in powers of the base.
@@ -131,17 +138,26 @@ impl Shutter {
     /// # Accuracy
     /// The quadrature is exact for the profile; what remains is rounding, below 1e-7.
     #[must_use]
-    pub fn moments(&self) -> CentralMoments {
-        let centroid = self.centroid();
+    pub const fn moments(&self) -> CentralMoments {
+        self.moments
+    }
+
+    /// [`Self::moments`] from the transmission.
+    fn integrated(&self) -> CentralMoments {
         let mut moments = CentralMoments::default();
         for (from, to) in self.pieces() {
             for (u, weight) in gauss_nodes(from, to) {
                 let share = weight * self.transmission(u) / self.effective_fraction();
-                moments.add(share, u - centroid);
+                moments.add(share, u - self.centroid);
             }
         }
         moments
     }
+}
+
+/// [`Shutter::centroid`] of two ramps.
+fn centroid(r1: f32, r2: f32) -> f32 {
+    0.5 + (r1 - r2) * (3.0 - 2.0 * r1 - 2.0 * r2) / (6.0 * (2.0 - r1 - r2))
 }
 
 #[cfg(test)]
