@@ -8,10 +8,10 @@ use cortex_m::peripheral::syst::SystClkSource;
 use cortex_m_semihosting::hprintln;
 
 /// Instructions to four ticks: 1 ns each, the timer runs at 25 MHz.
-#[cfg(not(mps3))]
+#[cfg(mps2)]
 const PER_FOUR_TICKS: u32 = 160;
 /// The same where the timer runs at 32 MHz.
-#[cfg(mps3)]
+#[cfg(not(mps2))]
 const PER_FOUR_TICKS: u32 = 125;
 /// The timer counts down from here.
 const RELOAD: u32 = 0x00ff_ffff;

@@ -26,6 +26,9 @@ mod mesh;
 #[cfg(target_os = "none")]
 mod other_crate;
 #[cfg(target_os = "none")]
+#[path = "../../../tests/kernel/src/panic.rs"]
+mod panic;
+#[cfg(target_os = "none")]
 #[path = "../../../src/bin/firmware/board/receive_ring.rs"]
 mod receive_ring;
 #[cfg(target_os = "none")]
@@ -61,18 +64,6 @@ fn count() -> ! {
     } else {
         EXIT_FAILURE
     });
-    loop {
-        cortex_m::asm::wfi();
-    }
-}
-
-#[cfg(target_os = "none")]
-#[panic_handler]
-fn panic(info: &core::panic::PanicInfo<'_>) -> ! {
-    use cortex_m_semihosting::{debug, hprintln};
-
-    hprintln!("{}", info);
-    debug::exit(debug::EXIT_FAILURE);
     loop {
         cortex_m::asm::wfi();
     }

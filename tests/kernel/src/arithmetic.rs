@@ -14,7 +14,7 @@ pub(crate) enum Arithmetic {
 }
 
 /// That of the kernels that are compared.
-pub(crate) const OF_KERNEL: Arithmetic = if cfg!(hand_scheduled) {
+pub(crate) const OF_KERNEL: Arithmetic = if cfg!(mps2) {
     Arithmetic::Gradual
 } else {
     Arithmetic::Flushing

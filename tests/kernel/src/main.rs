@@ -20,8 +20,10 @@ mod corners;
 #[cfg(target_os = "none")]
 mod near;
 #[cfg(target_os = "none")]
+mod panic;
+#[cfg(target_os = "none")]
 mod random;
-#[cfg(hand_scheduled)]
+#[cfg(mps2)]
 mod registers;
 
 #[cfg(not(target_os = "none"))]
@@ -35,7 +37,7 @@ fn run() -> ! {
 
     let outcome = check::sees_differences();
     // Elsewhere a compiler sees to it.
-    #[cfg(hand_scheduled)]
+    #[cfg(mps2)]
     let outcome = outcome.and_then(|()| registers::are_kept());
     let outcome = outcome
         .and_then(|()| corners::compare())
@@ -57,18 +59,6 @@ fn run() -> ! {
             EXIT_FAILURE
         }
     });
-    loop {
-        cortex_m::asm::wfi();
-    }
-}
-
-#[cfg(target_os = "none")]
-#[panic_handler]
-fn panic(info: &core::panic::PanicInfo<'_>) -> ! {
-    use cortex_m_semihosting::{debug, hprintln};
-
-    hprintln!("{}", info);
-    debug::exit(debug::EXIT_FAILURE);
     loop {
         cortex_m::asm::wfi();
     }
