@@ -7,8 +7,8 @@
 //! fused: the same bits, which `tests/kernel` checks on emulated cores. Only that the vectors take numbers below 2⁻¹²⁶
 //! for zero.
 //!
-//! This is the only crate of the library with `unsafe`: it calls the assembly, in `thumbv7em.rs`, and loads, stores and streams
-//! vectors, in `host`.
+//! This is the only crate of the library with `unsafe`: it calls the assembly, in `thumbv7em.rs`, and loads, stores and
+//! streams vectors, in `host`.
 
 #![no_std]
 #![deny(unsafe_op_in_unsafe_fn, clippy::undocumented_unsafe_blocks)]

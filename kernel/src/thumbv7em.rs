@@ -1,4 +1,5 @@
-//! The kernel for Cortex-M4F and M7: blocks of three points by `thumbv7em.s`, what is left over goes back to the caller.
+//! The kernel for Cortex-M4F and M7: blocks of three points by `thumbv7em.s`, what is left over goes back to the
+//! caller.
 
 use core::arch::global_asm;
 

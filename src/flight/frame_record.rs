@@ -14,7 +14,8 @@ use super::vh::VhEstimate;
 pub struct FrameRecord {
     /// Number of the trigger since the camera was prepared, from 1; none is left out.
     pub sequence: u32,
-    /// When the trigger came, camera time; of those refused as [`Reason::RecordsFull`], the first's for all but the last.
+    /// When the trigger came, camera time; of those refused as [`Reason::RecordsFull`], the first's for all but the
+    /// last.
     pub trigger: Time,
     /// What became of it.
     pub outcome: Outcome,

@@ -147,8 +147,8 @@ impl RecordLog {
             .then(|| range.record(sequence.max(range.first_sequence), self.calibration_crc))
     }
 
-    /// The PC has all records up to this number: they are forgotten, except pending ones and what comes after them. Says
-    /// how many are left.
+    /// The PC has all records up to this number: they are forgotten, except pending ones and what comes after them.
+    /// Says how many are left.
     pub fn acknowledge(&mut self, through: u32) -> u32 {
         while self
             .whole

@@ -93,8 +93,8 @@ impl SmearPrediction {
     /// Attitudes for which no image motion can be given (see [`ImageMotion::new`]) count as not given.
     ///
     /// # Units and frames
-    /// `travel_mm` positive in the direction of flight; the attitude about the camera's axes, the drift from the direction
-    /// of flight.
+    /// `travel_mm` positive in the direction of flight; the attitude about the camera's axes, the drift from the
+    /// direction of flight.
     #[must_use]
     pub fn of(
         &self,

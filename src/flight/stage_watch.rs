@@ -42,8 +42,8 @@ pub enum Finding {
 /// - motion of the stage otherwise.
 ///
 /// Motion is at fault where it is off its set point by more than `following_mm`: where the stage should move,
-/// [`Fault::WrongDirection`] if it moves the other way, [`Fault::Runaway`] if it is ahead, else [`Fault::Stall`]; where it
-/// should stand, [`Fault::Runaway`] if it moves, else [`Fault::Stall`]: it has not come there.
+/// [`Fault::WrongDirection`] if it moves the other way, [`Fault::Runaway`] if it is ahead, else [`Fault::Stall`]; where
+/// it should stand, [`Fault::Runaway`] if it moves, else [`Fault::Stall`]: it has not come there.
 ///
 /// What stays undetected: counts lost or added in a step of less than `jump_mm`.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]

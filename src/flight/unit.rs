@@ -34,8 +34,8 @@ impl<Drive: FmcDrive> CameraUnit<Drive> {
         Self { controller, drive }
     }
 
-    /// One round of the control loop: what has happened since the last, a look at the stage, and what follows from both.
-    /// The stage is read first, at `now`.
+    /// One round of the control loop: what has happened since the last, a look at the stage, and what follows from
+    /// both. The stage is read first, at `now`.
     ///
     /// [`Action::MoveStage`] and [`Action::ReleaseStage`] have been done on return; the others are the caller's.
     pub fn round(&mut self, now: Time, events: &Events) -> RoundActions {
@@ -66,7 +66,8 @@ impl<Drive: FmcDrive> CameraUnit<Drive> {
     }
 }
 
-/// A round of the control loop, as [`CameraUnit::round`], the stage having been read: what the events cost is no way of it.
+/// A round of the control loop, as [`CameraUnit::round`], the stage having been read: what the events cost is no way of
+/// it.
 pub(crate) fn round(
     controller: &mut Controller,
     drive: &mut impl FmcDrive,

@@ -1,7 +1,7 @@
 //! Absolute time, from the receiver's time pulse and the times that name its pulses.
 //!
-//! The pulse says exactly when a second begins, and not which; the receiver's messages say which, and late. The camera's
-//! clock carries the time from one pulse to the next.
+//! The pulse says exactly when a second begins, and not which; the receiver's messages say which, and late. The
+//! camera's clock carries the time from one pulse to the next.
 
 use super::time::Time;
 
@@ -89,11 +89,11 @@ struct Doubt {
 /// Makes UTC of the camera's time.
 ///
 /// # Model
-/// With the last pulse at camera time T, the beginning of second N, and the clock's drift d measured from pulse to pulse
-/// (exponential mean, gain 1/8), UTC at camera time t is `N + (t - T)/(1 + d)`. With `age = |t - T|`:
+/// With the last pulse at camera time T, the beginning of second N, and the clock's drift d measured from pulse to
+/// pulse (exponential mean, gain 1/8), UTC at camera time t is `N + (t - T)/(1 + d)`. With `age = |t - T|`:
 /// `σ² = σ_pulse² + ((σ_d + w·age)·age)² + σ_q²`, where `σ_d` is the mean deviation of the measured drifts, w
-/// [`DRIFT_WANDER_PPM_PER_S`] and `σ_q` the rounding to microseconds. While the receiver's times contradict the count of
-/// pulses, the contradiction is added to σ.
+/// [`DRIFT_WANDER_PPM_PER_S`] and `σ_q` the rounding to microseconds. While the receiver's times contradict the count
+/// of pulses, the contradiction is added to σ.
 #[derive(Debug, Clone)]
 pub struct UtcClock {
     pulse_sigma_s: f32,

@@ -92,8 +92,8 @@ impl FrameCorrection {
     /// where that is larger, divided by the scale `∂(ideal)/∂(measured)` where that is below 0.7,
     /// and within 0.02 nm where all this is less (`tests/geometry/round_trip.rs`). The displacement is
     /// within 0.11 nm of that in double precision on the published cameras (`tests/geometry/inverse.rs`).
-    /// Instructions on Cortex-M4F and M7 where the first step is the last: 115 with the short kernel and 128 with the full
-    /// one (`docs/instructions.csv`); where every place has to be kept on the sensor, some hundred more.
+    /// Instructions on Cortex-M4F and M7 where the first step is the last: 115 with the short kernel and 128 with the
+    /// full one (`docs/instructions.csv`); where every place has to be kept on the sensor, some hundred more.
     ///
     /// # Errors
     /// [`DistortError`]; never a finite point that does not belong to `ideal`. A lens of tens of
@@ -165,8 +165,8 @@ impl FrameCorrection {
         (ideal.x_mm - centre.x_mm, ideal.y_mm - centre.y_mm)
     }
 
-    /// [`Self::distort`] where free steps find nothing: at the edge, beyond it, and with a strong lens. It decides which
-    /// error it is.
+    /// [`Self::distort`] where free steps find nothing: at the edge, beyond it, and with a strong lens. It decides
+    /// which error it is.
     fn kept_on_sensor(&self, ideal: SensorPoint) -> Result<Corrected, DistortError> {
         // Every iterate stays on the sensor, where the map is one-to-one: beyond it the polynomial
         // may have other roots.
@@ -218,12 +218,12 @@ impl FrameCorrection {
     /// Sensor frame, mm; domain as [`Self::distort`].
     ///
     /// # Accuracy
-    /// That of [`Self::distort`]. Instructions to a point on Cortex-M4F and M7 where the first step is the last: 95 with the
-    /// short kernel and 106 with the full one.
+    /// That of [`Self::distort`]. Instructions to a point on Cortex-M4F and M7 where the first step is the last: 95
+    /// with the short kernel and 106 with the full one.
     ///
     /// # Errors
-    /// [`DistortSliceError`] for the first point that no measured one belongs to. Those before it have been replaced; it
-    /// and those behind it are as they were.
+    /// [`DistortSliceError`] for the first point that no measured one belongs to. Those before it have been replaced;
+    /// it and those behind it are as they were.
     ///
     /// # Examples
     /// ```

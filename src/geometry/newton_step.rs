@@ -8,8 +8,8 @@ use super::sensor::SensorPoint;
 /// distortion.
 pub const LEFT_BY_ONE_STEP_NM: f32 = 0.01;
 
-/// Longest last step, as a fraction of half the shorter side of the sensor: the step starts as near to the sensor, where
-/// the calibration has been shown to be one-to-one.
+/// Longest last step, as a fraction of half the shorter side of the sensor: the step starts as near to the sensor,
+/// where the calibration has been shown to be one-to-one.
 pub const MAX_LAST_STEP_FRACTION: f32 = 1e-3;
 
 /// The square of the longest step that may be the last towards a point of the sensor, mm².

@@ -29,8 +29,8 @@ impl FrameCorrection {
     /// [`Self::correct`], bit for bit, on every machine: the same operations in the same order, several points side by
     /// side. Points beyond the sensor and NaN as there; a point does not touch another.
     ///
-    /// The vectors of a Cortex-M55 take numbers below 2⁻¹²⁶ for zero. A camera has them for a coordinate within 1e-21 mm of
-    /// zero alone, and it differs by less than 1e-28 mm then.
+    /// The vectors of a Cortex-M55 take numbers below 2⁻¹²⁶ for zero. A camera has them for a coordinate within 1e-21
+    /// mm of zero alone, and it differs by less than 1e-28 mm then.
     ///
     /// # Units and frames
     /// Sensor frame, mm.

@@ -45,7 +45,12 @@ impl FocusShift {
     /// ```
     /// use fmc_camera::geometry::principal_distance::{FocusShift, FocusSign};
     /// // Retrofocus lens, f = 50 mm, L = 76.7 mm, detector 10 µm too far back: 1.303e-4.
-    /// let shift = FocusShift { shift_mm: 0.010, principal_distance_mm: 50.0, exit_pupil_mm: 76.7, sign: FocusSign::Physical };
+    /// let shift = FocusShift {
+    ///     shift_mm: 0.010,
+    ///     principal_distance_mm: 50.0,
+    ///     exit_pupil_mm: 76.7,
+    ///     sign: FocusSign::Physical,
+    /// };
     /// assert!((shift.enlargement() - 1.303e-4).abs() < 1e-7);
     /// ```
     #[must_use]

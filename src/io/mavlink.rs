@@ -3,8 +3,9 @@
 //! Read are `GLOBAL_POSITION_INT`, `DISTANCE_SENSOR`, `ALTITUDE` and `SYSTEM_TIME` of the common dialect; every other
 //! message is passed over. Frames are cut here: the reader of the crate `mavlink` indexes into its buffer, and what it
 //! cannot use it must have read whole. A candidate whose checksum is wrong is given up from its second byte, so that no
-//! frame is lost behind a false beginning. The crate knows each message's part of the checksum and decodes the payload, which
-//! it gets in an array of the message's full length: its own filling up of a shortened payload indexes. Signatures are not verified.
+//! frame is lost behind a false beginning. The crate knows each message's part of the checksum and decodes the payload,
+//! which it gets in an array of the message's full length: its own filling up of a shortened payload indexes.
+//! Signatures are not verified.
 //!
 //! The link check of `tests/no-panic` with its feature `mavlink` finds no panic here.
 
@@ -133,7 +134,8 @@ impl MavlinkReceiver {
     /// the next bytes one of them.
     ///
     /// # Errors
-    /// [`MavlinkError`]; a whole frame that follows is read whatever came before it, at most [`LONGEST_FRAME`] bytes late.
+    /// [`MavlinkError`]; a whole frame that follows is read whatever came before it, at most [`LONGEST_FRAME`] bytes
+    /// late.
     pub fn receive(&mut self, byte: u8) -> Option<Result<MavlinkReading, MavlinkError>> {
         if self.received.push(byte).is_err() {
             // A full buffer is a whole frame, and was cut.

@@ -1,13 +1,13 @@
 //! Sentences of a satellite receiver (NMEA 0183): speed, altitude and time, byte by byte.
 //!
-//! Read are GGA, RMC and VTG of any talker; every other sentence is passed over. A sentence is handed to the crate `nmea`
-//! only when it is printable ASCII, no longer than [`LONGEST_SENTENCE`] and its checksum is right, so what the crate sees
-//! was sent like this. The crate accepts "nan" and "inf" for numbers and any number of satellites; values are checked here
-//! again.
+//! Read are GGA, RMC and VTG of any talker; every other sentence is passed over. A sentence is handed to the crate
+//! `nmea` only when it is printable ASCII, no longer than [`LONGEST_SENTENCE`] and its checksum is right, so what the
+//! crate sees was sent like this. The crate accepts "nan" and "inf" for numbers and any number of satellites; values
+//! are checked here again.
 //!
 //! The crate reads numbers with the core library's parser. Neither was written to be free of panics in the sense of the
-//! link check of `tests/no-panic`, which therefore leaves this module out, and the flight images leave the feature off; none
-//! was found by the fuzz target `nmea`.
+//! link check of `tests/no-panic`, which therefore leaves this module out, and the flight images leave the feature off;
+//! none was found by the fuzz target `nmea`.
 
 use core::fmt;
 

@@ -142,11 +142,11 @@ impl<T: Item, const PLACES: usize> Ring<T, PLACES> {
 }
 
 impl<const PLACES: usize> Ring<u32, PLACES> {
-    /// What the interrupt of a capture input found: the stamp that the register holds, and whether an edge before it was
-    /// overwritten there, which is lost and counted.
+    /// What the interrupt of a capture input found: the stamp that the register holds, and whether an edge before it
+    /// was overwritten there, which is lost and counted.
     ///
-    /// Says whether the line may interrupt again. One that has filled its ring oscillates, and must not take all the time
-    /// there is: it is to be listened to again once the ring has been read.
+    /// Says whether the line may interrupt again. One that has filled its ring oscillates, and must not take all the
+    /// time there is: it is to be listened to again once the ring has been read.
     #[must_use]
     pub fn capture(&self, stamp: Option<u32>, was_overwritten: bool) -> bool {
         if was_overwritten {

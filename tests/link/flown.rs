@@ -110,7 +110,8 @@ fn counter_that_wraps_between_trigger_and_round_changes_nothing_but_the_times() 
 fn time_pulses_by_wire_and_their_utc_over_the_link_date_the_centroid() {
     let mut board = Board::prepared_at(0);
     board.arm();
-    // A pulse 300 µs into every 1000th millisecond; its UTC is told up to 0.9 s later, the last just before the next pulse.
+    // A pulse 300 µs into every 1000th millisecond; its UTC is told up to 0.9 s later, the last just before the next
+    // pulse.
     let unix_us = 1_700_000_000_000_000;
     let mut first_pulse = None;
     for second in 0..12_u32 {

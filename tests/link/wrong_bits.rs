@@ -173,8 +173,8 @@ impl Errors {
 
     /// The first piece of the bytes between two zeros that an error of up to `wrong` bits makes a frame.
     ///
-    /// A piece begins at the start, or after a byte that the error makes zero, and ends likewise; what that takes is not
-    /// left for wrong bits within. The first `sent` bytes without a wrong bit are the frame that was sent.
+    /// A piece begins at the start, or after a byte that the error makes zero, and ends likewise; what that takes is
+    /// not left for wrong bits within. The first `sent` bytes without a wrong bit are the frame that was sent.
     fn first_undetected(&self, between: &[u8], sent: usize, wrong: usize) -> Option<Range<usize>> {
         let ones = |index: usize| between[index].count_ones() as usize;
         let length = between.len();

@@ -79,7 +79,8 @@ pub(crate) fn times(profile: &Profile) -> impl Iterator<Item = f32> + use<> {
     (-5_i16..=205).map(move |step| duration_s * f32::from(step) / 200.0)
 }
 
-/// The profile keeps the stage's limits, and has no step in place or speed, nor in acceleration where the jerk is limited.
+/// The profile keeps the stage's limits, and has no step in place or speed, nor in acceleration where the jerk is
+/// limited.
 pub(crate) fn check_profile(
     profile: &Profile,
     limits: &MechanismLimits,

@@ -1,5 +1,5 @@
-//! What this machine offers for building for a target and running what is built: toolchains, linkers, QEMU, the right to
-//! install.
+//! What this machine offers for building for a target and running what is built: toolchains, linkers, QEMU, the right
+//! to install.
 
 use std::{
     env, fs,

@@ -1,8 +1,8 @@
 //! What the README's commands call: `cargo xtask verify`, `test`, `firmware` and `bench`.
 //!
 //! Each does its own set-up, so that a fresh machine needs no other command. [`route`] decides how the target is
-//! built, [`machine`] collects what that decision rests on, and [`target`] carries it out; [`firmware`] builds the images,
-//! [`mod@bench`] counts what they cost, and [`checks`] is the list of steps behind `test`.
+//! built, [`machine`] collects what that decision rests on, and [`target`] carries it out; [`firmware`] builds the
+//! images, [`mod@bench`] counts what they cost, and [`checks`] is the list of steps behind `test`.
 
 mod bench;
 mod board;

@@ -8,8 +8,8 @@
 //!
 //! To run the firmware, QEMU is needed as well: the one on the search path, or the distribution's.
 //!
-//! Each target goes its own way. The firmware's must find one; for the other nothing is installed, and where no toolchain
-//! builds for it, it is left out.
+//! Each target goes its own way. The firmware's must find one; for the other nothing is installed, and where no
+//! toolchain builds for it, it is left out.
 
 use std::fmt;
 

@@ -78,8 +78,8 @@ pub(crate) struct Target<'a> {
 }
 
 impl<'a> Target<'a> {
-    /// The firmware's target: chooses the route, installs packages where it needs some, and says in one line what will be
-    /// used.
+    /// The firmware's target: chooses the route, installs packages where it needs some, and says in one line what will
+    /// be used.
     ///
     /// # Errors
     /// Where no route leads to a toolchain, or the installation fails.

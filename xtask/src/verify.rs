@@ -13,9 +13,9 @@ use crate::{checks::TESTED, firmware, workspace::Workspace};
 /// Exit code where the program ended by a signal and gave none of its own.
 const ENDED_BY_SIGNAL: u8 = 3;
 
-/// Builds the firmware where it is needed, and `host-sim`, runs `host-sim verify` with `arguments` in the user's directory
-/// and passes its exit code on. Where no device is named and the firmware or QEMU cannot be had, it says so and leaves it
-/// to `host-sim` to do without.
+/// Builds the firmware where it is needed, and `host-sim`, runs `host-sim verify` with `arguments` in the user's
+/// directory and passes its exit code on. Where no device is named and the firmware or QEMU cannot be had, it says so
+/// and leaves it to `host-sim` to do without.
 ///
 /// # Errors
 /// Where the firmware was asked for and cannot be built, or `host-sim` cannot be built or started.

@@ -1,11 +1,12 @@
 //! Time per point on this PC, as CSV on standard output.
 //!
-//! `cargo run --release -p host-benches` measures all sizes; sizes as arguments replace them. Every contender is timed once
-//! per round, so that all meet the same state of the machine; `of_memcpy` is the median over the rounds of a contender's
-//! time by that of copying the same bytes, `clock_ghz` the clock of the core in the same rounds. Nothing asserts these times: they belong to a machine and an hour.
+//! `cargo run --release -p host-benches` measures all sizes; sizes as arguments replace them. Every contender is timed
+//! once per round, so that all meet the same state of the machine; `of_memcpy` is the median over the rounds of a
+//! contender's time by that of copying the same bytes, `clock_ghz` the clock of the core in the same rounds. Nothing
+//! asserts these times: they belong to a machine and an hour.
 //!
-//! `host-benches --calls CALLS KERNEL POINTS` runs one contender so often and prints nothing: the difference of two runs
-//! under an instruction counter is its cost.
+//! `host-benches --calls CALLS KERNEL POINTS` runs one contender so often and prints nothing: the difference of two
+//! runs under an instruction counter is its cost.
 
 mod contenders;
 mod points;

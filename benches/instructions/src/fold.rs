@@ -23,8 +23,8 @@ const TICK: u32 = 40;
 
 /// Counts the dearest frame of cameras with a stage, and of those whose charge moves in rows.
 ///
-/// What a frame costs depends on the ramp of the run-up (a root where the acceleration does not reach its largest), on the
-/// offset at opening, the model, the axis and the signs; with rows on their number above all.
+/// What a frame costs depends on the ramp of the run-up (a root where the acceleration does not reach its largest), on
+/// the offset at opening, the model, the axis and the signs; with rows on their number above all.
 pub(crate) fn count(counter: &mut Counter) -> Option<()> {
     let stage = |run_up, jerk_mm_s3| Mechanism::Stage {
         acceleration_mm_s2: 1000.0,

@@ -80,8 +80,8 @@ pub(super) fn check(
     Ok(())
 }
 
-/// A σ0 without `sigma_um`, µm, between these, under distortions that are nowhere larger than [`LARGEST_OF_MM`], is that of
-/// numbers in millimetres; a smaller one is that of data without noise.
+/// A σ0 without `sigma_um`, µm, between these, under distortions that are nowhere larger than [`LARGEST_OF_MM`], is
+/// that of numbers in millimetres; a smaller one is that of data without noise.
 const SIGMA_OF_MM: std::ops::Range<f64> = 2e-5..0.02;
 
 /// Of distortions in millimetres, µm.

@@ -22,16 +22,16 @@ pub struct MeshArgs {
     /// and vpi a power of two, for ti-ldc of at most 128.
     #[arg(long, value_name = "PX", default_value = "16", value_parser = clap::value_parser!(u16).range(1..=1024))]
     pub spacing: u16,
-    /// The part of the corrected image that the engine makes: first column, first row, width and height, pixels. Without it
-    /// the whole image.
+    /// The part of the corrected image that the engine makes: first column, first row, width and height, pixels.
+    /// Without it the whole image.
     #[arg(
         long,
         value_name = "COL,ROW,WIDTH,HEIGHT",
         value_parser = image_part
     )]
     pub part: Option<ImagePart>,
-    /// First column and row of the part of the recorded image that the engine is given; sources count from there. Without
-    /// it that of --part.
+    /// First column and row of the part of the recorded image that the engine is given; sources count from there.
+    /// Without it that of --part.
     #[arg(long, value_name = "COL,ROW", value_parser = image_pixel)]
     pub source: Option<[u32; 2]>,
     /// Folder for mesh.json and the mesh, mesh.bin or map-x.bin and map-y.bin; made if it does not exist.
@@ -79,12 +79,13 @@ fn image_part(text: &str) -> Result<ImagePart, String> {
 /// How a warp engine stores its mesh.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
 pub enum MeshFormatName {
-    /// Lens distortion correction (LDC) of TI's TDA and AM6 processors: displacements in 1/8 px, S16Q3, at most 4096 px.
+    /// Lens distortion correction (LDC) of TI's TDA and AM6 processors: displacements in 1/8 px, S16Q3, at most 4096
+    /// px.
     TiLdc,
     /// Dewarp engine DW100 of NXP's i.MX 8M Plus: sources in 1/16 px, UQ12.4, from 0 to below 4096 px.
     Dw100,
-    /// Q12.20, the type `ap_fixed<32, 12>` of Vitis Vision: sources in 2^-20 px, below 2048 px. The `remap` of Vitis Vision
-    /// itself reads what `opencv` writes.
+    /// Q12.20, the type `ap_fixed<32, 12>` of Vitis Vision: sources in 2^-20 px, below 2048 px. The `remap` of Vitis
+    /// Vision itself reads what `opencv` writes.
     Vitis,
     /// Control points of NVIDIA VPI: sources in single precision, x and y of each together.
     Vpi,

@@ -22,11 +22,12 @@ pub struct MissionArgs {
     /// Seed of air, noise and jitter, a whole number: the same seed gives the same files.
     #[arg(long, value_name = "N", default_value = "1")]
     pub seed: u64,
-    /// The trigger whose frame is shown millisecond by millisecond; without it the first with a fault, or else the one with
-    /// the largest smear.
+    /// The trigger whose frame is shown millisecond by millisecond; without it the first with a fault, or else the one
+    /// with the largest smear.
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..))]
     pub frame: Option<u32>,
-    /// Folder for report.html, records.csv, records.json, truth.csv, summary.json and figures; made if it does not exist.
+    /// Folder for report.html, records.csv, records.json, truth.csv, summary.json and figures; made if it does not
+    /// exist.
     #[arg(long, value_name = "DIR")]
     pub out: PathBuf,
 }
@@ -37,7 +38,8 @@ pub struct RecordsArgs {
     /// Where the camera runs.
     #[command(flatten)]
     pub device: DeviceArgs,
-    /// Folder for records.csv and records.json; made if it does not exist. Records that are there already are not replaced.
+    /// Folder for records.csv and records.json; made if it does not exist. Records that are there already are not
+    /// replaced.
     #[arg(long, value_name = "DIR")]
     pub out: PathBuf,
 }

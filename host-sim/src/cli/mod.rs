@@ -53,12 +53,13 @@ pub enum Command {
     Frame(FrameArgs),
     /// Write the mesh with which a warp engine corrects a frame.
     ///
-    /// For vertices of the corrected image, every so many pixels, the places in the recorded image they come from, as the
-    /// engine stores them. The corrected image has the pixels of the sensor; its principal point is the frame's. Where a
-    /// source lies off the sensor the distortion of its edge counts. The camera computes the rows, on whichever device, and
-    /// the files have the same bytes.
+    /// For vertices of the corrected image, every so many pixels, the places in the recorded image they come from, as
+    /// the engine stores them. The corrected image has the pixels of the sensor; its principal point is the frame's.
+    /// Where a source lies off the sensor the distortion of its edge counts. The camera computes the rows, on whichever
+    /// device, and the files have the same bytes.
     ///
-    /// For example: host-sim mesh --camera host-sim/cameras/rc30-5324.toml --vh 0.1 --exposure 1/200 --format ti-ldc --out mesh
+    /// For example: host-sim mesh --camera host-sim/cameras/rc30-5324.toml --vh 0.1 --exposure 1/200 --format ti-ldc
+    /// --out mesh
     Mesh(MeshArgs),
     /// Determine coefficients from observations.
     Calibrate(CalibrateArgs),
@@ -107,20 +108,20 @@ pub enum Command {
     /// Aircraft, V/H sensors, shutter and the mechanics of the stage are simulated; the camera's own code plans every
     /// exposure, moves the stage, releases the shutter and records the interior orientation, a thousand rounds of its
     /// control loop per simulated second. Every record is held against the physical exposure: where the principal point
-    /// really was, how far the image really moved. Fails (exit 1) when a trigger has no record, a limit of the scenario is
-    /// exceeded, or a fault does not lead to what the scenario expects of it.
+    /// really was, how far the image really moved. Fails (exit 1) when a trigger has no record, a limit of the scenario
+    /// is exceeded, or a fault does not lead to what the scenario expects of it.
     ///
     /// The nominal mission of 1000 exposures: host-sim mission --out mission
     Mission(MissionArgs),
     /// Take what a camera has recorded: records.csv and records.json.
     ///
-    /// Every trigger has a record: the exposure's interior orientation and time, or why there was none. The camera keeps
-    /// them until they are safe on this PC's disk.
+    /// Every trigger has a record: the exposure's interior orientation and time, or why there was none. The camera
+    /// keeps them until they are safe on this PC's disk.
     Records(RecordsArgs),
     /// Prepare, arm and watch a camera on a board: one with a mechanism, a shutter and a trigger line of its own.
     ///
-    /// First `prepare --camera FILE`, then, with the stage at its calibrated position, `referenced`, then `arm`. V/H comes
-    /// from the aircraft or, on a bench, from `vh`. Whatever it has recorded, `host-sim records` fetches.
+    /// First `prepare --camera FILE`, then, with the stage at its calibrated position, `referenced`, then `arm`. V/H
+    /// comes from the aircraft or, on a bench, from `vh`. Whatever it has recorded, `host-sim records` fetches.
     Camera(CameraArgs),
 }
 
@@ -207,7 +208,8 @@ pub struct PointsArgs {
 #[derive(Debug, Args)]
 pub struct PointFiles {
     /// CSV with a header, columns in any order: `id,x_mm,y_mm` (sensor frame) or `id,col_px,row_px`. Or an array of
-    /// NumPy (.npy), N rows of `x_mm`, `y_mm`, answered by N rows of `x_mm`, `y_mm`, `dx_um`, `dy_um`. `-` reads standard input.
+    /// NumPy (.npy), N rows of `x_mm`, `y_mm`, answered by N rows of `x_mm`, `y_mm`, `dx_um`, `dy_um`. `-` reads
+    /// standard input.
     #[arg(value_name = "POINTS.csv")]
     pub points: PathBuf,
     /// Answer file; it appears only when it is complete. Without it standard output, where a wrong point of a long file

@@ -25,9 +25,9 @@ struct Order {
 
 /// The stage, moving.
 ///
-/// Offsets are along the FMC axis, positive duty pushes that way. The screw moves under force; the stage follows it with
-/// play: with the screw pushing along the axis the two offsets are equal, against it the stage is the play ahead. Friction
-/// of the stage keeps it on its flank: true while the stage's own friction is larger than its mass times the
+/// Offsets are along the FMC axis, positive duty pushes that way. The screw moves under force; the stage follows it
+/// with play: with the screw pushing along the axis the two offsets are equal, against it the stage is the play ahead.
+/// Friction of the stage keeps it on its flank: true while the stage's own friction is larger than its mass times the
 /// deceleration.
 #[derive(Debug, Clone)]
 pub struct Mechanics {

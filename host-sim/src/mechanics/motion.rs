@@ -25,8 +25,8 @@ impl Motion {
     ///
     /// # Model
     /// `m·dv/dt = F - b·v - F_f(v)·sgn(v)`, `F_f(v) = F_c + (F_s - F_c)·exp(-(v/v_s)²)` (Armstrong-Hélouvry, Dupont and
-    /// Canudas de Wit, Automatica 30 (1994) 1083, eq. 5). The linear part is exact; friction is that of the mean speed. A
-    /// substep in which the speed passes 0 is cut there: what then is at rest moves on only if the force is more than
+    /// Canudas de Wit, Automatica 30 (1994) 1083, eq. 5). The linear part is exact; friction is that of the mean speed.
+    /// A substep in which the speed passes 0 is cut there: what then is at rest moves on only if the force is more than
     /// the breakaway friction, and else stands, exactly. End stops take all speed.
     pub(super) fn after(self, settings: &MechanicsSettings, forces: Forces, step_s: f64) -> Self {
         let mut motion = self;

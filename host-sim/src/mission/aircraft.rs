@@ -9,7 +9,8 @@ use crate::scene::terrain::Terrain;
 use crate::scene::trajectory::Trajectory;
 use crate::scene::turbulence::{Spectrum, Turbulence};
 
-/// Slower turns than this are taken out by whoever holds the camera level, Hz: over a long flight the angles stay small.
+/// Slower turns than this are taken out by whoever holds the camera level, Hz: over a long flight the angles stay
+/// small.
 const LEVELLED_BELOW_HZ: f64 = 0.05;
 
 /// Aircraft and ground of a mission; the same for the same seed.

@@ -124,8 +124,8 @@ impl Judgement {
     }
 }
 
-/// Every trigger has its record, numbered without a gap, at its own time; of those refused as the camera's memory was full,
-/// the first's for all but the last.
+/// Every trigger has its record, numbered without a gap, at its own time; of those refused as the camera's memory was
+/// full, the first's for all but the last.
 fn unanswered(flown: &Flown) -> Finding {
     let answered = flown
         .triggers_us

@@ -12,8 +12,8 @@ use crate::mechanics::MechanicsSettings;
 /// So many periods late, and a source counts as silent.
 const PERIODS: f64 = 1.5;
 
-/// The settings that a scenario's camera is flown with: everything that its engineer knows of the simulated hardware, nothing
-/// that only the simulation knows (jitter, play, noise).
+/// The settings that a scenario's camera is flown with: everything that its engineer knows of the simulated hardware,
+/// nothing that only the simulation knows (jitter, play, noise).
 #[must_use]
 pub fn flight_settings(written: &MissionFile, interval_s: f64) -> FlightSettings {
     let mut settings = FlightSettings {

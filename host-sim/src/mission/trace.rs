@@ -75,7 +75,8 @@ pub(super) struct Tracer {
 }
 
 impl Tracer {
-    /// Keeps the rounds of the frame that is asked for, or else of the first with a fault, or else of the one with the largest smear.
+    /// Keeps the rounds of the frame that is asked for, or else of the first with a fault, or else of the one with the
+    /// largest smear.
     pub(super) const fn new(wanted: Option<u32>) -> Self {
         Self {
             wanted,

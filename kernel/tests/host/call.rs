@@ -39,7 +39,8 @@ pub(crate) fn portable(
     (x, y)
 }
 
-/// The batches to try: every level of this machine, with ordinary stores and past the caches, in one thread and in many.
+/// The batches to try: every level of this machine, with ordinary stores and past the caches, in one thread and in
+/// many.
 pub(crate) fn batches(form: Coefficients, terms: Terms) -> Vec<(String, Batch)> {
     let mut batches = Vec::new();
     for level in Level::all() {

@@ -72,7 +72,8 @@ impl Controller {
         self.state = State::Standby;
     }
 
-    /// Force on the stage, to and fro, and to its waiting place; where there is none, or something is wrong with it, ready without.
+    /// Force on the stage, to and fro, and to its waiting place; where there is none, or something is wrong with it,
+    /// ready without.
     pub(super) fn resume(&mut self, now: Time, actions: &mut Actions) {
         if !self.camera.has_stage() || self.stage_fault.is_some() {
             self.state = self.ready(now);

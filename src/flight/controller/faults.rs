@@ -26,8 +26,8 @@ impl Controller {
     /// As [`Self::fail`], of a fault that is in a record already.
     pub(super) fn stop(&mut self, fault: Fault, actions: &mut Actions) {
         if is_of_the_stage(fault) && self.camera.has_stage() {
-            // Where it is the encoder that is the wrong way round, it has counted to a place where the stage is not: at a
-            // standstill that looks like a stage that runs away.
+            // Where it is the encoder that is the wrong way round, it has counted to a place where the stage is not: at
+            // a standstill that looks like a stage that runs away.
             self.is_place_lost |= matches!(
                 fault,
                 Fault::Encoder | Fault::WrongDirection | Fault::Runaway

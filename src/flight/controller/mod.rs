@@ -1,8 +1,8 @@
 //! The camera's state machine: one frame from trigger to record.
 //!
-//! Events come in with their time, in order; actions go out. Nothing waits, nothing is read from outside, so that firmware,
-//! simulator and tests run the same code. Per round of the control loop (1 kHz): what has happened since the last round,
-//! then [`Event::Stage`], then [`Event::Tick`].
+//! Events come in with their time, in order; actions go out. Nothing waits, nothing is read from outside, so that
+//! firmware, simulator and tests run the same code. Per round of the control loop (1 kHz): what has happened since the
+//! last round, then [`Event::Stage`], then [`Event::Tick`].
 //!
 //! ```text
 //! standby ──arm──► fly-back ──► armed ──trigger──► run-up ──at speed──► tracking ──first light──► exposing

@@ -58,8 +58,8 @@ impl LoopSettings {
         seen_um: 1.9,
     };
 
-    /// Mass, friction and force each 30 % more or less than in the settings, encoders of 0.1 µm and 0.5 µm, latencies of
-    /// 0.1 ms and 0.2 ms each; after two strokes to and fro, in which the loop learns.
+    /// Mass, friction and force each 30 % more or less than in the settings, encoders of 0.1 µm and 0.5 µm, latencies
+    /// of 0.1 ms and 0.2 ms each; after two strokes to and fro, in which the loop learns.
     pub const LEARNED: FollowingBounds = FollowingBounds {
         cruise_um: 0.9,
         smear_um: 0.92,
@@ -79,8 +79,8 @@ impl LoopSettings {
         seen_um: 12.5,
     };
 
-    /// Following error that no healthy motion shows once the loop has learned, and every stage that jams or turns round does
-    /// within 5 ms, at 5 mm/s and more, at its start and in cruise, µm.
+    /// Following error that no healthy motion shows once the loop has learned, and every stage that jams or turns round
+    /// does within 5 ms, at 5 mm/s and more, at its start and in cruise, µm.
     ///
     /// Seen by the camera at the latest so long after a jam, or after motor or encoder is turned round, µm:
     ///
@@ -96,8 +96,8 @@ impl LoopSettings {
     /// | encoder | 17 mm/s | 34.0 | 73.6 | 129.7 | 201.6 | 288.1 |
     /// | encoder | start | 2.8 | 7.9 | 17.3 | 33.5 | 61.0 |
     ///
-    /// In the first motion ever, with settings 30 % off, 12.2 µm are healthy ([`Self::UNLEARNED`]): until the loop has learned,
-    /// [`Self::FOLLOWING_LIMIT_UNLEARNED_UM`] holds.
+    /// In the first motion ever, with settings 30 % off, 12.2 µm are healthy ([`Self::UNLEARNED`]): until the loop has
+    /// learned, [`Self::FOLLOWING_LIMIT_UNLEARNED_UM`] holds.
     pub const FOLLOWING_LIMIT_UM: f32 = 10.0;
 
     /// The same for the first two strokes; a jam at 5 mm/s then takes 5 ms in cruise, and 6 ms at the start, to show.

@@ -11,14 +11,14 @@ const JOIN_SPEED: f32 = 1.5;
 
 /// What the stage would do under the fed-forward force alone.
 ///
-/// A set point says nothing of a corner that comes before the next tick, and a force comes late by the bridge's delay: at
-/// 1000 mm/s² the speed is then wrong by up to 1.1 mm/s. The led motion knows, makes up for it in the two ticks that follow, and is
-/// what the feedback compares with the encoder; else the feedback would do it, over 10 ms of exposure.
+/// A set point says nothing of a corner that comes before the next tick, and a force comes late by the bridge's delay:
+/// at 1000 mm/s² the speed is then wrong by up to 1.1 mm/s. The led motion knows, makes up for it in the two ticks that
+/// follow, and is what the feedback compares with the encoder; else the feedback would do it, over 10 ms of exposure.
 ///
 /// # Model
 /// At constant push over a tick T: `x += v·T + u·T²/2`, `v += u·T`, with
-/// `u = a + (x_s - x)/T² + 1.5·(v_s - v)/T`: both poles at 0 (Åström and Wittenmark, Computer-Controlled Systems, 3rd ed.
-/// 1997, section 4.3: dead-beat control).
+/// `u = a + (x_s - x)/T² + 1.5·(v_s - v)/T`: both poles at 0 (Åström and Wittenmark, Computer-Controlled Systems, 3rd
+/// ed. 1997, section 4.3: dead-beat control).
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub(super) struct LedMotion {
     /// When the last duty began to act; its acceleration is the push since.

@@ -67,8 +67,8 @@ pub struct Pins<Pwm, Direction, Counter> {
 /// The drive: velocity loop, bridge and encoder.
 ///
 /// Duty 0 is all that [`release`](FmcDrive::release) can do with these pins; whether that brakes or lets go is the
-/// bridge's; [`EnabledDrive`](super::enabled_drive::EnabledDrive) adds a pin that lets go. The pulse width stays if calls
-/// fail to come: something that goes on without them has to take the bridge's enable away.
+/// bridge's; [`EnabledDrive`](super::enabled_drive::EnabledDrive) adds a pin that lets go. The pulse width stays if
+/// calls fail to come: something that goes on without them has to take the bridge's enable away.
 #[derive(Debug)]
 pub struct PwmEncoder<Pwm, Direction, Counter> {
     pins: Pins<Pwm, Direction, Counter>,

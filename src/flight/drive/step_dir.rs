@@ -58,9 +58,9 @@ struct Target {
 
 /// The drive: a set point every tick, interpolated into steps by [`pulse`](Self::pulse).
 ///
-/// [`pulse`](Self::pulse) runs in a timer interrupt at a fixed rate; the methods of [`FmcDrive`] run in the control loop, with
-/// that interrupt masked. The position is the number of steps made; a stepper that loses steps does not say so, and
-/// has to be homed again.
+/// [`pulse`](Self::pulse) runs in a timer interrupt at a fixed rate; the methods of [`FmcDrive`] run in the control
+/// loop, with that interrupt masked. The position is the number of steps made; a stepper that loses steps does not say
+/// so, and has to be homed again.
 #[derive(Debug)]
 pub struct StepDir<Step, Direction, Low, High> {
     pins: StepPins<Step, Direction, Low, High>,

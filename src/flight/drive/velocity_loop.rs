@@ -57,20 +57,21 @@ impl VelocityLoop {
     /// The duty for the time until the next call, -1 to 1, positive along the FMC axis.
     ///
     /// # Model
-    /// `K·(w + ω_i·∫w dt) + k_v·v + k_a·a + k_f·sgn(v)` with `w = ω_p·e + de/dt` (Ellis, Control System Design Guide, 4th
-    /// ed. 2012, chapter 17: position P over velocity PI, with feed-forward). e is where the stage should have been at the reading,
-    /// less the reading; its slope, from one reading to the next, is the error of speed without the lag that
-    /// a difference of positions has. v and a are the set point's, with corners between two ticks made up for in two
-    /// ticks. `k_v`, `k_a` and `k_f` are learned from what the feedback has to add; K goes with `k_a`, the mass. The integral stands
-    /// still while the duty is at its limit and the error would drive it further. At a set point at rest an error
-    /// inside the rest band is left alone, without duty, until it is twice as wide: no hunting over a step of the encoder.
+    /// `K·(w + ω_i·∫w dt) + k_v·v + k_a·a + k_f·sgn(v)` with `w = ω_p·e + de/dt` (Ellis, Control System Design Guide,
+    /// 4th ed. 2012, chapter 17: position P over velocity PI, with feed-forward). e is where the stage should have been
+    /// at the reading, less the reading; its slope, from one reading to the next, is the error of speed without the lag
+    /// that a difference of positions has. v and a are the set point's, with corners between two ticks made up for in
+    /// two ticks. `k_v`, `k_a` and `k_f` are learned from what the feedback has to add; K goes with `k_a`, the mass.
+    /// The integral stands still while the duty is at its limit and the error would drive it further. At a set point at
+    /// rest an error inside the rest band is left alone, without duty, until it is twice as wide: no hunting over a
+    /// step of the encoder.
     ///
     /// # Units and frames
     /// `measured_offset_mm` and the set point along the FMC axis; `dt_s` since the last call, 0 at the first.
     ///
     /// # Accuracy
-    /// What the stage then does is at [`LoopSettings::tuned`]. A set point or a reading that is no number gives duty 0 and starts
-    /// the loop afresh.
+    /// What the stage then does is at [`LoopSettings::tuned`]. A set point or a reading that is no number gives duty 0
+    /// and starts the loop afresh.
     pub fn duty(&mut self, setpoint: Setpoint, measured_offset_mm: f32, dt_s: f32) -> f32 {
         let settings = self.settings;
         let (dt_s, tick_s) = if dt_s > SHORTEST_TICK_S {

@@ -20,7 +20,8 @@ pub enum RunUp {
     /// The exposure centroid falls on the calibrated principal point: Δδ = -v·E\[τ\].
     #[default]
     Centred,
-    /// The stage starts at the calibrated position: Δδ is the ramp, v²/(2a) where the jerk is unlimited, and `v·t_settle`.
+    /// The stage starts at the calibrated position: Δδ is the ramp, v²/(2a) where the jerk is unlimited, and
+    /// `v·t_settle`.
     FromRest,
 }
 

@@ -97,8 +97,8 @@ impl Channel {
     /// What is known now: the last value, as long as it is valid.
     ///
     /// # Model
-    /// The value is held. It changes by its slew limit at most, so after an age T it lies within ± slew·T of the sample,
-    /// a uniform error of standard deviation slew·T/√3: `σ² = σ₀² + (slew·T)²/3`.
+    /// The value is held. It changes by its slew limit at most, so after an age T it lies within ± slew·T of the
+    /// sample, a uniform error of standard deviation slew·T/√3: `σ² = σ₀² + (slew·T)²/3`.
     pub(super) fn held(&self, settings: &ChannelSettings, now: Time) -> Option<Held> {
         let last = self.last?;
         let age_s = now.seconds_since(last.time).max(0.0);

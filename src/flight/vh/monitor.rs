@@ -11,16 +11,17 @@ use crate::flight::time::Time;
 /// # Model
 /// Three ways, the first that is not lost is used: V/H as given; ground speed over the height of an altimeter; ground
 /// speed over altitude less terrain height. Of two sensors of one quantity the satellite receiver goes before the
-/// inertial unit, the laser before the radar. Every sample passes the checks of its own source first (range, sign, unit,
-/// jump, frozen), see [`VhFindingKind`].
+/// inertial unit, the laser before the radar. Every sample passes the checks of its own source first (range, sign,
+/// unit, jump, frozen), see [`VhFindingKind`].
 ///
 /// `σ² = (σ_V/H)² + (V·σ_H/H²)²`, each with its age; see [`ChannelSettings`]. Where another sensor or way that is not
 /// lost differs by more than the limit, σ² grows by the square of the difference: nobody knows which of the two is
 /// wrong, so V/H is still given, and it is for the smear budget to refuse it.
 ///
 /// # What gets through
-/// A value that drifts no faster than the slew limit is not told from a real change; it is bounded by the ranges, and by
-/// the disagreement limit where there is a second way. A first sample has no past: alone, it is bounded by its range.
+/// A value that drifts no faster than the slew limit is not told from a real change; it is bounded by the ranges, and
+/// by the disagreement limit where there is a second way. A first sample has no past: alone, it is bounded by its
+/// range.
 #[derive(Debug, Clone)]
 pub struct VhMonitor {
     settings: VhSettings,

@@ -27,8 +27,8 @@ pub trait FlightDeck {
     /// The same, to acknowledge records.
     fn controller_mut(&mut self) -> Option<&mut Controller>;
 
-    /// Where the stage was when it was read last, mm along the FMC axis from the encoder's zero, whether its place is known
-    /// or lost; `None` on a test rig, or without a reading.
+    /// Where the stage was when it was read last, mm along the FMC axis from the encoder's zero, whether its place is
+    /// known or lost; `None` on a test rig, or without a reading.
     fn offset_mm(&self) -> Option<f32>;
 
     /// One round of the control loop; `None` for a camera that is not on a test rig.

@@ -20,7 +20,8 @@ use crate::flight::unit::{self, RoundActions};
 /// arrival, before bytes of the link go to the [`Station`](super::station::Station).
 ///
 /// Every millisecond: what the interrupts have stamped goes to [`Self::capture`], what the lines say to
-/// [`Self::see`], and then comes [`Self::round`]. Until it is prepared it does nothing but read the stage, and forgets what it is given.
+/// [`Self::see`], and then comes [`Self::round`]. Until it is prepared it does nothing but read the stage, and forgets
+/// what it is given.
 #[derive(Debug)]
 pub struct FlownDeck<Drive> {
     start: controller::Start,
@@ -88,8 +89,8 @@ impl<Drive: FlownDrive> FlownDeck<Drive> {
         }
     }
 
-    /// What the lines say now, once a round: changes become events, and what is wrong when a camera is prepared does, too.
-    /// So does a limit switch that is closed when faults are cleared: it has not been left yet.
+    /// What the lines say now, once a round: changes become events, and what is wrong when a camera is prepared does,
+    /// too. So does a limit switch that is closed when faults are cleared: it has not been left yet.
     ///
     /// A switch has closed, or opened, where two rounds on end say so: a spike on its line does not end a flight. The
     /// second round is 50 µm more of the stage's way at 50 mm/s.

@@ -199,8 +199,8 @@ pub enum Refusal {
     Settings,
     /// The mechanism cannot make the travel, or not in the time between triggers.
     Travel(FrameError),
-    /// A frame is in flight, or the camera is armed, with compensation or without: calibration and settings stay, and nothing is begun that lasts
-    /// longer than a round of the control loop.
+    /// A frame is in flight, or the camera is armed, with compensation or without: calibration and settings stay, and
+    /// nothing is begun that lasts longer than a round of the control loop.
     FrameInFlight,
     /// So many flight records have not been acknowledged, and would be lost.
     RecordsKept(u32),
@@ -326,8 +326,8 @@ pub struct Status {
     pub kept: u32,
     /// Whether the encoder has lost its place.
     pub is_place_lost: bool,
-    /// Where the stage was in the last round, mm along the FMC axis from the encoder's zero, also while its place is lost;
-    /// `None` on a test rig, or where it could not be read.
+    /// Where the stage was in the last round, mm along the FMC axis from the encoder's zero, also while its place is
+    /// lost; `None` on a test rig, or where it could not be read.
     pub offset_mm: Option<f32>,
     /// Root mean square of the stage's following error over about a second, µm, within 6 %.
     pub following_rms_um: f32,

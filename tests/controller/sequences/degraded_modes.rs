@@ -24,8 +24,8 @@ fn dead_encoder_leaves_static_correction() {
 
 #[test]
 fn late_round_with_a_trigger_is_no_lost_place() {
-    // The profile begins 1 ms after the trigger's stamp, in the past: a step of the set point, of which the stage (2 m/s²)
-    // makes good what it can. Named encoder; the place is lost.
+    // The profile begins 1 ms after the trigger's stamp, in the past: a step of the set point, of which the stage (2
+    // m/s²) makes good what it can. Named encoder; the place is lost.
     let mut bench = Bench::armed();
     let start_mm = bench.place_mm();
     let trigger = bench.now.plus_s(0.000_01);

@@ -31,8 +31,8 @@ fn shutter_that_opens_before_its_command_is_not_opened_again() {
 
 #[test]
 fn exposure_cut_by_a_clock_jump_is_not_measured() {
-    // As `clock_that_jumps_ends_the_frame_and_is_a_fault`, one round later: the last light is an assumption, the path up
-    // to it "continued", σ 30 nm.
+    // As `clock_that_jumps_ends_the_frame_and_is_a_fault`, one round later: the last light is an assumption, the path
+    // up to it "continued", σ 30 nm.
     let mut bench = exposing_for(1.0 / 300.0);
     bench.run(1);
     bench.edges.clear();

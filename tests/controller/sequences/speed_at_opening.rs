@@ -59,7 +59,8 @@ fn stage_not_at_speed_is_seen_with_rounds_of_1_4_ms() {
 
 #[test]
 fn command_taken_back_is_not_repeated_without_a_look_at_the_speed() {
-    // Taken back 0.9 ms before it leaves; the next round, 0.1 ms before, sends it again: `now < planned` is not checked.
+    // Taken back 0.9 ms before it leaves; the next round, 0.1 ms before, sends it again: `now < planned` is not
+    // checked.
     let bench = slow_stage(&[-0.0009, -0.0001, 0.0009]);
     assert_eq!(
         bench.records()[0].outcome,

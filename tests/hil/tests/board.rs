@@ -26,7 +26,8 @@ const WATCHED: Duration = Duration::from_secs(2);
 
 /// The firmware's count of microseconds, which begins at every start: TIM2, counter.
 const MICROSECONDS: u64 = 0x4000_0024;
-/// Longer than the watchdog's interval, with the tolerance of its oscillator: firmware that keeps restarting never counts so far.
+/// Longer than the watchdog's interval, with the tolerance of its oscillator: firmware that keeps restarting never
+/// counts so far.
 const WITHOUT_RESTART_US: u32 = 1_000_000;
 
 /// The image from `FMC_FIRMWARE`; a relative path is relative to the root of the workspace.
@@ -58,7 +59,8 @@ fn image_runs_without_restart_and_computes_as_this_pc() -> Result<()> {
     computes_as_this_pc(Path::new(&port))
 }
 
-/// A frame, and a grid over the sensor: the camera's own answers, compared bit by bit with those of its code on this PC.
+/// A frame, and a grid over the sensor: the camera's own answers, compared bit by bit with those of its code on this
+/// PC.
 fn computes_as_this_pc(port: &Path) -> Result<()> {
     let mut camera = serial::connect(port)?;
     let lens = CalibrationRecord {

@@ -1,4 +1,5 @@
-//! One comparison: the same points as a slice through a kernel, and one by one through the portable one, in both layouts.
+//! One comparison: the same points as a slice through a kernel, and one by one through the portable one, in both
+//! layouts.
 
 use core::fmt;
 use core::hint::black_box;

@@ -2,8 +2,8 @@
 //! M7. On the Cortex-M55 it is the portable one that a compiler has put into vectors.
 //!
 //! Ten million random points in each of the two forms, and all corner cases, must come out with the same bits as single
-//! points; any NaN equals any other. What lies beside the points must stay as it is, and so must the caller's registers.
-//! Prints what it has compared over semihosting; fails at the first difference.
+//! points; any NaN equals any other. What lies beside the points must stay as it is, and so must the caller's
+//! registers. Prints what it has compared over semihosting; fails at the first difference.
 //!
 //! Helium's vectors take numbers below 2⁻¹²⁶ for zero. Where there can be such numbers, single points, and what is left
 //! over of a slice, are calculated in that arithmetic, and how far it is from IEEE 754 is checked near the principal

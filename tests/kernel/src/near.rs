@@ -7,9 +7,9 @@ use crate::random::Generator;
 
 /// Points in all.
 const POINTS: usize = 100_000;
-/// Where such numbers count as zero, each of the thirty operations adds less than 2⁻¹²⁶ mm to the result: coefficients are
-/// below one, and so are lengths where it is not lost in the rounding. What the last subtraction rounds may go the other
-/// way then: a last place more.
+/// Where such numbers count as zero, each of the thirty operations adds less than 2⁻¹²⁶ mm to the result: coefficients
+/// are below one, and so are lengths where it is not lost in the rounding. What the last subtraction rounds may go the
+/// other way then: a last place more.
 const BOUND: Bound = Bound {
     difference_mm: 32.0 * f32::MIN_POSITIVE,
     up_to_mm: 1e-21,

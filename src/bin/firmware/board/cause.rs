@@ -28,8 +28,8 @@ pub(super) fn take() -> Start {
 
 /// The cause noted last: power on, where it is none of those that are noted.
 pub(super) fn noted() -> Start {
-    // SAFETY: the address is that of the static, aligned and never written by Rust's own code. Any bits are a valid u32,
-    // and a volatile read gives those that are in the memory, whatever left them there.
+    // SAFETY: the address is that of the static, aligned and never written by Rust's own code. Any bits are a valid
+    // u32, and a volatile read gives those that are in the memory, whatever left them there.
     let found = unsafe { WORD.0.get().cast::<u32>().read_volatile() };
     let known = WORDS.iter().find(|(word, _)| *word == found);
     known.map_or(Start::PowerOn, |(_, start)| *start)

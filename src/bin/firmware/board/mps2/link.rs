@@ -36,7 +36,8 @@ pub(super) fn start(_: &mut NVIC) {
 }
 
 /// Moves what the UART holds into the ring; the interrupt. Where the ring is full, the byte stays in the UART, which
-/// counts as lost what comes on top of it; QEMU keeps back what the UART has no room for, so that nothing is lost there.
+/// counts as lost what comes on top of it; QEMU keeps back what the UART has no room for, so that nothing is lost
+/// there.
 pub(super) fn collect() {
     LINK.clear_interrupt();
     if LINK.take_overrun() {

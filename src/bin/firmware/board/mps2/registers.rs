@@ -7,7 +7,8 @@ pub(super) struct Register(usize);
 impl Register {
     /// Reads it, with whatever that causes in the peripheral.
     pub(super) fn read(self) -> u32 {
-        // SAFETY: the address is one of those below: an aligned register of this machine, which Rust does not use as memory.
+        // SAFETY: the address is one of those below: an aligned register of this machine, which Rust does not use as
+        // memory.
         unsafe { (self.0 as *const u32).read_volatile() }
     }
 

@@ -1,4 +1,5 @@
-//! What follows a panic, a hard fault or an exception that nobody asked for: time for the log, a mark for the next start, a reset.
+//! What follows a panic, a hard fault or an exception that nobody asked for: time for the log, a mark for the next
+//! start, a reset.
 
 use cortex_m::peripheral::SCB;
 use cortex_m_rt::exception;

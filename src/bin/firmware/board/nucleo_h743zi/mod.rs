@@ -1,8 +1,8 @@
 //! ST NUCLEO-H743ZI2: STM32H743ZI, Cortex-M7 at 400 MHz.
 //!
-//! The link is USART3, which the board's ST-LINK shows to the PC as a serial port; logs leave through the debugger (RTT).
-//! A motor with an encoder moves the stage; edges of trigger, time pulse and shutter are stamped by the clock's own timer.
-//! `docs/board.md` has pins, connectors and instructions.
+//! The link is USART3, which the board's ST-LINK shows to the PC as a serial port; logs leave through the debugger
+//! (RTT). A motor with an encoder moves the stage; edges of trigger, time pulse and shutter are stamped by the clock's
+//! own timer. `docs/board.md` has pins, connectors and instructions.
 
 mod captures;
 mod clock;
@@ -143,8 +143,8 @@ impl Board {
         self.alive.set_level(lit.into());
     }
 
-    /// Sleeps until the next interrupt: a byte, or 1 ms at the latest. A byte or a round that has come just before is not
-    /// missed, since an interrupt that waits to be served also ends the sleep.
+    /// Sleeps until the next interrupt: a byte, or 1 ms at the latest. A byte or a round that has come just before is
+    /// not missed, since an interrupt that waits to be served also ends the sleep.
     pub(crate) fn idle(&mut self) {
         cortex_m::interrupt::free(|_| {
             if self.link.received.is_empty() && !control_loop::is_due() {

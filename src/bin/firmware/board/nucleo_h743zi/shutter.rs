@@ -40,7 +40,8 @@ pub(super) struct Shutter {
 }
 
 impl Shutter {
-    /// Starts the timer so that it counts with the clock, which runs already, to within a microsecond; the shutter is told to be closed.
+    /// Starts the timer so that it counts with the clock, which runs already, to within a microsecond; the shutter is
+    /// told to be closed.
     pub(super) fn start(timer: Peri<'static, TIM5>, command: Peri<'static, PC10>) -> Self {
         let command = Output::new(command, Level::Low, Speed::Medium);
         let timer = Timer::new(timer);
