@@ -11,7 +11,7 @@ use fmc_camera::geometry::sensor::SensorPoint;
 use fmc_camera::{Camera, FrameCorrection};
 
 use crate::counter::Counter;
-use crate::specimen::{EXPOSURE, POINTS, full, short};
+use crate::specimen::{EXPOSURE, POINTS, full, short, wide};
 
 /// Repetitions of what is done once per frame or row.
 const FRAMES: u32 = 100;
@@ -24,6 +24,7 @@ const ROW_START: SensorPoint = SensorPoint::new(-26.0, 15.0);
 
 pub(crate) fn count(counter: &mut Counter) -> Option<()> {
     mesh_rows(counter)?;
+    mesh_rows_of_other_spacings(counter)?;
     let correction = Camera::new(short()).ok()?.frame(&EXPOSURE).ok()?.correction;
     source_rows(counter, &correction)
 }
@@ -64,6 +65,35 @@ fn mesh_rows(counter: &mut Counter) -> Option<()> {
         }
         Some(())
     })
+}
+
+/// Displacements with K3 along rows of the whole sensor: the wider the spacing, the fewer points share a start of the row
+/// and those of the differences.
+fn mesh_rows_of_other_spacings(counter: &mut Counter) -> Option<()> {
+    for (kernel, record, spacing_px) in [
+        ("mesh_row_k3_16px", short(), 16_u16),
+        ("mesh_row_k3_32px", short(), 32),
+        ("mesh_row_k3_64px", short(), 64),
+        ("mesh_row_k3_128px", short(), 128),
+        ("mesh_row_k3_64px_104mm", wide(), 64),
+        ("mesh_row_k3_128px_104mm", wide(), 128),
+    ] {
+        let correction = Camera::new(record).ok()?.frame(&EXPOSURE).ok()?.correction;
+        let sensor = *correction.sensor();
+        let count = sensor.width_px() / u32::from(spacing_px) + 1;
+        let rows = DisplacementRows::new(&correction, f32::from(spacing_px) * sensor.pixel_mm());
+        let first = SensorPoint::new(-sensor.half_width_mm(), ROW_START.y_mm);
+        let mut row = [Displacement::default(); POINTS];
+        let row = row.get_mut(..usize::try_from(count).ok()?)?;
+        counter.count(kernel, (count, "point"), || {
+            black_box(&rows)
+                .row(black_box(first))
+                .write(black_box(&mut *row));
+            Some(())
+        })?;
+        black_box(row);
+    }
+    Some(())
 }
 
 /// Sources along a row of the ideal image, and vertices as a warp engine stores them.

@@ -57,6 +57,18 @@ pub(crate) fn strong() -> CameraRecord {
     CameraRecord::new(lens)
 }
 
+/// A sensor 104 mm wide and high with 0.5 mm of distortion per axis at the corner, of terms up to K3 that compete.
+pub(crate) fn wide() -> CameraRecord {
+    let mut lens = CalibrationRecord::new(100.0, [10_400, 10_400], 10.0);
+    lens.distortion = Brown {
+        k1: 2.5e-6,
+        k2: -1.6e-10,
+        k3: 5.0e-15,
+        ..Brown::default()
+    };
+    CameraRecord::new(lens)
+}
+
 pub(crate) const EXPOSURE: Exposure = Exposure::new(0.17, 1.0 / 200.0);
 
 /// Points of a side of the grid that is corrected.

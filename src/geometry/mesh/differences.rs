@@ -4,9 +4,9 @@
 /// the next point.
 ///
 /// # Model
-/// With the nodes `xₖ = x + k·h`, repeated synthetic division by `(X - x₀)`, `(X - x₁)`, … turns the coefficients
-/// into those of Newton's form `Σ fₖ·(X - x₀)…(X - xₖ₋₁)`; the differences are `Δᵏ = k!·hᵏ·fₖ`. They are computed
-/// so, not as differences of values: each has the relative accuracy of the coefficients.
+/// With the nodes `xₖ = x + k·h`, Newton's form of the polynomial is `Σ fₖ·(X - x₀)…(X - xₖ₋₁)`, and the differences are
+/// `Δᵏ = k!·hᵏ·fₖ`. They are computed so, not as differences of values: each has the relative accuracy of the
+/// coefficients.
 ///
 /// # Accuracy
 /// See [`super::displacement_rows`].
@@ -14,24 +14,13 @@
 pub(super) struct Differences<const N: usize>([f32; N]);
 
 impl<const N: usize> Differences<N> {
-    /// At `x`, for steps of `step`; `scales` has `k!·stepᵏ`.
+    /// At the first node of Newton's form.
     #[inline]
-    pub(super) fn at(mut coefficients: [f32; N], x: f32, step: f32, scales: &[f32]) -> Self {
-        let mut node = x;
-        let mut left = coefficients.as_mut_slice();
-        while let Some((highest, lower)) = left.split_last_mut() {
-            let mut above = *highest;
-            for coefficient in lower.iter_mut().rev() {
-                *coefficient += node * above;
-                above = *coefficient;
-            }
-            node += step;
-            left = left.split_first_mut().map_or(&mut [], |(_, rest)| rest);
-        }
-        for (difference, scale) in coefficients.iter_mut().zip(scales) {
+    pub(super) fn of_newton_form(mut newton_form: [f32; N], stride: &Stride) -> Self {
+        for (difference, scale) in newton_form.iter_mut().zip(stride.scales) {
             *difference *= scale;
         }
-        Self(coefficients)
+        Self(newton_form)
     }
 
     /// The value here; afterwards the differences are those of the next point.
@@ -50,17 +39,88 @@ impl<const N: usize> Differences<N> {
     }
 }
 
-/// `k!·stepᵏ` for k = 0 to 7.
-pub(super) fn scales(step: f32) -> [f32; 8] {
-    let mut scale = 1.0;
-    let mut order = 0.0;
-    [(); 8].map(|()| {
-        let this = scale;
-        order += 1.0;
-        scale *= order * step;
-        this
-    })
+/// From point to point.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(super) struct Stride {
+    step: f32,
+    /// `k!·stepᵏ`.
+    scales: [f32; 8],
 }
+
+impl Stride {
+    pub(super) fn new(step: f32) -> Self {
+        let mut scale = 1.0;
+        let mut order = 0.0;
+        let scales = [(); 8].map(|()| {
+            let this = scale;
+            order += 1.0;
+            scale *= order * step;
+            this
+        });
+        Self { step, scales }
+    }
+
+    pub(super) const fn step(&self) -> f32 {
+        self.step
+    }
+
+    /// Eight points from `x` on.
+    #[inline]
+    pub(super) fn nodes(&self, x: f32) -> [f32; 8] {
+        let mut node = x;
+        [(); 8].map(|()| {
+            let this = node;
+            node += self.step;
+            this
+        })
+    }
+}
+
+/// The coefficients fₖ of Newton's form, by repeated synthetic division by `(X - x₀)`, `(X - x₁)`, …; a polynomial's
+/// coefficients, lowest power first, come in.
+#[inline]
+pub(super) fn newton_form<const N: usize>(
+    mut coefficients: [f32; N],
+    nodes: &[f32; 8],
+) -> [f32; N] {
+    let mut left = coefficients.as_mut_slice();
+    for node in nodes {
+        if let Some((highest, lower)) = left.split_last_mut() {
+            let mut above = *highest;
+            for coefficient in lower.iter_mut().rev() {
+                *coefficient += node * above;
+                above = *coefficient;
+            }
+        }
+        left = left.split_first_mut().map_or(&mut [], |(_, rest)| rest);
+    }
+    coefficients
+}
+
+/// Newton's form, of M = N + 1 coefficients, of X times a polynomial given in Newton's form: `xₖ·fₖ + fₖ₋₁`.
+#[inline]
+pub(super) fn times_x<const N: usize, const M: usize>(
+    newton_form: [f32; N],
+    nodes: &[f32; 8],
+) -> [f32; M] {
+    let mut product = [0.0; M];
+    let mut below = ABSENT;
+    let mut own = newton_form.into_iter();
+    for (coefficient, node) in product.iter_mut().zip(nodes) {
+        *coefficient = match own.next() {
+            Some(this) => {
+                let sum = node * this + below;
+                below = this;
+                sum
+            }
+            None => below,
+        };
+    }
+    product
+}
+
+/// A coefficient that no term has: the zero whose addition changes no number, so that none is compiled.
+pub(super) const ABSENT: f32 = -0.0;
 
 #[cfg(test)]
 mod tests {
@@ -73,7 +133,9 @@ mod tests {
         let cubic = [0.0, 0.0, 0.0, k1];
         let error_nm =
             |value: f32, x: f64| 1e6 * (f64::from(value) - f64::from(k1) * x.powi(3)).abs();
-        let mut once = Differences::at(cubic, -52.0, step, &scales(step));
+        let stride = Stride::new(step);
+        let newton_form = newton_form(cubic, &stride.nodes(-52.0));
+        let mut once = Differences::of_newton_form(newton_form, &stride);
         let mut largest_nm = 0.0_f64;
         for index in 0..13_000 {
             let x = -52.0 + f64::from(index) * f64::from(step);
@@ -85,12 +147,24 @@ mod tests {
     #[test]
     fn differences_of_a_cube_are_exact() {
         // x³ from 2 in steps of 1: 8, 27, 64, 125, 216: whole numbers throughout.
-        let mut cube = Differences::at([0.0, 0.0, 0.0, 1.0], 2.0, 1.0, &scales(1.0));
+        let stride = Stride::new(1.0);
+        let newton_form = newton_form([0.0, 0.0, 0.0, 1.0], &stride.nodes(2.0));
+        let mut cube = Differences::of_newton_form(newton_form, &stride);
         assert_eq!(cube, Differences([8.0, 19.0, 18.0, 6.0]));
         let values = [(); 5].map(|()| cube.take());
         assert_eq!(
             values.map(f32::to_bits),
             [8.0_f32, 27.0, 64.0, 125.0, 216.0].map(f32::to_bits)
+        );
+    }
+
+    #[test]
+    fn times_x_of_a_square_is_the_cube() {
+        let nodes = Stride::new(-1.5).nodes(4.0);
+        let square = newton_form([0.0, 0.0, 1.0], &nodes);
+        assert_eq!(
+            times_x::<3, 4>(square, &nodes).map(f32::to_bits),
+            newton_form([0.0, 0.0, 0.0, 1.0], &nodes).map(f32::to_bits)
         );
     }
 }

@@ -2,7 +2,7 @@
 
 use core::num::NonZero;
 
-use super::differences::{Differences, scales};
+use super::differences::{Differences, Stride, newton_form, times_x};
 use super::rounding_bound::RoundingBound;
 use super::row_polynomial::RowPolynomial;
 use crate::geometry::evaluation_form::{Displacement, EvaluationForm};
@@ -13,7 +13,16 @@ use crate::geometry::sensor::SensorPoint;
 pub const RESTART_INTERVAL: NonZero<u16> = points(64);
 
 /// The intervals tried, the longest first.
-const INTERVALS: [NonZero<u16>; 4] = [RESTART_INTERVAL, points(32), points(16), points(8)];
+const INTERVALS: [NonZero<u16>; 8] = [
+    RESTART_INTERVAL,
+    points(56),
+    points(48),
+    points(40),
+    points(32),
+    points(24),
+    points(16),
+    points(8),
+];
 
 const fn points(count: u16) -> NonZero<u16> {
     match NonZero::new(count) {
@@ -31,30 +40,42 @@ pub const ROW_ROUNDING_NM: f32 = 4.0;
 /// # Model
 /// Along a row the distortion is a polynomial in X, of degree 5 for Dx and 4 for Dy where K3 = 0, of degree 7 and 6
 /// otherwise, whatever other terms the form has. Forward differences lead from point to point with 9 additions, 13
-/// with K3; every [`Self::restart_interval`] points they start anew from the coefficients. All terms of the form are
-/// evaluated, those too that [`Kernel::Short`](crate::geometry::frame_correction::Kernel::Short) drops.
+/// with K3; every [`Self::restart_interval`] points they start anew from the coefficients. They lead away from the centre,
+/// to the right of it and to the left. All terms of the form are evaluated, those too that
+/// [`Kernel::Short`](crate::geometry::frame_correction::Kernel::Short) drops.
 ///
 /// # Units and frames
 /// Sensor frame, mm: points `first + index·step` of the measured image; measured - ideal.
 ///
 /// # Accuracy
-/// Adding difference k + 1 to difference k rounds by at most `u·|Δᵏ|`, u = 2⁻²⁴, and grows over N points into
-/// `C(N, k+1)` times that in the value. With the reach ρ of X about the centre, `L = N·step`, V the largest distortion,
-/// `a_m` the coefficients of a row, `Â(X) = Σ|a_m|Xᵐ` at the largest |Y| and `Ẑ(X) = Σ m|a_m|Xᵐ`,
+/// [`Self::rounding_bound_nm`] is for all rows of the sensor. With u = 2⁻²⁴, the reach ρ of X about the centre, `a_m` the
+/// coefficients of a row, `Â(X) = Σ|a_m|Xᵐ` at the largest |Y|, `Ẑ(X) = Σ m|a_m|Xᵐ`, and n additions between two starts
+/// (or from the centre to the edge), L = n·step:
 ///
-/// `error ≤ u·[ N·V + N·(Â(ρ+L) - Â(ρ))/2 + Â(ρ+L) + F̂(ρ+L) + 6Ẑ(ρ+L) + (Â + 10Ẑ)(ρ+L) - (Â + 10Ẑ)(ρ) ]`:
+/// `error ≤ u·[ n·(w + Â(ρ) - M) + Â(ρ) + 2Ẑ(ρ) + 2(Ẑ(ρ) - Ẑ(ρ - L)) + 4ρ·D' + F̂ ]`:
 ///
-/// - additions to the value, relative to it; to the differences, whose powers of L sum to the mean of Â over L;
-/// - the start: 2m + 1 roundings of synthetic division for a term of degree m, and those of the fold into the row's
-///   coefficients, F̂, counted by coefficient;
-/// - the place of the start, four roundings of ρ, to which a term of degree m answers m times;
-/// - the starts of the differences: scale and nodes.
+/// - Additions. At point i difference k is rounded by at most `u·|Δᵏᵢ|`, of which `C(n - i, k)` times as much is in the
+///   value at n. Away from the centre `|Δᵏᵢ| ≤ Δᵏ` of Â at |Xᵢ|, and by Newton's formula `Σₖ C(n - i, k)·Δᵏ` is `Â(Xₙ)`, of
+///   which the value itself, k = 0, is `Â(Xᵢ)`. So the differences bring the sum of `Â(Xₙ) - Â(Xᵢ)`, and M bounds the mean
+///   of Â over the last n points from below: Â is convex, `M = (Â(ρ - (n-1)·step/4) + Â(ρ - 3(n-1)·step/4))/2`. Towards the
+///   centre it would be `Â(ρ + L)` instead of `Â(ρ)`: several times as much where spacing is wide.
+/// - Additions to the value: half a unit in its last place, w·u with w the power of two within the largest distortion; for
+///   Dx also at most the mean of |X| times the largest G, and what is beside it.
+/// - The start, `f₀` to `f_m`: through synthetic division, X·G included, `a_m` comes to `fₖ` over 2m - k + 1 roundings:
+///   Â + 2Ẑ. From `fₖ` to `Δᵏ`, k ≥ 1, there is one more, those of `k!·stepᵏ` (0, 1, 3, 4, 6, 8, 10) and k for each of m - k
+///   nodes: less k at most 2m for every m up to 7, and as the `Δᵏ` from k = 1 on are worth `Â(Xₙ) - Â(X₀)`, 2(Ẑ(ρ) - Ẑ(ρ - L)).
+/// - The place of the start: four roundings of ρ, times D', the largest slope of the distortion along the row.
+/// - F̂: the roundings in the fold of the form into `a_m`, counted coefficient by coefficient.
 ///
-/// [`Self::rounding_bound_nm`] is this number for the frame and holds for all rows of the sensor. The interval is the
-/// longest of 64, 32, 16 and 8 that keeps it within [`ROW_ROUNDING_NM`]:
-/// 104 mm of width and 0.5 mm of distortion stay within it, with errors of at most 0.6 nm
-/// (`tests/geometry/mesh.rs`). A lens for which 8 does not has its larger bound stated. 13 instructions per point on a
-/// Cortex-M4F, 18 with K3, starts every 64 points included; 170 per row and 560 per frame.
+/// Largest distortion and D' are those of K1 to K3 together, which often compete; all other sums are of absolute values.
+///
+/// The interval is the longest of 64, 56, 48, … that keeps the bound within [`ROW_ROUNDING_NM`]: 64 on every camera of
+/// `host-sim/cameras` at 8 to 128 pixels from point to point, 48 or more for 0.5 mm of distortion over 104 mm of width.
+/// Errors found there are at most 0.6 nm (`tests/geometry/mesh.rs`). A lens for which 8 does not has its larger bound
+/// stated.
+///
+/// 13 instructions per point on a Cortex-M4F, 18 with K3, starts every 64 points included, 19.5 where two starts serve 82
+/// points (104 mm, 128 pixels of 10 µm); 80 per row and 800 per frame.
 ///
 /// # Examples
 /// ```
@@ -80,8 +101,8 @@ pub const ROW_ROUNDING_NM: f32 = 4.0;
 pub struct DisplacementRows {
     centre: SensorPoint,
     form: EvaluationForm,
-    step_mm: f32,
-    scales: [f32; 8],
+    /// Along the row, and against it.
+    strides: [Stride; 2],
     interval: NonZero<u16>,
     bound_nm: f32,
 }
@@ -109,8 +130,7 @@ impl DisplacementRows {
         Self {
             centre,
             form: *correction.form(),
-            step_mm,
-            scales: scales(step_mm),
+            strides: [step_mm, -step_mm].map(Stride::new),
             interval,
             bound_nm,
         }
@@ -154,41 +174,127 @@ impl DisplacementRow<'_> {
     /// As [`DisplacementRows`]; the points lie on the sensor, or the bound does not hold.
     pub fn write(&self, displacements: &mut [Displacement]) {
         if self.rows.form.k3 == 0.0 {
-            let (dx, dy) = self.polynomial.without_k3();
-            self.write_differences(dx, dy, displacements);
+            self.write_outward::<6, 5>(self.polynomial.gain_without_k3(), displacements);
         } else {
-            self.write_differences(self.polynomial.dx, self.polynomial.dy, displacements);
+            self.write_outward::<8, 7>(self.polynomial.gain(), displacements);
         }
     }
 
+    /// Away from the centre to either side; the gain has N coefficients, Dx one more.
     #[inline]
-    fn write_differences<const X: usize, const Y: usize>(
+    fn write_outward<const M: usize, const N: usize>(
         &self,
-        dx: [f32; X],
-        dy: [f32; Y],
+        gain: [f32; N],
         displacements: &mut [Displacement],
     ) {
-        let rows = self.rows;
-        let step = rows.step_mm;
-        let interval = NonZero::<usize>::from(rows.interval);
-        let mut index = 0.0;
-        for block in displacements.chunks_mut(interval.get()) {
-            let x = self.x_mm + index * step;
-            let mut dx = Differences::at(dx, x, step, &rows.scales);
-            let mut dy = Differences::at(dy, x, step, &rows.scales);
-            let mut fill = |displacement: &mut Displacement| {
-                *displacement = Displacement {
-                    dx_mm: dx.take(),
-                    dy_mm: dy.take(),
-                };
-            };
-            // Unrolled by hand: a jump costs a quarter of a point.
+        let [along, against] = &self.rows.strides;
+        let interval = self.rows.interval;
+        let points = NonZero::<usize>::from(interval).get();
+        let nearest = self.points_before_the_centre(displacements.len());
+        let Some((before, after)) = displacements.split_at_mut_checked(nearest) else {
+            return;
+        };
+        // Unrolled by hand: a jump costs a quarter of a point.
+        let mut index = index_of(nearest);
+        for block in after.chunks_mut(points) {
+            let mut start = self.start::<M, N>(gain, index, along);
             let (fours, rest) = block.as_chunks_mut::<4>();
             for four in fours {
-                four.iter_mut().for_each(&mut fill);
+                for point in four {
+                    *point = start.take();
+                }
             }
-            rest.iter_mut().for_each(fill);
-            index += f32::from(rows.interval.get());
+            for point in rest {
+                *point = start.take();
+            }
+            index += f32::from(interval.get());
+        }
+        let mut index = index_of(nearest) - 1.0;
+        for block in before.rchunks_mut(points) {
+            let mut start = self.start::<M, N>(gain, index, against);
+            let (rest, fours) = block.as_rchunks_mut::<4>();
+            for four in fours.iter_mut().rev() {
+                for point in four.iter_mut().rev() {
+                    *point = start.take();
+                }
+            }
+            for point in rest.iter_mut().rev() {
+                *point = start.take();
+            }
+            index -= f32::from(interval.get());
         }
     }
+
+    /// How many of the first points of a row come before X changes its sign, that of X = 0 included.
+    fn points_before_the_centre(&self, count: usize) -> usize {
+        let [along, _] = self.rows.strides;
+        let steps_to_the_centre = -self.x_mm / along.step();
+        if steps_to_the_centre >= 0.0 {
+            #[expect(
+                clippy::cast_possible_truncation,
+                clippy::cast_sign_loss,
+                reason = "saturates; positive"
+            )]
+            let whole = steps_to_the_centre as usize;
+            whole.saturating_add(1).min(count)
+        } else {
+            0
+        }
+    }
+
+    /// The differences of both axes at point `index`.
+    #[expect(
+        clippy::inline_always,
+        reason = "the differences stay in registers: 60 instructions per start"
+    )]
+    #[inline(always)]
+    fn start<const M: usize, const N: usize>(
+        &self,
+        gain: [f32; N],
+        index: f32,
+        stride: &Stride,
+    ) -> Start<M, N> {
+        let [along, _] = self.rows.strides;
+        let RowPolynomial { y, beside_x, .. } = self.polynomial;
+        let nodes = stride.nodes(self.x_mm + index * along.step());
+        let gain = newton_form(gain, &nodes);
+        let mut dx = times_x(gain, &nodes);
+        let mut dy = gain.map(|coefficient| y * coefficient);
+        let besides = [beside_x, self.polynomial.beside_y()].map(|q| newton_form(q, &nodes));
+        let [beside_x, beside_y] = besides;
+        for (coefficient, beside) in dx.iter_mut().zip(beside_x) {
+            *coefficient += beside;
+        }
+        for (coefficient, beside) in dy.iter_mut().zip(beside_y) {
+            *coefficient += beside;
+        }
+        Start {
+            dx: Differences::of_newton_form(dx, stride),
+            dy: Differences::of_newton_form(dy, stride),
+        }
+    }
+}
+
+/// Where a block of a row starts.
+struct Start<const M: usize, const N: usize> {
+    dx: Differences<M>,
+    dy: Differences<N>,
+}
+
+impl<const M: usize, const N: usize> Start<M, N> {
+    #[inline]
+    fn take(&mut self) -> Displacement {
+        Displacement {
+            dx_mm: self.dx.take(),
+            dy_mm: self.dy.take(),
+        }
+    }
+}
+
+#[expect(
+    clippy::cast_precision_loss,
+    reason = "a row has fewer than 2²⁴ points"
+)]
+const fn index_of(point: usize) -> f32 {
+    point as f32
 }
