@@ -103,7 +103,7 @@ impl<'a> Answers<'a> {
         second.clear();
         match self.layout {
             Layout::Csv => {
-                // Numbers take longer to write than to read: two threads keep up with the one that reads.
+                // Two threads keep up with the one that reads whatever the frame and the direction.
                 let half = answers.len() / 2;
                 let (source, camera) = (self.source, self.camera);
                 rayon::join(

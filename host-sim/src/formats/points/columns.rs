@@ -74,11 +74,10 @@ impl Columns {
             check_name(name)?;
         }
         let [first, second] = self.coordinates;
-        let [first_name, second_name] = self.frame.columns();
-        let coordinate = [
-            number(record, name, first, first_name)?,
-            number(record, name, second, second_name)?,
-        ];
+        let (Some(first), Some(second)) = (number(record, first), number(record, second)) else {
+            return Err(self.no_number(record, name));
+        };
+        let coordinate = [first, second];
         let point_mm = match self.frame {
             Frame::Sensor => coordinate,
             Frame::Pixel => camera.sensor_from_pixel(coordinate),
@@ -86,31 +85,45 @@ impl Columns {
         block.push(name, point_mm, line);
         Ok(())
     }
+
+    /// What is wrong with the first coordinate that is no number.
+    #[cold]
+    fn no_number(&self, record: &ByteRecord, name: &[u8]) -> String {
+        let [first, second] = self.coordinates;
+        let [first_name, second_name] = self.frame.columns();
+        let (index, column) = match number(record, first) {
+            None => (first, first_name),
+            Some(_) => (second, second_name),
+        };
+        match text(field(record, index), column) {
+            Ok(text) => format!(
+                "point {}: {column} = \"{}\" is not a finite number",
+                clipped(&String::from_utf8_lossy(name)),
+                clipped(text).escape_debug()
+            ),
+            Err(fault) => fault,
+        }
+    }
 }
 
 fn field(record: &ByteRecord, index: usize) -> &[u8] {
     record.get(index).unwrap_or_default().trim_ascii()
 }
 
+/// A finite number, with spaces around it or without.
 #[inline]
-fn number(record: &ByteRecord, name: &[u8], index: usize, column: &str) -> Result<f64, String> {
-    let field = field(record, index);
+fn number(record: &ByteRecord, index: usize) -> Option<f64> {
+    let field = record.get(index).unwrap_or_default();
     match fast_float2::parse::<f64, _>(field) {
-        Ok(number) if number.is_finite() => Ok(number),
-        _ => Err(no_number(name, field, column)),
+        Ok(number) => number.is_finite().then_some(number),
+        Err(_) => number_in_spaces(field),
     }
 }
 
 #[cold]
-fn no_number(name: &[u8], field: &[u8], column: &str) -> String {
-    match text(field, column) {
-        Ok(text) => format!(
-            "point {}: {column} = \"{}\" is not a finite number",
-            clipped(&String::from_utf8_lossy(name)),
-            clipped(text).escape_debug()
-        ),
-        Err(fault) => fault,
-    }
+fn number_in_spaces(field: &[u8]) -> Option<f64> {
+    let number = fast_float2::parse::<f64, _>(field.trim_ascii()).ok();
+    number.filter(|number| number.is_finite())
 }
 
 #[cold]
