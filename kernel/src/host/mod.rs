@@ -23,11 +23,11 @@ pub use level::Level;
 
 use vectors::Vectors;
 
-/// How many numbers lie before the first that is aligned to a vector.
+/// How many numbers lie before the first that is aligned to so many bytes.
 #[inline(always)]
-fn head<V: Vectors>(numbers: &[f32]) -> usize {
-    let past = numbers.as_ptr().addr() % V::ALIGNMENT;
-    let before = (V::ALIGNMENT - past) % V::ALIGNMENT / size_of::<f32>();
+fn head(numbers: &[f32], alignment: usize) -> usize {
+    let past = numbers.as_ptr().addr() % alignment;
+    let before = (alignment - past) % alignment / size_of::<f32>();
     before.min(numbers.len())
 }
 

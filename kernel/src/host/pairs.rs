@@ -24,11 +24,29 @@ impl<const FULL: bool> Work for InPlace<'_, FULL> {
             let ideal = form.ideal_pairs(few(vectors, points));
             return put_few(vectors, points, ideal);
         };
-        for point in twos_mut::<V>(points.split_at_mut(before::<V>(points)).1) {
-            *point = form.ideal_pairs(*point);
+        let all = twos_mut::<V>(points.split_at_mut(before::<V>(points)).1);
+        // Two streams, as below.
+        let half = all.len() / 2;
+        let (first, second) = all.split_at_mut(half);
+        for (a, b) in first.iter_mut().zip(second.iter_mut()) {
+            replace(vectors, &form, a);
+            replace(vectors, &form, b);
+        }
+        for point in second.iter_mut().skip(half) {
+            replace(vectors, &form, point);
         }
         put_ends::<V>(points, [at_first, at_last]);
     }
+}
+
+#[inline(always)]
+fn replace<V: Vectors, const FULL: bool>(
+    vectors: V,
+    form: &Form<V, FULL>,
+    points: &mut [V::f32s; 2],
+) {
+    ask_ahead(vectors, points);
+    *points = form.ideal_pairs(*points);
 }
 
 /// Ideal points into another slice of the same length.
@@ -51,7 +69,7 @@ impl<const FULL: bool> Work for Into<'_, FULL> {
             return put_few(vectors, ideal, few);
         };
         let before = before::<V>(ideal);
-        let aligned = before == head::<V>(ideal);
+        let aligned = before == head(ideal, 2 * V::ALIGNMENT);
         let from = twos::<V>(points.split_at(before).1);
         let to = twos_mut::<V>(ideal.split_at_mut(before).1);
         if self.stream && aligned {
@@ -94,9 +112,7 @@ unsafe fn pass<V: Vectors, const FULL: bool>(
     points: &[V::f32s; 2],
     [at_low, at_high]: &mut [V::f32s; 2],
 ) {
-    let at: *const f32 = ptr::from_ref(points).cast();
-    vectors.ask_ahead(at);
-    vectors.ask_ahead(at.wrapping_add(V::F32_LANES));
+    ask_ahead(vectors, points);
     let [low, high] = form.ideal_pairs(*points);
     // SAFETY: the caller's.
     unsafe {
@@ -105,12 +121,20 @@ unsafe fn pass<V: Vectors, const FULL: bool>(
     }
 }
 
-/// How many numbers, of whole points, lie before the first aligned one.
+#[inline(always)]
+fn ask_ahead<V: Vectors>(vectors: V, points: &[V::f32s; 2]) {
+    let at: *const f32 = ptr::from_ref(points).cast();
+    vectors.ask_ahead(at);
+    vectors.ask_ahead(at.wrapping_add(V::F32_LANES));
+}
+
+/// How many numbers, of whole points, lie before the first two vectors that are aligned as one.
 ///
-/// A slice aligned to half a point has none.
+/// Then those two fill whole lines of the cache: half a line that is streamed waits for the other half, and leaves
+/// without it where several streams wait. A slice aligned to half a point has none.
 #[inline(always)]
 fn before<V: Vectors>(numbers: &[f32]) -> usize {
-    let before = head::<V>(numbers);
+    let before = head(numbers, 2 * V::ALIGNMENT);
     if before.is_multiple_of(2) { before } else { 0 }
 }
 

@@ -28,10 +28,12 @@ impl<const FULL: bool> Work for InPlace<'_, FULL> {
             vectors.partial_store_f32s(y, ideal.y);
             return;
         };
-        let before = head::<V>(x);
+        let before = head(x, V::ALIGNMENT);
         let x_places = V::as_mut_simd_f32s(x.split_at_mut(before).1).0;
         let y_places = V::as_mut_simd_f32s(y.split_at_mut(before).1).0;
         for (x, y) in x_places.iter_mut().zip(y_places) {
+            vectors.ask_ahead(ptr::from_ref(x).cast());
+            vectors.ask_ahead(ptr::from_ref(y).cast());
             let ideal = form.ideal(*x, *y);
             *x = ideal.x;
             *y = ideal.y;
@@ -65,8 +67,8 @@ impl<const FULL: bool> Work for Into<'_, FULL> {
             vectors.partial_store_f32s(ideal_y, ideal.y);
             return;
         };
-        let before = head::<V>(ideal_x);
-        let alike = before == head::<V>(ideal_y);
+        let before = head(ideal_x, V::ALIGNMENT);
+        let alike = before == head(ideal_y, V::ALIGNMENT);
         let from = V::as_simd_f32s(self.x.split_at(before).1).0.iter();
         let from = from.zip(V::as_simd_f32s(self.y.split_at(before).1).0);
         let to = V::as_mut_simd_f32s(ideal_x.split_at_mut(before).1).0;
