@@ -5,17 +5,25 @@
 //! contender's time by that of copying the same bytes, `clock_ghz` the clock of the core in the same rounds. Nothing
 //! asserts these times: they belong to a machine and an hour.
 //!
+//! `host-benches --stream ROWS` (a multiple of 100 000) times `host-sim correct`, which must have been built beside it,
+//! at the end of a pipe: as text beside its parser alone, as an array beside a copy of the same bytes through a pipe,
+//! wall time and processor time. How the command compares with its bound, in the median of the rounds, ends on the
+//! error stream.
+//!
 //! `host-benches --calls CALLS KERNEL POINTS` runs one contender so often and prints nothing: the difference of two
 //! runs under an instruction counter is its cost.
 
 mod contenders;
+mod cpu_time;
 mod points;
+mod stream;
+mod table;
 mod timing;
 
-use std::io::{self, Write as _};
 use std::process::ExitCode;
 
 use points::Points;
+use table::Table;
 use timing::CLOCK;
 
 /// Sizes measured without arguments.
@@ -28,6 +36,7 @@ fn main() -> ExitCode {
     let arguments: Vec<String> = std::env::args().skip(1).collect();
     let done = match arguments.iter().map(String::as_str).collect::<Vec<_>>()[..] {
         ["--calls", calls, kernel, points] => call(calls, kernel, points),
+        ["--stream", rows] => stream(rows),
         [] => measure(&SIZES),
         ref sizes => sizes
             .iter()
@@ -46,38 +55,40 @@ fn main() -> ExitCode {
 }
 
 fn measure(sizes: &[usize]) -> Result<(), String> {
-    let mut sink = csv::Writer::from_writer(io::stdout());
-    let mut row = |fields: &[&str]| sink.write_record(fields).map_err(|error| error.to_string());
-    row(&[
-        "core",
-        "kernel",
-        "points",
-        "ns_per_point",
-        "median_ns_per_point",
-        "of_memcpy",
-        "clock_ghz",
-    ])?;
+    let mut table = Table::begin()?;
     for size in sizes {
         let points = Points::new(*size);
         let mut contenders = contenders::all(&points);
         contenders.push(timing::clock());
         let rounds = (POINT_ROUNDS / size.max(&1)).clamp(15, 3_000);
         let times = timing::by_turns(&mut contenders, rounds);
-        let per_point = |seconds: f64| format!("{:.4}", 1e9 * seconds / points.count());
-        let clock_ghz = format!("{:.3}", timing::clock_ghz(&times));
+        let clock_ghz = Some(timing::clock_ghz(&times));
         for time in times.iter().filter(|time| time.name != CLOCK) {
             let copy = times.iter().find(|other| other.name == time.copy);
-            row(&[
-                "host",
-                &time.name,
-                &size.to_string(),
-                &per_point(time.best()),
-                &per_point(time.median()),
-                &copy.map_or_else(String::new, |copy| format!("{:.3}", time.ratio(copy))),
-                &clock_ghz,
-            ])?;
+            table.row(time, *size, copy, clock_ghz)?;
         }
-        io::stdout().flush().map_err(|error| error.to_string())?;
+        table.flush()?;
+    }
+    Ok(())
+}
+
+/// Rows times rounds of a stream.
+const STREAM_ROUNDS: usize = 50_000_000;
+
+fn stream(rows: &str) -> Result<(), String> {
+    let Ok(rows @ 1..) = rows.parse::<usize>() else {
+        return Err("rows are a whole number".to_owned());
+    };
+    let rows = rows.next_multiple_of(stream::ROWS);
+    let times = stream::times(rows, (STREAM_ROUNDS / rows).clamp(3, 25))?;
+    let mut table = Table::begin()?;
+    for time in &times {
+        table.row(time, rows, None, None)?;
+    }
+    table.flush()?;
+    for [bound, command] in times.as_chunks().0 {
+        let [time, of] = [&command.name, &bound.name];
+        eprintln!("{time}: {:.2} of {of}", command.ratio(bound));
     }
     Ok(())
 }

@@ -42,8 +42,4 @@ impl Points {
             answers,
         }
     }
-
-    pub(crate) fn count(&self) -> f64 {
-        u32::try_from(self.x.len()).map_or(f64::NAN, f64::from)
-    }
 }

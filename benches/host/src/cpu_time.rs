@@ -1,0 +1,43 @@
+//! Time that processors worked: other programs of the machine are not in it.
+
+/// Whose time.
+#[derive(Clone, Copy)]
+pub(crate) enum Of {
+    /// All threads of this process.
+    Ourselves,
+    /// The processes that this one has started and that have ended.
+    Children,
+}
+
+/// Seconds since the start, in programs and in the kernel.
+#[derive(Clone, Copy)]
+pub(crate) struct CpuTime(f64);
+
+impl CpuTime {
+    /// `None` where the system does not tell.
+    #[cfg(unix)]
+    pub(crate) fn now(of: Of) -> Option<Self> {
+        use nix::sys::resource::{UsageWho, getrusage};
+        use nix::sys::time::TimeValLike as _;
+
+        let usage = getrusage(match of {
+            Of::Ourselves => UsageWho::RUSAGE_SELF,
+            Of::Children => UsageWho::RUSAGE_CHILDREN,
+        })
+        .ok()?;
+        let microseconds = (usage.user_time() + usage.system_time()).num_microseconds();
+        u64::try_from(microseconds)
+            .ok()
+            .map(|microseconds| Self(std::time::Duration::from_micros(microseconds).as_secs_f64()))
+    }
+
+    /// `None`: there is no such call.
+    #[cfg(not(unix))]
+    pub(crate) const fn now(_: Of) -> Option<Self> {
+        None
+    }
+
+    pub(crate) fn since(self, before: Self) -> f64 {
+        self.0 - before.0
+    }
+}
