@@ -67,8 +67,8 @@ fn mesh_rows(counter: &mut Counter) -> Option<()> {
     })
 }
 
-/// Displacements with K3 along rows of the whole sensor: the wider the spacing, the fewer points share a start of the row
-/// and those of the differences.
+/// Displacements with K3 along rows of the whole sensor, what is done once per row included: the wider the spacing, the
+/// fewer points share it.
 fn mesh_rows_of_other_spacings(counter: &mut Counter) -> Option<()> {
     for (kernel, record, spacing_px) in [
         ("mesh_row_k3_16px", short(), 16_u16),

@@ -60,6 +60,7 @@ impl Stride {
         Self { step, scales }
     }
 
+    /// From one point to the next.
     pub(super) const fn step(&self) -> f32 {
         self.step
     }

@@ -12,8 +12,8 @@ const UNIT_ROUNDOFF: f32 = f32::EPSILON / 2.0;
 /// Roundings on the way of the terms without k into the differences, Y and its product with G included.
 const FOLD_OF_OTHERS: f32 = 8.0;
 
-/// First-order terms alone are counted. What they leave out - products of roundings, a start that rounding puts beyond the
-/// centre by 6u of the reach, the roundings of the bound itself - is less than 1e-4 of it.
+/// First-order terms alone are counted. What they leave out - products of roundings, a start that rounding puts on the far
+/// side of the centre by 6u of the reach, the roundings of the bound itself - is less than a thousandth of it.
 const SECOND_ORDER: f32 = 1.001;
 
 /// What the bound of a frame is made of.
@@ -50,9 +50,9 @@ impl RoundingBound {
         let beside_slope = others.jacobian(reach_x, reach_y);
         let end = reach_x * reach_x + reach_y * reach_y;
         let gain = largest_of_cubic([0.0, form.k1, form.k2, form.k3], end);
-        // 2R·dG/dR, and with it the slope of X·G along a radius.
-        let slope = [0.0, 2.0 * form.k1, 4.0 * form.k2, 6.0 * form.k3];
-        let across = largest_of_cubic(slope, end);
+        // ∂(X·G)/∂X = G + X²·2dG/dR, ∂(Y·G)/∂X = XY·2dG/dR: the first lies between G and G + 2R·dG/dR.
+        let across = [0.0, 2.0 * form.k1, 4.0 * form.k2, 6.0 * form.k3];
+        let across = largest_of_cubic(across, end);
         let radial = [0.0, 3.0 * form.k1, 5.0 * form.k2, 7.0 * form.k3];
         let along = gain.max(largest_of_cubic(radial, end));
         let fold = fold_of_k(&absolute, reach);
@@ -76,7 +76,7 @@ impl RoundingBound {
                 ),
                 axis(
                     at_reach_y,
-                    // |X·Y| is at most half of R.
+                    // |XY| is at most R/2.
                     0.5 * across + beside_slope.dy_by_x,
                     reach_y * fold + FOLD_OF_OTHERS * beside.dy_mm,
                 ),
@@ -86,7 +86,7 @@ impl RoundingBound {
         }
     }
 
-    /// The bound for the larger of the two axes, nm.
+    /// The bound for the larger of the two axes, nm; it rises with the interval.
     pub(super) fn nanometres(&self, interval: NonZero<u16>, step_mm: f32) -> f32 {
         let step = step_mm.abs();
         // No more points than from the centre to the edge follow each other.
