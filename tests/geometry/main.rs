@@ -17,6 +17,8 @@ mod mesh;
 #[cfg(test)]
 mod mesh_format;
 #[cfg(test)]
+mod mesh_rounding;
+#[cfg(test)]
 mod point_kernel;
 #[cfg(test)]
 mod round_trip;

@@ -116,7 +116,7 @@ pub(crate) fn corrections(calibration: &Calibration) -> Vec<FrameCorrection> {
 }
 
 /// Frames of the published cameras, of that of the paper, and of [`wide`], with their names.
-fn frames() -> Vec<(&'static str, FrameCorrection)> {
+pub(crate) fn frames() -> Vec<(&'static str, FrameCorrection)> {
     // The camera of the paper, in host-sim/cameras.
     let paper = Brown {
         k1: 9.226_781e-8,
@@ -137,7 +137,7 @@ fn frames() -> Vec<(&'static str, FrameCorrection)> {
 }
 
 /// From vertex to vertex, as warp engines have it.
-const SPACINGS_PX: [f32; 5] = [8.0, 16.0, 32.0, 64.0, 128.0];
+pub(crate) const SPACINGS_PX: [f32; 5] = [8.0, 16.0, 32.0, 64.0, 128.0];
 
 #[test]
 fn rows_of_every_camera_are_within_their_stated_bound_and_four_nanometres() {

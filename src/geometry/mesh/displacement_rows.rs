@@ -71,8 +71,8 @@ pub const ROW_ROUNDING_NM: f32 = 4.0;
 ///
 /// The interval is the longest of 64, 56, 48, … that keeps the bound within [`ROW_ROUNDING_NM`]: 64 on every camera of
 /// `host-sim/cameras` at 8 to 128 pixels from point to point, 48 or more for 0.5 mm of distortion over 104 mm of width.
-/// Errors found there are at most 0.6 nm (`tests/geometry/mesh.rs`). A lens for which 8 does not has its larger bound
-/// stated.
+/// Errors found there are at most 0.6 nm (`tests/geometry/mesh.rs`), and 2.3 nm if all roundings came together
+/// (`tests/geometry/mesh_rounding.rs`). A lens for which 8 does not has its larger bound stated.
 ///
 /// 13 instructions per point on a Cortex-M4F, 18 with K3, starts every 64 points included, 19.5 where two starts serve 82
 /// points (104 mm, 128 pixels of 10 µm); 80 per row and 800 per frame.
