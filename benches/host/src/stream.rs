@@ -1,7 +1,7 @@
 //! What streams of points take: `host-sim correct` at the end of a pipe, beside what bounds it.
 //!
-//! Text is bounded by its parser: the reader of `host-sim` and its conversion of numbers, alone, over the same bytes. An
-//! array is bounded by the pipe: a copy of the same bytes through one, both ends included.
+//! Text is bounded by its parser: the reader of `host-sim` and its conversion of numbers, alone, over the same bytes.
+//! An array is bounded by the pipe: a copy of the same bytes through one, both ends included.
 
 use std::env;
 use std::io::{self, Read, Write};
@@ -46,7 +46,8 @@ enum Work {
     Correct(&'static str),
 }
 
-/// [`ROWS`] or a multiple of it: wall time and, where it is known, processor time of every work, in turns; a round takes some seconds per 1e7 rows.
+/// [`ROWS`] or a multiple of it: wall time and, where it is known, processor time of every work, in turns; a round takes
+/// some seconds per 1e7 rows.
 ///
 /// # Errors
 /// What could not be done, in words.

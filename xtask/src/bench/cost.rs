@@ -10,7 +10,7 @@ use serde::{Deserialize, Serialize, de::DeserializeOwned};
 const MAX_RISE: f64 = 0.01;
 
 /// Kernels with a limit of their own: core, kernel, instructions per point.
-const LIMITS: [(&str, &str, f64); 24] = [
+const LIMITS: [(&str, &str, f64); 34] = [
     ("cortex-m4f", "correct_slice", 25.0),
     ("cortex-m4f", "correct_slice_xy", 25.0),
     ("cortex-m4f", "correct_slice_full", 29.0),
@@ -21,6 +21,11 @@ const LIMITS: [(&str, &str, f64); 24] = [
     ("cortex-m4f", "distort_full", 150.0),
     ("cortex-m4f", "mesh_row", 16.0),
     ("cortex-m4f", "mesh_row_k3", 20.0),
+    ("cortex-m4f", "mesh_row_k3_16px", 20.0),
+    ("cortex-m4f", "mesh_row_k3_32px", 20.0),
+    ("cortex-m4f", "mesh_row_k3_64px", 20.0),
+    ("cortex-m4f", "mesh_row_k3_128px", 20.0),
+    ("cortex-m4f", "mesh_row_k3_64px_104mm", 20.0),
     ("cortex-m7", "correct_slice", 25.0),
     ("cortex-m7", "correct_slice_xy", 25.0),
     ("cortex-m7", "correct_slice_full", 29.0),
@@ -31,6 +36,11 @@ const LIMITS: [(&str, &str, f64); 24] = [
     ("cortex-m7", "distort_full", 150.0),
     ("cortex-m7", "mesh_row", 16.0),
     ("cortex-m7", "mesh_row_k3", 20.0),
+    ("cortex-m7", "mesh_row_k3_16px", 20.0),
+    ("cortex-m7", "mesh_row_k3_32px", 20.0),
+    ("cortex-m7", "mesh_row_k3_64px", 20.0),
+    ("cortex-m7", "mesh_row_k3_128px", 20.0),
+    ("cortex-m7", "mesh_row_k3_64px_104mm", 20.0),
     ("cortex-m55", "correct_slice", 7.1),
     ("cortex-m55", "correct_slice_xy", 7.1),
     ("cortex-m55", "correct_slice_full", 9.9),
