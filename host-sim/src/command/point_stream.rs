@@ -93,7 +93,7 @@ fn progress(source: &Source, into_file: bool) -> ProgressBar {
     let (bar, template) = match source.bytes {
         Some(bytes) => (
             ProgressBar::new(bytes),
-            "{bar:40} {bytes}/{total_bytes}, {bytes_per_sec}, {eta}",
+            "{wide_bar} {bytes}/{total_bytes}, {bytes_per_sec}, {eta}",
         ),
         None => (
             ProgressBar::new_spinner(),

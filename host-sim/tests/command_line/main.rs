@@ -34,6 +34,9 @@ mod observations;
 mod output;
 #[cfg(test)]
 #[cfg(unix)]
+mod progress;
+#[cfg(test)]
+#[cfg(unix)]
 mod qemu;
 #[cfg(test)]
 #[cfg(unix)]
@@ -49,6 +52,9 @@ mod streaming;
 mod support;
 #[cfg(test)]
 mod sweep;
+#[cfg(test)]
+#[cfg(unix)]
+mod terminal;
 #[cfg(test)]
 mod verify;
 #[cfg(test)]

@@ -1,22 +1,20 @@
 //! A camera on a serial port: a pseudo-terminal with a camera, or with something else, at its end.
 
-use std::fs::{File, OpenOptions};
+use std::fs::File;
 use std::io::{Read, Write};
-use std::os::unix::fs::{OpenOptionsExt, symlink};
+use std::os::unix::fs::symlink;
 use std::process::Stdio;
 use std::sync::atomic::{AtomicUsize, Ordering};
 use std::sync::{Arc, mpsc};
 use std::thread;
 use std::time::{Duration, Instant};
 
-use rustix::fs::OFlags;
-use rustix::pty::{OpenptFlags, grantpt, openpt, ptsname, unlockpt};
-
 use fmc_camera::io::link::PROTOCOL_VERSION;
 use fmc_camera::io::link::deck::FlightDeck;
 
 use crate::fake_camera::FakeCamera;
 use crate::support::Bench;
+use crate::terminal::Terminal;
 use crate::wire_format::frame_of;
 
 /// A pseudo-terminal whose far end is served by a thread.
@@ -28,18 +26,8 @@ pub(crate) struct Port {
 
 impl Port {
     fn with(serve: impl FnOnce(File) + Send + 'static) -> Self {
-        // Programs that the tests start must not hold the far end open.
-        let far = openpt(OpenptFlags::RDWR | OpenptFlags::NOCTTY | OpenptFlags::CLOEXEC).unwrap();
-        grantpt(&far).unwrap();
-        unlockpt(&far).unwrap();
-        let name = ptsname(&far, Vec::new()).unwrap().into_string().unwrap();
-        let near = OpenOptions::new()
-            .read(true)
-            .write(true)
-            .custom_flags(OFlags::NOCTTY.bits().cast_signed())
-            .open(&name)
-            .unwrap();
-        thread::spawn(move || serve(File::from(far)));
+        let Terminal { far, near, name } = Terminal::open();
+        thread::spawn(move || serve(far));
         Self { name, _near: near }
     }
 

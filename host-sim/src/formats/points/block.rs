@@ -17,7 +17,7 @@ pub struct Block {
     pub points_mm: Vec<[f64; 2]>,
     /// How many points of the file came before.
     pub before: u64,
-    /// How many bytes of the file end with this block.
+    /// How many bytes of the file end with this block; of an array, without its header.
     pub read_bytes: u64,
     /// Names, one behind the other, as written, in UTF-8; an array has none.
     names: Vec<u8>,

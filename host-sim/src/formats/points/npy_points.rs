@@ -65,6 +65,15 @@ impl<R: Read> NpyPoints<R> {
         self.precision
     }
 
+    /// How many bytes all rows take.
+    pub(super) const fn bytes(&self) -> u64 {
+        self.count.saturating_mul(self.row_bytes())
+    }
+
+    const fn row_bytes(&self) -> u64 {
+        2 * self.precision.bytes() as u64
+    }
+
     /// Reads the next points into a block; none at the end.
     ///
     /// # Errors
@@ -95,7 +104,7 @@ impl<R: Read> NpyPoints<R> {
             }
         }
         self.read += rows as u64;
-        block.read_bytes += self.bytes.len() as u64;
+        block.read_bytes = self.read * self.row_bytes();
         if rows == 0 && !self.is_at_end()? {
             return Err(Failure::bad_input(format!(
                 "{}: the file goes on behind the {} rows of its array",
@@ -123,5 +132,31 @@ impl<R: Read> NpyPoints<R> {
             ));
         }
         Failure::reading(Path::new(&self.file), error)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use npyz::WriterBuilder as _;
+
+    #[test]
+    fn bytes_read_are_those_of_all_blocks_when_one_is_filled_again_and_again() {
+        let count = 2 * block::POINTS as u64 + 7;
+        let mut array = Vec::new();
+        npyz::WriteOptions::new_header_only()
+            .dtype(DType::Plain("<f8".parse().unwrap()))
+            .shape(&[count, 2])
+            .writer(&mut array)
+            .write_header_only()
+            .unwrap();
+        let rows = io::repeat(0).take(16 * count);
+        let mut points = NpyPoints::new("points.npy", array.as_slice().chain(rows)).unwrap();
+        let mut block = Block::default();
+        for read in [block::POINTS as u64, 2 * block::POINTS as u64, count, count] {
+            points.fill(&mut block).unwrap();
+            assert_eq!(block.read_bytes, 16 * read);
+        }
+        assert_eq!(points.bytes(), block.read_bytes);
     }
 }

@@ -27,7 +27,7 @@ pub struct Source {
     pub count: Option<u64>,
     /// How precise an array's numbers are.
     pub precision: Precision,
-    /// Its length, where it is a file that has one.
+    /// How many bytes will be read: the length of a file that has one, that of an array's rows.
     pub bytes: Option<u64>,
 }
 
@@ -72,16 +72,23 @@ impl Source {
             let bytes = bytes.map(|metadata| metadata.len());
             (path.display().to_string(), bytes, Box::new(file))
         };
-        let (points, frame, count, precision) = match format {
+        let (points, frame, count, precision, bytes) = match format {
             PointFormat::Csv => {
                 let points = CsvPoints::new(&file, stream)?;
                 let frame = points.frame();
-                (Points::Csv(points), frame, None, Precision::Double)
+                (Points::Csv(points), frame, None, Precision::Double, bytes)
             }
             PointFormat::Npy => {
                 let points = NpyPoints::new(&file, stream)?;
                 let (count, precision) = (points.count(), points.precision());
-                (Points::Npy(points), Frame::Sensor, Some(count), precision)
+                let bytes = Some(points.bytes());
+                (
+                    Points::Npy(points),
+                    Frame::Sensor,
+                    Some(count),
+                    precision,
+                    bytes,
+                )
             }
         };
         let source = Arc::new(Self {

@@ -1,0 +1,110 @@
+//! The bar that shows how far a stream of points is.
+
+use std::fmt::Write as _;
+use std::fs;
+use std::io::Read as _;
+use std::process::Stdio;
+
+use rustix::termios::{Winsize, tcsetwinsize};
+
+use crate::support::{Bench, CAMERA};
+use crate::terminal::Terminal;
+
+const FRAME: [&str; 7] = [
+    "correct",
+    "--camera",
+    "camera.toml",
+    "--vh",
+    "0.1",
+    "--exposure",
+    "1/200",
+];
+
+fn bench() -> Bench {
+    let mut points = String::from("id,x_mm,y_mm\n");
+    for row in 0..60_000_u32 {
+        writeln!(points, "p{row},{}.5,1.25", row % 40).unwrap();
+    }
+    let bench = Bench::with(CAMERA, points.as_bytes());
+    let row = [1.5_f32, 1.25].map(f32::to_le_bytes).concat();
+    // A header of version 1, padded to 128 bytes.
+    let header = "{'descr': '<f4', 'fortran_order': False, 'shape': (60000, 2), }";
+    let mut array = b"\x93NUMPY\x01\x00\x76\x00".to_vec();
+    array.extend(format!("{header:117}\n").bytes());
+    array.extend(row.repeat(60_000));
+    fs::write(bench.path("points.npy"), array).unwrap();
+    bench
+}
+
+/// What a command shows on a terminal of so many columns; its answers go elsewhere.
+fn shown(bench: &Bench, columns: u16, points: &[&str], stdin: Option<&str>) -> String {
+    let Terminal { mut far, near, .. } = Terminal::open();
+    let size = Winsize {
+        ws_row: 24,
+        ws_col: columns,
+        ws_xpixel: 0,
+        ws_ypixel: 0,
+    };
+    tcsetwinsize(&far, size).unwrap();
+    let mut command = bench.command(&[&FRAME, points].concat());
+    if let Some(stdin) = stdin {
+        let file = fs::File::open(bench.path(stdin)).unwrap();
+        command.stdin(Stdio::from(file));
+    }
+    let mut child = command
+        .env("TERM", "xterm")
+        .env_remove("NO_COLOR")
+        .stdout(Stdio::null())
+        .stderr(Stdio::from(near))
+        .spawn()
+        .unwrap();
+    // It keeps the near end open.
+    drop(command);
+    let mut shown = Vec::new();
+    // A terminal that nobody has open any more ends with an error.
+    let _ = far.read_to_end(&mut shown);
+    assert!(child.wait().unwrap().success());
+    String::from_utf8(shown).unwrap()
+}
+
+#[test]
+fn bar_stays_in_its_line_however_narrow_the_terminal() {
+    let bench = bench();
+    for columns in [80, 60, 45] {
+        for (points, stdin) in [
+            (&["points.csv"][..], None),
+            (&["points.npy"], None),
+            (&["-"], Some("points.csv")),
+            (&["--format", "npy", "-"], Some("points.npy")),
+        ] {
+            let shown = shown(&bench, columns, points, stdin);
+            assert!(shown.contains("KiB"), "{shown:?}");
+            // A second line would have to be gone back from.
+            let up_or_down = ["\x1b[1A", "\x1b[1B", "\n"];
+            let left = up_or_down.iter().any(|motion| shown.contains(motion));
+            assert!(!left, "{columns} columns, {points:?}: {shown:?}");
+            assert!(shown.ends_with("\r\x1b[2K"), "nothing stays: {shown:?}");
+        }
+    }
+}
+
+#[test]
+fn end_of_an_array_is_known_in_a_pipe_too() {
+    let shown = shown(&bench(), 80, &["--format", "npy", "-"], Some("points.npy"));
+    assert!(
+        shown.contains("/468.75 KiB"),
+        "60 000 rows of 8 bytes: {shown:?}"
+    );
+}
+
+#[test]
+fn nothing_of_the_bar_is_shown_where_no_terminal_is() {
+    let bench = bench();
+    let output = bench
+        .command(&[&FRAME[..], &["points.csv", "--out", "out.csv"]].concat())
+        .env("TERM", "xterm")
+        .output()
+        .unwrap();
+    assert!(output.status.success());
+    assert!(output.stdout.is_empty() && output.stderr.is_empty());
+}
