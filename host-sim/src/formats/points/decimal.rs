@@ -81,10 +81,10 @@ fn shifted(number: u128, shift: u64) -> u64 {
 /// exact to where they are cut off for all numbers of four and of two digits.
 #[inline]
 const fn eight_digits(number: u64) -> u64 {
-    let fours = number / 10_000 | number % 10_000 << 32;
-    let hundreds = fours * 10_486 >> 20 & 0x7f_0000_007f;
+    let fours = (number / 10_000) | ((number % 10_000) << 32);
+    let hundreds = ((fours * 10_486) >> 20) & 0x7f_0000_007f;
     let twos = hundreds | (fours - 100 * hundreds) << 16;
-    let tens = twos * 103 >> 10 & 0xf_000f_000f_000f;
+    let tens = ((twos * 103) >> 10) & 0xf_000f_000f_000f;
     tens | (twos - 10 * tens) << 8
 }
 
@@ -188,9 +188,9 @@ mod tests {
             1e-9,
             0.999_999_999_5,
             9.999_999_999_9,
-            67_108_863.999_999_999,
+            67_108_864.0_f64.next_down(),
             67_108_864.0,
-            99_999_999.999_999_99,
+            100_000_000.0_f64.next_down(),
             999_999_999.999_999_9,
             1e9,
             -1e9,
