@@ -4,7 +4,8 @@
 //! Nothing of this changes a bit: every lane does the operations of [`crate::portable`] in the same order, none fused.
 //! (Of a NaN this holds for being one: its payload is the processor's choice.) The vectors are those of the crate
 //! `pulp`: it detects instructions without the standard library, gives out a proof of them without which a kernel
-//! cannot be called, and lets a test run every level that the machine has.
+//! cannot be called, and lets a test run every level that the machine has. `tests/host` says how
+//! NEON's is run where the machine has none.
 
 #![expect(
     clippy::inline_always,
