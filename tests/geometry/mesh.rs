@@ -157,6 +157,16 @@ fn rows_of_every_camera_are_within_their_stated_bound_and_four_nanometres() {
     }
 }
 
+#[test]
+fn rows_of_a_step_that_is_no_length_have_no_bound() {
+    for (name, correction) in frames() {
+        for step_mm in [f32::NAN, f32::INFINITY, f32::NEG_INFINITY] {
+            let rows = DisplacementRows::new(&correction, step_mm);
+            assert!(rows.rounding_bound_nm().is_nan(), "{name}, {step_mm} mm");
+        }
+    }
+}
+
 /// Points between starts at half a millimetre of distortion over 104 mm: what keeps a point within 20 instructions.
 const WIDE_INTERVAL: u16 = 48;
 

@@ -1,72 +1,104 @@
 //! Slices of every length at every place, and what lies beside them.
 
-use crate::call::{FORM, TERMS, assert_same, batches, portable};
+use std::ops::Range;
+
+use crate::call::{FORM, TERMS, assert_all_same, assert_same, batches, portable};
 
 /// What must not be touched.
 const BESIDE: f32 = -77.25;
-/// Points around a slice.
+/// Numbers around a slice, at least.
 const MARGIN: usize = 20;
+/// Numbers of two vectors of the widest level, so many are the places where a slice can begin.
+const PLACES: usize = 32;
 
-/// Numbers with a margin before and behind, `offset` further from where the allocation begins.
-fn placed(numbers: &[f32], offset: usize) -> Vec<f32> {
-    let mut all = vec![BESIDE; MARGIN + offset];
-    all.extend_from_slice(numbers);
-    all.resize(all.len() + MARGIN, BESIDE);
-    all
+/// Numbers with a margin before and behind, at a known place: which vectors are whole depends on it.
+struct Placed {
+    all: Vec<f32>,
+    range: Range<usize>,
 }
 
-fn assert_untouched(name: &str, all: &[f32], offset: usize) {
-    let before = &all[..MARGIN + offset];
-    let behind = &all[all.len() - MARGIN..];
-    for number in before.iter().chain(behind) {
-        assert_eq!(number.to_bits(), BESIDE.to_bits(), "{name}");
+impl Placed {
+    /// Begins `offset` numbers behind an address that is a multiple of [`PLACES`].
+    fn new(numbers: &[f32], offset: usize) -> Self {
+        let room = numbers.len() + 2 * MARGIN + 2 * PLACES;
+        let mut all = vec![BESIDE; room];
+        let past = all[MARGIN..].as_ptr().addr() / size_of::<f32>() % PLACES;
+        let start = MARGIN + (PLACES - past) % PLACES + offset;
+        let range = start..start + numbers.len();
+        all[range.clone()].copy_from_slice(numbers);
+        Self { all, range }
+    }
+
+    /// A place for answers, with something else in it.
+    fn empty(length: usize, offset: usize) -> Self {
+        Self::new(&vec![1.0; length], offset)
+    }
+
+    fn slice(&mut self) -> &mut [f32] {
+        &mut self.all[self.range.clone()]
+    }
+
+    fn pairs(&mut self) -> &mut [[f32; 2]] {
+        self.slice().as_chunks_mut().0
+    }
+
+    /// Compares with what is expected there, and looks at what lies beside it.
+    fn assert_holds(&self, name: &str, input: [&[f32]; 2], expected: &[f32]) {
+        assert_same(name, input, &self.all[self.range.clone()], expected);
+        let before = &self.all[..self.range.start];
+        let behind = &self.all[self.range.end..];
+        for number in before.iter().chain(behind) {
+            assert_eq!(number.to_bits(), BESIDE.to_bits(), "{name}");
+        }
     }
 }
 
 fn numbers(count: usize, step: f32) -> Vec<f32> {
-    (0_u8..)
-        .take(count)
-        .map(|i| f32::from(i) * step - 20.0)
-        .collect()
+    let all = (0_u16..=u16::MAX).cycle().take(count);
+    all.map(|i| f32::from(i % 251) * step - 20.0).collect()
 }
 
 #[test]
 fn every_length_and_place_gives_the_same_bits_and_leaves_the_neighbours() {
     for terms in TERMS {
-        for length in (0..70).chain([127, 128, 129, 200]) {
+        for length in (0..70).chain([96, 127, 128, 129, 200]) {
             let (x, y) = (numbers(length, 0.31), numbers(length, 0.17));
             let (ideal_x, ideal_y) = portable(&FORM, terms, &x, &y);
+            let distortion = |measured: &[f32], ideal: &[f32]| -> Vec<f32> {
+                measured.iter().zip(ideal).map(|(m, i)| m - i).collect()
+            };
             for (name, batch) in batches(FORM, terms) {
-                for (offset_x, offset_y) in [
-                    (0, 0),
-                    (1, 1),
-                    (3, 7),
-                    (4, 4),
-                    (5, 0),
-                    (8, 8),
-                    (12, 12),
-                    (15, 14),
-                ] {
-                    let name = format!("{name}, {length} points at {offset_x} and {offset_y}");
-                    let range = |offset| MARGIN + offset..MARGIN + offset + length;
-                    let mut found_x = placed(&x, offset_x);
-                    let mut found_y = placed(&y, offset_y);
-                    batch.xy(&mut found_x[range(offset_x)], &mut found_y[range(offset_y)]);
-                    assert_untouched(&name, &found_x, offset_x);
-                    assert_untouched(&name, &found_y, offset_y);
-                    assert_same(&name, [&x, &y], &found_x[range(offset_x)], &ideal_x);
-                    assert_same(&name, [&x, &y], &found_y[range(offset_y)], &ideal_y);
+                let alike = (0..PLACES / 2).map(|place| (place, place));
+                for (at_x, at_y) in alike.chain([(3, 7), (5, 0), (15, 14)]) {
+                    let name = format!("{name}, {length} points at {at_x} and {at_y}");
+                    let input = [x.as_slice(), y.as_slice()];
+                    let (mut found_x, mut found_y) = (Placed::new(&x, at_x), Placed::new(&y, at_y));
+                    batch.xy(found_x.slice(), found_y.slice());
+                    found_x.assert_holds(&name, input, &ideal_x);
+                    found_y.assert_holds(&name, input, &ideal_y);
 
-                    let mut found_x = placed(&vec![1.0; length], offset_y);
-                    let mut found_y = placed(&vec![1.0; length], offset_x);
-                    batch.xy_into(
-                        [&x, &y],
-                        [&mut found_x[range(offset_y)], &mut found_y[range(offset_x)]],
+                    let mut found_x = Placed::empty(length, at_x);
+                    let mut found_y = Placed::empty(length, at_y);
+                    batch.xy_into(input, [found_x.slice(), found_y.slice()]);
+                    found_x.assert_holds(&name, input, &ideal_x);
+                    found_y.assert_holds(&name, input, &ideal_y);
+
+                    let mut found_x = Placed::empty(length, at_y);
+                    let mut found_y = Placed::empty(length, at_x);
+                    let (mut dx, mut dy) = (Placed::empty(length, at_x), Placed::empty(length, 3));
+                    batch.xy_with_distortion(
+                        input,
+                        [found_x.slice(), found_y.slice()],
+                        [dx.slice(), dy.slice()],
                     );
-                    assert_untouched(&name, &found_x, offset_y);
-                    assert_untouched(&name, &found_y, offset_x);
-                    assert_same(&name, [&x, &y], &found_x[range(offset_y)], &ideal_x);
-                    assert_same(&name, [&x, &y], &found_y[range(offset_x)], &ideal_y);
+                    found_x.assert_holds(&name, input, &ideal_x);
+                    found_y.assert_holds(&name, input, &ideal_y);
+                    // One subtraction separates the two.
+                    let (found_dx, found_dy) = (dx.slice().to_vec(), dy.slice().to_vec());
+                    assert_same(&name, input, &distortion(&x, &found_dx), &ideal_x);
+                    assert_same(&name, input, &distortion(&y, &found_dy), &ideal_y);
+                    dx.assert_holds(&name, input, &found_dx);
+                    dy.assert_holds(&name, input, &found_dy);
                 }
             }
         }
@@ -76,29 +108,43 @@ fn every_length_and_place_gives_the_same_bits_and_leaves_the_neighbours() {
 #[test]
 fn pairs_of_every_length_at_every_half_point_give_the_same_bits() {
     for terms in TERMS {
-        for length in (0..70).chain([127, 128, 129]) {
+        for length in (0..70).chain([96, 127, 128, 129, 200]) {
             let (x, y) = (numbers(length, 0.31), numbers(length, 0.17));
-            let flat: Vec<f32> = x.iter().zip(&y).flat_map(|(x, y)| [*x, *y]).collect();
+            let joined = |x: &[f32], y: &[f32]| -> Vec<f32> {
+                x.iter().zip(y).flat_map(|(x, y)| [*x, *y]).collect()
+            };
+            let flat = joined(&x, &y);
             let (ideal_x, ideal_y) = portable(&FORM, terms, &x, &y);
-            let ideal: Vec<f32> = ideal_x
-                .iter()
-                .zip(&ideal_y)
-                .flat_map(|(x, y)| [*x, *y])
-                .collect();
+            let ideal = joined(&ideal_x, &ideal_y);
             for (name, batch) in batches(FORM, terms) {
-                for offset in 0..17 {
-                    let name = format!("{name}, {length} pairs at {offset}");
-                    let range = MARGIN + offset..MARGIN + offset + 2 * length;
-                    let mut found = placed(&flat, offset);
-                    batch.pairs(found[range.clone()].as_chunks_mut().0);
-                    assert_untouched(&name, &found, offset);
-                    assert_same(&name, [&flat, &flat], &found[range.clone()], &ideal);
+                for place in 0..PLACES {
+                    let name = format!("{name}, {length} pairs at {place}");
+                    let mut found = Placed::new(&flat, place);
+                    batch.pairs(found.pairs());
+                    found.assert_holds(&name, [&flat, &flat], &ideal);
 
-                    let mut found = placed(&vec![1.0; 2 * length], offset);
-                    batch.pairs_into(flat.as_chunks().0, found[range.clone()].as_chunks_mut().0);
-                    assert_untouched(&name, &found, offset);
-                    assert_same(&name, [&flat, &flat], &found[range], &ideal);
+                    let mut found = Placed::empty(2 * length, place);
+                    batch.pairs_into(flat.as_chunks().0, found.pairs());
+                    found.assert_holds(&name, [&flat, &flat], &ideal);
                 }
+            }
+        }
+    }
+}
+
+/// Points that one thread takes.
+const SHARE: usize = 1 << 15;
+
+#[test]
+fn shares_of_threads_give_the_same_bits_however_short_the_last_is() {
+    for terms in TERMS {
+        for rest in [0, 1, 5, 16, 31, 33, 127] {
+            let length = 2 * SHARE + rest;
+            let (x, y) = (numbers(length, 0.31), numbers(length, 0.17));
+            let (ideal_x, ideal_y) = portable(&FORM, terms, &x, &y);
+            for (name, batch) in batches(FORM, terms) {
+                let name = format!("{name}, {length} points");
+                assert_all_same(&name, &batch, (&x, &y), (&ideal_x, &ideal_y));
             }
         }
     }

@@ -108,7 +108,7 @@ pub struct DisplacementRows {
 }
 
 impl DisplacementRows {
-    /// Rows of a frame in steps of `step_mm`.
+    /// Rows of a frame in steps of `step_mm`; of one that is not finite all points are NaN, and so is the bound.
     #[must_use]
     pub fn new(correction: &FrameCorrection, step_mm: f32) -> Self {
         let centre = correction.centre();

@@ -166,4 +166,40 @@ mod tests {
             assert_eq!(measured.unwrap().count.to_string(), row[1], "{kernel}");
         }
     }
+
+    #[test]
+    fn documented_consequences_follow_from_the_committed_table() {
+        let text = DOCUMENT.split_whitespace().collect::<Vec<_>>().join(" ");
+        let of = |kernel: &str| {
+            let rows = documented::instructions();
+            let row = rows.into_iter().find(|row| row.kernel == kernel);
+            row.unwrap().count
+        };
+        // 921,600 bits per second, ten to a byte.
+        let link = 92.0 * of("interrupt_receive");
+        let [slow, fast] = [25_000.0, 168_000.0];
+        for claim in [
+            format!(
+                "takes {:.0} of them in each",
+                100.0 * (link / 100.0).round()
+            ),
+            format!(
+                "{:.0} % of a core at 25 MHz, {:.0} % at 168 MHz",
+                100.0 * link / slow,
+                100.0 * link / fast
+            ),
+            format!("lasts {:.2} ms at 168 MHz", of("nmea_rmc") / fast),
+            format!("at 25 MHz, {:.2} ms", of("nmea_rmc") / slow),
+            format!(
+                "takes {:.0} instructions per row",
+                (of("frame_fold_tdi_worst") - of("frame_fold_worst")) / 1024.0
+            ),
+            format!(
+                "at 168 MHz they add {:.2} ms",
+                of("frame_fold_tdi_worst") / fast
+            ),
+        ] {
+            assert!(text.contains(&claim), "{claim}");
+        }
+    }
 }
