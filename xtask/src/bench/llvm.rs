@@ -12,6 +12,9 @@ use xshell::{Shell, cmd};
 
 use crate::target::install_packages;
 
+/// The first whose models were tried: 14 has none of the Cortex-M55.
+const OLDEST: u32 = 19;
+
 /// Debian's package of both tools.
 const PACKAGE: &str = "llvm-19";
 
@@ -50,42 +53,43 @@ impl<'a> Llvm<'a> {
     /// Finds the tools on the search path, or installs them where that is allowed; else says that no cycles are
     /// modelled.
     pub(super) fn set_up(shell: &'a Shell, may_install: bool) -> Option<Self> {
-        if let Some(found) = Self::find(shell) {
-            return Some(found);
-        }
-        if may_install && let Err(fault) = install_packages(shell, &[PACKAGE]) {
-            eprintln!("note: {fault:#}");
-        }
-        let found = Self::find(shell);
+        let found = Self::find(shell).or_else(|| {
+            if may_install && let Err(fault) = install_packages(shell, &[PACKAGE]) {
+                eprintln!("note: {fault:#}");
+            }
+            Self::find(shell)
+        });
         if found.is_none() {
-            eprintln!("note: no cycles are modelled: neither llvm-mca nor {PACKAGE} is here");
+            eprintln!(
+                "note: no cycles are modelled: llvm-mca {OLDEST} or later is not here (Debian's package {PACKAGE})"
+            );
         }
         found
     }
 
-    /// The newest of the distribution's, or the one without a number.
+    /// The newest on the search path that is not too old.
     fn find(shell: &'a Shell) -> Option<Self> {
         let path = env::var_os("PATH")?;
         let tools = env::split_paths(&path).flat_map(|directory| {
             let names = fs::read_dir(&directory).into_iter().flatten().flatten();
             let names = names.filter_map(|entry| entry.file_name().into_string().ok());
-            names
-                .filter_map(|name| name.strip_prefix("llvm-mca").map(str::to_owned))
-                .map(|suffix| Self {
-                    shell,
-                    directory: directory.clone(),
-                    suffix,
-                })
-                .collect::<Vec<_>>()
+            let suffixes =
+                names.filter_map(|name| name.strip_prefix("llvm-mca").map(str::to_owned));
+            let tools = suffixes.map(|suffix| Self {
+                shell,
+                directory: directory.clone(),
+                suffix,
+            });
+            tools.collect::<Vec<_>>()
         });
-        let tools = tools.filter(|tools| tools.program("llvm-objdump").is_file());
-        tools.max_by_key(|tools| {
-            tools
-                .suffix
-                .trim_start_matches('-')
-                .parse::<u32>()
-                .unwrap_or(0)
-        })
+        let usable = tools.filter(|tools| tools.program("llvm-objdump").is_file());
+        let numbered = usable.filter_map(|tools| {
+            let major = major(&tools.number().ok()?)?;
+            (major >= OLDEST).then_some((major, tools))
+        });
+        numbered
+            .max_by_key(|(major, _)| *major)
+            .map(|(_, tools)| tools)
     }
 
     fn program(&self, name: &str) -> PathBuf {
@@ -97,14 +101,18 @@ impl<'a> Llvm<'a> {
     /// # Errors
     /// Where the tool does not answer.
     pub(super) fn version(&self) -> Result<String> {
+        Ok(format!("llvm-mca {}", self.number()?))
+    }
+
+    fn number(&self) -> Result<String> {
         let mca = self.program("llvm-mca");
         let text = cmd!(self.shell, "{mca} --version").quiet().read()?;
-        let version = text
+        let number = text
             .split_once("version ")
-            .context("llvm-mca --version names none")?
-            .1;
-        let number = version.split_whitespace().next().unwrap_or_default();
-        Ok(format!("llvm-mca {number}"))
+            .and_then(|(_, number)| number.split_whitespace().next());
+        number
+            .map(str::to_owned)
+            .context("llvm-mca --version names none")
     }
 
     /// The instructions of a function, as the disassembler writes them: address, colon, mnemonic, operands.
@@ -147,4 +155,9 @@ impl<'a> Llvm<'a> {
             .context("llvm-mca modelled nothing")?;
         Ok(f64::from(region.summary.cycles) / f64::from(ROUNDS))
     }
+}
+
+/// The first number of a version.
+fn major(number: &str) -> Option<u32> {
+    number.split('.').next()?.parse().ok()
 }
