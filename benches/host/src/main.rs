@@ -1,17 +1,8 @@
 //! Time per point on this PC, as CSV on standard output.
 //!
-//! `cargo run --release -p host-benches` measures all sizes; sizes as arguments replace them. Every contender is timed
-//! once per round, so that all meet the same state of the machine; `of_memcpy` is the median over the rounds of a
-//! contender's time by that of copying the same bytes, `clock_ghz` the clock of the core in the same rounds. Nothing
-//! asserts these times: they belong to a machine and an hour.
-//!
-//! `host-benches --stream ROWS` (a multiple of 100 000) times `host-sim correct`, which must have been built beside it,
-//! at the end of a pipe: as text beside its parser alone, as an array beside a copy of the same bytes through a pipe,
-//! wall time and processor time. How the command compares with its bound, in the median of the rounds, ends on the
-//! error stream.
-//!
-//! `host-benches --calls CALLS KERNEL POINTS` runs one contender so often and prints nothing: the difference of two
-//! runs under an instruction counter is its cost.
+//! Every contender is timed once per round, so that all meet the same state of the machine; `of_memcpy` is the median
+//! over the rounds of a contender's time by that of copying the same bytes, `clock_ghz` the clock of the core in the
+//! same rounds. Nothing asserts these times: they belong to a machine and an hour.
 
 mod contenders;
 mod cpu_time;
@@ -22,28 +13,51 @@ mod timing;
 
 use std::process::ExitCode;
 
+use clap::Parser;
+
 use points::Points;
 use table::Table;
 use timing::CLOCK;
 
-/// Sizes measured without arguments.
-const SIZES: [usize; 5] = [1_000, 10_000, 100_000, 1_000_000, 10_000_000];
-
 /// Point times rounds: short sizes are repeated until an undisturbed moment is met.
 const POINT_ROUNDS: usize = 200_000_000;
 
+/// Time per point on this PC, as CSV: the kernel, a copy of the same bytes, another crate
+#[derive(Debug, Parser)]
+struct Arguments {
+    /// Points to a call
+    #[arg(default_values_t = [1_000, 10_000, 100_000, 1_000_000, 10_000_000], value_parser = count)]
+    sizes: Vec<usize>,
+    /// Time `host-sim correct` at the end of a pipe instead, built beside this program: text beside its parser alone, an
+    /// array beside a copy of the same bytes through a pipe; wall time and processor time. Rows come in hundred thousands
+    #[arg(long, value_name = "ROWS", value_parser = count, conflicts_with = "sizes")]
+    stream: Option<usize>,
+    /// Call one contender so often with the first size and print nothing: the difference of two runs under an instruction
+    /// counter is its cost
+    #[arg(long, requires = "kernel")]
+    calls: Option<u32>,
+    /// The contender of `--calls`, by its name in the table
+    #[arg(long, requires = "calls")]
+    kernel: Option<String>,
+}
+
+/// A number of points or rows.
+fn count(text: &str) -> Result<usize, String> {
+    match text.parse() {
+        Ok(count @ 1..=MOST) => Ok(count),
+        _ => Err(format!("a whole number from 1 to {MOST}")),
+    }
+}
+
+/// Points or rows at most.
+const MOST: usize = 1_000_000_000;
+
 fn main() -> ExitCode {
-    let arguments: Vec<String> = std::env::args().skip(1).collect();
-    let done = match arguments.iter().map(String::as_str).collect::<Vec<_>>()[..] {
-        ["--calls", calls, kernel, points] => call(calls, kernel, points),
-        ["--stream", rows] => stream(rows),
-        [] => measure(&SIZES),
-        ref sizes => sizes
-            .iter()
-            .map(|size| size.parse().ok())
-            .collect::<Option<Vec<_>>>()
-            .ok_or_else(|| "sizes are whole numbers of points".to_owned())
-            .and_then(|sizes| measure(&sizes)),
+    let arguments = Arguments::parse();
+    let done = match (arguments.stream, arguments.calls.zip(arguments.kernel)) {
+        (Some(rows), _) => stream(rows),
+        (None, Some((calls, kernel))) => call(calls, &kernel, &arguments.sizes),
+        (None, None) => measure(&arguments.sizes),
     };
     match done {
         Ok(()) => ExitCode::SUCCESS,
@@ -60,7 +74,7 @@ fn measure(sizes: &[usize]) -> Result<(), String> {
         let points = Points::new(*size);
         let mut contenders = contenders::all(&points);
         contenders.push(timing::clock());
-        let rounds = (POINT_ROUNDS / size.max(&1)).clamp(15, 3_000);
+        let rounds = (POINT_ROUNDS / size).clamp(15, 3_000);
         let times = timing::by_turns(&mut contenders, rounds);
         let clock_ghz = Some(timing::clock_ghz(&times));
         for time in times.iter().filter(|time| time.name != CLOCK) {
@@ -75,10 +89,7 @@ fn measure(sizes: &[usize]) -> Result<(), String> {
 /// Rows times rounds of a stream.
 const STREAM_ROUNDS: usize = 50_000_000;
 
-fn stream(rows: &str) -> Result<(), String> {
-    let Ok(rows @ 1..) = rows.parse::<usize>() else {
-        return Err("rows are a whole number".to_owned());
-    };
+fn stream(rows: usize) -> Result<(), String> {
     let rows = rows.next_multiple_of(stream::ROWS);
     let times = stream::times(rows, (STREAM_ROUNDS / rows).clamp(3, 25))?;
     let mut table = Table::begin()?;
@@ -93,15 +104,15 @@ fn stream(rows: &str) -> Result<(), String> {
     Ok(())
 }
 
-fn call(calls: &str, kernel: &str, points: &str) -> Result<(), String> {
-    let (Ok(calls), Ok(points)) = (calls.parse::<u32>(), points.parse()) else {
-        return Err("calls and points are whole numbers".to_owned());
-    };
-    let points = Points::new(points);
+fn call(calls: u32, kernel: &str, sizes: &[usize]) -> Result<(), String> {
+    let points = Points::new(sizes.first().copied().unwrap_or_default());
     let mut contenders = contenders::all(&points);
     let Some(contender) = contenders.iter_mut().find(|one| one.name == kernel) else {
         let names: Vec<_> = contenders.iter().map(|one| one.name.as_str()).collect();
-        return Err(format!("{kernel} is none of\n{}", names.join("\n")));
+        return Err(format!(
+            "--kernel {kernel} is none of\n{}",
+            names.join("\n")
+        ));
     };
     for _ in 0..calls {
         (contender.work)();

@@ -75,7 +75,7 @@ pub const ROW_ROUNDING_NM: f32 = 4.0;
 /// (`tests/geometry/mesh_rounding.rs`). A lens for which 8 does not has its larger bound stated.
 ///
 /// 13 instructions per point on a Cortex-M4F, 18 with K3, starts every 64 points included, 19.5 where two starts serve 82
-/// points (104 mm, 128 pixels of 10 µm); 80 per row and 800 per frame.
+/// points (104 mm, 128 pixels of 10 µm); 80 per row and 1100 per frame.
 ///
 /// # Examples
 /// ```

@@ -101,6 +101,109 @@ impl Row {
     }
 }
 
-fn rounded(number: f64) -> f64 {
+/// Three decimals are more than a model or a clock is worth.
+pub(super) fn rounded(number: f64) -> f64 {
     (1000.0 * number).round() / 1000.0
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::bench::documented;
+
+    fn counted(core: &str, kernel: &str, count: f64, unit: &str) -> Instructions {
+        Instructions {
+            core: core.to_owned(),
+            kernel: kernel.to_owned(),
+            count,
+            unit: unit.to_owned(),
+            compiler: String::new(),
+        }
+    }
+
+    fn timed(kernel: &str, points: u32, ns: f64) -> Row {
+        Row {
+            core: "host".to_owned(),
+            kernel: kernel.to_owned(),
+            instructions: None,
+            unit: "point".to_owned(),
+            compiler: String::new(),
+            points: Some(points),
+            cycles: None,
+            cycles_by: String::new(),
+            ns: Some(ns),
+            of_memcpy: None,
+            of_ours: None,
+        }
+    }
+
+    #[test]
+    fn costs_are_by_ours_on_the_same_core_and_of_as_many_points() {
+        let counted = [
+            counted("m4f", "correct_slice", 24.0, "point"),
+            counted("m4f", "distort", 96.0, "point"),
+            counted("m4f", "frame_fold", 960.0, "frame"),
+            counted("m55", "correct_slice", 8.0, "point"),
+            counted("m55", "distort", 96.0, "point"),
+        ];
+        let timed = vec![
+            timed("wide short x, y", 10, 0.5),
+            timed("narrow short x, y", 10, 1.0),
+            timed("other", 10, 50.0),
+            timed("wide short x, y", 1000, 0.25),
+            timed("other", 1000, 50.0),
+        ];
+        let cycles = [Cycles {
+            core: "m4f",
+            kernel: "correct_slice",
+            per_point: 28.6667,
+            by: "manual".to_owned(),
+        }];
+        let rows = rows(&counted, &cycles, timed);
+        let of_ours: Vec<_> = rows.iter().map(|row| row.of_ours).collect();
+        let expected = [
+            Some(1.0),
+            Some(4.0),
+            None,
+            Some(1.0),
+            Some(12.0),
+            Some(1.0),
+            Some(2.0),
+            Some(100.0),
+            Some(1.0),
+            Some(200.0),
+        ];
+        assert_eq!(of_ours, expected);
+        let modelled: Vec<_> = rows.iter().filter_map(|row| row.cycles).collect();
+        assert_eq!(modelled, [28.667]);
+    }
+
+    /// Others cost so many times as much at least, in the committed table.
+    #[test]
+    fn committed_ratios_are_those_that_are_claimed() {
+        let table: Vec<Row> = documented::table("docs/performance.csv");
+        for (kernel, least) in [
+            ("opencv_ros_camera_undistort", 7.0),
+            ("opencv_ros_camera_project", 3.3),
+            ("undistortPoints", 75.0),
+            ("opencv-ros-camera undistort", 75.0),
+        ] {
+            let rows = table.iter().filter(|row| row.kernel.ends_with(kernel));
+            let ratios: Vec<f64> = rows.map(|row| row.of_ours.unwrap()).collect();
+            assert!(ratios.len() >= 3, "{kernel}");
+            assert!(
+                ratios.iter().all(|ratio| *ratio >= least),
+                "{kernel}: {ratios:?}"
+            );
+        }
+        // Beyond the caches no form of the widest vectors takes longer than a copy by more than a tenth.
+        let large = table.iter().filter(|row| row.points == Some(10_000_000));
+        let streamed =
+            large.filter(|row| row.kernel.starts_with("avx512") && !row.kernel.ends_with("stored"));
+        let ratios: Vec<f64> = streamed.filter_map(|row| row.of_memcpy).collect();
+        assert!(
+            ratios.len() >= 8 && ratios.iter().all(|ratio| *ratio <= 1.1),
+            "{ratios:?}"
+        );
+    }
 }

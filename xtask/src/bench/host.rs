@@ -4,7 +4,7 @@ use anyhow::{Context as _, Result};
 use serde::Deserialize;
 use xshell::cmd;
 
-use super::comparison::Row;
+use super::comparison::{Row, rounded};
 use crate::workspace::Workspace;
 
 /// Points to a call.
@@ -70,9 +70,7 @@ fn of_csv(text: &str, compiler: &str) -> Result<Vec<Row>> {
             unit: "point".to_owned(),
             compiler: compiler.to_owned(),
             points: Some(line.points),
-            cycles: line
-                .clock_ghz
-                .map(|ghz| (1000.0 * ghz * line.ns_per_point).round() / 1000.0),
+            cycles: line.clock_ghz.map(|ghz| rounded(ghz * line.ns_per_point)),
             cycles_by: line
                 .clock_ghz
                 .map(|ghz| format!("clock {ghz} GHz"))
