@@ -5,7 +5,7 @@ use anyhow::{Result, ensure};
 use xshell::cmd;
 
 use crate::{
-    bench::count::{CORES, Core},
+    cores::{Core, Program, programs},
     route::QEMU,
     target::Targets,
     workspace::Workspace,
@@ -17,26 +17,15 @@ use crate::{
 /// Where the build fails, or a bit differs.
 pub(crate) fn test(workspace: &Workspace, targets: &Targets<'_>) -> Result<()> {
     let _root = workspace.shell.push_dir(&workspace.root);
-    for Core {
-        name: core,
-        machine,
-        architecture,
-    } in CORES
-    {
-        let Some(target) = targets.of(architecture) else {
-            continue;
-        };
-        let build = target.cargo("build --release -p kernel-check");
-        eprintln!("$ {build}");
-        build.run()?;
-        let image = target.programs().join("kernel-check");
+    for Program { core, image, .. } in programs(targets, "kernel-check")? {
+        let Core { name, machine, .. } = core;
         // A minute at most where nothing else runs.
         let qemu = cmd!(
             workspace.shell,
             "timeout 600 {QEMU} -M {machine} -display none -monitor none -serial none -semihosting-config enable=on,target=native -kernel {image}"
         );
         let output = qemu.quiet().ignore_status().output()?;
-        eprint!("{core}: {}", String::from_utf8_lossy(&output.stdout));
+        eprint!("{name}: {}", String::from_utf8_lossy(&output.stdout));
         ensure!(
             output.status.success(),
             "the kernels differ on {machine}, or it did not end ({})",

@@ -7,6 +7,7 @@
 mod bench;
 mod board;
 mod checks;
+mod cores;
 mod firmware;
 mod kernel;
 mod machine;

@@ -5,16 +5,7 @@ use std::fs;
 
 use serde_json::Value;
 
-use crate::support::{Bench, CAMERA};
-
-const EXPOSURE: [&str; 6] = [
-    "--camera",
-    "camera.toml",
-    "--vh",
-    "0.1",
-    "--exposure",
-    "1/200",
-];
+use crate::support::{Bench, CAMERA, EXPOSURE};
 
 fn mesh_of(bench: &Bench, more: &[&str]) -> Value {
     let arguments = [&["mesh"], &EXPOSURE[..], more, &["--out", "mesh"]].concat();

@@ -5,7 +5,7 @@ use std::io::Write as _;
 
 use npyz::{NpyFile, Order, WriterBuilder as _};
 
-use crate::support::{Answer, Bench, CAMERA};
+use crate::support::{Answer, Bench, CAMERA, EXPOSURE};
 
 fn array<T: npyz::AutoSerialize + Copy>(shape: &[u64], order: Order, numbers: &[T]) -> Vec<u8> {
     let mut bytes = Vec::new();
@@ -30,15 +30,7 @@ fn numbers<T: npyz::Deserialize>(path: &std::path::Path) -> (Vec<u64>, Vec<T>) {
 /// `command` on `points.npy`.
 fn on_array(bench: &Bench, command: &str, points: &[u8], more: &[&str]) -> Answer {
     fs::write(bench.path("points.npy"), points).unwrap();
-    let frame = [
-        "--camera",
-        "camera.toml",
-        "--vh",
-        "0.1",
-        "--exposure",
-        "1/200",
-    ];
-    bench.run(&[&[command][..], &frame, more, &["points.npy"]].concat())
+    bench.run(&[&[command][..], &EXPOSURE, more, &["points.npy"]].concat())
 }
 
 const POINTS: [f64; 6] = [10.0, -20.0, -40.32, 40.32, 0.0, 0.0];

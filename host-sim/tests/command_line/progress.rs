@@ -7,18 +7,8 @@ use std::process::Stdio;
 
 use rustix::termios::{Winsize, tcsetwinsize};
 
-use crate::support::{Bench, CAMERA};
+use crate::support::{Bench, CAMERA, EXPOSURE};
 use crate::terminal::Terminal;
-
-const FRAME: [&str; 7] = [
-    "correct",
-    "--camera",
-    "camera.toml",
-    "--vh",
-    "0.1",
-    "--exposure",
-    "1/200",
-];
 
 fn bench() -> Bench {
     let mut points = String::from("id,x_mm,y_mm\n");
@@ -46,7 +36,7 @@ fn shown(bench: &Bench, columns: u16, points: &[&str], stdin: Option<&str>) -> S
         ws_ypixel: 0,
     };
     tcsetwinsize(&far, size).unwrap();
-    let mut command = bench.command(&[&FRAME, points].concat());
+    let mut command = bench.command(&[&["correct"], &EXPOSURE[..], points].concat());
     if let Some(stdin) = stdin {
         let file = fs::File::open(bench.path(stdin)).unwrap();
         command.stdin(Stdio::from(file));
@@ -101,7 +91,14 @@ fn end_of_an_array_is_known_in_a_pipe_too() {
 fn nothing_of_the_bar_is_shown_where_no_terminal_is() {
     let bench = bench();
     let output = bench
-        .command(&[&FRAME[..], &["points.csv", "--out", "out.csv"]].concat())
+        .command(
+            &[
+                &["correct"],
+                &EXPOSURE[..],
+                &["points.csv", "--out", "out.csv"],
+            ]
+            .concat(),
+        )
         .env("TERM", "xterm")
         .output()
         .unwrap();

@@ -6,7 +6,7 @@ use std::io::Write as _;
 use std::process::Stdio;
 use std::thread;
 
-use crate::support::{Answer, Bench, CAMERA};
+use crate::support::{Answer, Bench, CAMERA, EXPOSURE};
 
 /// More points than three blocks hold.
 const MANY: usize = 60_000;
@@ -39,15 +39,6 @@ fn piped(bench: &Bench, arguments: &[&str], input: &[u8]) -> Answer {
     Answer::new(&output)
 }
 
-const FRAME: [&str; 6] = [
-    "--camera",
-    "camera.toml",
-    "--vh",
-    "0.1",
-    "--exposure",
-    "1/200",
-];
-
 #[test]
 fn every_row_of_many_blocks_is_answered_in_order() {
     let bench = Bench::with(CAMERA, many(MANY).as_bytes());
@@ -68,11 +59,11 @@ fn standard_input_is_a_file_of_points() {
     let points = many(MANY);
     let bench = Bench::with(CAMERA, points.as_bytes());
     for command in ["correct", "distort"] {
-        let arguments = [&[command][..], &FRAME, &["-"]].concat();
+        let arguments = [&[command][..], &EXPOSURE, &["-"]].concat();
         let answer = piped(&bench, &arguments, points.as_bytes()).ok();
         assert_eq!(answer.stdout, bench.points(command, &[]).ok().stdout);
     }
-    let arguments = [&["correct"][..], &FRAME, &["-"]].concat();
+    let arguments = [&["correct"][..], &EXPOSURE, &["-"]].concat();
     piped(&bench, &arguments, b"id,x_mm,y_mm\na,1,oops\n")
         .refused(&["standard input, line 2", "oops"]);
 }
@@ -135,7 +126,7 @@ fn a_million_points_need_no_more_memory_than_one() {
     let bench = Bench::with(CAMERA, many(1_000_000).as_bytes());
     let script = format!(
         "ulimit -v {LIMIT}; exec \"$HOST_SIM\" correct {} points.csv --out out.csv",
-        FRAME.join(" ")
+        EXPOSURE.join(" ")
     );
     let output = std::process::Command::new("sh")
         .args(["-c", &script])

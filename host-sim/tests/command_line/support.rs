@@ -7,6 +7,16 @@ use std::process::{Command, Output};
 use assert_cmd::cargo::cargo_bin;
 use tempfile::TempDir;
 
+/// The arguments that name the camera file of a [`Bench`], and an exposure within its limits.
+pub(crate) const EXPOSURE: [&str; 6] = [
+    "--camera",
+    "camera.toml",
+    "--vh",
+    "0.1",
+    "--exposure",
+    "1/200",
+];
+
 /// A camera with every table of the camera file.
 pub(crate) const CAMERA: &str = r#"name = "Test camera"
 principal_distance_mm = 100.0

@@ -8,7 +8,7 @@ use super::{cost::Instructions, cycles::Cycles};
 const OURS: &str = "correct_slice";
 
 /// The same among what is timed, by the end of its name; that of the widest vectors stands first.
-const OURS_ON_A_PC: &str = " short x, y";
+pub(super) const OURS_ON_A_PC: &str = " short x, y";
 
 /// Rows that are compared, of those that are counted.
 pub(super) const COMPARED: [&str; 15] = [

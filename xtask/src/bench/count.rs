@@ -1,44 +1,15 @@
 //! Instructions, counted in QEMU on the emulated cores.
 
-use std::path::PathBuf;
-
 use anyhow::{Context as _, Result, ensure};
 use serde::Deserialize;
 use xshell::cmd;
 
 use super::cost::Instructions;
 use crate::{
-    route::{Architecture, QEMU},
-    target::{Target, Targets},
+    cores::{Core, Program},
+    route::QEMU,
     workspace::Workspace,
 };
-
-/// A core, and the emulated machine that has it.
-#[derive(Clone, Copy, Debug)]
-pub(crate) struct Core {
-    pub(crate) name: &'static str,
-    pub(crate) machine: &'static str,
-    pub(crate) architecture: Architecture,
-}
-
-/// The cores.
-pub(crate) const CORES: [Core; 3] = [
-    Core {
-        name: "cortex-m4f",
-        machine: "mps2-an386",
-        architecture: Architecture::Armv7em,
-    },
-    Core {
-        name: "cortex-m7",
-        machine: "mps2-an500",
-        architecture: Architecture::Armv7em,
-    },
-    Core {
-        name: "cortex-m55",
-        machine: "mps3-an547",
-        architecture: Architecture::Helium,
-    },
-];
 
 /// A line of the counting program.
 #[derive(Debug, Deserialize)]
@@ -50,27 +21,21 @@ struct Counted {
 }
 
 /// The counting program.
-pub(super) fn image(target: &Target<'_>) -> PathBuf {
-    target.programs().join("instruction-count")
-}
+pub(super) const PROGRAM: &str = "instruction-count";
 
-/// Counts on every core that is built for.
-pub(super) fn count(workspace: &Workspace, targets: &Targets<'_>) -> Result<Vec<Instructions>> {
-    let _root = workspace.shell.push_dir(&workspace.root);
+/// Counts on every core that there is a program for.
+///
+/// # Errors
+/// Where QEMU fails, or prints nothing.
+pub(super) fn count(workspace: &Workspace, programs: &[Program<'_>]) -> Result<Vec<Instructions>> {
     let mut rows = Vec::new();
-    for Core {
-        name: core,
-        machine,
-        architecture,
-    } in CORES
+    for Program {
+        core,
+        target,
+        image,
+    } in programs
     {
-        let Some(target) = targets.of(architecture) else {
-            continue;
-        };
-        let build = target.cargo("build --release -p instruction-count");
-        eprintln!("$ {build}");
-        build.run()?;
-        let image = image(target);
+        let Core { name, machine, .. } = core;
         let compiler = target.compiler()?;
         // One instruction takes one nanosecond of the emulated time.
         let qemu = cmd!(
@@ -92,7 +57,7 @@ pub(super) fn count(workspace: &Workspace, targets: &Targets<'_>) -> Result<Vec<
                 instructions,
             } = line?;
             rows.push(Instructions {
-                core: core.to_owned(),
+                core: (*name).to_owned(),
                 kernel,
                 count: (100.0 * instructions / repetitions).round() / 100.0,
                 unit,

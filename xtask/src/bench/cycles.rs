@@ -8,11 +8,13 @@ use anyhow::{Context as _, Result, bail};
 use object::{File, Object as _, ObjectSymbol as _};
 
 use super::{
-    count::{CORES, Core, image},
     kernel_loop::{Instruction, KernelLoop},
     llvm::Llvm,
 };
-use crate::{route::Architecture, target::Targets};
+use crate::{
+    cores::{Core, Program},
+    route::Architecture,
+};
 
 /// Rows of the table, their function in the crate `kernel`, and its operations per point.
 const KERNELS: [(&str, &str, u32); 4] = [
@@ -62,14 +64,10 @@ impl Cycles {
 ///
 /// # Errors
 /// Where a loop is not found, or holds an instruction that the table does not have.
-pub(super) fn cycles(llvm: &Llvm<'_>, targets: &Targets<'_>) -> Result<Vec<Cycles>> {
+pub(super) fn cycles(llvm: &Llvm<'_>, programs: &[Program<'_>]) -> Result<Vec<Cycles>> {
     let mut all = Vec::new();
-    for core in CORES {
-        let Some(target) = targets.of(core.architecture) else {
-            continue;
-        };
-        let image = image(target);
-        let bytes = std::fs::read(&image).with_context(|| format!("{}", image.display()))?;
+    for Program { core, image, .. } in programs {
+        let bytes = std::fs::read(image).with_context(|| format!("{}", image.display()))?;
         let file = File::parse(&*bytes).with_context(|| format!("{}", image.display()))?;
         for (kernel, function, operations) in KERNELS {
             let wanted = match core.architecture {
@@ -84,10 +82,10 @@ pub(super) fn cycles(llvm: &Llvm<'_>, targets: &Targets<'_>) -> Result<Vec<Cycle
             let symbol = symbol.with_context(|| format!("no {wanted} in the image"))?;
             // The lowest bit of an address says that Thumb instructions are there.
             let start = symbol.address() & !1;
-            let disassembly = llvm.disassembly(&image, start..start + symbol.size())?;
+            let disassembly = llvm.disassembly(image, start..start + symbol.size())?;
             let found = KernelLoop::find(&disassembly, operations);
             let found = found.with_context(|| format!("{wanted} on {}", core.name))?;
-            all.push(of_loop(llvm, core, kernel, &found)?);
+            all.push(of_loop(llvm, *core, kernel, &found)?);
         }
     }
     Ok(all)

@@ -70,3 +70,27 @@ fn documented_times_are_those_of_the_committed_table() {
         assert_eq!(row[4], copying.unwrap_or_default(), "{kernel}");
     }
 }
+
+#[test]
+fn costs_in_the_documentation_of_rows_are_those_of_the_committed_table() {
+    let text = include_str!("../../../src/geometry/mesh/displacement_rows.rs");
+    let of = |kernel: &str| {
+        let rows = instructions();
+        let is_it = |row: &&Instructions| row.core == "cortex-m4f" && row.kernel == kernel;
+        rows.iter().find(is_it).map(|row| row.count).unwrap()
+    };
+    let rounded = |number: f64| 100.0 * (number / 100.0).round();
+    for claim in [
+        format!(
+            "/// {:.0} instructions per point on a Cortex-M4F",
+            of("mesh_row")
+        ),
+        format!(
+            "{:.0} per row and {:.0} per frame",
+            of("mesh_row_setup"),
+            rounded(of("mesh_rows_setup"))
+        ),
+    ] {
+        assert!(text.contains(&claim), "{claim}");
+    }
+}

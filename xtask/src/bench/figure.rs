@@ -11,7 +11,8 @@ use plotters::{
     style::text_anchor::{HPos, Pos, VPos},
 };
 
-use super::{comparison::Row, count::CORES};
+use super::comparison::{OURS_ON_A_PC, Row};
+use crate::cores::CORES;
 
 const SIZE: (u32, u32) = (1500, 720);
 const INK: RGBColor = RGBColor(40, 44, 52);
@@ -65,7 +66,7 @@ const LINES: [Line; 5] = [
         colour: RGBColor(150, 150, 150),
     },
     Line {
-        rows: " short x, y",
+        rows: OURS_ON_A_PC,
         name: "short, widest vectors",
         colour: RGBColor(31, 78, 121),
     },

@@ -2,7 +2,7 @@
 
 mod comparison;
 mod cost;
-pub(crate) mod count;
+mod count;
 mod cycles;
 #[cfg(test)]
 mod documented;
@@ -17,7 +17,12 @@ use std::{fs, process::ExitCode};
 
 use anyhow::{Context as _, Result, ensure};
 
-use crate::{route::Need, target::Targets, workspace::Workspace};
+use crate::{
+    cores::{self, Program},
+    route::Need,
+    target::Targets,
+    workspace::Workspace,
+};
 use cost::{Footprint, Instructions};
 use llvm::Llvm;
 
@@ -35,8 +40,9 @@ const FIGURE: &str = "performance.svg";
 pub(crate) fn run(workspace: &Workspace, update: bool) -> Result<ExitCode> {
     let targets = Targets::set_up(workspace, Need::ToolchainAndQemu)?;
     let llvm = Llvm::set_up(&workspace.shell, targets.may_install);
-    let counted = count::count(workspace, &targets)?;
-    let cycles = llvm.map_or_else(|| Ok(vec![]), |llvm| cycles::cycles(&llvm, &targets))?;
+    let programs = programs(workspace, &targets)?;
+    let counted = count::count(workspace, &programs)?;
+    let cycles = llvm.map_or_else(|| Ok(vec![]), |llvm| cycles::cycles(&llvm, &programs))?;
     let footprint = vec![footprint::footprint(workspace, &targets.armv7em)?];
     let timed = host::times(workspace)?;
     let rows = comparison::rows(&counted, &cycles, timed);
@@ -76,7 +82,8 @@ pub(crate) fn run(workspace: &Workspace, update: bool) -> Result<ExitCode> {
 pub(crate) fn check(workspace: &Workspace, targets: &Targets<'_>) -> Result<()> {
     let instructions = cost::read::<Instructions>(&workspace.root.join(INSTRUCTIONS))?;
     let footprint_table = cost::read::<Footprint>(&workspace.root.join(FOOTPRINT))?;
-    let counted = count::count(workspace, targets)?;
+    let programs = programs(workspace, targets)?;
+    let counted = count::count(workspace, &programs)?;
     for (compiler, core) in cost::new_groups(&instructions, &counted) {
         eprintln!(
             "note: {INSTRUCTIONS} has no rows of {core} by {compiler}: only the limits are checked; `cargo xtask bench --update` adds them"
@@ -98,7 +105,7 @@ pub(crate) fn check(workspace: &Workspace, targets: &Targets<'_>) -> Result<()> 
     let findings = findings.iter().map(ToString::to_string);
     let mut text: Vec<_> = findings.collect();
     if let Some(llvm) = Llvm::set_up(&workspace.shell, targets.may_install) {
-        let cycles = cycles::cycles(&llvm, targets)?;
+        let cycles = cycles::cycles(&llvm, &programs)?;
         text.extend(cycles.iter().filter_map(cycles::Cycles::over_limit));
     }
     let text: Vec<_> = text.iter().map(|text| format!("\n    {text}")).collect();
@@ -108,4 +115,10 @@ pub(crate) fn check(workspace: &Workspace, targets: &Targets<'_>) -> Result<()> 
         text.concat()
     );
     Ok(())
+}
+
+/// The counting program for every core.
+fn programs<'a>(workspace: &Workspace, targets: &'a Targets<'_>) -> Result<Vec<Program<'a>>> {
+    let _root = workspace.shell.push_dir(&workspace.root);
+    cores::programs(targets, count::PROGRAM)
 }
