@@ -20,7 +20,8 @@ use crate::fake_camera::FakeCamera;
 use crate::support::{Answer as Output, Bench};
 use crate::wire_format::frame_of;
 
-const PATIENCE: Duration = Duration::from_secs(20);
+/// After so long nothing comes any more, however slow the PC.
+const PATIENCE: Duration = Duration::from_mins(1);
 
 /// Writes its arguments and its process number, and ends with status 7 when it is told to.
 const SCRIPT: &str = r#"#!/bin/sh
@@ -228,16 +229,14 @@ fn camera_in_qemu_is_started_as_documented_asked_and_switched_off() {
 fn camera_that_stops_answering_is_reported_and_ended() {
     let qemu = FakeQemu::new(SCRIPT);
     let mut camera = FakeCamera::new();
-    let start = Instant::now();
     camera.goes_on = Box::new(move |answers| {
-        if answers == 3 {
-            thread::sleep(PATIENCE);
+        while answers == 3 {
+            thread::park();
         }
         true
     });
     qemu.serve(camera);
     qemu.run(&VERIFY).failed(3, &["no answer to", "5 tries"]);
-    assert!(start.elapsed() < PATIENCE);
     assert!(ends(&wait_for(&qemu.path("started"))), "QEMU runs on");
 }
 
@@ -352,7 +351,7 @@ fn ends(started: &str) -> bool {
     let process = started.split(' ').next().unwrap();
     let start = Instant::now();
     while runs(process) {
-        if start.elapsed() > Duration::from_secs(5) {
+        if start.elapsed() > PATIENCE {
             return false;
         }
         thread::sleep(Duration::from_millis(10));

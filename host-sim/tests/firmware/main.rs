@@ -6,6 +6,8 @@ mod camera;
 #[cfg(test)]
 mod crash;
 #[cfg(test)]
+mod drills;
+#[cfg(test)]
 mod fit;
 #[cfg(test)]
 mod flight;
