@@ -22,7 +22,7 @@ pub(crate) fn test(workspace: &Workspace, targets: &Targets<'_>) -> Result<()> {
         // A minute at most where nothing else runs.
         let qemu = cmd!(
             workspace.shell,
-            "timeout 600 {QEMU} -M {machine} -display none -monitor none -serial none -semihosting-config enable=on,target=native -kernel {image}"
+            "timeout 1800 {QEMU} -M {machine} -display none -monitor none -serial none -semihosting-config enable=on,target=native -kernel {image}"
         );
         let output = qemu.quiet().ignore_status().output()?;
         eprint!("{name}: {}", String::from_utf8_lossy(&output.stdout));

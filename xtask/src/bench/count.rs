@@ -40,7 +40,7 @@ pub(super) fn count(workspace: &Workspace, programs: &[Program<'_>]) -> Result<V
         // One instruction takes one nanosecond of the emulated time.
         let qemu = cmd!(
             workspace.shell,
-            "timeout 60 {QEMU} -M {machine} -display none -monitor none -serial none -icount shift=0 -semihosting-config enable=on,target=native -kernel {image}"
+            "timeout 600 {QEMU} -M {machine} -display none -monitor none -serial none -icount shift=0 -semihosting-config enable=on,target=native -kernel {image}"
         );
         let counted = qemu
             .quiet()
