@@ -19,6 +19,8 @@ mod mesh_format;
 #[cfg(test)]
 mod mesh_rounding;
 #[cfg(test)]
+mod pixel_correction;
+#[cfg(test)]
 mod point_kernel;
 #[cfg(test)]
 mod round_trip;

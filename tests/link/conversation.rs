@@ -5,6 +5,7 @@ use fmc_camera::flight::exposure::Exposure;
 use fmc_camera::geometry::five_coefficient::FiveCoefficients;
 use fmc_camera::geometry::mesh::MeshRow;
 use fmc_camera::geometry::mesh::format::MeshFormat;
+use fmc_camera::geometry::mesh::pixel_correction::{CorrectionMesh, PixelCorrection};
 use fmc_camera::geometry::mesh::vertex::VertexRow;
 use fmc_camera::geometry::sensor::SensorPoint;
 use fmc_camera::io::link::digest;
@@ -96,6 +97,36 @@ fn a_mesh_arrives_as_the_library_stores_it_in_every_format() {
             let expected: Vec<u8> = words.flat_map(Result::unwrap).collect();
             assert_eq!(bytes.as_slice(), expected);
             assert_eq!(bytes.len(), usize::from(count) * format.bytes());
+        }
+    }
+}
+
+#[test]
+fn corrections_of_vertices_arrive_as_the_library_gives_them() {
+    let mut pc = Pc::loaded();
+    let frame = Camera::new(camera_record())
+        .unwrap()
+        .frame(&EXPOSURE)
+        .unwrap();
+    pc.ask(&Request::Expose(EXPOSURE));
+    for (spacing_px, count) in [(16, 0), (16, 1), (16, 64), (224, 64), (0, 2)] {
+        let row = VertexRow {
+            first_col_px: 7,
+            row_px: 801,
+            spacing_px,
+            count,
+            origin_px: [u32::MAX; 2],
+        };
+        let Answer::Corrections(answered) = pc.ask(&Request::Corrections(row)) else {
+            panic!("no corrections");
+        };
+        let mut expected = [PixelCorrection::default(); 64];
+        let mesh = CorrectionMesh::new(&frame.correction, spacing_px);
+        let expected = row.corrections(&mesh, &mut expected).unwrap();
+        assert_eq!(answered.as_slice(), expected);
+        assert_eq!(answered.len(), usize::from(count));
+        for vertex in &answered {
+            assert!(vertex.rows_px.abs() > 1.0, "{vertex:?}");
         }
     }
 }

@@ -10,6 +10,7 @@ use fmc_camera::geometry::estimation::options::FitOptions;
 use fmc_camera::geometry::five_coefficient::FiveCoefficients;
 use fmc_camera::geometry::frame_correction::Corrected;
 use fmc_camera::geometry::mesh::format::{MAX_WORD_BYTES, MeshFormat};
+use fmc_camera::geometry::mesh::pixel_correction::PixelCorrection;
 use fmc_camera::geometry::mesh::vertex::VertexRow;
 use fmc_camera::geometry::sensor::SensorPoint;
 use fmc_camera::geometry::shutter::ShutterProfile;
@@ -88,6 +89,7 @@ fn longest_messages_fit_and_come_back_as_they_went() {
             y_mm: std::iter::repeat_n(f32::MIN, MAX_POINTS).collect(),
         }),
         Request::Mesh(LONGEST_MESH_ROW, MeshFormat::Single),
+        Request::Corrections(LONGEST_MESH_ROW),
         Request::Expose(Exposure {
             opening_offset_mm: Some(-0.1),
             ..Exposure::new(0.1, 0.01)
@@ -100,6 +102,10 @@ fn longest_messages_fit_and_come_back_as_they_went() {
     let corrected = Corrected {
         point: far,
         ..Corrected::default()
+    };
+    let far_correction = PixelCorrection {
+        cols_px: f32::MAX,
+        rows_px: f32::MIN,
     };
     let long = "x".repeat(40);
     for answer in [
@@ -116,6 +122,7 @@ fn longest_messages_fit_and_come_back_as_they_went() {
             condition: f32::MAX,
         }),
         Answer::Mesh(std::iter::repeat_n(u8::MAX, MAX_POINTS * MAX_WORD_BYTES).collect()),
+        Answer::Corrections(std::iter::repeat_n(far_correction, MAX_POINTS).collect()),
         Answer::Connected(Identity::new(&long, &long[..24], true, Start::Fault)),
     ] {
         let mut frame = Frame::EMPTY;
@@ -159,6 +166,10 @@ fn requests_and_answers_keep_the_numbers_they_were_given() {
         drift_deg: 3.0,
         rates_deg_s: [0.1, 0.2, 0.3],
     });
+    let corrections = [PixelCorrection {
+        cols_px: 1.5,
+        rows_px: -0.25,
+    }];
     // After version, session and number.
     for (request, number) in [
         (Request::Connect, 0),
@@ -167,6 +178,7 @@ fn requests_and_answers_keep_the_numbers_they_were_given() {
         (Request::Flown, 19),
         (Request::Tell(attitude), 20),
         (Request::Mesh(LONGEST_MESH_ROW, MeshFormat::Single), 21),
+        (Request::Corrections(LONGEST_MESH_ROW), 22),
     ] {
         let payload = payload_of(&frame(header, &request));
         assert_eq!(payload[3], number, "{request:?}");
@@ -178,6 +190,7 @@ fn requests_and_answers_keep_the_numbers_they_were_given() {
         (Answer::Prepared, 11),
         (Answer::Told, 17),
         (Answer::Mesh([1, 2, 3, 4].into_iter().collect()), 18),
+        (Answer::Corrections(corrections.into_iter().collect()), 19),
     ] {
         let mut frame = Frame::EMPTY;
         answer.write(header, &mut frame).unwrap();
@@ -185,6 +198,15 @@ fn requests_and_answers_keep_the_numbers_they_were_given() {
         assert_eq!(payload[3], number, "{answer:?}");
         assert_eq!(Answer::read(&payload), Ok((header, Some(answer))));
     }
+    // Their number, then columns and rows in little endian.
+    let mut frame = Frame::EMPTY;
+    let answer = Answer::Corrections(corrections.into_iter().collect());
+    answer.write(header, &mut frame).unwrap();
+    let numbers = [1.5_f32, -0.25].map(f32::to_le_bytes);
+    assert_eq!(
+        payload_of(&frame)[4..],
+        [&[1], numbers.as_flattened()].concat()
+    );
 }
 
 #[test]

@@ -189,6 +189,42 @@ fn mesh_that_cannot_be_given_is_refused_by_vertex_and_reason() {
 }
 
 #[test]
+fn corrections_that_cannot_be_given_are_refused_by_vertex_and_reason() {
+    let mut pc = Pc::loaded();
+    let row = VertexRow {
+        first_col_px: 14_203 - 62 * 16,
+        row_px: 10_651 + 16,
+        spacing_px: 16,
+        count: 64,
+        origin_px: [0, 0],
+    };
+    let ask = |pc: &mut Pc, row| pc.ask(&Request::Corrections(row));
+    assert_eq!(ask(&mut pc, row), Answer::Refused(Refusal::NoFrame));
+    pc.ask(&Request::Expose(EXPOSURE));
+    // The last vertex is one spacing beyond the last column and row.
+    assert!(matches!(ask(&mut pc, row), Answer::Corrections(_)));
+    let many = VertexRow { count: 65, ..row };
+    assert_eq!(ask(&mut pc, many), Answer::Refused(Refusal::TooMany));
+    let off = |col_px, row_px| Refusal::Mesh(MeshError::OffImage { col_px, row_px });
+    let right = VertexRow {
+        first_col_px: row.first_col_px + 1,
+        ..row
+    };
+    let refused = off(14_203 + 17, row.row_px);
+    assert_eq!(ask(&mut pc, right), Answer::Refused(refused));
+    // No number of the row makes the camera count beyond its own.
+    for far in [u32::MAX, u32::MAX - 1, 1 << 24] {
+        let row = VertexRow {
+            first_col_px: far,
+            row_px: far,
+            spacing_px: u16::MAX,
+            ..row
+        };
+        assert_eq!(ask(&mut pc, row), Answer::Refused(off(far, far)));
+    }
+}
+
+#[test]
 fn ideal_point_without_a_measured_one_is_named() {
     let mut pc = Pc::loaded();
     pc.ask(&Request::Expose(EXPOSURE));

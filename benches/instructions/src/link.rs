@@ -48,6 +48,7 @@ pub(crate) fn count(counter: &mut Counter) -> Option<()> {
         ("link_row_64", Request::Row(row)),
         ("link_digest_64", Request::Digest(grid)),
         ("link_mesh_64", Request::Mesh(vertices, MeshFormat::S16Q3)),
+        ("link_corrections_64", Request::Corrections(vertices)),
         ("link_counters", Request::Counters),
     ];
     let mut frame = Frame::EMPTY;

@@ -1,10 +1,11 @@
-//! Rows for warp engines.
+//! Rows for warp engines and graphics processors.
 
 use core::hint::black_box;
 
 use fmc_camera::geometry::evaluation_form::Displacement;
 use fmc_camera::geometry::mesh::displacement_rows::{DisplacementRows, RESTART_INTERVAL};
 use fmc_camera::geometry::mesh::format::MeshFormat;
+use fmc_camera::geometry::mesh::pixel_correction::{CorrectionMesh, PixelCorrection};
 use fmc_camera::geometry::mesh::source_row::SourceRow;
 use fmc_camera::geometry::mesh::vertex::VertexRow;
 use fmc_camera::geometry::sensor::SensorPoint;
@@ -26,7 +27,8 @@ pub(crate) fn count(counter: &mut Counter) -> Option<()> {
     mesh_rows(counter)?;
     mesh_rows_of_other_spacings(counter)?;
     let correction = Camera::new(short()).ok()?.frame(&EXPOSURE).ok()?.correction;
-    source_rows(counter, &correction)
+    source_rows(counter, &correction)?;
+    pixel_corrections(counter)
 }
 
 /// Displacements along rows of the measured image: without K3, with it, and all terms.
@@ -124,6 +126,35 @@ fn source_rows(counter: &mut Counter, correction: &FrameCorrection) -> Option<()
             }
             Some(())
         })?;
+    }
+    Some(())
+}
+
+/// Vertices of the recorded image as a graphics processor draws them: without K3, and with it.
+fn pixel_corrections(counter: &mut Counter) -> Option<()> {
+    let mut without_k3 = short();
+    without_k3.calibration.distortion.k3 = 0.0;
+    for (kernel, record) in [
+        ("mesh_corrections", without_k3),
+        ("mesh_corrections_k3", short()),
+    ] {
+        let correction = Camera::new(record).ok()?.frame(&EXPOSURE).ok()?.correction;
+        let mesh = CorrectionMesh::new(&correction, 8);
+        let row = VertexRow {
+            first_col_px: 8,
+            row_px: 800,
+            spacing_px: 8,
+            count: 1024,
+            origin_px: [0, 0],
+        };
+        let mut corrections = [PixelCorrection::default(); POINTS];
+        counter.count(kernel, PER_POINT, || {
+            let row = black_box(&row);
+            row.corrections(black_box(&mesh), black_box(&mut corrections))
+                .ok()?;
+            Some(())
+        })?;
+        black_box(corrections);
     }
     Some(())
 }

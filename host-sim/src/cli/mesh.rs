@@ -1,4 +1,4 @@
-//! Meshes for warp engines.
+//! Meshes for warp engines and graphics processors.
 
 use std::path::PathBuf;
 
@@ -15,15 +15,15 @@ pub struct MeshArgs {
     /// Where the camera runs.
     #[command(flatten)]
     pub device: DeviceArgs,
-    /// How the warp engine stores its mesh.
+    /// Who is to read the mesh.
     #[arg(long, value_name = "FORMAT")]
     pub format: MeshFormatName,
-    /// Pixels from one vertex to the next, both ways; 1 gives every pixel its source. 1 to 1024; dw100 has 16, ti-ldc
+    /// Pixels from one vertex to the next, both ways; 1 has a vertex at every pixel. 1 to 1024; dw100 has 16, ti-ldc
     /// and vpi a power of two, for ti-ldc of at most 128.
     #[arg(long, value_name = "PX", default_value = "16", value_parser = clap::value_parser!(u16).range(1..=1024))]
     pub spacing: u16,
-    /// The part of the corrected image that the engine makes: first column, first row, width and height, pixels.
-    /// Without it the whole image.
+    /// The part of the corrected image that the engine makes, for gpu the part of the recorded image that is drawn: first
+    /// column, first row, width and height, pixels. Without it the whole image.
     #[arg(
         long,
         value_name = "COL,ROW,WIDTH,HEIGHT",
@@ -31,7 +31,7 @@ pub struct MeshArgs {
     )]
     pub part: Option<ImagePart>,
     /// First column and row of the part of the recorded image that the engine is given; sources count from there.
-    /// Without it that of --part.
+    /// Without it that of --part. Not for ti-ldc and gpu, whose numbers do not depend on it.
     #[arg(long, value_name = "COL,ROW", value_parser = image_pixel)]
     pub source: Option<[u32; 2]>,
     /// Folder for mesh.json and the mesh, mesh.bin or map-x.bin and map-y.bin; made if it does not exist.
@@ -76,7 +76,7 @@ fn image_part(text: &str) -> Result<ImagePart, String> {
     }
 }
 
-/// How a warp engine stores its mesh.
+/// Who reads the mesh.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
 pub enum MeshFormatName {
     /// Lens distortion correction (LDC) of TI's TDA and AM6 processors: displacements in 1/8 px, S16Q3, at most 4096
@@ -91,6 +91,9 @@ pub enum MeshFormatName {
     Vpi,
     /// Maps for `cv::remap`: sources in single precision, x and y in a file each.
     Opencv,
+    /// Vertices for OpenGL and Vulkan, which draw the recorded image: for each the way to its place in the corrected image,
+    /// columns and rows, in single precision.
+    Gpu,
 }
 
 impl MeshFormatName {
@@ -103,6 +106,7 @@ impl MeshFormatName {
             Self::Vitis => "vitis",
             Self::Vpi => "vpi",
             Self::Opencv => "opencv",
+            Self::Gpu => "gpu",
         }
     }
 }

@@ -51,12 +51,17 @@ pub enum Command {
     Reference(ReferenceArgs),
     /// Interior orientation of one frame, without points.
     Frame(FrameArgs),
-    /// Write the mesh with which a warp engine corrects a frame.
+    /// Write the mesh with which a warp engine or a graphics processor corrects a frame.
     ///
-    /// For vertices of the corrected image, every so many pixels, the places in the recorded image they come from, as
-    /// the engine stores them. The corrected image has the pixels of the sensor; its principal point is the frame's.
-    /// Where a source lies off the sensor the distortion of its edge counts. The camera computes the rows, on whichever
-    /// device, and the files have the same bytes.
+    /// For warp engines: for vertices of the corrected image, every so many pixels, the places in the recorded image they
+    /// come from, as the engine stores them. Where a source lies off the sensor the distortion of its edge counts.
+    ///
+    /// For graphics processors (gpu) the other way round: for vertices of the recorded image the way to their places in the
+    /// corrected one, corrected minus recorded. The recorded image is the texture, and is drawn as triangles between the
+    /// moved vertices. Vertices beyond the image, which end the last cells, continue the distortion.
+    ///
+    /// The corrected image has the pixels of the sensor; its principal point is the frame's. The camera computes the rows,
+    /// on whichever device, and the files have the same bytes. mesh.json says what the numbers are.
     ///
     /// For example: host-sim mesh --camera host-sim/cameras/rc30-5324.toml --vh 0.1 --exposure 1/200 --format ti-ldc
     /// --out mesh

@@ -1,12 +1,14 @@
-//! `mesh`: the mesh of a warp engine, from the camera.
+//! `mesh`: the mesh of a warp engine or a graphics processor, from the camera.
 
-use fmc_camera::flight::interior_orientation::InteriorOrientation;
+mod header;
+
 use fmc_camera::geometry::mesh::format::MeshFormat;
+use fmc_camera::geometry::mesh::pixel_correction::PixelCorrection;
 use fmc_camera::geometry::mesh::vertex::{MeshError, VertexRow};
 use fmc_camera::io::link::MAX_POINTS;
 use indicatif::{ProgressBar, ProgressStyle};
-use serde::Serialize;
 
+use self::header::{Accuracy, Header};
 use crate::cli::{ImagePart, MeshArgs, MeshFormatName};
 use crate::device::{Device, DeviceError};
 use crate::failure::Failure;
@@ -35,8 +37,9 @@ pub(super) fn run(args: &MeshArgs) -> Result<(), Failure> {
         DeviceError::Mesh(error) => refused(error, args),
         error => request.refused(&error),
     })?;
+    let accuracy = Accuracy::of(args, &camera, &layout, &mesh)?;
     let files = files(args.format, mesh);
-    let header = Header::new(args, &camera, &record, &layout, &files);
+    let header = Header::new(args, &camera, &record, &layout, accuracy, &files);
     let folder = OutputFolder::create(&args.out)?;
     for (name, bytes) in &files {
         folder.write(name, |sink| sink.write_all(bytes))?;
@@ -64,10 +67,19 @@ fn check_spacing(args: &MeshArgs) -> Result<(), Failure> {
     )))
 }
 
+/// What is told of a vertex.
+#[derive(Debug, Clone, Copy)]
+enum Content {
+    /// Where an output pixel comes from.
+    Sources(MeshFormat),
+    /// Where a recorded pixel is to go.
+    Corrections,
+}
+
 /// Where the vertices are.
 #[derive(Debug)]
 struct Layout {
-    format: MeshFormat,
+    content: Content,
     spacing_px: u16,
     origin_px: [u32; 2],
     size_px: [u32; 2],
@@ -99,15 +111,20 @@ impl Layout {
         let spacing = u32::from(args.spacing);
         let vertices = [width, height].map(|side| match args.format {
             // A map has its last vertex at the last pixel or beyond it,
-            MeshFormatName::Opencv | MeshFormatName::Vitis => (side - 1).div_ceil(spacing) + 1,
+            MeshFormatName::Opencv | MeshFormatName::Vitis | MeshFormatName::Gpu => {
+                (side - 1).div_ceil(spacing) + 1
+            }
             // a mesh of cells where its last cell ends.
             _ => side.div_ceil(spacing) + 1,
         });
         let source_px = args.source.unwrap_or(origin_px);
-        if args.source.is_some() && args.format == MeshFormatName::TiLdc {
-            return Err(Failure::bad_input(
-                "--source: must be left out for ti-ldc, whose displacements do not depend on it",
-            ));
+        if args.source.is_some()
+            && matches!(args.format, MeshFormatName::TiLdc | MeshFormatName::Gpu)
+        {
+            return Err(Failure::bad_input(format!(
+                "--source: must be left out for {}, whose displacements do not depend on it",
+                args.format.name()
+            )));
         }
         if source_px[0] >= image[0] || source_px[1] >= image[1] {
             return Err(Failure::bad_input(format!(
@@ -128,11 +145,14 @@ impl Layout {
             .with_help("a larger --spacing, or the image part by part with --part"));
         }
         Ok(Self {
-            format: match args.format {
-                MeshFormatName::TiLdc => MeshFormat::S16Q3,
-                MeshFormatName::Dw100 => MeshFormat::Uq12Q4,
-                MeshFormatName::Vitis => MeshFormat::Q12Q20,
-                MeshFormatName::Vpi | MeshFormatName::Opencv => MeshFormat::Single,
+            content: match args.format {
+                MeshFormatName::TiLdc => Content::Sources(MeshFormat::S16Q3),
+                MeshFormatName::Dw100 => Content::Sources(MeshFormat::Uq12Q4),
+                MeshFormatName::Vitis => Content::Sources(MeshFormat::Q12Q20),
+                MeshFormatName::Vpi | MeshFormatName::Opencv => {
+                    Content::Sources(MeshFormat::Single)
+                }
+                MeshFormatName::Gpu => Content::Corrections,
             },
             spacing_px: args.spacing,
             origin_px,
@@ -169,12 +189,24 @@ fn fetch(device: &mut dyn Device, layout: &Layout) -> Result<Vec<u8>, DeviceErro
     let mut mesh = Vec::new();
     for row in 0..layout.vertices[1] {
         for request in layout.requests(row) {
-            mesh.extend(device.mesh(&request, layout.format)?);
+            match layout.content {
+                Content::Sources(format) => mesh.extend(device.mesh(&request, format)?),
+                Content::Corrections => {
+                    mesh.extend(device.corrections(&request)?.iter().flat_map(stored));
+                }
+            }
         }
         bar.inc(1);
     }
     bar.finish_and_clear();
     Ok(mesh)
+}
+
+/// A correction as graphics processors read it.
+fn stored(correction: &PixelCorrection) -> impl Iterator<Item = u8> + use<> {
+    [correction.cols_px, correction.rows_px]
+        .into_iter()
+        .flat_map(f32::to_le_bytes)
 }
 
 /// A mesh that the camera refuses is the input's fault.
@@ -185,7 +217,9 @@ fn refused(error: MeshError, args: &MeshArgs) -> Failure {
         MeshError::Format(_) => {
             failure.with_help("a smaller --part, another --source, or another --format")
         }
-        MeshError::OffImage { .. } | MeshError::Distort { .. } => failure,
+        MeshError::OffImage { .. } | MeshError::Distort { .. } | MeshError::Spacing { .. } => {
+            failure
+        }
     }
 }
 
@@ -205,93 +239,4 @@ fn files(format: MeshFormatName, mesh: Vec<u8>) -> Vec<(&'static str, Vec<u8>)> 
         ("map-x.bin", columns.collect()),
         ("map-y.bin", rows.collect()),
     ]
-}
-
-/// mesh.json: what the numbers are.
-#[derive(Debug, Serialize)]
-struct Header {
-    camera: String,
-    format: &'static str,
-    files: Vec<&'static str>,
-    layout: &'static str,
-    meaning: &'static str,
-    /// Vertices along a row.
-    columns: u32,
-    rows: u32,
-    spacing_px: u16,
-    /// The part of the image.
-    origin_px: [u32; 2],
-    size_px: [u32; 2],
-    /// The pixel of the recorded image from which sources count.
-    source_origin_px: [u32; 2],
-    /// Largest difference to the camera's number.
-    quantisation_px: f32,
-    vh_per_s: f32,
-    exposure_s: f32,
-    direction: &'static str,
-    /// In the corrected image and in the source image alike.
-    principal_point_mm: [f32; 2],
-    principal_distance_mm: f32,
-}
-
-impl Header {
-    fn new(
-        args: &MeshArgs,
-        camera: &CameraFile,
-        record: &InteriorOrientation,
-        layout: &Layout,
-        files: &[(&'static str, Vec<u8>)],
-    ) -> Self {
-        let longest_px = layout.size_px[0].max(layout.size_px[1]) + u32::from(layout.spacing_px);
-        Self {
-            camera: camera.name.clone(),
-            format: args.format.name(),
-            files: files.iter().map(|(name, _)| *name).collect(),
-            layout: match args.format {
-                MeshFormatName::TiLdc => {
-                    "row by row, little endian: signed 16 bits of columns, then of rows, in 1/8 px"
-                }
-                MeshFormatName::Dw100 => {
-                    "row by row, little endian: 32 bits, the source column in the low half, its row in the high half, unsigned in 1/16 px"
-                }
-                MeshFormatName::Vitis => {
-                    "row by row, little endian: signed 32 bits of the source column, then of its row, in 2^-20 px"
-                }
-                MeshFormatName::Vpi => {
-                    "row by row, little endian: single-precision source column, then row, px"
-                }
-                MeshFormatName::Opencv => {
-                    "a file for source columns and one for source rows, each row by row, little endian, single precision, px"
-                }
-            },
-            meaning: match args.format {
-                MeshFormatName::TiLdc => {
-                    "source minus output pixel at output pixels; the centre of the first pixel is (0, 0)"
-                }
-                _ => {
-                    "place in the source image of output pixels; the centre of the first pixel is (0, 0)"
-                }
-            },
-            columns: layout.vertices[0],
-            rows: layout.vertices[1],
-            spacing_px: layout.spacing_px,
-            origin_px: layout.origin_px,
-            size_px: layout.size_px,
-            source_origin_px: layout.source_px,
-            quantisation_px: layout.format.quantisation_px(pixels(longest_px)),
-            vh_per_s: record.vh_per_s,
-            exposure_s: record.exposure_s,
-            direction: args.exposure.direction.name(),
-            principal_point_mm: [record.principal_point.x_mm, record.principal_point.y_mm],
-            principal_distance_mm: record.principal_distance_mm,
-        }
-    }
-}
-
-#[expect(
-    clippy::cast_precision_loss,
-    reason = "exact: a side has fewer than 2^24 pixels"
-)]
-fn pixels(count: u32) -> f32 {
-    count as f32
 }

@@ -16,6 +16,7 @@ use fmc_camera::geometry::evaluation_form::Displacement;
 use fmc_camera::geometry::frame_correction::Corrected;
 use fmc_camera::geometry::mesh::MeshRow;
 use fmc_camera::geometry::mesh::format::MeshFormat;
+use fmc_camera::geometry::mesh::pixel_correction::PixelCorrection;
 use fmc_camera::geometry::mesh::vertex::VertexRow;
 use fmc_camera::io::link::frame::{Frame, FrameReceiver};
 use fmc_camera::io::link::message::{
@@ -312,6 +313,20 @@ impl<P: Port> Client<P> {
         }
     }
 
+    /// Where the vertices of a row of the recorded image are to be drawn, corrected - recorded.
+    ///
+    /// # Errors
+    /// [`LinkError::Refused`] for a vertex off the image.
+    pub fn corrections(&mut self, row: VertexRow) -> Result<Vec<PixelCorrection>, LinkError> {
+        let request = Request::Corrections(row);
+        match self.ask(&request)? {
+            Answer::Corrections(corrections) if corrections.len() == usize::from(row.count) => {
+                Ok(corrections.to_vec())
+            }
+            _ => Err(self.unexpected(&request)),
+        }
+    }
+
     /// What the camera's end of the link has seen since it started.
     ///
     /// # Errors
@@ -487,5 +502,6 @@ const fn name(request: &Request) -> &'static str {
         Request::Flown => "flown",
         Request::Tell(_) => "tell",
         Request::Mesh(..) => "mesh",
+        Request::Corrections(_) => "corrections",
     }
 }

@@ -37,7 +37,7 @@ pub enum DeviceError {
         /// Index in the batch.
         index: usize,
     },
-    /// A vertex of a mesh has no source, or one that the format does not hold.
+    /// A vertex of a mesh is off the image, has no source, or one that the format does not hold.
     #[error(transparent)]
     Mesh(MeshError),
     /// It answered more or fewer points than it was asked.

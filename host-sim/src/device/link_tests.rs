@@ -96,6 +96,14 @@ fn remote_camera_answers_what_the_one_in_process_does() {
     for format in MeshFormat::ALL {
         assert_eq!(remote.mesh(&VERTICES, format), twin.mesh(&VERTICES, format));
     }
+    assert_eq!(remote.corrections(&VERTICES), twin.corrections(&VERTICES));
+    let off_image = VertexRow {
+        row_px: 6016,
+        ..VERTICES
+    };
+    let refused = remote.corrections(&off_image);
+    assert!(matches!(refused, Err(DeviceError::Mesh(_))), "{refused:?}");
+    assert_eq!(refused, twin.corrections(&off_image));
     // A refusal is the same, too.
     let before = VertexRow {
         origin_px: [900, 0],
@@ -221,6 +229,15 @@ fn every_answer_is_compared_with_the_twin_to_the_last_bit() {
         |remote| remote.mesh(&VERTICES, MeshFormat::S16Q3).map(drop),
     );
     assert_eq!(mesh, DifferentResult::Mesh { row: VERTICES });
+    let corrections = found(
+        |answer| {
+            if let Answer::Corrections(corrections) = answer {
+                corrections[63].rows_px = corrections[63].rows_px.next_up();
+            }
+        },
+        |remote| remote.corrections(&VERTICES).map(drop),
+    );
+    assert_eq!(corrections, DifferentResult::Mesh { row: VERTICES });
     let record = found(
         |answer| {
             if let Answer::Frame(record) = answer {
@@ -259,6 +276,18 @@ fn answer_to_something_else_is_an_error() {
     assert!(matches!(
         link_error(remote.correct(&points(1))),
         LinkError::Unexpected { request: "correct" }
+    ));
+    let (mut remote, port) = exposed();
+    port.tamper(|answer| {
+        if let Answer::Corrections(corrections) = answer {
+            corrections.pop();
+        }
+    });
+    assert!(matches!(
+        link_error(remote.corrections(&VERTICES)),
+        LinkError::Unexpected {
+            request: "corrections"
+        }
     ));
     let (mut remote, port) = exposed();
     port.tamper(|answer| {

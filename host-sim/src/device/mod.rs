@@ -29,6 +29,7 @@ use fmc_camera::flight::exposure::Exposure;
 use fmc_camera::flight::interior_orientation::InteriorOrientation;
 use fmc_camera::geometry::frame_correction::Corrected;
 use fmc_camera::geometry::mesh::format::MeshFormat;
+use fmc_camera::geometry::mesh::pixel_correction::PixelCorrection;
 use fmc_camera::geometry::mesh::vertex::VertexRow;
 use fmc_camera::geometry::sensor::SensorPoint;
 use fmc_camera::io::link::message::{Counters, Grid};
@@ -89,6 +90,13 @@ pub trait Device {
     /// [`DeviceError::NoFrame`] before the first exposure; [`DeviceError::Mesh`] for the first vertex without a
     /// source, or with one that the format does not hold.
     fn mesh(&mut self, row: &VertexRow, format: MeshFormat) -> Result<Vec<u8>, DeviceError>;
+
+    /// Where the vertices of a row of the recorded image are to be drawn, corrected - recorded, for the current frame; at
+    /// most [`MAX_POINTS`](fmc_camera::io::link::MAX_POINTS).
+    ///
+    /// # Errors
+    /// [`DeviceError::NoFrame`] before the first exposure; [`DeviceError::Mesh`] for the first vertex off the image.
+    fn corrections(&mut self, row: &VertexRow) -> Result<Vec<PixelCorrection>, DeviceError>;
 
     /// How the points answered so far are known to be the camera's.
     fn evidence(&self) -> Evidence;

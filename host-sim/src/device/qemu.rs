@@ -15,6 +15,7 @@ use fmc_camera::flight::stage::Setpoint;
 use fmc_camera::flight::time::Time;
 use fmc_camera::geometry::frame_correction::Corrected;
 use fmc_camera::geometry::mesh::format::MeshFormat;
+use fmc_camera::geometry::mesh::pixel_correction::PixelCorrection;
 use fmc_camera::geometry::mesh::vertex::VertexRow;
 use fmc_camera::geometry::sensor::SensorPoint;
 use fmc_camera::io::link::message::{Counters, Grid};
@@ -183,6 +184,11 @@ impl Device for Qemu {
 
     fn mesh(&mut self, row: &VertexRow, format: MeshFormat) -> Result<Vec<u8>, DeviceError> {
         let answer = self.remote.mesh(row, format);
+        answer.map_err(|error| self.watch.explain(error))
+    }
+
+    fn corrections(&mut self, row: &VertexRow) -> Result<Vec<PixelCorrection>, DeviceError> {
+        let answer = self.remote.corrections(row);
         answer.map_err(|error| self.watch.explain(error))
     }
 

@@ -7,6 +7,7 @@ use fmc_camera::geometry::evaluation_form::Displacement;
 use fmc_camera::geometry::frame_correction::Corrected;
 use fmc_camera::geometry::mesh::MeshRow;
 use fmc_camera::geometry::mesh::format::MeshFormat;
+use fmc_camera::geometry::mesh::pixel_correction::PixelCorrection;
 use fmc_camera::geometry::mesh::vertex::VertexRow;
 use fmc_camera::geometry::sensor::SensorPoint;
 use fmc_camera::io::link::MAX_POINTS;
@@ -320,6 +321,18 @@ impl<P: Port> Device for Remote<P> {
         let twin = self.twin.mesh(row, format);
         let (camera, twin) = self.same_outcome(camera, twin)?;
         if camera != twin {
+            return Err(self.different(DifferentResult::Mesh { row: *row }));
+        }
+        Ok(camera)
+    }
+
+    fn corrections(&mut self, row: &VertexRow) -> Result<Vec<PixelCorrection>, DeviceError> {
+        let camera = self.client.corrections(*row);
+        let camera = camera.map_err(|error| self.failed(error, 0));
+        let twin = self.twin.corrections(row);
+        let (camera, twin) = self.same_outcome(camera, twin)?;
+        let bits = |of: &PixelCorrection| [of.cols_px, of.rows_px].map(f32::to_bits);
+        if !camera.iter().map(bits).eq(twin.iter().map(bits)) {
             return Err(self.different(DifferentResult::Mesh { row: *row }));
         }
         Ok(camera)

@@ -6,6 +6,7 @@ use fmc_camera::flight::interior_orientation::InteriorOrientation;
 use fmc_camera::flight::rig::Rig;
 use fmc_camera::geometry::frame_correction::{Corrected, FrameCorrection};
 use fmc_camera::geometry::mesh::format::MeshFormat;
+use fmc_camera::geometry::mesh::pixel_correction::{CorrectionMesh, PixelCorrection};
 use fmc_camera::geometry::mesh::vertex::VertexRow;
 use fmc_camera::geometry::sensor::SensorPoint;
 
@@ -90,6 +91,14 @@ impl Device for InProcess {
         let words = words.collect::<Result<Vec<_>, _>>();
         let words = words.map_err(DeviceError::Mesh)?;
         Ok(words.into_iter().flatten().collect())
+    }
+
+    fn corrections(&mut self, row: &VertexRow) -> Result<Vec<PixelCorrection>, DeviceError> {
+        let mesh = CorrectionMesh::new(self.correction()?, row.spacing_px);
+        let mut corrections = vec![PixelCorrection::default(); usize::from(row.count)];
+        row.corrections(&mesh, &mut corrections)
+            .map_err(DeviceError::Mesh)?;
+        Ok(corrections)
     }
 
     fn evidence(&self) -> Evidence {

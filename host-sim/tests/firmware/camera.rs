@@ -2,6 +2,7 @@
 
 use fmc_camera::geometry::mesh::MeshRow;
 use fmc_camera::geometry::mesh::format::MeshFormat;
+use fmc_camera::geometry::mesh::pixel_correction::PixelCorrection;
 use fmc_camera::geometry::mesh::vertex::VertexRow;
 use fmc_camera::io::link::message::{Grid, Start};
 use fmc_camera::{CalibrationRecord, CameraRecord, Exposure, SensorPoint};
@@ -82,6 +83,21 @@ fn mesh_of_a_warp_engine_has_the_bytes_computed_on_this_pc() {
                 assert_eq!(bytes.len(), 64 * format.bytes());
                 assert_eq!(Ok(bytes), twin.mesh(&row, format));
             }
+        }
+        // From before the centre, to one spacing beyond the last column, and within one side of it.
+        for (first_col_px, spacing_px) in [(0, 127), (3500, 16), (7496, 8)] {
+            let row = VertexRow {
+                first_col_px,
+                row_px: 6000,
+                spacing_px,
+                count: 64,
+                origin_px: [0, 0],
+            };
+            let bits = |of: &PixelCorrection| [of.cols_px, of.rows_px].map(f32::to_bits);
+            let corrections = qemu.corrections(&row).unwrap();
+            let expected = twin.corrections(&row).unwrap();
+            assert_eq!(corrections.len(), 64);
+            assert!(corrections.iter().map(bits).eq(expected.iter().map(bits)));
         }
     }
 }

@@ -3,6 +3,7 @@
 use fmc_camera::flight::interior_orientation::InteriorOrientation;
 use fmc_camera::geometry::frame_correction::Corrected;
 use fmc_camera::geometry::mesh::format::MeshFormat;
+use fmc_camera::geometry::mesh::pixel_correction::PixelCorrection;
 use fmc_camera::geometry::mesh::vertex::VertexRow;
 use fmc_camera::{CameraRecord, Exposure, SensorPoint};
 use host_sim::device::{Device, DeviceError, Evidence, InProcess};
@@ -118,6 +119,10 @@ impl Device for Wrong {
 
     fn mesh(&mut self, row: &VertexRow, format: MeshFormat) -> Result<Vec<u8>, DeviceError> {
         self.camera.mesh(row, format)
+    }
+
+    fn corrections(&mut self, row: &VertexRow) -> Result<Vec<PixelCorrection>, DeviceError> {
+        self.camera.corrections(row)
     }
 
     fn evidence(&self) -> Evidence {

@@ -111,11 +111,18 @@ impl DisplacementRows {
     /// Rows of a frame in steps of `step_mm`; of one that is not finite all points are NaN, and so is the bound.
     #[must_use]
     pub fn new(correction: &FrameCorrection, step_mm: f32) -> Self {
+        Self::with_margin(correction, step_mm, 0.0)
+    }
+
+    /// As [`Self::new`], and the bound holds for points up to `margin_mm` off the sensor too, 0 or more: the same polynomial,
+    /// where no calibration has seen an image.
+    #[must_use]
+    pub fn with_margin(correction: &FrameCorrection, step_mm: f32, margin_mm: f32) -> Self {
         let centre = correction.centre();
         let sensor = correction.sensor();
         let reach = [
-            sensor.half_width_mm() + centre.x_mm.abs(),
-            sensor.half_height_mm() + centre.y_mm.abs(),
+            sensor.half_width_mm() + margin_mm + centre.x_mm.abs(),
+            sensor.half_height_mm() + margin_mm + centre.y_mm.abs(),
         ];
         let rounding = RoundingBound::new(correction.form(), reach);
         let [mut interval, ..] = INTERVALS;
@@ -171,55 +178,62 @@ impl DisplacementRow<'_> {
     /// Fills a slice with the displacements of the row's points, from its first on.
     ///
     /// # Units and frames
-    /// As [`DisplacementRows`]; the points lie on the sensor, or the bound does not hold.
+    /// As [`DisplacementRows`]; the points lie on the sensor or its margin, or the bound does not hold.
     pub fn write(&self, displacements: &mut [Displacement]) {
+        self.write_as(displacements, |displacement| displacement);
+    }
+
+    /// Fills a slice with what is made of each displacement.
+    #[inline]
+    pub(super) fn write_as<T>(&self, points: &mut [T], of: impl Fn(Displacement) -> T) {
         if self.rows.form.k3 == 0.0 {
-            self.write_outward::<6, 5>(self.polynomial.gain_without_k3(), displacements);
+            self.write_outward::<6, 5, T>(self.polynomial.gain_without_k3(), points, of);
         } else {
-            self.write_outward::<8, 7>(self.polynomial.gain(), displacements);
+            self.write_outward::<8, 7, T>(self.polynomial.gain(), points, of);
         }
     }
 
     /// Away from the centre to either side; the gain has N coefficients, Dx one more.
     #[inline]
-    fn write_outward<const M: usize, const N: usize>(
+    fn write_outward<const M: usize, const N: usize, T>(
         &self,
         gain: [f32; N],
-        displacements: &mut [Displacement],
+        points: &mut [T],
+        of: impl Fn(Displacement) -> T,
     ) {
         let [along, against] = &self.rows.strides;
         let interval = self.rows.interval;
-        let points = NonZero::<usize>::from(interval).get();
-        let nearest = self.points_before_the_centre(displacements.len());
-        let Some((before, after)) = displacements.split_at_mut_checked(nearest) else {
+        let block_points = NonZero::<usize>::from(interval).get();
+        let nearest = self.points_before_the_centre(points.len());
+        let Some((before, after)) = points.split_at_mut_checked(nearest) else {
             return;
         };
         // Unrolled by hand: a jump costs a quarter of a point.
         let mut index = index_of(nearest);
-        for block in after.chunks_mut(points) {
+        for block in after.chunks_mut(block_points) {
             let mut start = self.start::<M, N>(gain, index, along);
             let (fours, rest) = block.as_chunks_mut::<4>();
             for four in fours {
                 for point in four {
-                    *point = start.take();
+                    *point = of(start.take());
                 }
             }
             for point in rest {
-                *point = start.take();
+                *point = of(start.take());
             }
             index += f32::from(interval.get());
         }
         let mut index = index_of(nearest) - 1.0;
-        for block in before.rchunks_mut(points) {
+        for block in before.rchunks_mut(block_points) {
             let mut start = self.start::<M, N>(gain, index, against);
             let (rest, fours) = block.as_rchunks_mut::<4>();
             for four in fours.iter_mut().rev() {
                 for point in four.iter_mut().rev() {
-                    *point = start.take();
+                    *point = of(start.take());
                 }
             }
             for point in rest.iter_mut().rev() {
-                *point = start.take();
+                *point = of(start.take());
             }
             index -= f32::from(interval.get());
         }

@@ -8,7 +8,8 @@ use crate::geometry::frame_correction::FrameCorrection;
 use crate::geometry::inverse::DistortError;
 use crate::geometry::sensor::{PixelPoint, Sensor, pixels};
 
-/// A row of vertices of the output image.
+/// A row of vertices: of the output image, or of the recorded one
+/// ([`corrections`](Self::corrections)).
 ///
 /// The output image has the pixels of the sensor, at their *ideal* places: the corrected image, about the same
 /// principal point. An engine that is given a part of the source image counts from [`Self::origin_px`].
@@ -63,6 +64,13 @@ pub enum MeshError {
     },
     /// A number does not fit the format.
     Format(OutOfFormat),
+    /// The mesh was prepared for another spacing than the row's.
+    Spacing {
+        /// From one vertex of the row to the next, pixels.
+        row_px: u16,
+        /// What the mesh was prepared for.
+        mesh_px: u16,
+    },
 }
 
 impl fmt::Display for MeshError {
@@ -78,6 +86,10 @@ impl fmt::Display for MeshError {
                 error,
             } => write!(f, "the vertex at column {col_px}, row {row_px}: {error}"),
             Self::Format(error) => error.fmt(f),
+            Self::Spacing { row_px, mesh_px } => write!(
+                f,
+                "the vertices are {row_px} px apart, and the mesh was prepared for {mesh_px} px"
+            ),
         }
     }
 }
@@ -131,12 +143,8 @@ impl VertexRow {
             .map(move |vertex| format.word(&vertex?).map_err(MeshError::Format))
     }
 
-    fn vertex(
-        &self,
-        sensor: &Sensor,
-        sources: &mut SourceRow<'_>,
-        index: u16,
-    ) -> Result<Vertex, MeshError> {
+    /// Column and row of a vertex that is at most one spacing beyond the image.
+    pub(super) fn place(&self, sensor: &Sensor, index: u16) -> Result<[u32; 2], MeshError> {
         let offset_px = u32::from(self.spacing_px).wrapping_mul(u32::from(index));
         let col_px = self.first_col_px.saturating_add(offset_px);
         let row_px = self.row_px;
@@ -146,6 +154,16 @@ impl VertexRow {
         if beyond(col_px, sensor.width_px()) || beyond(row_px, sensor.height_px()) {
             return Err(MeshError::OffImage { col_px, row_px });
         }
+        Ok([col_px, row_px])
+    }
+
+    fn vertex(
+        &self,
+        sensor: &Sensor,
+        sources: &mut SourceRow<'_>,
+        index: u16,
+    ) -> Result<Vertex, MeshError> {
+        let [col_px, row_px] = self.place(sensor, index)?;
         let ideal = sensor.sensor_from_pixel(PixelPoint {
             col_px: pixels(col_px),
             row_px: pixels(row_px),

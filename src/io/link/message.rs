@@ -25,6 +25,7 @@ use crate::geometry::frame_correction::Corrected;
 use crate::geometry::inverse::DistortError;
 use crate::geometry::mesh::MeshRow;
 use crate::geometry::mesh::format::{MAX_WORD_BYTES, MeshFormat};
+use crate::geometry::mesh::pixel_correction::PixelCorrection;
 use crate::geometry::mesh::vertex::{MeshError, VertexRow};
 use crate::geometry::range::OutOfRange;
 use crate::geometry::sensor::SensorPoint;
@@ -97,6 +98,8 @@ pub enum Request {
     Tell(Event),
     /// A row of a warp engine's mesh for the current frame, up to [`MAX_POINTS`] vertices.
     Mesh(VertexRow, MeshFormat),
+    /// Where the vertices of a row of the recorded image are to be drawn, for the current frame, up to [`MAX_POINTS`].
+    Corrections(VertexRow),
 }
 
 /// What the camera answers.
@@ -141,6 +144,8 @@ pub enum Answer {
     Told,
     /// The row's vertices, in order.
     Mesh(MeshBytes),
+    /// The corrections of the row's vertices, corrected - recorded, in order.
+    Corrections(Vec<PixelCorrection, MAX_POINTS>),
 }
 
 /// Why the camera does not do what it is asked for. Nothing has changed, except that after an
@@ -214,7 +219,7 @@ pub enum Refusal {
     QueueFull,
     /// It has no output that clocks the rows of a TDI sensor.
     NoRowClock,
-    /// A vertex of the mesh has no source, or one that the format does not hold.
+    /// A vertex of the mesh is off the image, has no source, or one that the format does not hold.
     Mesh(MeshError),
 }
 

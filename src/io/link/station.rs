@@ -16,6 +16,7 @@ use crate::geometry::estimation::known_lens::KnownLens;
 use crate::geometry::estimation::options::FitOptions;
 use crate::geometry::frame_correction::{Corrected, FrameCorrection};
 use crate::geometry::mesh::format::MeshFormat;
+use crate::geometry::mesh::pixel_correction::{CorrectionMesh, PixelCorrection};
 use crate::geometry::mesh::vertex::VertexRow;
 use crate::geometry::sensor::SensorPoint;
 use heapless::Vec;
@@ -324,6 +325,9 @@ impl<Deck: FlightDeck> Desk<Deck> {
             Request::Mesh(row, format) => {
                 Answer::Mesh(mesh(&self.frame()?.correction, row, *format)?)
             }
+            Request::Corrections(row) => {
+                Answer::Corrections(corrections(&self.frame()?.correction, row)?)
+            }
         };
         Ok((answer, Event::Answered))
     }
@@ -462,6 +466,20 @@ fn mesh(
         let _ = bytes.extend_from_slice(&word.map_err(Refusal::Mesh)?);
     }
     Ok(bytes)
+}
+
+fn corrections(
+    correction: &FrameCorrection,
+    row: &VertexRow,
+) -> Result<Vec<PixelCorrection, MAX_POINTS>, Refusal> {
+    let mut corrections = Vec::new();
+    corrections
+        .resize_default(usize::from(row.count))
+        .map_err(|_| Refusal::TooMany)?;
+    let mesh = CorrectionMesh::new(correction, row.spacing_px);
+    row.corrections(&mesh, &mut corrections)
+        .map_err(Refusal::Mesh)?;
+    Ok(corrections)
 }
 
 /// The first [`MAX_POINTS`] of what there is; collecting could panic.

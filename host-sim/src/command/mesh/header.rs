@@ -1,0 +1,203 @@
+//! mesh.json: what the numbers of a mesh are.
+
+use fmc_camera::Camera;
+use fmc_camera::flight::interior_orientation::InteriorOrientation;
+use fmc_camera::geometry::mesh::pixel_correction::CorrectionMesh;
+use serde::Serialize;
+
+use super::{Content, Layout};
+use crate::cli::{MeshArgs, MeshFormatName};
+use crate::device::DeviceError;
+use crate::failure::Failure;
+use crate::formats::camera_file::CameraFile;
+
+/// What the numbers of the files may be off by, pixels per axis.
+#[derive(Debug, Clone, Copy, Serialize)]
+pub(super) enum Accuracy {
+    /// Largest difference to the camera's number.
+    #[serde(rename = "quantisation_px")]
+    Quantisation(f32),
+    /// The files have the camera's numbers: upper bound of the rounding in them.
+    #[serde(rename = "rounding_bound_px")]
+    Rounding(f32),
+}
+
+impl Accuracy {
+    /// Of a mesh as the camera gave it.
+    pub(super) fn of(
+        args: &MeshArgs,
+        camera: &CameraFile,
+        layout: &Layout,
+        mesh: &[u8],
+    ) -> Result<Self, Failure> {
+        match layout.content {
+            Content::Sources(format) => {
+                let [width, height] = layout.size_px;
+                let longest_px = width.max(height) + u32::from(layout.spacing_px);
+                Ok(Self::Quantisation(
+                    format.quantisation_px(pixels(longest_px)),
+                ))
+            }
+            Content::Corrections => {
+                let request = &args.exposure;
+                let frame = Camera::new(camera.record())
+                    .map_err(DeviceError::Calibration)
+                    .and_then(|camera| {
+                        camera
+                            .frame(&request.exposure())
+                            .map_err(DeviceError::Frame)
+                    })
+                    .map_err(|error| request.refused(&error))?;
+                let (numbers, _) = mesh.as_chunks::<4>();
+                let largest_px = numbers
+                    .iter()
+                    .map(|number| f32::from_le_bytes(*number).abs())
+                    .fold(0.0, f32::max);
+                let bound = CorrectionMesh::new(&frame.correction, layout.spacing_px);
+                Ok(Self::Rounding(bound.rounding_bound_px(largest_px)))
+            }
+        }
+    }
+}
+
+/// mesh.json: what the numbers are.
+#[derive(Debug, Serialize)]
+pub(super) struct Header {
+    camera: String,
+    format: &'static str,
+    files: Vec<&'static str>,
+    layout: &'static str,
+    meaning: &'static str,
+    /// How a graphics processor draws the vertices.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    drawing: Option<Drawing>,
+    /// Vertices along a row.
+    columns: u32,
+    rows: u32,
+    spacing_px: u16,
+    /// The part of the image.
+    origin_px: [u32; 2],
+    size_px: [u32; 2],
+    /// The pixel of the recorded image from which sources count.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    source_origin_px: Option<[u32; 2]>,
+    #[serde(flatten)]
+    accuracy: Accuracy,
+    vh_per_s: f32,
+    exposure_s: f32,
+    direction: &'static str,
+    /// In the corrected image and in the recorded image alike.
+    principal_point_mm: [f32; 2],
+    principal_distance_mm: f32,
+}
+
+/// Coordinates of a vertex, with the whole recorded image as the texture and the whole corrected image as the target.
+#[derive(Debug, Serialize)]
+struct Drawing {
+    place: &'static str,
+    texture: String,
+    position_vulkan: String,
+    position_opengl: String,
+    cells: &'static str,
+}
+
+impl Drawing {
+    fn of(camera: &CameraFile) -> Self {
+        let calibration = camera.record().calibration;
+        let [width, height] = [calibration.width_px, calibration.height_px];
+        let x = format!("x = 2 (col + dcol + 0.5)/{width} - 1");
+        let y = format!("2 (row + drow + 0.5)/{height}");
+        Self {
+            place: "vertex i of the file, from 0: col = origin_px[0] + (i mod columns) spacing_px, row = origin_px[1] + (i div columns) spacing_px; its numbers are dcol and drow",
+            texture: format!(
+                "u = (col + 0.5)/{width}, v = (row + 0.5)/{height}: the recorded image, its first row first in memory"
+            ),
+            position_vulkan: format!("{x}, y = {y} - 1"),
+            position_opengl: format!("{x}, y = 1 - {y}"),
+            cells: "vertices i, i + 1, i + columns and i + columns + 1, where i + 1 is no multiple of columns; two triangles each, depth and face culling off",
+        }
+    }
+}
+
+impl Header {
+    pub(super) fn new(
+        args: &MeshArgs,
+        camera: &CameraFile,
+        record: &InteriorOrientation,
+        layout: &Layout,
+        accuracy: Accuracy,
+        files: &[(&'static str, Vec<u8>)],
+    ) -> Self {
+        let pushes = matches!(layout.content, Content::Corrections);
+        Self {
+            camera: camera.name.clone(),
+            format: args.format.name(),
+            files: files.iter().map(|(name, _)| *name).collect(),
+            layout: numbers(args.format),
+            meaning: meaning(args.format),
+            drawing: pushes.then(|| Drawing::of(camera)),
+            columns: layout.vertices[0],
+            rows: layout.vertices[1],
+            spacing_px: layout.spacing_px,
+            origin_px: layout.origin_px,
+            size_px: layout.size_px,
+            source_origin_px: (!pushes).then_some(layout.source_px),
+            accuracy,
+            vh_per_s: record.vh_per_s,
+            exposure_s: record.exposure_s,
+            direction: args.exposure.direction.name(),
+            principal_point_mm: [record.principal_point.x_mm, record.principal_point.y_mm],
+            principal_distance_mm: record.principal_distance_mm,
+        }
+    }
+}
+
+/// How the numbers lie in the files.
+const fn numbers(format: MeshFormatName) -> &'static str {
+    match format {
+        MeshFormatName::TiLdc => {
+            "row by row, little endian: signed 16 bits of columns, then of rows, in 1/8 px"
+        }
+        MeshFormatName::Dw100 => {
+            "row by row, little endian: 32 bits, the source column in the low half, its row in the high half, unsigned in 1/16 px"
+        }
+        MeshFormatName::Vitis => {
+            "row by row, little endian: signed 32 bits of the source column, then of its row, in 2^-20 px"
+        }
+        MeshFormatName::Vpi => {
+            "row by row, little endian: single-precision source column, then row, px"
+        }
+        MeshFormatName::Opencv => {
+            "a file for source columns and one for source rows, each row by row, little endian, single precision, px"
+        }
+        MeshFormatName::Gpu => {
+            "row by row from the top, little endian, 8 bytes a vertex: single-precision columns to the right, then rows downwards, px (VK_FORMAT_R32G32_SFLOAT; two of GL_FLOAT)"
+        }
+    }
+}
+
+/// What a number says.
+const fn meaning(format: MeshFormatName) -> &'static str {
+    match format {
+        MeshFormatName::TiLdc => {
+            "source minus output pixel at output pixels; the centre of the first pixel is (0, 0)"
+        }
+        MeshFormatName::Gpu => {
+            "corrected minus recorded place at pixels of the recorded image, which are drawn at their corrected places; the centre of the first pixel is (0, 0)"
+        }
+        MeshFormatName::Dw100
+        | MeshFormatName::Vitis
+        | MeshFormatName::Vpi
+        | MeshFormatName::Opencv => {
+            "place in the source image of output pixels; the centre of the first pixel is (0, 0)"
+        }
+    }
+}
+
+#[expect(
+    clippy::cast_precision_loss,
+    reason = "exact: a side has fewer than 2^24 pixels"
+)]
+fn pixels(count: u32) -> f32 {
+    count as f32
+}

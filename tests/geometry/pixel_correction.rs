@@ -1,0 +1,344 @@
+//! Where pixels of the recorded image are to go: the differences in pixels, within the bound they state.
+
+use crate::cameras;
+use crate::mesh::{SPACINGS_PX, form_f64, frames};
+use fmc_camera::geometry::calibration::Calibration;
+use fmc_camera::geometry::evaluation_form::Displacement;
+use fmc_camera::geometry::frame_correction::FrameCorrection;
+use fmc_camera::geometry::mesh::displacement_rows::{DisplacementRows, ROW_ROUNDING_NM};
+use fmc_camera::geometry::mesh::pixel_correction::{CorrectionMesh, PixelCorrection};
+use fmc_camera::geometry::mesh::source_row::SourceRow;
+use fmc_camera::geometry::mesh::vertex::{MeshError, VertexRow};
+use fmc_camera::geometry::sensor::{PixelPoint, Sensor, SensorPoint};
+use proptest::prelude::*;
+
+/// A row from the first column to the last vertex that a mesh may have.
+fn whole_row(sensor: &Sensor, row_px: u32, spacing_px: u16) -> VertexRow {
+    let beyond = sensor.width_px() - 1 + u32::from(spacing_px);
+    VertexRow {
+        first_col_px: 0,
+        row_px,
+        spacing_px,
+        count: u16::try_from(beyond / u32::from(spacing_px) + 1).unwrap(),
+        origin_px: [7, 9],
+    }
+}
+
+fn corrections_of(mesh: &CorrectionMesh, row: &VertexRow) -> Vec<PixelCorrection> {
+    let mut corrections = vec![PixelCorrection::default(); usize::from(row.count)];
+    let filled = row.corrections(mesh, &mut corrections).unwrap().len();
+    assert_eq!(filled, corrections.len());
+    corrections
+}
+
+/// Where the first vertex is, as the camera rounds it.
+fn first_point(sensor: &Sensor, row: &VertexRow) -> SensorPoint {
+    let pixel = [row.first_col_px, row.row_px].map(|place| u16::try_from(place).unwrap());
+    let [col_px, row_px] = pixel.map(f32::from);
+    sensor.sensor_from_pixel(PixelPoint { col_px, row_px })
+}
+
+/// Rows from the first to one spacing beyond the last.
+fn row_places(sensor: &Sensor, spacing_px: u16) -> [u32; 4] {
+    let height_px = sensor.height_px();
+    let beyond = height_px - 1 + u32::from(spacing_px);
+    [0, height_px / 3, height_px - 1, beyond]
+}
+
+/// The largest error over [`row_places`] and the largest correction, px; every row to one spacing beyond the image.
+/// Vertices are where `place_mm` says they are.
+fn largest_error_px(
+    correction: &FrameCorrection,
+    spacing_px: u16,
+    place_mm: fn(&Sensor, &VertexRow, u32) -> [f64; 2],
+) -> [f64; 2] {
+    let sensor = correction.sensor();
+    let mesh = CorrectionMesh::new(correction, spacing_px);
+    let pixel_mm = f64::from(sensor.pixel_mm());
+    let mut largest = [0.0_f64; 2];
+    for row_px in row_places(sensor, spacing_px) {
+        let row = whole_row(sensor, row_px, spacing_px);
+        for (index, found) in (0..).zip(corrections_of(&mesh, &row)) {
+            let [x_mm, y_mm] = place_mm(sensor, &row, index);
+            let [dx, dy] = form_f64(correction, x_mm, y_mm);
+            // Corrected - recorded, rows downwards.
+            let expected = [-dx / pixel_mm, dy / pixel_mm];
+            let found = [found.cols_px, found.rows_px].map(f64::from);
+            for (found, expected) in found.into_iter().zip(expected) {
+                largest[0] = largest[0].max((found - expected).abs());
+                largest[1] = largest[1].max(found.abs());
+            }
+        }
+    }
+    largest
+}
+
+/// Where the camera's arithmetic has a vertex.
+fn as_rounded(sensor: &Sensor, row: &VertexRow, index: u32) -> [f64; 2] {
+    let first = first_point(sensor, row);
+    let step_mm = f32::from(row.spacing_px) * sensor.pixel_mm();
+    let x_mm = f64::from(first.x_mm) + f64::from(index) * f64::from(step_mm);
+    [x_mm, f64::from(first.y_mm)]
+}
+
+/// Where a vertex is.
+fn as_it_is(sensor: &Sensor, row: &VertexRow, index: u32) -> [f64; 2] {
+    // Every pixel here is a whole number of 10 nm.
+    let pixel_mm = (1e5 * f64::from(sensor.pixel_mm())).round() / 1e5;
+    let col_px = f64::from(row.first_col_px + index * u32::from(row.spacing_px));
+    [
+        (col_px - 0.5 * f64::from(sensor.width_px() - 1)) * pixel_mm,
+        (0.5 * f64::from(sensor.height_px() - 1) - f64::from(row.row_px)) * pixel_mm,
+    ]
+}
+
+fn bound_px(correction: &FrameCorrection, spacing_px: u16, largest_px: f64) -> f64 {
+    #[allow(clippy::cast_possible_truncation, reason = "it is one of the f32")]
+    let largest_px = largest_px as f32;
+    f64::from(CorrectionMesh::new(correction, spacing_px).rounding_bound_px(largest_px))
+}
+
+#[test]
+fn corrections_have_the_bits_of_displacement_rows_divided_by_the_pixel() {
+    for (name, correction) in frames() {
+        let sensor = correction.sensor();
+        for spacing_px in [1, 8, 16, 128, 1024] {
+            let step_mm = f32::from(spacing_px) * sensor.pixel_mm();
+            let rows = DisplacementRows::with_margin(&correction, step_mm, step_mm);
+            let mesh = CorrectionMesh::new(&correction, spacing_px);
+            let row = whole_row(sensor, sensor.height_px() / 3, spacing_px);
+            let mut displacements = vec![Displacement::default(); usize::from(row.count)];
+            rows.row(first_point(sensor, &row))
+                .write(&mut displacements);
+            let found = corrections_of(&mesh, &row);
+            for (found, displacement) in found.iter().zip(&displacements) {
+                let expected = [
+                    -displacement.dx_mm / sensor.pixel_mm(),
+                    displacement.dy_mm / sensor.pixel_mm(),
+                ];
+                let found = [found.cols_px, found.rows_px];
+                assert_eq!(
+                    found.map(f32::to_bits),
+                    expected.map(f32::to_bits),
+                    "{name}"
+                );
+            }
+        }
+    }
+}
+
+#[test]
+fn corrections_of_every_camera_are_within_their_stated_bound_to_one_spacing_beyond_the_image() {
+    for (name, correction) in frames() {
+        for spacing_px in [1, 8, 16, 64, 128, 1000, 1024] {
+            let [error_px, largest_px] = largest_error_px(&correction, spacing_px, as_rounded);
+            let bound_px = bound_px(&correction, spacing_px, largest_px);
+            assert!(
+                error_px <= bound_px,
+                "{name}, {spacing_px} px apart: {error_px} > {bound_px} px"
+            );
+        }
+    }
+}
+
+#[test]
+fn places_of_vertices_are_rounded_to_what_moves_a_correction_by_less_than_half_a_nanometre() {
+    // As the documentation of the mesh has it.
+    const PLACE_NM: f64 = 0.4;
+    for (name, correction) in frames() {
+        let pixel_nm = 1e6 * f64::from(correction.sensor().pixel_mm());
+        for spacing_px in [16, 128] {
+            let [error_px, largest_px] = largest_error_px(&correction, spacing_px, as_it_is);
+            let bound_px = bound_px(&correction, spacing_px, largest_px) + PLACE_NM / pixel_nm;
+            assert!(
+                error_px <= bound_px,
+                "{name}, {spacing_px} px apart: {error_px} > {bound_px} px"
+            );
+        }
+    }
+}
+
+#[test]
+fn vertices_beyond_the_image_cost_no_camera_the_four_nanometres_of_its_rows() {
+    for (name, correction) in frames() {
+        for spacing_px in SPACINGS_PX {
+            let step_mm = spacing_px * correction.sensor().pixel_mm();
+            let rows = DisplacementRows::with_margin(&correction, step_mm, step_mm);
+            let bound_nm = rows.rounding_bound_nm();
+            assert!(bound_nm <= ROW_ROUNDING_NM, "{name}: {bound_nm} nm");
+            let without = DisplacementRows::new(&correction, step_mm);
+            assert!(rows.restart_interval() <= without.restart_interval());
+            let no_margin = DisplacementRows::with_margin(&correction, step_mm, 0.0);
+            assert_eq!(no_margin, without);
+            for margin_mm in [f32::NAN, f32::INFINITY] {
+                let rows = DisplacementRows::with_margin(&correction, step_mm, margin_mm);
+                assert!(rows.rounding_bound_nm().is_nan(), "{margin_mm} mm");
+            }
+        }
+    }
+}
+
+#[test]
+fn a_pixel_that_is_pushed_is_pulled_back_to_where_it_was() {
+    // Rounding of the row, 4 nm, of the vertex, 0.4 nm, sources that are 0.3 nm off, and the slope of the distortion
+    // times the rounding of the ideal coordinate, 3.8 nm.
+    const THERE_AND_BACK_NM: f64 = 4.0 + 0.4 + 0.3 + 0.1;
+    let mut farthest_px = 0.0_f32;
+    for (name, correction) in frames() {
+        let sensor = *correction.sensor();
+        let mesh = CorrectionMesh::new(&correction, 64);
+        let [width_px, height_px] = [sensor.width_px(), sensor.height_px()];
+        // Ideal points whose measured ones are on the sensor.
+        for row_px in [height_px / 4, height_px / 2, height_px - 200] {
+            let row = VertexRow {
+                first_col_px: 200,
+                count: u16::try_from((width_px - 400) / 64).unwrap(),
+                ..whole_row(&sensor, row_px, 64)
+            };
+            let mut pulled = SourceRow::new(&correction);
+            for (index, pushed) in (0..).zip(corrections_of(&mesh, &row)) {
+                let recorded_mm = as_it_is(&sensor, &row, index);
+                let pixel_mm = f64::from(sensor.pixel_mm());
+                let ideal_mm = [
+                    recorded_mm[0] + f64::from(pushed.cols_px) * pixel_mm,
+                    recorded_mm[1] - f64::from(pushed.rows_px) * pixel_mm,
+                ];
+                #[allow(clippy::cast_possible_truncation, reason = "as the camera takes it")]
+                let ideal = SensorPoint::new(ideal_mm[0] as f32, ideal_mm[1] as f32);
+                let back = pulled.next(ideal).unwrap();
+                let off_nm = [
+                    f64::from(back.dx_mm) + f64::from(pushed.cols_px) * pixel_mm,
+                    f64::from(back.dy_mm) - f64::from(pushed.rows_px) * pixel_mm,
+                ]
+                .map(|off_mm| 1e6 * off_mm.abs());
+                let worst_nm = off_nm[0].max(off_nm[1]);
+                assert!(worst_nm <= THERE_AND_BACK_NM, "{name}: {worst_nm} nm");
+                farthest_px = farthest_px.max(pushed.cols_px.abs());
+            }
+        }
+    }
+    assert!(farthest_px > 10.0, "{farthest_px} px");
+}
+
+proptest! {
+    #![proptest_config(ProptestConfig::with_cases(200))]
+
+    #[test]
+    fn corrections_of_any_lens_are_within_their_stated_bound(
+        lens in cameras::lenses(),
+        axis in cameras::axes(),
+        motion in cameras::motions(),
+        spacing_px in 1_u16..=1024,
+    ) {
+        let calibration = Calibration::new(cameras::square(lens, axis)).unwrap();
+        let focus = cameras::focus(&calibration, 0.01);
+        let correction = FrameCorrection::exact(&calibration, &motion, &focus);
+        let [error_px, largest_px] = largest_error_px(&correction, spacing_px, as_rounded);
+        let bound_px = bound_px(&correction, spacing_px, largest_px);
+        prop_assert!(error_px <= bound_px, "{error_px} > {bound_px} px");
+    }
+}
+
+/// A frame and a row of three vertices of it, the last of them one spacing beyond the last column.
+fn at_the_end() -> (FrameCorrection, VertexRow) {
+    let calibration = Calibration::new(cameras::published()[0]).unwrap();
+    let correction = FrameCorrection::without_motion(&calibration);
+    let sensor = *correction.sensor();
+    let row = VertexRow {
+        first_col_px: sensor.width_px() - 1 - 16,
+        row_px: sensor.height_px() - 1 + 16,
+        spacing_px: 16,
+        count: 3,
+        origin_px: [0, 0],
+    };
+    (correction, row)
+}
+
+#[test]
+fn a_vertex_more_than_one_spacing_off_the_image_is_refused_by_name_and_nothing_is_filled() {
+    let (correction, row) = at_the_end();
+    let mesh = CorrectionMesh::new(&correction, 16);
+    assert_eq!(corrections_of(&mesh, &row).len(), 3);
+    let mut corrections = [PixelCorrection::default(); 5];
+    let untouched = corrections;
+    let refused = VertexRow { count: 5, ..row }
+        .corrections(&mesh, &mut corrections)
+        .unwrap_err();
+    let [col_px, row_px] = [row.first_col_px + 3 * 16, row.row_px];
+    assert_eq!(refused, MeshError::OffImage { col_px, row_px });
+    assert!(refused.to_string().contains(&format!("column {col_px}")));
+    let below = VertexRow {
+        row_px: row_px + 1,
+        ..row
+    };
+    let refused = below.corrections(&mesh, &mut corrections).unwrap_err();
+    let off_image = MeshError::OffImage {
+        col_px: row.first_col_px,
+        row_px: row_px + 1,
+    };
+    assert_eq!(refused, off_image);
+    for far in [u32::MAX, u32::MAX - 1, 1 << 24] {
+        let row = VertexRow {
+            first_col_px: far,
+            ..row
+        };
+        assert!(row.corrections(&mesh, &mut corrections).is_err(), "{far}");
+    }
+    assert_eq!(corrections, untouched);
+}
+
+#[test]
+fn a_mesh_of_another_spacing_is_refused() {
+    let (correction, row) = at_the_end();
+    let mesh = CorrectionMesh::new(&correction, 8);
+    let refused = row.corrections(&mesh, &mut []).unwrap_err();
+    let spacing = MeshError::Spacing {
+        row_px: 16,
+        mesh_px: 8,
+    };
+    assert_eq!(refused, spacing);
+    assert_eq!(
+        refused.to_string(),
+        "the vertices are 16 px apart, and the mesh was prepared for 8 px"
+    );
+}
+
+#[test]
+fn as_many_vertices_are_filled_as_the_row_has_and_the_slice_has_room_for() {
+    let (correction, row) = at_the_end();
+    let mesh = CorrectionMesh::new(&correction, 16);
+    let all = corrections_of(&mesh, &row);
+    let mut room = [PixelCorrection::default(); 8];
+    let filled = row.corrections(&mesh, &mut room).unwrap();
+    assert_eq!(filled, all);
+    let one = VertexRow { count: 1, ..row };
+    assert_eq!(one.corrections(&mesh, &mut room).unwrap(), &all[..1]);
+    let none = VertexRow { count: 0, ..row };
+    assert!(none.corrections(&mesh, &mut room).unwrap().is_empty());
+    // What finds no room need not be on the image.
+    let long = VertexRow {
+        count: u16::MAX,
+        ..row
+    };
+    assert_eq!(long.corrections(&mesh, &mut room[..3]).unwrap(), all);
+    assert!(long.corrections(&mesh, &mut []).unwrap().is_empty());
+}
+
+#[test]
+fn vertices_that_are_no_pixel_apart_are_all_the_first() {
+    let (correction, _) = at_the_end();
+    let row = VertexRow {
+        first_col_px: 100,
+        row_px: 100,
+        spacing_px: 0,
+        count: 3,
+        origin_px: [0, 0],
+    };
+    let found = corrections_of(&CorrectionMesh::new(&correction, 0), &row);
+    let point = first_point(correction.sensor(), &row);
+    let expected_px = -correction.distortion(point).dx_mm / correction.sensor().pixel_mm();
+    for vertex in &found {
+        assert_eq!(vertex, &found[0]);
+        assert!((vertex.cols_px - expected_px).abs() < 1e-3);
+    }
+}
