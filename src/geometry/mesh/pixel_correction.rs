@@ -1,6 +1,7 @@
 //! Where pixels of the recorded image are to go: meshes that push.
 
 use super::displacement_rows::DisplacementRows;
+use super::rounding_bound::{SECOND_ORDER, UNIT_ROUNDOFF, absolute};
 use super::vertex::{MeshError, VertexRow};
 use crate::geometry::frame_correction::FrameCorrection;
 use crate::geometry::sensor::{PixelPoint, Sensor, pixels};
@@ -29,17 +30,28 @@ pub struct PixelCorrection {
 /// right and rows downwards, `-Dx/p` and `Dy/p`. The corrected image has the same pixels and principal point.
 ///
 /// # Accuracy
-/// [`Self::rounding_bound_px`]: that of the differences, divided by the pixel, and half a unit in the last place of the
-/// quotient and of the pixel. It holds up to one spacing beyond the image too, where the same polynomial goes on: a vertex
-/// there ends the last cell, and is no image point of a calibration. The place of a vertex is itself rounded to 12 nm at
-/// 52 mm, to which 0.5 mm of distortion over 104 mm answers with 0.4 nm.
+/// [`Self::rounding_bound_px`] is `(ε + s)/p + 3u·|c|` for a correction c, against the form's exact value at the vertex's
+/// exact place, with u = 2⁻²⁴:
 ///
-/// The two divisions of a point come to the instructions of [`DisplacementRows`].
+/// - ε is [`DisplacementRows::rounding_bound_nm`].
+/// - s is what the distortion makes of the vertex's rounded place: along the row five roundings of the half width (two of
+///   the pixel's length, one of the row's first vertex, and one of the way from it, which is twice as long), across it three
+///   of the half height, times the largest slopes, those of absolute values of the coefficients.
+/// - 3u·|c| is the division, and the pixel's two roundings in it.
+///
+/// It holds up to one spacing beyond the image, too, where the same polynomial goes on: a vertex there ends the last cell,
+/// and is no image point of any calibration. The bound is at most 5.5 nm for the cameras of `host-sim/cameras` and for
+/// 0.5 mm of distortion over 104 mm, up to 1024 pixels from vertex to vertex; at most 0.8 nm were found
+/// (`tests/geometry/pixel_correction.rs`).
+///
+/// To a point of [`DisplacementRows`] come two divisions.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct CorrectionMesh {
     rows: DisplacementRows,
     sensor: Sensor,
     spacing_px: u16,
+    /// Of what the rounded places of vertices come to, nm.
+    place_bound_nm: f32,
 }
 
 impl CorrectionMesh {
@@ -52,15 +64,31 @@ impl CorrectionMesh {
             rows: DisplacementRows::with_margin(correction, spacing_mm, spacing_mm),
             sensor,
             spacing_px,
+            place_bound_nm: place_bound_nm(correction, spacing_mm),
         }
     }
 
     /// Upper bound of the rounding error of a correction of up to `largest_px`, pixels per axis.
     #[must_use]
     pub fn rounding_bound_px(&self, largest_px: f32) -> f32 {
-        let differences_px = 1e-6 * self.rows.rounding_bound_nm() / self.sensor.pixel_mm();
-        differences_px + largest_px.abs() * f32::EPSILON
+        let row_nm = self.rows.rounding_bound_nm() + self.place_bound_nm;
+        let quotient_px = 3.0 * UNIT_ROUNDOFF * largest_px.abs();
+        SECOND_ORDER * (1e-6 * row_nm / self.sensor.pixel_mm() + quotient_px)
     }
+}
+
+/// What the distortion makes of the rounded places of vertices up to `margin_mm` beyond the sensor, nm per axis.
+fn place_bound_nm(correction: &FrameCorrection, margin_mm: f32) -> f32 {
+    let sensor = correction.sensor();
+    let centre = correction.centre();
+    let reach_x = sensor.half_width_mm() + margin_mm;
+    let reach_y = sensor.half_height_mm() + margin_mm;
+    let steepest = absolute(correction.form())
+        .jacobian(reach_x + centre.x_mm.abs(), reach_y + centre.y_mm.abs());
+    let [along, across] = [5.0 * reach_x, 3.0 * reach_y];
+    let dx = along * steepest.dx_by_x + across * steepest.dx_by_y;
+    let dy = along * steepest.dy_by_x + across * steepest.dy_by_y;
+    1e6 * UNIT_ROUNDOFF * dx.max(dy)
 }
 
 impl VertexRow {

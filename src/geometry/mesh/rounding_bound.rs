@@ -7,14 +7,14 @@ use super::row_polynomial::RowPolynomial;
 use crate::geometry::evaluation_form::EvaluationForm;
 
 /// u: half a unit in the last place, relative.
-const UNIT_ROUNDOFF: f32 = f32::EPSILON / 2.0;
+pub(super) const UNIT_ROUNDOFF: f32 = f32::EPSILON / 2.0;
 
 /// Roundings on the way of the terms without k into the differences, Y and its product with G included.
 const FOLD_OF_OTHERS: f32 = 8.0;
 
 /// First-order terms alone are counted. What they leave out - products of roundings, a start that rounding puts on the far
 /// side of the centre by 6u of the reach, the roundings of the bound itself - is less than a thousandth of it.
-const SECOND_ORDER: f32 = 1.001;
+pub(super) const SECOND_ORDER: f32 = 1.001;
 
 /// What the bound of a frame is made of.
 #[derive(Debug)]
@@ -185,7 +185,7 @@ fn power_of_two_within(number: f32) -> f32 {
 }
 
 /// Absolute values of the coefficients.
-fn absolute(form: &EvaluationForm) -> EvaluationForm {
+pub(super) fn absolute(form: &EvaluationForm) -> EvaluationForm {
     EvaluationForm {
         k0: form.k0.abs(),
         k1: form.k1.abs(),
