@@ -84,20 +84,40 @@ fn mesh_of_a_warp_engine_has_the_bytes_computed_on_this_pc() {
                 assert_eq!(Ok(bytes), twin.mesh(&row, format));
             }
         }
-        // From before the centre, to one spacing beyond the last column, and within one side of it.
-        for (first_col_px, spacing_px) in [(0, 127), (3500, 16), (7496, 8)] {
-            let row = VertexRow {
-                first_col_px,
-                row_px: 6000,
-                spacing_px,
-                count: 64,
-                origin_px: [0, 0],
-            };
-            let bits = |of: &PixelCorrection| [of.cols_px, of.rows_px].map(f32::to_bits);
-            let corrections = qemu.corrections(&row).unwrap();
-            let expected = twin.corrections(&row).unwrap();
-            assert_eq!(corrections.len(), 64);
-            assert!(corrections.iter().map(bits).eq(expected.iter().map(bits)));
+    }
+}
+
+#[test]
+#[ignore = "needs QEMU and the image: cargo xtask test"]
+fn mesh_of_a_graphics_processor_has_the_bits_computed_on_this_pc() {
+    let mut with_k3 = camera();
+    with_k3.calibration.distortion.k3 = 1e-15;
+    for machine in MACHINES {
+        let mut qemu = exposed(machine);
+        for record in [camera(), with_k3] {
+            let mut twin = InProcess::default();
+            let devices: [&mut dyn Device; 2] = [&mut qemu, &mut twin];
+            for device in devices {
+                device.load(&record).unwrap();
+                device.expose(&EXPOSURE).unwrap();
+            }
+            // To one spacing beyond the last column and row, over the centre, and to the right of it.
+            for (first_col_px, row_px, spacing_px) in
+                [(0, 6126, 127), (3500, 0, 16), (7496, 2999, 8)]
+            {
+                let row = VertexRow {
+                    first_col_px,
+                    row_px,
+                    spacing_px,
+                    count: 64,
+                    origin_px: [0, 0],
+                };
+                let bits = |of: &PixelCorrection| [of.cols_px, of.rows_px].map(f32::to_bits);
+                let corrections = qemu.corrections(&row).unwrap();
+                let expected = twin.corrections(&row).unwrap();
+                assert_eq!(corrections.len(), 64);
+                assert!(corrections.iter().map(bits).eq(expected.iter().map(bits)));
+            }
         }
     }
 }

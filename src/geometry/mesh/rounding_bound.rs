@@ -89,7 +89,7 @@ impl RoundingBound {
     /// The bound for the larger of the two axes, nm; it rises with the interval.
     pub(super) fn nanometres(&self, interval: NonZero<u16>, step_mm: f32) -> f32 {
         // A maximum would leave a NaN out.
-        if !(step_mm.is_finite() && self.reach.is_finite()) {
+        if !(step_mm + self.reach).is_finite() {
             return f32::NAN;
         }
         let step = step_mm.abs();
