@@ -90,7 +90,7 @@ fn bound_px(correction: &FrameCorrection, spacing_px: u16, largest_px: f64) -> f
 }
 
 #[test]
-fn corrections_have_the_bits_of_displacement_rows_divided_by_the_pixel() {
+fn corrections_have_the_bits_of_displacement_rows_in_pixels() {
     for (name, correction) in frames() {
         let sensor = correction.sensor();
         for spacing_px in [1, 8, 16, 128, 1024] {
@@ -102,10 +102,11 @@ fn corrections_have_the_bits_of_displacement_rows_divided_by_the_pixel() {
             rows.row(first_point(sensor, &row))
                 .write(&mut displacements);
             let found = corrections_of(&mesh, &row);
+            let pixels_per_mm = 1.0 / sensor.pixel_mm();
             for (found, displacement) in found.iter().zip(&displacements) {
                 let expected = [
-                    -displacement.dx_mm / sensor.pixel_mm(),
-                    displacement.dy_mm / sensor.pixel_mm(),
+                    -displacement.dx_mm * pixels_per_mm,
+                    displacement.dy_mm * pixels_per_mm,
                 ];
                 let found = [found.cols_px, found.rows_px];
                 assert_eq!(

@@ -27,29 +27,31 @@ pub struct PixelCorrection {
 ///
 /// # Units and frames
 /// Vertices are pixels of the recorded image, the centre of its first pixel (0, 0); results are pixels, columns to the
-/// right and rows downwards, `-Dx/p` and `Dy/p`. The corrected image has the same pixels and principal point.
+/// right and rows downwards, `-Dx·(1/p)` and `Dy·(1/p)` with the pixel p. The corrected image has the same pixels and principal point.
 ///
 /// # Accuracy
-/// [`Self::rounding_bound_px`] is `(ε + s)/p + 3u·|c|` for a correction c, against the form's exact value at the vertex's
+/// [`Self::rounding_bound_px`] is `(ε + s)/p + 4u·|c|` for a correction c, against the form's exact value at the vertex's
 /// exact place, with u = 2⁻²⁴:
 ///
 /// - ε is [`DisplacementRows::rounding_bound_nm`].
 /// - s is what the distortion makes of the vertex's rounded place: along the row five roundings of the half width (two of
 ///   the pixel's length, one of the row's first vertex, and one of the way from it, which is twice as long), across it three
 ///   of the half height, times the largest slopes, those of absolute values of the coefficients.
-/// - 3u·|c| is the division, and the pixel's two roundings in it.
+/// - 4u·|c| is the product, and 1/p with the pixel's two roundings in it.
 ///
 /// It holds up to one spacing beyond the image, too, where the same polynomial goes on: a vertex there ends the last cell,
 /// and is no image point of any calibration. The bound is at most 5.5 nm for the cameras of `host-sim/cameras` and for
 /// 0.5 mm of distortion over 104 mm, up to 1024 pixels from vertex to vertex; at most 0.8 nm were found
 /// (`tests/geometry/pixel_correction.rs`).
 ///
-/// To a point of [`DisplacementRows`] come two divisions.
+/// To a point of [`DisplacementRows`] come two products; a division would take 14 cycles on a Cortex-M4F (its manual).
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct CorrectionMesh {
     rows: DisplacementRows,
     sensor: Sensor,
     spacing_px: u16,
+    /// Pixels of a millimetre.
+    pixels_per_mm: f32,
     /// Of what the rounded places of vertices come to, nm.
     place_bound_nm: f32,
 }
@@ -64,6 +66,7 @@ impl CorrectionMesh {
             rows: DisplacementRows::with_margin(correction, spacing_mm, spacing_mm),
             sensor,
             spacing_px,
+            pixels_per_mm: 1.0 / sensor.pixel_mm(),
             place_bound_nm: place_bound_nm(correction, spacing_mm),
         }
     }
@@ -72,8 +75,8 @@ impl CorrectionMesh {
     #[must_use]
     pub fn rounding_bound_px(&self, largest_px: f32) -> f32 {
         let row_nm = self.rows.rounding_bound_nm() + self.place_bound_nm;
-        let quotient_px = 3.0 * UNIT_ROUNDOFF * largest_px.abs();
-        SECOND_ORDER * (1e-6 * row_nm / self.sensor.pixel_mm() + quotient_px)
+        let product_px = 4.0 * UNIT_ROUNDOFF * largest_px.abs();
+        SECOND_ORDER * (1e-6 * row_nm * self.pixels_per_mm + product_px)
     }
 }
 
@@ -96,7 +99,7 @@ impl VertexRow {
     /// the part of it that is filled. [`Self::origin_px`] does not matter.
     ///
     /// # Model
-    /// [`CorrectionMesh`]; the bits are those of [`DisplacementRow::write`], divided by the pixel.
+    /// [`CorrectionMesh`]; the bits are those of [`DisplacementRow::write`] times 1/p.
     ///
     /// # Units and frames
     /// Pixels, columns to the right, rows downwards.
@@ -160,12 +163,12 @@ impl VertexRow {
             col_px: pixels(self.first_col_px),
             row_px: pixels(self.row_px),
         });
-        let pixel_mm = sensor.pixel_mm();
+        let pixels_per_mm = mesh.pixels_per_mm;
         mesh.rows
             .row(first)
             .write_as(corrections, |displacement| PixelCorrection {
-                cols_px: displacement.dx_mm / -pixel_mm,
-                rows_px: displacement.dy_mm / pixel_mm,
+                cols_px: displacement.dx_mm * -pixels_per_mm,
+                rows_px: displacement.dy_mm * pixels_per_mm,
             });
         Ok(corrections)
     }

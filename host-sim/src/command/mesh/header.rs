@@ -114,7 +114,7 @@ impl Drawing {
             ),
             position_vulkan: format!("{x}, y = {y} - 1"),
             position_opengl: format!("{x}, y = 1 - {y}"),
-            cells: "vertices i, i + 1, i + columns and i + columns + 1, where i + 1 is no multiple of columns; two triangles each, depth and face culling off",
+            cells: "vertices i, i + 1, i + columns and i + columns + 1, where i + 1 is no multiple of columns; two triangles each, depth and face culling off; they begin at the centre of the first pixel, so that the outer half of the first column and row is not drawn",
         }
     }
 }
