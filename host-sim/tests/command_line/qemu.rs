@@ -230,8 +230,10 @@ fn camera_that_stops_answering_is_reported_and_ended() {
     let qemu = FakeQemu::new(SCRIPT);
     let mut camera = FakeCamera::new();
     camera.goes_on = Box::new(move |answers| {
-        while answers == 3 {
-            thread::park();
+        if answers == 3 {
+            loop {
+                thread::park();
+            }
         }
         true
     });
