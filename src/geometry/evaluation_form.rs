@@ -110,6 +110,18 @@ impl EvaluationForm {
         along_x.max(self.ty.abs())
     }
 
+    /// The most by which [`Self::jacobian`] changes per mm, in any direction, within `radius` mm of the centre, mm⁻¹.
+    ///
+    /// As the second derivative of `(X, Y)·Rⁿ` is no larger than `2n(2n+1)r²ⁿ⁻¹`, it is
+    /// `6|k₁|r + 20|k₂|r³ + 42|k₃|r⁵ + 2(|hx| + |hy| + |gx| + |gy|)`.
+    pub(super) fn largest_curvature(&self, radius: f32) -> f32 {
+        let r2 = radius * radius;
+        let radial = radius
+            * (6.0 * self.k1.abs() + r2 * (20.0 * self.k2.abs() + r2 * (42.0 * self.k3.abs())));
+        let decentring = self.hx.abs() + self.hy.abs() + self.gx.abs() + self.gy.abs();
+        radial + 2.0 * decentring
+    }
+
     #[inline]
     fn gain(&self, x: f32, y: f32, r2: f32) -> f32 {
         self.k0 + r2 * (self.k1 + r2 * (self.k2 + r2 * self.k3)) + self.hx * x + self.hy * y

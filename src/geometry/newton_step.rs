@@ -17,9 +17,8 @@ pub const MAX_LAST_STEP_FRACTION: f32 = 1e-3;
 /// # Model
 /// Newton and Kantorovich: after a step of length η from where (I - J)⁻¹ is no larger than 1/m and, around,
 /// J changes by no more than C per mm, the solution is no farther than hη with `h = Cη/m ≤ 1/2`. Hence
-/// `η² ≤ m·e/C` for an error e of [`LEFT_BY_ONE_STEP_NM`]. m is the least scale of the calibration. As the second
-/// derivative of `(X, Y)·Rⁿ` is no larger than `2n(2n+1)r²ⁿ⁻¹`, on a disc of radius r
-/// `C = 6|k₁|r + 20|k₂|r³ + 42|k₃|r⁵ + 2(|hx| + |hy| + |gx| + |gy|)`.
+/// `η² ≤ m·e/C` for an error e of [`LEFT_BY_ONE_STEP_NM`]. m is the least scale of the calibration, C the form's largest
+/// curvature.
 pub(super) fn longest_last_step2(
     calibration: &Calibration,
     form: &EvaluationForm,
@@ -31,18 +30,14 @@ pub(super) fn longest_last_step2(
         half_width + centre.x_mm.abs(),
         half_height + centre.y_mm.abs(),
     );
-    let r2 = radius * radius;
-    let radial =
-        radius * (6.0 * form.k1.abs() + r2 * (20.0 * form.k2.abs() + r2 * (42.0 * form.k3.abs())));
-    let decentring = form.hx.abs() + form.hy.abs() + form.gx.abs() + form.gy.abs();
-    let curvature = radial + 2.0 * decentring;
+    let curvature = form.largest_curvature(radius);
     let longest = MAX_LAST_STEP_FRACTION * half_width.min(half_height);
     (1e-6 * LEFT_BY_ONE_STEP_NM * calibration.least_scale().min(1.0) / curvature)
         .min(longest * longest)
 }
 
 /// At least the diagonal of a rectangle, at most a twelfth more, without a root.
-fn longer_than_diagonal(width: f32, height: f32) -> f32 {
+pub(super) fn longer_than_diagonal(width: f32, height: f32) -> f32 {
     let (longer, shorter) = if width >= height {
         (width, height)
     } else {

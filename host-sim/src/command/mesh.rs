@@ -111,9 +111,7 @@ impl Layout {
         let spacing = u32::from(args.spacing);
         let vertices = [width, height].map(|side| match args.format {
             // A map has its last vertex at the last pixel or beyond it,
-            MeshFormatName::Opencv | MeshFormatName::Vitis | MeshFormatName::Gpu => {
-                (side - 1).div_ceil(spacing) + 1
-            }
+            MeshFormatName::Opencv | MeshFormatName::Vitis => (side - 1).div_ceil(spacing) + 1,
             // a mesh of cells where its last cell ends.
             _ => side.div_ceil(spacing) + 1,
         });

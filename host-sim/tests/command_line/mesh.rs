@@ -5,7 +5,7 @@ use std::fs;
 
 use serde_json::Value;
 
-use crate::support::{Bench, CAMERA, EXPOSURE};
+use crate::support::{Bench, CAMERA, EXPOSURE, POINTS};
 
 fn mesh_of(bench: &Bench, more: &[&str]) -> Value {
     let arguments = [&["mesh"], &EXPOSURE[..], more, &["--out", "mesh"]].concat();
@@ -200,40 +200,71 @@ fn vertices_of_a_graphics_processor_go_where_the_reference_has_their_pixels() {
 
 #[test]
 fn header_of_a_graphics_processor_says_how_its_vertices_are_drawn() {
-    let bench = Bench::new();
+    let low = CAMERA.replace("height_px = 9216", "height_px = 6000");
+    assert_ne!(low, CAMERA);
+    let bench = Bench::with(&low, POINTS.as_bytes());
     let part = ["--part", "100,200,33,17"];
     let header = mesh_of(
         &bench,
         &[&["--format", "gpu", "--spacing", "16"], &part[..]].concat(),
     );
     assert_eq!(header["files"], serde_json::json!(["mesh.bin"]));
-    // The last vertex is at the last pixel or beyond it.
+    let [columns, rows] = [4, 3];
     assert_eq!(
         (&header["columns"], &header["rows"]),
-        (&3.into(), &2.into())
+        (&columns.into(), &rows.into())
     );
     assert_eq!(header["origin_px"], serde_json::json!([100, 200]));
     let length = fs::metadata(bench.path("mesh/mesh.bin")).unwrap().len();
-    assert_eq!(length, 8 * 3 * 2);
+    assert_eq!(length, 8 * columns * rows);
+    // What a triangle adds grows with the square of its side, from little.
+    let coarse = mesh_of(&bench, &["--format", "gpu", "--spacing", "160"]);
+    let [fine, coarse] =
+        [&header, &coarse].map(|header| header["interpolation_bound_px"].as_f64().unwrap());
+    assert!(fine > 0.0 && fine < 1e-3, "{fine} px");
+    assert!((100.0..110.0).contains(&(coarse / fine)), "{coarse} {fine}");
     for (text, words) in [
         (
             &header["layout"],
             &["row by row", "little endian", "R32G32_SFLOAT", "px"][..],
         ),
         (&header["meaning"], &["corrected minus recorded", "(0, 0)"]),
-        (&header["drawing"]["texture"], &["(col + 0.5)/9216"]),
         (
-            &header["drawing"]["position_vulkan"],
-            &["(row + drow + 0.5)/9216 - 1"],
+            &header["drawing"]["texture"],
+            &["u = (col + 0.5)/9216", "v = (row + 0.5)/6000", "discard"],
         ),
+        (&header["drawing"]["target"], &["9216 x 6000 px"]),
         (
-            &header["drawing"]["position_opengl"],
-            &["y = 1 - 2 (row + drow + 0.5)/9216"],
+            &header["drawing"]["position"],
+            &[
+                "x = 2 (col + 0.5)/9216 - 1 + 2 dcol/9216",
+                "y = 2 (row + 0.5)/6000 - 1 + 2 drow/6000",
+            ],
         ),
+        (&header["drawing"]["orientation"], &["Vulkan", "OpenGL"]),
+        (&header["drawing"]["cells"], &["columns (rows - 1)"]),
     ] {
         let text = text.as_str().unwrap();
         for word in words {
             assert!(text.contains(word), "{word}: {text}");
+        }
+    }
+}
+
+#[test]
+fn neighbouring_parts_of_a_graphics_processor_leave_no_gap() {
+    for (spacing, width) in [("1", 30), ("16", 33), ("16", 32), ("16", 1)] {
+        let bench = Bench::new();
+        let part = format!("0,0,{width},{width}");
+        let header = mesh_of(
+            &bench,
+            &["--format", "gpu", "--spacing", spacing, "--part", &part],
+        );
+        let spacing: u64 = spacing.parse().unwrap();
+        for vertices in ["columns", "rows"] {
+            let count = header[vertices].as_u64().unwrap();
+            let last = (count - 1) * spacing;
+            assert!(count > 1 && last >= width, "{part}: {vertices} to {last}");
         }
     }
 }
@@ -305,7 +336,7 @@ fn what_an_engine_does_not_take_is_refused_by_name() {
         ),
         (
             &["--format", "opencv", "--spacing", "1"],
-            &["9216 x 9216", "--part"],
+            &["9217 x 9217", "--part"],
         ),
         (
             &["--format", "vpi", "--part", "9000,0,217,10"],

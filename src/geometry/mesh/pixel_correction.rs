@@ -4,6 +4,7 @@ use super::displacement_rows::DisplacementRows;
 use super::rounding_bound::{SECOND_ORDER, UNIT_ROUNDOFF, absolute};
 use super::vertex::{MeshError, VertexRow};
 use crate::geometry::frame_correction::FrameCorrection;
+use crate::geometry::newton_step::longer_than_diagonal;
 use crate::geometry::sensor::{PixelPoint, Sensor, pixels};
 
 /// The way of a pixel of the recorded image to its place in the corrected one: corrected - recorded.
@@ -39,9 +40,11 @@ pub struct PixelCorrection {
 ///   of the half height, times the largest slopes, those of absolute values of the coefficients.
 /// - 4u·|c| is the product, and 1/p with the pixel's two roundings in it.
 ///
+/// No number underflows: corrections below 1e-30 px are not covered.
+///
 /// It holds up to one spacing beyond the image, too, where the same polynomial goes on: a vertex there ends the last cell,
 /// and is no image point of any calibration. The bound is at most 5.5 nm for the cameras of `host-sim/cameras` and for
-/// 0.5 mm of distortion over 104 mm, up to 1024 pixels from vertex to vertex; at most 0.8 nm were found
+/// 0.5 mm of distortion over 104 mm, up to 1024 pixels from vertex to vertex; at most 1 nm was found
 /// (`tests/geometry/pixel_correction.rs`).
 ///
 /// To a point of [`DisplacementRows`] come two products; a division would take 14 cycles on a Cortex-M4F (its manual).
@@ -54,6 +57,7 @@ pub struct CorrectionMesh {
     pixels_per_mm: f32,
     /// Of what the rounded places of vertices come to, nm.
     place_bound_nm: f32,
+    interpolation_bound_px: f32,
 }
 
 impl CorrectionMesh {
@@ -62,11 +66,19 @@ impl CorrectionMesh {
     pub fn new(correction: &FrameCorrection, spacing_px: u16) -> Self {
         let sensor = *correction.sensor();
         let spacing_mm = f32::from(spacing_px) * sensor.pixel_mm();
+        let pixels_per_mm = 1.0 / sensor.pixel_mm();
+        let centre = correction.centre();
+        let radius = longer_than_diagonal(
+            sensor.half_width_mm() + spacing_mm + centre.x_mm.abs(),
+            sensor.half_height_mm() + spacing_mm + centre.y_mm.abs(),
+        );
+        let curvature = correction.form().largest_curvature(radius);
         Self {
             rows: DisplacementRows::with_margin(correction, spacing_mm, spacing_mm),
             sensor,
             spacing_px,
-            pixels_per_mm: 1.0 / sensor.pixel_mm(),
+            pixels_per_mm,
+            interpolation_bound_px: 0.25 * curvature * spacing_mm * spacing_mm * pixels_per_mm,
             place_bound_nm: place_bound_nm(correction, spacing_mm),
         }
     }
@@ -77,6 +89,19 @@ impl CorrectionMesh {
         let row_nm = self.rows.rounding_bound_nm() + self.place_bound_nm;
         let product_px = 4.0 * UNIT_ROUNDOFF * largest_px.abs();
         SECOND_ORDER * (1e-6 * row_nm * self.pixels_per_mm + product_px)
+    }
+
+    /// Upper bound of what a graphics processor leaves of a correction between vertices, pixels: it interpolates linearly
+    /// in triangles, the two halves of squares of one spacing.
+    ///
+    /// # Model
+    /// `C·s²/(4p)` with the spacing s and the form's largest curvature C to one spacing beyond the sensor: the error is half
+    /// the mean, weighted as the interpolation is, of the second derivative along the ways to the three corners, and the
+    /// mean of their squares is at most s²/2. In proportion to the square of the spacing; reached where K1 rules, up to 11
+    /// times what it is where terms compete.
+    #[must_use]
+    pub const fn interpolation_bound_px(&self) -> f32 {
+        self.interpolation_bound_px
     }
 }
 
@@ -91,7 +116,9 @@ fn place_bound_nm(correction: &FrameCorrection, margin_mm: f32) -> f32 {
     let [along, across] = [5.0 * reach_x, 3.0 * reach_y];
     let dx = along * steepest.dx_by_x + across * steepest.dx_by_y;
     let dy = along * steepest.dy_by_x + across * steepest.dy_by_y;
-    1e6 * UNIT_ROUNDOFF * dx.max(dy)
+    // A maximum would leave a NaN out.
+    let larger = if dx > dy || dx.is_nan() { dx } else { dy };
+    1e6 * UNIT_ROUNDOFF * larger
 }
 
 impl VertexRow {

@@ -103,6 +103,7 @@ pub(crate) fn keep() {
         VertexRow::words,
         VertexRow::corrections,
         CorrectionMesh::new,
+        CorrectionMesh::interpolation_bound_px,
         CorrectionMesh::rounding_bound_px,
         MeshFormat::bytes,
         MeshFormat::quantisation_px,

@@ -11,15 +11,22 @@ use crate::device::DeviceError;
 use crate::failure::Failure;
 use crate::formats::camera_file::CameraFile;
 
-/// What the numbers of the files may be off by, pixels per axis.
+/// How near the files come to the camera's model, pixels per axis.
 #[derive(Debug, Clone, Copy, Serialize)]
+#[serde(untagged)]
 pub(super) enum Accuracy {
-    /// Largest difference to the camera's number.
-    #[serde(rename = "quantisation_px")]
-    Quantisation(f32),
-    /// The files have the camera's numbers: upper bound of the rounding in them.
-    #[serde(rename = "rounding_bound_px")]
-    Rounding(f32),
+    /// Sources in the words of a warp engine.
+    Quantised {
+        /// Largest difference to the camera's number.
+        quantisation_px: f32,
+    },
+    /// Corrections as the camera computes them.
+    Rounded {
+        /// Upper bound of the rounding in them.
+        rounding_bound_px: f32,
+        /// Upper bound of what linear interpolation between vertices adds.
+        interpolation_bound_px: f32,
+    },
 }
 
 impl Accuracy {
@@ -34,9 +41,9 @@ impl Accuracy {
             Content::Sources(format) => {
                 let [width, height] = layout.size_px;
                 let longest_px = width.max(height) + u32::from(layout.spacing_px);
-                Ok(Self::Quantisation(
-                    format.quantisation_px(pixels(longest_px)),
-                ))
+                Ok(Self::Quantised {
+                    quantisation_px: format.quantisation_px(pixels(longest_px)),
+                })
             }
             Content::Corrections => {
                 let request = &args.exposure;
@@ -54,7 +61,10 @@ impl Accuracy {
                     .map(|number| f32::from_le_bytes(*number).abs())
                     .fold(0.0, f32::max);
                 let bound = CorrectionMesh::new(&frame.correction, layout.spacing_px);
-                Ok(Self::Rounding(bound.rounding_bound_px(largest_px)))
+                Ok(Self::Rounded {
+                    rounding_bound_px: bound.rounding_bound_px(largest_px),
+                    interpolation_bound_px: bound.interpolation_bound_px(),
+                })
             }
         }
     }
@@ -91,13 +101,14 @@ pub(super) struct Header {
     principal_distance_mm: f32,
 }
 
-/// Coordinates of a vertex, with the whole recorded image as the texture and the whole corrected image as the target.
+/// How the vertices are drawn, with the recorded image as the texture.
 #[derive(Debug, Serialize)]
 struct Drawing {
     place: &'static str,
     texture: String,
-    position_vulkan: String,
-    position_opengl: String,
+    target: String,
+    position: String,
+    orientation: &'static str,
     cells: &'static str,
 }
 
@@ -105,16 +116,19 @@ impl Drawing {
     fn of(camera: &CameraFile) -> Self {
         let calibration = camera.record().calibration;
         let [width, height] = [calibration.width_px, calibration.height_px];
-        let x = format!("x = 2 (col + dcol + 0.5)/{width} - 1");
-        let y = format!("2 (row + drow + 0.5)/{height}");
         Self {
             place: "vertex i of the file, from 0: col = origin_px[0] + (i mod columns) spacing_px, row = origin_px[1] + (i div columns) spacing_px; its numbers are dcol and drow",
             texture: format!(
-                "u = (col + 0.5)/{width}, v = (row + 0.5)/{height}: the recorded image, its first row first in memory"
+                "u = (col + 0.5)/{width}, v = (row + 0.5)/{height}: the whole recorded image, its first row first in memory; one level, linear filter, clamped to the edge; fragments with u or v below 0 or above 1 are no image: discard them"
             ),
-            position_vulkan: format!("{x}, y = {y} - 1"),
-            position_opengl: format!("{x}, y = 1 - {y}"),
-            cells: "vertices i, i + 1, i + columns and i + columns + 1, where i + 1 is no multiple of columns; two triangles each, depth and face culling off; they begin at the centre of the first pixel, so that the outer half of the first column and row is not drawn",
+            target: format!(
+                "the whole corrected image, a viewport of {width} x {height} px; for a part of it subtract its first column and row from col and row in position, and put its width and height in place of {width} and {height}"
+            ),
+            position: format!(
+                "x = 2 (col + 0.5)/{width} - 1 + 2 dcol/{width}, y = 2 (row + 0.5)/{height} - 1 + 2 drow/{height}"
+            ),
+            orientation: "Vulkan, viewport of positive height: the first row is at the top and first in memory; OpenGL: it is first when read back, and at the bottom of a window, where y is to be negated",
+            cells: "vertices i, i + 1, i + columns and i + columns + 1, for i below columns (rows - 1) where i + 1 is no multiple of columns: two triangles along either diagonal, depth and face culling off; they begin at the centre of the first pixel, so that the outer half of the first column and row is not drawn",
         }
     }
 }
