@@ -58,7 +58,7 @@ pub enum Command {
     ///
     /// For graphics processors (gpu) the other way round: for vertices of the recorded image the way to their places in the
     /// corrected one, corrected minus recorded. The recorded image is the texture, and is drawn as triangles between the
-    /// moved vertices, between which it interpolates: the largest error of that is in mesh.json, and grows with the square
+    /// moved vertices, with linear interpolation between: the largest error of that is in mesh.json, and grows with the square
     /// of --spacing. Vertices beyond the image, which end the last cells, continue the distortion.
     ///
     /// The corrected image has the pixels of the sensor; its principal point is the frame's. The camera computes the rows,

@@ -336,7 +336,7 @@ fn what_an_engine_does_not_take_is_refused_by_name() {
         ),
         (
             &["--format", "opencv", "--spacing", "1"],
-            &["9217 x 9217", "--part"],
+            &["9216 x 9216", "--part"],
         ),
         (
             &["--format", "vpi", "--part", "9000,0,217,10"],
@@ -376,7 +376,7 @@ fn what_an_engine_does_not_take_is_refused_by_name() {
         ),
         (
             &["--format", "gpu", "--spacing", "1"],
-            &["9216 x 9216", "--part"],
+            &["9217 x 9217", "--part"],
         ),
         (&["--format", "jpeg"], &["jpeg", "ti-ldc", "opencv", "gpu"]),
         (&["--format", "vpi", "--vh", "0.5"], &["vh"]),
