@@ -2,6 +2,7 @@
 
 mod batch;
 pub mod client;
+mod client_flight;
 pub mod error;
 pub mod flown_camera;
 pub mod flying;

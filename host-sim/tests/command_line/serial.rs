@@ -11,7 +11,7 @@ use fmc_camera::io::link::PROTOCOL_VERSION;
 use fmc_camera::io::link::deck::FlightDeck;
 
 use crate::fake_camera::FakeCamera;
-use crate::support::Bench;
+use crate::support::{Bench, EXPOSURE};
 use crate::terminal::Terminal;
 use crate::wire_format::frame_of;
 
@@ -210,18 +210,14 @@ fn host_killed_in_the_middle_of_a_batch_leaves_a_camera_that_the_next_can_use() 
     });
     let port = Port::with_camera(camera);
     let mut host = bench
-        .command(&[
-            "correct",
-            "--camera",
-            "camera.toml",
-            "--vh",
-            "0.1",
-            "--exposure",
-            "1/200",
-            "--device",
-            &port.device(),
-            "points.csv",
-        ])
+        .command(
+            &[
+                &["correct"],
+                &EXPOSURE[..],
+                &["--device", &port.device(), "points.csv"],
+            ]
+            .concat(),
+        )
         .stdout(Stdio::null())
         .spawn()
         .unwrap();

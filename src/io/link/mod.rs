@@ -28,6 +28,7 @@
 //! Nothing is acted on but a whole frame with the right CRC, of this version, that decodes to its
 //! last byte, from the open session and in order. Everything else is counted ([`message::Counters`]).
 
+mod batch;
 pub mod deck;
 pub mod digest;
 pub mod flown_deck;

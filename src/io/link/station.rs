@@ -3,10 +3,10 @@
 use super::deck::{self, FlightDeck, RigDeck};
 use super::frame::{Damage, Frame, FrameReceiver};
 use super::message::{
-    Answer, CalibrationIdentity, Counters, Header, Identity, MeshBytes, Observations, Points,
-    Refusal, Request, Storage, Unreadable,
+    Answer, CalibrationIdentity, Counters, Header, Identity, Observations, Refusal, Request,
+    Storage, Unreadable,
 };
-use super::{MAX_POINTS, digest};
+use super::{batch, digest};
 use crate::flight::camera::{self, Camera, CameraRecord};
 use crate::flight::exposure::Exposure;
 use crate::flight::frame_record::FrameRecord;
@@ -14,12 +14,7 @@ use crate::flight::interior_orientation::InteriorOrientation;
 use crate::geometry::estimation::adjustment::Adjustment;
 use crate::geometry::estimation::known_lens::KnownLens;
 use crate::geometry::estimation::options::FitOptions;
-use crate::geometry::frame_correction::{Corrected, FrameCorrection};
-use crate::geometry::mesh::format::MeshFormat;
-use crate::geometry::mesh::pixel_correction::{CorrectionMesh, PixelCorrection};
-use crate::geometry::mesh::vertex::VertexRow;
 use crate::geometry::sensor::SensorPoint;
-use heapless::Vec;
 
 /// What a byte led to; for the log, and for what only the board can do.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -270,23 +265,16 @@ impl<Deck: FlightDeck> Desk<Deck> {
             }
             Request::Record => Answer::Frame(self.frame()?.record),
             Request::Correct(measured) => {
-                Answer::Points(correct(&self.frame()?.correction, measured)?)
+                Answer::Points(batch::correct(&self.frame()?.correction, measured)?)
             }
-            Request::Distort(ideal) => Answer::Points(distort(&self.frame()?.correction, ideal)?),
-            Request::Row(row) => {
-                let correction = &self.frame()?.correction;
-                if usize::from(row.count) > MAX_POINTS {
-                    return Err(Refusal::TooMany);
-                }
-                on_sensor(correction, row.points())?;
-                Answer::Row(batch(
-                    row.points().map(|point| correction.distortion(point)),
-                ))
+            Request::Distort(ideal) => {
+                Answer::Points(batch::distort(&self.frame()?.correction, ideal)?)
             }
+            Request::Row(row) => Answer::Row(batch::row(&self.frame()?.correction, row)?),
             Request::Digest(grid) => {
                 deck::check_idle(&self.deck)?;
                 let correction = &self.frame()?.correction;
-                on_sensor(correction, grid.points())?;
+                batch::on_sensor(correction, grid.points())?;
                 Answer::Digest(digest::of_grid(correction, grid))
             }
             Request::Counters => Answer::Counters(self.counters()),
@@ -323,10 +311,10 @@ impl<Deck: FlightDeck> Desk<Deck> {
                 Answer::Told
             }
             Request::Mesh(row, format) => {
-                Answer::Mesh(mesh(&self.frame()?.correction, row, *format)?)
+                Answer::Mesh(batch::mesh(&self.frame()?.correction, row, *format)?)
             }
             Request::Corrections(row) => {
-                Answer::Corrections(corrections(&self.frame()?.correction, row)?)
+                Answer::Corrections(batch::corrections(&self.frame()?.correction, row)?)
             }
         };
         Ok((answer, Event::Answered))
@@ -426,83 +414,6 @@ pub const NOBODY: Header = Header {
     session: 0,
     sequence: 0,
 };
-
-fn correct(
-    correction: &FrameCorrection,
-    measured: &Points,
-) -> Result<Vec<Corrected, MAX_POINTS>, Refusal> {
-    on_sensor(correction, measured.iter().copied())?;
-    Ok(batch(
-        measured.iter().map(|point| correction.correct(*point)),
-    ))
-}
-
-fn distort(
-    correction: &FrameCorrection,
-    ideal: &Points,
-) -> Result<Vec<Corrected, MAX_POINTS>, Refusal> {
-    let mut measured = Vec::new();
-    for (index, point) in (0..).zip(ideal) {
-        let point = correction
-            .distort(*point)
-            .map_err(|error| Refusal::Distort { index, error })?;
-        // There is room: as many come as went.
-        let _ = measured.push(point);
-    }
-    Ok(measured)
-}
-
-fn mesh(
-    correction: &FrameCorrection,
-    row: &VertexRow,
-    format: MeshFormat,
-) -> Result<MeshBytes, Refusal> {
-    if usize::from(row.count) > MAX_POINTS {
-        return Err(Refusal::TooMany);
-    }
-    let mut bytes = MeshBytes::new();
-    for word in row.words(correction, format) {
-        // There is room for the longest words of a full row.
-        let _ = bytes.extend_from_slice(&word.map_err(Refusal::Mesh)?);
-    }
-    Ok(bytes)
-}
-
-fn corrections(
-    correction: &FrameCorrection,
-    row: &VertexRow,
-) -> Result<Vec<PixelCorrection, MAX_POINTS>, Refusal> {
-    let mut corrections = Vec::new();
-    corrections
-        .resize_default(usize::from(row.count))
-        .map_err(|_| Refusal::TooMany)?;
-    let mesh = CorrectionMesh::new(correction, row.spacing_px);
-    row.corrections(&mesh, &mut corrections)
-        .map_err(Refusal::Mesh)?;
-    Ok(corrections)
-}
-
-/// The first [`MAX_POINTS`] of what there is; collecting could panic.
-fn batch<T>(items: impl Iterator<Item = T>) -> Vec<T, MAX_POINTS> {
-    let mut batch = Vec::new();
-    for item in items.take(MAX_POINTS) {
-        let _ = batch.push(item);
-    }
-    batch
-}
-
-/// All points are on the sensor, where a correction means something.
-fn on_sensor(
-    correction: &FrameCorrection,
-    points: impl Iterator<Item = SensorPoint>,
-) -> Result<(), Refusal> {
-    for (index, point) in (0..).zip(points) {
-        if !correction.contains(point) {
-            return Err(Refusal::OffSensor { index });
-        }
-    }
-    Ok(())
-}
 
 fn count(counter: &mut u32) {
     count_more(counter, 1);

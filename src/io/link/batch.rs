@@ -1,0 +1,103 @@
+//! Points, rows and meshes of a frame, as many as a message carries.
+
+use heapless::Vec;
+
+use super::MAX_POINTS;
+use super::message::{MeshBytes, Points, Refusal};
+use crate::geometry::evaluation_form::Displacement;
+use crate::geometry::frame_correction::{Corrected, FrameCorrection};
+use crate::geometry::mesh::MeshRow;
+use crate::geometry::mesh::format::MeshFormat;
+use crate::geometry::mesh::pixel_correction::{CorrectionMesh, PixelCorrection};
+use crate::geometry::mesh::vertex::VertexRow;
+use crate::geometry::sensor::SensorPoint;
+
+pub(super) fn correct(
+    correction: &FrameCorrection,
+    measured: &Points,
+) -> Result<Vec<Corrected, MAX_POINTS>, Refusal> {
+    on_sensor(correction, measured.iter().copied())?;
+    Ok(batch(
+        measured.iter().map(|point| correction.correct(*point)),
+    ))
+}
+
+pub(super) fn distort(
+    correction: &FrameCorrection,
+    ideal: &Points,
+) -> Result<Vec<Corrected, MAX_POINTS>, Refusal> {
+    let mut measured = Vec::new();
+    for (index, point) in (0..).zip(ideal) {
+        let point = correction
+            .distort(*point)
+            .map_err(|error| Refusal::Distort { index, error })?;
+        // There is room: as many come as went.
+        let _ = measured.push(point);
+    }
+    Ok(measured)
+}
+
+pub(super) fn row(
+    correction: &FrameCorrection,
+    row: &MeshRow,
+) -> Result<Vec<Displacement, MAX_POINTS>, Refusal> {
+    if usize::from(row.count) > MAX_POINTS {
+        return Err(Refusal::TooMany);
+    }
+    on_sensor(correction, row.points())?;
+    Ok(batch(
+        row.points().map(|point| correction.distortion(point)),
+    ))
+}
+
+pub(super) fn mesh(
+    correction: &FrameCorrection,
+    row: &VertexRow,
+    format: MeshFormat,
+) -> Result<MeshBytes, Refusal> {
+    if usize::from(row.count) > MAX_POINTS {
+        return Err(Refusal::TooMany);
+    }
+    let mut bytes = MeshBytes::new();
+    for word in row.words(correction, format) {
+        // There is room for the longest words of a full row.
+        let _ = bytes.extend_from_slice(&word.map_err(Refusal::Mesh)?);
+    }
+    Ok(bytes)
+}
+
+pub(super) fn corrections(
+    correction: &FrameCorrection,
+    row: &VertexRow,
+) -> Result<Vec<PixelCorrection, MAX_POINTS>, Refusal> {
+    let mut corrections = Vec::new();
+    corrections
+        .resize_default(usize::from(row.count))
+        .map_err(|_| Refusal::TooMany)?;
+    let mesh = CorrectionMesh::new(correction, row.spacing_px);
+    row.corrections(&mesh, &mut corrections)
+        .map_err(Refusal::Mesh)?;
+    Ok(corrections)
+}
+
+/// The first [`MAX_POINTS`] of what there is; collecting could panic.
+fn batch<T>(items: impl Iterator<Item = T>) -> Vec<T, MAX_POINTS> {
+    let mut batch = Vec::new();
+    for item in items.take(MAX_POINTS) {
+        let _ = batch.push(item);
+    }
+    batch
+}
+
+/// All points are on the sensor, where a correction means something.
+pub(super) fn on_sensor(
+    correction: &FrameCorrection,
+    points: impl Iterator<Item = SensorPoint>,
+) -> Result<(), Refusal> {
+    for (index, point) in (0..).zip(points) {
+        if !correction.contains(point) {
+            return Err(Refusal::OffSensor { index });
+        }
+    }
+    Ok(())
+}
