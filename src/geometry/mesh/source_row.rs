@@ -9,8 +9,9 @@ use crate::geometry::sensor::SensorPoint;
 /// share q of it, 0.1 nm for 5 %.
 pub const LAST_FIXED_POINT_RESIDUAL_NM: f32 = 2.0;
 
-/// The Newton step taken from a residual of at most this length, nm, is the last one: what is left is half the second
-/// derivative of the distortion times the square of a micrometre, 0.001 nm for 0.5 mm of distortion over 104 mm.
+/// The Newton step taken from a residual of at most this length, nm, is the last one, unless it crosses an edge of the
+/// sensor: what is left is half the second derivative of the distortion times the square of a micrometre, 0.001 nm for
+/// 0.5 mm of distortion over 104 mm.
 pub const LAST_NEWTON_RESIDUAL_NM: f32 = 1000.0;
 
 /// The displacements from ideal points to measured ones, each found from those before.
@@ -90,13 +91,18 @@ impl<'frame> SourceRow<'frame> {
         let mut residual_nm = f32::NAN;
         for _ in 0..MAX_STEPS {
             let measured = shifted(ideal, d);
-            let nearest = self.correction.clamped(measured);
-            let residual = difference(d, self.distortion(nearest));
-            let step = newton_step(self.jacobian(measured, nearest), residual);
+            let residual = difference(d, self.distortion(self.correction.clamped(measured)));
+            let step = newton_step(self.jacobian(measured), residual);
             d = difference(d, step);
             residual_nm = length_nm(residual);
             let point = shifted(ideal, d);
-            if residual_nm <= LAST_NEWTON_RESIDUAL_NM && (point.x_mm + point.y_mm).is_finite() {
+            // Where the step has crossed the sensor's edge, it took the derivatives of the wrong side.
+            let last_nm = if self.off_sensor(measured) == self.off_sensor(point) {
+                LAST_NEWTON_RESIDUAL_NM
+            } else {
+                LAST_FIXED_POINT_RESIDUAL_NM
+            };
+            if residual_nm <= last_nm && (point.x_mm + point.y_mm).is_finite() {
                 return Ok(d);
             }
         }
@@ -111,17 +117,27 @@ impl<'frame> SourceRow<'frame> {
     }
 
     /// The derivatives of the distortion; off the sensor it does not change in the direction that leads away.
-    fn jacobian(&self, measured: SensorPoint, nearest: SensorPoint) -> Jacobian {
-        let mut jacobian = self.correction.jacobian(nearest);
-        if (measured.x_mm - nearest.x_mm).abs() > 0.0 {
+    fn jacobian(&self, measured: SensorPoint) -> Jacobian {
+        let mut jacobian = self.correction.jacobian(self.correction.clamped(measured));
+        let [off_x, off_y] = self.off_sensor(measured);
+        if off_x {
             jacobian.dx_by_x = 0.0;
             jacobian.dy_by_x = 0.0;
         }
-        if (measured.y_mm - nearest.y_mm).abs() > 0.0 {
+        if off_y {
             jacobian.dx_by_y = 0.0;
             jacobian.dy_by_y = 0.0;
         }
         jacobian
+    }
+
+    /// Whether a point is beyond the sides, and beyond the lower or the upper edge.
+    fn off_sensor(&self, point: SensorPoint) -> [bool; 2] {
+        let nearest = self.correction.clamped(point);
+        [
+            (point.x_mm - nearest.x_mm).abs() > 0.0,
+            (point.y_mm - nearest.y_mm).abs() > 0.0,
+        ]
     }
 }
 
