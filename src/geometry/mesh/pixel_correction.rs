@@ -97,8 +97,8 @@ impl CorrectionMesh {
     /// # Model
     /// `C·s²/(4p)` with the spacing s and the form's largest curvature C to one spacing beyond the sensor: the error is half
     /// the mean, weighted as the interpolation is, of the second derivative along the ways to the three corners, and the
-    /// mean of their squares is at most s²/2. In proportion to the square of the spacing; reached where K1 rules, up to 11
-    /// times what it is where terms compete.
+    /// mean of their squares is at most s²/2. In proportion to the square of the spacing; every 16 pixels reached where K1
+    /// rules, and up to 11 times what it is where terms compete; more at wide spacing.
     #[must_use]
     pub const fn interpolation_bound_px(&self) -> f32 {
         self.interpolation_bound_px
