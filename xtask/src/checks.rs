@@ -1,20 +1,15 @@
-//! `cargo xtask test`: the steps in order, each announced and timed, up to the first that fails.
+//! `cargo xtask test`: the steps, what each needs, and what it runs. [`crate::schedule`] says in which order.
 
-use std::{
-    process::ExitCode,
-    time::{Duration, Instant},
-};
+use std::{process::ExitCode, time::Instant};
 
 use anyhow::{Context as _, Result};
 use clap::ValueEnum;
 
 use crate::{
-    bench, board,
+    NOT_STARTED, bench, board,
+    equipment::{Equipment, Need},
     firmware::{self, Image},
-    kernel, no_panic,
-    route::Need,
-    target::Targets,
-    verify,
+    kernel, no_panic, schedule, verify,
     workspace::Workspace,
 };
 
@@ -56,75 +51,65 @@ pub(crate) enum Step {
 }
 
 impl Step {
-    fn name(self) -> String {
+    pub(crate) fn name(self) -> String {
         self.to_possible_value()
             .map_or_else(String::new, |value| value.get_name().to_owned())
     }
 
-    fn title(self) -> String {
+    pub(crate) fn title(self) -> String {
         let value = self.to_possible_value();
         value
             .and_then(|value| value.get_help().map(ToString::to_string))
             .unwrap_or_default()
     }
 
-    fn need(self) -> Option<Need> {
+    /// What it needs besides the host's toolchain.
+    pub(crate) fn needs(self) -> &'static [Need] {
         match self {
             Self::Format
             | Self::HostLints
             | Self::HilLints
             | Self::Docs
             | Self::HostTests
-            | Self::Verify => None,
-            Self::TargetLints
-            | Self::TargetBuild
-            | Self::NoPanic
-            | Self::FirmwareLints
-            | Self::FirmwareNoPanic
-            | Self::Board => Some(Need::Toolchain),
-            Self::Firmware | Self::Costs => Some(Need::ToolchainAndQemu),
+            | Self::Verify => &[],
+            Self::TargetLints | Self::FirmwareLints | Self::Board => {
+                &[Need::Compiler, Need::Clippy]
+            }
+            Self::TargetBuild | Self::NoPanic | Self::FirmwareNoPanic => &[Need::Compiler],
+            Self::Firmware | Self::Costs => &[Need::Compiler, Need::Qemu],
         }
     }
 }
 
-/// Runs all steps, or one, and says how to repeat the one that fails.
+/// Runs all steps, or one.
 ///
 /// # Errors
-/// Where a step or the set-up of the target fails.
+/// Where a step fails; the error says how to repeat it.
 pub(crate) fn run(workspace: &Workspace, only: Option<Step>) -> Result<ExitCode> {
+    let Some(step) = only else {
+        return schedule::run(workspace);
+    };
     let start = Instant::now();
-    let steps = only.map_or_else(|| Step::value_variants().to_vec(), |step| vec![step]);
-    let _root = workspace.shell.push_dir(&workspace.root);
-    // First of all, so that a machine that cannot build for a target says so at once.
-    let need = steps.iter().filter_map(|step| step.need()).max();
-    let targets = need
-        .map(|need| Targets::set_up(workspace, need))
-        .transpose()?;
-    for (index, &step) in steps.iter().enumerate() {
-        eprintln!("\n[{}/{}] {}", index + 1, steps.len(), step.title());
-        let start = Instant::now();
-        run_step(step, workspace, targets.as_ref()).with_context(|| {
-            let name = step.name();
-            format!("step {name} failed; run it again alone with `cargo xtask test --only {name}`")
-        })?;
-        eprintln!(
-            "[{}/{}] passed in {}",
-            index + 1,
-            steps.len(),
-            seconds(start.elapsed())
-        );
+    let equipment = Equipment::for_needs(workspace, step.needs());
+    if let Some(lack) = equipment.lack(step.needs()) {
+        eprintln!("xtask: step {} was not run: {lack}", step.name());
+        return Ok(ExitCode::from(NOT_STARTED));
     }
-    let what = only.map_or_else(
-        || format!("all {} steps", steps.len()),
-        |step| format!("step {}", step.name()),
-    );
-    println!("xtask test: {what} passed in {}", seconds(start.elapsed()));
+    let _root = workspace.shell.push_dir(&workspace.root);
+    run_step(step, workspace, &equipment).with_context(|| failure(step))?;
+    let (name, time) = (step.name(), start.elapsed().as_secs_f64());
+    println!("xtask test: step {name} passed in {time:.1} s");
     Ok(ExitCode::SUCCESS)
 }
 
-fn run_step(step: Step, workspace: &Workspace, targets: Option<&Targets<'_>>) -> Result<()> {
-    let targets = || targets.context("the targets are not set up");
-    let target = || targets().map(|targets| &targets.armv7em);
+/// What is said of a step that fails.
+pub(crate) fn failure(step: Step) -> String {
+    let name = step.name();
+    format!("step {name} failed; run it again alone with `cargo xtask test --only {name}`")
+}
+
+fn run_step(step: Step, workspace: &Workspace, equipment: &Equipment<'_>) -> Result<()> {
+    let target = || equipment.targets().map(|targets| &targets.armv7em);
     let command = match step {
         Step::Format => workspace.cargo("fmt --all --check"),
         Step::HostLints => workspace
@@ -148,7 +133,7 @@ fn run_step(step: Step, workspace: &Workspace, targets: Option<&Targets<'_>>) ->
             "clippy --release -p fmc-camera --lib -p fmc-camera-kernel -p kernel-check --bin kernel-check -p no-panic-check --bin no-panic-check -- -D warnings",
         ),
         Step::TargetBuild => {
-            if let Some(helium) = &targets()?.helium {
+            if let Some(helium) = &equipment.targets()?.helium {
                 let build = helium.cargo("build --release -p fmc-camera --lib");
                 eprintln!("$ {build}");
                 build.run()?;
@@ -162,16 +147,16 @@ fn run_step(step: Step, workspace: &Workspace, targets: Option<&Targets<'_>>) ->
         }
         Step::FirmwareNoPanic => return firmware::check_no_panic(target()?),
         Step::Firmware => {
-            kernel::test(workspace, targets()?)?;
-            return firmware::test(workspace, target()?);
+            let emulator = equipment.emulator()?;
+            kernel::test(workspace, equipment.targets()?, emulator)?;
+            return firmware::test(workspace, target()?, emulator);
         }
         Step::Board => return board::check(workspace, target()?),
-        Step::Costs => return bench::check(workspace, targets()?),
+        Step::Costs => {
+            let targets = equipment.targets()?;
+            return bench::check(workspace, targets, equipment.emulator()?, equipment.toolbox());
+        }
     };
     eprintln!("$ {command}");
     command.run().map_err(Into::into)
-}
-
-fn seconds(time: Duration) -> String {
-    format!("{:.1} s", time.as_secs_f64())
 }

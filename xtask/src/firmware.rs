@@ -5,7 +5,13 @@ use std::{fmt, path::PathBuf, process::ExitCode};
 use anyhow::Result;
 use xshell::{Cmd, cmd};
 
-use crate::{no_panic, route::Need, target::Target, workspace::Workspace};
+use crate::{
+    emulator::Emulator,
+    no_panic,
+    target::{Lints, Target},
+    tools::Toolbox,
+    workspace::Workspace,
+};
 
 /// An image.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -54,7 +60,7 @@ fn directory(workspace: &Workspace) -> PathBuf {
 /// # Errors
 /// Where the set-up or the build fails.
 pub(crate) fn run(workspace: &Workspace) -> Result<ExitCode> {
-    let target = Target::set_up(workspace, Need::Toolchain)?;
+    let target = Target::set_up(workspace, &Toolbox::new(workspace), Lints::NotWanted)?;
     let image = build(workspace, &target, Image::Mps2)?;
     println!("{}", image.display());
     Ok(ExitCode::SUCCESS)
@@ -64,10 +70,13 @@ pub(crate) fn run(workspace: &Workspace) -> Result<ExitCode> {
 ///
 /// # Errors
 /// Where the set-up or the build fails.
-pub(crate) fn set_up(workspace: &Workspace) -> Result<()> {
-    let target = Target::set_up(workspace, Need::ToolchainAndQemu)?;
+pub(crate) fn set_up(workspace: &Workspace) -> Result<Emulator> {
+    let toolbox = Toolbox::new(workspace);
+    // First what takes seconds: without it the rest is built for nothing.
+    let emulator = Emulator::set_up(workspace, &toolbox)?;
+    let target = Target::set_up(workspace, &toolbox, Lints::NotWanted)?;
     build(workspace, &target, Image::Mps2)?;
-    Ok(())
+    Ok(emulator)
 }
 
 /// Builds an image and copies it to where `host-sim` looks: the next build puts another in the same place.
@@ -136,7 +145,7 @@ pub(crate) fn check_no_panic(target: &Target<'_>) -> Result<()> {
 ///
 /// # Errors
 /// Where a build or a test fails.
-pub(crate) fn test(workspace: &Workspace, target: &Target<'_>) -> Result<()> {
+pub(crate) fn test(workspace: &Workspace, target: &Target<'_>, emulator: &Emulator) -> Result<()> {
     let flight = build(workspace, target, Image::Mps2)?;
     let with_drills = build(workspace, target, Image::Mps2WithDrills)?;
     // All packages, because their features decide together what the dependencies are built with.
@@ -144,7 +153,8 @@ pub(crate) fn test(workspace: &Workspace, target: &Target<'_>) -> Result<()> {
         workspace.cargo("test --workspace --exclude hil --features fmc-camera/nmea,fmc-camera/mavlink --locked --test firmware -- --ignored");
     let test = test
         .env("FMC_FIRMWARE", flight)
-        .env("FMC_FIRMWARE_WITH_DRILLS", with_drills);
+        .env("FMC_FIRMWARE_WITH_DRILLS", with_drills)
+        .env("PATH", emulator.search_path()?);
     eprintln!("$ {test}");
     test.run().map_err(Into::into)
 }

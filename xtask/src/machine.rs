@@ -1,8 +1,8 @@
-//! What this machine offers for building for a target and running what is built: toolchains, linkers, QEMU, the right
-//! to install.
+//! What this machine offers for building for a target: toolchains, linkers, programs on the search path.
 
 use std::{
-    env, fs,
+    env::{self, consts::EXE_SUFFIX},
+    fs,
     path::{Path, PathBuf},
 };
 
@@ -10,14 +10,19 @@ use anyhow::Result;
 use xshell::{Shell, cmd};
 
 use crate::{
-    route::{Architecture, Facts, QEMU, Toolchain, version},
+    route::{Architecture, Facts, Toolchain},
+    tools::{Tool, Toolbox},
+    version::Version,
     workspace::host_cargo,
 };
 
-/// Where Debian and Ubuntu put a compiler.
+/// Where Debian and Ubuntu install a compiler; on other systems nothing is there.
 pub(crate) const DISTRIBUTION_BIN: &str = "/usr/bin";
 
-/// The facts for [`crate::route::choose`], and what carrying the plan out needs besides.
+/// What library sources must hold, below a compiler's root.
+pub(crate) const COMPILER_SOURCES: &str = "lib/rustlib/src/rust/library/core/Cargo.toml";
+
+/// The facts for [`crate::route::plan`], and what carrying the plan out needs besides.
 #[derive(Debug)]
 pub(crate) struct Machine {
     /// What the decision rests on.
@@ -27,11 +32,15 @@ pub(crate) struct Machine {
 }
 
 impl Machine {
-    /// Looks at the machine; nothing is changed.
+    /// Looks at the machine and at what has been fetched; nothing is changed.
     ///
     /// # Errors
     /// Where the active compiler does not answer.
-    pub(crate) fn look(shell: &Shell, architecture: Architecture) -> Result<Self> {
+    pub(crate) fn look(
+        shell: &Shell,
+        toolbox: &Toolbox<'_>,
+        architecture: Architecture,
+    ) -> Result<Self> {
         let rustc = env::var_os("RUSTC").unwrap_or_else(|| "rustc".into());
         let active = PathBuf::from(cmd!(shell, "{rustc} --print sysroot").quiet().read()?);
         let cargo = host_cargo();
@@ -40,47 +49,41 @@ impl Machine {
             .ignore_stderr()
             .read()
             .is_ok();
-        let distribution = distribution_sysroot(shell);
+        let installed = installed_sysroot(shell);
+        let fetched = toolbox.find(Tool::Compiler);
 
         let bin = Path::new(DISTRIBUTION_BIN);
+        let installed_has_clippy =
+            bin.join("cargo-clippy").is_file() && bin.join("clippy-driver").is_file();
+        let fetched_has_clippy = toolbox.find(Tool::Clippy).is_some();
         let offers = |sysroot: &Path, clippy| Toolchain {
             target_core: has_core(sysroot, architecture),
-            library_sources: sysroot
-                .join("lib/rustlib/src/rust/library/core/Cargo.toml")
-                .is_file(),
+            library_sources: sysroot.join(COMPILER_SOURCES).is_file(),
             clippy,
         };
-        let linker = find_linker(
-            architecture,
-            [Some(active.as_path()), distribution.as_deref()],
-        );
+        let linker = find_linker(architecture, [Some(active.as_path()), installed.as_deref()])
+            .or_else(|| Some(toolbox.find(Tool::Linker)?.program("ld.lld")));
         Ok(Self {
             facts: Facts {
                 active: offers(&active, active_has_clippy),
-                distribution: distribution
+                installed: installed
                     .as_deref()
                     .map_or_else(Toolchain::default, |sysroot| {
-                        offers(
-                            sysroot,
-                            bin.join("cargo-clippy").is_file()
-                                && bin.join("clippy-driver").is_file(),
-                        )
+                        offers(sysroot, installed_has_clippy || fetched_has_clippy)
                     }),
+                fetched: fetched.map_or_else(Toolchain::default, |compiler| {
+                    offers(&compiler.root().join("usr"), fetched_has_clippy)
+                }),
                 linker: linker.is_some(),
-                qemu: on_path(QEMU).is_some(),
-                may_install: bin.join("apt-get").is_file()
-                    && cmd!(shell, "id -u")
-                        .quiet()
-                        .read()
-                        .is_ok_and(|user| user == "0"),
             },
             linker,
         })
     }
 }
 
-/// Root of the distribution's toolchain, where there is one with a cargo that is new enough for this workspace.
-fn distribution_sysroot(shell: &Shell) -> Option<PathBuf> {
+/// Root of the distribution's installed toolchain, where there is one with a cargo that is new enough for this
+/// workspace.
+fn installed_sysroot(shell: &Shell) -> Option<PathBuf> {
     let bin = Path::new(DISTRIBUTION_BIN);
     let rustc = bin.join("rustc");
     if !rustc.is_file() || !bin.join("cargo").is_file() {
@@ -91,7 +94,7 @@ fn distribution_sysroot(shell: &Shell) -> Option<PathBuf> {
         .ignore_stderr()
         .read()
         .ok()?;
-    let new_enough = version(&found)? >= version(env!("CARGO_PKG_RUST_VERSION"))?;
+    let new_enough = Version::find(&found)? >= Tool::Compiler.oldest()?;
     let sysroot = cmd!(shell, "{rustc} --print sysroot")
         .quiet()
         .ignore_stderr()
@@ -113,7 +116,12 @@ fn has_core(sysroot: &Path, architecture: Architecture) -> bool {
 fn find_linker(architecture: Architecture, sysroots: [Option<&Path>; 2]) -> Option<PathBuf> {
     let with_compiler = sysroots.into_iter().flatten().find_map(|sysroot| {
         let hosts = sysroot.join("lib/rustlib");
-        let rust_lld = |host: &String| hosts.join(host).join("bin/rust-lld");
+        let rust_lld = |host: &String| {
+            hosts
+                .join(host)
+                .join("bin")
+                .join(format!("rust-lld{EXE_SUFFIX}"))
+        };
         file_names(&hosts)
             .iter()
             .map(rust_lld)
@@ -141,16 +149,16 @@ fn versioned_lld() -> Option<PathBuf> {
     Some(Path::new(DISTRIBUTION_BIN).join(newest))
 }
 
-/// First executable of this name on the search path.
-fn on_path(name: &str) -> Option<PathBuf> {
+/// First file of this program's name on the search path.
+pub(crate) fn on_path(name: &str) -> Option<PathBuf> {
     let path = env::var_os("PATH")?;
     env::split_paths(&path)
-        .map(|directory| directory.join(name))
+        .map(|directory| directory.join(format!("{name}{EXE_SUFFIX}")))
         .find(|file| file.is_file())
 }
 
 /// Names in a directory; none where it does not exist.
-fn file_names(directory: &Path) -> Vec<String> {
+pub(crate) fn file_names(directory: &Path) -> Vec<String> {
     let entries = fs::read_dir(directory).into_iter().flatten().flatten();
     entries
         .filter_map(|entry| entry.file_name().into_string().ok())

@@ -1,20 +1,28 @@
 //! What the README's commands call: `cargo xtask verify`, `test`, `firmware` and `bench`.
 //!
 //! Each does its own set-up, so that a fresh machine needs no other command. [`route`] decides how the target is
-//! built, [`machine`] collects what that decision rests on, and [`target`] carries it out; [`firmware`] builds the
-//! images, [`mod@bench`] counts what they cost, and [`checks`] is the list of steps behind `test`.
+//! built, [`machine`] collects what that decision rests on, [`tools`] fetches what is absent, and [`target`] and
+//! [`emulator`] carry it out; [`firmware`] builds the images, [`mod@bench`] counts what they cost, [`checks`] is the
+//! list of steps behind `test`, and [`schedule`] their order.
 
 mod bench;
 mod board;
 mod checks;
 mod cores;
+mod emulator;
+mod equipment;
 mod firmware;
 mod kernel;
 mod machine;
+mod missing;
 mod no_panic;
 mod route;
+mod schedule;
+mod system;
 mod target;
+mod tools;
 mod verify;
+mod version;
 mod workspace;
 
 use std::{ffi::OsString, process::ExitCode};
@@ -45,7 +53,8 @@ enum Command {
     /// What a point, frame or message costs: instructions on the emulated cores, modelled cycles, time on this PC, beside
     /// other software (CSV); image sizes and stack
     ///
-    /// Cycles need LLVM's llvm-mca and llvm-objdump, Debian's package llvm-19, which is installed where that is allowed.
+    /// Cycles need LLVM's llvm-mca and llvm-objdump, of 19 or later; where they are not on the search path, Debian's
+    /// package llvm-19 is fetched into the target directory.
     /// `OpenCV` is timed where `python3` has it. The comparison goes to performance.csv and performance.svg in target/bench.
     Bench {
         /// Write the tables and the figure in docs instead
@@ -63,8 +72,8 @@ enum Command {
 
 /// Exit code where the check that was asked for failed.
 const CHECK_FAILED: u8 = 1;
-/// Exit code where `verify` could not be started, so that it says nothing about the camera, or the firmware not built.
-const NOT_STARTED: u8 = 3;
+/// Exit code where something could not be run, so that nothing is said about the camera, or the firmware not built.
+pub(crate) const NOT_STARTED: u8 = 3;
 
 fn main() -> ExitCode {
     let (result, code_of_error) = match Arguments::parse().command {

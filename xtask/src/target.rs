@@ -5,18 +5,27 @@ use std::{
     path::{Path, PathBuf},
 };
 
-use anyhow::{Context as _, Result, ensure};
-use xshell::{Cmd, Shell, cmd};
+use anyhow::{Context as _, Result};
+use xshell::{Cmd, Shell};
 
 use crate::{
     machine::{DISTRIBUTION_BIN, Machine},
-    route::{self, Architecture, Need, Plan, QEMU, Route},
+    missing::Missing,
+    route::{self, Architecture, Plan, Route},
+    tools::{Tool, Toolbox, Unpacked},
     workspace::{Workspace, host_cargo},
 };
 
 /// Processor for the core library where it is built from its sources for Helium: of the same instruction set without
 /// vectors, because compilers up to 1.96 fail on the half-precision numbers of the library when they may use Helium's.
 const PROCESSOR_OF_CORE: &str = "cortex-m33";
+
+/// Whether clippy is needed too.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum Lints {
+    Wanted,
+    NotWanted,
+}
 
 /// The targets of this workspace.
 #[derive(Debug)]
@@ -25,36 +34,35 @@ pub(crate) struct Targets<'a> {
     pub(crate) armv7em: Target<'a>,
     /// Cortex-M55, where a toolchain builds for it.
     pub(crate) helium: Option<Target<'a>>,
-    /// Whether what else is wanted may be installed.
-    pub(crate) may_install: bool,
 }
 
 impl<'a> Targets<'a> {
-    /// Sets up the firmware's target, and Helium's as far as that needs no installation of its own.
+    /// Sets up the firmware's target, and Helium's as far as nothing more has to be fetched for it.
     ///
     /// # Errors
     /// As [`Target::set_up`].
-    pub(crate) fn set_up(workspace: &'a Workspace, need: Need) -> Result<Self> {
-        let armv7em = Target::set_up(workspace, need)?;
-        let machine = Machine::look(&workspace.shell, Architecture::Helium)?;
-        let may_install = machine.facts.may_install;
-        let helium = match route::choose_without_installing(Architecture::Helium, machine.facts) {
-            Ok(route) => Some(Target::new(
-                workspace,
-                Architecture::Helium,
-                route,
-                machine,
-            )?),
-            Err(no_route) => {
-                eprintln!("note: nothing is built or counted for Cortex-M55: {no_route}");
-                None
-            }
+    pub(crate) fn set_up(
+        workspace: &'a Workspace,
+        toolbox: &Toolbox<'_>,
+        lints: Lints,
+    ) -> Result<Self> {
+        let armv7em = Target::set_up(workspace, toolbox, lints)?;
+        let architecture = Architecture::Helium;
+        let machine = Machine::look(&workspace.shell, toolbox, architecture)?;
+        let plan = route::plan(machine.facts);
+        let lack = plan.fetch.iter().find(|tool| **tool != Tool::Clippy);
+        let helium = if let Some(tool) = lack {
+            let target = architecture.target();
+            eprintln!(
+                "note: nothing is built or counted for Cortex-M55: no {tool} (rustup target add {target})"
+            );
+            None
+        } else {
+            let target = Target::new(workspace, toolbox, architecture, &plan, machine);
+            eprintln!("xtask: {}", target.description()?);
+            Some(target)
         };
-        Ok(Self {
-            armv7em,
-            helium,
-            may_install,
-        })
+        Ok(Self { armv7em, helium })
     }
 
     /// The one of an architecture, where there is one.
@@ -72,56 +80,111 @@ pub(crate) struct Target<'a> {
     shell: &'a Shell,
     architecture: Architecture,
     route: Route,
+    programs: Programs,
     linker: Option<PathBuf>,
+    /// Why there are no lints for the target.
+    no_clippy: Option<Missing>,
     /// Apart from the host's: compilers of host and target may differ, and would discard each other's work.
     artifacts: PathBuf,
 }
 
+/// The programs of a route.
+#[derive(Debug)]
+struct Programs {
+    rustc: PathBuf,
+    cargo: PathBuf,
+    /// Called directly: cargo would look for it among the user's own programs first, and find another compiler's. The
+    /// active toolchain's is called by its cargo.
+    cargo_clippy: Option<PathBuf>,
+}
+
+impl Programs {
+    fn of(route: Route, toolbox: &Toolbox<'_>) -> Self {
+        let clippy = |tool: Unpacked| tool.program("cargo-clippy");
+        let fetched_clippy = || toolbox.find(Tool::Clippy).map(clippy);
+        let bin = Path::new(DISTRIBUTION_BIN);
+        match route {
+            Route::Active | Route::ActiveFromSource => Self {
+                rustc: env::var_os("RUSTC")
+                    .unwrap_or_else(|| "rustc".into())
+                    .into(),
+                cargo: host_cargo().into(),
+                cargo_clippy: None,
+            },
+            Route::Installed => Self {
+                rustc: bin.join("rustc"),
+                cargo: bin.join("cargo"),
+                cargo_clippy: Some(bin.join("cargo-clippy"))
+                    .filter(|program| program.is_file())
+                    .or_else(fetched_clippy),
+            },
+            Route::Fetched => {
+                let compiler = toolbox.place(Tool::Compiler);
+                Self {
+                    rustc: compiler.program("rustc"),
+                    cargo: compiler.program("cargo"),
+                    cargo_clippy: fetched_clippy(),
+                }
+            }
+        }
+    }
+}
+
 impl<'a> Target<'a> {
-    /// The firmware's target: chooses the route, installs packages where it needs some, and says in one line what will
-    /// be used.
+    /// The firmware's target: chooses the route, fetches what it needs, and says in one line what will be used.
     ///
     /// # Errors
-    /// Where no route leads to a toolchain, or the installation fails.
-    pub(crate) fn set_up(workspace: &'a Workspace, need: Need) -> Result<Self> {
-        let shell = &workspace.shell;
+    /// [`Missing`] where there is no compiler or no linker and none can be fetched.
+    pub(crate) fn set_up(
+        workspace: &'a Workspace,
+        toolbox: &Toolbox<'_>,
+        lints: Lints,
+    ) -> Result<Self> {
         let architecture = Architecture::Armv7em;
-        let mut machine = Machine::look(shell, architecture)?;
-        let Plan { route, install } = route::choose(architecture, machine.facts, need)?;
-        if !install.is_empty() {
-            install_packages(shell, &install).with_context(|| way_out(&install))?;
-            machine = Machine::look(shell, architecture)?;
-            let after = route::choose(architecture, machine.facts, need)?;
-            ensure!(
-                after.install.is_empty(),
-                "still missing after installation: {}",
-                after.install.join(" ")
-            );
+        let machine = Machine::look(&workspace.shell, toolbox, architecture)?;
+        let plan = route::plan(machine.facts);
+        let mut no_clippy = (!plan.has_clippy).then(Missing::clippy);
+        for tool in &plan.fetch {
+            match (tool, lints) {
+                // Lints are one thing, builds another.
+                (Tool::Clippy, Lints::Wanted) => no_clippy = toolbox.provide(*tool).err(),
+                (Tool::Clippy, Lints::NotWanted) => {}
+                _ => drop(toolbox.provide(*tool)?),
+            }
         }
-        Self::new(workspace, architecture, route, machine)
+        let machine = Machine::look(&workspace.shell, toolbox, architecture)?;
+        let target = Self {
+            no_clippy,
+            ..Self::new(workspace, toolbox, architecture, &plan, machine)
+        };
+        eprintln!("xtask: {}", target.description()?);
+        Ok(target)
     }
 
-    /// Commands of that route on that machine.
+    /// Commands of that plan on that machine.
     fn new(
         workspace: &'a Workspace,
+        toolbox: &Toolbox<'_>,
         architecture: Architecture,
-        route: Route,
+        plan: &Plan,
         machine: Machine,
-    ) -> Result<Self> {
-        let target = Self {
+    ) -> Self {
+        let route = plan.route;
+        Self {
             shell: &workspace.shell,
             architecture,
             route,
+            programs: Programs::of(route, toolbox),
             // A compiler with a compiled core library brings its linker along.
             linker: machine.linker.filter(|_| route != Route::Active),
+            no_clippy: None,
             artifacts: workspace.target_dir.join("thumb"),
-        };
-        eprintln!(
-            "xtask: {}: {}",
-            architecture.target(),
-            target.description()?
-        );
-        Ok(target)
+        }
+    }
+
+    /// Why there are no lints for the target, where there are none.
+    pub(crate) fn no_clippy(&self) -> Option<&Missing> {
+        self.no_clippy.as_ref()
     }
 
     /// Where this target's builds put programs.
@@ -142,25 +205,17 @@ impl<'a> Target<'a> {
 
     /// What the compiler says of itself.
     fn compiler_version(&self) -> Result<String> {
-        let rustc = match self.route {
-            Route::Active | Route::ActiveFromSource => env::var_os("RUSTC")
-                .unwrap_or_else(|| "rustc".into())
-                .into(),
-            Route::Distribution => Path::new(DISTRIBUTION_BIN).join("rustc"),
-        };
-        let version = self
-            .in_environment(self.shell.cmd(rustc).quiet())
-            .arg("--version");
+        let rustc = self.shell.cmd(&self.programs.rustc).quiet();
+        let version = self.in_environment(rustc).arg("--version");
         version.read().map_err(Into::into)
     }
 
     /// Cargo for the target, with the words of `line` as arguments, the subcommand first.
     pub(crate) fn cargo(&self, line: &str) -> Cmd<'a> {
         let (subcommand, arguments) = line.split_once(' ').unwrap_or((line, ""));
-        let program = match self.route {
-            Route::Active | Route::ActiveFromSource => host_cargo().into(),
-            Route::Distribution => distribution_program(subcommand),
-        };
+        let clippy = self.programs.cargo_clippy.as_ref();
+        let program = clippy.filter(|_| subcommand == "clippy");
+        let program = program.unwrap_or(&self.programs.cargo);
         let cargo = self.in_environment(self.shell.cmd(program).quiet());
         let target = self.architecture.target();
         let cargo = cargo.args([subcommand, "--locked", "--target", target, "--target-dir"]);
@@ -198,7 +253,7 @@ impl<'a> Target<'a> {
 
     /// The command with the variables of this route and without those that belong to other builds.
     fn in_environment(&self, command: Cmd<'a>) -> Cmd<'a> {
-        let distribution = self.route == Route::Distribution;
+        let distribution = matches!(self.route, Route::Installed | Route::Fetched);
         let is_foreign =
             |name: &String| is_for_host(name) || (distribution && is_for_active_toolchain(name));
         let names = env::vars_os().filter_map(|(name, _)| name.into_string().ok());
@@ -218,10 +273,9 @@ impl<'a> Target<'a> {
             };
         }
         if distribution {
-            let bin = Path::new(DISTRIBUTION_BIN);
             command = command
-                .env("RUSTC", bin.join("rustc"))
-                .env("CARGO", bin.join("cargo"));
+                .env("RUSTC", &self.programs.rustc)
+                .env("CARGO", &self.programs.cargo);
         }
         match &self.linker {
             Some(linker) => command.env(self.architecture.variable("LINKER"), linker),
@@ -229,31 +283,25 @@ impl<'a> Target<'a> {
         }
     }
 
-    /// Compiler, origin of its core library, and linker.
+    /// The target, its compiler, the origin of its core library, and the linker.
     fn description(&self) -> Result<String> {
-        let rustc = self.compiler_version()?;
+        let target = self.architecture.target();
+        let rustc = self.compiler_version().context(target)?;
         let origin = match self.route {
             Route::Active => "the active toolchain, which has the target",
             Route::ActiveFromSource => "the active toolchain, core built from its sources",
-            Route::Distribution => "the distribution, core built from its sources",
+            Route::Installed => "the distribution, core built from its sources",
+            Route::Fetched => "the distribution, under target/tools, core built from its sources",
         };
         let linker = self
             .linker
             .as_deref()
             .map(|path| format!(", linker {}", path.display()));
-        Ok(format!("{rustc} of {origin}{}", linker.unwrap_or_default()))
+        Ok(format!(
+            "{target}: {rustc} of {origin}{}",
+            linker.unwrap_or_default()
+        ))
     }
-}
-
-/// The distribution's program for a subcommand. Clippy's is called directly, because cargo would look for it
-/// among the user's own programs first and find another compiler's.
-fn distribution_program(subcommand: &str) -> PathBuf {
-    let program = if subcommand == "clippy" {
-        "cargo-clippy"
-    } else {
-        "cargo"
-    };
-    Path::new(DISTRIBUTION_BIN).join(program)
 }
 
 /// Flags and targets that the user set for host builds.
@@ -280,34 +328,6 @@ fn is_for_active_toolchain(name: &str) -> bool {
         ]
         .iter()
         .any(|prefix| name.starts_with(prefix))
-}
-
-/// Installs packages by apt-get; nothing that is installed is removed for them.
-///
-/// # Errors
-/// Where apt-get fails.
-pub(crate) fn install_packages(shell: &Shell, packages: &[&str]) -> Result<()> {
-    eprintln!("xtask: installing {} by apt-get", packages.join(" "));
-    cmd!(shell, "apt-get update --quiet").quiet().run()?;
-    cmd!(
-        shell,
-        "apt-get install --quiet --yes --no-install-recommends --no-remove {packages...}"
-    )
-    .env("DEBIAN_FRONTEND", "noninteractive")
-    .quiet()
-    .run()?;
-    Ok(())
-}
-
-/// What else leads to a target where its packages cannot be installed.
-fn way_out(packages: &[&str]) -> String {
-    let others: Vec<_> = packages.iter().filter(|name| **name != QEMU).collect();
-    if others.is_empty() {
-        format!("the package cannot be installed; instead put {QEMU} on the search path")
-    } else {
-        let target = Architecture::Armv7em.target();
-        format!("the packages cannot be installed; instead try: rustup target add {target}")
-    }
 }
 
 #[cfg(test)]

@@ -6,7 +6,7 @@ use std::{
     process::{Command, ExitCode},
 };
 
-use anyhow::{Context as _, Result};
+use anyhow::{Context as _, Result, ensure};
 
 use crate::{checks::TESTED, firmware, workspace::Workspace};
 
@@ -14,38 +14,42 @@ use crate::{checks::TESTED, firmware, workspace::Workspace};
 const ENDED_BY_SIGNAL: u8 = 3;
 
 /// Builds the firmware where it is needed, and `host-sim`, runs `host-sim verify` with `arguments` in the user's
-/// directory and passes its exit code on. Where no device is named and the firmware or QEMU cannot be had, it says so
-/// and leaves it to `host-sim` to do without.
+/// directory and passes its exit code on. Where no device is named and the firmware or QEMU cannot be had, `host-sim`
+/// does without, and is told why.
 ///
 /// # Errors
 /// Where the firmware was asked for and cannot be built, or `host-sim` cannot be built or started.
-pub(crate) fn run(workspace: &Workspace, mut arguments: Vec<OsString>) -> Result<ExitCode> {
+pub(crate) fn run(workspace: &Workspace, arguments: Vec<OsString>) -> Result<ExitCode> {
+    let mut build = Command::from(workspace.cargo("build --release --locked --package host-sim"));
+    let build = build.spawn().context("start cargo")?;
+    // Beside it: while packages come and one large crate is compiled, a core would wait.
     let firmware = firmware_for(&arguments);
-    if firmware != Firmware::NotUsed {
-        match firmware::set_up(workspace) {
-            Err(error) if firmware == Firmware::Optional => {
-                eprintln!("xtask: no firmware in QEMU: {}", in_one_line(&error));
-            }
-            set_up => set_up?,
+    let set_up = (firmware != Firmware::NotUsed).then(|| firmware::set_up(workspace));
+    let built = build.wait_with_output().context("cargo")?.status;
+    ensure!(built.success(), "host-sim was not built");
+
+    let mut verify = workspace
+        .shell
+        .cmd(workspace.host_sim("release"))
+        .arg("verify");
+    verify = match set_up {
+        None => verify,
+        Some(Ok(emulator)) => verify.env("PATH", emulator.search_path()?),
+        Some(Err(error)) if firmware == Firmware::Optional => {
+            verify.arg("--not-in-qemu").arg(in_one_line(&error))
         }
-    }
-    let host_sim = released_host_sim(workspace)?;
+        Some(Err(error)) => return Err(error),
+    };
     if !names_out(&arguments) {
-        arguments.extend(["--out".into(), default_out(workspace)]);
+        verify = verify.arg("--out").arg(default_out(workspace));
     }
-    let verify = workspace.shell.cmd(host_sim).arg("verify").args(arguments);
-    let status = Command::from(verify).status().context("start host-sim")?;
+    let status = Command::from(verify.args(arguments))
+        .status()
+        .context("start host-sim")?;
     let code = status.code().map_or(ENDED_BY_SIGNAL, |code| {
         u8::try_from(code).unwrap_or(u8::MAX)
     });
     Ok(ExitCode::from(code))
-}
-
-/// `host-sim` as its users have it, built with cargo's progress on the terminal.
-fn released_host_sim(workspace: &Workspace) -> Result<PathBuf> {
-    let build = workspace.cargo("build --release --locked --package host-sim");
-    build.run()?;
-    Ok(workspace.host_sim("release"))
 }
 
 /// `host-sim` as the tests have built it: in a fraction of the time that a release takes.

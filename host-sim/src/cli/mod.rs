@@ -143,6 +143,10 @@ pub struct VerifyArgs {
     /// Folder for report.html, summary.json and frames.csv; made if it does not exist.
     #[arg(long, value_name = "DIR")]
     pub out: Option<PathBuf>,
+    /// The camera's code in this program stands in for QEMU, for this reason: what the workspace's own command found
+    /// out when it set QEMU up.
+    #[arg(long, value_name = "REASON", hide = true, conflicts_with_all = ["device", "firmware"])]
+    pub not_in_qemu: Option<String>,
 }
 
 /// Where the camera runs.

@@ -28,13 +28,23 @@ impl DeviceArgs {
         self.check_options(name)?;
         match self.opener().open(name) {
             Ok(device) => Ok((device, None)),
-            Err(OpenError::NotHere { reason, .. })
+            Err(OpenError::NotHere { reason, help })
                 if self.device.is_none() && self.firmware.is_none() =>
             {
-                Ok((Box::new(InProcess::default()), Some(reason)))
+                let reason = format!("{reason}; to mend it: {help}");
+                Ok((self.stand_in()?, Some(reason)))
             }
             Err(error) => Err(error.into()),
         }
+    }
+
+    /// The camera's code in this process, in the place of QEMU.
+    ///
+    /// # Errors
+    /// [`Failure`] where an option is for QEMU alone.
+    pub(super) fn stand_in(&self) -> Result<Box<dyn Device>, Failure> {
+        self.check_options(&DeviceName::Sil)?;
+        Ok(Box::new(InProcess::default()))
     }
 
     /// Opens the device for a flight; the camera's code in this process where none is named.

@@ -20,19 +20,21 @@ use crate::verify::{grid, run};
 pub(super) fn run(args: &VerifyArgs) -> Result<(), Failure> {
     let cameras = cameras(args.camera.as_deref())?;
     let folder = args.out.as_deref().map(OutputFolder::create).transpose()?;
-    let (mut device, instead_of) = args.device.open_or_fall_back()?;
+    let (mut device, not_in_qemu) = match &args.not_in_qemu {
+        Some(reason) => (args.device.stand_in()?, Some(reason.clone())),
+        None => args.device.open_or_fall_back()?,
+    };
     let mut verification = verify(device.as_mut(), &cameras, args.device.log)?;
     drop(device);
-    if let Some(reason) = instead_of {
-        verification.device = format!("{}; not QEMU: {reason}", verification.device);
-    }
-    output::write(None, |sink| {
-        sink.write_all(table::text(&verification).as_bytes())
-    })?;
+    verification.not_in_qemu = not_in_qemu;
     if let Some(folder) = folder {
         write_report(&folder, &verification)?;
         eprintln!("report: {}", folder.path().join("report.html").display());
     }
+    // Behind everything else: its last line says where it ran.
+    output::write(None, |sink| {
+        sink.write_all(table::text(&verification).as_bytes())
+    })?;
     if verification.passed() {
         Ok(())
     } else if verification.difference.is_some() {
@@ -95,6 +97,7 @@ fn verify(
     bar.finish_and_clear();
     Ok(Verification {
         device: device.description(),
+        not_in_qemu: None,
         evidence: device.evidence(),
         link: device.counters()?,
         difference,

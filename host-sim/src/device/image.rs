@@ -92,7 +92,7 @@ fn is_elf_for_arm(bytes: &[u8]) -> bool {
 }
 
 /// Cargo's target directory, if this program is in it: `<target>/release/host-sim`.
-fn target_dir() -> Option<PathBuf> {
+pub(super) fn target_dir() -> Option<PathBuf> {
     let program = env::current_exe().ok()?;
     let dir = program.parent()?.parent()?;
     // Cargo marks its directories so.

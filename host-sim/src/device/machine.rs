@@ -11,6 +11,7 @@ use std::time::{Duration, Instant};
 
 use wait_timeout::ChildExt as _;
 
+use super::image;
 use super::log::LastLines;
 use super::name::Machine;
 
@@ -45,11 +46,13 @@ pub struct Started {
     pub log: TcpStream,
 }
 
-/// The program on the search path.
+/// The program on the search path, or else that which `cargo xtask` has fetched into this program's target directory.
 #[must_use]
 pub fn find() -> Option<PathBuf> {
-    let path = env::var_os("PATH")?;
+    let fetched = image::target_dir().map(|target| target.join("tools/qemu/bin"));
+    let path = env::var_os("PATH").unwrap_or_default();
     env::split_paths(&path)
+        .chain(fetched)
         .map(|dir| dir.join(format!("{PROGRAM}{}", env::consts::EXE_SUFFIX)))
         .find(|file| file.is_file())
 }

@@ -64,7 +64,8 @@ impl Qemu {
     pub fn start(machine: Machine, options: &QemuOptions) -> Result<Self, OpenError> {
         let program = machine::find().ok_or_else(|| OpenError::NotHere {
             reason: format!("{PROGRAM} is not on the search path (PATH)"),
-            help: "install QEMU for ARM (Debian, Ubuntu: the package qemu-system-arm), or use --device sil"
+            help: "cargo xtask verify, which fetches it on Debian and Ubuntu; elsewhere install QEMU 7.2 or later, \
+                   or use --device sil"
                 .to_owned(),
         })?;
         let image = Image::find(options.firmware.as_deref())?;

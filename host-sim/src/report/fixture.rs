@@ -18,6 +18,7 @@ pub(super) fn failing() -> Verification {
 pub(super) fn of(cameras: Vec<CameraResult>) -> Verification {
     Verification {
         device: "mock camera".to_owned(),
+        not_in_qemu: None,
         evidence: Evidence {
             by_digest: 36,
             by_value: 5,

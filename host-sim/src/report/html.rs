@@ -28,7 +28,8 @@ struct Page {
     headline: String,
     failures: Vec<String>,
     worst: Option<String>,
-    device: String,
+    place: String,
+    is_stand_in: bool,
     evidence: String,
     limits: String,
     comparison: Comparison,
@@ -73,7 +74,8 @@ pub fn page(verification: &Verification) -> Result<String, PageError> {
         headline: verdict.headline,
         failures: verdict.failures,
         worst: verdict.worst,
-        device: verification.device.clone(),
+        place: verification.place(),
+        is_stand_in: verification.not_in_qemu.is_some(),
         evidence: wording::evidence(&verification.evidence),
         limits: verdict::limits(),
         comparison: Comparison::of(verification),
@@ -148,6 +150,18 @@ mod tests {
         assert!(page.contains("class=\"verdict failed\""));
         assert!(page.contains("Beta: error of dx or dy 2.00 nm exceeds 1.5 nm"));
         assert!(page.contains("class=\"fail\""));
+    }
+
+    #[test]
+    fn page_says_first_and_last_where_it_ran() {
+        let mut verification = fixture::passing();
+        let place = "Computed by: mock camera";
+        assert_eq!(page(&verification).unwrap().matches(place).count(), 2);
+        verification.not_in_qemu = Some("no QEMU: no network".to_owned());
+        let place = "Computed by: mock camera, NOT in QEMU: no QEMU: no network";
+        let page = page(&verification).unwrap();
+        assert_eq!(page.matches(place).count(), 2);
+        assert_eq!(page.matches("<p class=\"stand-in\">").count(), 2);
     }
 
     #[test]

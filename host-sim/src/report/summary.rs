@@ -11,7 +11,7 @@ use crate::verify::result::{
 /// The numbers of a verification. Keys are only ever added.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct Summary {
-    /// What computed the corrections.
+    /// What computed the corrections; where it stands in for QEMU, also why.
     pub device: String,
     /// Points compared.
     pub points: u64,
@@ -41,6 +41,8 @@ pub struct Summary {
     pub worst: Option<Worst>,
     /// Every camera.
     pub cameras: Vec<CameraSummary>,
+    /// Why the device was not QEMU, which was meant, and what mends that; null where it was, or another was asked for.
+    pub not_in_qemu: Option<String>,
 }
 
 /// The limits, nm.
@@ -116,7 +118,7 @@ impl Summary {
             solver_error_mm = solver_error_mm.max(camera.solver_error_mm());
         }
         Self {
-            device: verification.device.clone(),
+            device: verification.place(),
             points: verification.points(),
             points_by_digest: verification.evidence.by_digest,
             points_by_value: verification.evidence.by_value,
@@ -138,6 +140,7 @@ impl Summary {
                 point: camera.worst.clone(),
             }),
             cameras: verification.cameras.iter().map(CameraSummary::of).collect(),
+            not_in_qemu: verification.not_in_qemu.clone(),
         }
     }
 }
@@ -185,6 +188,7 @@ mod tests {
             "cameras",
             "passed",
             "worst",
+            "not_in_qemu",
         ] {
             assert!(json.get(key).is_some(), "{key} is missing");
         }

@@ -7,12 +7,13 @@ use super::verdict::{self, Verdict};
 use super::wording;
 use crate::verify::result::Verification;
 
-/// The whole verification: device, a row per camera, the worst case and the verdict.
+/// The whole verification: where it ran, a row per camera, the worst case, the verdict, and where it ran again: the
+/// first line may have left the terminal.
 #[must_use]
 pub fn text(verification: &Verification) -> String {
     let verdict = Verdict::of(verification);
     let mut lines = vec![
-        format!("device: {}", verification.device),
+        format!("device: {}", verification.place()),
         format!("points: {}", wording::evidence(&verification.evidence)),
     ];
     lines.extend(
@@ -30,6 +31,7 @@ pub fn text(verification: &Verification) -> String {
     lines.push(format!("limits: {}", verdict::limits()));
     let word = if verdict.passed { "PASS" } else { "FAIL" };
     lines.push(format!("{word}: {}", verdict.headline));
+    lines.push(format!("ran on {}", verification.place()));
     lines.join("\n") + "\n"
 }
 
@@ -93,7 +95,20 @@ mod tests {
         ] {
             assert!(text.contains(part), "{part} is missing in\n{text}");
         }
-        assert!(text.lines().last().unwrap().starts_with("PASS: "));
+        let last: Vec<_> = text.lines().rev().take(2).collect();
+        assert_eq!(last[0], "ran on mock camera");
+        assert!(last[1].starts_with("PASS: "));
+    }
+
+    #[test]
+    fn stand_in_for_qemu_is_the_first_line_and_the_last() {
+        let mut verification = fixture::passing();
+        verification.not_in_qemu = Some("no QEMU: none here; to mend it: brew install".to_owned());
+        let text = text(&verification);
+        let lines: Vec<_> = text.lines().collect();
+        let place = "mock camera, NOT in QEMU: no QEMU: none here; to mend it: brew install";
+        assert_eq!(lines[0], format!("device: {place}"));
+        assert_eq!(lines[lines.len() - 1], format!("ran on {place}"));
     }
 
     #[test]
@@ -106,6 +121,6 @@ mod tests {
     fn failing_verification_says_so_and_names_the_camera() {
         let text = text(&fixture::failing());
         assert!(text.contains("Beta: error of dx or dy 2.00 nm exceeds 1.5 nm"));
-        assert!(text.lines().last().unwrap().starts_with("FAIL: "));
+        assert!(text.lines().any(|line| line.starts_with("FAIL: ")));
     }
 }

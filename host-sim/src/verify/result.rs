@@ -251,6 +251,8 @@ impl CameraResult {
 pub struct Verification {
     /// What computed the corrections.
     pub device: String,
+    /// Why it was not QEMU, which was meant, and what mends that.
+    pub not_in_qemu: Option<String>,
     /// How its points are known to be its own.
     pub evidence: Evidence,
     /// What its end of the link has seen.
@@ -262,6 +264,15 @@ pub struct Verification {
 }
 
 impl Verification {
+    /// Where it ran: the device, and where it stands in for QEMU, why.
+    #[must_use]
+    pub fn place(&self) -> String {
+        match &self.not_in_qemu {
+            Some(reason) => format!("{}, NOT in QEMU: {reason}", self.device),
+            None => self.device.clone(),
+        }
+    }
+
     /// Points compared.
     #[must_use]
     pub fn points(&self) -> u64 {

@@ -10,6 +10,7 @@ use std::process::{Command, Stdio};
 use std::thread;
 use std::time::{Duration, Instant};
 
+use assert_cmd::cargo::cargo_bin;
 use fmc_camera::SensorPoint;
 use fmc_camera::flight::camera::FrameError;
 use fmc_camera::geometry::calibration::{CalibrationError, Polynomial};
@@ -130,8 +131,10 @@ const VERIFY: [&str; 5] = ["verify", "--camera", "camera.toml", "--device", "qem
 #[test]
 fn qemu_that_is_missing_is_an_error_where_it_was_asked_for_and_a_note_where_not() {
     let bench = Bench::new();
+    let program = in_a_target_directory(&bench);
     let run = |arguments: &[&str]| {
-        let mut command = bench.command(arguments);
+        let mut command = Command::new(&program);
+        command.args(arguments).current_dir(bench.folder());
         Output::new(&command.env("PATH", bench.folder()).output().unwrap())
     };
     for arguments in [&CORRECT[..], &VERIFY] {
@@ -141,13 +144,78 @@ fn qemu_that_is_missing_is_an_error_where_it_was_asked_for_and_a_note_where_not(
         );
     }
     let answer = run(&["verify", "--camera", "camera.toml"]).ok();
-    let first = answer.stdout.lines().next().unwrap();
-    assert!(
-        first.starts_with("device: sil") && first.contains("qemu-system-arm is not on"),
-        "{first}"
-    );
+    let lines: Vec<_> = answer.stdout.lines().collect();
+    let (first, last) = (lines[0], lines[lines.len() - 1]);
+    assert!(first.starts_with("device: sil"), "{first}");
+    assert!(last.starts_with("ran on sil"), "{last}");
+    for line in [first, last] {
+        for part in [
+            "NOT in QEMU: qemu-system-arm is not on the search path",
+            "to mend it: cargo xtask verify",
+        ] {
+            assert!(line.contains(part), "{line}");
+        }
+    }
     // An image that is named is meant to run.
     run(&["verify", "--firmware", "firmware.elf"]).failed(3, &["qemu-system-arm"]);
+}
+
+#[test]
+fn reason_of_the_workspace_is_the_first_line_and_the_last() {
+    let bench = Bench::new();
+    let reason = "no QEMU: no network; to mend it: sudo apt-get install qemu-system-arm";
+    let arguments = ["verify", "--camera", "camera.toml", "--not-in-qemu", reason];
+    let answer = bench
+        .run(&[&arguments[..], &["--out", "out"]].concat())
+        .ok();
+    let lines: Vec<_> = answer.stdout.lines().collect();
+    for line in [lines[0], lines[lines.len() - 1]] {
+        assert!(line.ends_with(&format!("NOT in QEMU: {reason}")), "{line}");
+    }
+    for file in ["summary.json", "report.html"] {
+        let text = fs::read_to_string(bench.path("out").join(file)).unwrap();
+        assert_eq!(text.matches(reason).count(), 2, "{file}");
+    }
+    bench
+        .run(&[&arguments[..], &["--device", "sil"]].concat())
+        .refused(&["--not-in-qemu", "--device"]);
+}
+
+#[test]
+fn qemu_that_the_workspace_has_fetched_is_found_behind_the_search_path() {
+    let bench = Bench::new();
+    let program = in_a_target_directory(&bench);
+    let fetched = bench.path("target/tools/qemu/bin/qemu-system-arm");
+    fs::create_dir_all(fetched.parent().unwrap()).unwrap();
+    fs::write(
+        &fetched,
+        "#!/bin/sh\necho 'this is the fetched one' >&2\nexit 7\n",
+    )
+    .unwrap();
+    fs::set_permissions(&fetched, fs::Permissions::from_mode(0o755)).unwrap();
+    let qemu = FakeQemu::new("#!/bin/sh\necho 'this is on the search path' >&2\nexit 7\n");
+    for (path, says) in [
+        (bench.folder().to_owned(), "this is the fetched one"),
+        (qemu.path(""), "this is on the search path"),
+    ] {
+        let mut command = Command::new(&program);
+        command
+            .args(VERIFY)
+            .current_dir(bench.folder())
+            .env("PATH", path)
+            .env("FMC_FIRMWARE", qemu.bench.path("firmware.elf"));
+        Output::new(&command.output().unwrap()).failed(3, &[says]);
+    }
+}
+
+/// The program in a target directory of its own, in which nothing has been fetched.
+fn in_a_target_directory(bench: &Bench) -> PathBuf {
+    let directory = bench.path("target/debug");
+    fs::create_dir_all(&directory).unwrap();
+    fs::write(bench.path("target/CACHEDIR.TAG"), "").unwrap();
+    let program = directory.join("host-sim");
+    fs::copy(cargo_bin!("host-sim"), &program).unwrap();
+    program
 }
 
 #[test]

@@ -25,6 +25,7 @@ fn camera_agrees_with_the_strict_solver_on_the_whole_grid() {
     let mut device = InProcess::default();
     let verification = Verification {
         device: "sil".to_owned(),
+        not_in_qemu: None,
         evidence: Evidence::default(),
         link: None,
         difference: None,

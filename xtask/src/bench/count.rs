@@ -1,15 +1,18 @@
 //! Instructions, counted in QEMU on the emulated cores.
 
+use std::time::Duration;
+
 use anyhow::{Context as _, Result, ensure};
 use serde::Deserialize;
-use xshell::cmd;
 
 use super::cost::Instructions;
 use crate::{
     cores::{Core, Program},
-    route::QEMU,
-    workspace::Workspace,
+    emulator::Emulator,
 };
+
+/// Counting takes some seconds where nothing else runs.
+const LIMIT: Duration = Duration::from_mins(10);
 
 /// A line of the counting program.
 #[derive(Debug, Deserialize)]
@@ -27,7 +30,7 @@ pub(super) const PROGRAM: &str = "instruction-count";
 ///
 /// # Errors
 /// Where QEMU fails, or prints nothing.
-pub(super) fn count(workspace: &Workspace, programs: &[Program<'_>]) -> Result<Vec<Instructions>> {
+pub(super) fn count(emulator: &Emulator, programs: &[Program<'_>]) -> Result<Vec<Instructions>> {
     let mut rows = Vec::new();
     for Program {
         core,
@@ -38,13 +41,8 @@ pub(super) fn count(workspace: &Workspace, programs: &[Program<'_>]) -> Result<V
         let Core { name, machine, .. } = core;
         let compiler = target.compiler()?;
         // One instruction takes one nanosecond of the emulated time.
-        let qemu = cmd!(
-            workspace.shell,
-            "timeout 600 {QEMU} -M {machine} -display none -monitor none -serial none -icount shift=0 -semihosting-config enable=on,target=native -kernel {image}"
-        );
-        let counted = qemu
-            .quiet()
-            .read()
+        let counted = emulator
+            .run(machine, &["-icount", "shift=0"], image, LIMIT)
             .with_context(|| format!("count on {machine}"))?;
         let mut reader = csv::ReaderBuilder::new()
             .has_headers(false)

@@ -8,6 +8,7 @@ use serde::Deserialize;
 
 use super::cost::Footprint;
 use crate::{
+    emulator::Emulator,
     firmware::{self, Image},
     target::Target,
     verify,
@@ -40,7 +41,11 @@ fn sizes(image: &Path) -> Result<(u64, u64)> {
 }
 
 /// Sizes of the flight image, and its stack over a verification of one camera.
-pub(super) fn footprint(workspace: &Workspace, target: &Target<'_>) -> Result<Footprint> {
+pub(super) fn footprint(
+    workspace: &Workspace,
+    target: &Target<'_>,
+    emulator: &Emulator,
+) -> Result<Footprint> {
     let image = firmware::build(workspace, target, Image::Mps2)?;
     let (flash_bytes, static_ram_bytes) = sizes(&image)?;
     let host_sim = verify::tested_host_sim(workspace)?;
@@ -52,6 +57,7 @@ pub(super) fn footprint(workspace: &Workspace, target: &Target<'_>) -> Result<Fo
         .arg(camera)
         .arg("--out")
         .arg(&out)
+        .env("PATH", emulator.search_path()?)
         .ignore_stdout()
         .run()?;
     let summary = fs::read_to_string(out.join("summary.json"))?;

@@ -1,5 +1,7 @@
 //! This PC: the kernel's time per point beside copying the same bytes, another crate, and `OpenCV`.
 
+use std::env::consts::EXE_SUFFIX;
+
 use anyhow::{Context as _, Result};
 use serde::Deserialize;
 use xshell::cmd;
@@ -33,7 +35,9 @@ pub(super) fn times(workspace: &Workspace) -> Result<Vec<Row>> {
     let build = workspace.cargo("build --release -p host-benches --locked");
     eprintln!("$ {build}");
     build.run()?;
-    let program = workspace.target_dir.join("release/host-benches");
+    let program = workspace
+        .target_dir
+        .join(format!("release/host-benches{EXE_SUFFIX}"));
     let compiler = cmd!(workspace.shell, "rustc --version").quiet().read()?;
     let compiler: Vec<_> = compiler.split_whitespace().take(2).collect();
     eprintln!("$ host-benches {}", SIZES.join(" "));

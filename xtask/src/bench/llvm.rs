@@ -10,13 +10,10 @@ use anyhow::{Context as _, Result};
 use serde::Deserialize;
 use xshell::{Shell, cmd};
 
-use crate::target::install_packages;
+use crate::tools::{Tool, Toolbox};
 
 /// The first whose models were tried: 14 has none of the Cortex-M55.
 const OLDEST: u32 = 19;
-
-/// Debian's package of both tools.
-const PACKAGE: &str = "llvm-19";
 
 /// Rounds of a loop that are modelled: what comes before it is at full speed is nothing beside them.
 const ROUNDS: u32 = 500;
@@ -50,27 +47,22 @@ struct Summary {
 }
 
 impl<'a> Llvm<'a> {
-    /// Finds the tools on the search path, or installs them where that is allowed; else says that no cycles are
+    /// Finds the tools on the search path, or else fetches them; where they cannot be had, says that no cycles are
     /// modelled.
-    pub(super) fn set_up(shell: &'a Shell, may_install: bool) -> Option<Self> {
-        let found = Self::find(shell).or_else(|| {
-            if may_install && let Err(fault) = install_packages(shell, &[PACKAGE]) {
-                eprintln!("note: {fault:#}");
+    pub(super) fn set_up(shell: &'a Shell, toolbox: &Toolbox<'_>) -> Option<Self> {
+        let found = env::var_os("PATH").and_then(|path| Self::find(shell, env::split_paths(&path)));
+        found.or_else(|| match toolbox.provide(Tool::Llvm) {
+            Ok(tool) => Self::find(shell, [tool.bin()]),
+            Err(missing) => {
+                eprintln!("note: no cycles are modelled: {missing}");
+                None
             }
-            Self::find(shell)
-        });
-        if found.is_none() {
-            eprintln!(
-                "note: no cycles are modelled: llvm-mca {OLDEST} or later is not here (Debian's package {PACKAGE})"
-            );
-        }
-        found
+        })
     }
 
-    /// The newest on the search path that is not too old.
-    fn find(shell: &'a Shell) -> Option<Self> {
-        let path = env::var_os("PATH")?;
-        let tools = env::split_paths(&path).flat_map(|directory| {
+    /// The newest in these directories that is not too old.
+    fn find(shell: &'a Shell, directories: impl IntoIterator<Item = PathBuf>) -> Option<Self> {
+        let tools = directories.into_iter().flat_map(|directory| {
             let names = fs::read_dir(&directory).into_iter().flatten().flatten();
             let names = names.filter_map(|entry| entry.file_name().into_string().ok());
             let suffixes =

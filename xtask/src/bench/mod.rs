@@ -19,8 +19,9 @@ use anyhow::{Context as _, Result, ensure};
 
 use crate::{
     cores::{self, Program},
-    route::Need,
-    target::Targets,
+    emulator::Emulator,
+    target::{Lints, Targets},
+    tools::Toolbox,
     workspace::Workspace,
 };
 use cost::{Footprint, Instructions};
@@ -38,12 +39,18 @@ const FIGURE: &str = "performance.svg";
 /// # Errors
 /// Where the set-up, a build, QEMU or a timing program fails.
 pub(crate) fn run(workspace: &Workspace, update: bool) -> Result<ExitCode> {
-    let targets = Targets::set_up(workspace, Need::ToolchainAndQemu)?;
-    let llvm = Llvm::set_up(&workspace.shell, targets.may_install);
+    let toolbox = Toolbox::new(workspace);
+    let emulator = Emulator::set_up(workspace, &toolbox)?;
+    let targets = Targets::set_up(workspace, &toolbox, Lints::NotWanted)?;
+    let llvm = Llvm::set_up(&workspace.shell, &toolbox);
     let programs = programs(workspace, &targets)?;
-    let counted = count::count(workspace, &programs)?;
+    let counted = count::count(&emulator, &programs)?;
     let cycles = llvm.map_or_else(|| Ok(vec![]), |llvm| cycles::cycles(&llvm, &programs))?;
-    let footprint = vec![footprint::footprint(workspace, &targets.armv7em)?];
+    let footprint = vec![footprint::footprint(
+        workspace,
+        &targets.armv7em,
+        &emulator,
+    )?];
     let timed = host::times(workspace)?;
     let rows = comparison::rows(&counted, &cycles, timed);
     print!("{}", cost::text(&rows)?);
@@ -79,11 +86,16 @@ pub(crate) fn run(workspace: &Workspace, update: bool) -> Result<ExitCode> {
 ///
 /// # Errors
 /// Where something costs more than its table or its limit says.
-pub(crate) fn check(workspace: &Workspace, targets: &Targets<'_>) -> Result<()> {
+pub(crate) fn check(
+    workspace: &Workspace,
+    targets: &Targets<'_>,
+    emulator: &Emulator,
+    toolbox: &Toolbox<'_>,
+) -> Result<()> {
     let instructions = cost::read::<Instructions>(&workspace.root.join(INSTRUCTIONS))?;
     let footprint_table = cost::read::<Footprint>(&workspace.root.join(FOOTPRINT))?;
     let programs = programs(workspace, targets)?;
-    let counted = count::count(workspace, &programs)?;
+    let counted = count::count(emulator, &programs)?;
     for (compiler, core) in cost::new_groups(&instructions, &counted) {
         eprintln!(
             "note: {INSTRUCTIONS} has no rows of {core} by {compiler}: only the limits are checked; `cargo xtask bench --update` adds them"
@@ -100,11 +112,11 @@ pub(crate) fn check(workspace: &Workspace, targets: &Targets<'_>) -> Result<()> 
     let mut findings = cost::compare(&instructions, &counted);
     findings.extend(cost::compare(
         &footprint_table,
-        &[footprint::footprint(workspace, &targets.armv7em)?],
+        &[footprint::footprint(workspace, &targets.armv7em, emulator)?],
     ));
     let findings = findings.iter().map(ToString::to_string);
     let mut text: Vec<_> = findings.collect();
-    if let Some(llvm) = Llvm::set_up(&workspace.shell, targets.may_install) {
+    if let Some(llvm) = Llvm::set_up(&workspace.shell, toolbox) {
         let cycles = cycles::cycles(&llvm, &programs)?;
         text.extend(cycles.iter().filter_map(cycles::Cycles::over_limit));
     }

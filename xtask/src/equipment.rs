@@ -1,0 +1,90 @@
+//! What the steps of `test` run with, each part by itself: one that cannot be had takes no other with it.
+
+use anyhow::{Result, anyhow};
+
+use crate::{
+    emulator::Emulator,
+    target::{Lints, Targets},
+    tools::Toolbox,
+    workspace::Workspace,
+};
+
+/// A part.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum Need {
+    /// A compiler for the target, its library sources and a linker.
+    Compiler,
+    /// The compiler's clippy, besides [`Self::Compiler`].
+    Clippy,
+    /// QEMU.
+    Qemu,
+}
+
+/// The parts that were asked for, or why there are none.
+#[derive(Debug)]
+pub(crate) struct Equipment<'a> {
+    toolbox: Toolbox<'a>,
+    targets: Option<Result<Targets<'a>>>,
+    emulator: Option<Result<Emulator>>,
+}
+
+impl<'a> Equipment<'a> {
+    /// Finds or fetches what is needed, and says what is used.
+    pub(crate) fn for_needs(workspace: &'a Workspace, needs: &[Need]) -> Self {
+        let toolbox = Toolbox::new(workspace);
+        let needs_emulator = needs.contains(&Need::Qemu);
+        let lints = if needs.contains(&Need::Clippy) {
+            Lints::Wanted
+        } else {
+            Lints::NotWanted
+        };
+        let emulator =
+            needs_emulator.then(|| Emulator::set_up(workspace, &toolbox).map_err(Into::into));
+        let targets = needs
+            .contains(&Need::Compiler)
+            .then(|| Targets::set_up(workspace, &toolbox, lints));
+        Self {
+            toolbox,
+            targets,
+            emulator,
+        }
+    }
+
+    /// What stands in the way of something with these needs, in a line.
+    pub(crate) fn lack(&self, needs: &[Need]) -> Option<String> {
+        needs.iter().find_map(|need| match need {
+            Need::Compiler => Some(format!("{:#}", self.targets().err()?)),
+            Need::Clippy => Some(self.targets().ok()?.armv7em.no_clippy()?.to_string()),
+            Need::Qemu => Some(format!("{:#}", self.emulator().err()?)),
+        })
+    }
+
+    /// The targets.
+    ///
+    /// # Errors
+    /// Why there are none.
+    pub(crate) fn targets(&self) -> Result<&Targets<'a>> {
+        part(self.targets.as_ref(), "targets")
+    }
+
+    /// The emulator.
+    ///
+    /// # Errors
+    /// Why there is none.
+    pub(crate) fn emulator(&self) -> Result<&Emulator> {
+        part(self.emulator.as_ref(), "emulator")
+    }
+
+    /// What else may be fetched.
+    pub(crate) fn toolbox(&self) -> &Toolbox<'a> {
+        &self.toolbox
+    }
+}
+
+fn part<'p, T>(part: Option<&'p Result<T>>, name: &str) -> Result<&'p T> {
+    match part {
+        Some(Ok(part)) => Ok(part),
+        Some(Err(error)) => Err(anyhow!("{error:#}")),
+        None => Err(anyhow!("the {name} were not set up")),
+    }
+}

@@ -1,0 +1,146 @@
+//! What cannot be had on this machine, and the one command that mends it.
+
+use std::fmt;
+
+use crate::{
+    system::{Family, System},
+    tools::Tool,
+};
+
+/// A tool that cannot be had.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub(crate) struct Missing {
+    tool: Tool,
+    /// In one line.
+    why: String,
+    remedy: String,
+}
+
+impl Missing {
+    /// With the error that stood in the way.
+    pub(crate) fn new(tool: Tool, system: &System, error: &anyhow::Error) -> Self {
+        let text = format!("{error:#}");
+        Self {
+            tool,
+            why: text.split_whitespace().collect::<Vec<_>>().join(" "),
+            remedy: remedy(tool, system),
+        }
+    }
+
+    /// The active toolchain has no clippy.
+    pub(crate) fn clippy() -> Self {
+        Self {
+            tool: Tool::Clippy,
+            why: "the active toolchain has none".to_owned(),
+            remedy: "rustup component add clippy".to_owned(),
+        }
+    }
+
+    /// What else was found on the way.
+    pub(crate) fn after(mut self, found: &str) -> Self {
+        self.why = format!("{found}; {}", self.why);
+        self
+    }
+}
+
+impl fmt::Display for Missing {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let Self { tool, why, remedy } = self;
+        write!(f, "no {tool}: {why}; to mend it: {remedy}")
+    }
+}
+
+impl std::error::Error for Missing {}
+
+/// The command by which a user of that system gets the tool.
+fn remedy(tool: Tool, system: &System) -> String {
+    if system.has_rustup {
+        match tool {
+            // Its own linker and clippy serve then.
+            Tool::Compiler | Tool::Linker | Tool::Clippy => {
+                return "rustup target add thumbv7em-none-eabihf".to_owned();
+            }
+            Tool::Qemu | Tool::Llvm => {}
+        }
+    }
+    // Rust that is no distribution's comes with everything a target needs.
+    let rustup = |install: &str| format!("{install} rustup");
+    match (system.family, tool) {
+        (Family::Debian, _) => format!("sudo apt-get install {}", tool.packages().join(" ")),
+        (Family::Fedora, Tool::Qemu) => "sudo dnf install qemu-system-arm".to_owned(),
+        (Family::Fedora, Tool::Llvm) => "sudo dnf install llvm".to_owned(),
+        (Family::Fedora, _) => rustup("sudo dnf install"),
+        (Family::Arch, Tool::Qemu) => "sudo pacman -S qemu-system-arm".to_owned(),
+        (Family::Arch, Tool::Llvm) => "sudo pacman -S llvm".to_owned(),
+        (Family::Arch, _) => rustup("sudo pacman -S"),
+        (Family::MacOs, Tool::Qemu) => "brew install qemu".to_owned(),
+        (Family::MacOs, Tool::Llvm) => "brew install llvm".to_owned(),
+        (Family::MacOs, _) => rustup("brew install"),
+        (Family::Windows, Tool::Qemu) => {
+            "winget install --id SoftwareFreedomConservancy.QEMU".to_owned()
+        }
+        (Family::Windows, Tool::Llvm) => "winget install --id LLVM.LLVM".to_owned(),
+        (Family::Windows, _) => "winget install --id Rustlang.Rustup".to_owned(),
+        (Family::Other, Tool::Qemu) => {
+            "put qemu-system-arm, 7.2 or later, on the search path".to_owned()
+        }
+        (Family::Other, Tool::Llvm) => "put llvm-mca, 19 or later, on the search path".to_owned(),
+        (Family::Other, _) => "rustup target add thumbv7em-none-eabihf".to_owned(),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn missing(tool: Tool, family: Family, has_rustup: bool) -> String {
+        let system = System {
+            family,
+            release: String::new(),
+            has_rustup,
+        };
+        let error = anyhow::anyhow!("E: no\n  network").context("package lists");
+        Missing::new(tool, &system, &error).to_string()
+    }
+
+    #[test]
+    fn every_system_has_one_command_in_one_line() {
+        for (family, qemu, compiler) in [
+            (
+                Family::Debian,
+                "sudo apt-get install qemu-system-arm",
+                "sudo apt-get install rustc-web cargo-web rust-web-src",
+            ),
+            (
+                Family::Fedora,
+                "sudo dnf install qemu-system-arm",
+                "sudo dnf install rustup",
+            ),
+            (
+                Family::Arch,
+                "sudo pacman -S qemu-system-arm",
+                "sudo pacman -S rustup",
+            ),
+            (Family::MacOs, "brew install qemu", "brew install rustup"),
+            (Family::Windows, "QEMU", "Rustup"),
+            (
+                Family::Other,
+                "7.2 or later, on the search path",
+                "rustup target add thumbv7em-none-eabihf",
+            ),
+        ] {
+            let qemu_text = missing(Tool::Qemu, family, true);
+            assert!(qemu_text.ends_with(qemu), "{qemu_text}");
+            assert!(qemu_text.starts_with("no QEMU: package lists: E: no network; to mend it: "));
+            assert_eq!(qemu_text.lines().count(), 1);
+            assert!(missing(Tool::Compiler, family, false).ends_with(compiler));
+            let with_rustup = missing(Tool::Compiler, family, true);
+            assert!(with_rustup.ends_with("rustup target add thumbv7em-none-eabihf"));
+        }
+        let clippy = missing(Tool::Clippy, Family::Debian, false);
+        assert!(
+            clippy.ends_with("sudo apt-get install rust-web-clippy"),
+            "{clippy}"
+        );
+    }
+}

@@ -1,0 +1,126 @@
+//! The system this runs on, as far as it decides where tools come from.
+
+use std::{env::consts::ARCH, fs};
+
+use crate::machine::on_path;
+
+/// Kinds of systems by how a user installs programs there.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum Family {
+    /// Debian, Ubuntu and what is made of them.
+    Debian,
+    /// Fedora and Red Hat's.
+    Fedora,
+    /// Arch Linux.
+    Arch,
+    /// macOS, with Homebrew.
+    MacOs,
+    /// Windows.
+    Windows,
+    /// None of these.
+    Other,
+}
+
+/// A system.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub(crate) struct System {
+    pub(crate) family: Family,
+    /// Name, version and processor: `debian 12 x86_64`.
+    pub(crate) release: String,
+    /// Whether Rust came by rustup.
+    pub(crate) has_rustup: bool,
+}
+
+impl System {
+    /// This one.
+    pub(crate) fn here() -> Self {
+        let has_rustup = on_path("rustup").is_some();
+        let fixed = |family, name: &str| Self {
+            family,
+            release: format!("{name} {ARCH}"),
+            has_rustup,
+        };
+        if cfg!(windows) {
+            return fixed(Family::Windows, "windows");
+        }
+        if cfg!(target_os = "macos") {
+            return fixed(Family::MacOs, "macos");
+        }
+        let text = fs::read_to_string("/etc/os-release").unwrap_or_default();
+        Self {
+            has_rustup,
+            ..Self::of_os_release(&text)
+        }
+    }
+
+    /// The system that `/etc/os-release` describes.
+    fn of_os_release(text: &str) -> Self {
+        let of = |key: &str| {
+            let value = text
+                .lines()
+                .find_map(|line| line.strip_prefix(key)?.strip_prefix('='));
+            value.unwrap_or_default().trim_matches(['"', '\''])
+        };
+        let names = [of("ID"), of("ID_LIKE")];
+        let is = |name: &str| {
+            names
+                .iter()
+                .flat_map(|names| names.split_whitespace())
+                .any(|word| word == name)
+        };
+        let family = [
+            ("debian", Family::Debian),
+            ("ubuntu", Family::Debian),
+            ("fedora", Family::Fedora),
+            ("rhel", Family::Fedora),
+            ("arch", Family::Arch),
+        ]
+        .into_iter()
+        .find(|(name, _)| is(name))
+        .map_or(Family::Other, |(_, family)| family);
+        Self {
+            family,
+            release: format!("{} {} {ARCH}", of("ID"), of("VERSION_ID")),
+            has_rustup: false,
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn family_is_told_by_name_or_likeness() {
+        for (text, family, release) in [
+            (
+                "NAME=\"Debian GNU/Linux\"\nID=debian\nVERSION_ID=\"12\"\n",
+                Family::Debian,
+                "debian 12",
+            ),
+            (
+                "ID=linuxmint\nID_LIKE=\"ubuntu debian\"\nVERSION_ID=22\n",
+                Family::Debian,
+                "linuxmint 22",
+            ),
+            (
+                "ID=ubuntu\nID_LIKE=debian\nVERSION_ID=\"24.04\"\n",
+                Family::Debian,
+                "ubuntu 24.04",
+            ),
+            ("ID=fedora\nVERSION_ID=43\n", Family::Fedora, "fedora 43"),
+            (
+                "ID=\"rocky\"\nID_LIKE=\"rhel centos fedora\"\nVERSION_ID=9\n",
+                Family::Fedora,
+                "rocky 9",
+            ),
+            ("ID=arch\nBUILD_ID=rolling\n", Family::Arch, "arch "),
+            ("ID=alpine\nVERSION_ID=3\n", Family::Other, "alpine 3"),
+            ("", Family::Other, " "),
+        ] {
+            let system = System::of_os_release(text);
+            assert_eq!(system.family, family, "{text}");
+            assert_eq!(system.release, format!("{release} {ARCH}"));
+        }
+    }
+}

@@ -1,0 +1,253 @@
+//! Tools of the project's own: the distribution's packages of QEMU, a compiler and what belongs to it, unpacked under
+//! `<target>/tools` and run from there. Nothing on the machine is installed or changed, so that no right is needed and
+//! no installed package can be in the way.
+//!
+//! A tool is a directory, `<target>/tools/<name>`: complete, or absent. It is unpacked beside its place, tried, and
+//! renamed. In it are `root` with the packages' files, `bin` with a launcher per program that names the libraries that
+//! came along, `status` with the packages, and `release`, which names the system they are of.
+
+mod apt;
+mod closure;
+mod unpacked;
+
+use std::{
+    cell::OnceCell,
+    fmt,
+    fs::{self, File, TryLockError},
+    io,
+    path::PathBuf,
+};
+
+use anyhow::{Context as _, Result, bail};
+use xshell::Shell;
+
+use crate::{
+    machine::{COMPILER_SOURCES, on_path},
+    missing::Missing,
+    system::System,
+    version::Version,
+    workspace::Workspace,
+};
+use apt::Apt;
+pub(crate) use unpacked::Unpacked;
+
+/// What may be fetched.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
+pub(crate) enum Tool {
+    /// A compiler with its cargo and its library sources.
+    Compiler,
+    /// The same compiler's clippy.
+    Clippy,
+    /// A linker that knows the target.
+    Linker,
+    /// QEMU for Arm.
+    Qemu,
+    /// LLVM's disassembler and models of processors.
+    Llvm,
+}
+
+impl Tool {
+    /// Its directory.
+    pub(crate) fn name(self) -> &'static str {
+        match self {
+            Self::Compiler => "compiler",
+            Self::Clippy => "clippy",
+            Self::Linker => "linker",
+            Self::Qemu => "qemu",
+            Self::Llvm => "llvm",
+        }
+    }
+
+    /// Debian's packages of it; the first tells its version.
+    pub(crate) fn packages(self) -> &'static [&'static str] {
+        match self {
+            Self::Compiler => &["rustc-web", "cargo-web", "rust-web-src"],
+            Self::Clippy => &["rust-web-clippy"],
+            Self::Linker => &["lld"],
+            Self::Qemu => &["qemu-system-arm"],
+            Self::Llvm => &["llvm-19"],
+        }
+    }
+
+    /// Programs of it that are run, the first to ask for its version.
+    fn programs(self) -> &'static [&'static str] {
+        match self {
+            Self::Compiler => &["rustc", "cargo"],
+            Self::Clippy => &["clippy-driver", "cargo-clippy"],
+            Self::Linker => &["ld.lld"],
+            Self::Qemu => &["qemu-system-arm"],
+            Self::Llvm => &["llvm-mca-19", "llvm-objdump-19"],
+        }
+    }
+
+    /// The oldest version that serves, where an older one may be met.
+    pub(crate) fn oldest(self) -> Option<Version> {
+        match self {
+            Self::Compiler => Version::find(env!("CARGO_PKG_RUST_VERSION")),
+            Self::Qemu => Some(Version::new(7, 2)),
+            Self::Clippy | Self::Linker | Self::Llvm => None,
+        }
+    }
+
+    /// The tool whose libraries it is run with, besides its own.
+    fn rests_on(self) -> Option<Self> {
+        (self == Self::Clippy).then_some(Self::Compiler)
+    }
+
+    /// Files it must have besides programs.
+    fn files(self) -> &'static [&'static str] {
+        match self {
+            Self::Compiler => &[COMPILER_SOURCES],
+            _ => &[],
+        }
+    }
+}
+
+impl fmt::Display for Tool {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str(match self {
+            Self::Compiler => "compiler for the target",
+            Self::Clippy => "clippy for the target",
+            Self::Linker => "linker for the target",
+            Self::Qemu => "QEMU",
+            Self::Llvm => "LLVM",
+        })
+    }
+}
+
+/// The directory of the tools, and what is needed to fill it.
+#[derive(Debug)]
+pub(crate) struct Toolbox<'a> {
+    shell: &'a Shell,
+    directory: PathBuf,
+    system: System,
+    /// Package lists, renewed at the first need of them.
+    apt: OnceCell<Apt<'a>>,
+}
+
+impl<'a> Toolbox<'a> {
+    /// The workspace's; nothing is done yet.
+    pub(crate) fn new(workspace: &'a Workspace) -> Self {
+        Self {
+            shell: &workspace.shell,
+            directory: workspace.target_dir.join("tools"),
+            system: System::here(),
+            apt: OnceCell::new(),
+        }
+    }
+
+    /// A tool that is there, of this system's release, and works.
+    pub(crate) fn find(&self, tool: Tool) -> Option<Unpacked> {
+        self.tried(tool).ok()
+    }
+
+    /// A tool that is there, or else is fetched.
+    ///
+    /// # Errors
+    /// [`Missing`] where it cannot be had; then nothing of it is left.
+    pub(crate) fn provide(&self, tool: Tool) -> Result<Unpacked, Missing> {
+        let fetched = self.find(tool).map_or_else(|| self.fetch(tool), Ok);
+        fetched.map_err(|error| Missing::new(tool, &self.system, &error))
+    }
+
+    /// Where a tool is, once it has been provided.
+    pub(crate) fn place(&self, tool: Tool) -> Unpacked {
+        let base = tool.rests_on().map(|base| self.directory.join(base.name()));
+        Unpacked::new(self.directory.join(tool.name()), base)
+    }
+
+    fn tried(&self, tool: Tool) -> Result<Unpacked> {
+        let place = self.place(tool);
+        place.try_out(self.shell, tool, &self.system.release)?;
+        Ok(place)
+    }
+
+    /// Fetches a tool, with every other program of this kind kept out meanwhile.
+    fn fetch(&self, tool: Tool) -> Result<Unpacked> {
+        for program in ["apt-get", "apt-cache", "apt-config", "dpkg-deb"] {
+            if on_path(program).is_none() {
+                bail!("it is not here, and without {program} it cannot be fetched");
+            }
+        }
+        let _lock = self.lock()?;
+        // Another program may have fetched it meanwhile.
+        if let Some(tool) = self.find(tool) {
+            return Ok(tool);
+        }
+        let new = Unpacked::new(
+            self.directory.join(format!("{}.new", tool.name())),
+            self.place(tool).base,
+        );
+        let fetched = self.fetch_into(tool, &new);
+        if fetched.is_err() {
+            // What is wrong has been found out; that the rest goes too is not worth another error.
+            let _ = fs::remove_dir_all(&new.directory);
+        }
+        fetched?;
+        self.tried(tool)
+    }
+
+    fn fetch_into(&self, tool: Tool, new: &Unpacked) -> Result<()> {
+        // Left by a program that was killed.
+        remove(&new.directory)?;
+        let base = tool.rests_on().map(|base| self.place(base));
+        let apt = self.renewed()?;
+        let packages = apt.absent(tool, base.as_ref())?;
+        if let (Some(oldest), Some(first)) = (tool.oldest(), tool.packages().first()) {
+            let offered = packages.iter().find(|package| package.name == *first);
+            let version = offered.and_then(closure::Package::upstream);
+            if let Some(version) = version.filter(|version| *version < oldest) {
+                bail!("{first} is {version} in the package lists, and {oldest} or later is needed");
+            }
+        }
+        eprintln!(
+            "xtask: fetching {tool}: {} packages of {} into {}",
+            packages.len(),
+            self.system.release,
+            self.directory.join(tool.name()).display()
+        );
+        apt.unpack(&packages, new)?;
+        new.finish(tool, &self.system.release)?;
+        new.try_out(self.shell, tool, &self.system.release)?;
+        let place = self.place(tool);
+        remove(&place.directory)?;
+        fs::rename(&new.directory, &place.directory)
+            .with_context(|| place.directory.display().to_string())
+    }
+
+    fn renewed(&self) -> Result<&Apt<'a>> {
+        if self.apt.get().is_none() {
+            let apt = Apt::renewed(self.shell, self.directory.join("apt"))?;
+            // Nobody else has set it since: this value is not shared between threads.
+            let _ = self.apt.set(apt);
+        }
+        self.apt.get().context("the package lists")
+    }
+
+    /// The lock of the directory; it is given up with the value.
+    fn lock(&self) -> Result<File> {
+        let path = self.directory.join(".lock");
+        let told = || path.display().to_string();
+        fs::create_dir_all(&self.directory).with_context(told)?;
+        let file = File::create(&path).with_context(told)?;
+        match file.try_lock() {
+            Ok(()) => {}
+            Err(TryLockError::WouldBlock) => {
+                eprintln!("xtask: waiting for another xtask, which fetches tools");
+                file.lock().with_context(told)?;
+            }
+            Err(TryLockError::Error(error)) => return Err(error).with_context(told),
+        }
+        Ok(file)
+    }
+}
+
+/// Removes a directory, which may be absent.
+fn remove(directory: &std::path::Path) -> Result<()> {
+    match fs::remove_dir_all(directory) {
+        Err(error) if error.kind() != io::ErrorKind::NotFound => {
+            Err(error).with_context(|| directory.display().to_string())
+        }
+        _ => Ok(()),
+    }
+}

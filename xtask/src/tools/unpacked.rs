@@ -1,0 +1,209 @@
+//! A tool unpacked from its packages, and the launchers by which its programs find the libraries that came along.
+
+use std::{
+    fs, io,
+    path::{Path, PathBuf},
+};
+
+use anyhow::{Context as _, Result, bail, ensure};
+use xshell::{Shell, cmd};
+
+use super::Tool;
+use crate::{machine::file_names, version::Version};
+
+/// A tool's directory.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub(crate) struct Unpacked {
+    pub(super) directory: PathBuf,
+    /// Directory of the tool whose libraries it needs as well.
+    pub(super) base: Option<PathBuf>,
+}
+
+impl Unpacked {
+    pub(super) fn new(directory: PathBuf, base: Option<PathBuf>) -> Self {
+        Self { directory, base }
+    }
+
+    /// Where the packages' files are.
+    pub(crate) fn root(&self) -> PathBuf {
+        self.directory.join("root")
+    }
+
+    /// Where the launchers are: a directory for a search path.
+    pub(crate) fn bin(&self) -> PathBuf {
+        self.directory.join("bin")
+    }
+
+    /// The launcher of a program.
+    pub(crate) fn program(&self, name: &str) -> PathBuf {
+        self.bin().join(name)
+    }
+
+    /// What it consists of, as dpkg would tell it of installed packages.
+    pub(super) fn status(&self) -> PathBuf {
+        self.directory.join("status")
+    }
+
+    fn release(&self) -> PathBuf {
+        self.directory.join("release")
+    }
+
+    /// Writes what belongs to the packages' files: the launchers, and the release they are of.
+    pub(super) fn finish(&self, tool: Tool, release: &str) -> Result<()> {
+        let own = library_directories(&self.root(), "");
+        let base = self.base.as_deref().map_or_else(Vec::new, |base| {
+            let name = base.file_name().unwrap_or_default().to_string_lossy();
+            library_directories(&base.join("root"), &format!("../{name}/"))
+        });
+        let libraries: Vec<_> = own.into_iter().chain(base).collect();
+        fs::create_dir_all(self.bin()).with_context(|| self.bin().display().to_string())?;
+        for name in tool.programs() {
+            let path = self.program(name);
+            write_program(&path, &launcher(name, &libraries))
+                .with_context(|| path.display().to_string())?;
+        }
+        fs::write(self.release(), release).with_context(|| self.release().display().to_string())
+    }
+
+    /// Whether it is of this release, complete, and runs.
+    ///
+    /// # Errors
+    /// What is wrong.
+    pub(super) fn try_out(&self, shell: &Shell, tool: Tool, release: &str) -> Result<()> {
+        let of = fs::read_to_string(self.release())
+            .with_context(|| self.directory.display().to_string())?;
+        ensure!(of == release, "{tool} is of {of}, and this is {release}");
+        for file in tool.files() {
+            ensure!(
+                self.root().join("usr").join(file).is_file(),
+                "its packages have no {file}"
+            );
+        }
+        for name in tool.programs() {
+            let program = self.program(name);
+            let answer = cmd!(shell, "{program} --version")
+                .quiet()
+                .ignore_status()
+                .output()?;
+            let text = String::from_utf8_lossy(&answer.stdout);
+            if !answer.status.success() {
+                let fault = String::from_utf8_lossy(&answer.stderr);
+                bail!(
+                    "{name} does not start: {}",
+                    fault.lines().next().unwrap_or("it says nothing")
+                );
+            }
+            let version = Version::find(&text);
+            if let Some(oldest) = tool
+                .oldest()
+                .filter(|_| tool.programs().first() == Some(name))
+            {
+                ensure!(
+                    version.is_some_and(|version| version >= oldest),
+                    "{name} is of another version than {oldest} or later: {}",
+                    text.lines().next().unwrap_or_default()
+                );
+            }
+        }
+        Ok(())
+    }
+}
+
+/// The directories of shared libraries below a root, seen from a tool's directory: `prefix`, then `root/…`.
+fn library_directories(root: &Path, prefix: &str) -> Vec<String> {
+    ["usr/lib", "lib"]
+        .into_iter()
+        .flat_map(|parent| {
+            let mut names = file_names(&root.join(parent));
+            names.sort();
+            names
+                .into_iter()
+                .filter(|name| name.contains("-linux-gnu"))
+                .map(move |name| format!("{prefix}root/{parent}/{name}"))
+        })
+        .collect()
+}
+
+/// A program that runs another one with these directories of libraries, relative to the tool's.
+fn launcher(name: &str, libraries: &[String]) -> String {
+    let libraries: Vec<_> = libraries
+        .iter()
+        .map(|directory| format!("$here/{directory}"))
+        .collect();
+    let libraries = libraries.join(":");
+    format!(
+        "#!/bin/sh
+# Runs {name} of the packages in ../root with the libraries that came along.
+here=$(cd \"${{0%/*}}/..\" && pwd)
+export LD_LIBRARY_PATH=\"{libraries}${{LD_LIBRARY_PATH:+:$LD_LIBRARY_PATH}}\"
+exec \"$here/root/usr/bin/{name}\" \"$@\"
+"
+    )
+}
+
+#[cfg(unix)]
+fn write_program(path: &Path, text: &str) -> io::Result<()> {
+    use std::os::unix::fs::PermissionsExt as _;
+    fs::write(path, text)?;
+    fs::set_permissions(path, fs::Permissions::from_mode(0o755))
+}
+
+/// Packages of Debian's kind are fetched on no other system.
+#[cfg(not(unix))]
+fn write_program(path: &Path, text: &str) -> io::Result<()> {
+    fs::write(path, text)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// A tool whose program answers `answer` to everything.
+    fn unpacked(directory: &Path, release: &str, answer: &str) -> Unpacked {
+        let tool = Unpacked::new(directory.to_owned(), None);
+        let programs = tool.root().join("usr/bin");
+        fs::create_dir_all(&programs).unwrap();
+        fs::create_dir_all(tool.root().join("usr/lib/x86_64-linux-gnu")).unwrap();
+        write_program(&programs.join("qemu-system-arm"), answer).unwrap();
+        tool.finish(Tool::Qemu, release).unwrap();
+        tool
+    }
+
+    #[test]
+    #[cfg(unix)]
+    fn tool_is_tried_before_it_is_used() {
+        let shell = Shell::new().unwrap();
+        let folder = shell.create_temp_dir().unwrap();
+        let good = "#!/bin/sh\necho \"QEMU emulator version 7.2.22 $LD_LIBRARY_PATH\"\n";
+        let tool = unpacked(folder.path(), "debian 12", good);
+        tool.try_out(&shell, Tool::Qemu, "debian 12").unwrap();
+        let program = tool.program("qemu-system-arm");
+        let text = cmd!(shell, "{program} --version").quiet().read().unwrap();
+        assert!(text.contains("/root/usr/lib/x86_64-linux-gnu"), "{text}");
+
+        let refused = |tool: &Unpacked, release| {
+            let refused = tool.try_out(&shell, Tool::Qemu, release);
+            refused.unwrap_err().to_string()
+        };
+        let text = refused(&tool, "debian 13");
+        assert_eq!(text, "QEMU is of debian 12, and this is debian 13");
+        for (answer, why) in [
+            (
+                "#!/bin/sh\necho 'QEMU emulator version 6.2.0'\n",
+                "7.2 or later: QEMU emulator version 6.2.0",
+            ),
+            (
+                "#!/bin/sh\necho libfdt.so is missing >&2\nexit 127\n",
+                "does not start: libfdt.so is missing",
+            ),
+        ] {
+            let tool = unpacked(folder.path(), "debian 12", answer);
+            let text = refused(&tool, "debian 12");
+            assert!(text.contains(why), "{text}");
+        }
+        fs::remove_file(tool.root().join("usr/bin/qemu-system-arm")).unwrap();
+        assert!(refused(&tool, "debian 12").contains("does not start"));
+        fs::remove_dir_all(&tool.directory).unwrap();
+        assert!(tool.try_out(&shell, Tool::Qemu, "debian 12").is_err());
+    }
+}
