@@ -46,6 +46,7 @@ pub(super) fn count(workspace: &Workspace, programs: &[Program<'_>]) -> Result<V
             .quiet()
             .read()
             .with_context(|| format!("count on {machine}"))?;
+        ensure!(!counted.is_empty(), "nothing was counted on {machine}");
         let mut reader = csv::ReaderBuilder::new()
             .has_headers(false)
             .from_reader(counted.as_bytes());
@@ -65,6 +66,5 @@ pub(super) fn count(workspace: &Workspace, programs: &[Program<'_>]) -> Result<V
             });
         }
     }
-    ensure!(!rows.is_empty(), "the counting program printed nothing");
     Ok(rows)
 }
