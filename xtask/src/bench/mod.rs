@@ -109,7 +109,11 @@ pub(crate) fn check(workspace: &Workspace, targets: &Targets<'_>) -> Result<()> 
         text.extend(cycles.iter().filter_map(cycles::Cycles::over_limit));
     }
     let text: Vec<_> = text.iter().map(|text| format!("\n    {text}")).collect();
-    ensure!(text.is_empty(), "costs have changed:{}", text.concat());
+    ensure!(
+        text.is_empty(),
+        "costs are not those of the tables and limits:{}",
+        text.concat()
+    );
     Ok(())
 }
 
