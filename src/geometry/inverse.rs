@@ -114,7 +114,7 @@ impl FrameCorrection {
     /// [`Self::distort`] by one free step, or where that leads if it is not the last or leaves the sensor.
     #[expect(
         clippy::inline_always,
-        reason = "a call per point would load the coefficients again: 20 instructions"
+        reason = "a call per point would load the coefficients again: 21 instructions"
     )]
     #[inline(always)]
     fn first_step<const FULL: bool>(&self, ideal: SensorPoint) -> Result<Corrected, Displacement> {
@@ -218,8 +218,8 @@ impl FrameCorrection {
     /// Sensor frame, mm; domain as [`Self::distort`].
     ///
     /// # Accuracy
-    /// That of [`Self::distort`]. Instructions to a point on Cortex-M4F and M7 where the first step is the last: 95
-    /// with the short kernel and 106 with the full one.
+    /// That of [`Self::distort`]. Instructions to a point on Cortex-M4F and M7 where the first step is the last: 94
+    /// with the short kernel and 105 with the full one.
     ///
     /// # Errors
     /// [`DistortSliceError`] for the first point that no measured one belongs to. Those before it have been replaced;

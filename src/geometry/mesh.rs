@@ -2,7 +2,7 @@
 //!
 //! Two fields along a row are of use, and they are not each other's negative:
 //! - [`displacement_rows`]: at points of the *measured* image the distortion, measured - ideal: where a
-//!   measured pixel is to go. By differences, a dozen instructions per point. This is what graphics processors draw;
+//!   measured pixel is to go. By differences, 13 instructions per point. This is what graphics processors draw;
 //!   [`pixel_correction`] has it in pixels.
 //! - [`source_row`]: at points of the *ideal* image the way to the measured point: where an output pixel comes
 //!   from. This is what warp engines read; [`vertex`] has it in pixels and [`format`](mod@format) as they store it.

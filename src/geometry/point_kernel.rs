@@ -36,9 +36,9 @@ impl FrameCorrection {
     /// Sensor frame, mm.
     ///
     /// # Accuracy
-    /// That of [`Self::correct`]. On Cortex-M4F and M7 24 instructions to a point with the short kernel and 28.3 with
-    /// the full one, on a Cortex-M55 compiled for its vectors 7.0 and 9.8, and about 100 to a call
-    /// (`docs/instructions.csv`).
+    /// That of [`Self::correct`]. On Cortex-M4F and M7 24.1 instructions to a point with the short
+    /// kernel and 28.4 with the full one, on a Cortex-M55 compiled for its vectors 7.1 and 9.9, of
+    /// slices of 1024 points; about 100 of them to a call (`docs/instructions.csv`).
     ///
     /// # Examples
     /// ```

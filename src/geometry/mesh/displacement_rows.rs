@@ -74,8 +74,9 @@ pub const ROW_ROUNDING_NM: f32 = 4.0;
 /// Errors found there are at most 0.6 nm (`tests/geometry/mesh.rs`), and 2.3 nm if all roundings came together
 /// (`tests/geometry/mesh_rounding.rs`). A lens for which 8 does not has its larger bound stated.
 ///
-/// 13 instructions per point on a Cortex-M4F, 18 with K3, starts every 64 points included, 19.5 where two starts serve 82
-/// points (104 mm, 128 pixels of 10 µm); 80 per row and 1100 per frame.
+/// 13 instructions per point on a Cortex-M4F, 17 with K3, starts every 64 points included; 80 per row
+/// and 1100 per frame. All together, 20.5 per point with K3 where two starts serve 82 points (104 mm,
+/// 128 pixels of 10 µm).
 ///
 /// # Examples
 /// ```

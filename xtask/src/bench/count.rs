@@ -44,6 +44,7 @@ pub(super) fn count(emulator: &Emulator, programs: &[Program<'_>]) -> Result<Vec
         let counted = emulator
             .run(machine, &["-icount", "shift=0"], image, LIMIT)
             .with_context(|| format!("count on {machine}"))?;
+        ensure!(!counted.is_empty(), "nothing was counted on {machine}");
         let mut reader = csv::ReaderBuilder::new()
             .has_headers(false)
             .from_reader(counted.as_bytes());
@@ -63,6 +64,5 @@ pub(super) fn count(emulator: &Emulator, programs: &[Program<'_>]) -> Result<Vec
             });
         }
     }
-    ensure!(!rows.is_empty(), "the counting program printed nothing");
     Ok(rows)
 }

@@ -17,7 +17,7 @@ use crate::{
 };
 
 /// Rows of the table, their function in the crate `kernel`, and its operations per point.
-const KERNELS: [(&str, &str, u32); 4] = [
+pub(super) const KERNELS: [(&str, &str, u32); 4] = [
     ("correct_slice", "short_pairs", 23),
     ("correct_slice_xy", "short_xy", 23),
     ("correct_slice_full", "full_pairs", 29),

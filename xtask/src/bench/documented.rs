@@ -1,11 +1,15 @@
-//! Numbers in documents, held against the committed tables.
+//! Tables in documents, held against the committed tables.
 
 use std::path::Path;
 
 use serde::de::DeserializeOwned;
 
 use super::comparison::Row;
-use super::cost::{self, Instructions};
+use super::cost::{self, Cost as _, Footprint, Instructions};
+use super::cycles::KERNELS;
+
+/// The compiler whose counts the documents quote; the tables may have rows of others.
+pub(crate) const COMPILER: &str = "rustc 1.96.0";
 
 /// A committed table.
 pub(crate) fn table<T: DeserializeOwned>(path: &str) -> Vec<T> {
@@ -13,9 +17,24 @@ pub(crate) fn table<T: DeserializeOwned>(path: &str) -> Vec<T> {
     cost::read(&root.join(path)).unwrap()
 }
 
-/// The committed table of instructions.
+/// The committed tables, with the rows of every compiler.
+pub(crate) fn tables() -> (Vec<Instructions>, Vec<Footprint>) {
+    (table(Instructions::TABLE), table(Footprint::TABLE))
+}
+
+/// What the documents quote of the table of instructions.
 pub(crate) fn instructions() -> Vec<Instructions> {
-    table("docs/instructions.csv")
+    let mut rows = tables().0;
+    rows.retain(|row| row.compiler == COMPILER);
+    rows
+}
+
+/// A count of these.
+pub(crate) fn count(core: &str, kernel: &str) -> f64 {
+    let rows = instructions();
+    let is_it = |row: &&Instructions| row.core == core && row.kernel == kernel;
+    let row = rows.iter().find(is_it);
+    row.unwrap_or_else(|| panic!("{kernel} on {core}")).count
 }
 
 /// Cells of the rows of the tables under this line of a document.
@@ -33,7 +52,6 @@ pub(crate) fn rows(document: &'static str, heading: &str) -> Vec<Vec<&'static st
 #[test]
 fn counts_of_every_core_are_those_of_the_committed_table() {
     const CORES: [&str; 3] = ["cortex-m4f", "cortex-m7", "cortex-m55"];
-    let table = instructions();
     let documented = rows(
         include_str!("../../../docs/performance.md"),
         "| row | cortex-m4f | cortex-m7 | cortex-m55 |",
@@ -42,9 +60,8 @@ fn counts_of_every_core_are_those_of_the_committed_table() {
     for row in documented {
         let kernel = row[0].trim_matches('`');
         for (core, count) in CORES.into_iter().zip(&row[1..]) {
-            let is_it = |row: &&Instructions| row.core == core && row.kernel == kernel;
-            let counted = table.iter().find(is_it).map(|row| row.count.to_string());
-            assert_eq!(counted.as_deref(), Some(*count), "{kernel} on {core}");
+            let counted = super::documented::count(core, kernel);
+            assert_eq!(counted.to_string(), *count, "{kernel} on {core}");
         }
     }
 }
@@ -72,25 +89,19 @@ fn documented_times_are_those_of_the_committed_table() {
 }
 
 #[test]
-fn costs_in_the_documentation_of_rows_are_those_of_the_committed_table() {
-    let text = include_str!("../../../src/geometry/mesh/displacement_rows.rs");
-    let of = |kernel: &str| {
-        let rows = instructions();
-        let is_it = |row: &&Instructions| row.core == "cortex-m4f" && row.kernel == kernel;
-        rows.iter().find(is_it).map(|row| row.count).unwrap()
-    };
-    let rounded = |number: f64| 100.0 * (number / 100.0).round();
-    for claim in [
-        format!(
-            "/// {:.0} instructions per point on a Cortex-M4F",
-            of("mesh_row")
-        ),
-        format!(
-            "{:.0} per row and {:.0} per frame",
-            of("mesh_row_setup"),
-            rounded(of("mesh_rows_setup"))
-        ),
-    ] {
-        assert!(text.contains(&claim), "{claim}");
+fn operations_are_those_by_which_loops_are_found() {
+    let documented = rows(
+        include_str!("../../../docs/performance.md"),
+        "| form | multiplications | additions and subtractions | together |",
+    );
+    assert_eq!(documented.len(), 2);
+    for (row, kernel) in documented
+        .iter()
+        .zip(["correct_slice", "correct_slice_full"])
+    {
+        let of = KERNELS.iter().find(|(name, ..)| *name == kernel);
+        let numbers: Vec<u32> = row[1..4].iter().map(|cell| cell.parse().unwrap()).collect();
+        assert_eq!(numbers[0] + numbers[1], numbers[2], "{kernel}");
+        assert_eq!(of.map(|(.., operations)| *operations), Some(numbers[2]));
     }
 }

@@ -2,6 +2,8 @@
 
 use std::fmt;
 
+use anyhow::{Result, ensure};
+
 use super::cost::Instructions;
 
 /// Clocks: of the emulated machines, and of a usual Cortex-M4F.
@@ -80,11 +82,32 @@ pub(crate) fn loads(rows: &[Instructions]) -> Vec<Load> {
     loads
 }
 
+/// Says every load, and holds it to what has to be left.
+///
+/// # Errors
+/// Where a load is not allowed, or there is none.
+pub(crate) fn check(loads: &[Load]) -> Result<()> {
+    ensure!(
+        !loads.is_empty(),
+        "no round of the control loop was counted"
+    );
+    for load in loads {
+        eprintln!("{load}");
+        ensure!(
+            load.is_allowed(),
+            "{load}: {:.0} % must be left at least, and a round must end before the next",
+            100.0 * LEAST_IDLE
+        );
+    }
+    Ok(())
+}
+
 #[cfg(test)]
 mod tests {
     use super::super::cost::Instructions;
     use super::super::documented;
-    use super::loads;
+    use super::super::limit::{LIMITS, Limit};
+    use super::{CLOCKS_MHZ, LEAST_IDLE, MEAN, ROUND_MS, STUCK, WORST, check, loads};
 
     const DOCUMENT: &str = include_str!("../../../docs/control_loop.md");
 
@@ -119,7 +142,7 @@ mod tests {
     fn too_little_left_and_a_round_into_the_next_are_not_allowed() {
         let allowed = |counts| {
             let loads = loads(&rows(counts));
-            loads.len() == 2 && loads.iter().all(super::Load::is_allowed)
+            loads.len() == 2 && check(&loads).is_ok()
         };
         assert!(allowed([4999.0, 24_999.0, 24_999.0]));
         assert!(!allowed([5001.0, 24_999.0, 24_999.0]));
@@ -128,10 +151,35 @@ mod tests {
     }
 
     #[test]
+    fn no_load_at_all_is_not_allowed() {
+        let counted = rows([4000.0, 12_500.0, 20_000.0]);
+        for none in [&counted[1..], &counted[..2], &[]] {
+            let fault = check(&loads(none)).unwrap_err().to_string();
+            assert_eq!(fault, "no round of the control loop was counted");
+        }
+    }
+
+    #[test]
     fn committed_table_is_within_the_limits() {
-        let loads = loads(&documented::instructions());
-        assert!(!loads.is_empty());
-        assert!(loads.iter().all(super::Load::is_allowed), "{loads:?}");
+        check(&loads(&documented::tables().0)).unwrap();
+    }
+
+    #[test]
+    fn limits_of_rounds_are_what_has_to_be_left() {
+        let limits: Vec<Limit> = documented::table(LIMITS);
+        let cycles = 1000.0 * CLOCKS_MHZ[0] * ROUND_MS;
+        for (kernel, most) in [
+            (MEAN, (1.0 - LEAST_IDLE) * cycles),
+            (WORST, cycles),
+            (STUCK, cycles),
+        ] {
+            let mut of_kernel = limits.iter().filter(|limit| limit.cost == kernel);
+            let is_within = |limit: &Limit| limit.most <= most.round();
+            assert!(
+                of_kernel.clone().count() >= 3 && of_kernel.all(is_within),
+                "{kernel}"
+            );
+        }
     }
 
     #[test]
@@ -160,46 +208,8 @@ mod tests {
         assert!(rows.len() > 10);
         for row in rows {
             let kernel = row[0].trim_matches('`');
-            let measured = documented::instructions()
-                .into_iter()
-                .find(|row| row.kernel == kernel);
-            assert_eq!(measured.unwrap().count.to_string(), row[1], "{kernel}");
-        }
-    }
-
-    #[test]
-    fn documented_consequences_follow_from_the_committed_table() {
-        let text = DOCUMENT.split_whitespace().collect::<Vec<_>>().join(" ");
-        let of = |kernel: &str| {
-            let rows = documented::instructions();
-            let row = rows.into_iter().find(|row| row.kernel == kernel);
-            row.unwrap().count
-        };
-        // 921,600 bits per second, ten to a byte.
-        let link = 92.0 * of("interrupt_receive");
-        let [slow, fast] = [25_000.0, 168_000.0];
-        for claim in [
-            format!(
-                "takes {:.0} of them in each",
-                100.0 * (link / 100.0).round()
-            ),
-            format!(
-                "{:.0} % of a core at 25 MHz, {:.0} % at 168 MHz",
-                100.0 * link / slow,
-                100.0 * link / fast
-            ),
-            format!("lasts {:.2} ms at 168 MHz", of("nmea_rmc") / fast),
-            format!("at 25 MHz, {:.2} ms", of("nmea_rmc") / slow),
-            format!(
-                "takes {:.0} instructions per row",
-                (of("frame_fold_tdi_worst") - of("frame_fold_worst")) / 1024.0
-            ),
-            format!(
-                "at 168 MHz they add {:.2} ms",
-                of("frame_fold_tdi_worst") / fast
-            ),
-        ] {
-            assert!(text.contains(&claim), "{claim}");
+            let counted = documented::count("cortex-m4f", kernel);
+            assert_eq!(counted.to_string(), row[1], "{kernel}");
         }
     }
 }

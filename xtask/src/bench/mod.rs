@@ -7,11 +7,17 @@ mod cycles;
 #[cfg(test)]
 mod documented;
 mod figure;
+mod finding;
 mod footprint;
 mod host;
 mod kernel_loop;
+mod limit;
 mod llvm;
 mod load;
+#[cfg(test)]
+mod prose;
+#[cfg(test)]
+mod quotes;
 
 use std::{fs, process::ExitCode};
 
@@ -24,12 +30,10 @@ use crate::{
     tools::Toolbox,
     workspace::Workspace,
 };
-use cost::{Footprint, Instructions};
+use cost::{Cost, Footprint, Instructions, amounts};
 use llvm::Llvm;
 
-/// The committed tables, and the figure of the last one.
-const INSTRUCTIONS: &str = "docs/instructions.csv";
-const FOOTPRINT: &str = "docs/footprint.csv";
+/// The comparison, and its figure.
 const PERFORMANCE: &str = "performance.csv";
 const FIGURE: &str = "performance.svg";
 
@@ -58,13 +62,18 @@ pub(crate) fn run(workspace: &Workspace, update: bool) -> Result<ExitCode> {
         eprintln!("{load}");
     }
     eprint!("\n{}", cost::text(&footprint)?);
+    // No limit is written here, whatever is found.
+    let measured = [amounts(&counted), amounts(&footprint)].concat();
+    for finding in limit::held(&limit::read(&workspace.root)?, &measured) {
+        eprintln!("note: {finding}");
+    }
     let compared: Vec<_> = rows
         .into_iter()
         .filter(comparison::Row::is_compared)
         .collect();
     let (tables, figures) = if update {
-        cost::replace(&workspace.root.join(INSTRUCTIONS), counted)?;
-        cost::replace(&workspace.root.join(FOOTPRINT), footprint)?;
+        cost::replace(&workspace.root, counted)?;
+        cost::replace(&workspace.root, footprint)?;
         let docs = workspace.root.join("docs");
         (docs.clone(), docs.join("figures"))
     } else {
@@ -82,40 +91,31 @@ pub(crate) fn run(workspace: &Workspace, update: bool) -> Result<ExitCode> {
     Ok(ExitCode::SUCCESS)
 }
 
-/// Compares what is counted with the committed tables.
+/// Compares what is counted with the committed tables and limits.
 ///
 /// # Errors
-/// Where something costs more than its table or its limit says.
+/// Where something costs more than its table or its limit says, or cannot be compared.
 pub(crate) fn check(
     workspace: &Workspace,
     targets: &Targets<'_>,
     emulator: &Emulator,
     toolbox: &Toolbox<'_>,
 ) -> Result<()> {
-    let instructions = cost::read::<Instructions>(&workspace.root.join(INSTRUCTIONS))?;
-    let footprint_table = cost::read::<Footprint>(&workspace.root.join(FOOTPRINT))?;
+    let root = &workspace.root;
+    let instructions: Vec<Instructions> = cost::read(&root.join(Instructions::TABLE))?;
+    let footprints: Vec<Footprint> = cost::read(&root.join(Footprint::TABLE))?;
+    let limits = limit::read(root)?;
     let programs = programs(workspace, targets)?;
     let counted = count::count(emulator, &programs)?;
-    for (compiler, core) in cost::new_groups(&instructions, &counted) {
-        eprintln!(
-            "note: {INSTRUCTIONS} has no rows of {core} by {compiler}: only the limits are checked; `cargo xtask bench --update` adds them"
-        );
+    load::check(&load::loads(&counted))?;
+    let footprint = [footprint::footprint(workspace, &targets.armv7em, emulator)?];
+    let table = [amounts(&instructions), amounts(&footprints)].concat();
+    let measured = [amounts(&counted), amounts(&footprint)].concat();
+    for note in finding::notes(&table, &limits, &measured) {
+        eprintln!("note: {note}");
     }
-    for load in load::loads(&counted) {
-        eprintln!("{load}");
-        ensure!(
-            load.is_allowed(),
-            "{:.0} % must be left at least, and a round must end before the next at a usual clock",
-            100.0 * load::LEAST_IDLE
-        );
-    }
-    let mut findings = cost::compare(&instructions, &counted);
-    findings.extend(cost::compare(
-        &footprint_table,
-        &[footprint::footprint(workspace, &targets.armv7em, emulator)?],
-    ));
-    let findings = findings.iter().map(ToString::to_string);
-    let mut text: Vec<_> = findings.collect();
+    let findings = finding::findings(&table, &limits, &measured);
+    let mut text: Vec<_> = findings.iter().map(ToString::to_string).collect();
     if let Some(llvm) = Llvm::set_up(&workspace.shell, toolbox) {
         let cycles = cycles::cycles(&llvm, &programs)?;
         text.extend(cycles.iter().filter_map(cycles::Cycles::over_limit));
@@ -123,7 +123,7 @@ pub(crate) fn check(
     let text: Vec<_> = text.iter().map(|text| format!("\n    {text}")).collect();
     ensure!(
         text.is_empty(),
-        "costs have changed; if that is right, `cargo xtask bench --update` writes the tables:{}",
+        "costs are not those of the tables and limits:{}",
         text.concat()
     );
     Ok(())

@@ -1,0 +1,439 @@
+//! Sentences of documents and of the sources' documentation that quote the tables.
+//!
+//! Every sentence with a number of instructions or cycles is here: built from the tables in
+//! [`quotes`], or, where the number is from elsewhere, in [`OF_OTHER_SOURCES`].
+
+use std::ops::Range;
+
+use super::{
+    comparison::Row,
+    cost::{Cost as _, Footprint, Instructions},
+    cycles::KERNELS,
+    documented::{self, COMPILER, count},
+    finding::MAX_RISE,
+    limit::{LIMITS, Limit},
+    load,
+    prose::{files, paragraphs, places, with_numbers},
+};
+
+const README: &str = "README.md";
+const CHANGELOG: &str = "CHANGELOG.md";
+const PERFORMANCE: &str = "docs/performance.md";
+const CONTROL_LOOP: &str = "docs/control_loop.md";
+const ROWS: &str = "src/geometry/mesh/displacement_rows.rs";
+const MESH: &str = "src/geometry/mesh.rs";
+const POINT_KERNEL: &str = "src/geometry/point_kernel.rs";
+const INVERSE: &str = "src/geometry/inverse.rs";
+
+const M4F: &str = "cortex-m4f";
+const M55: &str = "cortex-m55";
+
+/// Numbers that no table has: of manuals, of experiments that are not repeated, and of how the
+/// counting is done.
+const OF_OTHER_SOURCES: [(&str, &str); 20] = [
+    // Of manuals and models.
+    (CONTROL_LOOP, "square roots (14 cycles each)"),
+    (CONTROL_LOOP, "the 12 cycles each way"),
+    (PERFORMANCE, "a taken branch 3 (its manual: 2 to 4)"),
+    (PERFORMANCE, "on the M7 26.5 with every word apart"),
+    (PERFORMANCE, "llvm-mca gives the loop 0.80"),
+    (
+        "src/geometry/mesh/pixel_correction.rs",
+        "a division would take 14 cycles",
+    ),
+    ("kernel/src/thumbv7em.s", "M4F: 2 cycles, M7: 3"),
+    (
+        "benches/instructions/src/interrupts.rs",
+        "12 cycles each on a Cortex-M4",
+    ),
+    // Of experiments.
+    (CHANGELOG, "instead of 2218"),
+    (
+        PERFORMANCE,
+        "23 to 30 instructions, but 41 to 49 modelled cycles",
+    ),
+    (
+        PERFORMANCE,
+        "AVX2 3.88 and 4.88 in the full form, pairs 4.25",
+    ),
+    (
+        PERFORMANCE,
+        "an event or tick takes up to 240 instructions more",
+    ),
+    (ROWS, "60 instructions per start"),
+    // Of a loop's registers, by its source.
+    (PERFORMANCE, "29 less the 2 that VMLA joins"),
+    // Of how it is counted and flown.
+    (
+        PERFORMANCE,
+        "Instructions per point over a slice of 1024 points",
+    ),
+    (CONTROL_LOOP, "in a flight at 2 frames/s"),
+    (
+        PERFORMANCE,
+        "240 instructions at least for an event or tick",
+    ),
+    (
+        "host-sim/src/device/machine.rs",
+        "One instruction takes 1 ns",
+    ),
+    (
+        "benches/instructions/src/main.rs",
+        "40 to a tick, 31.25 on the Cortex-M55",
+    ),
+    (
+        "benches/instructions/src/counter.rs",
+        "Instructions to four ticks: 1 ns each",
+    ),
+];
+
+/// A sentence, or part of one, and the file that has to have it.
+struct Quote {
+    file: &'static str,
+    sentence: String,
+}
+
+fn of(file: &'static str, sentences: Vec<String>) -> impl Iterator<Item = Quote> {
+    let quotes = sentences.into_iter();
+    quotes.map(move |sentence| Quote { file, sentence })
+}
+
+/// Every sentence that quotes a table.
+fn quotes() -> Vec<Quote> {
+    of(README, readme())
+        .chain(of(CHANGELOG, changelog()))
+        .chain(of(PERFORMANCE, points()))
+        .chain(of(PERFORMANCE, frames_and_rows()))
+        .chain(of(PERFORMANCE, limits()))
+        .chain(of(PERFORMANCE, times()))
+        .chain(of(CONTROL_LOOP, control_loop()))
+        .chain(of_sources())
+        .collect()
+}
+
+fn m4f(kernel: &str) -> f64 {
+    count(M4F, kernel)
+}
+
+/// To the nearest multiple.
+fn nearest(multiple: f64, number: f64) -> f64 {
+    multiple * (number / multiple).round()
+}
+
+/// What a call costs, by slices of 256 and of 1024 points.
+fn call(core: &str, kernel: &str) -> f64 {
+    let few = count(core, &format!("{kernel}_256"));
+    (few - count(core, kernel)) / (1.0 / 256.0 - 1.0 / 1024.0)
+}
+
+/// What a point costs without the call.
+fn without_call(core: &str, kernel: &str) -> f64 {
+    count(core, kernel) - call(core, kernel) / 1024.0
+}
+
+/// Of the frames' mean over transfers, per row of the detector.
+fn per_tdi_row() -> f64 {
+    (m4f("frame_fold_tdi_worst") - m4f("frame_fold_worst")) / 1024.0
+}
+
+fn readme() -> Vec<String> {
+    vec![
+        format!(
+            "{:.0} instructions per point on a Cortex-M4F",
+            m4f("correct_slice")
+        ),
+        format!(
+            "rises by more than {:.0} % over the row of the same compiler",
+            100.0 * MAX_RISE
+        ),
+    ]
+}
+
+fn changelog() -> Vec<String> {
+    vec![
+        format!("in {:.0} instructions on a Cortex-M4F", m4f("frame_fold")),
+        format!(
+            "{:.1} instructions to a point, {:.1} with all terms",
+            count(M55, "correct_slice"),
+            count(M55, "correct_slice_full")
+        ),
+        format!(
+            "on Cortex-M4F and M7 ({:.0} and, in the full form, {:.0})",
+            m4f("distort"),
+            m4f("distort_full")
+        ),
+        format!(
+            "in {:.0} instructions per point on a Cortex-M4F, {:.0} with K3, and over whole rows {:.1} to {:.1} from 16 to 128 pixels of 3.76 µm apart; {:.1} and {:.1} at 64 and 128 pixels of 10 µm over 104 mm",
+            m4f("mesh_row"),
+            m4f("mesh_row_k3"),
+            m4f("mesh_row_k3_16px"),
+            m4f("mesh_row_k3_128px"),
+            m4f("mesh_row_k3_64px_104mm"),
+            m4f("mesh_row_k3_128px_104mm")
+        ),
+    ]
+}
+
+/// Of the points on a microcontroller.
+fn points() -> Vec<String> {
+    let of_ours = |core| count(core, "opencv_ros_camera_undistort") / count(core, "correct_slice");
+    let calls = [M4F, M55].map(|core| {
+        let kernels = ["correct_slice", "correct_slice_full"];
+        kernels.map(|kernel| nearest(10.0, call(core, kernel)))
+    });
+    let calls = calls.as_flattened();
+    let least = calls.iter().copied().fold(f64::INFINITY, f64::min);
+    let most = calls.iter().copied().fold(0.0, f64::max);
+    let performance: Vec<Row> = documented::table("docs/performance.csv");
+    let is_short = |row: &&Row| row.core == M4F && row.kernel == "correct_slice";
+    let cycles = performance.iter().find(is_short).unwrap().cycles.unwrap();
+    let [parts, rest] = [23 + 17 + 15 + 21, 18];
+    assert_eq!(
+        format!("{}", parts + rest),
+        format!("{:.0}", m4f("distort_slice"))
+    );
+    vec![
+        format!(
+            "in {:.0} times the instructions on the M4F and {:.0} times on the M55",
+            of_ours(M4F),
+            of_ours(M55)
+        ),
+        format!("a call costs {least} to {most} instructions"),
+        format!(
+            "23 arithmetic, 4 loads and stores for 6 points, 2 of the loop for 6: {:.1}",
+            without_call(M4F, "correct_slice")
+        ),
+        format!(
+            "23 arithmetic, 4 to load and store, 1 of the loop: {:.0}",
+            4.0 * without_call(M55, "correct_slice")
+        ),
+        format!(
+            "`distort_slice` is 23 instructions for a start along the radius, 17 for value and slope there, 15 for the Jacobian, 21 for one Newton step and its test, one of them a division, {rest} for the rest"
+        ),
+        format!("on the M4F against {cycles:.1}"),
+        format!("9.3 instead of {:.1}", count(M55, "correct_slice_xy")),
+    ]
+}
+
+/// Of a frame, and of rows of a mesh.
+fn frames_and_rows() -> Vec<String> {
+    let whole_rows = ["16px", "32px", "64px", "128px", "64px_104mm"];
+    let whole_rows = whole_rows.map(|spacing| m4f(&format!("mesh_row_k3_{spacing}")));
+    vec![
+        format!(
+            "takes {:.0} instructions per row of the detector",
+            per_tdi_row()
+        ),
+        format!(
+            "leave 82 points to a row and a point costs {:.1} instructions on the M4F; in all others it is at most {:.1}",
+            m4f("mesh_row_k3_128px_104mm"),
+            whole_rows.into_iter().fold(0.0, f64::max)
+        ),
+    ]
+}
+
+/// Of the limits.
+fn limits() -> Vec<String> {
+    vec![
+        format!("Counts are those of {COMPILER};"),
+        format!("and may be {:.0} % dearer", 100.0 * MAX_RISE),
+        format!(
+            "[limits.csv]({}) has one for every row of instructions.csv and footprint.csv",
+            LIMITS.trim_start_matches("docs/")
+        ),
+        format!(
+            "a margin over the count: {:.0} %",
+            100.0 * (super::limit::MARGIN - 1.0)
+        ),
+        format!(
+            "and {} instructions at least",
+            super::limit::LEAST_OF_A_STEP
+        ),
+        format!(
+            "more than {:.0} % above the dearest count",
+            100.0 * (super::limit::LOOSEST - 1.0)
+        ),
+    ]
+}
+
+/// Of the points on a PC.
+fn times() -> Vec<String> {
+    let table: Vec<Row> = documented::table("docs/performance.csv");
+    let clocks = table.iter().filter_map(|row| {
+        let clock = row.cycles_by.strip_prefix("clock ")?;
+        clock.strip_suffix(" GHz")?.parse::<f64>().ok()
+    });
+    let clocks: Vec<_> = clocks.collect();
+    let is_it = |row: &&Row| row.kernel == "avx512 short x, y" && row.points == Some(1000);
+    let cycles = table.iter().find(is_it).unwrap().cycles.unwrap();
+    let operations = f64::from(KERNELS[0].2);
+    vec![
+        format!(
+            "clock of that run was {:.1} to {:.1} GHz",
+            clocks.iter().copied().fold(f64::INFINITY, f64::min),
+            clocks.iter().copied().fold(0.0, f64::max)
+        ),
+        format!("a thousand points take {cycles:.2} each"),
+        format!(
+            "{operations} operations, none joined, on two vector units of 16 lanes are {:.2} cycles",
+            operations / 32.0
+        ),
+    ]
+}
+
+fn control_loop() -> Vec<String> {
+    // 921,600 bits per second, ten to a byte.
+    let link = 92.0 * m4f("interrupt_receive");
+    let [slow, fast] = [25_000.0, 168_000.0];
+    let rmc = m4f("nmea_rmc");
+    vec![
+        format!("fails below {:.0} %", 100.0 * load::LEAST_IDLE),
+        format!("takes {:.0} of them in each", nearest(100.0, link)),
+        format!(
+            "{:.0} % of a core at 25 MHz, {:.0} % at 168 MHz",
+            100.0 * link / slow,
+            100.0 * link / fast
+        ),
+        format!(
+            "a sentence of {:.0},{:03} instructions lasts {:.2} ms at 168 MHz, but at 25 MHz, {:.2} ms",
+            (rmc / 1000.0).floor(),
+            rmc % 1000.0,
+            rmc / fast,
+            rmc / slow
+        ),
+        format!("takes {:.0} instructions per row", per_tdi_row()),
+        format!(
+            "at 168 MHz they add {:.2} ms",
+            m4f("frame_fold_tdi_worst") / fast
+        ),
+    ]
+}
+
+/// Of the sources' documentation.
+fn of_sources() -> impl Iterator<Item = Quote> {
+    let rows = vec![
+        format!(
+            "{:.0} instructions per point on a Cortex-M4F, {:.0} with K3",
+            m4f("mesh_row"),
+            m4f("mesh_row_k3")
+        ),
+        format!(
+            "{:.0} per row and {:.0} per frame",
+            m4f("mesh_row_setup"),
+            nearest(100.0, m4f("mesh_rows_setup"))
+        ),
+        format!(
+            "{:.1} per point with K3 where two starts serve 82 points",
+            m4f("mesh_row_k3_128px_104mm")
+        ),
+    ];
+    let point_kernel = vec![format!(
+        "On Cortex-M4F and M7 {:.1} instructions to a point with the short kernel and {:.1} with the full one, on a Cortex-M55 compiled for its vectors {:.1} and {:.1}, of slices of 1024 points; about {:.0} of them to a call",
+        m4f("correct_slice"),
+        m4f("correct_slice_full"),
+        count(M55, "correct_slice"),
+        count(M55, "correct_slice_full"),
+        nearest(100.0, call(M4F, "correct_slice"))
+    )];
+    let inverse = vec![
+        format!(
+            "{:.0} with the short kernel and {:.0} with the full one (`docs/instructions.csv`)",
+            m4f("distort"),
+            m4f("distort_full")
+        ),
+        format!(
+            "{:.0} with the short kernel and {:.0} with the full one.",
+            m4f("distort_slice"),
+            m4f("distort_slice_full")
+        ),
+        format!(
+            "a call per point would load the coefficients again: {:.0} instructions",
+            m4f("distort") - m4f("distort_slice")
+        ),
+    ];
+    let limits: Vec<Limit> = documented::table(LIMITS);
+    let limit = |kernel| {
+        let is_it = |limit: &&Limit| limit.on == M4F && limit.cost == kernel;
+        limits.iter().find(is_it).unwrap().most
+    };
+    let mesh_test = vec![format!(
+        "keeps a point within {} instructions at 64 pixels from point to point and within {} at 128",
+        limit("mesh_row_k3_64px_104mm"),
+        limit("mesh_row_k3_128px_104mm")
+    )];
+    let mesh = vec![format!(
+        "By differences, {:.0} instructions per point",
+        m4f("mesh_row")
+    )];
+    of(ROWS, rows)
+        .chain(of(MESH, mesh))
+        .chain(of(POINT_KERNEL, point_kernel))
+        .chain(of(INVERSE, inverse))
+        .chain(of("tests/geometry/mesh.rs", mesh_test))
+}
+
+#[test]
+fn every_quote_is_that_of_the_committed_tables() {
+    for Quote { file, sentence } in quotes() {
+        let paragraphs = paragraphs(file);
+        let is_in = |text: &String| places(text, &sentence).next().is_some();
+        assert!(paragraphs.iter().any(is_in), "{file}: {sentence}");
+    }
+}
+
+/// Whether one of the texts reaches into a sentence of a paragraph.
+fn is_read(paragraph: &str, sentence: &Range<usize>, texts: &[&str]) -> bool {
+    texts.iter().any(|text| {
+        let mut places = places(paragraph, text);
+        places.any(|place| place.start < sentence.end && sentence.start < place.end)
+    })
+}
+
+#[test]
+fn every_number_of_instructions_or_cycles_is_read() {
+    let quotes = quotes();
+    let mut sentences = 0;
+    let mut unread = Vec::new();
+    for file in files() {
+        let of_tables = quotes.iter().filter(|quote| quote.file == file);
+        let of_others = OF_OTHER_SOURCES.iter().filter(|(name, _)| *name == file);
+        let texts: Vec<_> = of_tables
+            .map(|quote| quote.sentence.as_str())
+            .chain(of_others.map(|(_, text)| *text))
+            .collect();
+        let paragraphs = paragraphs(&file);
+        // Rows of tables are read as such.
+        for paragraph in paragraphs.iter().filter(|text| !text.starts_with('|')) {
+            for sentence in with_numbers(paragraph) {
+                sentences += 1;
+                if !is_read(paragraph, &sentence, &texts) {
+                    unread.push(format!("{file}: {}", &paragraph[sentence]));
+                }
+            }
+        }
+    }
+    assert!(unread.is_empty(), "{unread:#?}");
+    assert!(sentences > 30, "{sentences}");
+}
+
+#[test]
+fn numbers_of_other_sources_are_still_there() {
+    for (file, text) in OF_OTHER_SOURCES {
+        let is_there = paragraphs(file).iter().any(|paragraph| {
+            let sentences = with_numbers(paragraph);
+            sentences
+                .iter()
+                .any(|sentence| is_read(paragraph, sentence, &[text]))
+        });
+        assert!(is_there, "{file}: {text}");
+    }
+}
+
+#[test]
+fn tables_and_limits_are_named_by_the_readme() {
+    let readme = paragraphs(README);
+    for table in [Instructions::TABLE, Footprint::TABLE, LIMITS] {
+        let link = format!("[{table}]({table})");
+        assert!(readme.iter().any(|text| text.contains(&link)), "{table}");
+    }
+}
