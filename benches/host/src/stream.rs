@@ -10,8 +10,6 @@ use std::process::{Command, Stdio};
 use std::thread;
 use std::time::Instant;
 
-use npyz::WriterBuilder as _;
-
 use crate::cpu_time::{CpuTime, Of};
 use crate::timing::Times;
 
@@ -97,14 +95,10 @@ impl Written {
     }
 
     fn array(rows: usize) -> io::Result<Self> {
-        let mut header = Vec::new();
-        let count = u64::try_from(rows).map_err(io::Error::other)?;
-        let single = "<f4".parse().map_err(io::Error::other)?;
-        npyz::WriteOptions::new_header_only()
-            .dtype(npyz::DType::Plain(single))
-            .shape(&[count, 2])
-            .writer(&mut header)
-            .write_header_only()?;
+        let shape = format!("{{'descr': '<f4', 'fortran_order': False, 'shape': ({rows}, 2), }}");
+        // Version 1.0 of NumPy's format: 10 bytes before the text, which ends at byte 128.
+        let mut header = b"\x93NUMPY\x01\x00\x76\x00".to_vec();
+        writeln!(header, "{shape:117}")?;
         Ok(Self {
             header,
             rows: places().flatten().flat_map(f32::to_le_bytes).collect(),

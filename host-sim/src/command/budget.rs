@@ -8,7 +8,6 @@ use crate::failure::Failure;
 use crate::formats::camera_file::CameraFile;
 use crate::formats::output::{self, OutputFolder};
 use crate::report::budget::{bars, page, summary, table};
-use crate::report::raster;
 
 pub(super) fn run(args: &BudgetArgs) -> Result<(), Failure> {
     let (camera, _) = CameraFile::read(&args.camera)?;
@@ -44,8 +43,8 @@ fn write_report(folder: &OutputFolder, budget: &Budget) -> Result<(), Failure> {
         serde_json::to_writer_pretty(&mut *sink, &summary::Summary::of(budget))?;
         writeln!(sink)
     })?;
-    let svg = bars::bars(budget).map_err(|error| failed("budget.svg", &error))?;
-    let png = raster::png(&svg).map_err(|error| failed("budget.png", &error))?;
+    let svg = bars::svg(budget).map_err(|error| failed("budget.svg", &error))?;
+    let png = bars::png(budget).map_err(|error| failed("budget.png", &error))?;
     folder.write("budget.svg", |sink| sink.write_all(svg.as_bytes()))?;
     folder.write("budget.png", |sink| sink.write_all(&png))?;
     let page = page::page(budget).map_err(|error| failed("report.html", &error))?;

@@ -12,7 +12,6 @@ use crate::formats::camera_file::{CameraFile, MechanismName, Per, Strategy};
 use crate::formats::output::{self, OutputFolder};
 use crate::reference::exposure::FocusFormula;
 use crate::reference::strict::{Reading, Weight};
-use crate::report::raster;
 use crate::report::sweep::{coefficient_plot, coefficients_csv, page, summary, table};
 use crate::report::wording;
 use crate::sweep::options::SweepOptions;
@@ -123,9 +122,8 @@ fn write_report(folder: &OutputFolder, sweep: &Sweep) -> Result<(), Failure> {
     folder.write("coefficients.csv", |sink| {
         coefficients_csv::write(sweep, sink).map_err(io::Error::other)
     })?;
-    let svg = coefficient_plot::coefficients(sweep)
-        .map_err(|error| failed("coefficients.svg", &error))?;
-    let png = raster::png(&svg).map_err(|error| failed("coefficients.png", &error))?;
+    let svg = coefficient_plot::svg(sweep).map_err(|error| failed("coefficients.svg", &error))?;
+    let png = coefficient_plot::png(sweep).map_err(|error| failed("coefficients.png", &error))?;
     folder.write("coefficients.svg", |sink| sink.write_all(svg.as_bytes()))?;
     folder.write("coefficients.png", |sink| sink.write_all(&png))?;
     let page = page::page(sweep).map_err(|error| failed("report.html", &error))?;

@@ -1,11 +1,14 @@
 //! The firmware's log, decoded as it comes.
 
+mod line;
+mod table;
+
 use std::collections::VecDeque;
 use std::io::{self, Read, Write as _};
 use std::sync::{Arc, Mutex, PoisonError};
 use std::thread::{self, JoinHandle};
 
-use defmt_decoder::{DecodeError, Table};
+use table::Table;
 
 /// Lines that are kept for a report of what went wrong.
 pub const KEPT: usize = 20;
@@ -43,10 +46,10 @@ pub fn follow(
 ) -> (LastLines, JoinHandle<()>) {
     let lines = LastLines::default();
     // Without the table there is a log, but nobody can read it.
-    let table = Table::parse(elf).ok().flatten();
+    let table = Table::parse(elf);
     let kept = lines.clone();
     let thread = thread::spawn(move || {
-        let mut decoder = table.as_ref().map(Table::new_stream_decoder);
+        let mut frame = Vec::new();
         let mut buffer = [0; 1024];
         loop {
             let count = match wire.read(&mut buffer) {
@@ -55,17 +58,22 @@ pub fn follow(
                 Err(error) if error.kind() == io::ErrorKind::Interrupted => continue,
                 Err(_) => return,
             };
-            let Some(decoder) = &mut decoder else {
+            let Some(table) = &table else {
                 continue;
             };
-            decoder.received(buffer.get(..count).unwrap_or_default());
-            loop {
-                let line = match decoder.decode() {
-                    Ok(frame) => frame.display(false).to_string(),
-                    Err(DecodeError::UnexpectedEof) => break,
-                    // A restart cuts a frame short; the next one is whole.
-                    Err(DecodeError::Malformed) => "(a line of the log is unreadable)".to_owned(),
-                };
+            for byte in buffer.get(..count).unwrap_or_default() {
+                if *byte != 0 {
+                    frame.push(*byte);
+                    continue;
+                }
+                // Zeros stand between frames, one or more.
+                if frame.is_empty() {
+                    continue;
+                }
+                // A restart cuts a frame short; the next one is whole.
+                let line = line::decode(table, &frame)
+                    .unwrap_or_else(|| "(a line of the log is unreadable)".to_owned());
+                frame.clear();
                 if print {
                     let _ = writeln!(io::stderr(), "firmware: {line}");
                 }
@@ -90,6 +98,41 @@ mod tests {
         assert_eq!(all.len(), KEPT);
         assert_eq!(all.first().unwrap(), "5");
         assert_eq!(all.last().unwrap(), "24");
+    }
+
+    #[test]
+    fn frames_are_told_apart_however_they_arrive() {
+        struct ByteByByte(Vec<u8>);
+        impl Read for ByteByByte {
+            fn read(&mut self, buffer: &mut [u8]) -> io::Result<usize> {
+                let Some(byte) = self.0.pop() else {
+                    return Ok(0);
+                };
+                buffer[0] = byte;
+                Ok(1)
+            }
+        }
+        let image = table::tests::image(&[(1, "defmt_info", "number {=u8}")], ["4", "rzcobs"]);
+        let mut wire = vec![0];
+        for number in [0, 200] {
+            wire.extend(rzcobs::encode(&[1, 0, number]));
+            wire.extend([0, 0]);
+        }
+        // Cut short by a restart, and a frame that has not ended yet.
+        wire.extend([0x80, 0]);
+        wire.extend(rzcobs::encode(&[1, 0, 7]));
+        let expected = [
+            "INFO number 0",
+            "INFO number 200",
+            "(a line of the log is unreadable)",
+        ];
+        let (lines, thread) = follow(io::Cursor::new(wire.clone()), &image, false);
+        thread.join().unwrap();
+        assert_eq!(lines.all(), expected);
+        wire.reverse();
+        let (lines, thread) = follow(ByteByByte(wire), &image, false);
+        thread.join().unwrap();
+        assert_eq!(lines.all(), expected);
     }
 
     #[test]

@@ -8,6 +8,7 @@ mod mission_fault;
 pub mod mission_file;
 mod mission_range;
 pub mod mission_scenario;
+pub mod npy_header;
 pub mod number;
 pub mod observations;
 pub mod output;

@@ -1,7 +1,12 @@
 //! What all figures share.
 
+use std::io;
+
+use plotters::coord::Shift;
 use plotters::drawing::{DrawingArea, DrawingAreaErrorKind};
-use plotters::prelude::{IntoFont, IntoTextStyle, RGBColor, SVGBackend, TextStyle};
+use plotters::prelude::{
+    DrawingBackend, IntoDrawingArea, IntoFont, IntoTextStyle, RGBColor, SVGBackend, TextStyle,
+};
 use plotters::style::text_anchor::{HPos, Pos, VPos};
 
 /// Colour of axes and text.
@@ -11,8 +16,16 @@ pub(super) const GRID: RGBColor = RGBColor(222, 226, 232);
 /// Colour of the sensor's outline and of the direction of flight.
 pub(super) const OUTLINE: RGBColor = RGBColor(110, 118, 130);
 
-/// A drawing area of an SVG figure, in pixels.
-pub(super) type Canvas<'a> = DrawingArea<SVGBackend<'a>, plotters::coord::Shift>;
+/// A drawing area, in pixels.
+pub(super) type Area<B> = DrawingArea<B, Shift>;
+
+/// A drawing area of an SVG figure.
+pub(super) type Canvas<'a> = Area<SVGBackend<'a>>;
+
+/// What a figure can be drawn on, SVG or pixels.
+pub(super) trait Backend: DrawingBackend<ErrorType = io::Error> {}
+
+impl<B: DrawingBackend<ErrorType = io::Error>> Backend for B {}
 
 /// Why there is no figure.
 #[derive(Debug, thiserror::Error)]
@@ -22,7 +35,27 @@ pub enum FigureError {
     NothingToDraw,
     /// The drawing failed.
     #[error("cannot draw the figure: {0}")]
-    Drawing(#[from] DrawingAreaErrorKind<std::io::Error>),
+    Drawing(#[from] DrawingAreaErrorKind<io::Error>),
+    /// The pixels are too many, or have no PNG.
+    #[error("cannot draw the figure as PNG: {0}")]
+    Picture(String),
+}
+
+/// A figure of that many pixels in SVG.
+///
+/// # Errors
+/// [`FigureError`] if the drawing fails.
+pub(super) fn svg(
+    size: (u32, u32),
+    draw: impl FnOnce(&Canvas<'_>) -> Result<(), FigureError>,
+) -> Result<String, FigureError> {
+    let mut svg = String::new();
+    {
+        let canvas = SVGBackend::with_string(&mut svg, size).into_drawing_area();
+        draw(&canvas)?;
+        canvas.present()?;
+    }
+    Ok(svg)
 }
 
 /// Text that starts at its point and is centred on it vertically.
@@ -46,4 +79,13 @@ pub(super) fn text_at(size: u32, horizontal: HPos) -> TextStyle<'static> {
 )]
 pub(super) fn pixels(length: f64) -> i32 {
     length.round() as i32
+}
+
+/// The em of a font of that size, pixels: plotters counts the height of a line.
+#[expect(
+    clippy::cast_possible_truncation,
+    reason = "sizes are whole numbers of pixels, which leave room to spare"
+)]
+pub(super) fn ems(size: f64) -> f32 {
+    (size / 1.24) as f32
 }

@@ -18,7 +18,7 @@ pub mod html;
 mod length;
 mod marker;
 pub mod mission;
-pub mod raster;
+mod picture;
 pub mod records;
 pub mod residual_field;
 pub mod residual_plot;

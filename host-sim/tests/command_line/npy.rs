@@ -3,28 +3,77 @@
 use std::fs;
 use std::io::Write as _;
 
-use npyz::{NpyFile, Order, WriterBuilder as _};
-
 use crate::support::{Answer, Bench, CAMERA, EXPOSURE};
 
-fn array<T: npyz::AutoSerialize + Copy>(shape: &[u64], order: Order, numbers: &[T]) -> Vec<u8> {
-    let mut bytes = Vec::new();
-    let mut writer = npyz::WriteOptions::new()
-        .default_dtype()
-        .shape(shape)
-        .order(order)
-        .writer(&mut bytes)
-        .begin_nd()
-        .unwrap();
-    writer.extend(numbers.iter().copied()).unwrap();
-    writer.finish().unwrap();
+/// How the numbers of an array stand one behind the other.
+#[derive(Clone, Copy, PartialEq)]
+enum Order {
+    C,
+    Fortran,
+}
+
+trait Number: Copy {
+    const TYPE: &str;
+    fn bytes(self) -> Vec<u8>;
+    fn all(bytes: &[u8]) -> Vec<Self>;
+}
+
+macro_rules! number {
+    ($number:ty, $name:literal) => {
+        impl Number for $number {
+            const TYPE: &str = $name;
+            fn bytes(self) -> Vec<u8> {
+                self.to_le_bytes().to_vec()
+            }
+            fn all(bytes: &[u8]) -> Vec<Self> {
+                let (numbers, rest) = bytes.as_chunks();
+                assert!(rest.is_empty());
+                numbers.iter().copied().map(Self::from_le_bytes).collect()
+            }
+        }
+    };
+}
+
+number!(f32, "<f4");
+number!(f64, "<f8");
+number!(i32, "<i4");
+
+/// Bytes of a header of version 1.0 as NumPy pads it.
+const HEADER: usize = 128;
+
+/// An array as `numpy.save` writes it.
+fn array<T: Number>(shape: &[u64], order: Order, numbers: &[T]) -> Vec<u8> {
+    let axes: Vec<String> = shape.iter().map(u64::to_string).collect();
+    let comma = if shape.len() == 1 { "," } else { "" };
+    let text = format!(
+        "{{'descr': '{}', 'fortran_order': {}, 'shape': ({}{comma}), }}",
+        T::TYPE,
+        if order == Order::C { "False" } else { "True" },
+        axes.join(", ")
+    );
+    let mut bytes = b"\x93NUMPY\x01\x00\x76\x00".to_vec();
+    bytes.extend(text.as_bytes());
+    bytes.resize(HEADER - 1, b' ');
+    bytes.push(b'\n');
+    bytes.extend(numbers.iter().flat_map(|number| number.bytes()));
     bytes
 }
 
-fn numbers<T: npyz::Deserialize>(path: &std::path::Path) -> (Vec<u64>, Vec<T>) {
-    let file = NpyFile::new(fs::File::open(path).unwrap()).unwrap();
-    let shape = file.shape().to_vec();
-    (shape, file.into_vec().unwrap())
+/// Shape and numbers of an answer, whose header is checked byte by byte.
+fn numbers<T: Number>(path: &std::path::Path) -> (Vec<u64>, Vec<T>) {
+    let bytes = fs::read(path).unwrap();
+    let (header, numbers) = bytes.split_at(HEADER);
+    let (before, text) = header.split_at(10);
+    assert_eq!(before, b"\x93NUMPY\x01\x00\x76\x00");
+    let text = str::from_utf8(text).unwrap().strip_suffix('\n').unwrap();
+    let start = format!(
+        "{{'descr': '{}', 'fortran_order': False, 'shape': (",
+        T::TYPE
+    );
+    let axes = text.trim_end().strip_prefix(&start).unwrap();
+    let axes = axes.strip_suffix(", ), }").unwrap().split(", ");
+    let shape = axes.map(|axis| axis.parse().unwrap()).collect();
+    (shape, T::all(numbers))
 }
 
 /// `command` on `points.npy`.
@@ -180,6 +229,73 @@ fn arrays_that_are_no_points_are_refused_with_what_they_are() {
     let mut longer = whole.clone();
     longer.write_all(&[0]).unwrap();
     refused(&longer, &["goes on behind the 3 rows"]);
+}
+
+/// What NumPy 2 wrote: `a = arange(6, dtype='<f8').reshape(3, 2)`, `format.write_array(file, a, version=...)`, and
+/// `save` of `a.astype('<f4')`, `a.astype('>f8')`, `asfortranarray(a)` and of two numbers in a record.
+const BY_NUMPY: [(&str, &[u8]); 7] = [
+    ("version 1", include_bytes!("numpy/f8-version-1.npy")),
+    ("version 2", include_bytes!("numpy/f8-version-2.npy")),
+    ("version 3", include_bytes!("numpy/f8-version-3.npy")),
+    ("single", include_bytes!("numpy/f4.npy")),
+    ("big-endian", include_bytes!("numpy/big-endian.npy")),
+    ("Fortran", include_bytes!("numpy/fortran.npy")),
+    ("record", include_bytes!("numpy/record.npy")),
+];
+
+#[test]
+fn arrays_that_numpy_wrote_are_answered_or_refused_with_what_they_are() {
+    let bench = Bench::new();
+    let points: Vec<f64> = (0..6).map(f64::from).collect();
+    let [one, two, three, single, big_endian, fortran, record] = BY_NUMPY.map(|(_, file)| file);
+    assert_eq!(one, array(&[3, 2], Order::C, &points));
+    on_array(&bench, "correct", one, &["--out", "one.npy"]).ok();
+    let expected = fs::read(bench.path("one.npy")).unwrap();
+    for version in [two, three] {
+        on_array(&bench, "correct", version, &["--out", "out.npy"]).ok();
+        assert!(fs::read(bench.path("out.npy")).unwrap() == expected);
+        fs::remove_file(bench.path("out.npy")).unwrap();
+    }
+    on_array(&bench, "correct", single, &["--out", "single.npy"]).ok();
+    assert_eq!(numbers::<f32>(&bench.path("single.npy")).0, [3, 4]);
+    for (array, word) in [
+        (big_endian, "type '>f8'"),
+        (fortran, "in Fortran order"),
+        (record, "type [('x', '<f4'), ('y', '<f4')]"),
+    ] {
+        let answer = on_array(&bench, "correct", array, &["--out", "out.npy"]);
+        answer.refused(&["points.npy", word, "<f4 or <f8"]);
+    }
+}
+
+#[test]
+fn damaged_headers_are_refused_with_the_file_and_what_is_wrong() {
+    let bench = Bench::new();
+    let whole = array(&[3, 2], Order::C, &POINTS);
+    let with = |old: &str, new: &str| {
+        let text = str::from_utf8(&whole[10..HEADER]).unwrap();
+        assert!(text.contains(old));
+        let text = text.replace(old, new);
+        let length = u16::try_from(text.len()).unwrap().to_le_bytes();
+        [&whole[..8], &length, text.as_bytes(), &whole[HEADER..]].concat()
+    };
+    let huge = [&b"\x93NUMPY\x02\x00\xff\xff\xff\xff"[..], &whole[10..]].concat();
+    for (array, words) in [
+        (whole[..100].to_vec(), "ends within its header"),
+        (huge, "4294967295 bytes"),
+        (with("(3, 2)", "(-3, 2)"), "length -3"),
+        (
+            with("(3, 2)", "(18446744073709551616, 2)"),
+            "more than 64 bits",
+        ),
+        (with("}", "'order': 'C'}"), "\"order\""),
+        (with("'fortran_order': False, ", ""), "\"fortran_order\""),
+        (with("}", ""), "a string is missing"),
+    ] {
+        let answer = on_array(&bench, "correct", &array, &["--out", "out.npy"]);
+        answer.refused(&["points.npy", "no array of NumPy", words]);
+        assert!(!bench.path("out.npy").exists());
+    }
 }
 
 #[test]

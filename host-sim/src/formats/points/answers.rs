@@ -3,11 +3,10 @@
 use std::io::{self, Write};
 use std::ops::Range;
 
-use npyz::{DType, WriterBuilder as _};
-
 use super::{Block, Frame, PointFormat, Precision, Source, decimal};
 use crate::failure::Failure;
 use crate::formats::camera_file::CameraFile;
+use crate::formats::npy_header::NpyHeader;
 use crate::formats::number::single;
 
 /// The answer to one point.
@@ -77,13 +76,7 @@ impl<'a> Answers<'a> {
                 writeln!(sink, "id,{first},{second},dx_um,dy_um")
             }
             Layout::Npy { rows, precision } => {
-                let number = precision.type_name().parse().map_err(io::Error::other)?;
-                npyz::WriteOptions::new_header_only()
-                    .dtype(DType::Plain(number))
-                    .shape(&[rows, 4])
-                    .writer(sink)
-                    .write_header_only()?;
-                Ok(())
+                NpyHeader::write(precision.type_name(), &[rows, 4], sink)
             }
         }
     }

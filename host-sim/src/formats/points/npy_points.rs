@@ -3,11 +3,10 @@
 use std::io::{self, ErrorKind, Read};
 use std::path::Path;
 
-use npyz::{DType, NpyHeader, Order};
-
 use super::Precision;
 use super::block::{self, Block};
 use crate::failure::Failure;
+use crate::formats::npy_header::{NpyHeader, NpyHeaderError};
 
 /// The rows of an array, behind its header.
 pub(super) struct NpyPoints<R> {
@@ -25,26 +24,24 @@ impl<R: Read> NpyPoints<R> {
     /// # Errors
     /// [`Failure`] naming the file, and what is not as it must be.
     pub(super) fn new(file: &str, mut source: R) -> Result<Self, Failure> {
-        let header = NpyHeader::from_reader(&mut source).map_err(|error| match error.kind() {
-            ErrorKind::InvalidData | ErrorKind::UnexpectedEof => {
-                Failure::bad_input(format!("{file} is no array of NumPy (.npy): {error}"))
-            }
-            _ => Failure::reading(Path::new(file), &error),
+        let header = NpyHeader::read(&mut source).map_err(|error| match error {
+            NpyHeaderError::Reading(error) => Failure::reading(Path::new(file), &error),
+            error => Failure::bad_input(format!("{file} is no array of NumPy (.npy): {error}")),
         })?;
         let refused = |found: String| {
             Failure::bad_input(format!(
                 "{file}: the array is {found}; points are N rows of x_mm, y_mm: shape (N, 2), C order, <f4 or <f8"
             ))
         };
-        let precision = match header.dtype() {
-            DType::Plain(name) if name.to_string() == "<f4" => Precision::Single,
-            DType::Plain(name) if name.to_string() == "<f8" => Precision::Double,
-            other => return Err(refused(format!("of type {}", other.descr()))),
+        let precision = match header.description.trim_matches(['\'', '"']) {
+            "<f4" => Precision::Single,
+            "<f8" => Precision::Double,
+            _ => return Err(refused(format!("of type {}", header.description))),
         };
-        let [count, 2] = *header.shape() else {
-            return Err(refused(format!("of shape {:?}", header.shape())));
+        let [count, 2] = *header.shape else {
+            return Err(refused(format!("of shape {:?}", header.shape)));
         };
-        if header.order() != Order::C && count > 1 {
+        if header.is_fortran_order && count > 1 {
             return Err(refused("in Fortran order".to_owned()));
         }
         Ok(Self {
@@ -138,18 +135,12 @@ impl<R: Read> NpyPoints<R> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use npyz::WriterBuilder as _;
 
     #[test]
     fn bytes_read_are_those_of_all_blocks_when_one_is_filled_again_and_again() {
         let count = 2 * block::POINTS as u64 + 7;
         let mut array = Vec::new();
-        npyz::WriteOptions::new_header_only()
-            .dtype(DType::Plain("<f8".parse().unwrap()))
-            .shape(&[count, 2])
-            .writer(&mut array)
-            .write_header_only()
-            .unwrap();
+        NpyHeader::write("<f8", &[count, 2], &mut array).unwrap();
         let rows = io::repeat(0).take(16 * count);
         let mut points = NpyPoints::new("points.npy", array.as_slice().chain(rows)).unwrap();
         let mut block = Block::default();

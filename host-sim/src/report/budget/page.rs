@@ -22,7 +22,7 @@ struct Page {
 pub fn page(budget: &Budget) -> Result<String, PageError> {
     let page = Page {
         findings: Findings::of(budget),
-        figure: inline(bars::bars(budget)?),
+        figure: inline(bars::svg(budget)?),
     };
     Ok(page.render()?)
 }

@@ -4,12 +4,12 @@ use std::ops::Range;
 
 use fmc_camera::geometry::estimation::parameter::Parameter;
 use plotters::element::{Circle, EmptyElement, PathElement, Rectangle, Text};
-use plotters::prelude::{ChartBuilder, Color, IntoDrawingArea, RGBColor, SVGBackend};
+use plotters::prelude::{ChartBuilder, Color, RGBColor};
 
 use super::findings::{COEFFICIENTS, per};
 use super::power;
-use crate::report::figure::{Canvas, FigureError, GRID, INK, OUTLINE, text};
-use crate::report::wording;
+use crate::report::figure::{self, Area, Backend, FigureError, GRID, INK, OUTLINE, text};
+use crate::report::{picture, wording};
 use crate::sweep::result::{FrameFit, Sweep};
 
 const SIZE: (u32, u32) = (1800, 1150);
@@ -24,30 +24,37 @@ const WHOLE: RGBColor = RGBColor(213, 94, 0);
 ///
 /// # Errors
 /// [`FigureError`] without exposures or if the drawing fails.
-pub fn coefficients(sweep: &Sweep) -> Result<String, FigureError> {
+pub fn svg(sweep: &Sweep) -> Result<String, FigureError> {
+    figure::svg(SIZE, |canvas| draw(canvas, sweep))
+}
+
+/// The same as PNG.
+///
+/// # Errors
+/// As [`svg`].
+pub fn png(sweep: &Sweep) -> Result<Vec<u8>, FigureError> {
+    picture::png(SIZE, |canvas| draw(canvas, sweep))
+}
+
+fn draw<B: Backend>(canvas: &Area<B>, sweep: &Sweep) -> Result<(), FigureError> {
     let frames = &sweep.both().frames;
     if frames.is_empty() {
         return Err(FigureError::NothingToDraw);
     }
     let longest_mm = frames.iter().map(|f| f.travel_mm).fold(0.0, f64::max);
     let travel_um = 0.0..(1e3 * longest_mm * 1.03).max(1e-3);
-    let mut svg = String::new();
-    {
-        let canvas = SVGBackend::with_string(&mut svg, SIZE).into_drawing_area();
-        canvas.fill(&plotters::style::WHITE)?;
-        let title = format!("{}: coefficients of each exposure against δ", sweep.camera);
-        canvas.draw(&Text::new(title, (20, 36), text(FONT + 6)))?;
-        let (_, panels) = canvas.split_vertically(TITLE_HEIGHT);
-        let panels = panels.split_evenly((2, 3));
-        for (panel, (parameter, unit)) in panels.iter().zip(COEFFICIENTS) {
-            draw_panel(panel, sweep, parameter, unit, travel_um.clone())?;
-        }
-        if let Some(legend) = panels.last() {
-            draw_legend(legend, sweep)?;
-        }
-        canvas.present()?;
+    canvas.fill(&plotters::style::WHITE)?;
+    let title = format!("{}: coefficients of each exposure against δ", sweep.camera);
+    canvas.draw(&Text::new(title, (20, 36), text(FONT + 6)))?;
+    let (_, panels) = canvas.split_vertically(TITLE_HEIGHT);
+    let panels = panels.split_evenly((2, 3));
+    for (panel, (parameter, unit)) in panels.iter().zip(COEFFICIENTS) {
+        draw_panel(panel, sweep, parameter, unit, travel_um.clone())?;
     }
-    Ok(svg)
+    if let Some(legend) = panels.last() {
+        draw_legend(legend, sweep)?;
+    }
+    Ok(())
 }
 
 /// δ, value and standard deviation of one exposure.
@@ -60,8 +67,8 @@ fn estimate(frame: &FrameFit, parameter: Parameter) -> Option<(f64, f64, f64)> {
     ))
 }
 
-fn draw_panel(
-    panel: &Canvas<'_>,
+fn draw_panel<B: Backend>(
+    panel: &Area<B>,
     sweep: &Sweep,
     parameter: Parameter,
     unit: &str,
@@ -150,7 +157,7 @@ fn draw_panel(
     Ok(())
 }
 
-fn draw_legend(legend: &Canvas<'_>, sweep: &Sweep) -> Result<(), FigureError> {
+fn draw_legend<B: Backend>(legend: &Area<B>, sweep: &Sweep) -> Result<(), FigureError> {
     let words = |x: i32, y: i32, words: &str| Text::new(words.to_owned(), (x, y), text(FONT));
     let (left, column) = (60, 110);
     legend.draw(&PathElement::new(
@@ -196,7 +203,7 @@ mod tests {
 
     #[test]
     fn every_exposure_has_a_mark_in_every_panel() {
-        let svg = coefficients(&fixture::sweep("from-rest")).unwrap();
+        let svg = svg(&fixture::sweep("from-rest")).unwrap();
         // And one in the legend.
         assert_eq!(svg.matches("<circle").count(), 5 * 60 + 1);
         assert!(!svg.contains("NaN") && !svg.contains("inf"));
@@ -207,7 +214,7 @@ mod tests {
 
     #[test]
     fn coefficients_that_do_not_exist_are_not_drawn() {
-        let svg = coefficients(&fixture::sweep("centred")).unwrap();
+        let svg = svg(&fixture::sweep("centred")).unwrap();
         assert_eq!(svg.matches("<circle").count(), 1);
         assert!(svg.contains("K_d1: no number"));
     }

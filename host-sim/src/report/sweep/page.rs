@@ -22,7 +22,7 @@ struct Page {
 pub fn page(sweep: &Sweep) -> Result<String, PageError> {
     let page = Page {
         findings: Findings::of(sweep),
-        figure: inline(coefficient_plot::coefficients(sweep)?),
+        figure: inline(coefficient_plot::svg(sweep)?),
     };
     Ok(page.render()?)
 }

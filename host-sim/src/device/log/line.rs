@@ -1,0 +1,346 @@
+//! A frame of the firmware's log as a line of text.
+//!
+//! The numbers, strings, characters and truth values that defmt writes, with the hints for numbers
+//! and seconds; a frame with anything else is unreadable: structures of the firmware that format
+//! themselves, slices, bit fields, dates.
+
+use std::fmt::{Display, Write as _};
+
+use defmt_parser::{DisplayHint, Fragment, Parameter, ParserMode, TimePrecision, Type};
+
+use super::table::Table;
+
+/// Bytes of a frame, arguments taken from its front.
+struct Reader<'a> {
+    bytes: &'a [u8],
+    table: &'a Table,
+}
+
+/// An argument of a format string.
+enum Argument<'a> {
+    Unsigned(u128),
+    /// And how many bits it has.
+    Signed(i128, u32),
+    Single(f32),
+    Double(f64),
+    Truth(bool),
+    Character(char),
+    Text(&'a str),
+}
+
+/// The line of a frame, encoded as it came, without the zeros around it; `None` for a frame that
+/// cannot be read.
+pub(super) fn decode(table: &Table, frame: &[u8]) -> Option<String> {
+    let bytes = rzcobs::decode(frame).ok()?;
+    let mut reader = Reader {
+        bytes: &bytes,
+        table,
+    };
+    let entry = table.get(u16::from_le_bytes(reader.take()?))?;
+    let mut line = String::new();
+    if let Some(timestamp) = table.timestamp() {
+        line = reader.text(timestamp)? + " ";
+    }
+    if let Some(level) = entry.level {
+        line += level;
+        line.push(' ');
+    }
+    Some(line + &reader.text(&entry.text)?)
+}
+
+impl<'a> Reader<'a> {
+    fn take<const COUNT: usize>(&mut self) -> Option<[u8; COUNT]> {
+        let (taken, rest) = self.bytes.split_first_chunk()?;
+        self.bytes = rest;
+        Some(*taken)
+    }
+
+    /// Takes the arguments of a format string and puts them into it.
+    fn text(&mut self, format: &str) -> Option<String> {
+        let fragments = defmt_parser::parse(format, ParserMode::ForwardsCompatible).ok()?;
+        let parameters = fragments.iter().filter_map(|fragment| match fragment {
+            Fragment::Parameter(parameter) => Some(parameter),
+            Fragment::Literal(_) => None,
+        });
+        // They stand in the order of their indices, each once however often it is shown.
+        let mut parameters: Vec<&Parameter> = parameters.collect();
+        parameters.sort_by_key(|parameter| parameter.index);
+        parameters.dedup_by_key(|parameter| parameter.index);
+        let arguments = parameters
+            .into_iter()
+            .map(|parameter| self.argument(&parameter.ty))
+            .collect::<Option<Vec<Argument>>>()?;
+        let mut text = String::new();
+        for fragment in fragments {
+            match fragment {
+                Fragment::Literal(literal) => text += &literal,
+                Fragment::Parameter(Parameter { index, hint, .. }) => {
+                    arguments.get(index)?.show(hint.as_ref(), &mut text)?;
+                }
+            }
+        }
+        Some(text)
+    }
+
+    fn argument(&mut self, kind: &Type) -> Option<Argument<'a>> {
+        Some(match kind {
+            Type::U8 => Argument::Unsigned(u8::from_le_bytes(self.take()?).into()),
+            Type::U16 => Argument::Unsigned(u16::from_le_bytes(self.take()?).into()),
+            // The firmware's pointers have 32 bits.
+            Type::U32 | Type::Usize => Argument::Unsigned(u32::from_le_bytes(self.take()?).into()),
+            Type::U64 => Argument::Unsigned(u64::from_le_bytes(self.take()?).into()),
+            Type::U128 => Argument::Unsigned(u128::from_le_bytes(self.take()?)),
+            Type::I8 => Argument::Signed(i8::from_le_bytes(self.take()?).into(), 8),
+            Type::I16 => Argument::Signed(i16::from_le_bytes(self.take()?).into(), 16),
+            Type::I32 | Type::Isize => {
+                Argument::Signed(i32::from_le_bytes(self.take()?).into(), 32)
+            }
+            Type::I64 => Argument::Signed(i64::from_le_bytes(self.take()?).into(), 64),
+            Type::I128 => Argument::Signed(i128::from_le_bytes(self.take()?), 128),
+            Type::F32 => Argument::Single(f32::from_le_bytes(self.take()?)),
+            Type::F64 => Argument::Double(f64::from_le_bytes(self.take()?)),
+            Type::Bool => match self.take()? {
+                [0] => Argument::Truth(false),
+                [1] => Argument::Truth(true),
+                _ => return None,
+            },
+            Type::Char => Argument::Character(char::from_u32(u32::from_le_bytes(self.take()?))?),
+            Type::Str => {
+                let length = usize::try_from(u32::from_le_bytes(self.take()?)).ok()?;
+                let (text, rest) = self.bytes.split_at_checked(length)?;
+                self.bytes = rest;
+                Argument::Text(str::from_utf8(text).ok()?)
+            }
+            Type::IStr => {
+                let entry = self.table.get(u16::from_le_bytes(self.take()?))?;
+                Argument::Text(&entry.text)
+            }
+            // Text that the firmware formatted by itself; no byte of UTF-8 is 0xff.
+            Type::Debug | Type::Display => {
+                let end = self.bytes.iter().position(|byte| *byte == 0xff)?;
+                let (text, rest) = self.bytes.split_at_checked(end)?;
+                self.bytes = rest.get(1..)?;
+                Argument::Text(str::from_utf8(text).ok()?)
+            }
+            Type::BitField(_)
+            | Type::Format
+            | Type::FormatArray(_)
+            | Type::FormatSequence
+            | Type::FormatSlice
+            | Type::U8Array(_)
+            | Type::U8Slice => return None,
+        })
+    }
+}
+
+impl Argument<'_> {
+    /// Adds the argument as its hint says; `None` for what is not shown here.
+    fn show(&self, hint: Option<&DisplayHint>, text: &mut String) -> Option<()> {
+        match self {
+            Self::Unsigned(number) => unsigned(*number, hint, text),
+            Self::Signed(number, bits) => signed(*number, *bits, hint, text),
+            Self::Single(number) => write!(text, "{number:?}").ok(),
+            Self::Double(number) => write!(text, "{number:?}").ok(),
+            Self::Truth(truth) => write!(text, "{truth}").ok(),
+            Self::Character(character) => write!(text, "{character}").ok(),
+            Self::Text(line) => match hint {
+                Some(DisplayHint::Debug) => write!(text, "{line:?}").ok(),
+                _ => write!(text, "{line}").ok(),
+            },
+        }
+    }
+}
+
+fn unsigned(number: u128, hint: Option<&DisplayHint>, text: &mut String) -> Option<()> {
+    match hint {
+        Some(DisplayHint::Seconds(precision)) => {
+            let (digits, per_second) = match precision {
+                TimePrecision::Micros => (6, 1_000_000),
+                TimePrecision::Millis => (3, 1000),
+                TimePrecision::Seconds => return None,
+            };
+            let [seconds, part] = [number / per_second, number % per_second];
+            write!(text, "{seconds}.{part:0digits$}").ok()
+        }
+        _ => radix(number, hint, text).or_else(|| decimal(number, hint, text)),
+    }
+}
+
+fn signed(number: i128, bits: u32, hint: Option<&DisplayHint>, text: &mut String) -> Option<()> {
+    // The bits of its own width.
+    let own = number.cast_unsigned() & (u128::MAX >> (128 - bits));
+    radix(own, hint, text).or_else(|| decimal(number, hint, text))
+}
+
+/// As a number, also where the hint is not meant for one.
+fn decimal(number: impl Display, hint: Option<&DisplayHint>, text: &mut String) -> Option<()> {
+    match hint {
+        Some(
+            DisplayHint::Bitflags { .. }
+            | DisplayHint::Cbor
+            | DisplayHint::ISO8601(_)
+            | DisplayHint::Time(_),
+        ) => None,
+        Some(DisplayHint::NoHint { zero_pad }) => write!(text, "{number:0zero_pad$}").ok(),
+        _ => write!(text, "{number}").ok(),
+    }
+}
+
+/// In base 2, 8 or 16, where the hint says so.
+fn radix(number: u128, hint: Option<&DisplayHint>, text: &mut String) -> Option<()> {
+    let (alternate, width) = match hint? {
+        DisplayHint::Binary {
+            alternate,
+            zero_pad,
+        }
+        | DisplayHint::Octal {
+            alternate,
+            zero_pad,
+        }
+        | DisplayHint::Hexadecimal {
+            alternate,
+            zero_pad,
+            ..
+        } => (*alternate, *zero_pad),
+        _ => return None,
+    };
+    let written = match (hint?, alternate) {
+        (DisplayHint::Binary { .. }, false) => write!(text, "{number:0width$b}"),
+        (DisplayHint::Binary { .. }, true) => write!(text, "{number:#0width$b}"),
+        (DisplayHint::Octal { .. }, false) => write!(text, "{number:0width$o}"),
+        (DisplayHint::Octal { .. }, true) => write!(text, "{number:#0width$o}"),
+        (
+            DisplayHint::Hexadecimal {
+                uppercase: true, ..
+            },
+            false,
+        ) => {
+            write!(text, "{number:0width$X}")
+        }
+        (
+            DisplayHint::Hexadecimal {
+                uppercase: true, ..
+            },
+            true,
+        ) => {
+            write!(text, "{number:#0width$X}")
+        }
+        (_, false) => write!(text, "{number:0width$x}"),
+        (_, true) => write!(text, "{number:#0width$x}"),
+    };
+    written.ok()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::table::tests::table;
+    use super::*;
+
+    /// The line of a frame of one format string and these bytes of its arguments.
+    fn line(format: &str, arguments: &[u8]) -> Option<String> {
+        let table = table(&[(0x102, "defmt_warn", format), (3, "defmt_str", "interned")]);
+        decode(&table, &rzcobs::encode(&[&[2, 1], arguments].concat()))
+    }
+
+    #[test]
+    fn numbers_are_shown_as_their_hints_say() {
+        for (format, bytes, expected) in [
+            ("{=u8} {=u16}", &[200, 1, 2][..], "200 513"),
+            ("{=u32:#010x}", &[0xef, 0xbe, 0, 0], "0x0000beef"),
+            ("{=u32:X} {0=u32:#X}", &[0xef, 0xbe, 0, 0], "BEEF 0xBEEF"),
+            ("{=u8:b} {0=u8:#b} {0=u8:08b}", &[5], "101 0b101 00000101"),
+            ("{=u8:o} {0=u8:#o}", &[8], "10 0o10"),
+            ("{=u16:05} {0=u16:?} {0=u16:a}", &[7, 0], "00007 7 7"),
+            (
+                "{=i8} {=i16} {=i32}",
+                &[255, 254, 255, 253, 255, 255, 255],
+                "-1 -2 -3",
+            ),
+            (
+                "{=i16:x} {0=i16:#b}",
+                &[0xff, 0xff],
+                "ffff 0b1111111111111111",
+            ),
+            ("{=i128:x}", &[0xff; 16], "ffffffffffffffffffffffffffffffff"),
+            ("{=i8:04}", &[251], "-005"),
+            (
+                "{=usize} {=isize}",
+                &[1, 0, 0, 0, 255, 255, 255, 255],
+                "1 -1",
+            ),
+            ("{=u64:ms}", &[57, 48, 0, 0, 0, 0, 0, 0], "12.345"),
+            ("{=u32:us}", &[64, 66, 15, 0], "1.000000"),
+            (
+                "{=u128}",
+                &[255; 16],
+                "340282366920938463463374607431768211455",
+            ),
+            ("{=i64}", &[255; 8], "-1"),
+            (
+                "{=f32} {=f64}",
+                &[0, 0, 192, 63, 0, 0, 0, 0, 0, 0, 4, 64],
+                "1.5 2.5",
+            ),
+        ] {
+            let expected = format!("WARN {expected}");
+            assert_eq!(line(format, bytes).as_ref(), Some(&expected), "{format}");
+        }
+    }
+
+    #[test]
+    fn text_characters_and_truth_values_are_shown() {
+        assert_eq!(line("{{plain}}", &[]).unwrap(), "WARN {plain}");
+        let bytes = [2, 0, 0, 0, 0xc2, 0xb5, 3, 0, 1, 0xb5, 0, 0, 0];
+        let shown = line("{=str} {=istr} {=bool} {=char}", &bytes).unwrap();
+        assert_eq!(shown, "WARN µ interned true µ");
+        assert_eq!(
+            line("{=str:?}", &[1, 0, 0, 0, b'"']).unwrap(),
+            "WARN \"\\\"\""
+        );
+        let formatted = line("{=__internal_Display} {=u8}", b"abc\xff\x07").unwrap();
+        assert_eq!(formatted, "WARN abc 7");
+        // In the order of indices, not of the text.
+        assert_eq!(line("{1=u8} {0=u8} {1=u8}", &[1, 2]).unwrap(), "WARN 2 1 2");
+    }
+
+    #[test]
+    fn time_begins_the_line_and_a_line_without_level_has_none() {
+        let table = table(&[
+            (1, "defmt_println", "{=u8}"),
+            (9, "defmt_timestamp", "{=u32:us}"),
+        ]);
+        let frame = rzcobs::encode(&[1, 0, 0x40, 0x42, 0x0f, 0, 5]);
+        assert_eq!(decode(&table, &frame).unwrap(), "1.000000 5");
+    }
+
+    #[test]
+    fn frame_that_is_cut_short_or_holds_something_else_is_unreadable() {
+        let table = table(&[(1, "defmt_info", "{=u32} {=str}")]);
+        let text = [b'a'; 20];
+        let whole = [&[1, 0, 7, 0, 0, 0, 20, 0, 0, 0][..], &text].concat();
+        let lines = |frame: &[u8]| decode(&table, &rzcobs::encode(frame));
+        let expected = format!("INFO 7 {}", "a".repeat(20));
+        assert_eq!(lines(&whole), Some(expected));
+        // The encoding fills a frame up with zeros, six at most.
+        for length in 0..whole.len() - 6 {
+            assert!(lines(&whole[..length]).is_none(), "{length}");
+        }
+        assert!(lines(&[2, 0]).is_none());
+        assert!(decode(&table, b"\x80").is_none());
+        for (format, bytes) in [
+            ("{=bool}", &[2][..]),
+            ("{=char}", &[0, 0xd8, 0, 0]),
+            ("{=str}", &[1, 0, 0, 0, 0xff]),
+            ("{=str}", &[255, 255, 255, 255, b'a']),
+            ("{=istr}", &[4, 0]),
+            ("{=?}", &[1, 0]),
+            ("{=[u8]}", &[0, 0, 0, 0]),
+            ("{=[u8; 1]}", &[0]),
+            ("{=0..3}", &[0]),
+            ("{=u32:tus}", &[0; 4]),
+            ("{=u8", &[1]),
+        ] {
+            assert!(line(format, bytes).is_none(), "{format}");
+        }
+    }
+}
