@@ -8,7 +8,7 @@ use proptest::prelude::*;
 use proptest::sample::select;
 use proptest::test_runner::{Config, RngAlgorithm, TestRng, TestRunner};
 
-use crate::aircraft;
+use crate::aircraft::aircraft;
 
 /// Every input of the corpus, then random ones, the same every time.
 fn run(target: fn(&[u8]), corpus: &str, frequent: &'static [u8]) {
