@@ -5,7 +5,7 @@ use std::{fmt, path::PathBuf, process::ExitCode};
 use anyhow::Result;
 use xshell::{Cmd, cmd};
 
-use crate::{no_panic, route::Need, target::Target, workspace::Workspace};
+use crate::{checks::TESTED, no_panic, route::Need, target::Target, workspace::Workspace};
 
 /// An image.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -147,9 +147,9 @@ pub(crate) fn test(workspace: &Workspace, target: &Target<'_>) -> Result<()> {
     let flight = build(workspace, target, Image::Mps2)?;
     let with_drills = build(workspace, target, Image::Mps2WithDrills)?;
     // All packages, because their features decide together what the dependencies are built with.
-    let test =
-        workspace.cargo("test --workspace --exclude hil --features fmc-camera/nmea,fmc-camera/mavlink --locked --test firmware -- --ignored");
-    let test = test
+    let test = format!("test {TESTED} --locked --test main -- firmware:: --ignored");
+    let test = workspace
+        .cargo(&test)
         .env("FMC_FIRMWARE", flight)
         .env("FMC_FIRMWARE_WITH_DRILLS", with_drills);
     eprintln!("$ {test}");

@@ -5,7 +5,7 @@ use std::io::Write as _;
 
 use npyz::{NpyFile, Order, WriterBuilder as _};
 
-use crate::support::{Answer, Bench, CAMERA, EXPOSURE};
+use crate::command_line::support::{Answer, Bench, CAMERA, EXPOSURE};
 
 fn array<T: npyz::AutoSerialize + Copy>(shape: &[u64], order: Order, numbers: &[T]) -> Vec<u8> {
     let mut bytes = Vec::new();
