@@ -33,7 +33,6 @@ use mps2 as chosen;
 use nucleo_h743zi as chosen;
 
 pub(crate) use chosen::Board;
-#[cfg(not(link_check))]
 use chosen::stop_after_panic;
 
 #[cortex_m_rt::entry]
