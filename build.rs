@@ -15,9 +15,17 @@ const BOARDS: [(&str, &str); 2] = [
     ),
 ];
 
+/// What cargo is told for the firmware alone, behind `cargo rustc --`: as features they would compile the library anew.
+/// `drills` are accidents on request, for tests; `link_check` links only if nothing can panic, and `negative_control` adds
+/// a panic to that.
+const CFGS: [&str; 3] = ["drills", "link_check", "negative_control"];
+
 fn main() -> io::Result<()> {
     println!("cargo::rerun-if-changed=build.rs");
     println!("cargo::rustc-check-cfg=cfg(board)");
+    for cfg in CFGS {
+        println!("cargo::rustc-check-cfg=cfg({cfg})");
+    }
     let chosen = |(feature, _): &&(&str, &str)| env::var_os(feature).is_some();
     let mut boards = BOARDS.iter().filter(chosen);
     let for_target = env::var("CARGO_CFG_TARGET_OS").as_deref() == Ok("none");

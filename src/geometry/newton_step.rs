@@ -168,22 +168,31 @@ mod tests {
         ]
     }
 
-    proptest! {
-        #[test]
-        fn longest_last_step_leaves_what_it_may(
+    prop_compose! {
+        /// A lens whose distortion can be inverted: some three of four.
+        fn lens()(
             k1 in -9e-5_f32..9e-5,
             k2 in -3e-8_f32..3e-8,
             k3 in -1e-11_f32..1e-11,
             p in [-2e-5_f32..2e-5, -2e-5_f32..2e-5],
+        ) -> CalibrationRecord {
+            let mut record = CalibrationRecord::new(100.0, [8000, 6000], 10.0);
+            record.distortion = Brown { k1, k2, k3, p1: p[0], p2: p[1], ..Brown::NONE };
+            record
+        }
+    }
+
+    proptest! {
+        #[test]
+        fn longest_last_step_leaves_what_it_may(
+            (record, calibration) in lens().prop_filter_map("not one-to-one", |record| {
+                Some((record, Calibration::new(record).ok()?))
+            }),
             at in [-1.0_f64..1.0, -1.0_f64..1.0],
             direction in 0.0_f64..core::f64::consts::TAU,
         ) {
-            let mut record = CalibrationRecord::new(100.0, [8000, 6000], 10.0);
-            record.distortion = Brown { k1, k2, k3, p1: p[0], p2: p[1], ..Brown::NONE };
-            let calibration = Calibration::new(record);
-            prop_assume!(calibration.is_ok());
             let form = record.distortion.evaluation_form();
-            let step2 = longest_last_step2(&calibration.unwrap(), &form, SensorPoint::default());
+            let step2 = longest_last_step2(&calibration, &form, SensorPoint::default());
             let measured = [40.0 * at[0], 30.0 * at[1]];
             let [d, ..] = evaluated(&form, measured);
             let ideal = [measured[0] - d[0], measured[1] - d[1]];

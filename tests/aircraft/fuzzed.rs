@@ -8,7 +8,7 @@ use proptest::prelude::*;
 use proptest::sample::select;
 use proptest::test_runner::{Config, RngAlgorithm, TestRng, TestRunner};
 
-use crate::aircraft;
+use crate::aircraft::targets;
 
 /// Every input of the corpus, then random ones, the same every time.
 fn run(target: fn(&[u8]), corpus: &str, frequent: &'static [u8]) {
@@ -41,7 +41,7 @@ fn run(target: fn(&[u8]), corpus: &str, frequent: &'static [u8]) {
 #[test]
 fn sentence_is_read_after_any_bytes() {
     run(
-        aircraft::nmea,
+        targets::nmea,
         "nmea",
         b"0123456789.,,,,$*AVNEWMKTnaif-e\r\n",
     );
@@ -50,7 +50,7 @@ fn sentence_is_read_after_any_bytes() {
 #[test]
 fn message_is_read_after_any_bytes() {
     run(
-        aircraft::mavlink,
+        targets::mavlink,
         "mavlink",
         &[0xfd, 0xfe, 0, 1, 2, 25, 33, 132, 141],
     );

@@ -3,7 +3,7 @@
 use fmc_camera::flight::vh::VhSample;
 use fmc_camera::io::mavlink::{ALTITUDE_PREFERRED, MavlinkError, MavlinkReading, MavlinkReceiver};
 
-use crate::aircraft::{Kind, frame, messages};
+use crate::aircraft::targets::{Kind, frame, messages};
 
 fn answer(bytes: &[u8]) -> Option<Result<MavlinkReading, MavlinkError>> {
     let mut receiver = MavlinkReceiver::new();

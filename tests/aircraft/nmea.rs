@@ -5,7 +5,7 @@ use fmc_camera::flight::utc::UtcClock;
 use fmc_camera::flight::vh::{VhMonitor, VhSample};
 use fmc_camera::io::nmea::{LONGEST_SENTENCE, NmeaError, NmeaReading, NmeaReceiver};
 
-use crate::aircraft::{received, sentence};
+use crate::aircraft::targets::{received, sentence};
 
 fn answers(bytes: &[u8]) -> Vec<Result<NmeaReading, NmeaError>> {
     received(&mut NmeaReceiver::new(), bytes)

@@ -7,7 +7,7 @@ use fmc_camera::flight::frame_record::{Flag, Flags, Outcome, Reason};
 use fmc_camera::flight::settings::FlightSettings;
 use fmc_camera::flight::vh::VhSample;
 
-use crate::bench::Bench;
+use crate::controller::bench::Bench;
 
 #[test]
 fn edges_by_hand_in_standby_are_counted_and_every_trigger_has_its_record() {

@@ -7,7 +7,7 @@ use fmc_camera::flight::event::{Command, Event, ShutterEdge, Supply};
 use fmc_camera::flight::fault::Fault;
 use fmc_camera::flight::settings::FlightSettings;
 
-use crate::bench::{Bench, camera};
+use crate::controller::bench::{Bench, camera};
 
 const DOCUMENT: &str = include_str!("../../docs/integration.md");
 

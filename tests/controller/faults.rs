@@ -8,7 +8,7 @@ use fmc_camera::flight::frame_record::{ExposedFrame, Flag, FrameRecord, Outcome,
 use fmc_camera::flight::settings::FlightSettings;
 use fmc_camera::flight::time::Time;
 
-use crate::bench::{Bench, camera};
+use crate::controller::bench::{Bench, camera};
 
 /// A camera in a state after a trigger.
 fn in_state(state: State) -> Bench {

@@ -9,7 +9,7 @@ use fmc_camera::flight::fault::Faults;
 use fmc_camera::flight::frame_record::{Flags, Outcome};
 use fmc_camera::flight::settings::FlightSettings;
 
-use crate::bench::{Bench, camera};
+use crate::controller::bench::{Bench, camera};
 
 #[test]
 fn trigger_leads_through_all_states_to_a_measured_record() {

@@ -19,7 +19,7 @@ use fmc_camera::flight::settings::FlightSettings;
 use fmc_camera::flight::time::Time;
 use fmc_camera::flight::vh::VhSample;
 
-use crate::bench::{Bench, camera};
+use crate::controller::bench::{Bench, camera};
 
 /// A round of a given length, with a reading of a stage that is off its set point; `None`: no reading.
 fn round(bench: &mut Bench, round_s: f32, off_mm: Option<f32>) {

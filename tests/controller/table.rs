@@ -11,7 +11,7 @@ use fmc_camera::flight::settings::FlightSettings;
 use fmc_camera::flight::time::Time;
 use fmc_camera::flight::vh::VhSample;
 
-use crate::bench::Bench;
+use crate::controller::bench::Bench;
 
 /// What each event does in each state at once; a tick, within the next 10 ms of silence from everything else.
 const TABLE: &str = include_str!("table.csv");

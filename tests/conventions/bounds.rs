@@ -1,6 +1,6 @@
 //! The last column of section 10: bounds that follow from other quantities.
 
-use crate::camera;
+use crate::conventions::camera;
 use fmc_camera::flight::camera::{Camera, CameraRecord, FrameError};
 use fmc_camera::flight::exposure::{CorrectionModel, Exposure};
 use fmc_camera::flight::stage::StrokeTooShort;

@@ -1,6 +1,6 @@
 //! The constants of section 11.
 
-use crate::document::{names, rows};
+use crate::conventions::document::{names, rows};
 use fmc_camera::flight::stage::{POSITION_NM, RUN_UP_RESERVE};
 use fmc_camera::flight::utc::{
     CLOCK_TOLERANCE_PPM, CONSISTENT_PULSES, CONSISTENT_TIMES, DRIFT_WANDER_PPM_PER_S, HOLDOVER_S,

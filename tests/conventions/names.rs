@@ -1,6 +1,6 @@
 //! The symbols of section 9: their names in the code and in the camera file.
 
-use crate::document::{names, rows};
+use crate::conventions::document::{names, rows};
 use std::collections::BTreeSet;
 
 use fmc_camera::flight::camera::{CameraRecord, Mechanism};

@@ -1,6 +1,6 @@
 //! The ranges of section 10 that belong to one quantity.
 
-use crate::document::{names, rows};
+use crate::conventions::document::{names, rows};
 use fmc_camera::geometry::range::Quantity;
 
 /// The listed quantities; does not compile while one is missing.

@@ -3,7 +3,7 @@
 use fmc_camera::geometry::estimation::options::{FitOptions, StaticDecentring};
 use fmc_camera::geometry::sensor::FmcAxis;
 
-use crate::simulated::{Noise, TRUTH, adjusted, lens, observations};
+use crate::estimation::simulated::{Noise, TRUTH, adjusted, lens, observations};
 
 const FITS: u32 = 1000;
 

@@ -8,7 +8,7 @@ use fmc_camera::geometry::estimation::parameter::Parameter;
 use fmc_camera::geometry::range::Quantity;
 use fmc_camera::geometry::sensor::FmcAxis;
 
-use crate::simulated::{
+use crate::estimation::simulated::{
     Noise, TRUTH, adjusted, distortion, lens, observations, rounded, single_lens, travels,
 };
 

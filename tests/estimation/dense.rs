@@ -6,7 +6,9 @@ use fmc_camera::geometry::estimation::parameter::Parameter;
 use fmc_camera::geometry::sensor::FmcAxis;
 use nalgebra::{DMatrix, DVector};
 
-use crate::simulated::{Noise, TRUTH, adjusted, distortion, lens, observations, travels};
+use crate::estimation::simulated::{
+    Noise, TRUTH, adjusted, distortion, lens, observations, travels,
+};
 
 /// Columns from the model itself, which is linear: what it changes by when a coefficient is one.
 fn design(observations: &[Observation<f64>], axis: FmcAxis) -> DMatrix<f64> {

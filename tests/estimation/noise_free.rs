@@ -4,7 +4,9 @@ use fmc_camera::geometry::estimation::adjustment::Adjustment;
 use fmc_camera::geometry::estimation::options::{FitOptions, StaticDecentring};
 use fmc_camera::geometry::sensor::FmcAxis;
 
-use crate::simulated::{TRUTH, adjusted, lens, observations, rounded, single_lens, travels};
+use crate::estimation::simulated::{
+    TRUTH, adjusted, lens, observations, rounded, single_lens, travels,
+};
 
 /// Largest relative error over the five coefficients.
 fn worst(values: impl Iterator<Item = f64>) -> f64 {

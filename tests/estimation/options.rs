@@ -8,7 +8,7 @@ use fmc_camera::geometry::five_coefficient::Regressor;
 use fmc_camera::geometry::sensor::{FmcAxis, SensorPoint};
 use fmc_camera::{Calibration, CalibrationRecord, Camera, CameraRecord, CorrectionModel, Exposure};
 
-use crate::simulated::{TRUTH, adjusted, lens, observations, travels};
+use crate::estimation::simulated::{TRUTH, adjusted, lens, observations, travels};
 
 #[test]
 fn static_decentring_is_found_where_it_is_estimated_and_spoils_the_fit_where_it_is_held() {

@@ -1,7 +1,7 @@
 //! Rounding of the single-precision evaluation, as maximum, root mean square and bias.
 
-use crate::cameras;
-use crate::jacobian::brown;
+use crate::geometry::cameras;
+use crate::geometry::jacobian::brown;
 use fmc_camera::geometry::calibration::Calibration;
 use fmc_camera::geometry::frame_correction::FrameCorrection;
 

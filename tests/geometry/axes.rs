@@ -1,6 +1,6 @@
 //! The four FMC axes are one: turning or mirroring the camera turns or mirrors the answer.
 
-use crate::cameras;
+use crate::geometry::cameras;
 use fmc_camera::geometry::brown::Brown;
 use fmc_camera::geometry::calibration::{Calibration, CalibrationRecord};
 use fmc_camera::geometry::frame_correction::FrameCorrection;

@@ -1,6 +1,6 @@
 //! The bits of the answers: the same on every machine, and the same tomorrow.
 
-use crate::cameras;
+use crate::geometry::cameras;
 use fmc_camera::geometry::calibration::Calibration;
 use fmc_camera::geometry::frame_correction::FrameCorrection;
 use fmc_camera::geometry::principal_point::{PrincipalPointMotion, UniformTravel};

@@ -1,7 +1,7 @@
 //! `distort` against double precision, slices of points, and what it refuses.
 
-use crate::cameras;
-use crate::jacobian::brown;
+use crate::geometry::cameras;
+use crate::geometry::jacobian::brown;
 use fmc_camera::geometry::brown::Brown;
 use fmc_camera::geometry::calibration::{Calibration, CalibrationRecord};
 use fmc_camera::geometry::frame_correction::{FrameCorrection, Kernel};

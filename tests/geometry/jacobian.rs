@@ -1,6 +1,6 @@
 //! The Jacobians are the derivatives of what they belong to.
 
-use crate::cameras;
+use crate::geometry::cameras;
 use fmc_camera::geometry::brown::Brown;
 use fmc_camera::geometry::calibration::Calibration;
 use fmc_camera::geometry::evaluation_form::Jacobian;

@@ -1,6 +1,6 @@
 //! Rows by differences are the distortion, within the bound they state.
 
-use crate::cameras;
+use crate::geometry::cameras;
 use fmc_camera::geometry::brown::Brown;
 use fmc_camera::geometry::calibration::{Calibration, CalibrationRecord};
 use fmc_camera::geometry::evaluation_form::Displacement;

@@ -1,8 +1,8 @@
 //! Vertices as warp engines store them, read back as their documents say.
 
-use crate::cameras;
-use crate::mesh::{corrections, half_a_millimetre, wide};
-use crate::source_row::source_f64;
+use crate::geometry::cameras;
+use crate::geometry::mesh::{corrections, half_a_millimetre, wide};
+use crate::geometry::source_row::source_f64;
 use fmc_camera::geometry::calibration::Calibration;
 use fmc_camera::geometry::mesh::format::{MeshFormat, OutOfFormat, PixelAxis};
 use fmc_camera::geometry::mesh::vertex::{MeshError, Vertex, VertexRow};

@@ -5,7 +5,7 @@
 
 use core::ops::{Add, Mul};
 
-use crate::mesh::{SPACINGS_PX, frames};
+use crate::geometry::mesh::{SPACINGS_PX, frames};
 use fmc_camera::geometry::evaluation_form::Displacement;
 use fmc_camera::geometry::frame_correction::FrameCorrection;
 use fmc_camera::geometry::mesh::displacement_rows::DisplacementRows;

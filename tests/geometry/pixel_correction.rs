@@ -1,7 +1,7 @@
 //! Where pixels of the recorded image are to go: the differences in pixels, within the bound they state.
 
-use crate::cameras;
-use crate::mesh::{SPACINGS_PX, form_f64, frames};
+use crate::geometry::cameras;
+use crate::geometry::mesh::{SPACINGS_PX, form_f64, frames};
 use fmc_camera::geometry::brown::Brown;
 use fmc_camera::geometry::calibration::{Calibration, CalibrationRecord};
 use fmc_camera::geometry::evaluation_form::Displacement;

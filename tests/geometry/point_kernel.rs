@@ -1,6 +1,6 @@
 //! Slices of points have the bits of single points.
 
-use crate::cameras;
+use crate::geometry::cameras;
 use fmc_camera::geometry::calibration::Calibration;
 use fmc_camera::geometry::frame_correction::{FrameCorrection, Kernel};
 use fmc_camera::geometry::point_kernel::LengthsDiffer;

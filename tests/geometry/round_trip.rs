@@ -1,6 +1,6 @@
 //! `distort` is the inverse of `correct`, or an error.
 
-use crate::cameras;
+use crate::geometry::cameras;
 use fmc_camera::geometry::calibration::Calibration;
 use fmc_camera::geometry::frame_correction::FrameCorrection;
 use fmc_camera::geometry::inverse::DistortError;

@@ -1,7 +1,7 @@
 //! Rows of sources are the inverse of the correction, and go on beyond the sensor.
 
-use crate::cameras;
-use crate::mesh::{corrections, form_f64, half_a_millimetre, wide};
+use crate::geometry::cameras;
+use crate::geometry::mesh::{corrections, form_f64, half_a_millimetre, wide};
 use fmc_camera::geometry::brown::Brown;
 use fmc_camera::geometry::calibration::Calibration;
 use fmc_camera::geometry::frame_correction::FrameCorrection;

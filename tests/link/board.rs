@@ -16,7 +16,7 @@ use fmc_camera::io::link::flown_deck::FlownDeck;
 use fmc_camera::io::link::message::{Answer, Identity, Request, Start, Status};
 use fmc_camera::io::link::station::Station;
 
-use crate::pc::{Pc, camera_record};
+use crate::link::pc::{Pc, camera_record};
 /// What the encoder counts where the stage stands at power-on, which is the calibrated position.
 pub(crate) const COUNT_AT_START: i32 = 12_345;
 

@@ -14,7 +14,7 @@ use fmc_camera::io::link::message::{
 };
 use fmc_camera::io::link::station::Event;
 
-use crate::pc::{Pc, SESSION, STACK_USED, camera_record};
+use crate::link::pc::{Pc, SESSION, STACK_USED, camera_record};
 
 const EXPOSURE: Exposure = Exposure::new(0.17, 1.0 / 200.0);
 

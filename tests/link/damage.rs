@@ -6,8 +6,8 @@ use fmc_camera::io::link::message::{Answer, Header, Refusal, Request, Unreadable
 use fmc_camera::io::link::station::{Event, NOBODY};
 use fmc_camera::io::link::{LONGEST_FRAME, PROTOCOL_VERSION};
 
-use crate::pc::{Pc, SESSION, frame};
-use crate::targets::wire_format::{between_zeros, frame_of};
+use crate::link::pc::{Pc, SESSION, frame};
+use crate::link::targets::wire_format::{between_zeros, frame_of};
 
 fn header(sequence: u16) -> Header {
     Header {

@@ -13,7 +13,7 @@ use fmc_camera::geometry::sensor::SensorPoint;
 use fmc_camera::io::link::MAX_OBSERVATIONS;
 use fmc_camera::io::link::message::{Answer, Refusal, Request};
 
-use crate::pc::{Pc, camera_record};
+use crate::link::pc::{Pc, camera_record};
 
 /// What exposures from rest would show on a 9 x 9 grid, with a pattern in place of noise.
 fn observations() -> Vec<Observation<f32>> {

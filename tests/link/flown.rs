@@ -9,8 +9,8 @@ use fmc_camera::flight::time::Time;
 use fmc_camera::flight::vh::VhSample;
 use fmc_camera::io::link::message::{Answer, Request, Start};
 
-use crate::board::Board;
-use crate::pc::camera_record;
+use crate::link::board::Board;
+use crate::link::pc::camera_record;
 fn exposed(record: &FrameRecord) -> &ExposedFrame {
     match &record.outcome {
         Outcome::Exposed(frame) => frame,

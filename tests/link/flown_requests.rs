@@ -16,8 +16,8 @@ use fmc_camera::io::link::deck::FlightDeck;
 use fmc_camera::io::link::flown_deck::FlownDeck;
 use fmc_camera::io::link::message::{Answer, Grid, Observations, Refusal, Request, Start};
 
-use crate::board::{Board, COUNT_AT_START};
-use crate::pc::{Pc, camera_record};
+use crate::link::board::{Board, COUNT_AT_START};
+use crate::link::pc::{Pc, camera_record};
 #[test]
 fn only_what_is_told_may_be_told_and_what_finds_no_place_is_refused() {
     let mut board = Board::connected(Start::PowerOn, 0);

@@ -7,7 +7,7 @@ use proptest::collection::vec;
 use proptest::prelude::*;
 use proptest::test_runner::{Config, RngAlgorithm, TestRng, TestRunner};
 
-use crate::targets;
+use crate::link::targets;
 
 /// Every input of the corpus, then random ones, the same every time.
 fn run(target: fn(&[u8]), corpus: &str) {

@@ -10,7 +10,7 @@ use fmc_camera::flight::vh::VhSample;
 use fmc_camera::io::link::deck::FlightDeck;
 use fmc_camera::io::link::message::{Answer, CalibrationIdentity, Refusal, Request};
 
-use crate::pc::{Pc, camera_record};
+use crate::link::pc::{Pc, camera_record};
 
 /// A test rig with an ideal stage.
 struct Flight {

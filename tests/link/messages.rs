@@ -20,7 +20,7 @@ use fmc_camera::io::link::{
     LONGEST_FRAME, LONGEST_PAYLOAD, MAX_OBSERVATIONS, MAX_POINTS, PROTOCOL_VERSION,
 };
 
-use crate::pc::{camera_record, frame};
+use crate::link::pc::{camera_record, frame};
 
 /// The header whose numbers take most bytes.
 const LONGEST_HEADER: Header = Header {

@@ -14,7 +14,7 @@ use fmc_camera::io::link::message::{
 };
 use fmc_camera::io::link::station::{Event, Station};
 
-use crate::pc::{Pc, SESSION, camera_record};
+use crate::link::pc::{Pc, SESSION, camera_record};
 
 const EXPOSURE: Exposure = Exposure::new(0.1, 0.005);
 

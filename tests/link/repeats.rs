@@ -4,8 +4,8 @@ use fmc_camera::flight::exposure::Exposure;
 use fmc_camera::io::link::message::{Answer, Header, Refusal, Request};
 use fmc_camera::io::link::station::Event;
 
-use crate::pc::{Pc, SESSION};
-use crate::targets::wire_format::frame_of;
+use crate::link::pc::{Pc, SESSION};
+use crate::link::targets::wire_format::frame_of;
 
 const EXPOSURE: Exposure = Exposure::new(0.17, 1.0 / 200.0);
 

@@ -9,8 +9,8 @@ use fmc_camera::geometry::sensor::SensorPoint;
 use fmc_camera::io::link::frame::{Frame, FrameReceiver};
 use fmc_camera::io::link::message::{Answer, Header, Request};
 
-use crate::pc::{SESSION, frame};
-use crate::targets::wire_format::{frame_of, wire_from_crc, wire_from_length};
+use crate::link::pc::{SESSION, frame};
+use crate::link::targets::wire_format::{frame_of, wire_from_crc, wire_from_length};
 
 /// Bits that are wrong at most.
 const WRONG: usize = 3;

@@ -2,8 +2,8 @@
 
 use fmc_camera::flight::stage::{MechanismLimits, POSITION_NM, Profile, RunUp};
 
-use crate::exact::Motion;
-use crate::support::{LIMITS, at_rest, stage, tracking, with_jerk};
+use crate::stage::exact::Motion;
+use crate::stage::support::{LIMITS, at_rest, stage, tracking, with_jerk};
 
 /// Largest difference in place, nm, between a profile and a motion, at times that single precision has.
 fn difference_nm(profile: &Profile, motion: &Motion) -> f64 {

@@ -2,7 +2,7 @@
 
 use fmc_camera::flight::stage::{MechanismLimits, PlanError, Setpoint};
 
-use crate::support::{LIMITS, at_rest, stage, with_jerk};
+use crate::stage::support::{LIMITS, at_rest, stage, with_jerk};
 
 fn near(found: f32, expected: f32) {
     assert!((found - expected).abs() < 1e-6, "{found} is not {expected}");
@@ -83,7 +83,7 @@ fn moving_stage_stops_before_it_returns() {
     near(least, -0.3);
     near(most, 0.7);
     // Overshoot within the stop counts.
-    let turned = crate::support::stage(with_jerk(1e5)).stop(moving(0.0, 3.0, -1000.0));
+    let turned = crate::stage::support::stage(with_jerk(1e5)).stop(moving(0.0, 3.0, -1000.0));
     let (least, most) = turned.reach_mm();
     near(least, -0.012_277_61);
     // 3 mm/s are gone after 10 ms·(1 - √0.4).

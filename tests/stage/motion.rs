@@ -3,7 +3,7 @@
 use fmc_camera::flight::stage::{MechanismLimits, PlanError, RunUp, Setpoint};
 use proptest::prelude::*;
 
-use crate::support::{any_limits, at_rest, check_profile, mirrored, stage, times, tracking};
+use crate::stage::support::{any_limits, at_rest, check_profile, mirrored, stage, times, tracking};
 
 fn any_run_up() -> impl Strategy<Value = RunUp> {
     prop_oneof![Just(RunUp::Centred), Just(RunUp::FromRest)]

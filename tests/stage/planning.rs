@@ -5,7 +5,7 @@ use fmc_camera::flight::stage::{
 };
 use fmc_camera::geometry::range::Quantity;
 
-use crate::support::{LIMITS, TRACKING, stage, tracking, with_jerk};
+use crate::stage::support::{LIMITS, TRACKING, stage, tracking, with_jerk};
 
 fn near(found: f32, expected: f32) {
     assert!((found - expected).abs() < 1e-6, "{found} is not {expected}");

@@ -105,7 +105,7 @@ pub(crate) fn check_profile(
         fastest = fastest.max(segment.start.speed_mm_s.abs());
     }
     for (segment, next) in segments.iter().zip(followers.chain([profile.end()])) {
-        let end = crate::exact::end_of(segment);
+        let end = crate::stage::exact::end_of(segment);
         let place = 3e-7 * (farthest + fastest * profile.duration_s());
         let speed = 1e-6 * fastest.max(most * segment.duration_s);
         let [offset_step, speed_step, acceleration_step] = end.minus(next);

@@ -32,13 +32,13 @@ pub(crate) enum Step {
     HostTests,
     /// Verification against the strict solver, camera in-process
     Verify,
-    /// Lints for the target
+    /// Lints for the target: library, firmware, programs of the checks
     TargetLints,
     /// Library built for the firmware's target, and for Cortex-M55
     TargetBuild,
     /// Link check that no panic is reachable, and its negative control
     NoPanic,
-    /// Lints of the firmware
+    /// Lints of the firmware with accidents on request
     FirmwareLints,
     /// Link check that the firmware cannot panic, and its negative control
     FirmwareNoPanic,
@@ -130,7 +130,7 @@ fn run_step(step: Step, workspace: &Workspace, equipment: &Equipment<'_>) -> Res
         }
         // In release, so that the core library is built once for lints, library and link check.
         Step::TargetLints => target()?.cargo(
-            "clippy --release -p fmc-camera --lib -p fmc-camera-kernel -p kernel-check --bin kernel-check -p no-panic-check --bin no-panic-check -- -D warnings",
+            "clippy --release -p fmc-camera --lib --bin firmware --features fmc-camera/board-mps2 -p fmc-camera-kernel -p kernel-check --bin kernel-check -p no-panic-check --bin no-panic-check -- -D warnings",
         ),
         Step::TargetBuild => {
             if let Some(helium) = &equipment.targets()?.helium {
@@ -141,10 +141,7 @@ fn run_step(step: Step, workspace: &Workspace, equipment: &Equipment<'_>) -> Res
             target()?.cargo("build --release -p fmc-camera --lib")
         }
         Step::NoPanic => return no_panic::check(workspace, target()?),
-        Step::FirmwareLints => {
-            firmware::lint(target()?, Image::Mps2)?;
-            return firmware::lint(target()?, Image::Mps2WithDrills);
-        }
+        Step::FirmwareLints => return firmware::lint(target()?, Image::Mps2WithDrills),
         Step::FirmwareNoPanic => return firmware::check_no_panic(target()?),
         Step::Firmware => {
             let emulator = equipment.emulator()?;

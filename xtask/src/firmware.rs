@@ -6,6 +6,7 @@ use anyhow::Result;
 use xshell::{Cmd, cmd};
 
 use crate::{
+    checks::TESTED,
     emulator::Emulator,
     no_panic,
     target::{Lints, Target},
@@ -25,12 +26,19 @@ pub(crate) enum Image {
 }
 
 impl Image {
-    /// Cargo features of the firmware.
-    fn features(self) -> &'static str {
+    /// Feature of the library and the firmware.
+    fn board(self) -> &'static str {
         match self {
-            Self::Mps2 => "board-mps2",
-            Self::Mps2WithDrills => "board-mps2,drills",
+            Self::Mps2 | Self::Mps2WithDrills => "board-mps2",
             Self::NucleoH743zi => "board-nucleo-h743zi",
+        }
+    }
+
+    /// What the compiler is told for the firmware alone: the library stays as it is compiled.
+    fn flags(self) -> &'static [&'static str] {
+        match self {
+            Self::Mps2 | Self::NucleoH743zi => &[],
+            Self::Mps2WithDrills => &["--cfg", "drills"],
         }
     }
 
@@ -85,8 +93,7 @@ pub(crate) fn set_up(workspace: &Workspace) -> Result<Emulator> {
 /// Where the build fails.
 pub(crate) fn build(workspace: &Workspace, target: &Target<'_>, image: Image) -> Result<PathBuf> {
     let _root = workspace.shell.push_dir(&workspace.root);
-    let build = cargo(target, "build", image.features());
-    let build = build.env("FMC_BUILD", sources(workspace));
+    let build = rustc(target, image, &[]).env("FMC_BUILD", sources(workspace));
     eprintln!("$ {build}");
     build.run()?;
     let kept = image.path(workspace);
@@ -113,8 +120,8 @@ fn sources(workspace: &Workspace) -> String {
 /// # Errors
 /// Where there is something to say.
 pub(crate) fn lint(target: &Target<'_>, image: Image) -> Result<()> {
-    let clippy = cargo(target, "clippy", image.features());
-    let clippy = clippy.args(["--", "-D", "warnings"]);
+    let clippy = cargo(target, "clippy", image);
+    let clippy = clippy.args(["--", "-D", "warnings"]).args(image.flags());
     eprintln!("$ {clippy}");
     clippy.run().map_err(Into::into)
 }
@@ -124,8 +131,7 @@ pub(crate) fn lint(target: &Target<'_>, image: Image) -> Result<()> {
 /// # Errors
 /// Where that fails.
 pub(crate) fn link_with_relocations(target: &Target<'_>, image: Image) -> Result<PathBuf> {
-    let link = cargo(target, "rustc", image.features());
-    let link = link.args(["--", "-Clink-arg=--emit-relocs"]);
+    let link = rustc(target, image, &["-Clink-arg=--emit-relocs"]);
     eprintln!("$ {link}");
     link.run()?;
     Ok(target.programs().join("firmware"))
@@ -136,9 +142,11 @@ pub(crate) fn link_with_relocations(target: &Target<'_>, image: Image) -> Result
 /// # Errors
 /// Where it finds one, or does not find the one of the negative control.
 pub(crate) fn check_no_panic(target: &Target<'_>) -> Result<()> {
-    let link = || cargo(target, "rustc", "board-mps2,link-check");
-    let control = cargo(target, "rustc", "board-mps2,link-check-negative-control");
-    no_panic::prove("the firmware", link, control)
+    let link = |flags: &[&str]| {
+        let flags = [&["--cfg", "link_check"], flags].concat();
+        rustc(target, Image::Mps2, &flags)
+    };
+    no_panic::prove("the firmware", link)
 }
 
 /// Builds the images and runs the tests of `host-sim` that need them.
@@ -149,9 +157,9 @@ pub(crate) fn test(workspace: &Workspace, target: &Target<'_>, emulator: &Emulat
     let flight = build(workspace, target, Image::Mps2)?;
     let with_drills = build(workspace, target, Image::Mps2WithDrills)?;
     // All packages, because their features decide together what the dependencies are built with.
-    let test =
-        workspace.cargo("test --workspace --exclude hil --features fmc-camera/nmea,fmc-camera/mavlink --locked --test firmware -- --ignored");
-    let test = test
+    let test = format!("test {TESTED} --locked --test main -- firmware:: --ignored");
+    let test = workspace
+        .cargo(&test)
         .env("FMC_FIRMWARE", flight)
         .env("FMC_FIRMWARE_WITH_DRILLS", with_drills)
         .env("PATH", emulator.search_path()?);
@@ -159,9 +167,16 @@ pub(crate) fn test(workspace: &Workspace, target: &Target<'_>, emulator: &Emulat
     test.run().map_err(Into::into)
 }
 
+/// Builds an image, with more flags of the compiler.
+fn rustc<'a>(target: &Target<'a>, image: Image, flags: &[&str]) -> Cmd<'a> {
+    let rustc = cargo(target, "rustc", image);
+    rustc.arg("--").args(image.flags()).args(flags)
+}
+
 /// Cargo for the firmware: in release, as the library for the target, so that the core library is built once.
-fn cargo<'a>(target: &Target<'a>, subcommand: &str, features: &str) -> Cmd<'a> {
+fn cargo<'a>(target: &Target<'a>, subcommand: &str, image: Image) -> Cmd<'a> {
+    let board = image.board();
     target.cargo(&format!(
-        "{subcommand} --release -p fmc-camera --bin firmware --features {features}"
+        "{subcommand} --release -p fmc-camera --bin firmware --features {board}"
     ))
 }

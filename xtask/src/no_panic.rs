@@ -35,23 +35,28 @@ pub(crate) fn check(workspace: &Workspace, target: &Target<'_>) -> Result<()> {
             missing.join(", ")
         );
     }
-    let link = || target.cargo("rustc --release -p no-panic-check");
-    let control = link().args(["--features", "negative-control"]);
-    prove("tests/no-panic", link, control)
+    // With the features of the flight image, so that the library is compiled once for both.
+    let link = |flags: &[&str]| {
+        let rustc = "rustc --release -p no-panic-check --features fmc-camera/board-mps2 --";
+        target.cargo(rustc).args(flags)
+    };
+    prove("tests/no-panic", link)
 }
 
 /// Links a program, which must succeed, and links it with a panic added, which must fail for that reason alone. Its
-/// panic handler calls [`PANIC_SYMBOL`].
+/// panic handler calls [`PANIC_SYMBOL`]; `link` builds it with flags of the compiler.
 ///
 /// # Errors
 /// Where a panic is reachable, the control links, or a build fails for another reason.
-pub(crate) fn prove<'a>(program: &str, link: impl Fn() -> Cmd<'a>, control: Cmd<'a>) -> Result<()> {
-    if let Link::PanicReachable = try_link(program, link())? {
+pub(crate) fn prove<'a>(program: &str, link: impl Fn(&[&str]) -> Cmd<'a>) -> Result<()> {
+    if let Link::PanicReachable = try_link(program, link(&[]))? {
+        let why_live = link(&["-Clink-arg=--why-live=*rust_begin_unwind"]);
         bail!(
             "{program} can panic; from the panic up:{}",
-            panic_path(link())?
+            panic_path(why_live)?
         );
     }
+    let control = link(&["--cfg", "negative_control"]);
     ensure!(
         matches!(try_link(program, control)?, Link::PanicReachable),
         "{program} links although its negative control can panic: the check sees nothing"
@@ -85,10 +90,7 @@ fn try_link(program: &str, command: Cmd<'_>) -> Result<Link> {
 
 /// The functions from the panic up to the program's entry, where the linker can tell (LLVM's from version 21 on).
 fn panic_path(command: Cmd<'_>) -> Result<String> {
-    let output = command
-        .args(["--", "-Clink-arg=--why-live=*rust_begin_unwind"])
-        .ignore_status()
-        .output()?;
+    let output = command.ignore_status().output()?;
     let text = String::from_utf8_lossy(&output.stderr);
     let function = |line: &str| {
         let section = line.split_once(">>> referenced by: ")?.1;

@@ -1,6 +1,6 @@
 //! Good input, and what DESIGN says is accepted.
 
-use crate::support::{Bench, CAMERA, POINTS};
+use crate::command_line::support::{Bench, CAMERA, POINTS};
 
 #[test]
 fn correct_agrees_with_the_reference_and_distort_undoes_it() {

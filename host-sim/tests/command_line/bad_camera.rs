@@ -1,6 +1,6 @@
 //! Wrong camera files: each named with file, line, field and what is allowed.
 
-use crate::support::{Bench, CAMERA, POINTS};
+use crate::command_line::support::{Bench, CAMERA, POINTS};
 
 /// Replaces one line of the camera file and returns the refusal.
 fn refused(from: &str, to: &str, words: &[&str]) {

@@ -1,6 +1,6 @@
 //! Wrong point files.
 
-use crate::support::{Bench, CAMERA};
+use crate::command_line::support::{Bench, CAMERA};
 
 fn refused(points: &[u8], words: &[&str]) {
     let bench = Bench::with(CAMERA, points);

@@ -1,6 +1,6 @@
 //! Wrong exposures and options.
 
-use crate::support::{Bench, CAMERA, POINTS};
+use crate::command_line::support::{Bench, CAMERA, POINTS};
 
 #[test]
 fn vh_and_exposure_outside_the_limits_are_refused_with_the_limits() {

@@ -2,7 +2,7 @@
 
 use std::fs;
 
-use crate::support::{Bench, CAMERA};
+use crate::command_line::support::{Bench, CAMERA};
 
 const BUDGET: [&str; 3] = ["budget", "--camera", "camera.toml"];
 

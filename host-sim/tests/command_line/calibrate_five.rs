@@ -5,8 +5,10 @@ use std::fs;
 
 use serde_json::Value;
 
-use crate::observations::{EXPOSURES, Noise, Row, TRUTH, csv, distortion_um, noisy, rows};
-use crate::support::{Answer, Bench, CAMERA};
+use crate::command_line::observations::{
+    EXPOSURES, Noise, Row, TRUTH, csv, distortion_um, noisy, rows,
+};
+use crate::command_line::support::{Answer, Bench, CAMERA};
 
 const KEYS: [&str; 5] = ["km0", "km1", "km2", "kd1", "pm1"];
 

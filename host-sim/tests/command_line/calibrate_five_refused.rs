@@ -3,8 +3,8 @@
 use std::fmt::Write as _;
 use std::fs;
 
-use crate::observations::{EXPOSURES, Row, csv, noisy, rows};
-use crate::support::Bench;
+use crate::command_line::observations::{EXPOSURES, Row, csv, noisy, rows};
+use crate::command_line::support::Bench;
 
 /// Exit code 2, a message with every one of `words`, and no output.
 fn refused(observations: &str, words: &[&str]) {

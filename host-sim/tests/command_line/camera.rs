@@ -12,9 +12,9 @@ use fmc_camera::io::link::deck::FlightDeck;
 use fmc_camera::io::link::flown_deck::FlownDeck;
 use fmc_camera::io::link::message::Start;
 
-use crate::fake_camera::FakeCamera;
-use crate::serial::Port;
-use crate::support::{Answer, Bench};
+use crate::command_line::fake_camera::FakeCamera;
+use crate::command_line::serial::Port;
+use crate::command_line::support::{Answer, Bench};
 
 /// Rounds of the control loop from one message to the next.
 const ROUNDS: u64 = 60;

@@ -2,7 +2,7 @@
 
 use std::fs;
 
-use crate::support::{Answer, Bench};
+use crate::command_line::support::{Answer, Bench};
 
 const PAPER: &str = include_str!("../../scenarios/yuan-2012.toml");
 const STRIP: &str = include_str!("../../scenarios/strip.toml");

@@ -5,7 +5,7 @@ use std::fs;
 
 use serde_json::Value;
 
-use crate::support::{Bench, CAMERA, EXPOSURE, POINTS};
+use crate::command_line::support::{Bench, CAMERA, EXPOSURE, POINTS};
 
 fn mesh_of(bench: &Bench, more: &[&str]) -> Value {
     let arguments = [&["mesh"], &EXPOSURE[..], more, &["--out", "mesh"]].concat();

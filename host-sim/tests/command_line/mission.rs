@@ -2,7 +2,7 @@
 
 use std::fs;
 
-use crate::support::{Answer, Bench};
+use crate::command_line::support::{Answer, Bench};
 
 const MISSION: &str = include_str!("../../scenarios/mission.toml");
 const STALL: &str = include_str!("../../scenarios/faults/stall.toml");

@@ -3,7 +3,7 @@
 use std::fs;
 use std::io::Write as _;
 
-use crate::support::{Answer, Bench, CAMERA, EXPOSURE};
+use crate::command_line::support::{Answer, Bench, CAMERA, EXPOSURE};
 
 /// How the numbers of an array stand one behind the other.
 #[derive(Clone, Copy, PartialEq)]

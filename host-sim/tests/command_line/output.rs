@@ -3,7 +3,7 @@
 use std::fs;
 use std::process::Command;
 
-use crate::support::{Answer, Bench, CAMERA};
+use crate::command_line::support::{Answer, Bench, CAMERA};
 
 #[test]
 fn output_file_is_the_same_as_standard_output_and_replaces_an_older_one() {

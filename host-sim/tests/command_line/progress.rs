@@ -7,8 +7,8 @@ use std::process::Stdio;
 
 use rustix::termios::{Winsize, tcsetwinsize};
 
-use crate::support::{Bench, CAMERA, EXPOSURE};
-use crate::terminal::Terminal;
+use crate::command_line::support::{Bench, CAMERA, EXPOSURE};
+use crate::command_line::terminal::Terminal;
 
 fn bench() -> Bench {
     let mut points = String::from("id,x_mm,y_mm\n");

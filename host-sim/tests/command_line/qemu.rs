@@ -17,9 +17,9 @@ use fmc_camera::geometry::calibration::{CalibrationError, Polynomial};
 use fmc_camera::io::link::PROTOCOL_VERSION;
 use fmc_camera::io::link::message::{Answer, Refusal};
 
-use crate::fake_camera::FakeCamera;
-use crate::support::{Answer as Output, Bench};
-use crate::wire_format::frame_of;
+use crate::command_line::fake_camera::FakeCamera;
+use crate::command_line::support::{Answer as Output, Bench};
+use crate::command_line::wire_format::frame_of;
 
 /// After so long nothing comes any more, however slow the PC.
 const PATIENCE: Duration = Duration::from_mins(1);

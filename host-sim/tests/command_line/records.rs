@@ -2,9 +2,9 @@
 
 use std::fs;
 
-use crate::fake_camera::FakeCamera;
-use crate::serial::Port;
-use crate::support::Bench;
+use crate::command_line::fake_camera::FakeCamera;
+use crate::command_line::serial::Port;
+use crate::command_line::support::Bench;
 
 const MISSION: &str = include_str!("../../scenarios/faults/uart-cut.toml");
 const CAMERA: &str = include_str!("../../scenarios/cameras/mission.toml");

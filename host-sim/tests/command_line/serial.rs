@@ -10,10 +10,10 @@ use std::thread;
 use fmc_camera::io::link::PROTOCOL_VERSION;
 use fmc_camera::io::link::deck::FlightDeck;
 
-use crate::fake_camera::FakeCamera;
-use crate::support::{Bench, EXPOSURE};
-use crate::terminal::Terminal;
-use crate::wire_format::frame_of;
+use crate::command_line::fake_camera::FakeCamera;
+use crate::command_line::support::{Bench, EXPOSURE};
+use crate::command_line::terminal::Terminal;
+use crate::command_line::wire_format::frame_of;
 
 /// A pseudo-terminal whose far end is served by a thread.
 pub(crate) struct Port {
@@ -39,7 +39,7 @@ impl Port {
         format!("serial:{}", self.name)
     }
 
-    fn correct(&self, bench: &Bench) -> crate::support::Answer {
+    fn correct(&self, bench: &Bench) -> crate::command_line::support::Answer {
         bench.points("correct", &["--device", &self.device()])
     }
 }
@@ -195,7 +195,7 @@ fn camera_of_another_protocol_is_named_with_both_versions() {
 fn host_killed_in_the_middle_of_a_batch_leaves_a_camera_that_the_next_can_use() {
     let rows: String = (0..20_000).map(|_| "p,1,2\n").collect();
     let bench = Bench::with(
-        crate::support::CAMERA,
+        crate::command_line::support::CAMERA,
         format!("id,x_mm,y_mm\n{rows}").as_bytes(),
     );
     // After ten answers the camera waits until the host is dead.
@@ -225,7 +225,11 @@ fn host_killed_in_the_middle_of_a_batch_leaves_a_camera_that_the_next_can_use() 
     host.kill().unwrap();
     assert!(!host.wait().unwrap().success());
     drop((ten_are_given, killed));
-    std::fs::write(bench.path("points.csv"), crate::support::POINTS).unwrap();
+    std::fs::write(
+        bench.path("points.csv"),
+        crate::command_line::support::POINTS,
+    )
+    .unwrap();
     let there = port.correct(&bench).ok();
     assert_eq!(there.stdout, bench.points("correct", &[]).ok().stdout);
 }

@@ -2,7 +2,7 @@
 
 use std::fs;
 
-use crate::support::{Answer, Bench, CAMERA};
+use crate::command_line::support::{Answer, Bench, CAMERA};
 
 /// 100 mm, 80.64 mm square, no distortion.
 const SQUARE: &str = "name = \"Square\"\nprincipal_distance_mm = 100.0\n\

@@ -6,7 +6,7 @@ use std::io::Write as _;
 use std::process::Stdio;
 use std::thread;
 
-use crate::support::{Answer, Bench, CAMERA, EXPOSURE};
+use crate::command_line::support::{Answer, Bench, CAMERA, EXPOSURE};
 
 /// More points than three blocks hold.
 const MANY: usize = 60_000;

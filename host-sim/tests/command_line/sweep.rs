@@ -2,7 +2,7 @@
 
 use std::fs;
 
-use crate::support::{Bench, CAMERA};
+use crate::command_line::support::{Bench, CAMERA};
 
 const FILES: [&str; 5] = [
     "coefficients.csv",

@@ -2,7 +2,7 @@
 
 use std::fs;
 
-use crate::support::{Bench, CAMERA};
+use crate::command_line::support::{Bench, CAMERA};
 
 #[test]
 fn five_published_cameras_pass_and_the_report_is_complete() {

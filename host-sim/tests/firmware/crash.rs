@@ -9,7 +9,7 @@ use fmc_camera::{CalibrationRecord, CameraRecord, Exposure, SensorPoint};
 use host_sim::device::qemu::{Qemu, QemuOptions};
 use host_sim::device::{Device, DeviceError, Machine};
 
-use crate::drills::{LOOK_EVERY, bite_watchdog};
+use crate::firmware::drills::{LOOK_EVERY, bite_watchdog};
 
 /// A camera that has been exposed, with accidents on request.
 fn with_drills(machine: Machine) -> Qemu {

@@ -18,7 +18,7 @@ use host_sim::device::qemu::{Qemu, QemuOptions};
 use host_sim::device::{Device, DeviceError, FlyingDevice, Machine};
 use host_sim::mechanics::{Mechanics, MechanicsSettings};
 
-use crate::drills::bite_watchdog;
+use crate::firmware::drills::bite_watchdog;
 
 const MACHINES: [Machine; 2] = [Machine::An386, Machine::An500];
 

@@ -6,7 +6,7 @@ use host_sim::flight::experiment::Experiment;
 use host_sim::flight::model::Model;
 use host_sim::flight::statistics::Estimate;
 
-use crate::support::scenario;
+use crate::flight::support::scenario;
 
 const ONE_SIGMA: f64 = 0.682_689_492;
 const FLIGHTS: u32 = 400;

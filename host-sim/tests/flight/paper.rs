@@ -3,7 +3,7 @@
 use host_sim::flight::experiment::{Experiment, Points};
 use host_sim::flight::model::Model;
 
-use crate::support::scenario;
+use crate::flight::support::scenario;
 
 #[test]
 fn papers_scenario_is_of_the_papers_order_and_its_gain_shrinks_at_check_points() {

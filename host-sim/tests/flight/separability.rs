@@ -5,7 +5,7 @@ use host_sim::flight::model::Model;
 use host_sim::flight::strip::Strip;
 use host_sim::formats::scenario::{Free, Scenario, Sigma};
 
-use crate::support::{SHIPPED, flown, scenario};
+use crate::flight::support::{SHIPPED, flown, scenario};
 
 fn unseparated(scenario: &Scenario, model: Model) -> Vec<&'static str> {
     let strip = Strip::new(scenario, 1).unwrap();

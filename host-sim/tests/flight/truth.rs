@@ -8,7 +8,7 @@ use host_sim::formats::camera_file::{CameraFile, FittedTable};
 use host_sim::reference::exposure::{ExposurePath, ExposureRequest};
 use host_sim::reference::fitted::FittedModel;
 
-use crate::support::{SHIPPED, flown, parsed, scenario, text};
+use crate::flight::support::{SHIPPED, flown, parsed, scenario, text};
 
 /// Position within 1e-6 of the height, attitude within 1e-6 rad: 0.1 µm in the image.
 fn assert_same(found: &ExteriorOrientation, truth: &ExteriorOrientation) {

@@ -1,7 +1,7 @@
 //! What the document shows of the frame.
 
-use crate::drawing::svg;
-use crate::flight::{Flight, fly};
+use crate::frame_timing::drawing::svg;
+use crate::frame_timing::flight::{Flight, fly};
 
 const DOCUMENT: &str = include_str!("../../../docs/integration.md");
 const FIGURE: &str = "../docs/figures/frame-timing.svg";

@@ -10,7 +10,7 @@ use plotters::prelude::{
 };
 use plotters::style::text_anchor::{HPos, Pos, VPos};
 
-use crate::flight::{Flight, Instant};
+use crate::frame_timing::flight::{Flight, Instant};
 
 const SIZE: (u32, u32) = (1600, 980);
 const LEFT: i32 = 250;

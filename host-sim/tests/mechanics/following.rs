@@ -4,8 +4,8 @@ use fmc_camera::flight::drive::pwm_encoder::DriveSettings;
 use fmc_camera::flight::drive::{following::FollowingBounds, loop_settings::LoopSettings};
 use host_sim::mechanics::{EncoderSide, MechanicsSettings};
 
-use crate::profile::{ACCELERATION_MM_S2, FASTEST_MM_S, Profile};
-use crate::support::{Followed, drive_for, followed};
+use crate::mechanics::profile::{ACCELERATION_MM_S2, FASTEST_MM_S, Profile};
+use crate::mechanics::support::{Followed, drive_for, followed};
 
 const SPEEDS_MM_S: [f64; 4] = [5.0, 10.0, 17.0, 25.0];
 

@@ -8,7 +8,7 @@ use fmc_camera::flight::drive::{
 };
 use nalgebra::Complex;
 
-use crate::support::TICK_S;
+use crate::mechanics::support::TICK_S;
 
 /// Gain of the open loop at a frequency, for a plant of so many times the gain.
 ///

@@ -2,8 +2,8 @@
 
 use host_sim::mechanics::{Injection, MechanicalFault, MechanicsSettings};
 
-use crate::profile::{ACCELERATION_MM_S2, Profile};
-use crate::support::{TICK_S, Tick, drive_for, run};
+use crate::mechanics::profile::{ACCELERATION_MM_S2, Profile};
+use crate::mechanics::support::{TICK_S, Tick, drive_for, run};
 use fmc_camera::flight::drive::loop_settings::LoopSettings;
 
 /// When the ramp begins, s.

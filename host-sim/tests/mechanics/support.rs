@@ -6,7 +6,7 @@ use fmc_camera::flight::drive::rig::RigDrive;
 use fmc_camera::flight::time::Time;
 use host_sim::mechanics::{Injection, Mechanics, MechanicsSettings};
 
-use crate::profile::{Phase, Profile};
+use crate::mechanics::profile::{Phase, Profile};
 
 /// Of the control loop, s.
 pub(crate) const TICK_S: f64 = 1e-3;

@@ -3,7 +3,7 @@
 use host_sim::formats::mission_scenario::MissionScenario;
 use host_sim::report::records::crc32;
 
-use crate::support::flown;
+use crate::mission::support::flown;
 
 #[test]
 fn same_seed_gives_the_same_records_bit_for_bit_and_another_seed_others() {

@@ -7,7 +7,7 @@ use fmc_camera::flight::vh::VhSource;
 use host_sim::mission::fault::InjectedFault;
 use host_sim::mission::flown::FlownFrame;
 
-use crate::support::{fault_scenario, folder, passed};
+use crate::mission::support::{fault_scenario, folder, passed};
 
 #[test]
 fn there_is_a_scenario_for_every_fault() {

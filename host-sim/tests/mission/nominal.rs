@@ -2,7 +2,7 @@
 
 use host_sim::formats::mission_scenario::MissionScenario;
 
-use crate::support::passed;
+use crate::mission::support::passed;
 
 #[test]
 fn nominal_mission_keeps_its_limits() {
@@ -26,7 +26,7 @@ fn standing_stage_shows_in_the_truth() {
     // The same flight, its smear limits out of reach: the oracle is not told what the camera meant.
     let mut scenario = MissionScenario::nominal(Some(10)).unwrap();
     scenario.written.mechanics.force_n = 0.3;
-    let flown = crate::support::flown(&scenario, 1);
+    let flown = crate::mission::support::flown(&scenario, 1);
     let judgement = host_sim::mission::judgement::Judgement::of(&scenario, &flown);
     assert!(!judgement.passed());
 }

@@ -4,8 +4,8 @@ use fmc_camera::flight::fault::Fault;
 use host_sim::mission::fault::{InjectedFault, Injection};
 use host_sim::mission::trace::Round;
 
-use crate::support::flown_with;
-use crate::sweep::with;
+use crate::mission::support::flown_with;
+use crate::mission::sweep::with;
 
 /// What the stage is to do.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]

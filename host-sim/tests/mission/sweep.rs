@@ -9,7 +9,7 @@ use host_sim::mission::fault::{InjectedFault, Injection};
 use host_sim::mission::flown::Flown;
 use host_sim::mission::judgement::Judgement;
 
-use crate::support::flown;
+use crate::mission::support::flown;
 
 /// Trigger of the third frame, s.
 const TRIGGER_S: f64 = 2.8;

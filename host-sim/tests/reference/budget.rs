@@ -13,7 +13,7 @@ use host_sim::verify::result::{
 };
 use host_sim::verify::run;
 
-use crate::support::published;
+use crate::reference::support::published;
 
 /// Root mean square of dx and dy over the camera where it is largest, nm.
 const RMS_NM: f64 = 0.1;

@@ -8,7 +8,7 @@ use host_sim::reference::exposure::{ExposureRequest, FocusFormula};
 use host_sim::reference::lens::Lens;
 use host_sim::reference::strict::{StrictSolver, Weight};
 
-use crate::support::{STRONG_LENS, camera_distortion, largest, points, square};
+use crate::reference::support::{STRONG_LENS, camera_distortion, largest, points, square};
 
 /// Central moments μ₂..μ₇ of the offset over the exposure, mm², ..., by a fine sum.
 fn moments(solver: &StrictSolver) -> [f64; 8] {

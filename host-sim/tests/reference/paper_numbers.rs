@@ -6,7 +6,7 @@ use host_sim::reference::fitted::FittedModel;
 use host_sim::reference::strict::{Reading, StrictSolver, Weight};
 use host_sim::verify::grid;
 
-use crate::support::{published, square};
+use crate::reference::support::{published, square};
 
 /// A K1 lens with the given distortion, relative, at the corner of 80.64 mm square.
 fn lens(relative: f64) -> CameraFile {

@@ -3,7 +3,7 @@
 use fmc_camera::{CalibrationRecord, CameraRecord};
 use host_sim::formats::camera_file::CameraFile;
 
-use crate::support::published;
+use crate::reference::support::published;
 
 #[test]
 fn keys_that_are_left_out_have_the_defaults_of_the_library() {

@@ -7,7 +7,7 @@ use host_sim::formats::number::single;
 use host_sim::reference::exposure::{ExposurePath, ExposureRequest};
 use host_sim::reference::strict::{StrictSolver, Weight};
 
-use crate::support::{STRONG_LENS, camera_distortion, largest, points, square};
+use crate::reference::support::{STRONG_LENS, camera_distortion, largest, points, square};
 
 const DIRECTIONS: [FlightDirection; 2] = [FlightDirection::Forward, FlightDirection::Reverse];
 

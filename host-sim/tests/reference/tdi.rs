@@ -5,7 +5,7 @@ use host_sim::formats::number::single;
 use host_sim::reference::exposure::ExposureRequest;
 use host_sim::reference::strict::{StrictSolver, Weight};
 
-use crate::support::{STRONG_LENS, camera_distortion, largest, points, square};
+use crate::reference::support::{STRONG_LENS, camera_distortion, largest, points, square};
 
 #[test]
 fn camera_and_reference_put_the_same_staircase_under_the_image() {

@@ -1,6 +1,6 @@
 //! The radial distortion printed in the three USGS reports.
 
-use crate::support::published;
+use crate::reference::support::published;
 
 #[test]
 fn polynomials_reproduce_eighteen_of_eighteen_printed_values() {

@@ -9,7 +9,7 @@ use host_sim::reference::exposure::ExposureRequest;
 use host_sim::scene::Scene;
 use host_sim::scene::terrain::Terrain;
 
-use crate::support::{HEIGHT_M, points, square};
+use crate::scene::support::{HEIGHT_M, points, square};
 
 /// The same flight state in both worlds; at its centroid the scene has the attitude.
 pub(crate) fn pair(axis: &str, flight: &FlightState, exposure_s: f64) -> (ImageMotion, Scene) {

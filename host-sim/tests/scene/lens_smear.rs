@@ -4,7 +4,7 @@
 use host_sim::reference::exposure::ExposureRequest;
 use host_sim::scene::Scene;
 
-use crate::support::{HEIGHT_M, apart, points, published};
+use crate::scene::support::{HEIGHT_M, apart, points, published};
 
 /// Change of the gradient along the path, mm: δ²/2 times the distortion's second derivative.
 const SECOND_ORDER_MM: f64 = 1e-5;

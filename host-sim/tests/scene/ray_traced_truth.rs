@@ -6,7 +6,7 @@ use host_sim::scene::Scene;
 use host_sim::scene::field_table::{FieldNode, FieldTable};
 use host_sim::scene::lens::LensMapping;
 
-use crate::support::{HEIGHT_M, ground_below};
+use crate::scene::support::{HEIGHT_M, ground_below};
 
 /// How far an exposure may be from the ray-traced one, mm: 0.0061 nm at the worst, where the field
 /// is 0.84 mm beyond the table, 0.0016 nm else; the columns are rounded by 0.0005 nm.

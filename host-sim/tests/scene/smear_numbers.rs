@@ -5,8 +5,8 @@
 
 use fmc_camera::geometry::image_motion::FlightState;
 
-use crate::image_motion::{compensated, pair};
-use crate::support::{apart, points, square};
+use crate::scene::image_motion::{compensated, pair};
+use crate::scene::support::{apart, points, square};
 
 /// Camera against exposure, µm: single precision.
 const AGREEMENT_UM: f64 = 1e-4;

@@ -10,7 +10,7 @@ use host_sim::scene::stage::Encoder;
 use host_sim::scene::stage_path::StagePath;
 use host_sim::scene::turbulence::{Spectrum, Turbulence};
 
-use crate::support::{HEIGHT_M, apart, points, square};
+use crate::scene::support::{HEIGHT_M, apart, points, square};
 
 const EXPOSURE_S: f64 = 0.01;
 

@@ -6,7 +6,7 @@ use host_sim::reference::exposure::ExposureRequest;
 use host_sim::reference::strict::{StrictSolver, Weight};
 use host_sim::scene::Scene;
 
-use crate::support::{HEIGHT_M, apart, ground_below, points, published, square};
+use crate::scene::support::{HEIGHT_M, apart, ground_below, points, published, square};
 
 /// How far the exposure may be from the solver that follows the image, mm.
 const FOLLOWED_MM: f64 = 1e-8;

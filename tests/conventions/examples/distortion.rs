@@ -1,7 +1,7 @@
 //! Section 3: sign and terms of the distortion.
 
 use super::{Example, Given, Results};
-use crate::camera;
+use crate::conventions::camera;
 use fmc_camera::geometry::brown::Brown;
 use fmc_camera::geometry::calibration::{Calibration, CalibrationRecord};
 use fmc_camera::geometry::frame_correction::FrameCorrection;

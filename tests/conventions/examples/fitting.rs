@@ -1,7 +1,7 @@
 //! Section 12: the five coefficients fitted to exposures.
 
 use super::{Example, Given, Results};
-use crate::camera;
+use crate::conventions::camera;
 use fmc_camera::flight::camera::{Camera, CameraRecord};
 use fmc_camera::flight::exposure::Exposure;
 use fmc_camera::geometry::estimation::adjustment::Adjustment;

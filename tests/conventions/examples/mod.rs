@@ -14,8 +14,8 @@ mod motion;
 mod software;
 mod time;
 
-use crate::camera;
-use crate::document::rows;
+use crate::conventions::camera;
+use crate::conventions::document::rows;
 use fmc_camera::flight::camera::{CameraRecord, Mechanism};
 use fmc_camera::flight::exposure::Exposure;
 use fmc_camera::flight::stage::RunUp;

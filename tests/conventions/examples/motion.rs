@@ -1,7 +1,7 @@
 //! Section 4: motion of the principal point.
 
 use super::{Example, Given, Results};
-use crate::camera;
+use crate::conventions::camera;
 use fmc_camera::flight::camera::Camera;
 use fmc_camera::flight::exposure::{Exposure, FlightDirection};
 use fmc_camera::flight::stage::RunUp;

@@ -1,7 +1,7 @@
 //! Section 5: time, and why principal point and time are a pair.
 
 use super::{Example, Given, Results};
-use crate::camera;
+use crate::conventions::camera;
 use fmc_camera::flight::camera::{Camera, Mechanism};
 use fmc_camera::flight::exposure::Exposure;
 use fmc_camera::flight::stage::RunUp;

@@ -11,7 +11,7 @@ use fmc_camera::flight::round_guard::LONGEST_ROUND_US;
 use fmc_camera::flight::unit::MAX_EVENTS;
 
 use super::rows;
-use crate::document::names;
+use crate::conventions::document::names;
 
 const TIMING: &str = include_str!("../../../src/flight/controller/timing.rs");
 

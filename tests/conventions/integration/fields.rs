@@ -4,7 +4,7 @@ use fmc_camera::flight::frame_record::{ExposedFrame, FrameRecord};
 use fmc_camera::flight::interior_orientation::InteriorOrientation;
 
 use super::rows;
-use crate::document::names;
+use crate::conventions::document::names;
 
 /// The names of all fields; does not compile where one is missing.
 macro_rules! fields {

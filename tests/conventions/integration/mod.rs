@@ -6,7 +6,7 @@ mod fields;
 mod lists;
 mod settings;
 
-use crate::document::{assert_numbers_checked, rows_of};
+use crate::conventions::document::{assert_numbers_checked, rows_of};
 
 const DOCUMENT: &str = include_str!("../../../docs/integration.md");
 

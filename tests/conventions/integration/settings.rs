@@ -6,7 +6,7 @@ use fmc_camera::flight::settings::FlightSettings;
 use fmc_camera::flight::vh::{ChannelSettings, VhSettings};
 
 use super::{DOCUMENT, rows};
-use crate::document::names;
+use crate::conventions::document::names;
 
 type Field = fn(&mut FlightSettings) -> &mut f32;
 

@@ -20,7 +20,7 @@ macro_rules! keep {
 mod flight;
 mod geometry;
 mod io;
-#[cfg(feature = "negative-control")]
+#[cfg(negative_control)]
 mod negative_control;
 mod pin;
 
@@ -28,7 +28,7 @@ fn keep_everything() {
     geometry::keep();
     flight::keep();
     io::keep();
-    #[cfg(feature = "negative-control")]
+    #[cfg(negative_control)]
     negative_control::keep();
 }
 

@@ -1,9 +1,9 @@
-//! What follows a panic. None is reachable: with `link-check` the handler calls a function that exists nowhere, and the
-//! image links only if the linker can drop the handler.
+//! What follows a panic. None is reachable: with `--cfg link_check` the handler calls a function that exists nowhere, and
+//! the image links only if the linker can drop the handler.
 
 use core::panic::PanicInfo;
 
-#[cfg(not(feature = "link-check"))]
+#[cfg(not(link_check))]
 #[panic_handler]
 fn panic(info: &PanicInfo<'_>) -> ! {
     let (file, line) = info
@@ -13,7 +13,7 @@ fn panic(info: &PanicInfo<'_>) -> ! {
     super::stop_after_panic()
 }
 
-#[cfg(feature = "link-check")]
+#[cfg(link_check)]
 #[panic_handler]
 fn panic(_: &PanicInfo<'_>) -> ! {
     unsafe extern "C" {
@@ -23,7 +23,7 @@ fn panic(_: &PanicInfo<'_>) -> ! {
 }
 
 /// A panic for the negative control of the link check.
-#[cfg(feature = "link-check-negative-control")]
+#[cfg(negative_control)]
 #[allow(clippy::indexing_slicing, reason = "the panic is the purpose")]
 pub(super) fn can_panic() -> u8 {
     let table = core::hint::black_box([0; 4]);

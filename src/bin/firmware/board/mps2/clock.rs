@@ -39,7 +39,7 @@ fn SysTick() {
 }
 
 /// Stops the tick, for a drill.
-#[cfg(feature = "drills")]
+#[cfg(drills)]
 pub(super) fn stop_tick() {
     // SAFETY: nothing else writes the timer's control register once it has started.
     unsafe { (*SYST::PTR).csr.write(0) }

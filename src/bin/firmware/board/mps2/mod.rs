@@ -4,7 +4,7 @@
 //! their addresses; QEMU's `hw/arm/mps2.c` says which of them it has.
 
 mod clock;
-#[cfg(feature = "drills")]
+#[cfg(drills)]
 mod drills;
 mod fault;
 mod link;
@@ -50,7 +50,7 @@ impl Board {
         log::start();
         link::start(&mut core.NVIC);
         watchdog::start();
-        #[cfg(feature = "link-check-negative-control")]
+        #[cfg(negative_control)]
         super::panic::can_panic();
         Some((
             Self {
@@ -88,7 +88,7 @@ impl Board {
             self.fed = now;
             watchdog::feed();
             fault::FORGIVEN.store(false, Ordering::Relaxed);
-            #[cfg(feature = "drills")]
+            #[cfg(drills)]
             drills::run();
         }
     }

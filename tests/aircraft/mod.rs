@@ -8,8 +8,8 @@
     reason = "tests"
 )]
 
-#[path = "../../fuzz/aircraft.rs"]
-mod aircraft;
 mod fuzzed;
 mod mavlink;
 mod nmea;
+#[path = "../../fuzz/aircraft.rs"]
+mod targets;

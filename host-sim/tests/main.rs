@@ -1,0 +1,18 @@
+//! The program on the PC and its library; one program of tests, so that all share the processor's cores.
+
+#[cfg(test)]
+mod command_line;
+#[cfg(test)]
+mod firmware;
+#[cfg(test)]
+mod flight;
+#[cfg(test)]
+mod frame_timing;
+#[cfg(test)]
+mod mechanics;
+#[cfg(test)]
+mod mission;
+#[cfg(test)]
+mod reference;
+#[cfg(test)]
+mod scene;

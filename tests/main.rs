@@ -1,0 +1,18 @@
+//! The library as its users see it; one program, so that all tests share the processor's cores.
+
+#[cfg(all(test, feature = "mavlink", feature = "nmea"))]
+mod aircraft;
+#[cfg(test)]
+mod controller;
+#[cfg(all(test, feature = "estimation"))]
+mod conventions;
+#[cfg(test)]
+mod drive;
+#[cfg(all(test, feature = "estimation"))]
+mod estimation;
+#[cfg(test)]
+mod geometry;
+#[cfg(all(test, feature = "link"))]
+mod link;
+#[cfg(test)]
+mod stage;
