@@ -45,7 +45,7 @@ impl Emulator {
         });
         let unusable = match found {
             Some(Ok((program, version))) => {
-                eprintln!("xtask: QEMU {version} on the search path");
+                workspace.tell(&format!("QEMU {version} on the search path"));
                 return Ok(Self {
                     program,
                     directory: None,
@@ -56,7 +56,7 @@ impl Emulator {
         };
         let tool = toolbox.provide(Tool::Qemu);
         let tool = tool.map_err(|missing| missing.after(&unusable))?;
-        eprintln!("xtask: QEMU of {}", tool.bin().display());
+        workspace.tell(&format!("QEMU of {}", tool.bin().display()));
         Ok(Self {
             program: tool.program(PROGRAM),
             directory: Some(tool.bin()),

@@ -156,7 +156,7 @@ impl Run {
     fn process(&self, name: &str, log: &Path) -> Result<bool> {
         let file = File::create(log).with_context(|| log.display().to_string())?;
         let status = Command::new(&self.program)
-            .args(["test", "--only", name])
+            .args(["test", "--among-others", "--only", name])
             .stdin(Stdio::null())
             .stdout(file.try_clone()?)
             .stderr(file)

@@ -59,7 +59,7 @@ impl<'a> Targets<'a> {
             None
         } else {
             let target = Target::new(workspace, toolbox, architecture, &plan, machine);
-            eprintln!("xtask: {}", target.description()?);
+            workspace.tell(&target.description()?);
             Some(target)
         };
         Ok(Self { armv7em, helium })
@@ -157,7 +157,7 @@ impl<'a> Target<'a> {
             no_clippy,
             ..Self::new(workspace, toolbox, architecture, &plan, machine)
         };
-        eprintln!("xtask: {}", target.description()?);
+        workspace.tell(&target.description()?);
         Ok(target)
     }
 

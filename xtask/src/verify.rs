@@ -57,7 +57,8 @@ pub(crate) fn run(workspace: &Workspace, arguments: Vec<OsString>) -> Result<Exi
 /// # Errors
 /// Where the build fails.
 pub(crate) fn tested_host_sim(workspace: &Workspace) -> Result<PathBuf> {
-    let build = workspace.cargo(&format!("build {TESTED} --locked --bin host-sim"));
+    // A build of the program alone would have other features of its dependencies, and compile them again.
+    let build = workspace.cargo(&format!("test {TESTED} --locked --no-run --test main"));
     build.run()?;
     Ok(workspace.host_sim("debug"))
 }

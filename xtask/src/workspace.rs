@@ -18,6 +18,7 @@ pub(crate) struct Workspace {
     pub(crate) root: PathBuf,
     /// Cargo's target directory, wherever settings put it.
     pub(crate) target_dir: PathBuf,
+    tells: bool,
 }
 
 impl Workspace {
@@ -43,7 +44,20 @@ impl Workspace {
             shell,
             root: root.to_owned(),
             target_dir: target_dir.to_owned(),
+            tells: true,
         })
+    }
+
+    /// The same, which tells what is used, or does not.
+    pub(crate) fn telling(self, tells: bool) -> Self {
+        Self { tells, ..self }
+    }
+
+    /// Says what is used, where that has not been said.
+    pub(crate) fn tell(&self, text: &str) {
+        if self.tells {
+            eprintln!("xtask: {text}");
+        }
     }
 
     /// The cargo that started xtask, with the words of `line` as arguments.

@@ -87,17 +87,22 @@ impl<'a> Apt<'a> {
         let shown = shown.map_err(|error| self.with_fault(error))?;
         let source = closure::source_of(&shown).context("a package without a name")?;
         let mut status = closure::status(&self.installed, source);
-        if let Some(base) = base {
-            // Where the tool rests on an installed one there is none.
-            status += &fs::read_to_string(base.status()).unwrap_or_default();
-        }
+        // Where the tool rests on an installed one there is none.
+        let base = base.map(|base| fs::read_to_string(base.status()).unwrap_or_default());
+        let base = base.unwrap_or_default();
+        status += &base;
         let path = self.directory.join("status");
         fs::write(&path, status).with_context(|| path.display().to_string())?;
         let simulation = said(self.configured(cmd!(
             shell,
             "apt-get --quiet --simulate --no-install-recommends install {names...}"
         )));
-        let packages = closure::installs(&simulation.map_err(|error| self.with_fault(error))?);
+        let mut packages = closure::installs(&simulation.map_err(|error| self.with_fault(error))?);
+        // apt takes a package that asks for nothing for another one than that of the lists.
+        packages.retain(|package| {
+            let is_there = closure::has(&self.installed, package) || closure::has(&base, package);
+            !is_there || names.contains(&package.name.as_str())
+        });
         ensure!(
             packages.iter().any(|package| package.name == *first),
             "apt-get would not install {first}"

@@ -34,16 +34,24 @@ const KEPT: [&str; 6] = [
 /// installed packages ask for or object to, since the tool is laid beside them; and none of `source`, whose installed
 /// parts may be of another version.
 pub(super) fn status(installed: &str, source: &str) -> String {
-    let stanzas = installed.split("\n\n").filter(|stanza| {
-        let is_installed = field(stanza, "Status:").is_some_and(|value| {
-            value
-                .split_whitespace()
-                .next_back()
-                .is_some_and(|state| state == "installed")
-        });
-        is_installed && source_of(stanza) != Some(source)
-    });
-    stanzas.map(self::installed).collect()
+    let others = stanzas(installed).filter(|stanza| source_of(stanza) != Some(source));
+    others.map(self::installed).collect()
+}
+
+/// Whether a package is there at that version.
+pub(super) fn has(installed: &str, package: &Package) -> bool {
+    stanzas(installed).any(|stanza| {
+        field(stanza, "Package:") == Some(&package.name)
+            && field(stanza, "Version:") == Some(&package.version)
+    })
+}
+
+/// The stanzas of the packages that are installed whole.
+fn stanzas(status: &str) -> impl Iterator<Item = &str> {
+    status.split("\n\n").filter(|stanza| {
+        let state = field(stanza, "Status:").unwrap_or_default();
+        state.split_whitespace().next_back() == Some("installed")
+    })
 }
 
 /// What a stanza tells of its package, as that of an installed one.
@@ -131,6 +139,21 @@ Status: install ok installed
         assert_eq!(status(INSTALLED, "qemu"), expected);
         // What is written can be read again.
         assert_eq!(status(&status(INSTALLED, "qemu"), ""), expected);
+        let zlib = Package {
+            name: "zlib1g".to_owned(),
+            version: "1:1.2.13".to_owned(),
+        };
+        assert!(has(INSTALLED, &zlib) && has(&status(INSTALLED, "qemu"), &zlib));
+        let newer = Package {
+            version: "1:1.2.14".to_owned(),
+            ..zlib
+        };
+        assert!(!has(INSTALLED, &newer));
+        let gone = Package {
+            name: "gone".to_owned(),
+            version: "1".to_owned(),
+        };
+        assert!(!has(INSTALLED, &gone));
         let other = status(INSTALLED, "other");
         assert_eq!(other.matches("Package: ").count(), 3);
         assert!(!other.contains("Breaks"));

@@ -200,11 +200,15 @@ impl<'a> Toolbox<'a> {
                 bail!("{first} is {version} in the package lists, and {oldest} or later is needed");
             }
         }
+        let count = match packages.len() {
+            1 => "1 package".to_owned(),
+            count => format!("{count} packages"),
+        };
+        let place = self.directory.join(tool.name());
+        let release = &self.system.release;
         eprintln!(
-            "xtask: fetching {tool}: {} packages of {} into {}",
-            packages.len(),
-            self.system.release,
-            self.directory.join(tool.name()).display()
+            "xtask: fetching {tool}: {count} of {release} into {}",
+            place.display()
         );
         apt.unpack(&packages, new)?;
         new.finish(tool, &self.system.release)?;
