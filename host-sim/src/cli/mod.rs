@@ -39,7 +39,7 @@ pub enum Command {
     /// Check every coordinate of real cameras against the strict reference solver.
     ///
     /// 10 V/H x 6 exposures x both run-up strategies x 21 x 21 points over the sensor, for each of
-    /// five published cameras or for the one given. Fails (exit 1) when dx or dy is off by more
+    /// five published cameras or for the one given; in QEMU several cameras side by side. Fails (exit 1) when dx or dy is off by more
     /// than 1.5 nm or a coordinate by more than 5 nm, or when the firmware does not compute, bit
     /// for bit, what its code computes on this PC.
     Verify(VerifyArgs),

@@ -1,11 +1,17 @@
 //! The device that a command is asked to use.
 
+use std::num::NonZero;
+use std::thread;
+
 use crate::cli::DeviceArgs;
 use crate::device::qemu::QemuOptions;
 use crate::device::{
     Device, DeviceName, FlownCamera, FlyingDevice, InProcess, OpenError, Opener, RecordSource,
 };
 use crate::failure::Failure;
+
+/// Devices of one kind.
+pub(super) type Devices = Vec<Box<dyn Device>>;
 
 impl DeviceArgs {
     /// Opens the device; the camera's code in this process where none is named.
@@ -19,23 +25,34 @@ impl DeviceArgs {
     }
 
     /// Opens the device; where none is named QEMU, and where there is no QEMU the camera's code in
-    /// this process, with the reason.
+    /// this process, with the reason. Of emulators as many as this PC has cores for, at most `most`.
     ///
     /// # Errors
-    /// [`Failure`] where it cannot be opened.
-    pub(super) fn open_or_fall_back(&self) -> Result<(Box<dyn Device>, Option<String>), Failure> {
+    /// [`Failure`] where one cannot be opened.
+    pub(super) fn open_or_fall_back(
+        &self,
+        most: usize,
+    ) -> Result<(Devices, Option<String>), Failure> {
         let name = self.device.as_ref().unwrap_or(&DeviceName::QEMU);
         self.check_options(name)?;
-        match self.opener().open(name) {
-            Ok(device) => Ok((device, None)),
+        let mut devices = match self.opener().open(name) {
+            Ok(device) => vec![device],
             Err(OpenError::NotHere { reason, help })
                 if self.device.is_none() && self.firmware.is_none() =>
             {
                 let reason = format!("{reason}; to mend it: {help}");
-                Ok((self.stand_in()?, Some(reason)))
+                return Ok((vec![self.stand_in()?], Some(reason)));
             }
-            Err(error) => Err(error.into()),
+            Err(error) => return Err(error.into()),
+        };
+        // There is one camera on a port, and the logs of two would mix.
+        if matches!(name, DeviceName::Qemu(_)) && !self.log {
+            let cores = thread::available_parallelism().map_or(1, NonZero::get);
+            for _ in 1..most.min(cores) {
+                devices.push(self.opener().open(name)?);
+            }
         }
+        Ok((devices, None))
     }
 
     /// The camera's code in this process, in the place of QEMU.

@@ -5,8 +5,9 @@ use std::path::Path;
 
 use indicatif::{ProgressBar, ProgressStyle};
 
+use super::device::Devices;
 use crate::cli::VerifyArgs;
-use crate::device::{Device, DeviceError};
+use crate::device::DeviceError;
 use crate::failure::Failure;
 use crate::formats::camera_file::CameraFile;
 use crate::formats::output::{self, OutputFolder};
@@ -15,17 +16,16 @@ use crate::report::figure::FigureError;
 use crate::report::summary::Summary;
 use crate::report::{arrow_field, error_plot, frames_csv, html, table};
 use crate::verify::result::Verification;
-use crate::verify::{grid, run};
+use crate::verify::{cameras as check, grid};
 
 pub(super) fn run(args: &VerifyArgs) -> Result<(), Failure> {
     let cameras = cameras(args.camera.as_deref())?;
     let folder = args.out.as_deref().map(OutputFolder::create).transpose()?;
-    let (mut device, not_in_qemu) = match &args.not_in_qemu {
-        Some(reason) => (args.device.stand_in()?, Some(reason.clone())),
-        None => args.device.open_or_fall_back()?,
+    let (devices, not_in_qemu) = match &args.not_in_qemu {
+        Some(reason) => (vec![args.device.stand_in()?], Some(reason.clone())),
+        None => args.device.open_or_fall_back(cameras.len())?,
     };
-    let mut verification = verify(device.as_mut(), &cameras, args.device.log)?;
-    drop(device);
+    let mut verification = verify(devices, &cameras, args.device.log)?;
     verification.not_in_qemu = not_in_qemu;
     if let Some(folder) = folder {
         write_report(&folder, &verification)?;
@@ -59,7 +59,7 @@ fn cameras(given: Option<&Path>) -> Result<Vec<CameraFile>, Failure> {
 }
 
 fn verify(
-    device: &mut dyn Device,
+    mut devices: Devices,
     cameras: &[CameraFile],
     prints_log: bool,
 ) -> Result<Verification, Failure> {
@@ -77,31 +77,14 @@ fn verify(
     {
         bar.set_style(style);
     }
-    let mut results = Vec::new();
-    let mut difference = None;
-    for camera in cameras {
-        bar.set_message(camera.name.clone());
-        match run::camera(device, camera, || bar.inc(1)) {
-            Ok(result) => results.push(result),
-            // What else it answers says nothing about the code that was checked.
-            Err(DeviceError::Different(found)) => {
-                difference = Some(format!("{}: {found}", camera.name));
-                break;
-            }
-            Err(error @ (DeviceError::Calibration(_) | DeviceError::Frame(_))) => {
-                return Err(Failure::bad_input(format!("{}: {error}", camera.name)));
-            }
-            Err(error) => return Err(error.into()),
-        }
-    }
+    let name = |camera: &str| bar.set_message(camera.to_owned());
+    let verification = check::cameras(&mut devices, cameras, name, || bar.inc(1));
     bar.finish_and_clear();
-    Ok(Verification {
-        device: device.description(),
-        not_in_qemu: None,
-        evidence: device.evidence(),
-        link: device.counters()?,
-        difference,
-        cameras: results,
+    verification.map_err(|failed| match failed.error {
+        DeviceError::Calibration(_) | DeviceError::Frame(_) => {
+            Failure::bad_input(failed.to_string())
+        }
+        error => error.into(),
     })
 }
 

@@ -1,9 +1,8 @@
 //! A wire in memory with a camera at its end, and with the faults of real wires.
 
-use std::cell::RefCell;
 use std::collections::VecDeque;
 use std::io;
-use std::rc::Rc;
+use std::sync::{Arc, Mutex};
 use std::time::Instant;
 
 use fmc_camera::io::link::frame::{Frame, FrameReceiver};
@@ -49,7 +48,7 @@ struct Wire {
 /// A PC's port to the wire.
 #[derive(Debug, Clone)]
 pub(super) struct FaultyPort {
-    wire: Rc<RefCell<Wire>>,
+    wire: Arc<Mutex<Wire>>,
     host: usize,
 }
 
@@ -71,44 +70,44 @@ impl FaultyPort {
             change: |_| {},
         };
         Self {
-            wire: Rc::new(RefCell::new(wire)),
+            wire: Arc::new(Mutex::new(wire)),
             host: 0,
         }
     }
 
     /// Another PC on the same wire.
     pub(super) fn another(&self) -> Self {
-        let mut wire = self.wire.borrow_mut();
+        let mut wire = self.wire.lock().unwrap();
         wire.inboxes.push(VecDeque::new());
         Self {
-            wire: Rc::clone(&self.wire),
+            wire: Arc::clone(&self.wire),
             host: wire.inboxes.len() - 1,
         }
     }
 
     /// Faults from now on.
     pub(super) fn set_faults(&self, faults: impl IntoIterator<Item = Fault>) {
-        self.wire.borrow_mut().faults = faults.into_iter().collect();
+        self.wire.lock().unwrap().faults = faults.into_iter().collect();
     }
 
     /// The other end closes the port.
     pub(super) fn close(&self) {
-        self.wire.borrow_mut().closed = true;
+        self.wire.lock().unwrap().closed = true;
     }
 
     /// The camera starts again.
     pub(super) fn restart(&self) {
-        self.wire.borrow_mut().station = station(Start::Watchdog);
+        self.wire.lock().unwrap().station = station(Start::Watchdog);
     }
 
     /// The camera's answers are changed by this before they are put into frames.
     pub(super) fn tamper(&self, change: fn(&mut Answer)) {
-        self.wire.borrow_mut().change = change;
+        self.wire.lock().unwrap().change = change;
     }
 
     /// Bytes to the camera as another program would send them.
     pub(super) fn inject(&self, bytes: &[u8]) {
-        self.wire.borrow_mut().camera_receives(bytes);
+        self.wire.lock().unwrap().camera_receives(bytes);
     }
 }
 
@@ -191,7 +190,7 @@ fn changed(frame: &[u8], change: fn(&mut Answer)) -> Vec<u8> {
 
 impl Port for FaultyPort {
     fn receive(&mut self, buffer: &mut [u8], _: Instant) -> io::Result<usize> {
-        let mut wire = self.wire.borrow_mut();
+        let mut wire = self.wire.lock().unwrap();
         if wire.closed {
             return Err(io::ErrorKind::UnexpectedEof.into());
         }
@@ -209,7 +208,7 @@ impl Port for FaultyPort {
     }
 
     fn send(&mut self, bytes: &[u8]) -> io::Result<()> {
-        let mut wire = self.wire.borrow_mut();
+        let mut wire = self.wire.lock().unwrap();
         if wire.closed {
             return Err(io::ErrorKind::BrokenPipe.into());
         }

@@ -44,7 +44,7 @@ pub use record_source::RecordSource;
 pub use sil::InProcess;
 
 /// A camera that can be given a calibration, exposed, and asked to correct points.
-pub trait Device {
+pub trait Device: Send {
     /// What it is, for the first line of a report.
     fn description(&self) -> String;
 

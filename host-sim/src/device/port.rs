@@ -8,7 +8,7 @@ use std::time::{Duration, Instant};
 pub(super) const SEND_WITHIN: Duration = Duration::from_secs(1);
 
 /// A wire to a camera.
-pub trait Port {
+pub trait Port: Send {
     /// Bytes that have arrived, as many as there are and fit; where there are none yet, waits for
     /// the first until `deadline`. 0 means that none came.
     ///

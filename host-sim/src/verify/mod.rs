@@ -1,5 +1,6 @@
 //! The main job: every coordinate of real cameras against the strict reference solver.
 
+pub mod cameras;
 pub mod grid;
 pub mod result;
 pub mod run;

@@ -1,0 +1,190 @@
+//! Several cameras, each checked on whichever device is free.
+
+use std::sync::atomic::{AtomicUsize, Ordering};
+use std::sync::{Mutex, PoisonError};
+use std::thread;
+
+use fmc_camera::io::link::message::Counters;
+
+use super::result::{CameraResult, Verification};
+use super::run;
+use crate::device::{Device, DeviceError, Evidence};
+use crate::formats::camera_file::CameraFile;
+
+/// A device refused a camera or failed.
+#[derive(Debug, Clone, PartialEq, thiserror::Error)]
+#[error("{camera}: {error}")]
+pub struct CheckError {
+    /// The camera that was checked.
+    pub camera: String,
+    /// What went wrong.
+    pub error: DeviceError,
+}
+
+/// Checks cameras on devices of one kind, side by side; the results stand in the cameras' order. `before_camera` is
+/// called with a camera's name, `after_frame` once per exposure.
+///
+/// Where a device computes otherwise than its own code on this PC, that is the verification's difference: it ends
+/// there, and cameras behind that one are left out.
+///
+/// # Errors
+/// [`CheckError`] of the first camera that a device refuses or fails with. Without a device, none is checked.
+pub fn cameras(
+    devices: &mut [Box<dyn Device>],
+    cameras: &[CameraFile],
+    before_camera: impl Fn(&str) + Sync,
+    after_frame: impl Fn() + Sync,
+) -> Result<Verification, CheckError> {
+    let next = AtomicUsize::new(0);
+    let checked = Mutex::new(Vec::new());
+    thread::scope(|scope| {
+        for device in &mut *devices {
+            scope.spawn(|| {
+                while let Some((index, camera)) = taken(&next, cameras) {
+                    before_camera(&camera.name);
+                    let result = run::camera(device.as_mut(), camera, &after_frame);
+                    if result.is_err() {
+                        // No other camera is begun.
+                        next.store(cameras.len(), Ordering::Relaxed);
+                    }
+                    let mut checked = checked.lock().unwrap_or_else(PoisonError::into_inner);
+                    checked.push((index, camera, result));
+                }
+            });
+        }
+    });
+    let mut checked: Vec<(usize, &CameraFile, Result<CameraResult, DeviceError>)> =
+        checked.into_inner().unwrap_or_else(PoisonError::into_inner);
+    checked.sort_by_key(|(index, ..)| *index);
+
+    let mut results = Vec::new();
+    let mut difference = None;
+    for (_, camera, result) in checked {
+        match result {
+            Ok(result) => results.push(result),
+            // What else it answers says nothing about the code that was checked.
+            Err(DeviceError::Different(found)) => {
+                difference = Some(format!("{}: {found}", camera.name));
+                break;
+            }
+            Err(error) => {
+                let camera = camera.name.clone();
+                return Err(CheckError { camera, error });
+            }
+        }
+    }
+    let device = devices.first().map(|device| device.description());
+    Ok(Verification {
+        device: device.unwrap_or_default(),
+        not_in_qemu: None,
+        evidence: evidence(devices),
+        link: link(devices)?,
+        difference,
+        cameras: results,
+    })
+}
+
+/// The next camera that nobody has taken.
+fn taken<'a>(next: &AtomicUsize, cameras: &'a [CameraFile]) -> Option<(usize, &'a CameraFile)> {
+    let index = next.fetch_add(1, Ordering::Relaxed);
+    Some((index, cameras.get(index)?))
+}
+
+fn evidence(devices: &[Box<dyn Device>]) -> Evidence {
+    devices.iter().fold(Evidence::default(), |sum, device| {
+        let of = device.evidence();
+        Evidence {
+            by_digest: sum.by_digest + of.by_digest,
+            by_value: sum.by_value + of.by_value,
+        }
+    })
+}
+
+/// What the devices' ends of their links have seen together; `None` where there is no link.
+fn link(devices: &mut [Box<dyn Device>]) -> Result<Option<Counters>, CheckError> {
+    let mut sum: Option<Counters> = None;
+    for device in devices {
+        let counters = device.counters().map_err(|error| CheckError {
+            camera: device.description(),
+            error,
+        })?;
+        sum = match (sum, counters) {
+            (Some(sum), Some(counters)) => Some(together(&sum, &counters)),
+            (sum, counters) => sum.or(counters),
+        };
+    }
+    Ok(sum)
+}
+
+/// Counts of two links; of the stack, which each device has for itself, the most.
+fn together(a: &Counters, b: &Counters) -> Counters {
+    Counters {
+        done: a.done + b.done,
+        refused: a.refused + b.refused,
+        repeated: a.repeated + b.repeated,
+        truncated: a.truncated + b.truncated,
+        oversized: a.oversized + b.oversized,
+        wrong_crc: a.wrong_crc + b.wrong_crc,
+        other_protocol: a.other_protocol + b.other_protocol,
+        unknown: a.unknown + b.unknown,
+        other_session: a.other_session + b.other_session,
+        out_of_order: a.out_of_order + b.out_of_order,
+        overrun_bytes: a.overrun_bytes + b.overrun_bytes,
+        stack_used_bytes: a.stack_used_bytes.max(b.stack_used_bytes),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::device::InProcess;
+    use crate::formats::published::CAMERA_FILES;
+
+    fn published() -> Vec<CameraFile> {
+        let cameras = CAMERA_FILES.iter();
+        cameras
+            .map(|(file, text)| CameraFile::parse(file, text).unwrap().0)
+            .collect()
+    }
+
+    fn checked(count: usize, files: &[CameraFile]) -> Result<Verification, CheckError> {
+        let mut devices: Vec<Box<dyn Device>> = (0..count)
+            .map(|_| Box::new(InProcess::default()) as Box<dyn Device>)
+            .collect();
+        cameras(&mut devices, files, |_| (), || ())
+    }
+
+    #[test]
+    fn three_devices_find_what_one_finds_in_the_same_order() {
+        let files = published();
+        let one = checked(1, &files).unwrap();
+        assert_eq!(checked(3, &files).unwrap(), one);
+        let names: Vec<_> = one.cameras.iter().map(|camera| &camera.name).collect();
+        let expected: Vec<_> = files.iter().map(|camera| &camera.name).collect();
+        assert_eq!(names, expected);
+    }
+
+    #[test]
+    fn camera_that_is_refused_is_named_and_no_device_is_no_pass() {
+        let mut files = published();
+        files[2].distortion.k1 = f64::NAN;
+        let refused = checked(2, &files).unwrap_err();
+        assert_eq!(refused.camera, files[2].name);
+        assert!(!checked(0, &files).unwrap().passed());
+    }
+
+    #[test]
+    fn counts_of_links_are_added_and_stacks_are_not() {
+        let counters = |done, stack_used_bytes| Counters {
+            done,
+            overrun_bytes: 1,
+            stack_used_bytes,
+            ..Counters::default()
+        };
+        let sum = together(&counters(3, 700), &counters(4, 500));
+        assert_eq!(
+            (sum.done, sum.overrun_bytes, sum.stack_used_bytes),
+            (7, 2, 700)
+        );
+    }
+}
