@@ -16,6 +16,7 @@ use fmc_camera::flight::camera::FrameError;
 use fmc_camera::geometry::calibration::{CalibrationError, Polynomial};
 use fmc_camera::io::link::PROTOCOL_VERSION;
 use fmc_camera::io::link::message::{Answer, Refusal};
+use rustix::process::{Pid, Signal, kill_process, kill_process_group, test_kill_process};
 
 use crate::command_line::fake_camera::FakeCamera;
 use crate::command_line::support::{Answer as Output, Bench};
@@ -382,8 +383,8 @@ fn camera_that_refuses_what_this_pc_accepts_is_not_believed() {
 
 #[test]
 fn qemu_ends_with_a_host_that_is_killed_or_interrupted() {
-    for signal in ["KILL", "INT"] {
-        if signal == "KILL" && !Path::new("/usr/bin/setpriv").is_file() {
+    for signal in [Signal::KILL, Signal::INT] {
+        if signal == Signal::KILL && !Path::new("/usr/bin/setpriv").is_file() {
             continue;
         }
         let qemu = FakeQemu::new(SCRIPT);
@@ -403,16 +404,14 @@ fn qemu_ends_with_a_host_that_is_killed_or_interrupted() {
         link_is_up.recv_timeout(PATIENCE).unwrap();
         let arguments = wait_for(&qemu.path("started"));
         // A terminal interrupts the whole group; a kill is for the one process.
-        let target = match signal {
-            "INT" => format!("-{}", host.id()),
-            _ => host.id().to_string(),
+        let process = Pid::from_child(&host);
+        let sent = match signal {
+            Signal::INT => kill_process_group(process, signal),
+            _ => kill_process(process, signal),
         };
-        let kill = Command::new("kill")
-            .args(["-s", signal, "--", &target])
-            .status();
-        assert!(kill.unwrap().success());
+        sent.unwrap();
         assert!(!host.wait().unwrap().success());
-        assert!(ends(&arguments), "{signal}: QEMU runs on");
+        assert!(ends(&arguments), "{signal:?}: QEMU runs on");
     }
 }
 
@@ -433,8 +432,8 @@ fn ends(started: &str) -> bool {
 fn runs(process: &str) -> bool {
     let Ok(stat) = fs::read_to_string(format!("/proc/{process}/stat")) else {
         // Gone, or a system without /proc.
-        let kill = Command::new("kill").args(["-s", "0", process]).output();
-        return kill.unwrap().status.success();
+        let process = process.parse().ok().and_then(Pid::from_raw);
+        return test_kill_process(process.unwrap()).is_ok();
     };
     let (_, state) = stat.rsplit_once(')').unwrap();
     !state.trim_start().starts_with('Z')

@@ -19,14 +19,14 @@ use crate::command_line::wire_format::frame_of;
 pub(crate) struct Port {
     pub(crate) name: String,
     /// Keeps the terminal between two programs, as a real port stays.
-    _near: File,
+    near: File,
 }
 
 impl Port {
     fn with(serve: impl FnOnce(File) + Send + 'static) -> Self {
         let Terminal { far, near, name } = Terminal::open();
         thread::spawn(move || serve(far));
-        Self { name, _near: near }
+        Self { name, near }
     }
 
     pub(crate) fn with_camera<Deck: FlightDeck + Send + 'static>(
@@ -224,6 +224,8 @@ fn host_killed_in_the_middle_of_a_batch_leaves_a_camera_that_the_next_can_use() 
     ten_are_given.recv().unwrap();
     host.kill().unwrap();
     assert!(!host.wait().unwrap().success());
+    // Whoever opens a port keeps ordinary users off it until all have let go of it, as the near end here never does.
+    rustix::termios::ioctl_tiocnxcl(&port.near).unwrap();
     drop((ten_are_given, killed));
     std::fs::write(
         bench.path("points.csv"),

@@ -2,7 +2,6 @@
 
 use std::io::{Read as _, Write as _};
 use std::path::PathBuf;
-use std::process::Command;
 use std::thread;
 use std::time::Duration;
 use std::{env, fs};
@@ -12,6 +11,7 @@ use host_sim::device::client::Client;
 use host_sim::device::machine::{self, Started};
 use host_sim::device::port::TcpPort;
 use host_sim::device::{Machine, log};
+use rustix::process::{Pid, Signal, kill_process};
 
 const MACHINES: [Machine; 2] = [Machine::An386, Machine::An500];
 
@@ -98,10 +98,9 @@ fn firmware_goes_on_after_the_pc_has_slept() {
     } = start(MACHINES[0]);
     let mut client = Client::new(TcpPort::new(link).unwrap());
     client.connect().unwrap();
-    let qemu = process.id().to_string();
-    for signal in ["-STOP", "-CONT"] {
-        let kill = Command::new("kill").args([signal, &qemu]).status();
-        assert!(kill.unwrap().success());
+    let qemu = i32::try_from(process.id()).ok().and_then(Pid::from_raw);
+    for signal in [Signal::STOP, Signal::CONT] {
+        kill_process(qemu.unwrap(), signal).unwrap();
         thread::sleep(Duration::from_millis(2500));
     }
     assert_eq!(client.counters().unwrap().done, 1);
