@@ -50,13 +50,15 @@ impl<'a> Equipment<'a> {
         }
     }
 
-    /// What stands in the way of something with these needs, in a line.
+    /// All that stands in the way of something with these needs, in a line.
     pub(crate) fn lack(&self, needs: &[Need]) -> Option<String> {
-        needs.iter().find_map(|need| match need {
+        let lacks = needs.iter().filter_map(|need| match need {
             Need::Compiler => Some(format!("{:#}", self.targets().err()?)),
             Need::Clippy => Some(self.targets().ok()?.armv7em.no_clippy()?.to_string()),
             Need::Qemu => Some(format!("{:#}", self.emulator().err()?)),
-        })
+        });
+        let lacks: Vec<_> = lacks.collect();
+        (!lacks.is_empty()).then(|| lacks.join("; and "))
     }
 
     /// The targets.

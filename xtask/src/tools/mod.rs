@@ -22,7 +22,7 @@ use anyhow::{Context as _, Result, bail};
 use xshell::Shell;
 
 use crate::{
-    machine::{COMPILER_SOURCES, on_path},
+    machine::{COMPILER_SOURCES, file_names, on_path},
     missing::Missing,
     system::System,
     version::Version,
@@ -30,6 +30,9 @@ use crate::{
 };
 use apt::Apt;
 pub(crate) use unpacked::Unpacked;
+
+/// End of the name of a directory that is not complete yet.
+const UNFINISHED: &str = ".new";
 
 /// What may be fetched.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
@@ -170,12 +173,13 @@ impl<'a> Toolbox<'a> {
             }
         }
         let _lock = self.lock()?;
+        self.remove_unfinished()?;
         // Another program may have fetched it meanwhile.
         if let Some(tool) = self.find(tool) {
             return Ok(tool);
         }
         let new = Unpacked::new(
-            self.directory.join(format!("{}.new", tool.name())),
+            self.directory.join(format!("{}{UNFINISHED}", tool.name())),
             self.place(tool).base,
         );
         let fetched = self.fetch_into(tool, &new);
@@ -188,8 +192,6 @@ impl<'a> Toolbox<'a> {
     }
 
     fn fetch_into(&self, tool: Tool, new: &Unpacked) -> Result<()> {
-        // Left by a program that was killed.
-        remove(&new.directory)?;
         let base = tool.rests_on().map(|base| self.place(base));
         let apt = self.renewed()?;
         let packages = apt.absent(tool, base.as_ref())?;
@@ -217,6 +219,16 @@ impl<'a> Toolbox<'a> {
         remove(&place.directory)?;
         fs::rename(&new.directory, &place.directory)
             .with_context(|| place.directory.display().to_string())
+    }
+
+    /// Removes what a program that was killed has left; with the lock, so that nobody works on it.
+    fn remove_unfinished(&self) -> Result<()> {
+        for name in file_names(&self.directory) {
+            if name.ends_with(UNFINISHED) {
+                remove(&self.directory.join(name))?;
+            }
+        }
+        Ok(())
     }
 
     fn renewed(&self) -> Result<&Apt<'a>> {
