@@ -2,11 +2,11 @@
 
 use std::{process::ExitCode, time::Instant};
 
-use anyhow::{Context as _, Result};
+use anyhow::Result;
 use clap::ValueEnum;
 
 use crate::{
-    NOT_STARTED, bench, board,
+    CHECK_FAILED, NOT_STARTED, bench, board,
     equipment::{Equipment, Need},
     firmware::{self, Image},
     kernel, no_panic, schedule, verify,
@@ -84,7 +84,7 @@ impl Step {
 /// Runs all steps, or one.
 ///
 /// # Errors
-/// Where a step fails; the error says how to repeat it.
+/// Where the steps cannot be begun.
 pub(crate) fn run(workspace: &Workspace, only: Option<Step>) -> Result<ExitCode> {
     let Some(step) = only else {
         return schedule::run(workspace);
@@ -96,7 +96,10 @@ pub(crate) fn run(workspace: &Workspace, only: Option<Step>) -> Result<ExitCode>
         return Ok(ExitCode::from(NOT_STARTED));
     }
     let _root = workspace.shell.push_dir(&workspace.root);
-    run_step(step, workspace, &equipment).with_context(|| failure(step))?;
+    if let Err(error) = run_step(step, workspace, &equipment) {
+        eprintln!("xtask: {}: {error:#}", failure(step));
+        return Ok(ExitCode::from(CHECK_FAILED));
+    }
     let (name, time) = (step.name(), start.elapsed().as_secs_f64());
     println!("xtask test: step {name} passed in {time:.1} s");
     Ok(ExitCode::SUCCESS)

@@ -72,7 +72,7 @@ impl Emulator {
         let Some(directory) = &self.directory else {
             return Ok(path);
         };
-        let others = env::split_paths(&path);
+        let others = env::split_paths(&path).filter(|one| one.is_absolute());
         env::join_paths([directory.clone()].into_iter().chain(others))
             .with_context(|| directory.display().to_string())
     }
@@ -106,11 +106,12 @@ impl Emulator {
             let mut text = String::new();
             pipe.read_to_string(&mut text).map(|_| text)
         });
-        let status = child.wait_timeout(limit)?;
-        if status.is_none() {
+        let waited = child.wait_timeout(limit);
+        if !matches!(waited, Ok(Some(_))) {
             child.kill()?;
             child.wait()?;
         }
+        let status = waited?;
         let printed = reader.join().ok().context("QEMU's standard output")??;
         match status {
             Some(status) if status.success() => Ok(printed),

@@ -66,7 +66,7 @@ impl<'a> Equipment<'a> {
     /// # Errors
     /// Why there are none.
     pub(crate) fn targets(&self) -> Result<&Targets<'a>> {
-        part(self.targets.as_ref(), "targets")
+        part(self.targets.as_ref(), "the targets were")
     }
 
     /// The emulator.
@@ -74,7 +74,7 @@ impl<'a> Equipment<'a> {
     /// # Errors
     /// Why there is none.
     pub(crate) fn emulator(&self) -> Result<&Emulator> {
-        part(self.emulator.as_ref(), "emulator")
+        part(self.emulator.as_ref(), "the emulator was")
     }
 
     /// What else may be fetched.
@@ -87,6 +87,6 @@ fn part<'p, T>(part: Option<&'p Result<T>>, name: &str) -> Result<&'p T> {
     match part {
         Some(Ok(part)) => Ok(part),
         Some(Err(error)) => Err(anyhow!("{error:#}")),
-        None => Err(anyhow!("the {name} were not set up")),
+        None => Err(anyhow!("{name} not set up")),
     }
 }

@@ -1,8 +1,8 @@
 //! The firmware: its lints, the proof that it cannot panic, its images for QEMU, and their tests.
 
-use std::{fmt, path::PathBuf, process::ExitCode};
+use std::{fmt, fs, path::PathBuf, process::ExitCode};
 
-use anyhow::Result;
+use anyhow::{Context as _, Result};
 use xshell::{Cmd, cmd};
 
 use crate::{
@@ -93,14 +93,16 @@ pub(crate) fn set_up(workspace: &Workspace) -> Result<Emulator> {
 /// Where the build fails.
 pub(crate) fn build(workspace: &Workspace, target: &Target<'_>, image: Image) -> Result<PathBuf> {
     let _root = workspace.shell.push_dir(&workspace.root);
+    // Another xtask may build another image into the same place, or its QEMU load the one that is kept.
+    let _lock = Workspace::lock(&directory(workspace), "builds the firmware")?;
     let build = rustc(target, image, &[]).env("FMC_BUILD", sources(workspace));
     eprintln!("$ {build}");
     build.run()?;
     let kept = image.path(workspace);
-    workspace.shell.create_dir(directory(workspace))?;
-    workspace
-        .shell
-        .copy_file(target.programs().join("firmware"), &kept)?;
+    let new = kept.with_extension("new");
+    let shell = &workspace.shell;
+    shell.copy_file(target.programs().join("firmware"), &new)?;
+    fs::rename(&new, &kept).with_context(|| kept.display().to_string())?;
     Ok(kept)
 }
 

@@ -153,6 +153,8 @@ fn versioned_lld() -> Option<PathBuf> {
 pub(crate) fn on_path(name: &str) -> Option<PathBuf> {
     let path = env::var_os("PATH")?;
     env::split_paths(&path)
+        // What is relative is another place for every program that is started.
+        .filter(|directory| directory.is_absolute())
         .map(|directory| directory.join(format!("{name}{EXE_SUFFIX}")))
         .find(|file| file.is_file())
 }

@@ -5,6 +5,7 @@ use std::fmt;
 use crate::{
     system::{Family, System},
     tools::Tool,
+    version::Version,
 };
 
 /// A tool that cannot be had.
@@ -20,19 +21,29 @@ impl Missing {
     /// With the error that stood in the way.
     pub(crate) fn new(tool: Tool, system: &System, error: &anyhow::Error) -> Self {
         let text = format!("{error:#}");
+        let remedy = match error.downcast_ref::<TooOld>() {
+            // What the system offers is what was refused.
+            Some(too_old) if tool == Tool::Qemu => too_old.remedy(),
+            _ => remedy(tool, system),
+        };
         Self {
             tool,
             why: text.split_whitespace().collect::<Vec<_>>().join(" "),
-            remedy: remedy(tool, system),
+            remedy,
         }
     }
 
     /// The active toolchain has no clippy.
-    pub(crate) fn clippy() -> Self {
+    pub(crate) fn clippy(system: &System) -> Self {
+        let of_rustup = || "rustup component add clippy".to_owned();
         Self {
             tool: Tool::Clippy,
             why: "the active toolchain has none".to_owned(),
-            remedy: "rustup component add clippy".to_owned(),
+            remedy: if system.has_rustup {
+                of_rustup()
+            } else {
+                remedy(Tool::Clippy, system)
+            },
         }
     }
 
@@ -52,6 +63,39 @@ impl fmt::Display for Missing {
 
 impl std::error::Error for Missing {}
 
+/// The package lists offer a version that does not serve.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub(crate) struct TooOld {
+    pub(crate) package: &'static str,
+    pub(crate) offered: Version,
+    pub(crate) oldest: Version,
+}
+
+impl TooOld {
+    fn remedy(&self) -> String {
+        let Self {
+            package, oldest, ..
+        } = self;
+        format!("put {package} {oldest} or later on the search path")
+    }
+}
+
+impl fmt::Display for TooOld {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let Self {
+            package,
+            offered,
+            oldest,
+        } = self;
+        write!(
+            f,
+            "{package} is {offered} in the package lists, and {oldest} or later is needed"
+        )
+    }
+}
+
+impl std::error::Error for TooOld {}
+
 /// The command by which a user of that system gets the tool.
 fn remedy(tool: Tool, system: &System) -> String {
     if system.has_rustup {
@@ -67,6 +111,11 @@ fn remedy(tool: Tool, system: &System) -> String {
     let rustup = |install: &str| format!("{install} rustup");
     match (system.family, tool) {
         (Family::Debian, _) => format!("sudo apt-get install {}", tool.packages().join(" ")),
+        (Family::Ubuntu, Tool::Qemu | Tool::Llvm) => {
+            format!("sudo apt-get install {}", tool.packages().join(" "))
+        }
+        // It has none of Debian's packages of a compiler for browsers.
+        (Family::Ubuntu, _) => rustup("sudo apt-get install"),
         (Family::Fedora, Tool::Qemu) => "sudo dnf install qemu-system-arm".to_owned(),
         (Family::Fedora, Tool::Llvm) => "sudo dnf install llvm".to_owned(),
         (Family::Fedora, _) => rustup("sudo dnf install"),
@@ -104,12 +153,34 @@ mod tests {
     }
 
     #[test]
+    fn what_is_too_old_is_not_recommended() {
+        let system = System {
+            family: Family::Ubuntu,
+            release: String::new(),
+            has_rustup: true,
+        };
+        let too_old = TooOld {
+            package: "qemu-system-arm",
+            offered: Version::new(6, 2),
+            oldest: Version::new(7, 2),
+        };
+        let text = Missing::new(Tool::Qemu, &system, &too_old.into()).to_string();
+        let expected = "no QEMU: qemu-system-arm is 6.2 in the package lists, and 7.2 or later is needed; to mend it: put qemu-system-arm 7.2 or later on the search path";
+        assert_eq!(text, expected);
+    }
+
+    #[test]
     fn every_system_has_one_command_in_one_line() {
         for (family, qemu, compiler) in [
             (
                 Family::Debian,
                 "sudo apt-get install qemu-system-arm",
                 "sudo apt-get install rustc-web cargo-web rust-web-src",
+            ),
+            (
+                Family::Ubuntu,
+                "sudo apt-get install qemu-system-arm",
+                "sudo apt-get install rustup",
             ),
             (
                 Family::Fedora,

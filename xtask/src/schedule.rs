@@ -3,6 +3,7 @@
 //! what the lanes say does not mix.
 
 use std::{
+    collections::BTreeSet,
     env,
     fs::{self, File},
     io::Write as _,
@@ -13,11 +14,11 @@ use std::{
     time::{Duration, Instant},
 };
 
-use anyhow::{Context as _, Result, bail};
+use anyhow::{Context as _, Result};
 use clap::ValueEnum as _;
 
 use crate::{
-    NOT_STARTED,
+    CHECK_FAILED, NOT_CHECKED, NOT_STARTED,
     checks::{self, Step},
     equipment::{Equipment, Need},
     workspace::Workspace,
@@ -60,25 +61,33 @@ struct Run {
     /// A copy of this program: cargo may replace the original while it builds.
     program: PathBuf,
     logs: PathBuf,
+    ended: Mutex<Ended>,
+}
+
+/// What has ended.
+#[derive(Debug, Default)]
+struct Ended {
     /// In the order in which they ended.
-    ended: Mutex<Vec<(Step, Outcome)>>,
+    steps: Vec<(Step, Outcome)>,
+    /// What steps that passed have left out.
+    left_out: BTreeSet<String>,
 }
 
 /// Runs all steps for which there is what they need.
 ///
+/// Where one fails, those that are under way are ended first, and no other is begun.
+///
 /// # Errors
-/// Where one fails; those that are under way are ended first, no other is begun.
+/// Where they cannot be begun.
 pub(crate) fn run(workspace: &Workspace) -> Result<ExitCode> {
     let start = Instant::now();
     let logs = workspace.target_dir.join("steps");
-    fs::create_dir_all(&logs).with_context(|| logs.display().to_string())?;
+    let _lock = Workspace::lock(&logs, "runs the steps")?;
     let program = logs.join(format!("xtask{}", env::consts::EXE_SUFFIX));
     let this = env::current_exe().context("path of xtask")?;
-    // A new file: the old one may still run in another terminal.
-    let _ = fs::remove_file(&program);
     fs::copy(&this, &program).with_context(|| program.display().to_string())?;
 
-    // Here, before the lanes: tools are fetched once, and what cannot be had is said at the beginning.
+    // Here, before the lanes: what steps share is fetched once, and what cannot be had is said at the beginning.
     let needs = [Need::Compiler, Need::Clippy, Need::Qemu];
     let equipment = Equipment::for_needs(workspace, &needs);
     let lacks: Vec<Option<String>> = Step::value_variants()
@@ -98,7 +107,7 @@ pub(crate) fn run(workspace: &Workspace) -> Result<ExitCode> {
     let run = Run {
         program,
         logs,
-        ended: Mutex::new(Vec::new()),
+        ended: Mutex::default(),
     };
     thread::scope(|scope| {
         for lane in LANES {
@@ -109,7 +118,7 @@ pub(crate) fn run(workspace: &Workspace) -> Result<ExitCode> {
         .ended
         .into_inner()
         .unwrap_or_else(PoisonError::into_inner);
-    verdict(&ended, start.elapsed())
+    Ok(ExitCode::from(verdict(&ended, start.elapsed())))
 }
 
 impl Run {
@@ -122,7 +131,7 @@ impl Run {
                 Some(lack) => Outcome::NotRun(lack),
                 None => self.step(step),
             };
-            self.with_ended(|ended| ended.push((step, outcome)));
+            self.with_ended(|ended| ended.steps.push((step, outcome)));
         }
     }
 
@@ -132,28 +141,37 @@ impl Run {
         let start = Instant::now();
         let log = self.logs.join(format!("{name}.log"));
         eprintln!("[{name}] {} ...", step.title());
-        let passed = self.process(&name, &log);
+        let outcome = self.process(&name, &log).unwrap_or_else(|error| {
+            eprintln!("xtask: step {name}: {error:#}");
+            Outcome::Failed
+        });
         let seconds = start.elapsed().as_secs_f64();
         // One step's log at a time.
         self.with_ended(|ended| {
-            let count = ended.len() + 1;
+            let count = ended.steps.len() + 1;
             let all = Step::value_variants().len();
-            let mut stderr = std::io::stderr().lock();
             let text = fs::read(&log).unwrap_or_default();
+            let lines = String::from_utf8_lossy(&text);
+            let left_out = lines
+                .lines()
+                .filter_map(|line| line.strip_prefix(NOT_CHECKED));
+            ended.left_out.extend(left_out.map(str::to_owned));
+            let word = match outcome {
+                Outcome::Passed => "passed",
+                Outcome::Failed => "FAILED",
+                Outcome::NotRun(_) => "was not run",
+            };
+            let mut stderr = std::io::stderr().lock();
+            // A terminal that is gone ends nothing.
             let _ = writeln!(stderr, "\n[{count}/{all}] {name}: {}", step.title());
             let _ = stderr.write_all(&text);
-            let (outcome, word) = match &passed {
-                Ok(true) => (Outcome::Passed, "passed".to_owned()),
-                Ok(false) => (Outcome::Failed, "FAILED".to_owned()),
-                Err(error) => (Outcome::Failed, format!("FAILED ({error:#})")),
-            };
             let _ = writeln!(stderr, "[{count}/{all}] {name} {word} in {seconds:.1} s");
-            outcome
-        })
+        });
+        outcome
     }
 
-    /// Whether the step's process succeeds.
-    fn process(&self, name: &str, log: &Path) -> Result<bool> {
+    /// How the step's process ends.
+    fn process(&self, name: &str, log: &Path) -> Result<Outcome> {
         let file = File::create(log).with_context(|| log.display().to_string())?;
         let status = Command::new(&self.program)
             .args(["test", "--among-others", "--only", name])
@@ -162,50 +180,57 @@ impl Run {
             .stderr(file)
             .status()
             .with_context(|| self.program.display().to_string())?;
-        Ok(status.success())
+        Ok(match status.code() {
+            Some(0) => Outcome::Passed,
+            Some(code) if code == i32::from(NOT_STARTED) => {
+                Outcome::NotRun(format!("{} says why", log.display()))
+            }
+            _ => Outcome::Failed,
+        })
     }
 
     fn has_failed(&self) -> bool {
-        self.with_ended(|ended| ended.iter().any(|(_, outcome)| *outcome == Outcome::Failed))
+        self.with_ended(|ended| {
+            let mut steps = ended.steps.iter();
+            steps.any(|(_, outcome)| *outcome == Outcome::Failed)
+        })
     }
 
-    fn with_ended<T>(&self, act: impl FnOnce(&mut Vec<(Step, Outcome)>) -> T) -> T {
+    fn with_ended<T>(&self, act: impl FnOnce(&mut Ended) -> T) -> T {
         act(&mut self.ended.lock().unwrap_or_else(PoisonError::into_inner))
     }
 }
 
-/// The last lines: what failed, or was not run, or that all is well.
-fn verdict(ended: &[(Step, Outcome)], time: Duration) -> Result<ExitCode> {
-    let failed: Vec<_> = ended
-        .iter()
-        .filter(|(_, outcome)| *outcome == Outcome::Failed)
-        .map(|(step, _)| checks::failure(*step))
-        .collect();
-    if !failed.is_empty() {
-        bail!("{}", failed.join("\nxtask: "));
-    }
+/// The last lines, and the exit code: what failed, was not run or was left out, or that all is well.
+fn verdict(ended: &Ended, time: Duration) -> u8 {
     let seconds = time.as_secs_f64();
-    let not_run: Vec<_> = ended
-        .iter()
-        .filter_map(|(step, outcome)| match outcome {
-            Outcome::NotRun(lack) => Some((step.name(), lack)),
-            Outcome::Passed | Outcome::Failed => None,
-        })
-        .collect();
-    let all = Step::value_variants().len();
-    if not_run.is_empty() && ended.len() == all {
-        println!("xtask test: all {all} steps passed in {seconds:.1} s");
-        return Ok(ExitCode::SUCCESS);
+    let all = Step::value_variants();
+    let mut failed = false;
+    let mut passed = 0;
+    for step in all {
+        let outcome = ended.steps.iter().find(|(one, _)| one == step);
+        match outcome.map(|(_, outcome)| outcome) {
+            Some(Outcome::Passed) => passed += 1,
+            Some(Outcome::Failed) => {
+                failed = true;
+                eprintln!("xtask: {}", checks::failure(*step));
+            }
+            Some(Outcome::NotRun(lack)) => {
+                eprintln!("xtask: step {} was not run: {lack}", step.name());
+            }
+            None => eprintln!("xtask: step {} was not begun", step.name()),
+        }
     }
-    for (name, lack) in &not_run {
-        eprintln!("xtask: step {name} was not run: {lack}");
+    for left_out in &ended.left_out {
+        eprintln!("{NOT_CHECKED}{left_out}");
     }
-    eprintln!(
-        "xtask test: {} of {all} steps passed in {seconds:.1} s, {} were not run",
-        ended.len() - not_run.len(),
-        all + not_run.len() - ended.len()
-    );
-    Ok(ExitCode::from(NOT_STARTED))
+    let count = all.len();
+    if passed == count {
+        println!("xtask test: all {count} steps passed in {seconds:.1} s");
+        return 0;
+    }
+    eprintln!("xtask test: {passed} of {count} steps passed in {seconds:.1} s");
+    if failed { CHECK_FAILED } else { NOT_STARTED }
 }
 
 #[cfg(test)]
@@ -226,19 +251,23 @@ mod tests {
 
     #[test]
     fn run_passes_only_where_every_step_has_passed() {
-        let code = |ended: &[(Step, Outcome)]| verdict(ended, Duration::ZERO);
-        let success = format!("{:?}", ExitCode::SUCCESS);
+        let code = |steps: &[(Step, Outcome)]| {
+            let ended = Ended {
+                steps: steps.to_vec(),
+                left_out: BTreeSet::new(),
+            };
+            verdict(&ended, Duration::ZERO)
+        };
         let mut all: Vec<_> = Step::value_variants()
             .iter()
             .map(|step| (*step, Outcome::Passed))
             .collect();
-        assert_eq!(format!("{:?}", code(&all).unwrap()), success);
-        assert_ne!(format!("{:?}", code(&all[1..]).unwrap()), success);
-        assert_ne!(format!("{:?}", code(&[]).unwrap()), success);
+        assert_eq!(code(&all), 0);
+        assert_eq!(code(&all[1..]), NOT_STARTED);
+        assert_eq!(code(&[]), NOT_STARTED);
         all[3].1 = Outcome::NotRun("no QEMU".to_owned());
-        assert_ne!(format!("{:?}", code(&all).unwrap()), success);
+        assert_eq!(code(&all), NOT_STARTED);
         all[4].1 = Outcome::Failed;
-        let text = code(&all).unwrap_err().to_string();
-        assert!(text.contains("--only host-tests"), "{text}");
+        assert_eq!(code(&all), CHECK_FAILED);
     }
 }

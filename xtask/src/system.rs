@@ -7,8 +7,10 @@ use crate::machine::on_path;
 /// Kinds of systems by how a user installs programs there.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum Family {
-    /// Debian, Ubuntu and what is made of them.
+    /// Debian and what is made of it.
     Debian,
+    /// Ubuntu and what is made of it.
+    Ubuntu,
     /// Fedora and Red Hat's.
     Fedora,
     /// Arch Linux.
@@ -69,8 +71,8 @@ impl System {
                 .any(|word| word == name)
         };
         let family = [
+            ("ubuntu", Family::Ubuntu),
             ("debian", Family::Debian),
-            ("ubuntu", Family::Debian),
             ("fedora", Family::Fedora),
             ("rhel", Family::Fedora),
             ("arch", Family::Arch),
@@ -100,12 +102,12 @@ mod tests {
             ),
             (
                 "ID=linuxmint\nID_LIKE=\"ubuntu debian\"\nVERSION_ID=22\n",
-                Family::Debian,
+                Family::Ubuntu,
                 "linuxmint 22",
             ),
             (
                 "ID=ubuntu\nID_LIKE=debian\nVERSION_ID=\"24.04\"\n",
-                Family::Debian,
+                Family::Ubuntu,
                 "ubuntu 24.04",
             ),
             ("ID=fedora\nVERSION_ID=43\n", Family::Fedora, "fedora 43"),

@@ -9,6 +9,7 @@ use anyhow::{Context as _, Result};
 use xshell::{Cmd, Shell};
 
 use crate::{
+    NOT_CHECKED,
     machine::{DISTRIBUTION_BIN, Machine},
     missing::Missing,
     route::{self, Architecture, Plan, Route},
@@ -54,7 +55,7 @@ impl<'a> Targets<'a> {
         let helium = if let Some(tool) = lack {
             let target = architecture.target();
             eprintln!(
-                "note: nothing is built or counted for Cortex-M55: no {tool} (rustup target add {target})"
+                "{NOT_CHECKED}Cortex-M55, for which nothing is built or counted: no {tool}; to mend it: rustup target add {target}"
             );
             None
         } else {
@@ -143,7 +144,7 @@ impl<'a> Target<'a> {
         let architecture = Architecture::Armv7em;
         let machine = Machine::look(&workspace.shell, toolbox, architecture)?;
         let plan = route::plan(machine.facts);
-        let mut no_clippy = (!plan.has_clippy).then(Missing::clippy);
+        let mut no_clippy = (!plan.has_clippy).then(|| Missing::clippy(toolbox.system()));
         for tool in &plan.fetch {
             match (tool, lints) {
                 // Lints are one thing, builds another.

@@ -8,7 +8,7 @@ use std::{
 
 use anyhow::{Context as _, Result, ensure};
 
-use crate::{checks::TESTED, firmware, workspace::Workspace};
+use crate::{checks::TESTED, firmware, missing::Missing, workspace::Workspace};
 
 /// Exit code where the program ended by a signal and gave none of its own.
 const ENDED_BY_SIGNAL: u8 = 3;
@@ -35,7 +35,8 @@ pub(crate) fn run(workspace: &Workspace, arguments: Vec<OsString>) -> Result<Exi
     verify = match set_up {
         None => verify,
         Some(Ok(emulator)) => verify.env("PATH", emulator.search_path()?),
-        Some(Err(error)) if firmware == Firmware::Optional => {
+        // A firmware that does not compile is no lack of this machine's.
+        Some(Err(error)) if firmware == Firmware::Optional && error.is::<Missing>() => {
             verify.arg("--not-in-qemu").arg(in_one_line(&error))
         }
         Some(Err(error)) => return Err(error),
@@ -75,7 +76,7 @@ pub(crate) fn default_out(workspace: &Workspace) -> OsString {
 /// What the arguments mean for the firmware.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 enum Firmware {
-    /// They name QEMU.
+    /// They name QEMU, or what QEMU alone takes.
     Required,
     /// They name no device.
     Optional,
@@ -85,6 +86,15 @@ enum Firmware {
 
 /// Whether the firmware runs with these arguments.
 fn firmware_for(arguments: &[OsString]) -> Firmware {
+    let is_for_qemu = |argument: &OsString| {
+        let text = argument.to_string_lossy();
+        text == "--log" || text == "--firmware" || text.starts_with("--firmware=")
+    };
+    let without_device = if arguments.iter().any(is_for_qemu) {
+        Firmware::Required
+    } else {
+        Firmware::Optional
+    };
     let mut texts = arguments.iter().map(|argument| argument.to_string_lossy());
     while let Some(text) = texts.next() {
         let device = match text.split_once('=') {
@@ -102,7 +112,7 @@ fn firmware_for(arguments: &[OsString]) -> Firmware {
             };
         }
     }
-    Firmware::Optional
+    without_device
 }
 
 /// The error and its causes without line breaks.
@@ -133,6 +143,10 @@ mod tests {
             ("--help", Firmware::NotUsed),
             ("--device qemu", Firmware::Required),
             ("--out x --device=qemu:an500", Firmware::Required),
+            ("--firmware image.elf", Firmware::Required),
+            ("--firmware=image.elf --out x", Firmware::Required),
+            ("--log", Firmware::Required),
+            ("--log --device sil", Firmware::NotUsed),
         ] {
             let arguments: Vec<_> = line.split_whitespace().map(Into::into).collect();
             assert_eq!(firmware_for(&arguments), expected, "{line:?}");

@@ -3,6 +3,7 @@
 use std::{
     env::{self, consts::EXE_SUFFIX},
     ffi::OsString,
+    fs::{self, File, TryLockError},
     path::{self, Path, PathBuf},
 };
 
@@ -58,6 +59,27 @@ impl Workspace {
         if self.tells {
             eprintln!("xtask: {text}");
         }
+    }
+
+    /// The lock of a directory, which is made where it is absent; it is given up with the value. Waits for another xtask
+    /// that has it, and says `what` that does.
+    ///
+    /// # Errors
+    /// Where the directory cannot be written.
+    pub(crate) fn lock(directory: &Path, what: &str) -> Result<File> {
+        let path = directory.join(".lock");
+        let told = || path.display().to_string();
+        fs::create_dir_all(directory).with_context(told)?;
+        let file = File::create(&path).with_context(told)?;
+        match file.try_lock() {
+            Ok(()) => {}
+            Err(TryLockError::WouldBlock) => {
+                eprintln!("xtask: waiting for another xtask, which {what}");
+                file.lock().with_context(told)?;
+            }
+            Err(TryLockError::Error(error)) => return Err(error).with_context(told),
+        }
+        Ok(file)
     }
 
     /// The cargo that started xtask, with the words of `line` as arguments.

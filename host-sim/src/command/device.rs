@@ -49,7 +49,11 @@ impl DeviceArgs {
         if matches!(name, DeviceName::Qemu(_)) && !self.log {
             let cores = thread::available_parallelism().map_or(1, NonZero::get);
             for _ in 1..most.min(cores) {
-                devices.push(self.opener().open(name)?);
+                // One serves too.
+                let Ok(device) = self.opener().open(name) else {
+                    break;
+                };
+                devices.push(device);
             }
         }
         Ok((devices, None))

@@ -52,6 +52,7 @@ pub fn find() -> Option<PathBuf> {
     let fetched = image::target_dir().map(|target| target.join("tools/qemu/bin"));
     let path = env::var_os("PATH").unwrap_or_default();
     env::split_paths(&path)
+        .filter(|dir| !dir.as_os_str().is_empty())
         .chain(fetched)
         .map(|dir| dir.join(format!("{PROGRAM}{}", env::consts::EXE_SUFFIX)))
         .find(|file| file.is_file())

@@ -42,24 +42,28 @@ pub fn cameras(
             scope.spawn(|| {
                 while let Some((index, camera)) = taken(&next, cameras) {
                     before_camera(&camera.name);
+                    let before = device.evidence();
                     let result = run::camera(device.as_mut(), camera, &after_frame);
+                    let evidence = since(before, device.evidence());
                     if result.is_err() {
                         // No other camera is begun.
                         next.store(cameras.len(), Ordering::Relaxed);
                     }
                     let mut checked = checked.lock().unwrap_or_else(PoisonError::into_inner);
-                    checked.push((index, camera, result));
+                    checked.push((index, camera, evidence, result));
                 }
             });
         }
     });
-    let mut checked: Vec<(usize, &CameraFile, Result<CameraResult, DeviceError>)> =
-        checked.into_inner().unwrap_or_else(PoisonError::into_inner);
+    let mut checked = checked.into_inner().unwrap_or_else(PoisonError::into_inner);
     checked.sort_by_key(|(index, ..)| *index);
 
-    let mut results = Vec::new();
+    let mut results: Vec<CameraResult> = Vec::new();
     let mut difference = None;
-    for (_, camera, result) in checked {
+    let mut evidence = Evidence::default();
+    for (_, camera, of_camera, result) in checked {
+        evidence.by_digest += of_camera.by_digest;
+        evidence.by_value += of_camera.by_value;
         match result {
             Ok(result) => results.push(result),
             // What else it answers says nothing about the code that was checked.
@@ -77,7 +81,7 @@ pub fn cameras(
     Ok(Verification {
         device: device.unwrap_or_default(),
         not_in_qemu: None,
-        evidence: evidence(devices),
+        evidence,
         link: link(devices)?,
         difference,
         cameras: results,
@@ -90,14 +94,12 @@ fn taken<'a>(next: &AtomicUsize, cameras: &'a [CameraFile]) -> Option<(usize, &'
     Some((index, cameras.get(index)?))
 }
 
-fn evidence(devices: &[Box<dyn Device>]) -> Evidence {
-    devices.iter().fold(Evidence::default(), |sum, device| {
-        let of = device.evidence();
-        Evidence {
-            by_digest: sum.by_digest + of.by_digest,
-            by_value: sum.by_value + of.by_value,
-        }
-    })
+/// What a device has shown between two moments.
+fn since(before: Evidence, now: Evidence) -> Evidence {
+    Evidence {
+        by_digest: now.by_digest - before.by_digest,
+        by_value: now.by_value - before.by_value,
+    }
 }
 
 /// What the devices' ends of their links have seen together; `None` where there is no link.

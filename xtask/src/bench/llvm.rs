@@ -10,7 +10,10 @@ use anyhow::{Context as _, Result};
 use serde::Deserialize;
 use xshell::{Shell, cmd};
 
-use crate::tools::{Tool, Toolbox};
+use crate::{
+    NOT_CHECKED,
+    tools::{Tool, Toolbox},
+};
 
 /// The first whose models were tried: 14 has none of the Cortex-M55.
 const OLDEST: u32 = 19;
@@ -54,7 +57,7 @@ impl<'a> Llvm<'a> {
         found.or_else(|| match toolbox.provide(Tool::Llvm) {
             Ok(tool) => Self::find(shell, [tool.bin()]),
             Err(missing) => {
-                eprintln!("note: no cycles are modelled: {missing}");
+                eprintln!("{NOT_CHECKED}modelled cycles: {missing}");
                 None
             }
         })

@@ -98,7 +98,7 @@ pub(crate) fn files() -> Vec<String> {
             if path.is_dir() {
                 directories.push(path);
             } else if [".md", ".rs", ".s"].iter().any(|end| name.ends_with(end)) {
-                files.push(name.to_owned());
+                files.push(name.replace('\\', "/"));
             }
         }
     }

@@ -38,6 +38,8 @@ pub(super) struct Apt<'a> {
     directory: PathBuf,
     /// dpkg's status of the machine.
     installed: String,
+    /// dpkg's name of the machine's processor.
+    architecture: String,
     /// What was wrong with renewing the lists; those of some source may have come all the same.
     fault: Option<String>,
 }
@@ -55,6 +57,8 @@ impl<'a> Apt<'a> {
         let machine = said(cmd!(shell, "apt-config dump"))?;
         let status = value(&machine, "Dir::State::status").context("apt-config names no status")?;
         let installed = fs::read_to_string(status).with_context(|| status.to_owned())?;
+        let architecture = value(&machine, "APT::Architecture");
+        let architecture = architecture.context("apt-config names no architecture")?;
         let own = directory.to_str().context("a path that is no text")?;
         let settings = settings(&machine, own);
         for (name, text) in [("apt.conf", settings.as_str()), ("status", "")] {
@@ -65,13 +69,14 @@ impl<'a> Apt<'a> {
             shell,
             directory,
             installed,
+            architecture: architecture.to_owned(),
             fault: None,
         };
         eprintln!("xtask: fetching the package lists of this system");
         // One source that fails may be none of those that are needed.
         let update = apt.configured(cmd!(shell, "apt-get --quiet update"));
         let answer = update.ignore_status().output()?;
-        apt.fault = fault(&String::from_utf8_lossy(&answer.stderr));
+        apt.fault = fault_of_update(&String::from_utf8_lossy(&answer.stderr));
         Ok(apt)
     }
 
@@ -100,7 +105,8 @@ impl<'a> Apt<'a> {
         let mut packages = closure::installs(&simulation.map_err(|error| self.with_fault(error))?);
         // apt takes a package that asks for nothing for another one than that of the lists.
         packages.retain(|package| {
-            let is_there = closure::has(&self.installed, package) || closure::has(&base, package);
+            let is_there = closure::has(&self.installed, package, &self.architecture)
+                || closure::has(&base, package, &self.architecture);
             !is_there || names.contains(&package.name.as_str())
         });
         ensure!(
@@ -181,6 +187,14 @@ fn said(command: Cmd<'_>) -> Result<String> {
     let stderr = String::from_utf8_lossy(&answer.stderr);
     let fault = fault(&stderr).unwrap_or_else(|| format!("it ended with {}", answer.status));
     Err(anyhow::anyhow!("{name}: {fault}"))
+}
+
+/// What kept lists from being renewed, in what apt says of it; other warnings are none of that.
+fn fault_of_update(stderr: &str) -> Option<String> {
+    let lines = stderr.lines().filter(|line| {
+        line.starts_with("E: ") || line.starts_with("W: Failed") || line.starts_with("W: Some")
+    });
+    fault(&lines.collect::<Vec<_>>().join("\n"))
 }
 
 /// The first error, or else the first warning, that apt or dpkg names.
@@ -277,6 +291,14 @@ Dir::Etc::sourceparts \"sources.list.d\";
             "dpkg-deb: error: no space left on device"
         );
         assert_eq!(fault("all is well\n"), None);
+    }
+
+    #[test]
+    fn warning_that_keeps_no_list_away_is_no_fault() {
+        let warning = "W: http://deb: Key is stored in legacy trusted.gpg keyring\n";
+        assert_eq!(fault_of_update(warning), None);
+        let text = format!("{warning}W: Failed to fetch http://a\n");
+        assert_eq!(fault_of_update(&text).unwrap(), "Failed to fetch http://a");
     }
 
     #[test]

@@ -38,11 +38,12 @@ pub(super) fn status(installed: &str, source: &str) -> String {
     others.map(self::installed).collect()
 }
 
-/// Whether a package is there at that version.
-pub(super) fn has(installed: &str, package: &Package) -> bool {
+/// Whether a package is there at that version, for that processor or for all.
+pub(super) fn has(installed: &str, package: &Package, architecture: &str) -> bool {
     stanzas(installed).any(|stanza| {
         field(stanza, "Package:") == Some(&package.name)
             && field(stanza, "Version:") == Some(&package.version)
+            && [Some("all"), Some(architecture)].contains(&field(stanza, "Architecture:"))
     })
 }
 
@@ -143,17 +144,18 @@ Status: install ok installed
             name: "zlib1g".to_owned(),
             version: "1:1.2.13".to_owned(),
         };
-        assert!(has(INSTALLED, &zlib) && has(&status(INSTALLED, "qemu"), &zlib));
+        assert!(!has(INSTALLED, &zlib, "i386"));
+        assert!(has(INSTALLED, &zlib, "amd64") && has(&status(INSTALLED, "qemu"), &zlib, "amd64"));
         let newer = Package {
             version: "1:1.2.14".to_owned(),
             ..zlib
         };
-        assert!(!has(INSTALLED, &newer));
+        assert!(!has(INSTALLED, &newer, "amd64"));
         let gone = Package {
             name: "gone".to_owned(),
             version: "1".to_owned(),
         };
-        assert!(!has(INSTALLED, &gone));
+        assert!(!has(INSTALLED, &gone, "amd64"));
         let other = status(INSTALLED, "other");
         assert_eq!(other.matches("Package: ").count(), 3);
         assert!(!other.contains("Breaks"));

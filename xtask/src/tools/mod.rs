@@ -12,10 +12,8 @@ mod unpacked;
 
 use std::{
     cell::OnceCell,
-    fmt,
-    fs::{self, File, TryLockError},
-    io,
-    path::PathBuf,
+    fmt, fs, io,
+    path::{Path, PathBuf},
 };
 
 use anyhow::{Context as _, Result, bail};
@@ -23,7 +21,7 @@ use xshell::Shell;
 
 use crate::{
     machine::{COMPILER_SOURCES, file_names, on_path},
-    missing::Missing,
+    missing::{Missing, TooOld},
     system::System,
     version::Version,
     workspace::Workspace,
@@ -139,6 +137,11 @@ impl<'a> Toolbox<'a> {
         }
     }
 
+    /// The system that the tools are for.
+    pub(crate) fn system(&self) -> &System {
+        &self.system
+    }
+
     /// A tool that is there, of this system's release, and works.
     pub(crate) fn find(&self, tool: Tool) -> Option<Unpacked> {
         self.tried(tool).ok()
@@ -172,7 +175,7 @@ impl<'a> Toolbox<'a> {
                 bail!("it is not here, and without {program} it cannot be fetched");
             }
         }
-        let _lock = self.lock()?;
+        let _lock = Workspace::lock(&self.directory, "fetches tools")?;
         self.remove_unfinished()?;
         // Another program may have fetched it meanwhile.
         if let Some(tool) = self.find(tool) {
@@ -198,8 +201,12 @@ impl<'a> Toolbox<'a> {
         if let (Some(oldest), Some(first)) = (tool.oldest(), tool.packages().first()) {
             let offered = packages.iter().find(|package| package.name == *first);
             let version = offered.and_then(closure::Package::upstream);
-            if let Some(version) = version.filter(|version| *version < oldest) {
-                bail!("{first} is {version} in the package lists, and {oldest} or later is needed");
+            if let Some(offered) = version.filter(|version| *version < oldest) {
+                bail!(TooOld {
+                    package: first,
+                    offered,
+                    oldest,
+                });
             }
         }
         let count = match packages.len() {
@@ -239,27 +246,10 @@ impl<'a> Toolbox<'a> {
         }
         self.apt.get().context("the package lists")
     }
-
-    /// The lock of the directory; it is given up with the value.
-    fn lock(&self) -> Result<File> {
-        let path = self.directory.join(".lock");
-        let told = || path.display().to_string();
-        fs::create_dir_all(&self.directory).with_context(told)?;
-        let file = File::create(&path).with_context(told)?;
-        match file.try_lock() {
-            Ok(()) => {}
-            Err(TryLockError::WouldBlock) => {
-                eprintln!("xtask: waiting for another xtask, which fetches tools");
-                file.lock().with_context(told)?;
-            }
-            Err(TryLockError::Error(error)) => return Err(error).with_context(told),
-        }
-        Ok(file)
-    }
 }
 
 /// Removes a directory, which may be absent.
-fn remove(directory: &std::path::Path) -> Result<()> {
+fn remove(directory: &Path) -> Result<()> {
     match fs::remove_dir_all(directory) {
         Err(error) if error.kind() != io::ErrorKind::NotFound => {
             Err(error).with_context(|| directory.display().to_string())

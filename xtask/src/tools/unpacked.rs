@@ -79,6 +79,17 @@ impl Unpacked {
                 "its packages have no {file}"
             );
         }
+        if let (Some(base), Some(program)) = (&self.base, tool.programs().first()) {
+            let base = base.join("bin/rustc");
+            let [own, compiler] = [self.program(program), base].map(|program| {
+                let answer = cmd!(shell, "{program} --version").quiet().ignore_stderr();
+                answer.read().ok().and_then(|text| build_of(&text))
+            });
+            ensure!(
+                own == compiler || compiler.is_none(),
+                "it is of another build than the compiler under target/tools, which is to be removed first"
+            );
+        }
         for name in tool.programs() {
             let program = self.program(name);
             let answer = cmd!(shell, "{program} --version")
@@ -107,6 +118,12 @@ impl Unpacked {
         }
         Ok(())
     }
+}
+
+/// The build in what Rust's programs say of themselves: `rustc 1.96.0 (ac68faa20 2026-05-25)`.
+fn build_of(text: &str) -> Option<String> {
+    let (_, build) = text.split_once('(')?;
+    build.split_once(')').map(|(build, _)| build.to_owned())
 }
 
 /// The directories of shared libraries below a root, seen from a tool's directory: `prefix`, then `root/…`.
