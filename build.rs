@@ -15,7 +15,8 @@ const BOARDS: [(&str, &str); 2] = [
     ),
 ];
 
-/// What cargo is told for the firmware alone, behind `cargo rustc --`: as features they would compile the library anew.
+/// What cargo is told for the firmware alone, behind `cargo rustc --`; with features instead, cargo would compile the
+/// library anew for each.
 /// `drills` are accidents on request, for tests; `link_check` links only if nothing can panic, and `negative_control` adds
 /// a panic to that.
 const CFGS: [&str; 3] = ["drills", "link_check", "negative_control"];

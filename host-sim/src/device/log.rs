@@ -37,6 +37,17 @@ impl LastLines {
     }
 }
 
+/// The format strings of an image's log whose arguments are not shown; `None` where it has no
+/// format strings.
+#[must_use]
+pub fn formats_not_shown(elf: &[u8]) -> Option<Vec<String>> {
+    let table = Table::parse(elf)?;
+    let mut formats = table.formats().peekable();
+    formats.peek()?;
+    let others = formats.filter(|format| !line::is_shown(format));
+    Some(others.map(str::to_owned).collect())
+}
+
 /// Decodes a log until it ends; `print` shows the lines on the error stream as they come. The
 /// thread ends with the wire.
 pub fn follow(

@@ -14,7 +14,7 @@ const MAGIC: [u8; 6] = *b"\x93NUMPY";
 /// The longest header, bytes: what version 1.0 can say. NumPy reads 10,000 unless told otherwise.
 const LONGEST: u32 = 65_535;
 
-/// The rows begin at a multiple of it.
+/// The first number stands at a multiple of so many bytes.
 const ALIGNMENT: usize = 64;
 
 /// What stands before the numbers of an array.
@@ -45,10 +45,10 @@ pub enum NpyHeaderError {
     /// The file ends too early.
     #[error("it ends within its header")]
     Truncated,
-    /// No header is that long.
+    /// The header is longer than this program reads.
     #[error("its header has {0} bytes, more than {LONGEST}")]
     TooLong(u32),
-    /// Version 3.0 with other bytes.
+    /// The text of a header of version 3.0 is not UTF-8.
     #[error("its header is no UTF-8")]
     NoUtf8,
     /// The dictionary in the header.
@@ -119,6 +119,23 @@ impl NpyHeader {
     }
 }
 
+/// A text of a file for a message: without control characters, and no longer than a line.
+pub(super) fn shown(text: &str) -> String {
+    const LONGEST: usize = 60;
+    let mut shown = String::new();
+    for character in text.chars().take(LONGEST) {
+        if character.is_control() {
+            shown.extend(character.escape_default());
+        } else {
+            shown.push(character);
+        }
+    }
+    if text.chars().nth(LONGEST).is_some() {
+        shown.push('…');
+    }
+    shown
+}
+
 fn bytes<const COUNT: usize>(source: &mut impl Read) -> Result<[u8; COUNT], NpyHeaderError> {
     let mut bytes = [0; COUNT];
     source
@@ -133,6 +150,14 @@ fn bytes<const COUNT: usize>(source: &mut impl Read) -> Result<[u8; COUNT], NpyH
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn text_of_a_file_is_a_line_without_control_characters() {
+        assert_eq!(shown("'>f8' µ"), "'>f8' µ");
+        assert_eq!(shown("\x1b[2J\n"), "\\u{1b}[2J\\n");
+        assert_eq!(shown(&"x".repeat(60)), "x".repeat(60));
+        assert_eq!(shown(&"x".repeat(4000)), "x".repeat(60) + "…");
+    }
 
     /// A file of a version, with that text as its header.
     fn file(version: [u8; 2], text: &[u8]) -> Vec<u8> {

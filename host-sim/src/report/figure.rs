@@ -36,7 +36,7 @@ pub enum FigureError {
     /// The drawing failed.
     #[error("cannot draw the figure: {0}")]
     Drawing(#[from] DrawingAreaErrorKind<io::Error>),
-    /// The pixels are too many, or have no PNG.
+    /// The picture is too large, or its font or the encoder of PNG failed.
     #[error("cannot draw the figure as PNG: {0}")]
     Picture(String),
 }

@@ -1,5 +1,5 @@
-//! Figures as PNG, drawn by the code that draws them as SVG: text, strokes and discs as a viewer of
-//! the SVG shows them, other shapes as plotters does.
+//! Figures as PNG, drawn by the code that draws them as SVG: text, discs, and upright and level
+//! strokes wider than a pixel as a viewer of the SVG shows them, other shapes as plotters does.
 
 use std::error::Error;
 use std::io;
@@ -140,7 +140,7 @@ fn signed(pixels: u32) -> i32 {
     i32::try_from(pixels).unwrap_or(i32::MAX)
 }
 
-/// Shapes are drawn by plotters.
+/// Text, discs, and upright and level strokes wider than a pixel are drawn here; the rest is plotters'.
 impl DrawingBackend for Picture<'_> {
     type ErrorType = io::Error;
 
@@ -278,9 +278,10 @@ fn plainly<E: Error + Send + Sync + 'static>(
 mod tests {
     use super::*;
     use crate::report::figure::text_at;
-    use plotters::element::{Circle, PathElement, Text};
+    use plotters::element::{Circle, PathElement, Rectangle, Text};
     use plotters::prelude::Color;
     use plotters::style::BLACK;
+    use plotters::style::text_anchor::Pos;
 
     const SIZE: (u32, u32) = (200, 200);
 
@@ -328,10 +329,68 @@ mod tests {
     fn text_is_drawn_without_an_installed_font() {
         assert_eq!(drawn("", HPos::Left, FontTransform::None).1, 0);
         assert_eq!(drawn(" ", HPos::Left, FontTransform::None).1, 0);
+        let font = FontRef::try_from_slice(dejavu::sans::regular()).unwrap();
         for text in ["K_d1", "δ, µm", "10⁻⁹ mm⁻²"] {
             let (_, count) = drawn(text, HPos::Left, FontTransform::None);
             assert!(count > 100, "{text}: {count}");
+            for character in text.chars() {
+                assert_ne!(font.glyph_id(character).0, 0, "{character}");
+            }
         }
+    }
+
+    #[test]
+    fn text_hangs_from_its_point_or_stands_on_it() {
+        let middle = |vertical, turn| {
+            let pixels = darkness(|canvas| {
+                let anchor = Pos::new(HPos::Left, vertical);
+                let style = text_at(25, HPos::Left).pos(anchor).transform(turn);
+                canvas.draw(&Text::new("HHHH", (100, 100), style))?;
+                Ok(())
+            });
+            let dark = pixels.into_iter().filter(|(_, darkness)| *darkness > 0.6);
+            let places: Vec<[f64; 2]> = dark.map(|(place, _)| place).collect();
+            [0, 1].map(|axis| {
+                let along = || places.iter().map(|place| place[axis]);
+                let ends = [
+                    along().fold(f64::INFINITY, f64::min),
+                    along().fold(0.0, f64::max),
+                ];
+                0.5 * (ends[0] + ends[1]) - 100.0
+            })
+        };
+        // The baseline is 0.76 em below the point, or 0.25 em above it; the middle of capitals of 20 pixels per em is
+        // 7.3 pixels above the baseline.
+        for (vertical, expected) in [(VPos::Top, 15.2 - 7.3), (VPos::Bottom, -5.0 - 7.3)] {
+            let [_, down] = middle(vertical, FontTransform::None);
+            assert!((down - expected).abs() < 1.1, "{down} {expected}");
+            let [across, _] = middle(vertical, FontTransform::Rotate270);
+            assert!((across - expected).abs() < 1.1, "{across} {expected}");
+        }
+    }
+
+    #[test]
+    fn mixed_colour_covers_in_part_and_edges_cut_off() {
+        let pixels = darkness(|canvas| {
+            let pale = BLACK.mix(0.25).filled();
+            canvas.draw(&Circle::new((100, 100), 4, pale))?;
+            canvas.draw(&Rectangle::new([(20, 20), (29, 29)], pale))?;
+            for corner in [(0, 0), (199, 199)] {
+                canvas.draw(&Circle::new(corner, 4, BLACK.filled()))?;
+                canvas.draw(&Text::new("HHHH", corner, text_at(25, HPos::Center)))?;
+            }
+            Ok(())
+        });
+        let at = |x: f64, y: f64| {
+            let is_it = |([at_x, at_y], _): &&([f64; 2], f64)| {
+                (at_x - x - 0.5).abs() < 0.1 && (at_y - y - 0.5).abs() < 0.1
+            };
+            pixels.iter().find(is_it).unwrap().1
+        };
+        for (x, y) in [(100.0, 100.0), (25.0, 25.0)] {
+            assert!((at(x, y) - 0.25).abs() < 0.01, "{}", at(x, y));
+        }
+        assert!(at(0.0, 0.0) > 0.99 && at(199.0, 199.0) > 0.99);
     }
 
     #[test]

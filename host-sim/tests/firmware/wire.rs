@@ -109,6 +109,13 @@ fn firmware_goes_on_after_the_pc_has_slept() {
 
 #[test]
 #[ignore = "needs QEMU and the image: cargo xtask test"]
+fn every_line_of_the_log_is_shown_with_its_arguments() {
+    let elf = fs::read(image()).unwrap();
+    assert_eq!(log::formats_not_shown(&elf).unwrap(), [""; 0]);
+}
+
+#[test]
+#[ignore = "needs QEMU and the image: cargo xtask test"]
 fn log_names_board_build_and_cause_of_the_start() {
     for machine in MACHINES {
         let Started {

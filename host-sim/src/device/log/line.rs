@@ -1,14 +1,20 @@
 //! A frame of the firmware's log as a line of text.
 //!
-//! The numbers, strings, characters and truth values that defmt writes, with the hints for numbers
-//! and seconds; a frame with anything else is unreadable: structures of the firmware that format
-//! themselves, slices, bit fields, dates.
+//! The numbers, strings, characters and truth values that defmt writes are shown, with the hints for
+//! numbers and seconds. Of a frame with other arguments (structures of the firmware that format
+//! themselves, slices, bit fields) the level and the format string are.
 
 use std::fmt::{Display, Write as _};
 
 use defmt_parser::{DisplayHint, Fragment, Parameter, ParserMode, TimePrecision, Type};
 
 use super::table::Table;
+
+/// Zeros that the encoding may add to a frame.
+const MOST_FILLED: usize = 6;
+
+/// The widest number, digits: a hint that asks for more is damaged.
+const WIDEST: usize = 128;
 
 /// Bytes of a frame, arguments taken from its front.
 struct Reader<'a> {
@@ -45,7 +51,36 @@ pub(super) fn decode(table: &Table, frame: &[u8]) -> Option<String> {
         line += level;
         line.push(' ');
     }
-    Some(line + &reader.text(&entry.text)?)
+    if !is_shown(&entry.text) {
+        return Some(format!(
+            "{line}{} (with arguments of other kinds)",
+            entry.text
+        ));
+    }
+    line += &reader.text(&entry.text)?;
+    // The encoding fills a frame up with zeros; with more behind it, it is two that ran together.
+    let is_filled = reader.bytes.len() <= MOST_FILLED && reader.bytes.iter().all(|byte| *byte == 0);
+    is_filled.then_some(line)
+}
+
+/// Whether the arguments of a format string are of kinds that are shown here.
+pub(super) fn is_shown(format: &str) -> bool {
+    let Ok(fragments) = defmt_parser::parse(format, ParserMode::ForwardsCompatible) else {
+        return false;
+    };
+    fragments.iter().all(|fragment| match fragment {
+        Fragment::Literal(_) => true,
+        Fragment::Parameter(Parameter { ty, .. }) => !matches!(
+            ty,
+            Type::BitField(_)
+                | Type::Format
+                | Type::FormatArray(_)
+                | Type::FormatSequence
+                | Type::FormatSlice
+                | Type::U8Array(_)
+                | Type::U8Slice
+        ),
+    })
 }
 
 impl<'a> Reader<'a> {
@@ -136,6 +171,16 @@ impl<'a> Reader<'a> {
 impl Argument<'_> {
     /// Adds the argument as its hint says; `None` for what is not shown here.
     fn show(&self, hint: Option<&DisplayHint>, text: &mut String) -> Option<()> {
+        if let Some(
+            DisplayHint::NoHint { zero_pad }
+            | DisplayHint::Binary { zero_pad, .. }
+            | DisplayHint::Octal { zero_pad, .. }
+            | DisplayHint::Hexadecimal { zero_pad, .. },
+        ) = hint
+            && *zero_pad > WIDEST
+        {
+            return None;
+        }
         match self {
             Self::Unsigned(number) => unsigned(*number, hint, text),
             Self::Signed(number, bits) => signed(*number, *bits, hint, text),
@@ -304,6 +349,14 @@ mod tests {
     }
 
     #[test]
+    fn arguments_of_other_kinds_leave_level_and_format() {
+        for format in ["{=?}", "{}", "{=[u8]}", "{=[u8; 1]}", "{=0..3}", "{=u8"] {
+            let expected = format!("WARN {format} (with arguments of other kinds)");
+            assert_eq!(line(format, &[1, 0]), Some(expected));
+        }
+    }
+
+    #[test]
     fn time_begins_the_line_and_a_line_without_level_has_none() {
         let table = table(&[
             (1, "defmt_println", "{=u8}"),
@@ -333,12 +386,12 @@ mod tests {
             ("{=str}", &[1, 0, 0, 0, 0xff]),
             ("{=str}", &[255, 255, 255, 255, b'a']),
             ("{=istr}", &[4, 0]),
-            ("{=?}", &[1, 0]),
-            ("{=[u8]}", &[0, 0, 0, 0]),
-            ("{=[u8; 1]}", &[0]),
-            ("{=0..3}", &[0]),
+            ("{=u8:0200}", &[1]),
+            ("{=u8:#0200x}", &[1]),
+            // Two frames that ran together.
+            ("{=u8}", &[1, 2, 1, 1]),
+            ("{=u8}", &[1, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0]),
             ("{=u32:tus}", &[0; 4]),
-            ("{=u8", &[1]),
         ] {
             assert!(line(format, bytes).is_none(), "{format}");
         }

@@ -78,6 +78,14 @@ impl Table {
         self.entries.get(&number.into())
     }
 
+    /// The format strings of lines, without the strings that are parts of some.
+    pub(super) fn formats(&self) -> impl Iterator<Item = &str> {
+        let lines = self.entries.values().filter(|entry| entry.level.is_some());
+        lines
+            .map(|entry| entry.text.as_str())
+            .chain(self.timestamp())
+    }
+
     /// The format of the time that begins every frame, if there is one.
     pub(super) fn timestamp(&self) -> Option<&str> {
         self.timestamp.as_deref()

@@ -1,6 +1,6 @@
 //! The dictionary of Python in the header of an array.
 
-use super::NpyHeader;
+use super::{NpyHeader, shown};
 
 /// Why a header's text is no dictionary of an array.
 #[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
@@ -14,7 +14,7 @@ pub enum DictionaryError {
         at: usize,
     },
     /// No entry of an array.
-    #[error("key {0:?} is none of descr, fortran_order, shape")]
+    #[error("key \"{0}\" is none of descr, fortran_order, shape")]
     UnknownKey(String),
     /// An entry that is given again.
     #[error("key {0:?} stands there twice")]
@@ -50,7 +50,7 @@ pub(super) fn parse(text: &str) -> Result<NpyHeader, DictionaryError> {
             "descr" => description.replace(reader.value()?.to_owned()).is_some(),
             "fortran_order" => is_fortran_order.replace(reader.truth()?).is_some(),
             "shape" => shape.replace(reader.shape()?).is_some(),
-            _ => return Err(DictionaryError::UnknownKey(key.to_owned())),
+            _ => return Err(DictionaryError::UnknownKey(shown(key))),
         };
         if is_again {
             return Err(DictionaryError::Twice(key.to_owned()));
@@ -186,15 +186,10 @@ impl<'a> Reader<'a> {
         Err(self.missing("True or False"))
     }
 
-    /// A tuple or list of lengths.
+    /// A tuple of lengths.
     fn shape(&mut self) -> Result<Vec<u64>, DictionaryError> {
-        let close = if self.take('(') {
-            ')'
-        } else if self.take('[') {
-            ']'
-        } else {
-            return Err(self.missing("a tuple"));
-        };
+        let close = ')';
+        self.expect('(', "a tuple")?;
         let mut shape = Vec::new();
         let mut has_comma = false;
         while !self.take(close) {
@@ -204,7 +199,7 @@ impl<'a> Reader<'a> {
             self.separate(close)?;
         }
         // A number in parentheses is a number.
-        if close == ')' && shape.len() == 1 && !has_comma {
+        if shape.len() == 1 && !has_comma {
             return Err(self.missing("the comma of a tuple"));
         }
         Ok(shape)
@@ -215,18 +210,20 @@ impl<'a> Reader<'a> {
         let is_negative = self.take('-');
         self.skip_blanks();
         let count = self.rest.bytes().take_while(u8::is_ascii_digit).count();
-        if count == 0 {
+        // Python has no numbers that begin with a nought but nought itself.
+        let begins_with_nought = self.rest.starts_with('0') && self.rest.get(..count) != Some("0");
+        if count == 0 || begins_with_nought {
             return Err(self.missing("a whole number"));
         }
         let digits = self.split(count);
         // Python 2 marks long numbers.
         self.rest = self.rest.strip_prefix('L').unwrap_or(self.rest);
         if is_negative && digits.bytes().any(|digit| digit != b'0') {
-            return Err(DictionaryError::Negative(digits.to_owned()));
+            return Err(DictionaryError::Negative(shown(digits)));
         }
         digits
             .parse()
-            .map_err(|_| DictionaryError::TooLarge(digits.to_owned()))
+            .map_err(|_| DictionaryError::TooLarge(shown(digits)))
     }
 }
 
@@ -244,7 +241,7 @@ mod tests {
         for text in [
             "{'descr':'<f4','fortran_order':True,'shape':(12,2)}",
             "{'shape': (12, 2), 'fortran_order': True, 'descr': '<f4'}\n",
-            "  { \"fortran_order\" : True ,\n \"descr\":'<f4', 'shape' : [ 12 , 2 , ] , }\t\n",
+            "  { \"fortran_order\" : True ,\n \"descr\":'<f4', 'shape' : ( 12 , 2 , ) , }\t\n",
             "{'descr': '<f4', 'fortran_order': True, 'shape': (12L, 2L), }",
         ] {
             assert_eq!(parse(text).unwrap(), expected, "{text}");
@@ -318,6 +315,11 @@ mod tests {
                 "True or False is missing at character 34",
             ),
             (shaped("6"), "a tuple is missing at character 50"),
+            (shaped("[6]"), "a tuple is missing at character 50"),
+            (
+                shaped("(03, 2)"),
+                "a whole number is missing at character 51",
+            ),
             (
                 shaped("(6)"),
                 "the comma of a tuple is missing at character 53",

@@ -6,7 +6,7 @@ use std::path::Path;
 use super::Precision;
 use super::block::{self, Block};
 use crate::failure::Failure;
-use crate::formats::npy_header::{NpyHeader, NpyHeaderError};
+use crate::formats::npy_header::{self, NpyHeader, NpyHeaderError};
 
 /// The rows of an array, behind its header.
 pub(super) struct NpyPoints<R> {
@@ -33,13 +33,14 @@ impl<R: Read> NpyPoints<R> {
                 "{file}: the array is {found}; points are N rows of x_mm, y_mm: shape (N, 2), C order, <f4 or <f8"
             ))
         };
-        let precision = match header.description.trim_matches(['\'', '"']) {
-            "<f4" => Precision::Single,
-            "<f8" => Precision::Double,
-            _ => return Err(refused(format!("of type {}", header.description))),
+        let precision = match header.description.as_str() {
+            "'<f4'" | "\"<f4\"" => Precision::Single,
+            "'<f8'" | "\"<f8\"" => Precision::Double,
+            other => return Err(refused(format!("of type {}", npy_header::shown(other)))),
         };
         let [count, 2] = *header.shape else {
-            return Err(refused(format!("of shape {:?}", header.shape)));
+            let shape = format!("{:?}", header.shape);
+            return Err(refused(format!("of shape {}", npy_header::shown(&shape))));
         };
         if header.is_fortran_order && count > 1 {
             return Err(refused("in Fortran order".to_owned()));

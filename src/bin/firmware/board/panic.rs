@@ -3,6 +3,9 @@
 
 use core::panic::PanicInfo;
 
+#[cfg(all(negative_control, not(link_check)))]
+compile_error!("negative_control is for the link check");
+
 #[cfg(not(link_check))]
 #[panic_handler]
 fn panic(info: &PanicInfo<'_>) -> ! {
