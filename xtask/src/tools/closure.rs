@@ -47,6 +47,13 @@ pub(super) fn has(installed: &str, package: &Package, architecture: &str) -> boo
     })
 }
 
+/// The version at which a package is there.
+pub(super) fn version_of(installed: &str, package: &str) -> Option<String> {
+    let is_it = |stanza: &&str| field(stanza, "Package:") == Some(package);
+    let stanza = stanzas(installed).find(is_it)?;
+    field(stanza, "Version:").map(str::to_owned)
+}
+
 /// The stanzas of the packages that are installed whole.
 fn stanzas(status: &str) -> impl Iterator<Item = &str> {
     status.split("\n\n").filter(|stanza| {

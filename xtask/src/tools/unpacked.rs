@@ -8,7 +8,7 @@ use std::{
 use anyhow::{Context as _, Result, bail, ensure};
 use xshell::{Shell, cmd};
 
-use super::Tool;
+use super::{Tool, closure};
 use crate::{machine::file_names, version::Version};
 
 /// A tool's directory.
@@ -42,6 +42,12 @@ impl Unpacked {
     /// What it consists of, as dpkg would tell it of installed packages.
     pub(super) fn status(&self) -> PathBuf {
         self.directory.join("status")
+    }
+
+    /// The version of the package that tells the tool's.
+    fn version(&self, tool: Tool) -> Option<String> {
+        let status = fs::read_to_string(self.status()).ok()?;
+        closure::version_of(&status, tool.packages().first()?)
     }
 
     fn release(&self) -> PathBuf {
@@ -79,15 +85,11 @@ impl Unpacked {
                 "its packages have no {file}"
             );
         }
-        if let (Some(base), Some(program)) = (&self.base, tool.programs().first()) {
-            let base = base.join("bin/rustc");
-            let [own, compiler] = [self.program(program), base].map(|program| {
-                let answer = cmd!(shell, "{program} --version").quiet().ignore_stderr();
-                answer.read().ok().and_then(|text| build_of(&text))
-            });
+        if let (Some(base), Some(rests_on)) = (&self.base, tool.rests_on()) {
+            let base = Self::new(base.clone(), None).version(rests_on);
             ensure!(
-                own == compiler || compiler.is_none(),
-                "it is of another build than the compiler under target/tools, which is to be removed first"
+                base.is_none() || base == self.version(tool),
+                "it is of another version than the compiler under target/tools, which is to be removed first"
             );
         }
         for name in tool.programs() {
@@ -118,12 +120,6 @@ impl Unpacked {
         }
         Ok(())
     }
-}
-
-/// The build in what Rust's programs say of themselves: `rustc 1.96.0 (ac68faa20 2026-05-25)`.
-fn build_of(text: &str) -> Option<String> {
-    let (_, build) = text.split_once('(')?;
-    build.split_once(')').map(|(build, _)| build.to_owned())
 }
 
 /// The directories of shared libraries below a root, seen from a tool's directory: `prefix`, then `root/…`.
@@ -218,6 +214,24 @@ mod tests {
             let text = refused(&tool, "debian 12");
             assert!(text.contains(why), "{text}");
         }
+        let clippy = |version: &str| {
+            let clippy = Unpacked::new(folder.path().join("clippy"), Some(tool.directory.clone()));
+            let programs = clippy.root().join("usr/bin");
+            fs::create_dir_all(&programs).unwrap();
+            for name in Tool::Clippy.programs() {
+                write_program(&programs.join(name), "#!/bin/sh\necho clippy 0.1.96\n").unwrap();
+            }
+            clippy.finish(Tool::Clippy, "debian 12").unwrap();
+            let status = |package, version| {
+                format!("Package: {package}\nVersion: {version}\nStatus: install ok installed\n\n")
+            };
+            fs::write(tool.status(), status("rustc-web", "1.96.0-1")).unwrap();
+            fs::write(clippy.status(), status("rust-web-clippy", version)).unwrap();
+            clippy.try_out(&shell, Tool::Clippy, "debian 12")
+        };
+        clippy("1.96.0-1").unwrap();
+        let text = clippy("1.96.0-2").unwrap_err().to_string();
+        assert!(text.contains("another version than the compiler"), "{text}");
         fs::remove_file(tool.root().join("usr/bin/qemu-system-arm")).unwrap();
         assert!(refused(&tool, "debian 12").contains("does not start"));
         fs::remove_dir_all(&tool.directory).unwrap();
