@@ -10,7 +10,7 @@ use std::{
 const DOCUMENTS: [&str; 2] = ["README.md", "CHANGELOG.md"];
 
 /// Where documentation of sources is looked for.
-const SOURCES: [&str; 6] = ["src", "kernel", "host-sim", "benches", "examples", "tests"];
+const SOURCES: [&str; 6] = ["src", "crates", "host-sim", "benches", "examples", "tests"];
 
 /// Of the workspace.
 fn root() -> PathBuf {

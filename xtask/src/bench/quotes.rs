@@ -41,7 +41,7 @@ const OF_OTHER_SOURCES: [(&str, &str); 20] = [
         "src/geometry/mesh/pixel_correction.rs",
         "a division would take 14 cycles",
     ),
-    ("kernel/src/thumbv7em.s", "M4F: 2 cycles, M7: 3"),
+    ("crates/kernel/src/thumbv7em.s", "M4F: 2 cycles, M7: 3"),
     (
         "benches/instructions/src/interrupts.rs",
         "12 cycles each on a Cortex-M4",
