@@ -4,7 +4,10 @@ use std::io::{self, Write};
 use std::path::Path;
 use std::process::ExitCode;
 
+use fmc_camera_file::{InputError, InputErrorKind};
 use miette::{Diagnostic, LabeledSpan, NamedSource, SourceSpan};
+
+use crate::flight::experiment::ExperimentError;
 
 /// Why a command ended, as its exit code says it.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -88,16 +91,7 @@ impl Failure {
     /// An input file cannot be read: a wrong name is bad input, a failing disk is not.
     #[must_use]
     pub fn reading(path: &Path, error: &io::Error) -> Self {
-        let text = format!("{}: cannot be read: {error}", path.display());
-        match error.kind() {
-            io::ErrorKind::NotFound
-            | io::ErrorKind::PermissionDenied
-            | io::ErrorKind::IsADirectory
-            | io::ErrorKind::NotADirectory
-            | io::ErrorKind::InvalidInput
-            | io::ErrorKind::InvalidFilename => Self::bad_input(text),
-            _ => Self::device_or_io(text),
-        }
+        InputError::reading(path, error).into()
     }
 
     /// An output cannot be written.
@@ -113,14 +107,6 @@ impl Failure {
         self
     }
 
-    /// Adds the place in a text file.
-    #[must_use]
-    pub fn at(mut self, file: &str, text: &str, span: std::ops::Range<usize>) -> Self {
-        let source = NamedSource::new(file, text.to_owned()).with_language("toml");
-        self.message.place = Some((source, span.into()));
-        self
-    }
-
     /// Tells the user and gives the exit code of the process.
     #[must_use]
     pub fn report(self) -> ExitCode {
@@ -129,6 +115,36 @@ impl Failure {
         // Nothing is left to do when even the error stream is closed.
         let _ = writeln!(io::stderr(), "{report:?}");
         code
+    }
+}
+
+impl From<InputError> for Failure {
+    fn from(error: InputError) -> Self {
+        let exit = match error.kind() {
+            InputErrorKind::Invalid => Exit::BadInput,
+            InputErrorKind::Unreadable => Exit::DeviceOrIo,
+        };
+        let place = error.place().map(|place| {
+            let source = NamedSource::new(&place.file, place.text.clone()).with_language("toml");
+            (source, place.span.clone().into())
+        });
+        Self {
+            exit,
+            message: Box::new(Message {
+                text: error.to_string(),
+                help: error.help().map(str::to_owned),
+                place,
+            }),
+        }
+    }
+}
+
+impl From<ExperimentError> for Failure {
+    fn from(error: ExperimentError) -> Self {
+        match error {
+            ExperimentError::Scenario(error) => error.into(),
+            ExperimentError::NotConverged(_) => Self::check(error.to_string()),
+        }
     }
 }
 

@@ -21,8 +21,8 @@ use fmc_camera::geometry::sensor::{FmcAxis, PixelPoint, SensorPoint};
 use fmc_camera::geometry::shutter::ShutterProfile;
 
 const CAMERA_FILE: [&str; 2] = [
-    include_str!("../../host-sim/src/formats/camera_file.rs"),
-    include_str!("../../host-sim/src/formats/camera_file/tables.rs"),
+    include_str!("../../crates/camera-file/src/camera.rs"),
+    include_str!("../../crates/camera-file/src/tables.rs"),
 ];
 
 /// `Type.field`, as documented; does not compile for a field that is not there.

@@ -1,7 +1,8 @@
 //! The terms of a budget.
 
+use fmc_camera_file::MechanismName;
+
 use super::assumptions::Assumptions;
-use crate::formats::camera_file::MechanismName;
 
 /// What a term does to the image.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]

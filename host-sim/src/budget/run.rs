@@ -5,12 +5,13 @@ use fmc_camera::flight::exposure::Exposure;
 use fmc_camera::geometry::calibration::CalibrationError;
 use fmc_camera::geometry::image_motion::{ImageMotion, ImageMotionError, View};
 use fmc_camera::geometry::sensor::SensorPoint;
+use fmc_camera_file::number::single;
+use fmc_camera_file::{CameraFile, MechanismName};
 
 use super::assumptions::{Assumptions, FOCUS_REMAINDER};
 use super::result::{Budget, Exposures, Source, Term};
-use crate::formats::camera_file::{CameraFile, MechanismName};
-use crate::formats::number::single;
 use crate::reference::exposure::{ExposurePath, ExposureRequest};
+use crate::reference::lens::Lens;
 use crate::reference::strict::{StrictSolver, Weight};
 use crate::smear::term::{self, Disturbances, NotBelievable};
 use crate::verify::grid::{self, GridExposure};
@@ -214,7 +215,7 @@ fn distortion_effects(camera: &CameraFile, exposure: GridExposure) -> [f64; 2] {
     let centroid_mm = solver.path().centroid_mm();
     let [ex, ey] = camera.fmc.axis.unit();
     let [x0, y0] = camera.principal_point_mm;
-    let lens = camera.lens();
+    let lens = Lens::of(camera);
     let mut largest = [0.0_f64; 2];
     for SensorPoint { x_mm, y_mm } in grid::points(camera.half_format_mm()).points() {
         let [x, y] = [x_mm, y_mm].map(f64::from);
@@ -232,8 +233,9 @@ fn distortion_effects(camera: &CameraFile, exposure: GridExposure) -> [f64; 2] {
 
 #[cfg(test)]
 mod tests {
+    use fmc_camera_file::Strategy;
+
     use super::*;
-    use crate::formats::camera_file::Strategy;
 
     fn assumptions() -> Assumptions {
         Assumptions {

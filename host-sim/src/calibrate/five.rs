@@ -8,14 +8,14 @@ use fmc_camera::geometry::estimation::known_lens::KnownLens;
 use fmc_camera::geometry::estimation::options::{FitOptions, StaticDecentring};
 use fmc_camera::geometry::estimation::parameter::{PARAMETERS, Parameter};
 use fmc_camera::geometry::five_coefficient::Regressor;
+use fmc_camera_file::InputError;
+use fmc_camera_file::fitted_block::Decentring;
+use fmc_camera_file::{CameraFile, FittedTable, Per};
 
 use super::measurement::{Measurement, known_lens, measurements};
 use super::robust_start::robust_start;
 use super::snooping::{Snooped, snoop};
 use super::units;
-use crate::failure::Failure;
-use crate::formats::camera_file::{CameraFile, FittedTable, Per};
-use crate::formats::fitted_block::Decentring;
 use crate::formats::observations::ObservationTable;
 
 /// A calibration and what it rests on.
@@ -56,14 +56,14 @@ impl FiveCalibration {
     /// Determines the coefficients.
     ///
     /// # Errors
-    /// [`Failure`] naming file, line, column, value and allowed range, or the parameters that the
+    /// [`InputError`] naming file, line, column, value and allowed range, or the parameters that the
     /// observations cannot separate.
     pub fn new(
         table: &ObservationTable,
         camera: &CameraFile,
         validated: &Camera,
         options: FitOptions,
-    ) -> Result<Self, Failure> {
+    ) -> Result<Self, InputError> {
         let measurements = measurements(table, camera, validated, options.regressor)?;
         let lens = known_lens(camera);
         let exposures = exposures(&measurements);
@@ -75,7 +75,7 @@ impl FiveCalibration {
         }
         for measurement in &measurements {
             measurement.observation().checked(&lens).map_err(|error| {
-                Failure::bad_input(format!(
+                InputError::invalid(format!(
                     "{}, line {}: {error}",
                     table.file, measurement.row.line
                 ))
@@ -279,7 +279,7 @@ fn fit_failure(
     lens: &KnownLens<f64>,
     options: FitOptions,
     error: FitError,
-) -> Failure {
+) -> InputError {
     let range = |of: fn(&Measurement) -> f64| {
         let (least, most) = measurements.iter().map(of).fold(
             (f64::INFINITY, f64::NEG_INFINITY),
@@ -287,16 +287,16 @@ fn fit_failure(
         );
         format!("{least} to {most}")
     };
-    let failure = Failure::bad_input(format!("{file}: {error}"));
+    let failure = InputError::invalid(format!("{file}: {error}"));
     let lines = measurements
         .last()
         .map_or(1, |measurement| measurement.row.line);
     match error {
-        FitError::TooFew { needed, .. } => Failure::bad_input(format!(
+        FitError::TooFew { needed, .. } => InputError::invalid(format!(
             "{file}, line {lines} is the last: {error}"
         ))
         .with_help(format!("at least {needed} rows with different points")),
-        FitError::OnALine { .. } => Failure::bad_input(format!(
+        FitError::OnALine { .. } => InputError::invalid(format!(
             "{file}, lines 2 to {lines}: x_mm {}, y_mm {}: {error}; allowed: at least {:.3} mm",
             range(|m| {
                 let [x, _] = m.row.point_mm;
@@ -316,7 +316,7 @@ fn fit_failure(
                 Regressor::Travel => "travel",
                 Regressor::Centroid => "centroid offset",
             };
-            Failure::bad_input(format!(
+            InputError::invalid(format!(
                 "{file}, lines 2 to {lines}: {error}: vh_per_s {}, exposure_s {}, opening_offset_mm {}, {regressor} {} mm",
                 range(|m| m.row.vh_per_s),
                 range(|m| m.row.exposure_s),

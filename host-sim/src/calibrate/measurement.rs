@@ -5,12 +5,13 @@ use fmc_camera::flight::exposure::Exposure;
 use fmc_camera::geometry::estimation::known_lens::KnownLens;
 use fmc_camera::geometry::estimation::observation::Observation;
 use fmc_camera::geometry::five_coefficient::Regressor;
+use fmc_camera_file::CameraFile;
+use fmc_camera_file::InputError;
+use fmc_camera_file::number::single;
 
-use crate::failure::Failure;
-use crate::formats::camera_file::CameraFile;
-use crate::formats::number::single;
 use crate::formats::observations::{ObservationRow, ObservationTable};
 use crate::reference::exposure::{ExposurePath, ExposureRequest};
+use crate::reference::lens::Lens;
 
 /// An observation of one point of one exposure, in double precision.
 #[derive(Debug, Clone, PartialEq)]
@@ -45,14 +46,14 @@ impl Measurement {
 /// The measurements of a table.
 ///
 /// # Errors
-/// [`Failure`] naming file, line, column, value and allowed range of the first exposure that the
+/// [`InputError`] naming file, line, column, value and allowed range of the first exposure that the
 /// camera cannot make.
 pub fn measurements(
     table: &ObservationTable,
     camera: &CameraFile,
     validated: &Camera,
     regressor: Regressor,
-) -> Result<Vec<Measurement>, Failure> {
+) -> Result<Vec<Measurement>, InputError> {
     table
         .rows
         .iter()
@@ -84,17 +85,17 @@ pub fn measurements(
         .collect()
 }
 
-fn exposure_failure(file: &str, row: &ObservationRow, error: &FrameError) -> Failure {
+fn exposure_failure(file: &str, row: &ObservationRow, error: &FrameError) -> InputError {
     let place = format!("{file}, line {}", row.line);
     match error {
         FrameError::OutOfRange(range) => {
-            Failure::bad_input(format!("{place}: {range} (the camera's)"))
+            InputError::invalid(format!("{place}: {range} (the camera's)"))
         }
-        FrameError::Speed { .. } => Failure::bad_input(format!(
+        FrameError::Speed { .. } => InputError::invalid(format!(
             "{place}: vh_per_s = {}: {error} (max_speed_mm_s of the camera)",
             row.vh_per_s
         )),
-        _ => Failure::bad_input(format!(
+        _ => InputError::invalid(format!(
             "{place}: opening_offset_mm = {} with vh_per_s = {} and exposure_s = {}: {error} (stroke_mm of the camera)",
             row.opening_offset_mm, row.vh_per_s, row.exposure_s
         )),
@@ -104,7 +105,7 @@ fn exposure_failure(file: &str, row: &ObservationRow, error: &FrameError) -> Fai
 /// The static calibration of a camera file, in double precision.
 #[must_use]
 pub fn known_lens(camera: &CameraFile) -> KnownLens<f64> {
-    let lens = camera.lens();
+    let lens = Lens::of(camera);
     let [half_x, half_y] = camera.half_format_mm();
     let [x0, y0] = camera.principal_point_mm;
     KnownLens {

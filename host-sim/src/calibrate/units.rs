@@ -1,8 +1,10 @@
 //! Columns whose numbers cannot be what their unit says.
 
+use fmc_camera_file::CameraFile;
+use fmc_camera_file::InputError;
+
 use super::measurement::Measurement;
-use crate::failure::Failure;
-use crate::formats::camera_file::CameraFile;
+use crate::reference::lens::Lens;
 
 /// Points all nearer to the centre than this fraction of half the format are not in millimetres.
 const LEAST_FORMAT: f64 = 1.0 / 200.0;
@@ -23,17 +25,17 @@ const MOST_OF_RADIUS: f64 = 0.1;
 /// Checks coordinates and distortions as columns.
 ///
 /// # Errors
-/// [`Failure`] naming file, line, column, value and allowed range.
+/// [`InputError`] naming file, line, column, value and allowed range.
 pub(super) fn check(
     file: &str,
     measurements: &[Measurement],
     camera: &CameraFile,
-) -> Result<(), Failure> {
+) -> Result<(), InputError> {
     for (axis, column) in ["x_mm", "y_mm"].into_iter().enumerate() {
         let half_mm = component(camera.half_format_mm(), axis);
         check_coordinates(file, measurements, half_mm, axis, column)?;
     }
-    let lens = camera.lens();
+    let lens = Lens::of(camera);
     let [x0, y0] = camera.principal_point_mm;
     let [half_x, half_y] = camera.half_format_mm();
     let largest_um = 1000.0 * MOST_OF_RADIUS * half_x.hypot(half_y);
@@ -71,7 +73,7 @@ pub(super) fn check(
                 (m.row.line, 1000.0 * component(m.row.distortion_mm, axis))
             });
         let (line, value) = example;
-        return Err(Failure::bad_input(format!(
+        return Err(InputError::invalid(format!(
             "{file}, line {line}: {column} = {value}: the median of the column, {observed_um:.3e} µm, is outside \
              {:.3e} to {most:.3e} µm (static calibration at these points: {static_um:.3e} µm); {guess}",
             least.max(if tiny { LEAST_UM } else { 0.0 })
@@ -96,18 +98,18 @@ const OPPOSITE: f64 = -0.5;
 /// Checks what the fit says of the noise: a scale that no camera and no measurement has.
 ///
 /// # Errors
-/// [`Failure`] naming file, value and allowed range.
+/// [`InputError`] naming file, value and allowed range.
 pub(super) fn check_sigma(
     file: &str,
     has_sigma: bool,
     sigma0: f64,
     measurements: &[Measurement],
-) -> Result<(), Failure> {
+) -> Result<(), InputError> {
     let components = measurements.iter().flat_map(|m| m.row.distortion_mm);
     let largest_um = 1000.0 * components.fold(0.0, |most: f64, d| most.max(d.abs()));
     if !has_sigma && SIGMA_OF_MM.contains(&sigma0) && largest_um < LARGEST_OF_MM {
         let most = SIGMA_OF_MM.end;
-        return Err(Failure::bad_input(format!(
+        return Err(InputError::invalid(format!(
             "{file}: dx_um and dy_um, at most {largest_um:.3} µm, leave residuals of {sigma0:.3e} µm, less than the {most} µm that anybody measures; \
              are they in mm?"
         )));
@@ -115,7 +117,7 @@ pub(super) fn check_sigma(
     let range = 1.0 / MOST_SIGMA..=MOST_SIGMA;
     // Data without noise leave nothing, whatever σ they are given.
     if has_sigma && sigma0 > 1e-6 && !range.contains(&sigma0) {
-        return Err(Failure::bad_input(format!(
+        return Err(InputError::invalid(format!(
             "{file}: the residuals are {sigma0:.3e} times sigma_um, outside {} to {MOST_SIGMA}; are sigma_um, dx_um and \
              dy_um all in µm, and measured - ideal in the sensor frame?",
             range.start()
@@ -127,13 +129,13 @@ pub(super) fn check_sigma(
 /// Checks that the observed distortion is not the negative of the calibrated one.
 ///
 /// # Errors
-/// [`Failure`] naming file and correlation.
+/// [`InputError`] naming file and correlation.
 pub(super) fn check_sign(
     file: &str,
     measurements: &[Measurement],
     camera: &CameraFile,
-) -> Result<(), Failure> {
-    let lens = camera.lens();
+) -> Result<(), InputError> {
+    let lens = Lens::of(camera);
     let [x0, y0] = camera.principal_point_mm;
     let [mut both, mut observed, mut known] = [0.0_f64; 3];
     for measurement in measurements {
@@ -149,7 +151,7 @@ pub(super) fn check_sign(
     let count = f64::from(u32::try_from(2 * measurements.len()).unwrap_or(u32::MAX));
     let static_um = 1000.0 * (known / count).sqrt();
     if static_um >= LEAST_STATIC_UM && correlation < OPPOSITE {
-        return Err(Failure::bad_input(format!(
+        return Err(InputError::invalid(format!(
             "{file}: dx_um and dy_um run against the static calibration (correlation {correlation:.2}, at least {OPPOSITE} is \
              allowed); are they corrections? Distortion is measured - ideal"
         )));
@@ -163,7 +165,7 @@ fn check_coordinates(
     half_mm: f64,
     axis: usize,
     column: &str,
-) -> Result<(), Failure> {
+) -> Result<(), InputError> {
     let farthest = measurements.iter().max_by(|a, b| {
         let distance = |m: &Measurement| component(m.row.point_mm, axis).abs();
         distance(a).total_cmp(&distance(b))
@@ -176,7 +178,7 @@ fn check_coordinates(
     if value.abs() <= 0.0 || value.abs() >= LEAST_FORMAT * half_mm {
         return Ok(());
     }
-    Err(Failure::bad_input(format!(
+    Err(InputError::invalid(format!(
         "{file}, line {}: {column} = {value} is the farthest of the column from the centre of a sensor of \
          -{half_mm} to {half_mm} mm, nearer by a factor of {:.0}; is it in m, or are all points on one line?",
         farthest.row.line,

@@ -3,9 +3,10 @@
 use std::path::PathBuf;
 
 use clap::{Args, Subcommand};
+use fmc_camera_file::number::finite;
 
+use super::number::{between, exposure_time};
 use super::{DeviceArgs, DirectionName};
-use crate::formats::number::{between, exposure_time};
 
 /// Arguments of `camera`.
 #[derive(Debug, Args)]
@@ -70,7 +71,7 @@ pub struct ExposureTimeArgs {
 #[derive(Debug, Args)]
 pub struct VhArgs {
     /// V/H, 1/s.
-    #[arg(value_name = "PER_S", value_parser = crate::formats::number::finite, allow_negative_numbers = true)]
+    #[arg(value_name = "PER_S", value_parser = finite, allow_negative_numbers = true)]
     pub vh: f64,
     /// For so long, s; without it once.
     #[arg(long = "for", value_name = "S", value_parser = between(0.0, 86_400.0), default_value = "0", allow_negative_numbers = true)]

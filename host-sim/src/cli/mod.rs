@@ -8,6 +8,7 @@ mod calibration;
 mod camera;
 mod mesh;
 mod mission;
+mod number;
 mod simulation;
 
 pub use calibration::{CalibrateArgs, CalibrationMethod, FiveArgs, RegressOn, StaticP2};
@@ -16,8 +17,10 @@ pub use mesh::{ImagePart, MeshArgs, MeshFormatName};
 pub use mission::{MissionArgs, RecordsArgs};
 pub use simulation::{BudgetArgs, FlightArgs, SmearArgs, StrategyName, SweepArgs};
 
+use fmc_camera_file::number::finite;
+
+use self::number::exposure_time;
 use crate::device::DeviceName;
-use crate::formats::number::{exposure_time, finite};
 use crate::formats::points::PointFormat;
 
 /// Geometry of an airborne mapping camera with forward motion compensation: strict reference,

@@ -3,10 +3,11 @@
 use std::path::PathBuf;
 
 use clap::{Args, ValueEnum};
+use fmc_camera_file::number::finite;
 
 use super::calibration::RegressOn;
+use super::number::{between, exposure_time};
 use super::{FocusSignName, ReadingName, WeightName};
-use crate::formats::number::{between, exposure_time, finite};
 
 /// Arguments of `smear`.
 #[derive(Debug, Args)]

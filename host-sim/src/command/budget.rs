@@ -1,11 +1,12 @@
 //! `budget`: is it worth it for this camera?
 
+use fmc_camera_file::CameraFile;
+
 use crate::budget::assumptions::Assumptions;
 use crate::budget::result::Budget;
 use crate::budget::run;
 use crate::cli::BudgetArgs;
 use crate::failure::Failure;
-use crate::formats::camera_file::CameraFile;
 use crate::formats::output::{self, OutputFolder};
 use crate::report::budget::{bars, page, summary, table};
 

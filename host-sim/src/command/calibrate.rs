@@ -5,12 +5,12 @@ use std::path::Path;
 
 use fmc_camera::geometry::estimation::options::{FitOptions, StaticDecentring};
 use fmc_camera::geometry::five_coefficient::Regressor;
+use fmc_camera_file::CameraFile;
+use fmc_camera_file::fitted_block;
 
 use crate::calibrate::five::FiveCalibration;
 use crate::cli::{FiveArgs, RegressOn, StaticP2};
 use crate::failure::Failure;
-use crate::formats::camera_file::CameraFile;
-use crate::formats::fitted_block;
 use crate::formats::observations::ObservationTable;
 use crate::formats::output::{self, OutputFolder};
 use crate::report::figure::FigureError;

@@ -11,13 +11,13 @@ use fmc_camera::flight::exposure::FlightDirection;
 use fmc_camera::flight::settings::FlightSettings;
 use fmc_camera::flight::vh::{VhSample, VhSettings};
 use fmc_camera::io::link::message::{Refusal, Status};
+use fmc_camera_file::CameraFile;
+use fmc_camera_file::number::single;
 
 use crate::cli::{CameraAction, CameraArgs, DirectionName, PrepareArgs, StatusArgs, VhArgs};
 use crate::device::DeviceError;
 use crate::device::link_error::LinkError;
 use crate::failure::Failure;
-use crate::formats::camera_file::CameraFile;
-use crate::formats::number::single;
 use crate::formats::{flight_settings, output};
 use crate::report::camera_status;
 
@@ -217,8 +217,9 @@ fn failed(error: DeviceError) -> Failure {
 
 #[cfg(test)]
 mod tests {
-    use super::*;
     use fmc_camera::flight::fault::Fault;
+
+    use super::*;
 
     #[test]
     fn strokes_at_arming_are_waited_for_longer_than_anything_else() {

@@ -4,12 +4,12 @@ use fmc_camera::flight::camera::FrameError;
 use fmc_camera::flight::exposure::{CorrectionModel, Exposure, FlightDirection};
 use fmc_camera::geometry::principal_distance::FocusSign;
 use fmc_camera::geometry::range::Quantity;
+use fmc_camera_file::number::single;
+use fmc_camera_file::{CameraFile, MechanismName};
 
 use crate::cli::{DirectionName, ExposureArgs, FocusSignName, ModelName};
 use crate::device::DeviceError;
 use crate::failure::Failure;
-use crate::formats::camera_file::{CameraFile, MechanismName};
-use crate::formats::number::single;
 use crate::reference::exposure::{ExposureRequest, FocusFormula};
 
 impl ExposureArgs {

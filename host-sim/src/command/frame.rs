@@ -5,11 +5,11 @@ use std::io::Write;
 use fmc_camera::flight::exposure::CorrectionModel;
 use fmc_camera::flight::interior_orientation::{FocusConvention, InteriorOrientation};
 use fmc_camera::geometry::frame_correction::Kernel;
+use fmc_camera_file::CameraFile;
 use serde::Serialize;
 
 use crate::cli::{ExposureArgs, FrameArgs};
 use crate::failure::Failure;
-use crate::formats::camera_file::CameraFile;
 use crate::formats::output;
 
 pub(super) fn run(args: &FrameArgs) -> Result<(), Failure> {

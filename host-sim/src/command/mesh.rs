@@ -6,13 +6,13 @@ use fmc_camera::geometry::mesh::format::MeshFormat;
 use fmc_camera::geometry::mesh::pixel_correction::PixelCorrection;
 use fmc_camera::geometry::mesh::vertex::{MeshError, VertexRow};
 use fmc_camera::io::link::MAX_POINTS;
+use fmc_camera_file::CameraFile;
 use indicatif::{ProgressBar, ProgressStyle};
 
 use self::header::{Accuracy, Header};
 use crate::cli::{ImagePart, MeshArgs, MeshFormatName};
 use crate::device::{Device, DeviceError};
 use crate::failure::Failure;
-use crate::formats::camera_file::CameraFile;
 use crate::formats::output::OutputFolder;
 
 /// Most vertices of a mesh: half a gigabyte of the longest words.

@@ -4,11 +4,11 @@ use std::io::{self, IsTerminal as _};
 use std::path::Path;
 use std::sync::Arc;
 
+use fmc_camera_file::CameraFile;
 use indicatif::{ProgressBar, ProgressStyle};
 
 use crate::cli::PointFiles;
 use crate::failure::Failure;
-use crate::formats::camera_file::CameraFile;
 use crate::formats::output::{self, Stopped};
 use crate::formats::points::{Answer, Answers, Block, Blocks, Checked, PointFormat, Source};
 

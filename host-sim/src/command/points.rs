@@ -3,13 +3,13 @@
 use fmc_camera::geometry::frame_correction::Corrected;
 use fmc_camera::geometry::inverse::DistortError;
 use fmc_camera::geometry::sensor::SensorPoint;
+use fmc_camera_file::CameraFile;
+use fmc_camera_file::number::single;
 
 use super::point_stream::PointStream;
 use crate::cli::PointsArgs;
 use crate::device::DeviceError;
 use crate::failure::Failure;
-use crate::formats::camera_file::CameraFile;
-use crate::formats::number::single;
 use crate::formats::output;
 use crate::formats::points::{Answer, Block, Checked, Source};
 

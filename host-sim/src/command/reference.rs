@@ -9,6 +9,7 @@ use crate::failure::Failure;
 use crate::formats::output;
 use crate::formats::points::{Answer, Checked};
 use crate::reference::fitted::FittedModel;
+use crate::reference::lens::Lens;
 use crate::reference::strict::{Reading, StrictMean, StrictSolver, Weight};
 
 pub(super) fn run(args: &ReferenceArgs) -> Result<(), Failure> {
@@ -41,7 +42,7 @@ pub(super) fn run(args: &ReferenceArgs) -> Result<(), Failure> {
         (ModelName::Static, _) => {
             let [x, y] = point_mm;
             let [x0, y0] = camera.principal_point_mm;
-            exactly(camera.lens().displacement([x - x0, y - y0]))
+            exactly(Lens::of(&camera).displacement([x - x0, y - y0]))
         }
         _ => solver.total(point_mm, reading),
     };

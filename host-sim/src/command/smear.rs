@@ -3,11 +3,11 @@
 use std::io;
 
 use fmc_camera::geometry::image_motion::{ImageMotionError, View};
+use fmc_camera_file::CameraFile;
 
 use crate::cli::{DirectionName, ExposureArgs, FocusSignName, ModelName, SmearArgs};
 use crate::device::DeviceError;
 use crate::failure::Failure;
-use crate::formats::camera_file::CameraFile;
 use crate::formats::output::{self, OutputFolder};
 use crate::report::smear::SmearReport;
 use crate::smear::field::SmearRequest;

@@ -4,11 +4,11 @@ use std::io;
 
 use fmc_camera::flight::camera::FrameError;
 use fmc_camera::geometry::range::Quantity;
+use fmc_camera_file::{CameraFile, MechanismName, Per, Strategy};
 use indicatif::{ProgressBar, ProgressStyle};
 
 use crate::cli::{FocusSignName, ReadingName, RegressOn, StrategyName, SweepArgs, WeightName};
 use crate::failure::Failure;
-use crate::formats::camera_file::{CameraFile, MechanismName, Per, Strategy};
 use crate::formats::output::{self, OutputFolder};
 use crate::reference::exposure::FocusFormula;
 use crate::reference::strict::{Reading, Weight};

@@ -3,15 +3,15 @@
 use std::io;
 use std::path::Path;
 
+use fmc_camera_file::CameraFile;
+use fmc_camera_file::published::CAMERA_FILES;
 use indicatif::{ProgressBar, ProgressStyle};
 
 use super::device::Devices;
 use crate::cli::VerifyArgs;
 use crate::device::DeviceError;
 use crate::failure::Failure;
-use crate::formats::camera_file::CameraFile;
 use crate::formats::output::{self, OutputFolder};
-use crate::formats::published::CAMERA_FILES;
 use crate::report::figure::FigureError;
 use crate::report::summary::Summary;
 use crate::report::{arrow_field, error_plot, frames_csv, html, table};
@@ -54,7 +54,7 @@ fn cameras(given: Option<&Path>) -> Result<Vec<CameraFile>, Failure> {
     }
     CAMERA_FILES
         .iter()
-        .map(|(file, text)| CameraFile::parse(file, text).map(|(camera, _)| camera))
+        .map(|(file, text)| Ok(CameraFile::parse(file, text)?.0))
         .collect()
 }
 

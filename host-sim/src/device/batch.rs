@@ -62,11 +62,11 @@ impl PointBatch {
 mod tests {
     use fmc_camera::flight::camera::Camera;
     use fmc_camera::flight::exposure::Exposure;
+    use fmc_camera_file::CameraFile;
+    use fmc_camera_file::number::single;
+    use fmc_camera_file::published::CAMERA_FILES;
 
     use super::*;
-    use crate::formats::camera_file::CameraFile;
-    use crate::formats::number::single;
-    use crate::formats::published::CAMERA_FILES;
 
     #[test]
     fn one_point_off_the_sensor_or_no_number_is_seen_wherever_it_stands() {

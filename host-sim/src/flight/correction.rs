@@ -2,10 +2,10 @@
 
 use fmc_camera::geometry::frame_correction::FrameCorrection;
 use fmc_camera::geometry::sensor::SensorPoint;
+use fmc_camera_file::number::single;
 
 use super::interior_orientation::InteriorOrientation;
 use super::model::Model;
-use crate::formats::number::single;
 use crate::reference::fitted::FittedModel;
 use crate::reference::lens::Lens;
 

@@ -1,5 +1,7 @@
 //! Many flights of one scenario, each with its own errors, adjusted with every model.
 
+use fmc_camera_file::InputError;
+
 use super::adjustment::AdjustmentError;
 use super::exterior_orientation::ELEMENTS;
 use super::model::Model;
@@ -7,7 +9,6 @@ use super::outcome::Outcome;
 use super::statistics::Estimate;
 use super::strip::Strip;
 use super::survey::{Errors, observe};
-use crate::failure::Failure;
 use crate::formats::scenario::Scenario;
 use crate::noise::Noise;
 
@@ -36,17 +37,28 @@ pub enum Points {
     Check,
 }
 
+/// Why an experiment has no result.
+#[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
+pub enum ExperimentError {
+    /// The scenario cannot be flown, or its observations do not determine the unknowns.
+    #[error(transparent)]
+    Scenario(#[from] InputError),
+    /// The adjustment of a flight does not converge: which scenario and model.
+    #[error("{0}")]
+    NotConverged(String),
+}
+
 impl Experiment {
     /// Flies a scenario; `flown` is told of every repetition.
     ///
     /// # Errors
-    /// [`Failure`] of [`Strip::new`], and of an adjustment that cannot tell unknowns apart.
+    /// [`ExperimentError`] of [`Strip::new`], and of an adjustment that cannot tell unknowns apart or does not converge.
     pub fn run(
         scenario: Scenario,
         seed: u64,
         repetitions: u32,
         mut flown: impl FnMut(),
-    ) -> Result<Self, Failure> {
+    ) -> Result<Self, ExperimentError> {
         let strip = Strip::new(&scenario, seed)?;
         let errors = Errors::of(&scenario);
         let mut flights = Vec::new();
@@ -141,7 +153,7 @@ impl Experiment {
     }
 }
 
-fn refused(scenario: &Scenario, model: Model, error: &AdjustmentError) -> Failure {
+fn refused(scenario: &Scenario, model: Model, error: &AdjustmentError) -> ExperimentError {
     let pos = &scenario.written.pos;
     let free: Vec<&str> = [
         ("position_sigma_m", pos.position_sigma_m.each()),
@@ -157,14 +169,20 @@ fn refused(scenario: &Scenario, model: Model, error: &AdjustmentError) -> Failur
                 &format!("pos.{} = \"free\"", free.join(", ")),
                 format!("{error} (model: {})", model.label()),
             )
-            .with_help("give the standard deviations of the observed position and attitude"),
+            .with_help("give the standard deviations of the observed position and attitude")
+            .into(),
         AdjustmentError::Inseparable(_) => scenario
             .fault("pos, control.points", format!("{error} (model: {})", model.label()))
             .with_help(
                 "smaller standard deviations of position and attitude, or control points spread over the frame and in height",
-            ),
+            )
+            .into(),
         AdjustmentError::NotConverged => {
-            Failure::check(format!("{}: {} ({error})", scenario.file, model.label()))
+            ExperimentError::NotConverged(format!(
+                "{}: {} ({error})",
+                scenario.file,
+                model.label()
+            ))
         }
     }
 }

@@ -1,6 +1,7 @@
 //! The interior orientation that all frames of a flight share.
 
-use crate::formats::camera_file::CameraFile;
+use fmc_camera_file::CameraFile;
+
 use crate::reference::exposure::ExposurePath;
 
 /// Principal distance and principal point of a frame.

@@ -1,8 +1,9 @@
 //! A strip of frames as flown: true orientations, and where its points are truly recorded.
 
-use crate::noise::Noise;
 use fmc_camera::Camera;
 use fmc_camera::flight::exposure::{CorrectionModel, Exposure};
+use fmc_camera_file::InputError;
+use fmc_camera_file::number::single;
 
 use super::collinearity::ground_at_height;
 use super::correction::Corrections;
@@ -10,11 +11,11 @@ use super::exterior_orientation::ExteriorOrientation;
 use super::image_truth::ImageTruth;
 use super::interior_orientation::InteriorOrientation;
 use super::terrain::Terrain;
-use crate::failure::Failure;
-use crate::formats::number::single;
 use crate::formats::scenario::{FEWEST_CONTROL_POINTS, GroundPoint, Scenario};
+use crate::noise::Noise;
 use crate::reference::exposure::{ExposurePath, ExposureRequest, FocusFormula};
 use crate::reference::fitted::FittedModel;
+use crate::reference::lens::Lens;
 use crate::reference::strict::{StrictSolver, Weight};
 
 /// Check points fill this part of the format.
@@ -57,7 +58,7 @@ impl Strip {
     ///
     /// # Errors
     /// As [`Self::recorded_by`].
-    pub fn new(scenario: &Scenario, seed: u64) -> Result<Self, Failure> {
+    pub fn new(scenario: &Scenario, seed: u64) -> Result<Self, InputError> {
         let truth = StrictSolver::new(&scenario.camera, &request(scenario), Weight::Exposure);
         Self::recorded_by(&truth, scenario, seed)
     }
@@ -65,13 +66,13 @@ impl Strip {
     /// The strip of a scenario, recorded with the given distortion.
     ///
     /// # Errors
-    /// [`Failure`] for an exposure that the camera refuses, control points that no frame shows, and
+    /// [`InputError`] for an exposure that the camera refuses, control points that no frame shows, and
     /// frames with too few of them.
     pub fn recorded_by(
         truth: &dyn ImageTruth,
         scenario: &Scenario,
         seed: u64,
-    ) -> Result<Self, Failure> {
+    ) -> Result<Self, InputError> {
         let corrections = corrections(scenario)?;
         let mut strip = Self {
             corrections,
@@ -119,7 +120,7 @@ impl Strip {
         Ok(strip)
     }
 
-    fn check_control(&self, scenario: &Scenario) -> Result<(), Failure> {
+    fn check_control(&self, scenario: &Scenario) -> Result<(), InputError> {
         let points = &scenario.written.control.points;
         let outside: Vec<&GroundPoint> = points
             .iter()
@@ -215,7 +216,7 @@ fn request(scenario: &Scenario) -> ExposureRequest {
 }
 
 /// The corrections of the strip's exposures; the camera refuses what it could not fly.
-fn corrections(scenario: &Scenario) -> Result<Corrections, Failure> {
+fn corrections(scenario: &Scenario) -> Result<Corrections, InputError> {
     let camera = &scenario.camera;
     let path = ExposurePath::new(camera, &request(scenario));
     let exposure = Exposure {
@@ -241,7 +242,7 @@ fn corrections(scenario: &Scenario) -> Result<Corrections, Failure> {
         })?;
     Ok(Corrections::new(
         InteriorOrientation::new(camera, &path),
-        camera.lens(),
+        Lens::of(camera),
         FittedModel::printed(camera, path.travel_mm),
         frame.correction,
         f64::from(frame.record.enlargement),

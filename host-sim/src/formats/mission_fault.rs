@@ -2,12 +2,12 @@
 
 use fmc_camera::flight::fault::Fault;
 use fmc_camera::flight::frame_record::Flag;
+use fmc_camera_file::InputError;
+use fmc_camera_file::toml_text::TomlText;
 
-use super::camera_error::CameraText;
 use super::mission_file::{ExpectTable, FaultTable, MissionFile, VhQuantity, VhSourceName};
 use super::mission_scenario::PlannedFault;
 use super::scenario_range::{Range, range, whole};
-use crate::failure::Failure;
 use crate::mission::expectation::{Expectation, REASON_NAMES, STATE_NAMES, VH_WAYS, way_name};
 use crate::mission::fault::{InjectedFault, Injection};
 
@@ -20,8 +20,8 @@ const DURATION: Range = range(1e-6, 1e6, "s");
 pub(super) fn planned(
     written: &MissionFile,
     interval_s: f64,
-    text: &CameraText,
-) -> Result<Vec<PlannedFault>, Failure> {
+    text: &TomlText,
+) -> Result<Vec<PlannedFault>, InputError> {
     let numbered = written.fault.iter().enumerate();
     numbered
         .map(|(index, table)| {
@@ -39,11 +39,11 @@ pub(super) fn planned(
 struct Entry<'a> {
     table: &'a FaultTable,
     index: String,
-    text: &'a CameraText<'a>,
+    text: &'a TomlText<'a>,
 }
 
 impl Entry<'_> {
-    fn planned(&self, written: &MissionFile, interval_s: f64) -> Result<PlannedFault, Failure> {
+    fn planned(&self, written: &MissionFile, interval_s: f64) -> Result<PlannedFault, InputError> {
         let name = &self.table.name;
         let Some(fault) = InjectedFault::named(name) else {
             let known = InjectedFault::ALL.map(InjectedFault::name).join(", ");
@@ -86,7 +86,7 @@ impl Entry<'_> {
         &self,
         fault: InjectedFault,
         written: &MissionFile,
-    ) -> Result<Option<VhSourceName>, Failure> {
+    ) -> Result<Option<VhSourceName>, InputError> {
         let Some(source) = self.table.source else {
             return Ok(None);
         };
@@ -106,7 +106,7 @@ impl Entry<'_> {
         &self,
         fault: InjectedFault,
         written: &MissionFile,
-    ) -> Result<Option<VhQuantity>, Failure> {
+    ) -> Result<Option<VhQuantity>, InputError> {
         let Some(quantity) = self.table.of else {
             return Ok(None);
         };
@@ -124,7 +124,7 @@ impl Entry<'_> {
     }
 
     /// So long after a frame's trigger, or after the start.
-    fn onset_s(&self, written: &MissionFile, interval_s: f64) -> Result<f64, Failure> {
+    fn onset_s(&self, written: &MissionFile, interval_s: f64) -> Result<f64, InputError> {
         let flight = &written.flight;
         let last_s = flight.first_trigger_s + (whole(flight.exposures) - 1.0) * interval_s;
         match (self.table.at_frame, self.table.onset_s) {
@@ -155,7 +155,7 @@ impl Entry<'_> {
         }
     }
 
-    fn duration_s(&self, fault: InjectedFault) -> Result<f64, Failure> {
+    fn duration_s(&self, fault: InjectedFault) -> Result<f64, InputError> {
         match self.table.duration_s {
             None => Ok(f64::INFINITY),
             Some(_) if fault.is_sized_by_its_duration() => Err(self.invalid(
@@ -173,7 +173,7 @@ impl Entry<'_> {
         }
     }
 
-    fn expectation(&self, table: &ExpectTable) -> Result<Expectation, Failure> {
+    fn expectation(&self, table: &ExpectTable) -> Result<Expectation, InputError> {
         let fault = self.one_of(
             "fault",
             table.fault.as_deref(),
@@ -249,7 +249,7 @@ impl Entry<'_> {
         name: Option<&str>,
         find: impl Fn(&str) -> Option<T>,
         known: impl Fn() -> String,
-    ) -> Result<Option<T>, Failure> {
+    ) -> Result<Option<T>, InputError> {
         let Some(name) = name else {
             return Ok(None);
         };
@@ -269,11 +269,11 @@ impl Entry<'_> {
         ["fault", &self.index, "expect", key]
     }
 
-    fn invalid(&self, key: &str, fault: &str) -> Failure {
+    fn invalid(&self, key: &str, fault: &str) -> InputError {
         self.text.invalid(&self.path(key), fault)
     }
 
-    fn invalid_expectation(&self, key: &str, fault: &str) -> Failure {
+    fn invalid_expectation(&self, key: &str, fault: &str) -> InputError {
         self.text.invalid(&self.expect_path(key), fault)
     }
 }

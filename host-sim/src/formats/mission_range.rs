@@ -1,11 +1,12 @@
 //! Allowed ranges of a mission's numbers.
 
-use super::camera_error::CameraText;
+use fmc_camera_file::InputError;
+use fmc_camera_file::toml_text::TomlText;
+
 use super::mission_file::MissionFile;
 use super::scenario_range::{
     EXPOSURE, FLYING_HEIGHT, RELIEF, Range, SPEED, TERRAIN_HEIGHT, WAVELENGTH, range, whole,
 };
-use crate::failure::Failure;
 
 const EXPOSURES: Range = range(1.0, 100_000.0, "exposures");
 const OVERLAP: Range = range(0.0, 99.0, "%");
@@ -29,29 +30,29 @@ const PIXELS: Range = range(0.001, 100.0, "px");
 
 /// Something written that has a range.
 trait Ranged {
-    fn check(&self, range: Range, text: &CameraText, path: &[&str]) -> Result<(), Failure>;
+    fn check(&self, range: Range, text: &TomlText, path: &[&str]) -> Result<(), InputError>;
 }
 
 impl Ranged for f64 {
-    fn check(&self, range: Range, text: &CameraText, path: &[&str]) -> Result<(), Failure> {
+    fn check(&self, range: Range, text: &TomlText, path: &[&str]) -> Result<(), InputError> {
         range.check(*self, text, path)
     }
 }
 
 impl Ranged for i64 {
-    fn check(&self, range: Range, text: &CameraText, path: &[&str]) -> Result<(), Failure> {
+    fn check(&self, range: Range, text: &TomlText, path: &[&str]) -> Result<(), InputError> {
         range.check(whole(*self), text, path)
     }
 }
 
 impl Ranged for [f64; 3] {
-    fn check(&self, range: Range, text: &CameraText, path: &[&str]) -> Result<(), Failure> {
+    fn check(&self, range: Range, text: &TomlText, path: &[&str]) -> Result<(), InputError> {
         range.check_each(self, text, path)
     }
 }
 
 impl<T: Ranged> Ranged for Option<T> {
-    fn check(&self, range: Range, text: &CameraText, path: &[&str]) -> Result<(), Failure> {
+    fn check(&self, range: Range, text: &TomlText, path: &[&str]) -> Result<(), InputError> {
         self.as_ref()
             .map_or(Ok(()), |value| value.check(range, text, path))
     }
@@ -65,7 +66,7 @@ macro_rules! check {
 }
 
 /// Refuses the first number of the mission that is out of its range; faults and mechanics apart.
-pub(super) fn check_numbers(mission: &MissionFile, text: &CameraText) -> Result<(), Failure> {
+pub(super) fn check_numbers(mission: &MissionFile, text: &TomlText) -> Result<(), InputError> {
     let MissionFile {
         flight,
         air,

@@ -5,14 +5,14 @@ use std::path::Path;
 use fmc_camera::flight::camera::{Camera, FrameError};
 use fmc_camera::flight::controller::{Controller, ControllerError, Start};
 use fmc_camera::flight::exposure::Exposure;
+use fmc_camera_file::InputError;
+use fmc_camera_file::number::single;
+use fmc_camera_file::toml_text::TomlText;
+use fmc_camera_file::{CameraFile, MechanismName};
 
-use super::camera_error::CameraText;
-use super::camera_file::{CameraFile, MechanismName};
 use super::mission_fault;
 use super::mission_file::{MissionFile, ReceiverFormat, VhSourceName};
 use super::mission_range;
-use super::number::single;
-use crate::failure::Failure;
 use crate::mission::expectation::Expectation;
 use crate::mission::fault::Injection;
 use crate::mission::fault::line::Carried;
@@ -52,8 +52,8 @@ impl MissionScenario {
     /// The nominal mission that is part of the program, with its own or another number of exposures.
     ///
     /// # Errors
-    /// [`Failure`] where it cannot be flown with so many exposures.
-    pub fn nominal(exposures: Option<u32>) -> Result<Self, Failure> {
+    /// [`InputError`] where it cannot be flown with so many exposures.
+    pub fn nominal(exposures: Option<u32>) -> Result<Self, InputError> {
         Self::parse_with("mission.toml", NOMINAL, exposures, |_| {
             CameraFile::parse("cameras/mission.toml", NOMINAL_CAMERA)
         })
@@ -62,11 +62,11 @@ impl MissionScenario {
     /// Reads and validates a scenario and the camera file it names.
     ///
     /// # Errors
-    /// [`Failure`] naming file, line, field, value and allowed range.
-    pub fn read(path: &Path, exposures: Option<u32>) -> Result<Self, Failure> {
-        let bytes = std::fs::read(path).map_err(|error| Failure::reading(path, &error))?;
+    /// [`InputError`] naming file, line, field, value and allowed range.
+    pub fn read(path: &Path, exposures: Option<u32>) -> Result<Self, InputError> {
+        let bytes = std::fs::read(path).map_err(|error| InputError::reading(path, &error))?;
         let text = String::from_utf8(bytes).map_err(|_| {
-            Failure::bad_input(format!("{}: not a text file (UTF-8)", path.display()))
+            InputError::invalid(format!("{}: not a text file (UTF-8)", path.display()))
         })?;
         let folder = path.parent().unwrap_or(Path::new(""));
         Self::parse(&path.display().to_string(), &text, folder, exposures)
@@ -82,13 +82,13 @@ impl MissionScenario {
         text: &str,
         folder: &Path,
         exposures: Option<u32>,
-    ) -> Result<Self, Failure> {
+    ) -> Result<Self, InputError> {
         Self::parse_with(file, text, exposures, |camera| {
             let path = folder.join(camera);
             if path.is_file() {
                 Ok(CameraFile::read(&path)?)
             } else {
-                let written = CameraText::new(file, text);
+                let written = TomlText::new(file, text);
                 Err(written.invalid(
                     &["camera"],
                     &format!("names a camera file, {}, that is not there", path.display()),
@@ -101,9 +101,9 @@ impl MissionScenario {
         file: &str,
         text: &str,
         exposures: Option<u32>,
-        camera_of: impl FnOnce(&Path) -> Result<(CameraFile, Camera), Failure>,
-    ) -> Result<Self, Failure> {
-        let text = CameraText::new(file, text.strip_prefix('\u{feff}').unwrap_or(text));
+        camera_of: impl FnOnce(&Path) -> Result<(CameraFile, Camera), InputError>,
+    ) -> Result<Self, InputError> {
+        let text = TomlText::new(file, text);
         let mut written: MissionFile = text.deserialize()?;
         if let Some(exposures) = exposures {
             written.flight.exposures = i64::from(exposures);
@@ -132,8 +132,8 @@ impl MissionScenario {
 
     /// A fault of one field: file, field and what is wrong.
     #[must_use]
-    pub fn fault(&self, field: &str, fault: impl std::fmt::Display) -> Failure {
-        Failure::bad_input(format!("{}: {field}: {fault}", self.file))
+    pub fn fault(&self, field: &str, fault: impl std::fmt::Display) -> InputError {
+        InputError::invalid(format!("{}: {field}: {fault}", self.file))
     }
 
     /// Only the injections.
@@ -174,7 +174,7 @@ fn vh_per_s(written: &MissionFile) -> f64 {
     written.flight.speed_m_s / (written.flight.height_m - written.terrain.height_m)
 }
 
-fn check_sources(written: &MissionFile, text: &CameraText) -> Result<(), Failure> {
+fn check_sources(written: &MissionFile, text: &TomlText) -> Result<(), InputError> {
     if written.vh.is_empty() {
         return Err(text.invalid(&["vh"], "is empty; the camera needs a source of V/H"));
     }
@@ -195,7 +195,7 @@ fn check_sources(written: &MissionFile, text: &CameraText) -> Result<(), Failure
 }
 
 /// What hangs on the line is known, and there is a receiver where one is to speak.
-fn check_line(written: &MissionFile, text: &CameraText) -> Result<(), Failure> {
+fn check_line(written: &MissionFile, text: &TomlText) -> Result<(), InputError> {
     for name in written.line.carries.iter().flatten() {
         if Carried::named(name).is_none() {
             let sources = VhSourceName::ALL.map(VhSourceName::name);
@@ -219,7 +219,7 @@ fn check_line(written: &MissionFile, text: &CameraText) -> Result<(), Failure> {
     Ok(())
 }
 
-fn check_mechanics(written: &MissionFile, text: &CameraText) -> Result<(), Failure> {
+fn check_mechanics(written: &MissionFile, text: &TomlText) -> Result<(), InputError> {
     match written.mechanics.checked() {
         Ok(_) => Ok(()),
         Err(fault) => Err(text.invalid(&["mechanics"], &format!("cannot be built: {fault}"))),
@@ -230,8 +230,8 @@ fn check_mechanics(written: &MissionFile, text: &CameraText) -> Result<(), Failu
 fn interval_s(
     written: &MissionFile,
     camera: &CameraFile,
-    text: &CameraText,
-) -> Result<f64, Failure> {
+    text: &TomlText,
+) -> Result<f64, InputError> {
     match (
         written.flight.interval_s,
         written.flight.forward_overlap_percent,
@@ -260,8 +260,8 @@ fn check_exposure(
     written: &MissionFile,
     camera: &CameraFile,
     checked: &Camera,
-    text: &CameraText,
-) -> Result<(), Failure> {
+    text: &TomlText,
+) -> Result<(), InputError> {
     if camera.fmc.mechanism != MechanismName::Stage {
         return Err(text.invalid(
             &["camera"],
@@ -302,8 +302,8 @@ fn check_settings(
     written: &MissionFile,
     camera: &CameraFile,
     interval_s: f64,
-    text: &CameraText,
-) -> Result<(), Failure> {
+    text: &TomlText,
+) -> Result<(), InputError> {
     let settings = flight_settings(written, interval_s);
     let Err(refused) = Controller::new(&camera.record(), 0, &settings, Start::Orderly) else {
         return Ok(());

@@ -7,9 +7,9 @@ use std::path::Path;
 
 use csv::{ByteRecord, ReaderBuilder, Trim};
 use fmc_camera::geometry::range::Quantity;
+use fmc_camera_file::CameraFile;
+use fmc_camera_file::number::{clipped, single};
 
-use super::camera_file::CameraFile;
-use super::number::{clipped, single};
 use super::points::csv_failure;
 use crate::failure::Failure;
 

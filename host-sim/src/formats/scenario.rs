@@ -3,12 +3,12 @@
 use std::collections::BTreeSet;
 use std::path::{Path, PathBuf};
 
+use fmc_camera_file::InputError;
+use fmc_camera_file::toml_text::TomlText;
+use fmc_camera_file::{CameraFile, Strategy};
 use serde::Deserialize;
 
-use super::camera_error::CameraText;
-use super::camera_file::{CameraFile, Strategy};
 use super::scenario_range::{self, Range};
-use crate::failure::Failure;
 
 /// A scenario as written. Units are in the names of the fields, which are those of the file;
 /// `scenarios/yuan-2012.toml` documents each.
@@ -225,11 +225,11 @@ impl Scenario {
     /// Reads and validates a scenario and the camera file it names.
     ///
     /// # Errors
-    /// [`Failure`] naming file, line, field, value and allowed range.
-    pub fn read(path: &Path) -> Result<Self, Failure> {
-        let bytes = std::fs::read(path).map_err(|error| Failure::reading(path, &error))?;
+    /// [`InputError`] naming file, line, field, value and allowed range.
+    pub fn read(path: &Path) -> Result<Self, InputError> {
+        let bytes = std::fs::read(path).map_err(|error| InputError::reading(path, &error))?;
         let text = String::from_utf8(bytes).map_err(|_| {
-            Failure::bad_input(format!("{}: not a text file (UTF-8)", path.display()))
+            InputError::invalid(format!("{}: not a text file (UTF-8)", path.display()))
         })?;
         let folder = path.parent().unwrap_or(Path::new(""));
         Self::parse(&path.display().to_string(), &text, folder)
@@ -240,8 +240,8 @@ impl Scenario {
     ///
     /// # Errors
     /// As [`Self::read`].
-    pub fn parse(file: &str, text: &str, folder: &Path) -> Result<Self, Failure> {
-        let text = CameraText::new(file, text.strip_prefix('\u{feff}').unwrap_or(text));
+    pub fn parse(file: &str, text: &str, folder: &Path) -> Result<Self, InputError> {
+        let text = TomlText::new(file, text);
         let written: ScenarioFile = text.deserialize()?;
         written.check(&text)?;
         let camera_path = folder.join(&written.camera);
@@ -267,8 +267,8 @@ impl Scenario {
 
     /// A fault of one field: file, field and what is wrong.
     #[must_use]
-    pub fn fault(&self, field: &str, fault: impl std::fmt::Display) -> Failure {
-        Failure::bad_input(format!("{}: {field}: {fault}", self.file))
+    pub fn fault(&self, field: &str, fault: impl std::fmt::Display) -> InputError {
+        InputError::invalid(format!("{}: {field}: {fault}", self.file))
     }
 
     /// η: ground speed over the height above the mean terrain, 1/s.
@@ -289,7 +289,7 @@ impl Scenario {
 }
 
 impl ScenarioFile {
-    fn check(&self, text: &CameraText) -> Result<(), Failure> {
+    fn check(&self, text: &TomlText) -> Result<(), InputError> {
         if self.name.trim().is_empty() || self.name.contains(char::is_control) {
             return Err(text.invalid(&["name"], "is empty or holds a control character"));
         }
@@ -305,7 +305,7 @@ impl ScenarioFile {
         Ok(())
     }
 
-    fn check_control(&self, text: &CameraText) -> Result<(), Failure> {
+    fn check_control(&self, text: &TomlText) -> Result<(), InputError> {
         let points = &self.control.points;
         if points.len() < FEWEST_CONTROL_POINTS {
             return Err(text.invalid(

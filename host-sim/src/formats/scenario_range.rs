@@ -2,9 +2,10 @@
 
 use std::fmt;
 
-use super::camera_error::CameraText;
+use fmc_camera_file::InputError;
+use fmc_camera_file::toml_text::TomlText;
+
 use super::scenario::{ScenarioFile, Sigma};
-use crate::failure::Failure;
 
 /// Least and most of a quantity.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -49,9 +50,9 @@ impl Range {
     pub(super) fn check(
         &self,
         value: f64,
-        text: &CameraText,
+        text: &TomlText,
         path: &[&str],
-    ) -> Result<(), Failure> {
+    ) -> Result<(), InputError> {
         if self.holds(value) {
             return Ok(());
         }
@@ -73,9 +74,9 @@ impl Range {
     pub(super) fn check_each(
         &self,
         values: &[f64],
-        text: &CameraText,
+        text: &TomlText,
         path: &[&str],
-    ) -> Result<(), Failure> {
+    ) -> Result<(), InputError> {
         match values.iter().find(|value| !self.holds(**value)) {
             None => Ok(()),
             Some(value) => Err(text.invalid(
@@ -93,7 +94,7 @@ impl fmt::Display for Range {
 }
 
 /// Refuses the first number of the scenario that is out of its range; control points apart.
-pub(super) fn check_numbers(scenario: &ScenarioFile, text: &CameraText) -> Result<(), Failure> {
+pub(super) fn check_numbers(scenario: &ScenarioFile, text: &TomlText) -> Result<(), InputError> {
     let ScenarioFile {
         flight,
         terrain,

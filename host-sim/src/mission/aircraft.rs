@@ -1,9 +1,9 @@
 //! The aircraft: where it is, how it is turned, and what its V/H really is.
 
 use fmc_camera::flight::event::AttitudeSample;
+use fmc_camera_file::number::single;
 
 use crate::formats::mission_scenario::MissionScenario;
-use crate::formats::number::single;
 use crate::scene::attitude::Attitude;
 use crate::scene::terrain::Terrain;
 use crate::scene::trajectory::Trajectory;

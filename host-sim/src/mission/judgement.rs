@@ -1,10 +1,10 @@
 //! The flight against its limits and what was expected of its faults.
 
 use fmc_camera::flight::frame_record::{ExposedFrame, Flag, FrameRecord, Outcome, Reason};
+use fmc_camera_file::CameraFile;
 
 use super::flown::{Flown, FlownFrame};
 use super::outcome::outcome;
-use crate::formats::camera_file::CameraFile;
 use crate::formats::mission_scenario::MissionScenario;
 use crate::report::wording;
 

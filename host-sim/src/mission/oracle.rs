@@ -1,15 +1,15 @@
 //! What really happened while the shutter was open: the physical exposure.
 
-use crate::formats::camera_file::CameraFile;
+use fmc_camera_file::CameraFile;
+
+use super::aircraft::Aircraft;
+use super::sensors::seconds;
+use super::shutter::Opening;
 use crate::reference::exposure::ExposureRequest;
 use crate::scene::Scene;
 use crate::scene::frame::Frame;
 use crate::scene::shutter::Shutter;
 use crate::scene::stage_path::StagePath;
-
-use super::aircraft::Aircraft;
-use super::sensors::seconds;
-use super::shutter::Opening;
 
 /// Instants of an exposure between which the image moves farthest.
 const INSTANTS: u32 = 8;

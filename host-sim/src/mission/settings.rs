@@ -4,9 +4,9 @@ use fmc_camera::flight::drive::loop_settings::{LoopSettings, Plant};
 use fmc_camera::flight::drive::pwm_encoder::DriveSettings;
 use fmc_camera::flight::settings::FlightSettings;
 use fmc_camera::flight::vh::{ChannelSettings, VhSettings};
+use fmc_camera_file::number::single;
 
 use crate::formats::mission_file::{MissionFile, VhSourceName};
-use crate::formats::number::single;
 use crate::mechanics::MechanicsSettings;
 
 /// So many periods late, and a source counts as silent.

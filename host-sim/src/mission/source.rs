@@ -4,6 +4,7 @@ use std::collections::VecDeque;
 
 use fmc_camera::flight::event::Event;
 use fmc_camera::flight::vh::VhSample;
+use fmc_camera_file::number::single;
 
 use super::aircraft::{Aircraft, SpeedAndHeight};
 use super::fault::Injection;
@@ -13,7 +14,6 @@ use super::fault::vh::VhFaults;
 use super::receiver::SentenceLine;
 use super::sensors::{Clocked, seconds};
 use crate::formats::mission_file::{VhQuantity, VhSourceName, VhTable};
-use crate::formats::number::single;
 use crate::noise::Noise;
 
 /// A source of V/H.

@@ -1,8 +1,7 @@
 //! One exposure in double precision: where the principal point is, and how much light falls.
 
 use fmc_camera::flight::exposure::FlightDirection;
-
-use crate::formats::camera_file::{CameraFile, FmcTable, MechanismName, Profile, Strategy};
+use fmc_camera_file::{CameraFile, FmcTable, MechanismName, Profile, Strategy};
 
 /// Which formula turns a focus shift into distortion.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]

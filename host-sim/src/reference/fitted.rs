@@ -1,8 +1,9 @@
 //! The five-coefficient model, and the printed feed-forward terms, in double precision.
 
+use fmc_camera_file::{CameraFile, Per};
+
 use super::exposure::ExposurePath;
 use super::lens::Lens;
-use crate::formats::camera_file::{CameraFile, Per};
 
 /// The five-coefficient model of one exposure.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -27,7 +28,7 @@ impl FittedModel {
             Per::Travel => path.travel_mm,
             Per::Centroid => path.centroid_mm(),
         };
-        let static_lens = camera.lens();
+        let static_lens = Lens::of(camera);
         let [_, _, _, k3] = static_lens.k;
         Some(Self {
             lens: Lens {
@@ -45,7 +46,7 @@ impl FittedModel {
     /// `P_m1` = K1. Their sign is wrong; for comparison only.
     #[must_use]
     pub fn printed(camera: &CameraFile, travel_mm: f64) -> Self {
-        let lens = camera.lens();
+        let lens = Lens::of(camera);
         let [_, k1, _, _] = lens.k;
         Self {
             lens,

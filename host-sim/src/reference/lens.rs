@@ -1,5 +1,7 @@
 //! The static polynomial in double precision.
 
+use fmc_camera_file::CameraFile;
+
 /// Static distortion, measured - ideal, about the principal point; mm.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Lens {
@@ -12,6 +14,17 @@ pub struct Lens {
 }
 
 impl Lens {
+    /// The lens of a camera.
+    #[must_use]
+    pub fn of(camera: &CameraFile) -> Self {
+        let table = camera.distortion.measured_minus_ideal();
+        Self {
+            k: [table.k0, table.k1, table.k2, table.k3],
+            p: [table.p1, table.p2],
+            b: [table.b1, table.b2],
+        }
+    }
+
     /// Displacement at a point from the principal point, mm.
     ///
     /// # Model

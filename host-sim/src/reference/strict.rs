@@ -1,10 +1,10 @@
 //! The exposure mean of the distortion, by adaptive quadrature.
 
+use fmc_camera_file::CameraFile;
 use quadrature::double_exponential;
 
 use super::exposure::{ExposurePath, ExposureRequest, FocusFormula};
 use super::lens::Lens;
-use crate::formats::camera_file::CameraFile;
 
 /// What weights the mean over the exposure.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -61,7 +61,7 @@ impl StrictSolver {
     #[must_use]
     pub fn new(camera: &CameraFile, request: &ExposureRequest, weight: Weight) -> Self {
         Self {
-            lens: camera.lens(),
+            lens: Lens::of(camera),
             path: ExposurePath::new(camera, request),
             axis: camera.fmc.axis.unit(),
             principal_point_mm: camera.principal_point_mm,

@@ -1,5 +1,6 @@
 //! Residuals against what they should not depend on.
 
+use fmc_camera_file::CameraFile;
 use plotters::element::{Circle, PathElement, Text};
 use plotters::prelude::{ChartBuilder, Color, IntoDrawingArea, RGBColor, SVGBackend};
 
@@ -7,7 +8,6 @@ use super::figure::{FigureError, GRID, INK, OUTLINE, text};
 use super::wording;
 use crate::calibrate::five::FiveCalibration;
 use crate::calibrate::measurement::Measurement;
-use crate::formats::camera_file::CameraFile;
 
 const SIZE: (u32, u32) = (1600, 1000);
 const TITLE_HEIGHT: u32 = 110;

@@ -3,12 +3,12 @@
 use std::io::Write;
 
 use comfy_table::{CellAlignment, Table, presets::UTF8_FULL_CONDENSED};
+use fmc_camera_file::CameraFile;
 use serde::Serialize;
 
 use super::arrow_field::{Arrow, ArrowField};
 use super::figure::FigureError;
 use super::{length, wording};
-use crate::formats::camera_file::CameraFile;
 use crate::smear::field::{PointSmear, SmearField, SmearRequest};
 use crate::smear::term::Term;
 

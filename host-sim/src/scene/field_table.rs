@@ -3,7 +3,7 @@
 use std::io::Read;
 use std::path::Path;
 
-use crate::failure::Failure;
+use fmc_camera_file::InputError;
 
 /// Nodes of the interpolation along each axis.
 const WINDOW: usize = 8;
@@ -189,9 +189,9 @@ impl FieldTable {
     /// (measured - ideal), in any order and among others.
     ///
     /// # Errors
-    /// [`Failure`] naming file, line, column and what is wrong.
-    pub fn read(path: &Path) -> Result<Self, Failure> {
-        let file = std::fs::File::open(path).map_err(|error| Failure::reading(path, &error))?;
+    /// [`InputError`] naming file, line, column and what is wrong.
+    pub fn read(path: &Path) -> Result<Self, InputError> {
+        let file = std::fs::File::open(path).map_err(|error| InputError::reading(path, &error))?;
         Self::parse(&path.display().to_string(), file)
     }
 
@@ -199,9 +199,9 @@ impl FieldTable {
     ///
     /// # Errors
     /// As [`Self::read`].
-    pub fn parse(file: &str, text: impl Read) -> Result<Self, Failure> {
+    pub fn parse(file: &str, text: impl Read) -> Result<Self, InputError> {
         const COLUMNS: [&str; 4] = ["x_mm", "y_mm", "dx_um", "dy_um"];
-        let bad = |what: String| Failure::bad_input(format!("{file}: {what}"));
+        let bad = |what: String| InputError::invalid(format!("{file}: {what}"));
         let mut reader = csv::ReaderBuilder::new()
             .trim(csv::Trim::All)
             .from_reader(text);
@@ -223,10 +223,10 @@ impl FieldTable {
             let mut values = [0.0; 4];
             for ((value, place), name) in values.iter_mut().zip(places).zip(COLUMNS) {
                 let text = row.get(place).unwrap_or_default();
-                *value = crate::formats::number::finite(text).map_err(|fault| {
+                *value = fmc_camera_file::number::finite(text).map_err(|fault| {
                     bad(format!(
                         "line {line}: {name} = {:?} is {fault}",
-                        crate::formats::number::clipped(text)
+                        fmc_camera_file::number::clipped(text)
                     ))
                 })?;
             }

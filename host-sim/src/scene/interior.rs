@@ -1,6 +1,6 @@
 //! Interior orientation: where the principal point is calibrated, and how the sensor lies.
 
-use crate::formats::camera_file::{Axis, CameraFile};
+use fmc_camera_file::{Axis, CameraFile};
 
 /// The camera between lens and terrain, its stage at the calibrated position.
 #[derive(Debug, Clone, PartialEq)]

@@ -7,7 +7,7 @@
 //!
 //! # Examples
 //! ```
-//! use host_sim::formats::camera_file::CameraFile;
+//! use fmc_camera_file::CameraFile;
 //! use host_sim::reference::exposure::ExposureRequest;
 //! use host_sim::scene::Scene;
 //!
@@ -38,8 +38,10 @@ pub mod terrain;
 pub mod trajectory;
 pub mod turbulence;
 
-use crate::formats::camera_file::CameraFile;
+use fmc_camera_file::CameraFile;
+
 use crate::reference::exposure::ExposureRequest;
+use crate::reference::lens::Lens;
 
 use attitude::Attitude;
 use frame::Frame;
@@ -79,7 +81,7 @@ impl Scene {
             attitude: Attitude::level(),
             terrain: Terrain::Plane { height_m: 0.0 },
             interior: InteriorOrientation::of(camera),
-            lens: LensMapping::Polynomial(camera.lens()),
+            lens: LensMapping::Polynomial(Lens::of(camera)),
             stage: Stage::planned(camera, request),
             shutter: Shutter::of(camera, request.exposure_s),
         }

@@ -1,6 +1,6 @@
 //! The shutter: when it opens and how much light it lets through.
 
-use crate::formats::camera_file::{CameraFile, Profile};
+use fmc_camera_file::{CameraFile, Profile};
 
 /// Transmission over the exposure: linear ramps at both ends.
 #[derive(Debug, Clone, Copy, PartialEq)]

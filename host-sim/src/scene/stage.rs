@@ -1,10 +1,10 @@
 //! The mechanism: the stage that carries the detector, with its faults, or the rows of a TDI sensor.
 
 use fmc_camera::geometry::principal_point::StageSample;
+use fmc_camera_file::number::single;
+use fmc_camera_file::{CameraFile, MechanismName};
 
 use super::stage_path::StagePath;
-use crate::formats::camera_file::{CameraFile, MechanismName};
-use crate::formats::number::single;
 use crate::reference::exposure::{ExposurePath, ExposureRequest};
 
 /// Most transfers or readings of one exposure.

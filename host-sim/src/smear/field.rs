@@ -2,10 +2,10 @@
 
 use fmc_camera::geometry::image_motion::{ImageMotion, ImageMotionError, View};
 use fmc_camera::geometry::sensor::SensorPoint;
+use fmc_camera_file::CameraFile;
+use fmc_camera_file::number::single;
 
 use super::term::{Disturbances, Term};
-use crate::formats::camera_file::CameraFile;
-use crate::formats::number::single;
 use crate::reference::exposure::ExposureRequest;
 use crate::scene::Scene;
 use crate::scene::terrain::Terrain;

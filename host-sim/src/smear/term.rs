@@ -2,8 +2,7 @@
 
 use fmc_camera::geometry::image_motion::{Attitude, FlightState, GroundMotion};
 use fmc_camera::geometry::range::Quantity;
-
-use crate::formats::number::single;
+use fmc_camera_file::number::single;
 
 /// Range of the error of V/H, per cent.
 const VH_ERROR_PERCENT: [f64; 2] = [-50.0, 50.0];

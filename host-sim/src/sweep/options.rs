@@ -1,6 +1,7 @@
 //! What a sweep is asked for.
 
-use crate::formats::camera_file::Per;
+use fmc_camera_file::Per;
+
 use crate::reference::exposure::FocusFormula;
 use crate::reference::strict::{Reading, Weight};
 

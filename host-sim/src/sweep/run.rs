@@ -10,14 +10,15 @@ use fmc_camera::geometry::estimation::options::{FitOptions, StaticDecentring};
 use fmc_camera::geometry::principal_distance::FocusSign;
 use fmc_camera::geometry::range::OutOfRange;
 use fmc_camera::geometry::sensor::SensorPoint;
+use fmc_camera_file::number::single;
+use fmc_camera_file::{CameraFile, MechanismName, Per};
 
 use super::options::{Case, SweepOptions};
 use super::result::{CaseResult, FrameFit, ModelResiduals, Sweep};
 use crate::calibrate::measurement::known_lens;
-use crate::formats::camera_file::{CameraFile, MechanismName, Per};
-use crate::formats::number::single;
 use crate::noise::Noise;
 use crate::reference::exposure::{ExposurePath, ExposureRequest, FocusFormula};
+use crate::reference::lens::Lens;
 use crate::reference::strict::StrictSolver;
 use crate::verify::grid::{self, GridExposure};
 
@@ -144,7 +145,7 @@ impl<'a> Plan<'a> {
     fn run(&self, case: Case, after_frame: &mut impl FnMut()) -> Result<CaseResult, SweepError> {
         let camera = simulated_camera(self.camera, case);
         let checked = Camera::new(camera.record())?;
-        let static_lens = camera.lens();
+        let static_lens = Lens::of(&camera);
         let mut whole = Adjustment::new(self.lens, self.fit_options(StaticDecentring::Hold));
         let mut noise_free = whole;
         let mut fixed = ModelResiduals::default();

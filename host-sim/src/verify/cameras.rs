@@ -5,11 +5,11 @@ use std::sync::{Mutex, PoisonError};
 use std::thread;
 
 use fmc_camera::io::link::message::Counters;
+use fmc_camera_file::CameraFile;
 
 use super::result::{CameraResult, Verification};
 use super::run;
 use crate::device::{Device, DeviceError, Evidence};
-use crate::formats::camera_file::CameraFile;
 
 /// A device refused a camera or failed.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
@@ -138,9 +138,10 @@ fn together(a: &Counters, b: &Counters) -> Counters {
 
 #[cfg(test)]
 mod tests {
+    use fmc_camera_file::published::CAMERA_FILES;
+
     use super::*;
     use crate::device::InProcess;
-    use crate::formats::published::CAMERA_FILES;
 
     fn published() -> Vec<CameraFile> {
         let cameras = CAMERA_FILES.iter();

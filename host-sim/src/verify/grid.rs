@@ -1,9 +1,8 @@
 //! The exposures and points of a verification (Yuan et al. 2012, section 4.1).
 
 use fmc_camera::io::link::message::Grid;
-
-use crate::formats::camera_file::{CameraFile, MechanismName, Strategy};
-use crate::formats::number::single;
+use fmc_camera_file::number::single;
+use fmc_camera_file::{CameraFile, MechanismName, Strategy};
 
 /// Smallest and largest V/H, 1/s.
 pub const VH_PER_S: [f64; 2] = [0.05, 0.17];
@@ -134,8 +133,9 @@ pub fn points([half_width, half_height]: [f64; 2]) -> Grid {
 
 #[cfg(test)]
 mod tests {
-    use super::*;
     use fmc_camera::SensorPoint;
+
+    use super::*;
 
     fn camera(more: &str) -> CameraFile {
         let text = format!(

@@ -3,16 +3,17 @@
 use fmc_camera::flight::exposure::Exposure;
 use fmc_camera::geometry::frame_correction::Corrected;
 use fmc_camera::geometry::sensor::SensorPoint;
+use fmc_camera_file::CameraFile;
+use fmc_camera_file::number::single;
 
 use super::grid::{self, GridExposure};
 use super::result::{
     CameraResult, ErrorStatistics, Field, FieldPoint, FrameResult, WorstPoint, infinite_if_nan,
 };
 use crate::device::{Device, DeviceError};
-use crate::formats::camera_file::CameraFile;
-use crate::formats::number::single;
 use crate::reference::exposure::ExposureRequest;
 use crate::reference::fitted::FittedModel;
+use crate::reference::lens::Lens;
 use crate::reference::strict::{StrictSolver, Weight};
 
 /// Checks one camera on a device; `after_frame` is called once per exposure.
@@ -69,7 +70,7 @@ impl Summary {
         let solver = StrictSolver::new(camera, &request, Weight::Exposure);
         let path = solver.path();
         let printed = FittedModel::printed(camera, path.travel_mm);
-        let lens = camera.lens();
+        let lens = Lens::of(camera);
         let [x0, y0] = camera.principal_point_mm;
         let mut frame = FrameResult {
             strategy: exposure.strategy_name(),

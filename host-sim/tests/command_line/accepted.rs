@@ -219,7 +219,7 @@ fn help_names_every_command_and_exit_code() {
 
 #[test]
 fn shipped_cameras_are_camera_files() {
-    for (name, text) in host_sim::formats::published::CAMERA_FILES {
+    for (name, text) in fmc_camera_file::published::CAMERA_FILES {
         let bench = Bench::with(text, b"id,x_mm,y_mm\na,1,1\n");
         let frame = bench.points("frame", &[]).ok();
         assert!(frame.stdout.contains("principal distance"), "{name}");
@@ -250,8 +250,8 @@ fn barrel_distortion_is_negative_and_its_correction_outwards() {
 
 #[test]
 fn corners_go_to_their_ideal_points_and_back_and_forth() {
-    for (name, text) in host_sim::formats::published::CAMERA_FILES {
-        let (camera, _) = host_sim::formats::camera_file::CameraFile::parse(name, text).unwrap();
+    for (name, text) in fmc_camera_file::published::CAMERA_FILES {
+        let (camera, _) = fmc_camera_file::CameraFile::parse(name, text).unwrap();
         let [x, y] = camera.half_format_mm();
         let corners = format!("id,x_mm,y_mm\na,{x},{y}\nb,-{x},{y}\nc,-{x},-{y}\nd,{x},-{y}\n");
         let ideal = Bench::with(text, corners.as_bytes())

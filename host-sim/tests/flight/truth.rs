@@ -1,12 +1,13 @@
 //! Observations without errors give back what they were made from.
 
+use fmc_camera_file::{CameraFile, FittedTable};
 use host_sim::flight::exterior_orientation::ExteriorOrientation;
 use host_sim::flight::image_truth::ImageTruth;
 use host_sim::flight::model::Model;
 use host_sim::flight::strip::Strip;
-use host_sim::formats::camera_file::{CameraFile, FittedTable};
 use host_sim::reference::exposure::{ExposurePath, ExposureRequest};
 use host_sim::reference::fitted::FittedModel;
+use host_sim::reference::lens::Lens;
 
 use crate::flight::support::{SHIPPED, flown, parsed, scenario, text};
 
@@ -80,7 +81,7 @@ fn coefficients_of_the_five_coefficient_model_come_back() {
         let flight = &scenario.written.flight;
         let request = ExposureRequest::planned(scenario.vh_per_s(), flight.exposure_s);
         let path = ExposurePath::new(&scenario.camera, &request);
-        let lens = scenario.camera.lens();
+        let lens = Lens::of(&scenario.camera);
         let table = FittedTable {
             km0: 3e-4,
             km1: 1.02 * lens.k[1],

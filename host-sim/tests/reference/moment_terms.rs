@@ -3,7 +3,7 @@
 
 use fmc_camera::flight::exposure::Exposure;
 use fmc_camera::geometry::principal_distance::FocusSign;
-use host_sim::formats::camera_file::{Axis, CameraFile};
+use fmc_camera_file::{Axis, CameraFile};
 use host_sim::reference::exposure::{ExposureRequest, FocusFormula};
 use host_sim::reference::lens::Lens;
 use host_sim::reference::strict::{StrictSolver, Weight};
@@ -129,7 +129,7 @@ fn moment_terms_are_the_exposure_mean_exactly() {
         let camera = leaf_camera(axis);
         let solver = StrictSolver::new(&camera, &request(), Weight::Exposure);
         let mu = moments(&solver);
-        let lens = turned_lens(axis, &camera.lens());
+        let lens = turned_lens(axis, &Lens::of(&camera));
         for point in points(&camera) {
             let [x, y] = point.map(f64::from);
             let strict = solver.mean([x, y]).distortion_mm;
@@ -153,7 +153,7 @@ fn fold_leaves_out_what_theory_says_and_states_a_bound_for_it() {
         let camera = leaf_camera(axis);
         let solver = StrictSolver::new(&camera, &request(), Weight::Exposure);
         let mu = moments(&solver);
-        let lens = turned_lens(axis, &camera.lens());
+        let lens = turned_lens(axis, &Lens::of(&camera));
         let exposure = Exposure {
             opening_offset_mm: Some(0.145),
             ..Exposure::new(0.17, 0.02)

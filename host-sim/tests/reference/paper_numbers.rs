@@ -1,8 +1,9 @@
 //! Numbers of MODEL.md that were computed independently.
 
-use host_sim::formats::camera_file::CameraFile;
+use fmc_camera_file::CameraFile;
 use host_sim::reference::exposure::{ExposureRequest, FocusFormula};
 use host_sim::reference::fitted::FittedModel;
+use host_sim::reference::lens::Lens;
 use host_sim::reference::strict::{Reading, StrictSolver, Weight};
 use host_sim::verify::grid;
 
@@ -49,7 +50,9 @@ fn printed_terms_triple_the_error_of_the_static_correction() {
         let solver = StrictSolver::new(&camera, &request(), Weight::Exposure);
         let printed = FittedModel::printed(&camera, solver.path().travel_mm);
         let strict = |point| solver.mean(point).distortion_mm;
-        let without = most_um(&camera, |p| minus(camera.lens().displacement(p), strict(p)));
+        let without = most_um(&camera, |p| {
+            minus(Lens::of(&camera).displacement(p), strict(p))
+        });
         let with_printed = most_um(&camera, |p| minus(printed.distortion(p), strict(p)));
         let literal = most_um(&camera, |p| {
             minus(solver.total(p, Reading::Literal).distortion_mm, strict(p))
@@ -124,7 +127,7 @@ fn five_micrometres_of_focus_outweigh_the_motion_on_metric_lenses() {
             ..ExposureRequest::planned(0.1, 0.003)
         };
         let solver = StrictSolver::new(&camera, &request, Weight::Exposure);
-        let lens = camera.lens();
+        let lens = Lens::of(&camera);
         let [x0, y0] = camera.principal_point_mm;
         let [x, y] = camera.half_format_mm();
         let [dx, dy] = minus(

@@ -1,7 +1,8 @@
 //! The camera files say what the published table says.
 
 use fmc_camera::{CalibrationRecord, CameraRecord};
-use host_sim::formats::camera_file::CameraFile;
+use fmc_camera_file::CameraFile;
+use host_sim::reference::lens::Lens;
 
 use crate::reference::support::published;
 
@@ -48,7 +49,7 @@ fn every_camera_file_holds_the_numbers_of_the_published_table() {
         } else {
             1.0
         };
-        let lens = camera.lens();
+        let lens = Lens::of(camera);
         for (value, column) in lens.k.into_iter().zip(["K0", "K1", "K2", "K3"]) {
             same(sign * value, column);
         }

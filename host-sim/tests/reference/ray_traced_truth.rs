@@ -6,8 +6,8 @@
 use fmc_camera::Camera;
 use fmc_camera::flight::exposure::Exposure;
 use fmc_camera::geometry::sensor::SensorPoint;
-use host_sim::formats::camera_file::CameraFile;
-use host_sim::formats::number::single;
+use fmc_camera_file::CameraFile;
+use fmc_camera_file::number::single;
 use host_sim::reference::lens::Lens;
 use nalgebra::{DMatrix, DVector};
 

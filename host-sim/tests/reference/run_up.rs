@@ -2,8 +2,8 @@
 
 use fmc_camera::flight::camera::Camera;
 use fmc_camera::flight::exposure::{Exposure, FlightDirection};
-use host_sim::formats::camera_file::CameraFile;
-use host_sim::formats::number::single;
+use fmc_camera_file::CameraFile;
+use fmc_camera_file::number::single;
 use host_sim::reference::exposure::{ExposurePath, ExposureRequest};
 use host_sim::reference::strict::{StrictSolver, Weight};
 

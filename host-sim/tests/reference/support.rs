@@ -3,8 +3,8 @@
 use fmc_camera::Camera;
 use fmc_camera::flight::exposure::Exposure;
 use fmc_camera::geometry::sensor::SensorPoint;
-use host_sim::formats::camera_file::CameraFile;
-use host_sim::formats::published::CAMERA_FILES;
+use fmc_camera_file::CameraFile;
+use fmc_camera_file::published::CAMERA_FILES;
 
 /// The five published cameras.
 pub(crate) fn published() -> Vec<CameraFile> {

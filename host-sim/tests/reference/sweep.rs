@@ -2,8 +2,9 @@
 
 use fmc_camera::geometry::estimation::fit::FitError;
 use fmc_camera::geometry::estimation::parameter::Parameter;
-use host_sim::formats::camera_file::{CameraFile, Per, Strategy};
+use fmc_camera_file::{CameraFile, Per, Strategy};
 use host_sim::reference::exposure::FocusFormula;
+use host_sim::reference::lens::Lens;
 use host_sim::reference::strict::{Reading, Weight};
 use host_sim::sweep::options::SweepOptions;
 use host_sim::sweep::result::Sweep;
@@ -45,10 +46,10 @@ fn camera_of_the_paper_has_a_distortion_of_0_03_per_cent_at_the_corner() {
     let camera = camera();
     let [x, y] = camera.half_format_mm();
     assert_near(x, 40.32, 1e-9);
-    let [dx, _] = camera.lens().displacement([x, y]);
+    let [dx, _] = Lens::of(&camera).displacement([x, y]);
     assert_near(dx / x, 3e-4, 1e-10);
     // It is none of the five that `verify` checks.
-    let published = host_sim::formats::published::CAMERA_FILES;
+    let published = fmc_camera_file::published::CAMERA_FILES;
     assert!(published.iter().all(|(_, text)| *text != PAPER_CAMERA));
 }
 
@@ -103,7 +104,7 @@ fn coefficients_are_those_of_the_focus_shift_and_of_the_centroid_offset() {
     let camera = camera();
     let [_, _, motion] = &sweep(&camera, options).cases;
     let fit = motion.whole.as_ref().unwrap();
-    let [_, k1, _, _] = camera.lens().k;
+    let [_, k1, _, _] = Lens::of(&camera).k;
     assert_near(fit.value(Parameter::Km1) / k1, 1.0, 1e-4);
     assert_near(fit.value(Parameter::Kd1) / k1, -2.0, 1e-3);
     assert_near(fit.value(Parameter::Pm1) / k1, -1.0, 1e-3);
@@ -165,7 +166,7 @@ fn literal_reading_is_static_distortion_counted_twice() {
     };
     let sweep = sweep(&camera(), options);
     let fit = sweep.both().whole.as_ref().unwrap();
-    let [_, k1, _, _] = camera().lens().k;
+    let [_, k1, _, _] = Lens::of(&camera()).k;
     assert_near(fit.value(Parameter::Km1) / k1, 2.0, 0.05);
     assert_near(fit.value(Parameter::Km0), 1.2e-4, 4e-6);
     assert_eq!(sweep.shares(), None);

@@ -1,7 +1,7 @@
 //! TDI: the camera's staircase against the reference's, and both against the numbers of MODEL.
 
 use fmc_camera::flight::exposure::Exposure;
-use host_sim::formats::number::single;
+use fmc_camera_file::number::single;
 use host_sim::reference::exposure::ExposureRequest;
 use host_sim::reference::strict::{StrictSolver, Weight};
 

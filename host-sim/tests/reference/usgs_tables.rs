@@ -1,5 +1,7 @@
 //! The radial distortion printed in the three USGS reports.
 
+use host_sim::reference::lens::Lens;
+
 use crate::reference::support::published;
 
 #[test]
@@ -19,7 +21,7 @@ fn polynomials_reproduce_eighteen_of_eighteen_printed_values() {
         let angle_deg: f64 = row[1].parse().unwrap();
         let printed_um: f64 = row[2].parse().unwrap();
         let r = camera.principal_distance_mm * angle_deg.to_radians().tan();
-        let [k0, k1, k2, k3] = camera.lens().k;
+        let [k0, k1, k2, k3] = Lens::of(camera).k;
         let r2 = r * r;
         let radial_um = 1e3 * r * (k0 + r2 * (k1 + r2 * (k2 + r2 * k3)));
         // Printed in whole micrometres.

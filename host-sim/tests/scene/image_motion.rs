@@ -4,7 +4,7 @@ use fmc_camera::geometry::image_motion::{
     Attitude, FlightState, GroundMotion, ImageMotion, ROUNDING_MM_S, View,
 };
 use fmc_camera::geometry::sensor::{FmcAxis, Sensor, SensorPoint};
-use host_sim::formats::number::single;
+use fmc_camera_file::number::single;
 use host_sim::reference::exposure::ExposureRequest;
 use host_sim::scene::Scene;
 use host_sim::scene::terrain::Terrain;

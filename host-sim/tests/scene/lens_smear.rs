@@ -2,6 +2,7 @@
 //! the path under it.
 
 use host_sim::reference::exposure::ExposureRequest;
+use host_sim::reference::lens::Lens;
 use host_sim::scene::Scene;
 
 use crate::scene::support::{HEIGHT_M, apart, points, published};
@@ -17,7 +18,7 @@ fn lens_smears_by_the_travel_times_the_gradient_of_its_distortion() {
         let scene = Scene::still(&camera, &request, HEIGHT_M);
         let frame = scene.expose(0.0);
         let travel_mm = camera.principal_distance_mm * 0.17 * 0.01;
-        let lens = camera.lens();
+        let lens = Lens::of(&camera);
         let [x0, y0] = frame.principal_point_mm();
         for [x, y] in points(&camera, 9, 0.98) {
             let ground = frame.ground_point([x, y]).unwrap();

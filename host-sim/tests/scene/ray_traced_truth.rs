@@ -1,6 +1,6 @@
 //! A lens by its table, against ray-traced exposures of the same lens.
 
-use host_sim::formats::camera_file::CameraFile;
+use fmc_camera_file::CameraFile;
 use host_sim::reference::exposure::ExposureRequest;
 use host_sim::scene::Scene;
 use host_sim::scene::field_table::{FieldNode, FieldTable};

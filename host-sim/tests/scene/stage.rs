@@ -2,8 +2,8 @@
 
 use fmc_camera::geometry::principal_point::PrincipalPointMotion;
 use fmc_camera::geometry::shutter::{Shutter, ShutterProfile};
-use host_sim::formats::camera_file::CameraFile;
-use host_sim::formats::number::single;
+use fmc_camera_file::CameraFile;
+use fmc_camera_file::number::single;
 use host_sim::reference::exposure::ExposureRequest;
 use host_sim::scene::Scene;
 use host_sim::scene::stage::Encoder;

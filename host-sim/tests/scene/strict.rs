@@ -1,7 +1,7 @@
 //! Still air, flat ground and perfect compensation: the strict solver's case.
 
 use fmc_camera::flight::exposure::FlightDirection;
-use host_sim::formats::camera_file::CameraFile;
+use fmc_camera_file::CameraFile;
 use host_sim::reference::exposure::ExposureRequest;
 use host_sim::reference::strict::{StrictSolver, Weight};
 use host_sim::scene::Scene;

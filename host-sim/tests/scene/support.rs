@@ -1,7 +1,7 @@
 //! Cameras, points and scenes of the tests.
 
-use host_sim::formats::camera_file::{CameraFile, Strategy};
-use host_sim::formats::published::CAMERA_FILES;
+use fmc_camera_file::published::CAMERA_FILES;
+use fmc_camera_file::{CameraFile, Strategy};
 use host_sim::scene::Scene;
 use host_sim::scene::frame::Frame;
 

@@ -3,13 +3,13 @@
 use fmc_camera::Camera;
 use fmc_camera::flight::interior_orientation::InteriorOrientation;
 use fmc_camera::geometry::mesh::pixel_correction::CorrectionMesh;
+use fmc_camera_file::CameraFile;
 use serde::Serialize;
 
 use super::{Content, Layout};
 use crate::cli::{MeshArgs, MeshFormatName};
 use crate::device::DeviceError;
 use crate::failure::Failure;
-use crate::formats::camera_file::CameraFile;
 
 /// How near the files come to the camera's model, pixels per axis.
 #[derive(Debug, Clone, Copy, Serialize)]

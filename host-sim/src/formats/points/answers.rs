@@ -3,11 +3,12 @@
 use std::io::{self, Write};
 use std::ops::Range;
 
+use fmc_camera_file::CameraFile;
+use fmc_camera_file::number::single;
+
 use super::{Block, Frame, PointFormat, Precision, Source, decimal};
 use crate::failure::Failure;
-use crate::formats::camera_file::CameraFile;
 use crate::formats::npy_header::NpyHeader;
-use crate::formats::number::single;
 
 /// The answer to one point.
 #[derive(Debug, Clone, Copy, PartialEq)]

@@ -1,9 +1,10 @@
 //! Consecutive points of a file.
 
+use fmc_camera_file::CameraFile;
+use fmc_camera_file::number::clipped;
+
 use super::{Frame, Source};
 use crate::failure::Failure;
-use crate::formats::camera_file::CameraFile;
-use crate::formats::number::clipped;
 
 /// Points that are read, corrected and written together.
 ///

@@ -1,10 +1,10 @@
 //! Where the columns of a point file are.
 
 use csv::ByteRecord;
+use fmc_camera_file::CameraFile;
+use fmc_camera_file::number::clipped;
 
 use super::{Block, Frame};
-use crate::formats::camera_file::CameraFile;
-use crate::formats::number::clipped;
 
 /// Where the columns of a point file are.
 #[derive(Debug, Clone, Copy)]

@@ -4,11 +4,11 @@ use std::io::Read;
 use std::path::Path;
 
 use csv::{ByteRecord, ErrorKind, Reader, ReaderBuilder};
+use fmc_camera_file::CameraFile;
 
 use super::columns::Columns;
 use super::{Block, Frame};
 use crate::failure::Failure;
-use crate::formats::camera_file::CameraFile;
 
 /// The rows of a CSV file, behind its header.
 pub(super) struct CsvPoints<R> {

@@ -129,7 +129,7 @@ mod tests {
         for _ in 0..300_000 {
             let value = 500.0 * (random.f64() - 0.5);
             assert_as_formatted(value);
-            assert_as_formatted(f64::from(crate::formats::number::single(value)));
+            assert_as_formatted(f64::from(fmc_camera_file::number::single(value)));
             assert_as_formatted(value * 1e-6);
         }
     }

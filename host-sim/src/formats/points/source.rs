@@ -7,11 +7,12 @@ use std::sync::Arc;
 use std::sync::mpsc::{Receiver, Sender, SyncSender, channel, sync_channel};
 use std::thread;
 
+use fmc_camera_file::CameraFile;
+
 use super::csv_points::CsvPoints;
 use super::npy_points::NpyPoints;
 use super::{Block, Frame, PointFormat, Precision};
 use crate::failure::Failure;
-use crate::formats::camera_file::CameraFile;
 
 /// Blocks between the thread that reads and the one that answers.
 const AHEAD: usize = 4;

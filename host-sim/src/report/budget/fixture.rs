@@ -1,9 +1,10 @@
 //! A budget for the tests.
 
+use fmc_camera_file::CameraFile;
+
 use crate::budget::assumptions::Assumptions;
 use crate::budget::result::Budget;
 use crate::budget::run;
-use crate::formats::camera_file::CameraFile;
 
 /// Of a small camera.
 pub(super) fn budget() -> Budget {

@@ -6,9 +6,8 @@ use std::io::{self, Write};
 
 use crc::{CRC_32_ISO_HDLC, Crc};
 use fmc_camera::flight::frame_record::FrameRecord;
-use serde::Serialize;
-
 use row::Row;
+use serde::Serialize;
 
 /// What the numbers of a record mean, for whoever reads the file without this program.
 const CONVENTIONS: [&str; 6] = [
@@ -83,9 +82,9 @@ mod tests {
     use fmc_camera::flight::fault::{Fault, Faults};
     use fmc_camera::flight::frame_record::{ExposedFrame, Flag, Flags, Outcome, Reason};
     use fmc_camera::flight::time::Time;
+    use fmc_camera_file::CameraFile;
 
     use super::*;
-    use crate::formats::camera_file::CameraFile;
 
     fn camera() -> (CameraRecord, Camera) {
         let text = "name = \"bare\"\nprincipal_distance_mm = 100.0\n\

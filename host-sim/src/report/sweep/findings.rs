@@ -2,9 +2,9 @@
 
 use fmc_camera::geometry::estimation::fit::{Fit, FitError};
 use fmc_camera::geometry::estimation::parameter::Parameter;
+use fmc_camera_file::Per;
 
 use super::power;
-use crate::formats::camera_file::Per;
 use crate::reference::exposure::FocusFormula;
 use crate::reference::strict::{Reading, Weight};
 use crate::report::wording;

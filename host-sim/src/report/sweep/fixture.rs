@@ -1,6 +1,7 @@
 //! A sweep for the tests.
 
-use crate::formats::camera_file::{CameraFile, Per, Strategy};
+use fmc_camera_file::{CameraFile, Per, Strategy};
+
 use crate::reference::exposure::FocusFormula;
 use crate::reference::strict::{Reading, Weight};
 use crate::sweep::options::SweepOptions;

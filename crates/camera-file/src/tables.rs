@@ -38,6 +38,28 @@ pub struct DistortionTable {
     pub b2: f64,
 }
 
+impl DistortionTable {
+    /// The same distortion with the sign of measured - ideal, whichever sign the file has.
+    #[must_use]
+    pub fn measured_minus_ideal(&self) -> Self {
+        let sign = match self.sign {
+            Sign::Distortion => 1.0,
+            Sign::Correction => -1.0,
+        };
+        Self {
+            sign: Sign::Distortion,
+            k0: sign * self.k0,
+            k1: sign * self.k1,
+            k2: sign * self.k2,
+            k3: sign * self.k3,
+            p1: sign * self.p1,
+            p2: sign * self.p2,
+            b1: sign * self.b1,
+            b2: sign * self.b2,
+        }
+    }
+}
+
 /// Which sign the coefficients of `[distortion]` have.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Deserialize)]
 #[serde(rename_all = "lowercase")]
@@ -274,7 +296,7 @@ impl From<Per> for Regressor {
 }
 
 /// Two numbers, no more and no fewer.
-pub(super) fn pair<'de, D: Deserializer<'de>>(deserializer: D) -> Result<[f64; 2], D::Error> {
+pub(crate) fn pair<'de, D: Deserializer<'de>>(deserializer: D) -> Result<[f64; 2], D::Error> {
     let numbers = Vec::<f64>::deserialize(deserializer)?;
     let count = numbers.len();
     numbers

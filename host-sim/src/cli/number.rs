@@ -1,21 +1,12 @@
-//! Numbers on the command line, and in the precision of the camera.
+//! Numbers on the command line.
 
-/// A finite number.
-///
-/// # Errors
-/// A sentence for the user.
-pub fn finite(text: &str) -> Result<f64, String> {
-    match text.trim().parse::<f64>() {
-        Ok(value) if value.is_finite() => Ok(value),
-        _ => Err("not a finite number".to_owned()),
-    }
-}
+use fmc_camera_file::number::finite;
 
 /// An exposure time in seconds, or a fraction such as 1/200.
 ///
 /// # Errors
 /// A sentence for the user; zero and negative times are not exposures.
-pub fn exposure_time(text: &str) -> Result<f64, String> {
+pub(super) fn exposure_time(text: &str) -> Result<f64, String> {
     let seconds = match text.split_once('/') {
         Some((numerator, denominator)) => finite(numerator)? / finite(denominator)?,
         None => finite(text)?,
@@ -28,7 +19,7 @@ pub fn exposure_time(text: &str) -> Result<f64, String> {
 }
 
 /// A reader of numbers from `least` to `most`.
-pub fn between(
+pub(super) fn between(
     least: f64,
     most: f64,
 ) -> impl Fn(&str) -> Result<f64, String> + Clone + Send + Sync + 'static {
@@ -36,26 +27,6 @@ pub fn between(
         Ok(number) if (least..=most).contains(&number) => Ok(number),
         _ => Err(format!("not a number from {least} to {most}")),
     }
-}
-
-/// As much of a text as belongs into a message.
-#[must_use]
-pub fn clipped(text: &str) -> String {
-    const LONGEST: usize = 60;
-    match text.char_indices().nth(LONGEST) {
-        Some((end, _)) => format!("{}…", text.get(..end).unwrap_or_default()),
-        None => text.to_owned(),
-    }
-}
-
-/// A number in the precision of the camera.
-#[expect(
-    clippy::cast_possible_truncation,
-    reason = "rounding to the camera's precision is the purpose; what becomes infinite is refused by validation"
-)]
-#[must_use]
-pub const fn single(value: f64) -> f32 {
-    value as f32
 }
 
 #[cfg(test)]

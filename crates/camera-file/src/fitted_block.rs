@@ -4,8 +4,9 @@ use std::str::FromStr;
 
 use toml_edit::{DocumentMut, Item, Table, TableLike, Value};
 
-use super::camera_file::{CameraFile, FittedTable, Sign};
-use crate::failure::Failure;
+use crate::camera::CameraFile;
+use crate::input_error::InputError;
+use crate::tables::{FittedTable, Sign};
 
 /// A static coefficient that was estimated beside the five: its key in `[distortion]` and its
 /// value, measured - ideal.
@@ -21,17 +22,17 @@ pub struct Decentring {
 /// `text` are kept. `file` is what messages call it.
 ///
 /// # Errors
-/// [`Failure`] for a text that is no TOML, and where the camera with the coefficients would not be
+/// [`InputError`] for a text that is no TOML, and where the camera with the coefficients would not be
 /// usable.
 pub fn with_coefficients(
     file: &str,
     text: &str,
     fitted: &FittedTable,
     decentring: Option<Decentring>,
-) -> Result<String, Failure> {
+) -> Result<String, InputError> {
     let (camera, _) = CameraFile::parse(file, text)?;
     let text = text.strip_prefix('\u{feff}').unwrap_or(text);
-    let not_toml = |error: &dyn std::fmt::Display| Failure::bad_input(format!("{file}: {error}"));
+    let not_toml = |error: &dyn std::fmt::Display| InputError::invalid(format!("{file}: {error}"));
     let mut document = DocumentMut::from_str(text).map_err(|error| not_toml(&error))?;
     let table = table(&mut document, "fitted").ok_or_else(|| not_toml(&"fitted is no table"))?;
     for (key, number) in [
@@ -89,7 +90,7 @@ fn float(number: f64) -> Value {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::formats::camera_file::Per;
+    use crate::tables::Per;
 
     const CAMERA: &str = "# Serial 7\nname = \"A\" # owner: B\nprincipal_distance_mm = 100\n\n[fitted] # of June\nkm1 = -1e-6 # old\n\n# the lens\n[distortion]\nsign = \"correction\"\np1 = 0.0\n[sensor]\nwidth_px = 9216\nheight_px = 9216\npixel_um = 8.75\n";
 
@@ -131,8 +132,9 @@ mod tests {
         let text = with_coefficients("a.toml", CAMERA, &FITTED, Some(decentring)).unwrap();
         assert!(text.contains("p1 = -2e-6\n"), "{text}");
         let (camera, _) = CameraFile::parse("b.toml", &text).unwrap();
+        let distortion = camera.distortion.measured_minus_ideal();
         assert_eq!(
-            camera.lens().p.map(f64::to_bits),
+            [distortion.p1, distortion.p2].map(f64::to_bits),
             [2e-6_f64, -0.0].map(f64::to_bits)
         );
     }

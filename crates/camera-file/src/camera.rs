@@ -13,17 +13,14 @@ use fmc_camera::geometry::sensor::SensorPoint;
 use fmc_camera::geometry::shutter::ShutterProfile;
 use serde::Deserialize;
 
-use self::tables::pair;
-pub use self::tables::{
-    Axis, DistortionTable, FittedTable, FmcTable, LimitsTable, MechanismName, Per, Profile,
-    SensorTable, ShutterTable, Sign, Strategy,
+use crate::calibration_error::invalid_calibration;
+use crate::input_error::InputError;
+use crate::number::single;
+use crate::tables::{
+    DistortionTable, FittedTable, FmcTable, LimitsTable, MechanismName, Profile, SensorTable,
+    ShutterTable, pair,
 };
-use super::camera_error::CameraText;
-use super::number::single;
-use crate::failure::Failure;
-use crate::reference::lens::Lens;
-
-mod tables;
+use crate::toml_text::TomlText;
 
 /// A camera file as written. Units are in the names of the fields, which are those of the file.
 #[derive(Debug, Clone, PartialEq, Deserialize)]
@@ -54,13 +51,13 @@ impl CameraFile {
     /// Reads and validates a camera file.
     ///
     /// # Errors
-    /// [`Failure`] naming file, line, field, value and allowed range.
-    pub fn read(path: &Path) -> Result<(Self, Camera), Failure> {
+    /// [`InputError`] naming file, line, field, value and allowed range.
+    pub fn read(path: &Path) -> Result<(Self, Camera), InputError> {
         let text = std::fs::read_to_string(path).map_err(|error| match error.kind() {
             std::io::ErrorKind::InvalidData => {
-                Failure::bad_input(format!("{}: not a text file (UTF-8)", path.display()))
+                InputError::invalid(format!("{}: not a text file (UTF-8)", path.display()))
             }
-            _ => Failure::reading(path, &error),
+            _ => InputError::reading(path, &error),
         })?;
         Self::parse(&path.display().to_string(), &text)
     }
@@ -69,16 +66,16 @@ impl CameraFile {
     ///
     /// # Errors
     /// As [`Self::read`].
-    pub fn parse(file: &str, text: &str) -> Result<(Self, Camera), Failure> {
-        let text = CameraText::new(file, text.strip_prefix('\u{feff}').unwrap_or(text));
+    pub fn parse(file: &str, text: &str) -> Result<(Self, Camera), InputError> {
+        let text = TomlText::new(file, text);
         let camera_file: Self = text.deserialize()?;
         camera_file.check_what_only_the_file_knows(&text)?;
-        let camera =
-            Camera::new(camera_file.record()).map_err(|error| text.invalid_calibration(&error))?;
+        let camera = Camera::new(camera_file.record())
+            .map_err(|error| invalid_calibration(&text, &error))?;
         Ok((camera_file, camera))
     }
 
-    fn check_what_only_the_file_knows(&self, text: &CameraText) -> Result<(), Failure> {
+    fn check_what_only_the_file_knows(&self, text: &TomlText) -> Result<(), InputError> {
         if self.name.trim().is_empty() {
             return Err(text.invalid(&["name"], "is empty; a camera needs a name"));
         }
@@ -93,7 +90,7 @@ impl CameraFile {
         ] {
             quantity
                 .check(single(value))
-                .map_err(|error| text.invalid_calibration(&error.into()))?;
+                .map_err(|error| invalid_calibration(text, &error.into()))?;
         }
         for (quantity, value) in [
             (Quantity::JerkMmS3, limit(self.fmc.jerk_mm_s3)),
@@ -134,21 +131,6 @@ impl CameraFile {
         self.exit_pupil_mm.unwrap_or(self.principal_distance_mm)
     }
 
-    /// The static distortion, measured - ideal.
-    #[must_use]
-    pub fn lens(&self) -> Lens {
-        let table = &self.distortion;
-        let sign = match table.sign {
-            Sign::Distortion => 1.0,
-            Sign::Correction => -1.0,
-        };
-        Lens {
-            k: [table.k0, table.k1, table.k2, table.k3].map(|k| sign * k),
-            p: [table.p1, table.p2].map(|p| sign * p),
-            b: [table.b1, table.b2].map(|b| sign * b),
-        }
-    }
-
     /// Format: half of width and height, mm.
     #[must_use]
     pub fn half_format_mm(&self) -> [f64; 2] {
@@ -179,10 +161,7 @@ impl CameraFile {
     /// What the camera is given: the numbers of the file in single precision.
     #[must_use]
     pub fn record(&self) -> CameraRecord {
-        let lens = self.lens();
-        let [k0, k1, k2, k3] = lens.k.map(single);
-        let [p1, p2] = lens.p.map(single);
-        let [b1, b2] = lens.b.map(single);
+        let distortion = self.distortion.measured_minus_ideal();
         let [x_mm, y_mm] = self.principal_point_mm.map(single);
         let mut coefficients_um = [0.0; FLATNESS_TERMS];
         for (coefficient, value) in coefficients_um.iter_mut().zip(&self.fmc.flatness_um) {
@@ -198,14 +177,14 @@ impl CameraFile {
                 height_px: u32::try_from(self.sensor.height_px).unwrap_or(0),
                 pixel_um: single(self.sensor.pixel_um),
                 distortion: Brown {
-                    k0,
-                    k1,
-                    k2,
-                    k3,
-                    p1,
-                    p2,
-                    b1,
-                    b2,
+                    k0: single(distortion.k0),
+                    k1: single(distortion.k1),
+                    k2: single(distortion.k2),
+                    k3: single(distortion.k3),
+                    p1: single(distortion.p1),
+                    p2: single(distortion.p2),
+                    b1: single(distortion.b1),
+                    b2: single(distortion.b2),
                 },
                 fitted: self.fitted.as_ref().map(|fitted| FiveCoefficients {
                     km0: single(fitted.km0),

@@ -1,0 +1,36 @@
+//! The camera as its file describes it: calibration, mechanism, shutter and limits in TOML.
+//!
+//! [`CameraFile`] holds the numbers as they are written, in double precision and in the units of the file's keys; the
+//! validated [`Camera`](fmc_camera::flight::camera::Camera) that comes with it has them in the camera's precision. What
+//! is wrong is named with file, line, field, value and allowed range ([`InputError`]); other files in TOML, and in other
+//! formats, can say so in the same words ([`toml_text`]).
+//!
+//! # Examples
+//! ```
+//! use fmc_camera_file::CameraFile;
+//!
+//! let text = "name = \"bare\"\nprincipal_distance_mm = 100.0\n\
+//!             [sensor]\nwidth_px = 9216\nheight_px = 9216\npixel_um = 10.0\n";
+//! let (file, _) = CameraFile::parse("bare.toml", text).unwrap();
+//! assert_eq!(file.sensor_from_pixel([9215.5, -0.5]), [46.08, 46.08]);
+//! let error = CameraFile::parse("bare.toml", &text.replace("100.0", "-1.0")).unwrap_err();
+//! assert!(error.to_string().starts_with("bare.toml, line 2: principal_distance_mm = -1.0"));
+//! ```
+
+#![forbid(unsafe_code)]
+
+mod calibration_error;
+mod camera;
+pub mod fitted_block;
+mod input_error;
+pub mod number;
+pub mod published;
+mod tables;
+pub mod toml_text;
+
+pub use camera::CameraFile;
+pub use input_error::{InputError, InputErrorKind, Place};
+pub use tables::{
+    Axis, DistortionTable, FittedTable, FmcTable, LimitsTable, MechanismName, Per, Profile,
+    SensorTable, ShutterTable, Sign, Strategy,
+};
