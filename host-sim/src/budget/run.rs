@@ -7,14 +7,14 @@ use fmc_camera::geometry::image_motion::{ImageMotion, ImageMotionError, View};
 use fmc_camera::geometry::sensor::SensorPoint;
 use fmc_camera_file::number::single;
 use fmc_camera_file::{CameraFile, MechanismName};
+use fmc_reference::exposure::{ExposurePath, ExposureRequest};
+use fmc_reference::lens::Lens;
+use fmc_reference::strict::{StrictSolver, Weight};
+use fmc_reference::verification::grid::{self, GridExposure};
 
 use super::assumptions::{Assumptions, FOCUS_REMAINDER};
 use super::result::{Budget, Exposures, Source, Term};
-use crate::reference::exposure::{ExposurePath, ExposureRequest};
-use crate::reference::lens::Lens;
-use crate::reference::strict::{StrictSolver, Weight};
 use crate::smear::term::{self, Disturbances, NotBelievable};
-use crate::verify::grid::{self, GridExposure};
 
 /// Why there is no budget.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]

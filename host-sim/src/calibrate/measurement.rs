@@ -8,10 +8,10 @@ use fmc_camera::geometry::five_coefficient::Regressor;
 use fmc_camera_file::CameraFile;
 use fmc_camera_file::InputError;
 use fmc_camera_file::number::single;
+use fmc_reference::exposure::{ExposurePath, ExposureRequest};
+use fmc_reference::lens::Lens;
 
 use crate::formats::observations::{ObservationRow, ObservationTable};
-use crate::reference::exposure::{ExposurePath, ExposureRequest};
-use crate::reference::lens::Lens;
 
 /// An observation of one point of one exposure, in double precision.
 #[derive(Debug, Clone, PartialEq)]

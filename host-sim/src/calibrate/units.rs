@@ -2,9 +2,9 @@
 
 use fmc_camera_file::CameraFile;
 use fmc_camera_file::InputError;
+use fmc_reference::lens::Lens;
 
 use super::measurement::Measurement;
-use crate::reference::lens::Lens;
 
 /// Points all nearer to the centre than this fraction of half the format are not in millimetres.
 const LEAST_FORMAT: f64 = 1.0 / 200.0;

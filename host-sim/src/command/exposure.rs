@@ -6,11 +6,11 @@ use fmc_camera::geometry::principal_distance::FocusSign;
 use fmc_camera::geometry::range::Quantity;
 use fmc_camera_file::number::single;
 use fmc_camera_file::{CameraFile, MechanismName};
+use fmc_reference::exposure::{ExposureRequest, FocusFormula};
 
 use crate::cli::{DirectionName, ExposureArgs, FocusSignName, ModelName};
 use crate::device::DeviceError;
 use crate::failure::Failure;
-use crate::reference::exposure::{ExposureRequest, FocusFormula};
 
 impl ExposureArgs {
     /// Reads the camera file, and notes what of the request has no effect on this camera.

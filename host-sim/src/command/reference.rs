@@ -1,6 +1,9 @@
 //! `reference`: points through the strict solver.
 
 use fmc_camera::Camera;
+use fmc_reference::fitted::FittedModel;
+use fmc_reference::lens::Lens;
+use fmc_reference::strict::{Reading, StrictMean, StrictSolver, Weight};
 
 use super::point_stream::PointStream;
 use crate::cli::{ModelName, ReadingName, ReferenceArgs, WeightName};
@@ -8,9 +11,6 @@ use crate::device::DeviceError;
 use crate::failure::Failure;
 use crate::formats::output;
 use crate::formats::points::{Answer, Checked};
-use crate::reference::fitted::FittedModel;
-use crate::reference::lens::Lens;
-use crate::reference::strict::{Reading, StrictMean, StrictSolver, Weight};
 
 pub(super) fn run(args: &ReferenceArgs) -> Result<(), Failure> {
     let request = &args.exposure;

@@ -5,13 +5,13 @@ use std::io;
 use fmc_camera::flight::camera::FrameError;
 use fmc_camera::geometry::range::Quantity;
 use fmc_camera_file::{CameraFile, MechanismName, Per, Strategy};
+use fmc_reference::exposure::FocusFormula;
+use fmc_reference::strict::{Reading, Weight};
 use indicatif::{ProgressBar, ProgressStyle};
 
 use crate::cli::{FocusSignName, ReadingName, RegressOn, StrategyName, SweepArgs, WeightName};
 use crate::failure::Failure;
 use crate::formats::output::{self, OutputFolder};
-use crate::reference::exposure::FocusFormula;
-use crate::reference::strict::{Reading, Weight};
 use crate::report::sweep::{coefficient_plot, coefficients_csv, page, summary, table};
 use crate::report::wording;
 use crate::sweep::options::SweepOptions;

@@ -5,6 +5,8 @@ use std::path::Path;
 
 use fmc_camera_file::CameraFile;
 use fmc_camera_file::published::CAMERA_FILES;
+use fmc_reference::verification::result::Verification;
+use fmc_reference::verification::{cameras as check, grid};
 use indicatif::{ProgressBar, ProgressStyle};
 
 use super::device::Devices;
@@ -15,8 +17,6 @@ use crate::formats::output::{self, OutputFolder};
 use crate::report::figure::FigureError;
 use crate::report::summary::Summary;
 use crate::report::{arrow_field, error_plot, frames_csv, html, table};
-use crate::verify::result::Verification;
-use crate::verify::{cameras as check, grid};
 
 pub(super) fn run(args: &VerifyArgs) -> Result<(), Failure> {
     let cameras = cameras(args.camera.as_deref())?;

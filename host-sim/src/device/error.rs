@@ -11,6 +11,7 @@ use fmc_camera::geometry::frame_correction::Corrected;
 use fmc_camera::geometry::inverse::DistortError;
 use fmc_camera::geometry::mesh::vertex::{MeshError, VertexRow};
 use fmc_camera::geometry::sensor::SensorPoint;
+use fmc_reference::verification::device::CorrectionFailure;
 
 use super::link_error::LinkError;
 
@@ -89,6 +90,16 @@ impl DeviceError {
         } else {
             Err(Self::Count { asked, answered })
         }
+    }
+}
+
+impl CorrectionFailure for DeviceError {
+    fn of_count(asked: usize, answered: usize) -> Self {
+        Self::Count { asked, answered }
+    }
+
+    fn is_difference(&self) -> bool {
+        matches!(self, Self::Different(_))
     }
 }
 

@@ -7,7 +7,7 @@ use fmc_camera::io::link::message::Status;
 
 use super::port::Port;
 use super::remote::Remote;
-use super::{Device, DeviceError};
+use super::{CorrectingDevice, DeviceError};
 
 /// A camera on a board.
 pub trait FlownCamera {
@@ -40,7 +40,7 @@ impl<P: Port> FlownCamera for Remote<P> {
         camera: &CameraRecord,
         settings: &FlightSettings,
     ) -> Result<(), DeviceError> {
-        Device::load(self, camera)?;
+        CorrectingDevice::load(self, camera)?;
         self.client
             .prepare(settings)
             .map_err(|error| self.failed(error, 0))

@@ -83,7 +83,7 @@ impl InProcess {
 
 impl FlyingDevice for InProcess {
     fn description(&self) -> String {
-        super::Device::description(self)
+        super::CorrectingDevice::description(self)
     }
 
     fn prepare(

@@ -17,7 +17,7 @@ use super::error::{DeviceError, DifferentResult};
 use super::faulty_port::{Fault, FaultyPort};
 use super::link_error::LinkError;
 use super::remote::Remote;
-use super::{Device, InProcess};
+use super::{CorrectingDevice, Device, InProcess};
 
 fn camera() -> CameraRecord {
     let mut lens = CalibrationRecord::new(100.0, [8000, 6000], 10.0);

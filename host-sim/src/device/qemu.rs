@@ -28,7 +28,7 @@ use super::name::Machine;
 use super::open::OpenError;
 use super::port::TcpPort;
 use super::remote::Remote;
-use super::{Device, DeviceError, Evidence, FlyingDevice};
+use super::{CorrectingDevice, Device, DeviceError, Evidence, FlyingDevice};
 
 /// How the firmware runs in QEMU.
 #[derive(Debug, Clone, Default, PartialEq, Eq)]
@@ -148,7 +148,9 @@ impl Watch {
     }
 }
 
-impl Device for Qemu {
+impl CorrectingDevice for Qemu {
+    type Error = DeviceError;
+
     fn description(&self) -> String {
         let machine = self.machine;
         format!(
@@ -173,23 +175,8 @@ impl Device for Qemu {
         answer.map_err(|error| self.watch.explain(error))
     }
 
-    fn distort(&mut self, ideal: &[SensorPoint]) -> Result<Vec<Corrected>, DeviceError> {
-        let answer = self.remote.distort(ideal);
-        answer.map_err(|error| self.watch.explain(error))
-    }
-
     fn correct_grid(&mut self, grid: &Grid) -> Result<Vec<Corrected>, DeviceError> {
         let answer = self.remote.correct_grid(grid);
-        answer.map_err(|error| self.watch.explain(error))
-    }
-
-    fn mesh(&mut self, row: &VertexRow, format: MeshFormat) -> Result<Vec<u8>, DeviceError> {
-        let answer = self.remote.mesh(row, format);
-        answer.map_err(|error| self.watch.explain(error))
-    }
-
-    fn corrections(&mut self, row: &VertexRow) -> Result<Vec<PixelCorrection>, DeviceError> {
-        let answer = self.remote.corrections(row);
         answer.map_err(|error| self.watch.explain(error))
     }
 
@@ -203,6 +190,23 @@ impl Device for Qemu {
     }
 }
 
+impl Device for Qemu {
+    fn distort(&mut self, ideal: &[SensorPoint]) -> Result<Vec<Corrected>, DeviceError> {
+        let answer = self.remote.distort(ideal);
+        answer.map_err(|error| self.watch.explain(error))
+    }
+
+    fn mesh(&mut self, row: &VertexRow, format: MeshFormat) -> Result<Vec<u8>, DeviceError> {
+        let answer = self.remote.mesh(row, format);
+        answer.map_err(|error| self.watch.explain(error))
+    }
+
+    fn corrections(&mut self, row: &VertexRow) -> Result<Vec<PixelCorrection>, DeviceError> {
+        let answer = self.remote.corrections(row);
+        answer.map_err(|error| self.watch.explain(error))
+    }
+}
+
 impl Qemu {
     /// The camera at the end of its serial port.
     pub(super) const fn remote_mut(&mut self) -> &mut Remote<TcpPort> {
@@ -212,7 +216,7 @@ impl Qemu {
 
 impl FlyingDevice for Qemu {
     fn description(&self) -> String {
-        Device::description(self)
+        CorrectingDevice::description(self)
     }
 
     fn prepare(

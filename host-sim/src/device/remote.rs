@@ -19,7 +19,7 @@ use super::client::Client;
 use super::error::{DeviceError, Difference, DifferentResult};
 use super::link_error::LinkError;
 use super::port::Port;
-use super::{Device, Evidence, InProcess};
+use super::{CorrectingDevice, Device, Evidence, InProcess};
 
 /// Of a grid, every so many points one is compared by value.
 pub const SAMPLE_STEP: usize = 8;
@@ -246,7 +246,9 @@ impl<P: Port> Remote<P> {
     }
 }
 
-impl<P: Port> Device for Remote<P> {
+impl<P: Port> CorrectingDevice for Remote<P> {
+    type Error = DeviceError;
+
     fn description(&self) -> String {
         format!("{} ({})", self.name, self.firmware())
     }
@@ -292,10 +294,6 @@ impl<P: Port> Device for Remote<P> {
         self.through_both(measured, Client::correct, InProcess::correct)
     }
 
-    fn distort(&mut self, ideal: &[SensorPoint]) -> Result<Vec<Corrected>, DeviceError> {
-        self.through_both(ideal, Client::distort, InProcess::distort)
-    }
-
     fn correct_grid(&mut self, grid: &Grid) -> Result<Vec<Corrected>, DeviceError> {
         let camera = self
             .client
@@ -313,6 +311,21 @@ impl<P: Port> Device for Remote<P> {
         let sample: Vec<SensorPoint> = points.iter().step_by(SAMPLE_STEP).copied().collect();
         self.correct(&sample)?;
         self.twin.correct_grid(grid)
+    }
+
+    fn evidence(&self) -> Evidence {
+        self.evidence
+    }
+
+    fn counters(&mut self) -> Result<Option<Counters>, DeviceError> {
+        let counters = self.client.counters();
+        counters.map(Some).map_err(|error| self.failed(error, 0))
+    }
+}
+
+impl<P: Port> Device for Remote<P> {
+    fn distort(&mut self, ideal: &[SensorPoint]) -> Result<Vec<Corrected>, DeviceError> {
+        self.through_both(ideal, Client::distort, InProcess::distort)
     }
 
     fn mesh(&mut self, row: &VertexRow, format: MeshFormat) -> Result<Vec<u8>, DeviceError> {
@@ -336,15 +349,6 @@ impl<P: Port> Device for Remote<P> {
             return Err(self.different(DifferentResult::Mesh { row: *row }));
         }
         Ok(camera)
-    }
-
-    fn evidence(&self) -> Evidence {
-        self.evidence
-    }
-
-    fn counters(&mut self) -> Result<Option<Counters>, DeviceError> {
-        let counters = self.client.counters();
-        counters.map(Some).map_err(|error| self.failed(error, 0))
     }
 }
 

@@ -17,7 +17,7 @@ use super::flying::FlyingDevice;
 use super::link_error::LinkError;
 use super::port::Port;
 use super::remote::{Remote, same_bits};
-use super::{Device, DeviceError};
+use super::{CorrectingDevice, DeviceError};
 
 impl<P: Port> Remote<P> {
     /// The oldest record with at least that number, whether this program has prepared the flight or another.
@@ -80,7 +80,7 @@ impl<P: Port> Remote<P> {
 
 impl<P: Port> FlyingDevice for Remote<P> {
     fn description(&self) -> String {
-        Device::description(self)
+        CorrectingDevice::description(self)
     }
 
     fn prepare(
@@ -88,7 +88,7 @@ impl<P: Port> FlyingDevice for Remote<P> {
         camera: &CameraRecord,
         settings: &FlightSettings,
     ) -> Result<(), DeviceError> {
-        Device::load(self, camera)?;
+        CorrectingDevice::load(self, camera)?;
         let prepared = self
             .client
             .prepare(settings)

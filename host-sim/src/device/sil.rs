@@ -9,12 +9,11 @@ use fmc_camera::geometry::mesh::format::MeshFormat;
 use fmc_camera::geometry::mesh::pixel_correction::{CorrectionMesh, PixelCorrection};
 use fmc_camera::geometry::mesh::vertex::VertexRow;
 use fmc_camera::geometry::sensor::SensorPoint;
-
 use fmc_camera::io::link::digest;
 use fmc_camera::io::link::message::Grid;
 
 use super::batch::PointBatch;
-use super::{Device, DeviceError, Evidence};
+use super::{CorrectingDevice, Device, DeviceError, Evidence};
 
 /// The camera in this process: the library that the firmware runs, called directly.
 #[derive(Debug, Default)]
@@ -42,7 +41,9 @@ impl InProcess {
     }
 }
 
-impl Device for InProcess {
+impl CorrectingDevice for InProcess {
+    type Error = DeviceError;
+
     fn description(&self) -> String {
         "sil (the camera's code in this process)".to_owned()
     }
@@ -73,6 +74,12 @@ impl Device for InProcess {
         Ok(corrected)
     }
 
+    fn evidence(&self) -> Evidence {
+        self.evidence
+    }
+}
+
+impl Device for InProcess {
     fn distort(&mut self, ideal: &[SensorPoint]) -> Result<Vec<Corrected>, DeviceError> {
         let correction = self.correction()?;
         ideal
@@ -99,10 +106,6 @@ impl Device for InProcess {
         row.corrections(&mesh, &mut corrections)
             .map_err(DeviceError::Mesh)?;
         Ok(corrections)
-    }
-
-    fn evidence(&self) -> Evidence {
-        self.evidence
     }
 }
 

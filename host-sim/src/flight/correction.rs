@@ -3,11 +3,11 @@
 use fmc_camera::geometry::frame_correction::FrameCorrection;
 use fmc_camera::geometry::sensor::SensorPoint;
 use fmc_camera_file::number::single;
+use fmc_reference::fitted::FittedModel;
+use fmc_reference::lens::Lens;
 
 use super::interior_orientation::InteriorOrientation;
 use super::model::Model;
-use crate::reference::fitted::FittedModel;
-use crate::reference::lens::Lens;
 
 /// How many coefficients self-calibration has at most.
 pub const COEFFICIENTS: usize = 5;

@@ -1,9 +1,10 @@
 //! Where a ground point is really recorded.
 
+use fmc_reference::strict::StrictSolver;
+
 use super::collinearity::image_point;
 use super::exterior_orientation::ExteriorOrientation;
 use super::interior_orientation::InteriorOrientation;
-use crate::reference::strict::StrictSolver;
 
 /// Largest number of steps of the inversion; real lenses contract by 0.03 a step.
 const MOST_STEPS: usize = 100;

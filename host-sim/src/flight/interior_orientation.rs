@@ -1,8 +1,7 @@
 //! The interior orientation that all frames of a flight share.
 
 use fmc_camera_file::CameraFile;
-
-use crate::reference::exposure::ExposurePath;
+use fmc_reference::exposure::ExposurePath;
 
 /// Principal distance and principal point of a frame.
 #[derive(Debug, Clone, Copy, PartialEq)]

@@ -4,6 +4,10 @@ use fmc_camera::Camera;
 use fmc_camera::flight::exposure::{CorrectionModel, Exposure};
 use fmc_camera_file::InputError;
 use fmc_camera_file::number::single;
+use fmc_reference::exposure::{ExposurePath, ExposureRequest, FocusFormula};
+use fmc_reference::fitted::FittedModel;
+use fmc_reference::lens::Lens;
+use fmc_reference::strict::{StrictSolver, Weight};
 
 use super::collinearity::ground_at_height;
 use super::correction::Corrections;
@@ -13,10 +17,6 @@ use super::interior_orientation::InteriorOrientation;
 use super::terrain::Terrain;
 use crate::formats::scenario::{FEWEST_CONTROL_POINTS, GroundPoint, Scenario};
 use crate::noise::Noise;
-use crate::reference::exposure::{ExposurePath, ExposureRequest, FocusFormula};
-use crate::reference::fitted::FittedModel;
-use crate::reference::lens::Lens;
-use crate::reference::strict::{StrictSolver, Weight};
 
 /// Check points fill this part of the format.
 const CHECKED_PART: f64 = 0.9;

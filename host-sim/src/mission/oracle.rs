@@ -1,11 +1,11 @@
 //! What really happened while the shutter was open: the physical exposure.
 
 use fmc_camera_file::CameraFile;
+use fmc_reference::exposure::ExposureRequest;
 
 use super::aircraft::Aircraft;
 use super::sensors::seconds;
 use super::shutter::Opening;
-use crate::reference::exposure::ExposureRequest;
 use crate::scene::Scene;
 use crate::scene::frame::Frame;
 use crate::scene::shutter::Shutter;

@@ -1,12 +1,12 @@
 //! Distortion as arrows on the sensor.
 
+use fmc_reference::verification::result::{CameraResult, FieldPoint};
 use plotters::element::{Circle, PathElement, Rectangle, Text};
 use plotters::prelude::{ChartBuilder, Color, IntoDrawingArea, RGBColor, SVGBackend};
 
 use super::arrow_scale::ArrowScale;
 use super::figure::{Canvas, FigureError, GRID, INK, OUTLINE, pixels, text};
 use super::{length, wording};
-use crate::verify::result::{CameraResult, FieldPoint};
 
 /// Colour of the arrows.
 const ARROW: RGBColor = RGBColor(0, 90, 160);

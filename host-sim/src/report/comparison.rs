@@ -1,7 +1,8 @@
 //! The comparison of the treatments of distortion, camera by camera, in words.
 
+use fmc_reference::verification::result::{CameraResult, Treatment, Verification};
+
 use super::length::{self, Scale};
-use crate::verify::result::{CameraResult, Treatment, Verification};
 
 /// Largest and root mean square error of a camera with one treatment.
 #[derive(Debug, Clone, PartialEq, Eq)]

@@ -2,6 +2,7 @@
 
 use std::ops::Range;
 
+use fmc_reference::verification::result::{CameraResult, MAX_ERROR_NM, Treatment};
 use plotters::coord::combinators::IntoLogRange;
 use plotters::element::{EmptyElement, PathElement, Polygon, Text};
 use plotters::prelude::{ChartBuilder, Color, IntoDrawingArea, SVGBackend};
@@ -9,7 +10,6 @@ use plotters::style::text_anchor::HPos;
 
 use super::figure::{Canvas, FigureError, GRID, INK, OUTLINE, text, text_at};
 use super::{marker, wording};
-use crate::verify::result::{CameraResult, MAX_ERROR_NM, Treatment};
 
 const SIZE: (u32, u32) = (1600, 1000);
 const TITLE_HEIGHT: u32 = 70;

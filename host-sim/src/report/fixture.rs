@@ -1,9 +1,10 @@
 //! A small verification for the tests.
 
-use crate::device::Evidence;
-use crate::verify::result::{
+use fmc_reference::verification::result::{
     CameraResult, ErrorStatistics, Field, FieldPoint, FrameResult, Verification, WorstPoint,
 };
+
+use crate::device::Evidence;
 
 /// Two cameras within the limits.
 pub(super) fn passing() -> Verification {

@@ -2,7 +2,7 @@
 
 use std::io::Write;
 
-use crate::verify::result::{ErrorStatistics, FrameResult, Verification};
+use fmc_reference::verification::result::{ErrorStatistics, FrameResult, Verification};
 
 /// Columns of the file.
 const HEADER: [&str; 16] = [

@@ -1,13 +1,13 @@
 //! The verification as a page that stands alone: `report.html`.
 
 use askama::Template;
+use fmc_reference::verification::result::{CameraResult, Verification};
 
 use super::comparison::Comparison;
 use super::figure::FigureError;
 use super::run_up::{self, RunUp};
 use super::verdict::{self, Verdict};
 use super::{arrow_field, error_plot, length, wording};
-use crate::verify::result::{CameraResult, Verification};
 
 /// Why there is no page.
 #[derive(Debug, thiserror::Error)]

@@ -1,8 +1,7 @@
 //! How figures tell the treatments and the run-up strategies apart.
 
+use fmc_reference::verification::result::Treatment;
 use plotters::prelude::{Color, RGBColor, ShapeStyle};
-
-use crate::verify::result::Treatment;
 
 /// Corners of a marker, pixels from its point.
 pub(super) type Corners = Vec<(i32, i32)>;

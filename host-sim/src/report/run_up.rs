@@ -1,7 +1,8 @@
 //! The comparison of the treatments of distortion, run-up by run-up, in words.
 
+use fmc_reference::verification::result::{ErrorStatistics, FrameResult, Verification};
+
 use super::{length, wording};
-use crate::verify::result::{ErrorStatistics, FrameResult, Verification};
 
 /// The exposures of all cameras with one run-up strategy.
 #[derive(Debug, Clone, PartialEq, Eq)]

@@ -1,12 +1,12 @@
 //! The verification for machines: `summary.json`.
 
 use fmc_camera::io::link::message::Counters;
-use serde::Serialize;
-
-use crate::verify::result::{
-    CameraResult, ErrorStatistics, MAX_COORDINATE_ERROR_NM, MAX_ERROR_NM, MAX_SOLVER_ERROR_NM,
-    Treatment, Verification, WorstPoint,
+use fmc_reference::strict::MAX_SOLVER_ERROR_NM;
+use fmc_reference::verification::result::{
+    CameraResult, ErrorStatistics, MAX_COORDINATE_ERROR_NM, MAX_ERROR_NM, Treatment, Verification,
+    WorstPoint,
 };
+use serde::Serialize;
 
 /// The numbers of a verification. Keys are only ever added.
 #[derive(Debug, Clone, PartialEq, Serialize)]

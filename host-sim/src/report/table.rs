@@ -1,11 +1,11 @@
 //! The verification as a table for a terminal or a pipe.
 
 use comfy_table::{Cell, CellAlignment, Table, presets::UTF8_FULL_CONDENSED};
+use fmc_reference::verification::result::Verification;
 
 use super::comparison::{Comparison, Row};
 use super::verdict::{self, Verdict};
 use super::wording;
-use crate::verify::result::Verification;
 
 /// The whole verification: where it ran, a row per camera, the worst case, the verdict, and where it ran again: the
 /// first line may have left the terminal.

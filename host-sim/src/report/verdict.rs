@@ -1,10 +1,11 @@
 //! The verdict in sentences.
 
-use super::{length, wording};
-use crate::verify::result::{
-    CameraResult, MAX_COORDINATE_ERROR_NM, MAX_ERROR_NM, MAX_SOLVER_ERROR_NM, Treatment,
-    Verification, WorstPoint,
+use fmc_reference::strict::MAX_SOLVER_ERROR_NM;
+use fmc_reference::verification::result::{
+    CameraResult, MAX_COORDINATE_ERROR_NM, MAX_ERROR_NM, Treatment, Verification, WorstPoint,
 };
+
+use super::{length, wording};
 
 /// What a verification found against the limits.
 #[derive(Debug, Clone, PartialEq, Eq)]

@@ -1,7 +1,8 @@
 //! The lens: where an ideal image point is measured.
 
+use fmc_reference::lens::Lens;
+
 use super::field_table::FieldTable;
-use crate::reference::lens::Lens;
 
 /// Residual at which an inversion has ended, mm.
 const CONVERGED_MM: f64 = 1e-13;

@@ -8,7 +8,7 @@
 //! # Examples
 //! ```
 //! use fmc_camera_file::CameraFile;
-//! use host_sim::reference::exposure::ExposureRequest;
+//! use fmc_reference::exposure::ExposureRequest;
 //! use host_sim::scene::Scene;
 //!
 //! let text = "name = \"bare\"\nprincipal_distance_mm = 100.0\n\
@@ -39,9 +39,8 @@ pub mod trajectory;
 pub mod turbulence;
 
 use fmc_camera_file::CameraFile;
-
-use crate::reference::exposure::ExposureRequest;
-use crate::reference::lens::Lens;
+use fmc_reference::exposure::ExposureRequest;
+use fmc_reference::lens::Lens;
 
 use attitude::Attitude;
 use frame::Frame;

@@ -3,9 +3,9 @@
 use fmc_camera::geometry::principal_point::StageSample;
 use fmc_camera_file::number::single;
 use fmc_camera_file::{CameraFile, MechanismName};
+use fmc_reference::exposure::{ExposurePath, ExposureRequest};
 
 use super::stage_path::StagePath;
-use crate::reference::exposure::{ExposurePath, ExposureRequest};
 
 /// Most transfers or readings of one exposure.
 const MOST_EVENTS: u32 = 100_000;

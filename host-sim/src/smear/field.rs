@@ -4,12 +4,12 @@ use fmc_camera::geometry::image_motion::{ImageMotion, ImageMotionError, View};
 use fmc_camera::geometry::sensor::SensorPoint;
 use fmc_camera_file::CameraFile;
 use fmc_camera_file::number::single;
+use fmc_reference::exposure::ExposureRequest;
+use fmc_reference::verification::grid;
 
 use super::term::{Disturbances, Term};
-use crate::reference::exposure::ExposureRequest;
 use crate::scene::Scene;
 use crate::scene::terrain::Terrain;
-use crate::verify::grid;
 
 /// Height of the simulated flight above the reference plane, m; the smear does not depend on it.
 const HEIGHT_M: f64 = 1000.0;

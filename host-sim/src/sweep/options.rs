@@ -1,9 +1,8 @@
 //! What a sweep is asked for.
 
 use fmc_camera_file::Per;
-
-use crate::reference::exposure::FocusFormula;
-use crate::reference::strict::{Reading, Weight};
+use fmc_reference::exposure::FocusFormula;
+use fmc_reference::strict::{Reading, Weight};
 
 /// Options of a sweep; the run-up is the camera's.
 #[derive(Debug, Clone, Copy, PartialEq)]

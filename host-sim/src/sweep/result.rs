@@ -2,10 +2,10 @@
 
 use fmc_camera::geometry::estimation::fit::{Fit, FitError};
 use fmc_camera::geometry::estimation::parameter::Parameter;
+use fmc_reference::strict::Reading;
+use fmc_reference::verification::grid::GridExposure;
 
 use super::options::{Case, SweepOptions};
-use crate::reference::strict::Reading;
-use crate::verify::grid::GridExposure;
 
 /// Root mean square of residuals, with either divisor.
 #[derive(Debug, Clone, Copy, Default, PartialEq)]

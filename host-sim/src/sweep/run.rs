@@ -12,15 +12,15 @@ use fmc_camera::geometry::range::OutOfRange;
 use fmc_camera::geometry::sensor::SensorPoint;
 use fmc_camera_file::number::single;
 use fmc_camera_file::{CameraFile, MechanismName, Per};
+use fmc_reference::exposure::{ExposurePath, ExposureRequest, FocusFormula};
+use fmc_reference::lens::Lens;
+use fmc_reference::strict::StrictSolver;
+use fmc_reference::verification::grid::{self, GridExposure};
 
 use super::options::{Case, SweepOptions};
 use super::result::{CaseResult, FrameFit, ModelResiduals, Sweep};
 use crate::calibrate::measurement::known_lens;
 use crate::noise::Noise;
-use crate::reference::exposure::{ExposurePath, ExposureRequest, FocusFormula};
-use crate::reference::lens::Lens;
-use crate::reference::strict::StrictSolver;
-use crate::verify::grid::{self, GridExposure};
 
 /// Standard deviation that observations are given: σ0 is then in µm.
 const UNIT_MM: f64 = 1e-3;

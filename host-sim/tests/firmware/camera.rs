@@ -7,7 +7,7 @@ use fmc_camera::geometry::mesh::vertex::VertexRow;
 use fmc_camera::io::link::message::{Grid, Start};
 use fmc_camera::{CalibrationRecord, CameraRecord, Exposure, SensorPoint};
 use host_sim::device::qemu::{Qemu, QemuOptions};
-use host_sim::device::{Device, DeviceError, InProcess, Machine};
+use host_sim::device::{CorrectingDevice as _, Device, DeviceError, InProcess, Machine};
 
 const MACHINES: [Machine; 2] = [Machine::An386, Machine::An500];
 const EXPOSURE: Exposure = Exposure::new(0.1, 0.005);

@@ -7,7 +7,7 @@ use std::thread;
 use fmc_camera::io::link::message::Start;
 use fmc_camera::{CalibrationRecord, CameraRecord, Exposure, SensorPoint};
 use host_sim::device::qemu::{Qemu, QemuOptions};
-use host_sim::device::{Device, DeviceError, Machine};
+use host_sim::device::{CorrectingDevice as _, DeviceError, Machine};
 
 use crate::firmware::drills::{LOOK_EVERY, bite_watchdog};
 

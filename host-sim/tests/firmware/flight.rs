@@ -15,7 +15,7 @@ use fmc_camera::io::link::message::{Refusal, Start};
 use fmc_camera::{CalibrationRecord, CameraRecord};
 use host_sim::device::link_error::LinkError;
 use host_sim::device::qemu::{Qemu, QemuOptions};
-use host_sim::device::{Device, DeviceError, FlyingDevice, Machine};
+use host_sim::device::{CorrectingDevice as _, DeviceError, FlyingDevice, Machine};
 use host_sim::mechanics::{Mechanics, MechanicsSettings};
 
 use crate::firmware::drills::bite_watchdog;

@@ -6,12 +6,12 @@ use fmc_camera::geometry::mesh::format::MeshFormat;
 use fmc_camera::geometry::mesh::pixel_correction::PixelCorrection;
 use fmc_camera::geometry::mesh::vertex::VertexRow;
 use fmc_camera::{CameraRecord, Exposure, SensorPoint};
-use host_sim::device::{Device, DeviceError, Evidence, InProcess};
-use host_sim::verify::result::{
-    CameraResult, MAX_COORDINATE_ERROR_NM, MAX_ERROR_NM, MAX_SOLVER_ERROR_NM, Treatment,
-    Verification,
+use fmc_reference::strict::MAX_SOLVER_ERROR_NM;
+use fmc_reference::verification::result::{
+    CameraResult, MAX_COORDINATE_ERROR_NM, MAX_ERROR_NM, Treatment, Verification,
 };
-use host_sim::verify::run;
+use fmc_reference::verification::run;
+use host_sim::device::{CorrectingDevice, Device, DeviceError, Evidence, InProcess};
 
 use crate::reference::support::published;
 
@@ -83,7 +83,9 @@ enum Fault {
     Sign,
 }
 
-impl Device for Wrong {
+impl CorrectingDevice for Wrong {
+    type Error = DeviceError;
+
     fn description(&self) -> String {
         "wrong".to_owned()
     }
@@ -114,6 +116,12 @@ impl Device for Wrong {
         Ok(answers)
     }
 
+    fn evidence(&self) -> Evidence {
+        self.camera.evidence()
+    }
+}
+
+impl Device for Wrong {
     fn distort(&mut self, ideal: &[SensorPoint]) -> Result<Vec<Corrected>, DeviceError> {
         self.camera.distort(ideal)
     }
@@ -124,10 +132,6 @@ impl Device for Wrong {
 
     fn corrections(&mut self, row: &VertexRow) -> Result<Vec<PixelCorrection>, DeviceError> {
         self.camera.corrections(row)
-    }
-
-    fn evidence(&self) -> Evidence {
-        self.camera.evidence()
     }
 }
 

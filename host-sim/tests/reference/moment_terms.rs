@@ -4,9 +4,9 @@
 use fmc_camera::flight::exposure::Exposure;
 use fmc_camera::geometry::principal_distance::FocusSign;
 use fmc_camera_file::{Axis, CameraFile};
-use host_sim::reference::exposure::{ExposureRequest, FocusFormula};
-use host_sim::reference::lens::Lens;
-use host_sim::reference::strict::{StrictSolver, Weight};
+use fmc_reference::exposure::{ExposureRequest, FocusFormula};
+use fmc_reference::lens::Lens;
+use fmc_reference::strict::{StrictSolver, Weight};
 
 use crate::reference::support::{STRONG_LENS, camera_distortion, largest, points, square};
 

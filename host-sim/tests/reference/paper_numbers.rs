@@ -1,11 +1,11 @@
 //! Numbers of MODEL.md that were computed independently.
 
 use fmc_camera_file::CameraFile;
-use host_sim::reference::exposure::{ExposureRequest, FocusFormula};
-use host_sim::reference::fitted::FittedModel;
-use host_sim::reference::lens::Lens;
-use host_sim::reference::strict::{Reading, StrictSolver, Weight};
-use host_sim::verify::grid;
+use fmc_reference::exposure::{ExposureRequest, FocusFormula};
+use fmc_reference::fitted::FittedModel;
+use fmc_reference::lens::Lens;
+use fmc_reference::strict::{Reading, StrictSolver, Weight};
+use fmc_reference::verification::grid;
 
 use crate::reference::support::{published, square};
 

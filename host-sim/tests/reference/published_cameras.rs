@@ -2,7 +2,7 @@
 
 use fmc_camera::{CalibrationRecord, CameraRecord};
 use fmc_camera_file::CameraFile;
-use host_sim::reference::lens::Lens;
+use fmc_reference::lens::Lens;
 
 use crate::reference::support::published;
 

@@ -8,7 +8,7 @@ use fmc_camera::flight::exposure::Exposure;
 use fmc_camera::geometry::sensor::SensorPoint;
 use fmc_camera_file::CameraFile;
 use fmc_camera_file::number::single;
-use host_sim::reference::lens::Lens;
+use fmc_reference::lens::Lens;
 use nalgebra::{DMatrix, DVector};
 
 /// How much worse the camera may be than the same fit evaluated about the centroid in double

@@ -4,8 +4,8 @@ use fmc_camera::flight::camera::Camera;
 use fmc_camera::flight::exposure::{Exposure, FlightDirection};
 use fmc_camera_file::CameraFile;
 use fmc_camera_file::number::single;
-use host_sim::reference::exposure::{ExposurePath, ExposureRequest};
-use host_sim::reference::strict::{StrictSolver, Weight};
+use fmc_reference::exposure::{ExposurePath, ExposureRequest};
+use fmc_reference::strict::{StrictSolver, Weight};
 
 use crate::reference::support::{STRONG_LENS, camera_distortion, largest, points, square};
 

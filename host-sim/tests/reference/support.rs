@@ -44,7 +44,7 @@ pub(crate) fn camera_distortion(
 
 /// 21 x 21 points over the sensor, as the camera receives them.
 pub(crate) fn points(camera: &CameraFile) -> Vec<[f32; 2]> {
-    host_sim::verify::grid::points(camera.half_format_mm())
+    fmc_reference::verification::grid::points(camera.half_format_mm())
         .points()
         .map(|point| [point.x_mm, point.y_mm])
         .collect()

@@ -3,9 +3,9 @@
 use fmc_camera::geometry::estimation::fit::FitError;
 use fmc_camera::geometry::estimation::parameter::Parameter;
 use fmc_camera_file::{CameraFile, Per, Strategy};
-use host_sim::reference::exposure::FocusFormula;
-use host_sim::reference::lens::Lens;
-use host_sim::reference::strict::{Reading, Weight};
+use fmc_reference::exposure::FocusFormula;
+use fmc_reference::lens::Lens;
+use fmc_reference::strict::{Reading, Weight};
 use host_sim::sweep::options::SweepOptions;
 use host_sim::sweep::result::Sweep;
 use host_sim::sweep::run::Plan;

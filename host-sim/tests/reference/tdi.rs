@@ -2,8 +2,8 @@
 
 use fmc_camera::flight::exposure::Exposure;
 use fmc_camera_file::number::single;
-use host_sim::reference::exposure::ExposureRequest;
-use host_sim::reference::strict::{StrictSolver, Weight};
+use fmc_reference::exposure::ExposureRequest;
+use fmc_reference::strict::{StrictSolver, Weight};
 
 use crate::reference::support::{STRONG_LENS, camera_distortion, largest, points, square};
 

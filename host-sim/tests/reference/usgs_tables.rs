@@ -1,6 +1,6 @@
 //! The radial distortion printed in the three USGS reports.
 
-use host_sim::reference::lens::Lens;
+use fmc_reference::lens::Lens;
 
 use crate::reference::support::published;
 

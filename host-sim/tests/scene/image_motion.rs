@@ -5,7 +5,7 @@ use fmc_camera::geometry::image_motion::{
 };
 use fmc_camera::geometry::sensor::{FmcAxis, Sensor, SensorPoint};
 use fmc_camera_file::number::single;
-use host_sim::reference::exposure::ExposureRequest;
+use fmc_reference::exposure::ExposureRequest;
 use host_sim::scene::Scene;
 use host_sim::scene::terrain::Terrain;
 

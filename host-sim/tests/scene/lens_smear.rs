@@ -1,8 +1,8 @@
 //! What perfect compensation leaves of the smear: the lens distorts the place differently along
 //! the path under it.
 
-use host_sim::reference::exposure::ExposureRequest;
-use host_sim::reference::lens::Lens;
+use fmc_reference::exposure::ExposureRequest;
+use fmc_reference::lens::Lens;
 use host_sim::scene::Scene;
 
 use crate::scene::support::{HEIGHT_M, apart, points, published};

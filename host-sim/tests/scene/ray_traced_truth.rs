@@ -1,7 +1,7 @@
 //! A lens by its table, against ray-traced exposures of the same lens.
 
 use fmc_camera_file::CameraFile;
-use host_sim::reference::exposure::ExposureRequest;
+use fmc_reference::exposure::ExposureRequest;
 use host_sim::scene::Scene;
 use host_sim::scene::field_table::{FieldNode, FieldTable};
 use host_sim::scene::lens::LensMapping;

@@ -4,7 +4,7 @@ use fmc_camera::geometry::principal_point::PrincipalPointMotion;
 use fmc_camera::geometry::shutter::{Shutter, ShutterProfile};
 use fmc_camera_file::CameraFile;
 use fmc_camera_file::number::single;
-use host_sim::reference::exposure::ExposureRequest;
+use fmc_reference::exposure::ExposureRequest;
 use host_sim::scene::Scene;
 use host_sim::scene::stage::Encoder;
 use host_sim::scene::stage_path::StagePath;

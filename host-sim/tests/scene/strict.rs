@@ -2,8 +2,8 @@
 
 use fmc_camera::flight::exposure::FlightDirection;
 use fmc_camera_file::CameraFile;
-use host_sim::reference::exposure::ExposureRequest;
-use host_sim::reference::strict::{StrictSolver, Weight};
+use fmc_reference::exposure::ExposureRequest;
+use fmc_reference::strict::{StrictSolver, Weight};
 use host_sim::scene::Scene;
 
 use crate::scene::support::{HEIGHT_M, apart, ground_below, points, published, square};

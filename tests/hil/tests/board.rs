@@ -13,7 +13,7 @@ use std::{
 
 use anyhow::{Context as _, Result, ensure};
 use fmc_camera::{Brown, CalibrationRecord, CameraRecord, Exposure, io::link::message::Grid};
-use host_sim::device::{Device as _, serial};
+use host_sim::device::{CorrectingDevice as _, Device as _, serial};
 use probe_rs::{
     CoreStatus, MemoryInterface as _, Session, SessionConfig,
     flashing::{ElfLoader, ElfOptions, download_file},

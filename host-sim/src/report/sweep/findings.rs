@@ -3,10 +3,10 @@
 use fmc_camera::geometry::estimation::fit::{Fit, FitError};
 use fmc_camera::geometry::estimation::parameter::Parameter;
 use fmc_camera_file::Per;
+use fmc_reference::exposure::FocusFormula;
+use fmc_reference::strict::{Reading, Weight};
 
 use super::power;
-use crate::reference::exposure::FocusFormula;
-use crate::reference::strict::{Reading, Weight};
 use crate::report::wording;
 use crate::sweep::result::{CaseResult, Sweep};
 

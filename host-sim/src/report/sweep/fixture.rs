@@ -1,9 +1,9 @@
 //! A sweep for the tests.
 
 use fmc_camera_file::{CameraFile, Per, Strategy};
+use fmc_reference::exposure::FocusFormula;
+use fmc_reference::strict::{Reading, Weight};
 
-use crate::reference::exposure::FocusFormula;
-use crate::reference::strict::{Reading, Weight};
 use crate::sweep::options::SweepOptions;
 use crate::sweep::result::Sweep;
 use crate::sweep::run::Plan;

@@ -1,11 +1,11 @@
 //! The sweep for machines: `summary.json`.
 
 use fmc_camera::geometry::estimation::fit::Fit;
+use fmc_reference::exposure::FocusFormula;
+use fmc_reference::strict::{Reading, Weight};
 use serde::Serialize;
 
 use super::findings::{COEFFICIENTS, PAPER_UM};
-use crate::reference::exposure::FocusFormula;
-use crate::reference::strict::{Reading, Weight};
 use crate::sweep::result::{CaseResult, Sweep};
 
 /// The numbers of a sweep. Keys are only ever added; σ is per coordinate with divisor 2n - u unless

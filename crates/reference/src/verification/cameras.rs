@@ -7,18 +7,18 @@ use std::thread;
 use fmc_camera::io::link::message::Counters;
 use fmc_camera_file::CameraFile;
 
+use super::device::{CorrectingDevice, CorrectionFailure, Evidence};
 use super::result::{CameraResult, Verification};
 use super::run;
-use crate::device::{Device, DeviceError, Evidence};
 
 /// A device refused a camera or failed.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
 #[error("{camera}: {error}")]
-pub struct CheckError {
+pub struct CheckError<E> {
     /// The camera that was checked.
     pub camera: String,
     /// What went wrong.
-    pub error: DeviceError,
+    pub error: E,
 }
 
 /// Checks cameras on devices of one kind, side by side; the results stand in the cameras' order. `before_camera` is
@@ -29,12 +29,12 @@ pub struct CheckError {
 ///
 /// # Errors
 /// [`CheckError`] of the first camera that a device refuses or fails with. Without a device, none is checked.
-pub fn cameras(
-    devices: &mut [Box<dyn Device>],
+pub fn cameras<D: CorrectingDevice + ?Sized>(
+    devices: &mut [Box<D>],
     cameras: &[CameraFile],
     before_camera: impl Fn(&str) + Sync,
     after_frame: impl Fn() + Sync,
-) -> Result<Verification, CheckError> {
+) -> Result<Verification, CheckError<D::Error>> {
     let next = AtomicUsize::new(0);
     let checked = Mutex::new(Vec::new());
     thread::scope(|scope| {
@@ -67,7 +67,7 @@ pub fn cameras(
         match result {
             Ok(result) => results.push(result),
             // What else it answers says nothing about the code that was checked.
-            Err(DeviceError::Different(found)) => {
+            Err(found) if found.is_difference() => {
                 difference = Some(format!("{}: {found}", camera.name));
                 break;
             }
@@ -103,7 +103,9 @@ fn since(before: Evidence, now: Evidence) -> Evidence {
 }
 
 /// What the devices' ends of their links have seen together; `None` where there is no link.
-fn link(devices: &mut [Box<dyn Device>]) -> Result<Option<Counters>, CheckError> {
+fn link<D: CorrectingDevice + ?Sized>(
+    devices: &mut [Box<D>],
+) -> Result<Option<Counters>, CheckError<D::Error>> {
     let mut sum: Option<Counters> = None;
     for device in devices {
         let counters = device.counters().map_err(|error| CheckError {
@@ -138,10 +140,80 @@ fn together(a: &Counters, b: &Counters) -> Counters {
 
 #[cfg(test)]
 mod tests {
+    use fmc_camera::flight::camera::{Camera, CameraRecord};
+    use fmc_camera::flight::exposure::Exposure;
+    use fmc_camera::flight::interior_orientation::InteriorOrientation;
+    use fmc_camera::geometry::frame_correction::{Corrected, FrameCorrection};
+    use fmc_camera::geometry::sensor::SensorPoint;
     use fmc_camera_file::published::CAMERA_FILES;
 
     use super::*;
-    use crate::device::InProcess;
+
+    /// The camera's code in this process, a point at a time.
+    #[derive(Default)]
+    struct InProcess {
+        camera: Option<Camera>,
+        correction: Option<FrameCorrection>,
+        answered: u64,
+    }
+
+    #[derive(Debug, Clone, PartialEq, thiserror::Error)]
+    enum Failure {
+        #[error("refused: {0}")]
+        Refused(String),
+        #[error("{answered} of {asked} points answered")]
+        Count { asked: usize, answered: usize },
+        #[error("not exposed")]
+        NotExposed,
+    }
+
+    impl CorrectionFailure for Failure {
+        fn of_count(asked: usize, answered: usize) -> Self {
+            Self::Count { asked, answered }
+        }
+
+        fn is_difference(&self) -> bool {
+            false
+        }
+    }
+
+    impl CorrectingDevice for InProcess {
+        type Error = Failure;
+
+        fn description(&self) -> String {
+            "this process".to_owned()
+        }
+
+        fn load(&mut self, camera: &CameraRecord) -> Result<(), Failure> {
+            let camera = Camera::new(*camera).map_err(|error| Failure::Refused(error.to_string()));
+            self.camera = Some(camera?);
+            Ok(())
+        }
+
+        fn expose(&mut self, exposure: &Exposure) -> Result<InteriorOrientation, Failure> {
+            let camera = self.camera.as_ref().ok_or(Failure::NotExposed)?;
+            let frame = camera.frame(exposure);
+            let frame = frame.map_err(|error| Failure::Refused(error.to_string()))?;
+            self.correction = Some(frame.correction);
+            Ok(frame.record)
+        }
+
+        fn correct(&mut self, measured: &[SensorPoint]) -> Result<Vec<Corrected>, Failure> {
+            let correction = self.correction.as_ref().ok_or(Failure::NotExposed)?;
+            self.answered += measured.len() as u64;
+            Ok(measured
+                .iter()
+                .map(|point| correction.correct(*point))
+                .collect())
+        }
+
+        fn evidence(&self) -> Evidence {
+            Evidence {
+                by_digest: 0,
+                by_value: self.answered,
+            }
+        }
+    }
 
     fn published() -> Vec<CameraFile> {
         let cameras = CAMERA_FILES.iter();
@@ -150,10 +222,8 @@ mod tests {
             .collect()
     }
 
-    fn checked(count: usize, files: &[CameraFile]) -> Result<Verification, CheckError> {
-        let mut devices: Vec<Box<dyn Device>> = (0..count)
-            .map(|_| Box::new(InProcess::default()) as Box<dyn Device>)
-            .collect();
+    fn checked(count: usize, files: &[CameraFile]) -> Result<Verification, CheckError<Failure>> {
+        let mut devices: Vec<Box<InProcess>> = (0..count).map(|_| Box::default()).collect();
         cameras(&mut devices, files, |_| (), || ())
     }
 

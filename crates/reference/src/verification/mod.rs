@@ -1,6 +1,7 @@
 //! The main job: every coordinate of real cameras against the strict reference solver.
 
 pub mod cameras;
+pub mod device;
 pub mod grid;
 pub mod result;
 pub mod run;

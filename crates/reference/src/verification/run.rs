@@ -6,25 +6,25 @@ use fmc_camera::geometry::sensor::SensorPoint;
 use fmc_camera_file::CameraFile;
 use fmc_camera_file::number::single;
 
+use super::device::{CorrectingDevice, CorrectionFailure};
 use super::grid::{self, GridExposure};
 use super::result::{
     CameraResult, ErrorStatistics, Field, FieldPoint, FrameResult, WorstPoint, infinite_if_nan,
 };
-use crate::device::{Device, DeviceError};
-use crate::reference::exposure::ExposureRequest;
-use crate::reference::fitted::FittedModel;
-use crate::reference::lens::Lens;
-use crate::reference::strict::{StrictSolver, Weight};
+use crate::exposure::ExposureRequest;
+use crate::fitted::FittedModel;
+use crate::lens::Lens;
+use crate::strict::{StrictSolver, Weight};
 
 /// Checks one camera on a device; `after_frame` is called once per exposure.
 ///
 /// # Errors
-/// [`DeviceError`] of a device that refuses the camera or an exposure.
-pub fn camera(
-    device: &mut dyn Device,
+/// Of a device that refuses the camera or an exposure, or does not answer every point.
+pub fn camera<D: CorrectingDevice + ?Sized>(
+    device: &mut D,
     camera: &CameraFile,
     mut after_frame: impl FnMut(),
-) -> Result<CameraResult, DeviceError> {
+) -> Result<CameraResult, D::Error> {
     // What the camera receives is rounded to single precision; it is judged at that point.
     let grid = grid::points(camera.half_format_mm());
     let measured: Vec<SensorPoint> = grid.points().collect();
@@ -42,7 +42,9 @@ pub fn camera(
             single(exposure.exposure_s),
         ))?;
         let corrected = device.correct_grid(&grid)?;
-        DeviceError::check_count(measured.len(), corrected.len())?;
+        if corrected.len() != measured.len() {
+            return Err(D::Error::of_count(measured.len(), corrected.len()));
+        }
         summary.add_frame(&strategy, &exposure, &measured, &corrected);
         after_frame();
     }

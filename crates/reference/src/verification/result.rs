@@ -3,15 +3,14 @@
 use fmc_camera::io::link::message::Counters;
 use serde::Serialize;
 
-use crate::device::Evidence;
+use super::device::Evidence;
+use crate::strict::MAX_SOLVER_ERROR_NM;
 
 /// Largest allowed error of dx and dy against the strict solver, nm.
 pub const MAX_ERROR_NM: f64 = 1.5;
 /// Largest allowed error of a corrected coordinate, nm: the rounding of a coordinate of 114 mm to
 /// f32 alone is 3.8 nm.
 pub const MAX_COORDINATE_ERROR_NM: f64 = 5.0;
-/// Largest allowed error estimate of the strict solver itself, nm.
-pub const MAX_SOLVER_ERROR_NM: f64 = 0.01;
 
 /// The ways of treating distortion that a verification compares.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]

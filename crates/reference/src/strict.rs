@@ -29,6 +29,9 @@ pub enum Reading {
 /// change.)
 pub const SHORTEST_ARC_MM: f64 = 1e-8;
 
+/// Largest allowed error estimate of the strict solver itself, nm.
+pub const MAX_SOLVER_ERROR_NM: f64 = 0.01;
+
 /// Absolute error asked of the quadrature, mm.
 const QUADRATURE_TARGET_MM: f64 = 1e-12;
 
@@ -91,7 +94,7 @@ impl StrictSolver {
     ///
     /// # Accuracy
     /// [`StrictMean::error_mm`], at most 0.01 nm over the published cameras
-    /// ([`MAX_SOLVER_ERROR_NM`](crate::verify::result::MAX_SOLVER_ERROR_NM)).
+    /// ([`MAX_SOLVER_ERROR_NM`]).
     #[must_use]
     pub fn mean(&self, point_mm: [f64; 2]) -> StrictMean {
         match self.weight {
