@@ -2,7 +2,6 @@
 //! calibration, and the client of the camera.
 
 pub mod budget;
-pub mod calibrate;
 pub mod cli;
 pub mod command;
 pub mod device;

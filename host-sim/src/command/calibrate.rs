@@ -3,15 +3,15 @@
 use std::io;
 use std::path::Path;
 
+use fmc_adjustment::calibration::five::FiveCalibration;
 use fmc_camera::geometry::estimation::options::{FitOptions, StaticDecentring};
 use fmc_camera::geometry::five_coefficient::Regressor;
 use fmc_camera_file::CameraFile;
 use fmc_camera_file::fitted_block;
 
-use crate::calibrate::five::FiveCalibration;
 use crate::cli::{FiveArgs, RegressOn, StaticP2};
 use crate::failure::Failure;
-use crate::formats::observations::ObservationTable;
+use crate::formats::observations;
 use crate::formats::output::{self, OutputFolder};
 use crate::report::figure::FigureError;
 use crate::report::{five_summary, five_table, residual_field, residual_plot, residuals_csv};
@@ -27,7 +27,7 @@ pub(super) fn five(args: &FiveArgs) -> Result<(), Failure> {
         let out = folder.join(&*camera_name);
         output::check_not_the_input(Some(&out), &args.camera)?;
     }
-    let table = ObservationTable::read(&args.observations, &camera)?;
+    let table = observations::read(&args.observations, &camera)?;
     let calibration = FiveCalibration::new(&table, &camera, &validated, options(args))?;
     let outputs = args
         .out

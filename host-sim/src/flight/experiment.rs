@@ -1,12 +1,12 @@
 //! Many flights of one scenario, each with its own errors, adjusted with every model.
 
+use fmc_adjustment::adjustment::AdjustmentError;
+use fmc_adjustment::exterior_orientation::ELEMENTS;
+use fmc_adjustment::model::Model;
+use fmc_adjustment::statistics::Estimate;
 use fmc_camera_file::InputError;
 
-use super::adjustment::AdjustmentError;
-use super::exterior_orientation::ELEMENTS;
-use super::model::Model;
 use super::outcome::Outcome;
-use super::statistics::Estimate;
 use super::strip::Strip;
 use super::survey::{Errors, observe};
 use crate::formats::scenario::Scenario;

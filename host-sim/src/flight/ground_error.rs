@@ -1,7 +1,7 @@
 //! Planimetric error on the ground.
 
-use super::collinearity::ground_at_height;
-use super::exterior_orientation::ExteriorOrientation;
+use fmc_adjustment::collinearity::ground_at_height;
+use fmc_adjustment::exterior_orientation::ExteriorOrientation;
 
 /// Root mean square of planimetric errors.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]

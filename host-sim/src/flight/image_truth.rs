@@ -1,10 +1,9 @@
 //! Where a ground point is really recorded.
 
+use fmc_adjustment::collinearity::image_point;
+use fmc_adjustment::exterior_orientation::ExteriorOrientation;
+use fmc_adjustment::interior_orientation::InteriorOrientation;
 use fmc_reference::strict::StrictSolver;
-
-use super::collinearity::image_point;
-use super::exterior_orientation::ExteriorOrientation;
-use super::interior_orientation::InteriorOrientation;
 
 /// Largest number of steps of the inversion; real lenses contract by 0.03 a step.
 const MOST_STEPS: usize = 100;

@@ -1,12 +1,13 @@
 //! One observed flight, adjusted with one model.
 
-use super::adjustment::{
+use fmc_adjustment::adjustment::{
     Adjusted, Adjustment, AdjustmentError, ControlObservation, FrameObservations,
 };
-use super::correction::COEFFICIENTS;
-use super::exterior_orientation::ELEMENTS;
+use fmc_adjustment::correction::COEFFICIENTS;
+use fmc_adjustment::exterior_orientation::ELEMENTS;
+use fmc_adjustment::model::Model;
+
 use super::ground_error::GroundError;
-use super::model::Model;
 use super::strip::Strip;
 use super::survey::{Errors, ObservedFrame};
 

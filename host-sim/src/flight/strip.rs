@@ -1,5 +1,9 @@
 //! A strip of frames as flown: true orientations, and where its points are truly recorded.
 
+use fmc_adjustment::collinearity::ground_at_height;
+use fmc_adjustment::correction::Corrections;
+use fmc_adjustment::exterior_orientation::ExteriorOrientation;
+use fmc_adjustment::interior_orientation::InteriorOrientation;
 use fmc_camera::Camera;
 use fmc_camera::flight::exposure::{CorrectionModel, Exposure};
 use fmc_camera_file::InputError;
@@ -9,11 +13,7 @@ use fmc_reference::fitted::FittedModel;
 use fmc_reference::lens::Lens;
 use fmc_reference::strict::{StrictSolver, Weight};
 
-use super::collinearity::ground_at_height;
-use super::correction::Corrections;
-use super::exterior_orientation::ExteriorOrientation;
 use super::image_truth::ImageTruth;
-use super::interior_orientation::InteriorOrientation;
 use super::terrain::Terrain;
 use crate::formats::scenario::{FEWEST_CONTROL_POINTS, GroundPoint, Scenario};
 use crate::noise::Noise;

@@ -1,12 +1,12 @@
 //! The strip as one flight observes it: every observation with its error.
 
-use crate::noise::Noise;
+use fmc_adjustment::adjustment::{PointSigmas, PosObservation};
+use fmc_adjustment::exterior_orientation::{ELEMENTS, ExteriorOrientation};
 use nalgebra::SVector;
 
-use super::adjustment::{PointSigmas, PosObservation};
-use super::exterior_orientation::{ELEMENTS, ExteriorOrientation};
 use super::strip::{Strip, TruePoint};
 use crate::formats::scenario::Scenario;
+use crate::noise::Noise;
 
 /// A ground point as observed.
 #[derive(Debug, Clone, Copy, PartialEq)]

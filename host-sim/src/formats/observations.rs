@@ -6,73 +6,13 @@ use std::io::Read;
 use std::path::Path;
 
 use csv::{ByteRecord, ReaderBuilder, Trim};
+use fmc_adjustment::observation::{ObservationRow, ObservationTable, UNIT_SIGMA_MM};
 use fmc_camera::geometry::range::Quantity;
 use fmc_camera_file::CameraFile;
 use fmc_camera_file::number::{clipped, single};
 
 use super::points::csv_failure;
 use crate::failure::Failure;
-
-/// One row.
-#[derive(Debug, Clone, PartialEq)]
-pub struct ObservationRow {
-    /// Its line in the file.
-    pub line: u64,
-    /// Its name, where there is a column of names.
-    pub id: Option<Box<str>>,
-    /// The measured point in the sensor frame, mm.
-    pub point_mm: [f64; 2],
-    /// Measured - ideal, mm.
-    pub distortion_mm: [f64; 2],
-    /// V/H, 1/s.
-    pub vh_per_s: f64,
-    /// t, s.
-    pub exposure_s: f64,
-    /// Δδ, mm.
-    pub opening_offset_mm: f64,
-    /// Standard deviation of either component, mm.
-    pub sigma_mm: f64,
-}
-
-impl ObservationRow {
-    /// Its numbers, to tell it from others.
-    fn bits(&self) -> [u64; 8] {
-        let [x, y] = self.point_mm;
-        let [dx, dy] = self.distortion_mm;
-        let Self {
-            vh_per_s,
-            exposure_s,
-            opening_offset_mm,
-            sigma_mm,
-            ..
-        } = *self;
-        [
-            x,
-            y,
-            dx,
-            dy,
-            vh_per_s,
-            exposure_s,
-            opening_offset_mm,
-            sigma_mm,
-        ]
-        .map(f64::to_bits)
-    }
-}
-
-/// The rows of a file.
-#[derive(Debug, Clone, PartialEq)]
-pub struct ObservationTable {
-    /// What messages call the file.
-    pub file: String,
-    /// In the order of the file.
-    pub rows: Vec<ObservationRow>,
-    /// Whether there is a column `sigma_um`; without it every σ is [`UNIT_SIGMA_MM`].
-    pub has_sigma: bool,
-}
-
-/// σ of observations that come without, so that σ0 is in µm.
-pub const UNIT_SIGMA_MM: f64 = 1e-3;
 
 /// The columns of numbers that must be there.
 const REQUIRED: [&str; 7] = [
@@ -88,65 +28,91 @@ const REQUIRED: [&str; 7] = [
 /// A coordinate so far off the sensor is in another unit.
 const OTHER_UNIT: f64 = 20.0;
 
-impl ObservationTable {
-    /// Reads a file of observations.
-    ///
-    /// # Errors
-    /// [`Failure`] naming file, line, column and value.
-    pub fn read(path: &Path, camera: &CameraFile) -> Result<Self, Failure> {
-        let source = File::open(path).map_err(|error| Failure::reading(path, &error))?;
-        Self::parse(&path.display().to_string(), source, camera)
-    }
+/// Reads a file of observations.
+///
+/// # Errors
+/// [`Failure`] naming file, line, column and value.
+pub fn read(path: &Path, camera: &CameraFile) -> Result<ObservationTable, Failure> {
+    let source = File::open(path).map_err(|error| Failure::reading(path, &error))?;
+    parse(&path.display().to_string(), source, camera)
+}
 
-    /// Parses observations; `file` is what messages call them.
-    ///
-    /// # Errors
-    /// As [`Self::read`].
-    pub fn parse(file: &str, source: impl Read, camera: &CameraFile) -> Result<Self, Failure> {
-        let mut reader = ReaderBuilder::new().trim(Trim::All).from_reader(source);
-        let header = reader
-            .byte_headers()
-            .map_err(|error| csv_failure(file, &error))?
-            .clone();
-        let columns = Columns::find(&header).map_err(|fault| {
+/// Parses observations; `file` is what messages call them.
+///
+/// # Errors
+/// As [`read`].
+pub fn parse(
+    file: &str,
+    source: impl Read,
+    camera: &CameraFile,
+) -> Result<ObservationTable, Failure> {
+    let mut reader = ReaderBuilder::new().trim(Trim::All).from_reader(source);
+    let header = reader
+        .byte_headers()
+        .map_err(|error| csv_failure(file, &error))?
+        .clone();
+    let columns = Columns::find(&header).map_err(|fault| {
             Failure::bad_input(format!("{file}, line 1: {fault}")).with_help(format!(
                 "the first line names the columns, separated by commas, in any order: {}; optional: sigma_um, id",
                 REQUIRED.join(",")
             ))
         })?;
-        let mut rows = Vec::new();
-        let mut lines_of_ids: HashMap<Box<str>, u64> = HashMap::new();
-        let mut lines_of_numbers: HashMap<[u64; 8], u64> = HashMap::new();
-        let mut record = ByteRecord::new();
-        while reader
-            .read_byte_record(&mut record)
-            .map_err(|error| csv_failure(file, &error))?
+    let mut rows = Vec::new();
+    let mut lines_of_ids: HashMap<Box<str>, u64> = HashMap::new();
+    let mut lines_of_numbers: HashMap<[u64; 8], u64> = HashMap::new();
+    let mut record = ByteRecord::new();
+    while reader
+        .read_byte_record(&mut record)
+        .map_err(|error| csv_failure(file, &error))?
+    {
+        let line = record.position().map_or(0, csv::Position::line);
+        let failure = |fault| Failure::bad_input(format!("{file}, line {line}: {fault}"));
+        let row = columns.row(&record, line, camera).map_err(failure)?;
+        if let Some(id) = &row.id
+            && let Some(first) = lines_of_ids.insert(id.clone(), line)
         {
-            let line = record.position().map_or(0, csv::Position::line);
-            let failure = |fault| Failure::bad_input(format!("{file}, line {line}: {fault}"));
-            let row = columns.row(&record, line, camera).map_err(failure)?;
-            if let Some(id) = &row.id
-                && let Some(first) = lines_of_ids.insert(id.clone(), line)
-            {
-                return Err(Failure::bad_input(format!(
-                    "{file}, lines {first} and {line}: id {} appears twice; an id names one observation",
-                    clipped(id)
-                )));
-            }
-            // The same numbers to the last digit are one observation, written twice.
-            if let Some(first) = lines_of_numbers.insert(row.bits(), line) {
-                return Err(Failure::bad_input(format!(
-                    "{file}, lines {first} and {line}: the same observation twice, number by number; it would count double"
-                )));
-            }
-            rows.push(row);
+            return Err(Failure::bad_input(format!(
+                "{file}, lines {first} and {line}: id {} appears twice; an id names one observation",
+                clipped(id)
+            )));
         }
-        Ok(Self {
-            file: file.to_owned(),
-            rows,
-            has_sigma: columns.sigma.is_some(),
-        })
+        // The same numbers to the last digit are one observation, written twice.
+        if let Some(first) = lines_of_numbers.insert(bits(&row), line) {
+            return Err(Failure::bad_input(format!(
+                "{file}, lines {first} and {line}: the same observation twice, number by number; it would count double"
+            )));
+        }
+        rows.push(row);
     }
+    Ok(ObservationTable {
+        file: file.to_owned(),
+        rows,
+        has_sigma: columns.sigma.is_some(),
+    })
+}
+
+/// The numbers of a row, to tell it from others.
+fn bits(row: &ObservationRow) -> [u64; 8] {
+    let [x, y] = row.point_mm;
+    let [dx, dy] = row.distortion_mm;
+    let ObservationRow {
+        vh_per_s,
+        exposure_s,
+        opening_offset_mm,
+        sigma_mm,
+        ..
+    } = *row;
+    [
+        x,
+        y,
+        dx,
+        dy,
+        vh_per_s,
+        exposure_s,
+        opening_offset_mm,
+        sigma_mm,
+    ]
+    .map(f64::to_bits)
 }
 
 /// Where the columns are.

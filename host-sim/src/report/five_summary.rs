@@ -2,12 +2,11 @@
 
 use std::collections::BTreeMap;
 
+use fmc_adjustment::calibration::five::FiveCalibration;
 use fmc_camera::geometry::estimation::options::StaticDecentring;
 use fmc_camera::geometry::estimation::parameter::Parameter;
 use fmc_camera::geometry::five_coefficient::Regressor;
 use serde::Serialize;
-
-use crate::calibrate::five::FiveCalibration;
 
 /// The numbers of a calibration. Keys are only ever added.
 #[derive(Debug, Clone, PartialEq, Serialize)]

@@ -1,12 +1,12 @@
 //! A five-coefficient calibration for a terminal or a pipe.
 
 use comfy_table::{CellAlignment, Table, presets::UTF8_FULL_CONDENSED};
+use fmc_adjustment::calibration::five::FiveCalibration;
 use fmc_camera::geometry::estimation::options::StaticDecentring;
 use fmc_camera::geometry::estimation::parameter::Parameter;
 
 use super::five_summary::{FiveSummary, estimated, is_along_x, name};
 use super::wording;
-use crate::calibrate::five::FiveCalibration;
 
 /// Rejected observations that are printed; `residuals.csv` has all.
 const MOST_REJECTED: usize = 50;

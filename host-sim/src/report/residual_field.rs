@@ -1,9 +1,10 @@
 //! Residual vectors over the sensor.
 
+use fmc_adjustment::calibration::five::FiveCalibration;
+
 use super::arrow_field::{Arrow, ArrowField};
 use super::figure::FigureError;
 use super::wording;
-use crate::calibrate::five::FiveCalibration;
 
 /// More residuals than these are drawn as means over cells.
 const MOST_ARROWS: usize = 600;

@@ -1,13 +1,13 @@
 //! Residuals against what they should not depend on.
 
+use fmc_adjustment::calibration::five::FiveCalibration;
+use fmc_adjustment::calibration::measurement::Measurement;
 use fmc_camera_file::CameraFile;
 use plotters::element::{Circle, PathElement, Text};
 use plotters::prelude::{ChartBuilder, Color, IntoDrawingArea, RGBColor, SVGBackend};
 
 use super::figure::{FigureError, GRID, INK, OUTLINE, text};
 use super::wording;
-use crate::calibrate::five::FiveCalibration;
-use crate::calibrate::measurement::Measurement;
 
 const SIZE: (u32, u32) = (1600, 1000);
 const TITLE_HEIGHT: u32 = 110;

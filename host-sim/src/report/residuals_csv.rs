@@ -2,7 +2,7 @@
 
 use std::io::Write;
 
-use crate::calibrate::five::FiveCalibration;
+use fmc_adjustment::calibration::five::FiveCalibration;
 
 /// Columns of the file.
 const HEADER: [&str; 16] = [

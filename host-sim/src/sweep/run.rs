@@ -1,5 +1,6 @@
 //! The simulation.
 
+use fmc_adjustment::calibration::measurement::known_lens;
 use fmc_camera::flight::camera::{Camera, Frame, FrameError};
 use fmc_camera::flight::exposure::Exposure;
 use fmc_camera::geometry::calibration::CalibrationError;
@@ -19,7 +20,6 @@ use fmc_reference::verification::grid::{self, GridExposure};
 
 use super::options::{Case, SweepOptions};
 use super::result::{CaseResult, FrameFit, ModelResiduals, Sweep};
-use crate::calibrate::measurement::known_lens;
 use crate::noise::Noise;
 
 /// Standard deviation that observations are given: σ0 is then in µm.

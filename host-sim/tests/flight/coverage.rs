@@ -2,9 +2,9 @@
 
 use std::sync::LazyLock;
 
+use fmc_adjustment::model::Model;
+use fmc_adjustment::statistics::Estimate;
 use host_sim::flight::experiment::Experiment;
-use host_sim::flight::model::Model;
-use host_sim::flight::statistics::Estimate;
 
 use crate::flight::support::scenario;
 

@@ -1,7 +1,7 @@
 //! What a data set cannot separate is an error that names it.
 
-use host_sim::flight::adjustment::AdjustmentError;
-use host_sim::flight::model::Model;
+use fmc_adjustment::adjustment::AdjustmentError;
+use fmc_adjustment::model::Model;
 use host_sim::flight::strip::Strip;
 use host_sim::formats::scenario::{Free, Scenario, Sigma};
 

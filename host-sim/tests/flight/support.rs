@@ -2,8 +2,8 @@
 
 use std::path::Path;
 
-use host_sim::flight::adjustment::{Adjusted, AdjustmentError};
-use host_sim::flight::model::Model;
+use fmc_adjustment::adjustment::{Adjusted, AdjustmentError};
+use fmc_adjustment::model::Model;
 use host_sim::flight::outcome::adjustment;
 use host_sim::flight::strip::Strip;
 use host_sim::flight::survey::{Errors, observe};

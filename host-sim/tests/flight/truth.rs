@@ -1,12 +1,12 @@
 //! Observations without errors give back what they were made from.
 
+use fmc_adjustment::exterior_orientation::ExteriorOrientation;
+use fmc_adjustment::model::Model;
 use fmc_camera_file::{CameraFile, FittedTable};
 use fmc_reference::exposure::{ExposurePath, ExposureRequest};
 use fmc_reference::fitted::FittedModel;
 use fmc_reference::lens::Lens;
-use host_sim::flight::exterior_orientation::ExteriorOrientation;
 use host_sim::flight::image_truth::ImageTruth;
-use host_sim::flight::model::Model;
 use host_sim::flight::strip::Strip;
 
 use crate::flight::support::{SHIPPED, flown, parsed, scenario, text};

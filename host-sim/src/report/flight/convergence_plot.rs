@@ -1,13 +1,13 @@
 //! RMS at the control points against iterations: Yuan et al. 2012, fig. 5.
 
+use fmc_adjustment::model::Model;
+use fmc_adjustment::statistics::Estimate;
 use plotters::coord::combinators::IntoLogRange;
 use plotters::element::{Circle, PathElement, Text};
 use plotters::prelude::{ChartBuilder, Color, IntoDrawingArea, SVGBackend};
 
 use super::palette::colour;
 use crate::flight::experiment::Experiment;
-use crate::flight::model::Model;
-use crate::flight::statistics::Estimate;
 use crate::report::figure::{FigureError, GRID, INK, OUTLINE, text};
 use crate::report::wording;
 

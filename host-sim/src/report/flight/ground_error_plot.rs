@@ -1,5 +1,7 @@
 //! Ground errors of the models at control and at check points.
 
+use fmc_adjustment::model::Model;
+use fmc_adjustment::statistics::Estimate;
 use plotters::element::{Circle, PathElement, Text};
 use plotters::prelude::{ChartBuilder, Color, IntoDrawingArea, SVGBackend};
 use plotters::style::text_anchor::HPos;
@@ -7,8 +9,6 @@ use plotters::style::text_anchor::HPos;
 use super::palette::colour;
 use super::rows::decimals_of;
 use crate::flight::experiment::{Experiment, Points};
-use crate::flight::model::Model;
-use crate::flight::statistics::Estimate;
 use crate::report::figure::{FigureError, GRID, OUTLINE, text, text_at};
 use crate::report::wording;
 

@@ -1,8 +1,7 @@
 //! How figures tell the models apart.
 
+use fmc_adjustment::model::Model;
 use plotters::prelude::RGBColor;
-
-use crate::flight::model::Model;
 
 /// Colour of a model (Okabe and Ito's palette, safe for the colour-blind).
 pub(super) const fn colour(model: Model) -> RGBColor {

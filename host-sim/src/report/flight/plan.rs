@@ -1,12 +1,12 @@
 //! Frames, control points and check points seen from above: Yuan et al. 2012, fig. 4.
 
+use fmc_adjustment::collinearity::ground_at_height;
+use fmc_adjustment::model::Model;
 use plotters::element::{Circle, PathElement, Text, TriangleMarker};
 use plotters::prelude::{ChartBuilder, Color, IntoDrawingArea, SVGBackend};
 
 use super::palette::colour;
-use crate::flight::collinearity::ground_at_height;
 use crate::flight::experiment::Experiment;
-use crate::flight::model::Model;
 use crate::flight::strip::TrueFrame;
 use crate::report::figure::{FigureError, GRID, OUTLINE, text};
 use crate::report::wording;

@@ -2,8 +2,9 @@
 
 use std::io::Write;
 
+use fmc_adjustment::model::Model;
+
 use crate::flight::experiment::Experiment;
-use crate::flight::model::Model;
 
 /// Writes the table.
 ///

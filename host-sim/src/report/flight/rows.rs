@@ -1,8 +1,9 @@
 //! The comparison of the models, as tables write it.
 
+use fmc_adjustment::model::Model;
+use fmc_adjustment::statistics::Estimate;
+
 use crate::flight::experiment::{Experiment, Points};
-use crate::flight::model::Model;
-use crate::flight::statistics::Estimate;
 
 /// One model's row.
 #[derive(Debug, Clone, PartialEq)]

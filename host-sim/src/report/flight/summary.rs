@@ -1,13 +1,13 @@
 //! The flight for machines: `summary.json`.
 
+use fmc_adjustment::correction::COEFFICIENT_NAMES;
+use fmc_adjustment::model::Model;
+use fmc_adjustment::statistics::{CONFIDENCE, Estimate};
 use serde::Serialize;
 
 use super::rows::most_iterations;
 use super::verdict::{self, Verdict};
-use crate::flight::correction::COEFFICIENT_NAMES;
 use crate::flight::experiment::{Experiment, Points};
-use crate::flight::model::Model;
-use crate::flight::statistics::{CONFIDENCE, Estimate};
 
 /// The numbers of a flight. Keys are only ever added.
 #[derive(Debug, Clone, PartialEq, Serialize)]

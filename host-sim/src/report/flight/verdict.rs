@@ -1,11 +1,11 @@
 //! What the intervals say, in words.
 
+use fmc_adjustment::model::Model;
+use fmc_adjustment::statistics::Estimate;
 use serde::Serialize;
 
 use super::rows::{decimals_of, interval};
 use crate::flight::experiment::{Experiment, Points};
-use crate::flight::model::Model;
-use crate::flight::statistics::Estimate;
 
 /// What an interval of a ratio of errors says.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]

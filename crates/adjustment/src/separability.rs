@@ -2,9 +2,9 @@
 
 use nalgebra::{DMatrix, SymmetricEigen};
 
-use super::correction::{COEFFICIENT_NAMES, COEFFICIENTS};
-use super::exterior_orientation::{ELEMENT_NAMES, ELEMENTS};
-use super::normal_equations::{Factor, NormalEquations, SharedVector, unit_diagonal};
+use crate::correction::{COEFFICIENT_NAMES, COEFFICIENTS};
+use crate::exterior_orientation::{ELEMENT_NAMES, ELEMENTS};
+use crate::normal_equations::{Factor, NormalEquations, SharedVector, unit_diagonal};
 
 /// Elements of one exterior orientation are inseparable where a combination of them changes the
 /// observations by less than this fraction of what each alone does.
@@ -88,7 +88,7 @@ pub(super) fn check(
     Err(named(by_image, all, &combination, &free, &direction))
 }
 
-fn check_orientation(block: &super::normal_equations::FrameBlock) -> Result<(), Inseparable> {
+fn check_orientation(block: &crate::normal_equations::FrameBlock) -> Result<(), Inseparable> {
     let Some((_, scaled)) = unit_diagonal(&block.matrix) else {
         let diagonal = block.matrix.diagonal();
         return Err(Inseparable {

@@ -5,8 +5,8 @@ use fmc_camera::geometry::estimation::fit::{Fit, FitError};
 use fmc_camera::geometry::estimation::known_lens::KnownLens;
 use fmc_camera::geometry::estimation::options::{FitOptions, StaticDecentring};
 
-use super::five::{adjusted, residuals_in_sigma};
 use super::measurement::Measurement;
+use super::residual::{adjusted, residuals_in_sigma};
 use super::units::median;
 
 /// Points of an elemental fit. With 20 % of gross errors one in six is free of them, with 40 % one

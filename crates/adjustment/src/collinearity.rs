@@ -2,7 +2,7 @@
 
 use nalgebra::{Matrix2x3, SMatrix, Vector2, Vector3};
 
-use super::exterior_orientation::{ELEMENTS, ExteriorOrientation};
+use crate::exterior_orientation::{ELEMENTS, ExteriorOrientation};
 
 /// Derivatives of an image point by the six elements of the exterior orientation, mm/m and mm/rad.
 pub type OrientationJacobian = SMatrix<f64, 2, ELEMENTS>;

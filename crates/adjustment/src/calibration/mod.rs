@@ -2,6 +2,7 @@
 
 pub mod five;
 pub mod measurement;
+pub mod residual;
 mod robust_start;
 mod snooping;
 mod units;

@@ -2,11 +2,11 @@
 
 use nalgebra::{Matrix2, Vector2};
 
-use super::collinearity::{Projection, projection};
-use super::correction::{COEFFICIENTS, CorrectedPoint};
-use super::exterior_orientation::{ELEMENTS, ExteriorOrientation};
-use super::normal_equations::{FrameBlock, FrameVector, NormalEquations, SharedVector};
-use super::separability::{self, Inseparable};
+use crate::collinearity::{Projection, projection};
+use crate::correction::{COEFFICIENTS, CorrectedPoint};
+use crate::exterior_orientation::{ELEMENTS, ExteriorOrientation};
+use crate::normal_equations::{FrameBlock, FrameVector, NormalEquations, SharedVector};
+use crate::separability::{self, Inseparable};
 
 /// Cap of the iterations; a strip takes three to five.
 pub const MOST_ITERATIONS: usize = 40;

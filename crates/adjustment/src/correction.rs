@@ -6,8 +6,8 @@ use fmc_camera_file::number::single;
 use fmc_reference::fitted::FittedModel;
 use fmc_reference::lens::Lens;
 
-use super::interior_orientation::InteriorOrientation;
-use super::model::Model;
+use crate::interior_orientation::InteriorOrientation;
+use crate::model::Model;
 
 /// How many coefficients self-calibration has at most.
 pub const COEFFICIENTS: usize = 5;

@@ -11,7 +11,7 @@ use fmc_camera_file::number::single;
 use fmc_reference::exposure::{ExposurePath, ExposureRequest};
 use fmc_reference::lens::Lens;
 
-use crate::formats::observations::{ObservationRow, ObservationTable};
+use crate::observation::{ObservationRow, ObservationTable};
 
 /// An observation of one point of one exposure, in double precision.
 #[derive(Debug, Clone, PartialEq)]

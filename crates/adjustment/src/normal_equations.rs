@@ -2,8 +2,8 @@
 
 use nalgebra::{Cholesky, Const, SMatrix, SVector};
 
-use super::correction::COEFFICIENTS;
-use super::exterior_orientation::ELEMENTS;
+use crate::correction::COEFFICIENTS;
+use crate::exterior_orientation::ELEMENTS;
 
 pub(super) type FrameMatrix = SMatrix<f64, ELEMENTS, ELEMENTS>;
 pub(super) type FrameVector = SVector<f64, ELEMENTS>;

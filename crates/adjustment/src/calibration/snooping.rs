@@ -5,8 +5,8 @@ use fmc_camera::geometry::estimation::known_lens::KnownLens;
 use fmc_camera::geometry::estimation::options::FitOptions;
 use statrs::distribution::{ContinuousCDF, StudentsT};
 
-use super::five::{Tested, adjusted, residual_variances, residuals_in_sigma};
 use super::measurement::Measurement;
+use super::residual::{Tested, adjusted, residual_variances, residuals_in_sigma};
 use super::robust_start::RobustStart;
 
 /// Chance that any observation is rejected although none is wrong.
