@@ -5,9 +5,8 @@ use std::path::Path;
 use std::process::ExitCode;
 
 use fmc_camera_file::{InputError, InputErrorKind};
+use fmc_simulation::strip_experiment::experiment::ExperimentError;
 use miette::{Diagnostic, LabeledSpan, NamedSource, SourceSpan};
-
-use crate::flight::experiment::ExperimentError;
 
 /// Why a command ended, as its exit code says it.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]

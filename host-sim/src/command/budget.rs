@@ -1,10 +1,10 @@
 //! `budget`: is it worth it for this camera?
 
 use fmc_camera_file::CameraFile;
+use fmc_simulation::budget::assumptions::Assumptions;
+use fmc_simulation::budget::result::Budget;
+use fmc_simulation::budget::run;
 
-use crate::budget::assumptions::Assumptions;
-use crate::budget::result::Budget;
-use crate::budget::run;
 use crate::cli::BudgetArgs;
 use crate::failure::Failure;
 use crate::formats::output::{self, OutputFolder};

@@ -6,7 +6,8 @@ use std::thread;
 use crate::cli::DeviceArgs;
 use crate::device::qemu::QemuOptions;
 use crate::device::{
-    Device, DeviceName, FlownCamera, FlyingDevice, InProcess, OpenError, Opener, RecordSource,
+    Device, DeviceError, DeviceName, FlownCamera, FlyingDevice, InProcess, OpenError, Opener,
+    RecordSource,
 };
 use crate::failure::Failure;
 
@@ -72,7 +73,9 @@ impl DeviceArgs {
     ///
     /// # Errors
     /// [`Failure`] where it cannot be opened.
-    pub(super) fn open_flying(&self) -> Result<Box<dyn FlyingDevice>, Failure> {
+    pub(super) fn open_flying(
+        &self,
+    ) -> Result<Box<dyn FlyingDevice<Error = DeviceError>>, Failure> {
         let name = self.device.as_ref().unwrap_or(&DeviceName::Sil);
         self.check_options(name)?;
         Ok(self.opener().open_flying(name)?)

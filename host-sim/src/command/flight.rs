@@ -2,13 +2,13 @@
 
 use std::io;
 
+use fmc_simulation::strip_experiment::experiment::Experiment;
+use fmc_simulation::strip_experiment::scenario::Scenario;
 use indicatif::{ProgressBar, ProgressStyle};
 
 use crate::cli::FlightArgs;
 use crate::failure::Failure;
-use crate::flight::experiment::Experiment;
 use crate::formats::output::{self, OutputFolder};
-use crate::formats::scenario::Scenario;
 use crate::report::figure::FigureError;
 use crate::report::flight::summary::Summary;
 use crate::report::flight::{

@@ -2,16 +2,16 @@
 
 use std::io::{self, Write};
 
+use fmc_simulation::mechanics::Mechanics;
+use fmc_simulation::mission::flight_loop::{FlightOptions, Status, fly};
+use fmc_simulation::mission::judgement::Judgement;
+use fmc_simulation::mission::scenario::MissionScenario;
+use fmc_simulation::mission::settings::flight_settings;
 use indicatif::{ProgressBar, ProgressStyle};
 
 use crate::cli::MissionArgs;
 use crate::failure::Failure;
-use crate::formats::mission_scenario::MissionScenario;
 use crate::formats::output::{self, OutputFolder};
-use crate::mechanics::Mechanics;
-use crate::mission::flight_loop::{FlightOptions, Status, fly};
-use crate::mission::judgement::Judgement;
-use crate::mission::settings::flight_settings;
 use crate::report::figure::FigureError;
 use crate::report::mission::summary::Summary;
 use crate::report::mission::{

@@ -4,14 +4,14 @@ use std::io;
 
 use fmc_camera::geometry::image_motion::{ImageMotionError, View};
 use fmc_camera_file::CameraFile;
+use fmc_simulation::smear::field::SmearRequest;
+use fmc_simulation::smear::term::{Disturbances, Term};
 
 use crate::cli::{DirectionName, ExposureArgs, FocusSignName, ModelName, SmearArgs};
 use crate::device::DeviceError;
 use crate::failure::Failure;
 use crate::formats::output::{self, OutputFolder};
 use crate::report::smear::SmearReport;
-use crate::smear::field::SmearRequest;
-use crate::smear::term::{Disturbances, Term};
 
 pub(super) fn run(args: &SmearArgs) -> Result<(), Failure> {
     let disturbances = args
@@ -63,7 +63,7 @@ fn write(folder: &OutputFolder, report: &SmearReport<'_>) -> Result<(), Failure>
 }
 
 impl SmearArgs {
-    fn disturbances(&self) -> Result<Disturbances, crate::smear::term::NotBelievable> {
+    fn disturbances(&self) -> Result<Disturbances, fmc_simulation::smear::term::NotBelievable> {
         Disturbances::new([
             (Term::VhError, self.vh_error_percent),
             (Term::Relief, self.relief_percent),

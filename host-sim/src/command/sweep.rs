@@ -7,6 +7,9 @@ use fmc_camera::geometry::range::Quantity;
 use fmc_camera_file::{CameraFile, MechanismName, Per, Strategy};
 use fmc_reference::exposure::FocusFormula;
 use fmc_reference::strict::{Reading, Weight};
+use fmc_simulation::sweep::options::SweepOptions;
+use fmc_simulation::sweep::result::Sweep;
+use fmc_simulation::sweep::run::{Plan, SweepError, steps};
 use indicatif::{ProgressBar, ProgressStyle};
 
 use crate::cli::{FocusSignName, ReadingName, RegressOn, StrategyName, SweepArgs, WeightName};
@@ -14,9 +17,6 @@ use crate::failure::Failure;
 use crate::formats::output::{self, OutputFolder};
 use crate::report::sweep::{coefficient_plot, coefficients_csv, page, summary, table};
 use crate::report::wording;
-use crate::sweep::options::SweepOptions;
-use crate::sweep::result::Sweep;
-use crate::sweep::run::{Plan, SweepError, steps};
 
 pub(super) fn run(args: &SweepArgs) -> Result<(), Failure> {
     let (mut camera, _) = CameraFile::read(&args.camera)?;

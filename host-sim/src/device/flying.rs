@@ -1,4 +1,4 @@
-//! The camera in a simulated flight, wherever it runs.
+//! The camera in this process, in a simulated flight.
 
 use fmc_camera::flight::camera::{Camera, CameraRecord};
 use fmc_camera::flight::controller::{ControllerError, Start};
@@ -9,44 +9,7 @@ use fmc_camera::flight::stage::Setpoint;
 use fmc_camera::flight::time::Time;
 use fmc_camera::io::link::digest;
 
-use super::{DeviceError, InProcess};
-
-/// A camera whose drive, shutter and sensors are simulated, one round of its control loop at a time.
-pub trait FlyingDevice {
-    /// What it is, for the first line of a report.
-    fn description(&self) -> String;
-
-    /// Gives it the camera's calibration and how it is flown; it is in standby.
-    ///
-    /// # Errors
-    /// [`DeviceError`] where it refuses them, or still has records that nobody has fetched.
-    fn prepare(
-        &mut self,
-        camera: &CameraRecord,
-        settings: &FlightSettings,
-    ) -> Result<(), DeviceError>;
-
-    /// Where the stage should be at a time; `None` where it has been told nothing.
-    fn setpoint(&self, now: Time) -> Option<Setpoint>;
-
-    /// One round of the control loop.
-    ///
-    /// # Errors
-    /// [`DeviceError`] where it cannot be talked to.
-    fn step(&mut self, step: &RigStep) -> Result<RigAnswer, DeviceError>;
-
-    /// The oldest record with at least that number that has not been acknowledged.
-    ///
-    /// # Errors
-    /// [`DeviceError`] where it cannot be talked to.
-    fn record(&mut self, from_sequence: u32) -> Result<Option<FrameRecord>, DeviceError>;
-
-    /// Records up to that number are safe; the camera may forget them. Says how many are left.
-    ///
-    /// # Errors
-    /// [`DeviceError`] where it cannot be talked to.
-    fn acknowledge(&mut self, through: u32) -> Result<u32, DeviceError>;
-}
+use super::{DeviceError, FlyingDevice, InProcess};
 
 impl InProcess {
     /// As [`FlyingDevice::prepare`], for a camera that has come to run in a certain way.
@@ -82,6 +45,8 @@ impl InProcess {
 }
 
 impl FlyingDevice for InProcess {
+    type Error = DeviceError;
+
     fn description(&self) -> String {
         super::CorrectingDevice::description(self)
     }

@@ -5,7 +5,7 @@ pub mod client;
 mod client_flight;
 pub mod error;
 pub mod flown_camera;
-pub mod flying;
+mod flying;
 pub mod image;
 pub mod link_error;
 pub mod log;
@@ -32,10 +32,10 @@ use fmc_camera::geometry::mesh::vertex::VertexRow;
 use fmc_camera::geometry::sensor::SensorPoint;
 
 pub use fmc_reference::verification::device::{CorrectingDevice, Evidence};
+pub use fmc_simulation::mission::device::FlyingDevice;
 
 pub use error::DeviceError;
 pub use flown_camera::FlownCamera;
-pub use flying::FlyingDevice;
 pub use name::{DeviceName, Machine};
 pub use open::{OpenError, Opener};
 pub use record_source::RecordSource;

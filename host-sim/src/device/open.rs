@@ -104,7 +104,10 @@ impl Opener {
     ///
     /// # Errors
     /// As [`Self::open`].
-    pub fn open_flying(&self, name: &DeviceName) -> Result<Box<dyn FlyingDevice>, OpenError> {
+    pub fn open_flying(
+        &self,
+        name: &DeviceName,
+    ) -> Result<Box<dyn FlyingDevice<Error = DeviceError>>, OpenError> {
         Ok(match name {
             DeviceName::Sil => Box::new(InProcess::default()),
             DeviceName::Qemu(machine) => Box::new(Qemu::start(*machine, &self.qemu)?),

@@ -215,6 +215,8 @@ impl Qemu {
 }
 
 impl FlyingDevice for Qemu {
+    type Error = DeviceError;
+
     fn description(&self) -> String {
         CorrectingDevice::description(self)
     }

@@ -13,11 +13,10 @@ use fmc_camera::io::link::digest;
 use fmc_camera::io::link::message;
 
 use super::error::DifferentResult;
-use super::flying::FlyingDevice;
 use super::link_error::LinkError;
 use super::port::Port;
 use super::remote::{Remote, same_bits};
-use super::{CorrectingDevice, DeviceError};
+use super::{CorrectingDevice, DeviceError, FlyingDevice};
 
 impl<P: Port> Remote<P> {
     /// The oldest record with at least that number, whether this program has prepared the flight or another.
@@ -79,6 +78,8 @@ impl<P: Port> Remote<P> {
 }
 
 impl<P: Port> FlyingDevice for Remote<P> {
+    type Error = DeviceError;
+
     fn description(&self) -> String {
         CorrectingDevice::description(self)
     }

@@ -4,13 +4,13 @@ use std::io::Write;
 
 use comfy_table::{CellAlignment, Table, presets::UTF8_FULL_CONDENSED};
 use fmc_camera_file::CameraFile;
+use fmc_simulation::smear::field::{PointSmear, SmearField, SmearRequest};
+use fmc_simulation::smear::term::Term;
 use serde::Serialize;
 
 use super::arrow_field::{Arrow, ArrowField};
 use super::figure::FigureError;
 use super::{length, wording};
-use crate::smear::field::{PointSmear, SmearField, SmearRequest};
-use crate::smear::term::Term;
 
 /// What all terms together are called in files.
 const ALL: &str = "all";

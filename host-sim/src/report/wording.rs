@@ -1,32 +1,8 @@
 //! Numbers and names as the reports write them.
 
 use fmc_camera::io::link::message::Counters;
-
-use crate::device::Evidence;
-
-/// Digits in groups of three: `264,600`.
-pub(super) fn count(number: u64) -> String {
-    grouped(&number.to_string())
-}
-
-/// The digits before the point in groups of three.
-pub(super) fn grouped(number: &str) -> String {
-    let (whole, rest) = number.split_at(number.find('.').unwrap_or(number.len()));
-    let mut text = String::new();
-    for (index, digit) in whole.chars().enumerate() {
-        if index > 0 && (whole.len() - index).is_multiple_of(3) {
-            text.push(',');
-        }
-        text.push(digit);
-    }
-    text + rest
-}
-
-/// A number of things, with their name in the singular or plural.
-pub(crate) fn counted(number: usize, noun: &str) -> String {
-    let plural = if number == 1 { "" } else { "s" };
-    format!("{} {noun}{plural}", count(number as u64))
-}
+use fmc_reference::verification::device::Evidence;
+pub(super) use fmc_simulation::wording::{count, counted, grouped};
 
 /// How points are known to be the camera's.
 pub(super) fn evidence(evidence: &Evidence) -> String {
@@ -94,14 +70,6 @@ pub(super) fn strategy(name: &str) -> &str {
 #[cfg(test)]
 mod tests {
     use super::*;
-
-    #[test]
-    fn digits_are_grouped_by_thousands() {
-        assert_eq!(count(264_600), "264,600");
-        assert_eq!(count(441), "441");
-        assert_eq!(counted(1, "camera"), "1 camera");
-        assert_eq!(counted(1_234_567, "camera"), "1,234,567 cameras");
-    }
 
     #[test]
     fn exposure_is_a_fraction_where_it_is_one() {

@@ -13,10 +13,10 @@ use fmc_camera::flight::time::Time;
 use fmc_camera::flight::vh::VhSample;
 use fmc_camera::io::link::message::{Refusal, Start};
 use fmc_camera::{CalibrationRecord, CameraRecord};
+use fmc_simulation::mechanics::{Mechanics, MechanicsSettings};
 use host_sim::device::link_error::LinkError;
 use host_sim::device::qemu::{Qemu, QemuOptions};
 use host_sim::device::{CorrectingDevice as _, DeviceError, FlyingDevice, Machine};
-use host_sim::mechanics::{Mechanics, MechanicsSettings};
 
 use crate::firmware::drills::bite_watchdog;
 

@@ -1,14 +1,17 @@
 //! A mission with the firmware in QEMU in the loop.
 
+use fmc_simulation::mechanics::Mechanics;
+use fmc_simulation::mission::flight_loop::{FlightOptions, fly};
+use fmc_simulation::mission::scenario::MissionScenario;
+use fmc_simulation::mission::settings::flight_settings;
 use host_sim::device::qemu::{Qemu, QemuOptions};
-use host_sim::device::{FlyingDevice, InProcess, Machine};
-use host_sim::formats::mission_scenario::MissionScenario;
-use host_sim::mechanics::Mechanics;
-use host_sim::mission::flight_loop::{FlightOptions, fly};
-use host_sim::mission::settings::flight_settings;
+use host_sim::device::{DeviceError, FlyingDevice, InProcess, Machine};
 use host_sim::report::records::crc32;
 
-fn records_crc(scenario: &MissionScenario, device: &mut dyn FlyingDevice) -> (usize, u32) {
+fn records_crc(
+    scenario: &MissionScenario,
+    device: &mut dyn FlyingDevice<Error = DeviceError>,
+) -> (usize, u32) {
     let settings = flight_settings(&scenario.written, scenario.interval_s);
     device
         .prepare(&scenario.camera.record(), &settings)

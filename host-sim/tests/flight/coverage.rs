@@ -4,7 +4,7 @@ use std::sync::LazyLock;
 
 use fmc_adjustment::model::Model;
 use fmc_adjustment::statistics::Estimate;
-use host_sim::flight::experiment::Experiment;
+use fmc_simulation::strip_experiment::experiment::Experiment;
 
 use crate::flight::support::scenario;
 

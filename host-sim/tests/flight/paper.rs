@@ -1,7 +1,7 @@
 //! Numbers of Yuan et al. 2012, section 4.2, and what becomes of them at check points.
 
 use fmc_adjustment::model::Model;
-use host_sim::flight::experiment::{Experiment, Points};
+use fmc_simulation::strip_experiment::experiment::{Experiment, Points};
 
 use crate::flight::support::scenario;
 

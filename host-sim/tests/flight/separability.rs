@@ -2,8 +2,9 @@
 
 use fmc_adjustment::adjustment::AdjustmentError;
 use fmc_adjustment::model::Model;
-use host_sim::flight::strip::Strip;
-use host_sim::formats::scenario::{Free, Scenario, Sigma};
+use fmc_simulation::strip_experiment::scenario::Scenario;
+use fmc_simulation::strip_experiment::scenario_file::{Free, Sigma};
+use fmc_simulation::strip_experiment::strip::Strip;
 
 use crate::flight::support::{SHIPPED, flown, scenario};
 

@@ -4,11 +4,11 @@ use std::path::Path;
 
 use fmc_adjustment::adjustment::{Adjusted, AdjustmentError};
 use fmc_adjustment::model::Model;
-use host_sim::flight::outcome::adjustment;
-use host_sim::flight::strip::Strip;
-use host_sim::flight::survey::{Errors, observe};
-use host_sim::formats::scenario::Scenario;
-use host_sim::noise::Noise;
+use fmc_simulation::noise::Noise;
+use fmc_simulation::strip_experiment::outcome::adjustment;
+use fmc_simulation::strip_experiment::scenario::Scenario;
+use fmc_simulation::strip_experiment::strip::Strip;
+use fmc_simulation::strip_experiment::survey::{Errors, observe};
 
 pub(crate) const SHIPPED: [&str; 2] = ["yuan-2012.toml", "strip.toml"];
 

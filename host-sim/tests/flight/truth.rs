@@ -6,8 +6,8 @@ use fmc_camera_file::{CameraFile, FittedTable};
 use fmc_reference::exposure::{ExposurePath, ExposureRequest};
 use fmc_reference::fitted::FittedModel;
 use fmc_reference::lens::Lens;
-use host_sim::flight::image_truth::ImageTruth;
-use host_sim::flight::strip::Strip;
+use fmc_simulation::strip_experiment::image_truth::ImageTruth;
+use fmc_simulation::strip_experiment::strip::Strip;
 
 use crate::flight::support::{SHIPPED, flown, parsed, scenario, text};
 

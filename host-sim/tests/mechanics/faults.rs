@@ -1,6 +1,6 @@
 //! Faults of the mechanics: each does what its name says, from its time on.
 
-use host_sim::mechanics::{Injection, MechanicalFault, Mechanics, MechanicsSettings};
+use fmc_simulation::mechanics::{Injection, MechanicalFault, Mechanics, MechanicsSettings};
 
 fn broken(fault: MechanicalFault, from_s: f64, until_s: f64) -> Mechanics {
     let mut mechanics = Mechanics::new(MechanicsSettings {

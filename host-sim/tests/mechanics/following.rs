@@ -2,7 +2,7 @@
 
 use fmc_camera::flight::drive::pwm_encoder::DriveSettings;
 use fmc_camera::flight::drive::{following::FollowingBounds, loop_settings::LoopSettings};
-use host_sim::mechanics::{EncoderSide, MechanicsSettings};
+use fmc_simulation::mechanics::{EncoderSide, MechanicsSettings};
 
 use crate::mechanics::profile::{ACCELERATION_MM_S2, FASTEST_MM_S, Profile};
 use crate::mechanics::support::{Followed, drive_for, followed};

@@ -1,6 +1,6 @@
 //! Friction, play, end stops, encoder and limit switches, each by itself.
 
-use host_sim::mechanics::{EncoderSide, Mechanics, MechanicsSettings};
+use fmc_simulation::mechanics::{EncoderSide, Mechanics, MechanicsSettings};
 
 fn mechanics(settings: MechanicsSettings) -> Mechanics {
     Mechanics::new(settings).unwrap()

@@ -1,10 +1,10 @@
 //! How fast a stage that does not follow shows.
 
-use host_sim::mechanics::{Injection, MechanicalFault, MechanicsSettings};
+use fmc_camera::flight::drive::loop_settings::LoopSettings;
+use fmc_simulation::mechanics::{Injection, MechanicalFault, MechanicsSettings};
 
 use crate::mechanics::profile::{ACCELERATION_MM_S2, Profile};
 use crate::mechanics::support::{TICK_S, Tick, drive_for, run};
-use fmc_camera::flight::drive::loop_settings::LoopSettings;
 
 /// When the ramp begins, s.
 const START_S: f64 = 0.05;

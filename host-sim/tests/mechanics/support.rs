@@ -4,7 +4,7 @@ use fmc_camera::flight::drive::FmcDrive;
 use fmc_camera::flight::drive::pwm_encoder::DriveSettings;
 use fmc_camera::flight::drive::rig::RigDrive;
 use fmc_camera::flight::time::Time;
-use host_sim::mechanics::{Injection, Mechanics, MechanicsSettings};
+use fmc_simulation::mechanics::{Injection, Mechanics, MechanicsSettings};
 
 use crate::mechanics::profile::{Phase, Profile};
 

@@ -1,6 +1,6 @@
 //! The same seed gives the same flight.
 
-use host_sim::formats::mission_scenario::MissionScenario;
+use fmc_simulation::mission::scenario::MissionScenario;
 use host_sim::report::records::crc32;
 
 use crate::mission::support::flown;

@@ -4,8 +4,8 @@ use std::collections::BTreeSet;
 
 use fmc_camera::flight::frame_record::{Flag, Outcome, Reason};
 use fmc_camera::flight::vh::VhSource;
-use host_sim::mission::fault::InjectedFault;
-use host_sim::mission::flown::FlownFrame;
+use fmc_simulation::mission::fault::InjectedFault;
+use fmc_simulation::mission::flown::FlownFrame;
 
 use crate::mission::support::{fault_scenario, folder, passed};
 

@@ -1,6 +1,6 @@
 //! The nominal mission keeps its limits.
 
-use host_sim::formats::mission_scenario::MissionScenario;
+use fmc_simulation::mission::scenario::MissionScenario;
 
 use crate::mission::support::passed;
 
@@ -27,6 +27,6 @@ fn standing_stage_shows_in_the_truth() {
     let mut scenario = MissionScenario::nominal(Some(10)).unwrap();
     scenario.written.mechanics.force_n = 0.3;
     let flown = crate::mission::support::flown(&scenario, 1);
-    let judgement = host_sim::mission::judgement::Judgement::of(&scenario, &flown);
+    let judgement = fmc_simulation::mission::judgement::Judgement::of(&scenario, &flown);
     assert!(!judgement.passed());
 }

@@ -1,8 +1,8 @@
 //! A jam is named within 5 ms, wherever the stage moves.
 
 use fmc_camera::flight::fault::Fault;
-use host_sim::mission::fault::{InjectedFault, Injection};
-use host_sim::mission::trace::Round;
+use fmc_simulation::mission::fault::{InjectedFault, Injection};
+use fmc_simulation::mission::trace::Round;
 
 use crate::mission::support::flown_with;
 use crate::mission::sweep::with;

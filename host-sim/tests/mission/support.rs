@@ -2,13 +2,13 @@
 
 use std::path::{Path, PathBuf};
 
+use fmc_simulation::mechanics::Mechanics;
+use fmc_simulation::mission::flight_loop::{FlightOptions, fly};
+use fmc_simulation::mission::flown::Flown;
+use fmc_simulation::mission::judgement::Judgement;
+use fmc_simulation::mission::scenario::MissionScenario;
+use fmc_simulation::mission::settings::flight_settings;
 use host_sim::device::{FlyingDevice, InProcess};
-use host_sim::formats::mission_scenario::MissionScenario;
-use host_sim::mechanics::Mechanics;
-use host_sim::mission::flight_loop::{FlightOptions, fly};
-use host_sim::mission::flown::Flown;
-use host_sim::mission::judgement::Judgement;
-use host_sim::mission::settings::flight_settings;
 
 pub(crate) fn folder() -> PathBuf {
     Path::new(env!("CARGO_MANIFEST_DIR")).join("scenarios")

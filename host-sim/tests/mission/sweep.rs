@@ -1,13 +1,14 @@
 //! Every fault at many places of the cycle and in many sizes: none leads to a silent wrong coordinate.
 
 use fmc_camera::flight::frame_record::Flag;
-use host_sim::formats::mission_file::{ReceiverFormat, VhSourceName, VhTable};
-use host_sim::formats::mission_scenario::{MissionScenario, PlannedFault};
-use host_sim::mechanics::EncoderSide;
-use host_sim::mission::expectation::Expectation;
-use host_sim::mission::fault::{InjectedFault, Injection};
-use host_sim::mission::flown::Flown;
-use host_sim::mission::judgement::Judgement;
+use fmc_simulation::mechanics::EncoderSide;
+use fmc_simulation::mission::expectation::Expectation;
+use fmc_simulation::mission::fault::{InjectedFault, Injection};
+use fmc_simulation::mission::file::{ReceiverFormat, VhSourceName, VhTable};
+use fmc_simulation::mission::flown::Flown;
+use fmc_simulation::mission::judgement::Judgement;
+use fmc_simulation::mission::planned_fault::PlannedFault;
+use fmc_simulation::mission::scenario::MissionScenario;
 
 use crate::mission::support::flown;
 

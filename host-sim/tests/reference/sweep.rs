@@ -6,9 +6,9 @@ use fmc_camera_file::{CameraFile, Per, Strategy};
 use fmc_reference::exposure::FocusFormula;
 use fmc_reference::lens::Lens;
 use fmc_reference::strict::{Reading, Weight};
-use host_sim::sweep::options::SweepOptions;
-use host_sim::sweep::result::Sweep;
-use host_sim::sweep::run::Plan;
+use fmc_simulation::sweep::options::SweepOptions;
+use fmc_simulation::sweep::result::Sweep;
+use fmc_simulation::sweep::run::Plan;
 
 const PAPER_CAMERA: &str = include_str!("../../cameras/paper-0.03-percent.toml");
 

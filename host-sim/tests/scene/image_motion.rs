@@ -6,8 +6,8 @@ use fmc_camera::geometry::image_motion::{
 use fmc_camera::geometry::sensor::{FmcAxis, Sensor, SensorPoint};
 use fmc_camera_file::number::single;
 use fmc_reference::exposure::ExposureRequest;
-use host_sim::scene::Scene;
-use host_sim::scene::terrain::Terrain;
+use fmc_simulation::scene::Scene;
+use fmc_simulation::scene::terrain::Terrain;
 
 use crate::scene::support::{HEIGHT_M, points, square};
 

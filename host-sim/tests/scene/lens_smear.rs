@@ -3,7 +3,7 @@
 
 use fmc_reference::exposure::ExposureRequest;
 use fmc_reference::lens::Lens;
-use host_sim::scene::Scene;
+use fmc_simulation::scene::Scene;
 
 use crate::scene::support::{HEIGHT_M, apart, points, published};
 

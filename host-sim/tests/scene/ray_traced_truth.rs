@@ -2,9 +2,9 @@
 
 use fmc_camera_file::CameraFile;
 use fmc_reference::exposure::ExposureRequest;
-use host_sim::scene::Scene;
-use host_sim::scene::field_table::{FieldNode, FieldTable};
-use host_sim::scene::lens::LensMapping;
+use fmc_simulation::scene::Scene;
+use fmc_simulation::scene::field_table::{FieldNode, FieldTable};
+use fmc_simulation::scene::lens::LensMapping;
 
 use crate::scene::support::{HEIGHT_M, ground_below};
 

@@ -5,10 +5,10 @@ use fmc_camera::geometry::shutter::{Shutter, ShutterProfile};
 use fmc_camera_file::CameraFile;
 use fmc_camera_file::number::single;
 use fmc_reference::exposure::ExposureRequest;
-use host_sim::scene::Scene;
-use host_sim::scene::stage::Encoder;
-use host_sim::scene::stage_path::StagePath;
-use host_sim::scene::turbulence::{Spectrum, Turbulence};
+use fmc_simulation::scene::Scene;
+use fmc_simulation::scene::stage::Encoder;
+use fmc_simulation::scene::stage_path::StagePath;
+use fmc_simulation::scene::turbulence::{Spectrum, Turbulence};
 
 use crate::scene::support::{HEIGHT_M, apart, points, square};
 

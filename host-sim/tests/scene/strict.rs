@@ -4,7 +4,7 @@ use fmc_camera::flight::exposure::FlightDirection;
 use fmc_camera_file::CameraFile;
 use fmc_reference::exposure::ExposureRequest;
 use fmc_reference::strict::{StrictSolver, Weight};
-use host_sim::scene::Scene;
+use fmc_simulation::scene::Scene;
 
 use crate::scene::support::{HEIGHT_M, apart, ground_below, points, published, square};
 

@@ -2,8 +2,8 @@
 
 use fmc_camera_file::published::CAMERA_FILES;
 use fmc_camera_file::{CameraFile, Strategy};
-use host_sim::scene::Scene;
-use host_sim::scene::frame::Frame;
+use fmc_simulation::scene::Scene;
+use fmc_simulation::scene::frame::Frame;
 
 pub(crate) const HEIGHT_M: f64 = 1000.0;
 

@@ -1,11 +1,11 @@
 //! The terms of a budget as bars on a logarithmic axis.
 
+use fmc_simulation::budget::result::{Budget, Kind, Term};
 use plotters::element::{PathElement, Rectangle, Text};
 use plotters::prelude::{Color, RGBColor};
 use plotters::style::text_anchor::HPos;
 
 use super::findings;
-use crate::budget::result::{Budget, Kind, Term};
 use crate::report::figure::{self, Area, Backend, FigureError, GRID, INK, pixels, text, text_at};
 use crate::report::picture;
 

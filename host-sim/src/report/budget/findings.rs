@@ -1,6 +1,7 @@
 //! The findings of a budget in words, for terminal and page alike.
 
-use crate::budget::result::{Budget, Exposures, Kind, Source, Term};
+use fmc_simulation::budget::result::{Budget, Exposures, Kind, Source, Term};
+
 use crate::report::wording;
 
 /// From this many pixels on a distortion is worth correcting.

@@ -1,10 +1,9 @@
 //! A budget for the tests.
 
 use fmc_camera_file::CameraFile;
-
-use crate::budget::assumptions::Assumptions;
-use crate::budget::result::Budget;
-use crate::budget::run;
+use fmc_simulation::budget::assumptions::Assumptions;
+use fmc_simulation::budget::result::Budget;
+use fmc_simulation::budget::run;
 
 /// Of a small camera.
 pub(super) fn budget() -> Budget {

@@ -1,10 +1,10 @@
 //! The budget as a page that stands alone: `report.html`.
 
 use askama::Template;
+use fmc_simulation::budget::result::Budget;
 
 use super::bars;
 use super::findings::Findings;
-use crate::budget::result::Budget;
 use crate::report::html::{PageError, inline};
 
 /// The page.

@@ -1,8 +1,7 @@
 //! The budget for machines: `summary.json`.
 
+use fmc_simulation::budget::result::Budget;
 use serde::Serialize;
-
-use crate::budget::result::Budget;
 
 /// The numbers of a budget. Keys are only ever added.
 #[derive(Debug, Clone, PartialEq, Serialize)]

@@ -1,9 +1,9 @@
 //! The budget as a page of text.
 
 use comfy_table::{CellAlignment, Table, presets::UTF8_FULL_CONDENSED};
+use fmc_simulation::budget::result::Budget;
 
 use super::findings::Findings;
-use crate::budget::result::Budget;
 
 /// Camera, exposures, a row per term, and the advice.
 #[must_use]

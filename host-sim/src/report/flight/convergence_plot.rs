@@ -2,12 +2,12 @@
 
 use fmc_adjustment::model::Model;
 use fmc_adjustment::statistics::Estimate;
+use fmc_simulation::strip_experiment::experiment::Experiment;
 use plotters::coord::combinators::IntoLogRange;
 use plotters::element::{Circle, PathElement, Text};
 use plotters::prelude::{ChartBuilder, Color, IntoDrawingArea, SVGBackend};
 
 use super::palette::colour;
-use crate::flight::experiment::Experiment;
 use crate::report::figure::{FigureError, GRID, INK, OUTLINE, text};
 use crate::report::wording;
 

@@ -2,13 +2,13 @@
 
 use fmc_adjustment::model::Model;
 use fmc_adjustment::statistics::Estimate;
+use fmc_simulation::strip_experiment::experiment::{Experiment, Points};
 use plotters::element::{Circle, PathElement, Text};
 use plotters::prelude::{ChartBuilder, Color, IntoDrawingArea, SVGBackend};
 use plotters::style::text_anchor::HPos;
 
 use super::palette::colour;
 use super::rows::decimals_of;
-use crate::flight::experiment::{Experiment, Points};
 use crate::report::figure::{FigureError, GRID, OUTLINE, text, text_at};
 use crate::report::wording;
 

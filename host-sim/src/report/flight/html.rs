@@ -1,11 +1,11 @@
 //! The flight as a page that stands alone: `report.html`.
 
 use askama::Template;
+use fmc_simulation::strip_experiment::experiment::Experiment;
 
 use super::rows::{Row, rows};
 use super::verdict;
 use super::{convergence_plot, ground_error_plot, plan, text};
-use crate::flight::experiment::Experiment;
 use crate::report::html::{PageError, inline};
 
 #[derive(Template)]

@@ -2,12 +2,12 @@
 
 use fmc_adjustment::collinearity::ground_at_height;
 use fmc_adjustment::model::Model;
+use fmc_simulation::strip_experiment::experiment::Experiment;
+use fmc_simulation::strip_experiment::strip::TrueFrame;
 use plotters::element::{Circle, PathElement, Text, TriangleMarker};
 use plotters::prelude::{ChartBuilder, Color, IntoDrawingArea, SVGBackend};
 
 use super::palette::colour;
-use crate::flight::experiment::Experiment;
-use crate::flight::strip::TrueFrame;
 use crate::report::figure::{FigureError, GRID, OUTLINE, text};
 use crate::report::wording;
 

@@ -3,8 +3,7 @@
 use std::io::Write;
 
 use fmc_adjustment::model::Model;
-
-use crate::flight::experiment::Experiment;
+use fmc_simulation::strip_experiment::experiment::Experiment;
 
 /// Writes the table.
 ///

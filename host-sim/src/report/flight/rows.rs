@@ -2,8 +2,7 @@
 
 use fmc_adjustment::model::Model;
 use fmc_adjustment::statistics::Estimate;
-
-use crate::flight::experiment::{Experiment, Points};
+use fmc_simulation::strip_experiment::experiment::{Experiment, Points};
 
 /// One model's row.
 #[derive(Debug, Clone, PartialEq)]

@@ -3,11 +3,11 @@
 use fmc_adjustment::correction::COEFFICIENT_NAMES;
 use fmc_adjustment::model::Model;
 use fmc_adjustment::statistics::{CONFIDENCE, Estimate};
+use fmc_simulation::strip_experiment::experiment::{Experiment, Points};
 use serde::Serialize;
 
 use super::rows::most_iterations;
 use super::verdict::{self, Verdict};
-use crate::flight::experiment::{Experiment, Points};
 
 /// The numbers of a flight. Keys are only ever added.
 #[derive(Debug, Clone, PartialEq, Serialize)]

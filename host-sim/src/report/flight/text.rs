@@ -1,10 +1,10 @@
 //! The flight as text for a terminal or a pipe.
 
 use comfy_table::{CellAlignment, Table, presets::UTF8_FULL_CONDENSED};
+use fmc_simulation::strip_experiment::experiment::Experiment;
 
 use super::rows::{Row, rows};
 use super::verdict;
-use crate::flight::experiment::Experiment;
 
 /// Scenario, a row per model, and what follows from the intervals.
 #[must_use]

@@ -2,10 +2,10 @@
 
 use fmc_adjustment::model::Model;
 use fmc_adjustment::statistics::Estimate;
+use fmc_simulation::strip_experiment::experiment::{Experiment, Points};
 use serde::Serialize;
 
 use super::rows::{decimals_of, interval};
-use crate::flight::experiment::{Experiment, Points};
 
 /// What an interval of a ratio of errors says.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]

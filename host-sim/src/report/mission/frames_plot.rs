@@ -1,12 +1,12 @@
 //! Smear and error of the principal point, frame by frame.
 
+use fmc_simulation::mission::frame_errors::FrameErrors;
 use plotters::element::{Circle, PathElement, Text};
 use plotters::prelude::{ChartBuilder, Color, IntoDrawingArea, RGBColor, SVGBackend};
 use plotters::style::text_anchor::HPos;
 
 use super::MissionReport;
 use super::style::{ALARM, CAMERA, FONT, LABELS, TRUTH, WANTED, tick};
-use crate::mission::judgement::FrameErrors;
 use crate::report::figure::{Canvas, FigureError, GRID, OUTLINE, text, text_at};
 
 const SIZE: (u32, u32) = (1600, 900);

@@ -4,10 +4,10 @@ use askama::Template;
 use fmc_camera::flight::controller::state::State;
 use fmc_camera::flight::fault::Fault;
 use fmc_camera::flight::frame_record::{Flag, Outcome};
+use fmc_simulation::mission::flown::Flown;
 
 use super::summary::{Count, Summary};
 use super::{MissionReport, frames_plot, histogram, text, timeline};
-use crate::mission::flown::Flown;
 use crate::report::html::{PageError, inline};
 use crate::report::wording;
 

@@ -10,10 +10,9 @@ pub mod timeline;
 pub mod truth_csv;
 
 use fmc_camera::flight::frame_record::FrameRecord;
-
-use crate::formats::mission_scenario::MissionScenario;
-use crate::mission::flown::Flown;
-use crate::mission::judgement::Judgement;
+use fmc_simulation::mission::flown::Flown;
+use fmc_simulation::mission::judgement::Judgement;
+use fmc_simulation::mission::scenario::MissionScenario;
 
 /// Everything a report is made of.
 #[derive(Debug, Clone, Copy)]

@@ -1,12 +1,12 @@
 //! One frame, round by round: stage, V/H, shutter and state.
 
+use fmc_simulation::mission::trace::{Round, Trace};
 use plotters::element::{PathElement, Rectangle, Text};
 use plotters::prelude::{ChartBuilder, Color, IntoDrawingArea, RGBColor, SVGBackend};
 use plotters::style::text_anchor::HPos;
 
 use super::MissionReport;
 use super::style::{ALARM, CAMERA, FONT, LABELS, TRUTH, WANTED, around, tick};
-use crate::mission::trace::{Round, Trace};
 use crate::report::figure::{Canvas, FigureError, GRID, OUTLINE, text, text_at};
 
 const SIZE: (u32, u32) = (1600, 1280);

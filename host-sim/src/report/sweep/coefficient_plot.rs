@@ -3,6 +3,7 @@
 use std::ops::Range;
 
 use fmc_camera::geometry::estimation::parameter::Parameter;
+use fmc_simulation::sweep::result::{FrameFit, Sweep};
 use plotters::element::{Circle, EmptyElement, PathElement, Rectangle, Text};
 use plotters::prelude::{ChartBuilder, Color, RGBColor};
 
@@ -10,7 +11,6 @@ use super::findings::{COEFFICIENTS, per};
 use super::power;
 use crate::report::figure::{self, Area, Backend, FigureError, GRID, INK, OUTLINE, text};
 use crate::report::{picture, wording};
-use crate::sweep::result::{FrameFit, Sweep};
 
 const SIZE: (u32, u32) = (1800, 1150);
 const TITLE_HEIGHT: u32 = 70;

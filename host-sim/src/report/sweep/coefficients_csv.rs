@@ -2,8 +2,9 @@
 
 use std::io::Write;
 
+use fmc_simulation::sweep::result::{FrameFit, Sweep};
+
 use super::findings::COEFFICIENTS;
-use crate::sweep::result::{FrameFit, Sweep};
 
 /// Columns of the file. A coefficient that does not exist is an empty field.
 const HEADER: [&str; 17] = [

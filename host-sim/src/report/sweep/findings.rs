@@ -5,10 +5,10 @@ use fmc_camera::geometry::estimation::parameter::Parameter;
 use fmc_camera_file::Per;
 use fmc_reference::exposure::FocusFormula;
 use fmc_reference::strict::{Reading, Weight};
+use fmc_simulation::sweep::result::{CaseResult, Sweep};
 
 use super::power;
 use crate::report::wording;
-use crate::sweep::result::{CaseResult, Sweep};
 
 /// What Yuan et al. 2012, section 4.1, report: five coefficients and static model, µm.
 pub(super) const PAPER_UM: [f64; 2] = [1.2, 2.3];

@@ -3,10 +3,9 @@
 use fmc_camera_file::{CameraFile, Per, Strategy};
 use fmc_reference::exposure::FocusFormula;
 use fmc_reference::strict::{Reading, Weight};
-
-use crate::sweep::options::SweepOptions;
-use crate::sweep::result::Sweep;
-use crate::sweep::run::Plan;
+use fmc_simulation::sweep::options::SweepOptions;
+use fmc_simulation::sweep::result::Sweep;
+use fmc_simulation::sweep::run::Plan;
 
 /// A small camera, regressed on the centroid.
 pub(super) fn sweep(strategy: &str) -> Sweep {

@@ -1,11 +1,11 @@
 //! The sweep as a page that stands alone: `report.html`.
 
 use askama::Template;
+use fmc_simulation::sweep::result::Sweep;
 
 use super::coefficient_plot;
 use super::findings::Findings;
 use crate::report::html::{PageError, inline};
-use crate::sweep::result::Sweep;
 
 /// The page.
 #[derive(Template)]

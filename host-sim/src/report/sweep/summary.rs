@@ -3,10 +3,10 @@
 use fmc_camera::geometry::estimation::fit::Fit;
 use fmc_reference::exposure::FocusFormula;
 use fmc_reference::strict::{Reading, Weight};
+use fmc_simulation::sweep::result::{CaseResult, Sweep};
 use serde::Serialize;
 
 use super::findings::{COEFFICIENTS, PAPER_UM};
-use crate::sweep::result::{CaseResult, Sweep};
 
 /// The numbers of a sweep. Keys are only ever added; σ is per coordinate with divisor 2n - u unless
 /// the key says otherwise, µm. What does not exist is null.

@@ -1,9 +1,9 @@
 //! The sweep as a table for a terminal or a pipe.
 
 use comfy_table::{CellAlignment, Table, presets::UTF8_FULL_CONDENSED};
+use fmc_simulation::sweep::result::Sweep;
 
 use super::findings::Findings;
-use crate::sweep::result::Sweep;
 
 /// What was simulated, σ of every case and model, the coefficients, and what they mean.
 #[must_use]

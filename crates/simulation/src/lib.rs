@@ -1,0 +1,16 @@
+//! What the camera is tried on, simulated in double precision: the physical exposure ([`scene`]), the stage under force
+//! ([`mechanics`]), flights with the camera in the loop ([`mission`]) and over ground control ([`strip_experiment`]), and
+//! what follows from them for a camera ([`smear`], [`sweep`], [`budget`]). A seed makes every run repeatable.
+
+#![forbid(unsafe_code)]
+
+pub mod budget;
+pub mod mechanics;
+pub mod mission;
+pub mod noise;
+mod range;
+pub mod scene;
+pub mod smear;
+pub mod strip_experiment;
+pub mod sweep;
+pub mod wording;

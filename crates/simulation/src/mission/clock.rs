@@ -1,0 +1,30 @@
+//! Simulated time: microseconds since the flight began.
+
+/// Period of the control loop, µs.
+pub const ROUND_US: u64 = 1000;
+
+/// Something that comes round.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Clocked {
+    pub(super) period_us: u64,
+    pub(super) next_us: u64,
+}
+
+/// Whole microseconds.
+#[expect(
+    clippy::cast_possible_truncation,
+    clippy::cast_sign_loss,
+    reason = "the cast saturates; times of a flight are not negative"
+)]
+pub(super) fn microseconds(seconds: f64) -> u64 {
+    (1e6 * seconds).round() as u64
+}
+
+/// Seconds of microseconds.
+#[expect(
+    clippy::cast_precision_loss,
+    reason = "a flight is shorter than 2^53 µs"
+)]
+pub(super) fn seconds(us: u64) -> f64 {
+    us as f64 * 1e-6
+}

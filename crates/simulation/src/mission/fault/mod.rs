@@ -1,0 +1,352 @@
+//! What can be made to go wrong on a simulated flight, by name, with onset and size.
+//!
+//! # Examples
+//! ```
+//! use fmc_simulation::mission::fault::{Injection, InjectedFault};
+//! // Every size of a jump at every onset: a campaign.
+//! let jump = InjectedFault::named("vh-jump").unwrap();
+//! let [least, most] = jump.range();
+//! let onsets = [3.0, 3.5].into_iter();
+//! let sweep = onsets.flat_map(|onset_s| [least, most].map(|size| Injection::new(jump, onset_s).of_size(size)));
+//! assert_eq!(sweep.count(), 4);
+//! ```
+
+pub mod line;
+pub mod shutter;
+pub mod stage;
+pub mod trigger;
+pub mod vh;
+
+use std::fmt;
+
+use crate::mission::file::{VhQuantity, VhSourceName};
+
+/// Something that goes wrong outside the camera.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
+pub enum InjectedFault {
+    /// A V/H source is silent.
+    VhDropOut,
+    /// Its values jump.
+    VhJump,
+    /// Its values are no numbers.
+    VhNan,
+    /// Its values stay what they were.
+    VhFrozen,
+    /// Its values are in another unit.
+    VhWrongUnit,
+    /// Its values have the wrong sign.
+    VhWrongSign,
+    /// The stage jams.
+    Stall,
+    /// The wires of the motor or of the encoder are swapped.
+    SignError,
+    /// The motor's bridge is stuck at a pulse width.
+    Runaway,
+    /// The encoder's count jumps.
+    EncoderGlitch,
+    /// A limit switch closes.
+    LimitSwitch,
+    /// The shutter opens late.
+    ShutterLate,
+    /// The shutter does not open, or its sensor misses an edge.
+    ShutterMissing,
+    /// The shutter's sensor gives the opening edge twice.
+    ShutterDouble,
+    /// Another trigger comes soon after one.
+    TriggerOverlap,
+    /// The serial line is cut, with everything that hangs on it.
+    UartCut,
+}
+
+impl InjectedFault {
+    /// All of them.
+    pub const ALL: [Self; 16] = [
+        Self::VhDropOut,
+        Self::VhJump,
+        Self::VhNan,
+        Self::VhFrozen,
+        Self::VhWrongUnit,
+        Self::VhWrongSign,
+        Self::Stall,
+        Self::SignError,
+        Self::Runaway,
+        Self::EncoderGlitch,
+        Self::LimitSwitch,
+        Self::ShutterLate,
+        Self::ShutterMissing,
+        Self::ShutterDouble,
+        Self::TriggerOverlap,
+        Self::UartCut,
+    ];
+
+    /// As in a scenario.
+    #[must_use]
+    pub const fn name(self) -> &'static str {
+        match self {
+            Self::VhDropOut => "vh-drop-out",
+            Self::VhJump => "vh-jump",
+            Self::VhNan => "vh-nan",
+            Self::VhFrozen => "vh-frozen",
+            Self::VhWrongUnit => "vh-wrong-unit",
+            Self::VhWrongSign => "vh-wrong-sign",
+            Self::Stall => "stall",
+            Self::SignError => "sign-error",
+            Self::Runaway => "runaway",
+            Self::EncoderGlitch => "encoder-glitch",
+            Self::LimitSwitch => "limit-switch",
+            Self::ShutterLate => "shutter-late",
+            Self::ShutterMissing => "shutter-missing",
+            Self::ShutterDouble => "shutter-double",
+            Self::TriggerOverlap => "trigger-overlap",
+            Self::UartCut => "uart-cut",
+        }
+    }
+
+    /// The one of a name.
+    #[must_use]
+    pub fn named(name: &str) -> Option<Self> {
+        Self::ALL.into_iter().find(|fault| fault.name() == name)
+    }
+
+    /// What its size counts.
+    #[must_use]
+    pub const fn unit(self) -> &'static str {
+        match self {
+            Self::VhDropOut | Self::VhNan | Self::VhWrongSign => "of the samples",
+            Self::VhJump => "% more",
+            Self::VhFrozen => "s before the onset, the value of which is kept",
+            Self::VhWrongUnit => "times the value",
+            Self::Stall => "N of friction more",
+            Self::SignError => "(1: motor, 2: encoder)",
+            Self::Runaway => "of full pulse width",
+            Self::EncoderGlitch => "counts",
+            Self::LimitSwitch => "(1: closed wherever the stage is)",
+            Self::ShutterLate => "ms late",
+            Self::ShutterMissing => {
+                "(0: stays shut, 1: opening edge not seen, 2: closing edge not seen)"
+            }
+            Self::ShutterDouble => "ms after the first edge",
+            Self::TriggerOverlap => "ms after the trigger",
+            Self::UartCut => "s",
+        }
+    }
+
+    /// Least and most size.
+    #[must_use]
+    pub const fn range(self) -> [f64; 2] {
+        match self {
+            Self::VhDropOut | Self::VhNan | Self::VhWrongSign => [0.01, 1.0],
+            Self::VhJump => [-99.0, 1000.0],
+            Self::VhFrozen => [0.0, 60.0],
+            Self::VhWrongUnit => [0.001, 1000.0],
+            Self::Stall => [0.01, 1000.0],
+            Self::SignError => [1.0, 2.0],
+            Self::Runaway => [-1.0, 1.0],
+            Self::EncoderGlitch => [-1e6, 1e6],
+            Self::LimitSwitch => [1.0, 1.0],
+            Self::ShutterLate => [0.01, 100.0],
+            Self::ShutterMissing => [0.0, 2.0],
+            Self::ShutterDouble => [0.01, 50.0],
+            Self::TriggerOverlap | Self::UartCut => [0.001, 1000.0],
+        }
+    }
+
+    /// Size where none is given.
+    #[must_use]
+    pub const fn default_size(self) -> f64 {
+        match self {
+            Self::VhJump => 30.0,
+            Self::VhFrozen | Self::ShutterMissing => 0.0,
+            // Knots for metres per second.
+            Self::VhWrongUnit => 1.943_844,
+            Self::EncoderGlitch => 1000.0,
+            Self::ShutterLate => 5.0,
+            Self::ShutterDouble => 0.5,
+            Self::TriggerOverlap => 20.0,
+            Self::Stall => 50.0,
+            Self::UartCut => 6.0,
+            Self::VhDropOut
+            | Self::VhNan
+            | Self::VhWrongSign
+            | Self::SignError
+            | Self::Runaway
+            | Self::LimitSwitch => 1.0,
+        }
+    }
+
+    /// Whether it happens once, at its onset, and has no duration.
+    #[must_use]
+    pub const fn is_momentary(self) -> bool {
+        matches!(self, Self::TriggerOverlap)
+    }
+
+    /// Whether its size is how long it lasts, s.
+    #[must_use]
+    pub const fn is_sized_by_its_duration(self) -> bool {
+        matches!(self, Self::UartCut)
+    }
+
+    /// Whether it is one of a source of V/H.
+    #[must_use]
+    pub const fn is_of_vh(self) -> bool {
+        matches!(
+            self,
+            Self::VhDropOut
+                | Self::VhJump
+                | Self::VhNan
+                | Self::VhFrozen
+                | Self::VhWrongUnit
+                | Self::VhWrongSign
+        )
+    }
+
+    /// Whether its sizes are whole numbers.
+    #[must_use]
+    pub const fn is_counted(self) -> bool {
+        matches!(
+            self,
+            Self::SignError | Self::EncoderGlitch | Self::LimitSwitch | Self::ShutterMissing
+        )
+    }
+}
+
+impl fmt::Display for InjectedFault {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str(self.name())
+    }
+}
+
+/// A fault with its onset, size and duration.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Injection {
+    /// What goes wrong.
+    pub fault: InjectedFault,
+    /// From when on, s of the flight.
+    pub onset_s: f64,
+    /// How much, in the fault's own unit.
+    pub size: f64,
+    /// For how long, s; infinite: to the end. Not looked at where the size says it.
+    pub duration_s: f64,
+    /// Of a fault of V/H: whose; `None`: of the first source.
+    pub source: Option<VhSourceName>,
+    /// Of a fault of V/H: of which of the source's numbers; `None`: speed or V/H, and of a drop-out all.
+    pub quantity: Option<VhQuantity>,
+}
+
+impl Injection {
+    /// A fault of its usual size from an instant to the end of the flight.
+    #[must_use]
+    pub const fn new(fault: InjectedFault, onset_s: f64) -> Self {
+        Self {
+            fault,
+            onset_s,
+            size: fault.default_size(),
+            duration_s: f64::INFINITY,
+            source: None,
+            quantity: None,
+        }
+    }
+
+    /// The same with another size.
+    #[must_use]
+    pub const fn of_size(self, size: f64) -> Self {
+        Self { size, ..self }
+    }
+
+    /// The same with another duration, s.
+    #[must_use]
+    pub const fn lasting(self, duration_s: f64) -> Self {
+        Self { duration_s, ..self }
+    }
+
+    /// The same of another source of V/H.
+    #[must_use]
+    pub const fn of_source(self, source: VhSourceName) -> Self {
+        Self {
+            source: Some(source),
+            ..self
+        }
+    }
+
+    /// When it is over, s of the flight; infinite: never.
+    #[must_use]
+    pub fn end_s(&self) -> f64 {
+        let lasts_s = if self.fault.is_sized_by_its_duration() {
+            self.size
+        } else {
+            self.duration_s
+        };
+        self.onset_s + lasts_s
+    }
+
+    /// Whether it is there at a time, s.
+    #[must_use]
+    pub fn is_on(&self, time_s: f64) -> bool {
+        time_s >= self.onset_s && time_s < self.end_s()
+    }
+}
+
+/// The injection of a fault that is there at a time.
+pub(super) fn active(
+    injections: &[Injection],
+    fault: InjectedFault,
+    time_s: f64,
+) -> Option<&Injection> {
+    injections
+        .iter()
+        .find(|injection| injection.fault == fault && injection.is_on(time_s))
+}
+
+/// Counts the cases of which a share is hit, evenly spread.
+#[derive(Debug, Clone, Default)]
+pub(super) struct Share {
+    sum: f64,
+}
+
+impl Share {
+    /// Whether the next case is among those hit; all are where the share is 1.
+    pub(super) fn hits(&mut self, share: f64) -> bool {
+        self.sum += share;
+        let hit = self.sum > 1.0 - 1e-9;
+        if hit {
+            self.sum -= 1.0;
+        }
+        hit
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn names_are_kebab_case_and_lead_back_and_usual_sizes_are_in_range() {
+        for fault in InjectedFault::ALL {
+            assert_eq!(InjectedFault::named(fault.name()), Some(fault));
+            let plain = |c: char| c.is_ascii_lowercase() || c == '-';
+            assert!(fault.name().chars().all(plain), "{fault}");
+            let [least, most] = fault.range();
+            let size = fault.default_size();
+            assert!(least <= size && size <= most, "{fault}");
+        }
+        assert_eq!(InjectedFault::named("Stall"), None);
+    }
+
+    #[test]
+    fn injection_begins_at_its_onset_and_ends_after_its_duration() {
+        let injection = Injection::new(InjectedFault::Stall, 2.0).lasting(0.5);
+        let on = [1.999, 2.0, 2.499, 2.5].map(|time| injection.is_on(time));
+        assert_eq!(on, [false, true, true, false]);
+        assert!(Injection::new(InjectedFault::Stall, 2.0).is_on(1e9));
+    }
+
+    #[test]
+    fn share_is_kept_to_and_evenly_spread() {
+        let mut share = Share::default();
+        let hits: Vec<bool> = (0..8).map(|_| share.hits(0.25)).collect();
+        assert_eq!(hits.iter().filter(|hit| **hit).count(), 2);
+        assert!(hits[3] && hits[7]);
+        let mut all = Share::default();
+        assert!((0..1000).all(|_| all.hits(1.0)));
+    }
+}

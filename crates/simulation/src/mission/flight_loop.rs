@@ -1,0 +1,348 @@
+//! The flight: one round of the control loop after the other, in simulated time.
+
+use fmc_camera::flight::controller::state::State;
+use fmc_camera::flight::event::{Action, Event};
+use fmc_camera::flight::frame_record::{FrameRecord, Outcome};
+use fmc_camera::flight::rig::{RigAnswer, RigStep};
+use fmc_camera::flight::stage::Setpoint;
+use fmc_camera::flight::time::Time;
+
+use super::aircraft::Aircraft;
+use super::clock::{ROUND_US, microseconds, seconds};
+use super::device::FlyingDevice;
+use super::fault::line::{SerialLine, Traffic};
+use super::fault::stage::mechanical;
+use super::fault::trigger::with_overlaps;
+use super::fault::{InjectedFault, Injection};
+use super::flown::{Flown, FlownFrame};
+use super::light::Light;
+use super::operator::Operator;
+use super::oracle::Oracle;
+use super::scenario::MissionScenario;
+use super::sensors::Sensors;
+use super::shutter::{ShutterSimulator, ShutterTiming};
+use super::trace::Round;
+use super::tracer::Tracer;
+use crate::mechanics::Mechanics;
+
+/// So long after it has asked for the records the computer says that they are safe, µs.
+const ACKNOWLEDGED_AFTER_US: u64 = 500;
+/// The flight goes on so long after its last trigger, µs, and at most so long.
+const AFTER_US: [u64; 2] = [1_000_000, 20_000_000];
+
+/// How a scenario is flown.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct FlightOptions {
+    /// Seed of air, noise and jitter.
+    pub seed: u64,
+    /// The frame whose rounds are kept; without it the first with a fault, or else the one with the largest errors.
+    pub frame: Option<u32>,
+}
+
+/// Where a flight is.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Status {
+    /// Simulated time, s.
+    pub time_s: f64,
+    /// Records so far.
+    pub frames: usize,
+    /// What the camera is doing.
+    pub state: State,
+    /// V/H as the first source has it, 1/s.
+    pub told_vh_per_s: f64,
+    /// Smear of the last exposure, mm.
+    pub last_smear_mm: Option<f64>,
+}
+
+/// Flies a scenario.
+///
+/// # Errors
+/// Where the camera cannot be talked to.
+pub fn fly<D: FlyingDevice + ?Sized>(
+    scenario: &MissionScenario,
+    options: FlightOptions,
+    mechanics: Mechanics,
+    device: &mut D,
+    status: impl FnMut(&Status),
+) -> Result<Flown, D::Error> {
+    let description = device.description();
+    Flight::new(scenario, options, mechanics, device).run(description, status)
+}
+
+/// A flight under way.
+struct Flight<'a, D: ?Sized> {
+    device: &'a mut D,
+    injections: Vec<Injection>,
+    encoder_step_mm: f64,
+    aircraft: Aircraft,
+    sensors: Sensors,
+    shutter: ShutterSimulator,
+    mechanics: Mechanics,
+    light: Light,
+    line: SerialLine,
+    operator: Operator,
+    tracer: Tracer,
+    next_trigger: usize,
+    last_trigger_us: u64,
+    limit_was_closed: bool,
+    /// Events that the last round had no room for.
+    waiting: Vec<(Time, Event)>,
+    setpoint: Option<Setpoint>,
+    next_sequence: u32,
+    record_waits: bool,
+    flown: Flown,
+}
+
+impl<'a, D: FlyingDevice + ?Sized> Flight<'a, D> {
+    fn new(
+        scenario: &MissionScenario,
+        options: FlightOptions,
+        mut mechanics: Mechanics,
+        device: &'a mut D,
+    ) -> Self {
+        let injections = scenario.injections();
+        for injection in mechanical(&injections) {
+            mechanics.inject(injection);
+        }
+        let regular: Vec<u64> = scenario.triggers_s().map(microseconds).collect();
+        let triggers_us = with_overlaps(&regular, &injections);
+        let aircraft = Aircraft::of(scenario, options.seed);
+        let shutter = &scenario.written.shutter;
+        let timing = ShutterTiming {
+            latency_s: shutter.latency_ms / 1000.0,
+            jitter_s: shutter.jitter_us * 1e-6,
+        };
+        let line = SerialLine::new(scenario.carried(), &injections);
+        let clear_after_us = scenario.written.flight.clear_faults_after_s;
+        Self {
+            encoder_step_mm: scenario.written.mechanics.encoder_step_um / 1000.0,
+            sensors: Sensors::of(scenario, &line, &injections, options.seed),
+            shutter: ShutterSimulator::new(timing, &injections, options.seed),
+            light: Light::new(Oracle::new(&scenario.camera, &aircraft)),
+            line,
+            operator: Operator::new(clear_after_us.map(microseconds)),
+            aircraft,
+            mechanics,
+            tracer: Tracer::new(options.frame),
+            last_trigger_us: triggers_us.last().copied().unwrap_or(0),
+            next_trigger: 0,
+            limit_was_closed: false,
+            waiting: Vec::new(),
+            setpoint: None,
+            next_sequence: 1,
+            record_waits: false,
+            flown: Flown::before(triggers_us, injections.len()),
+            injections,
+            device,
+        }
+    }
+
+    fn run(
+        mut self,
+        description: String,
+        mut status: impl FnMut(&Status),
+    ) -> Result<Flown, D::Error> {
+        let mut now_us = 0;
+        let mut last_frames = 0;
+        loop {
+            now_us += ROUND_US;
+            let answer = self.round(now_us)?;
+            let is_new = self.flown.frames.len() != last_frames;
+            if is_new || now_us.is_multiple_of(100 * ROUND_US) {
+                last_frames = self.flown.frames.len();
+                status(&self.status(now_us, answer.state));
+            }
+            if self.is_over(now_us, answer.state) {
+                break;
+            }
+        }
+        self.flown.trace = self.tracer.into_trace(&self.aircraft);
+        self.flown.unrecorded = self.light.into_rest();
+        self.flown.sentences = self.sensors.sentence_counts();
+        self.flown.duration_s = seconds(now_us);
+        self.flown.device = description;
+        Ok(self.flown)
+    }
+
+    /// From the last round to this one, and what the camera does about it.
+    fn round(&mut self, now_us: u64) -> Result<RigAnswer, D::Error> {
+        let idle = now_us == ROUND_US;
+        if idle {
+            self.mechanics
+                .advance(0.0, false, seconds(now_us) - self.mechanics.time_s());
+        }
+        let step = self.step(now_us);
+        let answer = self.device.step(&step)?;
+        self.setpoint = self.device.setpoint(Time::from_us(now_us));
+        self.obey(now_us, &answer);
+        self.feel(now_us, &answer);
+        let true_mm = self.mechanics.position_mm();
+        self.flown.farthest_mm = self.flown.farthest_mm.max(true_mm.abs());
+        self.tracer.push(Round {
+            time_us: now_us,
+            setpoint: self.setpoint,
+            true_mm,
+            encoder_mm: f64::from(step.encoder_count) * self.encoder_step_mm,
+            duty: if answer.powered {
+                f64::from(answer.duty)
+            } else {
+                0.0
+            },
+            told_vh_per_s: self.sensors.told_vh_per_s(),
+            is_open: self.shutter.is_open(now_us),
+            state: answer.state,
+        });
+        let next_us = now_us + ROUND_US;
+        let until_next_s = seconds(next_us) - self.mechanics.time_s();
+        self.mechanics
+            .advance(f64::from(answer.duty), answer.powered, until_next_s);
+        self.light.take(&mut self.shutter, &self.mechanics, next_us);
+        self.fetch(now_us)?;
+        self.tracer.look(now_us, &self.aircraft);
+        Ok(answer)
+    }
+
+    /// What has happened since the last round, in order of time.
+    fn step(&mut self, now_us: u64) -> RigStep {
+        let mut events = self.sensors.arrivals(&self.aircraft, now_us);
+        for (time_us, edge) in self.shutter.edges(now_us) {
+            events.push((Time::from_us(time_us), Event::Shutter(edge)));
+        }
+        while let Some(trigger_us) = self.flown.triggers_us.get(self.next_trigger).copied()
+            && trigger_us <= now_us
+        {
+            events.push((Time::from_us(trigger_us), Event::Trigger));
+            self.next_trigger += 1;
+        }
+        let is_closed = self.mechanics.limit_closed();
+        if is_closed && !self.limit_was_closed {
+            events.push((Time::from_us(now_us), Event::LimitSwitch));
+        }
+        self.limit_was_closed = is_closed;
+        for command in self.operator.commands(now_us) {
+            events.push((Time::from_us(now_us), Event::Command(command)));
+        }
+        // What the camera did not take in the last round comes first.
+        let mut waiting = std::mem::take(&mut self.waiting);
+        events.sort_by_key(|(time, _)| *time);
+        waiting.append(&mut events);
+        let mut step = RigStep {
+            time: Time::from_us(now_us),
+            encoder_count: self.mechanics.encoder_count(),
+            ..RigStep::default()
+        };
+        for event in waiting {
+            if let Err(event) = step.events.push(event) {
+                self.waiting.push(event);
+            }
+        }
+        step
+    }
+
+    fn obey(&mut self, now_us: u64, answer: &RigAnswer) {
+        for action in &answer.actions {
+            match action {
+                // Done by the camera's own drive.
+                Action::MoveStage(_) | Action::ReleaseStage | Action::ClockRows { .. } => {}
+                Action::OpenShutter { at, exposure_s } => {
+                    self.shutter
+                        .open(at.us().max(now_us), f64::from(*exposure_s));
+                }
+                Action::CloseShutter => self.shutter.close(now_us),
+                Action::FrameReady(_) => self.record_waits = true,
+                Action::Fault(fault) => self.flown.announced.push((now_us, *fault)),
+            }
+        }
+        let last = self.flown.states.last().map(|(_, state)| *state);
+        if last != Some(answer.state) {
+            self.flown.states.push((now_us, answer.state));
+            self.operator.see(now_us, answer.state);
+        }
+    }
+
+    /// When a fault can first be felt: those of the stage only while it is to move.
+    fn feel(&mut self, now_us: u64, answer: &RigAnswer) {
+        let time_s = seconds(now_us);
+        let moves = [
+            State::RunUp,
+            State::Tracking,
+            State::Exposing,
+            State::FlyBack,
+        ];
+        let is_moving = self.setpoint.map_or_else(
+            || answer.powered && moves.contains(&answer.state),
+            |setpoint| setpoint.speed_mm_s != 0.0,
+        );
+        for (injection, felt) in self.injections.iter().zip(&mut self.flown.felt_us) {
+            let needs_motion = matches!(
+                injection.fault,
+                InjectedFault::Stall | InjectedFault::SignError
+            );
+            if felt.is_none() && injection.is_on(time_s) && (is_moving || !needs_motion) {
+                *felt = Some(now_us);
+            }
+        }
+    }
+
+    /// Takes the records that wait, and tells the camera that they are safe.
+    fn fetch(&mut self, now_us: u64) -> Result<(), D::Error> {
+        if !self.record_waits || self.light.is_passing() || self.shutter.is_busy() {
+            return Ok(());
+        }
+        if self.line.loses(Traffic::Records, now_us) {
+            self.flown.lost_requests += 1;
+            return Ok(());
+        }
+        while let Some(record) = self.device.record(self.next_sequence)? {
+            self.next_sequence = record.sequence + 1;
+            self.keep(now_us, record);
+        }
+        // Where the line is cut in between, the camera keeps what the computer has already.
+        if self
+            .line
+            .loses(Traffic::Records, now_us + ACKNOWLEDGED_AFTER_US)
+        {
+            self.flown.lost_requests += 1;
+            return Ok(());
+        }
+        self.device.acknowledge(self.next_sequence - 1)?;
+        self.record_waits = false;
+        Ok(())
+    }
+
+    fn keep(&mut self, now_us: u64, record: FrameRecord) {
+        let truth = match &record.outcome {
+            Outcome::Exposed(exposed) => self.light.truth_of(exposed.opened.us()),
+            Outcome::Refused(_) => None,
+        };
+        let frame = FlownFrame {
+            record,
+            truth,
+            fetched_us: now_us,
+        };
+        self.tracer.consider(now_us, &frame, &self.aircraft);
+        self.flown.frames.push(frame);
+    }
+
+    fn is_over(&self, now_us: u64, state: State) -> bool {
+        let [least_us, most_us] = AFTER_US;
+        let is_busy = matches!(state, State::RunUp | State::Tracking | State::Exposing);
+        let all_there = self.flown.frames.len() >= self.flown.triggers_us.len();
+        now_us > self.last_trigger_us + least_us && all_there && !is_busy
+            || now_us > self.last_trigger_us + most_us
+    }
+
+    fn status(&self, now_us: u64, state: State) -> Status {
+        Status {
+            time_s: seconds(now_us),
+            frames: self.flown.frames.len(),
+            state,
+            told_vh_per_s: self.sensors.told_vh_per_s(),
+            last_smear_mm: self
+                .flown
+                .frames
+                .last()
+                .and_then(|frame| frame.truth.map(|truth| truth.smear_mm)),
+        }
+    }
+}

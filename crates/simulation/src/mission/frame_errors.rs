@@ -1,0 +1,70 @@
+//! The errors of one frame.
+
+use fmc_camera::flight::frame_record::{ExposedFrame, Flag, FrameRecord, Outcome};
+use fmc_camera_file::CameraFile;
+
+use super::flown::FlownFrame;
+
+/// Flags that say nothing against the coordinates of a frame.
+const HARMLESS: [Flag; 6] = [
+    Flag::NoCompensation,
+    Flag::LastGoodVh,
+    Flag::OffCentre,
+    Flag::SmearOverBudget,
+    Flag::WithAttitude,
+    Flag::EncoderGlitch,
+];
+
+/// One frame's errors.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct FrameErrors {
+    /// Reported centroid principal point less the true one, along the FMC axis, px.
+    pub pp_error_px: f64,
+    /// σ of it that the camera gives, px.
+    pub sigma_px: f64,
+    /// What the image of a point moved on the detector, px.
+    pub smear_px: f64,
+    /// The part that compensation is responsible for, px, signed.
+    pub compensation_px: f64,
+    /// Smear that the camera predicted, px.
+    pub predicted_px: f64,
+    /// Whether the camera stands by its coordinates: no fault, no flag against them.
+    pub is_clean: bool,
+}
+
+impl FrameErrors {
+    /// Those of a frame; `None` where no light passed or nothing was recorded.
+    #[must_use]
+    pub fn of(camera: &CameraFile, frame: &FlownFrame) -> Option<Self> {
+        let Outcome::Exposed(exposed) = &frame.record.outcome else {
+            return None;
+        };
+        let truth = frame.truth.as_ref()?;
+        let pixel_mm = camera.sensor.pixel_um / 1000.0;
+        Some(Self {
+            pp_error_px: (reported_offset_mm(camera, exposed) - truth.centroid_offset_mm)
+                / pixel_mm,
+            sigma_px: f64::from(exposed.principal_point_sigma_mm) / pixel_mm,
+            smear_px: truth.smear_mm / pixel_mm,
+            compensation_px: truth.compensation_smear_mm / pixel_mm,
+            predicted_px: f64::from(exposed.smear_px),
+            is_clean: is_clean(&frame.record),
+        })
+    }
+}
+
+/// The principal point as the block adjustment gets it, along the FMC axis from the calibrated one, mm.
+fn reported_offset_mm(camera: &CameraFile, exposed: &ExposedFrame) -> f64 {
+    let [x0, y0] = camera.principal_point_mm;
+    let [ex, ey] = camera.fmc.axis.unit();
+    let point = exposed.interior.principal_point;
+    (f64::from(point.x_mm) - x0) * ex + (f64::from(point.y_mm) - y0) * ey
+}
+
+fn is_clean(record: &FrameRecord) -> bool {
+    record.faults.is_empty()
+        && Flag::ALL
+            .into_iter()
+            .filter(|flag| !HARMLESS.contains(flag))
+            .all(|flag| !record.flags.contains(flag))
+}

@@ -1,0 +1,152 @@
+//! The flight against its limits and what was expected of its faults.
+
+use fmc_camera::flight::frame_record::{Outcome, Reason};
+
+use super::finding::{Finding, refused};
+use super::flown::Flown;
+use super::frame_errors::FrameErrors;
+use super::outcome::outcome;
+use super::scenario::MissionScenario;
+use crate::wording;
+
+/// So many σ of its own may a principal point be off.
+const SIGMAS: f64 = 3.0;
+
+/// What is found of a flight.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Judgement {
+    /// Each frame's errors, as the frames.
+    pub errors: Vec<Option<FrameErrors>>,
+    /// What was looked at.
+    pub findings: Vec<Finding>,
+}
+
+impl Judgement {
+    /// Looks at a flight.
+    #[must_use]
+    pub fn of(scenario: &MissionScenario, flown: &Flown) -> Self {
+        let errors: Vec<Option<FrameErrors>> = flown
+            .frames
+            .iter()
+            .map(|frame| FrameErrors::of(&scenario.camera, frame))
+            .collect();
+        let mut findings = vec![unanswered(flown), coordinates(scenario, flown, &errors)];
+        if scenario.faults.is_empty() {
+            findings.push(nominal_smear(scenario, &errors));
+            findings.push(refused(flown, 0));
+        } else {
+            findings.push(predicted_smear(scenario, flown, &errors));
+        }
+        for (fault, felt_us) in scenario.faults.iter().zip(&flown.felt_us) {
+            findings.extend(outcome(scenario, flown, &errors, fault, *felt_us));
+        }
+        Self { errors, findings }
+    }
+
+    /// Whether everything is as it should be.
+    #[must_use]
+    pub fn passed(&self) -> bool {
+        self.findings.iter().all(|finding| finding.passed)
+    }
+}
+
+/// Every trigger has its record, numbered without a gap, at its own time; of those refused as the camera's memory was
+/// full, the first's for all but the last.
+fn unanswered(flown: &Flown) -> Finding {
+    let answered = flown
+        .triggers_us
+        .iter()
+        .zip(&flown.frames)
+        .zip(1_u32..)
+        .filter(|((trigger_us, frame), number)| {
+            let record = &frame.record;
+            let is_full = record.outcome == Outcome::Refused(Reason::RecordsFull);
+            let is_its_time = record.trigger.us() == **trigger_us
+                || is_full && record.trigger.us() < **trigger_us;
+            record.sequence == *number && is_its_time
+        })
+        .count();
+    let missing = flown.triggers_us.len() - answered;
+    let extra = flown.frames.len().saturating_sub(flown.triggers_us.len());
+    Finding {
+        what: "every trigger has its record".to_owned(),
+        found: format!(
+            "{answered} of {} answered in order, {} too many",
+            wording::counted(flown.triggers_us.len(), "trigger"),
+            wording::counted(extra, "record")
+        ),
+        passed: missing == 0 && extra == 0,
+    }
+}
+
+/// No frame that the camera stands by has a wrong principal point: by more than the limit, or than [`SIGMAS`] where the
+/// camera says itself that it may be more.
+fn coordinates(
+    scenario: &MissionScenario,
+    flown: &Flown,
+    errors: &[Option<FrameErrors>],
+) -> Finding {
+    let limit_px = scenario.written.limits.pp_error_px;
+    let clean = || errors.iter().flatten().filter(|errors| errors.is_clean);
+    let worst = clean()
+        .map(|errors| errors.pp_error_px.abs())
+        .fold(0.0, f64::max);
+    let are_right = clean()
+        .all(|errors| errors.pp_error_px.abs() <= f64::max(limit_px, SIGMAS * errors.sigma_px));
+    // A record of light that did not pass would be the worst of all.
+    let invented = flown
+        .frames
+        .iter()
+        .filter(|frame| {
+            matches!(frame.record.outcome, Outcome::Exposed(_)) && frame.truth.is_none()
+        })
+        .count();
+    Finding {
+        what: format!(
+            "principal point within {limit_px} px of the truth, or {SIGMAS} σ where the record says more, in all frames without fault or flag"
+        ),
+        found: format!(
+            "{}, largest error {worst:.4} px, {} of light that did not pass",
+            wording::counted(clean().count(), "frame"),
+            wording::counted(invented, "record")
+        ),
+        passed: are_right && invented == 0,
+    }
+}
+
+/// Smear of a flight in which nothing goes wrong.
+fn nominal_smear(scenario: &MissionScenario, errors: &[Option<FrameErrors>]) -> Finding {
+    let limit_px = scenario.written.limits.smear_px;
+    let worst = errors
+        .iter()
+        .flatten()
+        .map(|errors| errors.smear_px)
+        .fold(0.0, f64::max);
+    Finding {
+        what: format!("smear of all frames at most {limit_px} px, attitude included"),
+        found: format!("largest {worst:.4} px"),
+        passed: worst <= limit_px,
+    }
+}
+
+/// Smear of a flight with faults: the camera knows of what it cannot help.
+fn predicted_smear(
+    scenario: &MissionScenario,
+    flown: &Flown,
+    errors: &[Option<FrameErrors>],
+) -> Finding {
+    let limit_px = scenario.written.limits.smear_px;
+    let excess = flown
+        .frames
+        .iter()
+        .zip(errors)
+        .filter(|(frame, _)| frame.record.faults.is_empty())
+        .filter_map(|(_, errors)| errors.as_ref())
+        .map(|errors| errors.smear_px - errors.predicted_px)
+        .fold(f64::NEG_INFINITY, f64::max);
+    Finding {
+        what: format!("no frame without fault smeared by {limit_px} px more than predicted"),
+        found: format!("at most {excess:.4} px more"),
+        passed: excess <= limit_px,
+    }
+}

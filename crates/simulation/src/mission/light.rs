@@ -1,0 +1,82 @@
+//! Light that has passed the shutter: the path of the stage meanwhile, and what it makes of the exposure.
+
+use super::clock::microseconds;
+use super::clock::seconds;
+use super::oracle::{FrameTruth, Oracle, TrueExposure};
+use super::shutter::{Opening, ShutterSimulator};
+use crate::mechanics::Mechanics;
+use crate::scene::stage_path::StagePath;
+
+/// The path of the stage is kept so long before first light and after last light, s.
+const PATH_MARGIN_S: f64 = 0.002;
+/// What the edges of a shutter's sensor may differ from the light by, µs.
+const SAME_OPENING_US: u64 = 100_000;
+
+/// Exposures that have no record yet.
+#[derive(Debug)]
+pub(super) struct Light {
+    oracle: Oracle,
+    /// Light that has passed, while the path of the stage is not yet there.
+    finished: Vec<Opening>,
+    truths: Vec<FrameTruth>,
+}
+
+impl Light {
+    pub(super) const fn new(oracle: Oracle) -> Self {
+        Self {
+            oracle,
+            finished: Vec::new(),
+            truths: Vec::new(),
+        }
+    }
+
+    /// The light that has passed by a time, µs.
+    pub(super) fn take(
+        &mut self,
+        shutter: &mut ShutterSimulator,
+        mechanics: &Mechanics,
+        to_us: u64,
+    ) {
+        self.finished.extend(shutter.finished(to_us));
+        let path_until_s = mechanics.time_s();
+        let (ready, rest): (Vec<Opening>, Vec<Opening>) = self
+            .finished
+            .iter()
+            .partition(|opening| seconds(opening.closed_us) + PATH_MARGIN_S <= path_until_s);
+        self.finished = rest;
+        for opening in ready {
+            let opened_s = seconds(opening.opened_us);
+            let until_s = seconds(opening.closed_us) + PATH_MARGIN_S;
+            let knots = mechanics
+                .history(opened_s - PATH_MARGIN_S)
+                .take_while(|instant| instant.time_s <= until_s)
+                .map(|instant| (instant.time_s - opened_s, instant.stage_mm))
+                .collect();
+            if let Some(path) = StagePath::new(knots) {
+                let exposure = TrueExposure { opening, path };
+                self.truths.push(self.oracle.truth(&exposure));
+            }
+        }
+    }
+
+    /// Whether light has passed of which the truth is not known yet.
+    pub(super) const fn is_passing(&self) -> bool {
+        !self.finished.is_empty()
+    }
+
+    /// The true exposure that a record means: the one that opened at its time.
+    pub(super) fn truth_of(&mut self, opened_us: u64) -> Option<FrameTruth> {
+        let apart_us = |truth: &FrameTruth| microseconds(truth.opened_s).abs_diff(opened_us);
+        let (index, nearest) = self
+            .truths
+            .iter()
+            .enumerate()
+            .min_by_key(|(_, truth)| apart_us(truth))?;
+        (apart_us(nearest) <= SAME_OPENING_US).then(|| self.truths.remove(index))
+    }
+
+    /// Light that no record has asked for.
+    pub(super) fn into_rest(self) -> Vec<FrameTruth> {
+        self.truths
+    }
+}

@@ -1,0 +1,296 @@
+//! What a fault led to, against what was expected of it.
+
+use fmc_camera::flight::controller::state::State;
+use fmc_camera::flight::fault::Fault;
+use fmc_camera::flight::frame_record::{ExposedFrame, Flag, Outcome};
+use fmc_camera::flight::vh::VhSource;
+
+use super::clock::microseconds;
+use super::clock::seconds;
+use super::expectation::way_name;
+use super::fault::InjectedFault;
+use super::fault::line::Traffic;
+use super::finding::{Finding, refused};
+use super::flown::{Flown, FlownFrame};
+use super::frame_errors::FrameErrors;
+use super::planned_fault::PlannedFault;
+use super::scenario::MissionScenario;
+use crate::wording;
+
+/// Before the onset of a fault a frame may have been triggered that it meets, µs.
+const FRAME_BEFORE_US: u64 = 1_000_000;
+
+/// What a fault led to.
+pub(super) fn outcome(
+    scenario: &MissionScenario,
+    flown: &Flown,
+    errors: &[Option<FrameErrors>],
+    planned: &PlannedFault,
+    felt_us: Option<u64>,
+) -> Vec<Finding> {
+    let injection = &planned.injection;
+    let onset_us = microseconds(injection.onset_s);
+    let aftermath = Aftermath {
+        flown,
+        errors,
+        name: injection.fault.name(),
+        onset_us,
+        end_us: microseconds(injection.end_s()),
+        felt_us: felt_us.unwrap_or(onset_us),
+    };
+    let expected = &planned.expectation;
+    let mut findings: Vec<Finding> = [
+        expected
+            .fault
+            .map(|fault| aftermath.fault(fault, expected.within_ms)),
+        expected
+            .state
+            .as_deref()
+            .map(|state| aftermath.state(state)),
+        expected
+            .refused
+            .as_deref()
+            .map(|reason| aftermath.refused_for(reason)),
+        expected.flag.map(|flag| aftermath.flag(flag)),
+        expected
+            .refused_at_most
+            .map(|most| aftermath.refused_at_most(most)),
+        expected.vh_from.map(|way| aftermath.vh_from(way)),
+        expected.smear_px.map(|most| aftermath.smear(most)),
+        expected
+            .armed_within_s
+            .map(|within_s| aftermath.armed(within_s)),
+    ]
+    .into_iter()
+    .flatten()
+    .collect();
+    if injection.fault == InjectedFault::UartCut {
+        let carried = scenario.carried();
+        if carried.has(Traffic::Records) {
+            findings.push(aftermath.records_kept());
+        }
+        if carried.has_vh() {
+            findings.push(aftermath.uncertainty_grows());
+        }
+    }
+    findings
+}
+
+/// The flight after the onset of a fault.
+struct Aftermath<'a> {
+    flown: &'a Flown,
+    errors: &'a [Option<FrameErrors>],
+    name: &'static str,
+    onset_us: u64,
+    /// The largest number where it has no end.
+    end_us: u64,
+    felt_us: u64,
+}
+
+impl<'a> Aftermath<'a> {
+    fn finding(&self, what: &str, found: String, passed: bool) -> Finding {
+        Finding {
+            what: format!("{}: {what}", self.name),
+            found,
+            passed,
+        }
+    }
+
+    /// Frames that the fault can have met.
+    fn later(&self) -> impl Iterator<Item = &'a FlownFrame> + use<'a> {
+        let onset_us = self.onset_us;
+        self.flown
+            .frames
+            .iter()
+            .filter(move |frame| frame.record.trigger.us() + FRAME_BEFORE_US >= onset_us)
+    }
+
+    /// Frames triggered while the fault is there.
+    fn meanwhile(&self) -> impl Iterator<Item = &'a FlownFrame> + use<'a> {
+        let span_us = self.onset_us..self.end_us;
+        self.flown
+            .frames
+            .iter()
+            .filter(move |frame| span_us.contains(&frame.record.trigger.us()))
+    }
+
+    fn fault(&self, fault: Fault, within_ms: Option<f64>) -> Finding {
+        let announced = self
+            .flown
+            .announced
+            .iter()
+            .find(|(time_us, one)| *time_us >= self.onset_us && *one == fault);
+        let recorded = self
+            .later()
+            .any(|frame| frame.record.faults.contains(fault));
+        let after_ms =
+            announced.map(|(time_us, _)| 1e3 * seconds(time_us - self.felt_us.min(*time_us)));
+        let passed = match within_ms {
+            Some(within_ms) => after_ms.is_some_and(|after_ms| after_ms <= within_ms),
+            None => after_ms.is_some() || recorded,
+        };
+        let what = match within_ms {
+            Some(within_ms) => format!("{fault} named within {within_ms} ms"),
+            None => format!("{fault} named"),
+        };
+        let found = match after_ms {
+            Some(after_ms) => format!("{after_ms:.1} ms after it could be felt"),
+            None if recorded => "in a record".to_owned(),
+            None => "not named".to_owned(),
+        };
+        self.finding(&what, found, passed)
+    }
+
+    fn state(&self, state: &str) -> Finding {
+        let found = self
+            .flown
+            .states
+            .iter()
+            .find(|(time_us, one)| *time_us >= self.onset_us && one.name() == state);
+        self.finding(
+            &format!("state {state}"),
+            found.map_or("never".to_owned(), |(time_us, one)| {
+                format!("{one} at {:.3} s", seconds(*time_us))
+            }),
+            found.is_some(),
+        )
+    }
+
+    fn refused_for(&self, reason: &str) -> Finding {
+        let found = self
+            .later()
+            .filter(|frame| match frame.record.outcome {
+                Outcome::Refused(one) => one.name() == reason,
+                Outcome::Exposed(_) => false,
+            })
+            .count();
+        self.finding(
+            &format!("a trigger refused: {reason}"),
+            format!("{found} refused so"),
+            found > 0,
+        )
+    }
+
+    fn flag(&self, flag: Flag) -> Finding {
+        let found = self
+            .later()
+            .filter(|frame| frame.record.flags.contains(flag))
+            .count();
+        self.finding(
+            &format!("a frame with the flag \"{}\"", flag.name()),
+            wording::counted(found, "frame"),
+            found > 0,
+        )
+    }
+
+    fn refused_at_most(&self, most: usize) -> Finding {
+        let Finding {
+            what,
+            found,
+            passed,
+        } = refused(self.flown, most);
+        self.finding(&what, found, passed)
+    }
+
+    fn vh_from(&self, way: VhSource) -> Finding {
+        let last = self.meanwhile().filter_map(exposed).last();
+        let found = last.and_then(|exposed| exposed.vh).map(|vh| vh.source);
+        self.finding(
+            &format!("V/H from {} in the end", way_name(way)),
+            found.map_or("no V/H".to_owned(), |found| way_name(found).to_owned()),
+            found == Some(way),
+        )
+    }
+
+    fn smear(&self, most_px: f64) -> Finding {
+        let largest_px = self
+            .flown
+            .frames
+            .iter()
+            .zip(self.errors)
+            .filter(|(frame, _)| frame.record.trigger.us() >= self.onset_us)
+            .filter_map(|(_, errors)| errors.as_ref())
+            .map(|errors| errors.smear_px)
+            .fold(0.0, f64::max);
+        self.finding(
+            &format!("no frame after the onset smeared by more than {most_px} px"),
+            format!("largest {largest_px:.4} px"),
+            largest_px <= most_px,
+        )
+    }
+
+    /// Whether compensation is there again, soon after the end of the fault.
+    fn armed(&self, within_s: f64) -> Finding {
+        let flies = |state: State| !matches!(state, State::Fault(_) | State::Degraded(_));
+        let armed_us = if self.flown.state_at(self.end_us).is_some_and(flies) {
+            Some(self.end_us)
+        } else {
+            self.flown
+                .states
+                .iter()
+                .find(|(time_us, state)| *time_us >= self.end_us && *state == State::Armed)
+                .map(|(time_us, _)| *time_us)
+        };
+        let after_s = armed_us.map(|armed_us| seconds(armed_us - self.end_us));
+        self.finding(
+            &format!("armed within {within_s} s after its end"),
+            after_s.map_or("not armed".to_owned(), |after_s| {
+                format!("{after_s:.3} s after it")
+            }),
+            after_s.is_some_and(|after_s| after_s <= within_s),
+        )
+    }
+
+    /// Records of the time without a line come afterwards.
+    fn records_kept(&self) -> Finding {
+        let kept = self.meanwhile().count();
+        let too_soon = self
+            .flown
+            .frames
+            .iter()
+            .filter(|frame| (self.onset_us..self.end_us).contains(&frame.fetched_us))
+            .count();
+        let last_us = self
+            .meanwhile()
+            .map(|frame| frame.fetched_us)
+            .max()
+            .unwrap_or(self.end_us);
+        self.finding(
+            "records of the cut come after it, and none comes during it",
+            format!(
+                "{kept} kept, the last fetched {:.3} s after its end; {too_soon} during it",
+                seconds(last_us.saturating_sub(self.end_us))
+            ),
+            too_soon == 0 && last_us >= self.end_us,
+        )
+    }
+
+    /// A V/H that nobody renews is held with an uncertainty that grows from frame to frame.
+    fn uncertainty_grows(&self) -> Finding {
+        let held: Vec<f32> = self
+            .meanwhile()
+            .filter(|frame| frame.record.flags.contains(Flag::LastGoodVh))
+            .filter_map(exposed)
+            .filter_map(|exposed| Some(exposed.vh?.sigma_per_s))
+            .collect();
+        let grows = held
+            .iter()
+            .zip(held.iter().skip(1))
+            .all(|(one, next)| one < next);
+        let found = match (held.first(), held.last()) {
+            (Some(first), Some(last)) => format!(
+                "{} with the last good V/H, σ from {first:.5} to {last:.5} 1/s",
+                wording::counted(held.len(), "frame")
+            ),
+            _ => "no frame with the last good V/H".to_owned(),
+        };
+        self.finding("σ of a V/H that is held grows", found, grows)
+    }
+}
+
+fn exposed(frame: &FlownFrame) -> Option<&ExposedFrame> {
+    match &frame.record.outcome {
+        Outcome::Exposed(exposed) => Some(exposed),
+        Outcome::Refused(_) => None,
+    }
+}

@@ -1,0 +1,339 @@
+//! A mission, validated, with its camera and its faults.
+
+use std::path::Path;
+
+use fmc_camera::flight::camera::{Camera, FrameError};
+use fmc_camera::flight::controller::{Controller, ControllerError, Start};
+use fmc_camera::flight::exposure::Exposure;
+use fmc_camera_file::InputError;
+use fmc_camera_file::number::single;
+use fmc_camera_file::toml_text::TomlText;
+use fmc_camera_file::{CameraFile, MechanismName};
+
+use super::fault::Injection;
+use super::fault::line::Carried;
+use super::file::{MissionFile, ReceiverFormat, VhSourceName};
+use super::file_range;
+use super::planned_fault::{self, PlannedFault};
+use super::settings::flight_settings;
+
+/// The nominal mission that is part of the program, and its camera.
+const NOMINAL: &str = include_str!("../../../../host-sim/scenarios/mission.toml");
+const NOMINAL_CAMERA: &str = include_str!("../../../../host-sim/scenarios/cameras/mission.toml");
+
+/// A validated mission.
+#[derive(Debug, Clone)]
+pub struct MissionScenario {
+    /// What messages call the file.
+    pub file: String,
+    /// As written; `flight.exposures` is what is flown.
+    pub written: MissionFile,
+    /// The camera file.
+    pub camera: CameraFile,
+    /// The same, as the camera believes it.
+    pub checked: Camera,
+    /// From trigger to trigger, s.
+    pub interval_s: f64,
+    /// What goes wrong, and what is expected of it.
+    pub faults: Vec<PlannedFault>,
+}
+
+impl MissionScenario {
+    /// The nominal mission that is part of the program, with its own or another number of exposures.
+    ///
+    /// # Errors
+    /// [`InputError`] where it cannot be flown with so many exposures.
+    pub fn nominal(exposures: Option<u32>) -> Result<Self, InputError> {
+        Self::parse_with("mission.toml", NOMINAL, exposures, |_| {
+            CameraFile::parse("cameras/mission.toml", NOMINAL_CAMERA)
+        })
+    }
+
+    /// Reads and validates a scenario and the camera file it names.
+    ///
+    /// # Errors
+    /// [`InputError`] naming file, line, field, value and allowed range.
+    pub fn read(path: &Path, exposures: Option<u32>) -> Result<Self, InputError> {
+        let bytes = std::fs::read(path).map_err(|error| InputError::reading(path, &error))?;
+        let text = String::from_utf8(bytes).map_err(|_| {
+            InputError::invalid(format!("{}: not a text file (UTF-8)", path.display()))
+        })?;
+        let folder = path.parent().unwrap_or(Path::new(""));
+        Self::parse(&path.display().to_string(), &text, folder, exposures)
+    }
+
+    /// Parses and validates; `file` is what messages call the text, `folder` where a relative camera
+    /// file is looked for, `exposures` instead of those of the scenario.
+    ///
+    /// # Errors
+    /// As [`Self::read`].
+    pub fn parse(
+        file: &str,
+        text: &str,
+        folder: &Path,
+        exposures: Option<u32>,
+    ) -> Result<Self, InputError> {
+        Self::parse_with(file, text, exposures, |camera| {
+            let path = folder.join(camera);
+            if path.is_file() {
+                Ok(CameraFile::read(&path)?)
+            } else {
+                let written = TomlText::new(file, text);
+                Err(written.invalid(
+                    &["camera"],
+                    &format!("names a camera file, {}, that is not there", path.display()),
+                ))
+            }
+        })
+    }
+
+    fn parse_with(
+        file: &str,
+        text: &str,
+        exposures: Option<u32>,
+        camera_of: impl FnOnce(&Path) -> Result<(CameraFile, Camera), InputError>,
+    ) -> Result<Self, InputError> {
+        let text = TomlText::new(file, text);
+        let mut written: MissionFile = text.deserialize()?;
+        if let Some(exposures) = exposures {
+            written.flight.exposures = i64::from(exposures);
+        }
+        if written.name.trim().is_empty() || written.name.contains(char::is_control) {
+            return Err(text.invalid(&["name"], "is empty or holds a control character"));
+        }
+        file_range::check_numbers(&written, &text)?;
+        check_sources(&written, &text)?;
+        check_line(&written, &text)?;
+        check_mechanics(&written, &text)?;
+        let (camera, checked) = camera_of(&written.camera)?;
+        let interval_s = interval_s(&written, &camera, &text)?;
+        check_exposure(&written, &camera, &checked, &text)?;
+        check_settings(&written, &camera, interval_s, &text)?;
+        let faults = planned_fault::planned(&written, interval_s, &text)?;
+        Ok(Self {
+            file: file.to_owned(),
+            written,
+            camera,
+            checked,
+            interval_s,
+            faults,
+        })
+    }
+
+    /// A fault of one field: file, field and what is wrong.
+    #[must_use]
+    pub fn fault(&self, field: &str, fault: impl std::fmt::Display) -> InputError {
+        InputError::invalid(format!("{}: {field}: {fault}", self.file))
+    }
+
+    /// Only the injections.
+    #[must_use]
+    pub fn injections(&self) -> Vec<Injection> {
+        self.faults.iter().map(|fault| fault.injection).collect()
+    }
+
+    /// η: ground speed over the height above the mean terrain, 1/s.
+    #[must_use]
+    pub fn vh_per_s(&self) -> f64 {
+        vh_per_s(&self.written)
+    }
+
+    /// What hangs on the serial line.
+    #[must_use]
+    pub fn carried(&self) -> Carried {
+        match &self.written.line.carries {
+            Some(names) => Carried::of_names(names.iter().map(String::as_str)),
+            None => Carried::everything(),
+        }
+    }
+
+    /// Number of exposures.
+    #[must_use]
+    pub fn exposures(&self) -> u32 {
+        u32::try_from(self.written.flight.exposures).unwrap_or(0)
+    }
+
+    /// When the regular triggers come, s.
+    pub fn triggers_s(&self) -> impl Iterator<Item = f64> {
+        let (first, interval) = (self.written.flight.first_trigger_s, self.interval_s);
+        (0..self.exposures()).map(move |frame| first + f64::from(frame) * interval)
+    }
+}
+
+fn vh_per_s(written: &MissionFile) -> f64 {
+    written.flight.speed_m_s / (written.flight.height_m - written.terrain.height_m)
+}
+
+fn check_sources(written: &MissionFile, text: &TomlText) -> Result<(), InputError> {
+    if written.vh.is_empty() {
+        return Err(text.invalid(&["vh"], "is empty; the camera needs a source of V/H"));
+    }
+    for (index, sensor) in written.vh.iter().enumerate() {
+        if written
+            .vh
+            .iter()
+            .take(index)
+            .any(|earlier| earlier.source == sensor.source)
+        {
+            return Err(text.invalid(
+                &["vh", &index.to_string(), "source"],
+                "is a source that an earlier [[vh]] has already",
+            ));
+        }
+    }
+    Ok(())
+}
+
+/// What hangs on the line is known, and there is a receiver where one is to speak.
+fn check_line(written: &MissionFile, text: &TomlText) -> Result<(), InputError> {
+    for name in written.line.carries.iter().flatten() {
+        if Carried::named(name).is_none() {
+            let sources = VhSourceName::ALL.map(VhSourceName::name);
+            return Err(text.invalid(
+                &["line", "carries"],
+                &format!(
+                    "holds \"{name}\"; there are {}, and of single sources {}",
+                    Carried::NAMES.join(", "),
+                    sources.join(", ")
+                ),
+            ));
+        }
+    }
+    let has_receiver = written.vh.iter().any(|table| table.source.has_receiver());
+    if written.line.receiver == ReceiverFormat::Nmea && !has_receiver {
+        return Err(text.invalid(
+            &["line", "receiver"],
+            "speaks of a receiver, which only the sources altimeter and terrain have",
+        ));
+    }
+    Ok(())
+}
+
+fn check_mechanics(written: &MissionFile, text: &TomlText) -> Result<(), InputError> {
+    match written.mechanics.checked() {
+        Ok(_) => Ok(()),
+        Err(fault) => Err(text.invalid(&["mechanics"], &format!("cannot be built: {fault}"))),
+    }
+}
+
+/// From trigger to trigger: as written, or from the overlap of the pictures along the flight.
+fn interval_s(
+    written: &MissionFile,
+    camera: &CameraFile,
+    text: &TomlText,
+) -> Result<f64, InputError> {
+    match (
+        written.flight.interval_s,
+        written.flight.forward_overlap_percent,
+    ) {
+        (Some(interval_s), None) => Ok(interval_s),
+        (None, Some(overlap)) => {
+            let [half_x, half_y] = camera.half_format_mm();
+            let [ex, _] = camera.fmc.axis.unit();
+            let along_mm = 2.0 * if ex.abs() > 0.5 { half_x } else { half_y };
+            let covered_s = along_mm / camera.principal_distance_mm / vh_per_s(written);
+            Ok(covered_s * (1.0 - overlap / 100.0))
+        }
+        (Some(_), Some(_)) => Err(text.invalid(
+            &["flight", "interval_s"],
+            "contradicts forward_overlap_percent: give one of them",
+        )),
+        (None, None) => Err(text.invalid(
+            &["flight", "exposures"],
+            "needs interval_s (0.02 to 1000 s) or forward_overlap_percent (0 to 99 %)",
+        )),
+    }
+}
+
+/// The camera must be able to take the exposure.
+fn check_exposure(
+    written: &MissionFile,
+    camera: &CameraFile,
+    checked: &Camera,
+    text: &TomlText,
+) -> Result<(), InputError> {
+    if camera.fmc.mechanism != MechanismName::Stage {
+        return Err(text.invalid(
+            &["camera"],
+            "moves charge (mechanism = \"tdi\"); a mission simulates a stage",
+        ));
+    }
+    let vh_per_s = vh_per_s(written);
+    let [least, most] = camera.limits.vh_per_s;
+    if !(least..=most).contains(&vh_per_s) {
+        return Err(text.invalid(
+            &["flight", "speed_m_s"],
+            &format!(
+                "over {} m of height is V/H = {vh_per_s:.4} 1/s; the camera file allows {least} to {most} 1/s",
+                written.flight.height_m - written.terrain.height_m
+            ),
+        ));
+    }
+    let [least, most] = camera.limits.exposure_s;
+    if !(least..=most).contains(&written.flight.exposure_s) {
+        return Err(text.invalid(
+            &["flight", "exposure_s"],
+            &format!("is out of range: the camera file allows {least} to {most} s"),
+        ));
+    }
+    let exposure = Exposure::new(single(vh_per_s), single(written.flight.exposure_s));
+    match checked.plan(&exposure) {
+        Ok(_) => Ok(()),
+        Err(error @ FrameError::Stroke(_)) => Err(text.invalid(
+            &["flight", "exposure_s"],
+            &format!("cannot be compensated: {error}"),
+        )),
+        Err(error) => Err(text.invalid(&["camera"], &format!("refuses the exposure: {error}"))),
+    }
+}
+
+/// The camera must accept how it is to be flown: settings, and time enough from trigger to trigger.
+fn check_settings(
+    written: &MissionFile,
+    camera: &CameraFile,
+    interval_s: f64,
+    text: &TomlText,
+) -> Result<(), InputError> {
+    let settings = flight_settings(written, interval_s);
+    let Err(refused) = Controller::new(&camera.record(), 0, &settings, Start::Orderly) else {
+        return Ok(());
+    };
+    let (path, fault): (&[&str], String) = match refused {
+        ControllerError::Travel(FrameError::Time {
+            needed_s,
+            available_s,
+        }) => {
+            let key = if written.flight.interval_s.is_some() {
+                "interval_s"
+            } else {
+                "forward_overlap_percent"
+            };
+            return Err(text.invalid(
+                &["flight", key],
+                &format!(
+                    "triggers every {:.1} ms; run-up, exposure, stop and fly-back take {:.1} ms at the largest V/H of the camera file, so that triggers would overlap",
+                    1e3 * available_s,
+                    1e3 * needed_s
+                ),
+            ));
+        }
+        ControllerError::Travel(error) => (
+            &["camera"],
+            format!("cannot be flown at the largest V/H of its limits: {error}"),
+        ),
+        ControllerError::Calibration(error) => (&["camera"], error.to_string()),
+        ControllerError::Settings(error) => (setting_path(error.setting), error.to_string()),
+    };
+    Err(text.invalid(path, &format!("is refused by the camera: {fault}")))
+}
+
+/// Where a setting of the camera comes from.
+fn setting_path(setting: &str) -> &'static [&'static str] {
+    match setting {
+        "exposure_s" => &["flight", "exposure_s"],
+        "smear_budget_px" => &["limits", "smear_px"],
+        "shutter_latency_s" => &["shutter", "latency_ms"],
+        "trigger_interval_s" => &["flight", "interval_s"],
+        _ => &["mechanics"],
+    }
+}

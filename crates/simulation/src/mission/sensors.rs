@@ -1,0 +1,159 @@
+//! What the aircraft's sensors tell the camera, and when.
+
+use fmc_camera::flight::event::Event;
+use fmc_camera::flight::time::Time;
+
+use super::aircraft::Aircraft;
+use super::clock::{Clocked, microseconds, seconds};
+use super::fault::Injection;
+use super::fault::line::{SerialLine, Traffic};
+use super::file::ReceiverFormat;
+use super::receiver::{SentenceCounts, SentenceLine};
+use super::scenario::MissionScenario;
+use super::source::{Source, ToldVh};
+
+/// When the receiver's first time pulse comes, µs.
+const FIRST_PULSE_US: u64 = 300_250;
+/// A second, µs.
+const SECOND_US: u64 = 1_000_000;
+/// So long after its pulse comes the message that names it, µs.
+const NAMED_AFTER_US: u64 = 120_000;
+
+/// All sensors of the aircraft.
+#[derive(Debug, Clone)]
+pub struct Sensors {
+    sources: Vec<Source>,
+    /// Speed and altitude of the receiver as sentences.
+    sentences: Option<SentenceLine>,
+    line: SerialLine,
+    attitude: Option<Clocked>,
+    /// The time pulse, and the second that the first one begins.
+    pulses: Option<(Clocked, u64)>,
+    /// When something happens next, µs.
+    due_us: u64,
+    /// V/H as the first source has it.
+    told: Option<ToldVh>,
+}
+
+impl Sensors {
+    /// The sensors of a scenario, with the faults of its sources.
+    #[must_use]
+    pub fn of(
+        scenario: &MissionScenario,
+        line: &SerialLine,
+        injections: &[Injection],
+        seed: u64,
+    ) -> Self {
+        let tables = &scenario.written.vh;
+        let sources = tables.iter().zip(1_u64..).map(|(table, number)| {
+            // There is one receiver in the aircraft.
+            let is_speed_known = table.source.has_receiver()
+                && tables
+                    .iter()
+                    .take_while(|earlier| earlier.source != table.source)
+                    .any(|earlier| earlier.source.has_receiver());
+            Source::new(table, number, injections, is_speed_known, seed)
+        });
+        let reported_hz = scenario.written.attitude.reported_hz;
+        let receiver = tables.iter().find(|table| table.source.has_receiver());
+        let sentences = receiver
+            .filter(|_| scenario.written.line.receiver == ReceiverFormat::Nmea)
+            .map(|table| {
+                let baud = u64::try_from(scenario.written.line.baud).unwrap_or(0);
+                SentenceLine::new(Traffic::Vh(table.source), baud)
+            });
+        Self {
+            sources: sources.collect(),
+            sentences,
+            line: line.clone(),
+            attitude: (reported_hz > 0.0).then(|| Clocked {
+                period_us: microseconds(1.0 / reported_hz),
+                next_us: 700,
+            }),
+            pulses: scenario.written.gnss.as_ref().map(|gnss| {
+                let clock = Clocked {
+                    period_us: SECOND_US,
+                    next_us: FIRST_PULSE_US,
+                };
+                (clock, u64::try_from(gnss.first_pulse_unix_s).unwrap_or(0))
+            }),
+            due_us: 0,
+            told: tables.first().map(|table| ToldVh::of(table.source)),
+        }
+    }
+
+    /// What arrives up to a time, in order.
+    pub fn arrivals(&mut self, aircraft: &Aircraft, to_us: u64) -> Vec<(Time, Event)> {
+        let mut arrived = Vec::new();
+        if self.due_us > to_us {
+            return arrived;
+        }
+        let mut due_us = u64::MAX;
+        for source in &mut self.sources {
+            source.measure(aircraft, &mut self.sentences, to_us);
+            while let Some((at_us, sample)) = source.arrived(to_us) {
+                if !self.line.loses(source.traffic(), at_us) {
+                    arrived.push((Time::from_us(at_us), Event::Vh(sample)));
+                }
+            }
+            due_us = due_us.min(source.due_us());
+        }
+        if let Some(sentences) = &mut self.sentences {
+            for (at_us, sample) in sentences.read(&self.line, to_us) {
+                arrived.push((Time::from_us(at_us), Event::Vh(sample)));
+            }
+            due_us = due_us.min(sentences.due_us().unwrap_or(u64::MAX));
+        }
+        if let Some(clock) = &mut self.attitude {
+            while clock.next_us <= to_us {
+                if !self.line.loses(Traffic::Attitude, clock.next_us) {
+                    let sample = aircraft.attitude_sample(seconds(clock.next_us));
+                    arrived.push((Time::from_us(clock.next_us), Event::Attitude(sample)));
+                }
+                clock.next_us += clock.period_us.max(1);
+            }
+            due_us = due_us.min(clock.next_us);
+        }
+        if let Some((clock, first_unix_s)) = &mut self.pulses {
+            // Half of the rounds of this clock are pulses, the others their names.
+            while clock.next_us <= to_us {
+                let time = Time::from_us(clock.next_us);
+                let into_second_us = (clock.next_us - FIRST_PULSE_US) % SECOND_US;
+                let second = (clock.next_us - FIRST_PULSE_US) / SECOND_US;
+                if into_second_us == 0 {
+                    arrived.push((time, Event::TimePulse));
+                    clock.next_us += NAMED_AFTER_US;
+                } else {
+                    let unix_us = (*first_unix_s + second) * SECOND_US;
+                    if !self.line.loses(Traffic::Time, clock.next_us) {
+                        arrived.push((time, Event::GnssTime(unix_us)));
+                    }
+                    clock.next_us += clock.period_us - NAMED_AFTER_US;
+                }
+            }
+            due_us = due_us.min(clock.next_us);
+        }
+        self.due_us = due_us;
+        arrived.sort_by_key(|(time, _)| *time);
+        if let Some(told) = &mut self.told {
+            for (_, event) in &arrived {
+                told.hear(event);
+            }
+        }
+        arrived
+    }
+
+    /// V/H as the first source has it, 1/s; 0 before it has spoken.
+    #[must_use]
+    pub fn told_vh_per_s(&self) -> f64 {
+        self.told.map_or(0.0, |told| told.vh_per_s())
+    }
+
+    /// What became of the receiver's sentences.
+    #[must_use]
+    pub fn sentence_counts(&self) -> SentenceCounts {
+        self.sentences
+            .as_ref()
+            .map_or_else(SentenceCounts::default, SentenceLine::counts)
+    }
+}

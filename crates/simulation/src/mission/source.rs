@@ -1,0 +1,215 @@
+//! One source of V/H: it measures, with its noise and its faults, and sends what it has measured.
+
+use std::collections::VecDeque;
+
+use fmc_camera::flight::event::Event;
+use fmc_camera::flight::vh::VhSample;
+use fmc_camera_file::number::single;
+
+use super::aircraft::{Aircraft, SpeedAndHeight};
+use super::clock::microseconds;
+use super::clock::{Clocked, seconds};
+use super::fault::Injection;
+use super::fault::line::Traffic;
+use super::fault::vh::VhFaults;
+use super::file::{VhQuantity, VhSourceName, VhTable};
+use super::receiver::SentenceLine;
+use crate::noise::Noise;
+
+/// A source of V/H.
+#[derive(Debug, Clone)]
+pub(super) struct Source {
+    name: VhSourceName,
+    clock: Clocked,
+    latency_us: u64,
+    /// σ of V/H relative to it.
+    sigma: f64,
+    noise: Noise,
+    /// Of the whole source, of its speed, of its height.
+    faults: [VhFaults; 3],
+    /// An earlier source has the speed of the same receiver.
+    is_speed_known: bool,
+    under_way: VecDeque<(u64, VhSample)>,
+}
+
+impl Source {
+    /// The source of that number, from 1, with its faults among the injections.
+    pub(super) fn new(
+        table: &VhTable,
+        number: u64,
+        injections: &[Injection],
+        is_speed_known: bool,
+        seed: u64,
+    ) -> Self {
+        let of = |quantity| {
+            let mine = injections.iter().filter(|injection| {
+                let source = injection.source;
+                source.map_or(number == 1, |source| source == table.source)
+                    && injection.quantity == quantity
+            });
+            VhFaults::new(&mine.copied().collect::<Vec<Injection>>())
+        };
+        Self {
+            name: table.source,
+            clock: Clocked {
+                period_us: microseconds(1.0 / table.rate_hz),
+                // Nobody's clocks are in step.
+                next_us: 1000 * number + 137 * number,
+            },
+            latency_us: microseconds(table.latency_ms / 1000.0),
+            sigma: table.sigma_percent / 100.0,
+            noise: Noise::new(seed, number),
+            faults: [None, Some(VhQuantity::Speed), Some(VhQuantity::Height)].map(of),
+            is_speed_known,
+            under_way: VecDeque::new(),
+        }
+    }
+
+    /// What it is to the line.
+    pub(super) const fn traffic(&self) -> Traffic {
+        Traffic::Vh(self.name)
+    }
+
+    /// Takes the samples that are due up to a time and sends them, to the receiver's line where there is one.
+    pub(super) fn measure(
+        &mut self,
+        aircraft: &Aircraft,
+        sentences: &mut Option<SentenceLine>,
+        to_us: u64,
+    ) {
+        while self.clock.next_us <= to_us {
+            let time_us = self.clock.next_us;
+            self.clock.next_us += self.clock.period_us.max(1);
+            let truth = aircraft.speed_and_height(seconds(time_us));
+            let at_us = time_us + self.latency_us;
+            for sample in self.samples(seconds(time_us), &truth) {
+                let is_sentence = self.name.has_receiver()
+                    && sentences
+                        .as_mut()
+                        .is_some_and(|line| line.send(at_us, sample));
+                if !is_sentence {
+                    self.under_way.push_back((at_us, sample));
+                }
+            }
+        }
+    }
+
+    /// The next sample that is there at a time, µs.
+    pub(super) fn arrived(&mut self, to_us: u64) -> Option<(u64, VhSample)> {
+        self.under_way.pop_front_if(|(at_us, _)| *at_us <= to_us)
+    }
+
+    /// When something happens next, µs.
+    pub(super) fn due_us(&self) -> u64 {
+        let arrives = self.under_way.front().map_or(u64::MAX, |(at_us, _)| *at_us);
+        arrives.min(self.clock.next_us)
+    }
+
+    /// What it says of an instant.
+    fn samples(&mut self, time_s: f64, truth: &SpeedAndHeight) -> Vec<VhSample> {
+        // Speed and height share the variance.
+        let part = self.sigma / 2.0_f64.sqrt();
+        let [whole, of_speed, of_height] = self.noise.next([self.sigma, part, part]);
+        let [faults, faults_of_speed, faults_of_height] = &mut self.faults;
+        let first = if self.name == VhSourceName::Direct {
+            truth.vh_per_s() * (1.0 + whole)
+        } else {
+            truth.ground_speed_m_s * (1.0 + of_speed)
+        };
+        let Some(first) = faults.said(time_s, first) else {
+            return Vec::new();
+        };
+        let first = faults_of_speed.said(time_s, first).map(single);
+        if self.name == VhSourceName::Direct {
+            return first.map(VhSample::Direct).into_iter().collect();
+        }
+        let above_ground_m = truth.height_above_ground_m();
+        let error_m = above_ground_m * of_height;
+        let height_m = match self.name {
+            VhSourceName::Terrain => truth.altitude_m + error_m,
+            _ => above_ground_m + error_m,
+        };
+        let height = faults_of_height.said(time_s, height_m).map(single);
+        let speed = first.filter(|_| !self.is_speed_known);
+        let (speed, height, terrain) = match self.name {
+            VhSourceName::Direct => (None, None, None),
+            VhSourceName::Altimeter => (
+                speed.map(VhSample::GroundSpeed),
+                height.map(VhSample::HeightAboveGround),
+                None,
+            ),
+            VhSourceName::Laser => (
+                speed.map(VhSample::InertialSpeed),
+                height.map(VhSample::LaserHeight),
+                None,
+            ),
+            VhSourceName::Terrain => (
+                speed.map(VhSample::GroundSpeed),
+                height.map(VhSample::Altitude),
+                Some(VhSample::TerrainHeight(single(truth.terrain_m))),
+            ),
+        };
+        [speed, height, terrain].into_iter().flatten().collect()
+    }
+}
+
+/// V/H as a source has it, from what has arrived of it.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct ToldVh {
+    name: VhSourceName,
+    speed_m_s: Option<f64>,
+    height_m: Option<f64>,
+    terrain_m: Option<f64>,
+    vh_per_s: f64,
+}
+
+impl ToldVh {
+    /// Before it has spoken.
+    pub(super) const fn of(name: VhSourceName) -> Self {
+        Self {
+            name,
+            speed_m_s: None,
+            height_m: None,
+            terrain_m: None,
+            vh_per_s: 0.0,
+        }
+    }
+
+    /// 1/s; 0 before it has spoken.
+    pub(super) const fn vh_per_s(&self) -> f64 {
+        self.vh_per_s
+    }
+
+    pub(super) fn hear(&mut self, event: &Event) {
+        let Event::Vh(sample) = event else {
+            return;
+        };
+        match (self.name, *sample) {
+            (VhSourceName::Direct, VhSample::Direct(vh)) => {
+                self.vh_per_s = f64::from(vh);
+                return;
+            }
+            (VhSourceName::Altimeter | VhSourceName::Terrain, VhSample::GroundSpeed(speed))
+            | (VhSourceName::Laser, VhSample::InertialSpeed(speed)) => {
+                self.speed_m_s = Some(f64::from(speed));
+            }
+            (VhSourceName::Altimeter, VhSample::HeightAboveGround(height))
+            | (VhSourceName::Laser, VhSample::LaserHeight(height))
+            | (VhSourceName::Terrain, VhSample::Altitude(height)) => {
+                self.height_m = Some(f64::from(height));
+            }
+            (VhSourceName::Terrain, VhSample::TerrainHeight(height)) => {
+                self.terrain_m = Some(f64::from(height));
+            }
+            _ => return,
+        }
+        let below_m = if self.name == VhSourceName::Terrain {
+            self.terrain_m
+        } else {
+            Some(0.0)
+        };
+        if let (Some(speed), Some(height), Some(below)) = (self.speed_m_s, self.height_m, below_m) {
+            self.vh_per_s = speed / (height - below);
+        }
+    }
+}

@@ -1,0 +1,84 @@
+//! Allowed ranges of the numbers of scenarios, and those that scenarios share.
+
+use std::fmt;
+
+use fmc_camera_file::InputError;
+use fmc_camera_file::toml_text::TomlText;
+
+/// Least and most of a quantity.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(crate) struct Range {
+    pub(crate) least: f64,
+    pub(crate) most: f64,
+    pub(crate) unit: &'static str,
+}
+
+pub(crate) const FLYING_HEIGHT: Range = range(50.0, 15_000.0, "m");
+pub(crate) const SPEED: Range = range(10.0, 350.0, "m/s");
+pub(crate) const EXPOSURE: Range = range(1e-6, 0.1, "s");
+pub(crate) const TERRAIN_HEIGHT: Range = range(-500.0, 9000.0, "m");
+pub(crate) const RELIEF: Range = range(0.0, 4000.0, "m");
+pub(crate) const WAVELENGTH: Range = range(10.0, 1e5, "m");
+
+/// A range of a unit, ends included.
+pub(crate) const fn range(least: f64, most: f64, unit: &'static str) -> Range {
+    Range { least, most, unit }
+}
+
+impl Range {
+    /// Whether a value lies inside, ends included.
+    pub(crate) fn holds(&self, value: f64) -> bool {
+        self.least <= value && value <= self.most
+    }
+
+    /// Refuses a value outside.
+    pub(crate) fn check(
+        &self,
+        value: f64,
+        text: &TomlText,
+        path: &[&str],
+    ) -> Result<(), InputError> {
+        if self.holds(value) {
+            return Ok(());
+        }
+        let hint = if self.unit == "m" && value.is_finite() {
+            if self.holds(value / 1000.0) && value.abs() > self.most {
+                "; in millimetres?"
+            } else if value > 0.0 && value < self.least && self.holds(1000.0 * value) {
+                "; in kilometres?"
+            } else {
+                ""
+            }
+        } else {
+            ""
+        };
+        Err(text.invalid(path, &format!("is out of range: allowed {self}{hint}")))
+    }
+
+    /// Refuses a list with a value outside.
+    pub(crate) fn check_each(
+        &self,
+        values: &[f64],
+        text: &TomlText,
+        path: &[&str],
+    ) -> Result<(), InputError> {
+        match values.iter().find(|value| !self.holds(**value)) {
+            None => Ok(()),
+            Some(value) => Err(text.invalid(
+                path,
+                &format!("holds {value}, which is out of range: allowed {self}"),
+            )),
+        }
+    }
+}
+
+impl fmt::Display for Range {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        write!(f, "{} to {} {}", self.least, self.most, self.unit)
+    }
+}
+
+/// A count as a number.
+pub(crate) fn whole(count: i64) -> f64 {
+    i32::try_from(count).map_or(f64::INFINITY, f64::from)
+}

@@ -1,0 +1,163 @@
+//! The scenario of a flight over ground control, validated, with its camera.
+
+use std::collections::BTreeSet;
+use std::path::Path;
+
+use fmc_camera_file::toml_text::TomlText;
+use fmc_camera_file::{CameraFile, InputError};
+
+use super::scenario_file::{FEWEST_CONTROL_POINTS, ScenarioFile};
+use super::scenario_range;
+use crate::range::Range;
+
+/// A validated scenario with its camera.
+#[derive(Debug, Clone)]
+pub struct Scenario {
+    /// What messages call the file.
+    pub file: String,
+    /// As written.
+    pub written: ScenarioFile,
+    /// The camera, with the scenario's run-up.
+    pub camera: CameraFile,
+}
+
+impl Scenario {
+    /// Reads and validates a scenario and the camera file it names.
+    ///
+    /// # Errors
+    /// [`InputError`] naming file, line, field, value and allowed range.
+    pub fn read(path: &Path) -> Result<Self, InputError> {
+        let bytes = std::fs::read(path).map_err(|error| InputError::reading(path, &error))?;
+        let text = String::from_utf8(bytes).map_err(|_| {
+            InputError::invalid(format!("{}: not a text file (UTF-8)", path.display()))
+        })?;
+        let folder = path.parent().unwrap_or(Path::new(""));
+        Self::parse(&path.display().to_string(), &text, folder)
+    }
+
+    /// Parses and validates; `file` is what messages call the text, `folder` where a relative
+    /// camera file is looked for.
+    ///
+    /// # Errors
+    /// As [`Self::read`].
+    pub fn parse(file: &str, text: &str, folder: &Path) -> Result<Self, InputError> {
+        let text = TomlText::new(file, text);
+        let written: ScenarioFile = text.deserialize()?;
+        written.check(&text)?;
+        let camera_path = folder.join(&written.camera);
+        if !camera_path.is_file() {
+            return Err(text.invalid(
+                &["camera"],
+                &format!(
+                    "names a camera file, {}, that is not there",
+                    camera_path.display()
+                ),
+            ));
+        }
+        let (mut camera, _) = CameraFile::read(&camera_path)?;
+        if written.flight.run_up.is_some() {
+            camera.fmc.strategy = written.flight.run_up;
+        }
+        Ok(Self {
+            file: file.to_owned(),
+            written,
+            camera,
+        })
+    }
+
+    /// A fault of one field: file, field and what is wrong.
+    #[must_use]
+    pub fn fault(&self, field: &str, fault: impl std::fmt::Display) -> InputError {
+        InputError::invalid(format!("{}: {field}: {fault}", self.file))
+    }
+
+    /// η: ground speed over the height above the mean terrain, 1/s.
+    #[must_use]
+    pub fn vh_per_s(&self) -> f64 {
+        let flight = &self.written.flight;
+        flight.speed_m_s / (flight.height_m - self.written.terrain.height_m)
+    }
+
+    /// Δz that the camera is told of, µm: the true one unless the scenario says otherwise.
+    #[must_use]
+    pub fn known_focus_shift_um(&self) -> f64 {
+        let ScenarioFile {
+            correction, truth, ..
+        } = &self.written;
+        correction.focus_shift_um.unwrap_or(truth.focus_shift_um)
+    }
+}
+
+impl ScenarioFile {
+    fn check(&self, text: &TomlText) -> Result<(), InputError> {
+        if self.name.trim().is_empty() || self.name.contains(char::is_control) {
+            return Err(text.invalid(&["name"], "is empty or holds a control character"));
+        }
+        scenario_range::check_numbers(self, text)?;
+        self.check_control(text)?;
+        let flight = &self.flight;
+        if flight.frames > 1 && flight.base_m <= 0.0 {
+            return Err(text.invalid(
+                &["flight", "frames"],
+                "needs base_m, the distance between exposures: 1 to 20000 m",
+            ));
+        }
+        Ok(())
+    }
+
+    fn check_control(&self, text: &TomlText) -> Result<(), InputError> {
+        let points = &self.control.points;
+        if points.len() < FEWEST_CONTROL_POINTS {
+            return Err(text.invalid(
+                &["control", "points"],
+                &format!(
+                    "holds {} points; a resection needs at least {FEWEST_CONTROL_POINTS}",
+                    points.len()
+                ),
+            ));
+        }
+        let terrain = &self.terrain;
+        // Surveyed heights follow the terrain, within its relief and a house.
+        let margin_m = 2.0 * terrain.relief_m + 20.0;
+        let heights = Range {
+            least: terrain.height_m - margin_m,
+            most: terrain.height_m + margin_m,
+            unit: "m",
+        };
+        let mut ids = BTreeSet::new();
+        for (index, point) in points.iter().enumerate() {
+            let index = index.to_string();
+            let at = |key| ["control", "points", index.as_str(), key];
+            if point.id.trim().is_empty() || point.id.contains(char::is_control) {
+                return Err(text.invalid(&at("id"), "is empty or holds a control character"));
+            }
+            if !ids.insert(point.id.as_str()) {
+                return Err(text.invalid(&at("id"), "is the id of an earlier point, too"));
+            }
+            scenario_range::PLACE.check(point.x_m, text, &at("x_m"))?;
+            scenario_range::PLACE.check(point.y_m, text, &at("y_m"))?;
+            if point.z_m >= self.flight.height_m {
+                return Err(text.invalid(
+                    &at("z_m"),
+                    &format!(
+                        "is not below the aircraft, which flies at {} m (point {}); allowed {heights}",
+                        self.flight.height_m, point.id
+                    ),
+                ));
+            }
+            if !heights.holds(point.z_m) {
+                let is_scaled = heights.holds(1000.0 * point.z_m);
+                let hint = if is_scaled { "; in kilometres?" } else { "" };
+                return Err(text.invalid(
+                    &at("z_m"),
+                    &format!(
+                        "is {} from the terrain (point {}); allowed {heights}, the terrain with twice its relief{hint}",
+                        if point.z_m > heights.most { "too far up" } else { "too far down" },
+                        point.id
+                    ),
+                ));
+            }
+        }
+        Ok(())
+    }
+}

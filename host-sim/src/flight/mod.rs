@@ -1,9 +1,0 @@
-//! A simulated flight over ground control: Yuan et al. 2012, section 4.2, and beyond it.
-
-pub mod experiment;
-pub mod ground_error;
-pub mod image_truth;
-pub mod outcome;
-pub mod strip;
-pub mod survey;
-pub mod terrain;
