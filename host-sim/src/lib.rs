@@ -6,4 +6,3 @@ pub mod command;
 pub mod device;
 pub mod failure;
 pub mod formats;
-pub mod report;

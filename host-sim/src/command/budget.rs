@@ -1,6 +1,7 @@
 //! `budget`: is it worth it for this camera?
 
 use fmc_camera_file::CameraFile;
+use fmc_report::budget::{bars, page, summary, table};
 use fmc_simulation::budget::assumptions::Assumptions;
 use fmc_simulation::budget::result::Budget;
 use fmc_simulation::budget::run;
@@ -8,7 +9,6 @@ use fmc_simulation::budget::run;
 use crate::cli::BudgetArgs;
 use crate::failure::Failure;
 use crate::formats::output::{self, OutputFolder};
-use crate::report::budget::{bars, page, summary, table};
 
 pub(super) fn run(args: &BudgetArgs) -> Result<(), Failure> {
     let (camera, _) = CameraFile::read(&args.camera)?;

@@ -8,13 +8,15 @@ use fmc_camera::geometry::estimation::options::{FitOptions, StaticDecentring};
 use fmc_camera::geometry::five_coefficient::Regressor;
 use fmc_camera_file::CameraFile;
 use fmc_camera_file::fitted_block;
+use fmc_report::calibration::{
+    five_summary, five_table, residual_field, residual_plot, residuals_csv,
+};
+use fmc_report::figure::FigureError;
 
 use crate::cli::{FiveArgs, RegressOn, StaticP2};
 use crate::failure::Failure;
 use crate::formats::observations;
 use crate::formats::output::{self, OutputFolder};
-use crate::report::figure::FigureError;
-use crate::report::{five_summary, five_table, residual_field, residual_plot, residuals_csv};
 
 /// `calibrate five`.
 pub(super) fn five(args: &FiveArgs) -> Result<(), Failure> {

@@ -13,13 +13,13 @@ use fmc_camera::flight::vh::{VhSample, VhSettings};
 use fmc_camera::io::link::message::{Refusal, Status};
 use fmc_camera_file::CameraFile;
 use fmc_camera_file::number::single;
+use fmc_report::camera_status;
 
 use crate::cli::{CameraAction, CameraArgs, DirectionName, PrepareArgs, StatusArgs, VhArgs};
 use crate::device::DeviceError;
 use crate::device::link_error::LinkError;
 use crate::failure::Failure;
 use crate::formats::{flight_settings, output};
-use crate::report::camera_status;
 
 /// How long it may take until the camera has done as it was told.
 const DONE_WITHIN: Duration = Duration::from_secs(5);

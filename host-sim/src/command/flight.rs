@@ -2,6 +2,11 @@
 
 use std::io;
 
+use fmc_report::figure::FigureError;
+use fmc_report::strip_experiment::summary::Summary;
+use fmc_report::strip_experiment::{
+    convergence_plot, ground_error_plot, html, plan, repetitions_csv, text,
+};
 use fmc_simulation::strip_experiment::experiment::Experiment;
 use fmc_simulation::strip_experiment::scenario::Scenario;
 use indicatif::{ProgressBar, ProgressStyle};
@@ -9,11 +14,6 @@ use indicatif::{ProgressBar, ProgressStyle};
 use crate::cli::FlightArgs;
 use crate::failure::Failure;
 use crate::formats::output::{self, OutputFolder};
-use crate::report::figure::FigureError;
-use crate::report::flight::summary::Summary;
-use crate::report::flight::{
-    convergence_plot, ground_error_plot, html, plan, repetitions_csv, text,
-};
 
 pub(super) fn run(args: &FlightArgs) -> Result<(), Failure> {
     let scenario = Scenario::read(&args.scenario)?;

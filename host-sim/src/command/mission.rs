@@ -2,6 +2,10 @@
 
 use std::io::{self, Write};
 
+use fmc_report::figure::FigureError;
+use fmc_report::mission::summary::Summary;
+use fmc_report::mission::{MissionReport, frames_plot, histogram, html, text, timeline, truth_csv};
+use fmc_report::records;
 use fmc_simulation::mechanics::Mechanics;
 use fmc_simulation::mission::flight_loop::{FlightOptions, Status, fly};
 use fmc_simulation::mission::judgement::Judgement;
@@ -12,12 +16,6 @@ use indicatif::{ProgressBar, ProgressStyle};
 use crate::cli::MissionArgs;
 use crate::failure::Failure;
 use crate::formats::output::{self, OutputFolder};
-use crate::report::figure::FigureError;
-use crate::report::mission::summary::Summary;
-use crate::report::mission::{
-    MissionReport, frames_plot, histogram, html, text, timeline, truth_csv,
-};
-use crate::report::records;
 
 pub(super) fn run(args: &MissionArgs) -> Result<(), Failure> {
     let scenario = match &args.scenario {

@@ -3,11 +3,11 @@
 use std::io::Write;
 
 use fmc_camera::flight::frame_record::FrameRecord;
+use fmc_report::records;
 
 use crate::cli::RecordsArgs;
 use crate::failure::Failure;
 use crate::formats::output::{self, OutputFolder};
-use crate::report::records;
 
 /// The files.
 const FILES: [&str; 2] = ["records.csv", "records.json"];

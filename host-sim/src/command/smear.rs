@@ -4,6 +4,7 @@ use std::io;
 
 use fmc_camera::geometry::image_motion::{ImageMotionError, View};
 use fmc_camera_file::CameraFile;
+use fmc_report::smear::SmearReport;
 use fmc_simulation::smear::field::SmearRequest;
 use fmc_simulation::smear::term::{Disturbances, Term};
 
@@ -11,7 +12,6 @@ use crate::cli::{DirectionName, ExposureArgs, FocusSignName, ModelName, SmearArg
 use crate::device::DeviceError;
 use crate::failure::Failure;
 use crate::formats::output::{self, OutputFolder};
-use crate::report::smear::SmearReport;
 
 pub(super) fn run(args: &SmearArgs) -> Result<(), Failure> {
     let disturbances = args

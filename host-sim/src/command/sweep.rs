@@ -7,6 +7,8 @@ use fmc_camera::geometry::range::Quantity;
 use fmc_camera_file::{CameraFile, MechanismName, Per, Strategy};
 use fmc_reference::exposure::FocusFormula;
 use fmc_reference::strict::{Reading, Weight};
+use fmc_report::sweep::{coefficient_plot, coefficients_csv, page, summary, table};
+use fmc_report::wording;
 use fmc_simulation::sweep::options::SweepOptions;
 use fmc_simulation::sweep::result::Sweep;
 use fmc_simulation::sweep::run::{Plan, SweepError, steps};
@@ -15,8 +17,6 @@ use indicatif::{ProgressBar, ProgressStyle};
 use crate::cli::{FocusSignName, ReadingName, RegressOn, StrategyName, SweepArgs, WeightName};
 use crate::failure::Failure;
 use crate::formats::output::{self, OutputFolder};
-use crate::report::sweep::{coefficient_plot, coefficients_csv, page, summary, table};
-use crate::report::wording;
 
 pub(super) fn run(args: &SweepArgs) -> Result<(), Failure> {
     let (mut camera, _) = CameraFile::read(&args.camera)?;

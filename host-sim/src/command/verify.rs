@@ -7,6 +7,9 @@ use fmc_camera_file::CameraFile;
 use fmc_camera_file::published::CAMERA_FILES;
 use fmc_reference::verification::result::Verification;
 use fmc_reference::verification::{cameras as check, grid};
+use fmc_report::figure::FigureError;
+use fmc_report::verification::summary::Summary;
+use fmc_report::verification::{distortion_field, error_plot, frames_csv, html, table};
 use indicatif::{ProgressBar, ProgressStyle};
 
 use super::device::Devices;
@@ -14,9 +17,6 @@ use crate::cli::VerifyArgs;
 use crate::device::DeviceError;
 use crate::failure::Failure;
 use crate::formats::output::{self, OutputFolder};
-use crate::report::figure::FigureError;
-use crate::report::summary::Summary;
-use crate::report::{arrow_field, error_plot, frames_csv, html, table};
 
 pub(super) fn run(args: &VerifyArgs) -> Result<(), Failure> {
     let cameras = cameras(args.camera.as_deref())?;
@@ -104,8 +104,8 @@ fn write_report(folder: &OutputFolder, verification: &Verification) -> Result<()
     for camera in &verification.cameras {
         let name = file_name(&camera.name);
         for (figure, svg) in [
-            ("distortion", arrow_field::distortion(camera)),
-            ("dynamic-change", arrow_field::dynamic(camera)),
+            ("distortion", distortion_field::distortion(camera)),
+            ("dynamic-change", distortion_field::dynamic(camera)),
             ("error", error_plot::error_against_travel(camera)),
         ] {
             let svg = svg.map_err(drawing)?;

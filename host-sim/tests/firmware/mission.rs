@@ -1,12 +1,12 @@
 //! A mission with the firmware in QEMU in the loop.
 
+use fmc_report::records::crc32;
 use fmc_simulation::mechanics::Mechanics;
 use fmc_simulation::mission::flight_loop::{FlightOptions, fly};
 use fmc_simulation::mission::scenario::MissionScenario;
 use fmc_simulation::mission::settings::flight_settings;
 use host_sim::device::qemu::{Qemu, QemuOptions};
 use host_sim::device::{DeviceError, FlyingDevice, InProcess, Machine};
-use host_sim::report::records::crc32;
 
 fn records_crc(
     scenario: &MissionScenario,

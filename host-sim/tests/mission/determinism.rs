@@ -1,7 +1,7 @@
 //! The same seed gives the same flight.
 
+use fmc_report::records::crc32;
 use fmc_simulation::mission::scenario::MissionScenario;
-use host_sim::report::records::crc32;
 
 use crate::mission::support::flown;
 

@@ -1,0 +1,175 @@
+//! The terms of a budget as bars on a logarithmic axis.
+
+use fmc_simulation::budget::result::{Budget, Kind, Term};
+use plotters::element::{PathElement, Rectangle, Text};
+use plotters::prelude::{Color, RGBColor};
+use plotters::style::text_anchor::HPos;
+
+use super::findings;
+use crate::figure::{self, Area, Backend, FigureError, GRID, INK, pixels, text, text_at};
+use crate::picture;
+
+const WIDTH: u32 = 1500;
+const TOP: i32 = 150;
+const ROW: i32 = 44;
+const LEFT: i32 = 640;
+const RIGHT: i32 = 1340;
+/// Right end of the numbers.
+const NUMBERS: i32 = 1460;
+const FONT: u32 = 22;
+/// Decades of the axis, powers of ten of a micrometre; longer where a term needs it.
+const DECADES: [i32; 2] = [-4, 3];
+/// Last decade of any axis.
+const LAST_DECADE: i32 = 9;
+const REMOVED: RGBColor = RGBColor(0, 114, 178);
+const REMAINS: RGBColor = RGBColor(213, 94, 0);
+const SMEAR: RGBColor = RGBColor(150, 150, 150);
+
+/// A bar per term, over the limits, in SVG.
+///
+/// # Errors
+/// [`FigureError`] without terms or if the drawing fails.
+pub fn svg(budget: &Budget) -> Result<String, FigureError> {
+    figure::svg(size(budget)?, |canvas| draw(canvas, budget))
+}
+
+/// The same as PNG.
+///
+/// # Errors
+/// As [`svg`].
+pub fn png(budget: &Budget) -> Result<Vec<u8>, FigureError> {
+    picture::png(size(budget)?, |canvas| draw(canvas, budget))
+}
+
+/// Lower end of the bars.
+fn bottom(budget: &Budget) -> i32 {
+    let rows = i32::try_from(budget.terms.len()).unwrap_or(0);
+    TOP + rows * ROW
+}
+
+fn size(budget: &Budget) -> Result<(u32, u32), FigureError> {
+    match bottom(budget) {
+        TOP => Err(FigureError::NothingToDraw),
+        bottom => Ok((WIDTH, bottom.unsigned_abs() + 70)),
+    }
+}
+
+fn draw<B: Backend>(canvas: &Area<B>, budget: &Budget) -> Result<(), FigureError> {
+    let bottom = bottom(budget);
+    canvas.fill(&plotters::style::WHITE)?;
+    let title = format!("{}: largest effect over its limits, µm", budget.camera);
+    canvas.draw(&Text::new(title, (20, 36), text(FONT + 4)))?;
+    for (x, colour, words) in [
+        (20, REMOVED, "position; fmc-camera removes it"),
+        (470, REMAINS, "position; remains"),
+        (770, SMEAR, "smear; remains"),
+    ] {
+        canvas.draw(&Rectangle::new([(x, 80), (x + 26, 100)], colour.filled()))?;
+        canvas.draw(&Text::new(words, (x + 38, 90), text(FONT)))?;
+    }
+    let decades = decades(budget);
+    let place = |um| place(um, decades);
+    let [first, last] = decades;
+    for decade in first..=last {
+        let x = place(10.0_f64.powi(decade));
+        canvas.draw(&PathElement::new(
+            [(x, TOP - 10), (x, bottom)],
+            GRID.stroke_width(1),
+        ))?;
+        let label = format!("{}", 10.0_f64.powi(decade));
+        canvas.draw(&Text::new(
+            label,
+            (x, bottom + 20),
+            text_at(FONT - 2, HPos::Center),
+        ))?;
+    }
+    canvas.draw(&Text::new(
+        "µm",
+        (NUMBERS, bottom + 20),
+        text_at(FONT - 2, HPos::Right),
+    ))?;
+    // One pixel.
+    let x = place(1e3 * budget.pixel_mm);
+    canvas.draw(&PathElement::new(
+        [(x, TOP - 10), (x, bottom)],
+        INK.stroke_width(2),
+    ))?;
+    canvas.draw(&Text::new(
+        "1 px",
+        (x, TOP - 24),
+        text_at(FONT - 2, HPos::Center),
+    ))?;
+    let mut y = TOP;
+    for term in &budget.terms {
+        let label = findings::assumed(budget, term.source);
+        let middle = y + ROW / 2;
+        canvas.draw(&Text::new(
+            label,
+            (LEFT - 15, middle),
+            text_at(FONT, HPos::Right),
+        ))?;
+        let end = place(1e3 * term.limits_mm);
+        canvas.draw(&Rectangle::new(
+            [(LEFT, y + 9), (end, y + ROW - 9)],
+            colour(term).filled(),
+        ))?;
+        canvas.draw(&Text::new(
+            findings::three_digits(1e3 * term.limits_mm),
+            (NUMBERS, middle),
+            text_at(FONT, HPos::Right),
+        ))?;
+        y += ROW;
+    }
+    Ok(())
+}
+
+fn colour(term: &Term) -> RGBColor {
+    match (term.source.kind(), term.source.is_removed()) {
+        (Kind::Smear, _) => SMEAR,
+        (Kind::Position, true) => REMOVED,
+        (Kind::Position, false) => REMAINS,
+    }
+}
+
+/// The decades that hold every term.
+fn decades(budget: &Budget) -> [i32; 2] {
+    let [first, last] = DECADES;
+    let longest_um = budget
+        .terms
+        .iter()
+        .fold(0.0, |most, term| f64::max(most, 1e3 * term.limits_mm));
+    let holds = |decade: &i32| 10.0_f64.powi(*decade) >= longest_um;
+    [
+        first,
+        (last..LAST_DECADE).find(holds).unwrap_or(LAST_DECADE),
+    ]
+}
+
+/// Where a length in µm is drawn: at the start of the axis, if it does not reach that.
+fn place(um: f64, decades: [i32; 2]) -> i32 {
+    let [first, last] = decades.map(f64::from);
+    let share = if um > 0.0 {
+        ((um.log10() - first) / (last - first)).clamp(0.0, 1.0)
+    } else {
+        0.0
+    };
+    LEFT + pixels(share * f64::from(RIGHT - LEFT))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::budget::fixture;
+
+    #[test]
+    fn every_term_has_its_bar_and_number_on_the_axis() {
+        let budget = fixture::budget();
+        let svg = svg(&budget).unwrap();
+        assert_eq!(svg.matches("height=\"26\"").count(), budget.terms.len());
+        assert!(!svg.contains("NaN") && !svg.contains("inf"));
+        for um in [0.0, 1e-9, 1e9] {
+            assert!((LEFT..=RIGHT).contains(&place(um, DECADES)));
+        }
+        assert_eq!(place(1.0, DECADES), 1040);
+    }
+}

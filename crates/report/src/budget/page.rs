@@ -1,0 +1,45 @@
+//! The budget as a page that stands alone: `report.html`.
+
+use askama::Template;
+use fmc_simulation::budget::result::Budget;
+
+use super::bars;
+use super::findings::Findings;
+use crate::page::{PageError, inline};
+
+/// The page.
+#[derive(Template)]
+#[template(path = "budget.html")]
+struct Page {
+    findings: Findings,
+    figure: String,
+}
+
+/// The whole budget as one HTML page; the figure is part of it.
+///
+/// # Errors
+/// [`PageError`] if the figure cannot be drawn.
+pub fn page(budget: &Budget) -> Result<String, PageError> {
+    let page = Page {
+        findings: Findings::of(budget),
+        figure: inline(bars::svg(budget)?),
+    };
+    Ok(page.render()?)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::budget::fixture;
+
+    #[test]
+    fn page_stands_alone_and_names_are_text() {
+        let page = page(&fixture::budget()).unwrap();
+        let links = page
+            .match_indices("http")
+            .filter(|(at, _)| !page[*at..].starts_with("http://www.w3.org/2000/svg"));
+        assert_eq!(links.count(), 0);
+        assert_eq!(page.matches("<svg").count(), 1);
+        assert!(!page.contains("Small <&>") && !page.contains("NaN"));
+    }
+}

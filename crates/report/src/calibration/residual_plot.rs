@@ -1,0 +1,197 @@
+//! Residuals against what they should not depend on.
+
+use fmc_adjustment::calibration::five::FiveCalibration;
+use fmc_adjustment::calibration::measurement::Measurement;
+use fmc_camera_file::CameraFile;
+use plotters::element::{Circle, PathElement, Text};
+use plotters::prelude::{ChartBuilder, Color, IntoDrawingArea, RGBColor, SVGBackend};
+
+use crate::figure::{FigureError, GRID, INK, OUTLINE, text};
+use crate::wording;
+
+const SIZE: (u32, u32) = (1600, 1000);
+const TITLE_HEIGHT: u32 = 110;
+const AXIS_WIDTH: u32 = 150;
+const AXIS_HEIGHT: u32 = 90;
+const EDGE: u32 = 40;
+const FONT: u32 = 24;
+/// Colours of dx and dy (Okabe and Ito's palette, safe for the colour-blind).
+const COLOURS: [RGBColor; 2] = [RGBColor(0, 114, 178), RGBColor(213, 94, 0)];
+/// More dots are thinned out; means are over all.
+const MOST_DOTS: usize = 3000;
+/// Most means along the axis.
+const MEANS: usize = 24;
+
+/// What residuals are drawn against.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Against {
+    /// V/H.
+    Vh,
+    /// Exposure time.
+    Exposure,
+    /// Angle between the ray and the optical axis.
+    FieldAngle,
+    /// Order of the rows: time.
+    Order,
+}
+
+impl Against {
+    /// All.
+    pub const ALL: [Self; 4] = [Self::Vh, Self::Exposure, Self::FieldAngle, Self::Order];
+
+    /// The figure's file.
+    #[must_use]
+    pub const fn file_name(self) -> &'static str {
+        match self {
+            Self::Vh => "residuals-vh.svg",
+            Self::Exposure => "residuals-exposure.svg",
+            Self::FieldAngle => "residuals-field-angle.svg",
+            Self::Order => "residuals-order.svg",
+        }
+    }
+
+    const fn title(self) -> &'static str {
+        match self {
+            Self::Vh => "Residuals against V/H",
+            Self::Exposure => "Residuals against exposure time",
+            Self::FieldAngle => "Residuals against field angle",
+            Self::Order => "Residuals in the order of the observations",
+        }
+    }
+
+    const fn axis(self) -> &'static str {
+        match self {
+            Self::Vh => "V/H, s⁻¹",
+            Self::Exposure => "exposure time, ms",
+            Self::FieldAngle => "field angle, degrees",
+            Self::Order => "line of the file",
+        }
+    }
+
+    fn value(self, measurement: &Measurement, camera: &CameraFile) -> f64 {
+        let row = &measurement.row;
+        match self {
+            Self::Vh => row.vh_per_s,
+            Self::Exposure => 1e3 * row.exposure_s,
+            Self::FieldAngle => {
+                let [x, y] = row.point_mm;
+                let [x0, y0] = camera.principal_point_mm;
+                (x - x0)
+                    .hypot(y - y0)
+                    .atan2(camera.principal_distance_mm)
+                    .to_degrees()
+            }
+            Self::Order => u32::try_from(row.line).map_or(f64::from(u32::MAX), f64::from),
+        }
+    }
+}
+
+/// Residuals of dx and dy of the accepted observations, and their means, in SVG.
+///
+/// # Errors
+/// [`FigureError`] without observations or if the drawing fails.
+pub fn residuals_against(
+    calibration: &FiveCalibration,
+    against: Against,
+) -> Result<String, FigureError> {
+    let mut places: Vec<(f64, [f64; 2])> = calibration
+        .rows()
+        .filter(|(_, tested)| tested.passes)
+        .map(|(measurement, tested)| {
+            (
+                against.value(measurement, &calibration.camera),
+                tested.residual_mm.map(|mm| 1e3 * mm),
+            )
+        })
+        .collect();
+    places.sort_by(|(a, _), (b, _)| a.total_cmp(b));
+    let (Some((first, _)), Some((last, _))) = (places.first(), places.last()) else {
+        return Err(FigureError::NothingToDraw);
+    };
+    let margin = (0.03 * (last - first)).max(1e-3 * last.abs()).max(1e-9);
+    let largest = places
+        .iter()
+        .flat_map(|(_, residuals)| residuals.map(f64::abs))
+        .fold(1e-6, f64::max);
+    let step = places.len().div_ceil(MOST_DOTS);
+    let mut svg = String::new();
+    {
+        let canvas = SVGBackend::with_string(&mut svg, SIZE).into_drawing_area();
+        canvas.fill(&plotters::style::WHITE)?;
+        let title = format!("{}: {}", calibration.camera.name, against.title());
+        canvas.draw(&Text::new(title, (20, 34), text(FONT + 4)))?;
+        for ((name, colour), x) in ["dx", "dy"].into_iter().zip(COLOURS).zip([170, 420]) {
+            canvas.draw(&Circle::new((x, 80), 7, colour.filled()))?;
+            let words = format!("{name}; line: means");
+            canvas.draw(&Text::new(words, (x + 18, 80), text(FONT)))?;
+        }
+        let mut chart = ChartBuilder::on(&canvas)
+            .margin_top(TITLE_HEIGHT)
+            .margin_right(EDGE)
+            .margin_left(20)
+            .x_label_area_size(AXIS_HEIGHT)
+            .y_label_area_size(AXIS_WIDTH)
+            .build_cartesian_2d(first - margin..last + margin, -1.1 * largest..1.1 * largest)?;
+        chart
+            .configure_mesh()
+            .light_line_style(plotters::style::TRANSPARENT)
+            .bold_line_style(GRID)
+            .axis_style(OUTLINE)
+            .label_style(text(FONT))
+            .axis_desc_style(text(FONT))
+            .x_label_formatter(&|value| wording::decimals(*value, 3))
+            .y_label_formatter(&|um| wording::decimals(*um, 6))
+            .x_desc(against.axis())
+            .y_desc("residual, µm")
+            .draw()?;
+        let zero = [(first - margin, 0.0), (last + margin, 0.0)];
+        chart.draw_series([PathElement::new(zero, INK.stroke_width(1))])?;
+        for (component, colour) in COLOURS.into_iter().enumerate() {
+            let residual = |residuals: &[f64; 2]| residuals.get(component).copied().unwrap_or(0.0);
+            chart.draw_series(places.iter().step_by(step).map(|(place, residuals)| {
+                Circle::new((*place, residual(residuals)), 3, colour.mix(0.35).filled())
+            }))?;
+            let means = means(&places, residual);
+            chart.draw_series([PathElement::new(means, colour.stroke_width(4))])?;
+        }
+        canvas.present()?;
+    }
+    Ok(svg)
+}
+
+/// Means of stretches of equal numbers, at the mean place; places that are the same stay together.
+fn means(places: &[(f64, [f64; 2])], residual: impl Fn(&[f64; 2]) -> f64) -> Vec<(f64, f64)> {
+    let least = places.len().div_ceil(MEANS).max(1);
+    let mut means = Vec::new();
+    let mut sums = (0.0, 0.0, 0.0);
+    let mut count = 0;
+    let mut places = places.iter().peekable();
+    while let Some((place, residuals)) = places.next() {
+        count += 1;
+        sums = (sums.0 + 1.0, sums.1 + place, sums.2 + residual(residuals));
+        let goes_on = places
+            .peek()
+            .is_some_and(|(next, _)| count < least || next <= place);
+        if !goes_on {
+            means.push((sums.1 / sums.0, sums.2 / sums.0));
+            sums = (0.0, 0.0, 0.0);
+            count = 0;
+        }
+    }
+    means
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn rows_of_one_place_share_a_mean() {
+        let places: Vec<(f64, [f64; 2])> = (0..100)
+            .map(|index| (f64::from(index / 50), [f64::from(index % 2), 0.0]))
+            .collect();
+        let means = means(&places, |[x, _]| *x);
+        assert_eq!(means.len(), 2);
+        assert!(means.iter().all(|(_, mean)| (mean - 0.5).abs() < 1e-12));
+    }
+}

@@ -1,0 +1,91 @@
+//! What all figures share.
+
+use std::io;
+
+use plotters::coord::Shift;
+use plotters::drawing::{DrawingArea, DrawingAreaErrorKind};
+use plotters::prelude::{
+    DrawingBackend, IntoDrawingArea, IntoFont, IntoTextStyle, RGBColor, SVGBackend, TextStyle,
+};
+use plotters::style::text_anchor::{HPos, Pos, VPos};
+
+/// Colour of axes and text.
+pub(crate) const INK: RGBColor = RGBColor(40, 44, 52);
+/// Colour of grid lines.
+pub(crate) const GRID: RGBColor = RGBColor(222, 226, 232);
+/// Colour of the sensor's outline and of the direction of flight.
+pub(crate) const OUTLINE: RGBColor = RGBColor(110, 118, 130);
+
+/// A drawing area, in pixels.
+pub(crate) type Area<B> = DrawingArea<B, Shift>;
+
+/// A drawing area of an SVG figure.
+pub(crate) type Canvas<'a> = Area<SVGBackend<'a>>;
+
+/// What a figure can be drawn on, SVG or pixels.
+pub(crate) trait Backend: DrawingBackend<ErrorType = io::Error> {}
+
+impl<B: DrawingBackend<ErrorType = io::Error>> Backend for B {}
+
+/// Why there is no figure.
+#[derive(Debug, thiserror::Error)]
+pub enum FigureError {
+    /// The camera has no exposure to show.
+    #[error("no exposure to draw")]
+    NothingToDraw,
+    /// The drawing failed.
+    #[error("cannot draw the figure: {0}")]
+    Drawing(#[from] DrawingAreaErrorKind<io::Error>),
+    /// The picture is too large, or its font or the encoder of PNG failed.
+    #[error("cannot draw the figure as PNG: {0}")]
+    Picture(String),
+}
+
+/// A figure of that many pixels in SVG.
+///
+/// # Errors
+/// [`FigureError`] if the drawing fails.
+pub(crate) fn svg(
+    size: (u32, u32),
+    draw: impl FnOnce(&Canvas<'_>) -> Result<(), FigureError>,
+) -> Result<String, FigureError> {
+    let mut svg = String::new();
+    {
+        let canvas = SVGBackend::with_string(&mut svg, size).into_drawing_area();
+        draw(&canvas)?;
+        canvas.present()?;
+    }
+    Ok(svg)
+}
+
+/// Text that starts at its point and is centred on it vertically.
+pub(crate) fn text(size: u32) -> TextStyle<'static> {
+    text_at(size, HPos::Left)
+}
+
+/// Text anchored horizontally as asked and centred vertically.
+pub(crate) fn text_at(size: u32, horizontal: HPos) -> TextStyle<'static> {
+    ("sans-serif", size)
+        .into_font()
+        .color(&INK)
+        .pos(Pos::new(horizontal, VPos::Center))
+        .into_text_style(&(0, 0))
+}
+
+/// Pixels, rounded.
+#[expect(
+    clippy::cast_possible_truncation,
+    reason = "figures are a few thousand pixels wide; the cast saturates"
+)]
+pub(crate) fn pixels(length: f64) -> i32 {
+    length.round() as i32
+}
+
+/// The em of a font of that size, pixels: plotters counts the height of a line.
+#[expect(
+    clippy::cast_possible_truncation,
+    reason = "sizes are whole numbers of pixels, which leave room to spare"
+)]
+pub(crate) fn ems(size: f64) -> f32 {
+    (size / 1.24) as f32
+}

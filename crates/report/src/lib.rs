@@ -1,0 +1,22 @@
+//! What a verification, a calibration, a simulation or a budget tells its reader: tables,
+//! machine-readable files, figures, pages.
+
+#![forbid(unsafe_code)]
+
+mod arrow;
+mod arrow_field;
+mod arrow_scale;
+pub mod budget;
+pub mod calibration;
+pub mod camera_status;
+pub mod figure;
+mod length;
+pub mod mission;
+pub mod page;
+mod picture;
+pub mod records;
+pub mod smear;
+pub mod strip_experiment;
+pub mod sweep;
+pub mod verification;
+pub mod wording;

@@ -1,0 +1,197 @@
+//! Smear and error of the principal point, frame by frame.
+
+use fmc_simulation::mission::frame_errors::FrameErrors;
+use plotters::element::{Circle, PathElement, Text};
+use plotters::prelude::{ChartBuilder, Color, IntoDrawingArea, RGBColor, SVGBackend};
+use plotters::style::text_anchor::HPos;
+
+use super::MissionReport;
+use super::style::{ALARM, CAMERA, FONT, LABELS, TRUTH, WANTED, tick};
+use crate::figure::{Canvas, FigureError, GRID, OUTLINE, text, text_at};
+
+const SIZE: (u32, u32) = (1600, 900);
+
+/// Predictions are drawn up to so many times the largest true smear.
+const LARGEST_PREDICTED: f64 = 3.0;
+
+/// One panel.
+struct Panel<'a> {
+    title: &'a str,
+    unit: &'a str,
+    range: [f64; 2],
+    limits: Vec<f64>,
+    dots: Vec<(RGBColor, Vec<(f64, f64)>)>,
+    refused: &'a [f64],
+    last_frame: f64,
+}
+
+/// The figure, in SVG.
+///
+/// # Errors
+/// [`FigureError`] if the drawing fails.
+pub fn frames(report: &MissionReport<'_>) -> Result<String, FigureError> {
+    let numbered = || report.flown.frames.iter().zip(&report.judgement.errors);
+    let number = |sequence: u32| f64::from(sequence);
+    let series = |value: fn(&FrameErrors) -> f64| -> Vec<(f64, f64)> {
+        numbered()
+            .filter_map(|(frame, errors)| {
+                let errors = errors.as_ref()?;
+                Some((number(frame.record.sequence), value(errors)))
+            })
+            .filter(|(_, value)| value.is_finite())
+            .collect()
+    };
+    let refused: Vec<f64> = numbered()
+        .filter(|(_, errors)| errors.is_none())
+        .map(|(frame, _)| number(frame.record.sequence))
+        .collect();
+    let last_frame = numbered()
+        .map(|(frame, _)| number(frame.record.sequence))
+        .fold(1.0, f64::max);
+    let limits = &report.scenario.written.limits;
+    let most = |dots: &[(f64, f64)], limit: f64| {
+        1.15 * dots
+            .iter()
+            .map(|(_, value)| value.abs())
+            .fold(limit, f64::max)
+    };
+    let (smear, predicted) = (
+        series(|errors| errors.smear_px),
+        series(|errors| errors.predicted_px),
+    );
+    let point_of = |is_clean: bool| -> Vec<(f64, f64)> {
+        numbered()
+            .filter_map(|(frame, errors)| Some((frame, errors.as_ref()?)))
+            .filter(|(_, errors)| errors.is_clean == is_clean && errors.pp_error_px.is_finite())
+            .map(|(frame, errors)| (number(frame.record.sequence), errors.pp_error_px))
+            .collect()
+    };
+    let (point, doubtful) = (point_of(true), point_of(false));
+    // Where nothing is known of the stage, the prediction is half of its stroke.
+    let most_true = most(&smear, limits.smear_px);
+    let most_smear = most(&predicted, 0.0).clamp(most_true, LARGEST_PREDICTED * most_true);
+    let predicted = predicted
+        .into_iter()
+        .map(|(frame, value)| (frame, value.min(most_smear)))
+        .collect();
+    let most_point = most(&point, limits.pp_error_px).max(most(&doubtful, 0.0));
+    let mut svg = String::new();
+    {
+        let canvas = SVGBackend::with_string(&mut svg, SIZE).into_drawing_area();
+        canvas.fill(&plotters::style::WHITE)?;
+        let (upper, lower) = canvas.split_vertically(SIZE.1 / 2);
+        draw(
+            &upper,
+            &Panel {
+                title: "Largest smear on the sensor, attitude included",
+                unit: "px",
+                range: [0.0, most_smear],
+                limits: vec![limits.smear_px],
+                dots: vec![(CAMERA, predicted), (TRUTH, smear)],
+                refused: &refused,
+                last_frame,
+            },
+        )?;
+        draw(
+            &lower,
+            &Panel {
+                title: "Centroid principal point, reported less true",
+                unit: "px",
+                range: [-most_point, most_point],
+                limits: vec![limits.pp_error_px, -limits.pp_error_px],
+                dots: vec![(WANTED, doubtful), (TRUTH, point)],
+                refused: &refused,
+                last_frame,
+            },
+        )?;
+        draw_legend(
+            &upper,
+            &[
+                (TRUTH, "true"),
+                (CAMERA, "predicted by the camera, with one σ of V/H"),
+                (ALARM, "limit; refused trigger"),
+            ],
+        )?;
+        draw_legend(
+            &lower,
+            &[
+                (TRUTH, "no fault, no flag against it"),
+                (WANTED, "a fault or a flag against it"),
+            ],
+        )?;
+        canvas.present()?;
+    }
+    Ok(svg)
+}
+
+fn draw_legend(area: &Canvas<'_>, entries: &[(RGBColor, &str)]) -> Result<(), FigureError> {
+    let mut x = 760;
+    for (colour, name) in entries {
+        let style = if *colour == CAMERA {
+            colour.stroke_width(2)
+        } else {
+            colour.filled()
+        };
+        area.draw(&Circle::new((x, 30), 6, style))?;
+        area.draw(&Text::new((*name).to_owned(), (x + 14, 30), text(FONT - 3)))?;
+        // So wide is a letter at most.
+        x += 30 + 10 * i32::try_from(name.chars().count()).unwrap_or(0);
+    }
+    Ok(())
+}
+
+fn draw(area: &Canvas<'_>, panel: &Panel<'_>) -> Result<(), FigureError> {
+    area.draw(&Text::new(panel.title, (20, 30), text(FONT + 2)))?;
+    let [low, high] = panel.range;
+    let mut chart = ChartBuilder::on(area)
+        .margin_top(56)
+        .margin_right(40)
+        .margin_left(10)
+        .x_label_area_size(64)
+        .y_label_area_size(LABELS)
+        .build_cartesian_2d(0.5..panel.last_frame + 0.5, low..high)?;
+    chart
+        .configure_mesh()
+        .light_line_style(plotters::style::TRANSPARENT)
+        .bold_line_style(GRID)
+        .axis_style(OUTLINE)
+        .label_style(text(FONT))
+        .axis_desc_style(text(FONT))
+        .y_labels(7)
+        .x_label_formatter(&|frame| tick(*frame, 0))
+        .y_label_formatter(&|value| tick(*value, 3))
+        .x_desc("trigger")
+        .y_desc(panel.unit)
+        .draw()?;
+    for frame in panel.refused {
+        let line = [(*frame, low), (*frame, low + 0.08 * (high - low))];
+        chart.draw_series([PathElement::new(line, ALARM.stroke_width(3))])?;
+    }
+    let is_crowded = panel.last_frame > 200.0;
+    for (colour, dots) in &panel.dots {
+        // What the camera says are rings, so that what is true shows inside.
+        let (radius, style) = match (*colour == CAMERA, is_crowded) {
+            (true, false) => (8, colour.stroke_width(2)),
+            (false, false) => (5, colour.filled()),
+            (_, true) => (2, colour.filled()),
+        };
+        chart.draw_series(dots.iter().map(|dot| Circle::new(*dot, radius, style)))?;
+    }
+    let mut last_y = i32::MIN / 2;
+    for limit in &panel.limits {
+        let line = [(0.5, *limit), (panel.last_frame + 0.5, *limit)];
+        chart.draw_series([PathElement::new(line, ALARM.stroke_width(2))])?;
+        let (x, y) = chart.backend_coord(&(panel.last_frame + 0.5, *limit));
+        let (base_x, base_y) = area.get_base_pixel();
+        // Two limits that lie on each other have one name.
+        if (y - last_y).abs() < 24 {
+            continue;
+        }
+        last_y = y;
+        let place = (x - base_x - 6, y - base_y - 14);
+        let name = format!("{limit} px");
+        let style = text_at(FONT - 4, HPos::Right).color(&ALARM);
+        area.draw(&Text::new(name, place, style))?;
+    }
+    Ok(())
+}

@@ -1,0 +1,39 @@
+//! What the figures of a mission share.
+
+use plotters::prelude::RGBColor;
+
+use crate::wording;
+
+/// What the camera says.
+pub(super) const CAMERA: RGBColor = RGBColor(0, 114, 178);
+/// What is true.
+pub(super) const TRUTH: RGBColor = RGBColor(0, 140, 100);
+/// Limits, faults and refusals.
+pub(super) const ALARM: RGBColor = RGBColor(205, 60, 40);
+/// What was wanted.
+pub(super) const WANTED: RGBColor = RGBColor(190, 130, 0);
+/// Height of text.
+pub(super) const FONT: u32 = 22;
+/// Width of the column of labels left of a chart.
+pub(super) const LABELS: u32 = 120;
+
+/// A range around values that is never empty, a part of its width larger.
+pub(super) fn around(values: impl Iterator<Item = f64>, least_width: f64) -> [f64; 2] {
+    let (low, high) = values
+        .filter(|value| value.is_finite())
+        .fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), value| {
+            (low.min(value), high.max(value))
+        });
+    if low > high {
+        return [-0.5 * least_width, 0.5 * least_width];
+    }
+    let middle = 0.5 * (low + high);
+    let half = 0.5 * f64::max(1.15 * (high - low), least_width);
+    [middle - half, middle + half]
+}
+
+/// A number at an axis; one that rounds to nothing has no sign.
+pub(super) fn tick(value: f64, decimals: usize) -> String {
+    let text = wording::decimals(value, decimals);
+    if text == "-0" { "0".to_owned() } else { text }
+}

@@ -1,0 +1,273 @@
+//! One frame, round by round: stage, V/H, shutter and state.
+
+use fmc_simulation::mission::trace::{Round, Trace};
+use plotters::element::{PathElement, Rectangle, Text};
+use plotters::prelude::{ChartBuilder, Color, IntoDrawingArea, RGBColor, SVGBackend};
+use plotters::style::text_anchor::HPos;
+
+use super::MissionReport;
+use super::style::{ALARM, CAMERA, FONT, LABELS, TRUTH, WANTED, around, tick};
+use crate::figure::{Canvas, FigureError, GRID, OUTLINE, text, text_at};
+
+const SIZE: (u32, u32) = (1600, 1280);
+/// Longest stretch that is drawn, ms after the trigger.
+const LONGEST_MS: f64 = 400.0;
+
+/// A curve.
+struct Curve {
+    colour: RGBColor,
+    width: u32,
+    name: &'static str,
+    places: Vec<(f64, f64)>,
+}
+
+/// One panel.
+struct Panel<'a> {
+    title: &'a str,
+    unit: &'a str,
+    least_width: f64,
+    decimals: usize,
+    curves: Vec<Curve>,
+}
+
+/// The figure of the frame whose rounds were kept, in SVG.
+///
+/// # Errors
+/// [`FigureError`] if there is none or the drawing fails.
+pub fn timeline(report: &MissionReport<'_>) -> Result<String, FigureError> {
+    let trace = report
+        .flown
+        .trace
+        .as_ref()
+        .filter(|trace| !trace.rounds.is_empty())
+        .ok_or(FigureError::NothingToDraw)?;
+    let view = View::of(trace);
+    let mut svg = String::new();
+    {
+        let canvas = SVGBackend::with_string(&mut svg, SIZE).into_drawing_area();
+        canvas.fill(&plotters::style::WHITE)?;
+        let title = format!("Trigger {}", trace.sequence);
+        canvas.draw(&Text::new(title, (20, 28), text(FONT + 4)))?;
+        let (_, below) = canvas.split_vertically(44);
+        let (states, charts) = below.split_vertically(70);
+        view.draw_states(&states)?;
+        let panels = view.panels();
+        let rows = charts.split_evenly((panels.len(), 1));
+        for (index, (area, panel)) in rows.iter().zip(&panels).enumerate() {
+            view.draw(area, panel, index + 1 == panels.len())?;
+        }
+        canvas.present()?;
+    }
+    Ok(svg)
+}
+
+/// The rounds that are drawn.
+struct View<'a> {
+    rounds: Vec<(f64, &'a Round, f64)>,
+    from_ms: f64,
+    to_ms: f64,
+}
+
+impl<'a> View<'a> {
+    fn of(trace: &'a Trace) -> Self {
+        let rounds: Vec<(f64, &Round, f64)> = trace
+            .rounds
+            .iter()
+            .zip(&trace.true_vh_per_s)
+            .map(|(round, vh)| (after_ms(round.time_us, trace.trigger_us), round, *vh))
+            .filter(|(ms, ..)| *ms <= LONGEST_MS)
+            .collect();
+        let time = |round: Option<&(f64, &Round, f64)>| round.map_or(0.0, |(ms, ..)| *ms);
+        Self {
+            from_ms: time(rounds.first()),
+            to_ms: time(rounds.last()) + 1.0,
+            rounds,
+        }
+    }
+
+    fn curve(
+        &self,
+        colour: RGBColor,
+        width: u32,
+        name: &'static str,
+        value: impl Fn(&Round, f64) -> Option<f64>,
+    ) -> Curve {
+        let places = self
+            .rounds
+            .iter()
+            .filter_map(|(ms, round, vh)| Some((*ms, value(round, *vh)?)))
+            .filter(|(_, value)| value.is_finite());
+        Curve {
+            colour,
+            width,
+            name,
+            places: places.collect(),
+        }
+    }
+
+    fn panels(&self) -> Vec<Panel<'static>> {
+        let wanted = |round: &Round| round.setpoint.map(|setpoint| f64::from(setpoint.offset_mm));
+        vec![
+            Panel {
+                title: "Stage along the FMC axis",
+                unit: "mm",
+                least_width: 0.02,
+                decimals: 3,
+                curves: vec![
+                    self.curve(WANTED, 7, "set point", move |round, _| wanted(round)),
+                    self.curve(TRUTH, 4, "true", |round, _| Some(round.true_mm)),
+                    self.curve(CAMERA, 2, "encoder", |round, _| Some(round.encoder_mm)),
+                ],
+            },
+            Panel {
+                title: "Stage less set point",
+                unit: "µm",
+                least_width: 1.0,
+                decimals: 1,
+                curves: vec![
+                    self.curve(TRUTH, 3, "true", move |round, _| {
+                        Some(1e3 * (round.true_mm - wanted(round)?))
+                    }),
+                    self.curve(CAMERA, 2, "encoder", move |round, _| {
+                        Some(1e3 * (round.encoder_mm - wanted(round)?))
+                    }),
+                ],
+            },
+            Panel {
+                title: "Motor",
+                unit: "% duty",
+                least_width: 10.0,
+                decimals: 0,
+                curves: vec![self.curve(CAMERA, 2, "pulse width", |round, _| {
+                    Some(100.0 * round.duty)
+                })],
+            },
+            Panel {
+                title: "V/H",
+                unit: "1/s",
+                least_width: 0.002,
+                decimals: 4,
+                curves: vec![
+                    self.curve(TRUTH, 4, "true", |_, vh| Some(vh)),
+                    self.curve(CAMERA, 2, "first source", |round, _| {
+                        (round.told_vh_per_s != 0.0).then_some(round.told_vh_per_s)
+                    }),
+                ],
+            },
+        ]
+    }
+
+    /// Shaded: the shutter is open. Lines: the states begin.
+    fn draw_states(&self, area: &Canvas<'_>) -> Result<(), FigureError> {
+        let chart = ChartBuilder::on(area)
+            .margin_left(10)
+            .margin_right(40)
+            .y_label_area_size(LABELS)
+            .build_cartesian_2d(self.from_ms..self.to_ms, 0.0..1.0)?;
+        area.draw(&Text::new("state", (20, 34), text(FONT)))?;
+        let mut last = None;
+        let mut row = 0;
+        for (ms, round, _) in &self.rounds {
+            if last == Some(round.state) {
+                continue;
+            }
+            last = Some(round.state);
+            let (x, _) = chart.backend_coord(&(*ms, 0.0));
+            let (base_x, _) = area.get_base_pixel();
+            let x = x - base_x;
+            area.draw(&PathElement::new(
+                [(x, 4), (x, 70)],
+                OUTLINE.stroke_width(1),
+            ))?;
+            let colour = if round.state.name() == "fault" {
+                ALARM
+            } else {
+                OUTLINE
+            };
+            // Short states in turns, so that their names do not run into each other.
+            let y = [16, 38, 60].get(row % 3).copied().unwrap_or(16);
+            row += 1;
+            let is_late = *ms > self.from_ms + 0.85 * (self.to_ms - self.from_ms);
+            let (x, side) = if is_late {
+                (x - 6, HPos::Right)
+            } else {
+                (x + 6, HPos::Left)
+            };
+            let style = text_at(FONT - 4, side).color(&colour);
+            area.draw(&Text::new(round.state.to_string(), (x, y), style))?;
+        }
+        Ok(())
+    }
+
+    fn draw(&self, area: &Canvas<'_>, panel: &Panel<'_>, is_last: bool) -> Result<(), FigureError> {
+        let values = panel
+            .curves
+            .iter()
+            .flat_map(|curve| curve.places.iter().map(|(_, value)| *value));
+        let [low, high] = around(values, panel.least_width);
+        let mut chart = ChartBuilder::on(area)
+            .margin_top(36)
+            .margin_left(10)
+            .margin_right(40)
+            .x_label_area_size(if is_last { 64 } else { 8 })
+            .y_label_area_size(LABELS)
+            .build_cartesian_2d(self.from_ms..self.to_ms, low..high)?;
+        let decimals = panel.decimals;
+        let label = move |value: &f64| tick(*value, decimals);
+        let mut mesh = chart.configure_mesh();
+        mesh.light_line_style(plotters::style::TRANSPARENT)
+            .bold_line_style(GRID)
+            .axis_style(OUTLINE)
+            .label_style(text(FONT))
+            .axis_desc_style(text(FONT))
+            .y_labels(5)
+            .y_label_formatter(&label)
+            .x_label_formatter(&|ms| tick(*ms, 0))
+            .y_desc(panel.unit);
+        if is_last {
+            mesh.x_desc("ms after the trigger");
+        } else {
+            mesh.x_labels(0);
+        }
+        mesh.draw()?;
+        chart.draw_series(
+            self.rounds
+                .iter()
+                .filter(|(_, round, _)| round.is_open)
+                .map(|(ms, ..)| {
+                    Rectangle::new([(*ms, low), (*ms + 1.0, high)], WANTED.mix(0.18).filled())
+                }),
+        )?;
+        for curve in &panel.curves {
+            let style = curve.colour.mix(0.85).stroke_width(curve.width);
+            chart.draw_series([PathElement::new(curve.places.clone(), style)])?;
+        }
+        area.draw(&Text::new(panel.title, (20, 18), text(FONT)))?;
+        let mut x = 420;
+        for curve in &panel.curves {
+            let line = [(x, 18), (x + 40, 18)];
+            area.draw(&PathElement::new(
+                line,
+                curve.colour.stroke_width(curve.width),
+            ))?;
+            area.draw(&Text::new(curve.name, (x + 50, 18), text(FONT - 3)))?;
+            x += 230;
+        }
+        if area.get_base_pixel().1 < 200 {
+            let shade = WANTED.mix(0.3).filled();
+            area.draw(&Rectangle::new([(x, 8), (x + 40, 28)], shade))?;
+            area.draw(&Text::new("shutter open", (x + 50, 18), text(FONT - 3)))?;
+        }
+        Ok(())
+    }
+}
+
+/// Milliseconds from one instant to another.
+fn after_ms(time_us: u64, since_us: u64) -> f64 {
+    let ms = |us: u64| f64::from(u32::try_from(us).unwrap_or(u32::MAX)) / 1000.0;
+    if time_us >= since_us {
+        ms(time_us - since_us)
+    } else {
+        -ms(since_us - time_us)
+    }
+}

@@ -1,0 +1,117 @@
+//! Ground errors of the models at control and at check points.
+
+use fmc_adjustment::model::Model;
+use fmc_adjustment::statistics::Estimate;
+use fmc_simulation::strip_experiment::experiment::{Experiment, Points};
+use plotters::element::{Circle, PathElement, Text};
+use plotters::prelude::{ChartBuilder, Color, IntoDrawingArea, SVGBackend};
+use plotters::style::text_anchor::HPos;
+
+use super::palette::colour;
+use super::rows::decimals_of;
+use crate::figure::{FigureError, GRID, OUTLINE, text, text_at};
+use crate::wording;
+
+const SIZE: (u32, u32) = (1600, 960);
+const FONT: u32 = 24;
+/// Width of the column of names.
+const NAMES: u32 = 350;
+
+/// Means, their intervals and the spread of the flights, for all models, in SVG.
+///
+/// # Errors
+/// [`FigureError`] if the drawing fails.
+pub fn ground_errors(experiment: &Experiment) -> Result<String, FigureError> {
+    let (least, most) = range(experiment);
+    if !(least > 0.0 && most.is_finite()) {
+        return Err(FigureError::NothingToDraw);
+    }
+    let mut svg = String::new();
+    {
+        let canvas = SVGBackend::with_string(&mut svg, SIZE).into_drawing_area();
+        canvas.fill(&plotters::style::WHITE)?;
+        let title = "Planimetric error on the ground";
+        canvas.draw(&Text::new(title, (20, 34), text(FONT + 4)))?;
+        let mut chart = ChartBuilder::on(&canvas)
+            .margin_top(70)
+            .margin_right(40)
+            .margin_left(NAMES)
+            .margin_bottom(60)
+            .x_label_area_size(80)
+            .y_label_area_size(1)
+            .build_cartesian_2d(0.0..1.12 * most, -7.0..0.0)?;
+        chart
+            .configure_mesh()
+            .light_line_style(plotters::style::TRANSPARENT)
+            .bold_line_style(GRID)
+            .axis_style(OUTLINE)
+            .label_style(text(FONT))
+            .axis_desc_style(text(FONT))
+            .y_labels(0)
+            .x_label_formatter(&|metres| wording::decimals(*metres, 3))
+            .x_desc("RMS of the place (X and Y together), m")
+            .draw()?;
+        for (row, model) in (0..7).map(f64::from).zip(Model::ALL) {
+            let ink = colour(model);
+            for (points, y) in [(Points::Control, -row - 0.32), (Points::Check, -row - 0.68)] {
+                let flights = experiment.ground_m(model, points);
+                let mean = Estimate::of_mean(&flights);
+                let [low, high] = middle_90_percent(flights);
+                if mean.value > most {
+                    let (x, y) = chart.backend_coord(&(1.11 * most, y));
+                    let number = format!("{:.3} m, beyond the axis →", mean.value);
+                    canvas.draw(&Text::new(number, (x, y), text_at(FONT - 4, HPos::Right)))?;
+                    continue;
+                }
+                chart.draw_series([
+                    PathElement::new([(low, y), (high, y)], ink.stroke_width(2)),
+                    PathElement::new([(mean.lower, y), (mean.upper, y)], ink.stroke_width(9)),
+                ])?;
+                let style = match points {
+                    Points::Control => plotters::style::WHITE.filled(),
+                    Points::Check => ink.filled(),
+                };
+                chart.draw_series([Circle::new((mean.value, y), 9, style)])?;
+                chart.draw_series([Circle::new((mean.value, y), 9, ink.stroke_width(3))])?;
+                let (x, y) = chart.backend_coord(&(high, y));
+                let number = format!("{:.*} m", decimals_of(mean.value), mean.value);
+                canvas.draw(&Text::new(number, (x + 14, y), text(FONT - 4)))?;
+            }
+            let (_, y) = chart.backend_coord(&(least, -row - 0.5));
+            canvas.draw(&Text::new(model.label(), (24, y), text(FONT).color(&ink)))?;
+        }
+        let legend = "hollow: control points, upper line; filled: check points, lower line; bar: 95 % interval of the mean; thin line: 90 % of the flights";
+        canvas.draw(&Text::new(legend, (24, 930), text(FONT - 4)))?;
+        canvas.present()?;
+    }
+    Ok(svg)
+}
+
+/// Errors this many times those of the static model are beyond the axis.
+const LARGE: f64 = 3.0;
+
+/// Smallest and largest error of a flight, of the models that the axis reaches.
+fn range(experiment: &Experiment) -> (f64, f64) {
+    Model::ALL
+        .iter()
+        .flat_map(|model| [(*model, Points::Control), (*model, Points::Check)])
+        .filter(|(model, points)| {
+            let error = experiment.error_m(*model, *points).value;
+            error <= LARGE * experiment.error_m(Model::Static, *points).value
+        })
+        .map(|(model, points)| middle_90_percent(experiment.ground_m(model, points)))
+        .fold((f64::INFINITY, 0.0), |(least, most), [low, high]| {
+            (least.min(low), most.max(high))
+        })
+}
+
+/// The range that leaves out a twentieth of the flights on either side.
+fn middle_90_percent(mut flights: Vec<f64>) -> [f64; 2] {
+    flights.sort_by(f64::total_cmp);
+    let twentieth = flights.len() / 20;
+    let at = |index: usize| flights.get(index).copied().unwrap_or(f64::NAN);
+    [
+        at(twentieth),
+        at(flights.len().saturating_sub(1 + twentieth)),
+    ]
+}

@@ -1,0 +1,119 @@
+//! Frames, control points and check points seen from above: Yuan et al. 2012, fig. 4.
+
+use fmc_adjustment::collinearity::ground_at_height;
+use fmc_adjustment::model::Model;
+use fmc_simulation::strip_experiment::experiment::Experiment;
+use fmc_simulation::strip_experiment::strip::TrueFrame;
+use plotters::element::{Circle, PathElement, Text, TriangleMarker};
+use plotters::prelude::{ChartBuilder, Color, IntoDrawingArea, SVGBackend};
+
+use super::palette::colour;
+use crate::figure::{FigureError, GRID, OUTLINE, text};
+use crate::wording;
+
+const SIZE: (u32, u32) = (1100, 1060);
+const FONT: u32 = 22;
+
+/// The plan, in SVG.
+///
+/// # Errors
+/// [`FigureError`] if the drawing fails.
+pub fn plan(experiment: &Experiment) -> Result<String, FigureError> {
+    let outlines: Vec<Vec<(f64, f64)>> = experiment
+        .strip
+        .frames
+        .iter()
+        .map(|frame| outline(experiment, frame))
+        .collect();
+    let corners = || outlines.iter().flatten();
+    let bounds = |of: fn(&(f64, f64)) -> f64| {
+        corners().map(of).fold(
+            (f64::INFINITY, f64::NEG_INFINITY),
+            |(least, most), value| (least.min(value), most.max(value)),
+        )
+    };
+    let (x_bounds, y_bounds) = (bounds(|(x, _)| *x), bounds(|(_, y)| *y));
+    let side = 1.06 * (x_bounds.1 - x_bounds.0).max(y_bounds.1 - y_bounds.0);
+    if !(side > 0.0 && side.is_finite()) {
+        return Err(FigureError::NothingToDraw);
+    }
+    // The plot is a square: one scale for both axes.
+    let around = |(least, most): (f64, f64)| {
+        let middle = f64::midpoint(least, most);
+        middle - side / 2.0..middle + side / 2.0
+    };
+    let mut svg = String::new();
+    {
+        let canvas = SVGBackend::with_string(&mut svg, SIZE).into_drawing_area();
+        canvas.fill(&plotters::style::WHITE)?;
+        canvas.draw(&Text::new("Frames on the ground", (20, 34), text(FONT + 6)))?;
+        let mut chart = ChartBuilder::on(&canvas)
+            .margin_top(70)
+            .margin_right(100)
+            .margin_left(20)
+            .margin_bottom(60)
+            .x_label_area_size(80)
+            .y_label_area_size(130)
+            .build_cartesian_2d(around(x_bounds), around(y_bounds))?;
+        chart
+            .configure_mesh()
+            .light_line_style(plotters::style::TRANSPARENT)
+            .bold_line_style(GRID)
+            .axis_style(OUTLINE)
+            .label_style(text(FONT))
+            .axis_desc_style(text(FONT))
+            .x_labels(6)
+            .x_label_formatter(&|metres| wording::decimals(*metres, 0))
+            .y_label_formatter(&|metres| wording::decimals(*metres, 0))
+            .x_desc("X (east), m")
+            .y_desc("Y (north), m")
+            .draw()?;
+        for outline in outlines {
+            chart.draw_series([PathElement::new(outline, OUTLINE.stroke_width(2))])?;
+        }
+        let check = colour(Model::Static).mix(0.5).filled();
+        let frames = &experiment.strip.frames;
+        chart.draw_series(frames.iter().flat_map(|frame| {
+            frame.check.iter().map(|point| {
+                let [x, y, _] = point.ground_m;
+                Circle::new((x, y), 3, check)
+            })
+        }))?;
+        let control = colour(Model::Printed).filled();
+        for point in &experiment.scenario.written.control.points {
+            let place = (point.x_m, point.y_m);
+            chart.draw_series([TriangleMarker::new(place, 9, control)])?;
+            let (x, y) = chart.backend_coord(&place);
+            canvas.draw(&Text::new(point.id.clone(), (x + 11, y), text(FONT - 4)))?;
+        }
+        let legend =
+            "triangles: control points; dots: check points, a grid in each frame; lines: frames";
+        canvas.draw(&Text::new(legend, (24, 1035), text(FONT - 2)))?;
+        canvas.present()?;
+    }
+    Ok(svg)
+}
+
+/// Corners of a frame on the mean terrain, closed.
+fn outline(experiment: &Experiment, frame: &TrueFrame) -> Vec<(f64, f64)> {
+    let interior = experiment.strip.corrections.interior();
+    let [half_x, half_y] = interior.half_format_mm;
+    [
+        [1.0, 1.0],
+        [1.0, -1.0],
+        [-1.0, -1.0],
+        [-1.0, 1.0],
+        [1.0, 1.0],
+    ]
+    .into_iter()
+    .filter_map(|[u, w]| {
+        ground_at_height(
+            &frame.orientation,
+            interior.principal_distance_mm,
+            interior.about_centroid([u * half_x, w * half_y]),
+            experiment.scenario.written.terrain.height_m,
+        )
+    })
+    .map(|[x, y]| (x, y))
+    .collect()
+}

@@ -1,0 +1,221 @@
+//! The five coefficients against δ: Fig. 3 of Yuan et al. 2012, with error bars.
+
+use std::ops::Range;
+
+use fmc_camera::geometry::estimation::parameter::Parameter;
+use fmc_simulation::sweep::result::{FrameFit, Sweep};
+use plotters::element::{Circle, EmptyElement, PathElement, Rectangle, Text};
+use plotters::prelude::{ChartBuilder, Color, RGBColor};
+
+use super::findings::{COEFFICIENTS, per};
+use super::power;
+use crate::figure::{self, Area, Backend, FigureError, GRID, INK, OUTLINE, text};
+use crate::{picture, wording};
+
+const SIZE: (u32, u32) = (1800, 1150);
+const TITLE_HEIGHT: u32 = 70;
+const FONT: u32 = 22;
+/// Of one exposure.
+const FRAME: RGBColor = RGBColor(0, 114, 178);
+/// Of all exposures together.
+const WHOLE: RGBColor = RGBColor(213, 94, 0);
+
+/// Five panels and a legend, in SVG.
+///
+/// # Errors
+/// [`FigureError`] without exposures or if the drawing fails.
+pub fn svg(sweep: &Sweep) -> Result<String, FigureError> {
+    figure::svg(SIZE, |canvas| draw(canvas, sweep))
+}
+
+/// The same as PNG.
+///
+/// # Errors
+/// As [`svg`].
+pub fn png(sweep: &Sweep) -> Result<Vec<u8>, FigureError> {
+    picture::png(SIZE, |canvas| draw(canvas, sweep))
+}
+
+fn draw<B: Backend>(canvas: &Area<B>, sweep: &Sweep) -> Result<(), FigureError> {
+    let frames = &sweep.both().frames;
+    if frames.is_empty() {
+        return Err(FigureError::NothingToDraw);
+    }
+    let longest_mm = frames.iter().map(|f| f.travel_mm).fold(0.0, f64::max);
+    let travel_um = 0.0..(1e3 * longest_mm * 1.03).max(1e-3);
+    canvas.fill(&plotters::style::WHITE)?;
+    let title = format!("{}: coefficients of each exposure against δ", sweep.camera);
+    canvas.draw(&Text::new(title, (20, 36), text(FONT + 6)))?;
+    let (_, panels) = canvas.split_vertically(TITLE_HEIGHT);
+    let panels = panels.split_evenly((2, 3));
+    for (panel, (parameter, unit)) in panels.iter().zip(COEFFICIENTS) {
+        draw_panel(panel, sweep, parameter, unit, travel_um.clone())?;
+    }
+    if let Some(legend) = panels.last() {
+        draw_legend(legend, sweep)?;
+    }
+    Ok(())
+}
+
+/// δ, value and standard deviation of one exposure.
+fn estimate(frame: &FrameFit, parameter: Parameter) -> Option<(f64, f64, f64)> {
+    let fit = frame.fit.as_ref().ok()?;
+    Some((
+        1e3 * frame.travel_mm,
+        fit.value(parameter),
+        fit.standard_deviation(parameter),
+    ))
+}
+
+fn draw_panel<B: Backend>(
+    panel: &Area<B>,
+    sweep: &Sweep,
+    parameter: Parameter,
+    unit: &str,
+    travel_um: Range<f64>,
+) -> Result<(), FigureError> {
+    let estimates: Vec<(f64, f64, f64)> = sweep
+        .both()
+        .frames
+        .iter()
+        .filter_map(|frame| estimate(frame, parameter))
+        .collect();
+    let symbol = parameter.symbol();
+    if estimates.is_empty() {
+        for (line, words) in [
+            format!("{symbol}: no number"),
+            "the adjustment has no solution; see the report".to_owned(),
+        ]
+        .into_iter()
+        .enumerate()
+        {
+            let y = if line == 0 { 60 } else { 100 };
+            panel.draw(&Text::new(words, (60, y), text(FONT)))?;
+        }
+        return Ok(());
+    }
+    let whole = sweep.both().whole.as_ref().ok();
+    let whole = whole.map(|fit| (fit.value(parameter), fit.standard_deviation(parameter)));
+    let band = whole.map(|(value, sigma)| (travel_um.start, value, sigma));
+    let (least, most) = estimates.iter().chain(&band).fold(
+        (f64::INFINITY, f64::NEG_INFINITY),
+        |(least, most), (_, value, sigma)| (least.min(value - sigma), most.max(value + sigma)),
+    );
+    let exponent = power::exponent(least.abs().max(most.abs()));
+    let scale = 10.0_f64.powi(-exponent);
+    let room = (0.06 * (most - least)).max(1e-6 / scale);
+    let values = scale * (least - room)..scale * (most + room);
+    let quantity = [power::power_of_ten(exponent), unit.to_owned()];
+    let quantity = if exponent == 0 {
+        unit.to_owned()
+    } else {
+        quantity.join(" ").trim_end().to_owned()
+    };
+    let label = if quantity.is_empty() {
+        symbol.to_owned()
+    } else {
+        format!("{symbol}, {quantity}")
+    };
+    let mut chart = ChartBuilder::on(panel)
+        .margin_top(20)
+        .margin_right(25)
+        .margin_left(15)
+        .margin_bottom(10)
+        .x_label_area_size(70)
+        .y_label_area_size(105)
+        .build_cartesian_2d(travel_um.clone(), values)?;
+    chart
+        .configure_mesh()
+        .light_line_style(plotters::style::TRANSPARENT)
+        .bold_line_style(GRID)
+        .axis_style(OUTLINE)
+        .x_labels(8)
+        .y_labels(7)
+        .label_style(text(FONT))
+        .axis_desc_style(text(FONT))
+        .x_label_formatter(&|um| wording::decimals(*um, 1))
+        .y_label_formatter(&|value| wording::decimals(*value, 4))
+        .x_desc("δ, µm")
+        .y_desc(label)
+        .draw()?;
+    if let Some((value, sigma)) = whole {
+        let corners = [
+            (travel_um.start, scale * (value - sigma)),
+            (travel_um.end, scale * (value + sigma)),
+        ];
+        chart.draw_series([Rectangle::new(corners, WHOLE.mix(0.25).filled())])?;
+        let line = [travel_um.start, travel_um.end].map(|um| (um, scale * value));
+        chart.draw_series([PathElement::new(line, WHOLE.stroke_width(2))])?;
+    }
+    chart.draw_series(estimates.iter().map(|(um, value, sigma)| {
+        let bar = [value - sigma, value + sigma].map(|end| (*um, scale * end));
+        PathElement::new(bar, FRAME.stroke_width(2))
+    }))?;
+    chart.draw_series(estimates.iter().map(|(um, value, _)| {
+        EmptyElement::at((*um, scale * value)) + Circle::new((0, 0), 4, FRAME.filled())
+    }))?;
+    Ok(())
+}
+
+fn draw_legend<B: Backend>(legend: &Area<B>, sweep: &Sweep) -> Result<(), FigureError> {
+    let words = |x: i32, y: i32, words: &str| Text::new(words.to_owned(), (x, y), text(FONT));
+    let (left, column) = (60, 110);
+    legend.draw(&PathElement::new(
+        [(left + 15, 42), (left + 15, 78)],
+        FRAME.stroke_width(2),
+    ))?;
+    legend.draw(&Circle::new((left + 15, 60), 4, FRAME.filled()))?;
+    legend.draw(&words(column, 60, "one exposure, ± 1 σ"))?;
+    legend.draw(&Rectangle::new(
+        [(left, 100), (left + 30, 120)],
+        WHOLE.mix(0.25).filled(),
+    ))?;
+    legend.draw(&PathElement::new(
+        [(left, 110), (left + 30, 110)],
+        WHOLE.stroke_width(2),
+    ))?;
+    legend.draw(&words(column, 110, "all exposures together, ± 1 σ"))?;
+    let options = &sweep.options;
+    let lines = [
+        "δ: travel of the principal point while the shutter is open".to_owned(),
+        format!("K_d1, P_m1: per mm of {}", per(options.regressor)),
+        format!("K1 of the lens: {:.3e} mm⁻²", sweep.k1),
+        wording::strategy(sweep.strategy).to_owned(),
+        format!(
+            "noise {} µm, focus shift {} µm, seed {}",
+            wording::decimals(1e3 * options.noise_mm, 4),
+            wording::decimals(1e3 * options.focus_shift_mm, 4),
+            options.seed
+        ),
+    ];
+    let mut y = 175;
+    for line in lines {
+        legend.draw(&Text::new(line, (left, y), text(FONT - 2).color(&INK)))?;
+        y += 42;
+    }
+    Ok(())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::sweep::fixture;
+
+    #[test]
+    fn every_exposure_has_a_mark_in_every_panel() {
+        let svg = svg(&fixture::sweep("from-rest")).unwrap();
+        // And one in the legend.
+        assert_eq!(svg.matches("<circle").count(), 5 * 60 + 1);
+        assert!(!svg.contains("NaN") && !svg.contains("inf"));
+        for label in ["K_m0", "K_m1", "K_m2", "K_d1", "P_m1", "δ, µm", "mm⁻⁴"] {
+            assert!(svg.contains(label), "{label}");
+        }
+    }
+
+    #[test]
+    fn coefficients_that_do_not_exist_are_not_drawn() {
+        let svg = svg(&fixture::sweep("centred")).unwrap();
+        assert_eq!(svg.matches("<circle").count(), 1);
+        assert!(svg.contains("K_d1: no number"));
+    }
+}

@@ -1,0 +1,48 @@
+//! The sweep as a page that stands alone: `report.html`.
+
+use askama::Template;
+use fmc_simulation::sweep::result::Sweep;
+
+use super::coefficient_plot;
+use super::findings::Findings;
+use crate::page::{PageError, inline};
+
+/// The page.
+#[derive(Template)]
+#[template(path = "sweep.html")]
+struct Page {
+    findings: Findings,
+    figure: String,
+}
+
+/// The whole sweep as one HTML page; the figure is part of it.
+///
+/// # Errors
+/// [`PageError`] if the figure cannot be drawn.
+pub fn page(sweep: &Sweep) -> Result<String, PageError> {
+    let page = Page {
+        findings: Findings::of(sweep),
+        figure: inline(coefficient_plot::svg(sweep)?),
+    };
+    Ok(page.render()?)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::sweep::fixture;
+
+    #[test]
+    fn page_stands_alone_and_names_are_text() {
+        for strategy in ["from-rest", "centred"] {
+            let page = page(&fixture::sweep(strategy)).unwrap();
+            let links = page
+                .match_indices("http")
+                .filter(|(at, _)| !page[*at..].starts_with("http://www.w3.org/2000/svg"));
+            assert_eq!(links.count(), 0);
+            assert_eq!(page.matches("<svg").count(), 1);
+            assert!(!page.contains("Small <&>") && !page.contains("NaN"));
+            assert!(page.contains("focus shift alone"));
+        }
+    }
+}
