@@ -1,5 +1,8 @@
-//! `docs/conventions.md` and `docs/integration.md` against the code: names, ranges, constants and worked examples.
+//! `docs/conventions.md` and `docs/integration.md` against the code: names, ranges, constants and worked
+//! examples; and the direction of the dependencies inside the crates.
 
+#[cfg(test)]
+mod arrows;
 #[cfg(test)]
 mod bounds;
 #[cfg(test)]

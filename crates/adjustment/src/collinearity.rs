@@ -27,8 +27,8 @@ pub struct Projection {
 ///
 /// # Examples
 /// ```
-/// use host_sim::flight::collinearity::image_point;
-/// use host_sim::flight::exterior_orientation::ExteriorOrientation;
+/// use fmc_adjustment::collinearity::image_point;
+/// use fmc_adjustment::exterior_orientation::ExteriorOrientation;
 /// let level = ExteriorOrientation { position_m: [0.0, 0.0, 1000.0], attitude: [0.0; 3] };
 /// let image = image_point(&level, 100.0, [50.0, 0.0, 0.0]).unwrap(); // 100 mm · 50 m / 1000 m
 /// assert!((image[0] - 5.0).abs() < 1e-12 && image[1].abs() < 1e-12);

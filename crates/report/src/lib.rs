@@ -9,6 +9,7 @@ mod arrow_scale;
 pub mod budget;
 pub mod calibration;
 pub mod camera_status;
+mod chart;
 pub mod figure;
 mod length;
 pub mod mission;

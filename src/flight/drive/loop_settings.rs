@@ -83,7 +83,7 @@ impl LoopSettings {
     /// # Model
     /// With m the mass, F the force of full duty, b the damping and `F_c` the friction, the force asked for is
     /// `m·ω_v·(1 + ω_i/s)·(ω_p·e + de/dt) + m·a + b·v + F_c·sgn(v)`, in parts of F. `ω_v`, `ω_p` and `ω_i` were chosen
-    /// on the simulated stage (`host-sim/src/mechanics`) for the least smear that still leaves a gain margin of
+    /// on the simulated stage (`crates/simulation/src/mechanics`) for the least smear that still leaves a gain margin of
     /// 1.3/0.7: mass and force 30 % off. A rate of learning of 60/s has friction, damping and mass after two strokes to
     /// and fro of 2 mm at 50 mm/s: make them at arming.
     ///

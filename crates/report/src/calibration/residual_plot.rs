@@ -4,9 +4,10 @@ use fmc_adjustment::calibration::five::FiveCalibration;
 use fmc_adjustment::calibration::measurement::Measurement;
 use fmc_camera_file::CameraFile;
 use plotters::element::{Circle, PathElement, Text};
-use plotters::prelude::{ChartBuilder, Color, IntoDrawingArea, RGBColor, SVGBackend};
+use plotters::prelude::{Color, IntoDrawingArea, RGBColor, SVGBackend};
 
-use crate::figure::{FigureError, GRID, INK, OUTLINE, text};
+use crate::chart::{Axes, Axis, Margins};
+use crate::figure::{FigureError, INK, text};
 use crate::wording;
 
 const SIZE: (u32, u32) = (1600, 1000);
@@ -125,25 +126,32 @@ pub fn residuals_against(
             let words = format!("{name}; line: means");
             canvas.draw(&Text::new(words, (x + 18, 80), text(FONT)))?;
         }
-        let mut chart = ChartBuilder::on(&canvas)
-            .margin_top(TITLE_HEIGHT)
-            .margin_right(EDGE)
-            .margin_left(20)
-            .x_label_area_size(AXIS_HEIGHT)
-            .y_label_area_size(AXIS_WIDTH)
-            .build_cartesian_2d(first - margin..last + margin, -1.1 * largest..1.1 * largest)?;
-        chart
-            .configure_mesh()
-            .light_line_style(plotters::style::TRANSPARENT)
-            .bold_line_style(GRID)
-            .axis_style(OUTLINE)
-            .label_style(text(FONT))
-            .axis_desc_style(text(FONT))
-            .x_label_formatter(&|value| wording::decimals(*value, 3))
-            .y_label_formatter(&|um| wording::decimals(*um, 6))
-            .x_desc(against.axis())
-            .y_desc("residual, µm")
-            .draw()?;
+        let axes = Axes {
+            margins: Margins {
+                top: TITLE_HEIGHT,
+                right: EDGE,
+                left: 20,
+                ..Margins::default()
+            },
+            font: FONT,
+            x: Axis {
+                room: AXIS_HEIGHT,
+                labels: None,
+                write: &|value| wording::decimals(*value, 3),
+                name: against.axis(),
+            },
+            y: Axis {
+                room: AXIS_WIDTH,
+                labels: None,
+                write: &|um| wording::decimals(*um, 6),
+                name: "residual, µm",
+            },
+        };
+        let mut chart = axes.draw(
+            &canvas,
+            first - margin..last + margin,
+            -1.1 * largest..1.1 * largest,
+        )?;
         let zero = [(first - margin, 0.0), (last + margin, 0.0)];
         chart.draw_series([PathElement::new(zero, INK.stroke_width(1))])?;
         for (component, colour) in COLOURS.into_iter().enumerate() {

@@ -2,12 +2,13 @@
 
 use fmc_simulation::mission::frame_errors::FrameErrors;
 use plotters::element::{Circle, PathElement, Text};
-use plotters::prelude::{ChartBuilder, Color, IntoDrawingArea, RGBColor, SVGBackend};
+use plotters::prelude::{Color, IntoDrawingArea, RGBColor, SVGBackend};
 use plotters::style::text_anchor::HPos;
 
 use super::MissionReport;
 use super::style::{ALARM, CAMERA, FONT, LABELS, TRUTH, WANTED, tick};
-use crate::figure::{Canvas, FigureError, GRID, OUTLINE, text, text_at};
+use crate::chart::{Axes, Axis, Margins};
+use crate::figure::{Canvas, FigureError, text, text_at};
 
 const SIZE: (u32, u32) = (1600, 900);
 
@@ -143,26 +144,28 @@ fn draw_legend(area: &Canvas<'_>, entries: &[(RGBColor, &str)]) -> Result<(), Fi
 fn draw(area: &Canvas<'_>, panel: &Panel<'_>) -> Result<(), FigureError> {
     area.draw(&Text::new(panel.title, (20, 30), text(FONT + 2)))?;
     let [low, high] = panel.range;
-    let mut chart = ChartBuilder::on(area)
-        .margin_top(56)
-        .margin_right(40)
-        .margin_left(10)
-        .x_label_area_size(64)
-        .y_label_area_size(LABELS)
-        .build_cartesian_2d(0.5..panel.last_frame + 0.5, low..high)?;
-    chart
-        .configure_mesh()
-        .light_line_style(plotters::style::TRANSPARENT)
-        .bold_line_style(GRID)
-        .axis_style(OUTLINE)
-        .label_style(text(FONT))
-        .axis_desc_style(text(FONT))
-        .y_labels(7)
-        .x_label_formatter(&|frame| tick(*frame, 0))
-        .y_label_formatter(&|value| tick(*value, 3))
-        .x_desc("trigger")
-        .y_desc(panel.unit)
-        .draw()?;
+    let axes = Axes {
+        margins: Margins {
+            top: 56,
+            right: 40,
+            left: 10,
+            ..Margins::default()
+        },
+        font: FONT,
+        x: Axis {
+            room: 64,
+            labels: None,
+            write: &|frame| tick(*frame, 0),
+            name: "trigger",
+        },
+        y: Axis {
+            room: LABELS,
+            labels: Some(7),
+            write: &|value| tick(*value, 3),
+            name: panel.unit,
+        },
+    };
+    let mut chart = axes.draw(area, 0.5..panel.last_frame + 0.5, low..high)?;
     for frame in panel.refused {
         let line = [(*frame, low), (*frame, low + 0.08 * (high - low))];
         chart.draw_series([PathElement::new(line, ALARM.stroke_width(3))])?;

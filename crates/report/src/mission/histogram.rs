@@ -1,11 +1,12 @@
 //! How often which smear and which error.
 
 use plotters::element::{PathElement, Rectangle, Text};
-use plotters::prelude::{ChartBuilder, Color, IntoDrawingArea, RGBColor, SVGBackend};
+use plotters::prelude::{Color, IntoDrawingArea, RGBColor, SVGBackend};
 
 use super::MissionReport;
 use super::style::{ALARM, FONT, LABELS, TRUTH, tick};
-use crate::figure::{Canvas, FigureError, GRID, OUTLINE, text};
+use crate::chart::{Axes, Axis, Margins};
+use crate::figure::{Canvas, FigureError, text};
 
 const SIZE: (u32, u32) = (1600, 520);
 const BINS: u32 = 40;
@@ -82,26 +83,28 @@ fn draw(
     let width = (high - low) / f64::from(BINS);
     let tallest = f64::from(counts.iter().copied().max().unwrap_or(0).max(1));
     area.draw(&Text::new(title, (20, 30), text(FONT + 2)))?;
-    let mut chart = ChartBuilder::on(area)
-        .margin_top(56)
-        .margin_right(30)
-        .margin_left(10)
-        .x_label_area_size(44)
-        .y_label_area_size(LABELS)
-        .build_cartesian_2d(low..high, 0.0..1.1 * tallest)?;
-    chart
-        .configure_mesh()
-        .light_line_style(plotters::style::TRANSPARENT)
-        .bold_line_style(GRID)
-        .axis_style(OUTLINE)
-        .label_style(text(FONT))
-        .axis_desc_style(text(FONT))
-        .x_labels(6)
-        .y_labels(6)
-        .x_label_formatter(&|value| tick(*value, 3))
-        .y_label_formatter(&|count| tick(*count, 0))
-        .y_desc("frames")
-        .draw()?;
+    let axes = Axes {
+        margins: Margins {
+            top: 56,
+            right: 30,
+            left: 10,
+            ..Margins::default()
+        },
+        font: FONT,
+        x: Axis {
+            room: 44,
+            labels: Some(6),
+            write: &|value| tick(*value, 3),
+            name: "",
+        },
+        y: Axis {
+            room: LABELS,
+            labels: Some(6),
+            write: &|count| tick(*count, 0),
+            name: "frames",
+        },
+    };
+    let mut chart = axes.draw(area, low..high, 0.0..1.1 * tallest)?;
     chart.draw_series(
         counts
             .iter()

@@ -7,7 +7,8 @@ use plotters::style::text_anchor::HPos;
 
 use super::MissionReport;
 use super::style::{ALARM, CAMERA, FONT, LABELS, TRUTH, WANTED, around, tick};
-use crate::figure::{Canvas, FigureError, GRID, OUTLINE, text, text_at};
+use crate::chart::{Axes, Axis, Margins};
+use crate::figure::{Canvas, FigureError, OUTLINE, text, text_at};
 
 const SIZE: (u32, u32) = (1600, 1280);
 /// Longest stretch that is drawn, ms after the trigger.
@@ -205,31 +206,29 @@ impl<'a> View<'a> {
             .iter()
             .flat_map(|curve| curve.places.iter().map(|(_, value)| *value));
         let [low, high] = around(values, panel.least_width);
-        let mut chart = ChartBuilder::on(area)
-            .margin_top(36)
-            .margin_left(10)
-            .margin_right(40)
-            .x_label_area_size(if is_last { 64 } else { 8 })
-            .y_label_area_size(LABELS)
-            .build_cartesian_2d(self.from_ms..self.to_ms, low..high)?;
         let decimals = panel.decimals;
-        let label = move |value: &f64| tick(*value, decimals);
-        let mut mesh = chart.configure_mesh();
-        mesh.light_line_style(plotters::style::TRANSPARENT)
-            .bold_line_style(GRID)
-            .axis_style(OUTLINE)
-            .label_style(text(FONT))
-            .axis_desc_style(text(FONT))
-            .y_labels(5)
-            .y_label_formatter(&label)
-            .x_label_formatter(&|ms| tick(*ms, 0))
-            .y_desc(panel.unit);
-        if is_last {
-            mesh.x_desc("ms after the trigger");
-        } else {
-            mesh.x_labels(0);
-        }
-        mesh.draw()?;
+        let axes = Axes {
+            margins: Margins {
+                top: 36,
+                right: 40,
+                left: 10,
+                ..Margins::default()
+            },
+            font: FONT,
+            x: Axis {
+                room: if is_last { 64 } else { 8 },
+                labels: if is_last { None } else { Some(0) },
+                write: &|ms| tick(*ms, 0),
+                name: if is_last { "ms after the trigger" } else { "" },
+            },
+            y: Axis {
+                room: LABELS,
+                labels: Some(5),
+                write: &|value| tick(*value, decimals),
+                name: panel.unit,
+            },
+        };
+        let mut chart = axes.draw(area, self.from_ms..self.to_ms, low..high)?;
         chart.draw_series(
             self.rounds
                 .iter()

@@ -5,10 +5,11 @@ use fmc_adjustment::statistics::Estimate;
 use fmc_simulation::strip_experiment::experiment::Experiment;
 use plotters::coord::combinators::IntoLogRange;
 use plotters::element::{Circle, PathElement, Text};
-use plotters::prelude::{ChartBuilder, Color, IntoDrawingArea, SVGBackend};
+use plotters::prelude::{Color, IntoDrawingArea, SVGBackend};
 
 use super::palette::colour;
-use crate::figure::{FigureError, GRID, INK, OUTLINE, text};
+use crate::chart::{Axes, Axis, Margins};
+use crate::figure::{FigureError, INK, text};
 use crate::wording;
 
 const SIZE: (u32, u32) = (1600, 900);
@@ -36,26 +37,28 @@ pub fn convergence(experiment: &Experiment) -> Result<String, FigureError> {
         canvas.fill(&plotters::style::WHITE)?;
         let title = "RMS of the image residuals at the control points, mean over all flights";
         canvas.draw(&Text::new(title, (20, 34), text(FONT + 4)))?;
-        let mut chart = ChartBuilder::on(&canvas)
-            .margin_top(70)
-            .margin_right(NAMES)
-            .margin_left(20)
-            .x_label_area_size(80)
-            .y_label_area_size(130)
-            .build_cartesian_2d(0.0..21.0, (0.7 * least..1.4 * most).log_scale())?;
-        chart
-            .configure_mesh()
-            .light_line_style(plotters::style::TRANSPARENT)
-            .bold_line_style(GRID)
-            .axis_style(OUTLINE)
-            .label_style(text(FONT))
-            .axis_desc_style(text(FONT))
-            .x_labels(11)
-            .x_label_formatter(&|iterations| wording::decimals(*iterations, 0))
-            .y_label_formatter(&|um| wording::decimals(*um, 2))
-            .x_desc("iterations")
-            .y_desc("RMS, µm")
-            .draw()?;
+        let axes = Axes {
+            margins: Margins {
+                top: 70,
+                right: NAMES,
+                left: 20,
+                ..Margins::default()
+            },
+            font: FONT,
+            x: Axis {
+                room: 80,
+                labels: Some(11),
+                write: &|iterations| wording::decimals(*iterations, 0),
+                name: "iterations",
+            },
+            y: Axis {
+                room: 130,
+                labels: None,
+                write: &|um| wording::decimals(*um, 2),
+                name: "RMS, µm",
+            },
+        };
+        let mut chart = axes.draw(&canvas, 0.0..21.0, (0.7 * least..1.4 * most).log_scale())?;
         let marked = [(20.0, 0.7 * least), (20.0, 1.4 * most)];
         chart.draw_series([PathElement::new(marked, INK.stroke_width(2))])?;
         let (x, _) = chart.backend_coord(&(20.0, most));

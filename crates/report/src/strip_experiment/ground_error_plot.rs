@@ -4,12 +4,13 @@ use fmc_adjustment::model::Model;
 use fmc_adjustment::statistics::Estimate;
 use fmc_simulation::strip_experiment::experiment::{Experiment, Points};
 use plotters::element::{Circle, PathElement, Text};
-use plotters::prelude::{ChartBuilder, Color, IntoDrawingArea, SVGBackend};
+use plotters::prelude::{Color, IntoDrawingArea, SVGBackend};
 use plotters::style::text_anchor::HPos;
 
 use super::palette::colour;
 use super::rows::decimals_of;
-use crate::figure::{FigureError, GRID, OUTLINE, text, text_at};
+use crate::chart::{Axes, Axis, Margins};
+use crate::figure::{FigureError, text, text_at};
 use crate::wording;
 
 const SIZE: (u32, u32) = (1600, 960);
@@ -32,25 +33,28 @@ pub fn ground_errors(experiment: &Experiment) -> Result<String, FigureError> {
         canvas.fill(&plotters::style::WHITE)?;
         let title = "Planimetric error on the ground";
         canvas.draw(&Text::new(title, (20, 34), text(FONT + 4)))?;
-        let mut chart = ChartBuilder::on(&canvas)
-            .margin_top(70)
-            .margin_right(40)
-            .margin_left(NAMES)
-            .margin_bottom(60)
-            .x_label_area_size(80)
-            .y_label_area_size(1)
-            .build_cartesian_2d(0.0..1.12 * most, -7.0..0.0)?;
-        chart
-            .configure_mesh()
-            .light_line_style(plotters::style::TRANSPARENT)
-            .bold_line_style(GRID)
-            .axis_style(OUTLINE)
-            .label_style(text(FONT))
-            .axis_desc_style(text(FONT))
-            .y_labels(0)
-            .x_label_formatter(&|metres| wording::decimals(*metres, 3))
-            .x_desc("RMS of the place (X and Y together), m")
-            .draw()?;
+        let axes = Axes {
+            margins: Margins {
+                top: 70,
+                right: 40,
+                bottom: 60,
+                left: NAMES,
+            },
+            font: FONT,
+            x: Axis {
+                room: 80,
+                labels: None,
+                write: &|metres| wording::decimals(*metres, 3),
+                name: "RMS of the place (X and Y together), m",
+            },
+            y: Axis {
+                room: 1,
+                labels: Some(0),
+                write: &|_| String::new(),
+                name: "",
+            },
+        };
+        let mut chart = axes.draw(&canvas, 0.0..1.12 * most, -7.0..0.0)?;
         for (row, model) in (0..7).map(f64::from).zip(Model::ALL) {
             let ink = colour(model);
             for (points, y) in [(Points::Control, -row - 0.32), (Points::Check, -row - 0.68)] {

@@ -5,10 +5,11 @@ use fmc_adjustment::model::Model;
 use fmc_simulation::strip_experiment::experiment::Experiment;
 use fmc_simulation::strip_experiment::strip::TrueFrame;
 use plotters::element::{Circle, PathElement, Text, TriangleMarker};
-use plotters::prelude::{ChartBuilder, Color, IntoDrawingArea, SVGBackend};
+use plotters::prelude::{Color, IntoDrawingArea, SVGBackend};
 
 use super::palette::colour;
-use crate::figure::{FigureError, GRID, OUTLINE, text};
+use crate::chart::{Axes, Axis, Margins};
+use crate::figure::{FigureError, OUTLINE, text};
 use crate::wording;
 
 const SIZE: (u32, u32) = (1100, 1060);
@@ -47,27 +48,28 @@ pub fn plan(experiment: &Experiment) -> Result<String, FigureError> {
         let canvas = SVGBackend::with_string(&mut svg, SIZE).into_drawing_area();
         canvas.fill(&plotters::style::WHITE)?;
         canvas.draw(&Text::new("Frames on the ground", (20, 34), text(FONT + 6)))?;
-        let mut chart = ChartBuilder::on(&canvas)
-            .margin_top(70)
-            .margin_right(100)
-            .margin_left(20)
-            .margin_bottom(60)
-            .x_label_area_size(80)
-            .y_label_area_size(130)
-            .build_cartesian_2d(around(x_bounds), around(y_bounds))?;
-        chart
-            .configure_mesh()
-            .light_line_style(plotters::style::TRANSPARENT)
-            .bold_line_style(GRID)
-            .axis_style(OUTLINE)
-            .label_style(text(FONT))
-            .axis_desc_style(text(FONT))
-            .x_labels(6)
-            .x_label_formatter(&|metres| wording::decimals(*metres, 0))
-            .y_label_formatter(&|metres| wording::decimals(*metres, 0))
-            .x_desc("X (east), m")
-            .y_desc("Y (north), m")
-            .draw()?;
+        let axes = Axes {
+            margins: Margins {
+                top: 70,
+                right: 100,
+                bottom: 60,
+                left: 20,
+            },
+            font: FONT,
+            x: Axis {
+                room: 80,
+                labels: Some(6),
+                write: &|metres| wording::decimals(*metres, 0),
+                name: "X (east), m",
+            },
+            y: Axis {
+                room: 130,
+                labels: None,
+                write: &|metres| wording::decimals(*metres, 0),
+                name: "Y (north), m",
+            },
+        };
+        let mut chart = axes.draw(&canvas, around(x_bounds), around(y_bounds))?;
         for outline in outlines {
             chart.draw_series([PathElement::new(outline, OUTLINE.stroke_width(2))])?;
         }

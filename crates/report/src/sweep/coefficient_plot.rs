@@ -5,11 +5,12 @@ use std::ops::Range;
 use fmc_camera::geometry::estimation::parameter::Parameter;
 use fmc_simulation::sweep::result::{FrameFit, Sweep};
 use plotters::element::{Circle, EmptyElement, PathElement, Rectangle, Text};
-use plotters::prelude::{ChartBuilder, Color, RGBColor};
+use plotters::prelude::{Color, RGBColor};
 
 use super::findings::{COEFFICIENTS, per};
 use super::power;
-use crate::figure::{self, Area, Backend, FigureError, GRID, INK, OUTLINE, text};
+use crate::chart::{Axes, Axis, Margins};
+use crate::figure::{self, Area, Backend, FigureError, INK, text};
 use crate::{picture, wording};
 
 const SIZE: (u32, u32) = (1800, 1150);
@@ -116,28 +117,28 @@ fn draw_panel<B: Backend>(
     } else {
         format!("{symbol}, {quantity}")
     };
-    let mut chart = ChartBuilder::on(panel)
-        .margin_top(20)
-        .margin_right(25)
-        .margin_left(15)
-        .margin_bottom(10)
-        .x_label_area_size(70)
-        .y_label_area_size(105)
-        .build_cartesian_2d(travel_um.clone(), values)?;
-    chart
-        .configure_mesh()
-        .light_line_style(plotters::style::TRANSPARENT)
-        .bold_line_style(GRID)
-        .axis_style(OUTLINE)
-        .x_labels(8)
-        .y_labels(7)
-        .label_style(text(FONT))
-        .axis_desc_style(text(FONT))
-        .x_label_formatter(&|um| wording::decimals(*um, 1))
-        .y_label_formatter(&|value| wording::decimals(*value, 4))
-        .x_desc("δ, µm")
-        .y_desc(label)
-        .draw()?;
+    let axes = Axes {
+        margins: Margins {
+            top: 20,
+            right: 25,
+            bottom: 10,
+            left: 15,
+        },
+        font: FONT,
+        x: Axis {
+            room: 70,
+            labels: Some(8),
+            write: &|um| wording::decimals(*um, 1),
+            name: "δ, µm",
+        },
+        y: Axis {
+            room: 105,
+            labels: Some(7),
+            write: &|value| wording::decimals(*value, 4),
+            name: &label,
+        },
+    };
+    let mut chart = axes.draw(panel, travel_um.clone(), values)?;
     if let Some((value, sigma)) = whole {
         let corners = [
             (travel_um.start, scale * (value - sigma)),

@@ -5,11 +5,12 @@ use std::ops::Range;
 use fmc_reference::verification::result::{CameraResult, MAX_ERROR_NM, Treatment};
 use plotters::coord::combinators::IntoLogRange;
 use plotters::element::{EmptyElement, PathElement, Polygon, Text};
-use plotters::prelude::{ChartBuilder, Color, IntoDrawingArea, SVGBackend};
+use plotters::prelude::{Color, IntoDrawingArea, SVGBackend};
 use plotters::style::text_anchor::HPos;
 
 use super::marker;
-use crate::figure::{Canvas, FigureError, GRID, INK, OUTLINE, text, text_at};
+use crate::chart::{Axes, Axis, Margins};
+use crate::figure::{Canvas, FigureError, INK, text, text_at};
 use crate::wording;
 
 const SIZE: (u32, u32) = (1600, 1000);
@@ -43,25 +44,28 @@ pub fn error_against_travel(camera: &CameraResult) -> Result<String, FigureError
         let title = format!("{}: largest error of each exposure", camera.name);
         canvas.draw(&Text::new(title, (20, 34), text(FONT + 4)))?;
         let (upper, legend) = canvas.split_vertically(LEGEND_TOP);
-        let mut chart = ChartBuilder::on(&upper)
-            .margin_top(TITLE_HEIGHT)
-            .margin_right(EDGE)
-            .margin_left(EDGE_LEFT)
-            .x_label_area_size(AXIS_HEIGHT)
-            .y_label_area_size(AXIS_WIDTH)
-            .build_cartesian_2d(travel_um.clone(), errors_nm.clone().log_scale())?;
-        chart
-            .configure_mesh()
-            .light_line_style(plotters::style::TRANSPARENT)
-            .bold_line_style(GRID)
-            .axis_style(OUTLINE)
-            .label_style(text(FONT))
-            .axis_desc_style(text(FONT))
-            .x_label_formatter(&|um| wording::decimals(*um, 1))
-            .y_label_formatter(&|nm| decade_text(*nm))
-            .x_desc("δ, µm: travel of the principal point while the shutter is open")
-            .y_desc("largest error of dx or dy")
-            .draw()?;
+        let axes = Axes {
+            margins: Margins {
+                top: TITLE_HEIGHT,
+                right: EDGE,
+                left: EDGE_LEFT,
+                ..Margins::default()
+            },
+            font: FONT,
+            x: Axis {
+                room: AXIS_HEIGHT,
+                labels: None,
+                write: &|um| wording::decimals(*um, 1),
+                name: "δ, µm: travel of the principal point while the shutter is open",
+            },
+            y: Axis {
+                room: AXIS_WIDTH,
+                labels: None,
+                write: &|nm| decade_text(*nm),
+                name: "largest error of dx or dy",
+            },
+        };
+        let mut chart = axes.draw(&upper, travel_um.clone(), errors_nm.clone().log_scale())?;
 
         let limit = [
             (travel_um.start, MAX_ERROR_NM),
