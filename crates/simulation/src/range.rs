@@ -13,14 +13,20 @@ pub(crate) struct Range {
     pub(crate) unit: &'static str,
 }
 
+/// Above the ground frame's zero.
 pub(crate) const FLYING_HEIGHT: Range = range(50.0, 15_000.0, "m");
+/// Over ground.
 pub(crate) const SPEED: Range = range(10.0, 350.0, "m/s");
+/// Of an exposure, first light to last.
 pub(crate) const EXPOSURE: Range = range(1e-6, 0.1, "s");
+/// Of the mean terrain.
 pub(crate) const TERRAIN_HEIGHT: Range = range(-500.0, 9000.0, "m");
+/// Amplitude of the terrain.
 pub(crate) const RELIEF: Range = range(0.0, 4000.0, "m");
+/// Of the terrain's relief.
 pub(crate) const WAVELENGTH: Range = range(10.0, 1e5, "m");
 
-/// A range of a unit, ends included.
+/// A range with its unit.
 pub(crate) const fn range(least: f64, most: f64, unit: &'static str) -> Range {
     Range { least, most, unit }
 }

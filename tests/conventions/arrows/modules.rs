@@ -42,7 +42,7 @@ pub(crate) fn of_directory(root: &Path, skipped: &[&str]) -> Arrows {
                 if !skipped.contains(&name.as_str()) {
                     directories.push(path);
                 }
-            } else if name.ends_with(".rs") {
+            } else if path.extension().is_some_and(|end| end == "rs") {
                 files.push((name, fs::read_to_string(&path).unwrap()));
             }
         }

@@ -8,9 +8,8 @@ use fmc_camera::geometry::estimation::known_lens::KnownLens;
 use fmc_camera::geometry::estimation::options::{FitOptions, StaticDecentring};
 use fmc_camera::geometry::estimation::parameter::Parameter;
 use fmc_camera::geometry::five_coefficient::Regressor;
-use fmc_camera_file::InputError;
 use fmc_camera_file::fitted_block::Decentring;
-use fmc_camera_file::{CameraFile, FittedTable, Per};
+use fmc_camera_file::{CameraFile, FittedTable, InputError, Per};
 
 use super::measurement::{Measurement, known_lens, measurements};
 use super::residual::{Tested, adjusted};

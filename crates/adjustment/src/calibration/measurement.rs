@@ -5,9 +5,8 @@ use fmc_camera::flight::exposure::Exposure;
 use fmc_camera::geometry::estimation::known_lens::KnownLens;
 use fmc_camera::geometry::estimation::observation::Observation;
 use fmc_camera::geometry::five_coefficient::Regressor;
-use fmc_camera_file::CameraFile;
-use fmc_camera_file::InputError;
 use fmc_camera_file::number::single;
+use fmc_camera_file::{CameraFile, InputError};
 use fmc_reference::exposure::{ExposurePath, ExposureRequest};
 use fmc_reference::lens::Lens;
 

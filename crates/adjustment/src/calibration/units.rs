@@ -1,7 +1,6 @@
 //! Columns whose numbers cannot be what their unit says.
 
-use fmc_camera_file::CameraFile;
-use fmc_camera_file::InputError;
+use fmc_camera_file::{CameraFile, InputError};
 use fmc_reference::lens::Lens;
 
 use super::measurement::Measurement;

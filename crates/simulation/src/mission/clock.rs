@@ -6,7 +6,9 @@ pub const ROUND_US: u64 = 1000;
 /// Something that comes round.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Clocked {
+    /// From one time to the next, µs.
     pub(super) period_us: u64,
+    /// When it comes next, µs.
     pub(super) next_us: u64,
 }
 

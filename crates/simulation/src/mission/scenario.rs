@@ -5,10 +5,9 @@ use std::path::Path;
 use fmc_camera::flight::camera::{Camera, FrameError};
 use fmc_camera::flight::controller::{Controller, ControllerError, Start};
 use fmc_camera::flight::exposure::Exposure;
-use fmc_camera_file::InputError;
 use fmc_camera_file::number::single;
 use fmc_camera_file::toml_text::TomlText;
-use fmc_camera_file::{CameraFile, MechanismName};
+use fmc_camera_file::{CameraFile, InputError, MechanismName};
 
 use super::fault::Injection;
 use super::fault::line::Carried;

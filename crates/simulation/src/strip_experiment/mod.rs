@@ -1,4 +1,6 @@
 //! A simulated flight over ground control: Yuan et al. 2012, section 4.2, and beyond it.
+//!
+//! Ground and camera frames are those of [`fmc_adjustment`].
 
 pub mod experiment;
 pub mod ground_error;
