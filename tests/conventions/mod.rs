@@ -1,5 +1,5 @@
-//! `docs/conventions.md` and `docs/integration.md` against the code: names, ranges, constants and worked
-//! examples; and the direction of the dependencies inside the crates.
+//! `docs/conventions.md` and `docs/integration.md` against the code: names, ranges, constants and
+//! worked examples; and the direction of the dependencies inside the crates.
 
 #[cfg(test)]
 mod arrows;

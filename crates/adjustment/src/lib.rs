@@ -1,5 +1,5 @@
-//! Least squares of photogrammetry: exterior orientations and self-calibration of frames over ground control, and the
-//! [`calibration`] of the five-coefficient model from observed distortions.
+//! Least squares of photogrammetry: exterior orientations and self-calibration of frames over
+//! ground control, and the [`calibration`] of the five-coefficient model from observed distortions.
 //!
 //! # Frames
 //! Ground frame: X east, Y north, Z up, metres. Camera frame: x right, y forward, optical axis -z,

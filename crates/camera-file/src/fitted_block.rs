@@ -22,8 +22,8 @@ pub struct Decentring {
 /// `text` are kept. `file` is what messages call it.
 ///
 /// # Errors
-/// [`InputError`] for a text that is no TOML, and where the camera with the coefficients would not be
-/// usable.
+/// [`InputError`] for a text that is no TOML, and where the camera with the coefficients would not
+/// be usable.
 pub fn with_coefficients(
     file: &str,
     text: &str,

@@ -6,7 +6,8 @@ use std::path::Path;
 
 /// An input that cannot be used: what is wrong, where, and what helps.
 ///
-/// It is shown as one line that names the file and, where they are known, line, field, value and allowed range.
+/// It is shown as one line that names the file and, where they are known, line, field, value and
+/// allowed range.
 #[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
 #[error("{}", .0.text)]
 pub struct InputError(Box<Parts>);

@@ -43,7 +43,8 @@ impl<'a> TomlText<'a> {
         })
     }
 
-    /// A key whose value is wrong: `fault` goes on after "key = value ". In `path`, a number is a place in an array.
+    /// A key whose value is wrong: `fault` goes on after "key = value ". In `path`, a number is a
+    /// place in an array.
     #[must_use]
     pub fn invalid(&self, path: &[&str], fault: &str) -> InputError {
         let span = self.value_span(path);

@@ -10,14 +10,15 @@
 //! use fmc_reference::strict::{StrictSolver, Weight};
 //!
 //! let text = "name = \"bare\"\nprincipal_distance_mm = 100.0\n\
-//!             [sensor]\nwidth_px = 9216\nheight_px = 9216\npixel_um = 10.0\n[distortion]\nk0 = 1e-4\n";
+//!             [sensor]\nwidth_px = 9216\nheight_px = 9216\npixel_um = 10.0\n\
+//!             [distortion]\nk0 = 1e-4\n";
 //! let (camera, _) = CameraFile::parse("bare.toml", text).unwrap();
 //! // 100 mm x 0.1 1/s x 1/100 s: the principal point travels 100 µm, from -50 to 50 µm.
 //! let solver = StrictSolver::new(&camera, &ExposureRequest::planned(0.1, 0.01), Weight::Exposure);
 //! assert!((solver.path().travel_mm - 0.1).abs() < 1e-12);
 //! // k0 alone is linear: the mean is the distortion at the mean place.
-//! let mean = solver.mean([10.0, 20.0]);
-//! assert!((mean.distortion_mm[0] - 1e-3).abs() < 1e-11 && (mean.distortion_mm[1] - 2e-3).abs() < 1e-11);
+//! let [dx, dy] = solver.mean([10.0, 20.0]).distortion_mm;
+//! assert!((dx - 1e-3).abs() < 1e-11 && (dy - 2e-3).abs() < 1e-11);
 //! ```
 
 #![forbid(unsafe_code)]

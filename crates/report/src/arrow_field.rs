@@ -1,11 +1,11 @@
 //! Displacements as arrows on the sensor.
 
 use plotters::element::{Circle, PathElement, Rectangle, Text};
-use plotters::prelude::{ChartBuilder, Color, IntoDrawingArea, RGBColor, SVGBackend};
+use plotters::prelude::{ChartBuilder, Color, RGBColor};
 
 use crate::arrow::{Arrow, length_of};
 use crate::arrow_scale::ArrowScale;
-use crate::figure::{Canvas, FigureError, GRID, INK, OUTLINE, pixels, text};
+use crate::figure::{self, Canvas, FigureError, GRID, INK, OUTLINE, pixels, text};
 use crate::{length, wording};
 
 /// Colour of the arrows.
@@ -52,11 +52,8 @@ impl ArrowField<'_> {
         let plot_height = pixels(2.0 * half_y * pixels_per_mm).unsigned_abs();
         let chart_height = TITLE_HEIGHT + plot_height + AXIS_HEIGHT;
 
-        let mut svg = String::new();
-        {
-            let size = (WIDTH, chart_height + LEGEND_HEIGHT);
-            let canvas = SVGBackend::with_string(&mut svg, size).into_drawing_area();
-            canvas.fill(&plotters::style::WHITE)?;
+        let size = (WIDTH, chart_height + LEGEND_HEIGHT);
+        figure::svg(size, |canvas| {
             for (title, (y, font)) in titles.iter().zip([(36, FONT + 2), (88, FONT - 2)]) {
                 canvas.draw(&Text::new(title.clone(), (20, y), text(font)))?;
             }
@@ -90,9 +87,8 @@ impl ArrowField<'_> {
                 PathElement::new(path(arrow.from_mm, to, head_mm), ARROW.stroke_width(3))
             }))?;
             draw_legend(&legend, &scale, pixels_per_mm, axis)?;
-            canvas.present()?;
-        }
-        Ok(svg)
+            Ok(())
+        })
     }
 }
 

@@ -41,7 +41,7 @@ pub enum FigureError {
     Picture(String),
 }
 
-/// A figure of that many pixels in SVG.
+/// A figure of that many pixels in SVG, on white.
 ///
 /// # Errors
 /// [`FigureError`] if the drawing fails.
@@ -52,6 +52,7 @@ pub(crate) fn svg(
     let mut svg = String::new();
     {
         let canvas = SVGBackend::with_string(&mut svg, size).into_drawing_area();
+        canvas.fill(&plotters::style::WHITE)?;
         draw(&canvas)?;
         canvas.present()?;
     }

@@ -25,7 +25,7 @@ pub(crate) struct Picture<'a> {
 
 type Drawn = Result<(), DrawingErrorKind<io::Error>>;
 
-/// A figure of that many pixels as PNG.
+/// A figure of that many pixels as PNG, on white.
 ///
 /// # Errors
 /// [`FigureError`] if the drawing fails.
@@ -43,6 +43,7 @@ pub(crate) fn png(
             font: font.map_err(|error| failed(&error))?,
         };
         let canvas = picture.into_drawing_area();
+        canvas.fill(&plotters::style::WHITE)?;
         draw(&canvas)?;
         canvas.present()?;
     }
@@ -290,11 +291,7 @@ mod tests {
     fn darkness(
         draw: impl FnOnce(&Area<Picture<'_>>) -> Result<(), FigureError>,
     ) -> Vec<([f64; 2], f64)> {
-        let file = png(SIZE, |canvas| {
-            canvas.fill(&plotters::style::WHITE)?;
-            draw(canvas)
-        })
-        .unwrap();
+        let file = png(SIZE, draw).unwrap();
         let mut reader = png::Decoder::new(io::Cursor::new(file))
             .read_info()
             .unwrap();

@@ -41,7 +41,8 @@ pub use open::{OpenError, Opener};
 pub use record_source::RecordSource;
 pub use sil::InProcess;
 
-/// A camera that can be given a calibration, exposed, and asked for whatever depends on the exposure.
+/// A camera that can be given a calibration, exposed, and asked for whatever depends on the
+/// exposure.
 pub trait Device: CorrectingDevice<Error = DeviceError> {
     /// Distorts ideal points of the current frame, in order.
     ///

@@ -4,9 +4,9 @@ use std::collections::{BTreeMap, BTreeSet, VecDeque};
 
 use super::modules::{Arrows, Module};
 
-/// Circles: from a module along arrows back to it, each written `a → b → a`, the shortest for a module that has one; a
-/// module that is on one circle already is not asked for another. The root of a crate is left out: it names everything,
-/// and holds what everything shares.
+/// Circles: from a module along arrows back to it, each written `a → b → a`, the shortest for a
+/// module that has one; a module that is on one circle already is not asked for another. The root
+/// of a crate is left out: it names everything, and holds what everything shares.
 pub(crate) fn circles(arrows: &Arrows) -> Vec<String> {
     let mut seen: BTreeSet<&Module> = BTreeSet::new();
     let mut circles = Vec::new();

@@ -1,4 +1,5 @@
-//! Dependencies point from the edge to the core: between crates cargo keeps the direction, inside a crate these tests.
+//! Dependencies point from the edge to the core: between crates cargo keeps the direction, inside a
+//! crate these tests.
 
 mod circles;
 mod modules;
@@ -60,6 +61,8 @@ fn no_modules_of_a_crates_top_level_use_each_other_in_a_circle() {
             "crates/{name}"
         );
     }
+    let program = of_directory(&root().join("host-sim/src"), &[]);
+    assert_eq!(circles(&of_the_top_level(&program)), [""; 0], "host-sim");
     assert_eq!(circles(&of_the_top_level(&library())), [""; 0], "src");
 }
 

@@ -1,8 +1,9 @@
 //! Modules of a crate, and which of them use which, by the paths in their sources.
 //!
-//! A module is a file. Paths of `use`, of code and of macros' arguments count; those of tests, of documentation and of
-//! visibilities do not. An item that a module passes on (`pub use`) belongs to the module that it comes from, so a
-//! module that passes on items of its own children does not use them.
+//! A module is a file. Paths of `use`, of code and of macros' arguments count; those of tests, of
+//! documentation and of visibilities do not. An item that a module passes on (`pub use`) belongs to
+//! the module that it comes from, so a module that passes on items of its own children does not use
+//! them.
 
 use std::collections::{BTreeMap, BTreeSet};
 use std::fs;
@@ -101,8 +102,8 @@ fn below(module: &[String], child: &str) -> Module {
     path
 }
 
-/// The module that a path in a module leads to; `None` where it leads out of the crate, or to something that is named
-/// here otherwise: an item of this module, or one that a `use` has brought.
+/// The module that a path in a module leads to; `None` where it leads out of the crate, or to
+/// something that is named here otherwise: an item of this module, or one that a `use` has brought.
 fn target(
     sources: &BTreeMap<Module, Source>,
     place: &[String],

@@ -45,8 +45,8 @@ impl FiveCalibration {
     /// Determines the coefficients.
     ///
     /// # Errors
-    /// [`InputError`] naming file, line, column, value and allowed range, or the parameters that the
-    /// observations cannot separate.
+    /// [`InputError`] naming file, line, column, value and allowed range, or the parameters that
+    /// the observations cannot separate.
     pub fn new(
         table: &ObservationTable,
         camera: &CameraFile,

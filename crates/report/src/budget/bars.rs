@@ -56,7 +56,6 @@ fn size(budget: &Budget) -> Result<(u32, u32), FigureError> {
 
 fn draw<B: Backend>(canvas: &Area<B>, budget: &Budget) -> Result<(), FigureError> {
     let bottom = bottom(budget);
-    canvas.fill(&plotters::style::WHITE)?;
     let title = format!("{}: largest effect over its limits, µm", budget.camera);
     canvas.draw(&Text::new(title, (20, 36), text(FONT + 4)))?;
     for (x, colour, words) in [

@@ -1,4 +1,5 @@
-//! What a calibration of the five coefficients tells its reader: a table, machine-readable files and figures.
+//! What a calibration of the five coefficients tells its reader: a table, machine-readable files
+//! and figures.
 
 pub mod five_summary;
 pub mod five_table;

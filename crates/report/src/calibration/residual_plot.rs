@@ -4,10 +4,10 @@ use fmc_adjustment::calibration::five::FiveCalibration;
 use fmc_adjustment::calibration::measurement::Measurement;
 use fmc_camera_file::CameraFile;
 use plotters::element::{Circle, PathElement, Text};
-use plotters::prelude::{Color, IntoDrawingArea, RGBColor, SVGBackend};
+use plotters::prelude::{Color, RGBColor};
 
 use crate::chart::{Axes, Axis, Margins};
-use crate::figure::{FigureError, INK, text};
+use crate::figure::{self, FigureError, INK, text};
 use crate::wording;
 
 const SIZE: (u32, u32) = (1600, 1000);
@@ -115,10 +115,7 @@ pub fn residuals_against(
         .flat_map(|(_, residuals)| residuals.map(f64::abs))
         .fold(1e-6, f64::max);
     let step = places.len().div_ceil(MOST_DOTS);
-    let mut svg = String::new();
-    {
-        let canvas = SVGBackend::with_string(&mut svg, SIZE).into_drawing_area();
-        canvas.fill(&plotters::style::WHITE)?;
+    figure::svg(SIZE, |canvas| {
         let title = format!("{}: {}", calibration.camera.name, against.title());
         canvas.draw(&Text::new(title, (20, 34), text(FONT + 4)))?;
         for ((name, colour), x) in ["dx", "dy"].into_iter().zip(COLOURS).zip([170, 420]) {
@@ -148,7 +145,7 @@ pub fn residuals_against(
             },
         };
         let mut chart = axes.draw(
-            &canvas,
+            canvas,
             first - margin..last + margin,
             -1.1 * largest..1.1 * largest,
         )?;
@@ -162,9 +159,8 @@ pub fn residuals_against(
             let means = means(&places, residual);
             chart.draw_series([PathElement::new(means, colour.stroke_width(4))])?;
         }
-        canvas.present()?;
-    }
-    Ok(svg)
+        Ok(())
+    })
 }
 
 /// Means of stretches of equal numbers, at the mean place; places that are the same stay together.

@@ -2,13 +2,13 @@
 
 use fmc_simulation::mission::frame_errors::FrameErrors;
 use plotters::element::{Circle, PathElement, Text};
-use plotters::prelude::{Color, IntoDrawingArea, RGBColor, SVGBackend};
+use plotters::prelude::{Color, RGBColor};
 use plotters::style::text_anchor::HPos;
 
 use super::MissionReport;
 use super::style::{ALARM, CAMERA, FONT, LABELS, TRUTH, WANTED, tick};
 use crate::chart::{Axes, Axis, Margins};
-use crate::figure::{Canvas, FigureError, text, text_at};
+use crate::figure::{self, Canvas, FigureError, text, text_at};
 
 const SIZE: (u32, u32) = (1600, 900);
 
@@ -76,10 +76,7 @@ pub fn frames(report: &MissionReport<'_>) -> Result<String, FigureError> {
         .map(|(frame, value)| (frame, value.min(most_smear)))
         .collect();
     let most_point = most(&point, limits.pp_error_px).max(most(&doubtful, 0.0));
-    let mut svg = String::new();
-    {
-        let canvas = SVGBackend::with_string(&mut svg, SIZE).into_drawing_area();
-        canvas.fill(&plotters::style::WHITE)?;
+    figure::svg(SIZE, |canvas| {
         let (upper, lower) = canvas.split_vertically(SIZE.1 / 2);
         draw(
             &upper,
@@ -120,9 +117,8 @@ pub fn frames(report: &MissionReport<'_>) -> Result<String, FigureError> {
                 (WANTED, "a fault or a flag against it"),
             ],
         )?;
-        canvas.present()?;
-    }
-    Ok(svg)
+        Ok(())
+    })
 }
 
 fn draw_legend(area: &Canvas<'_>, entries: &[(RGBColor, &str)]) -> Result<(), FigureError> {

@@ -1,12 +1,12 @@
 //! How often which smear and which error.
 
 use plotters::element::{PathElement, Rectangle, Text};
-use plotters::prelude::{Color, IntoDrawingArea, RGBColor, SVGBackend};
+use plotters::prelude::{Color, RGBColor};
 
 use super::MissionReport;
 use super::style::{ALARM, FONT, LABELS, TRUTH, tick};
 use crate::chart::{Axes, Axis, Margins};
-use crate::figure::{Canvas, FigureError, text};
+use crate::figure::{self, Canvas, FigureError, text};
 
 const SIZE: (u32, u32) = (1600, 520);
 const BINS: u32 = 40;
@@ -20,10 +20,7 @@ pub fn histograms(report: &MissionReport<'_>) -> Result<String, FigureError> {
     let errors = || report.judgement.errors.iter().flatten();
     let smear: Vec<f64> = errors().map(|errors| errors.smear_px).collect();
     let point: Vec<f64> = errors().map(|errors| errors.pp_error_px).collect();
-    let mut svg = String::new();
-    {
-        let canvas = SVGBackend::with_string(&mut svg, SIZE).into_drawing_area();
-        canvas.fill(&plotters::style::WHITE)?;
+    figure::svg(SIZE, |canvas| {
         let (left, right) = canvas.split_horizontally(SIZE.0 / 2);
         let most = |values: &[f64], limit: f64| {
             1.05 * values
@@ -48,9 +45,8 @@ pub fn histograms(report: &MissionReport<'_>) -> Result<String, FigureError> {
             [-most_point, most_point],
             &[-limits.pp_error_px, limits.pp_error_px],
         )?;
-        canvas.present()?;
-    }
-    Ok(svg)
+        Ok(())
+    })
 }
 
 /// Frames in each of equal bins over a range.

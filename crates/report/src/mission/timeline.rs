@@ -2,13 +2,13 @@
 
 use fmc_simulation::mission::trace::{Round, Trace};
 use plotters::element::{PathElement, Rectangle, Text};
-use plotters::prelude::{ChartBuilder, Color, IntoDrawingArea, RGBColor, SVGBackend};
+use plotters::prelude::{ChartBuilder, Color, RGBColor};
 use plotters::style::text_anchor::HPos;
 
 use super::MissionReport;
 use super::style::{ALARM, CAMERA, FONT, LABELS, TRUTH, WANTED, around, tick};
 use crate::chart::{Axes, Axis, Margins};
-use crate::figure::{Canvas, FigureError, OUTLINE, text, text_at};
+use crate::figure::{self, Canvas, FigureError, OUTLINE, text, text_at};
 
 const SIZE: (u32, u32) = (1600, 1280);
 /// Longest stretch that is drawn, ms after the trigger.
@@ -43,10 +43,7 @@ pub fn timeline(report: &MissionReport<'_>) -> Result<String, FigureError> {
         .filter(|trace| !trace.rounds.is_empty())
         .ok_or(FigureError::NothingToDraw)?;
     let view = View::of(trace);
-    let mut svg = String::new();
-    {
-        let canvas = SVGBackend::with_string(&mut svg, SIZE).into_drawing_area();
-        canvas.fill(&plotters::style::WHITE)?;
+    figure::svg(SIZE, |canvas| {
         let title = format!("Trigger {}", trace.sequence);
         canvas.draw(&Text::new(title, (20, 28), text(FONT + 4)))?;
         let (_, below) = canvas.split_vertically(44);
@@ -57,9 +54,8 @@ pub fn timeline(report: &MissionReport<'_>) -> Result<String, FigureError> {
         for (index, (area, panel)) in rows.iter().zip(&panels).enumerate() {
             view.draw(area, panel, index + 1 == panels.len())?;
         }
-        canvas.present()?;
-    }
-    Ok(svg)
+        Ok(())
+    })
 }
 
 /// The rounds that are drawn.

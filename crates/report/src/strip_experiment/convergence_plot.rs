@@ -5,11 +5,11 @@ use fmc_adjustment::statistics::Estimate;
 use fmc_simulation::strip_experiment::experiment::Experiment;
 use plotters::coord::combinators::IntoLogRange;
 use plotters::element::{Circle, PathElement, Text};
-use plotters::prelude::{Color, IntoDrawingArea, SVGBackend};
+use plotters::prelude::Color;
 
 use super::palette::colour;
 use crate::chart::{Axes, Axis, Margins};
-use crate::figure::{FigureError, INK, text};
+use crate::figure::{self, FigureError, INK, text};
 use crate::wording;
 
 const SIZE: (u32, u32) = (1600, 900);
@@ -31,10 +31,7 @@ pub fn convergence(experiment: &Experiment) -> Result<String, FigureError> {
     if !(least > 0.0 && most.is_finite()) {
         return Err(FigureError::NothingToDraw);
     }
-    let mut svg = String::new();
-    {
-        let canvas = SVGBackend::with_string(&mut svg, SIZE).into_drawing_area();
-        canvas.fill(&plotters::style::WHITE)?;
+    figure::svg(SIZE, |canvas| {
         let title = "RMS of the image residuals at the control points, mean over all flights";
         canvas.draw(&Text::new(title, (20, 34), text(FONT + 4)))?;
         let axes = Axes {
@@ -58,7 +55,7 @@ pub fn convergence(experiment: &Experiment) -> Result<String, FigureError> {
                 name: "RMS, µm",
             },
         };
-        let mut chart = axes.draw(&canvas, 0.0..21.0, (0.7 * least..1.4 * most).log_scale())?;
+        let mut chart = axes.draw(canvas, 0.0..21.0, (0.7 * least..1.4 * most).log_scale())?;
         let marked = [(20.0, 0.7 * least), (20.0, 1.4 * most)];
         chart.draw_series([PathElement::new(marked, INK.stroke_width(2))])?;
         let (x, _) = chart.backend_coord(&(20.0, most));
@@ -94,9 +91,8 @@ pub fn convergence(experiment: &Experiment) -> Result<String, FigureError> {
                 text(FONT - 2).color(&colour(model)),
             ))?;
         }
-        canvas.present()?;
-    }
-    Ok(svg)
+        Ok(())
+    })
 }
 
 /// Mean RMS before and after each iteration, µm; a flight that has converged keeps its value.

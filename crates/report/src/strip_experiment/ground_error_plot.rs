@@ -4,13 +4,13 @@ use fmc_adjustment::model::Model;
 use fmc_adjustment::statistics::Estimate;
 use fmc_simulation::strip_experiment::experiment::{Experiment, Points};
 use plotters::element::{Circle, PathElement, Text};
-use plotters::prelude::{Color, IntoDrawingArea, SVGBackend};
+use plotters::prelude::Color;
 use plotters::style::text_anchor::HPos;
 
 use super::palette::colour;
 use super::rows::decimals_of;
 use crate::chart::{Axes, Axis, Margins};
-use crate::figure::{FigureError, text, text_at};
+use crate::figure::{self, FigureError, text, text_at};
 use crate::wording;
 
 const SIZE: (u32, u32) = (1600, 960);
@@ -27,10 +27,7 @@ pub fn ground_errors(experiment: &Experiment) -> Result<String, FigureError> {
     if !(least > 0.0 && most.is_finite()) {
         return Err(FigureError::NothingToDraw);
     }
-    let mut svg = String::new();
-    {
-        let canvas = SVGBackend::with_string(&mut svg, SIZE).into_drawing_area();
-        canvas.fill(&plotters::style::WHITE)?;
+    figure::svg(SIZE, |canvas| {
         let title = "Planimetric error on the ground";
         canvas.draw(&Text::new(title, (20, 34), text(FONT + 4)))?;
         let axes = Axes {
@@ -54,7 +51,7 @@ pub fn ground_errors(experiment: &Experiment) -> Result<String, FigureError> {
                 name: "",
             },
         };
-        let mut chart = axes.draw(&canvas, 0.0..1.12 * most, -7.0..0.0)?;
+        let mut chart = axes.draw(canvas, 0.0..1.12 * most, -7.0..0.0)?;
         for (row, model) in (0..7).map(f64::from).zip(Model::ALL) {
             let ink = colour(model);
             for (points, y) in [(Points::Control, -row - 0.32), (Points::Check, -row - 0.68)] {
@@ -86,9 +83,8 @@ pub fn ground_errors(experiment: &Experiment) -> Result<String, FigureError> {
         }
         let legend = "hollow: control points, upper line; filled: check points, lower line; bar: 95 % interval of the mean; thin line: 90 % of the flights";
         canvas.draw(&Text::new(legend, (24, 930), text(FONT - 4)))?;
-        canvas.present()?;
-    }
-    Ok(svg)
+        Ok(())
+    })
 }
 
 /// Errors this many times those of the static model are beyond the axis.

@@ -5,11 +5,11 @@ use fmc_adjustment::model::Model;
 use fmc_simulation::strip_experiment::experiment::Experiment;
 use fmc_simulation::strip_experiment::strip::TrueFrame;
 use plotters::element::{Circle, PathElement, Text, TriangleMarker};
-use plotters::prelude::{Color, IntoDrawingArea, SVGBackend};
+use plotters::prelude::Color;
 
 use super::palette::colour;
 use crate::chart::{Axes, Axis, Margins};
-use crate::figure::{FigureError, OUTLINE, text};
+use crate::figure::{self, FigureError, OUTLINE, text};
 use crate::wording;
 
 const SIZE: (u32, u32) = (1100, 1060);
@@ -43,10 +43,7 @@ pub fn plan(experiment: &Experiment) -> Result<String, FigureError> {
         let middle = f64::midpoint(least, most);
         middle - side / 2.0..middle + side / 2.0
     };
-    let mut svg = String::new();
-    {
-        let canvas = SVGBackend::with_string(&mut svg, SIZE).into_drawing_area();
-        canvas.fill(&plotters::style::WHITE)?;
+    figure::svg(SIZE, |canvas| {
         canvas.draw(&Text::new("Frames on the ground", (20, 34), text(FONT + 6)))?;
         let axes = Axes {
             margins: Margins {
@@ -69,7 +66,7 @@ pub fn plan(experiment: &Experiment) -> Result<String, FigureError> {
                 name: "Y (north), m",
             },
         };
-        let mut chart = axes.draw(&canvas, around(x_bounds), around(y_bounds))?;
+        let mut chart = axes.draw(canvas, around(x_bounds), around(y_bounds))?;
         for outline in outlines {
             chart.draw_series([PathElement::new(outline, OUTLINE.stroke_width(2))])?;
         }
@@ -91,9 +88,8 @@ pub fn plan(experiment: &Experiment) -> Result<String, FigureError> {
         let legend =
             "triangles: control points; dots: check points, a grid in each frame; lines: frames";
         canvas.draw(&Text::new(legend, (24, 1035), text(FONT - 2)))?;
-        canvas.present()?;
-    }
-    Ok(svg)
+        Ok(())
+    })
 }
 
 /// Corners of a frame on the mean terrain, closed.

@@ -44,7 +44,6 @@ fn draw<B: Backend>(canvas: &Area<B>, sweep: &Sweep) -> Result<(), FigureError> 
     }
     let longest_mm = frames.iter().map(|f| f.travel_mm).fold(0.0, f64::max);
     let travel_um = 0.0..(1e3 * longest_mm * 1.03).max(1e-3);
-    canvas.fill(&plotters::style::WHITE)?;
     let title = format!("{}: coefficients of each exposure against δ", sweep.camera);
     canvas.draw(&Text::new(title, (20, 36), text(FONT + 6)))?;
     let (_, panels) = canvas.split_vertically(TITLE_HEIGHT);

@@ -5,12 +5,12 @@ use std::ops::Range;
 use fmc_reference::verification::result::{CameraResult, MAX_ERROR_NM, Treatment};
 use plotters::coord::combinators::IntoLogRange;
 use plotters::element::{EmptyElement, PathElement, Polygon, Text};
-use plotters::prelude::{Color, IntoDrawingArea, SVGBackend};
+use plotters::prelude::Color;
 use plotters::style::text_anchor::HPos;
 
 use super::marker;
 use crate::chart::{Axes, Axis, Margins};
-use crate::figure::{Canvas, FigureError, INK, text, text_at};
+use crate::figure::{self, Canvas, FigureError, INK, text, text_at};
 use crate::wording;
 
 const SIZE: (u32, u32) = (1600, 1000);
@@ -37,10 +37,7 @@ pub fn error_against_travel(camera: &CameraResult) -> Result<String, FigureError
     let errors_nm = range_nm(camera);
     let [_, longest_mm] = camera.travel_mm();
     let travel_um = 0.0..(1e3 * longest_mm * 1.03).max(1e-3);
-    let mut svg = String::new();
-    {
-        let canvas = SVGBackend::with_string(&mut svg, SIZE).into_drawing_area();
-        canvas.fill(&plotters::style::WHITE)?;
+    figure::svg(SIZE, |canvas| {
         let title = format!("{}: largest error of each exposure", camera.name);
         canvas.draw(&Text::new(title, (20, 34), text(FONT + 4)))?;
         let (upper, legend) = canvas.split_vertically(LEGEND_TOP);
@@ -98,9 +95,8 @@ pub fn error_against_travel(camera: &CameraResult) -> Result<String, FigureError
             }))?;
         }
         draw_legend(&legend, camera)?;
-        canvas.present()?;
-    }
-    Ok(svg)
+        Ok(())
+    })
 }
 
 /// Whole decades around all errors and the limit.

@@ -52,7 +52,8 @@ impl Experiment {
     /// Flies a scenario; `flown` is told of every repetition.
     ///
     /// # Errors
-    /// [`ExperimentError`] of [`Strip::new`], and of an adjustment that cannot tell unknowns apart or does not converge.
+    /// [`ExperimentError`] of [`Strip::new`], and of an adjustment that cannot tell unknowns apart
+    /// or does not converge.
     pub fn run(
         scenario: Scenario,
         seed: u64,

@@ -67,8 +67,8 @@ impl Strip {
     /// The strip of a scenario, recorded with the given distortion.
     ///
     /// # Errors
-    /// [`InputError`] for an exposure that the camera refuses, control points that no frame shows, and
-    /// frames with too few of them.
+    /// [`InputError`] for an exposure that the camera refuses, control points that no frame shows,
+    /// and frames with too few of them.
     pub fn recorded_by(
         truth: &dyn ImageTruth,
         scenario: &Scenario,
