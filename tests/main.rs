@@ -10,6 +10,8 @@ mod conventions;
 mod drive;
 #[cfg(all(test, feature = "estimation"))]
 mod estimation;
+#[cfg(all(test, feature = "estimation"))]
+mod examples;
 #[cfg(test)]
 mod geometry;
 #[cfg(all(test, feature = "link"))]
