@@ -1,5 +1,7 @@
 #![no_std]
 #![forbid(unsafe_code)]
+// Of two definitions of a link the first is taken: here the README's links lead to modules.
+#![doc = include_str!("readme_links.md")]
 #![doc = include_str!("../README.md")]
 
 #[cfg(test)]
@@ -10,6 +12,8 @@ extern crate std;
 #[doc = include_str!("../docs/integration.md")]
 pub mod integration {}
 
+#[cfg(doc)]
+pub mod docs;
 pub mod flight;
 pub mod geometry;
 pub mod io;

@@ -1,5 +1,5 @@
 //! `docs/conventions.md` and `docs/integration.md` against the code: names, ranges, constants and
-//! worked examples; and the direction of the dependencies inside the crates.
+//! worked examples; the links of the README; and the direction of the dependencies inside the crates.
 
 #[cfg(test)]
 mod arrows;
@@ -19,3 +19,5 @@ mod integration;
 mod names;
 #[cfg(test)]
 mod ranges;
+#[cfg(test)]
+mod readme;

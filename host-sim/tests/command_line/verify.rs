@@ -39,7 +39,7 @@ fn five_published_cameras_pass_and_the_report_is_complete() {
     }
     let frames = fs::read_to_string(bench.path("report/frames.csv")).unwrap();
     assert_eq!(frames.lines().count(), 1 + 600);
-    assert_readme_quotes(&summary);
+    assert_readme_quotes(&summary, &frames);
     let figure = bench.path("report/phase-one-ixm-rs150f-50-mm-dynamic-change.svg");
     let up_to_date = fs::read_to_string(figure).unwrap()
         == include_str!("../../../docs/figures/dynamic-change.svg");
@@ -49,8 +49,8 @@ fn five_published_cameras_pass_and_the_report_is_complete() {
     );
 }
 
-/// The README quotes the largest errors of camera and static correction.
-fn assert_readme_quotes(summary: &serde_json::Value) {
+/// The README quotes the largest errors of camera and static correction, this one with a centred run-up as well.
+fn assert_readme_quotes(summary: &serde_json::Value, frames: &str) {
     let readme = include_str!("../../../README.md").replace('\n', " ");
     let static_max_um = summary["cameras"]
         .as_array()
@@ -58,7 +58,18 @@ fn assert_readme_quotes(summary: &serde_json::Value) {
         .iter()
         .map(|camera| camera["static_max_um"].as_f64().unwrap())
         .fold(0.0, f64::max);
+    let mut frames = csv::Reader::from_reader(frames.as_bytes());
+    let names = frames.headers().unwrap().clone();
+    let column = |name| names.iter().position(|column| column == name).unwrap();
+    let (strategy, error_um) = (column("strategy"), column("static_max_um"));
+    let centred_nm = frames
+        .records()
+        .map(Result::unwrap)
+        .filter(|frame| &frame[strategy] == "centred")
+        .map(|frame| 1e3 * frame[error_um].parse::<f64>().unwrap())
+        .fold(0.0, f64::max);
     for quoted in [
+        format!("falls on that position, it is wrong by {centred_nm:.2} nm"),
         format!(
             "largest error of a distortion {:.2} nm",
             summary["max_error_nm"].as_f64().unwrap()
@@ -108,4 +119,30 @@ fn other_files_of_the_report_folder_are_left_alone() {
         fs::read_to_string(bench.path("report/notes.txt")).unwrap(),
         "mine"
     );
+}
+
+#[test]
+fn answer_of_the_readme_is_the_one_that_is_given() {
+    let root = concat!(env!("CARGO_MANIFEST_DIR"), "/../");
+    let readme = include_str!("../../../README.md");
+    let (_, shown) = readme.split_once("```csv\n").unwrap();
+    let (shown, _) = shown.split_once("```").unwrap();
+    let (_, command) = readme
+        .split_once("target/release/host-sim correct")
+        .unwrap();
+    let (command, _) = command.split_once("```").unwrap();
+    let arguments: Vec<_> = command
+        .split_whitespace()
+        .filter(|word| *word != "\\")
+        .map(|word| {
+            if word.contains(".toml") || word.contains(".csv") {
+                format!("{root}{word}")
+            } else {
+                word.to_owned()
+            }
+        })
+        .collect();
+    let mut all = vec!["correct"];
+    all.extend(arguments.iter().map(String::as_str));
+    assert_eq!(Bench::new().run(&all).ok().stdout, shown);
 }
