@@ -1,4 +1,4 @@
-//! How a command ends when it does not succeed.
+//! Failures of commands, with their exit codes.
 
 use std::io::{self, Write};
 use std::path::Path;
@@ -8,7 +8,7 @@ use fmc_camera_file::{InputError, InputErrorKind};
 use fmc_simulation::strip_experiment::experiment::ExperimentError;
 use miette::{Diagnostic, LabeledSpan, NamedSource, SourceSpan};
 
-/// Why a command ended, as its exit code says it.
+/// Exit code of a command that failed.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 enum Exit {
     /// The check that was asked for failed.
@@ -26,7 +26,7 @@ pub struct Failure {
     message: Box<Message>,
 }
 
-/// What the user reads, with the place in the file where there is one.
+/// Text for the user, with the place in the file where there is one.
 #[derive(Debug, thiserror::Error)]
 #[error("{text}")]
 struct Message {
@@ -58,19 +58,19 @@ impl Diagnostic for Message {
 }
 
 impl Failure {
-    /// An input is wrong.
+    /// Returns the failure of a wrong input.
     #[must_use]
     pub fn bad_input(text: impl Into<String>) -> Self {
         Self::new(Exit::BadInput, text)
     }
 
-    /// A device or the file system failed.
+    /// Returns the failure of a device or the file system.
     #[must_use]
     pub fn device_or_io(text: impl Into<String>) -> Self {
         Self::new(Exit::DeviceOrIo, text)
     }
 
-    /// The check that was asked for failed.
+    /// Returns the failure of a check that was asked for.
     #[must_use]
     pub fn check(text: impl Into<String>) -> Self {
         Self::new(Exit::CheckFailed, text)
@@ -87,31 +87,31 @@ impl Failure {
         }
     }
 
-    /// An input file cannot be read: a wrong name is bad input, a failing disk is not.
+    /// Returns the failure to read an input file: a wrong name is bad input, a failing disk is not.
     #[must_use]
     pub fn reading(path: &Path, error: &io::Error) -> Self {
         InputError::reading(path, error).into()
     }
 
-    /// An output cannot be written.
+    /// Returns the failure to write an output.
     #[must_use]
     pub fn writing(what: impl std::fmt::Display, error: &io::Error) -> Self {
         Self::device_or_io(format!("{what}: cannot be written: {error}"))
     }
 
-    /// Adds what the user can do about it.
+    /// Adds advice for the user.
     #[must_use]
     pub fn with_help(mut self, help: impl Into<String>) -> Self {
         self.message.help = Some(help.into());
         self
     }
 
-    /// Tells the user and gives the exit code of the process.
+    /// Prints the failure and returns the exit code of the process.
     #[must_use]
     pub fn report(self) -> ExitCode {
         let code = ExitCode::from(self.exit as u8);
         let report = miette::Report::new(*self.message);
-        // Nothing is left to do when even the error stream is closed.
+        // A closed error stream leaves no way to report.
         let _ = writeln!(io::stderr(), "{report:?}");
         code
     }
@@ -147,7 +147,8 @@ impl From<ExperimentError> for Failure {
     }
 }
 
-/// Messages are not broken at the width of a terminal: a log file is searched line by line.
+/// Prints messages without breaking lines at the width of a terminal, because log files are
+/// searched line by line.
 pub fn print_plainly() {
     // The hook can be set once; a second call changes nothing.
     let _ = miette::set_hook(Box::new(|_| {

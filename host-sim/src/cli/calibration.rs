@@ -1,4 +1,4 @@
-//! Calibrating.
+//! Arguments of the calibration.
 
 use std::path::PathBuf;
 
@@ -7,7 +7,7 @@ use clap::{Args, Subcommand, ValueEnum};
 /// Arguments of `calibrate`.
 #[derive(Debug, Args)]
 pub struct CalibrateArgs {
-    /// By which method.
+    /// Method of calibration.
     #[command(subcommand)]
     pub method: CalibrationMethod,
 }
@@ -37,17 +37,17 @@ pub struct FiveArgs {
     /// Impose `K_d1` = 2 `P_m1`.
     #[arg(long)]
     pub tie: bool,
-    /// What `K_d1` and `P_m1` are multiplied by: the travel δ, or the offset c̄ of the exposure
-    /// centroid, right where Δδ/δ varies.
+    /// Quantity that multiplies `K_d1` and `P_m1`: the travel δ, or the offset c̄ of the exposure
+    /// centroid, which is right where Δδ/δ varies.
     #[arg(long, value_name = "WHAT", default_value = "travel")]
     pub regress_on: RegressOn,
-    /// What becomes of the static decentring along the FMC axis (P2 for ±y, P1 for ±x), which one
+    /// Treatment of the static decentring along the FMC axis (P2 for ±y, P1 for ±x), which one
     /// exposure cannot tell from `K_d1` and `P_m1`.
     #[arg(long, value_name = "HOW", default_value = "hold")]
     pub static_p2: StaticP2,
 }
 
-/// What `K_d1` and `P_m1` are multiplied by.
+/// Quantity that multiplies `K_d1` and `P_m1`.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
 pub enum RegressOn {
     /// δ, the travel while the shutter is open.
@@ -56,13 +56,13 @@ pub enum RegressOn {
     Centroid,
 }
 
-/// What becomes of the static decentring along the FMC axis.
+/// Treatment of the static decentring along the FMC axis.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
 pub enum StaticP2 {
-    /// Held; the observations must be able to tell it from the dynamic terms.
+    /// Held; the observations must be able to separate it from the dynamic terms.
     Hold,
     /// Estimated, and written to the table `distortion`.
     Estimate,
-    /// Held and believed without error: one exposure suffices.
+    /// Held and taken as free of error: one exposure suffices.
     Known,
 }

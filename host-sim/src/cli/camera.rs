@@ -1,4 +1,4 @@
-//! A camera on a board, from the PC.
+//! Arguments of a camera on a board, controlled from the PC.
 
 use std::path::PathBuf;
 
@@ -11,36 +11,39 @@ use super::{DeviceArgs, DirectionName};
 /// Arguments of `camera`.
 #[derive(Debug, Args)]
 pub struct CameraArgs {
-    /// Where the camera is.
+    /// Device that is the camera.
     #[command(flatten)]
     pub device: DeviceArgs,
-    /// What it is to do.
+    /// Action asked of it.
     #[command(subcommand)]
     pub action: CameraAction,
 }
 
-/// What a camera on a board can be asked for.
+/// Actions that a camera on a board can be asked for.
 #[derive(Debug, Subcommand)]
 pub enum CameraAction {
-    /// Give it calibration and settings: it is in standby then.
+    /// Send calibration and settings; the camera is in standby afterwards.
     ///
-    /// Records of a flight before that have not been fetched (`host-sim records`) are not lost: it refuses.
+    /// The camera refuses while it keeps records of an earlier flight, so that none is lost: fetch
+    /// them first with `host-sim records`.
     Prepare(PrepareArgs),
-    /// Obey triggers: strokes to and fro, then ready. Waits until it is.
+    /// Obey triggers: the stage makes its strokes to and fro, then the camera is ready. Waits until
+    /// it is.
     Arm,
-    /// Refuse triggers, and leave the stage alone. An exposure under way is finished.
+    /// Refuse triggers and leave the stage alone. An exposure under way is finished.
     Disarm,
-    /// A fault has been looked at: to standby.
+    /// Return to standby after a fault has been looked at.
     ClearFault,
-    /// The stage stands at its calibrated position: the encoder counts from there. In standby alone.
+    /// Tell the camera that the stage stands at its calibrated position, from which the encoder
+    /// then counts. In standby alone.
     Referenced,
-    /// Exposure time of the frames to come.
+    /// Set the exposure time of the following frames.
     Exposure(ExposureTimeArgs),
-    /// V/H, ground speed over height above ground.
+    /// Tell the camera V/H, ground speed over height above ground.
     ///
-    /// The camera believes it for 5 s; with --for it is told again until then.
+    /// The camera uses the value for 5 s; with --for it is repeated until that time is over.
     Vh(VhArgs),
-    /// What it is doing.
+    /// Show what the camera is doing.
     Status(StatusArgs),
 }
 
@@ -50,11 +53,11 @@ pub struct PrepareArgs {
     /// Camera file (TOML).
     #[arg(long, value_name = "FILE")]
     pub camera: PathBuf,
-    /// Settings of the flight (TOML): those of docs/integration.md, section 3, by their names there; the others stay as
-    /// they are by default.
+    /// Settings of the flight (TOML): those of docs/integration.md, section 3, by their names
+    /// there; the others keep their defaults.
     #[arg(long, value_name = "FILE")]
     pub settings: Option<PathBuf>,
-    /// Which way the camera flies; without it as the settings say, or forward.
+    /// Direction of flight; without it the one of the settings, or forward.
     #[arg(long, value_name = "DIRECTION")]
     pub direction: Option<DirectionName>,
 }
@@ -73,7 +76,7 @@ pub struct VhArgs {
     /// V/H, 1/s.
     #[arg(value_name = "PER_S", value_parser = finite, allow_negative_numbers = true)]
     pub vh: f64,
-    /// For so long, s; without it once.
+    /// Time for which V/H is told, s; without it once.
     #[arg(long = "for", value_name = "S", value_parser = between(0.0, 86_400.0), default_value = "0", allow_negative_numbers = true)]
     pub for_s: f64,
 }
@@ -81,7 +84,7 @@ pub struct VhArgs {
 /// Arguments of `camera status`.
 #[derive(Debug, Args)]
 pub struct StatusArgs {
-    /// For machines.
+    /// Print JSON.
     #[arg(long)]
     pub json: bool,
 }

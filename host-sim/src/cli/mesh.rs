@@ -1,4 +1,4 @@
-//! Meshes for warp engines and graphics processors.
+//! Arguments of meshes for warp engines and graphics processors.
 
 use std::path::PathBuf;
 
@@ -12,26 +12,28 @@ pub struct MeshArgs {
     /// The exposure.
     #[command(flatten)]
     pub exposure: ExposureArgs,
-    /// Where the camera runs.
+    /// Device on which the camera runs.
     #[command(flatten)]
     pub device: DeviceArgs,
-    /// Who is to read the mesh.
+    /// Reader of the mesh.
     #[arg(long, value_name = "FORMAT")]
     pub format: MeshFormatName,
     /// Pixels from one vertex to the next, both ways; 1 has a vertex at every pixel. 1 to 1024; dw100 has 16, ti-ldc
     /// and vpi a power of two, for ti-ldc of at most 128.
     #[arg(long, value_name = "PX", default_value = "16", value_parser = clap::value_parser!(u16).range(1..=1024))]
     pub spacing: u16,
-    /// The part of the corrected image that the engine makes, for gpu the part of the recorded image that is drawn: first
-    /// column, first row, width and height, pixels. Without it the whole image.
+    /// Part of the corrected image that the engine makes, for gpu the part of the recorded image
+    /// that is drawn: first column, first row, width and height, pixels. Without it the whole
+    /// image.
     #[arg(
         long,
         value_name = "COL,ROW,WIDTH,HEIGHT",
         value_parser = image_part
     )]
     pub part: Option<ImagePart>,
-    /// First column and row of the part of the recorded image that the engine is given; sources count from there.
-    /// Without it that of --part. Not for ti-ldc and gpu, whose numbers do not depend on it.
+    /// First column and row of the part of the recorded image that the engine is given; sources
+    /// count from there. Without it that of --part. Not for ti-ldc and gpu, whose numbers do not
+    /// depend on it.
     #[arg(long, value_name = "COL,ROW", value_parser = image_pixel)]
     pub source: Option<[u32; 2]>,
     /// Folder for mesh.json and the mesh, mesh.bin or map-x.bin and map-y.bin; made if it does not exist.
@@ -39,7 +41,7 @@ pub struct MeshArgs {
     pub out: PathBuf,
 }
 
-/// A part of an image, pixels.
+/// Part of an image, pixels.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct ImagePart {
     /// Column and row of its first pixel.
@@ -76,7 +78,7 @@ fn image_part(text: &str) -> Result<ImagePart, String> {
     }
 }
 
-/// Who reads the mesh.
+/// Readers of a mesh.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
 pub enum MeshFormatName {
     /// Lens distortion correction (LDC) of TI's TDA and AM6 processors: displacements in 1/8 px, S16Q3, at most 4096
@@ -87,17 +89,17 @@ pub enum MeshFormatName {
     /// Q12.20, the type `ap_fixed<32, 12>` of Vitis Vision: sources in 2^-20 px, below 2048 px. The `remap` of Vitis
     /// Vision itself reads what `opencv` writes.
     Vitis,
-    /// Control points of NVIDIA VPI: sources in single precision, x and y of each together.
+    /// Control points of NVIDIA VPI: sources in single precision, x and y interleaved.
     Vpi,
-    /// Maps for `cv::remap`: sources in single precision, x and y in a file each.
+    /// Maps for `cv::remap`: sources in single precision, x and y in separate files.
     Opencv,
-    /// Vertices for OpenGL and Vulkan, which draw the recorded image: for each the way to its place in the corrected image,
-    /// columns and rows, in single precision.
+    /// Vertices for OpenGL and Vulkan, which draw the recorded image: for each vertex the
+    /// displacement to its place in the corrected image, columns and rows, in single precision.
     Gpu,
 }
 
 impl MeshFormatName {
-    /// As on the command line.
+    /// Returns the name that the command line uses.
     #[must_use]
     pub const fn name(self) -> &'static str {
         match self {

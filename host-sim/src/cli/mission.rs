@@ -1,4 +1,4 @@
-//! Missions and their records.
+//! Arguments of missions and their records.
 
 use std::path::PathBuf;
 
@@ -9,21 +9,22 @@ use super::DeviceArgs;
 /// Arguments of `mission`.
 #[derive(Debug, Args)]
 pub struct MissionArgs {
-    /// Scenario (TOML); host-sim/scenarios/mission.toml has every key explained, host-sim/scenarios/faults one for each
-    /// fault. Without it the nominal mission of 1000 exposures.
+    /// Scenario (TOML); host-sim/scenarios/mission.toml explains every key,
+    /// host-sim/scenarios/faults has one for each fault. Without it the nominal mission of 1000
+    /// exposures.
     #[arg(long, value_name = "FILE")]
     pub scenario: Option<PathBuf>,
-    /// Where the camera runs.
+    /// Device on which the camera runs.
     #[command(flatten)]
     pub device: DeviceArgs,
-    /// Another number of exposures than the scenario's, 1 to 100000.
+    /// Number of exposures in place of the scenario's, 1 to 100000.
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=100_000))]
     pub exposures: Option<u32>,
     /// Seed of air, noise and jitter, a whole number: the same seed gives the same files.
     #[arg(long, value_name = "N", default_value = "1")]
     pub seed: u64,
-    /// The trigger whose frame is shown millisecond by millisecond; without it the first with a fault, or else the one
-    /// with the largest smear.
+    /// Trigger whose frame is shown millisecond by millisecond; without it the first with a fault,
+    /// or else the one with the largest smear.
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..))]
     pub frame: Option<u32>,
     /// Folder for report.html, records.csv, records.json, truth.csv, summary.json and figures; made if it does not
@@ -35,7 +36,7 @@ pub struct MissionArgs {
 /// Arguments of `records`.
 #[derive(Debug, Args)]
 pub struct RecordsArgs {
-    /// Where the camera runs.
+    /// Device on which the camera runs.
     #[command(flatten)]
     pub device: DeviceArgs,
     /// Folder for records.csv and records.json; made if it does not exist. Records that are there already are not

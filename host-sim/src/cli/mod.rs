@@ -28,7 +28,7 @@ use crate::formats::points::PointFormat;
 #[derive(Debug, Parser)]
 #[command(version, after_help = EXIT_CODES)]
 pub struct Cli {
-    /// What to do.
+    /// Command to run.
     #[command(subcommand)]
     pub command: Command,
 }
@@ -42,9 +42,9 @@ pub enum Command {
     /// Check every coordinate of real cameras against the strict reference solver.
     ///
     /// 10 V/H x 6 exposures x both run-up strategies x 21 x 21 points over the sensor, for each of
-    /// five published cameras or for the one given; in QEMU several cameras side by side. Fails (exit 1) when dx or dy is off by more
-    /// than 1.5 nm or a coordinate by more than 5 nm, or when the firmware does not compute, bit
-    /// for bit, what its code computes on this PC.
+    /// five published cameras or for the one given; in QEMU several cameras side by side. Fails
+    /// (exit 1) when dx or dy is off by more than 1.5 nm or a coordinate by more than 5 nm, or when
+    /// a result of the firmware differs in any bit from that of the same code on this PC.
     Verify(VerifyArgs),
     /// Remove distortion: measured points -> ideal points.
     Correct(PointsArgs),
@@ -56,16 +56,20 @@ pub enum Command {
     Frame(FrameArgs),
     /// Write the mesh with which a warp engine or a graphics processor corrects a frame.
     ///
-    /// For warp engines: for vertices of the corrected image, every so many pixels, the places in the recorded image they
-    /// come from, as the engine stores them. Where a source lies off the sensor the distortion of its edge counts.
+    /// For warp engines: for vertices of the corrected image, every so many pixels, the sources in
+    /// the recorded image, in the number format of the engine. A source off the sensor is computed
+    /// with the distortion of the sensor's edge.
     ///
-    /// For graphics processors (gpu) the other way round: for vertices of the recorded image the way to their places in the
-    /// corrected one, corrected minus recorded. The recorded image is the texture, and is drawn as triangles between the
-    /// moved vertices, with linear interpolation between: the largest error of that is in mesh.json, and grows with the square
-    /// of --spacing. Vertices beyond the image, which end the last cells, continue the distortion.
+    /// For graphics processors (gpu) the other way round: for vertices of the recorded image the
+    /// displacement to their places in the corrected one, corrected minus recorded. The recorded
+    /// image is the texture and is drawn as triangles between the moved vertices, with linear
+    /// interpolation between; mesh.json has the largest error of that interpolation, which grows
+    /// with the square of --spacing. Vertices beyond the image, which end the last cells, continue
+    /// the distortion.
     ///
-    /// The corrected image has the pixels of the sensor; its principal point is the frame's. The camera computes the rows,
-    /// on whichever device, and the files have the same bytes. mesh.json says what the numbers are.
+    /// The corrected image has the pixels of the sensor; its principal point is the frame's. The
+    /// camera computes the rows, and the files have the same bytes on every device. mesh.json
+    /// describes the numbers.
     ///
     /// For example: host-sim mesh --camera host-sim/cameras/rc30-5324.toml --vh 0.1 --exposure 1/200 --format ti-ldc
     /// --out mesh
@@ -81,81 +85,84 @@ pub enum Command {
     Smear(SmearArgs),
     /// Simulate a calibration of the five-coefficient model: Yuan et al. 2012, section 4.1.
     ///
-    /// What is it worth to correct the motion by five fitted coefficients? The strict solver makes
-    /// distortions of 21 x 21 points in 60 exposures (10 V/H from 0.05 to 0.17 1/s, 1/100 to
-    /// 1/700 s), seeded noise is added, and the coefficients are found by least
-    /// squares: exposure by exposure, and from all together. The report sets the static, the
-    /// five-coefficient and the exact model beside each other, with the paper's divisor n - 5 and
-    /// with the honest one, and says which part of the gain is the focus shift's and which the
-    /// motion's.
+    /// The experiment answers how much five fitted coefficients gain as a correction of the motion.
+    /// The strict solver makes distortions of 21 x 21 points in 60 exposures (10 V/H from 0.05 to
+    /// 0.17 1/s, 1/100 to 1/700 s), seeded noise is added, and the coefficients are found by least
+    /// squares: exposure by exposure, and from all together. The report compares the static, the
+    /// five-coefficient and the exact model, with the paper's divisor n - 5 and with the correct
+    /// one, and separates the gain by the focus shift from the gain by the motion.
     ///
     /// The paper reports 1.2 and 2.3 µm; this repeats it with 1.2 and 2.4 µm:
     /// host-sim sweep --camera host-sim/cameras/paper-0.03-percent.toml --out sweep
     Sweep(SweepArgs),
-    /// Is it worth it for this camera? What each source of error costs, on one page.
+    /// Compute what each source of error costs this camera, on one page.
     ///
-    /// Largest effect of every term over the exposures of the paper and over those that the camera's
-    /// limits allow: principal point and time of different instants, the distortion that the motion
-    /// changes, the principal distance, and what no correction removes: V/H, relief, drift, encoder,
-    /// clock and attitude rates. In micrometres and pixels on the sensor and in centimetres on the
-    /// ground, the largest first, with a sentence of advice.
+    /// Largest effect of every term over the exposures of the paper and over those that the
+    /// camera's limits allow: principal point and time of different instants, the distortion that
+    /// the motion changes, the principal distance, and the terms that no correction removes: V/H,
+    /// relief, drift, encoder, clock and attitude rates. In micrometres and pixels on the sensor
+    /// and in centimetres on the ground, the largest first, with a sentence of advice.
     Budget(BudgetArgs),
     /// Simulate a flight over ground control: Yuan et al. 2012, section 4.2, and beyond.
     ///
-    /// Which correction puts points where they are on the ground? A strip of frames is recorded with
-    /// the true exposure mean of the lens; image points, position and attitude on board and surveyed
-    /// control points get seeded errors; every frame is oriented by space resection, the five
-    /// coefficients are calibrated from all frames; and the ground errors of no correction, the
-    /// static, the printed, the five-coefficient and the exact model are compared at the control
-    /// points and at check points that took no part, over many flights, with confidence intervals.
+    /// The experiment shows which correction puts points at their places on the ground. A strip of
+    /// frames is recorded with the true exposure mean of the lens; image points, position and
+    /// attitude on board and surveyed control points get seeded errors; every frame is oriented by
+    /// space resection, the five coefficients are calibrated from all frames; and the ground errors
+    /// of no correction, the static, the printed, the five-coefficient and the exact model are
+    /// compared at the control points and at check points that took no part, over many flights,
+    /// with confidence intervals.
     ///
     /// To repeat the paper's 0.29 m and 0.18 m:
     /// host-sim flight --scenario host-sim/scenarios/yuan-2012.toml --out flight
     Flight(FlightArgs),
     /// Fly a mission in simulated time with the camera in the loop.
     ///
-    /// Aircraft, V/H sensors, shutter and the mechanics of the stage are simulated; the camera's own code plans every
-    /// exposure, moves the stage, releases the shutter and records the interior orientation, a thousand rounds of its
-    /// control loop per simulated second. Every record is held against the physical exposure: where the principal point
-    /// really was, how far the image really moved. Fails (exit 1) when a trigger has no record, a limit of the scenario
-    /// is exceeded, or a fault does not lead to what the scenario expects of it.
+    /// Aircraft, V/H sensors, shutter and the mechanics of the stage are simulated; the camera's
+    /// own code plans every exposure, moves the stage, releases the shutter and records the
+    /// interior orientation, a thousand rounds of its control loop per simulated second. Every
+    /// record is compared with the physical exposure: the true principal point and the true motion
+    /// of the image. Fails (exit 1) when a trigger has no record, a limit of the scenario is
+    /// exceeded, or a fault does not lead to what the scenario expects of it.
     ///
     /// The nominal mission of 1000 exposures: host-sim mission --out mission
     Mission(MissionArgs),
-    /// Take what a camera has recorded: records.csv and records.json.
+    /// Fetch the records of a camera: records.csv and records.json.
     ///
-    /// Every trigger has a record: the exposure's interior orientation and time, or why there was none. The camera
-    /// keeps them until they are safe on this PC's disk.
+    /// Every trigger has a record: the exposure's interior orientation and time, or the reason why
+    /// there was no exposure. The camera keeps the records until they are on this PC's disk.
     Records(RecordsArgs),
-    /// Prepare, arm and watch a camera on a board: one with a mechanism, a shutter and a trigger line of its own.
+    /// Prepare, arm and watch a camera on a board, with its own mechanism, shutter and trigger
+    /// line.
     ///
-    /// First `prepare --camera FILE`, then, with the stage at its calibrated position, `referenced`, then `arm`. V/H
-    /// comes from the aircraft or, on a bench, from `vh`. Whatever it has recorded, `host-sim records` fetches.
+    /// First `prepare --camera FILE`, then, with the stage at its calibrated position,
+    /// `referenced`, then `arm`. V/H comes from the aircraft or, on a bench, from `vh`. `host-sim
+    /// records` fetches the records.
     Camera(CameraArgs),
 }
 
 /// Arguments of `verify`.
 #[derive(Debug, Args)]
 pub struct VerifyArgs {
-    /// Where the camera runs.
+    /// Device on which the camera runs.
     #[command(flatten)]
     pub device: DeviceArgs,
-    /// A camera file; without it the five published cameras.
+    /// Camera file; without it the five published cameras.
     #[arg(long, value_name = "FILE")]
     pub camera: Option<PathBuf>,
     /// Folder for report.html, summary.json and frames.csv; made if it does not exist.
     #[arg(long, value_name = "DIR")]
     pub out: Option<PathBuf>,
-    /// The camera's code in this program stands in for QEMU, for this reason: what the workspace's own command found
-    /// out when it set QEMU up.
+    /// Reason why the camera's code in this program stands in for QEMU, as the workspace's own
+    /// command found it when it set QEMU up.
     #[arg(long, value_name = "REASON", hide = true, conflicts_with_all = ["device", "firmware"])]
     pub not_in_qemu: Option<String>,
 }
 
-/// Where the camera runs.
+/// Device on which the camera runs.
 #[derive(Debug, Args)]
 pub struct DeviceArgs {
-    /// Where the camera's code runs.
+    /// Device on which the camera's code runs.
     ///
     /// `sil`: in this program (software in the loop). `qemu` or `qemu:an386`: the firmware, on a
     /// Cortex-M4F in the emulator QEMU. `qemu:an500`: on a Cortex-M7. `serial:PATH`: a camera on a
@@ -163,8 +170,8 @@ pub struct DeviceArgs {
     /// `sil` where there is no QEMU; the other commands take `sil`.
     #[arg(long, value_name = "DEVICE")]
     pub device: Option<DeviceName>,
-    /// The firmware's image for QEMU, an ELF file. Without it the variable `FMC_FIRMWARE`, else what
-    /// `cargo xtask firmware` has built; that is done where it has not been yet.
+    /// Image of the firmware for QEMU, an ELF file. Without it the variable `FMC_FIRMWARE`, else
+    /// what `cargo xtask firmware` has built; if it has not been built yet, it is built now.
     #[arg(long, value_name = "FILE")]
     pub firmware: Option<PathBuf>,
     /// Show the log of the firmware in QEMU on the error stream.
@@ -181,7 +188,7 @@ pub struct ExposureArgs {
     /// V/H, ground speed over height above ground, 1/s.
     #[arg(long, value_name = "PER_S", value_parser = finite, allow_negative_numbers = true)]
     pub vh: f64,
-    /// Which way the camera flies; V/H is positive either way.
+    /// Direction of flight; V/H is positive either way.
     #[arg(long, value_name = "DIRECTION", default_value = "forward")]
     pub direction: DirectionName,
     /// Exposure time, first light to last: seconds or a fraction such as 1/200.
@@ -195,10 +202,10 @@ pub struct ExposureArgs {
     /// run-out.
     #[arg(long, value_name = "UM", default_value = "0", value_parser = finite, allow_negative_numbers = true)]
     pub focus_shift_um: f64,
-    /// Which formula turns a focus shift into distortion.
+    /// Formula that turns a focus shift into distortion.
     #[arg(long, value_name = "SIGN", default_value = "physical")]
     pub focus_sign: FocusSignName,
-    /// Which model corrects.
+    /// Model of the correction.
     #[arg(long, value_name = "MODEL", default_value = "exact")]
     pub model: ModelName,
 }
@@ -209,28 +216,29 @@ pub struct PointsArgs {
     /// The exposure.
     #[command(flatten)]
     pub exposure: ExposureArgs,
-    /// Where the camera runs.
+    /// Device on which the camera runs.
     #[command(flatten)]
     pub device: DeviceArgs,
-    /// The points and where the answer goes.
+    /// Files of points and answers.
     #[command(flatten)]
     pub files: PointFiles,
 }
 
-/// The points and where the answer goes.
+/// Files of points and answers.
 #[derive(Debug, Args)]
 pub struct PointFiles {
-    /// CSV with a header, columns in any order: `id,x_mm,y_mm` (sensor frame) or `id,col_px,row_px`. Or an array of
-    /// NumPy (.npy), N rows of `x_mm`, `y_mm`, answered by N rows of `x_mm`, `y_mm`, `dx_um`, `dy_um`. `-` reads
-    /// standard input.
+    /// CSV with a header, columns in any order: `id,x_mm,y_mm` (sensor frame) or
+    /// `id,col_px,row_px`. Or an array of NumPy (.npy), N rows of `x_mm`, `y_mm`, answered by N
+    /// rows of `x_mm`, `y_mm`, `dx_um`, `dy_um`. `-` reads standard input.
     #[arg(value_name = "POINTS.csv")]
     pub points: PathBuf,
-    /// Answer file; it appears only when it is complete. Without it standard output, where a wrong point of a long file
-    /// may come after answers to those before it: the exit code tells.
+    /// Answer file; it appears only when it is complete. Without it standard output, where the
+    /// answers before a wrong point in a long file may already have been written: the exit code
+    /// reports the failure.
     #[arg(long, value_name = "FILE")]
     pub out: Option<PathBuf>,
-    /// How points and answers are written, where a file's name does not say so by `.csv` or `.npy`; without it CSV, and
-    /// the answer as the points.
+    /// Format of points and answers whose file name does not end in `.csv` or `.npy`; without it
+    /// CSV for the points, and for the answers the format of the points.
     #[arg(long, value_name = "FORMAT")]
     pub format: Option<PointFormat>,
 }
@@ -241,11 +249,11 @@ pub struct ReferenceArgs {
     /// The exposure.
     #[command(flatten)]
     pub exposure: ExposureArgs,
-    /// What weights the mean over the exposure: the light, or the arc length of the distortion
+    /// Weight of the mean over the exposure: the light, or the arc length of the distortion
     /// hodograph as printed in eqs. 10-11.
     #[arg(long, value_name = "WEIGHT", default_value = "exposure")]
     pub weight: WeightName,
-    /// How eqs. 12-13 are read: as changes (consistent), or literally, which counts the static
+    /// Reading of eqs. 12-13: as changes (consistent), or literally, which counts the static
     /// distortion twice.
     #[arg(long, value_name = "READING", default_value = "consistent")]
     pub reading: ReadingName,
@@ -260,10 +268,10 @@ pub struct FrameArgs {
     /// The exposure.
     #[command(flatten)]
     pub exposure: ExposureArgs,
-    /// Where the camera runs.
+    /// Device on which the camera runs.
     #[command(flatten)]
     pub device: DeviceArgs,
-    /// For machines.
+    /// Print JSON.
     #[arg(long)]
     pub json: bool,
     /// Answer file; without it standard output.
@@ -271,7 +279,7 @@ pub struct FrameArgs {
     pub out: Option<PathBuf>,
 }
 
-/// Which way the camera flies.
+/// Direction of flight.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
 pub enum DirectionName {
     /// Along the FMC axis.
@@ -281,7 +289,7 @@ pub enum DirectionName {
 }
 
 impl DirectionName {
-    /// As on the command line.
+    /// Returns the name that the command line uses.
     #[must_use]
     pub const fn name(self) -> &'static str {
         match self {
@@ -291,16 +299,16 @@ impl DirectionName {
     }
 }
 
-/// Which formula turns a focus shift into distortion.
+/// Formula that turns a focus shift into distortion.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
 pub enum FocusSignName {
-    /// A detector moved away from the lens enlarges the image by Δz/L: what ray tracing shows.
+    /// A detector moved away from the lens enlarges the image by Δz/L, as ray tracing shows.
     Physical,
     /// Yuan et al. 2012, eqs. 14-17, as printed: k0' = -Δf/f.
     Printed,
 }
 
-/// Which model corrects.
+/// Model of the correction.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
 pub enum ModelName {
     /// Exposure mean of the calibration about the moving principal point.
@@ -311,16 +319,16 @@ pub enum ModelName {
     Static,
 }
 
-/// What weights the mean over the exposure.
+/// Weight of the mean over the exposure.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
 pub enum WeightName {
-    /// The light: what the sensor integrates.
+    /// The light, which the sensor integrates.
     Exposure,
     /// Arc length of the distortion hodograph, eqs. 10-11.
     ArcLength,
 }
 
-/// How eqs. 12-13 are read.
+/// Reading of eqs. 12-13.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
 pub enum ReadingName {
     /// The two terms are changes of the distortion.

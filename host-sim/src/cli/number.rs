@@ -2,10 +2,10 @@
 
 use fmc_camera_file::number::finite;
 
-/// An exposure time in seconds, or a fraction such as 1/200.
+/// Reads an exposure time in seconds, or a fraction such as 1/200.
 ///
 /// # Errors
-/// A sentence for the user; zero and negative times are not exposures.
+/// A sentence for the user; times must be positive.
 pub(super) fn exposure_time(text: &str) -> Result<f64, String> {
     let seconds = match text.split_once('/') {
         Some((numerator, denominator)) => finite(numerator)? / finite(denominator)?,
@@ -18,7 +18,7 @@ pub(super) fn exposure_time(text: &str) -> Result<f64, String> {
     }
 }
 
-/// A reader of numbers from `least` to `most`.
+/// Returns a reader of numbers from `least` to `most`.
 pub(super) fn between(
     least: f64,
     most: f64,

@@ -1,4 +1,4 @@
-//! Simulating, and what a camera's errors cost.
+//! Arguments of simulations and of the error budget.
 
 use std::path::PathBuf;
 
@@ -21,7 +21,7 @@ pub struct SmearArgs {
     /// Exposure time, first light to last: seconds or a fraction such as 1/200.
     #[arg(long, value_name = "S", value_parser = exposure_time, allow_hyphen_values = true)]
     pub exposure: f64,
-    /// How much more than the true V/H the camera compensates for, per cent; -50 to 50.
+    /// Excess of the V/H that the camera compensates over the true V/H, per cent; -50 to 50.
     #[arg(long, value_name = "PERCENT", default_value = "0", value_parser = finite, allow_negative_numbers = true)]
     pub vh_error_percent: f64,
     /// Terrain above the reference plane, per cent of the height; -100 to 90.
@@ -63,7 +63,7 @@ pub struct SweepArgs {
     /// adds to the stage's run-out.
     #[arg(long, value_name = "UM", default_value = "6", value_parser = finite, allow_negative_numbers = true)]
     pub focus_shift_um: f64,
-    /// Which formula turns a focus shift into distortion.
+    /// Formula that turns a focus shift into distortion.
     #[arg(long, value_name = "SIGN", default_value = "physical")]
     pub focus_sign: FocusSignName,
     /// Seed of the noise, a whole number: the same seed gives the same files.
@@ -74,21 +74,21 @@ pub struct SweepArgs {
         allow_negative_numbers = true
     )]
     pub seed: u64,
-    /// What weights the mean over the exposure: the light, or the arc length of the distortion
+    /// Weight of the mean over the exposure: the light, or the arc length of the distortion
     /// hodograph as printed in eqs. 10-11.
     #[arg(long, value_name = "WEIGHT", default_value = "exposure")]
     pub weight: WeightName,
-    /// How eqs. 12-13 are read: as changes (consistent), or literally, which counts the static
+    /// Reading of eqs. 12-13: as changes (consistent), or literally, which counts the static
     /// distortion twice.
     #[arg(long, value_name = "READING", default_value = "consistent")]
     pub reading: ReadingName,
-    /// Impose `K_d1` = 2 `P_m1`, as a lens of K1 alone demands.
+    /// Impose `K_d1` = 2 `P_m1`, as a lens of K1 alone requires.
     #[arg(long)]
     pub tie: bool,
-    /// What `K_d1` and `P_m1` are multiplied by.
+    /// Quantity that multiplies `K_d1` and `P_m1`.
     #[arg(long, value_name = "WHAT", default_value = "travel")]
     pub regress_on: RegressOn,
-    /// Where the run-up puts the exposure, instead of what the camera file says.
+    /// Strategy of the run-up, in place of that of the camera file.
     #[arg(long, value_name = "STRATEGY")]
     pub strategy: Option<StrategyName>,
     /// Folder for report.html, summary.json, coefficients.csv and the figure (coefficients.svg,
@@ -97,10 +97,10 @@ pub struct SweepArgs {
     pub out: PathBuf,
 }
 
-/// Where the run-up puts the exposure.
+/// Strategy of the run-up.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
 pub enum StrategyName {
-    /// The run-up starts early: the exposure centroid falls on the calibrated position.
+    /// The run-up starts early, so that the exposure centroid falls on the calibrated position.
     Centred,
     /// The stage starts at the calibrated position and has left it when the shutter opens.
     FromRest,
@@ -115,7 +115,7 @@ pub struct BudgetArgs {
     /// Height above the ground, m, 10 to 20000.
     #[arg(long, value_name = "M", default_value = "1000", value_parser = between(10.0, 20_000.0), allow_negative_numbers = true)]
     pub height_m: f64,
-    /// Focus shift that nobody measured, µm, 0 to 100; beside the stage's run-out.
+    /// Focus shift that was not measured, µm, 0 to 100; in addition to the stage's run-out.
     #[arg(long, value_name = "UM", default_value = "5", value_parser = between(0.0, 100.0), allow_negative_numbers = true)]
     pub focus_um: f64,
     /// Error of V/H, %, 0 to 50.
@@ -124,7 +124,7 @@ pub struct BudgetArgs {
     /// Terrain above the height that V/H holds for, % of it, 0 to 50.
     #[arg(long, value_name = "PERCENT", default_value = "10", value_parser = between(0.0, 50.0), allow_negative_numbers = true)]
     pub relief_percent: f64,
-    /// Drift angle that is not turned out, degrees, 0 to 45.
+    /// Drift angle that is not compensated, degrees, 0 to 45.
     #[arg(long, value_name = "DEG", default_value = "1", value_parser = between(0.0, 45.0), allow_negative_numbers = true)]
     pub drift_deg: f64,
     /// Rate of roll, of pitch and of yaw that the mount leaves, degrees per second, 0 to 60.
@@ -151,7 +151,7 @@ pub struct FlightArgs {
     /// Seed of the noise, a whole number: the same seed gives the same files.
     #[arg(long, value_name = "N", default_value = "1")]
     pub seed: u64,
-    /// How often the scenario is flown, each time with other errors, 2 to 10000.
+    /// Number of flights of the scenario, each with other errors, 2 to 10000.
     #[arg(long, value_name = "N", default_value = "100", value_parser = clap::value_parser!(u32).range(2..=10_000))]
     pub repetitions: u32,
     /// Folder for report.html, summary.json, repetitions.csv and figures; made if it does not exist.

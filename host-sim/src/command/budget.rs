@@ -1,4 +1,4 @@
-//! `budget`: is it worth it for this camera?
+//! `budget`: the cost of each source of error for a camera.
 
 use fmc_camera_file::CameraFile;
 use fmc_report::budget::{bars, page, summary, table};
@@ -35,7 +35,7 @@ fn assumptions(args: &BudgetArgs) -> Assumptions {
     }
 }
 
-/// report.html, summary.json and the figure.
+/// Writes report.html, summary.json and the figure.
 fn write_report(folder: &OutputFolder, budget: &Budget) -> Result<(), Failure> {
     let failed = |what: &str, error: &dyn std::fmt::Display| {
         Failure::device_or_io(format!("{what}: {error}"))

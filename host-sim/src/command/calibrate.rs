@@ -18,7 +18,7 @@ use crate::failure::Failure;
 use crate::formats::observations;
 use crate::formats::output::{self, OutputFolder};
 
-/// `calibrate five`.
+/// Runs `calibrate five`.
 pub(super) fn five(args: &FiveArgs) -> Result<(), Failure> {
     let (camera, validated) = CameraFile::read(&args.camera)?;
     let camera_name = args
@@ -57,7 +57,7 @@ fn options(args: &FiveArgs) -> FitOptions {
     }
 }
 
-/// All files of a calibration, made before the first is written.
+/// Files of a calibration, all prepared before the first is written.
 struct Outputs {
     folder: OutputFolder,
     files: Vec<(String, Vec<u8>)>,

@@ -21,20 +21,20 @@ use crate::device::link_error::LinkError;
 use crate::failure::Failure;
 use crate::formats::{flight_settings, output};
 
-/// How long it may take until the camera has done as it was told.
+/// Longest time until the camera has obeyed a command.
 const DONE_WITHIN: Duration = Duration::from_secs(5);
 
-/// How long the strokes at arming may take, as slow as the stage may be.
+/// Longest time of the strokes at arming, for the slowest stage.
 const STROKES_WITHIN: Duration = Duration::from_mins(1);
 
-/// From one look at what it is doing to the next.
+/// Time from one look at the camera's status to the next.
 const LOOK_EVERY: Duration = Duration::from_millis(20);
 
-/// How often V/H is told.
+/// Time from one message of V/H to the next.
 const VH_EVERY: Duration = Duration::from_millis(500);
 
 pub(super) fn run(args: &CameraArgs) -> Result<(), Failure> {
-    // Whatever is wrong with the input is said before a port is opened.
+    // Wrong input is reported before a port is opened.
     match &args.action {
         CameraAction::Prepare(prepare) => {
             let (camera, settings) = read(prepare)?;
@@ -79,7 +79,7 @@ pub(super) fn run(args: &CameraArgs) -> Result<(), Failure> {
     }
 }
 
-/// Calibration and settings, of which this PC has seen that the camera can fly with them.
+/// Reads calibration and settings, and checks on this PC that the camera can fly with them.
 fn read(args: &PrepareArgs) -> Result<(CameraRecord, FlightSettings), Failure> {
     let (file, _) = CameraFile::read(&args.camera)?;
     let camera = file.record();
@@ -137,7 +137,7 @@ fn obey(
     }
 }
 
-/// How long a command may take while the camera is in a state.
+/// Returns how long a command may take while the camera is in a state.
 fn done_within(command: Command, state: State) -> Duration {
     match (command, state) {
         (Command::Arm, State::FlyBack) => STROKES_WITHIN,
@@ -188,12 +188,12 @@ fn tell_vh(args: &CameraArgs, vh: &VhArgs) -> Result<(), Failure> {
     }
 }
 
-/// One line: the state.
+/// Prints the state, on one line.
 fn say(status: &Status) -> Result<(), Failure> {
     output::write(None, |sink| writeln!(sink, "{}", status.state))
 }
 
-/// A failure, with what can be done about it.
+/// Turns an error into a failure, with advice.
 fn failed(error: DeviceError) -> Failure {
     let help = match &error {
         DeviceError::NotPrepared => {

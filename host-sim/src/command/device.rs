@@ -15,7 +15,7 @@ use crate::failure::Failure;
 pub(super) type Devices = Vec<Box<dyn Device>>;
 
 impl DeviceArgs {
-    /// Opens the device; the camera's code in this process where none is named.
+    /// Opens the device, without a name the camera's code in this process.
     ///
     /// # Errors
     /// [`Failure`] where it cannot be opened.
@@ -25,8 +25,8 @@ impl DeviceArgs {
         Ok(self.opener().open(name)?)
     }
 
-    /// Opens the device; where none is named QEMU, and where there is no QEMU the camera's code in
-    /// this process, with the reason. Of emulators as many as this PC has cores for, at most `most`.
+    /// Opens the device, without a name QEMU. Where there is no QEMU, returns the camera's code in
+    /// this process and the reason. Starts as many emulators as this PC has cores, at most `most`.
     ///
     /// # Errors
     /// [`Failure`] where one cannot be opened.
@@ -46,11 +46,11 @@ impl DeviceArgs {
             }
             Err(error) => return Err(error.into()),
         };
-        // There is one camera on a port, and the logs of two would mix.
+        // A port has one camera, and the logs of two emulators would mix.
         if matches!(name, DeviceName::Qemu(_)) && !self.log {
             let cores = thread::available_parallelism().map_or(1, NonZero::get);
             for _ in 1..most.min(cores) {
-                // One serves too.
+                // One emulator is enough.
                 let Ok(device) = self.opener().open(name) else {
                     break;
                 };
@@ -60,16 +60,16 @@ impl DeviceArgs {
         Ok((devices, None))
     }
 
-    /// The camera's code in this process, in the place of QEMU.
+    /// Returns the camera's code in this process, in the place of QEMU.
     ///
     /// # Errors
-    /// [`Failure`] where an option is for QEMU alone.
+    /// [`Failure`] where an option applies to QEMU alone.
     pub(super) fn stand_in(&self) -> Result<Box<dyn Device>, Failure> {
         self.check_options(&DeviceName::Sil)?;
         Ok(Box::new(InProcess::default()))
     }
 
-    /// Opens the device for a flight; the camera's code in this process where none is named.
+    /// Opens the device for a flight, without a name the camera's code in this process.
     ///
     /// # Errors
     /// [`Failure`] where it cannot be opened.
@@ -81,7 +81,7 @@ impl DeviceArgs {
         Ok(self.opener().open_flying(name)?)
     }
 
-    /// Opens a device that may have records of a flight.
+    /// Opens a device that may hold records of a flight.
     ///
     /// # Errors
     /// [`Failure`] where none is named, and where it cannot be opened.
@@ -122,7 +122,7 @@ impl DeviceArgs {
         }
     }
 
-    /// What is meant for QEMU needs QEMU.
+    /// Checks that options for QEMU come with the device QEMU.
     fn check_options(&self, name: &DeviceName) -> Result<(), Failure> {
         let option = match self {
             Self {

@@ -1,4 +1,4 @@
-//! The exposure that several commands are asked for.
+//! The exposure that several commands take as arguments.
 
 use fmc_camera::flight::camera::FrameError;
 use fmc_camera::flight::exposure::{CorrectionModel, Exposure, FlightDirection};
@@ -13,7 +13,7 @@ use crate::device::DeviceError;
 use crate::failure::Failure;
 
 impl ExposureArgs {
-    /// Reads the camera file, and notes what of the request has no effect on this camera.
+    /// Reads the camera file, and prints a note on every option that has no effect on this camera.
     ///
     /// # Errors
     /// [`Failure`] of the camera file, or for the fitted model of a camera without one.
@@ -39,7 +39,7 @@ impl ExposureArgs {
         Ok(camera)
     }
 
-    /// What the camera is asked for.
+    /// Exposure that the camera is asked for.
     pub(super) fn exposure(&self) -> Exposure {
         Exposure {
             vh_per_s: single(self.vh),
@@ -59,7 +59,7 @@ impl ExposureArgs {
         }
     }
 
-    /// Which way the camera flies.
+    /// Direction of flight.
     pub(super) const fn direction(&self) -> FlightDirection {
         match self.direction {
             DirectionName::Forward => FlightDirection::Forward,
@@ -67,7 +67,7 @@ impl ExposureArgs {
         }
     }
 
-    /// What the reference is asked for.
+    /// Exposure that the reference is asked for.
     pub(super) fn request(&self) -> ExposureRequest {
         ExposureRequest {
             vh_per_s: self.vh,
@@ -82,7 +82,7 @@ impl ExposureArgs {
         }
     }
 
-    /// A refusal of the camera, with the option or the key that caused it.
+    /// Turns a refusal of the camera into a failure, with the option or the key that caused it.
     pub(super) fn refused(&self, error: &DeviceError) -> Failure {
         let file = self.camera.display();
         match error {

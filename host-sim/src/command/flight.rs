@@ -33,7 +33,7 @@ pub(super) fn run(args: &FlightArgs) -> Result<(), Failure> {
     Ok(())
 }
 
-/// report.html, summary.json, repetitions.csv and the figures.
+/// Writes report.html, summary.json, repetitions.csv and the figures.
 fn write_report(folder: &OutputFolder, experiment: &Experiment) -> Result<(), Failure> {
     let drawing = |error: FigureError| Failure::device_or_io(format!("figure: {error}"));
     let page = html::page(experiment)

@@ -32,7 +32,7 @@ pub(super) fn run(args: &FrameArgs) -> Result<(), Failure> {
     })
 }
 
-/// A frame record as users read it; units are in the names.
+/// Frame record as users read it; units are in the names.
 #[derive(Debug, Serialize)]
 struct FrameReport {
     camera: String,

@@ -1,4 +1,4 @@
-//! `mesh`: the mesh of a warp engine or a graphics processor, from the camera.
+//! `mesh`: the mesh for a warp engine or a graphics processor, computed by the camera.
 
 mod header;
 
@@ -18,9 +18,9 @@ use crate::formats::output::OutputFolder;
 /// Most vertices of a mesh: half a gigabyte of the longest words.
 const MAX_VERTICES: u64 = 1 << 26;
 
-/// Pixels of the vertices of TI's LDC: at most 2⁷.
+/// Largest spacing of the vertices of TI's LDC, pixels: 2⁷.
 const LARGEST_LDC_SPACING_PX: u16 = 128;
-/// Pixels of the vertices of the DW100.
+/// Spacing of the vertices of the DW100, pixels.
 const DW100_SPACING_PX: u16 = fmc_camera::geometry::mesh::format::uq12_4::SPACING_PX;
 
 pub(super) fn run(args: &MeshArgs) -> Result<(), Failure> {
@@ -44,14 +44,14 @@ pub(super) fn run(args: &MeshArgs) -> Result<(), Failure> {
     for (name, bytes) in &files {
         folder.write(name, |sink| sink.write_all(bytes))?;
     }
-    // The header comes last: where it is, the mesh is whole.
+    // The header is written last: if it exists, the mesh is complete.
     folder.write("mesh.json", |sink| {
         serde_json::to_writer_pretty(&mut *sink, &header)?;
         writeln!(sink)
     })
 }
 
-/// The spacing is one of the engine's.
+/// Checks that the engine supports the spacing.
 fn check_spacing(args: &MeshArgs) -> Result<(), Failure> {
     let spacing = args.spacing;
     let allowed = match args.format {
@@ -67,16 +67,16 @@ fn check_spacing(args: &MeshArgs) -> Result<(), Failure> {
     )))
 }
 
-/// What is told of a vertex.
+/// Meaning of a vertex's numbers.
 #[derive(Debug, Clone, Copy)]
 enum Content {
-    /// Where an output pixel comes from.
+    /// Source of an output pixel.
     Sources(MeshFormat),
-    /// Where a recorded pixel is to go.
+    /// Displacement of a recorded pixel.
     Corrections,
 }
 
-/// Where the vertices are.
+/// Places of the vertices.
 #[derive(Debug)]
 struct Layout {
     content: Content,
@@ -84,7 +84,7 @@ struct Layout {
     origin_px: [u32; 2],
     size_px: [u32; 2],
     source_px: [u32; 2],
-    /// Vertices along a row, and rows.
+    /// Vertices along a row, and number of rows.
     vertices: [u32; 2],
 }
 
@@ -160,7 +160,7 @@ impl Layout {
         })
     }
 
-    /// The requests of one row of vertices: each of as many as the link carries at once.
+    /// Returns the requests of one row of vertices, each as long as the link can carry.
     fn requests(&self, row: u32) -> impl Iterator<Item = VertexRow> {
         let spacing = u32::from(self.spacing_px);
         let [columns, _] = self.vertices;
@@ -178,7 +178,7 @@ impl Layout {
     }
 }
 
-/// All rows, from the camera.
+/// Fetches all rows from the camera.
 fn fetch(device: &mut dyn Device, layout: &Layout) -> Result<Vec<u8>, DeviceError> {
     let bar = ProgressBar::new(u64::from(layout.vertices[1]));
     if let Ok(style) = ProgressStyle::with_template("mesh {bar:40} {pos}/{len} rows, {eta}") {
@@ -200,14 +200,14 @@ fn fetch(device: &mut dyn Device, layout: &Layout) -> Result<Vec<u8>, DeviceErro
     Ok(mesh)
 }
 
-/// A correction as graphics processors read it.
+/// Bytes of a correction as graphics processors read it.
 fn stored(correction: &PixelCorrection) -> impl Iterator<Item = u8> + use<> {
     [correction.cols_px, correction.rows_px]
         .into_iter()
         .flat_map(f32::to_le_bytes)
 }
 
-/// A mesh that the camera refuses is the input's fault.
+/// Turns a refusal by the camera into a failure: the input is at fault.
 fn refused(error: MeshError, args: &MeshArgs) -> Failure {
     let text = format!("--format {}: {error}", args.format.name());
     let failure = Failure::bad_input(text);
@@ -221,7 +221,7 @@ fn refused(error: MeshError, args: &MeshArgs) -> Failure {
     }
 }
 
-/// The mesh as files.
+/// Returns the mesh as files: names and contents.
 fn files(format: MeshFormatName, mesh: Vec<u8>) -> Vec<(&'static str, Vec<u8>)> {
     if format != MeshFormatName::Opencv {
         return vec![("mesh.bin", mesh)];

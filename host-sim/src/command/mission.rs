@@ -74,7 +74,7 @@ pub(super) fn run(args: &MissionArgs) -> Result<(), Failure> {
     }
 }
 
-/// Everything is there before the first file is written.
+/// Writes the report. Figures and summaries are complete before the first file is written.
 fn write(out: &std::path::Path, report: &MissionReport<'_>) -> Result<(), Failure> {
     let drawing = |error: FigureError| Failure::device_or_io(format!("figure: {error}"));
     let page = html::page(report)
@@ -119,7 +119,7 @@ fn write(out: &std::path::Path, report: &MissionReport<'_>) -> Result<(), Failur
     Ok(())
 }
 
-/// One line on a terminal: frame, state, V/H, smear, time.
+/// Status line on a terminal: frame, state, V/H, smear, time.
 struct StatusLine {
     bar: ProgressBar,
     pixel_mm: f64,
@@ -128,7 +128,7 @@ struct StatusLine {
 impl StatusLine {
     fn new(scenario: &MissionScenario) -> Self {
         let bar = ProgressBar::new(u64::from(scenario.exposures()));
-        // What is too long for the terminal is cut off at its end, not wrapped.
+        // A line that is too long for the terminal is cut off at its end, not wrapped.
         if let Ok(style) = ProgressStyle::with_template("{bar:10} {pos}/{len} {wide_msg}") {
             bar.set_style(style);
         }

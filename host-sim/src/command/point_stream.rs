@@ -1,4 +1,5 @@
-//! Points from a file through a model into a file, with as much memory for many as for few.
+//! A stream of points from a file through a model into a file, in memory that does not grow with
+//! their number.
 
 use std::io::{self, IsTerminal as _};
 use std::path::Path;
@@ -23,7 +24,8 @@ pub(super) struct PointStream<'a> {
 }
 
 impl<'a> PointStream<'a> {
-    /// Opens the points and reads the first of them: what is wrong there is said before a device is asked.
+    /// Opens the points and reads the first of them, so that an error there is reported before a
+    /// device is asked.
     pub(super) fn open(
         files: &'a PointFiles,
         camera: &'a CameraFile,
@@ -66,7 +68,7 @@ impl<'a> PointStream<'a> {
             loop {
                 answers.clear();
                 answer(&source, &block, &mut answers)?;
-                // With a first block refused, nothing is written.
+                // Where the first block is refused, nothing is written.
                 if !begun {
                     writer.begin(sink)?;
                     begun = true;
@@ -85,7 +87,7 @@ impl<'a> PointStream<'a> {
     }
 }
 
-/// How far the file is read; nothing where a terminal shows the answers.
+/// Returns a bar of the bytes read; hidden where a terminal shows the answers.
 fn progress(source: &Source, into_file: bool) -> ProgressBar {
     if !into_file && io::stdout().is_terminal() {
         return ProgressBar::hidden();

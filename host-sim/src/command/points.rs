@@ -13,7 +13,7 @@ use crate::failure::Failure;
 use crate::formats::output;
 use crate::formats::points::{Answer, Block, Checked, Source};
 
-/// Which way the points go.
+/// Direction of the transformation.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) enum Direction {
     /// Measured -> ideal.
@@ -71,7 +71,7 @@ fn answer(corrected: &Corrected, direction: Direction, camera: &CameraFile) -> A
     let [x, y] = [corrected.point.x_mm, corrected.point.y_mm].map(f64::from);
     let point_mm = match direction {
         Direction::Correct => [x, y],
-        // An edge in single precision may lie beyond the edge by rounding.
+        // Rounding to single precision can put a point of the edge beyond the edge.
         Direction::Distort => {
             let [half_width, half_height] = camera.half_format_mm();
             [
@@ -86,7 +86,8 @@ fn answer(corrected: &Corrected, direction: Direction, camera: &CameraFile) -> A
     }
 }
 
-/// A point without a measured place is the input's fault; anything else the device's.
+/// Returns the failure of a point: the input is at fault where the point has no measured place,
+/// otherwise the device.
 fn point_failure(
     error: &DeviceError,
     source: &Source,

@@ -1,4 +1,4 @@
-//! `records`: takes what a camera has recorded.
+//! `records`: the records of a camera, fetched and stored.
 
 use std::io::Write;
 
@@ -9,11 +9,11 @@ use crate::cli::RecordsArgs;
 use crate::failure::Failure;
 use crate::formats::output::{self, OutputFolder};
 
-/// The files.
+/// Names of the files.
 const FILES: [&str; 2] = ["records.csv", "records.json"];
 
 pub(super) fn run(args: &RecordsArgs) -> Result<(), Failure> {
-    // What was acknowledged before is nowhere else any more.
+    // The camera forgets acknowledged records, so these files may hold the only copy.
     for name in FILES {
         let path = args.out.join(name);
         if path.exists() {
@@ -39,7 +39,7 @@ pub(super) fn run(args: &RecordsArgs) -> Result<(), Failure> {
         folder.write(name, |sink| sink.write_all(&bytes))?;
     }
     folder.sync()?;
-    // They are safe now, and only now.
+    // The records are on the disk only from here on.
     if let Some(last) = recorded.last() {
         device.are_safe(last.sequence)?;
     }

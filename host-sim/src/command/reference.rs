@@ -17,7 +17,7 @@ pub(super) fn run(args: &ReferenceArgs) -> Result<(), Failure> {
     let camera = request.read_camera()?;
     output::check_not_the_input(args.files.out.as_deref(), &request.camera)?;
     let points = PointStream::open(&args.files, &camera, Checked::OnSensor)?;
-    // The reference answers for what the camera would accept.
+    // The reference accepts only what the camera accepts.
     Camera::new(camera.record())
         .map_err(DeviceError::Calibration)
         .and_then(|checked| {

@@ -1,4 +1,4 @@
-//! `smear`: what the compensation leaves of the image motion.
+//! `smear`: the image motion that the compensation leaves.
 
 use std::io;
 
@@ -76,8 +76,8 @@ impl SmearArgs {
         ])
     }
 
-    /// The exposure for the V/H that the camera is told, as the other commands ask for it, so that it is refused in the
-    /// same words.
+    /// Returns the exposure for the V/H that the camera is told, in the form of the other commands,
+    /// so that it is refused in the same words.
     fn exposure_args(&self, told_vh_per_s: f64) -> ExposureArgs {
         ExposureArgs {
             camera: self.camera.clone(),

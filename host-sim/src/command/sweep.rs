@@ -32,7 +32,7 @@ pub(super) fn run(args: &SweepArgs) -> Result<(), Failure> {
             StrategyName::FromRest => Strategy::FromRest,
         });
     }
-    // What the camera refuses leaves no folder behind.
+    // An exposure that the camera refuses must leave no folder behind.
     let plan = Plan::new(&camera, options(args)).map_err(|error| refused(&error, args))?;
     let folder = OutputFolder::create(&args.out)?;
     let bar = progress();
@@ -81,7 +81,7 @@ fn progress() -> ProgressBar {
     bar
 }
 
-/// A refusal of the camera, with the option or the key that caused it.
+/// Turns a refusal of the camera into a failure, with the option or the key that caused it.
 fn refused(error: &SweepError, args: &SweepArgs) -> Failure {
     let file = args.camera.display();
     let SweepError::Frame { exposure, error } = error else {
@@ -110,7 +110,7 @@ fn refused(error: &SweepError, args: &SweepArgs) -> Failure {
     })
 }
 
-/// report.html, summary.json, coefficients.csv and the figure.
+/// Writes report.html, summary.json, coefficients.csv and the figure.
 fn write_report(folder: &OutputFolder, sweep: &Sweep) -> Result<(), Failure> {
     let failed = |what: &str, error: &dyn std::fmt::Display| {
         Failure::device_or_io(format!("{what}: {error}"))

@@ -1,4 +1,4 @@
-//! `verify`: the main job.
+//! `verify`: the comparison of cameras with the strict reference solver.
 
 use std::io;
 use std::path::Path;
@@ -31,7 +31,7 @@ pub(super) fn run(args: &VerifyArgs) -> Result<(), Failure> {
         write_report(&folder, &verification)?;
         eprintln!("report: {}", folder.path().join("report.html").display());
     }
-    // Behind everything else: its last line says where it ran.
+    // The table is printed last, because its last line names the device.
     output::write(None, |sink| {
         sink.write_all(table::text(&verification).as_bytes())
     })?;
@@ -88,7 +88,7 @@ fn verify(
     })
 }
 
-/// report.html, summary.json, frames.csv, and each camera's figures.
+/// Writes report.html, summary.json, frames.csv, and each camera's figures.
 fn write_report(folder: &OutputFolder, verification: &Verification) -> Result<(), Failure> {
     let drawing = |error: FigureError| Failure::device_or_io(format!("figure: {error}"));
     folder.write("summary.json", |sink| {
@@ -117,7 +117,7 @@ fn write_report(folder: &OutputFolder, verification: &Verification) -> Result<()
     Ok(())
 }
 
-/// A camera's name as part of a file name.
+/// Turns a camera's name into a part of a file name.
 fn file_name(name: &str) -> String {
     name.chars()
         .map(|c| {

@@ -1,4 +1,4 @@
-//! Many points of a frame at once, with the vectors of this PC.
+//! Batches of points of a frame, corrected with the vectors of this PC.
 
 use fmc_camera::geometry::evaluation_form::Displacement;
 use fmc_camera::geometry::frame_correction::{Corrected, FrameCorrection, Kernel};
@@ -21,19 +21,20 @@ impl PointBatch {
         Self(Batch::new(correction.coefficients(), terms))
     }
 
-    /// Whether every point is on the sensor, asked of the farthest alone: the sensor is centred on the origin.
+    /// Returns true if every point is on the sensor. Only the farthest is tested, as the sensor is
+    /// centred on the origin.
     pub(super) fn all_on_sensor(correction: &FrameCorrection, points: &[SensorPoint]) -> bool {
         let (mut farthest, mut numbers) = (SensorPoint::default(), true);
         for point in points {
             farthest.x_mm = farthest.x_mm.max(point.x_mm.abs());
             farthest.y_mm = farthest.y_mm.max(point.y_mm.abs());
-            // A maximum leaves a NaN out.
+            // `max` ignores NaN.
             numbers &= !(point.x_mm.is_nan() | point.y_mm.is_nan());
         }
         numbers && correction.contains(farthest)
     }
 
-    /// The measured points with their corrections, in order.
+    /// Returns the measured points with their corrections, in order.
     pub(super) fn corrected(&self, measured: &[SensorPoint]) -> Vec<Corrected> {
         let mut corrected = Vec::with_capacity(measured.len());
         let [mut x, mut y, mut ideal_x, mut ideal_y, mut dx, mut dy] = [[0.0; POINTS]; 6];

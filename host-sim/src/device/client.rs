@@ -23,42 +23,42 @@ use fmc_camera::io::link::message::{
 use super::link_error::{Heard, LinkError};
 use super::port::Port;
 
-/// How long an answer may take: the longest message is 11 ms on the wire at 921,600 baud, and the
-/// camera's longest work, showing a calibration to be one-to-one, takes it some milliseconds.
+/// Longest wait for an answer: the longest message is 11 ms on the wire at 921,600 baud, and the
+/// camera's longest work, showing a calibration to be one-to-one, takes some milliseconds.
 pub const ANSWER_WITHIN: Duration = Duration::from_secs(1);
 
-/// How often a request is sent before it is given up. One that was acted on is answered again from
-/// the camera's memory.
+/// Number of times a request is sent before it is given up. The camera answers a request that it
+/// has already obeyed from its memory.
 pub const TRIES: u32 = 5;
 
-/// What comes within a time limit.
+/// Result of listening within a time limit.
 #[allow(clippy::large_enum_variant, reason = "one at a time")]
 enum Listened {
-    /// Nothing that answers the request.
+    /// No answer to the request.
     Nothing,
     /// The answer.
     Answer(Answer),
-    /// An answer that this program does not know.
+    /// An answer of a kind that this program does not know.
     Unknown,
 }
 
 /// A conversation with a camera.
 ///
-/// Once a request has failed by anything but a refusal, what the camera has done is not known:
-/// every later one fails alike, until [`Self::connect`] opens another session.
+/// Once a request has failed by anything but a refusal, the camera's state is unknown: every later
+/// request fails alike, until [`Self::connect`] opens another session.
 #[derive(Debug)]
 pub struct Client<P> {
     port: P,
     receiver: FrameReceiver,
     last: Header,
     frame: Frame,
-    /// How often the last request was sent again.
+    /// Number of times the last request was repeated.
     repeats: u32,
     given_up: Option<LinkError>,
 }
 
 impl<P: Port> Client<P> {
-    /// A client before its first session.
+    /// Returns a client before its first session.
     #[must_use]
     pub const fn new(port: P) -> Self {
         Self {
@@ -77,7 +77,7 @@ impl<P: Port> Client<P> {
     /// Opens a session under a random number; it ends any other that the camera has open.
     ///
     /// # Errors
-    /// [`LinkError`], as every request.
+    /// [`LinkError`], as for every request.
     pub fn connect(&mut self) -> Result<Identity, LinkError> {
         self.given_up = None;
         self.last = Header {
@@ -111,7 +111,7 @@ impl<P: Port> Client<P> {
         self.frame_record(&Request::Expose(*exposure))
     }
 
-    /// The record of the current frame.
+    /// Returns the record of the current frame.
     ///
     /// # Errors
     /// [`LinkError::Refused`] where there is none.
@@ -151,7 +151,7 @@ impl<P: Port> Client<P> {
         }
     }
 
-    /// The distortion along a row of the sensor.
+    /// Returns the distortion along a row of the sensor.
     ///
     /// # Errors
     /// [`LinkError::Refused`] for a row that leaves the sensor.
@@ -165,7 +165,7 @@ impl<P: Port> Client<P> {
         }
     }
 
-    /// The digest of a grid of corrected points.
+    /// Returns the digest of a grid of corrected points.
     ///
     /// # Errors
     /// [`LinkError::Refused`] for a grid that leaves the sensor.
@@ -189,7 +189,7 @@ impl<P: Port> Client<P> {
         }
     }
 
-    /// Adds observations to the adjustment; how many points it has then.
+    /// Adds observations to the adjustment and returns its number of points.
     ///
     /// # Errors
     /// [`LinkError::Refused`] for an observation that is not believable.
@@ -201,7 +201,7 @@ impl<P: Port> Client<P> {
         }
     }
 
-    /// The coefficients of all observations so far.
+    /// Returns the coefficients of all observations so far.
     ///
     /// # Errors
     /// [`LinkError::Refused`] where they do not determine them.
@@ -212,7 +212,7 @@ impl<P: Port> Client<P> {
         }
     }
 
-    /// A row of a warp engine's mesh, as the engine stores it.
+    /// Returns a row of a warp engine's mesh, as the engine stores it.
     ///
     /// # Errors
     /// [`LinkError::Refused`] for a vertex without a source, or with one that the format does not hold.
@@ -226,7 +226,8 @@ impl<P: Port> Client<P> {
         }
     }
 
-    /// Where the vertices of a row of the recorded image are to be drawn, corrected - recorded.
+    /// Returns the displacements with which the vertices of a row of the recorded image are to be
+    /// drawn, corrected - recorded.
     ///
     /// # Errors
     /// [`LinkError::Refused`] for a vertex off the image.
@@ -240,10 +241,10 @@ impl<P: Port> Client<P> {
         }
     }
 
-    /// What the camera's end of the link has seen since it started.
+    /// Returns the counters that the camera's end of the link has kept since it started.
     ///
     /// # Errors
-    /// [`LinkError`], as every request.
+    /// [`LinkError`], as for every request.
     pub fn counters(&mut self) -> Result<Counters, LinkError> {
         match self.ask(&Request::Counters)? {
             Answer::Counters(counters) => Ok(counters),
@@ -251,11 +252,11 @@ impl<P: Port> Client<P> {
         }
     }
 
-    /// Starts the camera again; the session ends. Where the answer was lost, [`Identity::start`] tells at
-    /// the next connection whether it was done.
+    /// Starts the camera again; the session ends. If the answer was lost, [`Identity::start`] of
+    /// the next connection tells whether the reset was done.
     ///
     /// # Errors
-    /// [`LinkError`], as every request.
+    /// [`LinkError`], as for every request.
     pub fn reset(&mut self) -> Result<(), LinkError> {
         self.ending(&Request::Reset)
     }
@@ -274,7 +275,8 @@ impl<P: Port> Client<P> {
                 self.given_up = Some(LinkError::SessionEnded);
                 Ok(())
             }
-            // The answer was lost, and the repeat met a camera that had done it already.
+            // The answer was lost, and the repeated request met a camera that had already obeyed
+            // the first.
             Err(LinkError::SessionEnded | LinkError::Closed) if self.repeats > 0 => Ok(()),
             Ok(_) => Err(self.unexpected(request)),
             Err(error) => Err(error),
@@ -289,7 +291,7 @@ impl<P: Port> Client<P> {
         error
     }
 
-    /// The answer to a request; a refusal is an error.
+    /// Sends a request and returns its answer; a refusal is an error.
     pub(super) fn ask(&mut self, request: &Request) -> Result<Answer, LinkError> {
         if let Some(error) = self.given_up {
             return Err(error);
@@ -307,7 +309,8 @@ impl<P: Port> Client<P> {
         let unexpected = LinkError::Unexpected {
             request: name(request),
         };
-        // A number is never used twice: the camera would repeat what it answered to the first.
+        // Each sequence number is used once: to a number that it knows the camera repeats its
+        // earlier answer.
         self.last.sequence = self.last.sequence.wrapping_add(1);
         let header = self.last;
         request.write(header, &mut self.frame).ok_or(unexpected)?;
@@ -324,7 +327,7 @@ impl<P: Port> Client<P> {
                 Listened::Answer(Answer::Refused(Refusal::OtherSession)) => {
                     Err(LinkError::SessionEnded)
                 }
-                // It was not refused for what it asks: whether it was done is not known.
+                // Such a refusal does not tell whether the camera has obeyed the request.
                 Listened::Answer(Answer::Refused(
                     Refusal::OutOfOrder { .. } | Refusal::Unknown,
                 )) => Err(unexpected),
@@ -343,7 +346,7 @@ impl<P: Port> Client<P> {
         })
     }
 
-    /// The answer with this header.
+    /// Waits for the answer with this header.
     fn listen(
         &mut self,
         header: Header,
@@ -371,7 +374,7 @@ impl<P: Port> Client<P> {
                         }
                         return Ok(answer.map_or(Listened::Unknown, Listened::Answer));
                     }
-                    // Of an earlier session or request.
+                    // Answers to an earlier session or request.
                     Ok(_) | Err(Unreadable::NoHeader) => heard.others += 1,
                 }
             }
@@ -382,7 +385,7 @@ impl<P: Port> Client<P> {
     }
 }
 
-/// Whether a payload is that of the frame that was sent.
+/// Returns true if a payload is that of the frame that was sent.
 fn is_echo(payload: &[u8], frame: &[u8]) -> bool {
     let mut receiver = FrameReceiver::new();
     frame
@@ -390,7 +393,7 @@ fn is_echo(payload: &[u8], frame: &[u8]) -> bool {
         .any(|byte| matches!(receiver.receive(*byte), Some(Ok(sent)) if sent == payload))
 }
 
-/// What messages call a request.
+/// Name of a request in messages.
 const fn name(request: &Request) -> &'static str {
     match request {
         Request::Connect => "connect",

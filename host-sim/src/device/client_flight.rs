@@ -1,4 +1,4 @@
-//! What the PC asks a camera in flight.
+//! The client's requests to a camera in flight.
 
 use fmc_camera::flight::event::Event;
 use fmc_camera::flight::frame_record::FrameRecord;
@@ -24,7 +24,7 @@ impl<P: Port> Client<P> {
         }
     }
 
-    /// One round of the control loop on a test rig.
+    /// Runs one round of the control loop on a test rig.
     ///
     /// # Errors
     /// [`LinkError::Refused`] for a camera that has not been prepared, or is not on a rig.
@@ -36,7 +36,7 @@ impl<P: Port> Client<P> {
         }
     }
 
-    /// The oldest flight record with this number or a higher one, and its CRC-32.
+    /// Returns the oldest flight record with this number or a higher one, and its CRC-32.
     ///
     /// # Errors
     /// [`LinkError::Refused`] for a camera that has not been prepared.
@@ -48,7 +48,8 @@ impl<P: Port> Client<P> {
         }
     }
 
-    /// Flight records up to this number are safe; how many are left.
+    /// Tells the camera that flight records up to this number are stored; returns how many are
+    /// left.
     ///
     /// # Errors
     /// [`LinkError::Refused`] for a camera that has not been prepared.
@@ -60,7 +61,7 @@ impl<P: Port> Client<P> {
         }
     }
 
-    /// What a camera in flight is doing.
+    /// Returns the status of a camera in flight.
     ///
     /// # Errors
     /// [`LinkError::Refused`] for a camera that has not been prepared.
@@ -71,7 +72,8 @@ impl<P: Port> Client<P> {
         }
     }
 
-    /// Makes the frame exposed last in flight the current one; its number and interior orientation.
+    /// Makes the frame exposed last in flight the current one; returns its number and interior
+    /// orientation.
     ///
     /// # Errors
     /// [`LinkError::Refused`] where there is none.
@@ -85,8 +87,8 @@ impl<P: Port> Client<P> {
     /// Tells a camera that something happens now.
     ///
     /// # Errors
-    /// [`LinkError::Refused`] for a camera that has not been prepared, or is on a rig, and for an event that is none to
-    /// be told.
+    /// [`LinkError::Refused`] for a camera that has not been prepared or is on a rig, and for an
+    /// event that it takes from its own inputs alone.
     pub fn tell(&mut self, event: Event) -> Result<(), LinkError> {
         let request = Request::Tell(event);
         match self.ask(&request)? {

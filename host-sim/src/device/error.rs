@@ -1,4 +1,4 @@
-//! How a device fails.
+//! Errors of a device.
 
 use std::fmt;
 
@@ -15,13 +15,13 @@ use fmc_reference::verification::device::CorrectionFailure;
 
 use super::link_error::LinkError;
 
-/// A device did not do what it was asked for.
+/// A failure of a device to do what it was asked for.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
 pub enum DeviceError {
-    /// It refuses the calibration.
+    /// The device refuses the calibration.
     #[error("the camera refuses the calibration: {0}")]
     Calibration(CalibrationError),
-    /// It refuses the exposure.
+    /// The device refuses the exposure.
     #[error("the camera refuses the exposure: {0}")]
     Frame(FrameError),
     /// A point of a batch has no measured point.
@@ -29,7 +29,7 @@ pub enum DeviceError {
     Distort {
         /// Index in the batch.
         index: usize,
-        /// Why.
+        /// Reason.
         error: DistortError,
     },
     /// A measured point of a batch is off the sensor.
@@ -41,7 +41,7 @@ pub enum DeviceError {
     /// A vertex of a mesh is off the image, has no source, or one that the format does not hold.
     #[error(transparent)]
     Mesh(MeshError),
-    /// It answered more or fewer points than it was asked.
+    /// The device answered more or fewer points than it was asked for.
     #[error("the camera was asked for {asked} points and answered {answered}")]
     Count {
         /// Points asked for.
@@ -49,13 +49,13 @@ pub enum DeviceError {
         /// Points answered.
         answered: usize,
     },
-    /// Points before the first exposure.
+    /// Points were given before the first exposure.
     #[error("the camera has not been exposed yet")]
     NoFrame,
-    /// A flight before it has been prepared.
+    /// A flight was begun before the camera was prepared.
     #[error("the camera has not been prepared for flight")]
     NotPrepared,
-    /// It refuses how it is to be flown.
+    /// The device refuses the settings of the flight.
     #[error("the camera refuses the flight's settings: {0}")]
     Settings(SettingOutOfRange),
     /// Records of the flight before would be lost.
@@ -63,27 +63,27 @@ pub enum DeviceError {
         "the camera still has {0} records of an earlier flight; fetch them with `host-sim records`"
     )]
     RecordsKept(u32),
-    /// It cannot be talked to.
+    /// The link to the device has failed.
     #[error("{device}: {error}")]
     Link {
-        /// As the command line names it.
+        /// Device, as the command line names it.
         device: String,
-        /// Why.
+        /// Reason.
         error: LinkError,
     },
-    /// The machine it runs on has ended or stopped.
+    /// The machine on which the device runs has ended or stopped.
     #[error("{0}")]
     Machine(String),
-    /// It does not compute what its own code computes on this PC.
+    /// A result of the device differs from that of its own code on this PC.
     #[error(transparent)]
     Different(Box<Difference>),
 }
 
 impl DeviceError {
-    /// Every point has its answer.
+    /// Checks that every point has its answer.
     ///
     /// # Errors
-    /// [`DeviceError::Count`] where it has not.
+    /// [`DeviceError::Count`] where one has none.
     pub const fn check_count(asked: usize, answered: usize) -> Result<(), Self> {
         if asked == answered {
             Ok(())
@@ -103,12 +103,12 @@ impl CorrectionFailure for DeviceError {
     }
 }
 
-/// Where a camera differs from its twin, the same code on this PC.
+/// A difference between a camera and its twin, the same code on this PC.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Difference {
     /// The exposure; `None` while a calibration is loaded.
     pub exposure: Option<Exposure>,
-    /// What differs.
+    /// The result that differs.
     pub result: DifferentResult,
 }
 
@@ -117,9 +117,9 @@ pub struct Difference {
 pub enum DifferentResult {
     /// Digests of the calibration in use.
     Calibration {
-        /// The camera's.
+        /// Digest in use at the camera.
         camera: u32,
-        /// Of what was sent.
+        /// Digest of the calibration that was sent.
         twin: u32,
     },
     /// One refuses what the other accepts, or for another reason; `None` where it accepts.
@@ -142,12 +142,12 @@ pub enum DifferentResult {
         index: usize,
         /// The point that was given.
         given: SensorPoint,
-        /// What the camera makes of it.
+        /// Result of the camera.
         camera: Corrected,
-        /// What the twin does.
+        /// Result of the twin.
         twin: Corrected,
     },
-    /// What is done in a round of the control loop, or a flight record.
+    /// Actions of a round of the control loop, or flight records.
     Round {
         /// The camera's.
         camera: String,
@@ -156,10 +156,10 @@ pub enum DifferentResult {
     },
     /// A row of a mesh.
     Mesh {
-        /// Which row.
+        /// The row.
         row: VertexRow,
     },
-    /// Digests of a grid whose points are all the same.
+    /// Digests of a grid whose points are all equal.
     Digest {
         /// The camera's.
         camera: u32,

@@ -11,28 +11,28 @@ use fmc_camera::io::link::station::{Event, Station};
 
 use super::port::Port;
 
-/// What happens to a frame on its way, in either direction.
+/// Fault of a frame on its way, in either direction.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) enum Fault {
-    /// Nothing.
+    /// No fault.
     None,
-    /// It is lost.
+    /// The frame is lost.
     Lost,
-    /// The byte at this place, counted round and round, is changed by these bits.
+    /// The byte at this index, modulo the length of the frame, has these bits inverted.
     Corrupted { at: usize, bits: u8 },
     /// Only the first bytes arrive: this share of 256.
     Truncated(u8),
-    /// It arrives twice.
+    /// The frame arrives twice.
     Duplicated,
-    /// It arrives after so many time limits.
+    /// The frame arrives after so many time limits.
     Delayed(u8),
-    /// It arrives twice, the second time after so many time limits.
+    /// The frame arrives twice, the second time after so many time limits.
     Echoed(u8),
-    /// The camera starts again before it arrives.
+    /// The camera restarts before the frame arrives.
     Restart,
 }
 
-/// Camera, wire, and the PCs on it; every PC hears every answer.
+/// Camera, wire and the PCs on it; every PC receives every answer.
 #[derive(Debug)]
 struct Wire {
     station: Station,
@@ -57,7 +57,8 @@ fn station(start: Start) -> Station {
 }
 
 impl FaultyPort {
-    /// A port to a camera that has just been switched on; what the faults leave over is in order.
+    /// Returns a port to a camera that has just been switched on. The faults apply to one frame
+    /// each; all later frames are undisturbed.
     pub(super) fn new(faults: impl IntoIterator<Item = Fault>) -> Self {
         let wire = Wire {
             station: station(Start::PowerOn),
@@ -75,7 +76,7 @@ impl FaultyPort {
         }
     }
 
-    /// Another PC on the same wire.
+    /// Returns the port of another PC on the same wire.
     pub(super) fn another(&self) -> Self {
         let mut wire = self.wire.lock().unwrap();
         wire.inboxes.push(VecDeque::new());
@@ -85,34 +86,34 @@ impl FaultyPort {
         }
     }
 
-    /// Faults from now on.
+    /// Replaces the faults of the frames to come.
     pub(super) fn set_faults(&self, faults: impl IntoIterator<Item = Fault>) {
         self.wire.lock().unwrap().faults = faults.into_iter().collect();
     }
 
-    /// The other end closes the port.
+    /// Closes the port from the other end.
     pub(super) fn close(&self) {
         self.wire.lock().unwrap().closed = true;
     }
 
-    /// The camera starts again.
+    /// Restarts the camera.
     pub(super) fn restart(&self) {
         self.wire.lock().unwrap().station = station(Start::Watchdog);
     }
 
-    /// The camera's answers are changed by this before they are put into frames.
+    /// Applies this change to the camera's answers before they are put into frames.
     pub(super) fn tamper(&self, change: fn(&mut Answer)) {
         self.wire.lock().unwrap().change = change;
     }
 
-    /// Bytes to the camera as another program would send them.
+    /// Sends bytes to the camera, as another program on the wire would.
     pub(super) fn inject(&self, bytes: &[u8]) {
         self.wire.lock().unwrap().camera_receives(bytes);
     }
 }
 
 impl Wire {
-    /// Puts a frame on its way: when and what arrives.
+    /// Puts a frame on its way; returns what arrives, and when.
     fn on_the_way(&mut self, mut bytes: Vec<u8>) -> Vec<(u32, Vec<u8>)> {
         let now = self.now;
         match self.faults.pop_front().unwrap_or(Fault::None) {
@@ -172,7 +173,7 @@ impl Wire {
     }
 }
 
-/// A frame with the answer in it changed.
+/// Returns a frame whose answer has been changed.
 fn changed(frame: &[u8], change: fn(&mut Answer)) -> Vec<u8> {
     let mut receiver = FrameReceiver::new();
     for byte in frame {
@@ -201,7 +202,7 @@ impl Port for FaultyPort {
             *to = from;
         }
         if count == 0 {
-            // The time limit passes.
+            // The time limit has passed.
             wire.now += 1;
         }
         Ok(count)

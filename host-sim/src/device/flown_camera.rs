@@ -1,4 +1,4 @@
-//! A camera that moves a stage of its own: its time and its events are not this program's.
+//! A camera that moves its own stage, in real time and with real events.
 
 use fmc_camera::flight::camera::CameraRecord;
 use fmc_camera::flight::event::Event;
@@ -11,26 +11,26 @@ use super::{CorrectingDevice, DeviceError};
 
 /// A camera on a board.
 pub trait FlownCamera {
-    /// Gives it calibration and settings; it is in standby.
+    /// Sends calibration and settings; the camera is in standby afterwards.
     ///
     /// # Errors
-    /// [`DeviceError`] where it refuses them, or still has records that nobody has fetched.
+    /// [`DeviceError`] where it refuses them, or still has records that have not been fetched.
     fn prepare(
         &mut self,
         camera: &CameraRecord,
         settings: &FlightSettings,
     ) -> Result<(), DeviceError>;
 
-    /// Something happens, now.
+    /// Tells the camera that something happens now.
     ///
     /// # Errors
-    /// [`DeviceError`] where it refuses to be told, as one on a test rig does.
+    /// [`DeviceError`] where it refuses the event, as a camera on a test rig does.
     fn tell(&mut self, event: Event) -> Result<(), DeviceError>;
 
-    /// What it is doing.
+    /// Returns the camera's status.
     ///
     /// # Errors
-    /// [`DeviceError::NotPrepared`] before it is.
+    /// [`DeviceError::NotPrepared`] before the camera is prepared.
     fn status(&mut self) -> Result<Status, DeviceError>;
 }
 

@@ -12,7 +12,7 @@ use fmc_camera::io::link::digest;
 use super::{DeviceError, FlyingDevice, InProcess};
 
 impl InProcess {
-    /// As [`FlyingDevice::prepare`], for a camera that has come to run in a certain way.
+    /// Prepares the camera as [`FlyingDevice::prepare`] does, after a given kind of start.
     pub(super) fn prepare_after(
         &mut self,
         start: Start,

@@ -1,4 +1,4 @@
-//! The firmware's image: found, or built.
+//! The firmware's image, found or built.
 
 use std::env;
 use std::fs;
@@ -8,27 +8,27 @@ use std::process::{Command, Stdio};
 
 use super::open::OpenError;
 
-/// Names the image where `--firmware` does not.
+/// Environment variable that names the image where `--firmware` does not.
 pub const VARIABLE: &str = "FMC_FIRMWARE";
 
-/// How to get an image.
+/// Advice on getting an image.
 const HELP: &str = "build it in the workspace with `cargo xtask firmware`, or name one with \
                     --firmware FILE or the variable FMC_FIRMWARE";
 
 /// An image of the firmware for QEMU's boards.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Image {
-    /// Where it is.
+    /// Path of the file.
     pub path: PathBuf,
-    /// What it holds, symbols included.
+    /// Content of the file, symbols included.
     pub elf: Vec<u8>,
 }
 
 impl Image {
-    /// The image that the user named; else that beside this program; else one that is built now.
+    /// Finds the image that the user named, else that beside this program, else builds one.
     ///
     /// # Errors
-    /// [`OpenError::Image`] for a file that is no firmware; [`OpenError::NotHere`] where there is
+    /// [`OpenError::Image`] for a file that is not firmware; [`OpenError::NotHere`] where there is
     /// none and none can be built.
     pub fn find(named: Option<&Path>) -> Result<Self, OpenError> {
         let variable = env::var_os(VARIABLE).filter(|value| !value.is_empty());
@@ -86,16 +86,17 @@ impl Image {
     }
 }
 
-/// Magic number, class (32 bits), byte order (little) and machine (40, ARM) of the ELF header.
+/// Tests magic number, class (32 bits), byte order (little) and machine (40, ARM) of the ELF
+/// header.
 fn is_elf_for_arm(bytes: &[u8]) -> bool {
     bytes.starts_with(b"\x7fELF\x01\x01") && bytes.get(18..20) == Some(&[40, 0])
 }
 
-/// Cargo's target directory, if this program is in it: `<target>/release/host-sim`.
+/// Returns Cargo's target directory if this program is in it: `<target>/release/host-sim`.
 pub(super) fn target_dir() -> Option<PathBuf> {
     let program = env::current_exe().ok()?;
     let dir = program.parent()?.parent()?;
-    // Cargo marks its directories so.
+    // Cargo marks its target directories with this file.
     dir.join("CACHEDIR.TAG").is_file().then(|| dir.to_owned())
 }
 
@@ -108,7 +109,7 @@ fn build(workspace: &Path, target_dir: Option<&Path>) -> io::Result<()> {
         .args(["xtask", "firmware"])
         .current_dir(workspace)
         .stdin(Stdio::null())
-        // Standard output is this program's answer.
+        // Standard output is reserved for this program's answer.
         .stdout(Stdio::null());
     if let Some(dir) = target_dir {
         command.env("CARGO_TARGET_DIR", dir);

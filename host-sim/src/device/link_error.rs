@@ -1,16 +1,16 @@
-//! How a conversation with a camera fails.
+//! Errors of a conversation with a camera.
 
 use std::io;
 
 use fmc_camera::io::link::PROTOCOL_VERSION;
 use fmc_camera::io::link::message::Refusal;
 
-/// What arrived while an answer was waited for.
+/// Data that arrived during the wait for an answer.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub struct Heard {
-    /// All bytes.
+    /// Number of all bytes.
     pub bytes: usize,
-    /// Whole messages that belong to another conversation.
+    /// Number of whole messages that belong to another conversation.
     pub others: usize,
 }
 
@@ -26,53 +26,53 @@ impl std::fmt::Display for Heard {
     }
 }
 
-/// A request has no usable answer.
+/// An error of a request.
 #[derive(Debug, Clone, Copy, PartialEq, thiserror::Error)]
 pub enum LinkError {
-    /// It was sent so many times.
+    /// No answer came after so many tries.
     #[error("no answer to \"{request}\" after {tries} tries: {heard}")]
     NoAnswer {
-        /// What was asked.
+        /// Request.
         request: &'static str,
-        /// How often.
+        /// Number of tries.
         tries: u32,
-        /// What came instead.
+        /// Data that came instead.
         heard: Heard,
     },
-    /// The camera speaks this version of the protocol.
+    /// The camera uses this version of the protocol.
     #[error(
         "the camera speaks version {0} of the protocol, this program version {PROTOCOL_VERSION}"
     )]
     OtherProtocol(u8),
-    /// The camera knows nothing of the session.
+    /// The camera does not know the session.
     #[error(
         "the session has ended: another host has connected to the camera, or the camera has restarted"
     )]
     SessionEnded,
-    /// The port closed.
+    /// The port was closed.
     #[error("the port closed")]
     Closed,
-    /// The system reports an error of the port.
+    /// The operating system reports an error of the port.
     #[error("the port fails: {0}")]
     Port(io::ErrorKind),
-    /// The request itself came back.
+    /// The request itself was received back.
     #[error("what is sent comes back: an echo, not a camera")]
     Echo,
-    /// An answer to something else.
+    /// The answer is to something else.
     #[error("the answer to \"{request}\" is none")]
     Unexpected {
-        /// What was asked.
+        /// Request.
         request: &'static str,
     },
-    /// A flight record is not the one that the camera made.
+    /// A flight record differs from the one that the camera made.
     #[error("flight record {0} does not have its CRC")]
     RecordCrc(u32),
-    /// The camera refuses.
+    /// The camera refuses the request.
     #[error("the camera refuses \"{request}\": {refusal}")]
     Refused {
-        /// What was asked.
+        /// Request.
         request: &'static str,
-        /// Why.
+        /// Reason.
         refusal: Refusal,
     },
 }

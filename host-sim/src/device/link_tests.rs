@@ -1,4 +1,4 @@
-//! The link under faults: every result right, or an error.
+//! Tests of the link under faults: every result is right, or an error.
 
 use fmc_camera::flight::camera::{CameraRecord, FrameError};
 use fmc_camera::flight::exposure::Exposure;
@@ -55,7 +55,7 @@ const VERTICES: VertexRow = VertexRow {
 
 const EXPOSURE: Exposure = Exposure::new(0.1, 0.005);
 
-/// A camera that has been exposed, on a wire that has been in order so far.
+/// Returns a camera that has been exposed, on a wire without faults so far.
 fn exposed() -> (Remote<FaultyPort>, FaultyPort) {
     let port = FaultyPort::new([]);
     let mut remote = Remote::connect("test", port.clone()).unwrap();
@@ -104,7 +104,7 @@ fn remote_camera_answers_what_the_one_in_process_does() {
     let refused = remote.corrections(&off_image);
     assert!(matches!(refused, Err(DeviceError::Mesh(_))), "{refused:?}");
     assert_eq!(refused, twin.corrections(&off_image));
-    // A refusal is the same, too.
+    // A refusal differs in no bit either.
     let before = VertexRow {
         origin_px: [900, 0],
         ..VERTICES
@@ -155,7 +155,7 @@ fn refusals_arrive_with_their_reason_and_place() {
             ..
         }
     ));
-    // A refusal is no end.
+    // The session continues after a refusal.
     remote.correct(&points(100)).unwrap();
     assert_eq!(remote.counters().unwrap().unwrap().wrong_crc, 0);
 }
@@ -309,7 +309,7 @@ fn second_host_takes_the_session_and_the_first_is_told() {
         link_error(first.correct(&points(3))),
         LinkError::SessionEnded
     );
-    // The calibration is the camera's, the frame was the first host's.
+    // The calibration belongs to the camera and stays; the frame belonged to the first host.
     assert_eq!(second.correct(&points(3)), Err(DeviceError::NoFrame));
     second.load(&camera()).unwrap();
     second.expose(&EXPOSURE).unwrap();
@@ -350,7 +350,7 @@ fn request_is_given_up_after_the_documented_tries_and_nothing_follows() {
         panic!();
     };
     assert_eq!((tries, heard.bytes), (TRIES, 0));
-    // The wire is in order again, but what the camera did meanwhile is not known.
+    // The wire is free of faults again, but what the camera did meanwhile is not known.
     assert!(matches!(
         link_error(remote.record()),
         LinkError::NoAnswer { .. }
@@ -364,7 +364,7 @@ fn request_is_given_up_after_the_documented_tries_and_nothing_follows() {
 fn lost_answer_is_given_again_without_acting_twice() {
     let (mut remote, port) = exposed();
     let before = remote.counters().unwrap().unwrap();
-    // Request through, answer lost; twice.
+    // The request arrives and the answer is lost, twice.
     port.set_faults([Fault::None, Fault::Lost, Fault::None, Fault::Lost]);
     remote.correct(&points(10)).unwrap();
     let after = remote.counters().unwrap().unwrap();
@@ -387,7 +387,7 @@ fn late_answers_of_an_earlier_session_are_ignored() {
 #[test]
 fn connect_after_a_host_that_died_in_the_middle_of_a_batch() {
     let (_, port) = exposed();
-    // Half a frame, and nobody who sends the rest.
+    // Half a frame, whose rest never comes.
     port.inject(&[0, 200, 1, 2, 3, 4, 5, 6, 7, 8]);
     let mut next = Remote::connect("next", port.clone()).unwrap();
     next.load(&camera()).unwrap();
@@ -456,8 +456,8 @@ proptest! {
                     );
                     prop_assert_eq!(answers, expected);
                 }
-                // The camera is in order: whatever the wire does, its answers are not taken for
-                // others, nor others for its.
+                // Faults of the wire may end the session, but no answer may be taken for that to
+                // another request.
                 Err(DeviceError::Link { .. } | DeviceError::NoFrame) => {
                     let _ = remote.reconnect();
                 }

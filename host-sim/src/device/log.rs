@@ -1,4 +1,4 @@
-//! The firmware's log, decoded as it comes.
+//! The firmware's log, decoded while it arrives.
 
 mod line;
 mod table;
@@ -10,10 +10,10 @@ use std::thread::{self, JoinHandle};
 
 use table::Table;
 
-/// Lines that are kept for a report of what went wrong.
+/// Number of lines that are kept for an error report.
 pub const KEPT: usize = 20;
 
-/// The last lines of something that runs.
+/// The last lines of a program's output.
 #[derive(Debug, Clone, Default)]
 pub struct LastLines {
     lines: Arc<Mutex<VecDeque<String>>>,
@@ -29,7 +29,7 @@ impl LastLines {
         lines.push_back(line);
     }
 
-    /// The lines, oldest first.
+    /// Returns the lines, oldest first.
     #[must_use]
     pub fn all(&self) -> Vec<String> {
         let lines = self.lines.lock().unwrap_or_else(PoisonError::into_inner);
@@ -37,8 +37,8 @@ impl LastLines {
     }
 }
 
-/// The format strings of an image's log whose arguments are not shown; `None` where it has no
-/// format strings.
+/// Returns the format strings of an image's log whose arguments are not shown; `None` where the
+/// image has no format strings.
 #[must_use]
 pub fn formats_not_shown(elf: &[u8]) -> Option<Vec<String>> {
     let table = Table::parse(elf)?;
@@ -49,14 +49,14 @@ pub fn formats_not_shown(elf: &[u8]) -> Option<Vec<String>> {
 }
 
 /// Decodes a log until it ends; `print` shows the lines on the error stream as they come. The
-/// thread ends with the wire.
+/// thread ends when the wire is closed.
 pub fn follow(
     mut wire: impl Read + Send + 'static,
     elf: &[u8],
     print: bool,
 ) -> (LastLines, JoinHandle<()>) {
     let lines = LastLines::default();
-    // Without the table there is a log, but nobody can read it.
+    // Without the table the log cannot be decoded; it is read and dropped.
     let table = Table::parse(elf);
     let kept = lines.clone();
     let thread = thread::spawn(move || {
@@ -77,11 +77,11 @@ pub fn follow(
                     frame.push(*byte);
                     continue;
                 }
-                // Zeros stand between frames, one or more.
+                // Frames are separated by one or more zeros.
                 if frame.is_empty() {
                     continue;
                 }
-                // A restart cuts a frame short; the next one is whole.
+                // A restart cuts a frame short; the next frame is whole.
                 let line = line::decode(table, &frame)
                     .unwrap_or_else(|| "(a line of the log is unreadable)".to_owned());
                 frame.clear();
@@ -129,7 +129,7 @@ mod tests {
             wire.extend(rzcobs::encode(&[1, 0, number]));
             wire.extend([0, 0]);
         }
-        // Cut short by a restart, and a frame that has not ended yet.
+        // A frame cut short by a restart, and a frame that has not ended yet.
         wire.extend([0x80, 0]);
         wire.extend(rzcobs::encode(&[1, 0, 7]));
         let expected = [

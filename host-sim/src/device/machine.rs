@@ -1,4 +1,4 @@
-//! The process of QEMU: started, watched and ended.
+//! The process of QEMU: its start, its output and its end.
 
 use std::env;
 use std::ffi::OsString;
@@ -15,19 +15,20 @@ use super::image;
 use super::log::LastLines;
 use super::name::Machine;
 
-/// The program.
+/// Name of the program.
 pub const PROGRAM: &str = "qemu-system-arm";
 
-/// How long QEMU may take to come up and connect: a second on an idle machine.
+/// Longest time until QEMU has started and connected; it takes a second on an idle machine.
 const UP_WITHIN: Duration = Duration::from_secs(20);
 
-/// How long it may take to end once the firmware has switched it off.
+/// Longest time until QEMU has ended after the firmware has switched it off.
 const DOWN_WITHIN: Duration = Duration::from_secs(2);
 
-/// Ends a process with the one that started it, even if that is killed (util-linux).
+/// Program that ends a process together with the one that started it, even if that is killed
+/// (util-linux).
 const SETPRIV: &str = "/usr/bin/setpriv";
 
-/// A running QEMU. It ends with this value.
+/// A running QEMU, which ends when this value is dropped.
 #[derive(Debug)]
 pub struct Process {
     child: Child,
@@ -46,7 +47,8 @@ pub struct Started {
     pub log: TcpStream,
 }
 
-/// The program on the search path, or else that which `cargo xtask` has fetched into this program's target directory.
+/// Returns the program on the search path, or else the one that `cargo xtask` has fetched into this
+/// program's target directory.
 #[must_use]
 pub fn find() -> Option<PathBuf> {
     let fetched = image::target_dir().map(|target| target.join("tools/qemu/bin"));
@@ -61,7 +63,7 @@ pub fn find() -> Option<PathBuf> {
 /// Starts a machine with an image.
 ///
 /// # Errors
-/// What went wrong, with whatever QEMU said, in words.
+/// The reason, with the output of QEMU, in words.
 pub fn start(program: &Path, machine: Machine, image: &Path) -> Result<Started, String> {
     let system = |error: io::Error| format!("QEMU cannot be started: {error}");
     let link = listener().map_err(system)?;
@@ -70,7 +72,7 @@ pub fn start(program: &Path, machine: Machine, image: &Path) -> Result<Started, 
     command
         .args(["-M", machine.qemu_name()])
         .args(["-display", "none", "-monitor", "none"])
-        // One instruction takes 1 ns of virtual time: runs repeat exactly.
+        // One instruction takes 1 ns of virtual time, so that runs repeat exactly.
         .args(["-icount", "shift=0"])
         .args(["-semihosting-config", "enable=on,target=native"])
         .args(uart("link", &link).map_err(system)?)
@@ -103,7 +105,7 @@ pub fn start(program: &Path, machine: Machine, image: &Path) -> Result<Started, 
     Ok(Started { process, link, log })
 }
 
-/// The command that runs `program` so that it does not outlive this process.
+/// Returns the command that runs `program` so that it does not outlive this process.
 fn command(program: &Path) -> Command {
     if Path::new(SETPRIV).is_file() {
         let mut command = Command::new(SETPRIV);
@@ -114,14 +116,14 @@ fn command(program: &Path) -> Command {
     }
 }
 
-/// A listener on a port of the system's choice; it does not block.
+/// Opens a listener on a port of the system's choice; it does not block.
 fn listener() -> io::Result<TcpListener> {
     let listener = TcpListener::bind((Ipv4Addr::LOCALHOST, 0))?;
     listener.set_nonblocking(true)?;
     Ok(listener)
 }
 
-/// Arguments that join the next UART to a listener.
+/// Returns the arguments that connect the next UART to a listener.
 fn uart(name: &str, listener: &TcpListener) -> io::Result<[OsString; 4]> {
     let port = listener.local_addr()?.port();
     Ok([
@@ -133,7 +135,7 @@ fn uart(name: &str, listener: &TcpListener) -> io::Result<[OsString; 4]> {
 }
 
 impl Process {
-    /// QEMU's connection to a listener.
+    /// Waits for QEMU's connection to a listener.
     fn accept(&mut self, listener: &TcpListener, deadline: Instant) -> Result<TcpStream, String> {
         loop {
             match listener.accept() {
@@ -161,13 +163,13 @@ impl Process {
         }
     }
 
-    /// The system's number of it.
+    /// The operating system's number of the process.
     #[must_use]
     pub fn id(&self) -> u32 {
         self.child.id()
     }
 
-    /// How it ended, if it has, or does within a moment.
+    /// Returns how the process ended, if it has ended or does so within a moment.
     #[must_use]
     pub fn end(&mut self) -> Option<String> {
         let status = self.child.wait_timeout(Duration::from_millis(300)).ok()??;
@@ -175,19 +177,19 @@ impl Process {
     }
 
     fn ended(&mut self, status: ExitStatus, when: &str) -> String {
-        // The pipe has an end now.
+        // The process has ended, so its pipe ends and the thread can be joined.
         if let Some(thread) = self.stderr_thread.take() {
             let _ = thread.join();
         }
         format!("QEMU ended {when}: {status}{}", self.said())
     }
 
-    /// What it said on its error stream.
+    /// The output on the error stream.
     fn said(&self) -> String {
         indented("its error stream", &self.stderr.all())
     }
 
-    /// Waits until it has ended by itself, and ends it where it does not.
+    /// Waits until the process has ended by itself, and kills it if it does not.
     pub fn wait_or_kill(&mut self) {
         if let Ok(Some(_)) = self.child.wait_timeout(DOWN_WITHIN) {
             return;
@@ -196,7 +198,7 @@ impl Process {
     }
 
     fn kill(&mut self) {
-        // It may have ended by itself.
+        // `kill` fails if the process has ended by itself.
         let _ = self.child.kill();
         let _ = self.child.wait();
     }
@@ -208,7 +210,7 @@ impl Drop for Process {
     }
 }
 
-/// Lines under a heading, for the end of an error; nothing where there are none.
+/// Returns lines under a heading, for the end of an error; an empty text without lines.
 pub(super) fn indented(heading: &str, lines: &[String]) -> String {
     if lines.is_empty() {
         return String::new();

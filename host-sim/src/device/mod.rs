@@ -1,4 +1,4 @@
-//! The camera as host-sim sees it, wherever it runs.
+//! The camera as host-sim uses it, on every kind of device.
 
 mod batch;
 pub mod client;
@@ -41,7 +41,7 @@ pub use open::{OpenError, Opener};
 pub use record_source::RecordSource;
 pub use sil::InProcess;
 
-/// A camera that can be given a calibration, exposed, and asked for whatever depends on the
+/// A camera that can be given a calibration, exposed, and asked for results that depend on the
 /// exposure.
 pub trait Device: CorrectingDevice<Error = DeviceError> {
     /// Distorts ideal points of the current frame, in order.
@@ -51,16 +51,17 @@ pub trait Device: CorrectingDevice<Error = DeviceError> {
     /// point that has no measured point.
     fn distort(&mut self, ideal: &[SensorPoint]) -> Result<Vec<Corrected>, DeviceError>;
 
-    /// A row of a warp engine's mesh for the current frame, as the engine stores it; at most
-    /// [`MAX_POINTS`](fmc_camera::io::link::MAX_POINTS) vertices.
+    /// Returns a row of a warp engine's mesh for the current frame, as the engine stores it; at
+    /// most [`MAX_POINTS`](fmc_camera::io::link::MAX_POINTS) vertices.
     ///
     /// # Errors
     /// [`DeviceError::NoFrame`] before the first exposure; [`DeviceError::Mesh`] for the first vertex without a
     /// source, or with one that the format does not hold.
     fn mesh(&mut self, row: &VertexRow, format: MeshFormat) -> Result<Vec<u8>, DeviceError>;
 
-    /// Where the vertices of a row of the recorded image are to be drawn, corrected - recorded, for the current frame; at
-    /// most [`MAX_POINTS`](fmc_camera::io::link::MAX_POINTS).
+    /// Returns the displacements with which the vertices of a row of the recorded image are to be
+    /// drawn, corrected - recorded, for the current frame; at most
+    /// [`MAX_POINTS`](fmc_camera::io::link::MAX_POINTS).
     ///
     /// # Errors
     /// [`DeviceError::NoFrame`] before the first exposure; [`DeviceError::Mesh`] for the first vertex off the image.

@@ -1,4 +1,4 @@
-//! Devices as the command line names them.
+//! Names of devices on the command line.
 
 use std::fmt;
 use std::path::PathBuf;
@@ -14,7 +14,7 @@ pub enum Machine {
 }
 
 impl Machine {
-    /// What QEMU calls it.
+    /// Name that QEMU uses.
     #[must_use]
     pub const fn qemu_name(self) -> &'static str {
         match self {
@@ -23,7 +23,7 @@ impl Machine {
         }
     }
 
-    /// Its processor.
+    /// Processor of the machine.
     #[must_use]
     pub const fn core(self) -> &'static str {
         match self {
@@ -42,7 +42,7 @@ impl fmt::Display for Machine {
     }
 }
 
-/// A device as the command line names it.
+/// A device, as the command line names it.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub enum DeviceName {
     /// The camera's own code in this process.
@@ -54,7 +54,7 @@ pub enum DeviceName {
 }
 
 impl DeviceName {
-    /// What `qemu` alone means: the smaller processor.
+    /// Machine of the plain name `qemu`: the smaller processor.
     pub const QEMU: Self = Self::Qemu(Machine::An386);
 }
 

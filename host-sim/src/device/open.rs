@@ -1,4 +1,4 @@
-//! Opening the device that the command line names.
+//! The opening of the device that the command line names.
 
 use std::path::PathBuf;
 
@@ -8,40 +8,40 @@ use super::qemu::{Qemu, QemuOptions};
 use super::{Device, DeviceName, FlownCamera, FlyingDevice, InProcess, RecordSource, serial};
 use crate::failure::Failure;
 
-/// Opens devices.
+/// Opener of devices.
 #[derive(Debug, Clone, Default, PartialEq, Eq)]
 pub struct Opener {
-    /// How the firmware runs in QEMU.
+    /// Options of the firmware in QEMU.
     pub qemu: QemuOptions,
 }
 
-/// A device cannot be opened.
+/// A reason why a device cannot be opened.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
 pub enum OpenError {
     /// This machine has no QEMU, or no image of the firmware.
     #[error("{reason}")]
     NotHere {
-        /// What there is not.
+        /// What is missing.
         reason: String,
-        /// How to get it.
+        /// Way to get it.
         help: String,
     },
-    /// The image that the user named is no firmware.
+    /// The image that the user named is not firmware.
     #[error("{}: {what}", path.display())]
     Image {
         /// The file.
         path: PathBuf,
-        /// What is wrong with it.
+        /// Fault of the file.
         what: String,
     },
-    /// A serial port, or what is on it.
+    /// A serial port, or the device on it, cannot be used.
     #[error("{}: {what}", path.display())]
     Port {
         /// The port.
         path: PathBuf,
-        /// What is wrong with it.
+        /// Fault of the port or the device.
         what: String,
-        /// What can be done.
+        /// Possible remedy.
         help: Option<&'static str>,
     },
     /// The camera does not answer as it should.
@@ -49,7 +49,7 @@ pub enum OpenError {
     Device(#[from] DeviceError),
 }
 
-/// What can be done about a firmware of another protocol.
+/// Remedy for a firmware of another protocol.
 const OTHER_PROTOCOL: &str = "firmware and program must be built from the same sources: build the \
                               firmware with `cargo xtask firmware`, and flash it where the camera \
                               is on a serial port";
@@ -73,7 +73,8 @@ impl From<OpenError> for Failure {
 }
 
 impl From<DeviceError> for Failure {
-    /// A failure of the device; where the user's input is at fault the command knows more.
+    /// Turns an error of the device into a failure; where the user's input is at fault the command
+    /// knows more.
     fn from(error: DeviceError) -> Self {
         let text = error.to_string();
         match error {
@@ -91,7 +92,7 @@ impl Opener {
     /// Opens a device.
     ///
     /// # Errors
-    /// [`OpenError`] saying what is missing, in use, or not a camera.
+    /// [`OpenError`] for a device that is missing, in use, or not a camera.
     pub fn open(&self, name: &DeviceName) -> Result<Box<dyn Device>, OpenError> {
         Ok(match name {
             DeviceName::Sil => Box::new(InProcess::default()),
@@ -130,7 +131,7 @@ impl Opener {
         })
     }
 
-    /// Opens a camera on a board; `None` for what has no mechanism.
+    /// Opens a camera on a board; `None` for a device without a mechanism.
     ///
     /// # Errors
     /// As [`Self::open`].

@@ -4,17 +4,17 @@ use std::io::{self, ErrorKind, Read, Write};
 use std::net::TcpStream;
 use std::time::{Duration, Instant};
 
-/// How long a port may take to accept a message.
+/// Longest time that a port may take to accept a message.
 pub(super) const SEND_WITHIN: Duration = Duration::from_secs(1);
 
 /// A wire to a camera.
 pub trait Port: Send {
-    /// Bytes that have arrived, as many as there are and fit; where there are none yet, waits for
-    /// the first until `deadline`. 0 means that none came.
+    /// Receives the bytes that have arrived, as many as fit; where there are none yet, waits for
+    /// the first until `deadline`. Returns 0 if none came.
     ///
     /// # Errors
-    /// [`ErrorKind::UnexpectedEof`] where the other end has closed the port; whatever else the
-    /// system reports.
+    /// [`ErrorKind::UnexpectedEof`] where the other end has closed the port; also every other error
+    /// that the system reports.
     fn receive(&mut self, buffer: &mut [u8], deadline: Instant) -> io::Result<usize>;
 
     /// Sends all bytes.
@@ -24,14 +24,15 @@ pub trait Port: Send {
     fn send(&mut self, bytes: &[u8]) -> io::Result<()>;
 }
 
-/// What is left until `deadline`; never zero, which ports read as "for ever".
+/// Returns the time left until `deadline`; never zero, which ports read as "for ever".
 pub(super) fn time_left(deadline: Instant) -> Duration {
     deadline
         .saturating_duration_since(Instant::now())
         .max(Duration::from_millis(1))
 }
 
-/// What a read means: a time limit that passed is no error, an end is one.
+/// Interprets the result of a read: a time limit that passed is not an error, the end of the stream
+/// is one.
 pub(super) fn received(read: io::Result<usize>) -> io::Result<usize> {
     match read {
         Ok(0) => Err(ErrorKind::UnexpectedEof.into()),
@@ -40,7 +41,7 @@ pub(super) fn received(read: io::Result<usize>) -> io::Result<usize> {
     }
 }
 
-/// What a write means: a time limit has one name.
+/// Interprets the result of a write: both error kinds of a passed time limit become one.
 pub(super) fn sent(written: io::Result<()>) -> io::Result<()> {
     written.map_err(|error| {
         if is_time_out(&error) {
@@ -62,10 +63,10 @@ pub struct TcpPort {
 }
 
 impl TcpPort {
-    /// A port over an open connection.
+    /// Returns a port over an open connection.
     ///
     /// # Errors
-    /// Where the system refuses its settings.
+    /// The system's error where it refuses the settings of the connection.
     pub fn new(stream: TcpStream) -> io::Result<Self> {
         stream.set_nonblocking(false)?;
         stream.set_nodelay(true)?;

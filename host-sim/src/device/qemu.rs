@@ -30,16 +30,16 @@ use super::port::TcpPort;
 use super::remote::Remote;
 use super::{CorrectingDevice, Device, DeviceError, Evidence, FlyingDevice};
 
-/// How the firmware runs in QEMU.
+/// Options of the firmware in QEMU.
 #[derive(Debug, Clone, Default, PartialEq, Eq)]
 pub struct QemuOptions {
-    /// The image; else it is found or built.
+    /// Image; without it one is found or built.
     pub firmware: Option<PathBuf>,
-    /// Its log is printed on the error stream as it comes.
+    /// `true` if the log is printed on the error stream as it comes.
     pub print_log: bool,
 }
 
-/// The firmware in QEMU: started, asked over its first UART, and ended with this value.
+/// The firmware in QEMU: started, asked over its first UART, and ended when this value is dropped.
 #[derive(Debug)]
 pub struct Qemu {
     remote: Remote<TcpPort>,
@@ -47,7 +47,7 @@ pub struct Qemu {
     watch: Watch,
 }
 
-/// The process and what it leaves to say.
+/// The process and its log.
 #[derive(Debug)]
 struct Watch {
     process: Process,
@@ -92,18 +92,18 @@ impl Qemu {
         })
     }
 
-    /// The camera itself, for what not every device can do.
+    /// Returns the camera itself, for functions that not every device has.
     pub const fn remote(&mut self) -> &mut Remote<TcpPort> {
         &mut self.remote
     }
 
-    /// The far end of the log's UART; what is written there arrives at the firmware, where one built
-    /// with drills has accidents on request.
+    /// Returns the far end of the log's UART. Bytes written there reach the firmware; firmware
+    /// built with drills has accidents on request.
     pub const fn log_wire(&mut self) -> &mut TcpStream {
         &mut self.watch.log_wire
     }
 
-    /// The last lines of its log.
+    /// The last lines of the log.
     #[must_use]
     pub fn log(&self) -> Vec<String> {
         self.watch.log.all()
@@ -115,7 +115,7 @@ fn connection(error: &io::Error) -> DeviceError {
 }
 
 impl Watch {
-    /// Adds what the process has left to say to an error of its link.
+    /// Adds the end of the process and of its log to an error of its link.
     fn explain(&mut self, error: DeviceError) -> DeviceError {
         let DeviceError::Link {
             device,
@@ -135,7 +135,7 @@ impl Watch {
         }
         let end = match self.process.end() {
             Some(end) => {
-                // The wire has an end now: let the last lines arrive.
+                // The process has ended, so its wire ends: wait for the last lines.
                 if let Some(thread) = self.log_thread.take() {
                     let _ = thread.join();
                 }
@@ -208,7 +208,7 @@ impl Device for Qemu {
 }
 
 impl Qemu {
-    /// The camera at the end of its serial port.
+    /// Returns the camera at the end of the serial port.
     pub(super) const fn remote_mut(&mut self) -> &mut Remote<TcpPort> {
         &mut self.remote
     }

@@ -1,4 +1,4 @@
-//! A camera that has recorded exposures, whoever flew it.
+//! A source of the records of a camera that has flown.
 
 use fmc_camera::flight::frame_record::FrameRecord;
 
@@ -9,16 +9,17 @@ use super::remote::Remote;
 
 /// A camera with records.
 pub trait RecordSource {
-    /// The oldest record with at least that number that has not been acknowledged.
+    /// Returns the oldest record with at least that number that has not been acknowledged.
     ///
     /// # Errors
-    /// [`DeviceError`] where it cannot be talked to, and for a record that does not have its CRC.
+    /// [`DeviceError`] where the link fails, and for a record that does not have its CRC.
     fn fetch(&mut self, from_sequence: u32) -> Result<Option<FrameRecord>, DeviceError>;
 
-    /// Records up to that number are safe; the camera may forget them. Says how many are left.
+    /// Tells the camera that records up to that number are stored, so that it may forget them.
+    /// Returns how many are left.
     ///
     /// # Errors
-    /// [`DeviceError`] where it cannot be talked to.
+    /// [`DeviceError`] where the link fails.
     fn are_safe(&mut self, through: u32) -> Result<u32, DeviceError>;
 }
 

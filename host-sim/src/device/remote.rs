@@ -21,10 +21,10 @@ use super::link_error::LinkError;
 use super::port::Port;
 use super::{CorrectingDevice, Device, Evidence, InProcess};
 
-/// Of a grid, every so many points one is compared by value.
+/// Step from one point of a grid that is compared by value to the next.
 pub const SAMPLE_STEP: usize = 8;
 
-/// A camera over a link, with its twin: the same code in this process. Whatever the camera answers
+/// A camera over a link, with its twin: the same code in this process. Every answer of the camera
 /// must have the twin's bits.
 #[derive(Debug)]
 pub struct Remote<P> {
@@ -57,7 +57,7 @@ impl<P: Port> Remote<P> {
         })
     }
 
-    /// Who answered.
+    /// Identity of the camera that answered.
     #[must_use]
     pub const fn identity(&self) -> &Identity {
         &self.identity
@@ -75,7 +75,7 @@ impl<P: Port> Remote<P> {
         format!("board {board}, firmware {version}, build {build}")
     }
 
-    /// The record of the current frame, asked for again.
+    /// Asks again for the record of the current frame.
     ///
     /// # Errors
     /// [`DeviceError::NoFrame`] before the first exposure.
@@ -83,7 +83,7 @@ impl<P: Port> Remote<P> {
         self.client.record().map_err(|error| self.failed(error, 0))
     }
 
-    /// The distortion along a row of the sensor.
+    /// Returns the distortion along a row of the sensor.
     ///
     /// # Errors
     /// [`DeviceError::NoFrame`] before the first exposure; [`DeviceError::OffSensor`] for a row
@@ -107,7 +107,8 @@ impl<P: Port> Remote<P> {
         }
     }
 
-    /// Opens another session; the calibration stays if the camera has not restarted, but no frame.
+    /// Opens another session. The calibration stays if the camera has not restarted; the frame does
+    /// not.
     ///
     /// # Errors
     /// [`DeviceError::Link`] where the camera does not answer.
@@ -131,7 +132,8 @@ impl<P: Port> Remote<P> {
             .map_err(|error| self.failed(error, 0))
     }
 
-    /// The device's error for one of the link; `before` points of the batch were answered earlier.
+    /// Turns an error of the link into one of the device; `before` points of the batch were
+    /// answered earlier.
     pub(super) fn failed(&self, error: LinkError, before: usize) -> DeviceError {
         if let LinkError::Refused { refusal, .. } = error {
             match refusal {
@@ -169,14 +171,14 @@ impl<P: Port> Remote<P> {
         }))
     }
 
-    /// Camera and twin accept alike, or refuse alike.
+    /// Checks that camera and twin both accept, or both refuse for the same reason.
     fn same_outcome<Camera, Twin>(
         &self,
         camera: Result<Camera, DeviceError>,
         twin: Result<Twin, DeviceError>,
     ) -> Result<(Camera, Twin), DeviceError> {
         let refusal = |error: &DeviceError| match error {
-            // Debug output, as a NaN is not equal to itself.
+            // Refusals are compared as debug output, as a NaN is not equal to itself.
             DeviceError::Calibration(_)
             | DeviceError::Frame(_)
             | DeviceError::Distort { .. }
@@ -208,7 +210,8 @@ impl<P: Port> Remote<P> {
         }))
     }
 
-    /// Points through the camera in batches, then through the twin; both must have the same bits.
+    /// Sends points through the camera in batches, then through the twin; both must have the same
+    /// bits.
     fn through_both(
         &mut self,
         given: &[SensorPoint],
@@ -303,7 +306,8 @@ impl<P: Port> CorrectingDevice for Remote<P> {
         let (camera, twin) = self.same_outcome(camera, twin)?;
         let points: Vec<SensorPoint> = grid.points().collect();
         if camera != twin {
-            // Point by point, to find the one; with all the same it is the digest itself.
+            // The points are compared one by one to find the one that differs; if none does, the
+            // digest itself is wrong.
             self.correct(&points)?;
             return Err(self.different(DifferentResult::Digest { camera, twin }));
         }
@@ -352,7 +356,7 @@ impl<P: Port> Device for Remote<P> {
     }
 }
 
-/// Whether two results are the same bit for bit, NaN and the sign of zero included.
+/// Returns true if two results are the same bit for bit, NaN and the sign of zero included.
 pub(super) fn same_bits<T: Serialize>(a: &T, b: &T) -> bool {
     match (postcard::to_allocvec(a), postcard::to_allocvec(b)) {
         (Ok(a), Ok(b)) => a == b,

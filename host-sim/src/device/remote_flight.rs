@@ -19,7 +19,8 @@ use super::remote::{Remote, same_bits};
 use super::{CorrectingDevice, DeviceError, FlyingDevice};
 
 impl<P: Port> Remote<P> {
-    /// The oldest record with at least that number, whether this program has prepared the flight or another.
+    /// Returns the oldest record with at least that number, of a flight that this program or
+    /// another has prepared.
     ///
     /// # Errors
     /// [`DeviceError::Link`], also for a record that does not have its CRC.
@@ -38,7 +39,7 @@ impl<P: Port> Remote<P> {
         }
     }
 
-    /// Records up to that number are safe. Says how many are left.
+    /// Tells the camera that records up to that number are stored. Returns how many are left.
     ///
     /// # Errors
     /// [`DeviceError::Link`].
@@ -48,7 +49,8 @@ impl<P: Port> Remote<P> {
             .map_err(|error| self.failed(error, 0))
     }
 
-    /// How the camera begins its flight: the first after a bite of the watchdog with that fault.
+    /// Returns the kind of start of the camera's flight: the first flight after a watchdog reset
+    /// begins with that fault.
     fn start_of_flight(&mut self) -> Result<Start, DeviceError> {
         let status = self
             .client
@@ -100,7 +102,7 @@ impl<P: Port> FlyingDevice for Remote<P> {
         };
         match self.twin.prepare_after(start, camera, settings) {
             Ok(()) => prepared,
-            // The twin knows more than the link carries.
+            // The twin's error says more than the refusal that the link carries.
             Err(error) if prepared.is_err() => Err(error),
             Err(error) => Err(self.different(DifferentResult::Refusal {
                 camera: None,

@@ -13,12 +13,12 @@ use super::remote::Remote;
 /// Bits per second: 8 data bits, no parity, one stop bit, no flow control.
 pub const BAUD: u32 = 921_600;
 
-/// What to look at where something else answers, or nothing.
+/// Advice for a port with another device or none.
 const HINTS: &str = "is it the camera's port? Is the camera on and flashed with the firmware of \
                      this program? Are RX and TX crossed, and grounds joined? The link runs at \
                      921,600 baud, 8N1, without flow control.";
 
-/// A serial port that is this program's alone.
+/// A serial port in the exclusive use of this program.
 pub struct SerialPort {
     port: Box<dyn serialport::SerialPort>,
 }
@@ -30,10 +30,10 @@ impl std::fmt::Debug for SerialPort {
 }
 
 impl SerialPort {
-    /// Opens a port for this program alone.
+    /// Opens a port for the exclusive use of this program.
     ///
     /// # Errors
-    /// [`OpenError::Port`] naming it, where it is missing, no serial port, or in use.
+    /// [`OpenError::Port`] naming the port, where it is missing, not a serial port, or in use.
     pub fn open(path: &Path) -> Result<Self, OpenError> {
         let failed = |what: String, help| OpenError::Port {
             path: path.to_owned(),
@@ -59,13 +59,13 @@ impl SerialPort {
                 }
                 _ => failed(format!("is not a serial port: {error}"), None),
             })?;
-        // What arrived before belongs to another conversation.
+        // Bytes that arrived before belong to another conversation.
         let _ = port.clear(serialport::ClearBuffer::Input);
         Ok(Self { port })
     }
 }
 
-/// Says what a path is that cannot be a port, before the system does, which says less.
+/// Refuses a path that cannot be a port, with a more precise message than the system's.
 #[cfg(unix)]
 fn check_file(path: &Path) -> Result<(), (String, Option<&'static str>)> {
     use std::os::unix::fs::FileTypeExt as _;
@@ -84,7 +84,7 @@ fn check_file(path: &Path) -> Result<(), (String, Option<&'static str>)> {
     }
 }
 
-/// Ports of Windows are no files.
+/// Ports of Windows are not files.
 #[cfg(not(unix))]
 fn check_file(_: &Path) -> Result<(), (String, Option<&'static str>)> {
     Ok(())
@@ -105,7 +105,7 @@ impl Port for SerialPort {
 /// Opens a port and connects to the camera on it.
 ///
 /// # Errors
-/// [`OpenError::Port`] where the port cannot be opened, or what is on it is no camera.
+/// [`OpenError::Port`] where the port cannot be opened, or the device on it is not a camera.
 pub fn connect(path: &Path) -> Result<Remote<SerialPort>, OpenError> {
     let port = SerialPort::open(path)?;
     let name = format!("serial:{}", path.display());

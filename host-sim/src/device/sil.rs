@@ -25,11 +25,11 @@ pub struct InProcess {
 }
 
 impl InProcess {
-    /// The digest of a grid of corrected points, as the link carries it.
+    /// Returns the digest of a grid of corrected points, as the link carries it.
     ///
     /// # Errors
     /// [`DeviceError::NoFrame`] before the first exposure; [`DeviceError::OffSensor`] for the first
-    /// point that is.
+    /// point off the sensor.
     pub fn digest(&self, grid: &Grid) -> Result<u32, DeviceError> {
         let correction = self.correction()?;
         on_sensor(correction, grid.points())?;
@@ -57,7 +57,7 @@ impl CorrectingDevice for InProcess {
 
     fn expose(&mut self, exposure: &Exposure) -> Result<InteriorOrientation, DeviceError> {
         let camera = self.camera.as_ref().ok_or(DeviceError::NoFrame)?;
-        // Points that follow a refused exposure must not meet the frame before it.
+        // Points that follow a refused exposure must not be corrected with the frame before it.
         self.correction = None;
         let frame = camera.frame(exposure).map_err(DeviceError::Frame)?;
         self.correction = Some(frame.correction);
@@ -109,7 +109,7 @@ impl Device for InProcess {
     }
 }
 
-/// All points are on the sensor, where a correction means something.
+/// Checks that all points are on the sensor, outside of which a correction has no meaning.
 fn on_sensor(
     correction: &FrameCorrection,
     mut points: impl Iterator<Item = SensorPoint>,

@@ -1,4 +1,4 @@
-//! A file of flight settings: those that it names, over the defaults.
+//! Files of flight settings, which replace the defaults that they name.
 
 use std::fs;
 use std::path::Path;
@@ -11,7 +11,8 @@ use crate::failure::Failure;
 /// Reads a file of settings, each under its name in the camera's own `FlightSettings`.
 ///
 /// # Errors
-/// [`Failure`] naming the file, and a setting that there is not, is of another kind, or outside its range.
+/// [`Failure`] naming the file and a setting that does not exist, is of another kind, or is outside
+/// its range.
 pub fn read(path: &Path) -> Result<FlightSettings, Failure> {
     let text = fs::read_to_string(path).map_err(|error| Failure::reading(path, &error))?;
     parse(&text).map_err(|what| Failure::bad_input(format!("{}: {what}", path.display())))
@@ -30,7 +31,7 @@ fn parse(text: &str) -> Result<FlightSettings, String> {
     settings.checked().map_err(|error| error.to_string())
 }
 
-/// Replaces what is written.
+/// Replaces the settings that are written.
 fn overlay(settings: &mut Table, written: Table, above: &str) -> Result<(), String> {
     for (name, value) in written {
         let path = format!("{above}{name}");

@@ -1,4 +1,4 @@
-//! What is read and written: flight settings, observations, points, output files.
+//! File formats: flight settings, observations, points, output files.
 
 pub mod flight_settings;
 pub mod npy_header;

@@ -11,35 +11,36 @@ pub use dictionary::DictionaryError;
 
 const MAGIC: [u8; 6] = *b"\x93NUMPY";
 
-/// The longest header, bytes: what version 1.0 can say. NumPy reads 10,000 unless told otherwise.
+/// Length of the longest header, bytes: the largest of version 1.0. NumPy reads 10,000 unless told
+/// otherwise.
 const LONGEST: u32 = 65_535;
 
-/// The first number stands at a multiple of so many bytes.
+/// The offset of the first number is a multiple of so many bytes.
 const ALIGNMENT: usize = 64;
 
-/// What stands before the numbers of an array.
+/// Content of the header of an array.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct NpyHeader {
     /// The type of a number, as Python writes it: `'<f8'`, or the list of a structured type.
     pub description: String,
-    /// Whether columns stand one behind the other, and not rows.
+    /// `true` if columns are stored one behind the other, rather than rows.
     pub is_fortran_order: bool,
     /// Length of each axis.
     pub shape: Vec<u64>,
 }
 
-/// Why a file has no such header.
+/// A reason why the header of a file cannot be read.
 #[derive(Debug, thiserror::Error)]
 pub enum NpyHeaderError {
-    /// Another format.
+    /// The file has another format.
     #[error("it does not begin as one")]
     NoMagic,
-    /// A version that is not known here.
+    /// The version is not known here.
     #[error("version {major}.{minor} of the format is not known")]
     Version {
-        /// Before the point.
+        /// Number before the point.
         major: u8,
-        /// Behind it.
+        /// Number behind the point.
         minor: u8,
     },
     /// The file ends too early.
@@ -51,7 +52,7 @@ pub enum NpyHeaderError {
     /// The text of a header of version 3.0 is not UTF-8.
     #[error("its header is no UTF-8")]
     NoUtf8,
-    /// The dictionary in the header.
+    /// The dictionary in the header is wrong.
     #[error("its header is wrong: {0}")]
     Dictionary(#[from] DictionaryError),
     /// The file cannot be read.
@@ -60,10 +61,10 @@ pub enum NpyHeaderError {
 }
 
 impl NpyHeader {
-    /// Reads what stands before the first number, and nothing behind it.
+    /// Reads the header, and nothing behind it.
     ///
     /// # Errors
-    /// [`NpyHeaderError`] of a file that does not begin with a header.
+    /// [`NpyHeaderError`] for a file that does not begin with a header.
     pub fn read(source: &mut impl Read) -> Result<Self, NpyHeaderError> {
         let magic = bytes(source).map_err(|error| match error {
             NpyHeaderError::Truncated => NpyHeaderError::NoMagic,
@@ -99,7 +100,7 @@ impl NpyHeader {
     /// as `<f8`.
     ///
     /// # Errors
-    /// Those of the writer, and [`ErrorKind::InvalidInput`] of a shape whose header would be too
+    /// Those of the writer, and [`ErrorKind::InvalidInput`] for a shape whose header would be too
     /// long.
     pub fn write(number: &str, shape: &[u64], sink: &mut dyn Write) -> io::Result<()> {
         let axes: Vec<String> = shape.iter().map(|length| format!("{length}, ")).collect();
@@ -107,7 +108,7 @@ impl NpyHeader {
         let dictionary =
             format!("{{'descr': '{number}', 'fortran_order': False, 'shape': ({axes}), }}");
         let before = MAGIC.len() + 2 + size_of::<u16>();
-        // The line break ends it.
+        // A line break ends the header.
         let end = (before + dictionary.len() + 1).next_multiple_of(ALIGNMENT);
         let length = u16::try_from(end - before)
             .map_err(|error| io::Error::new(ErrorKind::InvalidInput, error))?;
@@ -119,7 +120,7 @@ impl NpyHeader {
     }
 }
 
-/// A text of a file for a message: without control characters, and no longer than a line.
+/// Returns a text of a file for a message: without control characters, and no longer than a line.
 pub(super) fn shown(text: &str) -> String {
     const LONGEST: usize = 60;
     let mut shown = String::new();
@@ -159,7 +160,7 @@ mod tests {
         assert_eq!(shown(&"x".repeat(4000)), "x".repeat(60) + "…");
     }
 
-    /// A file of a version, with that text as its header.
+    /// Returns a file of a version, with that text as its header.
     fn file(version: [u8; 2], text: &[u8]) -> Vec<u8> {
         let mut file = MAGIC.to_vec();
         file.extend(version);

@@ -1,4 +1,4 @@
-//! Observed distortions in, as CSV.
+//! Reader of observed distortions, as CSV.
 
 use std::collections::HashMap;
 use std::fs::File;
@@ -14,7 +14,7 @@ use fmc_camera_file::number::{clipped, single};
 use super::points::csv_failure;
 use crate::failure::Failure;
 
-/// The columns of numbers that must be there.
+/// Columns of numbers that are required.
 const REQUIRED: [&str; 7] = [
     "x_mm",
     "y_mm",
@@ -25,7 +25,7 @@ const REQUIRED: [&str; 7] = [
     "opening_offset_mm",
 ];
 
-/// A coordinate so far off the sensor is in another unit.
+/// Factor of the half format beyond which a coordinate is taken to be in another unit.
 const OTHER_UNIT: f64 = 20.0;
 
 /// Reads a file of observations.
@@ -76,7 +76,7 @@ pub fn parse(
                 clipped(id)
             )));
         }
-        // The same numbers to the last digit are one observation, written twice.
+        // A row with the same numbers to the last digit is the same observation, written twice.
         if let Some(first) = lines_of_numbers.insert(bits(&row), line) {
             return Err(Failure::bad_input(format!(
                 "{file}, lines {first} and {line}: the same observation twice, number by number; it would count double"
@@ -91,7 +91,7 @@ pub fn parse(
     })
 }
 
-/// The numbers of a row, to tell it from others.
+/// Returns the numbers of a row as bits, to compare it with others.
 fn bits(row: &ObservationRow) -> [u64; 8] {
     let [x, y] = row.point_mm;
     let [dx, dy] = row.distortion_mm;
@@ -115,7 +115,7 @@ fn bits(row: &ObservationRow) -> [u64; 8] {
     .map(f64::to_bits)
 }
 
-/// Where the columns are.
+/// Places of the columns.
 struct Columns {
     required: [usize; 7],
     sigma: Option<usize>,
@@ -218,7 +218,8 @@ impl Columns {
 }
 
 fn check_on_sensor(value_mm: f64, half_mm: f64, column: &str) -> Result<(), String> {
-    // An edge typed in decimals is an edge: W·p/2 itself is rounded.
+    // W·p/2 is rounded, so an edge typed in decimals may exceed it by rounding and still belongs to
+    // the sensor.
     if value_mm.abs() <= half_mm * (1.0 + 1e-12) {
         return Ok(());
     }

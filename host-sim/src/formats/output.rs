@@ -1,4 +1,4 @@
-//! Output that appears only when it is complete.
+//! Output files that appear only when they are complete.
 
 use std::fs::{self, File};
 use std::io::{self, BufWriter, Write};
@@ -19,12 +19,12 @@ pub fn write(
     stream(path, |sink| body(sink).map_err(Stopped::from))
 }
 
-/// Why an output was not completed.
+/// A reason why an output was not completed.
 #[derive(Debug)]
 pub enum Stopped {
     /// It cannot be written.
     Output(io::Error),
-    /// What was to be written failed.
+    /// The source of the output has failed.
     Body(Failure),
 }
 
@@ -40,10 +40,11 @@ impl From<Failure> for Stopped {
     }
 }
 
-/// [`write()`] of what may itself fail: a file then does not appear, standard output keeps what was written to it.
+/// Writes as [`write()`] does, from a body that may itself fail: a file then does not appear,
+/// standard output keeps what was written to it.
 ///
 /// # Errors
-/// [`Failure`] of the body, or naming the file.
+/// [`Failure`] of the body, or one naming the file.
 pub fn stream(
     path: Option<&Path>,
     body: impl FnOnce(&mut dyn Write) -> Result<(), Stopped>,
@@ -122,7 +123,7 @@ fn write_file(
         Some(parent) if !parent.as_os_str().is_empty() => parent,
         _ => Path::new("."),
     };
-    // The name of the unfinished file is nobody's business.
+    // The error is stripped of the name of the unfinished file, which means nothing to the user.
     let unfinished = unfinished(folder).map_err(|error| io::Error::from(error.kind()))?;
     if let Ok(existing) = fs::metadata(&path) {
         unfinished
@@ -132,13 +133,13 @@ fn write_file(
     let mut file = BufWriter::new(unfinished);
     body(&mut file)?;
     let file = file.into_inner().map_err(io::IntoInnerError::into_error)?;
-    // A disk that is full may say so only now.
+    // A full disk may be reported only here.
     file.as_file().sync_all()?;
     file.persist(&path).map_err(io::Error::from)?;
     Ok(())
 }
 
-/// A file without its final name; it is removed unless it gets it.
+/// Creates a file without its final name; it is removed unless it is given that name.
 fn unfinished(folder: &Path) -> io::Result<NamedTempFile> {
     let mut builder = tempfile::Builder::new();
     builder.prefix(".host-sim-").suffix(".part");
@@ -157,7 +158,7 @@ pub struct OutputFolder {
 }
 
 impl OutputFolder {
-    /// Makes the folder unless it exists.
+    /// Creates the folder unless it exists.
     ///
     /// # Errors
     /// [`Failure`] naming the folder.
@@ -168,18 +169,18 @@ impl OutputFolder {
         })
     }
 
-    /// Where it is.
+    /// Path of the folder.
     #[must_use]
     pub fn path(&self) -> &Path {
         &self.path
     }
 
-    /// The names of its files are on the disk, too.
+    /// Puts the names of its files on the disk.
     ///
     /// # Errors
     /// [`Failure`] naming the folder.
     pub fn sync(&self) -> Result<(), Failure> {
-        // Elsewhere a folder cannot be opened, and renaming is as safe as it gets.
+        // Other systems cannot open a folder, and offer nothing safer than renaming.
         if cfg!(unix) {
             File::open(&self.path)
                 .and_then(|folder| folder.sync_all())

@@ -1,4 +1,4 @@
-//! mesh.json: what the numbers of a mesh are.
+//! mesh.json: the description of a mesh's numbers.
 
 use fmc_camera::Camera;
 use fmc_camera::flight::interior_orientation::InteriorOrientation;
@@ -11,26 +11,26 @@ use crate::cli::{MeshArgs, MeshFormatName};
 use crate::device::DeviceError;
 use crate::failure::Failure;
 
-/// How near the files come to the camera's model, pixels per axis.
+/// Accuracy of the files against the camera's model, pixels per axis.
 #[derive(Debug, Clone, Copy, Serialize)]
 #[serde(untagged)]
 pub(super) enum Accuracy {
-    /// Sources in the words of a warp engine.
+    /// Sources in the number format of a warp engine.
     Quantised {
-        /// Largest difference to the camera's number.
+        /// Largest difference from the camera's number.
         quantisation_px: f32,
     },
     /// Corrections as the camera computes them.
     Rounded {
-        /// Upper bound of the rounding in them.
+        /// Upper bound of their rounding.
         rounding_bound_px: f32,
-        /// Upper bound of what linear interpolation between vertices adds.
+        /// Upper bound of the error of linear interpolation between vertices.
         interpolation_bound_px: f32,
     },
 }
 
 impl Accuracy {
-    /// Of a mesh as the camera gave it.
+    /// Accuracy of a mesh as the camera gave it.
     pub(super) fn of(
         args: &MeshArgs,
         camera: &CameraFile,
@@ -70,7 +70,7 @@ impl Accuracy {
     }
 }
 
-/// mesh.json: what the numbers are.
+/// Content of mesh.json.
 #[derive(Debug, Serialize)]
 pub(super) struct Header {
     camera: String,
@@ -78,17 +78,17 @@ pub(super) struct Header {
     files: Vec<&'static str>,
     layout: &'static str,
     meaning: &'static str,
-    /// How a graphics processor draws the vertices.
+    /// Rules for drawing the vertices on a graphics processor.
     #[serde(skip_serializing_if = "Option::is_none")]
     drawing: Option<Drawing>,
     /// Vertices along a row.
     columns: u32,
     rows: u32,
     spacing_px: u16,
-    /// The part of the image.
+    /// First column and row of the part of the image.
     origin_px: [u32; 2],
     size_px: [u32; 2],
-    /// The pixel of the recorded image from which sources count.
+    /// Pixel of the recorded image from which sources count.
     #[serde(skip_serializing_if = "Option::is_none")]
     source_origin_px: Option<[u32; 2]>,
     #[serde(flatten)]
@@ -96,12 +96,12 @@ pub(super) struct Header {
     vh_per_s: f32,
     exposure_s: f32,
     direction: &'static str,
-    /// In the corrected image and in the recorded image alike.
+    /// The same in the corrected image and in the recorded image.
     principal_point_mm: [f32; 2],
     principal_distance_mm: f32,
 }
 
-/// How the vertices are drawn, with the recorded image as the texture.
+/// Rules for drawing the vertices, with the recorded image as the texture.
 #[derive(Debug, Serialize)]
 struct Drawing {
     place: &'static str,
@@ -166,7 +166,7 @@ impl Header {
     }
 }
 
-/// How the numbers lie in the files.
+/// Describes the order and type of the numbers in the files.
 const fn numbers(format: MeshFormatName) -> &'static str {
     match format {
         MeshFormatName::TiLdc => {
@@ -190,7 +190,7 @@ const fn numbers(format: MeshFormatName) -> &'static str {
     }
 }
 
-/// What a number says.
+/// Describes the meaning of a number.
 const fn meaning(format: MeshFormatName) -> &'static str {
     match format {
         MeshFormatName::TiLdc => {

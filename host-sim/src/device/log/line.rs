@@ -1,8 +1,8 @@
 //! A frame of the firmware's log as a line of text.
 //!
-//! The numbers, strings, characters and truth values that defmt writes are shown, with the hints for
-//! numbers and seconds. Of a frame with other arguments (structures of the firmware that format
-//! themselves, slices, bit fields) the level and the format string are.
+//! The numbers, strings, characters and truth values that defmt writes are shown, with the hints
+//! for numbers and seconds. Of a frame with other arguments (structures of the firmware that format
+//! themselves, slices, bit fields) only the level and the format string are shown.
 
 use std::fmt::{Display, Write as _};
 
@@ -10,13 +10,13 @@ use defmt_parser::{DisplayHint, Fragment, Parameter, ParserMode, TimePrecision, 
 
 use super::table::Table;
 
-/// Zeros that the encoding may add to a frame.
+/// Largest number of zeros that the encoding adds to a frame.
 const MOST_FILLED: usize = 6;
 
-/// The widest number, digits: a hint that asks for more is damaged.
+/// Largest width of a number, digits: a hint that asks for more is damaged.
 const WIDEST: usize = 128;
 
-/// Bytes of a frame, arguments taken from its front.
+/// Bytes of a frame, whose arguments are taken from the front.
 struct Reader<'a> {
     bytes: &'a [u8],
     table: &'a Table,
@@ -25,7 +25,7 @@ struct Reader<'a> {
 /// An argument of a format string.
 enum Argument<'a> {
     Unsigned(u128),
-    /// And how many bits it has.
+    /// The number and its width in bits.
     Signed(i128, u32),
     Single(f32),
     Double(f64),
@@ -34,8 +34,8 @@ enum Argument<'a> {
     Text(&'a str),
 }
 
-/// The line of a frame, encoded as it came, without the zeros around it; `None` for a frame that
-/// cannot be read.
+/// Returns the line of a frame, given encoded and without the zeros around it; `None` for a frame
+/// that cannot be read.
 pub(super) fn decode(table: &Table, frame: &[u8]) -> Option<String> {
     let bytes = rzcobs::decode(frame).ok()?;
     let mut reader = Reader {
@@ -58,12 +58,13 @@ pub(super) fn decode(table: &Table, frame: &[u8]) -> Option<String> {
         ));
     }
     line += &reader.text(&entry.text)?;
-    // The encoding fills a frame up with zeros; with more behind it, it is two that ran together.
+    // The encoding fills a frame up with zeros; other bytes behind it mean that two frames ran
+    // together.
     let is_filled = reader.bytes.len() <= MOST_FILLED && reader.bytes.iter().all(|byte| *byte == 0);
     is_filled.then_some(line)
 }
 
-/// Whether the arguments of a format string are of kinds that are shown here.
+/// Returns true if the arguments of a format string are of kinds that are shown here.
 pub(super) fn is_shown(format: &str) -> bool {
     let Ok(fragments) = defmt_parser::parse(format, ParserMode::ForwardsCompatible) else {
         return false;
@@ -90,14 +91,15 @@ impl<'a> Reader<'a> {
         Some(*taken)
     }
 
-    /// Takes the arguments of a format string and puts them into it.
+    /// Takes the arguments of a format string and inserts them into it.
     fn text(&mut self, format: &str) -> Option<String> {
         let fragments = defmt_parser::parse(format, ParserMode::ForwardsCompatible).ok()?;
         let parameters = fragments.iter().filter_map(|fragment| match fragment {
             Fragment::Parameter(parameter) => Some(parameter),
             Fragment::Literal(_) => None,
         });
-        // They stand in the order of their indices, each once however often it is shown.
+        // Arguments are stored in the order of their indices, each once even if it is shown several
+        // times.
         let mut parameters: Vec<&Parameter> = parameters.collect();
         parameters.sort_by_key(|parameter| parameter.index);
         parameters.dedup_by_key(|parameter| parameter.index);
@@ -150,7 +152,7 @@ impl<'a> Reader<'a> {
                 let entry = self.table.get(u16::from_le_bytes(self.take()?))?;
                 Argument::Text(&entry.text)
             }
-            // Text that the firmware formatted by itself; no byte of UTF-8 is 0xff.
+            // Text that the firmware formatted itself; 0xff ends it, as it is not a byte of UTF-8.
             Type::Debug | Type::Display => {
                 let end = self.bytes.iter().position(|byte| *byte == 0xff)?;
                 let (text, rest) = self.bytes.split_at_checked(end)?;
@@ -169,7 +171,7 @@ impl<'a> Reader<'a> {
 }
 
 impl Argument<'_> {
-    /// Adds the argument as its hint says; `None` for what is not shown here.
+    /// Appends the argument in the form of its hint; `None` for what is not shown here.
     fn show(&self, hint: Option<&DisplayHint>, text: &mut String) -> Option<()> {
         if let Some(
             DisplayHint::NoHint { zero_pad }
@@ -212,12 +214,12 @@ fn unsigned(number: u128, hint: Option<&DisplayHint>, text: &mut String) -> Opti
 }
 
 fn signed(number: i128, bits: u32, hint: Option<&DisplayHint>, text: &mut String) -> Option<()> {
-    // The bits of its own width.
+    // The two's complement in the number's own width.
     let own = number.cast_unsigned() & (u128::MAX >> (128 - bits));
     radix(own, hint, text).or_else(|| decimal(number, hint, text))
 }
 
-/// As a number, also where the hint is not meant for one.
+/// Appends a number in base 10, also where the hint does not apply to numbers.
 fn decimal(number: impl Display, hint: Option<&DisplayHint>, text: &mut String) -> Option<()> {
     match hint {
         Some(
@@ -231,7 +233,7 @@ fn decimal(number: impl Display, hint: Option<&DisplayHint>, text: &mut String) 
     }
 }
 
-/// In base 2, 8 or 16, where the hint says so.
+/// Appends a number in base 2, 8 or 16, where the hint asks for it.
 fn radix(number: u128, hint: Option<&DisplayHint>, text: &mut String) -> Option<()> {
     let (alternate, width) = match hint? {
         DisplayHint::Binary {
@@ -281,7 +283,7 @@ mod tests {
     use super::super::table::tests::table;
     use super::*;
 
-    /// The line of a frame of one format string and these bytes of its arguments.
+    /// Returns the line of a frame with one format string and these bytes of arguments.
     fn line(format: &str, arguments: &[u8]) -> Option<String> {
         let table = table(&[(0x102, "defmt_warn", format), (3, "defmt_str", "interned")]);
         decode(&table, &rzcobs::encode(&[&[2, 1], arguments].concat()))
@@ -344,7 +346,7 @@ mod tests {
         );
         let formatted = line("{=__internal_Display} {=u8}", b"abc\xff\x07").unwrap();
         assert_eq!(formatted, "WARN abc 7");
-        // In the order of indices, not of the text.
+        // Arguments are read in the order of indices, not of the text.
         assert_eq!(line("{1=u8} {0=u8} {1=u8}", &[1, 2]).unwrap(), "WARN 2 1 2");
     }
 

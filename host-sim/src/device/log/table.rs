@@ -6,26 +6,26 @@ use std::collections::BTreeMap;
 use object::{Object, ObjectSection, ObjectSymbol};
 use serde::Deserialize;
 
-/// Versions of defmt's frames that are understood, as a symbol of the image names them.
+/// Versions of defmt's frames that this program reads, as a symbol of the image names them.
 const VERSIONS: [&str; 2] = ["3", "4"];
 
-/// Format strings and interned strings by their numbers.
+/// Format strings and interned strings, by their numbers.
 #[derive(Debug, Default)]
 pub(super) struct Table {
     entries: BTreeMap<u64, Entry>,
     timestamp: Option<String>,
 }
 
-/// What a number of a frame stands for.
+/// Meaning of a number in a frame.
 #[derive(Debug)]
 pub(super) struct Entry {
-    /// `None` for what is printed without one, and for what is part of a line.
+    /// `None` for a line that is printed without a level, and for a part of a line.
     pub(super) level: Option<&'static str>,
     /// The format string, or the interned string.
     pub(super) text: String,
 }
 
-/// The name of a symbol.
+/// Content of a symbol's name.
 #[derive(Deserialize)]
 struct Name {
     tag: String,
@@ -33,8 +33,8 @@ struct Name {
 }
 
 impl Table {
-    /// The strings of an image; `None` where it has none, or those of an unknown version or encoding
-    /// of frames.
+    /// Returns the strings of an image; `None` where it has none, or those of an unknown version or
+    /// encoding of frames.
     pub(super) fn parse(elf: &[u8]) -> Option<Self> {
         let elf = object::File::parse(elf).ok()?;
         let section = elf.section_by_name(".defmt")?.index();
@@ -73,12 +73,13 @@ impl Table {
         self.entries.insert(number, Entry { level, text: data });
     }
 
-    /// What a number stands for.
+    /// Returns the entry of a number.
     pub(super) fn get(&self, number: u16) -> Option<&Entry> {
         self.entries.get(&number.into())
     }
 
-    /// The format strings of lines, without the strings that are parts of some.
+    /// Returns the format strings of lines and of the time, without the strings that are parts of
+    /// lines.
     pub(super) fn formats(&self) -> impl Iterator<Item = &str> {
         let lines = self.entries.values().filter(|entry| entry.level.is_some());
         lines
@@ -86,7 +87,7 @@ impl Table {
             .chain(self.timestamp())
     }
 
-    /// The format of the time that begins every frame, if there is one.
+    /// Returns the format of the time that begins every frame, if there is one.
     pub(super) fn timestamp(&self) -> Option<&str> {
         self.timestamp.as_deref()
     }
@@ -96,12 +97,12 @@ impl Table {
 pub(super) mod tests {
     use super::*;
 
-    /// A table of these symbols, each with its tag and data.
+    /// Returns a table of these symbols, each with its tag and data.
     pub(in crate::device::log) fn table(symbols: &[(u64, &str, &str)]) -> Table {
         Table::parse(&image(symbols, ["4", "rzcobs"])).unwrap()
     }
 
-    /// A little-endian ELF of 32 bits with a section `.defmt` and symbols in it.
+    /// Returns a little-endian ELF of 32 bits with a section `.defmt` and symbols in it.
     pub(in crate::device::log) fn image(
         symbols: &[(u64, &str, &str)],
         [version, encoding]: [&str; 2],
@@ -136,7 +137,7 @@ pub(super) mod tests {
             strings.push(0);
         }
         strings.resize(strings.len().next_multiple_of(4), 0);
-        // Name, type, offset, size, link of each section.
+        // Name, type, offset, size and link of each section.
         let sections = [
             [0; 5],
             [1, 1, HEADER, 0, 0],

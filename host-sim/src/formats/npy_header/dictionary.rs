@@ -2,41 +2,41 @@
 
 use super::{NpyHeader, shown};
 
-/// Why a header's text is no dictionary of an array.
+/// A reason why a header's text is not the dictionary of an array.
 #[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
 pub enum DictionaryError {
-    /// Something else where this must stand.
+    /// Something else stands where this is required.
     #[error("{expected} is missing at character {at}")]
     Missing {
-        /// What must stand there.
+        /// Required text.
         expected: &'static str,
-        /// Characters before it.
+        /// Number of characters before it.
         at: usize,
     },
-    /// No entry of an array.
+    /// The key is not one of an array.
     #[error("key \"{0}\" is none of descr, fortran_order, shape")]
     UnknownKey(String),
-    /// An entry that is given again.
+    /// The key is given twice.
     #[error("key {0:?} stands there twice")]
     Twice(String),
-    /// An entry that is not given.
+    /// The key is missing.
     #[error("key {0:?} is missing")]
     MissingKey(&'static str),
-    /// An axis of negative length.
+    /// An axis has a negative length.
     #[error("an axis has the length -{0}")]
     Negative(String),
-    /// An axis longer than any array.
+    /// An axis is longer than any array.
     #[error("an axis has the length {0}, more than 64 bits")]
     TooLarge(String),
 }
 
-/// What is left of a text.
+/// The unread part of a text.
 struct Reader<'a> {
     text: &'a str,
     rest: &'a str,
 }
 
-/// Reads the whole text of a header: a dictionary, and blanks around it.
+/// Parses the whole text of a header: a dictionary, and blanks around it.
 pub(super) fn parse(text: &str) -> Result<NpyHeader, DictionaryError> {
     let mut reader = Reader { text, rest: text };
     let mut description = None;
@@ -82,7 +82,7 @@ impl<'a> Reader<'a> {
         self.rest = self.rest.trim_ascii_start();
     }
 
-    /// Takes a character with the blanks before it, if it is next.
+    /// Takes a character with the blanks before it, if it is next; returns true if it was.
     fn take(&mut self, next: char) -> bool {
         self.skip_blanks();
         let rest = self.rest.strip_prefix(next);
@@ -98,7 +98,8 @@ impl<'a> Reader<'a> {
         }
     }
 
-    /// Behind an entry: a comma, or what closes the entries, which stays.
+    /// Takes a comma, or leaves the character that closes the entries; one of the two must follow
+    /// an entry.
     fn separate(&mut self, close: char) -> Result<(), DictionaryError> {
         if self.take(',') || self.rest.starts_with(close) {
             Ok(())
@@ -107,14 +108,14 @@ impl<'a> Reader<'a> {
         }
     }
 
-    /// The next `bytes`, which end at a character.
+    /// Takes the next `bytes`, which end at a character.
     fn split(&mut self, bytes: usize) -> &'a str {
         let (taken, rest) = self.rest.split_at_checked(bytes).unwrap_or((self.rest, ""));
         self.rest = rest;
         taken
     }
 
-    /// What stands between quotes, escapes as they are written.
+    /// Takes a string and returns the text between its quotes, with escapes as they are written.
     fn string(&mut self) -> Result<&'a str, DictionaryError> {
         self.skip_blanks();
         let start = self.rest;
@@ -137,7 +138,7 @@ impl<'a> Reader<'a> {
         Err(self.missing("the end of a string"))
     }
 
-    /// A string, or a list or tuple of a structured type, as it is written.
+    /// Takes a string, or a list or tuple of a structured type, and returns it as it is written.
     fn value(&mut self) -> Result<&'a str, DictionaryError> {
         self.skip_blanks();
         let start = self.rest;
@@ -186,7 +187,7 @@ impl<'a> Reader<'a> {
         Err(self.missing("True or False"))
     }
 
-    /// A tuple of lengths.
+    /// Takes a tuple of lengths.
     fn shape(&mut self) -> Result<Vec<u64>, DictionaryError> {
         let close = ')';
         self.expect('(', "a tuple")?;
@@ -198,19 +199,19 @@ impl<'a> Reader<'a> {
             has_comma |= self.rest.starts_with(',');
             self.separate(close)?;
         }
-        // A number in parentheses is a number.
+        // In Python a number in parentheses without a comma is not a tuple.
         if shape.len() == 1 && !has_comma {
             return Err(self.missing("the comma of a tuple"));
         }
         Ok(shape)
     }
 
-    /// A whole number.
+    /// Takes a whole number.
     fn length(&mut self) -> Result<u64, DictionaryError> {
         let is_negative = self.take('-');
         self.skip_blanks();
         let count = self.rest.bytes().take_while(u8::is_ascii_digit).count();
-        // Python has no numbers that begin with a nought but nought itself.
+        // Python does not write numbers with a leading zero, except zero itself.
         let begins_with_nought = self.rest.starts_with('0') && self.rest.get(..count) != Some("0");
         if count == 0 || begins_with_nought {
             return Err(self.missing("a whole number"));

@@ -1,4 +1,4 @@
-//! Answers, block by block.
+//! Writer of answers, block by block.
 
 use std::io::{self, Write};
 use std::ops::Range;
@@ -19,13 +19,13 @@ pub struct Answer {
     pub distortion_mm: [f64; 2],
 }
 
-/// The writer of answers, in the order and the frame of the points.
+/// Writer of answers, in the order and the frame of the points.
 #[derive(Debug)]
 pub struct Answers<'a> {
     source: &'a Source,
     camera: &'a CameraFile,
     layout: Layout,
-    /// The answers of the first and of the second half of a block, as they are written.
+    /// Encoded answers of the first and of the second half of a block.
     bytes: [Vec<u8>; 2],
 }
 
@@ -36,10 +36,11 @@ enum Layout {
 }
 
 impl<'a> Answers<'a> {
-    /// Answers to the points of `source`.
+    /// Returns the writer of answers to the points of `source`.
     ///
     /// # Errors
-    /// [`Failure`] of an array asked for where nobody knows its length, which stands first in it.
+    /// [`Failure`] where an array is asked for but the number of points, which its header holds, is
+    /// not known.
     pub fn new(
         source: &'a Source,
         camera: &'a CameraFile,
@@ -66,7 +67,7 @@ impl<'a> Answers<'a> {
         })
     }
 
-    /// Writes what stands before the first answer.
+    /// Writes the header before the first answer.
     ///
     /// # Errors
     /// Those of the writer.
@@ -97,7 +98,7 @@ impl<'a> Answers<'a> {
         second.clear();
         match self.layout {
             Layout::Csv => {
-                // Two threads keep up with the one that reads whatever the frame and the direction.
+                // Two threads write as fast as the one that reads, for every frame and direction.
                 let half = answers.len() / 2;
                 let (source, camera) = (self.source, self.camera);
                 rayon::join(
@@ -119,7 +120,7 @@ impl<'a> Answers<'a> {
     }
 }
 
-/// Some of the rows of a block.
+/// Appends some of the rows of a block.
 fn push_text(
     text: &mut Vec<u8>,
     source: &Source,
@@ -154,7 +155,7 @@ fn push_text(
     }
 }
 
-/// x, y in mm, dx, dy in µm.
+/// Appends x, y in mm and dx, dy in µm.
 fn push_numbers<const BYTES: usize>(
     bytes: &mut Vec<u8>,
     answers: &[Answer],
@@ -170,7 +171,7 @@ fn push_numbers<const BYTES: usize>(
     }
 }
 
-/// A field of CSV, in quotes where it needs them; it holds no line break, as no name does.
+/// Appends a field of CSV, in quotes where it needs them; a name holds no line break.
 fn push_name(text: &mut Vec<u8>, name: &[u8]) {
     if !name.iter().any(|byte| matches!(byte, b',' | b'"')) {
         text.extend_from_slice(name);

@@ -1,4 +1,4 @@
-//! Consecutive points of a file.
+//! Blocks of consecutive points of a file.
 
 use fmc_camera_file::CameraFile;
 use fmc_camera_file::number::clipped;
@@ -6,30 +6,31 @@ use fmc_camera_file::number::clipped;
 use super::{Frame, Source};
 use crate::failure::Failure;
 
-/// Points that are read, corrected and written together.
+/// Number of points that are read, corrected and written together.
 ///
-/// So many that what is done once per block costs nothing, so few that they stay in a cache.
+/// Large enough that the work done once per block costs nothing, small enough that a block stays in
+/// a cache.
 pub(super) const POINTS: usize = 16_384;
 
-/// Consecutive points of a file; memory does not grow with the file.
+/// Consecutive points of a file, read in blocks so that memory does not grow with the file.
 #[derive(Debug, Clone, PartialEq, Default)]
 pub struct Block {
     /// Places in the sensor frame, mm, in the order of the file.
     pub points_mm: Vec<[f64; 2]>,
-    /// How many points of the file came before.
+    /// Number of points of the file before the block.
     pub before: u64,
-    /// How many bytes of the file end with this block; of an array, without its header.
+    /// Number of bytes of the file up to the end of this block; of an array, without its header.
     pub read_bytes: u64,
-    /// Names, one behind the other, as written, in UTF-8; an array has none.
+    /// Names, one behind the other, as written, in UTF-8; empty for an array.
     names: Vec<u8>,
-    /// Where each name ends.
+    /// End of each name.
     name_ends: Vec<usize>,
-    /// The line of each; an array has none.
+    /// Line of each point; empty for an array.
     lines: Vec<u64>,
 }
 
 impl Block {
-    /// Makes it empty, to begin behind `before` points.
+    /// Empties the block, to begin behind `before` points.
     pub(super) fn restart(&mut self, before: u64) {
         self.points_mm.clear();
         self.before = before;
@@ -49,7 +50,7 @@ impl Block {
         self.lines.push(line);
     }
 
-    /// The names, in order; of an array none.
+    /// Returns the names, in order; none for an array.
     pub(super) fn names(&self) -> impl Iterator<Item = &[u8]> {
         let mut from = 0;
         self.name_ends.iter().map(move |end| {
@@ -59,7 +60,7 @@ impl Block {
         })
     }
 
-    /// Where a point stands in the file, for messages.
+    /// Place of a point in the file, for messages.
     #[must_use]
     pub fn place(&self, source: &Source, index: usize) -> String {
         let file = &source.file;
@@ -75,9 +76,10 @@ impl Block {
     /// Checks that every point lies on the sensor, edges included.
     ///
     /// # Errors
-    /// [`Failure`] naming the first that does not, and the sensor's extent.
+    /// [`Failure`] naming the first point off the sensor, and the sensor's extent.
     pub fn check_on_sensor(&self, source: &Source, camera: &CameraFile) -> Result<(), Failure> {
-        // An edge typed in decimals is an edge: W·p/2 itself is rounded.
+        // W·p/2 is rounded, so an edge typed in decimals may exceed it by rounding and still
+        // belongs to the sensor.
         let [half_width, half_height] = camera.half_format_mm().map(|half| half * (1.0 + 1e-12));
         let off = |[x, y]: &[f64; 2]| !(x.abs() <= half_width && y.abs() <= half_height);
         match self.points_mm.iter().position(off) {
@@ -89,7 +91,7 @@ impl Block {
         }
     }
 
-    /// The failure of a point whose measured place, `point_mm`, is off the sensor.
+    /// Returns the failure of a point whose measured place, `point_mm`, is off the sensor.
     #[must_use]
     pub fn off_sensor(
         &self,

@@ -1,4 +1,4 @@
-//! Where the columns of a point file are.
+//! The columns of a point file.
 
 use csv::ByteRecord;
 use fmc_camera_file::CameraFile;
@@ -6,7 +6,7 @@ use fmc_camera_file::number::clipped;
 
 use super::{Block, Frame};
 
-/// Where the columns of a point file are.
+/// Places of the columns of a point file.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Columns {
     id: usize,
@@ -60,7 +60,7 @@ impl Columns {
     /// Adds the point of a record to a block.
     ///
     /// # Errors
-    /// What is wrong, in words.
+    /// A description of the error, in words.
     #[inline]
     pub(super) fn read(
         &self,
@@ -86,7 +86,7 @@ impl Columns {
         Ok(())
     }
 
-    /// What is wrong with the first coordinate that is no number.
+    /// Describes the first coordinate that is not a number.
     #[cold]
     fn no_number(&self, record: &ByteRecord, name: &[u8]) -> String {
         let [first, second] = self.coordinates;
@@ -110,7 +110,7 @@ fn field(record: &ByteRecord, index: usize) -> &[u8] {
     record.get(index).unwrap_or_default().trim_ascii()
 }
 
-/// A finite number, with spaces around it or without.
+/// Reads a finite number, with spaces around it or without.
 #[inline]
 fn number(record: &ByteRecord, index: usize) -> Option<f64> {
     let field = record.get(index).unwrap_or_default();
@@ -144,7 +144,8 @@ fn text<'a>(field: &'a [u8], column: &str) -> Result<&'a str, String> {
 
 #[cfg(test)]
 mod tests {
-    /// The reader of numbers takes what the standard library takes, and gives the same bits.
+    /// The reader of numbers accepts the same texts as the standard library, and gives the same
+    /// bits.
     #[test]
     fn numbers_are_those_of_the_standard_library() {
         let mut random = fastrand::Rng::with_seed(5);

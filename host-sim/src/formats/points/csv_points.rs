@@ -10,7 +10,7 @@ use super::columns::Columns;
 use super::{Block, Frame};
 use crate::failure::Failure;
 
-/// The rows of a CSV file, behind its header.
+/// The rows of a CSV file behind its header.
 pub(super) struct CsvPoints<R> {
     file: String,
     reader: Reader<R>,
@@ -20,7 +20,7 @@ pub(super) struct CsvPoints<R> {
 }
 
 impl<R: Read> CsvPoints<R> {
-    /// Reads the header; `file` is what messages call the file.
+    /// Reads the header; `file` is the name of the file in messages.
     ///
     /// # Errors
     /// [`Failure`] naming file, line and column.
@@ -49,7 +49,7 @@ impl<R: Read> CsvPoints<R> {
         self.columns.frame
     }
 
-    /// Reads the next points into a block; none at the end.
+    /// Reads the next points into a block; it stays empty at the end.
     ///
     /// # Errors
     /// [`Failure`] naming file, line, column and value; the points before it are in the block.

@@ -1,14 +1,14 @@
 //! Numbers with a fixed count of decimals, as `{:.9}` writes them, in a small part of its time.
 //!
-//! What depends on digits is computed and not decided: those of measured points are as good as random, and a processor
-//! that guesses wrong loses as much time as a number takes.
+//! The code computes what depends on digits and does not branch on it: the digits of measured
+//! points are almost random, and a mispredicted branch takes as long as a number.
 
 use std::io::Write as _;
 
-/// Bytes of the longest: sign, eight digits, point, nine decimals.
+/// Length of the longest number, bytes: sign, eight digits, point, nine decimals.
 const LONGEST: usize = 1 + 8 + 1 + 9;
 
-/// What makes eight digits text.
+/// Bits that turn eight digits into text.
 const ASCII: u64 = u64::from_le_bytes([b'0'; 8]);
 
 /// Appends `value` with `DECIMALS` decimals, at most 9, rounded half to even from its exact binary value.
@@ -22,11 +22,11 @@ pub(super) fn push<const DECIMALS: u32>(text: &mut Vec<u8>, value: f64) {
         return;
     };
     let whole = eight_digits(whole);
-    // A bit in the last digit, so that zero keeps one.
+    // A bit in the last digit makes zero keep one digit.
     let leading_zeros = (whole | 1 << 56).trailing_zeros() / 8;
     let sign = usize::from(value.is_sign_negative());
     let point = sign + 8 - leading_zeros as usize;
-    // Nine decimals; those beyond the wanted ones are cut off.
+    // Nine decimals are computed; those beyond the wanted ones are cut off.
     let nine = decimals * const { 10_u64.pow(9 - DECIMALS) };
     let [first, ..] = (nine / 100_000_000).to_le_bytes();
     let [digits, eight] = [whole, eight_digits(nine % 100_000_000)].map(|digits| digits | ASCII);
@@ -40,7 +40,8 @@ pub(super) fn push<const DECIMALS: u32>(text: &mut Vec<u8>, value: f64) {
     text.truncate(end);
 }
 
-/// The whole part and the decimals of a number's magnitude; `None` of what is too large, and of what is none.
+/// Returns the whole part and the decimals of a number's magnitude; `None` for values that are too
+/// large or not numbers.
 #[inline]
 fn parts<const DECIMALS: u32>(value: f64) -> Option<(u64, u64)> {
     let scale = const { 10_u64.pow(DECIMALS) };
@@ -50,7 +51,7 @@ fn parts<const DECIMALS: u32>(value: f64) -> Option<(u64, u64)> {
     let mantissa = bits & 0xf_ffff_ffff_ffff | 1 << 52;
     let shift = 1075_u64.checked_sub(exponent)?;
     match shift {
-        // Less than 2^26.
+        // The value is less than 2^26.
         27..64 => {
             let whole = mantissa >> shift;
             let fraction = mantissa << (64 - shift);
@@ -60,14 +61,14 @@ fn parts<const DECIMALS: u32>(value: f64) -> Option<(u64, u64)> {
             }
             Some((whole, decimals))
         }
-        // Less than 2^-11: no decimals make a whole.
+        // The value is less than 2^-11, so the decimals do not carry into the whole part.
         64..128 => Some((0, shifted(u128::from(mantissa) * u128::from(scale), shift))),
         128.. => Some((0, 0)),
         _ => None,
     }
 }
 
-/// number·2^-shift, rounded half to even; it fits 64 bits.
+/// Returns number·2^-shift, rounded half to even; the result fits 64 bits.
 #[inline]
 fn shifted(number: u128, shift: u64) -> u64 {
     let odd = number >> shift & 1;
@@ -75,10 +76,12 @@ fn shifted(number: u128, shift: u64) -> u64 {
     u64::try_from((number + less_than_half + odd) >> shift).unwrap_or(u64::MAX)
 }
 
-/// The eight decimal digits of a number below 1e8, one in each byte, the first in the lowest.
+/// Returns the eight decimal digits of a number below 1e8, one in each byte, the first in the
+/// lowest.
 ///
-/// Halves of four digits, then of two, then of one, all of a length side by side: the reciprocals of 100 and of 10 are
-/// exact to where they are cut off for all numbers of four and of two digits.
+/// The number is split into halves of four digits, then of two, then of one, with all parts of a
+/// length side by side. The reciprocals of 100 and of 10 give the exact quotient for all numbers of
+/// four and of two digits.
 #[inline]
 const fn eight_digits(number: u64) -> u64 {
     let fours = (number / 10_000) | ((number % 10_000) << 32);
@@ -164,7 +167,8 @@ mod tests {
             for _ in 0..2_000 {
                 let value = 10_f64.powi(digits - 8) * (random.f64() - 0.5);
                 assert_as_formatted(value);
-                // One unit of the sixth decimal from a round number: rounding up, and what it carries.
+                // One unit of the sixth decimal from a round number tests rounding up and its
+                // carry.
                 assert_as_formatted(value.round() - 1e-6);
                 assert_as_formatted(value.round() - 4e-10);
             }

@@ -1,4 +1,4 @@
-//! Points in and answers out, block by block: CSV, or arrays of NumPy.
+//! Points and answers, block by block: CSV, or arrays of NumPy.
 
 mod answers;
 mod block;
@@ -18,17 +18,17 @@ use std::path::Path;
 
 use clap::ValueEnum;
 
-/// How points are written down.
+/// File format of points.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
 pub enum PointFormat {
-    /// A header and a row for each.
+    /// CSV: a header and a row for each point.
     Csv,
-    /// An array of NumPy, a row for each, C order, f4 or f8 little-endian, millimetres.
+    /// Array of NumPy: a row for each point, C order, f4 or f8 little-endian, millimetres.
     Npy,
 }
 
 impl PointFormat {
-    /// What the file's name says.
+    /// Returns the format that the extension of the file's name tells.
     #[must_use]
     pub fn of(path: &Path) -> Option<Self> {
         let extension = path.extension()?.to_str()?;
@@ -46,7 +46,7 @@ impl PointFormat {
     }
 }
 
-/// What the two coordinate columns of a point file mean.
+/// Frame of the two coordinate columns of a point file.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Frame {
     /// `x_mm`, `y_mm` of the sensor frame.
@@ -66,7 +66,7 @@ impl Frame {
     }
 }
 
-/// How precise the numbers of an array are.
+/// Precision of the numbers of an array.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Precision {
     /// `<f4`.

@@ -8,7 +8,7 @@ use super::block::{self, Block};
 use crate::failure::Failure;
 use crate::formats::npy_header::{self, NpyHeader, NpyHeaderError};
 
-/// The rows of an array, behind its header.
+/// The rows of an array behind its header.
 pub(super) struct NpyPoints<R> {
     file: String,
     source: R,
@@ -19,10 +19,10 @@ pub(super) struct NpyPoints<R> {
 }
 
 impl<R: Read> NpyPoints<R> {
-    /// Reads the header; `file` is what messages call the file.
+    /// Reads the header; `file` is the name of the file in messages.
     ///
     /// # Errors
-    /// [`Failure`] naming the file, and what is not as it must be.
+    /// [`Failure`] naming the file, and the part of the header that is wrong.
     pub(super) fn new(file: &str, mut source: R) -> Result<Self, Failure> {
         let header = NpyHeader::read(&mut source).map_err(|error| match error {
             NpyHeaderError::Reading(error) => Failure::reading(Path::new(file), &error),
@@ -63,7 +63,7 @@ impl<R: Read> NpyPoints<R> {
         self.precision
     }
 
-    /// How many bytes all rows take.
+    /// Number of bytes of all rows.
     pub(super) const fn bytes(&self) -> u64 {
         self.count.saturating_mul(self.row_bytes())
     }
@@ -72,10 +72,10 @@ impl<R: Read> NpyPoints<R> {
         2 * self.precision.bytes() as u64
     }
 
-    /// Reads the next points into a block; none at the end.
+    /// Reads the next points into a block; it stays empty at the end.
     ///
     /// # Errors
-    /// [`Failure`] of an array that ends too early, or of a file that goes on behind it.
+    /// [`Failure`] for an array that ends too early, or a file that goes on behind it.
     pub(super) fn fill(&mut self, block: &mut Block) -> Result<(), Failure> {
         block.restart(self.read);
         let left = self.count - self.read;

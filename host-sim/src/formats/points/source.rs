@@ -14,41 +14,41 @@ use super::npy_points::NpyPoints;
 use super::{Block, Frame, PointFormat, Precision};
 use crate::failure::Failure;
 
-/// Blocks between the thread that reads and the one that answers.
+/// Number of blocks between the thread that reads and the one that answers.
 const AHEAD: usize = 4;
 
 /// A file of points.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Source {
-    /// What messages call it.
+    /// Name of the file in messages.
     pub file: String,
-    /// The frame points are given in, and answered in.
+    /// Frame of the points and of the answers.
     pub frame: Frame,
-    /// How many there are, where the file says so first.
+    /// Number of points, where the header of the file states it.
     pub count: Option<u64>,
-    /// How precise an array's numbers are.
+    /// Precision of an array's numbers.
     pub precision: Precision,
-    /// How many bytes will be read: the length of a file that has one, that of an array's rows.
+    /// Number of bytes to be read: the length of a file that has one, that of an array's rows.
     pub bytes: Option<u64>,
 }
 
-/// Which points the file may hold.
+/// Points that the file may hold.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Checked {
     /// Points of the sensor, edges included.
     OnSensor,
-    /// Any.
+    /// Any points.
     Finite,
 }
 
-/// The points of a file, block by block, in order; a thread reads ahead.
+/// The points of a file, block by block, in order, read ahead by a thread.
 #[derive(Debug)]
 pub struct Blocks {
     full: Receiver<Result<Block, Failure>>,
     empty: Sender<Block>,
 }
 
-/// The reader of one of the formats.
+/// Reader of one of the formats.
 enum Points {
     Csv(CsvPoints<Box<dyn Read + Send>>),
     Npy(NpyPoints<Box<dyn Read + Send>>),
@@ -102,7 +102,8 @@ impl Source {
         let (full_sender, full) = sync_channel(AHEAD);
         let (empty, empty_receiver) = channel();
         let (shared, camera) = (Arc::clone(&source), camera.clone());
-        // It is not waited for: with an error elsewhere the process ends while this one may wait for its input.
+        // The thread is not joined: after an error elsewhere the process ends while the thread may
+        // still wait for its input.
         thread::spawn(move || {
             read_ahead(
                 points,
@@ -118,10 +119,10 @@ impl Source {
 }
 
 impl Blocks {
-    /// The next points; `None` behind the last.
+    /// Returns the next points; `None` behind the last.
     ///
     /// # Errors
-    /// [`Failure`] of the first point that is none; those before it have been given out.
+    /// [`Failure`] of the first point that cannot be read; those before it have been returned.
     pub fn next_block(&mut self) -> Result<Option<Block>, Failure> {
         match self.full.recv() {
             Ok(block) => block.map(|block| (!block.points_mm.is_empty()).then_some(block)),
@@ -129,9 +130,9 @@ impl Blocks {
         }
     }
 
-    /// Gives a block back to be filled again.
+    /// Returns a block to the reader, to be filled again.
     pub fn reuse(&self, block: Block) {
-        // A reader that is done needs none.
+        // Sending fails if the reader has ended, and then needs no block.
         let _ = self.empty.send(block);
     }
 }
@@ -150,7 +151,7 @@ fn read_ahead(
             Points::Csv(points) => points.fill(&mut block, camera),
             Points::Npy(points) => points.fill(&mut block),
         };
-        // A point before the one that cannot be read comes first.
+        // A point off the sensor that comes before an unreadable one is reported first.
         let on_sensor = match checked {
             Checked::OnSensor => block.check_on_sensor(source, camera),
             Checked::Finite => Ok(()),
