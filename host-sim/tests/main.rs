@@ -1,4 +1,5 @@
-//! The program on the PC and its library; one program of tests, so that all share the processor's cores.
+//! Tests of the program on the PC and its library, in one program so that all share the processor's
+//! cores.
 
 #[cfg(test)]
 mod command_line;

@@ -1,4 +1,4 @@
-//! Good input, and what DESIGN says is accepted.
+//! Good input, and unusual input that is accepted.
 
 use crate::command_line::support::{Bench, CAMERA, POINTS};
 
@@ -21,7 +21,7 @@ fn correct_agrees_with_the_reference_and_distort_undoes_it() {
             corrected.rows().into_iter().zip(reference.rows())
         {
             assert_eq!(id, reference_id);
-            // 5 nm on coordinates, 1.5 nm on distortions.
+            // Limits: 5 nm on coordinates, 1.5 nm on distortions.
             assert!((found[0] - strict[0]).abs() < 5e-6 && (found[1] - strict[1]).abs() < 5e-6);
             assert!(
                 (found[2] - strict[2]).abs() < 1.5e-3,
@@ -228,7 +228,7 @@ fn shipped_cameras_are_camera_files() {
 
 #[test]
 fn barrel_distortion_is_negative_and_its_correction_outwards() {
-    // K1 = -1e-5: at 30 mm the image is drawn in by 0.27 mm.
+    // K1 = -1e-5 moves the image at 30 mm by 0.27 mm towards the centre.
     let barrel = "name = \"barrel\"\nprincipal_distance_mm = 100.0\n\
                   [sensor]\nwidth_px = 9216\nheight_px = 9216\npixel_um = 8.75\n\
                   [distortion]\nk1 = -1e-5\n";

@@ -1,4 +1,4 @@
-//! Wrong camera files: each named with file, line, field and what is allowed.
+//! Wrong camera files: every refusal names file, line, field and the allowed values.
 
 use crate::command_line::support::{Bench, CAMERA, POINTS};
 
@@ -225,7 +225,7 @@ fn polynomial_that_folds_the_image_is_refused_with_place_and_least_scale() {
         &["[fitted]", "folds", "at least 0.1"],
     );
     refused("b1 = 1.0e-5", "b1 = 1.5", &["[distortion]", "folds"]);
-    // Far from zero as a number, harmless over this sensor.
+    // The coefficient is large as a number, but harmless over this sensor.
     let strong = CAMERA.replace("k1 = -1.0e-6", "k1 = 5.0e-5");
     Bench::with(&strong, POINTS.as_bytes())
         .points("frame", &[])

@@ -61,7 +61,7 @@ fn stroke_too_short_for_the_plan_is_refused_with_what_is_needed() {
     Bench::with(&from_rest, POINTS.as_bytes())
         .points("frame", &["--vh", "0.17"])
         .refused(&["stroke_mm"]);
-    // A given opening needs room for the exposure alone.
+    // A given opening offset needs room for the exposure alone.
     let offset = ["--vh", "0.1", "--exposure", "0.01", "--opening-offset-mm"];
     bench
         .points("frame", &[&offset[..], &["-0.05"]].concat())

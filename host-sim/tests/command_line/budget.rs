@@ -1,4 +1,4 @@
-//! `budget`: is it worth it for this camera?
+//! `budget`: the terms of a camera's error budget.
 
 use std::fs;
 
@@ -6,7 +6,7 @@ use crate::command_line::support::{Bench, CAMERA};
 
 const BUDGET: [&str; 3] = ["budget", "--camera", "camera.toml"];
 
-/// The summary of a budget with more arguments.
+/// Returns the summary of a budget with more arguments.
 fn summary(bench: &Bench, more: &[&str]) -> serde_json::Value {
     let arguments = [&BUDGET[..], &["--out", "out"], more].concat();
     bench.run(&arguments).ok();
@@ -44,7 +44,8 @@ fn page_names_every_term_and_the_report_is_complete() {
     // 17 mm/s for 20 ms is 340 µm; ramps of 20 and 10 % move the centroid off the middle.
     let opening_um = effect(&summary, "opening-time", "limits_um");
     assert!((opening_um - 340.0 * (0.5 + 0.1 * 2.4 / (6.0 * 1.7))).abs() < 1e-6);
-    // H/f = 10000 at 1000 m: as many cm on the ground as µm on the sensor.
+    // H/f = 10000 at 1000 m, so an error in cm on the ground is the same number as in µm on the
+    // sensor.
     let ground_cm = effect(&summary, "opening-time", "limits_ground_cm");
     assert!((ground_cm - opening_um).abs() < 1e-9);
     assert!(effect(&summary, "calibrated-principal-point", "limits_um") < 1e-9);
@@ -64,7 +65,7 @@ fn assumptions_are_taken_and_scale_their_terms() {
     ] {
         let after = summary(&bench, &[option, value]);
         let ratio = effect(&after, source, "limits_um") / effect(&before, source, "limits_um");
-        // The smear is the camera's, in single precision.
+        // The smear is computed by the camera, in single precision.
         assert!((ratio - factor).abs() < 1e-6, "{option}: {ratio}");
     }
 }

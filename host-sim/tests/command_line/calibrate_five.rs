@@ -98,7 +98,7 @@ fn folder_receives_camera_residuals_summary_and_figures() {
         );
     }
 
-    // All but [fitted] is as it was, and the fitted model runs.
+    // Everything but [fitted] is unchanged, and the fitted model runs.
     let camera = fs::read_to_string(bench.path("out/camera.toml")).unwrap();
     let (before, _) = CAMERA.split_once("[fitted]").unwrap();
     assert!(camera.starts_with(before), "{camera}");
@@ -129,7 +129,7 @@ fn folder_receives_camera_residuals_summary_and_figures() {
 fn gross_errors_in_a_fifth_of_the_points_do_not_move_the_result_beyond_its_sigma() {
     let good = noisy(rows(&EXPOSURES, 9), 0.85, 2);
     let clean = summary(&csv(&good), &[]);
-    // Scattered, and all in one direction.
+    // The gross errors are scattered, then all in one direction.
     for one_sided in [false, true] {
         let mut noise = Noise(3);
         let mut bad = good.clone();
@@ -235,13 +235,13 @@ fn options_reach_the_fit() {
     let summary: Value =
         serde_json::from_slice(&fs::read(bench.path("out/summary.json")).unwrap()).unwrap();
     assert!((number(&summary, "p2", "value") / -2e-6 - 1.0).abs() < 1e-7);
-    // c̄ is the same part of δ in all: E[τ]/t of ramps 0.2 and 0.1.
+    // c̄ is the same part of δ in all exposures: E[τ]/t of ramps 0.2 and 0.1.
     let centroid = 0.5 + 0.1 * (3.0 - 0.6) / (6.0 * 1.7);
     let kd1 = number(&summary, "kd1", "value");
     assert!((kd1 * centroid / TRUTH[3] - 1.0).abs() < 1e-8);
     let camera = fs::read_to_string(bench.path("out/camera.toml")).unwrap();
     assert!(camera.contains("per = \"centroid\""), "{camera}");
-    // Applied to c̄ the same distortion comes out.
+    // Applied to c̄, the coefficients give the same distortion.
     let answer = bench
         .run(&[
             "reference",

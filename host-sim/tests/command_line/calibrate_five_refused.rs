@@ -1,4 +1,4 @@
-//! `calibrate five` on observations that are no calibration.
+//! `calibrate five` on observations that do not determine a calibration.
 
 use std::fmt::Write as _;
 use std::fs;
@@ -6,7 +6,7 @@ use std::fs;
 use crate::command_line::observations::{EXPOSURES, Row, csv, noisy, rows};
 use crate::command_line::support::Bench;
 
-/// Exit code 2, a message with every one of `words`, and no output.
+/// Checks for exit code 2, a message with every one of `words`, and no output.
 fn refused(observations: &str, words: &[&str]) {
     refused_with(observations, &[], words);
 }
@@ -221,7 +221,7 @@ fn output_never_replaces_the_camera_file() {
     assert_eq!(bench.files(), ["camera.toml", "obs.csv", "points.csv"]);
 }
 
-/// A lens that has never been calibrated: nothing to compare the distortions with.
+/// The lens has never been calibrated, so its distortions cannot be compared with any.
 #[test]
 fn millimetres_of_a_lens_that_is_not_known_yet_are_named() {
     let rows: Vec<Row> = good()

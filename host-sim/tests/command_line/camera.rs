@@ -19,7 +19,8 @@ use crate::command_line::support::{Answer, Bench};
 /// Rounds of the control loop from one message to the next.
 const ROUNDS: u64 = 60;
 
-/// A board with an ideal stage and an ideal shutter, whose time goes on with the messages it gets.
+/// A board with an ideal stage and an ideal shutter, whose time advances with the messages it
+/// receives.
 struct Board {
     bench: Bench,
     port: Port,
@@ -116,7 +117,7 @@ fn camera_on_a_board_is_flown_by_commands_and_its_records_are_fetched() {
         .failed(3, &["armed or in flight", "camera disarm"]);
 
     board.triggers.store(1, Ordering::SeqCst);
-    // Two messages later the frame is over and the stage back.
+    // Two messages later the frame is over and the stage has returned.
     let status = board.status();
     assert_eq!(status["state"], "armed", "{status}");
     assert_eq!(
@@ -138,7 +139,7 @@ fn camera_on_a_board_is_flown_by_commands_and_its_records_are_fetched() {
     let records: serde_json::Value = serde_json::from_slice(&records).unwrap();
     let record = &records["records"][0];
     let exposure_s = record["exposure_s"].as_f64().unwrap();
-    // To the microsecond of the stamps.
+    // The stamps have a resolution of 1 µs.
     assert!((exposure_s - 0.01).abs() < 1.1e-6, "{record}");
     board.says(
         &[

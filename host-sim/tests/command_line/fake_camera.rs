@@ -1,4 +1,4 @@
-//! Cameras at the other end of a wire, in order and not.
+//! Cameras at the other end of a wire, working or faulty.
 
 use std::io::{ErrorKind, Read, Write};
 
@@ -7,26 +7,26 @@ use fmc_camera::io::link::frame::{Frame, FrameReceiver};
 use fmc_camera::io::link::message::{Answer, Identity, Start};
 use fmc_camera::io::link::station::{Event, Station};
 
-/// A camera, in order until told otherwise.
+/// A camera that works correctly until told otherwise.
 pub(crate) struct FakeCamera<Deck = RigDeck> {
     station: Station<Deck>,
     /// Changes an answer before it is sent.
     pub(crate) change: fn(&mut Answer),
     /// Called with the number of answers given so far; `false` ends the service.
     pub(crate) goes_on: Box<dyn FnMut(usize) -> bool + Send>,
-    /// What happens to it before it looks at what has arrived.
+    /// Called before the camera looks at what has arrived.
     pub(crate) before: Box<dyn FnMut(&mut Deck) + Send>,
 }
 
 impl FakeCamera {
-    /// A camera in order.
+    /// Returns a camera that works correctly.
     pub(crate) fn new() -> Self {
         Self::with(RigDeck::after(Start::PowerOn))
     }
 }
 
 impl<Deck: FlightDeck> FakeCamera<Deck> {
-    /// A camera in order, of which this is flown.
+    /// Returns a camera that works correctly, with this deck.
     pub(crate) fn with(deck: Deck) -> Self {
         let identity = Identity::new("of the test", "fake", true, Start::PowerOn);
         Self {
@@ -37,7 +37,7 @@ impl<Deck: FlightDeck> FakeCamera<Deck> {
         }
     }
 
-    /// Answers until the wire ends, the camera is switched off, or it should not go on.
+    /// Answers until the wire ends, the camera is switched off, or `goes_on` returns false.
     pub(crate) fn serve(&mut self, wire: &mut (impl Read + Write)) {
         let mut answers = 0;
         let mut buffer = [0; 4096];

@@ -8,7 +8,7 @@ const PAPER: &str = include_str!("../../scenarios/yuan-2012.toml");
 const STRIP: &str = include_str!("../../scenarios/strip.toml");
 const CAMERA: &str = include_str!("../../scenarios/cameras/yuan-2012.toml");
 
-/// A folder with the paper's scenario, changed.
+/// Returns a folder with the paper's scenario, changed.
 fn bench(scenario: &str) -> Bench {
     let bench = Bench::new();
     fs::create_dir(bench.path("cameras")).unwrap();
@@ -32,7 +32,7 @@ fn fly(bench: &Bench, more: &[&str]) -> Answer {
     bench.run(&arguments)
 }
 
-/// The line of a key in its table, with another value.
+/// Returns the line of a key in its table, with another value.
 fn with(table: &str, key: &str, value: &str) -> String {
     let mut inside = false;
     let mut found = false;
@@ -128,7 +128,7 @@ fn control_points_outside_the_frame_are_named() {
             "-8",
         ],
     );
-    // Millimetres: all of them.
+    // All control points are given in millimetres.
     let millimetres = PAPER
         .lines()
         .map(|line| {
@@ -268,7 +268,7 @@ fn heights_that_cannot_be_metres_are_named() {
         &["z_m = 50000.0", "not below the aircraft"],
     );
     refused(&point("-500.0"), &["z_m = -500.0", "allowed -90 to 190 m"]);
-    // In kilometres over high terrain: 1.05 for 1050 m.
+    // A height in kilometres over high terrain: 1.05 for 1050 m.
     let high = PAPER
         .replace("height_m = 50.0 ", "height_m = 1050.0 ")
         .replace("height_m = 2050.0", "height_m = 3050.0")

@@ -1,4 +1,5 @@
-//! `mesh`: the files of warp engines and graphics processors, read back as their documents say.
+//! `mesh`: the files of warp engines and graphics processors, read back as their documents
+//! describe.
 
 use std::fmt::Write as _;
 use std::fs;
@@ -13,7 +14,7 @@ fn mesh_of(bench: &Bench, more: &[&str]) -> Value {
     serde_json::from_slice(&fs::read(bench.path("mesh/mesh.json")).unwrap()).unwrap()
 }
 
-/// The numbers of a file, from words of N bytes.
+/// Reads the numbers of a file, from words of N bytes.
 fn numbers<const N: usize>(bench: &Bench, name: &str, read: fn([u8; N]) -> f64) -> Vec<f64> {
     let bytes = fs::read(bench.path("mesh").join(name)).unwrap();
     let (words, rest) = bytes.as_chunks::<N>();
@@ -21,7 +22,8 @@ fn numbers<const N: usize>(bench: &Bench, name: &str, read: fn([u8; N]) -> f64) 
     words.iter().map(|word| read(*word)).collect()
 }
 
-/// Sources of all vertices, counted from the whole image's first pixel, as the file of this format says.
+/// Returns vertices and sources, both counted from the whole image's first pixel, from a file of
+/// the format.
 fn sources(bench: &Bench, header: &Value) -> Vec<([f64; 2], [f64; 2])> {
     let count = |key: &str| header[key].as_u64().unwrap();
     let origin = [0, 1].map(|axis| header["origin_px"][axis].as_f64().unwrap());
@@ -66,13 +68,14 @@ fn sources(bench: &Bench, header: &Value) -> Vec<([f64; 2], [f64; 2])> {
     sources
 }
 
-/// The strict reference, in double precision, leads from the sources back to the vertices.
+/// Checks that the strict reference, in double precision, leads from the sources back to the
+/// vertices.
 fn leads_back(bench: &Bench, header: &Value, most_off_px: f64) {
     let sources = sources(bench, header);
     let mut vertices = Vec::new();
     let mut points = "id,col_px,row_px\n".to_owned();
     for (vertex, [col, row]) in sources {
-        // The reference takes measured points, which are on the sensor.
+        // The reference takes measured points, which must be on the sensor.
         if [col, row]
             .iter()
             .all(|place| (-0.5..=9215.5).contains(place))
@@ -100,15 +103,15 @@ fn leads_back(bench: &Bench, header: &Value, most_off_px: f64) {
     assert!(worst > 0.0, "a mesh that is quantised is not exact");
 }
 
-/// A sixth of a micrometre of 8.75 µm pixels is far more than what the model leaves out, 1 nm; the slope of the
-/// distortion of this camera is below 1 %.
+/// Limit for the way back, px: 2e-4 px of 8.75 µm are 1.75 nm, more than the 1 nm that the model
+/// leaves out; the slope of the distortion of this camera is below 1 %.
 fn most_off_px(quantisation_px: f64) -> f64 {
     1.01 * quantisation_px + 2e-4
 }
 
 #[test]
 fn every_format_leads_the_reference_back_to_the_vertices_within_its_quantisation() {
-    // At the corner; sources lie up to 13 px closer to the centre.
+    // The part lies in the corner; its sources lie up to 13 px closer to the centre.
     let part = ["--part", "7200,7400,1980,1800", "--source", "7180,7380"];
     for (format, spacing, part, step_px) in [
         ("ti-ldc", "128", &[][..], 1.0 / 8.0),
@@ -127,7 +130,7 @@ fn every_format_leads_the_reference_back_to_the_vertices_within_its_quantisation
     }
 }
 
-/// Recorded vertices and the way to their places in the corrected image, px.
+/// Returns recorded vertices and the displacements to their places in the corrected image, px.
 fn pushed(bench: &Bench, header: &Value) -> Vec<([f64; 2], [f64; 2])> {
     let count = |key: &str| header[key].as_u64().unwrap();
     let spacing = header["spacing_px"].as_f64().unwrap();
@@ -165,7 +168,7 @@ fn vertices_of_a_graphics_processor_go_where_the_reference_has_their_pixels() {
         let found = (&header["columns"], &header["rows"]);
         let (columns, rows) = columns_and_rows;
         assert_eq!(found, (&columns.into(), &rows.into()));
-        // It has no sources, and its numbers are the camera's.
+        // The mesh has no sources, and its numbers are not quantised.
         assert!(header["quantisation_px"].is_null() && header["source_origin_px"].is_null());
         let vertices = pushed(&bench, &header);
         let mut points = "id,col_px,row_px\n".to_owned();
@@ -193,7 +196,7 @@ fn vertices_of_a_graphics_processor_go_where_the_reference_has_their_pixels() {
         }
         let stated_px = header["rounding_bound_px"].as_f64().unwrap();
         assert!(stated_px > 0.0 && stated_px < 1e-3, "{stated_px} px");
-        // What the model leaves out, 1.5 nm of pixels of 8.75 µm.
+        // The model leaves out 1.5 nm, given here in pixels of 8.75 µm.
         assert!(worst_px <= stated_px + 1.5 / 8750.0, "{worst_px} px");
     }
 }
@@ -217,7 +220,7 @@ fn header_of_a_graphics_processor_says_how_its_vertices_are_drawn() {
     assert_eq!(header["origin_px"], serde_json::json!([100, 200]));
     let length = fs::metadata(bench.path("mesh/mesh.bin")).unwrap().len();
     assert_eq!(length, 8 * columns * rows);
-    // What a triangle adds grows with the square of its side, from little.
+    // The error of a triangle is small and grows with the square of its side.
     let coarse = mesh_of(&bench, &["--format", "gpu", "--spacing", "160"]);
     let [fine, coarse] =
         [&header, &coarse].map(|header| header["interpolation_bound_px"].as_f64().unwrap());
@@ -394,7 +397,8 @@ fn what_an_engine_does_not_take_is_refused_by_name() {
 
 #[test]
 fn a_lens_that_images_beyond_the_sensor_gets_sources_there() {
-    // Pincushion: the corners of the corrected image come from beyond the recorded one.
+    // With pincushion distortion the corners of the corrected image have sources beyond the
+    // recorded one.
     let camera = CAMERA.replace("k1 = -1.0e-6", "k1 = 1.0e-6");
     let bench = Bench::with(&camera, b"id,x_mm,y_mm\n");
     let header = mesh_of(&bench, &["--format", "vpi", "--spacing", "512"]);

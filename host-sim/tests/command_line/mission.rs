@@ -8,7 +8,7 @@ const MISSION: &str = include_str!("../../scenarios/mission.toml");
 const STALL: &str = include_str!("../../scenarios/faults/stall.toml");
 const CAMERA: &str = include_str!("../../scenarios/cameras/mission.toml");
 
-/// A folder with the nominal mission's camera, and with a scenario.
+/// Returns a folder with the nominal mission's camera and a scenario.
 fn bench(scenario: &str) -> Bench {
     let bench = Bench::new();
     fs::create_dir(bench.path("cameras")).unwrap();
@@ -31,7 +31,7 @@ fn changed(text: &str, from: &str, to: &str) -> String {
     text.replacen(from, to, 1)
 }
 
-/// The nominal mission with something else in it is refused, and nothing is written.
+/// Checks that the nominal mission with another text in it is refused, and nothing is written.
 fn refused(from: &str, to: &str, words: &[&str]) {
     let bench = bench(&changed(MISSION, from, to));
     let answer = fly(&bench, &[]);
@@ -40,7 +40,7 @@ fn refused(from: &str, to: &str, words: &[&str]) {
     assert!(!bench.path("report").exists());
 }
 
-/// A fault scenario with something else in its fault is refused.
+/// Checks that a fault scenario with another text in its fault is refused.
 fn refused_fault(from: &str, to: &str, words: &[&str]) {
     let here = changed(STALL, "../cameras", "cameras");
     let bench = bench(&changed(&here, from, to));

@@ -1,4 +1,4 @@
-//! The command line as users and scripts meet it.
+//! Tests of the command line, as users and scripts call it.
 
 #[cfg(test)]
 mod accepted;

@@ -5,7 +5,7 @@ use std::io::Write as _;
 
 use crate::command_line::support::{Answer, Bench, CAMERA, EXPOSURE};
 
-/// How the numbers of an array stand one behind the other.
+/// Order of an array's numbers in the file.
 #[derive(Clone, Copy, PartialEq)]
 enum Order {
     C,
@@ -38,10 +38,10 @@ number!(f32, "<f4");
 number!(f64, "<f8");
 number!(i32, "<i4");
 
-/// Bytes of a header of version 1.0 as NumPy pads it.
+/// Length of a header of version 1.0 as NumPy pads it, bytes.
 const HEADER: usize = 128;
 
-/// An array as `numpy.save` writes it.
+/// Returns an array as `numpy.save` writes it.
 fn array<T: Number>(shape: &[u64], order: Order, numbers: &[T]) -> Vec<u8> {
     let axes: Vec<String> = shape.iter().map(u64::to_string).collect();
     let comma = if shape.len() == 1 { "," } else { "" };
@@ -59,7 +59,7 @@ fn array<T: Number>(shape: &[u64], order: Order, numbers: &[T]) -> Vec<u8> {
     bytes
 }
 
-/// Shape and numbers of an answer, whose header is checked byte by byte.
+/// Returns shape and numbers of an answer, whose header is checked byte by byte.
 fn numbers<T: Number>(path: &std::path::Path) -> (Vec<u64>, Vec<T>) {
     let bytes = fs::read(path).unwrap();
     let (header, numbers) = bytes.split_at(HEADER);
@@ -76,7 +76,7 @@ fn numbers<T: Number>(path: &std::path::Path) -> (Vec<u64>, Vec<T>) {
     (shape, T::all(numbers))
 }
 
-/// `command` on `points.npy`.
+/// Runs `command` on `points.npy`.
 fn on_array(bench: &Bench, command: &str, points: &[u8], more: &[&str]) -> Answer {
     fs::write(bench.path("points.npy"), points).unwrap();
     bench.run(&[&[command][..], &EXPOSURE, more, &["points.npy"]].concat())
@@ -88,7 +88,8 @@ const POINTS: [f64; 6] = [10.0, -20.0, -40.32, 40.32, 0.0, 0.0];
 fn array_is_answered_by_an_array_with_the_numbers_of_the_text() {
     let bench = Bench::new();
     for command in ["correct", "distort", "reference"] {
-        // A corner has no measured point: its ideal one lies inside.
+        // An ideal point in a corner has no measured point on the sensor, so the points stay
+        // inside.
         let points: Vec<f64> = POINTS.iter().map(|number| number * 0.9).collect();
         let text = format!(
             "id,x_mm,y_mm\n0,{},{}\n1,{},{}\n2,{},{}\n",
@@ -106,7 +107,7 @@ fn array_is_answered_by_an_array_with_the_numbers_of_the_text() {
         let (shape, found) = numbers::<f64>(&bench.path("out.npy"));
         assert_eq!(shape, [3, 4]);
         for (found, (_, expected)) in found.chunks(4).zip(rows) {
-            // The text is rounded at 1e-9 mm and 1e-6 µm.
+            // The text is rounded to 1e-9 mm and 1e-6 µm.
             assert!(
                 (found[0] - expected[0]).abs() < 0.51e-9
                     && (found[1] - expected[1]).abs() < 0.51e-9
@@ -149,7 +150,7 @@ fn single_precision_is_answered_in_single_precision_with_the_bits_of_the_camera(
     let (_, double) = numbers::<f64>(&bench.path("double.npy"));
     assert_eq!(shape, [40_000, 4]);
     for (single, double) in single.chunks(4).zip(double.chunks(4)) {
-        // Coordinates are those of the camera, in its own precision.
+        // Coordinates have the bits of the camera, in its single precision.
         for axis in 0..2 {
             assert_eq!(f64::from(single[axis]).to_bits(), double[axis].to_bits());
         }
@@ -231,8 +232,9 @@ fn arrays_that_are_no_points_are_refused_with_what_they_are() {
     refused(&longer, &["goes on behind the 3 rows"]);
 }
 
-/// What NumPy 2 wrote: `a = arange(6, dtype='<f8').reshape(3, 2)`, `format.write_array(file, a, version=...)`, and
-/// `save` of `a.astype('<f4')`, `a.astype('>f8')`, `asfortranarray(a)` and of two numbers in a record.
+/// Arrays written by NumPy 2: `a = arange(6, dtype='<f8').reshape(3, 2)`, `format.write_array(file,
+/// a, version=...)`, and `save` of `a.astype('<f4')`, `a.astype('>f8')`, `asfortranarray(a)` and of
+/// two numbers in a record.
 const BY_NUMPY: [(&str, &[u8]); 7] = [
     ("version 1", include_bytes!("numpy/f8-version-1.npy")),
     ("version 2", include_bytes!("numpy/f8-version-2.npy")),

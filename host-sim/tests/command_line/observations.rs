@@ -1,4 +1,4 @@
-//! Observation files for `calibrate five`, made from the five-coefficient model as it is written.
+//! Observation files for `calibrate five`, made from the five-coefficient model as it is published.
 
 use std::fmt::Write as _;
 
@@ -14,10 +14,11 @@ pub(crate) struct Row {
     pub(crate) offset_mm: f64,
 }
 
-/// `km0`, `km1`, `km2`, `kd1`, `pm1` of the observations: per mm of δ.
+/// Coefficients of the observations, `km0`, `km1`, `km2`, `kd1`, `pm1`: per mm of δ.
 pub(crate) const TRUTH: [f64; 5] = [1.5e-4, -1.1e-6, 2.2e-10, 3e-6, 1.4e-6];
 
-/// The model of `support::CAMERA`: f = 100 mm, e = +y, principal point (0.02, -0.01) mm.
+/// Returns the distortion by the model for `support::CAMERA`: f = 100 mm, e = +y, principal point
+/// (0.02, -0.01) mm.
 pub(crate) fn distortion_um(
     [km0, km1, km2, kd1, pm1]: [f64; 5],
     x: f64,
@@ -35,7 +36,7 @@ pub(crate) fn distortion_um(
     .map(|mm| 1000.0 * mm)
 }
 
-/// `steps` x `steps` points over the sensor in each of these exposures, opening at Δδ = 0.
+/// Returns `steps` x `steps` points over the sensor in each of these exposures, opening at Δδ = 0.
 pub(crate) fn rows(exposures: &[(f64, f64)], steps: i32) -> Vec<Row> {
     let place = |index: i32| 40.0 * (2.0 * f64::from(index) / f64::from(steps - 1) - 1.0);
     let mut rows = Vec::new();
@@ -66,7 +67,7 @@ pub(crate) const EXPOSURES: [(f64, f64); 6] = [
     (0.17, 0.01),
 ];
 
-/// Normal numbers of standard deviation 1, always the same.
+/// Normal random numbers of standard deviation 1, the same in every run.
 pub(crate) struct Noise(pub(crate) u64);
 
 impl Noise {
@@ -85,7 +86,7 @@ impl Noise {
     }
 }
 
-/// Rows with normal errors of `sigma_um`.
+/// Returns rows with normal errors of `sigma_um`.
 pub(crate) fn noisy(mut rows: Vec<Row>, sigma_um: f64, seed: u64) -> Vec<Row> {
     let mut noise = Noise(seed);
     for row in &mut rows {
@@ -95,7 +96,7 @@ pub(crate) fn noisy(mut rows: Vec<Row>, sigma_um: f64, seed: u64) -> Vec<Row> {
     rows
 }
 
-/// A file with all columns but `sigma_um`.
+/// Returns a file with all columns but `sigma_um`.
 pub(crate) fn csv(rows: &[Row]) -> String {
     let mut text = String::from("id,x_mm,y_mm,dx_um,dy_um,vh_per_s,exposure_s,opening_offset_mm\n");
     for (index, row) in rows.iter().enumerate() {

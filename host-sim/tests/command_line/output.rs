@@ -1,4 +1,4 @@
-//! Output appears when it is complete, or not at all.
+//! Output files that appear complete or not at all.
 
 use std::fs;
 use std::process::Command;
@@ -122,7 +122,7 @@ fn full_device_is_an_io_failure_and_stays_a_device() {
 fn disk_that_fills_up_half_way_leaves_nothing_behind() {
     let rows = "p,1,2\n".repeat(5000);
     let bench = Bench::with(CAMERA, format!("id,x_mm,y_mm\n{rows}").as_bytes());
-    // Files may grow to 64 blocks of 512 or 1024 bytes: less than the answer.
+    // The limit lets files grow to 64 blocks of 512 or 1024 bytes, less than the answer.
     shell(
         &bench,
         "trap '' XFSZ; ulimit -f 64; exec \"$HOST_SIM\" correct --camera camera.toml --vh 0.1 \

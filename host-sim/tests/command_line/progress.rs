@@ -1,4 +1,4 @@
-//! The bar that shows how far a stream of points is.
+//! The progress bar of a stream of points.
 
 use std::fmt::Write as _;
 use std::fs;
@@ -17,7 +17,7 @@ fn bench() -> Bench {
     }
     let bench = Bench::with(CAMERA, points.as_bytes());
     let row = [1.5_f32, 1.25].map(f32::to_le_bytes).concat();
-    // A header of version 1, padded to 128 bytes.
+    // Header of version 1, padded to 128 bytes.
     let header = "{'descr': '<f4', 'fortran_order': False, 'shape': (60000, 2), }";
     let mut array = b"\x93NUMPY\x01\x00\x76\x00".to_vec();
     array.extend(format!("{header:117}\n").bytes());
@@ -26,7 +26,8 @@ fn bench() -> Bench {
     bench
 }
 
-/// What a command shows on a terminal of so many columns; its answers go elsewhere.
+/// Returns what a command shows on a terminal of so many columns; its answers are written
+/// elsewhere.
 fn shown(bench: &Bench, columns: u16, points: &[&str], stdin: Option<&str>) -> String {
     let Terminal { mut far, near, .. } = Terminal::open();
     let size = Winsize {
@@ -48,10 +49,10 @@ fn shown(bench: &Bench, columns: u16, points: &[&str], stdin: Option<&str>) -> S
         .stderr(Stdio::from(near))
         .spawn()
         .unwrap();
-    // It keeps the near end open.
+    // The command keeps the near end open.
     drop(command);
     let mut shown = Vec::new();
-    // A terminal that nobody has open any more ends with an error.
+    // Reading ends with an error once no process has the terminal open.
     let _ = far.read_to_end(&mut shown);
     assert!(child.wait().unwrap().success());
     String::from_utf8(shown).unwrap()
@@ -69,7 +70,7 @@ fn bar_stays_in_its_line_however_narrow_the_terminal() {
         ] {
             let shown = shown(&bench, columns, points, stdin);
             assert!(shown.contains("KiB"), "{shown:?}");
-            // A second line would have to be gone back from.
+            // A second line would need cursor movements up or down.
             let up_or_down = ["\x1b[1A", "\x1b[1B", "\n"];
             let left = up_or_down.iter().any(|motion| shown.contains(motion));
             assert!(!left, "{columns} columns, {points:?}: {shown:?}");

@@ -1,4 +1,4 @@
-//! QEMU missing, broken, and dying: a shell script in its place, with a camera of the test behind
+//! QEMU missing, broken and dying: a shell script takes its place, with a camera of the test behind
 //! its first UART.
 
 use std::fs;
@@ -22,10 +22,11 @@ use crate::command_line::fake_camera::FakeCamera;
 use crate::command_line::support::{Answer as Output, Bench};
 use crate::command_line::wire_format::frame_of;
 
-/// After so long nothing comes any more, however slow the PC.
+/// Longest wait, even on a slow PC.
 const PATIENCE: Duration = Duration::from_mins(1);
 
-/// Writes its arguments and its process number, and ends with status 7 when it is told to.
+/// Script that writes its arguments and its process number, and ends with status 7 when it is told
+/// to.
 const SCRIPT: &str = r#"#!/bin/sh
 cd "$(dirname "$0")"
 echo "$$ $*" > started.new
@@ -35,7 +36,7 @@ echo "fake: triple fault" >&2
 exit 7
 "#;
 
-/// A folder with `qemu-system-arm` in it, to be the search path.
+/// A folder with `qemu-system-arm` in it, for the search path.
 struct FakeQemu {
     bench: Bench,
 }
@@ -49,7 +50,7 @@ impl FakeQemu {
         let program = qemu.path("qemu-system-arm");
         fs::write(&program, script).unwrap();
         fs::set_permissions(&program, fs::Permissions::from_mode(0o755)).unwrap();
-        // The header of an ELF file for ARM is all that is looked at.
+        // The program looks only at the header of the ELF file for ARM.
         let mut image = b"\x7fELF\x01\x01".to_vec();
         image.resize(52, 0);
         image[18] = 40;
@@ -86,13 +87,13 @@ impl FakeQemu {
             let [link, _log] = ["link", "log"].map(|name| connect(&arguments, name));
             serve(link.try_clone().unwrap());
             fs::write(die, "").unwrap();
-            // The link stays open until the process is gone, as a real one does.
+            // The link stays open until the process has ended, as a real one does.
             thread::sleep(Duration::from_millis(200));
         });
     }
 }
 
-/// The script's process number and arguments, once it has started.
+/// Waits for the script to start; returns its process number and arguments.
 fn wait_for(started: &Path) -> String {
     let start = Instant::now();
     loop {
@@ -104,7 +105,7 @@ fn wait_for(started: &Path) -> String {
     }
 }
 
-/// The script's end of a UART.
+/// Connects to a UART, as the script.
 fn connect(arguments: &str, name: &str) -> TcpStream {
     let port = arguments
         .split_once(&format!("id={name},host=127.0.0.1,port="))
@@ -157,7 +158,7 @@ fn qemu_that_is_missing_is_an_error_where_it_was_asked_for_and_a_note_where_not(
             assert!(line.contains(part), "{line}");
         }
     }
-    // An image that is named is meant to run.
+    // An image that the user names must be run, so there is no fallback.
     run(&["verify", "--firmware", "firmware.elf"]).failed(3, &["qemu-system-arm"]);
 }
 
@@ -209,7 +210,7 @@ fn qemu_that_the_workspace_has_fetched_is_found_behind_the_search_path() {
     }
 }
 
-/// The program in a target directory of its own, in which nothing has been fetched.
+/// Copies the program to a target directory in which nothing has been fetched.
 fn in_a_target_directory(bench: &Bench) -> PathBuf {
     let directory = bench.path("target/debug");
     fs::create_dir_all(&directory).unwrap();
@@ -403,7 +404,7 @@ fn qemu_ends_with_a_host_that_is_killed_or_interrupted() {
             .unwrap();
         link_is_up.recv_timeout(PATIENCE).unwrap();
         let arguments = wait_for(&qemu.path("started"));
-        // A terminal interrupts the whole group; a kill is for the one process.
+        // A terminal interrupts the whole group; a kill ends only the one process.
         let process = Pid::from_child(&host);
         let sent = match signal {
             Signal::INT => kill_process_group(process, signal),
@@ -415,7 +416,7 @@ fn qemu_ends_with_a_host_that_is_killed_or_interrupted() {
     }
 }
 
-/// Whether the script's process ends within a while.
+/// Returns true if the script's process ends in time.
 fn ends(started: &str) -> bool {
     let process = started.split(' ').next().unwrap();
     let start = Instant::now();
@@ -428,10 +429,10 @@ fn ends(started: &str) -> bool {
     true
 }
 
-/// Whether a process runs; one that nobody has waited for yet does not.
+/// Returns true if a process runs; a zombie does not.
 fn runs(process: &str) -> bool {
     let Ok(stat) = fs::read_to_string(format!("/proc/{process}/stat")) else {
-        // Gone, or a system without /proc.
+        // The process has ended, or the system has no /proc.
         let process = process.parse().ok().and_then(Pid::from_raw);
         return test_kill_process(process.unwrap()).is_ok();
     };

@@ -1,4 +1,4 @@
-//! `records`: what a camera has recorded is safe on the disk before the camera forgets it.
+//! `records`: records that are on the disk before the camera forgets them.
 
 use std::fs;
 
@@ -16,7 +16,7 @@ fn records_of_a_flight_whose_link_was_cut_are_fetched_later_and_once() {
     fs::create_dir(bench.path("cameras")).unwrap();
     fs::create_dir(bench.path("faults")).unwrap();
     fs::write(bench.path("cameras/mission.toml"), CAMERA).unwrap();
-    // Cut from the second frame to the end.
+    // The link is cut from the second frame to the end.
     let cut = MISSION
         .replace("at_frame = 9", "at_frame = 2")
         .replace("onset_s = 0.04 ", "onset_s = 0.0 ")
@@ -56,7 +56,7 @@ fn records_of_a_flight_whose_link_was_cut_are_fetched_later_and_once() {
         serde_json::from_slice(&fs::read(bench.path("kept/records.json")).unwrap()).unwrap();
     assert_eq!(json["records"].as_array().unwrap().len(), 3);
 
-    // They are nowhere else now: the files are not replaced.
+    // The camera has forgotten the records, so the files must not be replaced.
     bench
         .run(&["records", "--device", &device, "--out", "kept"])
         .refused(&["records.csv", "another folder"]);

@@ -1,4 +1,4 @@
-//! A camera on a serial port: a pseudo-terminal with a camera, or with something else, at its end.
+//! A camera on a serial port: a pseudo-terminal with a camera, or something else, at its end.
 
 use std::fs::File;
 use std::io::{Read, Write};
@@ -18,7 +18,7 @@ use crate::command_line::wire_format::frame_of;
 /// A pseudo-terminal whose far end is served by a thread.
 pub(crate) struct Port {
     pub(crate) name: String,
-    /// Keeps the terminal between two programs, as a real port stays.
+    /// Keeps the terminal open between two programs, as a real port stays.
     near: File,
 }
 
@@ -100,7 +100,7 @@ fn port_in_use_is_refused() {
     let first = serialport::new(name, 115_200).open().unwrap();
     port.correct(&bench)
         .failed(3, &[name, "in use by another program"]);
-    // By another name it is the same port.
+    // A symbolic link leads to the same port.
     symlink(name, bench.path("camera-port")).unwrap();
     bench
         .points("correct", &["--device", "serial:camera-port"])
@@ -166,7 +166,7 @@ fn flood_of_garbage_is_no_camera() {
             })
             .take(500)
             .collect();
-            // A full terminal waits until somebody reads.
+            // A write to a full terminal waits until the other end reads.
             let _ = far.write_all(&garbage);
         }
     });
@@ -224,7 +224,8 @@ fn host_killed_in_the_middle_of_a_batch_leaves_a_camera_that_the_next_can_use() 
     ten_are_given.recv().unwrap();
     host.kill().unwrap();
     assert!(!host.wait().unwrap().success());
-    // Whoever opens a port keeps ordinary users off it until all have let go of it, as the near end here never does.
+    // The lock on an open port is released when all have closed it, but the near end here stays
+    // open.
     rustix::termios::ioctl_tiocnxcl(&port.near).unwrap();
     drop((ten_are_given, killed));
     std::fs::write(

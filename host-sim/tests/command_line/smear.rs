@@ -1,10 +1,10 @@
-//! `smear`: numbers, files, refusals.
+//! `smear`: numbers, files and refusals.
 
 use std::fs;
 
 use crate::command_line::support::{Answer, Bench, CAMERA};
 
-/// 100 mm, 80.64 mm square, no distortion.
+/// Camera of 100 mm, 80.64 mm square, without distortion.
 const SQUARE: &str = "name = \"Square\"\nprincipal_distance_mm = 100.0\n\
                       [sensor]\nwidth_px = 9216\nheight_px = 9216\npixel_um = 8.75\n";
 
@@ -43,10 +43,10 @@ fn every_term_alone_and_all_together_are_tabled() {
             .lines()
             .filter(|line| line.contains("┆"))
             .collect();
-        // Two lines of headings, the term, all together.
+        // The rows are two of headings, the term, and all together.
         assert_eq!(rows.len(), 4, "{}", answer.stdout);
         for row in &rows[2..] {
-            // Predicted and simulated.
+            // The value appears as predicted and as simulated.
             assert_eq!(
                 row.matches(expected).count(),
                 if row.contains("everywhere") { 3 } else { 2 },

@@ -1,4 +1,4 @@
-//! Files longer than a block, pipes, and what is written when a later row is wrong.
+//! Files longer than a block, pipes, and the output up to a wrong later row.
 
 use std::fmt::Write as _;
 use std::fs;
@@ -8,7 +8,7 @@ use std::thread;
 
 use crate::command_line::support::{Answer, Bench, CAMERA, EXPOSURE};
 
-/// More points than three blocks hold.
+/// Number of points: more than three blocks hold.
 const MANY: usize = 60_000;
 
 fn many(rows: usize) -> String {
@@ -48,7 +48,7 @@ fn every_row_of_many_blocks_is_answered_in_order() {
     for (number, (id, _)) in rows.iter().enumerate() {
         assert_eq!(*id, format!("p{number}"));
     }
-    // The row of a place is the same whichever block it is in.
+    // A row does not depend on the block that contains it.
     let few = Bench::with(CAMERA, many(3).as_bytes());
     let first = few.points("correct", &[]).ok();
     assert!(answer.stdout.starts_with(&first.stdout));
@@ -95,7 +95,7 @@ fn standard_output_keeps_the_answers_before_a_wrong_row_and_the_exit_code_tells(
     let whole = good.points("correct", &[]).ok().stdout;
     assert!(whole.starts_with(&answer.stdout));
     assert!(answer.stdout.ends_with('\n'), "no half row");
-    // Of a file of one block nothing is written.
+    // A wrong row in a file of one block prevents all output.
     let short = format!("{}bad,1,oops\n", many(1000));
     Bench::with(CAMERA, short.as_bytes())
         .points("correct", &[])
@@ -121,7 +121,8 @@ fn points_may_be_replaced_by_their_answers() {
 #[cfg(target_os = "linux")]
 #[test]
 fn a_million_points_need_no_more_memory_than_one() {
-    // KiB of address space, code and the stacks of threads included. Read whole, the rows alone would take twice that.
+    // Limit of the address space, KiB, with code and the stacks of threads. The rows alone, read
+    // whole, would take twice that.
     const LIMIT: u32 = 120_000;
     let bench = Bench::with(CAMERA, many(1_000_000).as_bytes());
     let script = format!(
@@ -132,7 +133,8 @@ fn a_million_points_need_no_more_memory_than_one() {
         .args(["-c", &script])
         .current_dir(bench.folder())
         .env("HOST_SIM", assert_cmd::cargo::cargo_bin!("host-sim"))
-        // However many cores there are: every thread has a stack.
+        // Every thread has a stack, so the number of threads must not depend on the number of
+        // cores.
         .env("RAYON_NUM_THREADS", "2")
         .output()
         .unwrap();

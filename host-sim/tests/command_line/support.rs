@@ -7,7 +7,7 @@ use std::process::{Command, Output};
 use assert_cmd::cargo::cargo_bin;
 use tempfile::TempDir;
 
-/// The arguments that name the camera file of a [`Bench`], and an exposure within its limits.
+/// Arguments that name the camera file of a [`Bench`], and an exposure within its limits.
 pub(crate) const EXPOSURE: [&str; 6] = [
     "--camera",
     "camera.toml",
@@ -61,7 +61,7 @@ pm1 = 5.0e-7
 
 pub(crate) const POINTS: &str = "id,x_mm,y_mm\na,10.0,-20.0\nb,-40.32,40.32\nc,0,0\n";
 
-/// A folder of its own, with `camera.toml` and `points.csv`.
+/// A temporary folder with `camera.toml` and `points.csv`.
 pub(crate) struct Bench {
     folder: TempDir,
 }
@@ -93,7 +93,7 @@ impl Bench {
         Answer::new(&self.command(arguments).output().unwrap())
     }
 
-    /// host-sim in the folder, whatever image the caller's environment names.
+    /// Returns host-sim in the folder, without the image that the caller's environment names.
     pub(crate) fn command(&self, arguments: &[&str]) -> Command {
         let mut command = Command::new(cargo_bin!("host-sim"));
         command
@@ -103,7 +103,7 @@ impl Bench {
         command
     }
 
-    /// `command` on the camera and the points, with more arguments.
+    /// Runs `command` on the camera and the points, with more arguments.
     pub(crate) fn points(&self, command: &str, more: &[&str]) -> Answer {
         let mut arguments = vec![command, "--camera", "camera.toml"];
         if !more.contains(&"--vh") {
@@ -119,7 +119,7 @@ impl Bench {
         self.run(&arguments)
     }
 
-    /// Names of the files in the folder.
+    /// Returns the names of the files in the folder.
     pub(crate) fn files(&self) -> Vec<String> {
         let mut names: Vec<String> = fs::read_dir(self.folder())
             .unwrap()
@@ -130,7 +130,7 @@ impl Bench {
     }
 }
 
-/// What a command answered.
+/// Exit code and output of a command.
 #[derive(Debug)]
 pub(crate) struct Answer {
     pub(crate) code: i32,
@@ -147,18 +147,18 @@ impl Answer {
         }
     }
 
-    /// The command succeeded.
+    /// Checks that the command succeeded.
     pub(crate) fn ok(self) -> Self {
         assert_eq!(self.code, 0, "{}", self.stderr);
         self
     }
 
-    /// The command refused its input, wrote nothing, and named every one of `words`.
+    /// Checks that the command refused its input, wrote nothing, and named every one of `words`.
     pub(crate) fn refused(&self, words: &[&str]) {
         self.failed(2, words);
     }
 
-    /// The command ended with `code` and an error that names every one of `words`.
+    /// Checks that the command ended with `code` and an error that names every one of `words`.
     pub(crate) fn failed(&self, code: i32, words: &[&str]) {
         assert_eq!(self.code, code, "{}{}", self.stdout, self.stderr);
         assert_eq!(self.stdout, "", "nothing is half-written");
@@ -172,7 +172,7 @@ impl Answer {
         }
     }
 
-    /// The rows of the answer: id and the four numbers.
+    /// Returns the rows of the answer: id and the four numbers.
     pub(crate) fn rows(&self) -> Vec<(String, [f64; 4])> {
         let mut reader = csv::Reader::from_reader(self.stdout.as_bytes());
         reader

@@ -6,7 +6,7 @@ use std::os::unix::fs::OpenOptionsExt;
 use rustix::fs::OFlags;
 use rustix::pty::{OpenptFlags, grantpt, openpt, ptsname, unlockpt};
 
-/// A pseudo-terminal: `near` is the end that a program takes for its terminal, or for a port.
+/// A pseudo-terminal: a program uses `near` as its terminal, or as a port.
 pub(crate) struct Terminal {
     pub(crate) far: File,
     pub(crate) near: File,

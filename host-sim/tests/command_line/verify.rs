@@ -1,4 +1,4 @@
-//! `verify`: the main job.
+//! `verify`: the comparison of cameras with the strict solver, and its report.
 
 use std::fs;
 
@@ -49,7 +49,8 @@ fn five_published_cameras_pass_and_the_report_is_complete() {
     );
 }
 
-/// The README quotes the largest errors of camera and static correction, this one with a centred run-up as well.
+/// Checks that the README quotes the largest errors of the camera and of the static correction, the
+/// latter with a centred run-up as well.
 fn assert_readme_quotes(summary: &serde_json::Value, frames: &str) {
     let readme = include_str!("../../../README.md").replace('\n', " ");
     let static_max_um = summary["cameras"]

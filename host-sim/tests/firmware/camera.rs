@@ -1,4 +1,4 @@
-//! The camera in QEMU, asked as a device.
+//! The camera in QEMU, used as a device.
 
 use fmc_camera::geometry::mesh::MeshRow;
 use fmc_camera::geometry::mesh::format::MeshFormat;
@@ -101,7 +101,8 @@ fn mesh_of_a_graphics_processor_has_the_bits_computed_on_this_pc() {
                 device.load(&record).unwrap();
                 device.expose(&EXPOSURE).unwrap();
             }
-            // To one spacing beyond the last column and row, over the centre, and to the right of it.
+            // The rows reach one spacing beyond the last column and row, over the centre, and to
+            // the right of it.
             for (first_col_px, row_px, spacing_px) in
                 [(0, 6126, 127), (3500, 0, 16), (7496, 2999, 8)]
             {

@@ -1,4 +1,4 @@
-//! What the PC says when the firmware crashes.
+//! Messages of the PC about a crash of the firmware.
 
 use std::env;
 use std::io::Write as _;
@@ -11,7 +11,7 @@ use host_sim::device::{CorrectingDevice as _, DeviceError, Machine};
 
 use crate::firmware::drills::{LOOK_EVERY, bite_watchdog};
 
-/// A camera that has been exposed, with accidents on request.
+/// Returns a camera that has been exposed, with accidents on request.
 fn with_drills(machine: Machine) -> Qemu {
     let options = QemuOptions {
         firmware: Some(env::var_os("FMC_FIRMWARE_WITH_DRILLS").unwrap().into()),
@@ -24,7 +24,7 @@ fn with_drills(machine: Machine) -> Qemu {
     qemu
 }
 
-/// Asks for points until that fails.
+/// Asks for points until the camera fails; returns the error.
 fn error_of(qemu: &mut Qemu) -> DeviceError {
     loop {
         if let Err(error) = qemu.correct(&[SensorPoint::new(1.0, 2.0)]) {
@@ -56,7 +56,7 @@ fn hard_fault_is_reported_with_the_end_of_qemu_and_of_the_log() {
 #[ignore = "needs QEMU and the image: cargo xtask test"]
 fn restart_by_the_watchdog_is_reported_with_the_log_and_the_camera_can_be_used_again() {
     for machine in [Machine::An386, Machine::An500] {
-        // A main loop that stands still, and one that nothing wakes.
+        // One drill stops the main loop, the other lets it sleep without an event that wakes it.
         for drill in b"hs" {
             let mut qemu = with_drills(machine);
             bite_watchdog(&mut qemu, *drill);

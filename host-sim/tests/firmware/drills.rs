@@ -1,4 +1,4 @@
-//! Accidents on request, of firmware that is built with them.
+//! Accidents on request, in firmware that is built with them.
 
 use std::io::Write as _;
 use std::thread;
@@ -6,13 +6,14 @@ use std::time::{Duration, Instant};
 
 use host_sim::device::qemu::Qemu;
 
-/// From one look at the camera to the next.
+/// Time from one look at the camera to the next.
 pub(crate) const LOOK_EVERY: Duration = Duration::from_millis(5);
 
-/// The watchdog's quarter of a second is the camera's: a busy PC may take many seconds for it.
+/// Longest time until the restart: the watchdog's quarter of a second is camera time, which may
+/// take many seconds on a busy PC.
 const RESTARTED_WITHIN: Duration = Duration::from_mins(2);
 
-/// Stops the main loop, by `h` standing still or by `s` sleeping, until the watchdog has started the camera again.
+/// Stops the main loop (`h`) or lets it sleep (`s`) until the watchdog has restarted the camera.
 pub(crate) fn bite_watchdog(qemu: &mut Qemu, drill: u8) {
     qemu.log_wire().write_all(&[drill]).unwrap();
     let start = Instant::now();

@@ -1,4 +1,4 @@
-//! The camera's own fit of the five coefficients, on the emulated cores.
+//! The five coefficients as the camera fits them, on the emulated cores.
 
 use std::env;
 use std::path::PathBuf;
@@ -17,7 +17,7 @@ use host_sim::device::client::Client;
 use host_sim::device::machine::{self, Started};
 use host_sim::device::port::TcpPort;
 
-/// 80.64 mm x 80.64 mm behind 100 mm, 0.2 mm of distortion.
+/// Camera of 80.64 mm x 80.64 mm behind 100 mm, with 0.2 mm of distortion.
 fn record() -> CameraRecord {
     let mut lens = CalibrationRecord::new(100.0, [9216, 9216], 8.75);
     lens.distortion.k1 = -1.2e-6;
@@ -26,7 +26,7 @@ fn record() -> CameraRecord {
     CameraRecord::new(lens)
 }
 
-/// 11 x 11 points in 12 exposures, with a pattern in place of noise.
+/// Returns 11 x 11 points in 12 exposures, with a pattern in place of noise.
 fn observations(camera: &Camera) -> Vec<Observation<f32>> {
     let mut observations = Vec::new();
     for step in 0_u8..12 {

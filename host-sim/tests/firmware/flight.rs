@@ -22,18 +22,18 @@ use crate::firmware::drills::bite_watchdog;
 
 const MACHINES: [Machine; 2] = [Machine::An386, Machine::An500];
 
-/// V/H, 1/s: the image moves at 10 mm/s.
+/// V/H, 1/s, for which the image moves at 10 mm/s.
 const VH_PER_S: f32 = 0.1;
 
-/// Rounds from one V/H to the next.
+/// Number of rounds from one V/H to the next.
 const VH_ROUNDS: u64 = 50;
 
-/// 100 mm, 9216 x 9216 pixels of 8.75 µm.
+/// Returns a camera of 100 mm, 9216 x 9216 pixels of 8.75 µm.
 fn camera() -> CameraRecord {
     CameraRecord::new(CalibrationRecord::new(100.0, [9216, 9216], 8.75))
 }
 
-/// The world around a camera.
+/// A camera and its simulated surroundings.
 struct Flight {
     device: Qemu,
     mechanics: Mechanics,
@@ -65,7 +65,7 @@ impl Flight {
         self.device.prepare(&camera(), &self.settings)
     }
 
-    /// A millisecond passes, and something may happen at its end.
+    /// Simulates a millisecond, with an event at its end if one is given.
     fn round(&mut self, happens: Option<Event>) -> Vec<Action> {
         self.round += 1;
         let (duty, powered) = self
@@ -82,7 +82,7 @@ impl Flight {
         };
         self.edges.retain(|edge| !is_past(edge));
         if self.round.is_multiple_of(VH_ROUNDS) {
-            // A source that never moves is taken for a frozen one.
+            // A source whose value never changes counts as frozen.
             let wobble = if self.round.is_multiple_of(2 * VH_ROUNDS) {
                 1.0002
             } else {
@@ -132,7 +132,7 @@ impl Flight {
         self.until(State::Armed);
     }
 
-    /// A trigger, and all until the next is possible. Says the number of its record.
+    /// Triggers a frame and waits until the next is possible; returns the number of its record.
     fn expose(&mut self) -> u32 {
         let mut actions = self.round(Some(Event::Trigger));
         while self.state() != State::Armed {
@@ -154,7 +154,7 @@ impl Flight {
     }
 }
 
-/// 10 mm/s for 1/300 s about the calibrated principal point.
+/// Checks a motion of 10 mm/s for 1/300 s about the calibrated principal point.
 fn assert_compensated(record: &FrameRecord) {
     assert_eq!(
         (record.faults, record.flags),
@@ -165,9 +165,10 @@ fn assert_compensated(record: &FrameRecord) {
         panic!("{record:?}");
     };
     let motion = frame.interior.motion;
-    // What the stage smears when the loop has learned, 0.92 µm, and two steps of the encoder.
+    // The limit is the smear of the stage after learning, 0.92 µm, and two steps of the encoder.
     assert!((motion.travel_mm - 0.03333).abs() < 1.1e-3, "{motion:?}");
-    // The shutter's edges are on a grid of 1 ms: the centroid is where the stage was then, to its following error.
+    // The shutter's edges are on a grid of 1 ms, and the centroid is where the stage was then, to
+    // its following error.
     assert!(motion.centroid_mm.abs() < 2e-3, "{motion:?}");
 }
 
@@ -221,8 +222,8 @@ fn calibration_in_the_middle_of_an_exposure_is_refused_and_changes_nothing() {
         panic!("{record:?}");
     };
     assert!((frame.interior.principal_distance_mm - 100.0).abs() < 1e-6);
-    // Armed, the stage has force on it: no. In standby it is taken; the flight goes on with the old one until it is
-    // prepared again.
+    // An armed stage has force on it, so the calibration is refused. In standby it is accepted, but
+    // the flight goes on with the old one until it is prepared again.
     assert!(refused(flight.device.load(&other)));
     flight.round(Some(Event::Command(Command::Disarm)));
     flight.device.load(&other).unwrap();
@@ -269,12 +270,12 @@ fn after_the_watchdog_the_camera_is_in_that_fault_until_it_is_cleared() {
     );
     flight.round(Some(Event::Command(Command::ClearFault)));
     assert_eq!(flight.state(), State::Standby);
-    // What the encoder had counted is gone.
+    // The restart has lost the encoder's count.
     flight.round(Some(Event::Command(Command::Referenced)));
     flight.arm();
     assert_eq!(flight.expose(), 2);
     flight.round(Some(Event::Command(Command::Disarm)));
-    // It has been reported once: the next flight begins in standby.
+    // The fault is reported once, so the next flight begins in standby.
     assert_eq!(flight.device.acknowledge(2), Ok(0));
     let mut flight = Flight::prepared(flight.device);
     flight.round(None);

@@ -1,4 +1,4 @@
-//! The command line on the camera in QEMU.
+//! The program on the camera in QEMU.
 
 use std::fs;
 use std::path::Path;
@@ -15,7 +15,7 @@ fn host_sim(folder: &Path, line: &str) -> Output {
         .unwrap()
 }
 
-/// Standard output of a command that succeeds.
+/// Returns the standard output of a command that succeeds.
 fn ok(folder: &Path, line: &str) -> String {
     let output = host_sim(folder, line);
     let stderr = String::from_utf8_lossy(&output.stderr);

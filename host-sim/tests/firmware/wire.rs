@@ -1,4 +1,4 @@
-//! The firmware's wires below the client: what is on them, and how QEMU ends.
+//! The firmware's wires below the client: the bytes on them, and the end of QEMU.
 
 use std::io::{Read as _, Write as _};
 use std::path::PathBuf;
@@ -23,7 +23,7 @@ fn start(machine: Machine) -> Started {
     machine::start(&machine::find().unwrap(), machine, &image()).unwrap()
 }
 
-/// Bytes without end and without pattern, the same every time.
+/// Returns random bytes, the same in every run.
 fn garbage(count: usize) -> Vec<u8> {
     let mut random = fastrand::Rng::with_seed(1);
     std::iter::repeat_with(|| random.u8(..))
@@ -42,12 +42,12 @@ fn camera_answers_after_100_kb_of_garbage_and_has_counted_it() {
         } = start(machine);
         link.write_all(&garbage(100_000)).unwrap();
         let mut client = Client::new(TcpPort::new(link).unwrap());
-        // QEMU takes some 40 kB/s, on a busy PC less: the first tries wait behind the garbage.
+        // QEMU reads some 40 kB/s, less on a busy PC, so the first tries wait behind the garbage.
         let sessions = (1..=6).find(|_| client.connect().is_ok()).unwrap();
         let counters = client.counters().unwrap();
         let lost = counters.truncated + counters.oversized + counters.wrong_crc;
         assert!(lost > 200, "{counters:?}");
-        // Besides the connection nothing was done, or taken for a request.
+        // The camera has obeyed only the requests to connect, and took no garbage for a request.
         assert!((1..=sessions).contains(&counters.done), "{counters:?}");
         assert_eq!(counters.unknown + counters.other_protocol, 0);
     }
@@ -82,7 +82,7 @@ fn image_as_it_flies_has_no_accidents_on_request() {
         let mut client = Client::new(TcpPort::new(link).unwrap());
         client.connect().unwrap();
         log.write_all(&[accident]).unwrap();
-        // Longer than the watchdog waits.
+        // The pause is longer than the watchdog waits.
         thread::sleep(Duration::from_millis(1500));
         assert_eq!(client.counters().unwrap().done, 1);
     }

@@ -1,4 +1,4 @@
-//! Standard deviations against what really happens.
+//! Standard deviations compared with the scatter of simulated errors.
 
 use std::sync::LazyLock;
 
@@ -24,7 +24,7 @@ fn one_standard_deviation_holds_the_truth_as_often_as_it_should() {
                 .iter()
                 .map(|outcomes| outcomes[model.index()].covered[element])
                 .sum();
-            // 18 intervals, each of which fails once in a thousand.
+            // Each of the 18 intervals fails once in a thousand.
             let interval = Estimate::of_probability(hits, FLIGHTS, 0.999);
             assert!(
                 interval.holds(ONE_SIGMA),
@@ -32,7 +32,7 @@ fn one_standard_deviation_holds_the_truth_as_often_as_it_should() {
             );
         }
     }
-    // The static model leaves a focus shift in the image, and its σ do not know.
+    // The static model leaves a focus shift in the image, which its σ do not include.
     assert!(experiment.coverage(Model::Static).upper < ONE_SIGMA);
 }
 
@@ -45,7 +45,7 @@ fn coefficients_scatter_as_their_standard_deviations_say() {
         let mean = Estimate::of_mean(&values).value;
         let scatter: f64 = values.iter().map(|v| (v - mean).powi(2)).sum::<f64>() / 399.0;
         let ratio = scatter.sqrt() / Estimate::of_mean(&sigmas).value;
-        // Four standard errors of a standard deviation from 400 values.
+        // The limit is four standard errors of a standard deviation from 400 values.
         assert!((ratio - 1.0).abs() < 0.14, "{index}: {ratio}");
     }
 }
@@ -55,7 +55,8 @@ fn sigma_of_unit_weight_is_one_for_the_right_model() {
     let experiment = &*FLOWN;
     for model in [Model::FiveCoefficient, Model::Exact] {
         let squares = experiment.each(model, |outcome| outcome.sigma0.powi(2));
-        // 400 flights with a redundancy of at least 15: 0.6 times 4 standard errors is 0.1.
+        // 400 flights with a redundancy of at least 15: four standard errors, 4·√(2/15)/20, are
+        // 0.073.
         assert!((Estimate::of_mean(&squares).value - 1.0).abs() < 0.08);
     }
 }

@@ -1,4 +1,5 @@
-//! The flight over ground control: truth comes back, standard deviations hold, gains are as stated.
+//! The flight over ground control: true values are found again, standard deviations hold, gains are
+//! as stated.
 
 #[cfg(test)]
 mod coverage;

@@ -1,4 +1,4 @@
-//! What a data set cannot separate is an error that names it.
+//! Data sets that cannot separate unknowns: the error names them.
 
 use fmc_adjustment::adjustment::AdjustmentError;
 use fmc_adjustment::model::Model;
@@ -16,7 +16,7 @@ fn unseparated(scenario: &Scenario, model: Model) -> Vec<&'static str> {
     }
 }
 
-/// Flat ground: control points at the height of the terrain.
+/// Returns a scenario of flat ground: control points at the height of the terrain.
 fn flat(name: &str) -> Scenario {
     let mut scenario = scenario(name);
     let height_m = scenario.written.terrain.height_m;

@@ -28,7 +28,7 @@ pub(crate) fn parsed(text: &str) -> Scenario {
     Scenario::parse("scenario.toml", text, folder()).unwrap()
 }
 
-/// One flight of the strip with the share `noise` of the scenario's errors.
+/// Flies the strip once with the share `noise` of the scenario's errors.
 pub(crate) fn flown(
     scenario: &Scenario,
     strip: &Strip,

@@ -1,4 +1,4 @@
-//! Observations without errors give back what they were made from.
+//! Values that the adjustment finds from observations without errors, compared with the true ones.
 
 use fmc_adjustment::exterior_orientation::ExteriorOrientation;
 use fmc_adjustment::model::Model;
@@ -11,7 +11,7 @@ use fmc_simulation::strip_experiment::strip::Strip;
 
 use crate::flight::support::{SHIPPED, flown, parsed, scenario, text};
 
-/// Position within 1e-6 of the height, attitude within 1e-6 rad: 0.1 µm in the image.
+/// Checks position to 1e-6 of the height and attitude to 1e-6 rad: 0.1 µm in the image.
 fn assert_same(found: &ExteriorOrientation, truth: &ExteriorOrientation) {
     let height_m = truth.position_m[2];
     for axis in 0..3 {
@@ -24,12 +24,13 @@ fn assert_same(found: &ExteriorOrientation, truth: &ExteriorOrientation) {
 
 #[test]
 fn exact_model_gives_the_orientations_back_from_any_observed_orientation() {
-    // Metres and degrees off, and hundreds of metres and ten degrees.
+    // The orientation on board is off by metres and degrees, or by hundreds of metres and ten
+    // degrees.
     let near = ("[3.0, -2.0, 4.0]", "[0.5, -0.5, 1.0]");
     let far = ("[200.0, -150.0, 250.0]", "[-8.0, 7.0, 10.0]");
     for (name, (position, attitude)) in SHIPPED.iter().flat_map(|name| [(name, near), (name, far)])
     {
-        // Points without errors, and an orientation on board that says nothing.
+        // The points have no errors, and the orientation on board has no weight.
         let biased = text(name)
             .replace(
                 "position_bias_m = [0.0, 0.0, 0.0]",
@@ -57,7 +58,7 @@ fn exact_model_gives_the_orientations_back_from_any_observed_orientation() {
     }
 }
 
-/// The five-coefficient model as the truth.
+/// The five-coefficient model as the true distortion.
 struct Five(FittedModel);
 
 impl ImageTruth for Five {

@@ -1,4 +1,4 @@
-//! What the document shows of the frame.
+//! The frame in the document, compared with the one flown here.
 
 use crate::frame_timing::drawing::svg;
 use crate::frame_timing::flight::{Flight, fly};
@@ -6,7 +6,7 @@ use crate::frame_timing::flight::{Flight, fly};
 const DOCUMENT: &str = include_str!("../../../docs/integration.md");
 const FIGURE: &str = "../docs/figures/frame-timing.svg";
 
-/// `FMC_WRITE_FIGURE=1` writes it anew.
+/// `FMC_WRITE_FIGURE=1` writes the figure anew.
 #[test]
 fn figure_of_the_document_is_the_one_drawn_here() {
     let drawn = svg(&fly()).unwrap();
@@ -61,7 +61,7 @@ fn stage_is_at_speed_and_centred_while_the_light_is_on() {
     for instant in open.clone() {
         // 100 mm · 0.1 1/s.
         assert!((instant.speed_mm_s - 10.0).abs() < 1e-3, "{instant:?}");
-        // Half of 33.3 µm to either side.
+        // Half of 33.3 µm on either side.
         assert!(instant.offset_mm.abs() < 0.0168, "{instant:?}");
     }
     assert!(open.count() > 30);

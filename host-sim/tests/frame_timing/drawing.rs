@@ -33,7 +33,7 @@ const WAITING: RGBColor = RGBColor(190, 197, 208);
 type Canvas<'a> = DrawingArea<SVGBackend<'a>, plotters::coord::Shift>;
 type Drawn = Result<(), DrawingAreaErrorKind<std::io::Error>>;
 
-/// A range of values over a range of pixels, upwards.
+/// A range of values over a range of pixels, growing upwards.
 struct Scale {
     values: Range<f64>,
     pixels: Range<i32>,
@@ -48,7 +48,7 @@ impl Scale {
     }
 }
 
-/// The diagram in SVG.
+/// Draws the diagram in SVG.
 pub(crate) fn svg(flight: &Flight) -> Result<String, DrawingAreaErrorKind<std::io::Error>> {
     let mut svg = String::new();
     {
@@ -82,7 +82,7 @@ fn x(flight: &Flight, ms: f64) -> i32 {
     LEFT + (part * f64::from(RIGHT - LEFT)).round() as i32
 }
 
-/// The axis of time, and the exposure as a band behind everything.
+/// Draws the axis of time, and the exposure as a band behind everything.
 fn draw_time(canvas: &Canvas<'_>, flight: &Flight) -> Drawn {
     let [opened, closed] = [flight.opened_ms, flight.closed_ms].map(|ms| x(flight, ms));
     fill(canvas, opened..closed, STATES.end..SPEED.end, YELLOW)?;
@@ -112,7 +112,7 @@ fn draw_states(canvas: &Canvas<'_>, flight: &Flight) -> Drawn {
             frame,
             ShapeStyle::from(INK).stroke_width(1),
         ))?;
-        // Two lines of names: neighbours do not touch.
+        // The names alternate between two lines, so that neighbours do not touch.
         let line = if *state == State::Tracking { 20 } else { 48 };
         let name = state.name().to_owned();
         write(
@@ -161,13 +161,13 @@ fn draw_signals(canvas: &Canvas<'_>, flight: &Flight) -> Drawn {
     write(canvas, words, beside, HPos::Left)
 }
 
-/// A rising edge.
+/// Draws a rising edge.
 fn edge(canvas: &Canvas<'_>, x: i32, rows: Range<i32>) -> Drawn {
     let line = [(x, rows.end), (x, rows.start), (x + 16, rows.start)];
     canvas.draw(&PathElement::new(line, BLUE.stroke_width(4)))
 }
 
-/// A curve with its axis: two lines of words, a grid line every so many units.
+/// Draws a curve with its axis: two lines of words, and a grid line every so many units.
 fn draw_curve(
     canvas: &Canvas<'_>,
     flight: &Flight,

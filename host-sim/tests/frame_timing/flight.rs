@@ -1,4 +1,4 @@
-//! The frame: default camera and settings, an ideal stage, a shutter that does as it is told.
+//! The frame: default camera and settings, an ideal stage, and a shutter that obeys.
 
 use fmc_camera::flight::controller::state::State;
 use fmc_camera::flight::controller::{Controller, Start};
@@ -9,14 +9,14 @@ use fmc_camera::flight::time::Time;
 use fmc_camera::flight::vh::VhSample;
 use fmc_camera::{CalibrationRecord, CameraRecord};
 
-/// Between the rounds of 1.000 s and 1.001 s.
+/// Time of the trigger, between the rounds of 1.000 s and 1.001 s.
 const TRIGGER: Time = Time::from_us(1_000_600);
 const END: Time = Time::from_us(1_070_000);
-/// The stage is drawn every so many µs.
+/// Step of the drawn path of the stage, µm.
 const STEP_US: u64 = 100;
 const ROUND_US: u64 = 1000;
 
-/// Where the stage should be.
+/// Set point of the stage at an instant.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct Instant {
     pub(crate) ms: f64,
@@ -28,7 +28,7 @@ pub(crate) struct Instant {
 #[derive(Debug, Default)]
 pub(crate) struct Flight {
     pub(crate) stage: Vec<Instant>,
-    /// States with their beginnings.
+    /// States with the times of their beginnings.
     pub(crate) states: Vec<(f64, State)>,
     pub(crate) end_ms: f64,
     pub(crate) handed_over_ms: f64,
@@ -39,7 +39,7 @@ pub(crate) struct Flight {
     pub(crate) armed_ms: f64,
 }
 
-/// The world of the controller.
+/// The simulated surroundings of the controller.
 struct Bench {
     controller: Controller,
     edges: Vec<(Time, ShutterEdge)>,
@@ -93,7 +93,7 @@ impl Bench {
     }
 }
 
-/// Arms the camera, and flies one frame.
+/// Arms the camera and flies one frame.
 pub(crate) fn fly() -> Flight {
     let camera = CameraRecord::new(CalibrationRecord::new(100.0, [9216, 9216], 8.75));
     let settings = FlightSettings::default();

@@ -1,11 +1,12 @@
-//! The integration of the mechanics: against a formula, and against itself with half the step.
+//! Accuracy of the integration of the mechanics: against a formula, and against itself with half
+//! the step.
 
 use fmc_simulation::mechanics::{LONGEST_SUBSTEP_S, Mechanics, MechanicsSettings};
 
 /// Duties of 10 ms each: off, both ways, reversal through rest, and a push that friction withstands.
 const DUTIES: [f64; 8] = [0.2, 0.5, -0.3, -0.4, 0.0, 0.03, 0.25, 0.0];
 
-/// The stage's path, every millisecond, mm.
+/// Returns the stage's path, every millisecond, mm.
 fn path(settings: MechanicsSettings) -> Vec<f64> {
     let mut mechanics = Mechanics::new(settings).unwrap();
     let mut path = Vec::new();

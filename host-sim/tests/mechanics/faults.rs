@@ -1,4 +1,4 @@
-//! Faults of the mechanics: each does what its name says, from its time on.
+//! Faults of the mechanics: each has its effect from its time on.
 
 use fmc_simulation::mechanics::{Injection, MechanicalFault, Mechanics, MechanicsSettings};
 
@@ -67,7 +67,7 @@ fn reversed_encoder_counts_back_from_where_it_was_and_forth_again() {
         let reversed = (9..19).contains(&tick);
         let expected = if reversed { -moved } else { moved };
         let change = f64::from(pair[1] - pair[0]);
-        // It is noticed at a reading, and never is there a jump.
+        // The fault changes the direction of counting at a reading, and the count never jumps.
         assert!(
             (change - expected).abs() <= 1.0,
             "{tick}: {change} {expected}"

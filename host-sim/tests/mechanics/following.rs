@@ -1,4 +1,4 @@
-//! How well the stage follows with the gains of the library, against what they are documented to do.
+//! Following of the stage with the gains of the library, against the documented bounds.
 
 use fmc_camera::flight::drive::pwm_encoder::DriveSettings;
 use fmc_camera::flight::drive::{following::FollowingBounds, loop_settings::LoopSettings};
@@ -9,10 +9,10 @@ use crate::mechanics::support::{Followed, drive_for, followed};
 
 const SPEEDS_MM_S: [f64; 4] = [5.0, 10.0, 17.0, 25.0];
 
-/// Where the corners of the profile fall between two ticks, s.
+/// Times of the profile's corners after a tick, s.
 const CORNERS_S: [f64; 3] = [0.0, 0.3e-3, 0.7e-3];
 
-/// Fly-back, run-up, cruise, stop and fly-back again, after some strokes to and fro.
+/// Returns fly-back, run-up, cruise, stop and fly-back again, after some strokes to and fro.
 fn profile(speed_mm_s: f64, corner_s: f64, strokes: u32) -> Profile {
     let mut profile = Profile::at_rest(0.02 + corner_s);
     profile.strokes(strokes);
@@ -22,7 +22,7 @@ fn profile(speed_mm_s: f64, corner_s: f64, strokes: u32) -> Profile {
     profile.rest(0.04);
     profile.cruise(speed_mm_s, 0.025, ACCELERATION_MM_S2);
     profile.rest(0.04);
-    // The fastest fly-back there is room for.
+    // The room allows the fastest fly-back.
     profile.move_to(1.6, FASTEST_MM_S, ACCELERATION_MM_S2);
     profile.rest(0.04);
     profile.move_to(-1.6, FASTEST_MM_S, ACCELERATION_MM_S2);
@@ -43,7 +43,7 @@ fn worst(stages: &[MechanicsSettings], strokes: u32) -> Followed {
     worst
 }
 
-/// Mass, friction and force 30 % up and down.
+/// Returns stages with mass, friction and force 30 % up and down.
 fn varied(stage: MechanicsSettings) -> Vec<MechanicsSettings> {
     let mut stages = Vec::new();
     for mass in [0.7, 1.3] {
@@ -94,7 +94,7 @@ fn assert_within(found: Followed, bounds: &FollowingBounds) {
             "{name}: {found_um} µm > {bound_um} µm"
         );
     }
-    // What is documented is what was measured, not a multiple of it.
+    // The documented bounds must be near the measured values, not a multiple of them.
     for (name, found_um, bound_um) in pairs {
         let bound_um = f64::from(bound_um);
         assert!(
@@ -149,7 +149,7 @@ fn play_inside_the_loop_and_much_of_it_does_not_hunt() {
         let found = worst(&[stage], 0);
         println!("{found:.2?}");
         assert_eq!(found.hunting, 0);
-        // Where the play lies on the side of fly-back, nothing of it is in the exposure.
+        // With the play on the side of fly-back, the exposure is free of it.
         assert!(
             found.cruise_um <= 1.0 && found.smear_um <= 0.94,
             "{found:?}"
@@ -169,7 +169,7 @@ fn stage_at_rest_gets_no_duty() {
 
 #[test]
 fn documented_bounds_keep_the_smear_below_a_quarter_of_a_pixel() {
-    // 0.25 px of 3.76 µm.
+    // The limit is 0.25 px of 3.76 µm.
     for bounds in [
         LoopSettings::NOMINAL,
         LoopSettings::COARSE,

@@ -10,7 +10,7 @@ use nalgebra::Complex;
 
 use crate::mechanics::support::TICK_S;
 
-/// Gain of the open loop at a frequency, for a plant of so many times the gain.
+/// Returns the open loop's gain at a frequency.
 ///
 /// # Model
 /// Plant `F/(s·(m·s + b))`, zero-order hold and latencies as `sin(ωT/2)/(ωT/2)·exp(-jω(T/2 + t_r + t_d))`, controller
@@ -43,14 +43,14 @@ fn margins(settings: &LoopSettings, plant: &Plant) -> LoopMargins {
         .iter()
         .rfind(|(_, gain)| gain.norm() >= 1.0)
         .unwrap();
-    // Where the phase passes -180° on its way down, after and before the crossover.
+    // The phase passes -180° on its way down, after and before the crossover.
     let passes: Vec<_> = responses
         .windows(2)
         .filter(|pair| pair[0].1.im * pair[1].1.im < 0.0 && pair[0].1.re < 0.0)
         .map(|pair| (pair[0].0, pair[0].1.norm()))
         .collect();
     let above = passes.iter().find(|(hz, _)| *hz > crossover_hz).unwrap().1;
-    // None below: with less gain it does not oscillate.
+    // Without a passage below the crossover the loop is stable with less gain, too.
     assert_eq!(passes.len(), 1, "{passes:?}");
     #[expect(
         clippy::cast_possible_truncation,
@@ -79,6 +79,6 @@ fn documented_margins_are_those_of_the_gains() {
             "{found} {documented}"
         );
     }
-    // Mass and force 30 % off.
+    // The margin must cover mass and force 30 % off.
     assert!(found.gain > 1.3 / 0.7);
 }

@@ -2,13 +2,13 @@
 
 use fmc_camera::flight::stage::Setpoint;
 
-/// Of run-ups, stops and fly-backs, mm/s².
+/// Acceleration of run-ups, stops and fly-backs, mm/s².
 pub(crate) const ACCELERATION_MM_S2: f64 = 1000.0;
 
-/// Of fly-backs, mm/s.
+/// Speed of fly-backs, mm/s.
 pub(crate) const FASTEST_MM_S: f64 = 50.0;
 
-/// What the stage is meant to do in a part of a motion.
+/// Phase of a motion.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(crate) enum Phase {
     Rest,
@@ -26,7 +26,7 @@ struct Part {
     acceleration_mm_s2: f64,
 }
 
-/// A motion from rest to rest, as many times as wanted.
+/// Motions from rest to rest, one after the other.
 #[derive(Debug, Clone)]
 pub(crate) struct Profile {
     parts: Vec<Part>,
@@ -35,11 +35,11 @@ pub(crate) struct Profile {
     measured_from_s: f64,
 }
 
-/// What is asked for at an instant.
+/// Required motion at an instant.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct Wanted {
     pub(crate) phase: Phase,
-    /// Since the phase began.
+    /// Time since the phase began.
     pub(crate) since_s: f64,
     pub(crate) offset_mm: f64,
     pub(crate) speed_mm_s: f64,
@@ -47,7 +47,7 @@ pub(crate) struct Wanted {
 }
 
 impl Profile {
-    /// At rest at the calibrated position, which lasts so long.
+    /// Returns a profile that begins at rest at the calibrated position for so long.
     pub(crate) fn at_rest(duration_s: f64) -> Self {
         let mut profile = Self {
             parts: Vec::new(),
@@ -75,7 +75,7 @@ impl Profile {
         self.add(Phase::Rest, duration_s, 0.0, 0.0);
     }
 
-    /// Up to a speed, on at that speed for a time, and down to rest.
+    /// Adds a ramp to a speed, a time at that speed, and a ramp to rest.
     pub(crate) fn cruise(&mut self, speed_mm_s: f64, duration_s: f64, acceleration: f64) {
         let ramp_s = speed_mm_s.abs() / acceleration;
         let acceleration = acceleration.copysign(speed_mm_s);
@@ -84,7 +84,7 @@ impl Profile {
         self.add(Phase::Ramp, ramp_s, speed_mm_s, -acceleration);
     }
 
-    /// So many times to and fro, as at arming.
+    /// Adds so many strokes to and fro, as at arming.
     pub(crate) fn strokes(&mut self, strokes: u32) {
         for _ in 0..strokes {
             self.move_to(-1.0, FASTEST_MM_S, ACCELERATION_MM_S2);
@@ -94,7 +94,7 @@ impl Profile {
         }
     }
 
-    /// To a place, as fast as acceleration and speed allow.
+    /// Adds a motion to a place, as fast as acceleration and speed allow.
     pub(crate) fn move_to(&mut self, offset_mm: f64, fastest_mm_s: f64, acceleration: f64) {
         let way_mm = offset_mm - self.end_mm;
         let speed_mm_s = fastest_mm_s.min((way_mm.abs() * acceleration).sqrt());
@@ -106,7 +106,7 @@ impl Profile {
         self.add(Phase::FlyBack, ramp_s, speed, -acceleration);
     }
 
-    /// What came before is a warm-up.
+    /// Makes everything before this instant a warm-up.
     pub(crate) fn measure_from_here(&mut self) {
         self.measured_from_s = self.end_s;
     }

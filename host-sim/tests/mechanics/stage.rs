@@ -1,4 +1,4 @@
-//! Friction, play, end stops, encoder and limit switches, each by itself.
+//! Friction, play, end stops, encoder and limit switches, each tested alone.
 
 use fmc_simulation::mechanics::{EncoderSide, Mechanics, MechanicsSettings};
 
@@ -14,7 +14,7 @@ fn below_breakaway_it_stands_exactly_and_above_it_moves() {
     assert!(stage.position_mm().abs() <= 0.0 && stage.speed_mm_s().abs() <= 0.0);
     stage.advance(0.055, true, 0.1);
     assert!(stage.position_mm() > 0.01);
-    // Moving, it keeps moving with less than that.
+    // A moving stage keeps moving with less force than that.
     stage.advance(0.05, true, 0.05);
     assert!(stage.speed_mm_s() > 0.5);
 }
@@ -78,7 +78,7 @@ fn end_stops_hold_and_limit_switches_close_before() {
     assert!((stage.position_mm() - 2.5).abs() < 1e-12);
     assert_eq!(stage.limits_closed(), [false, true]);
     stage.advance(-0.5, true, 1.0);
-    // The stage is the play ahead of the screw that stands at its stop.
+    // The screw stands at its stop, and the stage is ahead of it by the play.
     assert!((stage.position_mm() + 2.5 - 1e-3).abs() < 1e-12);
     assert_eq!(stage.limits_closed(), [true, false]);
 }

@@ -1,4 +1,4 @@
-//! How fast a stage that does not follow shows.
+//! Speed at which the following error shows a stage that does not follow.
 
 use fmc_camera::flight::drive::loop_settings::LoopSettings;
 use fmc_simulation::mechanics::{Injection, MechanicalFault, MechanicsSettings};
@@ -6,7 +6,7 @@ use fmc_simulation::mechanics::{Injection, MechanicalFault, MechanicsSettings};
 use crate::mechanics::profile::{ACCELERATION_MM_S2, Profile};
 use crate::mechanics::support::{TICK_S, Tick, drive_for, run};
 
-/// When the ramp begins, s.
+/// Begin of the ramp, s.
 const START_S: f64 = 0.05;
 
 fn profile(speed_mm_s: f64) -> Profile {
@@ -15,7 +15,7 @@ fn profile(speed_mm_s: f64) -> Profile {
     profile
 }
 
-/// Following error that the camera sees at each tick from a fault's onset on.
+/// Returns the following error that the camera sees at each tick from a fault's onset on.
 fn seen_after(speed_mm_s: f64, fault: MechanicalFault, onset_s: f64) -> Vec<f64> {
     let mut seen = Vec::new();
     let settings = MechanicsSettings::default();
@@ -33,13 +33,14 @@ fn seen_after(speed_mm_s: f64, fault: MechanicalFault, onset_s: f64) -> Vec<f64>
     seen
 }
 
-/// The smallest of the largest errors by so many ms after onset, whenever in a tick that is.
+/// Returns, for so many ms after onset, the largest error by then, at the onset within a tick where
+/// it is smallest.
 fn shown_um(speed_mm_s: f64, fault: MechanicalFault, onset_s: f64) -> [f64; 8] {
     let mut shown = [f64::MAX; 8];
     for part in [0.02, 0.3, 0.6, 0.9] {
         let mut largest: f64 = 0.0;
         let seen = seen_after(speed_mm_s, fault, onset_s + part * TICK_S);
-        // By the time so many ms have passed, that many ticks have.
+        // After so many ms, that many ticks have passed.
         for (least, error_um) in shown.iter_mut().zip(seen) {
             largest = largest.max(error_um);
             *least = least.min(largest);
@@ -60,7 +61,7 @@ fn cruise_s(speed_mm_s: f64) -> f64 {
     START_S + speed_mm_s / ACCELERATION_MM_S2 + 0.006
 }
 
-/// The lines of the table in the library's documentation.
+/// Returns the lines of the table in the library's documentation.
 fn documented() -> Vec<(String, String, Vec<f64>)> {
     let source = include_str!("../../../src/flight/drive/following.rs");
     let rows = source.lines().filter_map(|line| {
@@ -122,7 +123,7 @@ fn jam_and_wrong_sign_pass_the_limit_within_five_ms_and_healthy_motion_never_doe
 
 #[test]
 fn what_a_jam_teaches_is_soon_forgotten() {
-    // Jammed for 10 ms in cruise, twice as long as it takes to be noticed, then free again.
+    // The jam lasts for 10 ms of cruise, twice as long as its detection takes.
     let settings = MechanicsSettings::default();
     let mut motion = profile(5.0);
     motion.rest(0.1);

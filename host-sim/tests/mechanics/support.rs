@@ -8,16 +8,16 @@ use fmc_simulation::mechanics::{Injection, Mechanics, MechanicsSettings};
 
 use crate::mechanics::profile::{Phase, Profile};
 
-/// Of the control loop, s.
+/// Period of the control loop, s.
 pub(crate) const TICK_S: f64 = 1e-3;
 
-/// The exposure begins so long after the run-up, s.
+/// Time from the run-up to the exposure, s.
 pub(crate) const SETTLING_S: f64 = 5e-3;
 
-/// The longest exposure that smear is judged over, s.
+/// Longest exposure over which smear is judged, s.
 pub(crate) const EXPOSURE_S: f64 = 10e-3;
 
-/// What the stage did, µm.
+/// Errors of the stage, µm.
 #[derive(Debug, Clone, Copy, Default, PartialEq)]
 pub(crate) struct Followed {
     /// Largest true following error in cruise after settling.
@@ -26,13 +26,13 @@ pub(crate) struct Followed {
     pub(crate) smear_um: f64,
     /// Largest true following error in run-ups and stops, and in cruise while settling.
     pub(crate) ramp_um: f64,
-    /// The same in fly-back.
+    /// Largest true following error in fly-back.
     pub(crate) fly_back_um: f64,
-    /// At rest, 20 ms after the stop.
+    /// Largest true following error at rest, 20 ms after the stop.
     pub(crate) rest_um: f64,
     /// Largest following error that the camera sees.
     pub(crate) seen_um: f64,
-    /// Ticks with duty although the stage has been at rest for 200 ms.
+    /// Number of ticks with duty although the stage has been at rest for 200 ms.
     pub(crate) hunting: u32,
 }
 
@@ -50,7 +50,7 @@ impl Followed {
     }
 }
 
-/// The library's drive, told what is known of a stage: its encoder and its latencies, not what it weighs.
+/// Returns the library's drive, told the encoder and the latencies of a stage, but not its mass.
 #[expect(clippy::cast_possible_truncation, reason = "the camera's precision")]
 pub(crate) fn drive_for(settings: &MechanicsSettings) -> DriveSettings {
     let mut drive = DriveSettings {
@@ -62,7 +62,7 @@ pub(crate) fn drive_for(settings: &MechanicsSettings) -> DriveSettings {
     drive
 }
 
-/// One tick as the camera sees it.
+/// A tick as the camera sees it.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct Tick {
     pub(crate) time_s: f64,
@@ -70,7 +70,8 @@ pub(crate) struct Tick {
     pub(crate) error_um: f64,
 }
 
-/// Runs the control loop over a profile; the answer has each tick, and the mechanics with their history.
+/// Runs the control loop over a profile; `at_tick` receives each tick, the mechanics with their
+/// history, and the duty.
 pub(crate) fn run(
     settings: MechanicsSettings,
     drive: DriveSettings,
@@ -99,7 +100,7 @@ pub(crate) fn run(
     }
 }
 
-/// Runs it and measures.
+/// Runs the control loop over a profile and measures the errors.
 pub(crate) fn followed(
     settings: MechanicsSettings,
     drive: DriveSettings,
@@ -135,7 +136,7 @@ pub(crate) fn followed(
     found
 }
 
-/// Largest change of the error within any window as long as the exposure.
+/// Returns the largest change of the error within any window as long as the exposure.
 fn smear_um(errors: &[(f64, f64)]) -> f64 {
     let mut worst: f64 = 0.0;
     for (first, (start_s, _)) in errors.iter().enumerate().step_by(10) {

@@ -1,4 +1,4 @@
-//! The same seed gives the same flight.
+//! Repeated flights with one seed.
 
 use fmc_report::records::crc32;
 use fmc_simulation::mission::scenario::MissionScenario;

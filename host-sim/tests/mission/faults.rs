@@ -1,4 +1,5 @@
-//! Every fault of the first set has the outcome that its scenario states, and never a silent wrong coordinate.
+//! Faults of the first set: each has the outcome that its scenario states, and never a silent wrong
+//! coordinate.
 
 use std::collections::BTreeSet;
 
@@ -29,7 +30,7 @@ fn there_is_a_scenario_for_every_fault() {
 #[test]
 fn silent_source_is_bridged_then_flown_without() {
     let (flown, _) = passed(&fault_scenario("vh-drop-out"), 1);
-    // First the last good V/H, then no compensation; every trigger is exposed.
+    // The camera uses the last good V/H first, then no compensation; every trigger is exposed.
     let has = |flag| {
         flown
             .frames
@@ -42,7 +43,7 @@ fn silent_source_is_bridged_then_flown_without() {
 #[test]
 fn jump_of_vh_is_not_believed() {
     let (_, judgement) = passed(&fault_scenario("vh-jump"), 1);
-    // As sharp as without the jump: 30 % of 4.6 px would show.
+    // The frames are as sharp as without the jump, of which 30 % of 4.6 px would show.
     for errors in judgement.errors.iter().flatten() {
         assert!(errors.smear_px < 0.25, "{errors:?}");
     }
@@ -79,7 +80,7 @@ fn stall_is_caught_within_five_ms_and_the_next_frames_stand_still() {
     let (flown, judgement) = passed(&fault_scenario("stall"), 1);
     for (frame, errors) in flown.frames.iter().zip(&judgement.errors) {
         if frame.record.flags.contains(Flag::NoCompensation) {
-            // f·η·t = 4.6 px, all of it.
+            // Without compensation the smear is all of f·η·t = 4.6 px.
             assert!(errors.unwrap().smear_px > 4.0);
         }
     }
@@ -125,7 +126,7 @@ fn late_shutter_is_recorded_where_it_opened() {
         .zip(&judgement.errors)
         .filter(|(frame, _)| !frame.record.faults.is_empty());
     for (_, errors) in late {
-        // At 12 mm/s 3 ms are 4 px: they are in the record.
+        // At 12 mm/s 3 ms are 4 px, which the record contains.
         assert!(errors.unwrap().pp_error_px.abs() < 0.1);
     }
 }
@@ -170,7 +171,7 @@ fn trigger_that_comes_too_soon_is_refused_and_disturbs_nothing() {
 #[test]
 fn edge_that_the_sensor_misses_is_refused_or_flagged() {
     let (flown, _) = passed(&fault_scenario("shutter-opening-edge"), 1);
-    // The light has passed all the same.
+    // The refused trigger has exposed the frame nevertheless.
     assert_eq!(flown.unrecorded.len(), 1);
     let (flown, judgement) = passed(&fault_scenario("shutter-closing-edge"), 1);
     let assumed = flown
@@ -190,7 +191,7 @@ fn cut_line_is_bridged_then_flown_without_and_everything_comes_afterwards() {
     assert!(flown.lost_requests > 0);
     let sequences = flown.frames.iter().map(|frame| frame.record.sequence);
     assert!(sequences.eq(1..=48));
-    // In the middle of a sentence: what was there of it is no speed.
+    // The cut is in the middle of a sentence, and its first part must not be taken for a speed.
     let sentences = flown.sentences;
     assert_eq!(sentences.refused, 1, "{sentences:?}");
     assert!(sentences.read + 140 < sentences.sent && sentences.lost_bytes > 5000);
@@ -215,7 +216,7 @@ fn records_beyond_the_cameras_memory_are_refused_and_none_is_overwritten() {
         .frames
         .iter()
         .filter(|frame| frame.record.outcome == Outcome::Refused(Reason::RecordsFull));
-    // 40 triggers in 20 s, and one as the line comes back; 32 records are kept.
+    // The triggers are 40 in 20 s, and one as the line comes back; 32 records are kept.
     assert_eq!(full.count(), 9);
 }
 
@@ -224,7 +225,7 @@ fn second_source_serves_when_the_first_falls_silent() {
     let (flown, judgement) = passed(&fault_scenario("vh-drop-out-second-source"), 1);
     let sources: Vec<VhSource> = flown.frames.iter().filter_map(source).collect();
     let direct = sources.iter().take_while(|one| **one == VhSource::Direct);
-    // The silent one is held for its validity: ten triggers in five seconds.
+    // The value of the silent source is held for its validity: ten triggers in five seconds.
     assert_eq!(direct.count(), 17);
     let rest = sources.iter().skip(17);
     assert!(rest.clone().count() == 23 && rest.clone().all(|one| *one == VhSource::Altimeter));
@@ -241,7 +242,7 @@ fn source_that_has_jumped_is_flagged_where_another_has_not() {
     let mut smeared = 0;
     for (frame, errors) in flown.frames.iter().zip(&judgement.errors) {
         let errors = errors.unwrap();
-        // 30 % of 4.6 px, and the camera says so.
+        // The smear is 30 % of 4.6 px, and the camera reports it.
         if errors.smear_px > 0.25 {
             smeared += 1;
             assert!(frame.record.flags.contains(Flag::SmearOverBudget));

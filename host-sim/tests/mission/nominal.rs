@@ -1,4 +1,4 @@
-//! The nominal mission keeps its limits.
+//! The nominal mission and its limits.
 
 use fmc_simulation::mission::scenario::MissionScenario;
 
@@ -23,7 +23,8 @@ fn nominal_mission_keeps_its_limits() {
 
 #[test]
 fn standing_stage_shows_in_the_truth() {
-    // The same flight, its smear limits out of reach: the oracle is not told what the camera meant.
+    // The motor is too weak for the same flight. The judgement must see that in the truth, without
+    // the camera's set points.
     let mut scenario = MissionScenario::nominal(Some(10)).unwrap();
     scenario.written.mechanics.force_n = 0.3;
     let flown = crate::mission::support::flown(&scenario, 1);

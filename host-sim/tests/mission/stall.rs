@@ -1,4 +1,4 @@
-//! A jam is named within 5 ms, wherever the stage moves.
+//! Jams, each of which the camera names within 5 ms, in every phase of the motion.
 
 use fmc_camera::flight::fault::Fault;
 use fmc_simulation::mission::fault::{InjectedFault, Injection};
@@ -7,20 +7,21 @@ use fmc_simulation::mission::trace::Round;
 use crate::mission::support::flown_with;
 use crate::mission::sweep::with;
 
-/// What the stage is to do.
+/// Phase of the required motion.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 enum Phase {
-    /// It gains speed in the direction of flight.
+    /// The stage gains speed in the direction of flight.
     RunUp,
-    /// It moves at its speed.
+    /// The stage moves at constant speed.
     Cruise,
-    /// It loses speed, or is on its way back.
+    /// The stage loses speed, or is in fly-back.
     Ramp,
 }
 
 fn phase(round: &Round) -> Option<Phase> {
     let setpoint = round.setpoint?;
-    // Slower than this, on a ramp of 1 m/s², it comes to rest within the following tolerance, and nothing can be seen.
+    // A slower stage on a ramp of 1 m/s² comes to rest within the following tolerance, so that the
+    // jam does not show.
     if setpoint.speed_mm_s.abs() < 5.0 {
         return None;
     }
@@ -35,7 +36,7 @@ fn phase(round: &Round) -> Option<Phase> {
 
 #[test]
 fn jam_is_named_within_five_ms_in_run_up_cruise_and_ramp() {
-    // Where the stage would be without the jam.
+    // The reference is a flight without the jam.
     let never = Injection::new(InjectedFault::Stall, 1e6);
     let trace = flown_with(&with(never), 3, Some(3)).trace.unwrap();
     let mut jams = [

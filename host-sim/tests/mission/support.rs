@@ -1,4 +1,4 @@
-//! Scenarios and flights of them.
+//! Scenarios and their flights.
 
 use std::path::{Path, PathBuf};
 
@@ -14,18 +14,18 @@ pub(crate) fn folder() -> PathBuf {
     Path::new(env!("CARGO_MANIFEST_DIR")).join("scenarios")
 }
 
-/// A shipped fault scenario.
+/// Returns a shipped fault scenario.
 pub(crate) fn fault_scenario(name: &str) -> MissionScenario {
     let path = folder().join("faults").join(format!("{name}.toml"));
     MissionScenario::read(&path, None).unwrap()
 }
 
-/// A flight in this process.
+/// Flies a scenario in this process.
 pub(crate) fn flown(scenario: &MissionScenario, seed: u64) -> Flown {
     flown_with(scenario, seed, None)
 }
 
-/// The same, with the rounds of a frame.
+/// Flies a scenario in this process, with the rounds of a frame.
 pub(crate) fn flown_with(scenario: &MissionScenario, seed: u64, frame: Option<u32>) -> Flown {
     let mut device = InProcess::default();
     let settings = flight_settings(&scenario.written, scenario.interval_s);
@@ -37,7 +37,7 @@ pub(crate) fn flown_with(scenario: &MissionScenario, seed: u64, frame: Option<u3
     fly(scenario, options, mechanics, &mut device, |_| {}).unwrap()
 }
 
-/// The flight and what is found of it; every finding must be as it should be.
+/// Returns the flight and its judgement, of which every finding must pass.
 pub(crate) fn passed(scenario: &MissionScenario, seed: u64) -> (Flown, Judgement) {
     let flown = flown(scenario, seed);
     let judgement = Judgement::of(scenario, &flown);

@@ -1,4 +1,4 @@
-//! Every fault at many places of the cycle and in many sizes: none leads to a silent wrong coordinate.
+//! Faults at many places of the cycle and in many sizes: none leads to a silent wrong coordinate.
 
 use fmc_camera::flight::frame_record::Flag;
 use fmc_simulation::mechanics::EncoderSide;
@@ -15,7 +15,7 @@ use crate::mission::support::flown;
 /// Trigger of the third frame, s.
 const TRIGGER_S: f64 = 2.8;
 
-/// A short mission with a fault about its third frame.
+/// Returns a short mission with a fault near its third frame.
 pub(crate) fn with(injection: Injection) -> MissionScenario {
     let mut scenario = MissionScenario::nominal(Some(5)).unwrap();
     scenario.interval_s = 0.4;
@@ -32,7 +32,7 @@ fn onsets_ms(from: i32, to: i32, step: usize) -> impl Iterator<Item = f64> + Clo
         .map(|ms| TRIGGER_S + 1e-3 * f64::from(ms))
 }
 
-/// What is wrong with a flight.
+/// Returns the failed findings of a flight, and its silent errors.
 fn complaints(scenario: &MissionScenario, flown: &Flown) -> Vec<String> {
     let judgement = Judgement::of(scenario, flown);
     let failed = judgement.findings.iter().filter(|finding| !finding.passed);
@@ -51,7 +51,8 @@ fn complaints(scenario: &MissionScenario, flown: &Flown) -> Vec<String> {
             .iter()
             .map(|fault| fault.to_string())
             .collect();
-        // Fault or not: what is wrong by more than a tenth of a pixel must have said so in its own σ.
+        // With or without a fault, the record's own σ must cover an error of more than a tenth of a
+        // pixel.
         let sigma_px = errors.sigma_px;
         if errors.pp_error_px.abs() > f64::max(0.1, 3.0 * sigma_px) {
             complaints.push(format!(
@@ -80,14 +81,15 @@ fn complaints(scenario: &MissionScenario, flown: &Flown) -> Vec<String> {
     complaints
 }
 
-/// The same with an encoder that sits on the stage, so that play does not hide what the camera could know.
+/// Returns the same mission with the encoder on the stage, so that play does not hide errors from
+/// the camera.
 fn on_the_stage(injection: Injection) -> MissionScenario {
     let mut scenario = with(injection);
     scenario.written.mechanics.encoder_side = EncoderSide::Stage;
     scenario
 }
 
-/// Flies each; `allowed` are complaints that belong to the fault.
+/// Flies each injection; `allowed` are complaints that belong to the fault.
 fn sweep(injections: impl Iterator<Item = Injection>, allowed: &[&str]) {
     sweep_of(injections.map(with), allowed);
 }
@@ -116,7 +118,7 @@ fn sweep_of(scenarios: impl Iterator<Item = MissionScenario>, allowed: &[&str]) 
     );
 }
 
-/// Every onset with every size and duration.
+/// Returns every onset with every size and duration.
 fn grid(
     fault: InjectedFault,
     onsets_s: impl Iterator<Item = f64>,
@@ -170,7 +172,7 @@ fn swapped_wires_anywhere_in_the_cycle_move_no_coordinate_silently() {
 
 #[test]
 fn stuck_bridge_anywhere_in_the_cycle_moves_no_coordinate_silently() {
-    // What no order reaches may take the stage to its end stop.
+    // A stage that obeys no command may run into its end stop.
     let stuck = grid(
         InjectedFault::Runaway,
         onsets_ms(-3, 90, 6),
@@ -206,7 +208,7 @@ fn late_shutter_moves_no_coordinate_silently() {
 
 #[test]
 fn shutter_that_misses_an_opening_or_an_edge_moves_no_coordinate_silently() {
-    // Of light whose beginning is not seen there is no record: the trigger is refused.
+    // An exposure whose first light is not seen has no record: the trigger is refused.
     let missing = grid(
         InjectedFault::ShutterMissing,
         onsets_ms(-3, 60, 4),
@@ -245,7 +247,7 @@ fn trigger_at_any_time_after_another_moves_no_coordinate_silently() {
     sweep(soon, &[]);
 }
 
-/// A second source of V/H, that goes before the other.
+/// Returns a mission with a second source of V/H, which takes precedence over the other.
 fn with_two_sources(injection: Injection) -> MissionScenario {
     let mut scenario = with(injection);
     let other = scenario.written.vh[0].clone();
@@ -279,7 +281,8 @@ fn faults_of_vh() -> Vec<Injection> {
         .collect()
 }
 
-/// Whether V/H stays wrong until it is believed: where there is no other source, nobody can know better.
+/// Returns true if V/H stays wrong until the camera believes it, which it cannot detect without
+/// another source.
 fn is_believed(injection: &Injection) -> bool {
     matches!(
         injection.fault,
@@ -297,7 +300,8 @@ fn fault_of_the_only_source_of_vh_moves_no_coordinate_silently() {
 
 #[test]
 fn fault_of_one_source_of_vh_beside_another_moves_no_coordinate_and_smears_no_frame_silently() {
-    // A V/H that comes to be believed at half of what it was looks as if the other source's right speed were in knots.
+    // If the camera believes half the true V/H, the other source's right speed looks as if it were
+    // in knots.
     let is_like_knots = |injection: &Injection| {
         let factor = match injection.fault {
             InjectedFault::VhJump => 1.0 + injection.size / 100.0,

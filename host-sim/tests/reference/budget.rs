@@ -57,13 +57,13 @@ fn camera_agrees_with_the_strict_solver_on_the_whole_grid() {
             camera.name
         );
         assert!(1e6 * camera.solver_error_mm() <= MAX_SOLVER_ERROR_NM);
-        // The check can fail: leaving the motion out is a hundred times the limit.
+        // The check can fail: omitting the motion gives a hundred times the limit.
         assert!(1e3 * camera.errors(Treatment::Static).max_mm() > 0.04);
     }
     assert!(verification.passed());
 }
 
-/// A camera that does not answer as it should.
+/// A camera that answers wrongly.
 struct Wrong {
     camera: InProcess,
     fault: Fault,
@@ -71,15 +71,15 @@ struct Wrong {
 
 #[derive(Clone, Copy)]
 enum Fault {
-    /// K1 one part in 10⁵ off: 6 nm at the corner of the first published camera.
+    /// K1 is one part in 10⁵ off: 6 nm at the corner of the first published camera.
     K1,
-    /// dx is no number.
+    /// dx is NaN.
     NotANumber,
-    /// No answer to the last point.
+    /// The last point has no answer.
     OneTooFew,
-    /// No answer at all.
+    /// No point has an answer.
     Nothing,
-    /// The sign of dy is turned.
+    /// The sign of dy is reversed.
     Sign,
 }
 

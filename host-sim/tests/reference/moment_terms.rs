@@ -1,5 +1,5 @@
-//! The exposure mean expanded in central moments, against quadrature; and what the camera's fold
-//! leaves out of it, no more and no less.
+//! The exposure mean expanded in central moments, against quadrature, and the terms that the
+//! camera's fold leaves out of it.
 
 use fmc_camera::flight::exposure::Exposure;
 use fmc_camera::geometry::principal_distance::FocusSign;
@@ -10,7 +10,7 @@ use fmc_reference::strict::{StrictSolver, Weight};
 
 use crate::reference::support::{STRONG_LENS, camera_distortion, largest, points, square};
 
-/// Central moments μ₂..μ₇ of the offset over the exposure, mm², ..., by a fine sum.
+/// Returns the central moments μ₂..μ₇ of the offset over the exposure, mm², ..., by a fine sum.
 fn moments(solver: &StrictSolver) -> [f64; 8] {
     let path = solver.path();
     let steps = 200_000_u32;
@@ -29,8 +29,9 @@ fn moments(solver: &StrictSolver) -> [f64; 8] {
     moments
 }
 
-/// The static distortion and every moment term of MODEL section 3 for e = +y, and the part of
-/// them that has no place in the evaluation form.
+/// Returns the static distortion with every moment term for e = +y
+/// (docs/derivations/exposure_mean.py), and the part of the moment terms that the evaluation form
+/// does not hold.
 fn expanded(lens: &Lens, [x, y]: [f64; 2], mu: [f64; 8]) -> ([f64; 2], [f64; 2]) {
     let [_, k1, k2, k3] = lens.k;
     let [p1, p2] = lens.p;
@@ -59,7 +60,8 @@ fn expanded(lens: &Lens, [x, y]: [f64; 2], mu: [f64; 8]) -> ([f64; 2], [f64; 2])
             - m5 * (3.0 * x2 + 21.0 * y2)
             + 7.0 * m6 * y
             - m7);
-    // What k0 += 3μ₂K1, b1 -= 2μ₂K1, k1 += 6μ₂K2, k2 += 12μ₂K3, tx, ty hold of the μ₂ terms.
+    // The coefficients k0 += 3μ₂K1, b1 -= 2μ₂K1, k1 += 6μ₂K2, k2 += 12μ₂K3, tx, ty hold this part
+    // of the μ₂ terms.
     let r2 = x2 + y2;
     let radial = m2 * (3.0 * k1 + 6.0 * k2 * r2 + 12.0 * k3 * r2 * r2);
     let held_x = x * (radial - 2.0 * m2 * k1) + m2 * p1;
@@ -70,7 +72,7 @@ fn expanded(lens: &Lens, [x, y]: [f64; 2], mu: [f64; 8]) -> ([f64; 2], [f64; 2])
     )
 }
 
-/// A point of the sensor frame in the frame in which the FMC axis is +y, and back.
+/// Transforms a point of the sensor frame to the frame in which the FMC axis is +y.
 fn turned(axis: Axis, [x, y]: [f64; 2]) -> [f64; 2] {
     match axis {
         Axis::PlusY => [x, y],
@@ -80,7 +82,8 @@ fn turned(axis: Axis, [x, y]: [f64; 2]) -> [f64; 2] {
     }
 }
 
-/// The lens as that frame sees it (affinity taken out: it has no mirror image).
+/// Returns the lens in that frame, without affinity, whose mirror image is not an affinity of this
+/// form.
 fn turned_lens(axis: Axis, lens: &Lens) -> Lens {
     let [p1, p2] = lens.p;
     Lens {
@@ -115,7 +118,8 @@ fn leaf_camera(axis: Axis) -> CameraFile {
 
 const AXES: [Axis; 4] = [Axis::PlusX, Axis::MinusX, Axis::PlusY, Axis::MinusY];
 
-/// δ = 0.34 mm at f = 100 mm: the largest travel of MODEL section 3.
+/// Returns an exposure with δ = 0.34 mm at f = 100 mm, the largest travel of
+/// docs/derivations/exposure_mean.py.
 fn request() -> ExposureRequest {
     ExposureRequest {
         opening_offset_mm: Some(0.145),
@@ -137,7 +141,7 @@ fn moment_terms_are_the_exposure_mean_exactly() {
             let [along_x, along_y] = turned(axis, [x - x0, y - y0]);
             let centred = [along_x, along_y - solver.path().centroid_mm()];
             let (mean, _) = expanded(&lens, centred, mu);
-            // 0.001 nm: the moments come from a sum of finite steps.
+            // The moments come from a sum of finite steps, accurate to 0.001 nm.
             assert!(
                 largest(strict, turned_back(axis, mean)) < 1e-9,
                 "{axis:?} {point:?}"
@@ -168,7 +172,7 @@ fn fold_leaves_out_what_theory_says_and_states_a_bound_for_it() {
             let (_, left_out) = expanded(&lens, centred, mu);
             let [left_x, left_y] = turned_back(axis, left_out);
             let [strict_x, strict_y] = strict;
-            // Single precision of up to 4 mm of distortion: 0.7 nm.
+            // Single precision rounds up to 4 mm of distortion by 0.7 nm.
             let expected = [strict_x - left_x, strict_y - left_y];
             assert!(largest(found, expected) < 7e-7, "{axis:?} {point:?}");
             let left_out_mm = left_x.abs().max(left_y.abs());
@@ -176,12 +180,12 @@ fn fold_leaves_out_what_theory_says_and_states_a_bound_for_it() {
             most_left_out_mm = most_left_out_mm.max(left_out_mm);
         }
     }
-    // The check sees what it is about: 2.7 nm, four times the rounding.
+    // The check sees the terms in question: 2.7 nm, four times the rounding.
     assert!(most_left_out_mm > 2.5e-6, "{most_left_out_mm}");
 }
 
-/// The camera against the strict solver for one lens at δ = 0.34 mm: largest difference, bound of
-/// what is left out, and largest effect of leaving the motion's spread out altogether, mm.
+/// Compares the camera with the strict solver for one lens; returns the largest difference and the
+/// bound of what the fold leaves out, mm.
 fn differences(more: &str, request: &ExposureRequest, exposure: &Exposure) -> [f64; 2] {
     let camera = square(more);
     let solver = StrictSolver::new(&camera, request, Weight::Exposure);
@@ -212,7 +216,7 @@ fn every_kind_of_term_left_out_is_in_the_stated_bound() {
         ("run-out", "[fmc]\nflatness_um = [0.0, 200.0]\n".to_owned()),
     ] {
         let [most_mm, bound_mm] = differences(&more, &request(), &exposure);
-        // 2e-7 relative is rounding of up to 5 mm of distortion.
+        // Single precision rounds up to 5 mm of distortion by 0.5 nm.
         assert!(most_mm <= bound_mm + 5e-7, "{kind}: {most_mm} > {bound_mm}");
         assert!(
             most_mm > 1e-6 || kind.starts_with("K1"),
@@ -242,7 +246,7 @@ fn decentring_keeps_its_second_moment_along_each_axis() {
         ..Exposure::new(0.17, 0.02)
     };
     for axis in ["+x", "-x", "+y", "-y"] {
-        // μ₂P is 1 nm and 3 nm; rounding of 0.04 mm is 0.01 nm.
+        // μ₂P is 1 nm and 3 nm; single precision rounds 1 mm of distortion by less than 0.25 nm.
         let more = format!("[distortion]\np1 = 1e-4\np2 = -1e-4\n[fmc]\naxis = \"{axis}\"\n");
         let [most_mm, bound_mm] = differences(&more, &request(), &exposure);
         assert!(

@@ -1,4 +1,4 @@
-//! Numbers of MODEL.md that were computed independently.
+//! Numbers of docs/errata.md, computed independently.
 
 use fmc_camera_file::CameraFile;
 use fmc_reference::exposure::{ExposureRequest, FocusFormula};
@@ -9,7 +9,7 @@ use fmc_reference::verification::grid;
 
 use crate::reference::support::{published, square};
 
-/// A K1 lens with the given distortion, relative, at the corner of 80.64 mm square.
+/// Returns a K1 lens with the given distortion, relative, at the corner of 80.64 mm square.
 fn lens(relative: f64) -> CameraFile {
     let k1 = relative / (2.0 * 40.32 * 40.32);
     let mut camera = square(&format!("[distortion]\nk1 = {k1:e}\n"));
@@ -17,7 +17,7 @@ fn lens(relative: f64) -> CameraFile {
     camera
 }
 
-/// δ = 170 µm, opened at the calibrated principal point.
+/// Returns an exposure with δ = 170 µm, opened at the calibrated principal point.
 fn request() -> ExposureRequest {
     ExposureRequest {
         opening_offset_mm: Some(0.0),
@@ -25,7 +25,7 @@ fn request() -> ExposureRequest {
     }
 }
 
-/// Largest length of `error` over the sensor, µm.
+/// Returns the largest length of `error` over the sensor, µm.
 fn most_um(camera: &CameraFile, error: impl Fn([f64; 2]) -> [f64; 2]) -> f64 {
     grid::points(camera.half_format_mm())
         .points()
@@ -62,7 +62,8 @@ fn printed_terms_triple_the_error_of_the_static_correction() {
             (with_printed / printed_um - 1.0).abs() < 0.002,
             "{with_printed}"
         );
-        // Counted twice: the whole distortion at the corner (docs/errata.md, Y4).
+        // The literal reading counts the distortion twice, so its error is the whole distortion at
+        // the corner (docs/errata.md, Y4).
         assert!((literal / literal_um - 1.0).abs() < 0.002, "{literal}");
     }
 }

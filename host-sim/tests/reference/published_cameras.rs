@@ -1,4 +1,4 @@
-//! The camera files say what the published table says.
+//! The camera files against the published table.
 
 use fmc_camera::{CalibrationRecord, CameraRecord};
 use fmc_camera_file::CameraFile;

@@ -1,7 +1,7 @@
-//! The camera against a lens that is no polynomial: ray-traced exposures.
+//! The camera against ray-traced exposures of a lens whose distortion is not a polynomial.
 //!
 //! A static K0..K3 calibration is fitted to the motionless columns, as a calibration laboratory
-//! would; the camera gets that fit, δ, Δδ and the shutter, nothing else.
+//! would do; the camera gets only that fit, δ, Δδ and the shutter.
 
 use fmc_camera::Camera;
 use fmc_camera::flight::exposure::Exposure;
@@ -11,8 +11,8 @@ use fmc_camera_file::number::single;
 use fmc_reference::lens::Lens;
 use nalgebra::{DMatrix, DVector};
 
-/// How much worse the camera may be than the same fit evaluated about the centroid in double
-/// precision, mm.
+/// Largest excess of the camera's error over that of the same fit evaluated about the centroid in
+/// double precision, mm.
 const MARGIN_MM: f64 = 1e-6;
 
 /// A row of `data/exposure_truth_dblgauss.csv`.
@@ -51,7 +51,7 @@ fn sum([ax, ay]: [f64; 2], [bx, by]: [f64; 2]) -> [f64; 2] {
     [ax + bx, ay + by]
 }
 
-/// K0..K3 as a function of the measured point, by least squares over the motionless columns.
+/// Fits K0..K3 as a function of the measured point, by least squares over the motionless columns.
 fn static_fit(rows: &[Truth]) -> Lens {
     const RADIUS_MM: f64 = 36.0;
     let mut design = Vec::new();
@@ -131,8 +131,8 @@ fn camera_is_as_good_as_the_recentred_static_fit_in_double_precision() {
             of_camera <= of_fit + MARGIN_MM,
             "{of_camera} against {of_fit}"
         );
-        // The calibration itself is good to 5 nm; 0.67 mm off the centre the field leaves what
-        // was calibrated, and the fit is extrapolated.
+        // The calibration itself is good to 5 nm; 0.67 mm off the centre the field leaves the
+        // calibrated range, and the fit is extrapolated.
         assert!(of_calibration < 5e-6, "{of_calibration}");
         assert!(of_fit < 15e-6, "{of_fit}");
     }

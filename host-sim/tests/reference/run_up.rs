@@ -40,7 +40,7 @@ fn opening_offset_is_the_references_to_a_nanometre() {
                                 ..Exposure::new(single(vh), single(t))
                             };
                             let path = ExposurePath::new(&file, &request);
-                            // Run-up and stop of the slow ones are longer than the stroke.
+                            // Run-up and stop of slow stages are longer than the stroke.
                             let Ok(plan) = camera.plan(&exposure) else {
                                 assert!(acceleration <= 100.0 || (0.5..1e5).contains(&jerk));
                                 continue;
@@ -49,7 +49,8 @@ fn opening_offset_is_the_references_to_a_nanometre() {
                             ramps[usize::from(
                                 jerk > 0.0 && file.principal_distance_mm * vh < limit,
                             )] += 1;
-                            // 1 nm, and the rounding of the request and of a few operations.
+                            // The tolerance is 1 nm, and the rounding of the request and of a few
+                            // operations.
                             let offset = path.opening_offset_mm;
                             let tolerance = 1e-6 + 3e-7 * offset.abs();
                             let difference = f64::from(plan.opening_mm) - offset;
@@ -65,7 +66,7 @@ fn opening_offset_is_the_references_to_a_nanometre() {
             }
         }
     }
-    // Both shapes of the ramp, often.
+    // Both shapes of the ramp must occur often.
     assert!(ramps.iter().all(|count| *count > 100), "{ramps:?}");
 }
 
@@ -75,8 +76,8 @@ fn ramp_by_the_reference_is_the_integral_of_its_acceleration() {
         let file = stage("from-rest", acceleration, jerk);
         let path = ExposurePath::new(&file, &ExposureRequest::planned(0.17, 0.001));
         let speed = file.principal_distance_mm * 0.17;
-        // Acceleration up to half the speed, step by step, by its definition; the other half is its mirror image: its
-        // place is v·T/2 in all.
+        // The acceleration is integrated step by step up to half the speed. The other half of the
+        // ramp is its mirror image, so that the ramp ends at v·T/2.
         let step = 1e-7;
         let (mut time, mut now, mut rate) = (0.0, 0.0_f64, 0.0_f64);
         while now < speed / 2.0 {
@@ -125,7 +126,7 @@ fn reverse_flight_is_corrected_as_the_strict_solver_says() {
             for point in points(&camera).into_iter().step_by(17) {
                 let strict = solver.mean(point.map(f64::from)).distortion_mm;
                 let (found, left_out_mm) = camera_distortion(&camera, &exposure, point);
-                // 0.7 nm: single precision of 4 mm of distortion.
+                // Single precision rounds 4 mm of distortion by 0.7 nm.
                 assert!(
                     largest(found, strict) < left_out_mm + 7e-7,
                     "{vh} {t}: {} nm",

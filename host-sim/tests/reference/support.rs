@@ -6,7 +6,7 @@ use fmc_camera::geometry::sensor::SensorPoint;
 use fmc_camera_file::CameraFile;
 use fmc_camera_file::published::CAMERA_FILES;
 
-/// The five published cameras.
+/// Returns the five published cameras.
 pub(crate) fn published() -> Vec<CameraFile> {
     CAMERA_FILES
         .iter()
@@ -14,7 +14,7 @@ pub(crate) fn published() -> Vec<CameraFile> {
         .collect()
 }
 
-/// A camera of 80.64 mm square behind 100 mm, with `more` in its file.
+/// Returns a camera of 80.64 mm square behind 100 mm, with `more` in its file.
 pub(crate) fn square(more: &str) -> CameraFile {
     let text = format!(
         "name = \"square\"\nprincipal_distance_mm = 100.0\nprincipal_point_mm = [0.03, -0.05]\n\
@@ -23,11 +23,11 @@ pub(crate) fn square(more: &str) -> CameraFile {
     CameraFile::parse("square.toml", &text).unwrap().0
 }
 
-/// A lens of some per cent in which no term is zero.
+/// Distortion of some per cent in which no coefficient is zero.
 pub(crate) const STRONG_LENS: &str = "[distortion]\nk0 = 2e-3\nk1 = -2e-5\nk2 = 6e-9\nk3 = -1.3e-12\n\
                                       p1 = 6e-6\np2 = -9e-6\nb1 = 4e-4\nb2 = -3e-4\n";
 
-/// dx, dy of the camera in single precision, mm, and the bound of what its fold leaves out.
+/// Returns dx, dy of the camera in single precision, mm, and the bound of what its fold leaves out.
 pub(crate) fn camera_distortion(
     camera: &CameraFile,
     exposure: &Exposure,
@@ -42,7 +42,7 @@ pub(crate) fn camera_distortion(
     )
 }
 
-/// 21 x 21 points over the sensor, as the camera receives them.
+/// Returns 21 x 21 points over the sensor, as the camera receives them.
 pub(crate) fn points(camera: &CameraFile) -> Vec<[f32; 2]> {
     fmc_reference::verification::grid::points(camera.half_format_mm())
         .points()
@@ -50,7 +50,7 @@ pub(crate) fn points(camera: &CameraFile) -> Vec<[f32; 2]> {
         .collect()
 }
 
-/// The larger component of the difference.
+/// Returns the larger component of the difference.
 pub(crate) fn largest([ax, ay]: [f64; 2], [bx, by]: [f64; 2]) -> f64 {
     (ax - bx).abs().max((ay - by).abs())
 }

@@ -1,4 +1,4 @@
-//! The numbers of Yuan et al. 2012, section 4.1, and what they are worth.
+//! The numbers of Yuan et al. 2012, section 4.1, and their interpretation.
 
 use fmc_camera::geometry::estimation::fit::FitError;
 use fmc_camera::geometry::estimation::parameter::Parameter;
@@ -48,7 +48,7 @@ fn camera_of_the_paper_has_a_distortion_of_0_03_per_cent_at_the_corner() {
     assert_near(x, 40.32, 1e-9);
     let [dx, _] = Lens::of(&camera).displacement([x, y]);
     assert_near(dx / x, 3e-4, 1e-10);
-    // It is none of the five that `verify` checks.
+    // The camera is not one of the five that `verify` checks.
     let published = fmc_camera_file::published::CAMERA_FILES;
     assert!(published.iter().all(|(_, text)| *text != PAPER_CAMERA));
 }
@@ -59,16 +59,17 @@ fn divisor_of_the_paper_gives_its_1_2_um_and_2_4_um_and_the_honest_one_the_noise
         let sweep = sweep(&camera(), SweepOptions { seed, ..OPTIONS });
         let both = sweep.both();
         let fit = both.whole.as_ref().unwrap();
-        // 2n - 5 = 52915 observations: σ0 is known to 0.85/√(2·52915) = 0.0026 µm; 4 of them.
+        // 2n - 5 = 52915 observations: the standard error of σ0 is 0.85/√(2·52915) = 0.0026 µm; the
+        // limit is 4 of them.
         assert_near(fit.sigma0, 0.85, 0.0105);
         assert_near(both.per_frame_sigma_um().unwrap(), 0.85, 0.0105);
         // Δz/L = 6e-5 of a coordinate, whose rms over 21 points of an edge is 40.32·√(22/60) mm.
         let focus_um = 6e-5 * 40.32e3 * (22.0_f64 / 60.0).sqrt();
         assert_near(both.fixed.noisy.rms_um(), focus_um.hypot(0.85), 0.015);
-        // Reported: 1.2 and 2.3 µm. The second asks for 5.66 µm of focus shift.
+        // Reported: 1.2 and 2.3 µm. The second needs 5.66 µm of focus shift.
         assert_near(fit.sigma0_as_printed.unwrap(), 1.20, 0.015);
         assert_near(both.fixed.noisy.n_minus_5_um(), 2.40, 0.02);
-        // The exact model leaves the noise and nothing else.
+        // The exact model leaves only the noise.
         assert_near(both.exact.noisy.rms_um(), 0.85, 0.0105);
         assert!(both.exact.noise_free.rms_um() < 5e-6);
     }
@@ -117,7 +118,7 @@ fn coefficients_are_those_of_the_focus_shift_and_of_the_centroid_offset() {
 fn kd1_of_one_exposure_of_15_um_scatters_by_21_times_its_printed_value() {
     let sweep = sweep(&camera(), OPTIONS);
     assert_near(sweep.kd1_scatter_at_15_um().unwrap(), 21.0, 0.5);
-    // And the deviations given are those that are found. With a centred run-up K_d1 is zero.
+    // The stated deviations are those that are found. With a centred run-up K_d1 is zero.
     let mut camera = camera();
     camera.fmc.strategy = Some(Strategy::Centred);
     let centred = self::sweep(&camera, OPTIONS);
@@ -128,7 +129,7 @@ fn kd1_of_one_exposure_of_15_um_scatters_by_21_times_its_printed_value() {
         squares += deviation * deviation;
         count += 1.0;
     }
-    // Mean square of 60 standard deviates: 1 ± 0.18; four of these.
+    // The mean square of 60 standard deviates is 1 ± 0.18; the limit is four of these.
     assert_near(squares / count, 1.0, 0.73);
 }
 
@@ -148,7 +149,8 @@ fn centred_run_up_has_no_kd1_and_pm1() {
         }
     }
     assert_eq!(on_centroid.shares(), None);
-    // Regressed on δ they exist, and are zero; the static calibration misses the focus alone.
+    // Regressed on δ the coefficients exist and are zero; the error of the static calibration is
+    // the focus shift alone.
     let on_travel = sweep(&camera, OPTIONS);
     let fit = on_travel.both().whole.as_ref().unwrap();
     for parameter in [Parameter::Kd1, Parameter::Pm1] {

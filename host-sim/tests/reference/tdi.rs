@@ -1,4 +1,4 @@
-//! TDI: the camera's staircase against the reference's, and both against the numbers of MODEL.
+//! TDI: the camera's staircase against the reference's, and the lag of docs/derivations/tdi.py.
 
 use fmc_camera::flight::exposure::Exposure;
 use fmc_camera_file::number::single;
@@ -28,7 +28,7 @@ fn camera_and_reference_put_the_same_staircase_under_the_image() {
             for point in points(&camera).into_iter().step_by(17) {
                 let strict = solver.mean(point.map(f64::from)).distortion_mm;
                 let (found, left_out_mm) = camera_distortion(&camera, &exposure, point);
-                // 0.7 nm: single precision of 4 mm of distortion.
+                // Single precision rounds 4 mm of distortion by 0.7 nm.
                 assert!(
                     largest(found, strict) < left_out_mm + 7e-7,
                     "{first_transfer} {vh} {t}"

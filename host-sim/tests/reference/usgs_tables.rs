@@ -24,7 +24,7 @@ fn polynomials_reproduce_eighteen_of_eighteen_printed_values() {
         let [k0, k1, k2, k3] = Lens::of(camera).k;
         let r2 = r * r;
         let radial_um = 1e3 * r * (k0 + r2 * (k1 + r2 * (k2 + r2 * k3)));
-        // Printed in whole micrometres.
+        // The reports print whole micrometres.
         assert!(
             (radial_um - printed_um).abs() <= 0.5,
             "{name} at {angle_deg}°: {radial_um} µm"

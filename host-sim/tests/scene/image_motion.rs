@@ -11,7 +11,7 @@ use fmc_simulation::scene::terrain::Terrain;
 
 use crate::scene::support::{HEIGHT_M, points, square};
 
-/// The same flight state in both worlds; at its centroid the scene has the attitude.
+/// Returns the same flight state in both models; at its centroid the scene has the attitude.
 pub(crate) fn pair(axis: &str, flight: &FlightState, exposure_s: f64) -> (ImageMotion, Scene) {
     let camera = square(&format!(
         "[fmc]\naxis = \"{axis}\"\n[limits]\nvh_per_s = [0.0, 1.0]\n"

@@ -1,5 +1,5 @@
-//! What perfect compensation leaves of the smear: the lens distorts the place differently along
-//! the path under it.
+//! Smear that remains with perfect compensation: the distortion changes along the path of the image
+//! under the lens.
 
 use fmc_reference::exposure::ExposureRequest;
 use fmc_reference::lens::Lens;
@@ -7,7 +7,8 @@ use fmc_simulation::scene::Scene;
 
 use crate::scene::support::{HEIGHT_M, apart, points, published};
 
-/// Change of the gradient along the path, mm: δ²/2 times the distortion's second derivative.
+/// Error of neglecting the change of the gradient along the path, mm: δ²/2 times the distortion's
+/// second derivative.
 const SECOND_ORDER_MM: f64 = 1e-5;
 
 #[test]
@@ -36,6 +37,6 @@ fn lens_smears_by_the_travel_times_the_gradient_of_its_distortion() {
             most_mm = most_mm.max(found[0].hypot(found[1]));
         }
     }
-    // The 50 mm lenses: δ = 87 µm times 1.9 %.
+    // The largest smear is that of the 50 mm lenses: δ = 87 µm times 1.9 %.
     assert!((most_mm - 1.68e-3).abs() < 0.01e-3, "{most_mm}");
 }

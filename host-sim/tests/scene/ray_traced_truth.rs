@@ -1,4 +1,4 @@
-//! A lens by its table, against ray-traced exposures of the same lens.
+//! A lens given by a table, against ray-traced exposures of the same lens.
 
 use fmc_camera_file::CameraFile;
 use fmc_reference::exposure::ExposureRequest;
@@ -8,8 +8,8 @@ use fmc_simulation::scene::lens::LensMapping;
 
 use crate::scene::support::{HEIGHT_M, ground_below};
 
-/// How far an exposure may be from the ray-traced one, mm: 0.0061 nm at the worst, where the field
-/// is 0.84 mm beyond the table, 0.0016 nm else; the columns are rounded by 0.0005 nm.
+/// Largest distance of an exposure from the ray-traced one, mm: 0.0061 nm at the worst, where the
+/// field is 0.84 mm beyond the table, 0.0016 nm elsewhere; the columns are rounded by 0.0005 nm.
 const TOLERANCE_MM: f64 = 1e-8;
 const POINTS: usize = 441;
 
@@ -23,7 +23,7 @@ fn number(row: &csv::StringRecord, column: usize) -> f64 {
     row[column].parse().unwrap()
 }
 
-/// The motionless columns.
+/// Reads the lens from the motionless columns.
 fn lens(rows: &[csv::StringRecord]) -> LensMapping {
     let nodes: Vec<FieldNode> = rows[..POINTS]
         .iter()
@@ -35,7 +35,7 @@ fn lens(rows: &[csv::StringRecord]) -> LensMapping {
     LensMapping::FieldTable(FieldTable::new(&nodes).unwrap())
 }
 
-/// An exposure of 1/100 s with the δ, Δδ, shutter and stage speed of a row.
+/// Returns an exposure of 1/100 s with the δ, Δδ, shutter and stage speed of a row.
 fn scene(row: &csv::StringRecord, lens: &LensMapping) -> Scene {
     let exposure_s = 0.01;
     let focal_mm = number(row, 1);
@@ -82,7 +82,7 @@ fn exposures_through_the_table_are_the_ray_traced_ones() {
             }
         }
         assert!(most <= TOLERANCE_MM, "δ {}: {most}", &exposure[0][2]);
-        // The check would see that there is motion.
+        // The motion is large enough for the check to see it.
         assert!(motion > 1000.0 * most || number(&exposure[0], 6) < 1e-9);
     }
 }

@@ -1,18 +1,18 @@
 //! The published estimates of the residual smear, from the camera and from the exposure:
 //! f = 100 mm, 80.64 mm square, V/H 0.10 1/s, 1/300 s, δ = 33.3 µm.
 //!
-//! Each is the longest smear *vector* over the sensor: in a corner, or everywhere the same.
+//! Each is the longest smear *vector* over the sensor: in a corner, or the same everywhere.
 
 use fmc_camera::geometry::image_motion::FlightState;
 
 use crate::scene::image_motion::{compensated, pair};
 use crate::scene::support::{apart, points, square};
 
-/// Camera against exposure, µm: single precision.
+/// Largest difference between camera and exposure, µm: that of single precision.
 const AGREEMENT_UM: f64 = 1e-4;
 const EXPOSURE_S: f64 = 1.0 / 300.0;
 
-/// Where a term is largest.
+/// Place where a term is largest.
 #[derive(Debug, Clone, Copy, PartialEq)]
 enum Largest {
     Everywhere,
@@ -24,7 +24,7 @@ use Largest::{Everywhere, InACorner};
 struct Case {
     name: &'static str,
     change: fn(&mut FlightState),
-    /// As printed, and half of its last digit, µm.
+    /// Number as printed, and half of its last digit, µm.
     printed_um: (f64, f64),
     largest: Largest,
 }
@@ -53,7 +53,7 @@ fn camera_and_exposure_show_the_published_smear() {
         let of_exposure = points(&square(""), 9, 1.0)
             .into_iter()
             .map(|point| {
-                // A corner's image may leave the array.
+                // The image of a corner may lie off the array.
                 let ground = frame.ground_point(point).unwrap();
                 let first = frame.place_at(ground, 0.0).unwrap();
                 let last = frame.place_at(ground, EXPOSURE_S).unwrap();

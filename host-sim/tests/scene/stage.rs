@@ -14,7 +14,7 @@ use crate::scene::support::{HEIGHT_M, apart, points, square};
 
 const EXPOSURE_S: f64 = 0.01;
 
-/// f·η·t = 0.1 mm.
+/// Returns a scene with a travel of f·η·t = 0.1 mm.
 fn scene(camera: &CameraFile) -> Scene {
     Scene::still(camera, &ExposureRequest::planned(0.1, EXPOSURE_S), HEIGHT_M)
 }
@@ -29,7 +29,8 @@ fn stage_too_fast_smears_by_its_error_and_moves_the_centroid_by_half() {
     for point in points(&camera, 5, 0.9) {
         let ground = right.ground_point(point).unwrap();
         let [before, after] = [&right, &fast].map(|frame| frame.image_point(ground).unwrap());
-        // 2 % of 0.1 mm along +y; from the opening on, so that the centroid moves by half.
+        // The smear is 2 % of 0.1 mm along +y. It starts at the opening, so that the centroid moves
+        // by half.
         assert!(apart(after.smear_mm, [0.0, 0.002]) < 1e-10);
         let [x, y] = before.point_mm;
         assert!(apart(after.point_mm, [x, y + 0.001]) < 1e-10);
@@ -37,7 +38,8 @@ fn stage_too_fast_smears_by_its_error_and_moves_the_centroid_by_half() {
     assert!((fast.centroid_offset_mm() - 0.001).abs() < 1e-12);
 }
 
-/// What the camera makes of the encoder's readings: error of c̄, µm. Readings are 1 µm of travel apart.
+/// Returns the error of c̄ that the camera computes from the encoder's readings, µm. Readings are 1
+/// µm of travel apart.
 fn centroid_error_um(scene: &mut Scene, step_um: f64, phase_um: f64) -> f64 {
     scene.stage.encoder = Encoder {
         step_um,
@@ -55,7 +57,8 @@ fn centroid_error_um(scene: &mut Scene, step_um: f64, phase_um: f64) -> f64 {
 #[test]
 fn many_encoder_steps_average_out_to_half_the_distance_of_readings() {
     let mut scene = scene(&square(""));
-    // 20 steps of 5 µm in the travel, five readings to a step: left is where they fall within it.
+    // The travel has 20 steps of 5 µm with five readings to a step, so the error depends on the
+    // place of the readings within a step.
     let most_um = (0..100)
         .map(|phase| centroid_error_um(&mut scene, 5.0, 0.05 * f64::from(phase)).abs())
         .fold(0.0, f64::max);
@@ -65,7 +68,8 @@ fn many_encoder_steps_average_out_to_half_the_distance_of_readings() {
 #[test]
 fn few_encoder_steps_err_as_a_rounded_ramp_does() {
     let mut scene = scene(&square(""));
-    // A step four times the travel: the reading is the phase while no edge comes into -50 … 50 µm.
+    // With a step four times the travel, the reading is the phase while no edge comes into -50 … 50
+    // µm.
     for phase_um in [-149.0, -40.0, 0.0, 75.0, 149.0] {
         let error = centroid_error_um(&mut scene, 400.0, phase_um);
         assert!((error - phase_um).abs() < 1e-3, "{phase_um}: {error}");
@@ -97,10 +101,10 @@ fn run_out_enlarges_the_image_by_its_mean_and_smears_by_its_range() {
         let ground = flat.ground_point(point).unwrap();
         let [without, with] = [&flat, &bent].map(|frame| frame.image_point(ground).unwrap());
         let [x, y] = without.point_mm;
-        // Left out: the covariance of run-out and place, 58 µm/mm·δ²/12/L = 0.5 nm.
+        // The estimate omits the covariance of run-out and place, 58 µm/mm·δ²/12/L = 0.5 nm.
         let enlarged = [x + (x - x0) * mean, y + (y - y0) * mean];
         assert!(apart(with.point_mm, enlarged) < 1e-6);
-        // Under the lens the place moves against the principal point by δ.
+        // Under the lens the image moves against the principal point by δ.
         let smeared = [(x - x0) * range, (y - y0) * range - 0.1 * mean];
         assert!(apart(with.smear_mm, smeared) < 1e-6);
     }
@@ -120,7 +124,7 @@ fn turbulence_smears_by_what_it_turns_the_camera() {
     let mut sum = 0.0;
     for index in 0..exposures {
         let opening_s = 0.7 * f64::from(index);
-        // Level at the centroid.
+        // The camera is level at the centroid.
         scene.attitude.reference_s = opening_s + EXPOSURE_S / 2.0;
         let frame = scene.expose(opening_s);
         let ground = frame.ground_point([0.0, 0.0]).unwrap();
@@ -129,8 +133,9 @@ fn turbulence_smears_by_what_it_turns_the_camera() {
             let turned = process.integral(opening_s + EXPOSURE_S) - process.integral(opening_s);
             turned.to_radians()
         });
-        // In the middle of the image f times the angle: nose up moves it back, right side down to
-        // the right. Left out: the yaw times the motion under the lens, 0.05 mm times 1e-4.
+        // In the middle of the image the smear is f times the angle: nose up moves the image back,
+        // right side down to the right. The estimate omits the yaw times the motion under the lens,
+        // 0.05 mm times 1e-4.
         assert!(apart([x, y], [100.0 * roll, -100.0 * pitch]) < 1e-5);
         sum += x * x + y * y;
     }
@@ -154,7 +159,7 @@ fn recorded_path_of_constant_speed_is_constant_speed_and_a_step_moves_what_comes
     assert!(apart(before.point_mm, after.point_mm) < 1e-12);
     assert!(apart(before.smear_mm, after.smear_mm) < 1e-12);
 
-    // 8 µm more from a quarter of the exposure on: three quarters of the light see them.
+    // The stage is 8 µm ahead from a quarter of the exposure on, for three quarters of the light.
     let quarter = 0.25 * EXPOSURE_S;
     let mut knots: Vec<(f64, f64)> = straight(&[0.0, quarter]);
     knots.push((quarter + 1e-9, at(quarter + 1e-9) + 0.008));

@@ -1,4 +1,4 @@
-//! Still air, flat ground and perfect compensation: the strict solver's case.
+//! Still air, flat ground and perfect compensation, for which the strict solver is exact.
 
 use fmc_camera::flight::exposure::FlightDirection;
 use fmc_camera_file::CameraFile;
@@ -8,13 +8,13 @@ use fmc_simulation::scene::Scene;
 
 use crate::scene::support::{HEIGHT_M, apart, ground_below, points, published, square};
 
-/// How far the exposure may be from the solver that follows the image, mm.
+/// Largest distance of the exposure from the solver that follows the image, mm.
 const FOLLOWED_MM: f64 = 1e-8;
-/// How far from the solver's own mean, which stays at the measured point, mm: that costs up to
-/// 0.0106 nm over the published cameras, and is no error of the exposure.
+/// Largest distance from the solver's own mean, which stays at the measured point, mm. That
+/// approximation of the solver costs up to 0.0106 nm over the published cameras.
 const FIXED_MM: f64 = 1.1e-8;
 
-/// Differences from the solver: (following the image, at the fixed measured point), mm.
+/// Returns the differences from the solver: (following the image, at the fixed measured point), mm.
 fn differences(camera: &CameraFile, request: &ExposureRequest) -> (f64, f64) {
     let scene = Scene::still(camera, request, HEIGHT_M);
     let frame = scene.expose(0.3);
@@ -33,8 +33,8 @@ fn differences(camera: &CameraFile, request: &ExposureRequest) -> (f64, f64) {
     (followed, fixed)
 }
 
-/// The mean place of an ideal point's image: at every instant the point at which the solver's
-/// distortion leads back to the ideal one. Simpson's rule between the shutter's corners.
+/// Returns the mean place of an ideal point's image: at every instant the point from which the
+/// solver's distortion leads back to the ideal one. Simpson's rule between the shutter's corners.
 fn followed_mean(solver: &StrictSolver, [x, y]: [f64; 2]) -> [f64; 2] {
     let place = |u: f64| {
         let mut at = [x, y];
@@ -57,7 +57,7 @@ fn followed_mean(solver: &StrictSolver, [x, y]: [f64; 2]) -> [f64; 2] {
                 _ => 2.0,
             };
             let weight = simpson * step * path.transmission(u.min(1.0));
-            // A stretch of no length may begin where the transmission is undefined.
+            // An interval of length zero may begin where the transmission is undefined.
             if weight > 0.0 {
                 light += weight;
                 let [px, py] = place(u);

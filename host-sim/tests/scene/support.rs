@@ -7,7 +7,7 @@ use fmc_simulation::scene::frame::Frame;
 
 pub(crate) const HEIGHT_M: f64 = 1000.0;
 
-/// The five published cameras, with both strategies.
+/// Returns the five published cameras, with both strategies.
 pub(crate) fn published() -> Vec<CameraFile> {
     CAMERA_FILES
         .iter()
@@ -22,7 +22,7 @@ pub(crate) fn published() -> Vec<CameraFile> {
         .collect()
 }
 
-/// 80.64 mm square behind 100 mm, with `more` in its file.
+/// Returns a camera of 80.64 mm square behind 100 mm, with `more` in its file.
 pub(crate) fn square(more: &str) -> CameraFile {
     let text = format!(
         "name = \"square\"\nprincipal_distance_mm = 100.0\n\
@@ -31,7 +31,7 @@ pub(crate) fn square(more: &str) -> CameraFile {
     CameraFile::parse("square.toml", &text).unwrap().0
 }
 
-/// `count` x `count` points over the sensor, a share of it wide.
+/// Returns `count` x `count` points over that share of the sensor's sides.
 pub(crate) fn points(camera: &CameraFile, count: u8, share: f64) -> Vec<[f64; 2]> {
     let half = camera.half_format_mm();
     let place = |index: u8| 2.0 * f64::from(index) / f64::from(count - 1) - 1.0;
@@ -47,8 +47,8 @@ pub(crate) fn points(camera: &CameraFile, count: u8, share: f64) -> Vec<[f64; 2]
         .collect()
 }
 
-/// The ground at height 0 below an ideal point of the sensor frame at the centroid, for a level
-/// camera.
+/// Returns the point of the ground at height 0 below an ideal point of the sensor frame at the
+/// centroid, for a level camera.
 pub(crate) fn ground_below(scene: &Scene, frame: &Frame<'_>, ideal_mm: [f64; 2]) -> [f64; 3] {
     let [x0, y0] = frame.principal_point_mm();
     let [eye_x, eye_y, eye_z] = frame.projection_centre_m();
@@ -58,7 +58,7 @@ pub(crate) fn ground_below(scene: &Scene, frame: &Frame<'_>, ideal_mm: [f64; 2])
     [eye_x + scale * right, eye_y + scale * forward, 0.0]
 }
 
-/// The length of the difference.
+/// Returns the length of the difference.
 pub(crate) fn apart([ax, ay]: [f64; 2], [bx, by]: [f64; 2]) -> f64 {
     (ax - bx).hypot(ay - by)
 }
