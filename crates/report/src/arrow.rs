@@ -8,7 +8,7 @@ pub(crate) struct Arrow {
 }
 
 impl Arrow {
-    /// Where it begins, mm.
+    /// Point at which the arrow begins, mm.
     pub(crate) fn from(&self) -> (f64, f64) {
         self.from_mm.into()
     }

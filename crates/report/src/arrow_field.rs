@@ -30,7 +30,7 @@ pub(crate) struct ArrowField<'a> {
 }
 
 impl ArrowField<'_> {
-    /// The figure.
+    /// Draws the figure.
     ///
     /// # Errors
     /// [`FigureError`] without arrows or if the drawing fails.
@@ -92,7 +92,7 @@ impl ArrowField<'_> {
     }
 }
 
-/// Shaft and head of an arrow in one stroke.
+/// Returns shaft and head of an arrow in one stroke.
 fn path([x, y]: [f64; 2], [dx, dy]: [f64; 2], head: f64) -> Vec<(f64, f64)> {
     let length = length_of([dx, dy]);
     let head = head.min(0.4 * length) / length;
@@ -106,7 +106,7 @@ fn path([x, y]: [f64; 2], [dx, dy]: [f64; 2], head: f64) -> Vec<(f64, f64)> {
     vec![(x, y), tip, barb(1.0), tip, barb(-1.0)]
 }
 
-/// Length of the arrows and direction of flight, below the axes.
+/// Draws length of the arrows and direction of flight, below the axes.
 fn draw_legend(
     legend: &Canvas<'_>,
     scale: &ArrowScale,

@@ -1,4 +1,4 @@
-//! How much longer than true the arrows of a field are drawn.
+//! Exaggeration of the arrows of a field.
 
 use crate::arrow::{Arrow, length_of};
 use crate::wording;
@@ -15,12 +15,12 @@ const SAMPLE: f64 = 2.0;
 pub(crate) struct ArrowScale {
     /// Mean distance of neighbouring points.
     pub(crate) spacing_mm: f64,
-    /// Drawn length by true length; 0 where every displacement is.
+    /// Drawn length by true length; 0 if every displacement is zero.
     exaggeration: f64,
 }
 
 impl ArrowScale {
-    /// A scale at which no arrow reaches the next point.
+    /// Returns a scale at which no arrow reaches the next point.
     pub(crate) fn fitting(
         [width_mm, height_mm]: [f64; 2],
         lengths_mm: impl ExactSizeIterator<Item = f64>,
@@ -39,12 +39,12 @@ impl ArrowScale {
         }
     }
 
-    /// Whether an arrow is long enough to be drawn as one.
+    /// Returns true if an arrow is long enough to be drawn as one.
     pub(crate) fn shows(&self, arrow: &Arrow) -> bool {
         length_of(self.drawn_mm(arrow.displacement_mm)) >= SHORTEST * self.spacing_mm
     }
 
-    /// A displacement as drawn.
+    /// Returns a displacement as drawn.
     pub(crate) fn drawn_mm(&self, displacement_mm: [f64; 2]) -> [f64; 2] {
         displacement_mm.map(|part| part * self.exaggeration)
     }
@@ -74,7 +74,7 @@ fn decade_of(number: f64) -> f64 {
     10.0_f64.powf(number.log10().floor())
 }
 
-/// Rounded down to two digits, so that the number stated is the number used.
+/// Rounds down to two digits, so that the number stated is the number used.
 fn two_digits_of(number: f64) -> f64 {
     let unit = decade_of(number) / 10.0;
     (number / unit).floor() * unit

@@ -1,4 +1,4 @@
-//! What a camera is doing, as users and programs read it.
+//! The status of a camera, for users and programs.
 
 use std::io::{self, Write};
 
@@ -7,7 +7,7 @@ use fmc_camera::flight::fault::Fault;
 use fmc_camera::io::link::message::Status;
 use serde::Serialize;
 
-/// One block of lines.
+/// Writes the status as a block of lines.
 ///
 /// # Errors
 /// Those of the sink.
@@ -42,7 +42,7 @@ pub fn write_text(status: &Status, sink: &mut dyn Write) -> io::Result<()> {
     )
 }
 
-/// For programs.
+/// Writes the status as JSON.
 ///
 /// # Errors
 /// Those of the sink.
@@ -51,7 +51,7 @@ pub fn write_json(status: &Status, sink: &mut dyn Write) -> io::Result<()> {
     writeln!(sink)
 }
 
-/// Units are in the names.
+/// Status of a camera; units are in the names.
 #[derive(Debug, Serialize)]
 struct StatusReport {
     state: &'static str,

@@ -22,16 +22,16 @@ pub(crate) struct Margins {
     pub(crate) left: u32,
 }
 
-/// One axis.
+/// One axis of a chart.
 #[derive(Clone, Copy)]
 pub(crate) struct Axis<'a> {
     /// Room for its labels and its name, pixels.
     pub(crate) room: u32,
-    /// About how many labels it has; `None` leaves that to plotters.
+    /// Approximate number of labels; `None` leaves it to plotters.
     pub(crate) labels: Option<usize>,
-    /// How a number is written.
+    /// Writer of the numbers.
     pub(crate) write: &'a dyn Fn(&f64) -> String,
-    /// What it shows, with its unit; empty where that is written elsewhere.
+    /// Quantity with its unit; empty if the figure names it elsewhere.
     pub(crate) name: &'a str,
 }
 

@@ -1,4 +1,4 @@
-//! What all figures share.
+//! Colours, text and errors that all figures share.
 
 use std::io;
 
@@ -22,12 +22,12 @@ pub(crate) type Area<B> = DrawingArea<B, Shift>;
 /// A drawing area of an SVG figure.
 pub(crate) type Canvas<'a> = Area<SVGBackend<'a>>;
 
-/// What a figure can be drawn on, SVG or pixels.
+/// A backend on which figures are drawn, SVG or pixels.
 pub(crate) trait Backend: DrawingBackend<ErrorType = io::Error> {}
 
 impl<B: DrawingBackend<ErrorType = io::Error>> Backend for B {}
 
-/// Why there is no figure.
+/// A reason why a figure cannot be drawn.
 #[derive(Debug, thiserror::Error)]
 pub enum FigureError {
     /// The camera has no exposure to show.
@@ -41,7 +41,7 @@ pub enum FigureError {
     Picture(String),
 }
 
-/// A figure of that many pixels in SVG, on white.
+/// Draws a figure of that many pixels in SVG, on white.
 ///
 /// # Errors
 /// [`FigureError`] if the drawing fails.
@@ -59,12 +59,12 @@ pub(crate) fn svg(
     Ok(svg)
 }
 
-/// Text that starts at its point and is centred on it vertically.
+/// Returns the style of text that starts at its point and is centred on it vertically.
 pub(crate) fn text(size: u32) -> TextStyle<'static> {
     text_at(size, HPos::Left)
 }
 
-/// Text anchored horizontally as asked and centred vertically.
+/// Returns the style of text anchored horizontally as asked and centred vertically.
 pub(crate) fn text_at(size: u32, horizontal: HPos) -> TextStyle<'static> {
     ("sans-serif", size)
         .into_font()
@@ -73,7 +73,7 @@ pub(crate) fn text_at(size: u32, horizontal: HPos) -> TextStyle<'static> {
         .into_text_style(&(0, 0))
 }
 
-/// Pixels, rounded.
+/// Rounds a number of pixels.
 #[expect(
     clippy::cast_possible_truncation,
     reason = "figures are a few thousand pixels wide; the cast saturates"
@@ -82,7 +82,7 @@ pub(crate) fn pixels(length: f64) -> i32 {
     length.round() as i32
 }
 
-/// The em of a font of that size, pixels: plotters counts the height of a line.
+/// Returns the em of a font of that size, pixels: plotters counts the height of a line.
 #[expect(
     clippy::cast_possible_truncation,
     reason = "sizes are whole numbers of pixels, which leave room to spare"

@@ -1,4 +1,4 @@
-//! Lengths in the unit in which they are readable.
+//! Lengths in readable units.
 
 use crate::wording;
 
@@ -11,7 +11,8 @@ pub(crate) enum Unit {
 }
 
 impl Unit {
-    /// The smallest unit in which a length needs no more than three digits before the point.
+    /// Returns the smallest unit in which a length needs no more than three digits before the
+    /// point.
     fn of(length_mm: f64) -> Self {
         if length_mm.abs() < 1e-3 {
             Self::Nanometre
@@ -39,7 +40,7 @@ impl Unit {
     }
 }
 
-/// Most decimals of a number in a column.
+/// Largest number of decimals in a column.
 const MOST_DECIMALS: usize = 3;
 
 /// Unit and decimals that all numbers of a column share, so that they line up.
@@ -50,7 +51,8 @@ pub(crate) struct Scale {
 }
 
 impl Scale {
-    /// The unit suits the largest length; the smallest other than zero shows two digits.
+    /// Returns the unit that suits the largest length, with decimals that show two digits of the
+    /// smallest other than zero.
     pub(crate) fn fitting(lengths_mm: impl IntoIterator<Item = f64>) -> Self {
         let (least, most) = lengths_mm
             .into_iter()
@@ -69,7 +71,7 @@ impl Scale {
         Self { unit, decimals }
     }
 
-    /// The number alone; the heading names the unit.
+    /// Writes the number alone; the heading names the unit.
     pub(crate) fn number(self, length_mm: f64) -> String {
         let number = length_mm * self.unit.per_mm();
         let text = format!("{number:.*}", self.decimals);
@@ -81,19 +83,19 @@ impl Scale {
     }
 }
 
-/// A range in µm with one decimal; the heading names the unit.
+/// Writes a range in µm with one decimal; the heading names the unit.
 pub(crate) fn range_um([least, most]: [f64; 2]) -> String {
     format!("{:.1} … {:.1}", 1e3 * least, 1e3 * most)
 }
 
-/// A round length with its unit.
+/// Writes a round length with its unit.
 pub(crate) fn round(length_mm: f64) -> String {
     let unit = Unit::of(length_mm);
     let number = wording::decimals(length_mm * unit.per_mm(), MOST_DECIMALS);
     format!("{number} {}", unit.symbol())
 }
 
-/// A length with its unit and about three digits.
+/// Writes a length with its unit and about three digits.
 pub(crate) fn text(length_mm: f64) -> String {
     let unit = Unit::of(length_mm);
     let number = length_mm * unit.per_mm();

@@ -1,5 +1,5 @@
-//! What a verification, a calibration, a simulation or a budget tells its reader: tables,
-//! machine-readable files, figures, pages.
+//! Reports of verifications, calibrations, simulations and budgets: tables, machine-readable files,
+//! figures, pages.
 
 #![forbid(unsafe_code)]
 

@@ -1,8 +1,8 @@
-//! What all HTML pages share.
+//! Errors and figures of HTML pages.
 
 use crate::figure::FigureError;
 
-/// Why there is no page.
+/// A reason why a page cannot be written.
 #[derive(Debug, thiserror::Error)]
 pub enum PageError {
     /// A figure failed.
@@ -13,7 +13,7 @@ pub enum PageError {
     Template(#[from] askama::Error),
 }
 
-/// An SVG as part of a page: scaled by its view box instead of its width and height.
+/// Turns an SVG into a part of a page, scaled by its view box instead of its width and height.
 pub(crate) fn inline(svg: String) -> String {
     match svg.split_once("viewBox") {
         Some((_, rest)) => {

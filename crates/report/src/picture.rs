@@ -1,5 +1,6 @@
-//! Figures as PNG, drawn by the code that draws them as SVG: text, discs, and upright and level
-//! strokes wider than a pixel as a viewer of the SVG shows them, other shapes as plotters does.
+//! Figures as PNG, drawn by the code that draws them as SVG. Text, discs, and vertical and
+//! horizontal strokes wider than a pixel look as in a viewer of the SVG, other shapes as plotters
+//! draws them.
 
 use std::error::Error;
 use std::io;
@@ -14,10 +15,10 @@ use plotters_backend::{
 
 use crate::figure::{Area, FigureError, ems};
 
-/// Bytes of a pixel: red, green, blue.
+/// Number of bytes of a pixel: red, green, blue.
 const PIXEL: usize = 3;
 
-/// A figure of pixels, with the font of its text: none need be installed.
+/// A figure of pixels with the font of its text, so that no font need be installed.
 pub(crate) struct Picture<'a> {
     pixels: BitMapBackend<'a>,
     font: FontRef<'static>,
@@ -25,7 +26,7 @@ pub(crate) struct Picture<'a> {
 
 type Drawn = Result<(), DrawingErrorKind<io::Error>>;
 
-/// A figure of that many pixels as PNG, on white.
+/// Draws a figure of that many pixels as PNG, on white.
 ///
 /// # Errors
 /// [`FigureError`] if the drawing fails.
@@ -61,7 +62,8 @@ pub(crate) fn png(
 }
 
 impl Picture<'_> {
-    /// The glyphs of a line of text that starts at the origin, on the axis x, and its length.
+    /// Returns the glyphs of a line of text that starts at the origin, on the axis x, and its
+    /// length.
     fn line(&self, text: &str, em: f32) -> (Vec<Glyph>, f32) {
         let units = self.font.units_per_em().unwrap_or(1.0);
         let scale = PxScale::from(em * self.font.height_unscaled() / units);
@@ -104,20 +106,21 @@ impl Picture<'_> {
     }
 }
 
-/// How much of a pixel a disc about the origin covers, nearly.
+/// Approximates the share of a pixel that a disc about the origin covers.
 fn disc_coverage(radius: u32, [right, down]: [i32; 2]) -> f64 {
     let [x, y] = [right, down].map(|pixels| f64::from(pixels) + 0.5);
     (f64::from(radius) + 0.5 - x.hypot(y)).clamp(0.0, 1.0)
 }
 
-/// Where a text stands, and how it is turned about that point.
+/// Place of a text, and its rotation about that point.
 struct Place {
     anchor: BackendCoord,
     turn: FontTransform,
 }
 
 impl Place {
-    /// The pixel of the figure for one of a text that starts at the origin and runs to the right.
+    /// Returns the pixel of the figure for a pixel of a text that starts at the origin and runs to
+    /// the right.
     fn pixel(&self, [right, down]: [i32; 2]) -> BackendCoord {
         let (x, y) = self.anchor;
         match self.turn {
@@ -141,7 +144,8 @@ fn signed(pixels: u32) -> i32 {
     i32::try_from(pixels).unwrap_or(i32::MAX)
 }
 
-/// Text, discs, and upright and level strokes wider than a pixel are drawn here; the rest is plotters'.
+/// Backend that draws text, discs, and vertical and horizontal strokes wider than a pixel, and
+/// leaves the rest to plotters.
 impl DrawingBackend for Picture<'_> {
     type ErrorType = io::Error;
 
@@ -243,7 +247,8 @@ impl DrawingBackend for Picture<'_> {
             HPos::Center => -length / 2.0,
             HPos::Right => -length,
         };
-        // Where plotters puts the baseline in SVG; half an em is the height of an x there.
+        // The offsets put the baseline where plotters puts it in SVG; half an em is the height of
+        // an x there.
         let down = match style.anchor().v_pos {
             VPos::Top => 0.76 * em,
             VPos::Center => 0.25 * em,
@@ -287,7 +292,7 @@ mod tests {
 
     const SIZE: (u32, u32) = (200, 200);
 
-    /// A white square with something on it: how dark each pixel is, from 0 to 1.
+    /// Draws on a white square and returns how dark each pixel is, from 0 to 1.
     fn darkness(
         draw: impl FnOnce(&Area<Picture<'_>>) -> Result<(), FigureError>,
     ) -> Vec<([f64; 2], f64)> {
@@ -305,7 +310,7 @@ mod tests {
             .collect()
     }
 
-    /// Middle and number of the dark pixels of a text in the middle of a white square.
+    /// Returns middle and number of the dark pixels of a text in the middle of a white square.
     fn drawn(text: &str, horizontal: HPos, turn: FontTransform) -> ([f64; 2], usize) {
         let pixels = darkness(|canvas| {
             let style = text_at(25, horizontal).transform(turn);

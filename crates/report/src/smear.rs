@@ -13,7 +13,7 @@ use crate::arrow_field::ArrowField;
 use crate::figure::FigureError;
 use crate::{length, wording};
 
-/// What all terms together are called in files.
+/// Name of all terms together in files.
 const ALL: &str = "all";
 
 /// A camera, an exposure and its smear.
@@ -21,13 +21,13 @@ const ALL: &str = "all";
 pub struct SmearReport<'a> {
     /// The camera.
     pub camera: &'a CameraFile,
-    /// What was asked for.
+    /// Request for the smear.
     pub request: &'a SmearRequest,
-    /// Every term, then all together.
+    /// Fields of every term, then of all together.
     pub fields: &'a [SmearField],
 }
 
-/// `summary.json`.
+/// Content of `summary.json`.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 struct Summary {
     camera: String,
@@ -56,7 +56,7 @@ struct SummaryRow {
 }
 
 impl SmearReport<'_> {
-    /// The table for a terminal or a pipe.
+    /// Writes the table for a terminal or a pipe.
     #[must_use]
     pub fn text(&self) -> String {
         let mut table = Table::new();
@@ -110,7 +110,7 @@ impl SmearReport<'_> {
     /// Writes `summary.json`.
     ///
     /// # Errors
-    /// What the sink reports.
+    /// Those of the sink.
     pub fn write_summary(&self, mut sink: impl Write) -> std::io::Result<()> {
         let (all, terms): (Vec<&SmearField>, _) =
             self.fields.iter().partition(|field| field.term.is_none());
@@ -131,7 +131,7 @@ impl SmearReport<'_> {
     /// Writes `smear.csv`: a row per term and point.
     ///
     /// # Errors
-    /// What the sink reports.
+    /// Those of the sink.
     pub fn write_points(&self, sink: impl Write) -> csv::Result<()> {
         let mut file = csv::Writer::from_writer(sink);
         file.write_record(["term", "x_mm", "y_mm", "smear_x_um", "smear_y_um"])?;
@@ -152,8 +152,8 @@ impl SmearReport<'_> {
         Ok(())
     }
 
-    /// Every figure with its file name: all together in `smear.svg`, and where there are several
-    /// terms each of them.
+    /// Draws every figure, with its file name: all terms together in `smear.svg`, and each of
+    /// several terms alone.
     ///
     /// # Errors
     /// [`FigureError`] if the drawing fails.
@@ -178,7 +178,7 @@ impl SmearReport<'_> {
             .map_or_else(|| self.request.disturbances.terms(), |term| vec![term]);
         let causes: Vec<String> = terms.iter().map(|term| self.label(Some(*term))).collect();
         let causes = causes.join(", ");
-        // The figure has room for some of them.
+        // The title has room for some of the terms only.
         let title = match causes.chars().count() {
             0 => "Residual smear: nothing disturbs".to_owned(),
             1..=48 => format!("Residual smear: {causes}"),
@@ -244,13 +244,13 @@ impl SmearReport<'_> {
         )
     }
 
-    /// δ of the true V/H.
+    /// Returns δ of the true V/H.
     fn compensated_mm(&self) -> f64 {
         self.camera.principal_distance_mm * self.request.vh_per_s * self.request.exposure_s
     }
 }
 
-/// Whether the smear is the same at every point, to 0.1 nm.
+/// Returns true if the smear is the same at every point, to 0.1 nm.
 fn is_even(field: &SmearField) -> bool {
     let Some(largest) = field.largest() else {
         return true;

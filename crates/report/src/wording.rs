@@ -4,7 +4,7 @@ use fmc_camera::io::link::message::Counters;
 use fmc_reference::verification::device::Evidence;
 pub(crate) use fmc_simulation::wording::{count, counted, grouped};
 
-/// How points are known to be the camera's.
+/// Describes how points are known to be the camera's.
 pub(crate) fn evidence(evidence: &Evidence) -> String {
     let by_value = count(evidence.by_value);
     if evidence.by_digest == 0 {
@@ -17,7 +17,7 @@ pub(crate) fn evidence(evidence: &Evidence) -> String {
     }
 }
 
-/// An exposure time: a fraction of a second where it is one.
+/// Writes an exposure time, as a fraction of a second where it is one.
 #[must_use]
 pub fn exposure(exposure_s: f64) -> String {
     let denominator = exposure_s.recip().round();
@@ -28,12 +28,12 @@ pub fn exposure(exposure_s: f64) -> String {
     }
 }
 
-/// V/H with its unit.
+/// Writes V/H with its unit.
 pub(crate) fn vh(vh_per_s: f64) -> String {
     format!("{} s⁻¹", decimals(vh_per_s, 4))
 }
 
-/// A number with at most so many decimals, none of them a trailing zero.
+/// Writes a number with at most so many decimals, without trailing zeros.
 pub(crate) fn decimals(number: f64, most: usize) -> String {
     // Adding zero turns -0 into 0.
     let text = format!("{:.most$}", number + 0.0);
@@ -44,7 +44,7 @@ pub(crate) fn decimals(number: f64, most: usize) -> String {
     }
 }
 
-/// What a camera's end of the link has seen.
+/// Describes the counters of a camera's end of the link.
 pub(crate) fn link(counters: &Counters) -> String {
     let lost = counters.truncated + counters.oversized + counters.wrong_crc;
     format!(
@@ -58,7 +58,7 @@ pub(crate) fn link(counters: &Counters) -> String {
     )
 }
 
-/// A run-up strategy in a sentence.
+/// Describes a run-up strategy, for a sentence.
 pub(crate) fn strategy(name: &str) -> &str {
     match name {
         "centred" => "centred run-up",

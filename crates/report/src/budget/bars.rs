@@ -17,7 +17,7 @@ const RIGHT: i32 = 1340;
 /// Right end of the numbers.
 const NUMBERS: i32 = 1460;
 const FONT: u32 = 22;
-/// Decades of the axis, powers of ten of a micrometre; longer where a term needs it.
+/// Decades of the axis, powers of ten of a micrometre; the axis is longer if a term needs it.
 const DECADES: [i32; 2] = [-4, 3];
 /// Last decade of any axis.
 const LAST_DECADE: i32 = 9;
@@ -25,7 +25,7 @@ const REMOVED: RGBColor = RGBColor(0, 114, 178);
 const REMAINS: RGBColor = RGBColor(213, 94, 0);
 const SMEAR: RGBColor = RGBColor(150, 150, 150);
 
-/// A bar per term, over the limits, in SVG.
+/// Draws a bar per term, over the limits, in SVG.
 ///
 /// # Errors
 /// [`FigureError`] without terms or if the drawing fails.
@@ -33,7 +33,7 @@ pub fn svg(budget: &Budget) -> Result<String, FigureError> {
     figure::svg(size(budget)?, |canvas| draw(canvas, budget))
 }
 
-/// The same as PNG.
+/// Draws the same as PNG.
 ///
 /// # Errors
 /// As [`svg`].
@@ -41,7 +41,7 @@ pub fn png(budget: &Budget) -> Result<Vec<u8>, FigureError> {
     picture::png(size(budget)?, |canvas| draw(canvas, budget))
 }
 
-/// Lower end of the bars.
+/// Returns the lower end of the bars.
 fn bottom(budget: &Budget) -> i32 {
     let rows = i32::try_from(budget.terms.len()).unwrap_or(0);
     TOP + rows * ROW
@@ -87,7 +87,7 @@ fn draw<B: Backend>(canvas: &Area<B>, budget: &Budget) -> Result<(), FigureError
         (NUMBERS, bottom + 20),
         text_at(FONT - 2, HPos::Right),
     ))?;
-    // One pixel.
+    // The line marks one pixel.
     let x = place(1e3 * budget.pixel_mm);
     canvas.draw(&PathElement::new(
         [(x, TOP - 10), (x, bottom)],
@@ -130,7 +130,7 @@ fn colour(term: &Term) -> RGBColor {
     }
 }
 
-/// The decades that hold every term.
+/// Returns the decades that hold every term.
 fn decades(budget: &Budget) -> [i32; 2] {
     let [first, last] = DECADES;
     let longest_um = budget
@@ -144,7 +144,7 @@ fn decades(budget: &Budget) -> [i32; 2] {
     ]
 }
 
-/// Where a length in µm is drawn: at the start of the axis, if it does not reach that.
+/// Returns the place of a length in µm: the start of the axis, if the length does not reach it.
 fn place(um: f64, decades: [i32; 2]) -> i32 {
     let [first, last] = decades.map(f64::from);
     let share = if um > 0.0 {

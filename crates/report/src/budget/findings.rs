@@ -4,10 +4,10 @@ use fmc_simulation::budget::result::{Budget, Exposures, Kind, Source, Term};
 
 use crate::wording;
 
-/// From this many pixels on a distortion is worth correcting.
+/// Distortion from which on a correction is worthwhile, pixels.
 pub(super) const WORTH_PX: f64 = 0.1;
 
-/// One term.
+/// Table row of one term.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub(super) struct Row {
     pub(super) term: String,
@@ -19,7 +19,7 @@ pub(super) struct Row {
     pub(super) ground_cm: String,
 }
 
-/// Everything a report says.
+/// Findings of a report.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub(super) struct Findings {
     pub(super) camera: String,
@@ -95,7 +95,7 @@ fn row(budget: &Budget, term: &Term) -> Row {
     }
 }
 
-/// The label of a source with what is assumed of it.
+/// Returns the label of a source with the value assumed for it.
 pub(super) fn assumed(budget: &Budget, source: Source) -> String {
     let assumed = &budget.assumptions;
     let number = |value: f64| wording::decimals(value, 3);
@@ -116,7 +116,7 @@ pub(super) fn assumed(budget: &Budget, source: Source) -> String {
     format!("{}: {what}", source.label())
 }
 
-/// One sentence.
+/// Returns the advice, in one sentence.
 fn advice(budget: &Budget) -> String {
     let cm = |source| {
         let ground_m = budget.ground_m(budget.effect_mm(source));
@@ -157,7 +157,7 @@ fn advice(budget: &Budget) -> String {
     )
 }
 
-/// About three digits, and no more than four decimals.
+/// Writes a number with about three digits, and no more than four decimals.
 pub(super) fn three_digits(number: f64) -> String {
     let decimals = match number.abs() {
         size if size >= 99.95 => 0,

@@ -5,7 +5,7 @@ use fmc_simulation::budget::assumptions::Assumptions;
 use fmc_simulation::budget::result::Budget;
 use fmc_simulation::budget::run;
 
-/// Of a small camera.
+/// Returns the budget of a small camera.
 pub(super) fn budget() -> Budget {
     let text = "name = \"Small <&>\"\nprincipal_distance_mm = 100.0\n[sensor]\nwidth_px = 1000\nheight_px = 500\npixel_um = 80.0\n[distortion]\nk1 = 1e-7\n";
     let camera = CameraFile::parse("small.toml", text).unwrap().0;

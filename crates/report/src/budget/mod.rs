@@ -1,4 +1,4 @@
-//! What a budget tells its reader: a page of text, `summary.json`, a figure and an HTML page.
+//! Report of a budget: a page of text, `summary.json`, a figure and an HTML page.
 
 pub mod bars;
 mod findings;

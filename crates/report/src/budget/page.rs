@@ -1,4 +1,4 @@
-//! The budget as a page that stands alone: `report.html`.
+//! The budget as a self-contained page: `report.html`.
 
 use askama::Template;
 use fmc_simulation::budget::result::Budget;
@@ -7,7 +7,7 @@ use super::bars;
 use super::findings::Findings;
 use crate::page::{PageError, inline};
 
-/// The page.
+/// Content of the page.
 #[derive(Template)]
 #[template(path = "budget.html")]
 struct Page {
@@ -15,7 +15,7 @@ struct Page {
     figure: String,
 }
 
-/// The whole budget as one HTML page; the figure is part of it.
+/// Writes the whole budget as one HTML page, with the figure in it.
 ///
 /// # Errors
 /// [`PageError`] if the figure cannot be drawn.

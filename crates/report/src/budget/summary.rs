@@ -1,4 +1,4 @@
-//! The budget for machines: `summary.json`.
+//! The budget for programs: `summary.json`.
 
 use fmc_simulation::budget::result::Budget;
 use serde::Serialize;
@@ -17,24 +17,24 @@ pub struct Summary {
 /// One term.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
 pub struct TermSummary {
-    /// Of what.
+    /// Source of the error.
     pub source: &'static str,
     /// `position` or `smear`.
     pub kind: &'static str,
-    /// Whether frame record and correction remove it.
+    /// `true` if frame record and correction remove it.
     pub removed: bool,
-    /// Over the exposures of the paper; null where the camera takes none of them.
+    /// Largest effect over the exposures of the paper; null if the camera takes none of them.
     pub paper_um: Option<f64>,
-    /// Over the exposures of the limits.
+    /// Largest effect over the exposures of the limits.
     pub limits_um: f64,
-    /// The same in pixels.
+    /// `limits_um` in pixels.
     pub limits_px: f64,
-    /// The same on the ground.
+    /// `limits_um` on the ground.
     pub limits_ground_cm: f64,
 }
 
 impl Summary {
-    /// The summary of a budget.
+    /// Returns the summary of a budget.
     #[must_use]
     pub fn of(budget: &Budget) -> Self {
         Self {

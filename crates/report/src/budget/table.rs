@@ -5,7 +5,7 @@ use fmc_simulation::budget::result::Budget;
 
 use super::findings::Findings;
 
-/// Camera, exposures, a row per term, and the advice.
+/// Writes camera, exposures, a row per term, and the advice.
 #[must_use]
 pub fn text(budget: &Budget) -> String {
     let findings = Findings::of(budget);

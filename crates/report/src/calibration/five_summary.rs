@@ -1,4 +1,4 @@
-//! A five-coefficient calibration for machines: `summary.json`.
+//! A five-coefficient calibration for programs: `summary.json`.
 
 use std::collections::BTreeMap;
 
@@ -21,7 +21,7 @@ pub struct FiveSummary {
     pub accepted: u32,
     /// Different exposures.
     pub exposures: usize,
-    /// Whether `K_d1` = 2 `P_m1` was imposed.
+    /// `true` if `K_d1` = 2 `P_m1` was imposed.
     pub tied: bool,
     /// `travel` or `centroid`.
     pub regress_on: &'static str,
@@ -31,32 +31,32 @@ pub struct FiveSummary {
     pub unknowns: u32,
     /// 2n - u.
     pub redundancy: u32,
-    /// σ0: in µm without a column `sigma_um`, else a factor of it.
+    /// σ0: in µm without a column `sigma_um`, otherwise a factor of σ.
     pub sigma0: f64,
-    /// The same with n - u, as printed in Yuan et al. 2012, eq. 28.
+    /// σ0 with n - u, as printed in Yuan et al. 2012, eq. 28.
     pub sigma0_as_printed: Option<f64>,
-    /// Whether the observations came with σ.
+    /// `true` if the observations came with σ.
     pub has_sigma: bool,
     /// Condition number of the normalised design.
     pub condition: f64,
-    /// By name.
+    /// Coefficients by name.
     pub coefficients: BTreeMap<&'static str, Coefficient>,
     /// Statistics of the residuals of dx and of dy, accepted points.
     pub residuals: [ResidualStatistics; 2],
-    /// Test values above this are rejected.
+    /// Limit of the test value above which an observation is rejected.
     pub critical_value: f64,
-    /// What is no part of the fit.
+    /// Observations that are not part of the fit.
     pub rejected: Vec<Rejected>,
 }
 
 /// One parameter.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct Coefficient {
-    /// In powers of mm.
+    /// Value in powers of mm.
     pub value: f64,
-    /// Its standard deviation; 0 where it is held.
+    /// Standard deviation; 0 if the coefficient is held.
     pub standard_deviation: f64,
-    /// Its correlation with the others.
+    /// Correlations with the other coefficients.
     pub correlations: BTreeMap<&'static str, f64>,
 }
 
@@ -74,17 +74,17 @@ pub struct ResidualStatistics {
 /// An observation that was rejected.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct Rejected {
-    /// Its line in the file.
+    /// Line in the file.
     pub line: u64,
-    /// Its name.
+    /// Name of the observation.
     pub id: Option<String>,
-    /// Its residual, µm.
+    /// Residual, µm.
     pub residual_um: [f64; 2],
-    /// The larger of its standardised components.
+    /// Larger of the standardised components.
     pub test_value: f64,
 }
 
-/// Name of a parameter in the camera file.
+/// Returns the name of a parameter in the camera file.
 pub(super) fn name(parameter: Parameter, along_x: bool) -> &'static str {
     match parameter {
         Parameter::Km0 => "km0",
@@ -97,7 +97,7 @@ pub(super) fn name(parameter: Parameter, along_x: bool) -> &'static str {
     }
 }
 
-/// The parameters that were estimated.
+/// Returns the parameters that were estimated.
 pub(super) fn estimated(calibration: &FiveCalibration) -> Vec<Parameter> {
     let with = calibration.fit.options.decentring == StaticDecentring::Estimate;
     Parameter::ALL
@@ -106,14 +106,14 @@ pub(super) fn estimated(calibration: &FiveCalibration) -> Vec<Parameter> {
         .collect()
 }
 
-/// Whether the FMC axis lies along x.
+/// Returns true if the FMC axis lies along x.
 pub(super) fn is_along_x(calibration: &FiveCalibration) -> bool {
     let [ex, _] = calibration.camera.fmc.axis.unit();
     ex.abs() > 0.5
 }
 
 impl FiveSummary {
-    /// The numbers of a calibration.
+    /// Returns the numbers of a calibration.
     #[must_use]
     pub fn of(calibration: &FiveCalibration) -> Self {
         let fit = &calibration.fit;

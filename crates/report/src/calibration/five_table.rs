@@ -8,10 +8,10 @@ use fmc_camera::geometry::estimation::parameter::Parameter;
 use super::five_summary::{FiveSummary, estimated, is_along_x, name};
 use crate::wording;
 
-/// Rejected observations that are printed; `residuals.csv` has all.
+/// Number of rejected observations that are printed; `residuals.csv` has all.
 const MOST_REJECTED: usize = 50;
 
-/// Coefficients with σ, correlations, residuals and what was rejected.
+/// Writes coefficients with σ, correlations, residuals and rejected observations.
 #[must_use]
 pub fn text(calibration: &FiveCalibration) -> String {
     let summary = FiveSummary::of(calibration);

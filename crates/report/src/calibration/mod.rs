@@ -1,5 +1,4 @@
-//! What a calibration of the five coefficients tells its reader: a table, machine-readable files
-//! and figures.
+//! Report of a calibration of the five coefficients: a table, machine-readable files and figures.
 
 pub mod five_summary;
 pub mod five_table;

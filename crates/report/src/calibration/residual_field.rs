@@ -7,14 +7,14 @@ use crate::arrow_field::ArrowField;
 use crate::figure::FigureError;
 use crate::wording;
 
-/// More residuals than these are drawn as means over cells.
+/// Number of residuals above which means over cells are drawn.
 const MOST_ARROWS: usize = 600;
 
-/// Cells along the longer side.
+/// Number of cells along the longer side.
 const CELLS: u32 = 20;
 
-/// The residuals of the accepted observations, in SVG; where there are many, their means over the
-/// cells of a grid, in which what the model misses shows above the noise.
+/// Draws the residuals of the accepted observations, in SVG. Many residuals are drawn as means over
+/// the cells of a grid, in which the errors of the model show above the noise.
 ///
 /// # Errors
 /// [`FigureError`] without observations or if the drawing fails.
@@ -48,7 +48,7 @@ pub fn residual_vectors(calibration: &FiveCalibration) -> Result<String, FigureE
     .svg()
 }
 
-/// A mean arrow at the mean place of every cell that is not empty.
+/// Returns a mean arrow at the mean place of every cell that is not empty.
 fn cell_means(arrows: &[Arrow], [width, height]: [f64; 2]) -> Vec<Arrow> {
     let size = width.max(height) / f64::from(CELLS);
     let mut cells: std::collections::BTreeMap<[i64; 2], (f64, [f64; 4])> =

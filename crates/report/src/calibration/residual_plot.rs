@@ -1,4 +1,4 @@
-//! Residuals against what they should not depend on.
+//! Residuals against quantities on which they should not depend.
 
 use fmc_adjustment::calibration::five::FiveCalibration;
 use fmc_adjustment::calibration::measurement::Measurement;
@@ -18,12 +18,12 @@ const EDGE: u32 = 40;
 const FONT: u32 = 24;
 /// Colours of dx and dy (Okabe and Ito's palette, safe for the colour-blind).
 const COLOURS: [RGBColor; 2] = [RGBColor(0, 114, 178), RGBColor(213, 94, 0)];
-/// More dots are thinned out; means are over all.
+/// Largest number of dots; more are thinned out, but the means are over all.
 const MOST_DOTS: usize = 3000;
-/// Most means along the axis.
+/// Largest number of means along the axis.
 const MEANS: usize = 24;
 
-/// What residuals are drawn against.
+/// Quantity against which residuals are drawn.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Against {
     /// V/H.
@@ -32,15 +32,15 @@ pub enum Against {
     Exposure,
     /// Angle between the ray and the optical axis.
     FieldAngle,
-    /// Order of the rows: time.
+    /// Order of the rows, that is, time.
     Order,
 }
 
 impl Against {
-    /// All.
+    /// All quantities.
     pub const ALL: [Self; 4] = [Self::Vh, Self::Exposure, Self::FieldAngle, Self::Order];
 
-    /// The figure's file.
+    /// Returns the name of the figure's file.
     #[must_use]
     pub const fn file_name(self) -> &'static str {
         match self {
@@ -87,7 +87,7 @@ impl Against {
     }
 }
 
-/// Residuals of dx and dy of the accepted observations, and their means, in SVG.
+/// Draws residuals of dx and dy of the accepted observations, and their means, in SVG.
 ///
 /// # Errors
 /// [`FigureError`] without observations or if the drawing fails.
@@ -163,7 +163,7 @@ pub fn residuals_against(
     })
 }
 
-/// Means of stretches of equal numbers, at the mean place; places that are the same stay together.
+/// Returns the means of groups of equal numbers, at the mean place; equal places stay in one group.
 fn means(places: &[(f64, [f64; 2])], residual: impl Fn(&[f64; 2]) -> f64) -> Vec<(f64, f64)> {
     let least = places.len().div_ceil(MEANS).max(1);
     let mut means = Vec::new();

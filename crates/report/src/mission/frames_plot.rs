@@ -12,10 +12,10 @@ use crate::figure::{self, Canvas, FigureError, text, text_at};
 
 const SIZE: (u32, u32) = (1600, 900);
 
-/// Predictions are drawn up to so many times the largest true smear.
+/// Factor of the largest true smear up to which predictions are drawn.
 const LARGEST_PREDICTED: f64 = 3.0;
 
-/// One panel.
+/// One panel of the figure.
 struct Panel<'a> {
     title: &'a str,
     unit: &'a str,
@@ -26,7 +26,7 @@ struct Panel<'a> {
     last_frame: f64,
 }
 
-/// The figure, in SVG.
+/// Draws the figure, in SVG.
 ///
 /// # Errors
 /// [`FigureError`] if the drawing fails.
@@ -68,7 +68,7 @@ pub fn frames(report: &MissionReport<'_>) -> Result<String, FigureError> {
             .collect()
     };
     let (point, doubtful) = (point_of(true), point_of(false));
-    // Where nothing is known of the stage, the prediction is half of its stroke.
+    // If nothing is known of the stage, the prediction is half of its stroke.
     let most_true = most(&smear, limits.smear_px);
     let most_smear = most(&predicted, 0.0).clamp(most_true, LARGEST_PREDICTED * most_true);
     let predicted = predicted
@@ -131,7 +131,7 @@ fn draw_legend(area: &Canvas<'_>, entries: &[(RGBColor, &str)]) -> Result<(), Fi
         };
         area.draw(&Circle::new((x, 30), 6, style))?;
         area.draw(&Text::new((*name).to_owned(), (x + 14, 30), text(FONT - 3)))?;
-        // So wide is a letter at most.
+        // A letter is at most 10 pixels wide.
         x += 30 + 10 * i32::try_from(name.chars().count()).unwrap_or(0);
     }
     Ok(())
@@ -168,7 +168,7 @@ fn draw(area: &Canvas<'_>, panel: &Panel<'_>) -> Result<(), FigureError> {
     }
     let is_crowded = panel.last_frame > 200.0;
     for (colour, dots) in &panel.dots {
-        // What the camera says are rings, so that what is true shows inside.
+        // The camera's values are rings, so that the true values show inside.
         let (radius, style) = match (*colour == CAMERA, is_crowded) {
             (true, false) => (8, colour.stroke_width(2)),
             (false, false) => (5, colour.filled()),
@@ -182,7 +182,7 @@ fn draw(area: &Canvas<'_>, panel: &Panel<'_>) -> Result<(), FigureError> {
         chart.draw_series([PathElement::new(line, ALARM.stroke_width(2))])?;
         let (x, y) = chart.backend_coord(&(panel.last_frame + 0.5, *limit));
         let (base_x, base_y) = area.get_base_pixel();
-        // Two limits that lie on each other have one name.
+        // Two limits at the same height share one name.
         if (y - last_y).abs() < 24 {
             continue;
         }

@@ -1,4 +1,4 @@
-//! How often which smear and which error.
+//! Histograms of the smear and of the error of the principal point.
 
 use plotters::element::{PathElement, Rectangle, Text};
 use plotters::prelude::{Color, RGBColor};
@@ -11,7 +11,7 @@ use crate::figure::{self, Canvas, FigureError, text};
 const SIZE: (u32, u32) = (1600, 520);
 const BINS: u32 = 40;
 
-/// Both histograms, in SVG.
+/// Draws both histograms, in SVG.
 ///
 /// # Errors
 /// [`FigureError`] if the drawing fails.
@@ -49,10 +49,10 @@ pub fn histograms(report: &MissionReport<'_>) -> Result<String, FigureError> {
     })
 }
 
-/// Frames in each of equal bins over a range.
+/// Counts frames in equal bins over a range.
 fn counts(values: &[f64], [low, high]: [f64; 2]) -> Vec<u32> {
     let edge = |bin: u32| low + (high - low) * f64::from(bin) / f64::from(BINS);
-    // Below each edge; the last bin has its upper end, too.
+    // Frames below each edge are counted; the last bin includes its upper end.
     let below = |bin: u32| {
         let inside = |value: &&f64| **value >= low && (**value < edge(bin) || bin == BINS);
         values

@@ -1,4 +1,4 @@
-//! The mission as a page that stands alone: `report.html`.
+//! The mission as a self-contained page: `report.html`.
 
 use askama::Template;
 use fmc_camera::flight::controller::state::State;
@@ -11,7 +11,7 @@ use super::{MissionReport, frames_plot, histogram, text, timeline};
 use crate::page::{PageError, inline};
 use crate::wording;
 
-/// Most rows of the table of frames that need a look.
+/// Largest number of rows in the table of frames that need a look.
 const MOST_ROWS: usize = 200;
 
 #[derive(Template)]
@@ -57,7 +57,7 @@ struct Noted {
     smear_px: String,
 }
 
-/// The whole mission as one HTML page; figures are part of it.
+/// Writes the whole mission as one HTML page, with the figures in it.
 ///
 /// # Errors
 /// [`PageError`] if a figure cannot be drawn.
@@ -93,7 +93,7 @@ pub fn page(report: &MissionReport<'_>) -> Result<String, PageError> {
     Ok(page.render()?)
 }
 
-/// Why this frame is shown.
+/// Returns the reason why this frame is shown.
 fn why(report: &MissionReport<'_>, sequence: u32) -> &'static str {
     let first_with_fault = report
         .flown
@@ -139,7 +139,7 @@ fn injected(report: &MissionReport<'_>) -> Vec<Injected> {
         .collect()
 }
 
-/// The first faults and states without compensation that the camera has named after a time.
+/// Returns the first faults and states without compensation that the camera has named after a time.
 fn named(flown: &Flown, onset_s: f64) -> Vec<String> {
     let announced = flown
         .announced

@@ -1,4 +1,4 @@
-//! The report of a mission.
+//! Report of a mission.
 
 pub mod frames_plot;
 pub mod histogram;
@@ -14,21 +14,21 @@ use fmc_simulation::mission::flown::Flown;
 use fmc_simulation::mission::judgement::Judgement;
 use fmc_simulation::mission::scenario::MissionScenario;
 
-/// Everything a report is made of.
+/// Content of a report.
 #[derive(Debug, Clone, Copy)]
 pub struct MissionReport<'a> {
-    /// What was flown.
+    /// Scenario that was flown.
     pub scenario: &'a MissionScenario,
     /// Seed of air, noise and jitter.
     pub seed: u64,
-    /// What happened.
+    /// Course of the flight.
     pub flown: &'a Flown,
-    /// What is found of it.
+    /// Judgement of the flight.
     pub judgement: &'a Judgement,
 }
 
 impl MissionReport<'_> {
-    /// The records, in order.
+    /// Returns the records, in order.
     #[must_use]
     pub fn records(&self) -> Vec<FrameRecord> {
         self.flown.frames.iter().map(|frame| frame.record).collect()

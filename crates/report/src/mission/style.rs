@@ -1,23 +1,23 @@
-//! What the figures of a mission share.
+//! Colours and sizes that the figures of a mission share.
 
 use plotters::prelude::RGBColor;
 
 use crate::wording;
 
-/// What the camera says.
+/// Colour of the camera's values.
 pub(super) const CAMERA: RGBColor = RGBColor(0, 114, 178);
-/// What is true.
+/// Colour of true values.
 pub(super) const TRUTH: RGBColor = RGBColor(0, 140, 100);
-/// Limits, faults and refusals.
+/// Colour of limits, faults and refusals.
 pub(super) const ALARM: RGBColor = RGBColor(205, 60, 40);
-/// What was wanted.
+/// Colour of set points.
 pub(super) const WANTED: RGBColor = RGBColor(190, 130, 0);
 /// Height of text.
 pub(super) const FONT: u32 = 22;
 /// Width of the column of labels left of a chart.
 pub(super) const LABELS: u32 = 120;
 
-/// A range around values that is never empty, a part of its width larger.
+/// Returns a range around values, larger than theirs by a part of its width and never empty.
 pub(super) fn around(values: impl Iterator<Item = f64>, least_width: f64) -> [f64; 2] {
     let (low, high) = values
         .filter(|value| value.is_finite())
@@ -32,7 +32,7 @@ pub(super) fn around(values: impl Iterator<Item = f64>, least_width: f64) -> [f6
     [middle - half, middle + half]
 }
 
-/// A number at an axis; one that rounds to nothing has no sign.
+/// Writes a number at an axis; a number that rounds to zero has no sign.
 pub(super) fn tick(value: f64, decimals: usize) -> String {
     let text = wording::decimals(value, decimals);
     if text == "-0" { "0".to_owned() } else { text }

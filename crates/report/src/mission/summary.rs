@@ -1,4 +1,4 @@
-//! The mission for machines: `summary.json`.
+//! The mission for programs: `summary.json`.
 
 use fmc_camera::flight::frame_record::{Flag, Outcome};
 use serde::Serialize;
@@ -13,21 +13,21 @@ pub struct Summary {
     pub scenario: String,
     /// Name of the camera.
     pub camera: String,
-    /// What the camera ran on.
+    /// Device on which the camera ran.
     pub device: String,
     /// Seed of air, noise and jitter.
     pub seed: u64,
-    /// Whether everything is as it should be.
+    /// `true` if every finding is as expected.
     pub passed: bool,
-    /// Triggers.
+    /// Number of triggers.
     pub triggers: usize,
-    /// Records with an exposure.
+    /// Number of records with an exposure.
     pub exposed: usize,
-    /// Records without.
+    /// Number of records without an exposure.
     pub refused: usize,
-    /// Triggers without a record.
+    /// Number of triggers without a record.
     pub unanswered: usize,
-    /// Light of which no record knows.
+    /// Number of exposures without a record.
     pub unrecorded_exposures: usize,
     /// Simulated time, s.
     pub simulated_s: f64,
@@ -35,63 +35,64 @@ pub struct Summary {
     pub vh_per_s: f64,
     /// Error of the centroid principal point, px.
     pub pp_error_px: Spread,
-    /// The same of the frames without a fault or a flag against them, px.
+    /// Error of the centroid principal point in frames without a fault or a flag that concerns it,
+    /// px.
     pub pp_error_clean_px: Spread,
     /// Smear of centre and corners, attitude included, px.
     pub smear_px: Spread,
-    /// What compensation is responsible for, px.
+    /// Smear for which the compensation is responsible, px.
     pub compensation_smear_px: Spread,
-    /// What was asked of both.
+    /// Limits of both.
     pub limits: Limits,
     /// CRC-32 of all records: the same on every device, bit for bit.
     pub records_crc32: String,
-    /// What was looked at.
+    /// Findings of the judgement.
     pub findings: Vec<FindingSummary>,
-    /// How many frames have which flag.
+    /// Number of frames with each flag.
     pub flags: Vec<Count>,
-    /// How many frames have which fault.
+    /// Number of frames with each fault.
     pub faults: Vec<Count>,
-    /// How many triggers were refused for which reason.
+    /// Number of refused triggers for each reason.
     pub refusals: Vec<Count>,
 }
 
-/// Root mean square and the largest.
+/// Root mean square, mean and largest value.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
 pub struct Spread {
     /// Root mean square.
     pub rms: f64,
     /// Mean.
     pub mean: f64,
-    /// Largest, without its sign.
+    /// Largest absolute value.
     pub max: f64,
 }
 
-/// The limits, px.
+/// Limits, px.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
 pub struct Limits {
-    /// Of the error of the principal point.
+    /// Limit of the error of the principal point.
     pub pp_error_px: f64,
-    /// Of the smear.
+    /// Limit of the smear.
     pub smear_px: f64,
 }
 
-/// One thing that was looked at.
+/// One finding.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct FindingSummary {
-    /// What.
+    /// Property that was examined.
     pub what: String,
-    /// What was found.
+    /// Result.
     pub found: String,
-    /// Whether that is as it should be.
+    /// `true` if the result is as expected.
     pub passed: bool,
 }
 
-/// How often something occurs.
+/// Number of occurrences.
 #[derive(Debug, Clone, PartialEq, Eq, Serialize)]
 pub struct Count {
-    /// What.
+    /// Name of the flag, fault or reason.
     pub name: String,
-    /// In how many frames.
+    /// Number of frames.
     pub frames: usize,
 }
 
@@ -114,7 +115,7 @@ impl Spread {
 }
 
 impl Summary {
-    /// The summary of a mission.
+    /// Returns the summary of a mission.
     #[must_use]
     pub fn of(report: &MissionReport<'_>) -> Self {
         let MissionReport {

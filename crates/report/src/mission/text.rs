@@ -6,7 +6,7 @@ use super::MissionReport;
 use super::summary::Summary;
 use crate::wording;
 
-/// The mission in a few lines.
+/// Writes the mission in a few lines.
 #[must_use]
 pub fn text(report: &MissionReport<'_>) -> String {
     let summary = Summary::of(report);
@@ -33,7 +33,7 @@ pub fn text(report: &MissionReport<'_>) -> String {
     out
 }
 
-/// The result in one sentence.
+/// Writes the result in one sentence.
 #[must_use]
 pub fn headline(summary: &Summary) -> String {
     let verdict = if summary.passed { "passed" } else { "FAILED" };
@@ -46,7 +46,7 @@ pub fn headline(summary: &Summary) -> String {
     )
 }
 
-/// How it was flown.
+/// Describes camera, device and flight.
 #[must_use]
 pub fn setting(report: &MissionReport<'_>, summary: &Summary) -> String {
     let flight = &report.scenario.written.flight;

@@ -11,10 +11,10 @@ use crate::chart::{Axes, Axis, Margins};
 use crate::figure::{self, Canvas, FigureError, OUTLINE, text, text_at};
 
 const SIZE: (u32, u32) = (1600, 1280);
-/// Longest stretch that is drawn, ms after the trigger.
+/// Longest time that is drawn, ms after the trigger.
 const LONGEST_MS: f64 = 400.0;
 
-/// A curve.
+/// One curve of a panel.
 struct Curve {
     colour: RGBColor,
     width: u32,
@@ -22,7 +22,7 @@ struct Curve {
     places: Vec<(f64, f64)>,
 }
 
-/// One panel.
+/// One panel of the figure.
 struct Panel<'a> {
     title: &'a str,
     unit: &'a str,
@@ -31,10 +31,10 @@ struct Panel<'a> {
     curves: Vec<Curve>,
 }
 
-/// The figure of the frame whose rounds were kept, in SVG.
+/// Draws the frame whose rounds were kept, in SVG.
 ///
 /// # Errors
-/// [`FigureError`] if there is none or the drawing fails.
+/// [`FigureError`] if there is no such frame or the drawing fails.
 pub fn timeline(report: &MissionReport<'_>) -> Result<String, FigureError> {
     let trace = report
         .flown
@@ -58,7 +58,7 @@ pub fn timeline(report: &MissionReport<'_>) -> Result<String, FigureError> {
     })
 }
 
-/// The rounds that are drawn.
+/// Rounds that are drawn.
 struct View<'a> {
     rounds: Vec<(f64, &'a Round, f64)>,
     from_ms: f64,
@@ -154,7 +154,7 @@ impl<'a> View<'a> {
         ]
     }
 
-    /// Shaded: the shutter is open. Lines: the states begin.
+    /// Draws the open shutter as a shaded band and the beginnings of states as lines.
     fn draw_states(&self, area: &Canvas<'_>) -> Result<(), FigureError> {
         let chart = ChartBuilder::on(area)
             .margin_left(10)
@@ -181,7 +181,7 @@ impl<'a> View<'a> {
             } else {
                 OUTLINE
             };
-            // Short states in turns, so that their names do not run into each other.
+            // The names of short states alternate between three lines, so that they do not overlap.
             let y = [16, 38, 60].get(row % 3).copied().unwrap_or(16);
             row += 1;
             let is_late = *ms > self.from_ms + 0.85 * (self.to_ms - self.from_ms);
@@ -257,7 +257,7 @@ impl<'a> View<'a> {
     }
 }
 
-/// Milliseconds from one instant to another.
+/// Returns the milliseconds from one instant to another.
 fn after_ms(time_us: u64, since_us: u64) -> f64 {
     let ms = |us: u64| f64::from(u32::try_from(us).unwrap_or(u32::MAX)) / 1000.0;
     if time_us >= since_us {

@@ -1,4 +1,4 @@
-//! What really happened in each frame, beside what the camera says: `truth.csv`.
+//! True values of each frame beside the camera's: `truth.csv`.
 
 use std::io::Write;
 

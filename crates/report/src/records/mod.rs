@@ -9,7 +9,7 @@ use fmc_camera::flight::frame_record::FrameRecord;
 use row::Row;
 use serde::Serialize;
 
-/// What the numbers of a record mean, for whoever reads the file without this program.
+/// Meaning of a record's numbers, for readers of the file without this program.
 const CONVENTIONS: [&str; 6] = [
     "sensor frame: upright image, origin at the centre of the pixel array, x right, y up, mm",
     "principal_point and centroid time are means over the exposure and belong together: use them as a pair",
@@ -62,7 +62,8 @@ pub fn write_json(
     writeln!(sink)
 }
 
-/// CRC-32 of all records as the link carries them: two flights with the same one have the same records, bit for bit.
+/// Returns the CRC-32 of all records as the link carries them: two flights with the same one have
+/// the same records, bit for bit.
 #[must_use]
 pub fn crc32(records: &[FrameRecord]) -> u32 {
     let crc = Crc::<u32>::new(&CRC_32_ISO_HDLC);
@@ -146,7 +147,8 @@ mod tests {
         assert_eq!(field(0, "outcome"), "exposed");
         assert_eq!(field(0, "flags"), "last good V/H; off centre");
         assert_eq!(field(0, "calibration_crc32"), "deadbeef");
-        // Centred: the principal point is the calibrated one, to a rounding of 20 µm in single precision.
+        // With a centred run-up the principal point is the calibrated one, to a rounding of 20 µm
+        // in single precision.
         let y: f64 = field(0, "principal_point_y_mm").parse().unwrap();
         assert!(y.abs() < 1e-8);
         assert_eq!(field(1, "outcome"), "refused");

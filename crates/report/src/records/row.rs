@@ -70,7 +70,7 @@ impl Names for Vec<&'static str> {
     }
 }
 
-/// A record; what a refused trigger does not have is empty.
+/// A record; fields that a refused trigger does not have are empty.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub(super) struct Row<L> {
     sequence: u32,

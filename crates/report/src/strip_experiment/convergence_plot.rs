@@ -14,12 +14,12 @@ use crate::wording;
 
 const SIZE: (u32, u32) = (1600, 900);
 const FONT: u32 = 24;
-/// Iterations after which the paper calls its RMS steady.
+/// Number of iterations after which the paper calls its RMS steady.
 const PAPERS_ITERATIONS: usize = 20;
 /// Width of the column of names.
 const NAMES: u32 = 400;
 
-/// Mean image RMS over the flights against the iterations, for all models, in SVG.
+/// Draws the mean image RMS over the flights against the iterations, for all models, in SVG.
 ///
 /// # Errors
 /// [`FigureError`] if the drawing fails.
@@ -75,7 +75,7 @@ pub fn convergence(experiment: &Experiment) -> Result<String, FigureError> {
             let last = curve.last().copied().unwrap_or(least);
             names.push((chart.backend_coord(&(21.0, last)), *model, last));
         }
-        // Names beside the ends of their curves, apart from each other.
+        // The names stand beside the ends of their curves, without overlap.
         names.sort_by(|(_, _, a), (_, _, b)| b.total_cmp(a));
         let rows = i32::try_from(names.len()).unwrap_or(0);
         let mut free = names
@@ -95,7 +95,8 @@ pub fn convergence(experiment: &Experiment) -> Result<String, FigureError> {
     })
 }
 
-/// Mean RMS before and after each iteration, µm; a flight that has converged keeps its value.
+/// Returns the mean RMS before and after each iteration, µm; a flight that has converged keeps its
+/// value.
 fn curve(experiment: &Experiment, model: Model) -> Vec<f64> {
     (0..=PAPERS_ITERATIONS)
         .map(|iteration| {

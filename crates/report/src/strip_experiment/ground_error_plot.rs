@@ -18,7 +18,7 @@ const FONT: u32 = 24;
 /// Width of the column of names.
 const NAMES: u32 = 350;
 
-/// Means, their intervals and the spread of the flights, for all models, in SVG.
+/// Draws means, their intervals and the spread of the flights, for all models, in SVG.
 ///
 /// # Errors
 /// [`FigureError`] if the drawing fails.
@@ -87,10 +87,10 @@ pub fn ground_errors(experiment: &Experiment) -> Result<String, FigureError> {
     })
 }
 
-/// Errors this many times those of the static model are beyond the axis.
+/// Factor of the static model's error above which an error is beyond the axis.
 const LARGE: f64 = 3.0;
 
-/// Smallest and largest error of a flight, of the models that the axis reaches.
+/// Returns smallest and largest error of a flight, of the models that the axis reaches.
 fn range(experiment: &Experiment) -> (f64, f64) {
     Model::ALL
         .iter()
@@ -105,7 +105,7 @@ fn range(experiment: &Experiment) -> (f64, f64) {
         })
 }
 
-/// The range that leaves out a twentieth of the flights on either side.
+/// Returns the range without a twentieth of the flights on either side.
 fn middle_90_percent(mut flights: Vec<f64>) -> [f64; 2] {
     flights.sort_by(f64::total_cmp);
     let twentieth = flights.len() / 20;

@@ -1,4 +1,4 @@
-//! The flight as a page that stands alone: `report.html`.
+//! The flight as a self-contained page: `report.html`.
 
 use askama::Template;
 use fmc_simulation::strip_experiment::experiment::Experiment;
@@ -26,7 +26,7 @@ struct Page {
     plan: String,
 }
 
-/// The whole flight as one HTML page; figures are part of it.
+/// Writes the whole flight as one HTML page, with the figures in it.
 ///
 /// # Errors
 /// [`PageError`] if a figure cannot be drawn.
@@ -52,7 +52,7 @@ pub fn page(experiment: &Experiment) -> Result<String, PageError> {
     Ok(page.render()?)
 }
 
-/// Standard deviations of all observations.
+/// Lists the standard deviations of all observations.
 fn observations(experiment: &Experiment) -> String {
     let written = &experiment.scenario.written;
     let each = |sigmas: [Option<f64>; 3], unit: &str| match sigmas {

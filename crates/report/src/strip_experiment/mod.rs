@@ -1,4 +1,5 @@
-//! What a flight tells its reader: a table, verdicts, machine-readable files, figures and a page.
+//! Report of a flight over ground control: a table, verdicts, machine-readable files, figures and a
+//! page.
 
 pub mod convergence_plot;
 pub mod ground_error_plot;

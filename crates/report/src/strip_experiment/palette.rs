@@ -1,4 +1,4 @@
-//! How figures tell the models apart.
+//! Colours of the models in figures.
 
 use fmc_adjustment::model::Model;
 use plotters::prelude::RGBColor;

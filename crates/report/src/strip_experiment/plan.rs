@@ -1,4 +1,4 @@
-//! Frames, control points and check points seen from above: Yuan et al. 2012, fig. 4.
+//! Plan of frames, control points and check points: Yuan et al. 2012, fig. 4.
 
 use fmc_adjustment::collinearity::ground_at_height;
 use fmc_adjustment::model::Model;
@@ -15,7 +15,7 @@ use crate::wording;
 const SIZE: (u32, u32) = (1100, 1060);
 const FONT: u32 = 22;
 
-/// The plan, in SVG.
+/// Draws the plan, in SVG.
 ///
 /// # Errors
 /// [`FigureError`] if the drawing fails.
@@ -92,7 +92,7 @@ pub fn plan(experiment: &Experiment) -> Result<String, FigureError> {
     })
 }
 
-/// Corners of a frame on the mean terrain, closed.
+/// Returns the corners of a frame on the mean terrain, closed.
 fn outline(experiment: &Experiment, frame: &TrueFrame) -> Vec<(f64, f64)> {
     let interior = experiment.strip.corrections.interior();
     let [half_x, half_y] = interior.half_format_mm;

@@ -1,4 +1,4 @@
-//! Every flight and model as a row: `repetitions.csv`.
+//! Table of every flight and model: `repetitions.csv`.
 
 use std::io::Write;
 

@@ -1,10 +1,10 @@
-//! The comparison of the models, as tables write it.
+//! Table rows of the comparison of the models.
 
 use fmc_adjustment::model::Model;
 use fmc_adjustment::statistics::Estimate;
 use fmc_simulation::strip_experiment::experiment::{Experiment, Points};
 
-/// One model's row.
+/// Row of one model.
 #[derive(Debug, Clone, PartialEq)]
 pub(super) struct Row {
     pub(super) label: &'static str,
@@ -43,7 +43,7 @@ pub(super) fn rows(experiment: &Experiment) -> Vec<Row> {
         .collect()
 }
 
-/// Iterations of the flight that needed most.
+/// Returns the number of iterations of the flight that needed most.
 pub(super) fn most_iterations(experiment: &Experiment, model: Model) -> usize {
     experiment
         .repetitions
@@ -54,7 +54,7 @@ pub(super) fn most_iterations(experiment: &Experiment, model: Model) -> usize {
         .unwrap_or(0)
 }
 
-/// Decimals of an error in metres: tenths of a millimetre under a decimetre.
+/// Returns the decimals of an error in metres: tenths of a millimetre below a decimetre.
 pub(super) const fn decimals_of(metres: f64) -> usize {
     if metres < 0.1 { 4 } else { 3 }
 }
@@ -63,7 +63,7 @@ fn metres(estimate: &Estimate) -> String {
     interval(estimate, decimals_of(estimate.value))
 }
 
-/// `0.248 (0.243 to 0.252)`.
+/// Writes value and interval, `0.248 (0.243 to 0.252)`.
 pub(super) fn interval(estimate: &Estimate, decimals: usize) -> String {
     format!(
         "{:.decimals$} ({:.decimals$} to {:.decimals$})",

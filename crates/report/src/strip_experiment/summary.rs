@@ -1,4 +1,4 @@
-//! The flight for machines: `summary.json`.
+//! The flight for programs: `summary.json`.
 
 use fmc_adjustment::correction::COEFFICIENT_NAMES;
 use fmc_adjustment::model::Model;
@@ -18,13 +18,13 @@ pub struct Summary {
     pub camera: String,
     /// Seed of the noise.
     pub seed: u64,
-    /// Flights.
+    /// Number of flights.
     pub repetitions: usize,
-    /// Frames of each.
+    /// Number of frames of each flight.
     pub frames: usize,
-    /// Images of control points in each.
+    /// Number of images of control points in each flight.
     pub control_points: usize,
-    /// Check points in each.
+    /// Number of check points in each flight.
     pub check_points: usize,
     /// V/H, 1/s.
     pub vh_per_s: f64,
@@ -34,40 +34,41 @@ pub struct Summary {
     pub centroid_um: f64,
     /// Probability that an interval holds the true value.
     pub confidence: f64,
-    /// What five coefficients do to residuals of pure noise.
+    /// Ratio of the residuals of pure noise after and before five coefficients are fitted.
     pub ratio_of_pure_noise: f64,
-    /// Every model.
+    /// Results of every model.
     pub models: Vec<ModelSummary>,
-    /// Every model but the static one, against it.
+    /// Verdicts on every model but the static one, against the static one.
     pub verdicts: Vec<Verdict>,
     /// Further sentences.
     pub findings: Vec<String>,
-    /// The one above all.
+    /// Headline of the report.
     pub headline: String,
 }
 
 /// The numbers of one model.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct ModelSummary {
-    /// Key.
+    /// Key of the model.
     pub model: &'static str,
     /// Planimetric RMS at control points, mean over the flights, m.
     pub control_m: Estimate,
-    /// At check points, m.
+    /// Planimetric RMS at check points, m.
     pub check_m: Estimate,
     /// Ratio to the static model at control points, flight by flight.
     pub control_ratio: Estimate,
-    /// At check points.
+    /// Ratio to the static model at check points.
     pub check_ratio: Estimate,
     /// Image RMS, Yuan et al. 2012, eq. 29, µm.
     pub image_rms_um: Estimate,
-    /// Iterations until it stays within 0.1 % of its last value, in the flight that needed most.
+    /// Number of iterations until the RMS stays within 0.1 % of its last value, in the flight that
+    /// needed most.
     pub most_iterations: usize,
     /// σ0.
     pub sigma0: Estimate,
-    /// How often an orientation element lies within one σ of the truth.
+    /// Probability that an orientation element lies within one σ of the truth.
     pub coverage: Estimate,
-    /// Fitted coefficients in powers of mm; empty where none are fitted.
+    /// Fitted coefficients in powers of mm; empty if none are fitted.
     pub coefficients: Vec<CoefficientSummary>,
 }
 
@@ -83,7 +84,7 @@ pub struct CoefficientSummary {
 }
 
 impl Summary {
-    /// The summary of an experiment.
+    /// Returns the summary of an experiment.
     #[must_use]
     pub fn of(experiment: &Experiment) -> Self {
         let interior = experiment.strip.corrections.interior();

@@ -6,7 +6,7 @@ use fmc_simulation::strip_experiment::experiment::Experiment;
 use super::rows::{Row, rows};
 use super::verdict;
 
-/// Scenario, a row per model, and what follows from the intervals.
+/// Writes the scenario, a row per model, and the conclusions from the intervals.
 #[must_use]
 pub fn text(experiment: &Experiment) -> String {
     let mut lines = vec![
@@ -27,7 +27,7 @@ pub fn text(experiment: &Experiment) -> String {
     lines.join("\n") + "\n"
 }
 
-/// How it was flown.
+/// Describes the flight and its camera.
 pub(super) fn setting(experiment: &Experiment) -> String {
     let flight = &experiment.scenario.written.flight;
     let interior = experiment.strip.corrections.interior();

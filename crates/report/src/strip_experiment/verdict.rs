@@ -1,4 +1,4 @@
-//! What the intervals say, in words.
+//! Conclusions from the intervals, in words.
 
 use fmc_adjustment::model::Model;
 use fmc_adjustment::statistics::Estimate;
@@ -7,7 +7,7 @@ use serde::Serialize;
 
 use super::rows::{decimals_of, interval};
 
-/// What an interval of a ratio of errors says.
+/// Conclusion from the interval of a ratio of errors.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
 #[serde(rename_all = "lowercase")]
 pub enum Change {
@@ -20,7 +20,7 @@ pub enum Change {
 }
 
 impl Change {
-    /// Of a ratio of errors.
+    /// Returns the conclusion from a ratio of errors.
     #[must_use]
     pub fn of(ratio: &Estimate) -> Self {
         if ratio.upper < 1.0 {
@@ -38,15 +38,15 @@ impl Change {
 pub struct Verdict {
     /// Key of the model.
     pub model: &'static str,
-    /// At the points of the adjustment.
+    /// Change at the points of the adjustment.
     pub control: Change,
-    /// At new points.
+    /// Change at new points.
     pub check: Change,
-    /// Both in a sentence.
+    /// Both changes in a sentence.
     pub sentence: String,
 }
 
-/// Every model but the static one, against it.
+/// Compares every model but the static one with the static one.
 #[must_use]
 pub fn verdicts(experiment: &Experiment) -> Vec<Verdict> {
     Model::ALL
@@ -67,7 +67,7 @@ pub fn verdicts(experiment: &Experiment) -> Vec<Verdict> {
 
 fn sentence(label: &str, control: &Estimate, check: &Estimate) -> String {
     let fate = match (Change::of(control), Change::of(check)) {
-        // The gain at check points is smaller where the intervals are apart.
+        // Where the intervals do not overlap, the gain at check points is smaller.
         (Change::Gain, Change::Gain) if control.upper < check.lower => {
             "the gain survives on check points, but smaller".to_owned()
         }
@@ -90,7 +90,8 @@ fn sentence(label: &str, control: &Estimate, check: &Estimate) -> String {
     )
 }
 
-/// The fitted coefficients beyond scale, and the exact model against both.
+/// Compares five coefficients with the scale alone, and the exact model with five coefficients and
+/// with the focus shift alone.
 #[must_use]
 pub fn comparisons(experiment: &Experiment) -> Vec<String> {
     let ratio = |model, to, points| {
@@ -133,7 +134,7 @@ pub fn comparisons(experiment: &Experiment) -> Vec<String> {
     .collect()
 }
 
-/// One sentence above everything else.
+/// Writes the headline of the report.
 #[must_use]
 pub fn headline(experiment: &Experiment) -> String {
     let error = |model, points| experiment.error_m(model, points).value;
@@ -160,7 +161,7 @@ pub fn headline(experiment: &Experiment) -> String {
     )
 }
 
-/// What fitting alone does to residuals.
+/// Describes the effect of the fit alone on residuals.
 #[must_use]
 pub fn pure_noise(experiment: &Experiment) -> String {
     let observations = experiment.control_observations();
@@ -170,7 +171,7 @@ pub fn pure_noise(experiment: &Experiment) -> String {
     )
 }
 
-/// How often the truth lies within one σ.
+/// Describes how often the truth lies within one σ.
 #[must_use]
 pub fn coverage(experiment: &Experiment) -> Vec<String> {
     [Model::Static, Model::FiveCoefficient, Model::Exact]
@@ -196,7 +197,7 @@ pub fn coverage(experiment: &Experiment) -> Vec<String> {
 /// Probability of one standard deviation.
 pub(super) const ONE_SIGMA: f64 = 0.682_689_492;
 
-/// A ratio as a change, `-39.2 % (-41.2 to -37.1 %)`, or `18.34 (18.12 to 18.57) times`.
+/// Writes a ratio as a change, `-39.2 % (-41.2 to -37.1 %)`, or `18.34 (18.12 to 18.57) times`.
 fn percent(ratio: &Estimate) -> String {
     if ratio.value > 2.0 {
         return format!("{} times", interval(ratio, 2));

@@ -16,12 +16,12 @@ use crate::{picture, wording};
 const SIZE: (u32, u32) = (1800, 1150);
 const TITLE_HEIGHT: u32 = 70;
 const FONT: u32 = 22;
-/// Of one exposure.
+/// Colour of an estimate from one exposure.
 const FRAME: RGBColor = RGBColor(0, 114, 178);
-/// Of all exposures together.
+/// Colour of the estimate from all exposures together.
 const WHOLE: RGBColor = RGBColor(213, 94, 0);
 
-/// Five panels and a legend, in SVG.
+/// Draws five panels and a legend, in SVG.
 ///
 /// # Errors
 /// [`FigureError`] without exposures or if the drawing fails.
@@ -29,7 +29,7 @@ pub fn svg(sweep: &Sweep) -> Result<String, FigureError> {
     figure::svg(SIZE, |canvas| draw(canvas, sweep))
 }
 
-/// The same as PNG.
+/// Draws the same as PNG.
 ///
 /// # Errors
 /// As [`svg`].
@@ -57,7 +57,7 @@ fn draw<B: Backend>(canvas: &Area<B>, sweep: &Sweep) -> Result<(), FigureError> 
     Ok(())
 }
 
-/// δ, value and standard deviation of one exposure.
+/// Returns δ, value and standard deviation of one exposure.
 fn estimate(frame: &FrameFit, parameter: Parameter) -> Option<(f64, f64, f64)> {
     let fit = frame.fit.as_ref().ok()?;
     Some((
@@ -204,7 +204,7 @@ mod tests {
     #[test]
     fn every_exposure_has_a_mark_in_every_panel() {
         let svg = svg(&fixture::sweep("from-rest")).unwrap();
-        // And one in the legend.
+        // The legend has one more circle.
         assert_eq!(svg.matches("<circle").count(), 5 * 60 + 1);
         assert!(!svg.contains("NaN") && !svg.contains("inf"));
         for label in ["K_m0", "K_m1", "K_m2", "K_d1", "P_m1", "δ, µm", "mm⁻⁴"] {

@@ -10,10 +10,10 @@ use fmc_simulation::sweep::result::{CaseResult, Sweep};
 use super::power;
 use crate::wording;
 
-/// What Yuan et al. 2012, section 4.1, report: five coefficients and static model, µm.
+/// Results of Yuan et al. 2012, section 4.1: five coefficients and static model, µm.
 pub(super) const PAPER_UM: [f64; 2] = [1.2, 2.3];
 
-/// The five, and the unit of each.
+/// The five coefficients, and the unit of each.
 pub(super) const COEFFICIENTS: [(Parameter, &str); 5] = [
     (Parameter::Km0, ""),
     (Parameter::Km1, "mm⁻²"),
@@ -22,7 +22,7 @@ pub(super) const COEFFICIENTS: [(Parameter, &str); 5] = [
     (Parameter::Pm1, "mm⁻²"),
 ];
 
-/// σ of a model, honest and with the paper's divisor, and what it leaves without noise, µm.
+/// σ of a model with the correct and with the paper's divisor, and the residuals without noise, µm.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub(super) struct Cell {
     pub(super) sigma: String,
@@ -49,7 +49,7 @@ impl Cell {
     }
 }
 
-/// One case: static, five coefficients, exact.
+/// Table row of one case: static, five coefficients, exact.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub(super) struct Row {
     pub(super) case: &'static str,
@@ -94,13 +94,13 @@ pub(super) struct Estimate {
     pub(super) unit: &'static str,
 }
 
-/// The exact model leaves less than this by rounding alone, µm rms.
+/// Limit of the exact model's residuals by rounding alone, µm rms.
 const ROUNDING_UM: f64 = 1e-5;
 
-/// Everything a report says.
+/// Findings of a report.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub(super) struct Findings {
-    /// What was simulated, in a line.
+    /// Description of the simulation, in a line.
     pub(super) simulated: String,
     pub(super) rows: Vec<Row>,
     pub(super) estimates: Vec<Estimate>,
@@ -170,7 +170,7 @@ fn simulated(sweep: &Sweep) -> String {
     )
 }
 
-/// What `K_d1` and `P_m1` are multiplied by.
+/// Returns the name of the quantity that multiplies `K_d1` and `P_m1`.
 pub(super) const fn per(regressor: Per) -> &'static str {
     match regressor {
         Per::Travel => "the travel δ",
@@ -178,7 +178,7 @@ pub(super) const fn per(regressor: Per) -> &'static str {
     }
 }
 
-/// The paper's numbers, its divisor and the honest one.
+/// Compares the paper's numbers, its divisor and the correct one.
 fn divisors(sweep: &Sweep) -> String {
     let both = sweep.both();
     let [paper_five, paper_static] = PAPER_UM;
@@ -203,7 +203,7 @@ fn divisors(sweep: &Sweep) -> String {
     }
 }
 
-/// Which part of the gain is whose.
+/// Describes the shares of focus shift and motion in the gain.
 fn shares(sweep: &Sweep) -> Option<String> {
     let [focus, motion] = sweep.shares()?;
     Some(format!(
@@ -213,7 +213,7 @@ fn shares(sweep: &Sweep) -> Option<String> {
     ))
 }
 
-/// Whether `K_d1` and `P_m1` are found at all.
+/// Describes the significance of `K_d1` and `P_m1`.
 fn motion_terms(sweep: &Sweep, fit: &Fit<f64>) -> Vec<String> {
     let significance = |parameter| fit.value(parameter) / fit.standard_deviation(parameter);
     let mut sentences = vec![format!(
@@ -226,7 +226,7 @@ fn motion_terms(sweep: &Sweep, fit: &Fit<f64>) -> Vec<String> {
             ""
         }
     )];
-    // Without noise there is no scatter: what is left is what the model cannot follow.
+    // Without noise the coefficients do not scatter, and the differences are errors of the model.
     if let Some(scatter) = sweep.kd1_scatter_at_15_um()
         && sweep.options.noise_mm > 0.0
     {
@@ -282,7 +282,7 @@ fn micrometres(um: f64) -> String {
     format!("{um:.3}")
 }
 
-/// Four decimals, so that what a model leaves of nanometres shows.
+/// Writes four decimals, so that residuals of nanometres show.
 fn fine_micrometres(um: f64) -> String {
     if um > 0.0 && um < 5e-5 {
         "<0.0001".to_owned()

@@ -7,7 +7,7 @@ use fmc_simulation::sweep::options::SweepOptions;
 use fmc_simulation::sweep::result::Sweep;
 use fmc_simulation::sweep::run::Plan;
 
-/// A small camera, regressed on the centroid.
+/// Returns the sweep of a small camera, regressed on the centroid.
 pub(super) fn sweep(strategy: &str) -> Sweep {
     let text = "name = \"Small <&>\"\nprincipal_distance_mm = 100.0\n[sensor]\nwidth_px = 1000\nheight_px = 500\npixel_um = 80.0\n[distortion]\nk1 = 1e-7\n";
     let mut camera = CameraFile::parse("small.toml", text).unwrap().0;

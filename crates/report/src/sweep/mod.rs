@@ -1,4 +1,4 @@
-//! What a sweep tells its reader: a table, machine-readable files, a figure and a page.
+//! Report of a sweep: a table, machine-readable files, a figure and a page.
 
 pub mod coefficient_plot;
 pub mod coefficients_csv;

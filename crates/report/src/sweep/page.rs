@@ -1,4 +1,4 @@
-//! The sweep as a page that stands alone: `report.html`.
+//! The sweep as a self-contained page: `report.html`.
 
 use askama::Template;
 use fmc_simulation::sweep::result::Sweep;
@@ -7,7 +7,7 @@ use super::coefficient_plot;
 use super::findings::Findings;
 use crate::page::{PageError, inline};
 
-/// The page.
+/// Content of the page.
 #[derive(Template)]
 #[template(path = "sweep.html")]
 struct Page {
@@ -15,7 +15,7 @@ struct Page {
     figure: String,
 }
 
-/// The whole sweep as one HTML page; the figure is part of it.
+/// Writes the whole sweep as one HTML page, with the figure in it.
 ///
 /// # Errors
 /// [`PageError`] if the figure cannot be drawn.

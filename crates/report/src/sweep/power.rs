@@ -1,6 +1,6 @@
 //! Numbers with a power of ten, for labels.
 
-/// The exponent of ten that leaves one digit before the point.
+/// Returns the exponent of ten that leaves one digit before the point.
 pub(super) fn exponent(number: f64) -> i32 {
     if number.abs() > 0.0 && number.is_finite() {
         crate::figure::pixels(number.abs().log10().floor())
@@ -9,7 +9,7 @@ pub(super) fn exponent(number: f64) -> i32 {
     }
 }
 
-/// `10⁻⁹`.
+/// Writes a power of ten, `10⁻⁹`.
 pub(super) fn power_of_ten(exponent: i32) -> String {
     let digits = exponent.to_string();
     let raised = digits.chars().map(|digit| match digit {
@@ -28,7 +28,7 @@ pub(super) fn power_of_ten(exponent: i32) -> String {
     format!("10{}", raised.collect::<String>())
 }
 
-/// `(9.23 ± 0.04)·10⁻⁸`, with two digits of the standard deviation.
+/// Writes a value with two digits of its standard deviation, `(9.23 ± 0.04)·10⁻⁸`.
 pub(super) fn with_deviation(value: f64, deviation: f64) -> String {
     let exponent = exponent(value.abs().max(deviation));
     let scale = 10.0_f64.powi(-exponent);

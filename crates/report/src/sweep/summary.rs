@@ -1,4 +1,4 @@
-//! The sweep for machines: `summary.json`.
+//! The sweep for programs: `summary.json`.
 
 use fmc_camera::geometry::estimation::fit::Fit;
 use fmc_reference::exposure::FocusFormula;
@@ -8,102 +8,102 @@ use serde::Serialize;
 
 use super::findings::{COEFFICIENTS, PAPER_UM};
 
-/// The numbers of a sweep. Keys are only ever added; σ is per coordinate with divisor 2n - u unless
-/// the key says otherwise, µm. What does not exist is null.
+/// The numbers of a sweep. Keys are only ever added. σ is per coordinate with divisor 2n - u unless
+/// the key says otherwise, µm. A number that does not exist is null.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct Summary {
     /// Name of the camera.
     pub camera: String,
-    /// Exposures.
+    /// Number of exposures.
     pub frames: usize,
-    /// Points in all of them.
+    /// Number of points in all exposures.
     pub points: u64,
-    /// Points in one.
+    /// Number of points in one exposure.
     pub points_per_frame: u32,
     /// Standard deviation of the noise.
     pub noise_um: f64,
     /// Seed of the noise.
     pub seed: u64,
-    /// Focus shift beyond the run-out.
+    /// Focus shift in addition to the run-out.
     pub focus_shift_um: f64,
-    /// Which formula turns it into distortion.
+    /// Formula that turns it into distortion.
     pub focus_sign: &'static str,
-    /// Where the run-up puts the exposures.
+    /// Strategy of the run-up.
     pub strategy: &'static str,
-    /// What weights the exposure mean.
+    /// Weight of the exposure mean.
     pub weight: &'static str,
-    /// How eqs. 12-13 are read.
+    /// Reading of eqs. 12-13.
     pub reading: &'static str,
-    /// Whether `K_d1` = 2`P_m1` was imposed.
+    /// `true` if `K_d1` = 2`P_m1` was imposed.
     pub tied: bool,
-    /// What `K_d1` and `P_m1` are multiplied by.
+    /// Quantity that multiplies `K_d1` and `P_m1`.
     pub regress_on: &'static str,
-    /// Of the static calibration.
+    /// σ of the static calibration.
     pub sigma_static_um: f64,
-    /// Of the five coefficients, from all exposures together.
+    /// σ of the five coefficients, from all exposures together.
     pub sigma_dynamic_um: Option<f64>,
-    /// Of the exact model with the focus shift known.
+    /// σ of the exact model with the focus shift known.
     pub sigma_exact_um: f64,
-    /// The same with the paper's divisor.
+    /// `sigma_static_um` with the paper's divisor.
     pub sigma_static_um_n_minus_5: f64,
-    /// The same with the paper's divisor.
+    /// `sigma_dynamic_um` with the paper's divisor.
     pub sigma_dynamic_um_n_minus_5: Option<f64>,
-    /// The same with the paper's divisor.
+    /// `sigma_exact_um` with the paper's divisor.
     pub sigma_exact_um_n_minus_5: f64,
-    /// Of the five coefficients, exposure by exposure.
+    /// σ of the five coefficients, exposure by exposure.
     pub sigma_dynamic_per_frame_um: Option<f64>,
-    /// What the paper reports for the static model.
+    /// σ of the static model in the paper.
     pub paper_static_um: f64,
-    /// What the paper reports for the five coefficients.
+    /// σ of the five coefficients in the paper.
     pub paper_dynamic_um: f64,
-    /// Share of the focus shift in what the five coefficients gain.
+    /// Share of the focus shift in the gain by the five coefficients.
     pub gain_share_focus: Option<f64>,
-    /// Share of the motion.
+    /// Share of the motion in that gain.
     pub gain_share_motion: Option<f64>,
     /// σ(`K_d1`) of one exposure over 2|K1| where it is multiplied by 15 µm.
     pub kd1_sigma_over_2k1_at_15_um: Option<f64>,
     /// The coefficients from all exposures together.
     pub coefficients: Option<Vec<Coefficient>>,
-    /// Why there are none.
+    /// Reason why there are none.
     pub no_coefficients: Option<String>,
     /// Condition number of that adjustment.
     pub condition: Option<f64>,
-    /// Motion and focus shift, and each alone.
+    /// Results for motion and focus shift together, and for each alone.
     pub cases: Vec<CaseSummary>,
 }
 
 /// One coefficient, in powers of mm.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
 pub struct Coefficient {
-    /// Which.
+    /// Symbol of the coefficient.
     pub symbol: &'static str,
-    /// Its value.
+    /// Value of the coefficient.
     pub value: f64,
-    /// Its standard deviation.
+    /// Standard deviation of the coefficient.
     pub sigma: f64,
 }
 
-/// One case.
+/// Results of one case.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
 pub struct CaseSummary {
-    /// Which.
+    /// Name of the case.
     pub case: &'static str,
-    /// Of the static calibration.
+    /// σ of the static calibration.
     pub sigma_static_um: f64,
-    /// Of the five coefficients, from all exposures together.
+    /// σ of the five coefficients, from all exposures together.
     pub sigma_dynamic_um: Option<f64>,
-    /// Of the exact model with the focus shift known.
+    /// σ of the exact model with the focus shift known.
     pub sigma_exact_um: f64,
-    /// What the static calibration leaves without noise.
+    /// Residuals of the static calibration without noise.
     pub noise_free_static_um: f64,
-    /// What five coefficients fitted to data without noise leave.
+    /// Residuals of five coefficients fitted to data without noise.
     pub noise_free_dynamic_um: Option<f64>,
-    /// What the exact model leaves without noise.
+    /// Residuals of the exact model without noise.
     pub noise_free_exact_um: f64,
 }
 
 impl Summary {
-    /// The summary of a sweep.
+    /// Returns the summary of a sweep.
     #[must_use]
     pub fn of(sweep: &Sweep) -> Self {
         let both = sweep.both();

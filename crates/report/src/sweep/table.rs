@@ -5,7 +5,7 @@ use fmc_simulation::sweep::result::Sweep;
 
 use super::findings::Findings;
 
-/// What was simulated, σ of every case and model, the coefficients, and what they mean.
+/// Writes the simulation, σ of every case and model, the coefficients, and the findings.
 #[must_use]
 pub fn text(sweep: &Sweep) -> String {
     let findings = Findings::of(sweep);

@@ -11,7 +11,7 @@ pub(super) struct ErrorCell {
     pub(super) rms: String,
 }
 
-/// One camera.
+/// Table row of one camera.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub(super) struct Row {
     pub(super) camera: String,
@@ -25,7 +25,7 @@ pub(super) struct Row {
     pub(super) passed: bool,
 }
 
-/// A row per camera.
+/// Table with a row per camera.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub(super) struct Comparison {
     /// Label and unit of every treatment.

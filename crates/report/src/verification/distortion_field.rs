@@ -7,7 +7,7 @@ use crate::arrow_field::ArrowField;
 use crate::figure::FigureError;
 use crate::{length, wording};
 
-/// The static distortion, measured - ideal, in SVG.
+/// Draws the static distortion, measured - ideal, in SVG.
 ///
 /// # Errors
 /// [`FigureError`] without exposures or if the drawing fails.
@@ -19,7 +19,7 @@ pub fn distortion(camera: &CameraResult) -> Result<String, FigureError> {
     draw(camera, &titles, |point| point.static_mm)
 }
 
-/// What one exposure adds to the static distortion, in SVG: the exposure with the largest change.
+/// Draws the change of the static distortion in the exposure with the largest change, in SVG.
 ///
 /// # Errors
 /// [`FigureError`] without exposures or if the drawing fails.

@@ -18,15 +18,15 @@ const TITLE_HEIGHT: u32 = 70;
 const LEGEND_TOP: u32 = 870;
 const AXIS_WIDTH: u32 = 150;
 const AXIS_HEIGHT: u32 = 90;
-/// Room for the name of the limit, right of the plot.
+/// Width for the name of the limit, right of the plot.
 const EDGE: u32 = 150;
 /// The vertical text is centred on the margin's edge.
 const EDGE_LEFT: u32 = 20;
 const FONT: u32 = 24;
-/// Smaller errors are drawn here: a logarithmic axis has no zero.
+/// Value at which smaller errors are drawn, as a logarithmic axis has no zero.
 const LEAST_NM: f64 = 1e-3;
 
-/// Largest error of every exposure against δ, for all treatments, in SVG.
+/// Draws the largest error of every exposure against δ, for all treatments, in SVG.
 ///
 /// # Errors
 /// [`FigureError`] without exposures or if the drawing fails.
@@ -99,7 +99,7 @@ pub fn error_against_travel(camera: &CameraResult) -> Result<String, FigureError
     })
 }
 
-/// Whole decades around all errors and the limit.
+/// Returns whole decades around all errors and the limit.
 fn range_nm(camera: &CameraResult) -> Range<f64> {
     let frames = camera.frames.iter();
     let (least, most) = frames
@@ -110,11 +110,11 @@ fn range_nm(camera: &CameraResult) -> Range<f64> {
             (least.min(error_nm), most.max(error_nm))
         });
     let decade = |exponent: f64| 10.0_f64.powf(exponent);
-    // A hair outside, so that the outermost decades get their lines.
+    // The range is slightly larger, so that the outermost decades get their lines.
     0.999 * decade(least.log10().floor())..1.001 * decade(most.log10().ceil())
 }
 
-/// Where an error is drawn: on the edge, if the axis does not reach it.
+/// Returns the value at which an error is drawn: the edge, if the axis does not reach it.
 fn drawn_nm(error_nm: f64, range: &Range<f64>) -> f64 {
     if error_nm.is_finite() {
         error_nm.clamp(range.start, range.end)
@@ -123,7 +123,7 @@ fn drawn_nm(error_nm: f64, range: &Range<f64>) -> f64 {
     }
 }
 
-/// `10 nm`, `1 µm`.
+/// Writes a decade, `10 nm`, `1 µm`.
 fn decade_text(nm: f64) -> String {
     if nm < 999.0 {
         format!("{} nm", wording::decimals(nm, 3))
@@ -134,7 +134,7 @@ fn decade_text(nm: f64) -> String {
     }
 }
 
-/// Treatments by colour and shape, strategies by filling, below the axes.
+/// Draws treatments by colour and shape, strategies by filling, below the axes.
 fn draw_legend(legend: &Canvas<'_>, camera: &CameraResult) -> Result<(), FigureError> {
     let words = |x: i32, y: i32, words: String| Text::new(words, (x, y), text(FONT));
     for (treatment, x) in Treatment::ALL.into_iter().zip([150, 440, 770, 1210]) {
@@ -175,7 +175,7 @@ mod tests {
     #[test]
     fn every_exposure_has_a_marker_for_every_treatment() {
         let svg = error_against_travel(&fixture::camera("Alpha", 0.1)).unwrap();
-        // One exposure each, centred and from rest, and one legend entry each.
+        // Each colour has a centred exposure, one from rest, and a legend entry for each.
         for colour in ["#5F5F5F", "#0072B2", "#D55E00", "#008C64"] {
             assert_eq!(svg.matches(&format!("fill=\"{colour}\"")).count(), 2);
             assert_eq!(svg.matches(&format!("stroke=\"{colour}\"")).count(), 2);

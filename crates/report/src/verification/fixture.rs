@@ -5,12 +5,12 @@ use fmc_reference::verification::result::{
     CameraResult, ErrorStatistics, Field, FieldPoint, FrameResult, Verification, WorstPoint,
 };
 
-/// Two cameras within the limits.
+/// Returns two cameras within the limits.
 pub(super) fn passing() -> Verification {
     of(vec![camera("Alpha", 0.1), camera("Beta", 0.2)])
 }
 
-/// The second camera exceeds the limit.
+/// Returns two cameras, of which the second exceeds the limit.
 pub(super) fn failing() -> Verification {
     of(vec![camera("Alpha", 0.1), camera("Beta", 2.0)])
 }
@@ -29,7 +29,7 @@ pub(super) fn of(cameras: Vec<CameraResult>) -> Verification {
     }
 }
 
-/// A camera of 20 mm x 10 mm with two exposures of nine points.
+/// Returns a camera of 20 mm x 10 mm with two exposures of nine points.
 pub(super) fn camera(name: &str, error_nm: f64) -> CameraResult {
     let errors = |size_mm: f64| {
         let mut errors = ErrorStatistics::default();

@@ -27,7 +27,7 @@ const HEADER: [&str; 16] = [
 /// Writes a header and a row per exposure.
 ///
 /// # Errors
-/// What the sink reports.
+/// Those of the sink.
 pub fn write(verification: &Verification, sink: impl Write) -> csv::Result<()> {
     let mut file = csv::Writer::from_writer(sink);
     file.write_record(HEADER)?;

@@ -1,4 +1,4 @@
-//! The verification as a page that stands alone: `report.html`.
+//! The verification as a self-contained page: `report.html`.
 
 use askama::Template;
 use fmc_reference::verification::result::{CameraResult, Verification};
@@ -12,7 +12,7 @@ use crate::figure::FigureError;
 use crate::page::{PageError, inline};
 use crate::{length, wording};
 
-/// The page.
+/// Content of the page.
 #[derive(Template)]
 #[template(path = "report.html")]
 struct Page {
@@ -31,7 +31,7 @@ struct Page {
     solver_error: String,
 }
 
-/// One camera's part of it.
+/// Section of one camera.
 struct Section {
     name: String,
     principal_distance_mm: String,
@@ -45,7 +45,7 @@ struct Section {
     error: String,
 }
 
-/// The whole verification as one HTML page; figures are part of it.
+/// Writes the whole verification as one HTML page, with the figures in it.
 ///
 /// # Errors
 /// [`PageError`] if a figure cannot be drawn.
@@ -79,7 +79,7 @@ pub fn page(verification: &Verification) -> Result<String, PageError> {
     Ok(page.render()?)
 }
 
-/// δ of the exposure with the largest.
+/// Returns δ of the exposure with the largest.
 fn longest_travel(verification: &Verification) -> Option<String> {
     verification
         .cameras
@@ -120,7 +120,7 @@ mod tests {
             .filter(|(at, _)| !page[*at..].starts_with("http://www.w3.org/2000/svg"));
         assert_eq!(links.count(), 0);
         assert!(page.contains(">Alpha<") && page.contains(">Beta<"));
-        // One schematic and three figures a camera.
+        // The page has one schematic and three figures for each camera.
         assert_eq!(page.matches("<svg").count(), 1 + 2 * 3);
         assert!(page.contains("class=\"verdict passed\""));
         assert!(!page.contains("NaN"));

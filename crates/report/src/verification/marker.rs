@@ -1,4 +1,4 @@
-//! How figures tell the treatments and the run-up strategies apart.
+//! Markers and colours of the treatments and the run-up strategies in figures.
 
 use fmc_reference::verification::result::Treatment;
 use plotters::prelude::{Color, RGBColor, ShapeStyle};
@@ -16,7 +16,7 @@ pub(super) const fn colour(treatment: Treatment) -> RGBColor {
     }
 }
 
-/// Filled shape of a treatment: octagon, square, triangle, diamond.
+/// Returns the filled shape of a treatment: octagon, square, triangle, diamond.
 pub(super) fn corners(treatment: Treatment) -> Corners {
     match treatment {
         Treatment::None => vec![
@@ -35,7 +35,8 @@ pub(super) fn corners(treatment: Treatment) -> Corners {
     }
 }
 
-/// The outline of the hollow marker, closed and wider, so that it shows around a filled one.
+/// Returns the outline of the hollow marker, closed and wider, so that it shows around a filled
+/// one.
 pub(super) fn outline(treatment: Treatment) -> Corners {
     let mut outline: Corners = corners(treatment)
         .into_iter()
@@ -45,7 +46,7 @@ pub(super) fn outline(treatment: Treatment) -> Corners {
     outline
 }
 
-/// A centred run-up is drawn hollow, every other filled.
+/// Returns true if the marker is hollow: a centred run-up is, every other is filled.
 pub(super) fn is_hollow(strategy: &str) -> bool {
     strategy == "centred"
 }

@@ -1,4 +1,4 @@
-//! What a verification tells its reader: a table, machine-readable files, figures and a page.
+//! Report of a verification: a table, machine-readable files, figures and a page.
 
 mod comparison;
 pub mod distortion_field;

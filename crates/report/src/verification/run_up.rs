@@ -8,11 +8,11 @@ use crate::{length, wording};
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub(super) struct RunUp {
     pub(super) strategy: String,
-    /// With its unit, treatment by treatment.
+    /// Largest error of each treatment, with its unit.
     pub(super) largest_errors: Vec<String>,
 }
 
-/// Every strategy that occurs, in order of appearance.
+/// Returns every strategy that occurs, in order of appearance.
 pub(super) fn all(verification: &Verification) -> Vec<RunUp> {
     let frames = || {
         verification

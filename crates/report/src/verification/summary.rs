@@ -1,4 +1,4 @@
-//! The verification for machines: `summary.json`.
+//! The verification for programs: `summary.json`.
 
 use fmc_camera::io::link::message::Counters;
 use fmc_reference::strict::MAX_SOLVER_ERROR_NM;
@@ -11,7 +11,7 @@ use serde::Serialize;
 /// The numbers of a verification. Keys are only ever added.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct Summary {
-    /// What computed the corrections; where it stands in for QEMU, also why.
+    /// Device that computed the corrections; if it stands in for QEMU, with the reason.
     pub device: String,
     /// Points compared.
     pub points: u64,
@@ -19,11 +19,11 @@ pub struct Summary {
     pub points_by_digest: u64,
     /// Points that the camera itself answered.
     pub points_by_value: u64,
-    /// What the camera's end of the link has seen; null where there is no link.
+    /// Counters of the camera's end of the link; null without a link.
     pub link: Option<Counters>,
-    /// Where the camera differs from its own code on this PC; null where it does not.
+    /// Difference between the camera and its own code on this PC; null if there is none.
     pub difference: Option<String>,
-    /// Whether every camera is within the limits.
+    /// `true` if every camera is within the limits.
     pub passed: bool,
     /// The limits.
     pub limits: Limits,
@@ -37,22 +37,22 @@ pub struct Summary {
     pub coordinate_max_nm: f64,
     /// Largest error estimate of the strict solver, nm.
     pub solver_error_nm: f64,
-    /// Where the largest error was; null without cameras.
+    /// Point with the largest error; null without cameras.
     pub worst: Option<Worst>,
-    /// Every camera.
+    /// Results of every camera.
     pub cameras: Vec<CameraSummary>,
-    /// Why the device was not QEMU, which was meant, and what mends that; null where it was, or another was asked for.
+    /// Reason and remedy if the device should have been QEMU and was not; null otherwise.
     pub not_in_qemu: Option<String>,
 }
 
 /// The limits, nm.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
 pub struct Limits {
-    /// Of the error of dx and dy.
+    /// Limit of the error of dx and dy.
     pub max_error_nm: f64,
-    /// Of the error of a corrected coordinate.
+    /// Limit of the error of a corrected coordinate.
     pub coordinate_max_nm: f64,
-    /// Of the error estimate of the strict solver.
+    /// Limit of the error estimate of the strict solver.
     pub solver_error_nm: f64,
 }
 
@@ -73,7 +73,7 @@ pub struct CameraSummary {
     pub name: String,
     /// Points compared.
     pub points: u64,
-    /// Whether the camera is within the limits.
+    /// `true` if the camera is within the limits.
     pub passed: bool,
     /// Largest error of dx or dy, nm.
     pub max_error_nm: f64,
@@ -87,26 +87,26 @@ pub struct CameraSummary {
     pub solver_error_nm: f64,
     /// Largest error without any correction, µm.
     pub uncorrected_max_um: f64,
-    /// Its root mean square, µm.
+    /// Root mean square error without any correction, µm.
     pub uncorrected_rms_um: f64,
     /// Largest error of the static correction, µm.
     pub static_max_um: f64,
-    /// Its root mean square, µm.
+    /// Root mean square error of the static correction, µm.
     pub static_rms_um: f64,
     /// Largest error of the static correction plus eqs. 20-21 as printed, µm.
     pub printed_max_um: f64,
-    /// Its root mean square, µm.
+    /// Root mean square error of the static correction plus eqs. 20-21 as printed, µm.
     pub printed_rms_um: f64,
     /// Smallest and largest δ, µm.
     pub delta_um: [f64; 2],
     /// Smallest and largest length of the distortion, µm.
     pub distortion_um: [f64; 2],
-    /// Where the largest error was.
+    /// Point with the largest error.
     pub worst: WorstPoint,
 }
 
 impl Summary {
-    /// The summary of a verification.
+    /// Returns the summary of a verification.
     #[must_use]
     pub fn of(verification: &Verification) -> Self {
         let mut errors = ErrorStatistics::default();

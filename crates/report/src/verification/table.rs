@@ -7,8 +7,8 @@ use super::comparison::{Comparison, Row};
 use super::verdict::{self, Verdict};
 use crate::wording;
 
-/// The whole verification: where it ran, a row per camera, the worst case, the verdict, and where it ran again: the
-/// first line may have left the terminal.
+/// Writes the whole verification: the device, a row per camera, the worst case, the verdict, and
+/// the device again, as the first line may have scrolled off the terminal.
 #[must_use]
 pub fn text(verification: &Verification) -> String {
     let verdict = Verdict::of(verification);

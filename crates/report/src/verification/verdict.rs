@@ -7,15 +7,15 @@ use fmc_reference::verification::result::{
 
 use crate::{length, wording};
 
-/// What a verification found against the limits.
+/// Result of a verification against the limits.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub(super) struct Verdict {
     pub(super) passed: bool,
     /// Points, cameras, largest error and limit.
     pub(super) headline: String,
-    /// Where the largest error was.
+    /// Point with the largest error.
     pub(super) worst: Option<String>,
-    /// Which camera exceeded which limit.
+    /// Cameras that exceeded a limit, with that limit.
     pub(super) failures: Vec<String>,
 }
 
@@ -49,7 +49,7 @@ impl Verdict {
     }
 }
 
-/// The limits in a sentence.
+/// Writes the limits in a sentence.
 pub(super) fn limits() -> String {
     format!(
         "{MAX_ERROR_NM} nm on dx and dy, {MAX_COORDINATE_ERROR_NM} nm per axis on the corrected \
@@ -57,7 +57,7 @@ pub(super) fn limits() -> String {
     )
 }
 
-/// Point and exposure.
+/// Writes point and exposure.
 fn place(point: &WorstPoint) -> String {
     format!(
         "at x {:.3} mm, y {:.3} mm; V/H {}, exposure {}, {}",
@@ -69,7 +69,7 @@ fn place(point: &WorstPoint) -> String {
     )
 }
 
-/// What a camera exceeded, if it did not pass.
+/// Writes the limit that a camera exceeded, if it did not pass.
 fn failure(camera: &CameraResult) -> Option<String> {
     if camera.passed() {
         return None;
