@@ -1,4 +1,5 @@
-//! What aircraft send, fuzzed, and what must hold for every input. The tests of the crate run the same functions.
+//! Fuzz targets for data of aircraft, and their properties. The tests of the crate run the same
+//! functions.
 
 use crc::{CRC_16_MCRF4XX, Crc};
 use fmc_camera::flight::vh::{VhChannel, VhSample};
@@ -6,9 +7,11 @@ use fmc_camera::geometry::range::Quantity;
 use fmc_camera::io::mavlink::{LONGEST_FRAME, MavlinkReading, MavlinkReceiver};
 use fmc_camera::io::nmea::{LONGEST_SENTENCE, NmeaError, NmeaReading, NmeaReceiver};
 
-/// Any bytes of a satellite receiver: what is read was sent whole and is in its range, and a sentence after them is read.
+/// Feeds any bytes to the receiver of satellite sentences: every reading was sent whole and is in
+/// its range, and a sentence after them is read.
 ///
-/// The input goes as it is, then as fields of the sentences that are read, with a right checksum.
+/// The input is sent as it is, then as fields of the sentences that are read, with a right
+/// checksum.
 pub(crate) fn nmea(bytes: &[u8]) {
     const { assert!(size_of::<NmeaReceiver>() <= LONGEST_SENTENCE + 16) };
     let mut receiver = NmeaReceiver::new();
@@ -45,7 +48,7 @@ pub(crate) fn nmea(bytes: &[u8]) {
     assert_eq!(reading.unix_us, Some(785_285_686_000_000));
 }
 
-/// A sentence with its checksum.
+/// Returns a sentence with its checksum.
 pub(crate) fn sentence(name: &str, fields: &[u8]) -> Vec<u8> {
     let mut text = name.as_bytes().to_vec();
     text.push(b',');
@@ -57,7 +60,7 @@ pub(crate) fn sentence(name: &str, fields: &[u8]) -> Vec<u8> {
     sentence
 }
 
-/// The answers to these bytes.
+/// Returns the receiver's answers to these bytes.
 pub(crate) fn received(
     receiver: &mut NmeaReceiver,
     bytes: &[u8],
@@ -69,7 +72,7 @@ pub(crate) fn received(
 }
 
 fn believable_sentence(reading: &NmeaReading) -> bool {
-    // Years of two digits: 1983 to 2082.
+    // Years of two digits mean 1983 to 2082.
     let possible = 410_227_200_000_000..3_566_000_000_000_000;
     reading.sample.iter().all(believable)
         && reading.unix_us.is_none_or(|time| possible.contains(&time))
@@ -87,13 +90,15 @@ fn believable(sample: &VhSample) -> bool {
     quantity.check(value).is_ok()
 }
 
-/// Messages that are read, with what the common dialect adds to the checksum: `SYSTEM_TIME`, `GLOBAL_POSITION_INT`,
-/// `DISTANCE_SENSOR`, `ALTITUDE`; and one that is not, `HEARTBEAT`.
+/// Numbers of messages, with the byte that the common dialect adds to the checksum. These are read:
+/// `SYSTEM_TIME`, `GLOBAL_POSITION_INT`, `DISTANCE_SENSOR`, `ALTITUDE`; this is not: `HEARTBEAT`.
 const MESSAGES: [(u32, u8); 5] = [(2, 137), (33, 104), (132, 85), (141, 47), (0, 50)];
 
-/// Any bytes of an autopilot: what is read is in its range, and a message after them is read.
+/// Feeds any bytes to the receiver of autopilot messages: every reading is in its range, and a
+/// message after them is read.
 ///
-/// The input goes as it is, then as the payload of every message that is read, with a right checksum.
+/// The input is sent as it is, then as the payload of every message that is read, with a right
+/// checksum.
 pub(crate) fn mavlink(bytes: &[u8]) {
     const { assert!(size_of::<MavlinkReceiver>() <= LONGEST_FRAME + 16) };
     let mut receiver = MavlinkReceiver::new();
@@ -107,7 +112,7 @@ pub(crate) fn mavlink(bytes: &[u8]) {
     }
     assert!(readings.iter().all(believable_message));
 
-    // As often as the longest false beginning can hide, and once more.
+    // The message is repeated as often as the longest false beginning can hide it, and once more.
     let time_us = 1_767_225_600_000_000_u64;
     let last = frame(
         Kind::Two,
@@ -129,7 +134,8 @@ pub(crate) enum Kind {
     Signed,
 }
 
-/// A frame with its checksum, from the protocol's own words and not by the crate that reads it.
+/// Returns a frame with its checksum, made from the protocol's definition and not by the crate that
+/// reads it.
 pub(crate) fn frame(kind: Kind, message: u32, extra: u8, payload: &[u8]) -> Vec<u8> {
     let length = u8::try_from(payload.len()).unwrap();
     let [low, middle, high, _] = message.to_le_bytes();
@@ -150,7 +156,7 @@ pub(crate) fn frame(kind: Kind, message: u32, extra: u8, payload: &[u8]) -> Vec<
     frame
 }
 
-/// What is read of these bytes.
+/// Returns the readings of these bytes.
 pub(crate) fn messages(receiver: &mut MavlinkReceiver, bytes: &[u8]) -> Vec<MavlinkReading> {
     let mut readings = Vec::new();
     for byte in bytes {

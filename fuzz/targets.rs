@@ -1,4 +1,4 @@
-//! What is fuzzed, and what must hold for every input. The tests of the crate run the same functions.
+//! Fuzz targets of the link, and their properties. The tests of the crate run the same functions.
 
 #[path = "wire_format.rs"]
 pub(crate) mod wire_format;
@@ -21,8 +21,8 @@ use fmc_camera::io::link::station::Station;
 use fmc_camera::io::link::{LONGEST_FRAME, PROTOCOL_VERSION};
 use wire_format::{frame_of, payload_of};
 
-/// Any bytes on the wire: a payload is accepted exactly where a slow and simple reading of the same
-/// bytes accepts one, and a whole frame after them is received.
+/// Feeds any bytes to the wire: a payload is accepted exactly where a slow and simple reading of
+/// the same bytes accepts one, and a whole frame after them is received.
 pub(crate) fn wire(bytes: &[u8]) {
     let mut receiver = FrameReceiver::new();
     let mut accepted = Vec::new();
@@ -34,7 +34,7 @@ pub(crate) fn wire(bytes: &[u8]) {
             let _ = Request::read(payload);
         }
     }
-    // What follows the last zero has not ended.
+    // The bytes behind the last zero do not form a complete frame.
     let ended = bytes.iter().rposition(|byte| *byte == 0).unwrap_or(0);
     let expected: Vec<_> = bytes[..ended]
         .split(|byte| *byte == 0)
@@ -56,11 +56,11 @@ pub(crate) fn wire(bytes: &[u8]) {
     assert_eq!(read, (header, Some(Request::Record)), "resynchronised");
 }
 
-/// Any requests to a camera: it answers each with one whole answer or none, counts what it does not
-/// act on, and does its work for the next host.
+/// Sends any requests to a camera: it answers each with one whole answer or none, counts those that
+/// it does not obey, and does its work for the next host.
 ///
-/// The input is cut into pieces by its own length bytes; a piece goes as it is, or with header and
-/// CRC around it, so that every request is reached.
+/// The input is cut into pieces by its own length bytes. A piece is sent as it is, or with header
+/// and CRC around it, so that every request is reached.
 pub(crate) fn station(bytes: &[u8]) {
     station_of(RigDeck::after(Start::PowerOn), bytes, |_| ());
     let drive = RigDrive::new(DriveSettings::default()).unwrap();
@@ -73,7 +73,7 @@ pub(crate) fn station(bytes: &[u8]) {
     });
 }
 
-/// The same, of any camera; something happens to it after every request.
+/// Does the same with any camera; `then` is called after every request.
 fn station_of<Deck: FlightDeck>(deck: Deck, bytes: &[u8], mut then: impl FnMut(&mut Deck)) {
     let identity = Identity::new("", "", true, Start::PowerOn);
     let mut station = Station::with(identity, || 0, deck);
@@ -85,7 +85,7 @@ fn station_of<Deck: FlightDeck>(deck: Deck, bytes: &[u8], mut then: impl FnMut(&
         rest = tail;
         let before = station.counters();
         match kind % 4 {
-            // As it is: nothing of it is acted on unless its CRC happens to be right.
+            // The piece is sent as it is; none of it is obeyed unless its CRC happens to be right.
             0 => {
                 send(&mut station, piece);
                 let after = station.counters();
@@ -94,7 +94,7 @@ fn station_of<Deck: FlightDeck>(deck: Deck, bytes: &[u8], mut then: impl FnMut(&
                     .any(|frame| payload_of(frame).is_some());
                 assert!(whole || after.done + after.refused == before.done + before.refused);
             }
-            // As the body of the next request.
+            // The piece is the body of the next request.
             1 | 2 => {
                 let mut payload = vec![PROTOCOL_VERSION, 5];
                 payload.extend(leb128(sequence));
@@ -102,7 +102,7 @@ fn station_of<Deck: FlightDeck>(deck: Deck, bytes: &[u8], mut then: impl FnMut(&
                 send(&mut station, &frame_of(&payload));
                 sequence = sequence.wrapping_add(1);
             }
-            // As a payload.
+            // The piece is a payload.
             _ => {
                 send(&mut station, &frame_of(piece));
             }
@@ -112,7 +112,7 @@ fn station_of<Deck: FlightDeck>(deck: Deck, bytes: &[u8], mut then: impl FnMut(&
     works_for_the_next_host(&mut station);
 }
 
-/// A new session, a calibration, an exposure and a point: the bits of the library.
+/// Checks a new session, a calibration, an exposure and a point against the bits of the library.
 fn works_for_the_next_host<Deck: FlightDeck>(station: &mut Station<Deck>) {
     let record = CameraRecord::new(CalibrationRecord::new(100.0, [8000, 4000], 10.0));
     let exposure = Exposure::new(0.1, 0.005);
@@ -141,7 +141,7 @@ fn works_for_the_next_host<Deck: FlightDeck>(station: &mut Station<Deck>) {
     assert_eq!(answers, [Some(Answer::Points(expected))]);
 }
 
-/// Sends bytes and reads the answers; every one is whole.
+/// Sends bytes and reads the answers, each of which must be whole.
 fn send<Deck: FlightDeck>(station: &mut Station<Deck>, bytes: &[u8]) -> Vec<Option<Answer>> {
     let mut answers = Vec::new();
     for byte in bytes {
@@ -161,7 +161,7 @@ fn send<Deck: FlightDeck>(station: &mut Station<Deck>, bytes: &[u8]) -> Vec<Opti
     answers
 }
 
-/// A request of session 5.
+/// Returns a frame with a request of session 5.
 fn framed(request: &Request, sequence: u16) -> Vec<u8> {
     let mut frame = Frame::EMPTY;
     let header = Header {
@@ -172,7 +172,8 @@ fn framed(request: &Request, sequence: u16) -> Vec<u8> {
     frame.bytes().to_vec()
 }
 
-/// A number as `postcard` writes it: 7 bits a byte, the lowest first, more to come where bit 7 is set.
+/// Writes a number as `postcard` does: 7 bits a byte, the lowest first, followed by another byte
+/// where bit 7 is set.
 fn leb128(number: u16) -> Vec<u8> {
     let [low, middle, high] = [0, 7, 14].map(|shift| (number >> shift & 127).to_le_bytes()[0]);
     match (middle, high) {

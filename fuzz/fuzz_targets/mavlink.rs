@@ -1,4 +1,4 @@
-//! `cargo +nightly fuzz run mavlink`
+//! Fuzz target of autopilot messages: `cargo +nightly fuzz run mavlink`.
 
 #![no_main]
 

@@ -1,4 +1,4 @@
-//! `cargo +nightly fuzz run nmea`
+//! Fuzz target of satellite sentences: `cargo +nightly fuzz run nmea`.
 
 #![no_main]
 

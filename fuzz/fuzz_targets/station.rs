@@ -1,4 +1,4 @@
-//! `cargo +nightly fuzz run station`
+//! Fuzz target of requests to a camera: `cargo +nightly fuzz run station`.
 
 #![no_main]
 

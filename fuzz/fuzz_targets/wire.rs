@@ -1,4 +1,4 @@
-//! `cargo +nightly fuzz run wire`
+//! Fuzz target of the wire format: `cargo +nightly fuzz run wire`.
 
 #![no_main]
 
