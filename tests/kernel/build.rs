@@ -1,5 +1,5 @@
-//! The memory of the emulated board, where the root's `memory.x` includes it. Of this comparison and of
-//! `benches/instructions`, as deep in the tree.
+//! Memory layout of the emulated board, put where the root's `memory.x` includes it, for this
+//! comparison and for `benches/instructions`, which lies as deep in the tree.
 
 use std::{env, error::Error, fs, path::Path};
 

@@ -1,1 +1,1 @@
-//! Hardware in the loop; see `tests/board.rs`.
+//! Tests with hardware in the loop; see `tests/board.rs`.

@@ -1,4 +1,5 @@
-//! The image on a real board: flashes it over the ST-LINK, restarts it and looks whether it runs and is heard.
+//! Test of the image on a real board: flashes it over the ST-LINK, restarts it and checks that it
+//! runs and answers.
 //!
 //! ```text
 //! FMC_FIRMWARE=target/firmware/nucleo-h743zi FMC_HIL_PORT=/dev/ttyACM0 cargo test -p hil -- --ignored
@@ -21,16 +22,17 @@ use probe_rs::{
 
 const CHIP: &str = "STM32H743ZITx";
 
-/// Time to look on.
+/// Time from the restart to the check.
 const WATCHED: Duration = Duration::from_secs(2);
 
-/// The firmware's count of microseconds, which begins at every start: TIM2, counter.
+/// Address of the firmware's count of microseconds, which begins at every start: TIM2, counter.
 const MICROSECONDS: u64 = 0x4000_0024;
-/// Longer than the watchdog's interval, with the tolerance of its oscillator: firmware that keeps restarting never
-/// counts so far.
+/// Count that shows that the firmware does not restart: longer than the watchdog's interval, with
+/// the tolerance of its oscillator.
 const WITHOUT_RESTART_US: u32 = 1_000_000;
 
-/// The image from `FMC_FIRMWARE`; a relative path is relative to the root of the workspace.
+/// Returns the path of the image from `FMC_FIRMWARE`; a relative path starts at the root of the
+/// workspace.
 fn firmware() -> Result<PathBuf> {
     let path = env::var_os("FMC_FIRMWARE").context("FMC_FIRMWARE names no image")?;
     Ok(PathBuf::from(concat!(env!("CARGO_MANIFEST_DIR"), "/../..")).join(path))
@@ -59,8 +61,8 @@ fn image_runs_without_restart_and_computes_as_this_pc() -> Result<()> {
     computes_as_this_pc(Path::new(&port))
 }
 
-/// A frame, and a grid over the sensor: the camera's own answers, compared bit by bit with those of its code on this
-/// PC.
+/// Checks a frame and a grid over the sensor: the camera's own answers must have the bits of its
+/// code on this PC.
 fn computes_as_this_pc(port: &Path) -> Result<()> {
     let mut camera = serial::connect(port)?;
     let lens = CalibrationRecord {

@@ -1,30 +1,31 @@
-//! The arithmetic that a core has for slices.
+//! Arithmetic of a core's instructions for slices.
 
 use core::arch::asm;
 use core::hint::black_box;
 
-/// How numbers below 2⁻¹²⁶ (subnormal) count.
+/// Treatment of numbers below 2⁻¹²⁶ (subnormal).
 #[derive(Clone, Copy, Debug)]
 pub(crate) enum Arithmetic {
-    /// As what they are: IEEE 754.
+    /// Subnormal numbers keep their values: IEEE 754.
     Gradual,
-    /// As zero: Helium's vectors, whatever FPSCR says (Armv8-M Architecture Reference Manual, DDI 0553, standard FPSCR
-    /// value).
+    /// Subnormal numbers count as zero: Helium's vectors, for every value of FPSCR (Armv8-M
+    /// Architecture Reference Manual, DDI 0553, standard FPSCR value).
     Flushing,
 }
 
-/// That of the kernels that are compared.
+/// Arithmetic of the kernels that are compared.
 pub(crate) const OF_KERNEL: Arithmetic = if cfg!(mps2) {
     Arithmetic::Gradual
 } else {
     Arithmetic::Flushing
 };
 
-/// FZ and DN of FPSCR: subnormal numbers count as zero, one NaN for all.
+/// FZ and DN of FPSCR: subnormal numbers count as zero, and every NaN becomes the default one.
 const FLUSHING: u32 = 0b11 << 24;
 
 impl Arithmetic {
-    /// Does work on single numbers in this arithmetic; it must take what it works on from a black box.
+    /// Does work on single numbers in this arithmetic; it must read its numbers through a black
+    /// box.
     pub(crate) fn run(self, work: impl FnOnce()) {
         match self {
             Self::Gradual => work(),
@@ -40,12 +41,13 @@ impl Arithmetic {
 
 fn fpscr() -> u32 {
     let value;
-    // SAFETY: reads a register.
+    // SAFETY: the instruction only reads a register.
     unsafe { asm!("vmrs {}, fpscr", out(reg) value) };
     value
 }
 
 fn set_fpscr(value: u32) {
-    // SAFETY: changes how numbers below 2⁻¹²⁶ and NaN are treated, which no other code here rests on.
+    // SAFETY: the change affects only numbers below 2⁻¹²⁶ and NaN, on which no other code here
+    // relies.
     unsafe { asm!("vmsr fpscr, {}", in(reg) value) };
 }

@@ -1,4 +1,4 @@
-//! One comparison: the same points as a slice through a kernel, and one by one through the portable one, in both
+//! Comparison of a kernel on a slice with the portable kernel on its single points, in both
 //! layouts.
 
 use core::fmt;
@@ -8,19 +8,20 @@ use fmc_camera_kernel::{Coefficients, full_pairs, full_xy, portable, short_pairs
 
 use crate::arithmetic::Arithmetic;
 
-/// Most points of one comparison.
+/// Largest number of points of a comparison.
 pub(crate) const MOST: usize = 300;
-/// What lies before and after the points.
+/// Value of the memory before and after the points.
 const GUARD: f32 = -7.25;
-/// Numbers before the first point: the second makes a slice that is aligned to four bytes and not to eight.
+/// Count of numbers before the first point: the second makes a slice that is aligned to four bytes
+/// and not to eight.
 const OFFSETS: [usize; 2] = [2, 3];
-/// Numbers of a buffer: points, and guards on both sides.
+/// Count of numbers in a buffer: points, and guards on both sides.
 const ROOM: usize = 2 * MOST + 8;
 
-/// A result that is not the portable kernel's.
+/// A result that differs from the portable kernel's.
 #[derive(Debug)]
 pub(crate) struct Difference {
-    /// What was compared.
+    /// Name of the kernel or property.
     pub(crate) what: &'static str,
     /// Number of points.
     pub(crate) points: usize,
@@ -33,7 +34,7 @@ pub(crate) struct Difference {
 }
 
 impl Difference {
-    /// A number of points that is not allowed.
+    /// Returns the difference for a number of points that is not allowed.
     pub(crate) fn of_count(what: &'static str, points: usize) -> Self {
         Self {
             what,
@@ -61,7 +62,7 @@ impl fmt::Display for Difference {
     }
 }
 
-/// Memory that starts on eight bytes.
+/// Memory aligned to eight bytes.
 #[repr(align(8))]
 struct Memory([f32; ROOM]);
 
@@ -79,8 +80,8 @@ const XY: [(&str, Xy, Single); 2] = [
     ("full_xy", full_xy, portable::full),
 ];
 
-/// Pairs through the short and the full form, against single points. The arithmetic is that of single numbers: of the
-/// reference, and of what a kernel leaves over from its vectors.
+/// Compares pairs, through the short and the full form, with single points. `arithmetic` applies to
+/// single numbers: to the reference, and to the points that a kernel does not put into its vectors.
 ///
 /// # Errors
 /// The first [`Difference`].
@@ -109,7 +110,7 @@ pub(crate) fn pairs(
     Ok(())
 }
 
-/// The same points with x and y apart.
+/// Compares the same points with x and y in separate slices.
 ///
 /// # Errors
 /// The first [`Difference`].
@@ -150,16 +151,17 @@ pub(crate) fn xy(
     Ok(())
 }
 
-/// By how much coordinates may differ.
+/// Largest difference of coordinates.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Bound {
-    /// Besides one in the last place.
+    /// Difference in addition to one unit in the last place.
     pub(crate) difference_mm: f32,
-    /// Larger ones may not differ.
+    /// Largest coordinate that may differ.
     pub(crate) up_to_mm: f32,
 }
 
-/// Every form and layout against single points in IEEE arithmetic; how many coordinates differ.
+/// Compares every form and layout with single points in IEEE arithmetic; returns how many
+/// coordinates differ.
 ///
 /// # Errors
 /// The first [`Difference`] beyond the bound.
@@ -201,7 +203,8 @@ pub(crate) fn within(
     Ok(different)
 }
 
-/// The portable kernel on single numbers: from a black box and into it, so that no compiler puts points side by side.
+/// Runs the portable kernel on single numbers, from a black box and into it, so that no compiler
+/// combines points.
 fn one_by_one<'a>(
     single: Single,
     form: &Coefficients,
@@ -236,10 +239,10 @@ fn same(
     Ok(())
 }
 
-/// Shows that a last bit, a sign of zero and a NaN are seen where they differ.
+/// Checks that the comparison sees a different last bit, sign of zero and NaN.
 ///
 /// # Errors
-/// Where one is not.
+/// The [`Difference`] that it does not see.
 pub(crate) fn sees_differences() -> Result<(), Difference> {
     let (one, next) = (1.0, f32::from_bits(1.0_f32.to_bits() + 1));
     for (found, expected) in [(one, next), (0.0, -0.0), (f32::NAN, one)] {

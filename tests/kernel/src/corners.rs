@@ -5,7 +5,7 @@ use fmc_camera_kernel::Coefficients;
 use crate::arithmetic::OF_KERNEL;
 use crate::check::{self, Difference};
 
-/// Coordinates and coefficients that are special to the arithmetic.
+/// Coordinates and coefficients that are special in the arithmetic.
 const SPECIAL: [f32; 17] = [
     0.0,
     -0.0,
@@ -26,7 +26,7 @@ const SPECIAL: [f32; 17] = [
     f32::NAN,
 ];
 
-/// A camera's coefficients.
+/// Coefficients of a camera.
 pub(crate) const CAMERA: Coefficients = Coefficients {
     cx: 0.131,
     cy: -0.074,
@@ -44,7 +44,7 @@ pub(crate) const CAMERA: Coefficients = Coefficients {
     ty: -5.0e-6,
 };
 
-/// Compares; the number of points.
+/// Compares the corner cases; returns the number of points.
 ///
 /// # Errors
 /// The first [`Difference`].
@@ -60,7 +60,7 @@ pub(crate) fn compare() -> Result<usize, Difference> {
     for form in forms() {
         compared += both(&form, &points)?;
         for length in 0..=9 {
-            // From another point each time.
+            // Each length starts at another point.
             let (_, from) = points.split_at(11 * length);
             compared += both(&form, from.split_at(length).0)?;
         }
@@ -74,7 +74,8 @@ fn both(form: &Coefficients, points: &[[f32; 2]]) -> Result<usize, Difference> {
     Ok(points.len())
 }
 
-/// A camera, nothing, and a camera with each coefficient in turn, then all, a special number.
+/// Returns a camera, all zeros, and for each special number a camera with that number as each
+/// coefficient in turn, then as all.
 fn forms() -> impl Iterator<Item = Coefficients> {
     let special = SPECIAL.into_iter().flat_map(|value| {
         let one = (0..14).map(move |index| {
@@ -89,7 +90,7 @@ fn forms() -> impl Iterator<Item = Coefficients> {
     [CAMERA, Coefficients::default()].into_iter().chain(special)
 }
 
-/// The coefficients as a list.
+/// Returns the coefficients as a list.
 fn numbers(form: Coefficients) -> [f32; 14] {
     [
         form.cx, form.cy, form.k0, form.k1, form.k2, form.k3, form.hx, form.hy, form.gx, form.gy,
@@ -97,7 +98,7 @@ fn numbers(form: Coefficients) -> [f32; 14] {
     ]
 }
 
-/// The coefficients of a list.
+/// Returns the coefficients of a list.
 pub(crate) fn coefficients(
     [cx, cy, k0, k1, k2, k3, hx, hy, gx, gy, b1, b2, tx, ty]: [f32; 14],
 ) -> Coefficients {

@@ -1,13 +1,16 @@
-//! Holds the kernel that is scheduled by hand against the portable one, on the core it is scheduled for: Cortex-M4F and
-//! M7. On the Cortex-M55 it is the portable one that a compiler has put into vectors.
+//! Comparison of the kernel that is scheduled by hand with the portable one, on the core it is
+//! scheduled for: Cortex-M4F and M7. On the Cortex-M55 the compared kernel is the portable one,
+//! vectorised by a compiler.
 //!
-//! Ten million random points in each of the two forms, and all corner cases, must come out with the same bits as single
-//! points; any NaN equals any other. What lies beside the points must stay as it is, and so must the caller's
-//! registers. Prints what it has compared over semihosting; fails at the first difference.
+//! Ten million random points in each of the two forms, and all corner cases, must come out with the
+//! same bits as single points; any NaN equals any other. The memory beside the points and the
+//! caller's registers must not change. The program prints the number of points over semihosting and
+//! fails at the first difference.
 //!
-//! Helium's vectors take numbers below 2⁻¹²⁶ for zero. Where there can be such numbers, single points, and what is left
-//! over of a slice, are calculated in that arithmetic, and how far it is from IEEE 754 is checked near the principal
-//! point. Elsewhere a camera's coefficients and points make none, and the bits are those of IEEE 754.
+//! Helium's vectors take numbers below 2⁻¹²⁶ for zero. Where such numbers can occur, the program
+//! calculates single points, and those left over from a slice, in that arithmetic, and checks near
+//! the principal point how far it is from IEEE 754. Elsewhere a camera's coefficients and points do
+//! not lead to such numbers, and the bits are those of IEEE 754.
 
 #![cfg_attr(target_os = "none", no_std, no_main)]
 
@@ -36,7 +39,7 @@ fn run() -> ! {
     use cortex_m_semihosting::hprintln;
 
     let outcome = check::sees_differences();
-    // Elsewhere a compiler sees to it.
+    // On other cores the compiler keeps the registers.
     #[cfg(mps2)]
     let outcome = outcome.and_then(|()| registers::are_kept());
     let outcome = outcome

@@ -1,4 +1,4 @@
-//! A panic ends the emulation as a failure.
+//! Panic handler that ends the emulation as a failure.
 
 use core::panic::PanicInfo;
 

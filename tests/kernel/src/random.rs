@@ -1,4 +1,4 @@
-//! Points and coefficients at random: of cameras, and of any bits at all.
+//! Random points and coefficients: those of cameras, and any bits.
 
 use core::array::from_fn;
 
@@ -8,16 +8,16 @@ use crate::arithmetic::{Arithmetic, OF_KERNEL};
 use crate::check::{self, Difference, MOST};
 use crate::corners::coefficients;
 
-/// Points in all.
+/// Number of points.
 const POINTS: usize = 10_000_000;
 /// Half of the largest sensor, mm.
 const REACH_MM: f32 = 60.0;
-/// Of cx to ty, the largest that a camera has, or more.
+/// Largest values of cx to ty that a camera has, or more.
 const LARGEST: [f32; 14] = [
     2.0, 2.0, 1e-2, 1e-4, 1e-7, 1e-10, 1e-4, 1e-4, 1e-4, 1e-4, 1e-3, 1e-3, 1e-2, 1e-2,
 ];
 
-/// Compares; the number of points.
+/// Compares the random points; returns their number.
 ///
 /// # Errors
 /// The first [`Difference`].
@@ -32,10 +32,10 @@ pub(crate) fn compare() -> Result<usize, Difference> {
         for point in &mut points {
             *point = from_fn(|_| generator.number(REACH_MM, any_bits));
         }
-        // All remainders of a block and of two.
+        // The lengths have all remainders of a block and of two.
         let length = MOST - usize::from(generator.next().to_le_bytes()[1] % 12);
         let (points, _) = points.split_at(length);
-        // With a camera's numbers nothing falls below 2⁻¹²⁶.
+        // With a camera's numbers no product falls below 2⁻¹²⁶.
         let arithmetic = if any_bits {
             OF_KERNEL
         } else {
@@ -63,7 +63,7 @@ impl Generator {
         self.0
     }
 
-    /// Between -`largest` and `largest`, or of any bits.
+    /// Returns a number between -`largest` and `largest`, or one of any bits.
     fn number(&mut self, largest: f32, any_bits: bool) -> f32 {
         let bits = self.next();
         if any_bits {

@@ -1,4 +1,4 @@
-//! The registers that a function has to leave as it found them.
+//! The registers that a function must leave as it found them.
 
 use core::arch::asm;
 
@@ -7,9 +7,9 @@ use fmc_camera_kernel::Coefficients;
 use crate::check::Difference;
 use crate::corners::CAMERA;
 
-/// Points of a block, and of two.
+/// Number of points: two blocks of three.
 const POINTS: usize = 6;
-/// What is put into s16 to s31.
+/// Numbers put into s16 to s31.
 const NUMBERS: [f32; 16] = [
     1.0, 2.0, 3.0, 4.0, 5.0, 6.0, 7.0, 8.0, 9.0, 10.0, 11.0, 12.0, 13.0, 14.0, 15.0, 16.0,
 ];
@@ -21,7 +21,7 @@ unsafe extern "C" {
     fn fmc_camera_kernel_full_xy(_: *mut f32, _: *mut f32, blocks: usize, _: *const Coefficients);
 }
 
-/// Calls a kernel with numbers in s16 to s31 and looks for them afterwards.
+/// Calls a kernel with numbers in s16 to s31 and compares them afterwards.
 macro_rules! kept {
     ($kernel:path, $first:expr, $second:expr, $third:expr, $fourth:expr) => {{
         let before = NUMBERS.map(f32::to_bits);
@@ -51,7 +51,7 @@ macro_rules! kept {
     }};
 }
 
-/// Whether every kernel keeps them, for one block and for two.
+/// Checks that every kernel keeps the registers, for one block and for two.
 ///
 /// # Errors
 /// The first [`Difference`].

@@ -1,4 +1,4 @@
-//! The camera in flight.
+//! Public functions of the camera in flight.
 
 use fmc_camera::flight::{
     camera::{Camera, CameraRecord},

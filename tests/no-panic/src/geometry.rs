@@ -1,4 +1,4 @@
-//! The geometry of one exposure.
+//! Public functions of the geometry of one exposure.
 
 use fmc_camera::geometry::{
     brown::Brown,

@@ -1,4 +1,4 @@
-//! The link, and what aircraft send.
+//! Public functions of the link and of the receivers of aircraft data.
 
 use fmc_camera::flight::drive::rig::RigDrive;
 use fmc_camera::io::link::{

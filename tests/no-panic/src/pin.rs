@@ -1,15 +1,15 @@
-//! A pin of which nobody knows what it does.
+//! A pin of unknown behaviour.
 
 use core::hint::black_box;
 
 use embedded_hal::digital::{Error, ErrorKind, ErrorType, InputPin, OutputPin};
 use embedded_hal::pwm::{self, SetDutyCycle};
 
-/// Input, output and pulse width; any call can fail.
+/// Pin for input, output and pulse width, of which any call can fail.
 #[derive(Debug)]
 pub(crate) struct Pin;
 
-/// It failed.
+/// Failure of a pin.
 #[derive(Debug)]
 pub(crate) struct Failed;
 
