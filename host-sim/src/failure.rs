@@ -19,7 +19,7 @@ enum Exit {
     DeviceOrIo = 3,
 }
 
-/// A command that did not succeed: its exit code and what the user reads.
+/// A command that did not succeed: its exit code and the text for the user.
 #[derive(Debug)]
 pub struct Failure {
     exit: Exit,

@@ -1,5 +1,5 @@
-//! The counterpart of `fmc-camera` on the PC: strict reference solver, verification,
-//! calibration, and the client of the camera.
+//! Library of the program `host-sim`: command line, commands, devices with the client of the
+//! camera, and file formats.
 
 pub mod cli;
 pub mod command;

@@ -14,7 +14,7 @@ impl Arrow {
     }
 }
 
-/// The length of a displacement, in its unit.
+/// Returns the length of a displacement, in its unit.
 pub(crate) fn length_of([x, y]: [f64; 2]) -> f64 {
     x.hypot(y)
 }

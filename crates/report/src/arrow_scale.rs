@@ -49,7 +49,7 @@ impl ArrowScale {
         displacement_mm.map(|part| part * self.exaggeration)
     }
 
-    /// True and drawn length of a sample arrow: 1, 2 or 5 of a decade.
+    /// Returns true and drawn length of a sample arrow: 1, 2 or 5 of a decade.
     pub(crate) fn sample(&self) -> Option<(f64, f64)> {
         if self.exaggeration <= 0.0 {
             return None;

@@ -136,8 +136,8 @@ pub enum Command {
     /// line.
     ///
     /// First `prepare --camera FILE`, then, with the stage at its calibrated position,
-    /// `referenced`, then `arm`. V/H comes from the aircraft or, on a bench, from `vh`. `host-sim
-    /// records` fetches the records.
+    /// `referenced`, then `arm`. V/H comes from the aircraft or, on a bench, from `vh`.
+    /// `host-sim records` fetches the records.
     Camera(CameraArgs),
 }
 
@@ -257,7 +257,7 @@ pub struct ReferenceArgs {
     /// distortion twice.
     #[arg(long, value_name = "READING", default_value = "consistent")]
     pub reading: ReadingName,
-    /// The points and where the answer goes.
+    /// Files of points and answers.
     #[command(flatten)]
     pub files: PointFiles,
 }

@@ -15,7 +15,7 @@ use crate::device::{Device, DeviceError};
 use crate::failure::Failure;
 use crate::formats::output::OutputFolder;
 
-/// Most vertices of a mesh: half a gigabyte of the longest words.
+/// Largest number of vertices of a mesh: half a gigabyte of the longest words.
 const MAX_VERTICES: u64 = 1 << 26;
 
 /// Largest spacing of the vertices of TI's LDC, pixels: 2⁷.
@@ -110,9 +110,9 @@ impl Layout {
         }
         let spacing = u32::from(args.spacing);
         let vertices = [width, height].map(|side| match args.format {
-            // A map has its last vertex at the last pixel or beyond it,
+            // A map has its last vertex at the last pixel or beyond it.
             MeshFormatName::Opencv | MeshFormatName::Vitis => (side - 1).div_ceil(spacing) + 1,
-            // a mesh of cells where its last cell ends.
+            // A mesh of cells has its last vertex at the end of the last cell.
             _ => side.div_ceil(spacing) + 1,
         });
         let source_px = args.source.unwrap_or(origin_px);

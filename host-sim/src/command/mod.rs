@@ -23,7 +23,7 @@ use crate::failure::Failure;
 /// Runs a command.
 ///
 /// # Errors
-/// [`Failure`] with the exit code and what the user reads.
+/// [`Failure`] with the exit code and the text for the user.
 pub fn run(cli: Cli) -> Result<(), Failure> {
     match cli.command {
         Command::Verify(args) => verify::run(&args),

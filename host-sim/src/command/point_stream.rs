@@ -51,7 +51,7 @@ impl<'a> PointStream<'a> {
         })
     }
 
-    /// Writes what `answer` appends for every block.
+    /// Writes the answers that `answer` appends for every block.
     pub(super) fn answer(
         mut self,
         mut answer: impl FnMut(&Source, &Block, &mut Vec<Answer>) -> Result<(), Failure>,

@@ -58,7 +58,7 @@ pub enum DeviceError {
     /// The device refuses the settings of the flight.
     #[error("the camera refuses the flight's settings: {0}")]
     Settings(SettingOutOfRange),
-    /// Records of the flight before would be lost.
+    /// Records of an earlier flight would be lost.
     #[error(
         "the camera still has {0} records of an earlier flight; fetch them with `host-sim records`"
     )]
@@ -122,7 +122,8 @@ pub enum DifferentResult {
         /// Digest of the calibration that was sent.
         twin: u32,
     },
-    /// One refuses what the other accepts, or for another reason; `None` where it accepts.
+    /// Refusals: one side refuses what the other accepts, or for another reason; `None` where it
+    /// accepts.
     Refusal {
         /// The camera's reason.
         camera: Option<String>,

@@ -154,7 +154,7 @@ impl Wire {
         }
     }
 
-    /// Delivers what is due.
+    /// Delivers the bytes that are due.
     fn deliver(&mut self) {
         let now = self.now;
         let due = |queue: &mut Vec<(u32, Vec<u8>)>| -> Vec<Vec<u8>> {

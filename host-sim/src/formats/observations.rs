@@ -37,7 +37,7 @@ pub fn read(path: &Path, camera: &CameraFile) -> Result<ObservationTable, Failur
     parse(&path.display().to_string(), source, camera)
 }
 
-/// Parses observations; `file` is what messages call them.
+/// Parses observations; `file` is the name of the file in messages.
 ///
 /// # Errors
 /// As [`read`].

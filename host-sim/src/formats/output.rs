@@ -22,7 +22,7 @@ pub fn write(
 /// A reason why an output was not completed.
 #[derive(Debug)]
 pub enum Stopped {
-    /// It cannot be written.
+    /// The output cannot be written.
     Output(io::Error),
     /// The source of the output has failed.
     Body(Failure),

@@ -232,9 +232,9 @@ fn arrays_that_are_no_points_are_refused_with_what_they_are() {
     refused(&longer, &["goes on behind the 3 rows"]);
 }
 
-/// Arrays written by NumPy 2: `a = arange(6, dtype='<f8').reshape(3, 2)`, `format.write_array(file,
-/// a, version=...)`, and `save` of `a.astype('<f4')`, `a.astype('>f8')`, `asfortranarray(a)` and of
-/// two numbers in a record.
+/// Arrays written by NumPy 2: `a = arange(6, dtype='<f8').reshape(3, 2)`,
+/// `format.write_array(file, a, version=...)`, and `save` of `a.astype('<f4')`, `a.astype('>f8')`,
+/// `asfortranarray(a)` and of two numbers in a record.
 const BY_NUMPY: [(&str, &[u8]); 7] = [
     ("version 1", include_bytes!("numpy/f8-version-1.npy")),
     ("version 2", include_bytes!("numpy/f8-version-2.npy")),

@@ -3,7 +3,8 @@
 
 use fmc_simulation::mechanics::{LONGEST_SUBSTEP_S, Mechanics, MechanicsSettings};
 
-/// Duties of 10 ms each: off, both ways, reversal through rest, and a push that friction withstands.
+/// Duties of 10 ms each: breaking away, both directions, reversal through rest, and a push that
+/// friction withstands.
 const DUTIES: [f64; 8] = [0.2, 0.5, -0.3, -0.4, 0.0, 0.03, 0.25, 0.0];
 
 /// Returns the stage's path, every millisecond, mm.
@@ -63,7 +64,8 @@ fn steady_force_against_friction_and_damping_is_the_formula() {
     let speed = force / damping * (1.0 - (-0.03 / tau).exp());
     let way_mm = 1e3 * (force / damping * 0.03 - tau * speed);
     let off_nm = 1e6 * (mechanics.position_mm() - way_mm);
-    // The trapezoid of the position: h²/12 of the change of acceleration, a tenth of a nanometre.
+    // The trapezoidal rule for the position errs by h²/12 of the change of acceleration, a tenth of
+    // a nanometre.
     assert!(off_nm.abs() < 1.0, "{off_nm} nm of {way_mm} mm");
     assert!((mechanics.speed_mm_s() - 1e3 * speed).abs() < 1e-6);
 }

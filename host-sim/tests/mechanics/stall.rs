@@ -114,7 +114,7 @@ fn jam_and_wrong_sign_pass_the_limit_within_five_ms_and_healthy_motion_never_doe
             }
         }
     }
-    // The bounds of healthy motion are asserted in `following`.
+    // The test `following` asserts the bounds of healthy motion.
     const {
         assert!(2.0 * LoopSettings::LEARNED.seen_um < LoopSettings::FOLLOWING_LIMIT_UM);
         assert!(LoopSettings::UNLEARNED.seen_um < LoopSettings::FOLLOWING_LIMIT_UNLEARNED_UM);

@@ -195,7 +195,8 @@ fn cut_line_is_bridged_then_flown_without_and_everything_comes_afterwards() {
     let sentences = flown.sentences;
     assert_eq!(sentences.refused, 1, "{sentences:?}");
     assert!(sentences.read + 140 < sentences.sent && sentences.lost_bytes > 5000);
-    // The clock goes on from its pulses: UTC of every frame from the onset on is right to 20 µs, the simulation's step.
+    // The clock continues from its pulses: UTC of every frame from the onset on is right to 20 µs,
+    // the simulation's step.
     let first_pulse_s = scenario.written.gnss.as_ref().unwrap().first_pulse_unix_s;
     for frame in flown.frames.iter().skip(8) {
         let (Outcome::Exposed(exposed), Some(truth)) = (&frame.record.outcome, &frame.truth) else {

@@ -30,7 +30,7 @@ fn moments(solver: &StrictSolver) -> [f64; 8] {
 }
 
 /// Returns the static distortion with every moment term for e = +y
-/// (docs/derivations/exposure_mean.py), and the part of the moment terms that the evaluation form
+/// (`docs/derivations/exposure_mean.py`), and the part of the moment terms that the evaluation form
 /// does not hold.
 fn expanded(lens: &Lens, [x, y]: [f64; 2], mu: [f64; 8]) -> ([f64; 2], [f64; 2]) {
     let [_, k1, k2, k3] = lens.k;
@@ -119,7 +119,7 @@ fn leaf_camera(axis: Axis) -> CameraFile {
 const AXES: [Axis; 4] = [Axis::PlusX, Axis::MinusX, Axis::PlusY, Axis::MinusY];
 
 /// Returns an exposure with δ = 0.34 mm at f = 100 mm, the largest travel of
-/// docs/derivations/exposure_mean.py.
+/// `docs/derivations/exposure_mean.py`.
 fn request() -> ExposureRequest {
     ExposureRequest {
         opening_offset_mm: Some(0.145),

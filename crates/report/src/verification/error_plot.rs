@@ -20,7 +20,7 @@ const AXIS_WIDTH: u32 = 150;
 const AXIS_HEIGHT: u32 = 90;
 /// Width for the name of the limit, right of the plot.
 const EDGE: u32 = 150;
-/// The vertical text is centred on the margin's edge.
+/// Left margin, on whose edge the vertical text is centred.
 const EDGE_LEFT: u32 = 20;
 const FONT: u32 = 24;
 /// Value at which smaller errors are drawn, as a logarithmic axis has no zero.

@@ -58,7 +58,7 @@ impl Source {
     /// Opens a file, `-` for standard input, reads its header and begins to read its points.
     ///
     /// # Errors
-    /// [`Failure`] naming the file and what is wrong with its header.
+    /// [`Failure`] naming the file and the error in its header.
     pub fn open(
         path: &Path,
         format: PointFormat,
