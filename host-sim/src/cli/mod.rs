@@ -85,7 +85,7 @@ pub enum Command {
     Smear(SmearArgs),
     /// Simulate a calibration of the five-coefficient model: Yuan et al. 2012, section 4.1.
     ///
-    /// The experiment answers how much five fitted coefficients gain as a correction of the motion.
+    /// The experiment shows how much five fitted coefficients gain as a correction of the motion.
     /// The strict solver makes distortions of 21 x 21 points in 60 exposures (10 V/H from 0.05 to
     /// 0.17 1/s, 1/100 to 1/700 s), seeded noise is added, and the coefficients are found by least
     /// squares: exposure by exposure, and from all together. The report compares the static, the
