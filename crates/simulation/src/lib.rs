@@ -1,7 +1,7 @@
-//! What the camera is tried on, simulated in double precision: the physical exposure ([`scene`]),
-//! the stage under force ([`mechanics`]), flights with the camera in the loop ([`mission`]) and
-//! over ground control ([`strip_experiment`]), and what follows from them for a camera ([`smear`],
-//! [`sweep`], [`budget`]). A seed makes every run repeatable.
+//! Simulation of the camera in double precision: the physical exposure ([`scene`]), the stage under
+//! force ([`mechanics`]), flights with the camera in the loop ([`mission`]) and over ground control
+//! ([`strip_experiment`]), and what follows from them for a camera ([`smear`], [`sweep`],
+//! [`budget`]). A seed makes every run repeatable.
 
 #![forbid(unsafe_code)]
 

@@ -4,15 +4,15 @@ use rand_chacha::ChaCha8Rng;
 use rand_chacha::rand_core::SeedableRng;
 use rand_distr::{Distribution, StandardNormal};
 
-/// A source of normal deviates.
+/// Source of normal deviates.
 ///
-/// The generator is `ChaCha` with 8 rounds, whose output is the same on every machine; deviates by the
-/// ziggurat method of `rand_distr` with functions of `libm`.
+/// The generator is `ChaCha` with 8 rounds, whose output is the same on every machine. Deviates
+/// come from the ziggurat method of `rand_distr` with functions of `libm`.
 #[derive(Debug, Clone)]
 pub struct Noise(ChaCha8Rng);
 
 impl Noise {
-    /// One of 2⁶⁴ independent sources of a seed.
+    /// Creates one of the 2⁶⁴ independent sources of a seed.
     #[must_use]
     pub fn new(seed: u64, stream: u64) -> Self {
         let mut generator = ChaCha8Rng::seed_from_u64(seed);
@@ -20,7 +20,7 @@ impl Noise {
         Self(generator)
     }
 
-    /// The next deviates, each of the given standard deviation.
+    /// Returns the next deviates, each with the given standard deviation.
     pub fn next<const N: usize>(&mut self, sigmas: [f64; N]) -> [f64; N] {
         sigmas.map(|sigma| {
             let deviate: f64 = StandardNormal.sample(&mut self.0);

@@ -1,11 +1,11 @@
-//! Allowed ranges of the numbers of scenarios, and those that scenarios share.
+//! Allowed ranges of the numbers of scenarios, and the ranges that scenarios share.
 
 use std::fmt;
 
 use fmc_camera_file::InputError;
 use fmc_camera_file::toml_text::TomlText;
 
-/// Least and most of a quantity.
+/// Smallest and largest value of a quantity.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(crate) struct Range {
     pub(crate) least: f64,
@@ -13,31 +13,31 @@ pub(crate) struct Range {
     pub(crate) unit: &'static str,
 }
 
-/// Above the ground frame's zero.
+/// Flying height above the ground frame's zero.
 pub(crate) const FLYING_HEIGHT: Range = range(50.0, 15_000.0, "m");
-/// Over ground.
+/// Ground speed.
 pub(crate) const SPEED: Range = range(10.0, 350.0, "m/s");
-/// Of an exposure, first light to last.
+/// Exposure time, first light to last.
 pub(crate) const EXPOSURE: Range = range(1e-6, 0.1, "s");
-/// Of the mean terrain.
+/// Height of the mean terrain.
 pub(crate) const TERRAIN_HEIGHT: Range = range(-500.0, 9000.0, "m");
-/// Amplitude of the terrain.
+/// Amplitude of the terrain's relief.
 pub(crate) const RELIEF: Range = range(0.0, 4000.0, "m");
-/// Of the terrain's relief.
+/// Wavelength of the terrain's relief.
 pub(crate) const WAVELENGTH: Range = range(10.0, 1e5, "m");
 
-/// A range with its unit.
+/// Creates a range with its unit.
 pub(crate) const fn range(least: f64, most: f64, unit: &'static str) -> Range {
     Range { least, most, unit }
 }
 
 impl Range {
-    /// Whether a value lies inside, ends included.
+    /// Returns true if a value lies inside, ends included.
     pub(crate) fn holds(&self, value: f64) -> bool {
         self.least <= value && value <= self.most
     }
 
-    /// Refuses a value outside.
+    /// Refuses a value outside of the range.
     pub(crate) fn check(
         &self,
         value: f64,
@@ -61,7 +61,7 @@ impl Range {
         Err(text.invalid(path, &format!("is out of range: allowed {self}{hint}")))
     }
 
-    /// Refuses a list with a value outside.
+    /// Refuses a list with a value outside of the range.
     pub(crate) fn check_each(
         &self,
         values: &[f64],
@@ -84,7 +84,7 @@ impl fmt::Display for Range {
     }
 }
 
-/// A count as a number.
+/// Converts a count into a number.
 pub(crate) fn whole(count: i64) -> f64 {
     i32::try_from(count).map_or(f64::INFINITY, f64::from)
 }

@@ -1,12 +1,12 @@
-//! Numbers of things as findings and reports write them.
+//! Wording of numbers in findings and reports.
 
-/// Digits in groups of three: `264,600`.
+/// Formats digits in groups of three: `264,600`.
 #[must_use]
 pub fn count(number: u64) -> String {
     grouped(&number.to_string())
 }
 
-/// The digits before the point in groups of three.
+/// Groups the digits before the point in threes.
 #[must_use]
 pub fn grouped(number: &str) -> String {
     let (whole, rest) = number.split_at(number.find('.').unwrap_or(number.len()));
@@ -20,7 +20,7 @@ pub fn grouped(number: &str) -> String {
     text + rest
 }
 
-/// A number of things, with their name in the singular or plural.
+/// Formats a number of things, with their name in the singular or plural.
 #[must_use]
 pub fn counted(number: usize, noun: &str) -> String {
     let plural = if number == 1 { "" } else { "s" };

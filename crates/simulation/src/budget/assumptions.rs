@@ -1,17 +1,17 @@
-//! What a budget assumes.
+//! Assumptions of an error budget.
 
-/// Uncertainties that no camera file holds.
+/// Uncertainties that a camera file does not state.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Assumptions {
-    /// H, m.
+    /// Flying height H, m.
     pub height_m: f64,
-    /// Focus shift that nobody measured, mm.
+    /// Focus shift that was not measured, mm.
     pub focus_mm: f64,
     /// Relative error of V/H.
     pub vh_error: f64,
-    /// h/H: terrain above the height that V/H holds for.
+    /// h/H: height of the terrain above the plane that V/H holds for, relative to H.
     pub relief: f64,
-    /// χ: drift that is not turned out, °.
+    /// χ: drift that the camera's mount does not turn out, °.
     pub drift_deg: f64,
     /// Rate of roll, of pitch and of yaw, °/s.
     pub rate_deg_s: f64,
@@ -21,6 +21,6 @@ pub struct Assumptions {
     pub timing_s: f64,
 }
 
-/// What a lens leaves of a focus shift that was corrected as a pure enlargement, relative to the
+/// Part of a focus shift that is left when it is corrected as a pure enlargement, relative to the
 /// shift: 173 nm per 10 µm, the worst of four ray-traced lenses (a wide-angle retrofocus).
 pub const FOCUS_REMAINDER: f64 = 0.173 / 10.0;

@@ -1,4 +1,4 @@
-//! What each source of error costs a camera.
+//! Error budget of a camera: the effect of each source of error on image and ground coordinates.
 
 pub mod assumptions;
 pub mod result;

@@ -1,20 +1,20 @@
-//! The terms of a budget.
+//! Terms of an error budget.
 
 use fmc_camera_file::MechanismName;
 
 use super::assumptions::Assumptions;
 
-/// What a term does to the image.
+/// Kind of effect that a term has on the image.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Kind {
-    /// Coordinates are wrong by it.
+    /// The coordinates are wrong by the term.
     Position,
-    /// The image is smeared over it; coordinates are not wrong.
+    /// The image is smeared over the length of the term; its coordinates are right.
     Smear,
 }
 
 impl Kind {
-    /// In reports.
+    /// Returns the name that reports use.
     #[must_use]
     pub const fn name(self) -> &'static str {
         match self {
@@ -33,34 +33,34 @@ pub enum Source {
     CalibratedPoint,
     /// Static calibration instead of the exposure mean.
     StaticDistortion,
-    /// Calibration about the moved principal point, without the moments of the motion.
+    /// Calibration about the moved principal point, without the moments of its motion.
     SecondOrder,
     /// Run-out of the stage that is not corrected.
     RunOut,
-    /// Focus shift that nobody measured.
+    /// Focus shift that was not measured.
     FocusShift,
-    /// What is left of it when it is.
+    /// Part of a measured focus shift that its correction leaves.
     FocusRemainder,
-    /// Step of the encoder.
+    /// Resolution of the encoder.
     Encoder,
     /// Error of the time stamp.
     Timing,
     /// Error of V/H.
     VhError,
-    /// Relief.
+    /// Relief of the terrain.
     Relief,
-    /// Drift.
+    /// Drift of the aircraft.
     Drift,
     /// Roll or pitch rate.
     TiltRate,
     /// Yaw rate.
     YawRate,
-    /// Charge that moves in whole rows under an image that moves evenly.
+    /// Charge transfer in whole rows under an image that moves evenly.
     RowTransfer,
 }
 
 impl Source {
-    /// All.
+    /// All sources.
     pub const ALL: [Self; 15] = [
         Self::OpeningTime,
         Self::CalibratedPoint,
@@ -79,7 +79,7 @@ impl Source {
         Self::RowTransfer,
     ];
 
-    /// Whether a camera with this mechanism has it.
+    /// Returns true if a camera with this mechanism has this source of error.
     #[must_use]
     pub fn is_of(self, mechanism: MechanismName) -> bool {
         match self {
@@ -89,7 +89,7 @@ impl Source {
         }
     }
 
-    /// In `summary.json`.
+    /// Returns the key used in `summary.json`.
     #[must_use]
     pub const fn key(self) -> &'static str {
         match self {
@@ -111,7 +111,7 @@ impl Source {
         }
     }
 
-    /// In reports.
+    /// Returns the label used in reports.
     #[must_use]
     pub const fn label(self) -> &'static str {
         match self {
@@ -133,7 +133,7 @@ impl Source {
         }
     }
 
-    /// What it does to the image.
+    /// Returns the kind of effect on the image.
     #[must_use]
     pub const fn kind(self) -> Kind {
         match self {
@@ -147,7 +147,7 @@ impl Source {
         }
     }
 
-    /// Whether a frame record and correction of this project remove it.
+    /// Returns true if the frame record and the correction of this project remove the error.
     #[must_use]
     pub const fn is_removed(self) -> bool {
         matches!(
@@ -161,25 +161,26 @@ impl Source {
     }
 }
 
-/// A term: its largest effect over a set of exposures, anywhere on the sensor.
+/// A term: the largest effect of a source over a set of exposures, anywhere on the sensor.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Term {
-    /// Of what.
+    /// Source of the error.
     pub source: Source,
-    /// Over the exposures of the paper that the camera accepts, mm; `None` where it accepts none.
+    /// Effect over the exposures of the paper that the camera accepts, mm; `None` if it accepts
+    /// none.
     pub paper_mm: Option<f64>,
-    /// Over the exposures that its limits allow, mm.
+    /// Effect over the exposures that the camera's limits allow, mm.
     pub limits_mm: f64,
 }
 
 /// A set of exposures.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Exposures {
-    /// How many the camera accepts.
+    /// Number of exposures that the camera accepts.
     pub accepted: usize,
-    /// How many it does not.
+    /// Number of exposures that it refuses.
     pub refused: usize,
-    /// Longest travel of the accepted ones, mm.
+    /// Longest travel of the accepted exposures, mm.
     pub longest_travel_mm: f64,
 }
 
@@ -188,9 +189,9 @@ pub struct Exposures {
 pub struct Budget {
     /// Name of the camera.
     pub camera: String,
-    /// How the run-up puts the exposures.
+    /// Run-up strategy of the stage, or `tdi`.
     pub strategy: &'static str,
-    /// f, mm.
+    /// Principal distance f, mm.
     pub principal_distance_mm: f64,
     /// Pixel pitch, mm.
     pub pixel_mm: f64,
@@ -198,30 +199,30 @@ pub struct Budget {
     pub vh_per_s: [f64; 2],
     /// Shortest and longest exposure, s.
     pub exposure_s: [f64; 2],
-    /// Of the paper.
+    /// Exposures of the paper.
     pub paper: Exposures,
-    /// Of the limits.
+    /// Exposures that the limits allow.
     pub limits: Exposures,
-    /// What was assumed.
+    /// Assumptions of the budget.
     pub assumptions: Assumptions,
-    /// The largest first.
+    /// Terms, the largest first.
     pub terms: Vec<Term>,
 }
 
 impl Budget {
-    /// A length on the sensor as one on the ground, m.
+    /// Converts a length on the sensor into one on the ground, m.
     #[must_use]
     pub fn ground_m(&self, length_mm: f64) -> f64 {
         length_mm * self.assumptions.height_m / self.principal_distance_mm
     }
 
-    /// A length on the sensor in pixels.
+    /// Converts a length on the sensor into pixels.
     #[must_use]
     pub fn pixels(&self, length_mm: f64) -> f64 {
         length_mm / self.pixel_mm
     }
 
-    /// The effect of a source over the limits, mm.
+    /// Returns the effect of a source over the exposures that the limits allow, mm.
     #[must_use]
     pub fn effect_mm(&self, source: Source) -> f64 {
         self.terms

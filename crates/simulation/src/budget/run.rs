@@ -1,4 +1,4 @@
-//! The terms over the exposures of a camera.
+//! Computation of the terms over the exposures of a camera.
 
 use fmc_camera::flight::camera::{Camera, FrameError};
 use fmc_camera::flight::exposure::Exposure;
@@ -16,10 +16,10 @@ use super::assumptions::{Assumptions, FOCUS_REMAINDER};
 use super::result::{Budget, Exposures, Source, Term};
 use crate::smear::term::{self, Disturbances, NotBelievable};
 
-/// Why there is no budget.
+/// Error of a budget.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
 pub enum BudgetError {
-    /// The camera is not one.
+    /// The camera's calibration is not valid.
     #[error(transparent)]
     Calibration(#[from] CalibrationError),
     /// An assumption is outside its range.
@@ -28,15 +28,15 @@ pub enum BudgetError {
     /// Part of the sensor does not see the ground.
     #[error(transparent)]
     ImageMotion(#[from] ImageMotionError),
-    /// The camera takes none of the exposures that its limits allow.
+    /// The camera accepts none of the exposures that its limits allow.
     #[error("none of the exposures that [limits] allow can be taken: {0}")]
     NoExposure(FrameError),
 }
 
-/// The budget of a camera.
+/// Computes the budget of a camera.
 ///
 /// # Errors
-/// [`BudgetError`] where the camera takes no exposure.
+/// [`BudgetError`] if the camera accepts none of its exposures.
 pub fn budget(camera: &CameraFile, assumptions: Assumptions) -> Result<Budget, BudgetError> {
     let checked = Camera::new(camera.record())?;
     let strategy = match camera.fmc.mechanism {
@@ -89,7 +89,7 @@ pub fn budget(camera: &CameraFile, assumptions: Assumptions) -> Result<Budget, B
     })
 }
 
-/// Exposures that the camera accepts.
+/// A set of exposures, split into those that the camera accepts and those that it refuses.
 struct Set {
     accepted: Vec<Accepted>,
     refused: usize,
@@ -135,7 +135,7 @@ impl Set {
         }
     }
 
-    /// Every effect in every exposure, mm.
+    /// Returns every effect in every exposure, mm.
     fn effects(
         &self,
         camera: &CameraFile,
@@ -206,8 +206,8 @@ const fn planned(exposure: GridExposure) -> ExposureRequest {
     ExposureRequest::planned(exposure.vh_per_s, exposure.exposure_s)
 }
 
-/// Largest length over the sensor of what the static calibration misses of the exposure mean, and
-/// of what the calibration about the centroid's principal point misses of it, mm.
+/// Returns the largest length over the sensor, mm, by which the static calibration misses the
+/// exposure mean, and that by which the calibration about the centroid's principal point misses it.
 fn distortion_effects(camera: &CameraFile, exposure: GridExposure) -> [f64; 2] {
     let mut flat = camera.clone();
     flat.fmc.flatness_um = vec![0.0];
@@ -307,7 +307,7 @@ mod tests {
         let radius_mm = 42.32_f64.hypot(40.32);
         assert!((effect_um(Source::RunOut) - 3.0 * radius_mm / 80.0).abs() < 1e-3);
         assert!((effect_um(Source::FocusShift) - 5.0 * radius_mm / 80.0).abs() < 1e-3);
-        // The run-out is none of the distortion terms.
+        // The run-out does not count among the distortion terms.
         assert!(effect_um(Source::StaticDistortion) < 0.3);
     }
 
@@ -329,7 +329,7 @@ mod tests {
         ));
         let budget = budget(&camera(""), assumptions()).unwrap();
         assert_eq!(budget.limits.refused, 0);
-        // One V/H and one time of the paper's grid are within the limits.
+        // One V/H and one exposure time of the paper's grid lie within the limits.
         assert_eq!(budget.paper.accepted, 1);
     }
 }

@@ -1,31 +1,31 @@
-//! What can break in the mechanics, when, and for how long.
+//! Faults of the mechanics, with their times.
 
 use serde::Deserialize;
 
-/// What breaks.
+/// Kind of a mechanical fault.
 #[derive(Debug, Clone, Copy, PartialEq, Deserialize)]
 #[serde(rename_all = "kebab-case", tag = "kind", deny_unknown_fields)]
 pub enum MechanicalFault {
-    /// The stage jams: so much more friction, N.
+    /// The stage jams: the friction rises by a force.
     Stall {
-        /// Friction of the jam, N; more than the motor's force holds the stage.
+        /// Additional friction, N; one larger than the motor's force holds the stage.
         force_n: f64,
     },
-    /// The encoder is off by so many counts.
+    /// The encoder's count is off.
     EncoderGlitch {
-        /// How many.
+        /// Number of counts by which it is off.
         counts: i32,
     },
-    /// The motor turns the other way.
+    /// The motor turns against the commanded direction.
     MotorReversed,
     /// The encoder counts the other way.
     EncoderReversed,
-    /// The bridge drives at a duty of its own, whatever it is told.
+    /// The bridge drives at a fixed duty, whatever it is commanded.
     Runaway {
-        /// Which, -1 to 1.
+        /// The duty, -1 to 1.
         duty: f64,
     },
-    /// The bridge is dead.
+    /// The bridge does not drive.
     BridgeOff,
     /// A limit switch is closed wherever the stage is.
     LimitStuck,
@@ -34,11 +34,11 @@ pub enum MechanicalFault {
 /// A fault with its time.
 #[derive(Debug, Clone, Copy, PartialEq, Deserialize)]
 pub struct Injection {
-    /// What breaks.
+    /// The fault.
     pub fault: MechanicalFault,
-    /// When, s since the start of the mechanics.
+    /// Begin of the fault, s since the start of the mechanics.
     pub from_s: f64,
-    /// When it is whole again, s; infinity for never.
+    /// End of the fault, s; infinity for a fault that stays.
     #[serde(default = "never")]
     pub until_s: f64,
 }
@@ -48,7 +48,7 @@ const fn never() -> f64 {
 }
 
 impl Injection {
-    /// A fault that begins at a time and stays.
+    /// Creates a fault that begins at a time and stays.
     #[must_use]
     pub const fn from(fault: MechanicalFault, from_s: f64) -> Self {
         Self {

@@ -1,15 +1,15 @@
-//! The motion of the last seconds.
+//! Record of the motion of the last seconds.
 
 use std::collections::VecDeque;
 
-/// Where screw and stage were at a time.
+/// Positions of screw and stage at a time.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Instant {
-    /// Since the start of the mechanics, s.
+    /// Time since the start of the mechanics, s.
     pub time_s: f64,
-    /// The screw, reduced to the stage, mm.
+    /// Position of the screw, reduced to the stage, mm.
     pub screw_mm: f64,
-    /// The stage, mm.
+    /// Position of the stage, mm.
     pub stage_mm: f64,
 }
 
@@ -31,7 +31,7 @@ impl History {
     pub(super) fn push(&mut self, instant: Instant) {
         self.instants.push_back(instant);
         let oldest_s = instant.time_s - self.length_s;
-        // One from before stays, to interpolate from.
+        // One instant before the first stays, so that it can be interpolated from.
         while self
             .instants
             .get(1)
@@ -46,7 +46,7 @@ impl History {
         self.instants.range(first..).copied()
     }
 
-    /// Between two instants linearly, at either end the nearest.
+    /// Interpolates linearly between two instants; outside returns the nearest one.
     pub(super) fn at(&self, time_s: f64) -> Option<Instant> {
         let next = self.instants.partition_point(|one| one.time_s < time_s);
         let after = self.instants.get(next).or(self.instants.back())?;

@@ -1,5 +1,5 @@
-//! The stage's mechanics: a motor that pushes a mass through friction and play, with what the encoder and the limit
-//! switches make of it, and with its faults.
+//! Mechanics of the stage: a motor that pushes a mass through friction and play, the encoder and
+//! the limit switches that read it, and their faults.
 
 mod fault;
 mod history;
@@ -15,7 +15,7 @@ pub use settings::{EncoderSide, LONGEST_SUBSTEP_S, MechanicsSettings};
 use history::History;
 use motion::{Forces, Motion};
 
-/// What the bridge is told.
+/// Command to the bridge.
 #[derive(Debug, Clone, Copy, PartialEq)]
 struct Order {
     at_s: f64,
@@ -23,12 +23,13 @@ struct Order {
     powered: bool,
 }
 
-/// The stage, moving.
+/// The moving stage.
 ///
-/// Offsets are along the FMC axis, positive duty pushes that way. The screw moves under force; the stage follows it
-/// with play: with the screw pushing along the axis the two offsets are equal, against it the stage is the play ahead.
-/// Friction of the stage keeps it on its flank: true while the stage's own friction is larger than its mass times the
-/// deceleration.
+/// Offsets are counted along the FMC axis; positive duty pushes in that direction. The screw moves
+/// under force and the stage follows it with play: while the screw pushes along the axis the two
+/// offsets are equal; while it pushes against the axis the stage is ahead by the play. The stage's
+/// friction keeps it on its flank. This holds while that friction is larger than the stage's mass
+/// times the deceleration.
 #[derive(Debug, Clone)]
 pub struct Mechanics {
     settings: MechanicsSettings,
@@ -37,20 +38,20 @@ pub struct Mechanics {
     motion: Motion,
     stage_mm: f64,
     order: Order,
-    /// Orders on their way to the bridge.
+    /// Commands on their way to the bridge.
     orders: VecDeque<Order>,
     history: History,
     /// The count about which a reversed encoder counts backwards.
     pivot: Option<i64>,
-    /// By how much the count is off for good after a reversal.
+    /// Lasting offset of the count after a reversal.
     shift: i64,
 }
 
 impl Mechanics {
-    /// A stage at rest at the calibrated position.
+    /// Creates a stage at rest at the calibrated position.
     ///
     /// # Errors
-    /// The field, its value and what is allowed.
+    /// A message that names the field, its value and what is allowed.
     pub fn new(settings: MechanicsSettings) -> Result<Self, String> {
         let settings = settings.checked()?;
         let start = Instant {
@@ -76,36 +77,37 @@ impl Mechanics {
         })
     }
 
-    /// Something will break.
+    /// Adds a fault.
     pub fn inject(&mut self, injection: Injection) {
         self.injections.push(injection);
     }
 
-    /// Since the start, s.
+    /// Time since the start, s.
     #[must_use]
     pub const fn time_s(&self) -> f64 {
         self.time_s
     }
 
-    /// Where the stage truly is, mm along the FMC axis from the calibrated position.
+    /// True position of the stage, mm along the FMC axis from the calibrated position.
     #[must_use]
     pub const fn position_mm(&self) -> f64 {
         self.stage_mm
     }
 
-    /// How fast the screw truly is, mm/s.
+    /// True speed of the screw, mm/s.
     #[must_use]
     pub const fn speed_mm_s(&self) -> f64 {
         self.motion.speed_mm_s
     }
 
-    /// Where screw and stage truly were from a time on, one instant per substep; at most as far back as the settings
-    /// remember.
+    /// Returns the true positions of screw and stage from a time on, one instant per substep, at
+    /// most as far back as the settings remember.
     pub fn history(&self, since_s: f64) -> impl Iterator<Item = Instant> {
         self.history.since(since_s)
     }
 
-    /// Where the stage truly was at a time, mm; before the memory and after now, the nearest it has.
+    /// Returns the true position of the stage at a time, mm; outside of what is remembered, the
+    /// nearest position.
     #[must_use]
     pub fn position_at_mm(&self, time_s: f64) -> f64 {
         self.history
@@ -113,7 +115,7 @@ impl Mechanics {
             .map_or(self.stage_mm, |instant| instant.stage_mm)
     }
 
-    /// Lets time pass, with a duty (-1 to 1) at a bridge that is on or off from now on.
+    /// Advances the time by `dt_s`, with a new duty (-1 to 1) and the bridge on or off.
     pub fn advance(&mut self, duty: f64, powered: bool, dt_s: f64) {
         self.orders.push_back(Order {
             at_s: self.time_s + self.settings.duty_latency_s,
@@ -133,7 +135,7 @@ impl Mechanics {
         }
     }
 
-    /// The encoder's count, as the camera would read it now.
+    /// Returns the encoder's count as the camera would read it now.
     #[expect(
         clippy::cast_possible_truncation,
         reason = "a counter of 32 bits wraps"
@@ -144,7 +146,7 @@ impl Mechanics {
         match (reversed, self.pivot) {
             (true, None) => self.pivot = Some(raw),
             (false, Some(pivot)) => {
-                // It goes on from where the reversed count ended.
+                // The count goes on from where the reversed count ended.
                 self.shift += 2 * (pivot - raw);
                 self.pivot = None;
             }
@@ -161,7 +163,7 @@ impl Mechanics {
         (counted + glitch) as i32
     }
 
-    /// Whether the limit switches are closed, the low and the high one.
+    /// Returns the state of the low and of the high limit switch; `true` if closed.
     #[must_use]
     pub fn limits_closed(&self) -> [bool; 2] {
         let stuck = self.has(|fault| matches!(fault, MechanicalFault::LimitStuck));
@@ -172,7 +174,7 @@ impl Mechanics {
         ]
     }
 
-    /// Whether either limit switch is closed.
+    /// Returns true if either limit switch is closed.
     #[must_use]
     pub fn limit_closed(&self) -> bool {
         self.limits_closed().contains(&true)
@@ -189,7 +191,7 @@ impl Mechanics {
         self.active().any(is_it)
     }
 
-    /// What the motor and its friction do now.
+    /// Returns the forces of the motor and of friction at this time.
     fn forces(&self) -> Forces {
         let Order {
             mut duty,

@@ -1,33 +1,34 @@
-//! The moving mass under force and friction.
+//! Motion of a mass under force and friction.
 
 use super::settings::MechanicsSettings;
 
-/// Where the screw is, reduced to the stage, and how it moves.
+/// Position of the screw, reduced to the stage, and its speed.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub(super) struct Motion {
     pub position_mm: f64,
     pub speed_mm_s: f64,
 }
 
-/// What acts on it for a substep.
+/// Forces on the mass during a substep.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) struct Forces {
-    /// The motor's at rest, N.
+    /// Force of the motor at rest, N.
     pub motor_n: f64,
     /// Back-EMF and viscous friction, N per m/s.
     pub damping_n_s_m: f64,
-    /// Of a jam, N.
+    /// Friction of a jam, N.
     pub jam_n: f64,
 }
 
 impl Motion {
-    /// The motion one substep later.
+    /// Returns the motion one substep later.
     ///
     /// # Model
-    /// `m·dv/dt = F - b·v - F_f(v)·sgn(v)`, `F_f(v) = F_c + (F_s - F_c)·exp(-(v/v_s)²)` (Armstrong-Hélouvry, Dupont and
-    /// Canudas de Wit, Automatica 30 (1994) 1083, eq. 5). The linear part is exact; friction is that of the mean speed.
-    /// A substep in which the speed passes 0 is cut there: what then is at rest moves on only if the force is more than
-    /// the breakaway friction, and else stands, exactly. End stops take all speed.
+    /// `m·dv/dt = F - b·v - F_f(v)·sgn(v)`, `F_f(v) = F_c + (F_s - F_c)·exp(-(v/v_s)²)`
+    /// (Armstrong-Hélouvry, Dupont and Canudas de Wit, Automatica 30 (1994) 1083, eq. 5). The
+    /// linear part is exact; friction is that of the mean speed. A substep in which the speed
+    /// passes 0 is cut there: the mass then moves on only if the force exceeds the breakaway
+    /// friction, and otherwise stands exactly still. End stops take all speed.
     pub(super) fn after(self, settings: &MechanicsSettings, forces: Forces, step_s: f64) -> Self {
         let mut motion = self;
         let mut left_s = step_s;
@@ -57,7 +58,7 @@ impl Motion {
         motion
     }
 
-    /// On to a speed, at constant acceleration.
+    /// Moves on until a speed is reached, at constant acceleration.
     fn moved(self, speed_mm_s: f64, step_s: f64) -> Self {
         Self {
             position_mm: self.position_mm + 0.5 * (self.speed_mm_s + speed_mm_s) * step_s,
@@ -65,7 +66,7 @@ impl Motion {
         }
     }
 
-    /// The speed later, with friction against a direction throughout.
+    /// Returns the speed after a time, with friction against one direction throughout.
     fn sliding(
         self,
         settings: &MechanicsSettings,

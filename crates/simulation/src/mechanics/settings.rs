@@ -1,4 +1,4 @@
-//! What the stage is made of.
+//! Parameters of the stage's mechanics.
 
 use serde::Deserialize;
 
@@ -8,52 +8,52 @@ use serde::Deserialize;
 pub struct MechanicsSettings {
     /// Moving mass, with the motor's and the screw's inertia, kg.
     pub mass_kg: f64,
-    /// Force of full duty at rest, N.
+    /// Force at full duty and at rest, N.
     pub force_n: f64,
-    /// Back-EMF, N per m/s; there while the bridge is on.
+    /// Back-EMF, N per m/s; acts while the bridge is on.
     pub back_emf_n_s_m: f64,
     /// Viscous friction, N per m/s.
     pub viscous_n_s_m: f64,
     /// Coulomb friction, N.
     pub coulomb_n: f64,
-    /// Friction at which it breaks away, N.
+    /// Friction at which the stage breaks away, N.
     pub breakaway_n: f64,
-    /// Stribeck speed: how fast the one turns into the other, mm/s.
+    /// Stribeck speed, over which breakaway friction falls to Coulomb friction, mm/s.
     pub stribeck_mm_s: f64,
     /// Play between the screw and the stage, µm.
     pub backlash_um: f64,
-    /// What the encoder sits on.
+    /// Part that the encoder sits on.
     pub encoder_side: EncoderSide,
     /// Travel per count of the encoder, µm.
     pub encoder_step_um: f64,
-    /// Where a count ends, µm.
+    /// Position at which a count ends, µm.
     pub encoder_phase_um: f64,
-    /// Age of what the encoder reads, s.
+    /// Age of the encoder's reading, s.
     pub encoder_latency_s: f64,
-    /// Time from a duty asked for to the force, s.
+    /// Time from the command of a duty to its force, s.
     pub duty_latency_s: f64,
     /// Offsets of the end stops, mm.
     pub end_stops_mm: [f64; 2],
     /// Offsets beyond which the limit switches are closed, mm.
     pub limits_mm: [f64; 2],
-    /// Longest step of the integration, s.
+    /// Longest integration step, s.
     pub substep_s: f64,
-    /// For how long the motion is remembered, s.
+    /// Time for which the motion is remembered, s.
     pub history_s: f64,
 }
 
-/// Where the encoder sits.
+/// Part that the encoder sits on.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Deserialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum EncoderSide {
-    /// On the motor or its screw: play moves the stage unseen.
+    /// On the motor or its screw, where play moves the stage unseen.
     Screw,
     /// On the stage itself.
     Stage,
 }
 
 impl Default for MechanicsSettings {
-    /// The stage that the library's gains are tuned on (`Plant::REFERENCE`).
+    /// The stage that the library's gains are tuned for (`Plant::REFERENCE`).
     fn default() -> Self {
         Self {
             mass_kg: 0.3,
@@ -77,14 +77,14 @@ impl Default for MechanicsSettings {
     }
 }
 
-/// Longest step of the integration that is allowed, s.
+/// Longest integration step that is allowed, s.
 pub const LONGEST_SUBSTEP_S: f64 = 5e-5;
 
 impl MechanicsSettings {
-    /// The settings, if a stage can be built so.
+    /// Returns the settings if a stage can be built from them.
     ///
     /// # Errors
-    /// The field, its value and what is allowed.
+    /// A message that names the field, its value and what is allowed.
     pub fn checked(self) -> Result<Self, String> {
         let ranges = [
             ("mass_kg", self.mass_kg, 1e-3, 100.0),

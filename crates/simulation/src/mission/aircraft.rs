@@ -1,4 +1,4 @@
-//! The aircraft: where it is, how it is turned, and what its V/H really is.
+//! Aircraft: position, attitude and true V/H.
 
 use fmc_camera::flight::event::AttitudeSample;
 use fmc_camera_file::number::single;
@@ -9,40 +9,40 @@ use crate::scene::terrain::Terrain;
 use crate::scene::trajectory::Trajectory;
 use crate::scene::turbulence::{Spectrum, Turbulence};
 
-/// Slower turns than this are taken out by whoever holds the camera level, Hz: over a long flight the angles stay
-/// small.
+/// Frequency below which the camera's mount takes rotations out, Hz, so that the angles stay small
+/// over a long flight.
 const LEVELLED_BELOW_HZ: f64 = 0.05;
 
-/// Aircraft and ground of a mission; the same for the same seed.
+/// Aircraft and ground of a mission; the same seed gives the same.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Aircraft {
-    /// Where the projection centre is.
+    /// Path of the projection centre.
     pub trajectory: Trajectory,
-    /// How the camera is turned.
+    /// Attitude of the camera.
     pub attitude: Attitude,
     /// The ground.
     pub terrain: Terrain,
 }
 
-/// Speed and height at an instant, as they are.
+/// True speed and height at an instant.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct SpeedAndHeight {
-    /// Speed over ground, m/s.
+    /// Ground speed, m/s.
     pub ground_speed_m_s: f64,
-    /// Of the lens above sea level, m.
+    /// Height of the lens above sea level, m.
     pub altitude_m: f64,
-    /// Of the ground below above sea level, m.
+    /// Height of the ground below the lens above sea level, m.
     pub terrain_m: f64,
 }
 
 impl SpeedAndHeight {
-    /// Height above the ground below, m.
+    /// Returns the height above the ground below, m.
     #[must_use]
     pub fn height_above_ground_m(&self) -> f64 {
         self.altitude_m - self.terrain_m
     }
 
-    /// η, 1/s.
+    /// η: the true V/H, 1/s.
     #[must_use]
     pub fn vh_per_s(&self) -> f64 {
         self.ground_speed_m_s / self.height_above_ground_m()
@@ -50,13 +50,13 @@ impl SpeedAndHeight {
 }
 
 impl Aircraft {
-    /// The aircraft of a scenario: it flies along the ground frame's y, over the crests and troughs of
-    /// the terrain.
+    /// Creates the aircraft of a scenario, which flies along the ground frame's y, over the crests
+    /// and troughs of the terrain.
     #[must_use]
     pub fn of(scenario: &MissionScenario, seed: u64) -> Self {
         let written = &scenario.written;
         let (air, turn) = (&written.air, &written.attitude);
-        // Seeds of the six processes, apart from those of neighbouring flights.
+        // Seeds of the six processes, distinct from those of neighbouring flights.
         let process = |stream: u64, rms: f64, corner_hz: f64| {
             if rms > 0.0 {
                 let spectrum = Spectrum { rms, corner_hz };
@@ -96,7 +96,7 @@ impl Aircraft {
         }
     }
 
-    /// Speed and height at a time, s.
+    /// Returns speed and height at a time, s.
     #[must_use]
     pub fn speed_and_height(&self, time_s: f64) -> SpeedAndHeight {
         let [x, y, altitude_m] = self.trajectory.position_at(time_s);
@@ -108,7 +108,7 @@ impl Aircraft {
         }
     }
 
-    /// Attitude and rates at a time, s, as an inertial unit has them.
+    /// Returns attitude and rates at a time, s, as an inertial unit reports them.
     #[must_use]
     pub fn attitude_sample(&self, time_s: f64) -> AttitudeSample {
         let [pitch, roll, yaw] = &self.attitude.turbulence;

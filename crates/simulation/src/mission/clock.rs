@@ -3,16 +3,16 @@
 /// Period of the control loop, µs.
 pub const ROUND_US: u64 = 1000;
 
-/// Something that comes round.
+/// An event that recurs.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Clocked {
-    /// From one time to the next, µs.
+    /// Time from one event to the next, µs.
     pub(super) period_us: u64,
-    /// When it comes next, µs.
+    /// Time of the next event, µs.
     pub(super) next_us: u64,
 }
 
-/// Whole microseconds.
+/// Converts seconds into whole microseconds.
 #[expect(
     clippy::cast_possible_truncation,
     clippy::cast_sign_loss,
@@ -22,7 +22,7 @@ pub(super) fn microseconds(seconds: f64) -> u64 {
     (1e6 * seconds).round() as u64
 }
 
-/// Seconds of microseconds.
+/// Converts microseconds into seconds.
 #[expect(
     clippy::cast_precision_loss,
     reason = "a flight is shorter than 2^53 µs"

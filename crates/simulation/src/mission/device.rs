@@ -1,4 +1,4 @@
-//! The camera that is flown.
+//! Interface of the camera that is flown.
 
 use fmc_camera::flight::camera::CameraRecord;
 use fmc_camera::flight::frame_record::FrameRecord;
@@ -7,42 +7,44 @@ use fmc_camera::flight::settings::FlightSettings;
 use fmc_camera::flight::stage::Setpoint;
 use fmc_camera::flight::time::Time;
 
-/// A camera whose drive, shutter and sensors are simulated, one round of its control loop at a time.
+/// A camera whose drive, shutter and sensors are simulated, one round of its control loop at a
+/// time.
 pub trait FlyingDevice {
-    /// How it fails.
+    /// Error of the connection to the camera.
     type Error: std::error::Error;
 
-    /// What it is, for the first line of a report.
+    /// Describes the camera, for the first line of a report.
     fn description(&self) -> String;
 
-    /// Gives it the camera's calibration and how it is flown; it is in standby.
+    /// Loads the camera's calibration and flight settings; the camera is then in standby.
     ///
     /// # Errors
-    /// Where it refuses them, or still has records that nobody has fetched.
+    /// An error if it refuses them, or if it still has records that were not fetched.
     fn prepare(
         &mut self,
         camera: &CameraRecord,
         settings: &FlightSettings,
     ) -> Result<(), Self::Error>;
 
-    /// Where the stage should be at a time; `None` where it has been told nothing.
+    /// Returns the set point of the stage at a time; `None` without one.
     fn setpoint(&self, now: Time) -> Option<Setpoint>;
 
-    /// One round of the control loop.
+    /// Performs one round of the control loop.
     ///
     /// # Errors
-    /// Where it cannot be talked to.
+    /// An error if the connection to the camera fails.
     fn step(&mut self, step: &RigStep) -> Result<RigAnswer, Self::Error>;
 
-    /// The oldest record with at least that number that has not been acknowledged.
+    /// Returns the oldest record that has at least this number and was not acknowledged.
     ///
     /// # Errors
-    /// Where it cannot be talked to.
+    /// An error if the connection to the camera fails.
     fn record(&mut self, from_sequence: u32) -> Result<Option<FrameRecord>, Self::Error>;
 
-    /// Records up to that number are safe; the camera may forget them. Says how many are left.
+    /// Acknowledges the records up to this number, which the camera may then forget. Returns the
+    /// number of records left.
     ///
     /// # Errors
-    /// Where it cannot be talked to.
+    /// An error if the connection to the camera fails.
     fn acknowledge(&mut self, through: u32) -> Result<u32, Self::Error>;
 }

@@ -1,4 +1,4 @@
-//! What a fault is expected to lead to.
+//! Expected consequences of a fault.
 
 use std::fmt;
 
@@ -13,10 +13,10 @@ pub const STATE_NAMES: [&str; 8] = [
     "standby", "armed", "degraded", "run-up", "tracking", "exposing", "fly-back", "fault",
 ];
 
-/// Ways to V/H, the best first.
+/// Sources of V/H, the best first.
 pub const VH_WAYS: [VhSource; 3] = [VhSource::Direct, VhSource::Altimeter, VhSource::Terrain];
 
-/// The name of a way to V/H.
+/// Returns the name of a source of V/H.
 #[must_use]
 pub const fn way_name(way: VhSource) -> &'static str {
     match way {
@@ -26,7 +26,7 @@ pub const fn way_name(way: VhSource) -> &'static str {
     }
 }
 
-/// Names of the reasons for which a trigger is refused, faults apart.
+/// Names of the reasons for which a trigger is refused, without faults.
 pub const REASON_NAMES: [&str; 10] = [
     "not armed",
     "overlap",
@@ -40,12 +40,12 @@ pub const REASON_NAMES: [&str; 10] = [
     "unusable",
 ];
 
-/// The outcome that a scenario expects of a fault; what is not named may be or not.
+/// Outcome that a scenario expects of a fault; a field that is `None` is not judged.
 #[derive(Debug, Clone, PartialEq, Default)]
 pub struct Expectation {
     /// The camera names this fault after the onset.
     pub fault: Option<Fault>,
-    /// So soon after the fault could first be felt, ms.
+    /// Longest time from when the fault could first be felt until the camera names it, ms.
     pub within_ms: Option<f64>,
     /// The camera is in this state at some time after the onset.
     pub state: Option<String>,
@@ -53,13 +53,13 @@ pub struct Expectation {
     pub refused: Option<String>,
     /// A frame after the onset has this flag.
     pub flag: Option<Flag>,
-    /// No more triggers than these are refused in the whole flight.
+    /// Largest number of triggers that are refused in the whole flight.
     pub refused_at_most: Option<usize>,
-    /// The last frame exposed while the fault is there has its V/H from this way.
+    /// The last frame exposed during the fault has its V/H from this source.
     pub vh_from: Option<VhSource>,
-    /// No frame exposed after the onset is smeared more, px.
+    /// Largest smear of the frames exposed after the onset, px.
     pub smear_px: Option<f64>,
-    /// So soon after the end of the fault the camera flies with compensation, s.
+    /// Longest time from the end of the fault until the camera compensates again, s.
     pub armed_within_s: Option<f64>,
 }
 

@@ -1,4 +1,4 @@
-//! The scenario of a simulated mission, in TOML, as written.
+//! Scenario file of a simulated mission, in TOML.
 
 use std::path::PathBuf;
 
@@ -184,17 +184,17 @@ impl Default for LineTable {
     }
 }
 
-/// How the satellite receiver says speed and altitude.
+/// Form in which the satellite receiver reports speed and altitude.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Deserialize)]
 #[serde(rename_all = "lowercase")]
 pub enum ReceiverFormat {
-    /// In messages that arrive whole or not at all.
+    /// Messages that arrive whole or not at all.
     Whole,
-    /// In sentences of NMEA 0183, byte after byte.
+    /// Sentences of NMEA 0183, byte after byte.
     Nmea,
 }
 
-/// What gives V/H.
+/// Source of V/H.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Deserialize)]
 #[serde(rename_all = "lowercase")]
 pub enum VhSourceName {
@@ -204,27 +204,28 @@ pub enum VhSourceName {
     Altimeter,
     /// Ground speed of an inertial unit and height over the ground of a laser altimeter.
     Laser,
-    /// Ground speed and altitude of a satellite receiver, and height of the terrain from a model.
+    /// Ground speed and altitude of a satellite receiver, and height of the terrain from an
+    /// elevation model.
     Terrain,
 }
 
 impl VhSourceName {
-    /// All of them.
+    /// All sources.
     pub const ALL: [Self; 4] = [Self::Direct, Self::Altimeter, Self::Laser, Self::Terrain];
 
-    /// The one of a name.
+    /// Returns the source of a name.
     #[must_use]
     pub fn named(name: &str) -> Option<Self> {
         Self::ALL.into_iter().find(|source| source.name() == name)
     }
 
-    /// Whether its speed is that of the satellite receiver.
+    /// Returns true if the source takes its speed from the satellite receiver.
     #[must_use]
     pub const fn has_receiver(self) -> bool {
         matches!(self, Self::Altimeter | Self::Terrain)
     }
 
-    /// As in the scenario.
+    /// Returns the name used in a scenario.
     #[must_use]
     pub const fn name(self) -> &'static str {
         match self {
@@ -236,7 +237,7 @@ impl VhSourceName {
     }
 }
 
-/// One of the numbers that a source of V/H gives.
+/// One of the values that a source of V/H gives.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Deserialize)]
 #[serde(rename_all = "lowercase")]
 pub enum VhQuantity {
@@ -307,7 +308,7 @@ pub struct FaultTable {
     pub expect: ExpectTable,
 }
 
-/// `expect` of a fault.
+/// `expect` of a `[[fault]]`.
 #[derive(Debug, Clone, PartialEq, Default, Deserialize)]
 #[serde(deny_unknown_fields, default)]
 #[expect(

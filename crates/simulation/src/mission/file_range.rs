@@ -1,4 +1,4 @@
-//! Allowed ranges of a mission's numbers.
+//! Allowed ranges of the numbers of a mission.
 
 use fmc_camera_file::InputError;
 use fmc_camera_file::toml_text::TomlText;
@@ -28,7 +28,7 @@ const SHUTTER_JITTER: Range = range(0.0, 1000.0, "µs");
 const UNIX_S: Range = range(0.0, 2_147_483_647.0, "s since 1970");
 const PIXELS: Range = range(0.001, 100.0, "px");
 
-/// Something written that has a range.
+/// A value of the scenario that has an allowed range.
 trait Ranged {
     fn check(&self, range: Range, text: &TomlText, path: &[&str]) -> Result<(), InputError>;
 }
@@ -58,14 +58,15 @@ impl<T: Ranged> Ranged for Option<T> {
     }
 }
 
-/// Checks `table.key` under these names, which are those of the file.
+/// Checks `table.key`, where the Rust names are those of the file.
 macro_rules! check {
     ($text:ident: $($table:ident.$key:ident $range:ident),+ $(,)?) => {
         $($table.$key.check($range, $text, &[stringify!($table), stringify!($key)])?;)+
     };
 }
 
-/// Refuses the first number of the mission that is out of its range; faults and mechanics apart.
+/// Refuses the first number of the mission that is out of its range; faults and mechanics are
+/// checked elsewhere.
 pub(super) fn check_numbers(mission: &MissionFile, text: &TomlText) -> Result<(), InputError> {
     let MissionFile {
         flight,

@@ -1,22 +1,22 @@
-//! One thing that a judgement looks at.
+//! Single finding of a judgement.
 
 use fmc_camera::flight::frame_record::Outcome;
 
 use super::flown::Flown;
 use crate::wording;
 
-/// One thing that was looked at.
+/// A finding.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Finding {
-    /// What.
+    /// Subject of the finding.
     pub what: String,
-    /// What was found.
+    /// Result.
     pub found: String,
-    /// Whether that is as it should be.
+    /// `true` if the result is as it should be.
     pub passed: bool,
 }
 
-/// Whether at most so many triggers were refused.
+/// Judges the number of refused triggers, which is at most `most`.
 pub(super) fn refused(flown: &Flown, most: usize) -> Finding {
     let refused = flown
         .frames

@@ -1,4 +1,4 @@
-//! The flight: one round of the control loop after the other, in simulated time.
+//! Simulated flight: round after round of the control loop, in simulated time.
 
 use fmc_camera::flight::controller::state::State;
 use fmc_camera::flight::event::{Action, Event};
@@ -25,30 +25,31 @@ use super::trace::Round;
 use super::tracer::Tracer;
 use crate::mechanics::Mechanics;
 
-/// So long after it has asked for the records the computer says that they are safe, µs.
+/// Time from the computer's request for records to its acknowledgement, µs.
 const ACKNOWLEDGED_AFTER_US: u64 = 500;
-/// The flight goes on so long after its last trigger, µs, and at most so long.
+/// Least and greatest time for which the flight goes on after its last trigger, µs.
 const AFTER_US: [u64; 2] = [1_000_000, 20_000_000];
 
-/// How a scenario is flown.
+/// Options of a flight.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct FlightOptions {
-    /// Seed of air, noise and jitter.
+    /// Seed of turbulence, noise and jitter.
     pub seed: u64,
-    /// The frame whose rounds are kept; without it the first with a fault, or else the one with the largest errors.
+    /// Frame whose rounds are kept; without it, the first frame with a fault, or else the one with
+    /// the largest errors.
     pub frame: Option<u32>,
 }
 
-/// Where a flight is.
+/// Progress of a flight.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Status {
     /// Simulated time, s.
     pub time_s: f64,
-    /// Records so far.
+    /// Number of records so far.
     pub frames: usize,
-    /// What the camera is doing.
+    /// State of the camera.
     pub state: State,
-    /// V/H as the first source has it, 1/s.
+    /// V/H according to the first source, 1/s.
     pub told_vh_per_s: f64,
     /// Smear of the last exposure, mm.
     pub last_smear_mm: Option<f64>,
@@ -57,7 +58,7 @@ pub struct Status {
 /// Flies a scenario.
 ///
 /// # Errors
-/// Where the camera cannot be talked to.
+/// An error if the connection to the camera fails.
 pub fn fly<D: FlyingDevice + ?Sized>(
     scenario: &MissionScenario,
     options: FlightOptions,
@@ -69,7 +70,7 @@ pub fn fly<D: FlyingDevice + ?Sized>(
     Flight::new(scenario, options, mechanics, device).run(description, status)
 }
 
-/// A flight under way.
+/// A flight in progress.
 struct Flight<'a, D: ?Sized> {
     device: &'a mut D,
     injections: Vec<Injection>,
@@ -85,7 +86,7 @@ struct Flight<'a, D: ?Sized> {
     next_trigger: usize,
     last_trigger_us: u64,
     limit_was_closed: bool,
-    /// Events that the last round had no room for.
+    /// Events that did not fit into the last round.
     waiting: Vec<(Time, Event)>,
     setpoint: Option<Setpoint>,
     next_sequence: u32,
@@ -164,7 +165,8 @@ impl<'a, D: FlyingDevice + ?Sized> Flight<'a, D> {
         Ok(self.flown)
     }
 
-    /// From the last round to this one, and what the camera does about it.
+    /// Performs one round: passes the events since the last one to the camera and does what it
+    /// answers.
     fn round(&mut self, now_us: u64) -> Result<RigAnswer, D::Error> {
         let idle = now_us == ROUND_US;
         if idle {
@@ -202,7 +204,7 @@ impl<'a, D: FlyingDevice + ?Sized> Flight<'a, D> {
         Ok(answer)
     }
 
-    /// What has happened since the last round, in order of time.
+    /// Collects the events since the last round, in order of time.
     fn step(&mut self, now_us: u64) -> RigStep {
         let mut events = self.sensors.arrivals(&self.aircraft, now_us);
         for (time_us, edge) in self.shutter.edges(now_us) {
@@ -222,7 +224,7 @@ impl<'a, D: FlyingDevice + ?Sized> Flight<'a, D> {
         for command in self.operator.commands(now_us) {
             events.push((Time::from_us(now_us), Event::Command(command)));
         }
-        // What the camera did not take in the last round comes first.
+        // Events that the camera did not take in the last round come first.
         let mut waiting = std::mem::take(&mut self.waiting);
         events.sort_by_key(|(time, _)| *time);
         waiting.append(&mut events);
@@ -242,7 +244,7 @@ impl<'a, D: FlyingDevice + ?Sized> Flight<'a, D> {
     fn obey(&mut self, now_us: u64, answer: &RigAnswer) {
         for action in &answer.actions {
             match action {
-                // Done by the camera's own drive.
+                // The camera's drive has done this.
                 Action::MoveStage(_) | Action::ReleaseStage | Action::ClockRows { .. } => {}
                 Action::OpenShutter { at, exposure_s } => {
                     self.shutter
@@ -260,7 +262,8 @@ impl<'a, D: FlyingDevice + ?Sized> Flight<'a, D> {
         }
     }
 
-    /// When a fault can first be felt: those of the stage only while it is to move.
+    /// Notes when a fault can first be felt; some faults of the stage can only be felt while it is
+    /// to move.
     fn feel(&mut self, now_us: u64, answer: &RigAnswer) {
         let time_s = seconds(now_us);
         let moves = [
@@ -284,7 +287,7 @@ impl<'a, D: FlyingDevice + ?Sized> Flight<'a, D> {
         }
     }
 
-    /// Takes the records that wait, and tells the camera that they are safe.
+    /// Fetches the waiting records and acknowledges them to the camera.
     fn fetch(&mut self, now_us: u64) -> Result<(), D::Error> {
         if !self.record_waits || self.light.is_passing() || self.shutter.is_busy() {
             return Ok(());
@@ -297,7 +300,8 @@ impl<'a, D: FlyingDevice + ?Sized> Flight<'a, D> {
             self.next_sequence = record.sequence + 1;
             self.keep(now_us, record);
         }
-        // Where the line is cut in between, the camera keeps what the computer has already.
+        // If the line is cut before the acknowledgement, the camera keeps records that the computer
+        // already has.
         if self
             .line
             .loses(Traffic::Records, now_us + ACKNOWLEDGED_AFTER_US)

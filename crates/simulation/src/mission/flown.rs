@@ -1,4 +1,4 @@
-//! A flight that is over: records, what really happened, and what the camera said meanwhile.
+//! Completed flight: records, true exposures and what the camera reported in between.
 
 use fmc_camera::flight::controller::state::State;
 use fmc_camera::flight::fault::Fault;
@@ -8,48 +8,48 @@ use super::oracle::FrameTruth;
 use super::receiver::SentenceCounts;
 use super::trace::Trace;
 
-/// One trigger's record, and what really happened.
+/// The record of a trigger with the true exposure.
 #[derive(Debug, Clone, PartialEq)]
 pub struct FlownFrame {
-    /// As the camera has it.
+    /// Record of the camera.
     pub record: FrameRecord,
-    /// As it was; `None` where no light passed.
+    /// True exposure; `None` if no light passed.
     pub truth: Option<FrameTruth>,
-    /// When the computer got the record, µs.
+    /// Time at which the computer got the record, µs.
     pub fetched_us: u64,
 }
 
-/// A flight that is over.
+/// A completed flight.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Flown {
-    /// What the camera is, in words.
+    /// Description of the camera.
     pub device: String,
-    /// Triggers that were given, µs, in order.
+    /// Times of the triggers, µs, in order.
     pub triggers_us: Vec<u64>,
-    /// Every record, in order of the triggers.
+    /// All records, in the order of the triggers.
     pub frames: Vec<FlownFrame>,
-    /// Light of which no record knows.
+    /// Exposures without a record.
     pub unrecorded: Vec<FrameTruth>,
-    /// Faults as the camera named them, µs.
+    /// Faults with the times at which the camera named them, µs.
     pub announced: Vec<(u64, Fault)>,
     /// Changes of the camera's state, µs.
     pub states: Vec<(u64, State)>,
-    /// When each injected fault could first be felt, µs.
+    /// Time at which each injected fault could first be felt, µs.
     pub felt_us: Vec<Option<u64>>,
-    /// Requests that the cut line lost.
+    /// Number of requests that the cut line lost.
     pub lost_requests: u32,
-    /// The receiver's sentences, where it sends any.
+    /// Counts of the receiver's sentences, if it sends any.
     pub sentences: SentenceCounts,
-    /// How far the stage truly was from the calibrated position at most, mm.
+    /// Greatest true distance of the stage from the calibrated position, mm.
     pub farthest_mm: f64,
-    /// The rounds of one frame.
+    /// Rounds around one frame.
     pub trace: Option<Trace>,
     /// Simulated time, s.
     pub duration_s: f64,
 }
 
 impl Flown {
-    /// A flight that has not begun.
+    /// Creates the state before the first round.
     pub(super) fn before(triggers_us: Vec<u64>, faults: usize) -> Self {
         Self {
             device: String::new(),
@@ -67,7 +67,7 @@ impl Flown {
         }
     }
 
-    /// What the camera was doing at a time, µs.
+    /// Returns the state of the camera at a time, µs.
     #[must_use]
     pub fn state_at(&self, time_us: u64) -> Option<State> {
         let later = self.states.partition_point(|(since, _)| *since <= time_us);

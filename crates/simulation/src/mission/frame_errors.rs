@@ -1,11 +1,11 @@
-//! The errors of one frame.
+//! Errors of one frame.
 
 use fmc_camera::flight::frame_record::{ExposedFrame, Flag, FrameRecord, Outcome};
 use fmc_camera_file::CameraFile;
 
 use super::flown::FlownFrame;
 
-/// Flags that say nothing against the coordinates of a frame.
+/// Flags that do not affect the coordinates of a frame.
 const HARMLESS: [Flag; 6] = [
     Flag::NoCompensation,
     Flag::LastGoodVh,
@@ -15,25 +15,26 @@ const HARMLESS: [Flag; 6] = [
     Flag::EncoderGlitch,
 ];
 
-/// One frame's errors.
+/// Errors of one frame.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct FrameErrors {
-    /// Reported centroid principal point less the true one, along the FMC axis, px.
+    /// Reported less true centroid principal point, along the FMC axis, px.
     pub pp_error_px: f64,
-    /// σ of it that the camera gives, px.
+    /// σ of the principal point that the camera states, px.
     pub sigma_px: f64,
-    /// What the image of a point moved on the detector, px.
+    /// Motion of a point's image on the detector, px.
     pub smear_px: f64,
-    /// The part that compensation is responsible for, px, signed.
+    /// Part of the smear along the FMC axis that compensation leaves, px, signed.
     pub compensation_px: f64,
     /// Smear that the camera predicted, px.
     pub predicted_px: f64,
-    /// Whether the camera stands by its coordinates: no fault, no flag against them.
+    /// `true` if the camera vouches for the coordinates: without a fault and without a flag that
+    /// affects them.
     pub is_clean: bool,
 }
 
 impl FrameErrors {
-    /// Those of a frame; `None` where no light passed or nothing was recorded.
+    /// Computes the errors of a frame; `None` if no light passed or no exposure was recorded.
     #[must_use]
     pub fn of(camera: &CameraFile, frame: &FlownFrame) -> Option<Self> {
         let Outcome::Exposed(exposed) = &frame.record.outcome else {
@@ -53,7 +54,8 @@ impl FrameErrors {
     }
 }
 
-/// The principal point as the block adjustment gets it, along the FMC axis from the calibrated one, mm.
+/// Returns the principal point as the block adjustment receives it, along the FMC axis from the
+/// calibrated one, mm.
 fn reported_offset_mm(camera: &CameraFile, exposed: &ExposedFrame) -> f64 {
     let [x0, y0] = camera.principal_point_mm;
     let [ex, ey] = camera.fmc.axis.unit();

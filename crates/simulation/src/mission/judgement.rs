@@ -1,4 +1,4 @@
-//! The flight against its limits and what was expected of its faults.
+//! Judgement of a flight by its limits and by the expected outcomes of its faults.
 
 use fmc_camera::flight::frame_record::{Outcome, Reason};
 
@@ -9,20 +9,20 @@ use super::outcome::outcome;
 use super::scenario::MissionScenario;
 use crate::wording;
 
-/// So many σ of its own may a principal point be off.
+/// Largest error of a principal point, in units of its stated σ.
 const SIGMAS: f64 = 3.0;
 
-/// What is found of a flight.
+/// Judgement of a flight.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Judgement {
-    /// Each frame's errors, as the frames.
+    /// Errors of each frame, in the order of the frames.
     pub errors: Vec<Option<FrameErrors>>,
-    /// What was looked at.
+    /// Findings of the judgement.
     pub findings: Vec<Finding>,
 }
 
 impl Judgement {
-    /// Looks at a flight.
+    /// Judges a flight.
     #[must_use]
     pub fn of(scenario: &MissionScenario, flown: &Flown) -> Self {
         let errors: Vec<Option<FrameErrors>> = flown
@@ -43,15 +43,15 @@ impl Judgement {
         Self { errors, findings }
     }
 
-    /// Whether everything is as it should be.
+    /// Returns true if every finding is as it should be.
     #[must_use]
     pub fn passed(&self) -> bool {
         self.findings.iter().all(|finding| finding.passed)
     }
 }
 
-/// Every trigger has its record, numbered without a gap, at its own time; of those refused as the camera's memory was
-/// full, the first's for all but the last.
+/// Checks that every trigger has its record at its own time, numbered without a gap. Of triggers
+/// refused because the camera's memory was full, all but the last may have the time of the first.
 fn unanswered(flown: &Flown) -> Finding {
     let answered = flown
         .triggers_us
@@ -79,8 +79,8 @@ fn unanswered(flown: &Flown) -> Finding {
     }
 }
 
-/// No frame that the camera stands by has a wrong principal point: by more than the limit, or than [`SIGMAS`] where the
-/// camera says itself that it may be more.
+/// Checks the principal points of the frames that the camera vouches for: the error is at most the
+/// limit, or [`SIGMAS`] where the camera states a larger uncertainty.
 fn coordinates(
     scenario: &MissionScenario,
     flown: &Flown,
@@ -93,7 +93,7 @@ fn coordinates(
         .fold(0.0, f64::max);
     let are_right = clean()
         .all(|errors| errors.pp_error_px.abs() <= f64::max(limit_px, SIGMAS * errors.sigma_px));
-    // A record of light that did not pass would be the worst of all.
+    // A record of light that did not pass is worse than any error.
     let invented = flown
         .frames
         .iter()
@@ -114,7 +114,7 @@ fn coordinates(
     }
 }
 
-/// Smear of a flight in which nothing goes wrong.
+/// Checks the smear of a flight in which nothing goes wrong.
 fn nominal_smear(scenario: &MissionScenario, errors: &[Option<FrameErrors>]) -> Finding {
     let limit_px = scenario.written.limits.smear_px;
     let worst = errors
@@ -129,7 +129,7 @@ fn nominal_smear(scenario: &MissionScenario, errors: &[Option<FrameErrors>]) -> 
     }
 }
 
-/// Smear of a flight with faults: the camera knows of what it cannot help.
+/// Checks the smear of a flight with faults: the camera predicts the smear that it cannot prevent.
 fn predicted_smear(
     scenario: &MissionScenario,
     flown: &Flown,

@@ -1,4 +1,4 @@
-//! Light that has passed the shutter: the path of the stage meanwhile, and what it makes of the exposure.
+//! Light that has passed the shutter, with the path of the stage meanwhile.
 
 use super::clock::microseconds;
 use super::clock::seconds;
@@ -7,16 +7,16 @@ use super::shutter::{Opening, ShutterSimulator};
 use crate::mechanics::Mechanics;
 use crate::scene::stage_path::StagePath;
 
-/// The path of the stage is kept so long before first light and after last light, s.
+/// Time before first light and after last light for which the path of the stage is kept, s.
 const PATH_MARGIN_S: f64 = 0.002;
-/// What the edges of a shutter's sensor may differ from the light by, µs.
+/// Largest difference between the edges of a shutter's sensor and the light, µs.
 const SAME_OPENING_US: u64 = 100_000;
 
 /// Exposures that have no record yet.
 #[derive(Debug)]
 pub(super) struct Light {
     oracle: Oracle,
-    /// Light that has passed, while the path of the stage is not yet there.
+    /// Openings that have ended, while the path of the stage is not yet complete.
     finished: Vec<Opening>,
     truths: Vec<FrameTruth>,
 }
@@ -30,7 +30,7 @@ impl Light {
         }
     }
 
-    /// The light that has passed by a time, µs.
+    /// Takes the light that has passed by a time, µs.
     pub(super) fn take(
         &mut self,
         shutter: &mut ShutterSimulator,
@@ -59,12 +59,12 @@ impl Light {
         }
     }
 
-    /// Whether light has passed of which the truth is not known yet.
+    /// Returns true if light has passed whose true exposure is not known yet.
     pub(super) const fn is_passing(&self) -> bool {
         !self.finished.is_empty()
     }
 
-    /// The true exposure that a record means: the one that opened at its time.
+    /// Removes and returns the true exposure of a record: the one that opened nearest to its time.
     pub(super) fn truth_of(&mut self, opened_us: u64) -> Option<FrameTruth> {
         let apart_us = |truth: &FrameTruth| microseconds(truth.opened_s).abs_diff(opened_us);
         let (index, nearest) = self
@@ -75,7 +75,7 @@ impl Light {
         (apart_us(nearest) <= SAME_OPENING_US).then(|| self.truths.remove(index))
     }
 
-    /// Light that no record has asked for.
+    /// Returns the exposures that belong to no record.
     pub(super) fn into_rest(self) -> Vec<FrameTruth> {
         self.truths
     }

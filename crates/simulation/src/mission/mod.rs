@@ -1,8 +1,8 @@
-//! A simulated flight with the camera in the loop.
+//! Simulated flight with the camera in the loop.
 //!
-//! Aircraft, sensors, shutter and stage are simulated; what the camera does about them is the
-//! camera's own code, in this process or at the end of a link, once per millisecond of simulated
-//! time. What it reports of every frame is held against the physical exposure.
+//! Aircraft, sensors, shutter and stage are simulated. The camera that reacts to them runs its own
+//! code, in this process or at the end of a link, once per millisecond of simulated time. Its
+//! report of every frame is compared with the physical exposure.
 
 pub mod aircraft;
 pub mod clock;

@@ -1,11 +1,11 @@
-//! Whoever arms the camera, and clears its faults.
+//! Operator, who arms the camera and clears its faults.
 
 use fmc_camera::flight::controller::state::State;
 use fmc_camera::flight::event::Command;
 
 use super::clock::ROUND_US;
 
-/// When the camera is told to obey triggers.
+/// Time at which the camera is armed.
 const ARMED_AT_US: u64 = 200 * ROUND_US;
 
 /// The operator.
@@ -16,7 +16,7 @@ pub(super) struct Operator {
 }
 
 impl Operator {
-    /// One who clears a fault so long after it has shown, or never.
+    /// Creates an operator who clears a fault a time after it has shown, or never.
     pub(super) const fn new(clear_after_us: Option<u64>) -> Self {
         Self {
             clear_after_us,
@@ -24,7 +24,7 @@ impl Operator {
         }
     }
 
-    /// What the operator wants now.
+    /// Returns the commands of the operator at a time.
     pub(super) fn commands(&mut self, now_us: u64) -> Vec<Command> {
         if now_us == ARMED_AT_US {
             return vec![Command::Arm];
@@ -38,7 +38,7 @@ impl Operator {
         Vec::new()
     }
 
-    /// The camera has come to another state.
+    /// Notes the state that the camera has entered.
     pub(super) fn see(&mut self, now_us: u64, state: State) {
         let has_failed = matches!(state, State::Fault(_) | State::Degraded(_));
         self.failed_since_us = if has_failed {

@@ -1,4 +1,4 @@
-//! What really happened while the shutter was open: the physical exposure.
+//! True exposure of a frame while the shutter was open.
 
 use fmc_camera_file::CameraFile;
 use fmc_reference::exposure::ExposureRequest;
@@ -11,45 +11,45 @@ use crate::scene::frame::Frame;
 use crate::scene::shutter::Shutter;
 use crate::scene::stage_path::StagePath;
 
-/// Instants of an exposure between which the image moves farthest.
+/// Number of intervals of an exposure, at whose ends the place of the image is compared.
 const INSTANTS: u32 = 8;
-/// Knots of the path for the image, s; the principal point is taken from all of them.
+/// Spacing of the path's knots for the image, s; the principal point is computed from all knots.
 const KNOT_SPACING_S: f64 = 0.5e-3;
 
-/// Light through the shutter, and the stage meanwhile.
+/// Light through the shutter and the path of the stage meanwhile.
 #[derive(Debug, Clone, PartialEq)]
 pub struct TrueExposure {
-    /// When.
+    /// Times of the light.
     pub opening: Opening,
-    /// Where the stage was; times from first light.
+    /// Positions of the stage; times from first light.
     pub path: StagePath,
 }
 
-/// What really happened in an exposure.
+/// True exposure of a frame.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct FrameTruth {
     /// First light, s.
     pub opened_s: f64,
     /// t: first light to last, s.
     pub exposure_s: f64,
-    /// The exposure's centroid, s.
+    /// Centroid of the exposure, s.
     pub centroid_s: f64,
     /// c̄: transmission-weighted mean offset of the principal point, mm along the FMC axis.
     pub centroid_offset_mm: f64,
-    /// Δδ, mm.
+    /// Δδ: offset at first light, mm.
     pub opening_offset_mm: f64,
-    /// δ, mm.
+    /// δ: travel from first light to last, mm.
     pub travel_mm: f64,
     /// V/H over the ground below at the centroid, 1/s.
     pub vh_per_s: f64,
-    /// What compensation leaves of the image motion along the FMC axis at the principal point, without
+    /// Image motion along the FMC axis at the principal point that compensation leaves, without
     /// attitude: f·η·t - δ, mm.
     pub compensation_smear_mm: f64,
-    /// How far an image point moves on the detector, the largest of centre and corners, mm.
+    /// Distance that an image point moves on the detector, the largest of centre and corners, mm.
     pub smear_mm: f64,
 }
 
-/// The physical exposure of a mission's frames.
+/// Physical exposure of a mission's frames.
 #[derive(Debug, Clone)]
 pub struct Oracle {
     scene: Scene,
@@ -58,7 +58,7 @@ pub struct Oracle {
 }
 
 impl Oracle {
-    /// The oracle of a camera on an aircraft.
+    /// Creates the oracle of a camera on an aircraft.
     #[must_use]
     pub fn new(camera: &CameraFile, aircraft: &Aircraft) -> Self {
         let request =
@@ -74,12 +74,12 @@ impl Oracle {
         }
     }
 
-    /// What happened in an exposure.
+    /// Computes the true exposure.
     ///
     /// # Model
-    /// c̄ is the integral of the recorded path, straight between its knots, over the transmission. The
-    /// smear is the largest distance between two of nine places, evenly spaced in time, of the image of
-    /// a ground point, through collinearity, lens and stage.
+    /// c̄ is the integral of the recorded path, straight between its knots, over the transmission.
+    /// The smear is the largest distance between any two of nine places, evenly spaced in time, of
+    /// the image of a ground point, through collinearity, lens and stage.
     pub fn truth(&mut self, exposure: &TrueExposure) -> FrameTruth {
         let opened_s = seconds(exposure.opening.opened_us);
         let closed_us = exposure
@@ -129,7 +129,7 @@ impl Oracle {
     }
 }
 
-/// The largest distance between places of an image point during the exposure, mm.
+/// Returns the largest distance between places of an image point during the exposure, mm.
 fn farthest_mm(frame: &Frame<'_>, ground_m: [f64; 3], exposure_s: f64) -> Option<f64> {
     let places: Vec<[f64; 2]> = (0..=INSTANTS)
         .map(|instant| {
@@ -146,8 +146,8 @@ fn farthest_mm(frame: &Frame<'_>, ground_m: [f64; 3], exposure_s: f64) -> Option
     Some(farthest)
 }
 
-/// Means of time and offset over the transmission. Both are straight between neighbouring knots and
-/// edges, so that Simpson's rule is exact.
+/// Returns the means of time and offset over the transmission. Both are straight between
+/// neighbouring knots and edges, so Simpson's rule is exact.
 fn weighted_means(path: &StagePath, shutter: &Shutter) -> [f64; 2] {
     let mut knots: Vec<f64> = shutter.edges_s().to_vec();
     knots.extend(
@@ -157,7 +157,7 @@ fn weighted_means(path: &StagePath, shutter: &Shutter) -> [f64; 2] {
     knots.sort_by(f64::total_cmp);
     let (mut light, mut time_sum, mut offset_sum) = (0.0, 0.0, 0.0);
     for (from, to) in knots.iter().zip(knots.iter().skip(1)) {
-        // Transmission may jump at the ends of the stretch, never inside.
+        // The transmission may jump at the ends of the stretch, but not inside.
         let middle = 0.5 * (from + to);
         let inside = 1e-9 * (to - from);
         for (time, part) in [
@@ -219,7 +219,8 @@ mod tests {
         let truth = oracle.truth(&exposure(|time| 0.1 + F_MM * 0.1 * time));
         assert!(truth.compensation_smear_mm.abs() < 1e-12);
         assert!(truth.smear_mm < 1e-9, "{}", truth.smear_mm);
-        // MODEL.md, section 2: E[τ] = t/2 + (r₁ - r₂)(3t - 2r₁ - 2r₂)/(6(2t - r₁ - r₂)) in parts of t.
+        // docs/conventions.md, section 5: E[τ]/t = 1/2 + (r₁ - r₂)(3 - 2r₁ - 2r₂)/(6(2 - r₁ - r₂))
+        // for r₁ = 0.3, r₂ = 0.1.
         let centroid = 0.5 + 0.2 * (3.0 - 0.6 - 0.2) / (6.0 * 1.6);
         let expected_mm = 0.1 + 10.0 * 0.004 * centroid;
         // The ends of stretches are left out by 1e-9 of them: 1e-9 of 40 µm.
@@ -238,7 +239,7 @@ mod tests {
         let frame = scene.expose(7.0);
         let difference = truth.centroid_offset_mm - frame.centroid_offset_mm();
         assert!(difference.abs() < 1e-9, "{difference}");
-        // Peak to peak the image moves by twice the amplitude on a detector that shakes.
+        // The image moves by twice the amplitude, peak to peak, on a detector that shakes.
         assert!((truth.smear_mm - 4e-3).abs() < 2e-4, "{}", truth.smear_mm);
     }
 

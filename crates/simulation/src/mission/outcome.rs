@@ -1,4 +1,4 @@
-//! What a fault led to, against what was expected of it.
+//! Outcome of a fault, compared with the expected one.
 
 use fmc_camera::flight::controller::state::State;
 use fmc_camera::flight::fault::Fault;
@@ -17,10 +17,11 @@ use super::planned_fault::PlannedFault;
 use super::scenario::MissionScenario;
 use crate::wording;
 
-/// Before the onset of a fault a frame may have been triggered that it meets, µs.
+/// Time before the onset of a fault within which a frame that it affects may have been triggered,
+/// µs.
 const FRAME_BEFORE_US: u64 = 1_000_000;
 
-/// What a fault led to.
+/// Judges the outcome of a fault.
 pub(super) fn outcome(
     scenario: &MissionScenario,
     flown: &Flown,
@@ -82,7 +83,7 @@ struct Aftermath<'a> {
     errors: &'a [Option<FrameErrors>],
     name: &'static str,
     onset_us: u64,
-    /// The largest number where it has no end.
+    /// Largest value of the type if the fault does not end.
     end_us: u64,
     felt_us: u64,
 }
@@ -96,7 +97,7 @@ impl<'a> Aftermath<'a> {
         }
     }
 
-    /// Frames that the fault can have met.
+    /// Returns the frames that the fault can have affected.
     fn later(&self) -> impl Iterator<Item = &'a FlownFrame> + use<'a> {
         let onset_us = self.onset_us;
         self.flown
@@ -105,7 +106,7 @@ impl<'a> Aftermath<'a> {
             .filter(move |frame| frame.record.trigger.us() + FRAME_BEFORE_US >= onset_us)
     }
 
-    /// Frames triggered while the fault is there.
+    /// Returns the frames triggered during the fault.
     fn meanwhile(&self) -> impl Iterator<Item = &'a FlownFrame> + use<'a> {
         let span_us = self.onset_us..self.end_us;
         self.flown
@@ -219,7 +220,7 @@ impl<'a> Aftermath<'a> {
         )
     }
 
-    /// Whether compensation is there again, soon after the end of the fault.
+    /// Judges whether the camera compensates again soon after the end of the fault.
     fn armed(&self, within_s: f64) -> Finding {
         let flies = |state: State| !matches!(state, State::Fault(_) | State::Degraded(_));
         let armed_us = if self.flown.state_at(self.end_us).is_some_and(flies) {
@@ -241,7 +242,7 @@ impl<'a> Aftermath<'a> {
         )
     }
 
-    /// Records of the time without a line come afterwards.
+    /// Judges whether the records of a cut arrive after it.
     fn records_kept(&self) -> Finding {
         let kept = self.meanwhile().count();
         let too_soon = self
@@ -265,7 +266,7 @@ impl<'a> Aftermath<'a> {
         )
     }
 
-    /// A V/H that nobody renews is held with an uncertainty that grows from frame to frame.
+    /// Judges the uncertainty of a V/H that no source renews: it has to grow from frame to frame.
     fn uncertainty_grows(&self) -> Finding {
         let held: Vec<f32> = self
             .meanwhile()

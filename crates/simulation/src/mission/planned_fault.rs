@@ -1,4 +1,4 @@
-//! The faults of a mission: names, onsets, sizes and expected outcomes.
+//! Faults of a mission: names, onsets, sizes and expected outcomes.
 
 use fmc_camera::flight::fault::Fault;
 use fmc_camera::flight::frame_record::Flag;
@@ -18,13 +18,13 @@ const DURATION: Range = range(1e-6, 1e6, "s");
 /// A fault of a scenario.
 #[derive(Debug, Clone, PartialEq)]
 pub struct PlannedFault {
-    /// What, when, how much.
+    /// Fault with onset and size.
     pub injection: Injection,
-    /// What it should lead to.
+    /// Outcome that it should have.
     pub expectation: Expectation,
 }
 
-/// The faults of a mission with that time from trigger to trigger.
+/// Reads the faults of a mission with this interval between triggers.
 pub(super) fn planned(
     written: &MissionFile,
     interval_s: f64,
@@ -43,7 +43,7 @@ pub(super) fn planned(
         .collect()
 }
 
-/// A `[[fault]]` and its place in the file.
+/// A `[[fault]]` and its index in the file.
 struct Entry<'a> {
     table: &'a FaultTable,
     index: String,
@@ -89,7 +89,7 @@ impl Entry<'_> {
         })
     }
 
-    /// Whose fault it is: one of the scenario's sources.
+    /// Returns the source of V/H that the fault affects, which has to be one of the scenario's.
     fn source(
         &self,
         fault: InjectedFault,
@@ -131,7 +131,7 @@ impl Entry<'_> {
         Ok(Some(quantity))
     }
 
-    /// So long after a frame's trigger, or after the start.
+    /// Returns the onset, which is counted from a frame's trigger or from the start.
     fn onset_s(&self, written: &MissionFile, interval_s: f64) -> Result<f64, InputError> {
         let flight = &written.flight;
         let last_s = flight.first_trigger_s + (whole(flight.exposures) - 1.0) * interval_s;

@@ -1,4 +1,5 @@
-//! A satellite receiver that says speed and altitude in sentences (NMEA 0183), byte after byte on the serial line.
+//! Satellite receiver that reports speed and altitude in sentences (NMEA 0183), byte after byte on
+//! the serial line.
 
 use std::collections::VecDeque;
 
@@ -10,25 +11,25 @@ use super::fault::line::{SerialLine, Traffic};
 /// Bits of a byte on the line: start, eight, stop.
 const BITS: u64 = 10;
 
-/// What became of the receiver's sentences.
+/// Counts of the receiver's sentences.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub struct SentenceCounts {
-    /// That left the receiver.
+    /// Sentences that the receiver sent.
     pub sent: u32,
-    /// That the camera's decoder has read.
+    /// Sentences that the camera's decoder read.
     pub read: u32,
-    /// That it has refused: truncated, or with the wrong checksum, or without a fix.
+    /// Sentences that the decoder refused: truncated, with a wrong checksum or without a fix.
     pub refused: u32,
-    /// Bytes that the line has lost.
+    /// Bytes that the line lost.
     pub lost_bytes: u32,
 }
 
-/// The receiver's end of the line, the line, and the camera's decoder.
+/// Receiver, line and the camera's decoder.
 #[derive(Debug, Clone)]
 pub(super) struct SentenceLine {
     traffic: Traffic,
     baud: u64,
-    /// Bytes on their way, and when they are there, µs.
+    /// Bytes on the line with their times of arrival, µs.
     bytes: VecDeque<(u64, u8)>,
     free_at_us: u64,
     decoder: NmeaReceiver,
@@ -36,7 +37,7 @@ pub(super) struct SentenceLine {
 }
 
 impl SentenceLine {
-    /// An idle line.
+    /// Creates an idle line.
     pub(super) fn new(traffic: Traffic, baud: u64) -> Self {
         Self {
             traffic,
@@ -48,7 +49,8 @@ impl SentenceLine {
         }
     }
 
-    /// A sample leaves the receiver, once what it sent before has left. `false`: receivers do not say this.
+    /// Sends a sample, after the bytes that were sent before. Returns `false` for a sample that
+    /// receivers do not report.
     pub(super) fn send(&mut self, at_us: u64, sample: VhSample) -> bool {
         let Some(sentence) = sentence(sample) else {
             return false;
@@ -63,7 +65,7 @@ impl SentenceLine {
         true
     }
 
-    /// What the decoder makes of the bytes that are there by a time, µs.
+    /// Decodes the bytes that have arrived by a time, µs.
     pub(super) fn read(&mut self, line: &SerialLine, to_us: u64) -> Vec<(u64, VhSample)> {
         let mut samples = Vec::new();
         while let Some((at_us, byte)) = self.bytes.pop_front_if(|(at_us, _)| *at_us <= to_us) {
@@ -83,7 +85,7 @@ impl SentenceLine {
         samples
     }
 
-    /// When the next byte is there, µs.
+    /// Returns the time at which the next byte arrives, µs.
     pub(super) fn due_us(&self) -> Option<u64> {
         self.bytes.front().map(|(at_us, _)| *at_us)
     }
@@ -93,7 +95,8 @@ impl SentenceLine {
     }
 }
 
-/// The sentence of a sample; place and time of day, which the camera does not take from it, are left at nought.
+/// Formats the sentence of a sample; position and time of day, which the camera does not read from
+/// it, are 0.
 fn sentence(sample: VhSample) -> Option<String> {
     let fields = match sample {
         VhSample::GroundSpeed(speed_m_s) => format!(
@@ -129,7 +132,7 @@ mod tests {
         (receiver.read(&line, 1_000_000), receiver.counts())
     }
 
-    /// To the millimetre per second; a digit of the sentence is half of one.
+    /// Speeds to the millimetre per second; one digit of the sentence is half of that.
     fn speeds_m_s(samples: &[(u64, VhSample)]) -> Vec<String> {
         samples
             .iter()
@@ -150,7 +153,7 @@ mod tests {
         let [(first_us, speed), (second_us, altitude)] = receiver.read(&line, 1_000_000)[..] else {
             panic!("two samples")
         };
-        // Bytes of 260 µs: 40 of them and 77 more.
+        // A byte takes 260 µs: one sentence of 40 bytes and one of 77.
         assert!((10_000..15_000).contains(&first_us), "{first_us}");
         assert!((28_000..36_000).contains(&second_us), "{second_us}");
         let VhSample::GroundSpeed(speed_m_s) = speed else {
@@ -163,7 +166,8 @@ mod tests {
 
     #[test]
     fn sentence_that_is_cut_short_is_refused_and_the_next_whole_one_is_read() {
-        // 20 ms into the second sentence, which takes 40 ms; back in the pause after it.
+        // The cut begins 20 ms into the second sentence, which takes 40 ms, and ends in the pause
+        // after it.
         let (samples, counts) = flown(0.12, 0.05);
         assert_eq!(speeds_m_s(&samples), ["90.000", "92.000"]);
         assert_eq!((counts.sent, counts.read, counts.refused), (3, 2, 1));
@@ -172,7 +176,7 @@ mod tests {
 
     #[test]
     fn end_of_one_sentence_behind_the_beginning_of_another_is_no_sentence() {
-        // From the middle of the first to the middle of the second.
+        // The cut lasts from the middle of the first sentence to the middle of the second.
         let (samples, counts) = flown(0.02, 0.1);
         assert_eq!(speeds_m_s(&samples), ["92.000"]);
         assert_eq!((counts.read, counts.refused), (1, 1));

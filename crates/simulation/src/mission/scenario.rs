@@ -1,4 +1,4 @@
-//! A mission, validated, with its camera and its faults.
+//! Validated scenario of a mission, with its camera and its faults.
 
 use std::path::Path;
 
@@ -16,32 +16,33 @@ use super::file_range;
 use super::planned_fault::{self, PlannedFault};
 use super::settings::flight_settings;
 
-/// The nominal mission that is part of the program, and its camera.
+/// The nominal mission, which is part of the program.
 const NOMINAL: &str = include_str!("../../../../host-sim/scenarios/mission.toml");
 const NOMINAL_CAMERA: &str = include_str!("../../../../host-sim/scenarios/cameras/mission.toml");
 
 /// A validated mission.
 #[derive(Debug, Clone)]
 pub struct MissionScenario {
-    /// What messages call the file.
+    /// File name that messages use.
     pub file: String,
-    /// As written; `flight.exposures` is what is flown.
+    /// The scenario as written; `flight.exposures` is the number that is flown.
     pub written: MissionFile,
-    /// The camera file.
+    /// Camera file.
     pub camera: CameraFile,
-    /// The same, as the camera believes it.
+    /// Validated camera of the camera file.
     pub checked: Camera,
-    /// From trigger to trigger, s.
+    /// Interval between triggers, s.
     pub interval_s: f64,
-    /// What goes wrong, and what is expected of it.
+    /// Faults with their expected outcomes.
     pub faults: Vec<PlannedFault>,
 }
 
 impl MissionScenario {
-    /// The nominal mission that is part of the program, with its own or another number of exposures.
+    /// Returns the nominal mission, which is part of the program, with its own or another number of
+    /// exposures.
     ///
     /// # Errors
-    /// [`InputError`] where it cannot be flown with so many exposures.
+    /// [`InputError`] if it cannot be flown with so many exposures.
     pub fn nominal(exposures: Option<u32>) -> Result<Self, InputError> {
         Self::parse_with("mission.toml", NOMINAL, exposures, |_| {
             CameraFile::parse("cameras/mission.toml", NOMINAL_CAMERA)
@@ -61,8 +62,9 @@ impl MissionScenario {
         Self::parse(&path.display().to_string(), &text, folder, exposures)
     }
 
-    /// Parses and validates; `file` is what messages call the text, `folder` where a relative camera
-    /// file is looked for, `exposures` instead of those of the scenario.
+    /// Parses and validates a scenario. `file` is the name that messages use for the text, `folder`
+    /// the one in which a relative camera file is looked for; `exposures` replaces the number in
+    /// the scenario.
     ///
     /// # Errors
     /// As [`Self::read`].
@@ -119,13 +121,13 @@ impl MissionScenario {
         })
     }
 
-    /// A fault of one field: file, field and what is wrong.
+    /// Creates the error of a field: file, field and fault.
     #[must_use]
     pub fn fault(&self, field: &str, fault: impl std::fmt::Display) -> InputError {
         InputError::invalid(format!("{}: {field}: {fault}", self.file))
     }
 
-    /// Only the injections.
+    /// Returns the injections without their expected outcomes.
     #[must_use]
     pub fn injections(&self) -> Vec<Injection> {
         self.faults.iter().map(|fault| fault.injection).collect()
@@ -137,7 +139,7 @@ impl MissionScenario {
         vh_per_s(&self.written)
     }
 
-    /// What hangs on the serial line.
+    /// Returns the traffic of the serial line.
     #[must_use]
     pub fn carried(&self) -> Carried {
         match &self.written.line.carries {
@@ -152,7 +154,7 @@ impl MissionScenario {
         u32::try_from(self.written.flight.exposures).unwrap_or(0)
     }
 
-    /// When the regular triggers come, s.
+    /// Returns the times of the regular triggers, s.
     pub fn triggers_s(&self) -> impl Iterator<Item = f64> {
         let (first, interval) = (self.written.flight.first_trigger_s, self.interval_s);
         (0..self.exposures()).map(move |frame| first + f64::from(frame) * interval)
@@ -183,7 +185,8 @@ fn check_sources(written: &MissionFile, text: &TomlText) -> Result<(), InputErro
     Ok(())
 }
 
-/// What hangs on the line is known, and there is a receiver where one is to speak.
+/// Checks that the traffic of the line is known, and that there is a receiver if one is to send
+/// sentences.
 fn check_line(written: &MissionFile, text: &TomlText) -> Result<(), InputError> {
     for name in written.line.carries.iter().flatten() {
         if Carried::named(name).is_none() {
@@ -215,7 +218,8 @@ fn check_mechanics(written: &MissionFile, text: &TomlText) -> Result<(), InputEr
     }
 }
 
-/// From trigger to trigger: as written, or from the overlap of the pictures along the flight.
+/// Returns the interval between triggers: as written, or from the overlap of the images along the
+/// flight.
 fn interval_s(
     written: &MissionFile,
     camera: &CameraFile,
@@ -244,7 +248,7 @@ fn interval_s(
     }
 }
 
-/// The camera must be able to take the exposure.
+/// Checks that the camera can take the exposure.
 fn check_exposure(
     written: &MissionFile,
     camera: &CameraFile,
@@ -286,7 +290,7 @@ fn check_exposure(
     }
 }
 
-/// The camera must accept how it is to be flown: settings, and time enough from trigger to trigger.
+/// Checks that the camera accepts its settings and has enough time between triggers.
 fn check_settings(
     written: &MissionFile,
     camera: &CameraFile,
@@ -326,7 +330,7 @@ fn check_settings(
     Err(text.invalid(path, &format!("is refused by the camera: {fault}")))
 }
 
-/// Where a setting of the camera comes from.
+/// Returns the path in the scenario of a setting of the camera.
 fn setting_path(setting: &str) -> &'static [&'static str] {
     match setting {
         "exposure_s" => &["flight", "exposure_s"],

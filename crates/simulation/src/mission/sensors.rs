@@ -1,4 +1,4 @@
-//! What the aircraft's sensors tell the camera, and when.
+//! Sensors of the aircraft: what they report to the camera, and when.
 
 use fmc_camera::flight::event::Event;
 use fmc_camera::flight::time::Time;
@@ -12,31 +12,31 @@ use super::receiver::{SentenceCounts, SentenceLine};
 use super::scenario::MissionScenario;
 use super::source::{Source, ToldVh};
 
-/// When the receiver's first time pulse comes, µs.
+/// Time of the receiver's first time pulse, µs.
 const FIRST_PULSE_US: u64 = 300_250;
-/// A second, µs.
+/// One second, µs.
 const SECOND_US: u64 = 1_000_000;
-/// So long after its pulse comes the message that names it, µs.
+/// Time from a pulse to the message that names it, µs.
 const NAMED_AFTER_US: u64 = 120_000;
 
 /// All sensors of the aircraft.
 #[derive(Debug, Clone)]
 pub struct Sensors {
     sources: Vec<Source>,
-    /// Speed and altitude of the receiver as sentences.
+    /// Speed and altitude of the receiver, as sentences.
     sentences: Option<SentenceLine>,
     line: SerialLine,
     attitude: Option<Clocked>,
-    /// The time pulse, and the second that the first one begins.
+    /// The time pulse, and the second that begins with the first one.
     pulses: Option<(Clocked, u64)>,
-    /// When something happens next, µs.
+    /// Time of the next event, µs.
     due_us: u64,
-    /// V/H as the first source has it.
+    /// V/H according to the first source.
     told: Option<ToldVh>,
 }
 
 impl Sensors {
-    /// The sensors of a scenario, with the faults of its sources.
+    /// Creates the sensors of a scenario, with the faults of its sources.
     #[must_use]
     pub fn of(
         scenario: &MissionScenario,
@@ -46,7 +46,7 @@ impl Sensors {
     ) -> Self {
         let tables = &scenario.written.vh;
         let sources = tables.iter().zip(1_u64..).map(|(table, number)| {
-            // There is one receiver in the aircraft.
+            // All sources share the one receiver of the aircraft.
             let is_speed_known = table.source.has_receiver()
                 && tables
                     .iter()
@@ -82,7 +82,7 @@ impl Sensors {
         }
     }
 
-    /// What arrives up to a time, in order.
+    /// Returns the events that arrive up to a time, in order.
     pub fn arrivals(&mut self, aircraft: &Aircraft, to_us: u64) -> Vec<(Time, Event)> {
         let mut arrived = Vec::new();
         if self.due_us > to_us {
@@ -115,7 +115,7 @@ impl Sensors {
             due_us = due_us.min(clock.next_us);
         }
         if let Some((clock, first_unix_s)) = &mut self.pulses {
-            // Half of the rounds of this clock are pulses, the others their names.
+            // The events of this clock are alternately pulses and the messages that name them.
             while clock.next_us <= to_us {
                 let time = Time::from_us(clock.next_us);
                 let into_second_us = (clock.next_us - FIRST_PULSE_US) % SECOND_US;
@@ -143,13 +143,13 @@ impl Sensors {
         arrived
     }
 
-    /// V/H as the first source has it, 1/s; 0 before it has spoken.
+    /// V/H according to the first source, 1/s; 0 before its first value.
     #[must_use]
     pub fn told_vh_per_s(&self) -> f64 {
         self.told.map_or(0.0, |told| told.vh_per_s())
     }
 
-    /// What became of the receiver's sentences.
+    /// Counts of the receiver's sentences.
     #[must_use]
     pub fn sentence_counts(&self) -> SentenceCounts {
         self.sentences

@@ -1,4 +1,4 @@
-//! What the camera is told of the aircraft, the shutter and the stage.
+//! Settings of the camera for the aircraft, the shutter and the stage.
 
 use fmc_camera::flight::drive::loop_settings::{LoopSettings, Plant};
 use fmc_camera::flight::drive::pwm_encoder::DriveSettings;
@@ -9,11 +9,11 @@ use fmc_camera_file::number::single;
 use super::file::{MissionFile, VhSourceName};
 use crate::mechanics::MechanicsSettings;
 
-/// So many periods late, and a source counts as silent.
+/// Factor of a source's period after which the source counts as silent.
 const PERIODS: f64 = 1.5;
 
-/// The settings that a scenario's camera is flown with: everything that its engineer knows of the simulated hardware,
-/// nothing that only the simulation knows (jitter, play, noise).
+/// Returns the settings of a scenario's camera: everything that its engineer knows of the simulated
+/// hardware, and nothing that only the simulation knows (jitter, play, noise).
 #[must_use]
 pub fn flight_settings(written: &MissionFile, interval_s: f64) -> FlightSettings {
     let mut settings = FlightSettings {
@@ -32,7 +32,7 @@ pub fn flight_settings(written: &MissionFile, interval_s: f64) -> FlightSettings
     settings
 }
 
-/// The gains for the stage as it is built.
+/// Returns the gains for the stage of the scenario.
 fn velocity_loop(mechanics: &MechanicsSettings) -> LoopSettings {
     LoopSettings {
         reading_age_s: single(mechanics.encoder_latency_s),
@@ -46,7 +46,7 @@ fn velocity_loop(mechanics: &MechanicsSettings) -> LoopSettings {
     }
 }
 
-/// σ and rate of each source as they are.
+/// Returns σ and rate of each source as they are.
 fn vh_settings(written: &MissionFile) -> VhSettings {
     let mut settings = VhSettings::DEFAULT;
     let height_m = written.flight.height_m - written.terrain.height_m;

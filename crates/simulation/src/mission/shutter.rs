@@ -1,4 +1,4 @@
-//! The shutter and its sensor.
+//! Shutter and its sensor.
 
 use fmc_camera::flight::event::ShutterEdge;
 
@@ -8,20 +8,20 @@ use super::fault::Injection;
 use super::fault::shutter::opening_fault;
 use crate::noise::Noise;
 
-/// A shutter that opens some time after it is told to.
+/// A shutter that opens a time after the command.
 #[derive(Debug, Clone)]
 pub struct ShutterSimulator {
     latency_s: f64,
     jitter_s: f64,
     noise: Noise,
     injections: Vec<Injection>,
-    /// Light that is to come or passes now.
+    /// Light that passes now or later.
     openings: Vec<Opening>,
-    /// Edges that the sensor will give, in order of time.
+    /// Edges that the sensor has yet to report, in order of time.
     edges: Vec<(u64, ShutterEdge)>,
 }
 
-/// Light through the shutter, µs.
+/// Times of light through the shutter, µs.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Opening {
     /// First light.
@@ -30,17 +30,17 @@ pub struct Opening {
     pub closed_us: u64,
 }
 
-/// Latency and its scatter.
+/// Latency of the shutter and its scatter.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct ShutterTiming {
-    /// From the order to first light, s.
+    /// Time from the command to first light, s.
     pub latency_s: f64,
-    /// σ of it, s.
+    /// σ of the latency, s.
     pub jitter_s: f64,
 }
 
 impl ShutterSimulator {
-    /// A closed shutter.
+    /// Creates a closed shutter.
     #[must_use]
     pub fn new(timing: ShutterTiming, injections: &[Injection], seed: u64) -> Self {
         Self {
@@ -53,7 +53,7 @@ impl ShutterSimulator {
         }
     }
 
-    /// The order to open reaches the shutter at a time, µs.
+    /// Receives the command to open at a time, µs.
     pub fn open(&mut self, at_us: u64, exposure_s: f64) {
         let [jitter_s] = self.noise.next([self.jitter_s]);
         let fault = opening_fault(&self.injections, seconds(at_us));
@@ -80,7 +80,7 @@ impl ShutterSimulator {
         self.edges.sort_by_key(|(time, _)| *time);
     }
 
-    /// The order to close, or to stay closed, reaches it at a time, µs.
+    /// Receives the command to close, or to stay closed, at a time, µs.
     pub fn close(&mut self, at_us: u64) {
         self.openings.retain(|opening| opening.opened_us <= at_us);
         self.edges.retain(|(time, _)| *time <= at_us);
@@ -92,7 +92,7 @@ impl ShutterSimulator {
         }
     }
 
-    /// Whether light passes at a time, µs.
+    /// Returns true if light passes at a time, µs.
     #[must_use]
     pub fn is_open(&self, at_us: u64) -> bool {
         self.openings
@@ -100,19 +100,19 @@ impl ShutterSimulator {
             .any(|opening| opening.opened_us <= at_us && at_us < opening.closed_us)
     }
 
-    /// Whether light passes, or will.
+    /// Returns true if light passes now or later.
     #[must_use]
     pub fn is_busy(&self) -> bool {
         !self.openings.is_empty()
     }
 
-    /// The sensor's edges up to a time, µs.
+    /// Removes and returns the edges of the sensor up to a time, µs.
     pub fn edges(&mut self, to_us: u64) -> Vec<(u64, ShutterEdge)> {
         let until = self.edges.partition_point(|(time, _)| *time <= to_us);
         self.edges.drain(..until).collect()
     }
 
-    /// The light that has passed up to a time, µs.
+    /// Removes and returns the light that has passed by a time, µs.
     pub fn finished(&mut self, to_us: u64) -> Vec<Opening> {
         let (done, rest) = self
             .openings

@@ -1,4 +1,4 @@
-//! One source of V/H: it measures, with its noise and its faults, and sends what it has measured.
+//! Source of V/H, with its noise and its faults.
 
 use std::collections::VecDeque;
 
@@ -22,18 +22,18 @@ pub(super) struct Source {
     name: VhSourceName,
     clock: Clocked,
     latency_us: u64,
-    /// σ of V/H relative to it.
+    /// σ of V/H, relative to V/H.
     sigma: f64,
     noise: Noise,
-    /// Of the whole source, of its speed, of its height.
+    /// Faults of the whole source, of its speed and of its height.
     faults: [VhFaults; 3],
-    /// An earlier source has the speed of the same receiver.
+    /// `true` if an earlier source reports the speed of the same receiver.
     is_speed_known: bool,
     under_way: VecDeque<(u64, VhSample)>,
 }
 
 impl Source {
-    /// The source of that number, from 1, with its faults among the injections.
+    /// Creates the source of a number, counted from 1, with its faults among the injections.
     pub(super) fn new(
         table: &VhTable,
         number: u64,
@@ -53,7 +53,7 @@ impl Source {
             name: table.source,
             clock: Clocked {
                 period_us: microseconds(1.0 / table.rate_hz),
-                // Nobody's clocks are in step.
+                // The clocks of the sources are not in step.
                 next_us: 1000 * number + 137 * number,
             },
             latency_us: microseconds(table.latency_ms / 1000.0),
@@ -65,12 +65,13 @@ impl Source {
         }
     }
 
-    /// What it is to the line.
+    /// Traffic that the source is on the line.
     pub(super) const fn traffic(&self) -> Traffic {
         Traffic::Vh(self.name)
     }
 
-    /// Takes the samples that are due up to a time and sends them, to the receiver's line where there is one.
+    /// Measures the samples due up to a time and sends them, over the receiver's line if there is
+    /// one.
     pub(super) fn measure(
         &mut self,
         aircraft: &Aircraft,
@@ -94,18 +95,18 @@ impl Source {
         }
     }
 
-    /// The next sample that is there at a time, µs.
+    /// Removes and returns the next sample that has arrived by a time, µs.
     pub(super) fn arrived(&mut self, to_us: u64) -> Option<(u64, VhSample)> {
         self.under_way.pop_front_if(|(at_us, _)| *at_us <= to_us)
     }
 
-    /// When something happens next, µs.
+    /// Returns the time of the next event, µs.
     pub(super) fn due_us(&self) -> u64 {
         let arrives = self.under_way.front().map_or(u64::MAX, |(at_us, _)| *at_us);
         arrives.min(self.clock.next_us)
     }
 
-    /// What it says of an instant.
+    /// Returns the samples of an instant.
     fn samples(&mut self, time_s: f64, truth: &SpeedAndHeight) -> Vec<VhSample> {
         // Speed and height share the variance.
         let part = self.sigma / 2.0_f64.sqrt();
@@ -153,7 +154,7 @@ impl Source {
     }
 }
 
-/// V/H as a source has it, from what has arrived of it.
+/// V/H according to a source, from the samples that have arrived.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct ToldVh {
     name: VhSourceName,
@@ -164,7 +165,7 @@ pub(super) struct ToldVh {
 }
 
 impl ToldVh {
-    /// Before it has spoken.
+    /// Creates the state before the first sample.
     pub(super) const fn of(name: VhSourceName) -> Self {
         Self {
             name,
@@ -175,7 +176,7 @@ impl ToldVh {
         }
     }
 
-    /// 1/s; 0 before it has spoken.
+    /// V/H, 1/s; 0 before the first value.
     pub(super) const fn vh_per_s(&self) -> f64 {
         self.vh_per_s
     }

@@ -1,4 +1,4 @@
-//! What happened round by round around one frame.
+//! Trace of the rounds around one frame.
 
 use fmc_camera::flight::controller::state::State;
 use fmc_camera::flight::stage::Setpoint;
@@ -6,21 +6,21 @@ use fmc_camera::flight::stage::Setpoint;
 /// One round of the control loop.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Round {
-    /// When, µs.
+    /// Time, µs.
     pub time_us: u64,
-    /// Where the stage should be; `None` where it has been told nothing.
+    /// Set point of the stage; `None` without one.
     pub setpoint: Option<Setpoint>,
-    /// Where it is, mm.
+    /// True position of the stage, mm.
     pub true_mm: f64,
-    /// Where its encoder says it is, mm.
+    /// Position according to the encoder, mm.
     pub encoder_mm: f64,
-    /// Pulse width of the motor; 0 without power.
+    /// Duty of the motor; 0 without power.
     pub duty: f64,
-    /// V/H as the first source has it, 1/s.
+    /// V/H according to the first source, 1/s.
     pub told_vh_per_s: f64,
-    /// Whether light passes.
+    /// `true` if light passes.
     pub is_open: bool,
-    /// What the camera is doing.
+    /// State of the camera.
     pub state: State,
 }
 
@@ -29,9 +29,9 @@ pub struct Round {
 pub struct Trace {
     /// Number of the frame's trigger.
     pub sequence: u32,
-    /// Its trigger, µs.
+    /// Time of the frame's trigger, µs.
     pub trigger_us: u64,
-    /// From shortly before the trigger to its record and a little longer.
+    /// Rounds from shortly before the trigger until shortly after the record.
     pub rounds: Vec<Round>,
     /// True V/H over the ground below at each round, 1/s.
     pub true_vh_per_s: Vec<f64>,

@@ -1,4 +1,4 @@
-//! The rounds that are remembered, and the frame among them that is worth a look.
+//! Selection of the frame whose rounds are kept as a trace.
 
 use std::collections::VecDeque;
 
@@ -7,16 +7,16 @@ use super::clock::seconds;
 use super::flown::FlownFrame;
 use super::trace::{Round, Trace};
 
-/// Rounds that are remembered: as long as a record may take to come over a line that is cut.
+/// Number of rounds that are kept: the time that a record may need over a line that is cut.
 const REMEMBERED: usize = 120_000;
-/// Before its trigger a frame's trace begins, µs.
+/// Time before its trigger at which a frame's trace begins, µs.
 const TRACE_BEFORE_US: u64 = 20_000;
-/// After its record it goes on, µs: the fly-back.
+/// Time after its record at which a frame's trace ends, µs; the fly-back falls into it.
 const TRACE_AFTER_US: u64 = 70_000;
-/// After its trigger it goes on at most, µs.
+/// Longest time from its trigger to the end of a frame's trace, µs.
 const LONGEST_TRACE_US: u64 = 250_000;
 
-/// A frame whose rounds are to be kept.
+/// A frame whose rounds are being traced.
 #[derive(Debug)]
 struct Traced {
     sequence: u32,
@@ -24,23 +24,23 @@ struct Traced {
     until_us: u64,
 }
 
-/// The last rounds, and those of the frame that is worth a look.
+/// The last rounds, and the trace of the selected frame.
 #[derive(Debug)]
 pub(super) struct Tracer {
-    /// The frame that is asked for.
+    /// Number of the requested frame.
     wanted: Option<u32>,
     rounds: VecDeque<Round>,
-    /// The frame that is shown, as long as its rounds go on.
+    /// Selected frame, until its rounds end.
     traced: Option<Traced>,
-    /// How bad the frame of the trace is.
+    /// Badness of the selected frame.
     worst: f64,
     has_failed: bool,
     trace: Option<Trace>,
 }
 
 impl Tracer {
-    /// Keeps the rounds of the frame that is asked for, or else of the first with a fault, or else of the one with the
-    /// largest smear.
+    /// Creates a tracer of the requested frame, or else of the first with a fault, or else of the
+    /// one with the largest smear.
     pub(super) const fn new(wanted: Option<u32>) -> Self {
         Self {
             wanted,
@@ -59,7 +59,7 @@ impl Tracer {
         self.rounds.push_back(round);
     }
 
-    /// Looks whether a frame is worth its rounds.
+    /// Selects a frame if it is worse than the ones before.
     pub(super) fn consider(&mut self, now_us: u64, frame: &FlownFrame, aircraft: &Aircraft) {
         let badness = self.badness(frame);
         self.has_failed |= !frame.record.faults.is_empty();
@@ -75,7 +75,7 @@ impl Tracer {
         }
     }
 
-    /// The stage has flown back since.
+    /// Ends the trace when its time is over.
     pub(super) fn look(&mut self, now_us: u64, aircraft: &Aircraft) {
         if self
             .traced
@@ -86,13 +86,13 @@ impl Tracer {
         }
     }
 
-    /// The trace, now that the flight is over.
+    /// Returns the trace at the end of the flight.
     pub(super) fn into_trace(mut self, aircraft: &Aircraft) -> Option<Trace> {
         self.finish(aircraft);
         self.trace
     }
 
-    /// Cuts the rounds of the frame that is shown out of those that are remembered.
+    /// Cuts the rounds of the selected frame out of those that are kept.
     fn finish(&mut self, aircraft: &Aircraft) {
         let Some(traced) = self.traced.take() else {
             return;
@@ -121,7 +121,7 @@ impl Tracer {
         });
     }
 
-    /// Which frame's rounds are worth keeping.
+    /// Returns the badness of a frame; the frame with the greatest is traced.
     fn badness(&self, frame: &FlownFrame) -> f64 {
         if let Some(wanted) = self.wanted {
             return if frame.record.sequence == wanted {

@@ -1,4 +1,4 @@
-//! How the camera is turned.
+//! Attitude of the camera over time.
 
 use nalgebra::{Rotation3, Vector3};
 
@@ -7,9 +7,9 @@ use super::turbulence::Turbulence;
 /// Attitude of the camera over time.
 ///
 /// # Model
-/// Camera axes: right, forward (the FMC axis), up. At `reference_s`
-/// `R = Rz(yaw)·Rx(pitch)·Ry(roll)` takes them to the ground frame; from then on the camera turns by
-/// the rotation vector `ω·(t - reference) + ∫ turbulence dt` in its own axes, which is exact for
+/// Camera axes: right, forward (the FMC axis), up. At `reference_s` the rotation
+/// `R = Rz(yaw)·Rx(pitch)·Ry(roll)` takes them to the ground frame. From then on the camera turns
+/// by the rotation vector `ω·(t - reference) + ∫ turbulence dt` in its own axes, which is exact for
 /// constant rates and leaves out the products of the turbulence's small angles.
 ///
 /// # Units and frames
@@ -27,18 +27,19 @@ pub struct Attitude {
     pub reference_s: f64,
     /// Constant rates about right, forward and up, °/s.
     pub rates_deg_s: [f64; 3],
-    /// What turbulence adds to the rates, °/s.
+    /// Rates that turbulence adds, °/s.
     pub turbulence: [Turbulence; 3],
 }
 
 impl Attitude {
-    /// Looking straight down, forward along the ground frame's y.
+    /// Creates the attitude of a camera that looks straight down, forward along the ground frame's
+    /// y.
     #[must_use]
     pub fn level() -> Self {
         Self::default()
     }
 
-    /// The rotation from camera axes to the ground frame at a time.
+    /// Returns the rotation from camera axes to the ground frame at a time.
     #[must_use]
     pub fn ground_from_camera(&self, time_s: f64) -> Rotation3<f64> {
         let about = |axis, degrees: f64| Rotation3::from_axis_angle(&axis, degrees.to_radians());
@@ -53,7 +54,7 @@ impl Attitude {
         reference * Rotation3::from_scaled_axis(turn_deg.map(f64::to_radians))
     }
 
-    /// The highest frequency in it, Hz.
+    /// Highest frequency of the attitude, Hz.
     pub(super) fn highest_hz(&self) -> f64 {
         self.turbulence
             .iter()
@@ -97,7 +98,8 @@ mod tests {
             rates_deg_s: [3.0, 0.0, 0.0],
             ..Attitude::default()
         };
-        // Nose along the ground's -x: a second later the optical axis is 3° that way.
+        // The nose points along the ground's -x: a second later the optical axis is tilted by 3° in
+        // that direction.
         let look = attitude.ground_from_camera(3.0) * DOWN;
         assert!((look.x + 3.0_f64.to_radians().sin()).abs() < 1e-12);
     }

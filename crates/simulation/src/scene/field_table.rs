@@ -1,4 +1,4 @@
-//! A lens as a table over the field: ideal point -> measured - ideal.
+//! Lens as a table over the field: ideal point -> measured - ideal.
 
 use std::io::Read;
 use std::path::Path;
@@ -7,16 +7,16 @@ use fmc_camera_file::InputError;
 
 /// Nodes of the interpolation along each axis.
 const WINDOW: usize = 8;
-/// How far beyond its edge the table is continued, in spacings.
+/// Distance beyond its edge to which the table is continued, in spacings.
 const BEYOND: f64 = 1.0;
-/// How far a node may be off its place, in spacings.
+/// Largest distance of a node from its place on the grid, in spacings.
 const OFF_GRID: f64 = 1e-6;
 
 /// Displacements on an even grid of ideal points, interpolated by polynomials of degree 7.
 ///
 /// # Model
-/// Lagrange's polynomial through the 8 x 8 nearest nodes, and through the outermost ones up to one
-/// spacing beyond the edge.
+/// Lagrange's polynomial through the 8 x 8 nearest nodes; up to one spacing beyond the edge, the
+/// polynomial through the outermost nodes.
 ///
 /// # Accuracy
 /// 0.007 nm for a ray-traced lens of 1 % distortion on 21 x 21 nodes, 0.84 mm beyond the edge
@@ -25,35 +25,35 @@ const OFF_GRID: f64 = 1e-6;
 pub struct FieldTable {
     columns: Side,
     rows: Side,
-    /// mm, row by row from the smallest y.
+    /// Displacements, mm, row by row from the smallest y.
     displacements: Vec<[f64; 2]>,
 }
 
 /// A node of the table.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct FieldNode {
-    /// The ideal point, mm from the principal point.
+    /// Ideal point, mm from the principal point.
     pub ideal_mm: [f64; 2],
     /// Measured - ideal, mm.
     pub displacement_mm: [f64; 2],
 }
 
-/// Why nodes are no table.
+/// Error of a table's nodes.
 #[derive(Debug, Clone, Copy, PartialEq, thiserror::Error)]
 pub enum FieldTableError {
     /// A number of a node is not finite.
     #[error("node ({0}, {1}) mm holds what is not a finite number")]
     NotFinite(f64, f64),
-    /// Too few different coordinates along an axis.
+    /// An axis has too few different coordinates.
     #[error("{0} different {1}, at least {WINDOW} are needed")]
     TooFew(usize, &'static str),
-    /// Coordinates are not evenly spaced.
+    /// The coordinates are not evenly spaced.
     #[error("{1} are not evenly spaced at {0} mm")]
     Uneven(f64, &'static str),
     /// A node of the grid is missing.
     #[error("no node at ({0}, {1}) mm")]
     Missing(f64, f64),
-    /// Two nodes at one place.
+    /// Two nodes lie at one place.
     #[error("two nodes at ({0}, {1}) mm")]
     Twice(f64, f64),
 }
@@ -101,12 +101,12 @@ impl Side {
         self.first + self.spacing * number(index)
     }
 
-    /// A coordinate counted in spacings from the first.
+    /// Converts a coordinate into spacings from the first.
     fn steps(&self, coordinate: f64) -> f64 {
         (coordinate - self.first) / self.spacing
     }
 
-    /// The first node of the window around a coordinate, and the nodes' weights.
+    /// Returns the first node of the window around a coordinate and the nodes' weights.
     fn weights(&self, coordinate: f64) -> Option<(usize, [f64; WINDOW])> {
         let steps = self.steps(coordinate);
         let last = number(self.count - 1);
@@ -125,13 +125,13 @@ impl Side {
     }
 }
 
-/// A place in the table as a number.
+/// Converts an index of the table into a number.
 #[expect(clippy::cast_precision_loss, reason = "counts far below 2^53")]
 const fn number(count: usize) -> f64 {
     count as f64
 }
 
-/// The nearest index that is not negative.
+/// Rounds to the nearest index that is not negative.
 #[expect(
     clippy::cast_possible_truncation,
     clippy::cast_sign_loss,
@@ -142,10 +142,10 @@ fn index(steps: f64) -> usize {
 }
 
 impl FieldTable {
-    /// The table through nodes in any order.
+    /// Creates a table from nodes in any order.
     ///
     /// # Errors
-    /// [`FieldTableError`] unless they fill an even grid of at least 8 x 8, each once.
+    /// [`FieldTableError`] unless the nodes fill an even grid of at least 8 x 8, each place once.
     pub fn new(nodes: &[FieldNode]) -> Result<Self, FieldTableError> {
         for node in nodes {
             let ([x, y], [dx, dy]) = (node.ideal_mm, node.displacement_mm);
@@ -189,13 +189,13 @@ impl FieldTable {
     /// (measured - ideal), in any order and among others.
     ///
     /// # Errors
-    /// [`InputError`] naming file, line, column and what is wrong.
+    /// [`InputError`] that names file, line, column and fault.
     pub fn read(path: &Path) -> Result<Self, InputError> {
         let file = std::fs::File::open(path).map_err(|error| InputError::reading(path, &error))?;
         Self::parse(&path.display().to_string(), file)
     }
 
-    /// As [`Self::read`], from anything that can be read; `file` is what messages call it.
+    /// Reads a table from any reader; `file` is the name that messages use.
     ///
     /// # Errors
     /// As [`Self::read`].
@@ -239,7 +239,8 @@ impl FieldTable {
         Self::new(&nodes).map_err(|error| bad(error.to_string()))
     }
 
-    /// Measured - ideal at an ideal point, mm; `None` farther than one spacing beyond the table.
+    /// Returns measured - ideal at an ideal point, mm; `None` farther than one spacing beyond the
+    /// table.
     #[must_use]
     pub fn displacement(&self, [x, y]: [f64; 2]) -> Option<[f64; 2]> {
         let (first_column, across) = self.columns.weights(x)?;

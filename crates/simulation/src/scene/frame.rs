@@ -1,4 +1,4 @@
-//! One exposure: what is where while the shutter is open.
+//! One exposure of a scene: positions, attitude and image points while the shutter is open.
 
 use fmc_camera::geometry::principal_point::StageSample;
 use nalgebra::{Point3, Rotation3, Vector3};
@@ -6,7 +6,7 @@ use nalgebra::{Point3, Rotation3, Vector3};
 use super::Scene;
 use super::image_point::ImagePoint;
 
-/// Nodes and weights of Gauss and Legendre's quadrature on [-1, 1], both signs of each.
+/// Nodes and weights of Gauss-Legendre quadrature on [-1, 1], both signs of each.
 const GAUSS: [(f64, f64); 4] = [
     (0.183_434_642_495_649_8, 0.362_683_783_378_362),
     (0.525_532_409_916_329, 0.313_706_645_877_887_3),
@@ -17,9 +17,10 @@ const GAUSS: [(f64, f64); 4] = [
 /// One exposure of a scene.
 ///
 /// # Model
-/// Everything is integrated over the time the shutter is open, weighted by its transmission, with
-/// 8 nodes on every stretch on which the transmission is linear, no charge is transferred, the path
-/// of the stage has no knot and the turbulence runs through a quarter of its shortest wave.
+/// Every quantity is integrated over the time for which the shutter is open, weighted by the
+/// transmission. Each stretch has 8 nodes: within a stretch the transmission is linear, no charge
+/// is transferred, the path of the stage has no knot, and the turbulence runs through a quarter of
+/// its shortest wave.
 #[derive(Debug, Clone)]
 pub struct Frame<'a> {
     scene: &'a Scene,
@@ -28,7 +29,7 @@ pub struct Frame<'a> {
 }
 
 impl Scene {
-    /// The exposure whose shutter opens at a time, s.
+    /// Returns the exposure whose shutter opens at a time, s.
     #[must_use]
     pub fn expose(&self, opening_s: f64) -> Frame<'_> {
         Frame::new(self, opening_s)
@@ -43,7 +44,7 @@ struct Node {
     instant: Instant,
 }
 
-/// Where everything is at an instant.
+/// Positions and attitude at an instant.
 #[derive(Debug, Clone)]
 struct Instant {
     position: Point3<f64>,
@@ -92,13 +93,13 @@ impl<'a> Frame<'a> {
         }
     }
 
-    /// When the shutter opened, s.
+    /// Time at which the shutter opened, s.
     #[must_use]
     pub const fn opening_s(&self) -> f64 {
         self.opening_s
     }
 
-    /// The centroid time: the mean over the light, s.
+    /// Centroid time: the mean over the light, s.
     #[must_use]
     pub fn centroid_s(&self) -> f64 {
         self.opening_s + self.mean(|node| node.after_opening_s)
@@ -110,41 +111,41 @@ impl<'a> Frame<'a> {
         self.mean(|node| node.instant.offset_mm)
     }
 
-    /// The centroid principal point, mm of the sensor frame.
+    /// Centroid principal point, mm of the sensor frame.
     #[must_use]
     pub fn principal_point_mm(&self) -> [f64; 2] {
         self.principal_point_at(self.centroid_offset_mm())
     }
 
-    /// The projection centre at the centroid time, m.
+    /// Projection centre at the centroid time, m.
     #[must_use]
     pub fn projection_centre_m(&self) -> [f64; 3] {
         self.scene.trajectory.position_at(self.centroid_s())
     }
 
-    /// The rotation from camera axes (right, forward, up) to the ground frame at the centroid time.
+    /// Rotation from camera axes (right, forward, up) to the ground frame at the centroid time.
     #[must_use]
     pub fn ground_from_camera(&self) -> Rotation3<f64> {
         self.scene.attitude.ground_from_camera(self.centroid_s())
     }
 
-    /// What the encoder reads, from before the exposure to after it.
+    /// Readings of the encoder, from before the exposure to after it.
     #[must_use]
     pub fn encoder_samples(&self) -> Vec<StageSample> {
         let exposure_s = self.scene.shutter.exposure_s;
         self.scene.stage.encoder_samples(exposure_s)
     }
 
-    /// Where the image of a ground point is at a time after first light, mm of the sensor frame;
-    /// `None` where it has none. It may lie beside the pixel array.
+    /// Returns the image of a ground point at a time after first light, mm of the sensor frame;
+    /// `None` if it has none. The image may lie beside the pixel array.
     #[must_use]
     pub fn place_at(&self, ground_m: [f64; 3], after_opening_s: f64) -> Option<[f64; 2]> {
         let instant = Instant::of(self.scene, self.opening_s, after_opening_s);
         self.place(&instant, ground_m)
     }
 
-    /// The image of a ground point: `None` where it has none at some instant, or its centroid lies
-    /// beside the pixel array. Terrain does not hide it.
+    /// Returns the image of a ground point; `None` if it has none at some instant, or if its
+    /// centroid lies beside the pixel array. Terrain does not hide it.
     #[must_use]
     pub fn image_point(&self, ground_m: [f64; 3]) -> Option<ImagePoint> {
         let mut centroid = [0.0; 2];
@@ -165,8 +166,8 @@ impl<'a> Frame<'a> {
             })
     }
 
-    /// The ground that a point of the sensor frame sees at the centroid, with the principal point
-    /// there: `None` above the horizon.
+    /// Returns the ground point that a point of the sensor frame sees at the centroid time, with
+    /// the centroid principal point; `None` above the horizon.
     #[must_use]
     pub fn ground_point(&self, sensor_mm: [f64; 2]) -> Option<[f64; 3]> {
         let interior = &self.scene.interior;
@@ -200,7 +201,8 @@ impl<'a> Frame<'a> {
         [x0 + offset_mm * ex, y0 + offset_mm * ey]
     }
 
-    /// Collinearity, then the lens, then the enlargement by the focus shift, then the detector.
+    /// Applies collinearity, then the lens, the enlargement by the focus shift and the detector's
+    /// offset.
     fn place(&self, instant: &Instant, ground_m: [f64; 3]) -> Option<[f64; 2]> {
         let interior = &self.scene.interior;
         let seen = instant.camera_from_ground * (Point3::from(ground_m) - instant.position);
@@ -228,7 +230,7 @@ impl Instant {
     }
 }
 
-/// A number of parts, at least one.
+/// Rounds up to a number of parts, at least one.
 #[expect(
     clippy::cast_possible_truncation,
     clippy::cast_sign_loss,

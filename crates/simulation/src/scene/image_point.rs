@@ -1,11 +1,11 @@
-//! The image of a ground point.
+//! Image of a ground point.
 
-/// Where a ground point is recorded.
+/// Recorded image of a ground point.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct ImagePoint {
-    /// Centroid over the light: what is measured in the image, mm of the sensor frame.
+    /// Centroid over the light, which is what is measured in the image, mm of the sensor frame.
     pub point_mm: [f64; 2],
-    /// From first light to last on the detector, mm: the residual smear.
+    /// Motion on the detector from first light to last, mm: the residual smear.
     pub smear_mm: [f64; 2],
 }
 

@@ -1,15 +1,16 @@
-//! Interior orientation: where the principal point is calibrated, and how the sensor lies.
+//! Interior orientation: the calibrated principal point and the sensor's orientation behind the
+//! lens.
 
 use fmc_camera_file::{Axis, CameraFile};
 
-/// The camera between lens and terrain, its stage at the calibrated position.
+/// Interior orientation of the camera with its stage at the calibrated position.
 #[derive(Debug, Clone, PartialEq)]
 pub struct InteriorOrientation {
-    /// f, mm.
+    /// Principal distance f, mm.
     pub principal_distance_mm: f64,
     /// L, exit pupil to image, mm.
     pub exit_pupil_mm: f64,
-    /// (x0, y0), mm.
+    /// Calibrated principal point (x0, y0), mm.
     pub principal_point_mm: [f64; 2],
     /// Direction of flight in the sensor frame.
     pub axis: Axis,
@@ -18,7 +19,7 @@ pub struct InteriorOrientation {
 }
 
 impl InteriorOrientation {
-    /// As the camera file says.
+    /// Returns the interior orientation of a camera file.
     #[must_use]
     pub fn of(camera: &CameraFile) -> Self {
         Self {
@@ -30,21 +31,21 @@ impl InteriorOrientation {
         }
     }
 
-    /// Sensor-frame components of a vector given along right and forward.
+    /// Converts components along right and forward into those of the sensor frame.
     #[must_use]
     pub const fn sensor_from_camera(&self, [right, forward]: [f64; 2]) -> [f64; 2] {
         let [ex, ey] = self.axis.unit();
         [ey * right + ex * forward, ey * forward - ex * right]
     }
 
-    /// Components along right and forward of a vector given in the sensor frame.
+    /// Converts components of the sensor frame into those along right and forward.
     #[must_use]
     pub const fn camera_from_sensor(&self, [x, y]: [f64; 2]) -> [f64; 2] {
         let [ex, ey] = self.axis.unit();
         [ey * x - ex * y, ex * x + ey * y]
     }
 
-    /// Whether a point of the sensor frame lies on the pixel array, edges included.
+    /// Returns true if a point of the sensor frame lies on the pixel array, edges included.
     #[must_use]
     pub fn contains(&self, [x, y]: [f64; 2]) -> bool {
         let [half_x, half_y] = self.half_format_mm;

@@ -1,20 +1,20 @@
-//! The lens: where an ideal image point is measured.
+//! Lens: the mapping between ideal and measured image points.
 
 use fmc_reference::lens::Lens;
 
 use super::field_table::FieldTable;
 
-/// Residual at which an inversion has ended, mm.
+/// Residual at which an inversion ends, mm.
 const CONVERGED_MM: f64 = 1e-13;
-/// Most steps of an inversion.
+/// Largest number of steps of an inversion.
 const MOST_STEPS: u8 = 40;
 
 /// A mapping from ideal to measured image points, both from the principal point, mm.
 #[derive(Debug, Clone, PartialEq)]
 pub enum LensMapping {
-    /// The camera file's polynomial, a function of the measured point.
+    /// Polynomial of the camera file, a function of the measured point.
     Polynomial(Lens),
-    /// A table over the ideal point, as ray tracing gives it.
+    /// Table over the ideal point, as ray tracing yields it.
     FieldTable(FieldTable),
 }
 
@@ -26,7 +26,7 @@ impl LensMapping {
         b: [0.0; 2],
     });
 
-    /// Where an ideal point is measured; `None` where the lens has no image of it.
+    /// Returns the measured point of an ideal one; `None` if the lens has no image of it.
     ///
     /// # Model
     /// Polynomial: `measured - D(measured) = ideal` by Newton's method. Table: by interpolation.
@@ -45,7 +45,7 @@ impl LensMapping {
         }
     }
 
-    /// The ideal point of a measured one; `None` where there is none.
+    /// Returns the ideal point of a measured one; `None` if there is none.
     ///
     /// # Model
     /// Polynomial: `measured - D(measured)`. Table: by fixed-point iteration.
@@ -73,7 +73,7 @@ impl LensMapping {
     }
 }
 
-/// A point is known to a few units in its last place.
+/// Returns the tolerance for a point, mm: a few units in its last place, as it is not known better.
 fn tolerance([x, y]: [f64; 2]) -> f64 {
     CONVERGED_MM.max(4.0 * f64::EPSILON * x.hypot(y))
 }
@@ -92,7 +92,7 @@ fn invert(lens: &Lens, ideal: [f64; 2]) -> Option<[f64; 2]> {
         let [xy, yy] = lens.derivative(at, [0.0, 1.0]);
         let (a, b, c, d) = (1.0 - xx, -xy, -yx, 1.0 - yy);
         let determinant = a * d - b * c;
-        // Beyond a fold the polynomial has other roots, which are no images.
+        // Beyond a fold the polynomial has other roots, which are not images.
         if determinant <= 0.0 || a <= 0.0 || d <= 0.0 || determinant.is_nan() {
             return None;
         }
@@ -124,7 +124,7 @@ mod tests {
 
     #[test]
     fn point_beyond_the_fold_has_no_image() {
-        // r - D = r + 1e-4·r³ for K1 < 0 grows; with K1 > 0 the ideal radius has a maximum.
+        // r - D = r + 1e-4·r³ grows for K1 < 0; for K1 > 0 the ideal radius has a maximum.
         let folding = LensMapping::Polynomial(Lens {
             k: [0.0, 1e-4, 0.0, 0.0],
             p: [0.0; 2],

@@ -1,9 +1,9 @@
-//! The physical exposure in double precision: aircraft, terrain, lens, stage and shutter, and what
-//! the detector records of a ground point.
+//! Physical exposure in double precision: aircraft, terrain, lens, stage and shutter, and what the
+//! detector records of a ground point.
 //!
-//! Nothing of the camera's correction is in here: an image point is the transmission-weighted mean
-//! of where collinearity, lens and detector put it while the shutter is open. It is the truth that
-//! models are compared with.
+//! The scene holds nothing of the camera's correction: an image point is the transmission-weighted
+//! mean of the places at which collinearity, lens and detector put it while the shutter is open. It
+//! is the truth with which models are compared.
 //!
 //! # Examples
 //! ```
@@ -50,12 +50,13 @@ use stage::Stage;
 use terrain::Terrain;
 use trajectory::Trajectory;
 
-/// Everything an image depends on. Fields may be changed at will; each has its own documentation.
+/// Everything that an image depends on. Every field may be changed; each type has its own
+/// documentation.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Scene {
-    /// Where the projection centre is.
+    /// Path of the projection centre.
     pub trajectory: Trajectory,
-    /// How the camera is turned.
+    /// Attitude of the camera.
     pub attitude: Attitude,
     /// The ground.
     pub terrain: Terrain,
@@ -70,8 +71,8 @@ pub struct Scene {
 }
 
 impl Scene {
-    /// A camera in still air, level over flat ground at height 0, perfectly compensated: it flies
-    /// along the ground frame's y, or against it, and is over the origin at time 0.
+    /// Creates a camera in still air, level over flat ground at height 0, perfectly compensated. It
+    /// flies along the ground frame's y, or against it, and is over the origin at time 0.
     #[must_use]
     pub fn still(camera: &CameraFile, request: &ExposureRequest, height_m: f64) -> Self {
         Self {

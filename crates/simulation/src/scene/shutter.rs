@@ -1,4 +1,4 @@
-//! The shutter: when it opens and how much light it lets through.
+//! Shutter: exposure time and transmission.
 
 use fmc_camera_file::{CameraFile, Profile};
 
@@ -14,7 +14,7 @@ pub struct Shutter {
 }
 
 impl Shutter {
-    /// Open and closed at once.
+    /// Creates a shutter that opens and closes at once.
     #[must_use]
     pub const fn uniform(exposure_s: f64) -> Self {
         Self {
@@ -24,7 +24,7 @@ impl Shutter {
         }
     }
 
-    /// As the camera file says.
+    /// Returns the shutter of a camera file.
     #[must_use]
     pub const fn of(camera: &CameraFile, exposure_s: f64) -> Self {
         match camera.shutter.profile {
@@ -37,7 +37,7 @@ impl Shutter {
         }
     }
 
-    /// Transmission at a time after first light, s: 0 to 1.
+    /// Returns the transmission at a time after first light, s: 0 to 1.
     #[must_use]
     pub fn transmission(&self, after_opening_s: f64) -> f64 {
         let [start, open, closing, end] = self.edges_s();
@@ -52,7 +52,7 @@ impl Shutter {
         }
     }
 
-    /// Times after first light between which the transmission is linear, s.
+    /// Returns the times after first light between which the transmission is linear, s.
     #[must_use]
     pub fn edges_s(&self) -> [f64; 4] {
         let base = self.exposure_s;

@@ -1,4 +1,4 @@
-//! The mechanism: the stage that carries the detector, with its faults, or the rows of a TDI sensor.
+//! Mechanism: the stage that carries the detector, with its faults, or the rows of a TDI sensor.
 
 use fmc_camera::geometry::principal_point::StageSample;
 use fmc_camera_file::number::single;
@@ -7,28 +7,28 @@ use fmc_reference::exposure::{ExposurePath, ExposureRequest};
 
 use super::stage_path::StagePath;
 
-/// Most transfers or readings of one exposure.
+/// Largest number of transfers or readings of one exposure.
 const MOST_EVENTS: u32 = 100_000;
 
-/// Motion of the principal point over the detector, along the FMC axis, as it really is.
+/// True motion of the principal point over the detector, along the FMC axis.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Stage {
-    /// Δδ: offset when the shutter opens, mm.
+    /// Δδ: offset at first light, mm.
     pub opening_offset_mm: f64,
-    /// The speed asked for, mm/s; negative against the FMC axis.
+    /// Commanded speed, mm/s; negative against the FMC axis.
     pub speed_mm_s: f64,
-    /// How much faster it is, per cent.
+    /// Excess of the true speed over the commanded one, per cent.
     pub speed_error_percent: f64,
-    /// The rows of a TDI sensor, whose charge moves instead of a stage.
+    /// Rows of a TDI sensor, whose charge moves in place of a stage.
     pub rows: Option<Rows>,
-    /// The path that was recorded, instead of a constant speed.
+    /// Recorded path, in place of a constant speed.
     pub path: Option<StagePath>,
     /// Run-out: distance of the detector from its plane, positive away from the lens, µm, a
     /// polynomial of the offset in mm, lowest power first.
     pub flatness_um: Vec<f64>,
     /// Δz beyond the run-out, µm.
     pub focus_shift_um: f64,
-    /// What measures the stage.
+    /// Encoder of the stage.
     pub encoder: Encoder,
 }
 
@@ -46,21 +46,21 @@ pub struct Rows {
 pub struct Encoder {
     /// Step, µm; 0 counts as exact.
     pub step_um: f64,
-    /// Place of a step's middle, µm.
+    /// Position of a step's middle, µm.
     pub phase_um: f64,
-    /// Readings per second.
+    /// Rate of the readings, Hz.
     pub rate_hz: f64,
 }
 
 impl Encoder {
-    /// Exact, a thousand readings per second.
+    /// An exact encoder with a thousand readings per second.
     pub const EXACT: Self = Self {
         step_um: 0.0,
         phase_um: 0.0,
         rate_hz: 1000.0,
     };
 
-    /// What it reads at an offset, mm: the nearest step.
+    /// Returns the reading at an offset, mm: the nearest step.
     #[must_use]
     pub fn reading_mm(&self, offset_mm: f64) -> f64 {
         if self.step_um <= 0.0 {
@@ -72,7 +72,7 @@ impl Encoder {
 }
 
 impl Stage {
-    /// The mechanism of a camera file, as planned for an exposure.
+    /// Returns the mechanism of a camera file, as planned for an exposure.
     #[must_use]
     pub fn planned(camera: &CameraFile, request: &ExposureRequest) -> Self {
         Self {
@@ -93,13 +93,13 @@ impl Stage {
         }
     }
 
-    /// The speed it really has, mm/s.
+    /// Returns the true speed, mm/s.
     #[must_use]
     pub fn true_speed_mm_s(&self) -> f64 {
         self.speed_mm_s * (1.0 + self.speed_error_percent / 100.0)
     }
 
-    /// Offset of the principal point at a time after first light, mm.
+    /// Returns the offset of the principal point at a time after first light, mm.
     #[must_use]
     pub fn offset_mm(&self, after_opening_s: f64) -> f64 {
         if let Some(path) = &self.path {
@@ -116,7 +116,7 @@ impl Stage {
         }
     }
 
-    /// Times after first light at which charge is transferred, before `exposure_s`.
+    /// Returns the times after first light at which charge is transferred, before `exposure_s`.
     #[must_use]
     pub fn transfers_s(&self, exposure_s: f64) -> Vec<f64> {
         let Some(rows) = self.rows else {
@@ -133,7 +133,8 @@ impl Stage {
             .collect()
     }
 
-    /// Times after first light, before `exposure_s`, between which the motion is smooth.
+    /// Returns the times after first light, before `exposure_s`, between which the motion is
+    /// smooth.
     #[must_use]
     pub fn breaks_s(&self, exposure_s: f64) -> Vec<f64> {
         match &self.path {
@@ -145,7 +146,7 @@ impl Stage {
         }
     }
 
-    /// Δz at a time after first light, mm.
+    /// Returns Δz at a time after first light, mm.
     #[must_use]
     pub fn focus_shift_mm(&self, after_opening_s: f64) -> f64 {
         let offset = self.offset_mm(after_opening_s);
@@ -157,7 +158,7 @@ impl Stage {
         (run_out_um + self.focus_shift_um) / 1000.0
     }
 
-    /// What the encoder reads from one reading before the exposure to one after it.
+    /// Returns the encoder's readings from one before the exposure to one after it.
     #[must_use]
     pub fn encoder_samples(&self, exposure_s: f64) -> Vec<StageSample> {
         let period_s = 1.0 / self.encoder.rate_hz;
@@ -196,7 +197,7 @@ mod tests {
             first_transfer: 0.5,
         };
         let tdi = stage(Some(rows));
-        // A row per millisecond, the first after half of one.
+        // One row per millisecond, the first after half a millisecond.
         for (time_ms, rows) in [(0.0, 0.0), (0.4, 0.0), (0.6, 1.0), (1.6, 2.0), (9.9, 10.0)] {
             let offset = tdi.offset_mm(1e-3 * time_ms);
             assert!((offset - 0.1 - 0.01 * rows).abs() < 1e-12, "{time_ms}");

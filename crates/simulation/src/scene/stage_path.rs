@@ -1,10 +1,10 @@
-//! The path of a stage as it was recorded.
+//! Recorded path of a stage.
 
 /// Positions of the stage over time, straight in between.
 ///
 /// # Units and frames
 /// Times in s after the shutter's first light, rising; offsets in mm along the FMC axis from the
-/// calibrated position. Before the first and after the last knot the stage is where that knot is.
+/// calibrated position. Before the first knot and after the last one the stage stands at that knot.
 ///
 /// # Examples
 /// ```
@@ -19,8 +19,8 @@ pub struct StagePath {
 }
 
 impl StagePath {
-    /// The path through knots of (time, offset); `None` without knots, where their times do not rise, and where one is
-    /// not a number.
+    /// Creates the path through knots of (time, offset); `None` if there are no knots, if their
+    /// times do not rise, or if a value is not a number.
     #[must_use]
     pub fn new(knots: Vec<(f64, f64)>) -> Option<Self> {
         let rising = knots
@@ -33,7 +33,7 @@ impl StagePath {
         (rising && finite && !knots.is_empty()).then_some(Self { knots })
     }
 
-    /// The offset at a time, mm.
+    /// Returns the offset at a time, mm.
     #[must_use]
     pub fn offset_mm(&self, after_opening_s: f64) -> f64 {
         let next = self
@@ -50,19 +50,20 @@ impl StagePath {
         }
     }
 
-    /// Times of the knots, s.
+    /// Returns the times of the knots, s.
     pub fn times_s(&self) -> impl Iterator<Item = f64> {
         self.knots.iter().map(|(time, _)| *time)
     }
 
-    /// First and last time, s.
+    /// Returns the first and the last time, s.
     #[must_use]
     pub fn span_s(&self) -> [f64; 2] {
         let time = |knot: Option<&(f64, f64)>| knot.map_or(0.0, |(time, _)| *time);
         [time(self.knots.first()), time(self.knots.last())]
     }
 
-    /// The same path with knots at least `spacing_s` apart; first and last stay.
+    /// Returns the same path with knots at least `spacing_s` apart; the first and the last one
+    /// stay.
     #[must_use]
     pub fn thinned(&self, spacing_s: f64) -> Self {
         let mut knots: Vec<(f64, f64)> = Vec::new();

@@ -1,10 +1,10 @@
-//! The ground.
+//! Terrain of a scene.
 
 use std::f64::consts::TAU;
 
-/// Rounds of the search for where a ray meets the ground.
+/// Largest number of steps in the search for where a ray meets the ground.
 const MOST_ROUNDS: u8 = 60;
-/// How near to the ground the search must come, m.
+/// Distance from the ground at which the search ends, m.
 const NEAR_ENOUGH_M: f64 = 1e-9;
 
 /// Heights over the ground frame's x, y, m.
@@ -12,7 +12,7 @@ const NEAR_ENOUGH_M: f64 = 1e-9;
 pub enum Terrain {
     /// Level ground.
     Plane {
-        /// Its height, m.
+        /// Height of the ground, m.
         height_m: f64,
     },
     /// A slope.
@@ -26,7 +26,7 @@ pub enum Terrain {
     Hills {
         /// Mean height, m.
         height_m: f64,
-        /// Height of the hills over the mean, m.
+        /// Height of the hills above the mean, m.
         amplitude_m: f64,
         /// λx, λy, m.
         wavelength_m: [f64; 2],
@@ -65,7 +65,7 @@ impl HeightGrid {
     }
 }
 
-/// The cell of a place counted in spacings, and the share of it that lies behind.
+/// Returns the cell of a position counted in spacings, and the fraction of the cell before it.
 #[expect(
     clippy::cast_possible_truncation,
     clippy::cast_sign_loss,
@@ -82,7 +82,7 @@ fn between(from: f64, to: f64, share: f64) -> f64 {
 }
 
 impl Terrain {
-    /// The height at a place, m.
+    /// Returns the height at a position, m.
     #[must_use]
     pub fn height_m(&self, x: f64, y: f64) -> f64 {
         match self {
@@ -100,18 +100,19 @@ impl Terrain {
         }
     }
 
-    /// The ground point at a place, m.
+    /// Returns the ground point at a position, m.
     #[must_use]
     pub fn point(&self, x: f64, y: f64) -> [f64; 3] {
         [x, y, self.height_m(x, y)]
     }
 
-    /// Where a ray meets the ground: `None` for one that does not look down, and where the ground
-    /// is so steep that the search does not end.
+    /// Returns the point where a ray meets the ground; `None` for a ray that does not look down,
+    /// and where the ground is too steep for the search to end.
     ///
     /// # Model
-    /// Secant steps along the ray from the level of the ground below the eye; the ground's height
-    /// over the ray is below 1 nm at the end. Where hills hide each other, any one of the crossings.
+    /// Secant steps along the ray from the level of the ground below the eye; at the end the ray is
+    /// within 1 nm of the ground's height. Where hills hide each other, the result is any one of
+    /// the crossings.
     #[must_use]
     pub fn seen_along(&self, eye_m: [f64; 3], direction: [f64; 3]) -> Option<[f64; 3]> {
         let [eye_x, eye_y, eye_z] = eye_m;

@@ -1,4 +1,4 @@
-//! Where the projection centre is.
+//! Path of the projection centre.
 
 use super::turbulence::Turbulence;
 
@@ -11,12 +11,12 @@ pub struct Trajectory {
     pub position_m: [f64; 3],
     /// Mean velocity, m/s.
     pub velocity_m_s: [f64; 3],
-    /// What the air adds to the velocity, m/s per axis.
+    /// Velocity that gusts add, m/s per axis.
     pub gusts: [Turbulence; 3],
 }
 
 impl Trajectory {
-    /// Level flight along y in still air: over the origin at time 0.
+    /// Creates a level flight along y in still air, over the origin at time 0.
     #[must_use]
     pub const fn level(height_m: f64, speed_m_s: f64) -> Self {
         Self {
@@ -26,7 +26,7 @@ impl Trajectory {
         }
     }
 
-    /// The projection centre at a time, m.
+    /// Returns the projection centre at a time, m.
     #[must_use]
     pub fn position_at(&self, time_s: f64) -> [f64; 3] {
         let mut position_m = self.position_m;
@@ -40,7 +40,7 @@ impl Trajectory {
         position_m
     }
 
-    /// Its velocity at a time, m/s.
+    /// Returns the velocity at a time, m/s.
     #[must_use]
     pub fn velocity_at(&self, time_s: f64) -> [f64; 3] {
         let mut velocity_m_s = self.velocity_m_s;
@@ -50,7 +50,7 @@ impl Trajectory {
         velocity_m_s
     }
 
-    /// The highest frequency in it, Hz.
+    /// Highest frequency of the gusts, Hz.
     pub(super) fn highest_hz(&self) -> f64 {
         self.gusts
             .iter()

@@ -4,7 +4,7 @@ use std::f64::consts::{FRAC_PI_2, TAU};
 
 use fastrand::Rng;
 
-/// Waves a process is the sum of.
+/// Number of waves that a process is the sum of.
 const WAVES: u8 = 32;
 
 /// Strength and bandwidth of a process.
@@ -16,12 +16,13 @@ pub struct Spectrum {
     pub corner_hz: f64,
 }
 
-/// A stationary random process in time, the same for the same seed.
+/// A stationary random process in time; the same seed gives the same process.
 ///
 /// # Model
-/// One-sided power density `S(f) = 2σ²/(π·f_c) / (1 + (f/f_c)²)`: a first-order low-pass, the form of
-/// Dryden's longitudinal gusts. It is the sum of 32 waves of the amplitude σ·√(2/32) and random
-/// phase, one in each of 32 bands of equal variance; the highest is at most 82·`f_c`.
+/// One-sided power density `S(f) = 2σ²/(π·f_c) / (1 + (f/f_c)²)`: a first-order low-pass, the form
+/// of Dryden's longitudinal gusts. The process is the sum of 32 waves of the amplitude σ·√(2/32)
+/// and random phase, one in each of 32 bands of equal variance; the highest frequency is at most
+/// 82·`f_c`.
 ///
 /// # Examples
 /// ```
@@ -38,20 +39,20 @@ pub struct Turbulence {
 #[derive(Debug, Clone, Copy, PartialEq)]
 struct Wave {
     amplitude: f64,
-    /// rad/s.
+    /// Angular frequency, rad/s.
     angular: f64,
-    /// rad.
+    /// Phase, rad.
     phase: f64,
 }
 
 impl Turbulence {
-    /// None.
+    /// Creates a process that is always 0.
     #[must_use]
     pub const fn still() -> Self {
         Self { waves: Vec::new() }
     }
 
-    /// The process of a spectrum and a seed.
+    /// Creates the process of a spectrum and a seed.
     #[must_use]
     pub fn new(spectrum: Spectrum, seed: u64) -> Self {
         let mut random = Rng::with_seed(seed);
@@ -71,14 +72,14 @@ impl Turbulence {
         }
     }
 
-    /// The process without its waves below a frequency, Hz: what levels itself takes them out.
+    /// Removes the waves below a frequency, Hz, as a mount that levels the camera does.
     #[must_use]
     pub fn above(mut self, lowest_hz: f64) -> Self {
         self.waves.retain(|wave| wave.angular >= TAU * lowest_hz);
         self
     }
 
-    /// The process at a time, s.
+    /// Returns the process at a time, s.
     #[must_use]
     pub fn value(&self, time_s: f64) -> f64 {
         self.waves
@@ -87,7 +88,7 @@ impl Turbulence {
             .sum()
     }
 
-    /// Its integral from 0 to a time, s.
+    /// Returns the integral of the process from 0 to a time, s.
     #[must_use]
     pub fn integral(&self, time_s: f64) -> f64 {
         self.waves
@@ -105,7 +106,7 @@ impl Turbulence {
             .sum()
     }
 
-    /// The highest frequency in it, Hz.
+    /// Highest frequency of the process, Hz.
     #[must_use]
     pub fn highest_hz(&self) -> f64 {
         self.waves
@@ -161,7 +162,7 @@ mod tests {
         let slow = TAU * 0.1;
         assert!(levelled.waves.iter().all(|wave| wave.angular >= slow));
         assert!(levelled.waves.len() > 20);
-        // Each wave by itself turns by no more than twice its amplitude over ω.
+        // The angle of each wave alone is at most twice its amplitude over ω.
         let most: f64 = levelled
             .waves
             .iter()

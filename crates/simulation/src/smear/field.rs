@@ -1,4 +1,4 @@
-//! The smear over the sensor.
+//! Smear over the sensor.
 
 use fmc_camera::geometry::image_motion::{ImageMotion, ImageMotionError, View};
 use fmc_camera::geometry::sensor::SensorPoint;
@@ -17,14 +17,14 @@ const HEIGHT_M: f64 = 1000.0;
 /// The smear at a point.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct PointSmear {
-    /// Where, mm of the sensor frame.
+    /// Point, mm of the sensor frame.
     pub point_mm: [f64; 2],
-    /// First light to last, µm of the sensor frame, as the camera predicts it.
+    /// Smear that the camera predicts from first light to last, µm of the sensor frame.
     pub smear_um: [f64; 2],
 }
 
 impl PointSmear {
-    /// Its length, µm.
+    /// Length of the smear, µm.
     #[must_use]
     pub fn length_um(&self) -> f64 {
         let [x, y] = self.smear_um;
@@ -35,18 +35,18 @@ impl PointSmear {
 /// The smear of one or of all terms over 21 x 21 points of the sensor.
 #[derive(Debug, Clone, PartialEq)]
 pub struct SmearField {
-    /// The one term, or all together.
+    /// The term; `None` for all together.
     pub term: Option<Term>,
-    /// Every point.
+    /// Smear at every point.
     pub points: Vec<PointSmear>,
-    /// What no point of the sensor exceeds, µm.
+    /// Bound that no point of the sensor exceeds, µm.
     pub bound_um: f64,
-    /// The largest in the simulated exposure through the lens of the camera file, µm.
+    /// Largest smear in the simulated exposure through the lens of the camera file, µm.
     pub simulated_max_um: f64,
 }
 
 impl SmearField {
-    /// The point with the largest smear.
+    /// Returns the point with the largest smear.
     #[must_use]
     pub fn largest(&self) -> Option<&PointSmear> {
         self.points
@@ -54,7 +54,7 @@ impl SmearField {
             .max_by(|a, b| a.length_um().total_cmp(&b.length_um()))
     }
 
-    /// Mean length over the points, µm.
+    /// Returns the mean length over the points, µm.
     #[must_use]
     pub fn mean_um(&self) -> f64 {
         let (sum, count) = self.points.iter().fold((0.0, 0.0), |(sum, count), point| {
@@ -64,22 +64,22 @@ impl SmearField {
     }
 }
 
-/// An exposure whose smear is asked for.
+/// Request for the smear of an exposure.
 #[derive(Debug, Clone, PartialEq)]
 pub struct SmearRequest {
     /// True V/H above the reference plane, 1/s.
     pub vh_per_s: f64,
     /// t, s.
     pub exposure_s: f64,
-    /// What makes the image move.
+    /// Causes of the image motion.
     pub disturbances: Disturbances,
 }
 
 impl SmearRequest {
-    /// Every term that is not 0 alone, then all together.
+    /// Returns the smear of every term that is not 0 alone, then of all together.
     ///
     /// # Errors
-    /// [`ImageMotionError`] where a corner of the sensor does not see the ground.
+    /// [`ImageMotionError`] if a corner of the sensor does not see the ground.
     pub fn fields(
         &self,
         camera: &CameraFile,
@@ -121,14 +121,15 @@ impl SmearRequest {
         })
     }
 
-    /// The largest smear, µm, that the lens of the camera file leaves without any disturbance: δ times
-    /// the gradient of its distortion along the FMC axis.
+    /// Returns the largest smear, µm, that the lens of the camera file leaves without any
+    /// disturbance: δ times the gradient of its distortion along the FMC axis.
     #[must_use]
     pub fn lens_alone_um(&self, camera: &CameraFile) -> f64 {
         self.simulated_max_um(camera, &Disturbances::default())
     }
 
-    /// The scene of the disturbances: a stage that is flat and smooth, the lens of the camera file.
+    /// Creates the scene of the disturbances: a stage that is flat and smooth, and the lens of the
+    /// camera file.
     #[must_use]
     pub fn scene(&self, camera: &CameraFile, disturbances: &Disturbances) -> Scene {
         let told = disturbances.told_vh_per_s(self.vh_per_s);

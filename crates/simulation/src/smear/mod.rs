@@ -1,4 +1,4 @@
-//! The residual smear of an exposure: what the compensation leaves, term by term.
+//! Residual smear of an exposure, which the compensation leaves, term by term.
 
 pub mod field;
 pub mod term;

@@ -1,4 +1,4 @@
-//! What makes the image move beside the compensation.
+//! Causes of image motion that the compensation leaves.
 
 use fmc_camera::geometry::image_motion::{Attitude, FlightState, GroundMotion};
 use fmc_camera::geometry::range::Quantity;
@@ -10,9 +10,9 @@ const VH_ERROR_PERCENT: [f64; 2] = [-50.0, 50.0];
 /// One cause of smear.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Term {
-    /// The camera is told another V/H than there is.
+    /// The V/H that the camera is told is wrong.
     VhError,
-    /// The terrain is higher than the plane that V/H is for.
+    /// The terrain is higher than the plane that V/H holds for.
     Relief,
     /// The optical axis is tilted forward.
     Pitch,
@@ -29,7 +29,7 @@ pub enum Term {
 }
 
 impl Term {
-    /// All of them, in the order of the options.
+    /// All terms, in the order of the options.
     pub const ALL: [Self; 8] = [
         Self::VhError,
         Self::Relief,
@@ -41,7 +41,7 @@ impl Term {
         Self::YawRate,
     ];
 
-    /// The option without its dashes.
+    /// Returns the option without its dashes.
     #[must_use]
     pub const fn option(self) -> &'static str {
         match self {
@@ -56,7 +56,7 @@ impl Term {
         }
     }
 
-    /// What reports call it.
+    /// Returns the name in reports.
     #[must_use]
     pub const fn label(self) -> &'static str {
         match self {
@@ -71,7 +71,7 @@ impl Term {
         }
     }
 
-    /// The unit of its value.
+    /// Returns the unit of the term's value.
     #[must_use]
     pub const fn unit(self) -> &'static str {
         match self {
@@ -81,7 +81,7 @@ impl Term {
         }
     }
 
-    /// Least and largest believable value.
+    /// Returns the smallest and the largest value allowed.
     #[must_use]
     pub fn range(self) -> [f64; 2] {
         let quantity = match self {
@@ -99,7 +99,7 @@ impl Term {
     }
 }
 
-/// The value of every term.
+/// Values of all terms.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub struct Disturbances {
     values: [f64; 8],
@@ -109,17 +109,17 @@ pub struct Disturbances {
 #[derive(Debug, Clone, Copy, PartialEq, thiserror::Error)]
 #[error("--{} = {value} is outside {} to {} {}", term.option(), term.range()[0], term.range()[1], term.unit())]
 pub struct NotBelievable {
-    /// Of which term.
+    /// The term.
     pub term: Term,
     /// The value.
     pub value: f64,
 }
 
 impl Disturbances {
-    /// The disturbances of some terms; the others are 0.
+    /// Creates the disturbances of some terms; the others are 0.
     ///
     /// # Errors
-    /// [`NotBelievable`] for the first value outside its range.
+    /// [`NotBelievable`] for the first value outside of its range.
     pub fn new(values: impl IntoIterator<Item = (Term, f64)>) -> Result<Self, NotBelievable> {
         let mut disturbances = Self::default();
         for (term, value) in values {
@@ -140,7 +140,7 @@ impl Disturbances {
         }
     }
 
-    /// The value of a term, in its unit.
+    /// Returns the value of a term, in its unit.
     #[must_use]
     pub fn value(&self, term: Term) -> f64 {
         Term::ALL
@@ -150,7 +150,7 @@ impl Disturbances {
             .unwrap_or_default()
     }
 
-    /// The terms that are not 0.
+    /// Returns the terms that are not 0.
     #[must_use]
     pub fn terms(&self) -> Vec<Term> {
         Term::ALL
@@ -159,7 +159,7 @@ impl Disturbances {
             .collect()
     }
 
-    /// One term alone.
+    /// Returns the disturbances of one term alone.
     #[must_use]
     pub fn alone(&self, term: Term) -> Self {
         let mut alone = Self::default();
@@ -167,13 +167,13 @@ impl Disturbances {
         alone
     }
 
-    /// The V/H that the camera is told.
+    /// Returns the V/H that the camera is told.
     #[must_use]
     pub fn told_vh_per_s(&self, vh_per_s: f64) -> f64 {
         vh_per_s * (1.0 + self.value(Term::VhError) / 100.0)
     }
 
-    /// The flight state for a true V/H, in the camera's precision.
+    /// Returns the flight state for a true V/H, in the camera's precision.
     #[must_use]
     pub fn flight_state(&self, vh_per_s: f64) -> FlightState {
         let value = |term| single(self.value(term));

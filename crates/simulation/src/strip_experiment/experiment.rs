@@ -1,4 +1,4 @@
-//! Many flights of one scenario, each with its own errors, adjusted with every model.
+//! Experiment: many flights of one scenario, each with its own errors, adjusted with every model.
 
 use fmc_adjustment::adjustment::AdjustmentError;
 use fmc_adjustment::exterior_orientation::ELEMENTS;
@@ -18,7 +18,7 @@ pub type Repetition = Vec<Outcome>;
 /// All flights.
 #[derive(Debug, Clone)]
 pub struct Experiment {
-    /// What was flown.
+    /// Scenario that was flown.
     pub scenario: Scenario,
     /// Seed of all noise.
     pub seed: u64,
@@ -28,32 +28,32 @@ pub struct Experiment {
     pub repetitions: Vec<Repetition>,
 }
 
-/// Which points.
+/// Kind of a ground point.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Points {
-    /// Those that took part in the adjustment.
+    /// Points that take part in the adjustment.
     Control,
-    /// New ones.
+    /// Points that do not take part.
     Check,
 }
 
-/// Why an experiment has no result.
+/// Error of an experiment.
 #[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
 pub enum ExperimentError {
     /// The scenario cannot be flown, or its observations do not determine the unknowns.
     #[error(transparent)]
     Scenario(#[from] InputError),
-    /// The adjustment of a flight does not converge: which scenario and model.
+    /// The adjustment of a flight does not converge; names scenario and model.
     #[error("{0}")]
     NotConverged(String),
 }
 
 impl Experiment {
-    /// Flies a scenario; `flown` is told of every repetition.
+    /// Flies a scenario; `flown` is called after every repetition.
     ///
     /// # Errors
-    /// [`ExperimentError`] of [`Strip::new`], and of an adjustment that cannot tell unknowns apart
-    /// or does not converge.
+    /// [`ExperimentError`] of [`Strip::new`], and of an adjustment that cannot separate its
+    /// unknowns or does not converge.
     pub fn run(
         scenario: Scenario,
         seed: u64,
@@ -84,7 +84,7 @@ impl Experiment {
         })
     }
 
-    /// A number of every flight.
+    /// Returns a number of the outcome of every flight.
     pub fn each(&self, model: Model, number: impl Fn(&Outcome) -> f64) -> Vec<f64> {
         self.repetitions
             .iter()
@@ -93,7 +93,7 @@ impl Experiment {
             .collect()
     }
 
-    /// The planimetric RMS of every flight, m.
+    /// Returns the planimetric RMS of every flight, m.
     #[must_use]
     pub fn ground_m(&self, model: Model, points: Points) -> Vec<f64> {
         self.each(model, |outcome| match points {
@@ -102,13 +102,14 @@ impl Experiment {
         })
     }
 
-    /// Mean planimetric RMS, m.
+    /// Returns the mean planimetric RMS, m.
     #[must_use]
     pub fn error_m(&self, model: Model, points: Points) -> Estimate {
         Estimate::of_mean(&self.ground_m(model, points))
     }
 
-    /// Planimetric RMS as a multiple of that of the static calibration, flight by flight.
+    /// Returns the planimetric RMS as a multiple of that of the static calibration, flight by
+    /// flight.
     #[must_use]
     pub fn ratio_to_static(&self, model: Model, points: Points) -> Estimate {
         Estimate::of_ratio(
@@ -117,8 +118,8 @@ impl Experiment {
         )
     }
 
-    /// How often an element of the exterior orientation is within one σ of the truth. The elements
-    /// of one flight depend on each other; flights do not.
+    /// Returns how often an element of the exterior orientation is within one σ of the truth. The
+    /// elements of one flight depend on each other; flights do not.
     #[must_use]
     pub fn coverage(&self, model: Model) -> Estimate {
         let elements = ELEMENTS * self.strip.frames.len();
@@ -128,14 +129,14 @@ impl Experiment {
         }))
     }
 
-    /// Image observations of control points: two a point.
+    /// Number of image observations of control points, two per point.
     #[must_use]
     pub fn control_observations(&self) -> usize {
         let frames = self.strip.frames.iter();
         2 * frames.map(|frame| frame.control.len()).sum::<usize>()
     }
 
-    /// Check points of all frames.
+    /// Number of check points in all frames.
     #[must_use]
     pub fn check_points(&self) -> usize {
         self.strip
@@ -145,8 +146,8 @@ impl Experiment {
             .sum()
     }
 
-    /// By which factor `K_m0` to `P_m1` lower the residuals of pure noise at the points they are
-    /// fitted to: √(1 - 5/(2n)), with orientations held.
+    /// Returns the factor by which `K_m0` to `P_m1` lower the residuals of pure noise at the points
+    /// to which they are fitted: √(1 - 5/(2n)), with the orientations held.
     #[must_use]
     pub fn ratio_of_pure_noise(&self) -> f64 {
         let observations = u32::try_from(self.control_observations()).unwrap_or(u32::MAX);

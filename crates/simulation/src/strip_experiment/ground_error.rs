@@ -11,8 +11,8 @@ pub struct GroundError {
 }
 
 impl GroundError {
-    /// Adds a point: its ideal image (from the principal point, mm) is intersected with its surveyed
-    /// height and compared with its surveyed place.
+    /// Adds a point: intersects its ideal image (from the principal point, mm) with its surveyed
+    /// height and compares the result with its surveyed position.
     pub fn add(
         &mut self,
         orientation: &ExteriorOrientation,
@@ -24,18 +24,18 @@ impl GroundError {
         self.squares_m2 += match ground_at_height(orientation, principal_distance_mm, ideal_mm, z_m)
         {
             Some([x, y]) => (x - x_m).powi(2) + (y - y_m).powi(2),
-            // A ray that does not come down is no small error.
+            // A ray that does not come down counts as an infinite error.
             None => f64::INFINITY,
         };
     }
 
-    /// √(mean of ΔX² + ΔY²), m: the error of a place, not of a coordinate.
+    /// √(mean of ΔX² + ΔY²), m: the error of a position, not of a coordinate.
     #[must_use]
     pub fn rms_m(&self) -> f64 {
         (self.squares_m2 / f64::from(self.points)).sqrt()
     }
 
-    /// Points added.
+    /// Number of points added.
     #[must_use]
     pub const fn points(&self) -> u32 {
         self.points

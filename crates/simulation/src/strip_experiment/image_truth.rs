@@ -1,31 +1,31 @@
-//! Where a ground point is really recorded.
+//! True image of a ground point.
 
 use fmc_adjustment::collinearity::image_point;
 use fmc_adjustment::exterior_orientation::ExteriorOrientation;
 use fmc_adjustment::interior_orientation::InteriorOrientation;
 use fmc_reference::strict::StrictSolver;
 
-/// Largest number of steps of the inversion; real lenses contract by 0.03 a step.
+/// Largest number of steps of the inversion; real lenses contract by 0.03 per step.
 const MOST_STEPS: usize = 100;
 
-/// The inversion stops where the measured point leads back to the ideal one within this, mm.
+/// Step at which the inversion stops, mm.
 const CLOSE_ENOUGH_MM: f64 = 1e-11;
 
-/// Points farther out than this many half formats are not looked for: a polynomial means nothing
-/// there.
+/// Distance from the centre, in half formats, beyond which a point is not looked for, because a
+/// polynomial is meaningless there.
 const FARTHEST: f64 = 1.5;
 
-/// What the flight is simulated with.
+/// Source of the true image points of a simulated flight.
 ///
-/// Anything that distorts can take this place, the strict solver or a model with known
-/// coefficients; a simulation that knows better than collinearity where a ground point comes to lie
-/// replaces [`Self::recorded`].
+/// Any distortion can implement this trait: the strict solver, or a model with known coefficients.
+/// A simulation that knows better than collinearity where a ground point is recorded replaces
+/// [`Self::recorded`].
 pub trait ImageTruth {
-    /// Measured - ideal at a measured point of the sensor frame, mm.
+    /// Returns measured - ideal at a measured point of the sensor frame, mm.
     fn distortion(&self, measured_mm: [f64; 2]) -> [f64; 2];
 
-    /// The measured point that leads back to the ideal one, sensor frame, mm; `None` where
-    /// the distortion does not let the search converge.
+    /// Returns the measured point of an ideal one, sensor frame, mm; `None` if the search does not
+    /// converge with this distortion.
     fn measured(&self, ideal_mm: [f64; 2]) -> Option<[f64; 2]> {
         let [x, y] = ideal_mm;
         let mut measured = ideal_mm;
@@ -41,8 +41,8 @@ pub trait ImageTruth {
         None
     }
 
-    /// Where a ground point is recorded, sensor frame, mm; `None` for one that is far off the sensor
-    /// or not below the lens.
+    /// Returns the recorded image of a ground point, sensor frame, mm; `None` for one that is far
+    /// off the sensor or not below the lens.
     ///
     /// # Model
     /// Collinearity with the pair of exposure means, principal point and time, then the distortion.

@@ -1,4 +1,4 @@
-//! A simulated flight over ground control: Yuan et al. 2012, section 4.2, and beyond it.
+//! Simulated flight over ground control: Yuan et al. 2012, section 4.2, and beyond it.
 //!
 //! Ground and camera frames are those of [`fmc_adjustment`].
 

@@ -1,4 +1,4 @@
-//! One observed flight, adjusted with one model.
+//! Outcome of one observed flight, adjusted with one model.
 
 use fmc_adjustment::adjustment::{
     Adjusted, Adjustment, AdjustmentError, ControlObservation, FrameObservations,
@@ -11,7 +11,7 @@ use super::ground_error::GroundError;
 use super::strip::Strip;
 use super::survey::{Errors, ObservedFrame};
 
-/// What an adjustment came to.
+/// Outcome of an adjustment.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Outcome {
     /// Planimetric RMS at control points, m.
@@ -28,14 +28,15 @@ pub struct Outcome {
     pub coefficient_sigmas: [f64; COEFFICIENTS],
     /// σ0.
     pub sigma0: f64,
-    /// In how many frames each element of the exterior orientation is within one σ of the truth.
+    /// Number of frames in which each element of the exterior orientation is within one σ of the
+    /// truth.
     pub covered: [u32; ELEMENTS],
 }
 
-/// The RMS has arrived where it changes by less than this fraction.
+/// Relative change of the RMS below which it counts as constant.
 pub const ARRIVED: f64 = 1e-3;
 
-/// The adjustment of observed frames with a model.
+/// Creates the adjustment of observed frames with a model.
 #[must_use]
 pub fn adjustment(
     strip: &Strip,
@@ -66,7 +67,7 @@ pub fn adjustment(
 }
 
 impl Outcome {
-    /// Adjusts observed frames with a model and looks at control and check points.
+    /// Adjusts observed frames with a model and computes the errors of control and check points.
     ///
     /// # Errors
     /// [`AdjustmentError`] of the adjustment.
@@ -109,7 +110,7 @@ impl Outcome {
     }
 }
 
-/// In how many frames each element is within one σ of the truth.
+/// Counts the frames in which each element is within one σ of the truth.
 fn coverage(strip: &Strip, adjusted: &Adjusted) -> [u32; ELEMENTS] {
     let mut covered = [0; ELEMENTS];
     for ((frame, orientation), sigmas) in strip

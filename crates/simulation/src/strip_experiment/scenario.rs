@@ -1,4 +1,4 @@
-//! The scenario of a flight over ground control, validated, with its camera.
+//! Validated scenario of a flight over ground control, with its camera.
 
 use std::collections::BTreeSet;
 use std::path::Path;
@@ -13,9 +13,9 @@ use crate::range::Range;
 /// A validated scenario with its camera.
 #[derive(Debug, Clone)]
 pub struct Scenario {
-    /// What messages call the file.
+    /// File name that messages use.
     pub file: String,
-    /// As written.
+    /// The scenario as written.
     pub written: ScenarioFile,
     /// The camera, with the scenario's run-up.
     pub camera: CameraFile,
@@ -35,8 +35,8 @@ impl Scenario {
         Self::parse(&path.display().to_string(), &text, folder)
     }
 
-    /// Parses and validates; `file` is what messages call the text, `folder` where a relative
-    /// camera file is looked for.
+    /// Parses and validates a scenario. `file` is the name that messages use for the text, `folder`
+    /// the one in which a relative camera file is looked for.
     ///
     /// # Errors
     /// As [`Self::read`].
@@ -65,7 +65,7 @@ impl Scenario {
         })
     }
 
-    /// A fault of one field: file, field and what is wrong.
+    /// Creates the error of a field: file, field and fault.
     #[must_use]
     pub fn fault(&self, field: &str, fault: impl std::fmt::Display) -> InputError {
         InputError::invalid(format!("{}: {field}: {fault}", self.file))
@@ -78,7 +78,7 @@ impl Scenario {
         flight.speed_m_s / (flight.height_m - self.written.terrain.height_m)
     }
 
-    /// Δz that the camera is told of, µm: the true one unless the scenario says otherwise.
+    /// Returns the Δz that the camera is told, µm: the true one unless the scenario says otherwise.
     #[must_use]
     pub fn known_focus_shift_um(&self) -> f64 {
         let ScenarioFile {
@@ -117,7 +117,7 @@ impl ScenarioFile {
             ));
         }
         let terrain = &self.terrain;
-        // Surveyed heights follow the terrain, within its relief and a house.
+        // Surveyed heights follow the terrain, within its relief and the height of a house.
         let margin_m = 2.0 * terrain.relief_m + 20.0;
         let heights = Range {
             least: terrain.height_m - margin_m,

@@ -1,4 +1,4 @@
-//! The scenario of a flight over ground control as its TOML file holds it.
+//! Scenario file of a flight over ground control, in TOML.
 
 use std::path::PathBuf;
 
@@ -134,13 +134,13 @@ pub struct PosTable {
 #[derive(Debug, Clone, PartialEq, Deserialize)]
 #[serde(untagged, expecting = "three numbers, or the word \"free\"")]
 pub enum Sigma {
-    /// Of each observation.
+    /// Standard deviation of each observation.
     Each([f64; 3]),
-    /// Not observed: an initial value alone.
+    /// Not observed: the value is only an initial one.
     Word(Free),
 }
 
-/// "free".
+/// The word "free".
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Deserialize)]
 #[serde(rename_all = "lowercase")]
 pub enum Free {
@@ -149,7 +149,7 @@ pub enum Free {
 }
 
 impl Sigma {
-    /// The standard deviations; `None` where they are free.
+    /// Returns the standard deviations; `None` where the observation is free.
     #[must_use]
     pub fn each(&self) -> [Option<f64>; 3] {
         match self {
@@ -202,5 +202,5 @@ impl Default for CheckTable {
     }
 }
 
-/// Fewest control points of a resection.
+/// Smallest number of control points of a resection.
 pub const FEWEST_CONTROL_POINTS: usize = 3;

@@ -1,4 +1,4 @@
-//! Allowed ranges of a scenario's numbers: what cannot be metres, seconds or degrees is refused.
+//! Allowed ranges of a scenario's numbers.
 
 use fmc_camera_file::InputError;
 use fmc_camera_file::toml_text::TomlText;
@@ -8,7 +8,7 @@ use crate::range::{
     EXPOSURE, FLYING_HEIGHT, RELIEF, Range, SPEED, TERRAIN_HEIGHT, WAVELENGTH, range, whole,
 };
 
-/// Of a coordinate in the ground frame.
+/// Coordinate in the ground frame.
 pub(super) const PLACE: Range = range(-1e6, 1e6, "m");
 const HEADING: Range = range(-360.0, 360.0, "°");
 const FRAMES: Range = range(1.0, 200.0, "frames");
@@ -23,7 +23,8 @@ const ATTITUDE_BIAS: Range = range(-10.0, 10.0, "°");
 const CONTROL_SIGMA: Range = range(0.001, 10.0, "m");
 const CHECK_POINTS: Range = range(2.0, 50.0, "points");
 
-/// Refuses the first number of the scenario that is out of its range; control points apart.
+/// Refuses the first number of the scenario that is out of its range; control points are checked
+/// elsewhere.
 pub(super) fn check_numbers(scenario: &ScenarioFile, text: &TomlText) -> Result<(), InputError> {
     let ScenarioFile {
         flight,

@@ -1,4 +1,4 @@
-//! A strip of frames as flown: true orientations, and where its points are truly recorded.
+//! Strip of frames as flown: true orientations and true image points.
 
 use fmc_adjustment::collinearity::ground_at_height;
 use fmc_adjustment::correction::Corrections;
@@ -19,24 +19,24 @@ use super::scenario_file::{FEWEST_CONTROL_POINTS, GroundPoint};
 use super::terrain::Terrain;
 use crate::noise::Noise;
 
-/// Check points fill this part of the format.
+/// Part of the format that check points fill.
 const CHECKED_PART: f64 = 0.9;
 
 /// A ground point and its image, without errors.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct TruePoint {
-    /// Control points have the place in the scenario's list, check points none.
+    /// Index in the scenario's list of a control point; `None` for a check point.
     pub control: Option<usize>,
-    /// Ground frame, m.
+    /// Position in the ground frame, m.
     pub ground_m: [f64; 3],
-    /// Recorded, sensor frame, mm.
+    /// Recorded image point, sensor frame, mm.
     pub measured_mm: [f64; 2],
 }
 
 /// A frame without errors.
 #[derive(Debug, Clone, PartialEq)]
 pub struct TrueFrame {
-    /// At the centroid of the exposure.
+    /// Exterior orientation at the centroid of the exposure.
     pub orientation: ExteriorOrientation,
     /// Control points on the sensor.
     pub control: Vec<TruePoint>,
@@ -47,15 +47,15 @@ pub struct TrueFrame {
 /// A strip without errors.
 #[derive(Debug, Clone)]
 pub struct Strip {
-    /// The corrections of its exposures.
+    /// Corrections of the strip's exposures.
     pub corrections: Corrections,
-    /// Its frames.
+    /// Frames of the strip.
     pub frames: Vec<TrueFrame>,
 }
 
 impl Strip {
-    /// The strip of a scenario, recorded by the exposure mean of its lens about the moving principal
-    /// point, with the true focus shift.
+    /// Creates the strip of a scenario, recorded by the exposure mean of its lens about the moving
+    /// principal point, with the true focus shift.
     ///
     /// # Errors
     /// As [`Self::recorded_by`].
@@ -64,11 +64,11 @@ impl Strip {
         Self::recorded_by(&truth, scenario, seed)
     }
 
-    /// The strip of a scenario, recorded with the given distortion.
+    /// Creates the strip of a scenario, recorded with the given distortion.
     ///
     /// # Errors
-    /// [`InputError`] for an exposure that the camera refuses, control points that no frame shows,
-    /// and frames with too few of them.
+    /// [`InputError`] for an exposure that the camera refuses, for control points that no frame
+    /// shows, and for frames with too few of them.
     pub fn recorded_by(
         truth: &dyn ImageTruth,
         scenario: &Scenario,
@@ -183,7 +183,8 @@ impl Strip {
         Ok(())
     }
 
-    /// Least and greatest x and y on the mean terrain in the corners of the frames, m.
+    /// Returns the least and the greatest x and y on the mean terrain in the corners of the frames,
+    /// m.
     fn covered(&self, scenario: &Scenario) -> [[f64; 2]; 2] {
         let interior = self.corrections.interior();
         let [half_x, half_y] = interior.half_format_mm;
@@ -207,7 +208,7 @@ impl Strip {
     }
 }
 
-/// What the reference is asked for.
+/// Returns the exposure request of the reference.
 fn request(scenario: &Scenario) -> ExposureRequest {
     ExposureRequest {
         focus_shift_mm: scenario.written.truth.focus_shift_um / 1000.0,
@@ -216,7 +217,7 @@ fn request(scenario: &Scenario) -> ExposureRequest {
     }
 }
 
-/// The corrections of the strip's exposures; the camera refuses what it could not fly.
+/// Computes the corrections of the strip's exposures; refuses exposures that the camera refuses.
 fn corrections(scenario: &Scenario) -> Result<Corrections, InputError> {
     let camera = &scenario.camera;
     let path = ExposurePath::new(camera, &request(scenario));
@@ -259,14 +260,14 @@ fn terrain(scenario: &Scenario) -> Terrain {
     }
 }
 
-/// True orientations: along the heading, turned so that the FMC axis points ahead, with the
-/// scenario's spread of attitude.
+/// Returns the true orientations: along the heading, turned so that the FMC axis points ahead, with
+/// the scenario's spread of attitude.
 fn orientations(scenario: &Scenario, seed: u64) -> Vec<ExteriorOrientation> {
     let flight = &scenario.written.flight;
     let heading = flight.heading_deg.to_radians();
     let (east, north) = heading.sin_cos();
     let [ex, ey] = scenario.camera.fmc.axis.unit();
-    // Heading counts clockwise from north, yaw counterclockwise from the y axis ahead.
+    // Heading counts clockwise from north, yaw counter-clockwise from the y axis.
     let level_yaw = std::f64::consts::FRAC_PI_2 - ey.atan2(ex) - heading;
     let mut noise = Noise::new(seed, 0);
     let [start_x, start_y] = flight.start_m;
@@ -291,14 +292,14 @@ fn coordinates(point: &GroundPoint) -> [f64; 3] {
     [point.x_m, point.y_m, point.z_m]
 }
 
-/// Places from -1 to 1 in both directions.
+/// Returns even positions from -1 to 1 in both directions.
 fn grid(per_side: i64) -> impl Iterator<Item = [f64; 2]> {
     let side = i32::try_from(per_side).unwrap_or(2).max(2);
     let place = move |index: i32| 2.0 * f64::from(index) / f64::from(side - 1) - 1.0;
     (0..side).flat_map(move |row| (0..side).map(move |column| [place(column), place(row)]))
 }
 
-/// The terrain point seen at a place of the sensor frame, by iteration of its height.
+/// Returns the terrain point seen at a point of the sensor frame, by iteration of its height.
 fn on_terrain(
     terrain: &Terrain,
     interior: &InteriorOrientation,
@@ -316,7 +317,7 @@ fn on_terrain(
     Some([x, y, z])
 }
 
-/// Diagonal of the box around places, m.
+/// Returns the diagonal of the box around positions, m.
 fn extent(places: impl Iterator<Item = [f64; 2]>) -> f64 {
     let mut least = [f64::INFINITY; 2];
     let mut most = [f64::NEG_INFINITY; 2];

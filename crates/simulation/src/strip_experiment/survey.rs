@@ -1,4 +1,4 @@
-//! The strip as one flight observes it: every observation with its error.
+//! Observations of one flight of the strip, each with its error.
 
 use fmc_adjustment::adjustment::{PointSigmas, PosObservation};
 use fmc_adjustment::exterior_orientation::{ELEMENTS, ExteriorOrientation};
@@ -11,16 +11,16 @@ use crate::noise::Noise;
 /// A ground point as observed.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct ObservedPoint {
-    /// Measured, sensor frame, mm.
+    /// Measured image point, sensor frame, mm.
     pub measured_mm: [f64; 2],
-    /// Surveyed, ground frame, m.
+    /// Surveyed position, ground frame, m.
     pub ground_m: [f64; 3],
 }
 
 /// A frame as observed.
 #[derive(Debug, Clone, PartialEq)]
 pub struct ObservedFrame {
-    /// Orientation on board.
+    /// Exterior orientation observed on board.
     pub pos: PosObservation,
     /// Control points.
     pub control: Vec<ObservedPoint>,
@@ -31,13 +31,14 @@ pub struct ObservedFrame {
 /// Standard deviations and biases of the observations.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Errors {
-    /// Of image and ground points.
+    /// Standard deviations of image and ground points.
     pub points: PointSigmas,
-    /// Of the observed orientation, m and rad, as the adjustment weights them; `None`: free.
+    /// Standard deviations of the observed orientation, m and rad, as the adjustment weights them;
+    /// `None`: free.
     pub pos: [Option<f64>; ELEMENTS],
     /// Bias of the observed orientation, m and rad, which the adjustment does not know.
     pub pos_bias: [f64; ELEMENTS],
-    /// What part of the noise is added: 1, or 0 for observations without error.
+    /// Factor of the noise: 1, or 0 for observations without error.
     pub noise: f64,
 }
 
@@ -45,7 +46,7 @@ pub struct Errors {
 const FREE_SPREAD: [f64; ELEMENTS] = [1.0, 1.0, 1.0, 1e-3, 1e-3, 1e-3];
 
 impl Errors {
-    /// Those of a scenario.
+    /// Returns the errors of a scenario.
     #[must_use]
     pub fn of(scenario: &Scenario) -> Self {
         let pos = &scenario.written.pos;
@@ -68,8 +69,8 @@ impl Errors {
     }
 }
 
-/// Observes a strip once. Control points have one surveyed position in all frames; check points are
-/// surveyed as well as control points are.
+/// Observes a strip once. A control point has one surveyed position in all frames; check points are
+/// surveyed as accurately as control points.
 #[must_use]
 pub fn observe(strip: &Strip, errors: &Errors, mut noise: Noise) -> Vec<ObservedFrame> {
     let PointSigmas { image_mm, ground_m } = errors.points;

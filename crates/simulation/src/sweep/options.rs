@@ -1,46 +1,46 @@
-//! What a sweep is asked for.
+//! Options of a sweep.
 
 use fmc_camera_file::Per;
 use fmc_reference::exposure::FocusFormula;
 use fmc_reference::strict::{Reading, Weight};
 
-/// Options of a sweep; the run-up is the camera's.
+/// Options of a sweep; the run-up is that of the camera file.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct SweepOptions {
     /// Standard deviation of the noise on dx and on dy, mm.
     pub noise_mm: f64,
     /// Δz beyond the run-out, mm.
     pub focus_shift_mm: f64,
-    /// Which formula turns it into distortion.
+    /// Formula that converts it into distortion.
     pub focus_formula: FocusFormula,
     /// Seed of the noise.
     pub seed: u64,
-    /// What weights the mean over the exposure.
+    /// Weight of the mean over the exposure.
     pub weight: Weight,
-    /// How eqs. 12-13 are read.
+    /// Reading of eqs. 12-13.
     pub reading: Reading,
-    /// Whether `K_d1` = 2`P_m1` is imposed.
+    /// `true` if `K_d1` = 2`P_m1` is imposed.
     pub tied: bool,
-    /// What `K_d1` and `P_m1` are multiplied by.
+    /// Factor of `K_d1` and `P_m1` in the model.
     pub regressor: Per,
 }
 
-/// What is simulated.
+/// Case of a simulation.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Case {
-    /// Motion and focus shift, as the camera has them.
+    /// Motion and focus shift of the camera.
     Both,
-    /// The mean focus shift of every exposure without motion; the regressor keeps its values.
+    /// Mean focus shift of every exposure, without motion; the regressor keeps its values.
     FocusAlone,
-    /// The motion without focus shift and run-out.
+    /// Motion without focus shift and run-out.
     MotionAlone,
 }
 
 impl Case {
-    /// All.
+    /// All cases.
     pub const ALL: [Self; 3] = [Self::Both, Self::FocusAlone, Self::MotionAlone];
 
-    /// In `summary.json`.
+    /// Returns the name in `summary.json`.
     #[must_use]
     pub const fn name(self) -> &'static str {
         match self {
@@ -50,7 +50,7 @@ impl Case {
         }
     }
 
-    /// In reports.
+    /// Returns the name in reports.
     #[must_use]
     pub const fn label(self) -> &'static str {
         match self {

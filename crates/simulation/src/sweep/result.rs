@@ -1,4 +1,4 @@
-//! What a sweep finds.
+//! Results of a sweep.
 
 use fmc_camera::geometry::estimation::fit::{Fit, FitError};
 use fmc_camera::geometry::estimation::parameter::Parameter;
@@ -21,7 +21,7 @@ impl Residuals {
         self.points += 1;
     }
 
-    /// √(ΣΔ²/2n), µm: nothing was estimated.
+    /// √(ΣΔ²/2n), µm: the divisor for residuals of a model without estimated parameters.
     #[must_use]
     pub fn rms_um(&self) -> f64 {
         1e3 * (self.squares_mm2 / (2.0 * f64::from(self.points))).sqrt()
@@ -37,9 +37,9 @@ impl Residuals {
 /// Residuals of one model.
 #[derive(Debug, Clone, Copy, Default, PartialEq)]
 pub struct ModelResiduals {
-    /// Against the simulated observations.
+    /// Residuals against the simulated observations.
     pub noisy: Residuals,
-    /// Against the strict solver.
+    /// Residuals against the strict solver.
     pub noise_free: Residuals,
 }
 
@@ -54,29 +54,29 @@ pub struct FrameFit {
     pub centroid_mm: f64,
     /// δ or c̄, as the options say.
     pub regressor_mm: f64,
-    /// σ0 in µm, or why there is no fit.
+    /// Result of the fit, with σ0 in µm.
     pub fit: Result<Fit<f64>, FitError>,
 }
 
-/// One case, all exposures.
+/// Result of one case for all exposures.
 #[derive(Debug, Clone, PartialEq)]
 pub struct CaseResult {
-    /// Which.
+    /// The case.
     pub case: Case,
-    /// Exposure by exposure.
+    /// Fit of each exposure.
     pub frames: Vec<FrameFit>,
-    /// All exposures together; σ0 in µm.
+    /// Fit of all exposures together; σ0 in µm.
     pub whole: Result<Fit<f64>, FitError>,
-    /// The same without noise: σ0 is what the model cannot follow.
+    /// The same without noise: σ0 is then the part that the model cannot follow.
     pub noise_free: Result<Fit<f64>, FitError>,
-    /// Of the static calibration.
+    /// Residuals of the static calibration.
     pub fixed: ModelResiduals,
-    /// Of the exact model as the camera computes it, with the focus shift known.
+    /// Residuals of the exact model as the camera computes it, with the focus shift known.
     pub exact: ModelResiduals,
 }
 
 impl CaseResult {
-    /// σ of the five-coefficient model fitted to each exposure by itself, all together, µm.
+    /// Returns the pooled σ0 of the five-coefficient model fitted to each exposure separately, µm.
     #[must_use]
     pub fn per_frame_sigma_um(&self) -> Option<f64> {
         let (mut squares, mut redundancy) = (0.0, 0.0);
@@ -89,8 +89,8 @@ impl CaseResult {
         (redundancy > 0.0).then(|| (squares / redundancy).sqrt())
     }
 
-    /// By how much the five coefficients lower the mean square residual of the static calibration,
-    /// µm², without noise.
+    /// Returns the reduction of the static calibration's mean square residual by the five
+    /// coefficients, µm², without noise.
     #[must_use]
     pub fn gain_um2(&self) -> Option<f64> {
         let fit = self.noise_free.as_ref().ok()?;
@@ -101,7 +101,7 @@ impl CaseResult {
     }
 }
 
-/// A whole sweep.
+/// Result of a whole sweep.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Sweep {
     /// Name of the camera.
@@ -110,26 +110,26 @@ pub struct Sweep {
     pub principal_distance_mm: f64,
     /// K1 of its lens, mm⁻².
     pub k1: f64,
-    /// How the run-up puts the exposures.
+    /// Run-up strategy of the stage, or `tdi`.
     pub strategy: &'static str,
-    /// What was asked for.
+    /// Options of the sweep.
     pub options: SweepOptions,
     /// Points in an exposure.
     pub points_per_frame: u32,
-    /// In the order of [`Case::ALL`].
+    /// Results in the order of [`Case::ALL`].
     pub cases: [CaseResult; 3],
 }
 
 impl Sweep {
-    /// Focus shift and motion together.
+    /// Returns the result with focus shift and motion together.
     #[must_use]
     pub const fn both(&self) -> &CaseResult {
         let [both, _, _] = &self.cases;
         both
     }
 
-    /// Shares of focus shift and motion in the gain of the five coefficients; none in the literal
-    /// reading, whose gain is another.
+    /// Returns the shares of focus shift and motion in the gain of the five coefficients; `None` in
+    /// the literal reading, whose gain is another.
     #[must_use]
     pub fn shares(&self) -> Option<[f64; 2]> {
         if self.options.reading == Reading::Literal {
@@ -140,7 +140,7 @@ impl Sweep {
         Some([focus.gain_um2()? / whole, motion.gain_um2()? / whole])
     }
 
-    /// σ(`K_d1`) of one exposure that travels 15 µm, over 2|K1|.
+    /// Returns σ(`K_d1`) of one exposure that travels 15 µm, over 2|K1|.
     #[must_use]
     pub fn kd1_scatter_at_15_um(&self) -> Option<f64> {
         // σ(K_d1) falls with the regressor; the design is otherwise the same in every exposure.

@@ -1,4 +1,4 @@
-//! The simulation.
+//! Simulation of a sweep.
 
 use fmc_adjustment::calibration::measurement::known_lens;
 use fmc_camera::flight::camera::{Camera, Frame, FrameError};
@@ -22,42 +22,42 @@ use super::options::{Case, SweepOptions};
 use super::result::{CaseResult, FrameFit, ModelResiduals, Sweep};
 use crate::noise::Noise;
 
-/// Standard deviation that observations are given: σ0 is then in µm.
+/// Standard deviation that the observations are given, so that σ0 is in µm.
 const UNIT_MM: f64 = 1e-3;
 
-/// Why there is no sweep.
+/// Error of a sweep.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
 pub enum SweepError {
-    /// The camera is not one.
+    /// The camera's calibration is not valid.
     #[error(transparent)]
     Calibration(#[from] CalibrationError),
     /// The camera refuses an exposure of the grid.
     #[error("V/H {} 1/s, {} s: {error}", exposure.vh_per_s, exposure.exposure_s)]
     Frame {
-        /// Which.
+        /// The exposure.
         exposure: GridExposure,
-        /// Why.
+        /// The refusal.
         error: FrameError,
     },
-    /// A simulated distortion is beyond belief.
+    /// A simulated distortion is outside of its allowed range.
     #[error("simulated observation: {0}")]
     Observation(#[from] OutOfRange),
 }
 
-/// How many exposures [`Plan::sweep`] simulates.
+/// Returns the number of exposures that [`Plan::sweep`] simulates.
 #[must_use]
 pub fn steps() -> usize {
     Case::ALL.len() * grid::of_the_paper(None).len()
 }
 
-/// A sweep that the camera accepts: what all cases share.
+/// A sweep that the camera accepts, with the data that all cases share.
 #[derive(Debug, Clone)]
 pub struct Plan<'a> {
     camera: &'a CameraFile,
     options: SweepOptions,
     exposures: Vec<PlannedExposure>,
     points: Vec<SensorPoint>,
-    /// Exposure by exposure, standard deviation 1.
+    /// Deviates with standard deviation 1, exposure by exposure.
     noise: Vec<[f64; 2]>,
     lens: KnownLens<f64>,
 }
@@ -68,7 +68,7 @@ struct PlannedExposure {
     exposure: GridExposure,
     path: ExposurePath,
     regressor_mm: f64,
-    /// Exposure mean of Δz with the run-out.
+    /// Exposure mean of Δz with the run-out, mm.
     focus_shift_mm: f64,
 }
 
@@ -76,7 +76,7 @@ impl<'a> Plan<'a> {
     /// Checks every exposure.
     ///
     /// # Errors
-    /// [`SweepError`] naming what the camera refuses.
+    /// [`SweepError`] that names the exposure the camera refuses.
     pub fn new(camera: &'a CameraFile, options: SweepOptions) -> Result<Self, SweepError> {
         let checked = Camera::new(camera.record())?;
         let strategy = match camera.fmc.mechanism {
@@ -100,13 +100,13 @@ impl<'a> Plan<'a> {
                 })
             })
             .collect::<Result<Vec<_>, SweepError>>()?;
-        // With its focus shift the camera must accept them, too.
+        // The camera must accept the exposures with their focus shift, too.
         for planned in &exposures {
             let request = request(planned.exposure, options.focus_shift_mm, &options);
             frame(&checked, planned.exposure, &request, &options)?;
         }
         let points: Vec<SensorPoint> = grid::points(camera.half_format_mm()).points().collect();
-        // The same for every case, so that cases can be compared.
+        // The noise is the same for every case, so that cases can be compared.
         let mut source = Noise::new(options.seed, 0);
         let noise = (0..exposures.len() * points.len())
             .map(|_| source.next([1.0; 2]))
@@ -124,7 +124,7 @@ impl<'a> Plan<'a> {
     /// Simulates and adjusts all cases; `after_frame` is called after every exposure of each.
     ///
     /// # Errors
-    /// [`SweepError`] for an observation that is beyond belief.
+    /// [`SweepError`] for an observation that is outside of its allowed range.
     pub fn sweep(&self, mut after_frame: impl FnMut()) -> Result<Sweep, SweepError> {
         let [both, focus, motion] = Case::ALL;
         let mut run = |case| self.run(case, &mut after_frame);
@@ -210,8 +210,8 @@ impl<'a> Plan<'a> {
         })
     }
 
-    /// One exposure cannot tell a static decentring from the dynamic terms, and believes the
-    /// calibration's; all together must be able to.
+    /// Returns the options of a fit. One exposure cannot separate a static decentring from the
+    /// dynamic terms and takes that of the calibration; all exposures together must be able to.
     fn fit_options(&self, decentring: StaticDecentring) -> FitOptions {
         FitOptions {
             regressor: self.options.regressor.into(),
@@ -221,7 +221,7 @@ impl<'a> Plan<'a> {
     }
 }
 
-/// The camera whose distortions a case simulates.
+/// Returns the camera whose distortions a case simulates.
 fn simulated_camera(camera: &CameraFile, case: Case) -> CameraFile {
     let mut camera = camera.clone();
     if case != Case::Both {
@@ -233,7 +233,7 @@ fn simulated_camera(camera: &CameraFile, case: Case) -> CameraFile {
     camera
 }
 
-/// The same exposure over ground that stands still.
+/// Returns the same exposure over ground that does not move.
 const fn still(exposure: GridExposure) -> GridExposure {
     GridExposure {
         vh_per_s: 0.0,
@@ -253,7 +253,7 @@ const fn request(
     }
 }
 
-/// What the camera says to an exposure.
+/// Asks the camera for its frame of an exposure.
 fn frame(
     camera: &Camera,
     exposure: GridExposure,

@@ -1,31 +1,31 @@
-//! The serial line to the camera: what hangs on it, and when it is cut.
+//! Serial line to the camera: its traffic and its cuts.
 
 use super::{InjectedFault, Injection};
 use crate::mission::clock::microseconds;
 use crate::mission::file::VhSourceName;
 
-/// Something that can hang on the line.
+/// Traffic that a line can carry.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Traffic {
-    /// What a source says of speed and height, or of V/H.
+    /// Speed and height, or V/H, from a source.
     Vh(VhSourceName),
     /// Attitude and rates.
     Attitude,
-    /// The messages that name the receiver's time pulses; the pulses have a wire of their own.
+    /// Messages that name the receiver's time pulses; the pulses themselves have a separate wire.
     Time,
     /// The computer's requests for records, and the answers.
     Records,
 }
 
-/// What hangs on one line.
+/// Traffic of one line.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Carried(Vec<Traffic>);
 
 impl Carried {
-    /// Names in a scenario, apart from those of single sources.
+    /// Names of traffic in a scenario, without those of single sources.
     pub const NAMES: [&'static str; 4] = ["vh", "attitude", "time", "records"];
 
-    /// What such a name, or that of a source, means.
+    /// Returns the traffic that such a name, or the name of a source, stands for.
     #[must_use]
     pub fn named(name: &str) -> Option<Vec<Traffic>> {
         let sources = VhSourceName::ALL.map(Traffic::Vh);
@@ -38,24 +38,24 @@ impl Carried {
         }
     }
 
-    /// What the names of a scenario mean together; names that mean nothing add nothing.
+    /// Collects the traffic of several names; unknown names add nothing.
     pub fn of_names<'a>(names: impl Iterator<Item = &'a str>) -> Self {
         Self(names.filter_map(Self::named).flatten().collect())
     }
 
-    /// Everything that can hang on a line.
+    /// Returns every kind of traffic.
     #[must_use]
     pub fn everything() -> Self {
         Self::of_names(Self::NAMES.into_iter())
     }
 
-    /// Whether this is on the line.
+    /// Returns true if the line carries this traffic.
     #[must_use]
     pub fn has(&self, traffic: Traffic) -> bool {
         self.0.contains(&traffic)
     }
 
-    /// Whether any source of V/H is.
+    /// Returns true if the line carries any source of V/H.
     #[must_use]
     pub fn has_vh(&self) -> bool {
         self.0
@@ -64,16 +64,16 @@ impl Carried {
     }
 }
 
-/// A line with its cuts.
+/// A serial line with its cuts.
 #[derive(Debug, Clone)]
 pub struct SerialLine {
     carried: Carried,
-    /// From and to, µs.
+    /// Begin and end of each cut, µs.
     cuts_us: Vec<[u64; 2]>,
 }
 
 impl SerialLine {
-    /// A line that carries this, with the cuts among the injections.
+    /// Creates a line that carries this traffic, with the cuts among the injections.
     #[must_use]
     pub fn new(carried: Carried, injections: &[Injection]) -> Self {
         let cuts = injections
@@ -87,7 +87,7 @@ impl SerialLine {
         }
     }
 
-    /// Whether something does not get through at a time, µs.
+    /// Returns true if the line loses this traffic at a time, µs.
     #[must_use]
     pub fn loses(&self, traffic: Traffic, at_us: u64) -> bool {
         self.carried.has(traffic)

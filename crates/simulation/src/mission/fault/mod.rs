@@ -1,9 +1,9 @@
-//! What can be made to go wrong on a simulated flight, by name, with onset and size.
+//! Faults that can be injected into a simulated flight, by name, with onset and size.
 //!
 //! # Examples
 //! ```
 //! use fmc_simulation::mission::fault::{Injection, InjectedFault};
-//! // Every size of a jump at every onset: a campaign.
+//! // A campaign: every size of a jump at every onset.
 //! let jump = InjectedFault::named("vh-jump").unwrap();
 //! let [least, most] = jump.range();
 //! let onsets = [3.0, 3.5].into_iter();
@@ -21,20 +21,20 @@ use std::fmt;
 
 use crate::mission::file::{VhQuantity, VhSourceName};
 
-/// Something that goes wrong outside the camera.
+/// A fault outside the camera.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
 pub enum InjectedFault {
     /// A V/H source is silent.
     VhDropOut,
-    /// Its values jump.
+    /// The source's values jump.
     VhJump,
-    /// Its values are no numbers.
+    /// The source's values are NaN.
     VhNan,
-    /// Its values stay what they were.
+    /// The source's values stay at an earlier one.
     VhFrozen,
-    /// Its values are in another unit.
+    /// The source's values are in another unit.
     VhWrongUnit,
-    /// Its values have the wrong sign.
+    /// The source's values have the wrong sign.
     VhWrongSign,
     /// The stage jams.
     Stall,
@@ -52,9 +52,9 @@ pub enum InjectedFault {
     ShutterMissing,
     /// The shutter's sensor gives the opening edge twice.
     ShutterDouble,
-    /// Another trigger comes soon after one.
+    /// A second trigger follows soon after one.
     TriggerOverlap,
-    /// The serial line is cut, with everything that hangs on it.
+    /// The serial line is cut, with all of its traffic.
     UartCut,
 }
 
@@ -79,7 +79,7 @@ impl InjectedFault {
         Self::UartCut,
     ];
 
-    /// As in a scenario.
+    /// Returns the name used in a scenario.
     #[must_use]
     pub const fn name(self) -> &'static str {
         match self {
@@ -102,13 +102,13 @@ impl InjectedFault {
         }
     }
 
-    /// The one of a name.
+    /// Returns the fault of a name.
     #[must_use]
     pub fn named(name: &str) -> Option<Self> {
         Self::ALL.into_iter().find(|fault| fault.name() == name)
     }
 
-    /// What its size counts.
+    /// Returns the unit of its size.
     #[must_use]
     pub const fn unit(self) -> &'static str {
         match self {
@@ -131,7 +131,7 @@ impl InjectedFault {
         }
     }
 
-    /// Least and most size.
+    /// Returns the smallest and the largest size.
     #[must_use]
     pub const fn range(self) -> [f64; 2] {
         match self {
@@ -151,7 +151,7 @@ impl InjectedFault {
         }
     }
 
-    /// Size where none is given.
+    /// Returns the size of a fault for which a scenario gives none.
     #[must_use]
     pub const fn default_size(self) -> f64 {
         match self {
@@ -174,19 +174,19 @@ impl InjectedFault {
         }
     }
 
-    /// Whether it happens once, at its onset, and has no duration.
+    /// Returns true if the fault happens once, at its onset, and has no duration.
     #[must_use]
     pub const fn is_momentary(self) -> bool {
         matches!(self, Self::TriggerOverlap)
     }
 
-    /// Whether its size is how long it lasts, s.
+    /// Returns true if the size is the duration, s.
     #[must_use]
     pub const fn is_sized_by_its_duration(self) -> bool {
         matches!(self, Self::UartCut)
     }
 
-    /// Whether it is one of a source of V/H.
+    /// Returns true if the fault is one of a V/H source.
     #[must_use]
     pub const fn is_of_vh(self) -> bool {
         matches!(
@@ -200,7 +200,7 @@ impl InjectedFault {
         )
     }
 
-    /// Whether its sizes are whole numbers.
+    /// Returns true if its sizes are whole numbers.
     #[must_use]
     pub const fn is_counted(self) -> bool {
         matches!(
@@ -219,22 +219,23 @@ impl fmt::Display for InjectedFault {
 /// A fault with its onset, size and duration.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Injection {
-    /// What goes wrong.
+    /// Kind of the fault.
     pub fault: InjectedFault,
-    /// From when on, s of the flight.
+    /// Onset, s of the flight.
     pub onset_s: f64,
-    /// How much, in the fault's own unit.
+    /// Size, in the fault's own unit.
     pub size: f64,
-    /// For how long, s; infinite: to the end. Not looked at where the size says it.
+    /// Duration, s; infinite for a fault that stays. Ignored if the size is the duration.
     pub duration_s: f64,
-    /// Of a fault of V/H: whose; `None`: of the first source.
+    /// Source that a V/H fault affects; `None` for the first source.
     pub source: Option<VhSourceName>,
-    /// Of a fault of V/H: of which of the source's numbers; `None`: speed or V/H, and of a drop-out all.
+    /// Value of the source that a V/H fault affects; `None` for speed or V/H, and for all values in
+    /// a drop-out.
     pub quantity: Option<VhQuantity>,
 }
 
 impl Injection {
-    /// A fault of its usual size from an instant to the end of the flight.
+    /// Creates a fault of its default size from an instant to the end of the flight.
     #[must_use]
     pub const fn new(fault: InjectedFault, onset_s: f64) -> Self {
         Self {
@@ -247,19 +248,19 @@ impl Injection {
         }
     }
 
-    /// The same with another size.
+    /// Returns the same fault with another size.
     #[must_use]
     pub const fn of_size(self, size: f64) -> Self {
         Self { size, ..self }
     }
 
-    /// The same with another duration, s.
+    /// Returns the same fault with another duration, s.
     #[must_use]
     pub const fn lasting(self, duration_s: f64) -> Self {
         Self { duration_s, ..self }
     }
 
-    /// The same of another source of V/H.
+    /// Returns the same fault of another V/H source.
     #[must_use]
     pub const fn of_source(self, source: VhSourceName) -> Self {
         Self {
@@ -268,7 +269,7 @@ impl Injection {
         }
     }
 
-    /// When it is over, s of the flight; infinite: never.
+    /// Returns the time at which the fault ends, s of the flight; infinite if it stays.
     #[must_use]
     pub fn end_s(&self) -> f64 {
         let lasts_s = if self.fault.is_sized_by_its_duration() {
@@ -279,14 +280,14 @@ impl Injection {
         self.onset_s + lasts_s
     }
 
-    /// Whether it is there at a time, s.
+    /// Returns true if the fault is active at a time, s.
     #[must_use]
     pub fn is_on(&self, time_s: f64) -> bool {
         time_s >= self.onset_s && time_s < self.end_s()
     }
 }
 
-/// The injection of a fault that is there at a time.
+/// Finds the injection of a fault that is active at a time.
 pub(super) fn active(
     injections: &[Injection],
     fault: InjectedFault,
@@ -297,14 +298,14 @@ pub(super) fn active(
         .find(|injection| injection.fault == fault && injection.is_on(time_s))
 }
 
-/// Counts the cases of which a share is hit, evenly spread.
+/// Selects a share of the cases, evenly spread.
 #[derive(Debug, Clone, Default)]
 pub(super) struct Share {
     sum: f64,
 }
 
 impl Share {
-    /// Whether the next case is among those hit; all are where the share is 1.
+    /// Returns true if the next case is selected; a share of 1 selects all.
     pub(super) fn hits(&mut self, share: f64) -> bool {
         self.sum += share;
         let hit = self.sum > 1.0 - 1e-9;

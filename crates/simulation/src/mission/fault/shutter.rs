@@ -2,22 +2,22 @@
 
 use super::{InjectedFault, Injection, active};
 
-/// What an order to open comes to.
+/// Effect of the faults on a command to open.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub struct OpeningFault {
-    /// How late it opens, s.
+    /// Delay of first light, s.
     pub late_s: f64,
-    /// It stays shut.
+    /// `true` if the shutter stays shut.
     pub stays_shut: bool,
-    /// The sensor misses the opening edge.
+    /// `true` if the sensor misses the opening edge.
     pub opening_unseen: bool,
-    /// The sensor misses the closing edge.
+    /// `true` if the sensor misses the closing edge.
     pub closing_unseen: bool,
-    /// The sensor gives the opening edge again, s after the first.
+    /// Time after the opening edge at which the sensor gives it again, s.
     pub again_s: Option<f64>,
 }
 
-/// What becomes of an order to open that leaves the camera at a time, s.
+/// Returns the effect of the faults on a command to open that leaves the camera at a time, s.
 #[must_use]
 pub fn opening_fault(injections: &[Injection], time_s: f64) -> OpeningFault {
     let size = |fault| active(injections, fault, time_s).map(|injection| injection.size);

@@ -1,9 +1,9 @@
-//! Faults of the stage, its motor, encoder and limit switches, as the mechanics know them.
+//! Faults of the stage, its motor, encoder and limit switches, in terms of the mechanics.
 
 use super::{InjectedFault, Injection};
 use crate::mechanics::{self, MechanicalFault};
 
-/// What breaks in the mechanics.
+/// Returns the mechanical faults among the injections.
 #[must_use]
 pub fn mechanical(injections: &[Injection]) -> Vec<mechanics::Injection> {
     injections.iter().filter_map(one).collect()

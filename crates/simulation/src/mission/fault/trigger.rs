@@ -1,9 +1,9 @@
-//! Triggers that come too soon.
+//! Triggers that overlap.
 
 use super::{InjectedFault, Injection};
 use crate::mission::clock::microseconds;
 
-/// The triggers with those that faults add, in order of time, µs.
+/// Returns the triggers and those that faults add, in order of time, µs.
 #[must_use]
 pub fn with_overlaps(triggers_us: &[u64], injections: &[Injection]) -> Vec<u64> {
     let mut all = triggers_us.to_vec();

@@ -9,12 +9,12 @@ pub struct VhFaults {
     dropped: Share,
     not_a_number: Share,
     reversed: Share,
-    /// Values of the past, for the source that freezes: (time, value).
+    /// Past values as (time, value), for the fault that freezes the source.
     past: Vec<(f64, f64)>,
 }
 
 impl VhFaults {
-    /// Those among the injections.
+    /// Creates the faults of one source from its injections.
     #[must_use]
     pub fn new(injections: &[Injection]) -> Self {
         Self {
@@ -26,7 +26,8 @@ impl VhFaults {
         }
     }
 
-    /// What the source says at a time instead of a value; `None` where it is silent.
+    /// Returns the value that the source reports at a time in place of the true one; `None` if it
+    /// is silent.
     pub fn said(&mut self, time_s: f64, value: f64) -> Option<f64> {
         let find = |fault| active(&self.injections, fault, time_s).copied();
         if let Some(drop_out) = find(InjectedFault::VhDropOut)
