@@ -1,4 +1,4 @@
-//! Space resection of every frame with self-calibration over all of them.
+//! Space resection of every frame, with self-calibration over all frames.
 
 use nalgebra::{Matrix2, Vector2};
 
@@ -8,19 +8,21 @@ use crate::exterior_orientation::{ELEMENTS, ExteriorOrientation};
 use crate::normal_equations::{FrameBlock, FrameVector, NormalEquations, SharedVector};
 use crate::separability::{self, Inseparable};
 
-/// Cap of the iterations; a strip takes three to five.
+/// Largest number of iterations; a strip takes three to five.
 pub const MOST_ITERATIONS: usize = 40;
 
-/// Stopping rule: no unknown moves by more than this fraction of what the observations could tell.
+/// Stopping rule: no unknown moves by more than this fraction of the σ that it would have as the
+/// only unknown.
 const SMALLEST_STEP: f64 = 1e-7;
 
-/// Damping after the first step that makes matters worse, as a fraction of the diagonal.
+/// Damping after the first step that raises the cost, as a fraction of the diagonal.
 const FIRST_DAMPING: f64 = 1e-3;
 
-/// Position and attitude as observed on board; an element without σ is an initial value alone.
+/// Position and attitude observed on board; for an element without σ the observation is only an
+/// initial value.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct PosObservation {
-    /// Observed, at the centroid of the exposure.
+    /// Observed exterior orientation at the centroid of the exposure.
     pub orientation: ExteriorOrientation,
     /// σ of each element, m and rad; `None`: free.
     pub sigmas: [Option<f64>; ELEMENTS],
@@ -29,16 +31,16 @@ pub struct PosObservation {
 /// A control point in one frame.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct ControlObservation {
-    /// Measured and corrected.
+    /// Corrected image point.
     pub corrected: CorrectedPoint,
-    /// Surveyed, ground frame, m.
+    /// Surveyed position, ground frame, m.
     pub ground_m: [f64; 3],
 }
 
-/// What one frame brings into the adjustment.
+/// Observations of one frame.
 #[derive(Debug, Clone, PartialEq)]
 pub struct FrameObservations {
-    /// From the position and orientation system.
+    /// Observation of the position and orientation system.
     pub pos: PosObservation,
     /// Control points.
     pub control: Vec<ControlObservation>,
@@ -47,24 +49,25 @@ pub struct FrameObservations {
 /// Standard deviations of the observations on the image and on the ground.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct PointSigmas {
-    /// Of an image coordinate, mm.
+    /// σ of an image coordinate, mm.
     pub image_mm: f64,
-    /// Of a coordinate of a control point, m.
+    /// σ of a coordinate of a control point, m.
     pub ground_m: f64,
 }
 
-/// An adjustment to be solved.
+/// An adjustment problem.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Adjustment {
-    /// f, mm.
+    /// Principal distance f, mm.
     pub principal_distance_mm: f64,
-    /// Weights.
+    /// Standard deviations, which determine the weights.
     pub sigmas: PointSigmas,
-    /// Which coefficients are estimated.
+    /// `true` for the coefficients that are estimated.
     pub estimated: [bool; COEFFICIENTS],
-    /// Their initial values, as [`CorrectedPoint`] counts them; those not estimated keep them.
+    /// Initial values of the coefficients, as [`CorrectedPoint`] counts them; those not estimated
+    /// keep them.
     pub initial: [f64; COEFFICIENTS],
-    /// The frames.
+    /// Observations of the frames.
     pub frames: Vec<FrameObservations>,
 }
 
@@ -73,11 +76,11 @@ pub struct Adjustment {
 pub struct Adjusted {
     /// Exterior orientations.
     pub orientations: Vec<ExteriorOrientation>,
-    /// Standard deviations of their elements, m and rad, for σ0 = 1.
+    /// Standard deviations of the elements of the orientations, m and rad, for σ0 = 1.
     pub orientation_sigmas: Vec<[f64; ELEMENTS]>,
     /// Coefficients, as [`CorrectedPoint`] counts them.
     pub coefficients: [f64; COEFFICIENTS],
-    /// Their standard deviations for σ0 = 1; zero for one that is not estimated.
+    /// Standard deviations of the coefficients for σ0 = 1; zero for one that is not estimated.
     pub coefficient_sigmas: [f64; COEFFICIENTS],
     /// Root mean square of the image residuals, Yuan et al. 2012, eq. 29, before the first and after
     /// every iteration, mm.
@@ -87,7 +90,8 @@ pub struct Adjusted {
 }
 
 impl Adjusted {
-    /// After how many iterations the RMS is within `fraction` of its last value for good.
+    /// Returns the number of iterations after which the RMS stays within `fraction` of its last
+    /// value.
     #[must_use]
     pub fn iterations_to(&self, fraction: f64) -> usize {
         let last = self.rms_mm.last().copied().unwrap_or(0.0);
@@ -98,18 +102,18 @@ impl Adjusted {
     }
 }
 
-/// Why there is no result.
+/// Error of an adjustment.
 #[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
 pub enum AdjustmentError {
-    /// The observations cannot tell unknowns apart.
+    /// The observations cannot separate some unknowns.
     #[error(transparent)]
     Inseparable(#[from] Inseparable),
-    /// A control point came to lie above the lens, or the damping found no better step.
+    /// A control point moved above the lens, or the damping found no better step.
     #[error("the adjustment does not converge within {MOST_ITERATIONS} iterations")]
     NotConverged,
 }
 
-/// The unknowns.
+/// Values of the unknowns.
 #[derive(Debug, Clone, PartialEq)]
 struct State {
     orientations: Vec<ExteriorOrientation>,
@@ -122,13 +126,13 @@ impl Adjustment {
     ///
     /// # Model
     /// Image observations: `corrected point - (distortion by the coefficients) - collinearity = v`,
-    /// with the ground points' σ carried into the image; orientation observations: `observed -
-    /// element = v`. A ground point that several frames show has one and the same error in all of
-    /// them, which the weights treat as independent: exterior orientations are not affected, standard
-    /// deviations of the coefficients come out somewhat small.
+    /// with the ground points' σ carried into the image; orientation observations:
+    /// `observed - element = v`. A ground point that several frames show has the same error in all
+    /// of them, which the weights treat as independent: exterior orientations are not affected, but
+    /// the standard deviations of the coefficients come out somewhat small.
     ///
     /// # Errors
-    /// [`AdjustmentError`], which names the unknowns that the observations cannot tell apart.
+    /// [`AdjustmentError`], which names the unknowns that the observations cannot separate.
     pub fn solve(&self) -> Result<Adjusted, AdjustmentError> {
         let mut state = State {
             orientations: self
@@ -156,7 +160,7 @@ impl Adjustment {
             let largest = largest_step(&normals, &solution.frames, &solution.shared);
             let new_cost = self.cost(&moved, &weights);
             match new_cost {
-                // Rounding is all that is left of a cost that no longer falls.
+                // A cost that no longer falls changes only by rounding.
                 Ok(new_cost) if new_cost <= cost || largest < SMALLEST_STEP => {
                     state = moved;
                     cost = new_cost;
@@ -215,7 +219,7 @@ impl Adjustment {
         })
     }
 
-    /// Observations less unknowns.
+    /// Returns the number of observations less that of unknowns.
     fn redundancy(&self) -> f64 {
         let observations: usize = self
             .frames
@@ -236,8 +240,8 @@ impl Adjustment {
             .ok_or(AdjustmentError::NotConverged)
     }
 
-    /// Weight of every image point: its own variance and that of the ground point, seen from the
-    /// initial orientation.
+    /// Returns the weight of every image point, from its own variance and that of the ground point
+    /// as seen from the initial orientation.
     fn weights(&self, state: &State) -> Result<Vec<Vec<Matrix2<f64>>>, AdjustmentError> {
         let PointSigmas { image_mm, ground_m } = self.sigmas;
         self.frames
@@ -284,7 +288,7 @@ impl Adjustment {
         }
     }
 
-    /// Yuan et al. 2012, eq. 29.
+    /// Returns the RMS of Yuan et al. 2012, eq. 29.
     fn rms_mm(&self, state: &State) -> Result<f64, AdjustmentError> {
         let mut squares = 0.0;
         let mut points = 0.0;
@@ -346,13 +350,13 @@ impl Adjustment {
     }
 }
 
-/// Corrected less projected, mm.
+/// Returns corrected less projected image point, mm.
 fn residual(point: &ControlObservation, projection: &Projection, state: &State) -> Vector2<f64> {
     Vector2::from(point.corrected.ideal(&state.coefficients)) - projection.image_mm
 }
 
 impl PosObservation {
-    /// Observed less adjusted elements; angles in (-π, π].
+    /// Returns observed less adjusted elements, angles in (-π, π].
     fn residuals(&self, orientation: &ExteriorOrientation) -> FrameVector {
         let mut residuals = self.orientation.elements() - orientation.elements();
         for angle in residuals.iter_mut().skip(3) {
@@ -396,7 +400,7 @@ impl State {
     }
 }
 
-/// The largest step of an unknown in units of the σ it would have alone.
+/// Returns the largest step of an unknown in units of the σ that it would have alone.
 fn largest_step(normals: &NormalEquations, frames: &[FrameVector], shared: &SharedVector) -> f64 {
     let of_shared = normals
         .shared

@@ -1,4 +1,4 @@
-//! The collinearity equations, their Jacobian, and the ray back to the ground.
+//! Collinearity equations, their Jacobian, and the ray back to the ground.
 
 use nalgebra::{Matrix2x3, SMatrix, Vector2, Vector3};
 
@@ -12,18 +12,18 @@ pub type OrientationJacobian = SMatrix<f64, 2, ELEMENTS>;
 pub struct Projection {
     /// Ideal image point from the principal point, mm.
     pub image_mm: Vector2<f64>,
-    /// By the exterior orientation.
+    /// Derivatives with respect to the exterior orientation.
     pub by_orientation: OrientationJacobian,
-    /// By the ground point, mm/m.
+    /// Derivatives with respect to the ground point, mm/m.
     pub by_ground: Matrix2x3<f64>,
 }
 
-/// The ideal image of a ground point, from the principal point, mm; `None` for a point that is not
-/// below the lens.
+/// Returns the ideal image of a ground point, from the principal point, mm; `None` for a point that
+/// is not below the lens.
 ///
 /// # Model
-/// `(x, y) = -f·(P_x, P_y)/P_z`, `P = camera_from_ground·(G - S)`: the collinearity equations for an
-/// upright positive image.
+/// `(x, y) = -f·(P_x, P_y)/P_z`, `P = camera_from_ground·(G - S)`: the collinearity equations for
+/// an upright positive image.
 ///
 /// # Examples
 /// ```
@@ -46,10 +46,10 @@ pub fn image_point(
     })
 }
 
-/// The image point with its analytic Jacobian; `None` as for [`image_point`].
+/// Returns the image point with its analytic Jacobian; `None` as for [`image_point`].
 ///
 /// # Accuracy
-/// Against numeric differences to 1e-7 relative (`jacobian_agrees_with_numeric_differences`).
+/// Agrees with numeric differences to 1e-7 relative (`jacobian_agrees_with_numeric_differences`).
 #[must_use]
 pub fn projection(
     orientation: &ExteriorOrientation,
@@ -87,8 +87,8 @@ pub fn projection(
     })
 }
 
-/// The point at the height `z_m` on the ray of an ideal image point (from the principal point, mm);
-/// `None` where the ray does not come down to it.
+/// Returns the point at the height `z_m` on the ray of an ideal image point (from the principal
+/// point, mm); `None` if the ray does not come down to it.
 #[must_use]
 pub fn ground_at_height(
     orientation: &ExteriorOrientation,

@@ -1,4 +1,4 @@
-//! Measured points corrected by each model, linear in what the adjustment estimates.
+//! Correction of measured points by each model, linear in the estimated coefficients.
 
 use fmc_camera::geometry::frame_correction::FrameCorrection;
 use fmc_camera::geometry::sensor::SensorPoint;
@@ -9,24 +9,24 @@ use fmc_reference::lens::Lens;
 use crate::interior_orientation::InteriorOrientation;
 use crate::model::Model;
 
-/// How many coefficients self-calibration has at most.
+/// Largest number of coefficients that self-calibration estimates.
 pub const COEFFICIENTS: usize = 5;
 
-/// Their symbols.
+/// Symbols of the coefficients.
 pub const COEFFICIENT_NAMES: [&str; COEFFICIENTS] = ["K_m0", "K_m1", "K_m2", "K_d1", "P_m1"];
 
 /// A measured point after correction.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct CorrectedPoint {
-    /// From the principal point of the exposure centroid, mm, with all coefficients zero.
+    /// Point from the principal point of the exposure centroid, mm, with all coefficients zero.
     pub point_mm: [f64; 2],
     /// Distortion by each coefficient, coordinates divided by the format radius, mm per mm.
     pub columns: [[f64; 2]; COEFFICIENTS],
 }
 
 impl CorrectedPoint {
-    /// The ideal point with the given coefficients, from the principal point of the exposure
-    /// centroid, mm.
+    /// Returns the ideal point with the given coefficients, from the principal point of the
+    /// exposure centroid, mm.
     #[must_use]
     pub fn ideal(&self, coefficients: &[f64; COEFFICIENTS]) -> [f64; 2] {
         self.columns
@@ -38,7 +38,7 @@ impl CorrectedPoint {
     }
 }
 
-/// The corrections of one exposure.
+/// Corrections of one exposure.
 #[derive(Debug, Clone, Copy)]
 pub struct Corrections {
     interior: InteriorOrientation,
@@ -49,8 +49,8 @@ pub struct Corrections {
 }
 
 impl Corrections {
-    /// Of an exposure: the static calibration, eqs. 20-21, the camera's own frame, and the
-    /// enlargement κ by the focus shift that the camera is told of.
+    /// Creates the corrections of an exposure: the static calibration, eqs. 20-21, the camera's own
+    /// frame, and the enlargement κ by the focus shift that the camera is told.
     #[must_use]
     pub const fn new(
         interior: InteriorOrientation,
@@ -68,13 +68,13 @@ impl Corrections {
         }
     }
 
-    /// The interior orientation.
+    /// Interior orientation of the exposure.
     #[must_use]
     pub const fn interior(&self) -> &InteriorOrientation {
         &self.interior
     }
 
-    /// A measured point of the sensor frame, mm, corrected by a model.
+    /// Corrects a measured point of the sensor frame, mm, by a model.
     #[must_use]
     pub fn correct(&self, model: Model, measured_mm: [f64; 2]) -> CorrectedPoint {
         let [x, y] = measured_mm;
@@ -87,7 +87,7 @@ impl Corrections {
             }
             Model::Focus => self.enlarged(about_calibrated),
             Model::Printed => self.printed.distortion(measured_mm),
-            // What the camera itself answers, in single precision.
+            // The camera's own correction, in single precision.
             Model::Exact => {
                 let answer = self
                     .exact
@@ -106,7 +106,7 @@ impl Corrections {
         }
     }
 
-    /// The static distortion of an image enlarged by 1 + κ: `κr/(1+κ) + D(r/(1+κ))`.
+    /// Returns the static distortion of an image enlarged by 1 + κ: `κr/(1+κ) + D(r/(1+κ))`.
     fn enlarged(&self, [x, y]: [f64; 2]) -> [f64; 2] {
         let shrink = 1.0 / (1.0 + self.enlargement);
         let (x, y) = (shrink * x, shrink * y);
@@ -114,8 +114,9 @@ impl Corrections {
         [self.enlargement * x + dx, self.enlargement * y + dy]
     }
 
-    /// Yuan et al. 2012, eq. 22, in coordinates (u, w) from the calibrated principal point divided
-    /// by the format radius, q = u² + w²: `(u, w)`, `(u, w)q`, `(u, w)q²`, `(u, w)((u, w)·e)`, `q·e`.
+    /// Returns the terms of Yuan et al. 2012, eq. 22, in coordinates (u, w) from the calibrated
+    /// principal point divided by the format radius, q = u² + w²: `(u, w)`, `(u, w)q`, `(u, w)q²`,
+    /// `(u, w)((u, w)·e)`, `q·e`.
     fn columns(&self, [x, y]: [f64; 2]) -> [[f64; 2]; COEFFICIENTS] {
         let radius = self.interior.radius_mm();
         let (u, w) = (x / radius, y / radius);
@@ -131,7 +132,8 @@ impl Corrections {
         ]
     }
 
-    /// What a coefficient in powers of mm is multiplied by to become one of [`CorrectedPoint`].
+    /// Returns the factors by which coefficients in powers of mm become those of
+    /// [`CorrectedPoint`].
     #[must_use]
     pub fn scales(&self) -> [f64; COEFFICIENTS] {
         let radius = self.interior.radius_mm();
@@ -139,11 +141,12 @@ impl Corrections {
         [radius, radius.powi(3), radius.powi(5), dynamic, dynamic]
     }
 
-    /// Values of the five coefficients before the adjustment, as [`CorrectedPoint`] counts them.
+    /// Returns the values of the five coefficients before the adjustment, as [`CorrectedPoint`]
+    /// counts them.
     ///
     /// # Model
-    /// The corrected linear terms: `K_d1 = -2K1·c̄/δ`, `P_m1 = -K1·c̄/δ`; those of K0 to K2 are counted
-    /// from the static calibration and start at zero.
+    /// The corrected linear terms: `K_d1 = -2K1·c̄/δ`, `P_m1 = -K1·c̄/δ`; those of K0 to K2 are
+    /// counted from the static calibration and start at zero.
     #[must_use]
     pub fn initial(&self, model: Model) -> [f64; COEFFICIENTS] {
         let [_, k1, _, _] = self.lens.k;
@@ -154,8 +157,8 @@ impl Corrections {
         }
     }
 
-    /// Coefficients in powers of mm, as the camera file's table `fitted` has them: `K_m0` to `K_m2`
-    /// replace K0 to K2.
+    /// Converts coefficients into powers of mm, as the camera file's table `fitted` has them:
+    /// `K_m0` to `K_m2` replace K0 to K2.
     #[must_use]
     pub fn in_mm(&self, normalised: &[f64; COEFFICIENTS]) -> [f64; COEFFICIENTS] {
         let [k0, k1, k2, _] = self.lens.k;

@@ -1,8 +1,8 @@
-//! Where the camera was and how it was held.
+//! Exterior orientation: position and attitude of the camera.
 
 use nalgebra::{Matrix3, Rotation3, SVector, Vector3};
 
-/// How many elements an exterior orientation has.
+/// Number of elements of an exterior orientation.
 pub const ELEMENTS: usize = 6;
 
 /// Names of the elements, in the order of [`ExteriorOrientation::elements`].
@@ -34,7 +34,7 @@ impl ExteriorOrientation {
         SVector::from([x, y, z, pitch, roll, yaw])
     }
 
-    /// The orientation of the elements, in the order of [`Self::elements`].
+    /// Creates the orientation from its elements, in the order of [`Self::elements`].
     #[must_use]
     pub fn from_elements(elements: &SVector<f64, ELEMENTS>) -> Self {
         let [[x, y, z, pitch, roll, yaw]] = elements.data.0;
@@ -44,24 +44,25 @@ impl ExteriorOrientation {
         }
     }
 
-    /// The projection centre as a vector, m.
+    /// Projection centre as a vector, m.
     #[must_use]
     pub fn position(&self) -> Vector3<f64> {
         Vector3::from(self.position_m)
     }
 
-    /// Turns camera axes into ground axes.
+    /// Returns the rotation from camera axes to ground axes.
     #[must_use]
     pub fn ground_from_camera(&self) -> Matrix3<f64> {
         let [pitch, roll, yaw] = self.attitude;
         about_z(yaw) * about_x(pitch) * about_y(roll)
     }
 
-    /// Derivatives of [`Self::ground_from_camera`] by pitch, roll and yaw.
+    /// Returns the derivatives of [`Self::ground_from_camera`] with respect to pitch, roll and yaw.
     #[must_use]
     pub fn rotation_derivatives(&self) -> [Matrix3<f64>; 3] {
         let [pitch, roll, yaw] = self.attitude;
-        // d/dα of a rotation about an axis is the axis' cross product before it.
+        // d/dα of a rotation about an axis is the rotation multiplied from the left by the axis'
+        // cross product.
         let [x, y, z] = [Vector3::x(), Vector3::y(), Vector3::z()].map(|axis| axis.cross_matrix());
         [
             about_z(yaw) * x * about_x(pitch) * about_y(roll),

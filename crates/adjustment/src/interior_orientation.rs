@@ -1,4 +1,4 @@
-//! The interior orientation that all frames of a flight share.
+//! Interior orientation, which all frames of a flight share.
 
 use fmc_camera_file::CameraFile;
 use fmc_reference::exposure::ExposurePath;
@@ -6,12 +6,12 @@ use fmc_reference::exposure::ExposurePath;
 /// Principal distance and principal point of a frame.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct InteriorOrientation {
-    /// f, mm.
+    /// Principal distance f, mm.
     pub principal_distance_mm: f64,
-    /// (x0, y0), mm: about which the five coefficients are counted.
+    /// Calibrated principal point (x0, y0), about which the five coefficients are counted, mm.
     pub calibrated_point_mm: [f64; 2],
-    /// (x0, y0) + c̄·e, mm: the principal point of the collinearity equations, one of the pair of
-    /// exposure means (its partner is the centroid time).
+    /// Centroid principal point (x0, y0) + c̄·e, mm: that of the collinearity equations, and one of
+    /// the pair of exposure means, whose other one is the centroid time.
     pub centroid_point_mm: [f64; 2],
     /// e: the direction in which the principal point moves.
     pub axis: [f64; 2],
@@ -24,7 +24,7 @@ pub struct InteriorOrientation {
 }
 
 impl InteriorOrientation {
-    /// Of an exposure of the camera.
+    /// Creates the interior orientation of an exposure of the camera.
     #[must_use]
     pub fn new(camera: &CameraFile, path: &ExposurePath) -> Self {
         let [x0, y0] = camera.principal_point_mm;
@@ -49,14 +49,15 @@ impl InteriorOrientation {
         (half_x + x0.abs()).hypot(half_y + y0.abs())
     }
 
-    /// Whether a measured point is on the sensor.
+    /// Returns true if a measured point is on the sensor.
     #[must_use]
     pub fn contains(&self, [x, y]: [f64; 2]) -> bool {
         let [half_x, half_y] = self.half_format_mm;
         x.abs() <= half_x && y.abs() <= half_y
     }
 
-    /// From sensor frame to principal point of the collinearity equations, mm.
+    /// Converts a point of the sensor frame into one from the principal point of the collinearity
+    /// equations, mm.
     #[must_use]
     pub fn about_centroid(&self, [x, y]: [f64; 2]) -> [f64; 2] {
         let [cx, cy] = self.centroid_point_mm;

@@ -1,26 +1,29 @@
-//! The corrections that are compared.
+//! Models of correction that are compared.
 
-/// How image coordinates are corrected before and in the adjustment.
+/// Correction of image coordinates before and in the adjustment.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Model {
-    /// Not at all.
+    /// No correction.
     Uncorrected,
     /// Static calibration about the calibrated principal point: Yuan et al. 2012, eq. 1.
     Static,
-    /// Static, and eqs. 20-21 as printed.
+    /// Static calibration, and eqs. 20-21 as printed.
     Printed,
-    /// Static, and the enlargement by the focus shift that the camera is told of; no motion.
+    /// Static calibration, and the enlargement by the focus shift that the camera is told; without
+    /// motion.
     Focus,
-    /// Static, and `K_m0` alone from self-calibration: which part of the gain is scale.
+    /// Static calibration, and `K_m0` alone from self-calibration, which shows how much of the gain
+    /// is scale.
     Scale,
     /// All five coefficients from self-calibration, eq. 22.
     FiveCoefficient,
-    /// What the camera answers: exposure mean of the calibration about the moving principal point.
+    /// The camera's own correction: exposure mean of the calibration about the moving principal
+    /// point.
     Exact,
 }
 
 impl Model {
-    /// All, in the order of tables.
+    /// All models, in the order of tables.
     pub const ALL: [Self; 7] = [
         Self::Uncorrected,
         Self::Static,
@@ -31,7 +34,7 @@ impl Model {
         Self::Exact,
     ];
 
-    /// In tables and figures.
+    /// Returns the name in tables and figures.
     #[must_use]
     pub const fn label(self) -> &'static str {
         match self {
@@ -45,7 +48,7 @@ impl Model {
         }
     }
 
-    /// In `summary.json` and `repetitions.csv`.
+    /// Returns the name in `summary.json` and `repetitions.csv`.
     #[must_use]
     pub const fn key(self) -> &'static str {
         match self {
@@ -59,7 +62,8 @@ impl Model {
         }
     }
 
-    /// Which of `K_m0`, `K_m1`, `K_m2`, `K_d1`, `P_m1` the adjustment estimates.
+    /// Returns `true` for each of `K_m0`, `K_m1`, `K_m2`, `K_d1`, `P_m1` that the adjustment
+    /// estimates.
     #[must_use]
     pub const fn estimated(self) -> [bool; 5] {
         match self {
@@ -69,13 +73,13 @@ impl Model {
         }
     }
 
-    /// How many coefficients the adjustment estimates.
+    /// Returns the number of coefficients that the adjustment estimates.
     #[must_use]
     pub fn coefficients(self) -> usize {
         self.estimated().iter().filter(|is_free| **is_free).count()
     }
 
-    /// Its place in [`Self::ALL`].
+    /// Returns the index in [`Self::ALL`].
     #[must_use]
     pub fn index(self) -> usize {
         Self::ALL

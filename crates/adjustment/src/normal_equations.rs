@@ -1,4 +1,4 @@
-//! Normal equations of a strip: six unknowns a frame, five that all frames share.
+//! Normal equations of a strip: six unknowns per frame and five that all frames share.
 
 use nalgebra::{Cholesky, Const, SMatrix, SVector};
 
@@ -11,12 +11,12 @@ pub(super) type Coupling = SMatrix<f64, ELEMENTS, COEFFICIENTS>;
 pub(super) type SharedMatrix = SMatrix<f64, COEFFICIENTS, COEFFICIENTS>;
 pub(super) type SharedVector = SVector<f64, COEFFICIENTS>;
 
-/// The part of one frame.
+/// Part of one frame.
 #[derive(Debug, Clone, Copy, Default)]
 pub(super) struct FrameBlock {
-    /// Of the exterior orientation.
+    /// Matrix of the exterior orientation.
     pub(super) matrix: FrameMatrix,
-    /// Between exterior orientation and coefficients.
+    /// Coupling of exterior orientation and coefficients.
     pub(super) coupling: Coupling,
     /// Right-hand side.
     pub(super) right: FrameVector,
@@ -26,12 +26,12 @@ pub(super) struct FrameBlock {
 #[derive(Debug, Clone, Default)]
 pub(super) struct NormalEquations {
     pub(super) frames: Vec<FrameBlock>,
-    /// Of the coefficients, unit rows where one is not estimated.
+    /// Matrix of the coefficients, with unit rows for those that are not estimated.
     pub(super) shared: SharedMatrix,
     pub(super) shared_right: SharedVector,
 }
 
-/// The solution with the cofactors of its parts.
+/// Solution with the cofactors of its parts.
 #[derive(Debug, Clone)]
 pub(super) struct Solution {
     pub(super) frames: Vec<FrameVector>,
@@ -46,7 +46,7 @@ pub(super) struct Cofactors {
 }
 
 impl NormalEquations {
-    /// Solves with the diagonal enlarged by the factor 1 + `damping`; `None` where the matrix is not
+    /// Solves with the diagonal enlarged by the factor 1 + `damping`; `None` if the matrix is not
     /// positive definite.
     pub(super) fn solve(&self, damping: f64) -> Option<Solution> {
         let mut reduced = damped(&self.shared, damping);
@@ -68,7 +68,8 @@ impl NormalEquations {
         Some(Solution { frames, shared })
     }
 
-    /// Cofactors of the unknowns, the covariance for a standard deviation of unit weight of 1.
+    /// Returns the cofactors of the unknowns: their covariance for a standard deviation of unit
+    /// weight of 1.
     pub(super) fn cofactors(&self) -> Option<Cofactors> {
         let reduced = Factor::new(&self.reduced()?)?;
         let shared = reduced.solve(&SharedMatrix::identity());
@@ -85,7 +86,7 @@ impl NormalEquations {
         Some(Cofactors { frames, shared })
     }
 
-    /// The matrix of the coefficients after the frames are eliminated (Schur complement).
+    /// Returns the matrix of the coefficients after elimination of the frames (Schur complement).
     pub(super) fn reduced(&self) -> Option<SharedMatrix> {
         let mut reduced = self.shared;
         for block in &self.frames {
@@ -96,7 +97,7 @@ impl NormalEquations {
     }
 }
 
-/// A Cholesky factor of a matrix scaled to a unit diagonal: metres and radians mix.
+/// Cholesky factor of a matrix scaled to a unit diagonal, because metres and radians mix.
 #[derive(Debug, Clone)]
 pub(super) struct Factor<const N: usize> {
     scale: SVector<f64, N>,
@@ -118,8 +119,8 @@ impl<const N: usize> Factor<N> {
     }
 }
 
-/// The matrix with a unit diagonal, and what rows and columns were multiplied by; `None` for a
-/// diagonal that is not positive.
+/// Returns the matrix scaled to a unit diagonal and the factors of its rows and columns; `None` for
+/// a diagonal that is not positive.
 pub(super) fn unit_diagonal<const N: usize>(
     matrix: &SMatrix<f64, N, N>,
 ) -> Option<(SVector<f64, N>, SMatrix<f64, N, N>)> {

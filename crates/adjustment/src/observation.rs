@@ -1,15 +1,15 @@
 //! Observed distortions.
 
-/// One row.
+/// One row of a file of observations.
 #[derive(Debug, Clone, PartialEq)]
 pub struct ObservationRow {
-    /// Its line in the file.
+    /// Line in the file.
     pub line: u64,
-    /// Its name, where there is a column of names.
+    /// Name of the point, if there is a column of names.
     pub id: Option<Box<str>>,
-    /// The measured point in the sensor frame, mm.
+    /// Measured point in the sensor frame, mm.
     pub point_mm: [f64; 2],
-    /// Measured - ideal, mm.
+    /// Observed distortion, measured - ideal, mm.
     pub distortion_mm: [f64; 2],
     /// V/H, 1/s.
     pub vh_per_s: f64,
@@ -21,16 +21,16 @@ pub struct ObservationRow {
     pub sigma_mm: f64,
 }
 
-/// The rows of a file.
+/// Rows of a file of observations.
 #[derive(Debug, Clone, PartialEq)]
 pub struct ObservationTable {
-    /// What messages call the file.
+    /// Name that messages use for the file.
     pub file: String,
-    /// In the order of the file.
+    /// Rows in the order of the file.
     pub rows: Vec<ObservationRow>,
-    /// Whether there is a column `sigma_um`; without it every σ is [`UNIT_SIGMA_MM`].
+    /// `true` if there is a column `sigma_um`; without it every σ is [`UNIT_SIGMA_MM`].
     pub has_sigma: bool,
 }
 
-/// σ of observations that come without, so that σ0 is in µm.
+/// σ of observations without one, so that σ0 is in µm.
 pub const UNIT_SIGMA_MM: f64 = 1e-3;

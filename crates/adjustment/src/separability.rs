@@ -1,4 +1,4 @@
-//! Which unknowns the observations can tell apart.
+//! Test of which unknowns the observations can separate.
 
 use nalgebra::{DMatrix, SymmetricEigen};
 
@@ -6,21 +6,21 @@ use crate::correction::{COEFFICIENT_NAMES, COEFFICIENTS};
 use crate::exterior_orientation::{ELEMENT_NAMES, ELEMENTS};
 use crate::normal_equations::{Factor, NormalEquations, SharedVector, unit_diagonal};
 
-/// Elements of one exterior orientation are inseparable where a combination of them changes the
-/// observations by less than this fraction of what each alone does.
+/// Elements of one exterior orientation are inseparable if a combination of them changes the
+/// observations by less than this fraction of the change by each alone.
 pub const MIN_ORIENTATION_SEPARATION: f64 = 1e-3;
 
-/// Coefficients are inseparable from the exterior orientation where all but this fraction of the
-/// effect of a combination of them can be undone by orientations within their σ. On flat ground
-/// with a free orientation the fraction is the lens distortion, up to 1 %; relief of 5 % of the
-/// height adds less than as much again. `K_m0`, `K_m1` and `K_m2` among themselves leave 4 to 5 % in
-/// the shipped scenarios.
+/// Coefficients are inseparable from the exterior orientation if orientations within their σ can
+/// undo all but this fraction of the effect of a combination of them. On flat ground with a free
+/// orientation the fraction is the lens distortion, up to 1 %; relief of 5 % of the height adds
+/// less than as much again. `K_m0`, `K_m1` and `K_m2` among themselves leave 4 to 5 % in the
+/// shipped scenarios.
 pub const MIN_COEFFICIENT_SEPARATION: f64 = 0.02;
 
 /// Unknowns with more than this share of the largest in an inseparable combination are named.
 const NAMED_SHARE: f64 = 0.3;
 
-/// The observations leave a combination of unknowns open.
+/// Error: the observations leave a combination of unknowns undetermined.
 #[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
 #[error("the observations cannot tell {} apart", listed(unknowns))]
 pub struct Inseparable {
@@ -36,8 +36,8 @@ fn listed(names: &[&str]) -> String {
     }
 }
 
-/// Whether the unknowns can be told apart; `by_image` are the normal equations of the image points
-/// alone, `all` with the observed orientations.
+/// Checks that the unknowns can be separated; `by_image` are the normal equations of the image
+/// points alone, `all` those with the observed orientations.
 pub(super) fn check(
     by_image: &NormalEquations,
     all: &NormalEquations,
@@ -108,7 +108,7 @@ fn check_orientation(block: &crate::normal_equations::FrameBlock) -> Result<(), 
     })
 }
 
-/// The coefficients of an inseparable combination, and the orientation elements that undo it.
+/// Names the coefficients of an inseparable combination and the orientation elements that undo it.
 fn named(
     by_image: &NormalEquations,
     all: &NormalEquations,
@@ -122,8 +122,8 @@ fn named(
             .position(|free| *free == index)
             .is_some_and(&is_large)
     });
-    // What each element of all frames together contributes to undoing it, by its effect on the
-    // image points.
+    // Contribution of each element of all frames together to undoing the combination, by its effect
+    // on the image points.
     let mut effects = [0.0_f64; ELEMENTS];
     for (block, image) in all.frames.iter().zip(&by_image.frames) {
         let Some(factor) = Factor::new(&block.matrix) else {
@@ -137,14 +137,14 @@ fn named(
     }
     let effects = effects.map(f64::sqrt);
     let undoing = effects.iter().copied().fold(0.0, f64::max);
-    // Coefficients that only imitate each other need no orientation.
+    // Coefficients that imitate only each other need no orientation.
     if undoing > 0.3 {
         unknowns.extend(names(&ELEMENT_NAMES, large(&effects)));
     }
     Inseparable { unknowns }
 }
 
-/// The smallest eigenvalue, and its vector.
+/// Returns the smallest eigenvalue and its eigenvector.
 fn weakest(matrix: DMatrix<f64>) -> (f64, Vec<f64>) {
     let eigen = SymmetricEigen::new(matrix);
     let mut least = (f64::INFINITY, Vec::new());

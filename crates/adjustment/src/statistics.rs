@@ -18,8 +18,8 @@ pub struct Estimate {
 }
 
 impl Estimate {
-    /// The mean of independent samples: Student's t interval. An interval without end for fewer than
-    /// two samples.
+    /// Returns the mean of independent samples with Student's t interval; the interval is infinite
+    /// for fewer than two samples.
     #[must_use]
     pub fn of_mean(samples: &[f64]) -> Self {
         let count = f64::from(u32::try_from(samples.len()).unwrap_or(u32::MAX));
@@ -39,7 +39,8 @@ impl Estimate {
         }
     }
 
-    /// The ratio of two positive quantities observed in pairs: the t interval of its logarithm.
+    /// Returns the ratio of two positive quantities observed in pairs, with the t interval of its
+    /// logarithm.
     #[must_use]
     pub fn of_ratio(numerators: &[f64], denominators: &[f64]) -> Self {
         let logarithms: Vec<f64> = numerators
@@ -59,8 +60,8 @@ impl Estimate {
         }
     }
 
-    /// A probability from `hits` in `trials`, with the exact interval of Clopper and Pearson (1934) that
-    /// holds it with the probability `confidence`.
+    /// Returns a probability from `hits` in `trials`, with the exact interval of Clopper and
+    /// Pearson (1934), which holds it with the probability `confidence`.
     #[must_use]
     pub fn of_probability(hits: u32, trials: u32, confidence: f64) -> Self {
         let misses = f64::from(trials.saturating_sub(hits));
@@ -76,7 +77,7 @@ impl Estimate {
         }
     }
 
-    /// Whether the interval holds a value.
+    /// Returns true if the interval holds a value.
     #[must_use]
     pub fn holds(&self, value: f64) -> bool {
         self.lower <= value && value <= self.upper

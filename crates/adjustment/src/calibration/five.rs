@@ -1,5 +1,5 @@
-//! The five-coefficient model from observed distortions: robust, with everything a reader needs to
-//! judge it.
+//! Robust calibration of the five-coefficient model from observed distortions, with the data by
+//! which a reader can judge it.
 
 use fmc_camera::flight::camera::Camera;
 use fmc_camera::geometry::estimation::adjustment::{MIN_REGRESSOR_MM, MIN_SPREAD};
@@ -18,26 +18,26 @@ use super::snooping::{Snooped, snoop};
 use super::units;
 use crate::observation::ObservationTable;
 
-/// A calibration and what it rests on.
+/// A calibration with the data that it rests on.
 #[derive(Debug, Clone)]
 pub struct FiveCalibration {
-    /// What messages call the file of observations.
+    /// Name that messages use for the file of observations.
     pub file: String,
-    /// Whether the observations came with σ.
+    /// `true` if the observations have a σ.
     pub has_sigma: bool,
-    /// In the order of the file.
+    /// Measurements in the order of the file.
     pub measurements: Vec<Measurement>,
     /// The test of each measurement.
     pub tested: Vec<Tested>,
-    /// The fit to those accepted.
+    /// Fit to the accepted measurements.
     pub fit: Fit<f64>,
-    /// Test values above this are rejected.
+    /// Critical value: measurements with a larger test value are rejected.
     pub critical: f64,
-    /// Different exposures among the measurements.
+    /// Number of different exposures among the measurements.
     pub exposures: usize,
-    /// Whether c̄ is zero in every exposure, so that the dynamic terms vanish.
+    /// `true` if c̄ is zero in every exposure, so that the dynamic terms vanish.
     pub centred: bool,
-    /// The camera.
+    /// Camera file.
     pub camera: CameraFile,
 }
 
@@ -45,8 +45,8 @@ impl FiveCalibration {
     /// Determines the coefficients.
     ///
     /// # Errors
-    /// [`InputError`] naming file, line, column, value and allowed range, or the parameters that
-    /// the observations cannot separate.
+    /// [`InputError`] that names file, line, column, value and allowed range, or the parameters
+    /// that the observations cannot separate.
     pub fn new(
         table: &ObservationTable,
         camera: &CameraFile,
@@ -70,7 +70,7 @@ impl FiveCalibration {
                 ))
             })?;
         }
-        // What all of them cannot determine, fewer cannot either.
+        // A part of the measurements cannot determine what all of them cannot.
         adjusted(&lens, options, &measurements)
             .fit()
             .map_err(failure)?;
@@ -97,7 +97,7 @@ impl FiveCalibration {
         })
     }
 
-    /// The coefficients as the camera file holds them.
+    /// Returns the coefficients in the form of the camera file.
     #[must_use]
     pub fn fitted_table(&self) -> FittedTable {
         FittedTable {
@@ -113,7 +113,7 @@ impl FiveCalibration {
         }
     }
 
-    /// The static decentring, where it was estimated.
+    /// Returns the static decentring if it was estimated.
     #[must_use]
     pub fn decentring(&self) -> Option<Decentring> {
         let along_x = {
@@ -126,18 +126,18 @@ impl FiveCalibration {
         })
     }
 
-    /// Measurements with their tests.
+    /// Returns the measurements with their tests.
     pub fn rows(&self) -> impl Iterator<Item = (&Measurement, &Tested)> {
         self.measurements.iter().zip(&self.tested)
     }
 
-    /// Those that are no part of the fit.
+    /// Returns the measurements that are not part of the fit.
     pub fn rejected(&self) -> impl Iterator<Item = (&Measurement, &Tested)> {
         self.rows().filter(|(_, tested)| !tested.passes)
     }
 }
 
-/// Different exposures.
+/// Counts the different exposures.
 fn exposures(measurements: &[Measurement]) -> usize {
     let mut exposures: Vec<[u64; 3]> = measurements
         .iter()
@@ -151,7 +151,7 @@ fn exposures(measurements: &[Measurement]) -> usize {
     exposures.len()
 }
 
-/// A fit that there is not, with what of the file made it so.
+/// Creates the error of a failed fit, with the values of the file that caused it.
 fn fit_failure(
     file: &str,
     measurements: &[Measurement],

@@ -1,4 +1,4 @@
-//! Observations with what the camera makes of their exposures.
+//! Observations with the motion in their exposures.
 
 use fmc_camera::flight::camera::{Camera, FrameError};
 use fmc_camera::flight::exposure::Exposure;
@@ -21,12 +21,12 @@ pub struct Measurement {
     pub travel_mm: f64,
     /// c̄, mm.
     pub centroid_mm: f64,
-    /// Which of the two the coefficients are multiplied by, mm.
+    /// δ or c̄, by which the coefficients are multiplied, mm.
     pub regressor_mm: f64,
 }
 
 impl Measurement {
-    /// As the adjustment takes it.
+    /// Returns the observation in the form of the adjustment.
     #[must_use]
     pub fn observation(&self) -> Observation<f64> {
         let [x_mm, y_mm] = self.row.point_mm;
@@ -42,11 +42,11 @@ impl Measurement {
     }
 }
 
-/// The measurements of a table.
+/// Returns the measurements of a table.
 ///
 /// # Errors
-/// [`InputError`] naming file, line, column, value and allowed range of the first exposure that the
-/// camera cannot make.
+/// [`InputError`] that names file, line, column, value and allowed range of the first exposure that
+/// the camera cannot take.
 pub fn measurements(
     table: &ObservationTable,
     camera: &CameraFile,
@@ -101,7 +101,7 @@ fn exposure_failure(file: &str, row: &ObservationRow, error: &FrameError) -> Inp
     }
 }
 
-/// The static calibration of a camera file, in double precision.
+/// Returns the static calibration of a camera file, in double precision.
 #[must_use]
 pub fn known_lens(camera: &CameraFile) -> KnownLens<f64> {
     let lens = Lens::of(camera);

@@ -1,4 +1,4 @@
-//! Calibration: coefficients from observations.
+//! Calibration of the coefficients from observations.
 
 pub mod five;
 pub mod measurement;

@@ -15,11 +15,11 @@ pub struct Tested {
     pub residual_mm: [f64; 2],
     /// The larger standardised component.
     pub test_value: f64,
-    /// Whether it is part of the fit.
+    /// `true` if the measurement is part of the fit.
     pub passes: bool,
 }
 
-/// An adjustment of measurements that have been checked.
+/// Creates the adjustment of measurements that have been checked.
 pub(super) fn adjusted<'a>(
     lens: &KnownLens<f64>,
     options: FitOptions,
@@ -27,13 +27,14 @@ pub(super) fn adjusted<'a>(
 ) -> Adjustment<f64> {
     let mut adjustment = Adjustment::new(*lens, options);
     for measurement in measurements {
-        // Checked when it was read.
+        // The measurement was checked when it was read.
         let _ = adjustment.observe(measurement.observation());
     }
     adjustment
 }
 
-/// The model's derivatives by the parameters at a measurement, rows x and y, in powers of mm.
+/// Returns the derivatives of the model with respect to the parameters at a measurement, rows x and
+/// y, in powers of mm.
 fn derivatives(lens: &KnownLens<f64>, measurement: &Measurement) -> [[f64; PARAMETERS]; 2] {
     let [x0, y0] = lens.principal_point_mm;
     let [x, y] = measurement.row.point_mm;
@@ -60,7 +61,7 @@ fn derivatives(lens: &KnownLens<f64>, measurement: &Measurement) -> [[f64; PARAM
     [row(x, ex), row(y, ey)]
 }
 
-/// Observed less fitted distortion, in units of σ.
+/// Returns observed less fitted distortion, in units of σ.
 pub(super) fn residuals_in_sigma(
     lens: &KnownLens<f64>,
     fit: &Fit<f64>,
@@ -99,7 +100,8 @@ pub(super) fn residuals_in_sigma(
     residuals
 }
 
-/// h = aᵀQa/σ²: the variance of the fitted distortion as a fraction of the observed one's.
+/// Returns h = aᵀQa/σ²: the variance of the fitted distortion as a fraction of that of the observed
+/// one.
 pub(super) fn residual_variances(
     lens: &KnownLens<f64>,
     fit: &Fit<f64>,

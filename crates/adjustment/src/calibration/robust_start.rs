@@ -1,4 +1,4 @@
-//! A first fit that gross errors do not reach.
+//! Robust first fit, which resists gross errors.
 
 use fmc_camera::geometry::estimation::adjustment::Adjustment;
 use fmc_camera::geometry::estimation::fit::{Fit, FitError};
@@ -9,16 +9,16 @@ use super::measurement::Measurement;
 use super::residual::{adjusted, residuals_in_sigma};
 use super::units::median;
 
-/// Points of an elemental fit. With 20 % of gross errors one in six is free of them, with 40 % one
-/// in 60.
+/// Number of points of an elemental fit. With 20 % of gross errors one fit in six is free of them,
+/// with 40 % one in 60.
 const SUBSET: usize = 8;
-/// Elemental fits tried.
+/// Number of elemental fits.
 const SUBSETS: usize = 400;
-/// Measurements by which elemental fits are judged.
+/// Number of measurements by which elemental fits are judged.
 const JUDGES: usize = 2000;
-/// Elemental fits that are improved.
+/// Number of elemental fits that are improved.
 const FINALISTS: usize = 8;
-/// Most concentration steps.
+/// Largest number of concentration steps.
 const STEPS: usize = 20;
 
 /// A fit and the scale of its good residuals, in units of σ.
@@ -28,18 +28,18 @@ pub(super) struct RobustStart {
     pub(super) scale: f64,
 }
 
-/// Least median of squares by elemental subsets, with concentration steps (Rousseeuw and Van
-/// Driessen, Computing LTS regression for large data sets, 2006). Breaks down at half of the
-/// points; the choice of subsets is always the same.
+/// Fits by least median of squares with elemental subsets and concentration steps (Rousseeuw and
+/// Van Driessen, Computing LTS regression for large data sets, 2006). The fit breaks down at half
+/// of the points; the choice of subsets is always the same.
 ///
 /// # Errors
-/// [`FitError`] where no subset determines the coefficients.
+/// [`FitError`] if no subset determines the coefficients.
 pub(super) fn robust_start(
     lens: &KnownLens<f64>,
     options: FitOptions,
     measurements: &[Measurement],
 ) -> Result<RobustStart, FitError> {
-    // Few points cannot tell P from the dynamic terms; all together have been shown to.
+    // Few points cannot separate P from the dynamic terms; all of them together have been shown to.
     let options = FitOptions {
         decentring: match options.decentring {
             StaticDecentring::Hold => StaticDecentring::Known,
@@ -68,7 +68,7 @@ pub(super) fn robust_start(
             Err(error) => last_error = Some(error),
         }
     }
-    // Few points: all of them together.
+    // With few points all of them are fitted together.
     if finalists.is_empty() {
         let fit = adjusted(lens, options, measurements.iter()).fit();
         let fit = fit.map_err(|error| last_error.unwrap_or(error))?;
@@ -101,7 +101,7 @@ fn square(lens: &KnownLens<f64>, fit: &Fit<f64>, measurement: &Measurement) -> f
     x * x + y * y
 }
 
-/// Fits the better half again and again, until it stays the same half.
+/// Refits the better half of the measurements until the median no longer falls.
 fn concentrated(
     lens: &KnownLens<f64>,
     options: FitOptions,
@@ -125,7 +125,8 @@ fn concentrated(
     (best, fit)
 }
 
-/// Evenly distributed numbers, always the same: `SplitMix64` (Steele, Lea and Flood 2014).
+/// Sequence of evenly distributed numbers, always the same: `SplitMix64` (Steele, Lea and Flood
+/// 2014).
 struct Draw(u64);
 
 impl Draw {

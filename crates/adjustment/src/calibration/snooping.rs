@@ -1,4 +1,4 @@
-//! Which observations do not belong to the others: data snooping.
+//! Data snooping: the search for observations that disagree with the others.
 
 use fmc_camera::geometry::estimation::fit::{Fit, FitError};
 use fmc_camera::geometry::estimation::known_lens::KnownLens;
@@ -9,13 +9,13 @@ use super::measurement::Measurement;
 use super::residual::{Tested, adjusted, residual_variances, residuals_in_sigma};
 use super::robust_start::RobustStart;
 
-/// Chance that any observation is rejected although none is wrong.
+/// Probability that any observation is rejected although none is wrong.
 pub(super) const FAMILY_ERROR: f64 = 0.05;
 
-/// Residuals smaller than this, mm, are rounding and never rejected.
+/// Residuals smaller than this, mm, are due to rounding and never rejected.
 const ROUNDING_MM: f64 = 2e-9;
 
-/// Most rounds of testing and fitting.
+/// Largest number of rounds of testing and fitting.
 const ROUNDS: usize = 50;
 
 /// A fit to the accepted observations, and the test of every observation.
@@ -31,11 +31,12 @@ pub(super) struct Snooped {
 ///
 /// # Model
 /// Test value `|v|/(σ0·σ_v)` of each component, `σ_v² = σ²(1 - h)` for an observation in the fit
-/// (Baarda's data snooping with σ0 estimated: Pope's τ) and σ²(1 + h) for one outside it (Student's
-/// t), h = aᵀQa. Critical values for the chance [`FAMILY_ERROR`] shared by all 2n components.
+/// (Baarda's data snooping with σ0 estimated: Pope's τ) and σ²(1 + h) for one outside of it
+/// (Student's t), h = aᵀQa. The critical values belong to the probability [`FAMILY_ERROR`], shared
+/// by all 2n components.
 ///
 /// # Errors
-/// [`FitError`] where the accepted observations do not determine the coefficients.
+/// [`FitError`] if the accepted observations do not determine the coefficients.
 pub(super) fn snoop(
     lens: &KnownLens<f64>,
     options: FitOptions,
@@ -72,7 +73,6 @@ pub(super) fn snoop(
             })
             .collect();
         let next: Vec<bool> = tested.iter().map(|tested| tested.passes).collect();
-        // Of two sets that follow each other, the smaller.
         let last = round >= ROUNDS;
         if next == accepted || last {
             return Ok(Snooped {
@@ -88,6 +88,7 @@ pub(super) fn snoop(
                 critical: inside,
             });
         }
+        // The sets can alternate; after half of the rounds only observations of both stay.
         accepted = if round > ROUNDS / 2 {
             next.iter().zip(&accepted).map(|(a, b)| *a && *b).collect()
         } else {
@@ -112,7 +113,7 @@ fn test(
         } else {
             1.0 + leverage
         };
-        // An observation that nothing controls has no residual either.
+        // An observation that no other controls has a residual of 0.
         let deviation = variance.max(1e-9).sqrt() * fit.sigma0;
         let size = residual.abs();
         if size * measurement.row.sigma_mm > ROUNDING_MM && deviation > 0.0 {
@@ -133,13 +134,13 @@ fn is_below(measurement: &Measurement, residuals: [f64; 2], scale: f64, critical
     })
 }
 
-/// Quantile of Student's distribution.
+/// Returns a quantile of Student's distribution.
 fn student(probability: f64, freedom: f64) -> f64 {
     StudentsT::new(0.0, 1.0, freedom.max(1.0))
         .map_or(f64::INFINITY, |student| student.inverse_cdf(probability))
 }
 
-/// Pope's τ of r degrees of freedom, from Student's t of r - 1.
+/// Returns Pope's τ of r degrees of freedom from Student's t of r - 1.
 fn pope(t: f64, freedom: f64) -> f64 {
     (freedom.sqrt() * t) / (freedom - 1.0 + t * t).sqrt()
 }

@@ -1,30 +1,31 @@
-//! Columns whose numbers cannot be what their unit says.
+//! Checks for columns whose numbers cannot have the stated unit.
 
 use fmc_camera_file::{CameraFile, InputError};
 use fmc_reference::lens::Lens;
 
 use super::measurement::Measurement;
 
-/// Points all nearer to the centre than this fraction of half the format are not in millimetres.
+/// Fraction of half the format: points that are all nearer to the centre are not in millimetres.
 const LEAST_FORMAT: f64 = 1.0 / 200.0;
 
-/// Distortions that differ from the static calibration's by more than this factor, in the median,
-/// are in another unit.
+/// Factor in the median: distortions that differ by more from the static calibration's are in
+/// another unit.
 const MOST_FACTOR: f64 = 100.0;
 
-/// A static distortion smaller than this, µm in the median, is no measure of the observed one.
+/// Static distortion, µm in the median, below which it cannot be compared with the observed one.
 const LEAST_STATIC_UM: f64 = 0.5;
 
-/// Distortions all smaller than this, µm, are observed by nobody.
+/// Distortion, µm, below which it cannot be observed.
 const LEAST_UM: f64 = 0.01;
 
-/// Distortions of more than this fraction of the format radius, in the median, are no lens.
+/// Fraction of the format radius: a lens does not have distortions of more than this, in the
+/// median.
 const MOST_OF_RADIUS: f64 = 0.1;
 
-/// Checks coordinates and distortions as columns.
+/// Checks coordinates and distortions by column.
 ///
 /// # Errors
-/// [`InputError`] naming file, line, column, value and allowed range.
+/// [`InputError`] that names file, line, column, value and allowed range.
 pub(super) fn check(
     file: &str,
     measurements: &[Measurement],
@@ -81,23 +82,23 @@ pub(super) fn check(
     Ok(())
 }
 
-/// A σ0 without `sigma_um`, µm, between these, under distortions that are nowhere larger than [`LARGEST_OF_MM`], is
-/// that of numbers in millimetres; a smaller one is that of data without noise.
+/// Range of σ0 without `sigma_um`, µm, that shows numbers in millimetres if no distortion is larger
+/// than [`LARGEST_OF_MM`]; a smaller σ0 is that of data without noise.
 const SIGMA_OF_MM: std::ops::Range<f64> = 2e-5..0.02;
 
-/// Of distortions in millimetres, µm.
+/// Largest distortion of a file in millimetres, read as µm.
 const LARGEST_OF_MM: f64 = 2.0;
 
-/// With `sigma_um`, σ0 differs from 1 by no more than this factor.
+/// Largest factor by which σ0 differs from 1 with `sigma_um`.
 const MOST_SIGMA: f64 = 50.0;
 
-/// A correlation of observed and static distortion below this is that of opposite signs.
+/// Correlation of observed and static distortion below which their signs are opposite.
 const OPPOSITE: f64 = -0.5;
 
-/// Checks what the fit says of the noise: a scale that no camera and no measurement has.
+/// Checks the noise that the fit finds: a scale that no camera and no measurement has is refused.
 ///
 /// # Errors
-/// [`InputError`] naming file, value and allowed range.
+/// [`InputError`] that names file, value and allowed range.
 pub(super) fn check_sigma(
     file: &str,
     has_sigma: bool,
@@ -114,7 +115,7 @@ pub(super) fn check_sigma(
         )));
     }
     let range = 1.0 / MOST_SIGMA..=MOST_SIGMA;
-    // Data without noise leave nothing, whatever σ they are given.
+    // Data without noise leave no residuals, whatever their σ.
     if has_sigma && sigma0 > 1e-6 && !range.contains(&sigma0) {
         return Err(InputError::invalid(format!(
             "{file}: the residuals are {sigma0:.3e} times sigma_um, outside {} to {MOST_SIGMA}; are sigma_um, dx_um and \
@@ -128,7 +129,7 @@ pub(super) fn check_sigma(
 /// Checks that the observed distortion is not the negative of the calibrated one.
 ///
 /// # Errors
-/// [`InputError`] naming file and correlation.
+/// [`InputError`] that names file and correlation.
 pub(super) fn check_sign(
     file: &str,
     measurements: &[Measurement],
@@ -173,7 +174,7 @@ fn check_coordinates(
         return Ok(());
     };
     let value = component(farthest.row.point_mm, axis);
-    // A column of zeros is a line of points, which the adjustment names.
+    // A column of zeros means points on a line, which the adjustment reports.
     if value.abs() <= 0.0 || value.abs() >= LEAST_FORMAT * half_mm {
         return Ok(());
     }
@@ -189,7 +190,7 @@ fn component([x, y]: [f64; 2], axis: usize) -> f64 {
     if axis == 0 { x } else { y }
 }
 
-/// The middle one, or the upper of the two.
+/// Returns the median, or the upper of the two middle numbers.
 pub(super) fn median(mut numbers: Vec<f64>) -> f64 {
     let middle = numbers.len() / 2;
     if middle >= numbers.len() {
