@@ -1,9 +1,9 @@
-//! One exposure in double precision: where the principal point is, and how much light falls.
+//! One exposure in double precision: the path of the principal point and the transmission.
 
 use fmc_camera::flight::exposure::FlightDirection;
 use fmc_camera_file::{CameraFile, FmcTable, MechanismName, Profile, Strategy};
 
-/// Which formula turns a focus shift into distortion.
+/// Formula that converts a focus shift into distortion.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum FocusFormula {
     /// Enlargement by Δz/L.
@@ -12,25 +12,25 @@ pub enum FocusFormula {
     Printed,
 }
 
-/// What is asked for.
+/// Request for an exposure.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct ExposureRequest {
     /// η = V/H, 1/s.
     pub vh_per_s: f64,
     /// t, s.
     pub exposure_s: f64,
-    /// Δδ where it is given, mm.
+    /// Δδ if it is given, mm.
     pub opening_offset_mm: Option<f64>,
     /// Δz beyond the run-out, mm.
     pub focus_shift_mm: f64,
-    /// Which formula.
+    /// Formula for the focus shift.
     pub focus_formula: FocusFormula,
-    /// Which way the camera flies.
+    /// Direction of flight.
     pub direction: FlightDirection,
 }
 
 impl ExposureRequest {
-    /// An exposure as planned.
+    /// Creates the request for an exposure as planned.
     #[must_use]
     pub const fn planned(vh_per_s: f64, exposure_s: f64) -> Self {
         Self {
@@ -43,7 +43,7 @@ impl ExposureRequest {
         }
     }
 
-    /// V/H along the FMC axis, 1/s: negative where the camera flies against it.
+    /// Returns V/H along the FMC axis, 1/s: negative if the camera flies against it.
     #[must_use]
     pub const fn signed_vh_per_s(&self) -> f64 {
         match self.direction {
@@ -53,12 +53,13 @@ impl ExposureRequest {
     }
 }
 
-/// Run-up from rest to a speed and the settling at it, mm, with the sign of the speed.
+/// Returns the length of the run-up from rest to a speed and of the settling at it, mm, with the
+/// sign of the speed.
 ///
 /// # Model
-/// The acceleration rises to its peak p for p/J, stays, and falls as long, p² = J|v| but at most the largest: the rise
-/// and the fall together give p²/J of the speed. The mean speed is half the last one, as the acceleration is symmetric
-/// in time.
+/// The acceleration rises to its peak p for p/J, stays, and falls for as long, p² = J|v| but at
+/// most the largest: rise and fall together contribute p²/J to the speed. The mean speed is half of
+/// the final one, as the acceleration is symmetric in time.
 fn run_up_mm(speed: f64, fmc: &FmcTable) -> f64 {
     let limited = fmc.jerk_mm_s3 != 0.0;
     let most = fmc.acceleration_mm_s2;
@@ -76,8 +77,8 @@ fn run_up_mm(speed: f64, fmc: &FmcTable) -> f64 {
     speed * (ramp_s / 2.0 + fmc.settling_ms / 1000.0)
 }
 
-/// The path of the principal point along the FMC axis and the light along it, over the fraction u
-/// of the exposure.
+/// Path of the principal point along the FMC axis and transmission along it, over the fraction u of
+/// the exposure.
 #[derive(Debug, Clone, PartialEq)]
 pub struct ExposurePath {
     /// Δδ, mm.
@@ -91,7 +92,7 @@ pub struct ExposurePath {
 }
 
 impl ExposurePath {
-    /// The path of an exposure of the camera.
+    /// Creates the path of an exposure of the camera.
     #[must_use]
     pub fn new(camera: &CameraFile, request: &ExposureRequest) -> Self {
         let speed = camera.principal_distance_mm * request.signed_vh_per_s();
@@ -123,7 +124,7 @@ impl ExposurePath {
         path
     }
 
-    /// Transmission at the fraction u.
+    /// Returns the transmission at the fraction u.
     #[must_use]
     pub fn transmission(&self, u: f64) -> f64 {
         let [opening, closing] = self.ramps;
@@ -136,7 +137,8 @@ impl ExposurePath {
         }
     }
 
-    /// Offset of the principal point from its calibrated place at the fraction u, mm.
+    /// Returns the offset of the principal point from its calibrated position at the fraction u,
+    /// mm.
     #[must_use]
     pub fn offset_mm(&self, u: f64) -> f64 {
         self.opening_offset_mm + self.travel_mm * u + self.staircase_mm
@@ -155,8 +157,8 @@ impl ExposurePath {
         [0.0, opening, 1.0 - closing, 1.0]
     }
 
-    /// Centroid of the transmission as a fraction u: areas and centroids of two triangles and a
-    /// rectangle.
+    /// Returns the centroid of the transmission as a fraction u, from the areas and centroids of
+    /// two triangles and a rectangle.
     fn centroid(&self) -> f64 {
         let [opening, closing] = self.ramps;
         let parts = [
@@ -168,8 +170,8 @@ impl ExposurePath {
         parts.iter().map(|(area, place)| area * place).sum::<f64>() / area
     }
 
-    /// Mean of the staircase less the mean of the smooth path, mm: the light that falls between
-    /// transfers n and n+1 is recorded n rows on.
+    /// Returns the mean of the staircase less the mean of the smooth path, mm: the light that falls
+    /// between transfers n and n+1 is recorded n rows further.
     fn staircase_offset(&self, pitch_mm: f64, first_transfer: f64) -> f64 {
         let rows = self.travel_mm.abs() / pitch_mm;
         if rows <= 0.0 {
@@ -187,7 +189,8 @@ impl ExposurePath {
         row_mm * mean_rows / self.light(0.0, 1.0) - self.travel_mm * self.centroid()
     }
 
-    /// ∫ transmission du over [from, to], by the midpoint rule, exact on each linear stretch.
+    /// Returns ∫ transmission du over [from, to] by the midpoint rule, which is exact on each
+    /// linear stretch.
     fn light(&self, from: f64, to: f64) -> f64 {
         let [a, b, c, d] = self.nodes();
         [(a, b), (b, c), (c, d)]

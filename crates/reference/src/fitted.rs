@@ -1,4 +1,4 @@
-//! The five-coefficient model, and the printed feed-forward terms, in double precision.
+//! Five-coefficient model and printed feed-forward terms, in double precision.
 
 use fmc_camera_file::{CameraFile, Per};
 
@@ -16,11 +16,11 @@ pub struct FittedModel {
 }
 
 impl FittedModel {
-    /// The model of an exposure; `None` for a camera without `[fitted]`.
+    /// Creates the model of an exposure; `None` for a camera without `[fitted]`.
     ///
     /// # Model
-    /// Yuan et al. 2012, eq. 22: `K_m0..K_m2` replace K0..K2, and along the FMC axis e
-    /// `s·Kd1·(x̄·e)·x̄ + s·Pm1·r²·e` is added, s being δ, or c̄ for coefficients per mm of it.
+    /// Yuan et al. 2012, eq. 22: `K_m0..K_m2` replace K0..K2, and along the FMC axis e the terms
+    /// `s·Kd1·(x̄·e)·x̄ + s·Pm1·r²·e` are added, where s is δ, or c̄ for coefficients per mm of c̄.
     #[must_use]
     pub fn new(camera: &CameraFile, path: &ExposurePath) -> Option<Self> {
         let fitted = camera.fitted.as_ref()?;
@@ -42,8 +42,8 @@ impl FittedModel {
         })
     }
 
-    /// The static calibration with the dynamic terms as printed, eqs. 20-21: `K_d1` = 2K1 and
-    /// `P_m1` = K1. Their sign is wrong; for comparison only.
+    /// Creates the static calibration with the dynamic terms as printed, eqs. 20-21: `K_d1` = 2K1
+    /// and `P_m1` = K1. Their sign is wrong; the model is for comparison only.
     #[must_use]
     pub fn printed(camera: &CameraFile, travel_mm: f64) -> Self {
         let lens = Lens::of(camera);
@@ -57,7 +57,7 @@ impl FittedModel {
         }
     }
 
-    /// The distortion at a measured point of the sensor frame, measured - ideal, mm.
+    /// Returns the distortion at a measured point of the sensor frame, measured - ideal, mm.
     #[must_use]
     pub fn distortion(&self, [x, y]: [f64; 2]) -> [f64; 2] {
         let [x0, y0] = self.principal_point_mm;

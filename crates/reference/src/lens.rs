@@ -1,4 +1,4 @@
-//! The static polynomial in double precision.
+//! Static distortion polynomial in double precision.
 
 use fmc_camera_file::CameraFile;
 
@@ -14,7 +14,7 @@ pub struct Lens {
 }
 
 impl Lens {
-    /// The lens of a camera.
+    /// Returns the lens of a camera file.
     #[must_use]
     pub fn of(camera: &CameraFile) -> Self {
         let table = camera.distortion.measured_minus_ideal();
@@ -25,7 +25,7 @@ impl Lens {
         }
     }
 
-    /// Displacement at a point from the principal point, mm.
+    /// Returns the displacement at a point from the principal point, mm.
     ///
     /// # Model
     /// Yuan et al. 2012, eq. 1, with Brown's decentring and affinity, term by term as written.
@@ -42,7 +42,7 @@ impl Lens {
         ]
     }
 
-    /// Derivative of the displacement along the direction `e`.
+    /// Returns the derivative of the displacement along the direction `e`.
     #[must_use]
     pub fn derivative(&self, [x, y]: [f64; 2], [ex, ey]: [f64; 2]) -> [f64; 2] {
         let [k0, k1, k2, k3] = self.k;

@@ -1,5 +1,5 @@
-//! The strict reference solver: the same physics as the camera, in double precision, by
-//! quadrature, sharing no code with it; and the comparison of a camera with it.
+//! Strict reference solver: the physics of the camera in double precision, by quadrature, without
+//! code of the camera; and the comparison of a camera with it.
 //!
 //! Lengths are in mm in the sensor frame, distortions are measured - ideal.
 //!
@@ -16,9 +16,9 @@
 //! // 100 mm x 0.1 1/s x 1/100 s: the principal point travels 100 µm, from -50 to 50 µm.
 //! let solver = StrictSolver::new(&camera, &ExposureRequest::planned(0.1, 0.01), Weight::Exposure);
 //! assert!((solver.path().travel_mm - 0.1).abs() < 1e-12);
-//! // k0 alone is linear: the mean is the distortion at the mean place.
-//! let [dx, dy] = solver.mean([10.0, 20.0]).distortion_mm;
-//! assert!((dx - 1e-3).abs() < 1e-11 && (dy - 2e-3).abs() < 1e-11);
+//! // k0 alone is linear: the mean is the distortion at the mean position.
+//! let mean = solver.mean([10.0, 20.0]);
+//! assert!((mean.distortion_mm[0] - 1e-3).abs() < 1e-11 && (mean.distortion_mm[1] - 2e-3).abs() < 1e-11);
 //! ```
 
 #![forbid(unsafe_code)]

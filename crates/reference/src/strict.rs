@@ -1,4 +1,4 @@
-//! The exposure mean of the distortion, by adaptive quadrature.
+//! Exposure mean of the distortion, by adaptive quadrature.
 
 use fmc_camera_file::CameraFile;
 use quadrature::double_exponential;
@@ -6,16 +6,16 @@ use quadrature::double_exponential;
 use super::exposure::{ExposurePath, ExposureRequest, FocusFormula};
 use super::lens::Lens;
 
-/// What weights the mean over the exposure.
+/// Weight of the mean over the exposure.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Weight {
-    /// The light: what the sensor integrates.
+    /// Transmission: the mean that the sensor records.
     Exposure,
     /// Arc length of the distortion hodograph, as printed in Yuan et al. 2012, eqs. 10-11.
     ArcLength,
 }
 
-/// How eqs. 12-13 of Yuan et al. 2012 are read.
+/// Reading of eqs. 12-13 of Yuan et al. 2012.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Reading {
     /// As changes: static + (D(Δδ) - static) + (mean - D(Δδ)) = mean.
@@ -24,18 +24,18 @@ pub enum Reading {
     Literal,
 }
 
-/// Below this length of the hodograph, mm, the arc-length mean is the plain mean: the two then
-/// differ by at most as much, 0.01 nm. (The arc length is 0/0 where the distortion does not
-/// change.)
+/// Length of the hodograph, mm, below which the arc-length mean is replaced by the plain mean: the
+/// two then differ by at most this length, 0.01 nm. (The arc-length mean is 0/0 where the
+/// distortion does not change.)
 pub const SHORTEST_ARC_MM: f64 = 1e-8;
 
 /// Largest allowed error estimate of the strict solver itself, nm.
 pub const MAX_SOLVER_ERROR_NM: f64 = 0.01;
 
-/// Absolute error asked of the quadrature, mm.
+/// Largest absolute error of the quadrature, mm.
 const QUADRATURE_TARGET_MM: f64 = 1e-12;
 
-/// A mean and how far it may be off.
+/// A mean with its error.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct StrictMean {
     /// Exposure mean of measured - ideal, mm.
@@ -60,7 +60,7 @@ pub struct StrictSolver {
 }
 
 impl StrictSolver {
-    /// The solver for one exposure of a camera.
+    /// Creates the solver for one exposure of a camera.
     #[must_use]
     pub fn new(camera: &CameraFile, request: &ExposureRequest, weight: Weight) -> Self {
         Self {
@@ -77,13 +77,13 @@ impl StrictSolver {
         }
     }
 
-    /// The path of the principal point.
+    /// Path of the principal point.
     #[must_use]
     pub const fn path(&self) -> &ExposurePath {
         &self.path
     }
 
-    /// The distortion of a measured point, averaged over the exposure.
+    /// Returns the distortion of a measured point, averaged over the exposure.
     ///
     /// # Model
     /// `∫ D(x̄, ȳ - c) w(c) dc / ∫ w(c) dc` over c in [Δδ, Δδ+δ] (Yuan et al. 2012, eqs. 9-13 in
@@ -103,7 +103,7 @@ impl StrictSolver {
         }
     }
 
-    /// The total in the given reading of eqs. 12-13.
+    /// Returns the total distortion in the given reading of eqs. 12-13.
     #[must_use]
     pub fn total(&self, point_mm: [f64; 2], reading: Reading) -> StrictMean {
         let mean = self.mean(point_mm);
@@ -119,7 +119,7 @@ impl StrictSolver {
         }
     }
 
-    /// The distortion at the fraction `u` of the exposure, mm.
+    /// Returns the distortion at the fraction `u` of the exposure, mm.
     #[must_use]
     pub fn distortion(&self, point_mm: [f64; 2], u: f64) -> [f64; 2] {
         let (lens, kappa) = self.lens_at(u);
@@ -136,7 +136,7 @@ impl StrictSolver {
         [x - x0 - offset * ex, y - y0 - offset * ey]
     }
 
-    /// The lens at the focus of the fraction `u`, and the physical enlargement κ beside it.
+    /// Returns the lens at the focus of the fraction `u`, and the physical enlargement κ beside it.
     fn lens_at(&self, u: f64) -> (Lens, f64) {
         let shift_mm = self.focus_shift_mm + self.run_out_mm(self.path.offset_mm(u));
         match self.focus_formula {
@@ -162,8 +162,9 @@ impl StrictSolver {
         polynomial_um / 1000.0
     }
 
-    /// Means are taken of the difference from the distortion at the centroid: it is small, so that
-    /// little is lost to rounding.
+    /// Returns the mean weighted by the transmission. It averages the difference from the
+    /// distortion in the middle of the exposure, which is small, so that little is lost to
+    /// rounding.
     fn exposure_mean(&self, point_mm: [f64; 2]) -> StrictMean {
         let middle = self.distortion(point_mm, 0.5);
         let light = self.integral(|u| self.path.transmission(u));
@@ -199,8 +200,8 @@ impl StrictSolver {
         mean_about(middle, [part(first), part(second)], length)
     }
 
-    /// `|dD/du|`, mm: the speed along the distortion hodograph, by the motion of the principal
-    /// point and by the run-out.
+    /// Returns `|dD/du|`, mm: the speed along the distortion hodograph, from the motion of the
+    /// principal point and from the run-out.
     fn hodograph_speed(&self, point_mm: [f64; 2], u: f64) -> f64 {
         let (lens, kappa) = self.lens_at(u);
         let [x, y] = self.about_principal_point(point_mm, u);
@@ -234,7 +235,7 @@ impl StrictSolver {
         dx.hypot(dy)
     }
 
-    /// dz/ds of the run-out, mm per mm.
+    /// Returns dz/ds of the run-out, mm per mm.
     fn run_out_slope(&self, position_mm: f64) -> f64 {
         let mut power = 0.0;
         let mut slope_um = 0.0;
@@ -247,7 +248,7 @@ impl StrictSolver {
         slope_um / 1000.0
     }
 
-    /// ∫ over the exposure, stretch by stretch.
+    /// Returns the integral over the exposure, stretch by stretch.
     fn integral(&self, integrand: impl Fn(f64) -> f64) -> Integral {
         let [a, b, c, d] = self.path.nodes();
         let mut integral = Integral {
@@ -266,14 +267,14 @@ impl StrictSolver {
     }
 }
 
-/// An integral and the estimate of its error.
+/// An integral with the estimate of its error.
 #[derive(Debug, Clone, Copy)]
 struct Integral {
     value: f64,
     error: f64,
 }
 
-/// `middle + parts/weight` with the propagated error.
+/// Returns `middle + parts/weight` with the propagated error.
 fn mean_about(middle: [f64; 2], parts: [Integral; 2], weight: Integral) -> StrictMean {
     let [x, y] = parts.map(|part| part.value / weight.value);
     let [error_x, error_y] = parts

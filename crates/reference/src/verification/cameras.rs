@@ -1,4 +1,4 @@
-//! Several cameras, each checked on whichever device is free.
+//! Verification of several cameras, each on whichever device is free.
 
 use std::sync::atomic::{AtomicUsize, Ordering};
 use std::sync::{Mutex, PoisonError};
@@ -11,24 +11,25 @@ use super::device::{CorrectingDevice, CorrectionFailure, Evidence};
 use super::result::{CameraResult, Verification};
 use super::run;
 
-/// A device refused a camera or failed.
+/// Error of a device that refused a camera or failed.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
 #[error("{camera}: {error}")]
 pub struct CheckError<E> {
-    /// The camera that was checked.
+    /// Name of the camera that was checked.
     pub camera: String,
-    /// What went wrong.
+    /// Error of the device.
     pub error: E,
 }
 
-/// Checks cameras on devices of one kind, side by side; the results stand in the cameras' order. `before_camera` is
-/// called with a camera's name, `after_frame` once per exposure.
+/// Checks cameras on devices of one kind, side by side; the results are in the order of the
+/// cameras. `before_camera` is called with a camera's name, `after_frame` once per exposure.
 ///
-/// Where a device computes otherwise than its own code on this PC, that is the verification's difference: it ends
-/// there, and cameras behind that one are left out.
+/// If a device computes otherwise than its own code on this PC, the verification reports the
+/// difference and ends there; it leaves out the cameras after that one.
 ///
 /// # Errors
-/// [`CheckError`] of the first camera that a device refuses or fails with. Without a device, none is checked.
+/// [`CheckError`] of the first camera that a device refuses or fails with. Without a device no
+/// camera is checked.
 pub fn cameras<D: CorrectingDevice + ?Sized>(
     devices: &mut [Box<D>],
     cameras: &[CameraFile],
@@ -46,7 +47,7 @@ pub fn cameras<D: CorrectingDevice + ?Sized>(
                     let result = run::camera(device.as_mut(), camera, &after_frame);
                     let evidence = since(before, device.evidence());
                     if result.is_err() {
-                        // No other camera is begun.
+                        // No device starts another camera.
                         next.store(cameras.len(), Ordering::Relaxed);
                     }
                     let mut checked = checked.lock().unwrap_or_else(PoisonError::into_inner);
@@ -66,7 +67,7 @@ pub fn cameras<D: CorrectingDevice + ?Sized>(
         evidence.by_value += of_camera.by_value;
         match result {
             Ok(result) => results.push(result),
-            // What else it answers says nothing about the code that was checked.
+            // The device's other answers say nothing about the code that was to be checked.
             Err(found) if found.is_difference() => {
                 difference = Some(format!("{}: {found}", camera.name));
                 break;
@@ -88,13 +89,13 @@ pub fn cameras<D: CorrectingDevice + ?Sized>(
     })
 }
 
-/// The next camera that nobody has taken.
+/// Takes the next camera that no device has taken.
 fn taken<'a>(next: &AtomicUsize, cameras: &'a [CameraFile]) -> Option<(usize, &'a CameraFile)> {
     let index = next.fetch_add(1, Ordering::Relaxed);
     Some((index, cameras.get(index)?))
 }
 
-/// What a device has shown between two moments.
+/// Returns the evidence that a device has added between two moments.
 fn since(before: Evidence, now: Evidence) -> Evidence {
     Evidence {
         by_digest: now.by_digest - before.by_digest,
@@ -102,7 +103,7 @@ fn since(before: Evidence, now: Evidence) -> Evidence {
     }
 }
 
-/// What the devices' ends of their links have seen together; `None` where there is no link.
+/// Returns the counters of all devices' links together; `None` if there is no link.
 fn link<D: CorrectingDevice + ?Sized>(
     devices: &mut [Box<D>],
 ) -> Result<Option<Counters>, CheckError<D::Error>> {
@@ -120,7 +121,8 @@ fn link<D: CorrectingDevice + ?Sized>(
     Ok(sum)
 }
 
-/// Counts of two links; of the stack, which each device has for itself, the most.
+/// Adds the counters of two links; of the stack, which each device has for itself, takes the
+/// largest.
 fn together(a: &Counters, b: &Counters) -> Counters {
     Counters {
         done: a.done + b.done,
@@ -149,7 +151,7 @@ mod tests {
 
     use super::*;
 
-    /// The camera's code in this process, a point at a time.
+    /// Runs the camera's code in this process, one point at a time.
     #[derive(Default)]
     struct InProcess {
         camera: Option<Camera>,

@@ -1,4 +1,4 @@
-//! The exposures and points of a verification (Yuan et al. 2012, section 4.1).
+//! Exposures and points of a verification (Yuan et al. 2012, section 4.1).
 
 use fmc_camera::io::link::message::Grid;
 use fmc_camera_file::number::single;
@@ -18,7 +18,7 @@ pub const SIDE_POINTS: u8 = 21;
 /// One exposure of the grid.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct GridExposure {
-    /// Where the run-up puts it; `None` for TDI, which has none.
+    /// Run-up strategy; `None` for TDI, which has none.
     pub strategy: Option<Strategy>,
     /// η = V/H, 1/s.
     pub vh_per_s: f64,
@@ -27,15 +27,15 @@ pub struct GridExposure {
 }
 
 impl GridExposure {
-    /// What reports call the way to the opening offset.
+    /// Returns the name of the run-up strategy in reports, or `tdi`.
     #[must_use]
     pub fn strategy_name(&self) -> &'static str {
         self.strategy.map_or("tdi", Strategy::name)
     }
 }
 
-/// Every exposure, strategy by strategy: the paper's, as far as the camera's own limits hold
-/// them; where they do not, as many spread over what the limits leave.
+/// Returns every exposure, strategy by strategy: those of the paper if the camera's limits allow
+/// them, and otherwise as many spread over the part that the limits allow.
 #[must_use]
 pub fn exposures(camera: &CameraFile) -> Vec<GridExposure> {
     let strategies = match camera.fmc.mechanism {
@@ -65,7 +65,7 @@ pub fn exposures(camera: &CameraFile) -> Vec<GridExposure> {
     exposures
 }
 
-/// The paper's exposures, 10 V/H x 6 times, whatever the camera's limits are.
+/// Returns the paper's exposures, 10 V/H x 6 times, whatever the camera's limits are.
 #[must_use]
 pub fn of_the_paper(strategy: Option<Strategy>) -> Vec<GridExposure> {
     spread(VH_PER_S, VH_STEPS)
@@ -80,7 +80,7 @@ pub fn of_the_paper(strategy: Option<Strategy>) -> Vec<GridExposure> {
         .collect()
 }
 
-/// As many exposures evenly over what the camera's limits allow.
+/// Returns as many exposures, spread evenly over the camera's limits.
 #[must_use]
 pub fn over_the_limits(camera: &CameraFile, strategy: Option<Strategy>) -> Vec<GridExposure> {
     let times = spread(camera.limits.exposure_s, EXPOSURE_STEPS);
@@ -96,7 +96,7 @@ pub fn over_the_limits(camera: &CameraFile, strategy: Option<Strategy>) -> Vec<G
         .collect()
 }
 
-/// What the wanted range and the limits share; the limits where they share nothing.
+/// Returns the range that the wanted one and the limits share, or the limits if they share none.
 fn common([from, to]: [f64; 2], [least, most]: [f64; 2]) -> [f64; 2] {
     let (low, high) = (from.max(least), to.min(most));
     if low <= high {
@@ -106,17 +106,17 @@ fn common([from, to]: [f64; 2], [least, most]: [f64; 2]) -> [f64; 2] {
     }
 }
 
-/// `count` numbers evenly over a range, ends included.
+/// Returns `count` numbers spread evenly over a range, ends included.
 fn spread([from, to]: [f64; 2], count: u8) -> Vec<f64> {
     (0..count)
         .map(|index| f64::from(index) / f64::from(count - 1))
-        // Written so that the last is exactly `to`.
+        // In this form the last number is exactly `to`.
         .map(|share| from * (1.0 - share) + to * share)
         .collect()
 }
 
-/// Points over a sensor of the given half format, edges included, mm; rounded to single precision,
-/// as the camera receives them.
+/// Returns points over a sensor of the given half format, edges included, mm, rounded to single
+/// precision as the camera receives them.
 #[must_use]
 pub fn points([half_width, half_height]: [f64; 2]) -> Grid {
     let side = |half: f64| {

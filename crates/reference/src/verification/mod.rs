@@ -1,4 +1,4 @@
-//! The main job: every coordinate of real cameras against the strict reference solver.
+//! Verification: every coordinate of real cameras, compared with the strict reference solver.
 
 pub mod cameras;
 pub mod device;

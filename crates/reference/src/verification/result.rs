@@ -1,4 +1,4 @@
-//! What a verification found.
+//! Results of a verification.
 
 use fmc_camera::io::link::message::Counters;
 use serde::Serialize;
@@ -12,7 +12,7 @@ pub const MAX_ERROR_NM: f64 = 1.5;
 /// f32 alone is 3.8 nm.
 pub const MAX_COORDINATE_ERROR_NM: f64 = 5.0;
 
-/// The ways of treating distortion that a verification compares.
+/// Treatments of distortion that a verification compares.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
 #[serde(rename_all = "snake_case")]
 pub enum Treatment {
@@ -22,7 +22,7 @@ pub enum Treatment {
     Static,
     /// The static calibration plus the dynamic terms as printed, eqs. 20-21.
     Printed,
-    /// This camera.
+    /// Correction by this camera.
     Camera,
 }
 
@@ -30,7 +30,7 @@ impl Treatment {
     /// All four, in the order of the tables.
     pub const ALL: [Self; 4] = [Self::None, Self::Static, Self::Printed, Self::Camera];
 
-    /// What tables and legends call it.
+    /// Returns the name in tables and legends.
     #[must_use]
     pub const fn label(self) -> &'static str {
         match self {
@@ -42,7 +42,7 @@ impl Treatment {
     }
 }
 
-/// Errors of one component (dx or dy), both axes pooled, mm.
+/// Statistics of the errors of dx and dy, both components pooled, mm.
 #[derive(Debug, Clone, Copy, Default, PartialEq)]
 pub struct ErrorStatistics {
     count: u64,
@@ -52,7 +52,7 @@ pub struct ErrorStatistics {
 }
 
 impl ErrorStatistics {
-    /// Adds the two components of one point's error, mm; what is no number is infinitely wrong.
+    /// Adds the two components of one point's error, mm; NaN counts as an infinite error.
     pub fn add(&mut self, error_mm: [f64; 2]) {
         for error in error_mm.map(infinite_if_nan) {
             self.count += 1;
@@ -100,7 +100,7 @@ impl ErrorStatistics {
     }
 }
 
-/// A number that is none, made the worst there is.
+/// Replaces NaN by infinity.
 pub(super) const fn infinite_if_nan(number: f64) -> f64 {
     if number.is_nan() {
         f64::INFINITY
@@ -124,20 +124,20 @@ pub struct FrameResult {
     pub centroid_mm: f64,
     /// Errors of dx, dy by treatment, in the order of [`Treatment::ALL`].
     pub errors: [ErrorStatistics; 4],
-    /// Error of the corrected coordinate.
+    /// Errors of the corrected coordinate.
     pub coordinate_error: ErrorStatistics,
     /// Largest error estimate of the strict solver, mm.
     pub solver_error_mm: f64,
 }
 
-/// Distortion at one point of the sensor, for the arrow fields. mm.
+/// Distortion at one point of the sensor, mm, for the arrow fields.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct FieldPoint {
     /// Measured point.
     pub point_mm: [f64; 2],
     /// Static distortion, measured - ideal.
     pub static_mm: [f64; 2],
-    /// What the exposure adds to it: strict exposure mean less static distortion.
+    /// Change by the exposure: strict exposure mean less static distortion.
     pub dynamic_mm: [f64; 2],
 }
 
@@ -146,7 +146,7 @@ pub struct FieldPoint {
 pub struct Field {
     /// Index of the exposure in [`CameraResult::frames`].
     pub frame: usize,
-    /// A grid over the sensor.
+    /// Points of a grid over the sensor.
     pub points: Vec<FieldPoint>,
 }
 
@@ -167,33 +167,33 @@ pub struct WorstPoint {
     pub strategy: &'static str,
 }
 
-/// All exposures of one camera.
+/// Results of all exposures of one camera.
 #[derive(Debug, Clone, PartialEq)]
 pub struct CameraResult {
     /// Name in the camera file.
     pub name: String,
     /// Format, mm along x and y.
     pub format_mm: [f64; 2],
-    /// f, mm.
+    /// Principal distance f, mm.
     pub principal_distance_mm: f64,
     /// Pixel pitch, µm.
     pub pixel_um: f64,
     /// FMC axis as the camera file spells it.
     pub axis: &'static str,
-    /// Points compared.
+    /// Number of points compared.
     pub points: u64,
-    /// Every exposure.
+    /// Result of every exposure.
     pub frames: Vec<FrameResult>,
     /// Smallest and largest length of the distortion over the sensor, mm.
     pub distortion_mm: [f64; 2],
-    /// The exposure with the largest dynamic change.
+    /// Arrow fields of the exposure with the largest dynamic change.
     pub field: Field,
     /// The point with the largest error.
     pub worst: WorstPoint,
 }
 
 impl CameraResult {
-    /// Errors of dx, dy with a treatment, all exposures.
+    /// Returns the errors of dx and dy with a treatment, all exposures pooled.
     #[must_use]
     pub fn errors(&self, treatment: Treatment) -> ErrorStatistics {
         let mut all = ErrorStatistics::default();
@@ -207,7 +207,7 @@ impl CameraResult {
         all
     }
 
-    /// Errors of the corrected coordinate, all exposures.
+    /// Returns the errors of the corrected coordinate, all exposures pooled.
     #[must_use]
     pub fn coordinate_errors(&self) -> ErrorStatistics {
         let mut all = ErrorStatistics::default();
@@ -217,7 +217,7 @@ impl CameraResult {
         all
     }
 
-    /// Smallest and largest δ, mm.
+    /// Returns the smallest and the largest δ, mm.
     #[must_use]
     pub fn travel_mm(&self) -> [f64; 2] {
         self.frames
@@ -227,7 +227,7 @@ impl CameraResult {
             })
     }
 
-    /// Largest error estimate of the strict solver, mm.
+    /// Returns the largest error estimate of the strict solver, mm.
     #[must_use]
     pub fn solver_error_mm(&self) -> f64 {
         self.frames.iter().fold(0.0, |most, frame| {
@@ -235,7 +235,8 @@ impl CameraResult {
         })
     }
 
-    /// Whether there was a point, every one is within the limits and the strict solver within its own.
+    /// Returns true if at least one point was compared, every one is within the limits, and so is
+    /// the strict solver.
     #[must_use]
     pub fn passed(&self) -> bool {
         self.points > 0
@@ -245,25 +246,25 @@ impl CameraResult {
     }
 }
 
-/// A whole verification.
+/// Results of a whole verification.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Verification {
-    /// What computed the corrections.
+    /// Description of the device that computed the corrections.
     pub device: String,
-    /// Why it was not QEMU, which was meant, and what mends that.
+    /// Reason why the device was not QEMU although it was requested, and the remedy.
     pub not_in_qemu: Option<String>,
-    /// How its points are known to be its own.
+    /// Evidence that the points are the device's.
     pub evidence: Evidence,
-    /// What its end of the link has seen.
+    /// Counters of the device's end of the link.
     pub link: Option<Counters>,
-    /// Where it differs from its own code on this PC; the verification ended there.
+    /// Difference of the device from its own code on this PC, at which the verification ended.
     pub difference: Option<String>,
-    /// Every camera.
+    /// Results of every camera.
     pub cameras: Vec<CameraResult>,
 }
 
 impl Verification {
-    /// Where it ran: the device, and where it stands in for QEMU, why.
+    /// Describes the device and, if it replaces QEMU, the reason.
     #[must_use]
     pub fn place(&self) -> String {
         match &self.not_in_qemu {
@@ -272,13 +273,13 @@ impl Verification {
         }
     }
 
-    /// Points compared.
+    /// Number of points compared.
     #[must_use]
     pub fn points(&self) -> u64 {
         self.cameras.iter().map(|camera| camera.points).sum()
     }
 
-    /// The camera whose worst point is the worst of all.
+    /// Returns the camera with the largest error of all.
     #[must_use]
     pub fn worst(&self) -> Option<&CameraResult> {
         self.cameras
@@ -286,7 +287,8 @@ impl Verification {
             .max_by(|a, b| a.worst.error_nm.total_cmp(&b.worst.error_nm))
     }
 
-    /// Whether every camera passed, there was one, and none differed from its own code on this PC.
+    /// Returns true if at least one camera was checked, every one passed, and none differed from
+    /// its own code on this PC.
     #[must_use]
     pub fn passed(&self) -> bool {
         self.difference.is_none()

@@ -1,4 +1,4 @@
-//! Runs a verification.
+//! Verification of one camera.
 
 use fmc_camera::flight::exposure::Exposure;
 use fmc_camera::geometry::frame_correction::Corrected;
@@ -19,13 +19,14 @@ use crate::strict::{StrictSolver, Weight};
 /// Checks one camera on a device; `after_frame` is called once per exposure.
 ///
 /// # Errors
-/// Of a device that refuses the camera or an exposure, or does not answer every point.
+/// The error of a device that refuses the camera or an exposure, or does not answer every point.
 pub fn camera<D: CorrectingDevice + ?Sized>(
     device: &mut D,
     camera: &CameraFile,
     mut after_frame: impl FnMut(),
 ) -> Result<CameraResult, D::Error> {
-    // What the camera receives is rounded to single precision; it is judged at that point.
+    // The camera receives points rounded to single precision; the reference is computed at the
+    // rounded points.
     let grid = grid::points(camera.half_format_mm());
     let measured: Vec<SensorPoint> = grid.points().collect();
     let mut summary = Summary::default();
@@ -51,7 +52,7 @@ pub fn camera<D: CorrectingDevice + ?Sized>(
     Ok(summary.finish(camera))
 }
 
-/// Everything of a camera so far.
+/// Results of a camera so far.
 #[derive(Default)]
 struct Summary {
     frames: Vec<FrameResult>,
