@@ -1,4 +1,4 @@
-//! What the camera refuses of a calibration, at its place in the camera file.
+//! Errors of a calibration that the camera refuses, at their place in the camera file.
 
 use fmc_camera::geometry::calibration::{CalibrationError, Polynomial};
 use fmc_camera::geometry::range::Quantity;
@@ -6,7 +6,7 @@ use fmc_camera::geometry::range::Quantity;
 use crate::input_error::InputError;
 use crate::toml_text::TomlText;
 
-/// A calibration that the camera refuses.
+/// Creates the error of a calibration that the camera refuses.
 pub(crate) fn invalid_calibration(text: &TomlText, error: &CalibrationError) -> InputError {
     match error {
         CalibrationError::OutOfRange(range) => {
@@ -26,7 +26,7 @@ pub(crate) fn invalid_calibration(text: &TomlText, error: &CalibrationError) -> 
     }
 }
 
-/// Where a quantity stands in the camera file.
+/// Returns the path of a quantity in the camera file.
 const fn key_path(quantity: Quantity) -> &'static [&'static str] {
     match quantity {
         Quantity::PrincipalDistanceMm => &["principal_distance_mm"],
@@ -63,9 +63,9 @@ const fn key_path(quantity: Quantity) -> &'static [&'static str] {
             &["fmc", "stroke_mm"]
         }
         Quantity::FocusShiftUm => &["focus_shift_um"],
-        // Of observations, not of cameras.
+        // Quantities of observations, not of cameras.
         Quantity::XMm | Quantity::YMm | Quantity::DxUm | Quantity::DyUm | Quantity::SigmaUm => &[],
-        // Of an exposure, in no camera file.
+        // Quantities of an exposure, which no camera file has.
         Quantity::ReliefPercent
         | Quantity::PitchDeg
         | Quantity::RollDeg
@@ -73,7 +73,7 @@ const fn key_path(quantity: Quantity) -> &'static [&'static str] {
         | Quantity::PitchRateDegS
         | Quantity::RollRateDegS
         | Quantity::YawRateDegS => &[],
-        // Of the sources of V/H, in no camera file.
+        // Quantities of V/H sources, which no camera file has.
         Quantity::GroundSpeedMS
         | Quantity::HeightAboveGroundM
         | Quantity::AltitudeM

@@ -1,4 +1,4 @@
-//! The camera file: calibration, mechanism, shutter and limits of one camera, in TOML.
+//! Camera file: calibration, mechanism, shutter and limits of one camera, in TOML.
 
 use std::path::Path;
 
@@ -62,7 +62,7 @@ impl CameraFile {
         Self::parse(&path.display().to_string(), &text)
     }
 
-    /// Parses and validates the text of a camera file; `file` is what messages call it.
+    /// Parses and validates the text of a camera file; `file` is the name that messages use.
     ///
     /// # Errors
     /// As [`Self::read`].
@@ -82,7 +82,7 @@ impl CameraFile {
         if self.name.contains(char::is_control) {
             return Err(text.invalid(&["name"], "holds a control character"));
         }
-        // Of stage and TDI one is not in use; its numbers are looked at all the same.
+        // The numbers of stage and TDI are both checked, although only one of the two is in use.
         for (quantity, value) in [
             (Quantity::FirstTransfer, self.fmc.first_transfer),
             (Quantity::AccelerationMmS2, self.fmc.acceleration_mm_s2),
@@ -125,7 +125,7 @@ impl CameraFile {
         Ok(())
     }
 
-    /// L, the distance from the exit pupil to the image, mm.
+    /// Distance L from the exit pupil to the image, mm.
     #[must_use]
     pub fn exit_pupil_mm(&self) -> f64 {
         self.exit_pupil_mm.unwrap_or(self.principal_distance_mm)
@@ -138,7 +138,7 @@ impl CameraFile {
             .map(|side| count(side) * self.sensor.pixel_um / 2000.0)
     }
 
-    /// Sensor-frame point of a pixel coordinate (column, row), mm.
+    /// Converts a pixel coordinate (column, row) into a point of the sensor frame, mm.
     #[must_use]
     pub fn sensor_from_pixel(&self, [col, row]: [f64; 2]) -> [f64; 2] {
         let [centre_col, centre_row] = self.centre_px();
@@ -146,7 +146,7 @@ impl CameraFile {
         [(col - centre_col) * pixel_mm, (centre_row - row) * pixel_mm]
     }
 
-    /// Pixel coordinate (column, row) of a sensor-frame point in mm.
+    /// Converts a point of the sensor frame, mm, into a pixel coordinate (column, row).
     #[must_use]
     pub fn pixel_from_sensor(&self, [x, y]: [f64; 2]) -> [f64; 2] {
         let [centre_col, centre_row] = self.centre_px();
@@ -158,7 +158,7 @@ impl CameraFile {
         [self.sensor.width_px, self.sensor.height_px].map(|side| (count(side) - 1.0) / 2.0)
     }
 
-    /// What the camera is given: the numbers of the file in single precision.
+    /// Returns the record that the camera is given: the numbers of the file in single precision.
     #[must_use]
     pub fn record(&self) -> CameraRecord {
         let distortion = self.distortion.measured_minus_ideal();
@@ -172,7 +172,7 @@ impl CameraFile {
                 principal_distance_mm: single(self.principal_distance_mm),
                 exit_pupil_mm: single(self.exit_pupil_mm()),
                 principal_point: SensorPoint::new(x_mm, y_mm),
-                // What is no pixel count becomes 0, which validation refuses.
+                // A number that is not a pixel count becomes 0, which validation refuses.
                 width_px: u32::try_from(self.sensor.width_px).unwrap_or(0),
                 height_px: u32::try_from(self.sensor.height_px).unwrap_or(0),
                 pixel_um: single(self.sensor.pixel_um),
@@ -225,12 +225,12 @@ impl CameraFile {
     }
 }
 
-/// A limit of the mechanism; 0 in the file is none.
+/// Returns a limit of the mechanism; 0 in the file means none.
 fn limit(value: f64) -> Option<f64> {
     (value != 0.0).then_some(value)
 }
 
-/// A pixel count as a number.
+/// Converts a pixel count into a number.
 #[expect(clippy::cast_precision_loss, reason = "validated to be at most 100000")]
 const fn count(pixels: i64) -> f64 {
     pixels as f64

@@ -1,4 +1,4 @@
-//! Coefficients put into the text of a camera file, which otherwise stays as it is.
+//! Insertion of coefficients into the text of a camera file, which otherwise stays as it is.
 
 use std::str::FromStr;
 
@@ -8,22 +8,22 @@ use crate::camera::CameraFile;
 use crate::input_error::InputError;
 use crate::tables::{FittedTable, Sign};
 
-/// A static coefficient that was estimated beside the five: its key in `[distortion]` and its
-/// value, measured - ideal.
+/// A static coefficient that was estimated together with the five: its key in `[distortion]` and
+/// its value, measured - ideal.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Decentring {
-    /// `p1` or `p2`.
+    /// Key, `p1` or `p2`.
     pub key: &'static str,
-    /// mm⁻¹.
+    /// Value, mm⁻¹.
     pub per_mm: f64,
 }
 
-/// The text of a camera file with these coefficients; comments, order and all other values of
-/// `text` are kept. `file` is what messages call it.
+/// Returns the text of a camera file with these coefficients; comments, order and all other values
+/// of `text` are kept. `file` is the name that messages use.
 ///
 /// # Errors
-/// [`InputError`] for a text that is no TOML, and where the camera with the coefficients would not
-/// be usable.
+/// [`InputError`] for a text that is not TOML, and if the camera with the coefficients would not be
+/// usable.
 pub fn with_coefficients(
     file: &str,
     text: &str,
@@ -59,7 +59,7 @@ pub fn with_coefficients(
     Ok(text)
 }
 
-/// The table of a name, made where there is none.
+/// Returns the table of a name; inserts it if there is none.
 fn table<'a>(document: &'a mut DocumentMut, name: &str) -> Option<&'a mut dyn TableLike> {
     let item = document.entry(name).or_insert_with(|| {
         let mut table = Table::new();
@@ -69,7 +69,7 @@ fn table<'a>(document: &'a mut DocumentMut, name: &str) -> Option<&'a mut dyn Ta
     item.as_table_like_mut()
 }
 
-/// Replaces a value, keeping the comment behind it, or adds it.
+/// Replaces a value and keeps the comment after it, or adds the value.
 fn put(table: &mut dyn TableLike, key: &str, mut value: Value) {
     if let Some(old) = table.get_mut(key).and_then(Item::as_value_mut) {
         *value.decor_mut() = old.decor().clone();
@@ -79,7 +79,7 @@ fn put(table: &mut dyn TableLike, key: &str, mut value: Value) {
     }
 }
 
-/// A number with an exponent where it is small, to its last bit.
+/// Formats a number to its last bit, with an exponent if it is small.
 fn float(number: f64) -> Value {
     Value::from_str(&format!("{number:e}"))
         .ok()

@@ -1,13 +1,13 @@
-//! Errors of what is read.
+//! Errors of inputs.
 
 use std::io;
 use std::ops::Range;
 use std::path::Path;
 
-/// An input that cannot be used: what is wrong, where, and what helps.
+/// An input that cannot be used: the fault, its place, and a remedy.
 ///
-/// It is shown as one line that names the file and, where they are known, line, field, value and
-/// allowed range.
+/// It is shown as one line that names the file and, as far as they are known, line, field, value
+/// and allowed range.
 #[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
 #[error("{}", .0.text)]
 pub struct InputError(Box<Parts>);
@@ -20,34 +20,35 @@ struct Parts {
     place: Option<Place>,
 }
 
-/// Who can mend it.
+/// Party that can correct the error.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum InputErrorKind {
-    /// Whoever wrote or named the input.
+    /// The person who wrote or named the input.
     Invalid,
-    /// The system: a storage or a connection failed while it was read.
+    /// The system: a storage device or a connection failed during reading.
     Unreadable,
 }
 
 /// A place in a text file.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Place {
-    /// What messages call the file.
+    /// Name that messages use for the file.
     pub file: String,
-    /// All of its text.
+    /// Text of the file.
     pub text: String,
-    /// The bytes of `text` that are wrong.
+    /// Range of bytes of `text` that are wrong.
     pub span: Range<usize>,
 }
 
 impl InputError {
-    /// An input with wrong content; `text` says in which file, and what is wrong there.
+    /// Creates the error of an input with wrong content; `text` names the file and the fault.
     #[must_use]
     pub fn invalid(text: impl Into<String>) -> Self {
         Self::new(InputErrorKind::Invalid, text)
     }
 
-    /// An input file cannot be read: a wrong name is the user's to mend, a failing disk is not.
+    /// Creates the error of an input file that cannot be read: the user can correct a wrong name,
+    /// but not a failing disk.
     #[must_use]
     pub fn reading(path: &Path, error: &io::Error) -> Self {
         let kind = match error.kind() {
@@ -71,7 +72,7 @@ impl InputError {
         }))
     }
 
-    /// Adds what the user can do about it.
+    /// Adds a remedy.
     #[must_use]
     pub fn with_help(mut self, help: impl Into<String>) -> Self {
         self.0.help = Some(help.into());
@@ -85,19 +86,19 @@ impl InputError {
         self
     }
 
-    /// Who can mend it.
+    /// Returns the party that can correct the error.
     #[must_use]
     pub fn kind(&self) -> InputErrorKind {
         self.0.kind
     }
 
-    /// What the user can do about it, where that is known.
+    /// Returns the remedy, if one is known.
     #[must_use]
     pub fn help(&self) -> Option<&str> {
         self.0.help.as_deref()
     }
 
-    /// Where it is, unless the whole file is meant.
+    /// Returns the place in a text file, unless the whole file is meant.
     #[must_use]
     pub fn place(&self) -> Option<&Place> {
         self.0.place.as_ref()

@@ -1,10 +1,10 @@
-//! The camera as its file describes it: calibration, mechanism, shutter and limits in TOML.
+//! Description of a camera in its file: calibration, mechanism, shutter and limits in TOML.
 //!
 //! [`CameraFile`] holds the numbers as they are written, in double precision and in the units of
-//! the file's keys; the validated [`Camera`](fmc_camera::flight::camera::Camera) that comes with it
-//! has them in the camera's precision. What is wrong is named with file, line, field, value and
-//! allowed range ([`InputError`]); other files in TOML, and in other formats, can say so in the
-//! same words ([`toml_text`]).
+//! the file's keys. The validated [`Camera`](fmc_camera::flight::camera::Camera) that comes with it
+//! has them in the camera's precision. An error names file, line, field, value and allowed range
+//! ([`InputError`]); readers of other TOML files and of other formats can report errors in the same
+//! words ([`toml_text`]).
 //!
 //! # Examples
 //! ```

@@ -1,9 +1,9 @@
-//! Numbers as text, and in the precision of the camera.
+//! Conversion of numbers from text and to the precision of the camera.
 
-/// A finite number.
+/// Parses a finite number.
 ///
 /// # Errors
-/// A sentence for the user.
+/// A message for the user.
 pub fn finite(text: &str) -> Result<f64, String> {
     match text.trim().parse::<f64>() {
         Ok(value) if value.is_finite() => Ok(value),
@@ -11,7 +11,7 @@ pub fn finite(text: &str) -> Result<f64, String> {
     }
 }
 
-/// As much of a text as belongs into a message.
+/// Returns as much of a text as a message can show.
 #[must_use]
 pub fn clipped(text: &str) -> String {
     const LONGEST: usize = 60;
@@ -21,7 +21,7 @@ pub fn clipped(text: &str) -> String {
     }
 }
 
-/// A number in the precision of the camera.
+/// Rounds a number to the precision of the camera.
 #[expect(
     clippy::cast_possible_truncation,
     reason = "rounding to the camera's precision is the purpose; what becomes infinite is refused by validation"

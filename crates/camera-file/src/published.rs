@@ -1,7 +1,7 @@
-//! The published cameras that `verify` checks when it is given none.
+//! Published cameras, which `verify` checks if it is given none.
 
-/// File name and text of each camera file; sources are named in the files and in
-/// `host-sim/data/cameras.csv`.
+/// File name and text of each camera file; the files and `host-sim/data/cameras.csv` name the
+/// sources.
 pub const CAMERA_FILES: [(&str, &str); 5] = [
     (
         "phase-one-ixm-rs150f-50.toml",

@@ -1,4 +1,4 @@
-//! The tables of the camera file.
+//! Tables of the camera file.
 
 use fmc_camera::flight::stage::RunUp;
 use fmc_camera::geometry::five_coefficient::Regressor;
@@ -39,7 +39,7 @@ pub struct DistortionTable {
 }
 
 impl DistortionTable {
-    /// The same distortion with the sign of measured - ideal, whichever sign the file has.
+    /// Returns the same distortion with the sign of measured - ideal, whichever sign the file has.
     #[must_use]
     pub fn measured_minus_ideal(&self) -> Self {
         let sign = match self.sign {
@@ -60,7 +60,7 @@ impl DistortionTable {
     }
 }
 
-/// Which sign the coefficients of `[distortion]` have.
+/// Sign of the coefficients of `[distortion]`.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Deserialize)]
 #[serde(rename_all = "lowercase")]
 pub enum Sign {
@@ -82,15 +82,15 @@ pub struct FmcTable {
     pub axis: Axis,
     pub mechanism: MechanismName,
     pub first_transfer: f64,
-    /// `None`: not written, centred where there is a stage.
+    /// Run-up strategy; `None` if it is not written, which means centred for a stage.
     pub strategy: Option<Strategy>,
     pub acceleration_mm_s2: f64,
     pub settling_ms: f64,
     pub stroke_mm: f64,
     pub flatness_um: Vec<f64>,
-    /// 0: unlimited.
+    /// Largest jerk, mm/s³; 0: unlimited.
     pub jerk_mm_s3: f64,
-    /// 0: unlimited.
+    /// Largest speed, mm/s; 0: unlimited.
     pub max_speed_mm_s: f64,
 }
 
@@ -126,7 +126,7 @@ pub enum Axis {
 }
 
 impl Axis {
-    /// As in the camera file.
+    /// Returns the name in the camera file.
     #[must_use]
     pub const fn name(self) -> &'static str {
         match self {
@@ -137,7 +137,7 @@ impl Axis {
         }
     }
 
-    /// The unit vector e.
+    /// Returns the unit vector e.
     #[must_use]
     pub const fn unit(self) -> [f64; 2] {
         match self {
@@ -160,7 +160,7 @@ impl From<Axis> for FmcAxis {
     }
 }
 
-/// How the image is held still.
+/// Mechanism that holds the image still.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Deserialize)]
 #[serde(rename_all = "lowercase")]
 #[expect(missing_docs, reason = "each variant is spelt in the camera file")]
@@ -169,7 +169,7 @@ pub enum MechanismName {
     Tdi,
 }
 
-/// Where the run-up puts the exposure.
+/// Run-up strategy, which determines where the exposure lies on the travel.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Deserialize)]
 #[serde(rename_all = "kebab-case")]
 #[expect(missing_docs, reason = "each variant is spelt in the camera file")]
@@ -180,10 +180,10 @@ pub enum Strategy {
 }
 
 impl Strategy {
-    /// Both.
+    /// Both strategies.
     pub const ALL: [Self; 2] = [Self::Centred, Self::FromRest];
 
-    /// As in the camera file.
+    /// Returns the name in the camera file.
     #[must_use]
     pub const fn name(self) -> &'static str {
         match self {
@@ -264,7 +264,7 @@ pub struct FittedTable {
     pub per: Per,
 }
 
-/// What `kd1` and `pm1` are multiplied by.
+/// Factor by which `kd1` and `pm1` are multiplied.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Deserialize)]
 #[serde(rename_all = "lowercase")]
 pub enum Per {
@@ -276,7 +276,7 @@ pub enum Per {
 }
 
 impl Per {
-    /// As in the camera file.
+    /// Returns the name in the camera file.
     #[must_use]
     pub const fn name(self) -> &'static str {
         match self {
@@ -295,7 +295,7 @@ impl From<Per> for Regressor {
     }
 }
 
-/// Two numbers, no more and no fewer.
+/// Reads exactly two numbers.
 pub(crate) fn pair<'de, D: Deserializer<'de>>(deserializer: D) -> Result<[f64; 2], D::Error> {
     let numbers = Vec::<f64>::deserialize(deserializer)?;
     let count = numbers.len();

@@ -1,4 +1,4 @@
-//! Text in TOML whose errors are named with their place.
+//! TOML text whose errors are named with their place.
 
 use std::ops::Range;
 
@@ -8,10 +8,10 @@ use toml::de::{DeTable, DeValue};
 use crate::input_error::{InputError, Place};
 use crate::number::clipped;
 
-/// Lines longer than this, bytes, are not shown in a message.
+/// Length in bytes above which a message does not show a line.
 const LONGEST_LINE: usize = 400;
 
-/// The text of a file in TOML, and what messages call it.
+/// Text of a TOML file, and the name that messages use for the file.
 #[derive(Debug, Clone, Copy)]
 pub struct TomlText<'a> {
     file: &'a str,
@@ -19,18 +19,18 @@ pub struct TomlText<'a> {
 }
 
 impl<'a> TomlText<'a> {
-    /// A text, of which a byte-order mark is no part; `file` is what messages call it.
+    /// Creates the text without its byte-order mark; `file` is the name that messages use.
     #[must_use]
     pub fn new(file: &'a str, text: &'a str) -> Self {
         let text = text.strip_prefix('\u{feff}').unwrap_or(text);
         Self { file, text }
     }
 
-    /// Parses the text; unknown and missing keys, wrong types and syntax errors are named with
+    /// Parses the text. Unknown and missing keys, wrong types and syntax errors are named with
     /// their place.
     ///
     /// # Errors
-    /// [`InputError`] naming file, line and key.
+    /// [`InputError`] that names file, line and key.
     pub fn deserialize<T: DeserializeOwned>(&self) -> Result<T, InputError> {
         toml::from_str(self.text).map_err(|error| {
             let span = error.span();
@@ -43,8 +43,8 @@ impl<'a> TomlText<'a> {
         })
     }
 
-    /// A key whose value is wrong: `fault` goes on after "key = value ". In `path`, a number is a
-    /// place in an array.
+    /// Creates the error of a wrong value: `fault` continues after "key = value ". In `path`, a
+    /// number is an index into an array.
     #[must_use]
     pub fn invalid(&self, path: &[&str], fault: &str) -> InputError {
         let span = self.value_span(path);
@@ -56,7 +56,7 @@ impl<'a> TomlText<'a> {
         self.error(span, &format!("{key}{value} {fault}"))
     }
 
-    /// A table whose values are wrong together.
+    /// Creates the error of a table whose values are not valid together.
     #[must_use]
     pub fn invalid_table(&self, table: &str, fault: &str) -> InputError {
         let span = self.value_span(&[table]);
@@ -74,7 +74,7 @@ impl<'a> TomlText<'a> {
             .filter(|byte| *byte == b'\n')
             .count();
         let error = InputError::invalid(format!("{}, line {line}: {message}", self.file));
-        // A line that no person wrote is not shown.
+        // A file with such a long line was not written by hand, and its lines are not shown.
         let longest = self.text.lines().map(str::len).max().unwrap_or(0);
         if longest > LONGEST_LINE {
             error
@@ -92,7 +92,7 @@ impl<'a> TomlText<'a> {
         let (first, rest) = path.split_first()?;
         let mut value = table.get_ref().get(*first)?;
         for key in rest {
-            // A number is a place in an array.
+            // A number is an index into an array.
             value = match key.parse::<usize>() {
                 Ok(index) => value.get_ref().get(index)?,
                 Err(_) => value.get_ref().get(*key)?,
@@ -101,7 +101,7 @@ impl<'a> TomlText<'a> {
         Some(value.span())
     }
 
-    /// The dotted name of the innermost value that holds the span.
+    /// Returns the dotted name of the innermost value that contains the span.
     fn key_around(&self, span: &Range<usize>) -> Option<String> {
         let table = DeTable::parse(self.text).ok()?;
         key_in(table.get_ref(), span)
