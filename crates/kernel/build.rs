@@ -1,4 +1,5 @@
-//! Decides which kernel a target gets: its features cannot be asked for in the sources of a stable compiler.
+//! Selection of the kernel for a target, in the build script because the sources of a stable
+//! compiler cannot query the target's features.
 
 use std::env;
 

@@ -1,14 +1,16 @@
-//! The point kernel of `fmc-camera`: many measured points into ideal ones with the coefficients of one frame.
+//! Point kernel of `fmc-camera`: it converts many measured points into ideal ones with the
+//! coefficients of one frame.
 //!
-//! Two forms, the short one without b₁, b₂, tx and ty, over two layouts, pairs (x, y) and separate x and y. On
-//! Cortex-M4F and M7 (`thumbv7em-none-eabihf`) they are scheduled by hand in `thumbv7em.s`; everywhere else, and for
-//! what is left over of a slice there, they are [`portable`], which a compiler puts into the vectors of a Cortex-M55
-//! (`-C target-cpu=cortex-m55`). Both do the same operations in the same order, each rounded to single precision, none
-//! fused: the same bits, which `tests/kernel` checks on emulated cores. Only that the vectors take numbers below 2⁻¹²⁶
-//! for zero.
+//! There are two forms, of which the short one leaves out b₁, b₂, tx and ty, over two layouts,
+//! pairs (x, y) and separate x and y. On Cortex-M4F and M7 (`thumbv7em-none-eabihf`) they are
+//! scheduled by hand in `thumbv7em.s`. Everywhere else, and for the points left over from whole
+//! blocks there, they are [`portable`], which a compiler puts into the vectors of a Cortex-M55
+//! (`-C target-cpu=cortex-m55`). Both perform the same operations in the same order, each rounded
+//! to single precision and none fused, so that the results have the same bits, which `tests/kernel`
+//! checks on emulated cores. One exception: a Cortex-M55 takes numbers below 2⁻¹²⁶ for zero.
 //!
-//! This is the only crate of the library with `unsafe`: it calls the assembly, in `thumbv7em.rs`, and loads, stores and
-//! streams vectors, in `host`.
+//! This is the only crate of the library with `unsafe`: it calls the assembly, in `thumbv7em.rs`,
+//! and loads, stores and streams vectors, in `host`.
 
 #![no_std]
 #![deny(unsafe_op_in_unsafe_fn, clippy::undocumented_unsafe_blocks)]
@@ -19,13 +21,13 @@ pub mod portable;
 #[cfg(hand_scheduled)]
 mod thumbv7em;
 
-/// The numbers of one frame: with X = x - cx, Y = y - cy, R = X² + Y² and
+/// Coefficients of one frame: with X = x - cx, Y = y - cy, R = X² + Y² and
 /// `G = k₀ + R(k₁ + R(k₂ + R·k₃)) + hx·X + hy·Y`
 ///
 /// `x' = x - (X·G + gx·R + b₁·X + b₂·Y + tx)`,
 /// `y' = y - (Y·G + gy·R + ty)`.
 ///
-/// Lengths in mm, coefficients in powers of it. The assembly reads them in this order.
+/// Lengths are in mm, coefficients in powers of it. The assembly reads them in this order.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 #[repr(C)]
 pub struct Coefficients {
@@ -67,7 +69,7 @@ pub fn short_pairs(coefficients: &Coefficients, points: &mut [[f32; 2]]) {
     portable::short_pairs(coefficients, points);
 }
 
-/// Replaces every point (x, y), mm, of a slice by its ideal point, all terms.
+/// Replaces every point (x, y), mm, of a slice by its ideal point, with all terms.
 #[inline]
 pub fn full_pairs(coefficients: &Coefficients, points: &mut [[f32; 2]]) {
     #[cfg(hand_scheduled)]
@@ -75,7 +77,8 @@ pub fn full_pairs(coefficients: &Coefficients, points: &mut [[f32; 2]]) {
     portable::full_pairs(coefficients, points);
 }
 
-/// [`short_pairs`] for x and y, mm, each in a slice of its own; what the longer one has more stays as it is.
+/// Performs [`short_pairs`] for x and y, mm, in separate slices; the rest of the longer one stays
+/// as it is.
 #[inline]
 pub fn short_xy(coefficients: &Coefficients, x_mm: &mut [f32], y_mm: &mut [f32]) {
     #[cfg(hand_scheduled)]
@@ -83,7 +86,8 @@ pub fn short_xy(coefficients: &Coefficients, x_mm: &mut [f32], y_mm: &mut [f32])
     portable::short_xy(coefficients, x_mm, y_mm);
 }
 
-/// [`full_pairs`] for x and y, mm, each in a slice of its own; what the longer one has more stays as it is.
+/// Performs [`full_pairs`] for x and y, mm, in separate slices; the rest of the longer one stays as
+/// it is.
 #[inline]
 pub fn full_xy(coefficients: &Coefficients, x_mm: &mut [f32], y_mm: &mut [f32]) {
     #[cfg(hand_scheduled)]

@@ -1,37 +1,37 @@
-//! The kernel in plain Rust: what every other one is held against.
+//! Kernel in plain Rust, with which all others are compared.
 //!
-//! Loops of independent points, so that a compiler with vectors to fill can fill them.
+//! Its loops treat independent points, so that a compiler can put them into vectors.
 
 use crate::Coefficients;
 
-/// Points that fill a vector. Where their number is a multiple of it, the compiler needs no mask.
+/// Points that fill a vector. For a multiple of this number the compiler needs no mask.
 const VECTOR: usize = 4;
 
-/// [`crate::short_pairs`].
+/// Performs [`crate::short_pairs`].
 pub fn short_pairs(coefficients: &Coefficients, points: &mut [[f32; 2]]) {
     for point in points {
         *point = ideal::<false>(coefficients, *point);
     }
 }
 
-/// [`crate::full_pairs`].
+/// Performs [`crate::full_pairs`].
 pub fn full_pairs(coefficients: &Coefficients, points: &mut [[f32; 2]]) {
     for point in points {
         *point = ideal::<true>(coefficients, *point);
     }
 }
 
-/// [`crate::short_xy`].
+/// Performs [`crate::short_xy`].
 pub fn short_xy(coefficients: &Coefficients, x_mm: &mut [f32], y_mm: &mut [f32]) {
     xy::<false>(coefficients, x_mm, y_mm);
 }
 
-/// [`crate::full_xy`].
+/// Performs [`crate::full_xy`].
 pub fn full_xy(coefficients: &Coefficients, x_mm: &mut [f32], y_mm: &mut [f32]) {
     xy::<true>(coefficients, x_mm, y_mm);
 }
 
-/// x and y apart: vectors, then what is left over.
+/// Corrects separate x and y: whole vectors first, then the rest.
 #[inline]
 fn xy<const FULL: bool>(form: &Coefficients, x: &mut [f32], y: &mut [f32]) {
     let points = x.len().min(y.len());
@@ -48,24 +48,25 @@ fn xy<const FULL: bool>(form: &Coefficients, x: &mut [f32], y: &mut [f32]) {
     }
 }
 
-/// The ideal point of one, without b₁, b₂, tx and ty.
+/// Returns the ideal point of a measured one, without b₁, b₂, tx and ty.
 #[inline]
 #[must_use]
 pub fn short(coefficients: &Coefficients, point: [f32; 2]) -> [f32; 2] {
     ideal::<false>(coefficients, point)
 }
 
-/// The ideal point of one, all terms.
+/// Returns the ideal point of a measured one, with all terms.
 #[inline]
 #[must_use]
 pub fn full(coefficients: &Coefficients, point: [f32; 2]) -> [f32; 2] {
     ideal::<true>(coefficients, point)
 }
 
-/// The ideal point of a measured one: the distortion first, then one subtraction, so that a coordinate is rounded once.
+/// Returns the ideal point of a measured one: computes the distortion and subtracts it once, so
+/// that a coordinate is rounded once.
 ///
 /// # Model
-/// That of [`Coefficients`], its sums from left to right.
+/// That of [`Coefficients`], with sums from left to right.
 #[inline]
 fn ideal<const FULL: bool>(form: &Coefficients, [x, y]: [f32; 2]) -> [f32; 2] {
     let from_centre_x = x - form.cx;

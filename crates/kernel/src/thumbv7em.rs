@@ -1,5 +1,5 @@
-//! The kernel for Cortex-M4F and M7: blocks of three points by `thumbv7em.s`, what is left over goes back to the
-//! caller.
+//! Kernel for Cortex-M4F and M7: blocks of three points by `thumbv7em.s`; the remaining points are
+//! returned to the caller.
 
 use core::arch::global_asm;
 
@@ -7,7 +7,7 @@ use crate::Coefficients;
 
 global_asm!(include_str!("thumbv7em.s"), options(raw));
 
-/// Points of a block.
+/// Number of points in a block.
 const BLOCK: usize = 3;
 
 /// Three points (x, y) in memory.
@@ -36,7 +36,7 @@ unsafe extern "C" {
     );
 }
 
-/// [`crate::short_pairs`] of whole blocks; the points that are left over.
+/// Performs [`crate::short_pairs`] on whole blocks and returns the points left over.
 #[inline]
 pub(crate) fn short_pairs<'a>(
     form: &Coefficients,
@@ -45,7 +45,7 @@ pub(crate) fn short_pairs<'a>(
     pairs(fmc_camera_kernel_short_pairs, form, points)
 }
 
-/// [`crate::full_pairs`] of whole blocks; the points that are left over.
+/// Performs [`crate::full_pairs`] on whole blocks and returns the points left over.
 #[inline]
 pub(crate) fn full_pairs<'a>(
     form: &Coefficients,
@@ -54,7 +54,7 @@ pub(crate) fn full_pairs<'a>(
     pairs(fmc_camera_kernel_full_pairs, form, points)
 }
 
-/// [`crate::short_xy`] of whole blocks; the coordinates that are left over.
+/// Performs [`crate::short_xy`] on whole blocks and returns the coordinates left over.
 #[inline]
 pub(crate) fn short_xy<'a>(
     form: &Coefficients,
@@ -64,7 +64,7 @@ pub(crate) fn short_xy<'a>(
     xy(fmc_camera_kernel_short_xy, form, x, y)
 }
 
-/// [`crate::full_xy`] of whole blocks; the coordinates that are left over.
+/// Performs [`crate::full_xy`] on whole blocks and returns the coordinates left over.
 #[inline]
 pub(crate) fn full_xy<'a>(
     form: &Coefficients,
@@ -83,9 +83,10 @@ fn pairs<'a>(
 ) -> &'a mut [[f32; 2]] {
     let (blocks, rest) = points.as_chunks_mut();
     if !blocks.is_empty() {
-        // SAFETY: both kernels read and write the given number of blocks, at least one, from the first on: here all of
-        // one slice that is borrowed exclusively. They read the fourteen coefficients, nothing else, and keep to the
-        // ABI. Loads and stores of several words need no more than the alignment of f32.
+        // SAFETY: both kernels read and write the given number of blocks, at least one, from the
+        // first on, which here is all of one slice that is borrowed exclusively. They read the
+        // fourteen coefficients and nothing else, and follow the ABI. Loads and stores of several
+        // words need only the alignment of f32.
         unsafe { kernel(blocks.as_mut_ptr(), blocks.len(), form) }
     }
     rest
@@ -99,7 +100,7 @@ fn xy<'a>(
     x: &'a mut [f32],
     y: &'a mut [f32],
 ) -> (&'a mut [f32], &'a mut [f32]) {
-    // Of one length, so that what is left over begins at the same point in both.
+    // Both have one length, so that the rest begins at the same point in both.
     let points = x.len().min(y.len());
     let x = x.get_mut(..points).unwrap_or_default();
     let y = y.get_mut(..points).unwrap_or_default();
@@ -107,8 +108,8 @@ fn xy<'a>(
     let (y_blocks, y_rest) = y.as_chunks_mut();
     let blocks = x_blocks.len().min(y_blocks.len());
     if blocks > 0 {
-        // SAFETY: as in `pairs`; each of the two slices has at least this many blocks, and being borrowed exclusively
-        // they do not overlap.
+        // SAFETY: as in `pairs`; each of the two slices has at least this many blocks, and they do
+        // not overlap, as both are borrowed exclusively.
         unsafe { kernel(x_blocks.as_mut_ptr(), y_blocks.as_mut_ptr(), blocks, form) }
     }
     (x_rest, y_rest)

@@ -1,21 +1,22 @@
-@ The point kernel for Cortex-M4F and M7: three points a, b, c in lock-step, so that no result is wanted before it is
-@ there (M4F: 2 cycles, M7: 3).
+@ Point kernel for Cortex-M4F and M7: three points a, b, c in lock-step, so that no instruction waits
+@ for the result of an earlier one (M4F: 2 cycles, M7: 3).
 @
-@ The operations and their order are those of portable.rs; factors and summands are exchanged freely. Multiply and add
-@ are separate, and VMLA, where it stands, rounds the product and then the sum. VFMA does not, and has no place here.
+@ The operations and their order are those of portable.rs; factors and summands are exchanged freely.
+@ Multiply and add are separate instructions, or VMLA, which rounds the product and then the sum. VFMA
+@ rounds only once, which would change the bits, and is not used.
 
     .syntax unified
     .thumb
     .fpu fpv4-sp-d16
 
-@ operation to, first, second: of three names per point, the letter of the point at the end.
+@ Performs an operation for each point: every register name ends in the letter of the point.
     .macro each operation, to, first, second
     \operation\().f32 \to\()a, \first\()a, \second\()a
     \operation\().f32 \to\()b, \first\()b, \second\()b
     \operation\().f32 \to\()c, \first\()c, \second\()c
     .endm
 
-@ The same with one second operand for all points.
+@ Performs an operation for each point, with one second operand for all points.
     .macro with operation, to, first, second
     \operation\().f32 \to\()a, \first\()a, \second
     \operation\().f32 \to\()b, \first\()b, \second
@@ -37,8 +38,8 @@
     .size \name, . - \name
     .endm
 
-@ Runs \block as often as \blocks says, at least once: two to a round, the first round entered in the middle where the
-@ number is odd.
+@ Runs \block \blocks times, at least once: two per round, the first round entered in the middle if
+@ the number is odd.
     .macro rounds blocks, block, load, store
     subs \blocks, #1
     lsrs \blocks, #1
@@ -85,13 +86,13 @@ b2_ .req s29
 tx_ .req s30
 ty_ .req s31
 
-@ A term of each point: in the short form where the full one has b1, b2, tx.
+@ A term of each point, which in the short form takes the registers of b1, b2, tx.
 
 T_a .req s28
 T_b .req s29
 T_c .req s30
 
-@ In the full form over k1, k2, k3, which are loaded again for every block.
+@ A term of each point, which in the full form overwrites k1, k2, k3; they are loaded for every block.
 
 A_a .req s21
 A_b .req s22
@@ -99,7 +100,7 @@ A_c .req s23
 
 @ ---- The forms
 
-@ Up to G without its term hy·Y.
+@ Computes G without its term hy·Y.
     .macro short_head
     with vsub, X_, xm_, cx_
     with vsub, Y_, ym_, cy_
@@ -134,15 +135,15 @@ A_c .req s23
     short_tail
     .endm
 
-@ The same for separate coordinates, which cost two instructions more to load and store. VMLA is one instruction instead
-@ of two, and on the M4F one cycle more.
+@ The short block for separate coordinates, which need two instructions more to load and store. VMLA
+@ is one instruction in place of two, and on the M4F one cycle more.
     .macro short_block_xy
     short_head
     with vmla, G_, Y_, hy_
     short_tail
     .endm
 
-@ Up to G without its terms hx·X and hy·Y.
+@ Computes G without its terms hx·X and hy·Y.
     .macro full_head
     with vsub, X_, xm_, cx_
     with vsub, Y_, ym_, cy_
@@ -156,7 +157,7 @@ A_c .req s23
     each vmul, G_, G_, R_
     .endm
 
-@ From hy·Y on. VMLA also needs no register for the product.
+@ Adds hy·Y and computes the rest. VMLA also needs no register for the product.
     .macro full_tail
     with vmla, G_, Y_, hy_
     each vmul, A_, X_, G_
@@ -182,7 +183,7 @@ A_c .req s23
     full_tail
     .endm
 
-@ The same for separate coordinates.
+@ The full block for separate coordinates.
     .macro full_block_xy
     full_head
     with vadd, G_, G_, k0_
@@ -269,7 +270,7 @@ ym_c .req s5
     vpop {d8-d15}
     return fmc_camera_kernel_full_xy
 
-@ ---- The names end here: a program's assembly is read in one piece.
+@ ---- The names end here, because a program's assembly is read in one piece.
 
     .unreq xm_a
     .unreq xm_b

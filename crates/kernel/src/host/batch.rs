@@ -1,4 +1,4 @@
-//! Many points of one frame.
+//! Correction of many points of one frame.
 
 use rayon::prelude::*;
 
@@ -6,34 +6,36 @@ use super::level::Level;
 use super::{pairs, xy};
 use crate::Coefficients;
 
-/// Sets whose ideal points fill at least so many bytes are written past the caches.
+/// Smallest size in bytes of a set's ideal points from which on they are written past the caches.
 ///
-/// Measured on a Xeon with 2 MiB of second-level cache per core, x and y apart, short form, one thread, ns per point
-/// stored and streamed: 0.8 MB 0.29 and 0.53, 1.6 MB 0.54 and 0.55, 4 MB 0.68 and 0.60, 80 MB 1.48 and 0.93. Between the
-/// second-level cache and this nothing is gained, and who reads the points next may still find them in a cache.
+/// Measured on a Xeon with 2 MiB of second-level cache per core, x and y apart, short form, one
+/// thread, ns per point stored and streamed: 0.8 MB 0.29 and 0.53, 1.6 MB 0.54 and 0.55, 4 MB 0.68
+/// and 0.60, 80 MB 1.48 and 0.93. Between the size of the second-level cache and this one streaming
+/// gains nothing, and code that reads the points next may still find them in a cache.
 pub const STREAMED_FROM_BYTES: usize = 4 << 20;
 
-/// Sets of at least so many points are shared out to threads.
+/// Smallest number of points from which on a set is shared out to threads.
 ///
-/// Measured on the same machine with two threads, ns per point in one and in both: 1e5 points 0.29 and 0.31, 2e5 points
-/// 0.54 and 0.44; waking the second thread takes as long as 1e5 points do.
+/// Measured on the same machine with two threads, ns per point in one and in both: 1e5 points 0.29
+/// and 0.31, 2e5 points 0.54 and 0.44; waking the second thread takes as long as 1e5 points do.
 pub const THREADED_FROM_POINTS: usize = 1 << 18;
 
-/// Points that a thread takes at once.
+/// Number of points that a thread takes at once.
 const SHARE: usize = 1 << 15;
 
-/// Which terms are evaluated.
+/// Terms that are evaluated.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Terms {
-    /// Without b₁, b₂, tx and ty.
+    /// All terms except b₁, b₂, tx and ty.
     Short,
-    /// All.
+    /// All terms.
     Full,
 }
 
-/// The correction of many points of one frame.
+/// Correction of many points of one frame.
 ///
-/// Slices of unequal length are taken as far as the shortest goes; what a longer one has more stays as it is.
+/// Slices of unequal length are processed up to the length of the shortest; the rest of a longer
+/// one stays as it is.
 #[derive(Debug, Clone, Copy)]
 pub struct Batch {
     form: Coefficients,
@@ -44,7 +46,8 @@ pub struct Batch {
 }
 
 impl Batch {
-    /// With the widest vectors of this machine, threads and streams from their measured sizes on.
+    /// Creates a correction with the widest vectors of this machine, and with threads and streaming
+    /// from their measured sizes on.
     #[must_use]
     pub fn new(form: Coefficients, terms: Terms) -> Self {
         Self {
@@ -56,34 +59,34 @@ impl Batch {
         }
     }
 
-    /// With other vectors.
+    /// Selects other vectors.
     #[must_use]
     pub const fn at(mut self, level: Level) -> Self {
         self.level = level;
         self
     }
 
-    /// In the calling thread alone.
+    /// Computes in the calling thread alone.
     #[must_use]
     pub const fn in_one_thread(self) -> Self {
         self.threaded_from(usize::MAX)
     }
 
-    /// In threads from so many points on.
+    /// Uses threads for sets of at least this many points.
     #[must_use]
     pub const fn threaded_from(mut self, points: usize) -> Self {
         self.threaded_from_points = points;
         self
     }
 
-    /// Past the caches from so many bytes of ideal points on.
+    /// Writes past the caches for sets of at least this many bytes of ideal points.
     #[must_use]
     pub const fn streamed_from(mut self, bytes: usize) -> Self {
         self.streamed_from_bytes = bytes;
         self
     }
 
-    /// The vectors in use.
+    /// Instruction set in use.
     #[must_use]
     pub const fn level(&self) -> Level {
         self.level
@@ -108,7 +111,7 @@ impl Batch {
         }
     }
 
-    /// The ideal points of points (x, y), mm.
+    /// Writes the ideal points of points (x, y), mm, into another slice.
     pub fn pairs_into(&self, points: &[[f32; 2]], ideal: &mut [[f32; 2]]) {
         let count = points.len().min(ideal.len());
         let (points, ideal) = (first(points, count), first_mut(ideal, count));
@@ -162,7 +165,7 @@ impl Batch {
         }
     }
 
-    /// The ideal points of x and y, mm.
+    /// Writes the ideal points of x and y, mm, into other slices.
     pub fn xy_into(&self, [x, y]: [&[f32]; 2], [ideal_x, ideal_y]: [&mut [f32]; 2]) {
         let count = [x.len(), y.len(), ideal_x.len(), ideal_y.len()]
             .into_iter()
@@ -205,7 +208,8 @@ impl Batch {
         }
     }
 
-    /// The ideal points of x and y, mm, and the distortion that was subtracted; in the calling thread.
+    /// Writes the ideal points of x and y, mm, and the distortion that was subtracted into other
+    /// slices, in the calling thread.
     pub fn xy_with_distortion(
         &self,
         [x, y]: [&[f32]; 2],
@@ -239,12 +243,12 @@ impl Batch {
     }
 }
 
-/// At most the first `count` of a slice.
+/// Returns at most the first `count` elements of a slice.
 fn first<T>(of: &[T], count: usize) -> &[T] {
     of.get(..count).unwrap_or(of)
 }
 
-/// [`first`] to write to.
+/// Returns the elements of [`first`] as mutable.
 fn first_mut<T>(of: &mut [T], count: usize) -> &mut [T] {
     let count = count.min(of.len());
     of.split_at_mut(count).0

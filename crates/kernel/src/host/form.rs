@@ -1,9 +1,9 @@
-//! The evaluation form over vectors.
+//! Evaluation of the correction over vectors.
 
 use super::vectors::Vectors;
 use crate::Coefficients;
 
-/// The numbers of one frame, each in every lane.
+/// Coefficients of one frame, each in every lane.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Form<V: Vectors, const FULL: bool> {
     vectors: V,
@@ -23,7 +23,7 @@ pub(super) struct Form<V: Vectors, const FULL: bool> {
     ty: V::f32s,
 }
 
-/// Points as they come out, a vector of each.
+/// Ideal points and distortion, one vector of each component.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Ideal<V: Vectors> {
     pub(super) x: V::f32s,
@@ -55,7 +55,8 @@ impl<V: Vectors, const FULL: bool> Form<V, FULL> {
         }
     }
 
-    /// The operations of [`crate::portable`], one by one and in its order: none is fused.
+    /// Performs the operations of [`crate::portable`], one by one and in the same order; none of
+    /// them is fused.
     #[inline(always)]
     pub(super) fn ideal(&self, x: V::f32s, y: V::f32s) -> Ideal<V> {
         let plus = |a, b| self.vectors.add_f32s(a, b);
@@ -91,7 +92,7 @@ impl<V: Vectors, const FULL: bool> Form<V, FULL> {
 }
 
 impl<V: Vectors, const FULL: bool> Form<V, FULL> {
-    /// [`Self::ideal`] of points that lie as pairs (x, y) in two vectors.
+    /// Performs [`Self::ideal`] for points that lie as pairs (x, y) in two vectors.
     #[inline(always)]
     pub(super) fn ideal_pairs(&self, points: [V::f32s; 2]) -> [V::f32s; 2] {
         let [x, y] = self.vectors.parted(points);

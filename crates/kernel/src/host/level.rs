@@ -1,4 +1,4 @@
-//! The instruction sets that a host may have.
+//! Instruction sets of a host.
 
 use core::fmt;
 
@@ -10,11 +10,12 @@ use pulp::x86::{V3, V4};
 
 use super::vectors::{Vectors as _, Work};
 
-/// Instructions found on this machine: none can be made that it does not have.
+/// An instruction set that was found on this machine; one that the machine does not have cannot be
+/// created.
 #[derive(Debug, Clone, Copy)]
 pub struct Level(Token);
 
-/// `pulp`'s proof that the instructions are there.
+/// Token of `pulp`, which proves that the instructions are present.
 #[derive(Debug, Clone, Copy)]
 enum Token {
     Baseline,
@@ -27,31 +28,31 @@ enum Token {
 }
 
 impl Level {
-    /// What every machine of the target has, vectorised by the compiler.
+    /// Instructions that every machine of the target has, vectorised by the compiler.
     pub const BASELINE: Self = Self(Token::Baseline);
 
-    /// AVX2, where the machine has it.
+    /// AVX2, if the machine has it.
     #[cfg(target_arch = "x86_64")]
     #[must_use]
     pub fn avx2() -> Option<Self> {
         V3::try_new().map(|token| Self(Token::Avx2(token)))
     }
 
-    /// AVX-512 (F, BW, CD, DQ and VL), where the machine has it.
+    /// AVX-512 (F, BW, CD, DQ and VL), if the machine has it.
     #[cfg(target_arch = "x86_64")]
     #[must_use]
     pub fn avx512() -> Option<Self> {
         V4::try_new().map(|token| Self(Token::Avx512(token)))
     }
 
-    /// NEON, where the machine has it.
+    /// NEON, if the machine has it.
     #[cfg(target_arch = "aarch64")]
     #[must_use]
     pub fn neon() -> Option<Self> {
         Neon::try_new().map(|token| Self(Token::Neon(token)))
     }
 
-    /// Those that this machine has, the widest first.
+    /// Returns the instruction sets of this machine, the widest first.
     pub fn all() -> impl Iterator<Item = Self> {
         #[cfg(target_arch = "x86_64")]
         let vectors = [Self::avx512(), Self::avx2()];
@@ -60,7 +61,7 @@ impl Level {
         vectors.into_iter().flatten().chain([Self::BASELINE])
     }
 
-    /// The widest of this machine.
+    /// Returns the widest instruction set of this machine.
     #[must_use]
     pub fn widest() -> Self {
         Self::all().next().unwrap_or(Self::BASELINE)

@@ -1,11 +1,11 @@
-//! The kernel of a PC: vectors of the instruction set found at run time, several threads for large sets, and stores
-//! past the caches for sets that do not fit.
+//! Kernel of a PC: vectors of the instruction set found at run time, several threads for large
+//! sets, and stores past the caches for sets that do not fit into them.
 //!
-//! Nothing of this changes a bit: every lane does the operations of [`crate::portable`] in the same order, none fused.
-//! (Of a NaN this holds for being one: its payload is the processor's choice.) The vectors are those of the crate
-//! `pulp`: it detects instructions without the standard library, gives out a proof of them without which a kernel
-//! cannot be called, and lets a test run every level that the machine has. `tests/host` says how
-//! NEON's is run where the machine has none.
+//! The results have the bits of [`crate::portable`]: every lane performs its operations in the same
+//! order, none of them fused. (A NaN stays a NaN, but the processor chooses its payload.) The
+//! vectors are those of the crate `pulp`: it detects instructions without the standard library,
+//! issues a proof of them without which a kernel cannot be called, and lets a test run every level
+//! that the machine has. `tests/host` says how the NEON level is run on a machine without it.
 
 #![expect(
     clippy::inline_always,
@@ -24,7 +24,7 @@ pub use level::Level;
 
 use vectors::Vectors;
 
-/// How many numbers lie before the first that is aligned to so many bytes.
+/// Counts the numbers before the first that is aligned to this many bytes.
 #[inline(always)]
 fn head(numbers: &[f32], alignment: usize) -> usize {
     let past = numbers.as_ptr().addr() % alignment;
@@ -32,13 +32,13 @@ fn head(numbers: &[f32], alignment: usize) -> usize {
     before.min(numbers.len())
 }
 
-/// The last vector of a slice.
+/// Returns the last vector of a slice.
 #[inline(always)]
 fn last<V: Vectors>(numbers: &[f32]) -> Option<&V::f32s> {
     V::as_rsimd_f32s(numbers).1.last()
 }
 
-/// [`last`] to write to.
+/// Returns the vector of [`last`] as mutable.
 #[inline(always)]
 fn last_mut<V: Vectors>(numbers: &mut [f32]) -> Option<&mut V::f32s> {
     V::as_mut_rsimd_f32s(numbers).1.last_mut()

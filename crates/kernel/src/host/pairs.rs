@@ -1,6 +1,7 @@
-//! Points as pairs (x, y) in one slice.
+//! Kernels for points as pairs (x, y) in one slice.
 //!
-//! Two vectors hold what one does of separate x and y; their ends overlap as those of `xy`.
+//! Two vectors hold the points that one vector of x and one of y hold in [`super::xy`]; the ends
+//! overlap as they do there.
 
 use core::ptr;
 
@@ -9,7 +10,7 @@ use super::head;
 use super::vectors::{Vectors, Work};
 use crate::Coefficients;
 
-/// Every point replaced by its ideal one.
+/// Replacement of every point by its ideal one.
 pub(super) struct InPlace<'a, const FULL: bool> {
     pub(super) form: &'a Coefficients,
     pub(super) points: &'a mut [[f32; 2]],
@@ -25,7 +26,7 @@ impl<const FULL: bool> Work for InPlace<'_, FULL> {
             return put_few(vectors, points, ideal);
         };
         let all = twos_mut::<V>(points.split_at_mut(before::<V>(points)).1);
-        // Two streams, as below.
+        // Two streams, as in `Into`.
         let half = all.len() / 2;
         let (first, second) = all.split_at_mut(half);
         for (a, b) in first.iter_mut().zip(second.iter_mut()) {
@@ -49,12 +50,12 @@ fn replace<V: Vectors, const FULL: bool>(
     *points = form.ideal_pairs(*points);
 }
 
-/// Ideal points into another slice of the same length.
+/// Ideal points written into another slice of the same length.
 pub(super) struct Into<'a, const FULL: bool> {
     pub(super) form: &'a Coefficients,
     pub(super) points: &'a [[f32; 2]],
     pub(super) ideal: &'a mut [[f32; 2]],
-    /// Past the caches, where alignment allows it.
+    /// `true` to write past the caches where alignment allows it.
     pub(super) stream: bool,
 }
 
@@ -73,20 +74,21 @@ impl<const FULL: bool> Work for Into<'_, FULL> {
         let from = twos::<V>(points.split_at(before).1);
         let to = twos_mut::<V>(ideal.split_at_mut(before).1);
         if self.stream && aligned {
-            // Two streams: a processor asks ahead in each, and one alone does not keep the memory busy.
+            // Two streams: the processor prefetches in each of them, and one alone does not keep
+            // the memory busy.
             let half = from.len() / 2;
             let (first, second) = from.split_at(half);
             let (to_first, to_second) = to.split_at_mut(half);
             let both = first.iter().zip(to_first.iter_mut());
             for ((a, to_a), (b, to_b)) in both.zip(second.iter().zip(to_second.iter_mut())) {
-                // SAFETY: behind so many numbers the slice is aligned, and every place is whole vectors further on; the
-                // fence follows the loops.
+                // SAFETY: after `before` numbers the slice is aligned, and every place is whole
+                // vectors further on; the fence follows the loops.
                 unsafe {
                     pass(vectors, &form, a, to_a);
                     pass(vectors, &form, b, to_b);
                 }
             }
-            // Of an odd count one is left.
+            // One element is left of an odd count.
             for (point, to) in second.iter().zip(to_second.iter_mut()).skip(half) {
                 // SAFETY: as above.
                 unsafe { pass(vectors, &form, point, to) }
@@ -101,10 +103,10 @@ impl<const FULL: bool> Work for Into<'_, FULL> {
     }
 }
 
-/// Ideal points past the caches.
+/// Writes ideal points past the caches.
 ///
 /// # Safety
-/// That of [`Vectors::stream`].
+/// As for [`Vectors::stream`].
 #[inline(always)]
 unsafe fn pass<V: Vectors, const FULL: bool>(
     vectors: V,
@@ -114,7 +116,7 @@ unsafe fn pass<V: Vectors, const FULL: bool>(
 ) {
     ask_ahead(vectors, points);
     let [low, high] = form.ideal_pairs(*points);
-    // SAFETY: the caller's.
+    // SAFETY: the caller fulfils the conditions.
     unsafe {
         vectors.stream(at_low, low);
         vectors.stream(at_high, high);
@@ -128,29 +130,30 @@ fn ask_ahead<V: Vectors>(vectors: V, points: &[V::f32s; 2]) {
     vectors.ask_ahead(at.wrapping_add(V::F32_LANES));
 }
 
-/// How many numbers, of whole points, lie before the first two vectors that are aligned as one.
+/// Counts the numbers, of whole points, before the first two vectors that are aligned as one.
 ///
-/// Then those two fill whole lines of the cache: half a line that is streamed waits for the other half, and leaves
-/// without it where several streams wait. A slice aligned to half a point has none.
+/// From there on every two vectors fill whole lines of the cache: a streamed half of a line waits
+/// for the other half, and is written without it if several streams wait. A slice aligned to half a
+/// point has no such place.
 #[inline(always)]
 fn before<V: Vectors>(numbers: &[f32]) -> usize {
     let before = head(numbers, 2 * V::ALIGNMENT);
     if before.is_multiple_of(2) { before } else { 0 }
 }
 
-/// Two vectors each.
+/// Returns the numbers as elements of two vectors each.
 #[inline(always)]
 fn twos<V: Vectors>(numbers: &[f32]) -> &[[V::f32s; 2]] {
     V::as_simd_f32s(numbers).0.as_chunks().0
 }
 
-/// [`twos`] to write to.
+/// Returns the elements of [`twos`] as mutable.
 #[inline(always)]
 fn twos_mut<V: Vectors>(numbers: &mut [f32]) -> &mut [[V::f32s; 2]] {
     V::as_mut_simd_f32s(numbers).0.as_chunks_mut().0
 }
 
-/// The first and the last points of two vectors; `None` of fewer.
+/// Evaluates the first and the last points of two vectors; `None` if there are fewer points.
 #[inline(always)]
 fn ends<V: Vectors, const FULL: bool>(
     form: &Form<V, FULL>,
@@ -172,7 +175,7 @@ fn put_ends<V: Vectors>(points: &mut [f32], [at_first, at_last]: [[V::f32s; 2]; 
     }
 }
 
-/// Fewer points than two vectors hold.
+/// Loads fewer points than two vectors hold.
 #[inline(always)]
 fn few<V: Vectors>(vectors: V, points: &[f32]) -> [V::f32s; 2] {
     let (low, high) = points.split_at(points.len().min(V::F32_LANES));

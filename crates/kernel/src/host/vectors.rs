@@ -1,37 +1,39 @@
-//! The vectors that the host's kernels are written over, and what `pulp` has no common name for.
+//! Vectors of the host's kernels, with operations for which `pulp` has no common name.
 
 use pulp::{Scalar, Simd};
 
-/// The vectors of one instruction set, each lane a point of its own.
+/// Vectors of one instruction set; each lane holds a different point.
 pub(super) trait Vectors: Simd {
-    /// Bytes to which a vector is best aligned; [`Self::stream`] needs it.
+    /// Best alignment of a vector in bytes, which [`Self::stream`] requires.
     const ALIGNMENT: usize;
 
-    /// All x and all y of consecutive pairs, in an order that [`Self::joined`] undoes.
+    /// Separates consecutive pairs into all x and all y, in an order that [`Self::joined`]
+    /// reverses.
     fn parted(self, pairs: [Self::f32s; 2]) -> [Self::f32s; 2];
 
-    /// Pairs of x and y as [`Self::parted`] gave them.
+    /// Joins x and y, in the order of [`Self::parted`], into pairs.
     fn joined(self, xy: [Self::f32s; 2]) -> [Self::f32s; 2];
 
     /// Writes past the caches.
     ///
     /// # Safety
-    /// The place is aligned to [`Self::ALIGNMENT`], and [`Self::streamed`] is called before anyone reads it.
+    /// The place is aligned to [`Self::ALIGNMENT`], and [`Self::streamed`] is called before any
+    /// code reads it.
     unsafe fn stream(self, place: &mut Self::f32s, value: Self::f32s);
 
-    /// Asks the memory for what lies a page further on; it need not exist.
+    /// Prefetches the memory one page further on; that page need not exist.
     fn ask_ahead(self, place: *const f32);
 
-    /// All that was streamed is in memory as any other store would be.
+    /// Makes all streamed data visible in memory as ordinary stores are.
     fn streamed(self);
 
     /// Runs `work` compiled for these vectors.
     fn run<W: Work>(self, work: W);
 }
 
-/// What is compiled once for every instruction set.
+/// Work that is compiled once for every instruction set.
 pub(super) trait Work {
-    /// Does it.
+    /// Does the work.
     fn run<V: Vectors>(self, vectors: V);
 }
 
@@ -74,10 +76,10 @@ mod x86_64 {
 
     use super::{Vectors, Work};
 
-    /// Numbers in a page of memory: at its end the processor stops to ask by itself.
+    /// Numbers in a page of memory, at whose end the processor's own prefetch stops.
     const AHEAD: usize = 1024;
 
-    /// A piece of work with its vectors, to be called where they are enabled.
+    /// Work with its vectors, to be called where their instructions are enabled.
     struct Enabled<V, W>(V, W);
 
     impl<V: Vectors, W: Work> NullaryFnOnce for Enabled<V, W> {
@@ -112,7 +114,8 @@ mod x86_64 {
 
         #[inline(always)]
         unsafe fn stream(self, place: &mut Self::f32s, value: Self::f32s) {
-            // SAFETY: the place is one vector, borrowed exclusively; the caller has aligned it and fences the store.
+            // SAFETY: the place is one vector, borrowed exclusively; the caller aligns it and
+            // fences the store.
             unsafe {
                 self.avx
                     ._mm256_stream_ps(ptr::from_mut(place).cast(), cast(value));
@@ -159,7 +162,8 @@ mod x86_64 {
 
         #[inline(always)]
         unsafe fn stream(self, place: &mut Self::f32s, value: Self::f32s) {
-            // SAFETY: the place is one vector, borrowed exclusively; the caller has aligned it and fences the store.
+            // SAFETY: the place is one vector, borrowed exclusively; the caller aligns it and
+            // fences the store.
             unsafe {
                 self.avx512f
                     ._mm512_stream_ps(ptr::from_mut(place).cast(), cast(value));
@@ -204,7 +208,7 @@ mod aarch64 {
             self.interleave_shfl_f32s(xy)
         }
 
-        /// An ordinary store: NEON's pairs past the cache have no intrinsic.
+        /// Performs an ordinary store: NEON's store of pairs past the cache has no intrinsic.
         #[inline(always)]
         unsafe fn stream(self, place: &mut Self::f32s, value: Self::f32s) {
             *place = cast(value);
@@ -218,7 +222,7 @@ mod aarch64 {
 
         #[inline(always)]
         fn run<W: Work>(self, work: W) {
-            // NEON belongs to every aarch64: there is nothing to enable.
+            // Every aarch64 has NEON, so it need not be enabled.
             work.run(self);
         }
     }

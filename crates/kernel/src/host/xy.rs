@@ -1,7 +1,8 @@
-//! Points whose x and y lie in slices of their own, all of one length.
+//! Kernels for points whose x and y lie in separate slices of one length.
 //!
-//! The first and the last vector of a slice are evaluated beside those that are aligned in between, with which they
-//! overlap: the same points give the same bits twice, and no vector need be filled in part.
+//! The first and the last vector of a slice are evaluated in addition to the aligned ones in
+//! between, with which they overlap: the same points give the same bits twice, and no vector has to
+//! be filled in part.
 
 use core::ptr;
 
@@ -10,7 +11,7 @@ use super::vectors::{Vectors, Work};
 use super::{head, last, last_mut};
 use crate::Coefficients;
 
-/// Every point replaced by its ideal one.
+/// Replacement of every point by its ideal one.
 pub(super) struct InPlace<'a, const FULL: bool> {
     pub(super) form: &'a Coefficients,
     pub(super) x: &'a mut [f32],
@@ -43,14 +44,14 @@ impl<const FULL: bool> Work for InPlace<'_, FULL> {
     }
 }
 
-/// Ideal points into other slices.
+/// Ideal points written into other slices.
 pub(super) struct Into<'a, const FULL: bool> {
     pub(super) form: &'a Coefficients,
     pub(super) x: &'a [f32],
     pub(super) y: &'a [f32],
     pub(super) ideal_x: &'a mut [f32],
     pub(super) ideal_y: &'a mut [f32],
-    /// Past the caches, where alignment allows it.
+    /// `true` to write past the caches where alignment allows it.
     pub(super) stream: bool,
 }
 
@@ -80,8 +81,8 @@ impl<const FULL: bool> Work for Into<'_, FULL> {
                 vectors.ask_ahead(ptr::from_ref(x).cast());
                 vectors.ask_ahead(ptr::from_ref(y).cast());
                 let ideal = form.ideal(*x, *y);
-                // SAFETY: behind so many numbers both slices are aligned, and every place is whole vectors further on;
-                // the fence follows the loop.
+                // SAFETY: after `before` numbers both slices are aligned, and every place is whole
+                // vectors further on; the fence follows the loop.
                 unsafe {
                     vectors.stream(ideal_x, ideal.x);
                     vectors.stream(ideal_y, ideal.y);
@@ -100,7 +101,7 @@ impl<const FULL: bool> Work for Into<'_, FULL> {
     }
 }
 
-/// Ideal points and the distortion that was subtracted, each into a slice of its own.
+/// Ideal points and the distortion that was subtracted, each written into a separate slice.
 pub(super) struct WithDistortion<'a, const FULL: bool> {
     pub(super) form: &'a Coefficients,
     pub(super) x: &'a [f32],
@@ -145,7 +146,8 @@ impl<const FULL: bool> Work for WithDistortion<'_, FULL> {
     }
 }
 
-/// The first and the last vector of points; `None` of fewer points than a vector has lanes.
+/// Evaluates the first and the last vector of points; `None` if there are fewer points than a
+/// vector has lanes.
 #[inline(always)]
 fn ends<V: Vectors, const FULL: bool>(
     form: &Form<V, FULL>,

@@ -1,4 +1,4 @@
-//! Every way to call the kernel, and what the portable one says.
+//! Calls of every entry of the kernel, and the results of the portable one.
 
 use fmc_camera_kernel::host::{Batch, Level, Terms};
 use fmc_camera_kernel::{Coefficients, portable};
@@ -6,7 +6,7 @@ use fmc_camera_kernel::{Coefficients, portable};
 /// Both forms.
 pub(crate) const TERMS: [Terms; 2] = [Terms::Short, Terms::Full];
 
-/// A frame of a wide-angle camera, every term in it.
+/// Coefficients of a wide-angle camera, with every term.
 pub(crate) const FORM: Coefficients = Coefficients {
     cx: 0.0123,
     cy: -0.0711,
@@ -24,7 +24,7 @@ pub(crate) const FORM: Coefficients = Coefficients {
     ty: -4.1e-6,
 };
 
-/// x and y of the ideal points by the portable kernel.
+/// Returns x and y of the ideal points by the portable kernel.
 pub(crate) fn portable(
     form: &Coefficients,
     terms: Terms,
@@ -39,8 +39,8 @@ pub(crate) fn portable(
     (x, y)
 }
 
-/// The batches to try: every level of this machine, with ordinary stores and past the caches, in one thread and in
-/// many.
+/// Returns the batches to try: every level of this machine, with ordinary stores and past the
+/// caches, in one thread and in many.
 pub(crate) fn batches(form: Coefficients, terms: Terms) -> Vec<(String, Batch)> {
     let mut batches = Vec::new();
     for level in Level::all() {
@@ -57,12 +57,13 @@ pub(crate) fn batches(form: Coefficients, terms: Terms) -> Vec<(String, Batch)> 
     batches
 }
 
-/// The same bits; a NaN is a NaN, its payload the processor's choice.
+/// Returns true for equal bits; two NaNs count as equal, because the processor chooses their
+/// payload.
 pub(crate) fn same(a: f32, b: f32) -> bool {
     a.to_bits() == b.to_bits() || (a.is_nan() && b.is_nan())
 }
 
-/// Compares two results of the same points.
+/// Asserts that two results of the same points are equal.
 pub(crate) fn assert_same(name: &str, input: [&[f32]; 2], found: &[f32], expected: &[f32]) {
     assert_eq!(found.len(), expected.len(), "{name}");
     let differs = found
@@ -77,7 +78,7 @@ pub(crate) fn assert_same(name: &str, input: [&[f32]; 2], found: &[f32], expecte
     }
 }
 
-/// Every entry of a batch against the portable kernel.
+/// Asserts that every entry of a batch gives the result of the portable kernel.
 pub(crate) fn assert_all_same(
     name: &str,
     batch: &Batch,
@@ -100,7 +101,7 @@ pub(crate) fn assert_all_same(
     let (mut dx, mut dy) = (vec![7.0; x.len()], vec![7.0; y.len()]);
     batch.xy_with_distortion([x, y], [&mut found_x, &mut found_y], [&mut dx, &mut dy]);
     check("xy_with_distortion", &found_x, &found_y);
-    // One subtraction separates the two.
+    // One subtraction leads from the point to the ideal one.
     let by = |from: &[f32], less: &[f32]| -> Vec<f32> {
         from.iter()
             .zip(less)

@@ -1,4 +1,4 @@
-//! Zeros of both signs, subnormal numbers, infinities, no numbers.
+//! Zeros of both signs, subnormal numbers, infinities and NaNs.
 
 use fmc_camera_kernel::Coefficients;
 

@@ -1,7 +1,7 @@
-//! The kernel of a PC gives the bits of the portable one, whatever vectors, threads and stores it takes.
+//! Bits of a PC's kernel, which are those of the portable one with all vectors, threads and stores.
 //!
-//! A machine runs the levels that it has. NEON's run on any Linux under QEMU, on Debian with the packages
-//! `gcc-aarch64-linux-gnu`, `libc6-dev-arm64-cross` and `qemu-user-static`:
+//! A machine runs the levels that it has. The NEON level runs on any Linux under QEMU, on Debian
+//! with the packages `gcc-aarch64-linux-gnu`, `libc6-dev-arm64-cross` and `qemu-user-static`:
 //!
 //! ```sh
 //! export CARGO_TARGET_AARCH64_UNKNOWN_LINUX_GNU_LINKER=aarch64-linux-gnu-gcc

@@ -1,24 +1,27 @@
-//! Slices of every length at every place, and what lies beside them.
+//! Slices of every length at every alignment, and the memory beside them.
 
 use std::ops::Range;
 
 use crate::call::{FORM, TERMS, assert_all_same, assert_same, batches, portable};
 
-/// What must not be touched.
+/// Number in the memory that must not be written.
 const BESIDE: f32 = -77.25;
-/// Numbers around a slice, at least.
+/// Smallest count of numbers before and after a slice.
 const MARGIN: usize = 20;
-/// Numbers of two vectors of the widest level, so many are the places where a slice can begin.
+/// Numbers in two vectors of the widest level, which is the number of alignments that a slice can
+/// have.
 const PLACES: usize = 32;
 
-/// Numbers with a margin before and behind, at a known place: which vectors are whole depends on it.
+/// Numbers with a margin before and after, at a known alignment, which determines the whole
+/// vectors.
 struct Placed {
     all: Vec<f32>,
     range: Range<usize>,
 }
 
 impl Placed {
-    /// Begins `offset` numbers behind an address that is a multiple of [`PLACES`].
+    /// Creates a slice that begins `offset` numbers after an address that is a multiple of
+    /// [`PLACES`].
     fn new(numbers: &[f32], offset: usize) -> Self {
         let room = numbers.len() + 2 * MARGIN + 2 * PLACES;
         let mut all = vec![BESIDE; room];
@@ -29,7 +32,7 @@ impl Placed {
         Self { all, range }
     }
 
-    /// A place for answers, with something else in it.
+    /// Creates a slice for results that holds other numbers.
     fn empty(length: usize, offset: usize) -> Self {
         Self::new(&vec![1.0; length], offset)
     }
@@ -42,7 +45,7 @@ impl Placed {
         self.slice().as_chunks_mut().0
     }
 
-    /// Compares with what is expected there, and looks at what lies beside it.
+    /// Asserts that the slice holds the expected numbers and that the margins are unchanged.
     fn assert_holds(&self, name: &str, input: [&[f32]; 2], expected: &[f32]) {
         assert_same(name, input, &self.all[self.range.clone()], expected);
         let before = &self.all[..self.range.start];
@@ -93,7 +96,7 @@ fn every_length_and_place_gives_the_same_bits_and_leaves_the_neighbours() {
                     );
                     found_x.assert_holds(&name, input, &ideal_x);
                     found_y.assert_holds(&name, input, &ideal_y);
-                    // One subtraction separates the two.
+                    // One subtraction leads from the point to the ideal one.
                     let (found_dx, found_dy) = (dx.slice().to_vec(), dy.slice().to_vec());
                     assert_same(&name, input, &distortion(&x, &found_dx), &ideal_x);
                     assert_same(&name, input, &distortion(&y, &found_dy), &ideal_y);
@@ -132,7 +135,7 @@ fn pairs_of_every_length_at_every_half_point_give_the_same_bits() {
     }
 }
 
-/// Points that one thread takes.
+/// Number of points that a thread takes at once.
 const SHARE: usize = 1 << 15;
 
 #[test]

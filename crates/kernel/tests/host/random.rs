@@ -1,12 +1,12 @@
-//! Ten million points.
+//! Ten million random points.
 
 use fmc_camera_kernel::Coefficients;
 
 use crate::call::{TERMS, assert_all_same, batches, portable};
 
-/// Frames, each with points of its own.
+/// Number of frames, each with different points.
 const FRAMES: u64 = 10;
-/// Points of a frame.
+/// Number of points of a frame.
 const POINTS: usize = 1_000_000;
 
 #[test]
