@@ -1,4 +1,4 @@
-//! The image for the real board: lints, build, and the functions in it that can panic.
+//! Image for the real board: lints, build, and the functions in it that can panic.
 
 use std::{
     collections::{BTreeMap, BTreeSet},
@@ -14,22 +14,23 @@ use crate::{
     workspace::Workspace,
 };
 
-/// The functions that may panic.
+/// List of the functions that may panic.
 const ALLOWED: &str = "docs/board-panics.txt";
 
 /// Callers of a function, by name.
 type Callers = BTreeMap<String, BTreeSet<String>>;
 
-/// Lints and links the image, compares its panics with the list, and copies it to `<target>/firmware`.
+/// Lints and links the image, compares its panics with the list, and copies it to
+/// `<target>/firmware`.
 ///
 /// # Errors
-/// Where the image has lints, does not link, or can panic elsewhere than listed.
+/// An error if the image has lints, does not link, or can panic in functions that are not listed.
 pub(crate) fn check(workspace: &Workspace, target: &Target<'_>) -> Result<()> {
     let board = Image::NucleoH743zi;
     firmware::lint(target, board)?;
     let image = firmware::link_with_relocations(target, board)?;
     let found = panicking(&callers(&image)?);
-    // The vendor's clock set-up can panic: the control without which this check might see nothing.
+    // The vendor's clock set-up can panic: if it is not found, the check does not work.
     ensure!(
         !found.is_empty(),
         "no function of the image can panic, not even those of {ALLOWED}: either shorten it, or the check is blind"
@@ -58,11 +59,11 @@ pub(crate) fn check(workspace: &Workspace, target: &Target<'_>) -> Result<()> {
     Ok(())
 }
 
-/// Who refers to whom in an image that was linked with its relocations.
+/// Returns the callers of every function in an image that was linked with its relocations.
 fn callers(image: &Path) -> Result<Callers> {
     let data = std::fs::read(image).with_context(|| image.display().to_string())?;
     let file = object::File::parse(&*data)?;
-    // Bit 0 of a function's address says that it is Thumb code.
+    // Bit 0 of a function's address marks Thumb code.
     let functions: BTreeMap<u64, (u64, String)> = file
         .symbols()
         .filter(|symbol| symbol.kind() == SymbolKind::Text && symbol.size() > 0)
@@ -99,7 +100,8 @@ fn callers(image: &Path) -> Result<Callers> {
     Ok(callers)
 }
 
-/// The functions outside the core library that reach the panic handler through nothing but the core library.
+/// Returns the functions outside the core library that reach the panic handler only through the
+/// core library.
 fn panicking(callers: &Callers) -> BTreeSet<String> {
     let handler = |name: &&String| name.ends_with("rust_begin_unwind");
     let mut open: Vec<_> = callers.keys().filter(handler).collect();
@@ -117,12 +119,13 @@ fn panicking(callers: &Callers) -> BTreeSet<String> {
     found
 }
 
-/// Readable path of a function, without hashes, the same for every way compilers write methods.
+/// Returns the readable path of a function, without hashes, in one form for all ways in which
+/// compilers write methods.
 fn path_of(symbol: &str) -> String {
     format!("{:#}", rustc_demangle::demangle(symbol)).replace(['<', '>'], "")
 }
 
-/// Whether a function is the core library's, where primitive types count as its own.
+/// Returns true for a function of the core library, which includes those of primitive types.
 fn is_core(path: &str) -> bool {
     let own = path.trim_start_matches(['&', '[', '(', '*']);
     let own = own.strip_prefix("mut ").unwrap_or(own);
@@ -131,7 +134,7 @@ fn is_core(path: &str) -> bool {
     first == "core" || first == "__rustc" || primitive
 }
 
-/// The functions that a list names, one to a line.
+/// Returns the functions that a list names, one per line.
 fn listed(list: &str) -> impl Iterator<Item = &str> {
     list.lines().filter(|line| !line.starts_with('#'))
 }
@@ -187,7 +190,7 @@ mod tests {
         );
     }
 
-    /// Pins and speed of the link in the board's document are those of the firmware.
+    /// The board's document has the pins and the speed of the firmware's link.
     #[test]
     fn pin_table_is_that_of_the_firmware() {
         let root = Path::new(env!("CARGO_MANIFEST_DIR")).join("..");

@@ -1,4 +1,5 @@
-//! `cargo xtask test`: the steps, what each needs, and what it runs. [`crate::schedule`] says in which order.
+//! Steps of `cargo xtask test`: what each needs and runs. [`crate::schedule`] determines their
+//! order.
 
 use std::{process::ExitCode, time::Instant};
 
@@ -13,7 +14,8 @@ use crate::{
     workspace::Workspace,
 };
 
-/// What is tested on the host: cargo's words for it. The same everywhere, so that nothing is built twice.
+/// Cargo's arguments for the tests on the host, the same everywhere, so that cargo builds nothing
+/// twice.
 pub(crate) const TESTED: &str =
     "--workspace --exclude hil --features fmc-camera/nmea,fmc-camera/mavlink";
 
@@ -63,7 +65,7 @@ impl Step {
             .unwrap_or_default()
     }
 
-    /// What it needs besides the host's toolchain.
+    /// Returns what the step needs besides the host's toolchain.
     pub(crate) fn needs(self) -> &'static [Need] {
         match self {
             Self::Format
@@ -84,7 +86,7 @@ impl Step {
 /// Runs all steps, or one.
 ///
 /// # Errors
-/// Where the steps cannot be begun.
+/// An error if the steps cannot be started.
 pub(crate) fn run(workspace: &Workspace, only: Option<Step>) -> Result<ExitCode> {
     let Some(step) = only else {
         return schedule::run(workspace);
@@ -105,7 +107,7 @@ pub(crate) fn run(workspace: &Workspace, only: Option<Step>) -> Result<ExitCode>
     Ok(ExitCode::SUCCESS)
 }
 
-/// What is said of a step that fails.
+/// Returns the message for a step that failed.
 pub(crate) fn failure(step: Step) -> String {
     let name = step.name();
     format!("step {name} failed; run it again alone with `cargo xtask test --only {name}`")
@@ -131,7 +133,8 @@ fn run_step(step: Step, workspace: &Workspace, equipment: &Equipment<'_>) -> Res
             let verify = host_sim.args(["verify", "--device", "sil", "--out"]);
             verify.arg(verify::default_out(workspace))
         }
-        // In release, so that the core library is built once for lints, library and link check.
+        // The lints run in release, so that the core library is built once for lints, library and
+        // link check.
         Step::TargetLints => target()?.cargo(
             "clippy --release -p fmc-camera --lib --bin firmware --features fmc-camera/board-mps2 -p fmc-camera-kernel -p kernel-check --bin kernel-check -p no-panic-check --bin no-panic-check -- -D warnings",
         ),

@@ -1,4 +1,4 @@
-//! The emulated cores, and programs that are built for each.
+//! Emulated cores, and programs that are built for each.
 
 use std::path::PathBuf;
 
@@ -17,7 +17,7 @@ pub(crate) struct Core {
     pub(crate) architecture: Architecture,
 }
 
-/// The cores.
+/// The emulated cores.
 pub(crate) const CORES: [Core; 3] = [
     Core {
         name: "cortex-m4f",
@@ -44,10 +44,10 @@ pub(crate) struct Program<'a> {
     pub(crate) image: PathBuf,
 }
 
-/// Builds a package of this workspace, whose program has its name, for every core that is built for.
+/// Builds a package of this workspace, whose program has its name, for every core with a target.
 ///
 /// # Errors
-/// Where a build fails.
+/// An error if a build fails.
 pub(crate) fn programs<'a>(targets: &'a Targets<'_>, package: &str) -> Result<Vec<Program<'a>>> {
     let mut programs: Vec<Program<'a>> = Vec::new();
     for core in CORES {

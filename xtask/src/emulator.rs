@@ -1,4 +1,4 @@
-//! QEMU: the one on the search path where it serves, else that of the project's tools.
+//! QEMU: the one on the search path if it is new enough, otherwise that of the project's tools.
 
 use std::{
     env,
@@ -22,22 +22,22 @@ use crate::{
     workspace::Workspace,
 };
 
-/// The program.
+/// Name of the program.
 const PROGRAM: &str = "qemu-system-arm";
 
-/// A QEMU that serves.
+/// A QEMU that is new enough.
 #[derive(Clone, Debug)]
 pub(crate) struct Emulator {
     program: PathBuf,
-    /// Where the program is, unless it is on the search path.
+    /// Directory of the program, unless it is on the search path.
     directory: Option<PathBuf>,
 }
 
 impl Emulator {
-    /// Finds or fetches QEMU, and says which is used.
+    /// Finds or fetches QEMU, and prints which one is used.
     ///
     /// # Errors
-    /// [`Missing`] where there is none and none can be fetched.
+    /// [`Missing`] if there is none and none can be fetched.
     pub(crate) fn set_up(workspace: &Workspace, toolbox: &Toolbox<'_>) -> Result<Self, Missing> {
         let found = on_path(PROGRAM).map(|program| {
             let serves = serves(&workspace.shell, &program);
@@ -63,10 +63,10 @@ impl Emulator {
         })
     }
 
-    /// The search path for programs that start QEMU by its name.
+    /// Returns the search path for programs that start QEMU by its name.
     ///
     /// # Errors
-    /// Where a directory cannot stand in a search path.
+    /// An error if a directory cannot be part of a search path.
     pub(crate) fn search_path(&self) -> Result<OsString> {
         let path = env::var_os("PATH").unwrap_or_default();
         let Some(directory) = &self.directory else {
@@ -77,10 +77,11 @@ impl Emulator {
             .with_context(|| directory.display().to_string())
     }
 
-    /// Runs a program on a machine to its end, without a display, and returns what it prints by semihosting.
+    /// Runs a program on a machine to its end, without a display, and returns what it prints by
+    /// semihosting.
     ///
     /// # Errors
-    /// Where it ends with a failure, or not within `limit`.
+    /// An error if it ends with a failure, or not within `limit`.
     pub(crate) fn run(
         &self,
         machine: &str,
@@ -124,7 +125,7 @@ impl Emulator {
     }
 }
 
-/// The version of a QEMU that is new enough.
+/// Returns the version of a QEMU that is new enough.
 fn serves(shell: &Shell, program: &Path) -> Result<Version> {
     let answer = cmd!(shell, "{program} --version").quiet().ignore_status();
     let answer = answer.output()?;
@@ -155,7 +156,7 @@ mod tests {
         let folder = shell.create_temp_dir().unwrap();
         let program = folder.path().join(PROGRAM);
         let ask = |script: &str, mode: u32| {
-            // A new file each time: one that was just run may still be busy.
+            // Each run has a new file, because one that was just run may still be busy.
             let _ = fs::remove_file(&program);
             fs::write(&program, script).unwrap();
             fs::set_permissions(&program, fs::Permissions::from_mode(mode)).unwrap();

@@ -1,4 +1,5 @@
-//! What the steps of `test` run with, each part by itself: one that cannot be had takes no other with it.
+//! Equipment of the steps of `test`. Each part is set up separately, so that one that is missing
+//! does not affect the others.
 
 use anyhow::{Result, anyhow};
 
@@ -9,18 +10,18 @@ use crate::{
     workspace::Workspace,
 };
 
-/// A part.
+/// Part of the equipment.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum Need {
     /// A compiler for the target, its library sources and a linker.
     Compiler,
-    /// The compiler's clippy, besides [`Self::Compiler`].
+    /// The compiler's clippy, in addition to [`Self::Compiler`].
     Clippy,
     /// QEMU.
     Qemu,
 }
 
-/// The parts that were asked for, or why there are none.
+/// Parts that were requested, or the errors of those that are missing.
 #[derive(Debug)]
 pub(crate) struct Equipment<'a> {
     toolbox: Toolbox<'a>,
@@ -29,7 +30,7 @@ pub(crate) struct Equipment<'a> {
 }
 
 impl<'a> Equipment<'a> {
-    /// Finds or fetches what is needed, and says what is used.
+    /// Finds or fetches what is needed, and prints what is used.
     pub(crate) fn for_needs(workspace: &'a Workspace, needs: &[Need]) -> Self {
         let toolbox = Toolbox::new(workspace);
         let needs_emulator = needs.contains(&Need::Qemu);
@@ -50,7 +51,7 @@ impl<'a> Equipment<'a> {
         }
     }
 
-    /// All that stands in the way of something with these needs, in a line.
+    /// Returns in one line everything that is missing for these needs.
     pub(crate) fn lack(&self, needs: &[Need]) -> Option<String> {
         let lacks = needs.iter().filter_map(|need| match need {
             Need::Compiler => Some(format!("{:#}", self.targets().err()?)),
@@ -61,23 +62,23 @@ impl<'a> Equipment<'a> {
         (!lacks.is_empty()).then(|| lacks.join("; and "))
     }
 
-    /// The targets.
+    /// Returns the targets.
     ///
     /// # Errors
-    /// Why there are none.
+    /// The error of their set-up.
     pub(crate) fn targets(&self) -> Result<&Targets<'a>> {
         part(self.targets.as_ref(), "the targets were")
     }
 
-    /// The emulator.
+    /// Returns the emulator.
     ///
     /// # Errors
-    /// Why there is none.
+    /// The error of its set-up.
     pub(crate) fn emulator(&self) -> Result<&Emulator> {
         part(self.emulator.as_ref(), "the emulator was")
     }
 
-    /// What else may be fetched.
+    /// Returns the toolbox, which can fetch further tools.
     pub(crate) fn toolbox(&self) -> &Toolbox<'a> {
         &self.toolbox
     }

@@ -1,4 +1,4 @@
-//! The firmware: its lints, the proof that it cannot panic, its images for QEMU, and their tests.
+//! Firmware: its lints, the proof that it cannot panic, its images for QEMU, and their tests.
 
 use std::{fmt, fs, path::PathBuf, process::ExitCode};
 
@@ -14,19 +14,19 @@ use crate::{
     workspace::Workspace,
 };
 
-/// An image.
+/// Image of the firmware.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum Image {
     /// For QEMU's mps2-an386 and mps2-an500.
     Mps2,
-    /// The same with accidents on request.
+    /// The image for QEMU with accidents on request.
     Mps2WithDrills,
     /// For ST's NUCLEO-H743ZI2.
     NucleoH743zi,
 }
 
 impl Image {
-    /// Feature of the library and the firmware.
+    /// Returns the feature of the library and the firmware.
     fn board(self) -> &'static str {
         match self {
             Self::Mps2 | Self::Mps2WithDrills => "board-mps2",
@@ -34,7 +34,8 @@ impl Image {
         }
     }
 
-    /// What the compiler is told for the firmware alone: the library stays as it is compiled.
+    /// Returns the flags of the compiler for the firmware alone; the library is compiled without
+    /// them.
     fn flags(self) -> &'static [&'static str] {
         match self {
             Self::Mps2 | Self::NucleoH743zi => &[],
@@ -42,7 +43,7 @@ impl Image {
         }
     }
 
-    /// Where it is kept.
+    /// Returns the path where the image is kept.
     fn path(self, workspace: &Workspace) -> PathBuf {
         directory(workspace).join(self.to_string())
     }
@@ -58,15 +59,15 @@ impl fmt::Display for Image {
     }
 }
 
-/// Where the images are kept.
+/// Returns the directory where the images are kept.
 fn directory(workspace: &Workspace) -> PathBuf {
     workspace.target_dir.join("firmware")
 }
 
-/// Builds the image for QEMU and prints where it is.
+/// Builds the image for QEMU and prints its path.
 ///
 /// # Errors
-/// Where the set-up or the build fails.
+/// An error if the set-up or the build fails.
 pub(crate) fn run(workspace: &Workspace) -> Result<ExitCode> {
     let target = Target::set_up(workspace, &Toolbox::new(workspace), Lints::NotWanted)?;
     let image = build(workspace, &target, Image::Mps2)?;
@@ -77,23 +78,24 @@ pub(crate) fn run(workspace: &Workspace) -> Result<ExitCode> {
 /// Sets up target and QEMU, and builds the image that `host-sim` runs in it.
 ///
 /// # Errors
-/// Where the set-up or the build fails.
+/// An error if the set-up or the build fails.
 pub(crate) fn set_up(workspace: &Workspace) -> Result<Emulator> {
     let toolbox = Toolbox::new(workspace);
-    // First what takes seconds: without it the rest is built for nothing.
+    // The emulator comes first: it takes seconds, and without it the rest is of no use.
     let emulator = Emulator::set_up(workspace, &toolbox)?;
     let target = Target::set_up(workspace, &toolbox, Lints::NotWanted)?;
     build(workspace, &target, Image::Mps2)?;
     Ok(emulator)
 }
 
-/// Builds an image and copies it to where `host-sim` looks: the next build puts another in the same place.
+/// Builds an image and copies it to where `host-sim` looks, because the next build replaces it.
 ///
 /// # Errors
-/// Where the build fails.
+/// An error if the build fails.
 pub(crate) fn build(workspace: &Workspace, target: &Target<'_>, image: Image) -> Result<PathBuf> {
     let _root = workspace.shell.push_dir(&workspace.root);
-    // Another xtask may build another image into the same place, or its QEMU load the one that is kept.
+    // Another xtask may build another image in the same place, or its QEMU may load the image that
+    // is kept.
     let _lock = Workspace::lock(&directory(workspace), "builds the firmware")?;
     let build = rustc(target, image, &[]).env("FMC_BUILD", sources(workspace));
     eprintln!("$ {build}");
@@ -106,7 +108,7 @@ pub(crate) fn build(workspace: &Workspace, target: &Target<'_>, image: Image) ->
     Ok(kept)
 }
 
-/// State of the sources, as git names it.
+/// Returns the state of the sources, as git names it.
 fn sources(workspace: &Workspace) -> String {
     let describe = cmd!(workspace.shell, "git describe --always --dirty").quiet();
     let name = describe.ignore_stderr().read().unwrap_or_default();
@@ -117,10 +119,10 @@ fn sources(workspace: &Workspace) -> String {
     }
 }
 
-/// Lints of an image.
+/// Lints an image.
 ///
 /// # Errors
-/// Where there is something to say.
+/// An error if there is a lint.
 pub(crate) fn lint(target: &Target<'_>, image: Image) -> Result<()> {
     let clippy = cargo(target, "clippy", image);
     let clippy = clippy.args(["--", "-D", "warnings"]).args(image.flags());
@@ -128,10 +130,10 @@ pub(crate) fn lint(target: &Target<'_>, image: Image) -> Result<()> {
     clippy.run().map_err(Into::into)
 }
 
-/// Links an image with its relocations kept, and says where cargo put it.
+/// Links an image with its relocations kept, and returns the path where cargo put it.
 ///
 /// # Errors
-/// Where that fails.
+/// An error if the build fails.
 pub(crate) fn link_with_relocations(target: &Target<'_>, image: Image) -> Result<PathBuf> {
     let link = rustc(target, image, &["-Clink-arg=--emit-relocs"]);
     eprintln!("$ {link}");
@@ -142,7 +144,7 @@ pub(crate) fn link_with_relocations(target: &Target<'_>, image: Image) -> Result
 /// Shows that the linker finds no panic in the flight image.
 ///
 /// # Errors
-/// Where it finds one, or does not find the one of the negative control.
+/// An error if it finds one, or does not find that of the negative control.
 pub(crate) fn check_no_panic(target: &Target<'_>) -> Result<()> {
     let link = |flags: &[&str]| {
         let flags = [&["--cfg", "link_check"], flags].concat();
@@ -154,11 +156,11 @@ pub(crate) fn check_no_panic(target: &Target<'_>) -> Result<()> {
 /// Builds the images and runs the tests of `host-sim` that need them.
 ///
 /// # Errors
-/// Where a build or a test fails.
+/// An error if a build or a test fails.
 pub(crate) fn test(workspace: &Workspace, target: &Target<'_>, emulator: &Emulator) -> Result<()> {
     let flight = build(workspace, target, Image::Mps2)?;
     let with_drills = build(workspace, target, Image::Mps2WithDrills)?;
-    // All packages, because their features decide together what the dependencies are built with.
+    // All packages are built, because their features together determine those of the dependencies.
     let test = format!("test {TESTED} --locked --test main -- firmware:: --ignored");
     let test = workspace
         .cargo(&test)
@@ -169,13 +171,14 @@ pub(crate) fn test(workspace: &Workspace, target: &Target<'_>, emulator: &Emulat
     test.run().map_err(Into::into)
 }
 
-/// Builds an image, with more flags of the compiler.
+/// Returns the command that builds an image, with additional flags of the compiler.
 fn rustc<'a>(target: &Target<'a>, image: Image, flags: &[&str]) -> Cmd<'a> {
     let rustc = cargo(target, "rustc", image);
     rustc.arg("--").args(image.flags()).args(flags)
 }
 
-/// Cargo for the firmware: in release, as the library for the target, so that the core library is built once.
+/// Returns a cargo command for the firmware, in release as for the library, so that the core
+/// library is built once.
 fn cargo<'a>(target: &Target<'a>, subcommand: &str, image: Image) -> Cmd<'a> {
     let board = image.board();
     target.cargo(&format!(

@@ -1,5 +1,5 @@
-//! The point kernel on the emulated cores: `tests/kernel` holds what is scheduled by hand, or by a compiler that fills
-//! vectors, against the portable one.
+//! Point kernel on the emulated cores: `tests/kernel` compares the hand-scheduled kernel, or the
+//! one that a compiler vectorised, with the portable one.
 
 use std::time::Duration;
 
@@ -12,13 +12,13 @@ use crate::{
     workspace::Workspace,
 };
 
-/// A comparison takes a minute at most where nothing else runs.
+/// Longest time of a comparison; it takes a minute at most if nothing else runs.
 const LIMIT: Duration = Duration::from_mins(30);
 
-/// Builds the comparison and runs it on every core that is built for.
+/// Builds the comparison and runs it on every core with a target.
 ///
 /// # Errors
-/// Where the build fails, or a bit differs.
+/// An error if the build fails, or if a bit differs.
 pub(crate) fn test(
     workspace: &Workspace,
     targets: &Targets<'_>,

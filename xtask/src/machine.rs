@@ -1,4 +1,5 @@
-//! What this machine offers for building for a target: toolchains, linkers, programs on the search path.
+//! Facts about this machine that matter for building for a target: toolchains, linkers, programs on
+//! the search path.
 
 use std::{
     env::{self, consts::EXE_SUFFIX},
@@ -16,26 +17,26 @@ use crate::{
     workspace::host_cargo,
 };
 
-/// Where Debian and Ubuntu install a compiler; on other systems nothing is there.
+/// Directory in which Debian and Ubuntu install a compiler; on other systems it holds none.
 pub(crate) const DISTRIBUTION_BIN: &str = "/usr/bin";
 
-/// What library sources must hold, below a compiler's root.
+/// File that library sources contain, below a compiler's root.
 pub(crate) const COMPILER_SOURCES: &str = "lib/rustlib/src/rust/library/core/Cargo.toml";
 
-/// The facts for [`crate::route::plan`], and what carrying the plan out needs besides.
+/// Facts for [`crate::route::plan`], and further data that carrying out the plan needs.
 #[derive(Debug)]
 pub(crate) struct Machine {
-    /// What the decision rests on.
+    /// Facts on which the decision is based.
     pub(crate) facts: Facts,
     /// A linker that knows the target.
     pub(crate) linker: Option<PathBuf>,
 }
 
 impl Machine {
-    /// Looks at the machine and at what has been fetched; nothing is changed.
+    /// Examines the machine and the tools that have been fetched; it changes nothing.
     ///
     /// # Errors
-    /// Where the active compiler does not answer.
+    /// An error if the active compiler does not answer.
     pub(crate) fn look(
         shell: &Shell,
         toolbox: &Toolbox<'_>,
@@ -81,8 +82,8 @@ impl Machine {
     }
 }
 
-/// Root of the distribution's installed toolchain, where there is one with a cargo that is new enough for this
-/// workspace.
+/// Returns the root of the distribution's installed toolchain, if there is one with a cargo that is
+/// new enough for this workspace.
 fn installed_sysroot(shell: &Shell) -> Option<PathBuf> {
     let bin = Path::new(DISTRIBUTION_BIN);
     let rustc = bin.join("rustc");
@@ -103,7 +104,7 @@ fn installed_sysroot(shell: &Shell) -> Option<PathBuf> {
     new_enough.then(|| sysroot.into())
 }
 
-/// Whether a toolchain has a compiled core library for the target.
+/// Returns true if a toolchain has a compiled core library for the target.
 fn has_core(sysroot: &Path, architecture: Architecture) -> bool {
     let rustlib = sysroot.join("lib/rustlib");
     let libraries = rustlib.join(architecture.target()).join("lib");
@@ -112,7 +113,8 @@ fn has_core(sysroot: &Path, architecture: Architecture) -> bool {
         .any(|name| name.starts_with("libcore-"))
 }
 
-/// A linker that knows the target: the user's choice, one that comes with a compiler, LLVM's, or GNU's.
+/// Finds a linker that knows the target: the user's choice, one that comes with a compiler, LLVM's,
+/// or GNU's.
 fn find_linker(architecture: Architecture, sysroots: [Option<&Path>; 2]) -> Option<PathBuf> {
     let with_compiler = sysroots.into_iter().flatten().find_map(|sysroot| {
         let hosts = sysroot.join("lib/rustlib");
@@ -135,7 +137,7 @@ fn find_linker(architecture: Architecture, sysroots: [Option<&Path>; 2]) -> Opti
         .or_else(|| on_path("arm-none-eabi-ld"))
 }
 
-/// The newest `ld.lld-NN` of the distribution.
+/// Returns the newest `ld.lld-NN` of the distribution.
 fn versioned_lld() -> Option<PathBuf> {
     let number = |name: &String| {
         name.strip_prefix("ld.lld-")
@@ -149,17 +151,17 @@ fn versioned_lld() -> Option<PathBuf> {
     Some(Path::new(DISTRIBUTION_BIN).join(newest))
 }
 
-/// First file of this program's name on the search path.
+/// Returns the first file of this program's name on the search path.
 pub(crate) fn on_path(name: &str) -> Option<PathBuf> {
     let path = env::var_os("PATH")?;
     env::split_paths(&path)
-        // What is relative is another place for every program that is started.
+        // A relative directory would mean another place for every program that is started.
         .filter(|directory| directory.is_absolute())
         .map(|directory| directory.join(format!("{name}{EXE_SUFFIX}")))
         .find(|file| file.is_file())
 }
 
-/// Names in a directory; none where it does not exist.
+/// Returns the names in a directory; none if it does not exist.
 pub(crate) fn file_names(directory: &Path) -> Vec<String> {
     let entries = fs::read_dir(directory).into_iter().flatten().flatten();
     entries

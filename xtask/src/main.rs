@@ -1,9 +1,10 @@
-//! What the README's commands call: `cargo xtask verify`, `test`, `firmware` and `bench`.
+//! Commands of the README: `cargo xtask verify`, `test`, `firmware` and `bench`.
 //!
-//! Each does its own set-up, so that a fresh machine needs no other command. [`route`] decides how the target is
-//! built, [`machine`] collects what that decision rests on, [`tools`] fetches what is absent, and [`target`] and
-//! [`emulator`] carry it out; [`firmware`] builds the images, [`mod@bench`] counts what they cost, [`checks`] is the
-//! list of steps behind `test`, and [`schedule`] their order.
+//! Each command does its own set-up, so that a fresh machine needs no other command. [`route`]
+//! decides how the target is built, [`machine`] collects the facts for that decision, [`tools`]
+//! fetches what is absent, and [`target`] and [`emulator`] carry it out; [`firmware`] builds the
+//! images, [`mod@bench`] counts what they cost, [`checks`] is the list of steps of `test`, and
+//! [`schedule`] their order.
 
 mod bench;
 mod board;
@@ -73,12 +74,14 @@ enum Command {
     },
 }
 
-/// Exit code where the check that was asked for failed.
+/// Exit code of a check that was run and failed.
 pub(crate) const CHECK_FAILED: u8 = 1;
-/// Beginning of the line that names what a step leaves out for want of a tool, and passes all the same.
+/// Beginning of the line that names a check that was left out for lack of a tool in a step that
+/// passes.
 pub(crate) const NOT_CHECKED: &str = "xtask: not checked: ";
 
-/// Exit code where something could not be run, so that nothing is said about the camera, or the firmware not built.
+/// Exit code if a check could not be run, so that it says nothing about the camera, or if the
+/// firmware was not built.
 pub(crate) const NOT_STARTED: u8 = 3;
 
 fn main() -> ExitCode {

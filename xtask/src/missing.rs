@@ -1,4 +1,4 @@
-//! What cannot be had on this machine, and the one command that mends it.
+//! Tools that this machine lacks, each with the command that installs it.
 
 use std::fmt;
 
@@ -8,21 +8,21 @@ use crate::{
     version::Version,
 };
 
-/// A tool that cannot be had.
+/// A tool that is not available.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub(crate) struct Missing {
     tool: Tool,
-    /// In one line.
+    /// Reason, in one line.
     why: String,
     remedy: String,
 }
 
 impl Missing {
-    /// With the error that stood in the way.
+    /// Creates it from the error that prevented the tool.
     pub(crate) fn new(tool: Tool, system: &System, error: &anyhow::Error) -> Self {
         let text = format!("{error:#}");
         let remedy = match error.downcast_ref::<TooOld>() {
-            // What the system offers is what was refused.
+            // The system would install the version that was refused.
             Some(too_old) if tool == Tool::Qemu => too_old.remedy(),
             _ => remedy(tool, system),
         };
@@ -33,7 +33,7 @@ impl Missing {
         }
     }
 
-    /// The active toolchain has no clippy.
+    /// Creates it for an active toolchain without clippy.
     pub(crate) fn clippy(system: &System) -> Self {
         let of_rustup = || "rustup component add clippy".to_owned();
         Self {
@@ -47,7 +47,7 @@ impl Missing {
         }
     }
 
-    /// What else was found on the way.
+    /// Adds an earlier finding to the reason.
     pub(crate) fn after(mut self, found: &str) -> Self {
         self.why = format!("{found}; {}", self.why);
         self
@@ -63,7 +63,7 @@ impl fmt::Display for Missing {
 
 impl std::error::Error for Missing {}
 
-/// The package lists offer a version that does not serve.
+/// Error: the package lists offer a version that is too old.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub(crate) struct TooOld {
     pub(crate) package: &'static str,
@@ -96,25 +96,25 @@ impl fmt::Display for TooOld {
 
 impl std::error::Error for TooOld {}
 
-/// The command by which a user of that system gets the tool.
+/// Returns the command by which a user of that system gets the tool.
 fn remedy(tool: Tool, system: &System) -> String {
     if system.has_rustup {
         match tool {
-            // Its own linker and clippy serve then.
+            // The toolchain's own linker and clippy are then used.
             Tool::Compiler | Tool::Linker | Tool::Clippy => {
                 return "rustup target add thumbv7em-none-eabihf".to_owned();
             }
             Tool::Qemu | Tool::Llvm => {}
         }
     }
-    // Rust that is no distribution's comes with everything a target needs.
+    // A Rust that is not a distribution's comes with everything that a target needs.
     let rustup = |install: &str| format!("{install} rustup");
     match (system.family, tool) {
         (Family::Debian, _) => format!("sudo apt-get install {}", tool.packages().join(" ")),
         (Family::Ubuntu, Tool::Qemu | Tool::Llvm) => {
             format!("sudo apt-get install {}", tool.packages().join(" "))
         }
-        // It has none of Debian's packages of a compiler for browsers.
+        // Ubuntu has none of Debian's packages of a compiler for browsers.
         (Family::Ubuntu, _) => rustup("sudo apt-get install"),
         (Family::Fedora, Tool::Qemu) => "sudo dnf install qemu-system-arm".to_owned(),
         (Family::Fedora, Tool::Llvm) => "sudo dnf install llvm".to_owned(),

@@ -1,5 +1,5 @@
-//! The no-panic check: `tests/no-panic` keeps the library's public functions, and links only if none of them can panic.
-//! The firmware is checked in the same way.
+//! No-panic check: `tests/no-panic` keeps the library's public functions, and links only if none of
+//! them can panic. The firmware is checked in the same way.
 
 use std::{collections::BTreeMap, path::Path};
 
@@ -8,21 +8,23 @@ use xshell::{Cmd, Shell};
 
 use crate::{target::Target, workspace::Workspace};
 
-/// The undefined symbol behind the panic handlers of `tests/no-panic` and, for this check, of the firmware.
+/// Undefined symbol behind the panic handlers of `tests/no-panic` and, for this check, of the
+/// firmware.
 const PANIC_SYMBOL: &str = "fmc_camera_can_panic";
 
-/// The library's modules, each with a list of its own in `tests/no-panic/src`.
+/// Modules of the library, each with a separate list in `tests/no-panic/src`.
 const AREAS: [&str; 3] = ["geometry", "flight", "io"];
 
-/// Decoders that rest on crates which index and unwrap: the linker cannot show that they do not panic, so that they are
-/// fuzzed instead (`fuzz`), and no firmware has them.
+/// Decoders based on crates that index and unwrap. The linker cannot show that they do not panic,
+/// so they are fuzzed instead (`fuzz`), and the firmware does not contain them.
 const FUZZED: [&str; 2] = ["mavlink.rs", "nmea.rs"];
 
-/// Compares its lists with the library's sources, links the program, which must succeed, and links it with a panic
-/// added, which must fail for that reason alone.
+/// Compares the program's lists with the library's sources, links the program, which must succeed,
+/// and links it with a panic added, which must fail for that reason alone.
 ///
 /// # Errors
-/// Where a public function is not listed, a panic is reachable, the control links, or a build fails for another reason.
+/// An error if a public function is not listed, a panic is reachable, the control links, or a build
+/// fails for another reason.
 pub(crate) fn check(workspace: &Workspace, target: &Target<'_>) -> Result<()> {
     for area in AREAS {
         let list = workspace.root.join(format!("tests/no-panic/src/{area}.rs"));
@@ -35,7 +37,7 @@ pub(crate) fn check(workspace: &Workspace, target: &Target<'_>) -> Result<()> {
             missing.join(", ")
         );
     }
-    // With the features of the flight image, so that the library is compiled once for both.
+    // The features are those of the flight image, so that the library is compiled once for both.
     let link = |flags: &[&str]| {
         let rustc = "rustc --release -p no-panic-check --features fmc-camera/board-mps2 --";
         target.cargo(rustc).args(flags)
@@ -43,11 +45,12 @@ pub(crate) fn check(workspace: &Workspace, target: &Target<'_>) -> Result<()> {
     prove("tests/no-panic", link)
 }
 
-/// Links a program, which must succeed, and links it with a panic added, which must fail for that reason alone. Its
-/// panic handler calls [`PANIC_SYMBOL`]; `link` builds it with flags of the compiler.
+/// Links a program, which must succeed, and links it with a panic added, which must fail for that
+/// reason alone. The program's panic handler calls [`PANIC_SYMBOL`]; `link` builds it with flags of
+/// the compiler.
 ///
 /// # Errors
-/// Where a panic is reachable, the control links, or a build fails for another reason.
+/// An error if a panic is reachable, the control links, or a build fails for another reason.
 pub(crate) fn prove<'a>(program: &str, link: impl Fn(&[&str]) -> Cmd<'a>) -> Result<()> {
     if let Link::PanicReachable = try_link(program, link(&[]))? {
         let why_live = link(&["-Clink-arg=--why-live=*rust_begin_unwind"]);
@@ -68,11 +71,11 @@ pub(crate) fn prove<'a>(program: &str, link: impl Fn(&[&str]) -> Cmd<'a>) -> Res
 enum Link {
     /// No panic is reachable.
     Complete,
-    /// The linker asked for the panic handler's symbol.
+    /// The linker reported the panic handler's symbol as undefined.
     PanicReachable,
 }
 
-/// Builds and links; any failure other than the panic symbol is an error, shown in full.
+/// Builds and links; any failure except the panic symbol is an error, shown in full.
 fn try_link(program: &str, command: Cmd<'_>) -> Result<Link> {
     eprintln!("$ {command}");
     let output = command.ignore_status().output()?;
@@ -88,7 +91,8 @@ fn try_link(program: &str, command: Cmd<'_>) -> Result<Link> {
     bail!("{program} does not build for the target")
 }
 
-/// The functions from the panic up to the program's entry, where the linker can tell (LLVM's from version 21 on).
+/// Returns the functions from the panic up to the program's entry, if the linker can report them
+/// (LLVM's from version 21 on).
 fn panic_path(command: Cmd<'_>) -> Result<String> {
     let output = command.ignore_status().output()?;
     let text = String::from_utf8_lossy(&output.stderr);
@@ -101,7 +105,7 @@ fn panic_path(command: Cmd<'_>) -> Result<String> {
     Ok(callers.concat())
 }
 
-/// The sources of a module and of those inside it.
+/// Returns the sources of a module and of its submodules.
 fn sources(shell: &Shell, directory: &Path) -> Result<String> {
     let mut text = String::new();
     for path in shell.read_dir(directory)? {
@@ -115,10 +119,10 @@ fn sources(shell: &Shell, directory: &Path) -> Result<String> {
     Ok(text)
 }
 
-/// How often each name occurs; different types may have functions of one name.
+/// Number of occurrences of each name; different types may have functions of one name.
 type Names = BTreeMap<String, usize>;
 
-/// Names of the functions that sources define as public.
+/// Returns the names of the functions that sources define as public.
 fn public_functions(sources: &str) -> Names {
     let name = |line: &str| {
         let line = line.trim_start().strip_prefix("pub ")?;
@@ -129,7 +133,8 @@ fn public_functions(sources: &str) -> Names {
     count(sources.lines().filter_map(name))
 }
 
-/// Names of the functions that a list keeps: lines `Type::function,` or `module::function,`.
+/// Returns the names of the functions that a list keeps: lines `Type::function,` or
+/// `module::function,`.
 fn listed(list: &str) -> Names {
     let path = |line: &str| {
         Some(
@@ -151,7 +156,7 @@ fn count(names: impl Iterator<Item = String>) -> Names {
     })
 }
 
-/// Names that are defined more often than listed.
+/// Returns the names that are defined more often than listed.
 fn missing(defined: &Names, listed: &Names) -> Vec<String> {
     let lacks = |(name, count): (&String, &usize)| {
         (listed.get(name).unwrap_or(&0) < count).then(|| name.clone())

@@ -1,27 +1,28 @@
-//! Which toolchain builds for a target: the decision alone, a pure function of facts about the machine.
+//! Choice of the toolchain that builds for a target: only the decision, a pure function of facts
+//! about the machine.
 //!
-//! A target needs a core library of its own. In order of preference it comes
+//! A target needs a compiled core library. In order of preference it comes
 //! 1. ready-made with the active toolchain (`rustup target add`, or `rust-toolchain.toml`, has installed it),
 //! 2. from the library sources of the active toolchain,
-//! 3. from the library sources of the distribution's toolchain, where that is installed,
-//! 4. the same from the distribution's packages, unpacked by [`crate::tools`].
+//! 3. from the library sources of the distribution's toolchain, if that is installed,
+//! 4. from the same sources of the distribution's packages, unpacked by [`crate::tools`].
 //!
-//! Each target goes its own way. For the firmware's, tools are fetched; for the other nothing is fetched that is not
-//! there already, and where no toolchain builds for it, it is left out.
+//! The decision is made for each target separately. Tools are fetched only for the firmware's
+//! target; the other one is left out if the toolchains that are present cannot build for it.
 
 use crate::tools::Tool;
 
-/// What is built for.
+/// Architecture of a target.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum Architecture {
-    /// Armv7E-M with hardware floating point: Cortex-M4F and M7, which the firmware is for.
+    /// Armv7E-M with hardware floating point: Cortex-M4F and M7, the firmware's target.
     Armv7em,
     /// Armv8.1-M with vectors of four numbers (Helium): Cortex-M55.
     Helium,
 }
 
 impl Architecture {
-    /// The compiler's name of it.
+    /// Returns the compiler's name of the target.
     pub(crate) fn target(self) -> &'static str {
         match self {
             Self::Armv7em => "thumbv7em-none-eabihf",
@@ -29,7 +30,7 @@ impl Architecture {
         }
     }
 
-    /// The processor to compile for, where the target's name says too little.
+    /// Returns the processor to compile for, if the target's name does not determine it.
     pub(crate) fn processor(self) -> Option<&'static str> {
         match self {
             Self::Armv7em => None,
@@ -37,62 +38,64 @@ impl Architecture {
         }
     }
 
-    /// Cargo's variable for a setting of the target: `LINKER`, `RUSTFLAGS`.
+    /// Returns cargo's variable for a setting of the target: `LINKER`, `RUSTFLAGS`.
     pub(crate) fn variable(self, setting: &str) -> String {
         let target = self.target().replace(['-', '.'], "_").to_uppercase();
         format!("CARGO_TARGET_{target}_{setting}")
     }
 }
 
-/// What one toolchain offers.
+/// Parts that one toolchain has.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub(crate) struct Toolchain {
-    /// The target's compiled core library.
+    /// `true` with the target's compiled core library.
     pub(crate) target_core: bool,
-    /// The sources of the standard library.
+    /// `true` with the sources of the standard library.
     pub(crate) library_sources: bool,
-    /// Clippy.
+    /// `true` with clippy.
     pub(crate) clippy: bool,
 }
 
-/// What the decision for one target rests on.
+/// Facts on which the decision for one target is based.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub(crate) struct Facts {
-    /// The toolchain that runs xtask.
+    /// Toolchain that runs xtask.
     pub(crate) active: Toolchain,
-    /// The distribution's installed toolchain; all `false` where it is absent or older than the workspace allows.
+    /// Distribution's installed toolchain; all `false` if it is absent or older than the workspace
+    /// allows.
     pub(crate) installed: Toolchain,
-    /// The distribution's toolchain as it has been fetched before; all `false` where it has not.
+    /// Distribution's toolchain that has been fetched before; all `false` if it has not.
     pub(crate) fetched: Toolchain,
-    /// Some linker that knows the target.
+    /// `true` if some linker knows the target.
     pub(crate) linker: bool,
 }
 
-/// Whose compiler is used, and where its core library for the target comes from.
+/// Origin of the compiler and of its core library for the target.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum Route {
-    /// The active toolchain with its compiled core library.
+    /// Active toolchain with its compiled core library.
     Active,
-    /// The active toolchain, core built from its sources.
+    /// Active toolchain, core built from its sources.
     ActiveFromSource,
-    /// The distribution's installed toolchain, core built from its sources.
+    /// Distribution's installed toolchain, core built from its sources.
     Installed,
-    /// The distribution's toolchain under the target directory, core built from its sources.
+    /// Distribution's toolchain under the target directory, core built from its sources.
     Fetched,
 }
 
-/// A route, and what is to be fetched for it. Each tool by itself: without the last ones there is still a compiler.
+/// A route, and the tools to be fetched for it. Each tool is fetched separately: without the last
+/// ones there is still a compiler.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub(crate) struct Plan {
-    /// The route.
+    /// Route.
     pub(crate) route: Route,
-    /// None on most machines.
+    /// Tools to be fetched; none on most machines.
     pub(crate) fetch: Vec<Tool>,
-    /// Whether the route's clippy is there already.
+    /// `true` if the route's clippy is already present.
     pub(crate) has_clippy: bool,
 }
 
-/// The first route that the facts allow.
+/// Chooses the first route that the facts allow.
 pub(crate) fn plan(facts: Facts) -> Plan {
     let Facts {
         active,
@@ -110,9 +113,9 @@ pub(crate) fn plan(facts: Facts) -> Plan {
         (Route::Fetched, fetched)
     };
     let has_compiler = toolchain.target_core || toolchain.library_sources;
-    // A compiler with a compiled core library brings its linker along.
+    // A compiler with a compiled core library includes a linker.
     let has_linker = linker || route == Route::Active;
-    // The distribution's clippy does not go with another's compiler.
+    // The distribution's clippy does not work with another's compiler.
     let may_fetch_clippy = matches!(route, Route::Installed | Route::Fetched);
     let fetch = [
         (!has_compiler).then_some(Tool::Compiler),
@@ -130,7 +133,8 @@ pub(crate) fn plan(facts: Facts) -> Plan {
 mod tests {
     use super::{Architecture::*, *};
 
-    /// Each kind of machine: what its toolchains and the machine itself offer, the route, and what is fetched.
+    /// Kinds of machines: what the toolchains and the machine itself offer, the route, and what is
+    /// fetched.
     const MACHINES: &str = "
         active         | installed      | fetched        | machine | route            | fetched now
         core clippy    |                |                |         | Active           |

@@ -1,6 +1,6 @@
-//! The order of the steps of `test`: two lanes side by side, one for the PC and one for the target, since a compiler
-//! that works on one large crate leaves cores waiting. A step is a process of its own with a log of its own, so that
-//! what the lanes say does not mix.
+//! Order of the steps of `test`: two lanes side by side, one for the PC and one for the target,
+//! because a compiler that works on one large crate leaves cores idle. Each step is a separate
+//! process with a separate log, so that the output of the lanes does not mix.
 
 use std::{
     collections::BTreeSet,
@@ -24,7 +24,7 @@ use crate::{
     workspace::Workspace,
 };
 
-/// The lanes. The target's ends with the steps that use programs of the host's.
+/// Lanes of steps. The target's ends with the steps that use programs of the host.
 const LANES: [&[Step]; 2] = [
     &[
         Step::Format,
@@ -46,39 +46,39 @@ const LANES: [&[Step]; 2] = [
     ],
 ];
 
-/// How a step went.
+/// Outcome of a step.
 #[derive(Clone, Debug, PartialEq)]
 enum Outcome {
     Passed,
     Failed,
-    /// With what it lacked.
+    /// Not run, with what it lacked.
     NotRun(String),
 }
 
-/// What the lanes share.
+/// State that the lanes share.
 #[derive(Debug)]
 struct Run {
-    /// A copy of this program: cargo may replace the original while it builds.
+    /// Copy of this program, because cargo may replace the original while it builds.
     program: PathBuf,
     logs: PathBuf,
     ended: Mutex<Ended>,
 }
 
-/// What has ended.
+/// Steps that have ended.
 #[derive(Debug, Default)]
 struct Ended {
-    /// In the order in which they ended.
+    /// Steps in the order in which they ended.
     steps: Vec<(Step, Outcome)>,
-    /// What steps that passed have left out.
+    /// Checks that steps left out although they passed.
     left_out: BTreeSet<String>,
 }
 
-/// Runs all steps for which there is what they need.
+/// Runs all steps whose needs are met.
 ///
-/// Where one fails, those that are under way are ended first, and no other is begun.
+/// If one fails, those in progress are completed and no other is started.
 ///
 /// # Errors
-/// Where they cannot be begun.
+/// An error if the steps cannot be started.
 pub(crate) fn run(workspace: &Workspace) -> Result<ExitCode> {
     let start = Instant::now();
     let logs = workspace.target_dir.join("steps");
@@ -87,7 +87,8 @@ pub(crate) fn run(workspace: &Workspace) -> Result<ExitCode> {
     let this = env::current_exe().context("path of xtask")?;
     fs::copy(&this, &program).with_context(|| program.display().to_string())?;
 
-    // Here, before the lanes: what steps share is fetched once, and what cannot be had is said at the beginning.
+    // The set-up comes before the lanes, so that shared tools are fetched once and missing ones are
+    // reported at the beginning.
     let needs = [Need::Compiler, Need::Clippy, Need::Qemu];
     let equipment = Equipment::for_needs(workspace, &needs);
     let lacks: Vec<Option<String>> = Step::value_variants()
@@ -146,7 +147,7 @@ impl Run {
             Outcome::Failed
         });
         let seconds = start.elapsed().as_secs_f64();
-        // One step's log at a time.
+        // The log of one step is shown at a time.
         self.with_ended(|ended| {
             let count = ended.steps.len() + 1;
             let all = Step::value_variants().len();
@@ -162,7 +163,7 @@ impl Run {
                 Outcome::NotRun(_) => "was not run",
             };
             let mut stderr = std::io::stderr().lock();
-            // A terminal that is gone ends nothing.
+            // A failure to write to the terminal does not end the steps.
             let _ = writeln!(stderr, "\n[{count}/{all}] {name}: {}", step.title());
             let _ = stderr.write_all(&text);
             let _ = writeln!(stderr, "[{count}/{all}] {name} {word} in {seconds:.1} s");
@@ -170,7 +171,7 @@ impl Run {
         outcome
     }
 
-    /// How the step's process ends.
+    /// Runs the step's process and returns its outcome.
     fn process(&self, name: &str, log: &Path) -> Result<Outcome> {
         let file = File::create(log).with_context(|| log.display().to_string())?;
         let status = Command::new(&self.program)
@@ -201,7 +202,8 @@ impl Run {
     }
 }
 
-/// The last lines, and the exit code: what failed, was not run or was left out, or that all is well.
+/// Prints the last lines (what failed, was not run or was left out, or that all passed) and returns
+/// the exit code.
 fn verdict(ended: &Ended, time: Duration) -> u8 {
     let seconds = time.as_secs_f64();
     let all = Step::value_variants();

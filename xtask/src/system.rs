@@ -1,17 +1,17 @@
-//! The system this runs on, as far as it decides where tools come from.
+//! System on which xtask runs, as far as it determines the origin of tools.
 
 use std::{env::consts::ARCH, fs};
 
 use crate::machine::on_path;
 
-/// Kinds of systems by how a user installs programs there.
+/// Kind of system, by the way in which a user installs programs.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum Family {
-    /// Debian and what is made of it.
+    /// Debian and its derivatives.
     Debian,
-    /// Ubuntu and what is made of it.
+    /// Ubuntu and its derivatives.
     Ubuntu,
-    /// Fedora and Red Hat's.
+    /// Fedora, Red Hat and their derivatives.
     Fedora,
     /// Arch Linux.
     Arch,
@@ -19,22 +19,22 @@ pub(crate) enum Family {
     MacOs,
     /// Windows.
     Windows,
-    /// None of these.
+    /// Any other system.
     Other,
 }
 
-/// A system.
+/// An operating system.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub(crate) struct System {
     pub(crate) family: Family,
     /// Name, version and processor: `debian 12 x86_64`.
     pub(crate) release: String,
-    /// Whether Rust came by rustup.
+    /// `true` if Rust was installed by rustup.
     pub(crate) has_rustup: bool,
 }
 
 impl System {
-    /// This one.
+    /// Returns the system on which xtask runs.
     pub(crate) fn here() -> Self {
         let has_rustup = on_path("rustup").is_some();
         let fixed = |family, name: &str| Self {
@@ -55,7 +55,7 @@ impl System {
         }
     }
 
-    /// The system that `/etc/os-release` describes.
+    /// Returns the system that `/etc/os-release` describes.
     fn of_os_release(text: &str) -> Self {
         let of = |key: &str| {
             let value = text

@@ -1,4 +1,4 @@
-//! The toolchain for a target, set up and ready: cargo and clippy commands that build for it.
+//! Toolchain for a target, set up and ready: cargo and clippy commands that build for it.
 
 use std::{
     env,
@@ -17,28 +17,29 @@ use crate::{
     workspace::{Workspace, host_cargo},
 };
 
-/// Processor for the core library where it is built from its sources for Helium: of the same instruction set without
-/// vectors, because compilers up to 1.96 fail on the half-precision numbers of the library when they may use Helium's.
+/// Processor for the core library if it is built from its sources for Helium: one with the same
+/// instruction set without vectors, because compilers up to 1.96 fail on the half-precision numbers
+/// of the library if they may use Helium's.
 const PROCESSOR_OF_CORE: &str = "cortex-m33";
 
-/// Whether clippy is needed too.
+/// Need of clippy.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum Lints {
     Wanted,
     NotWanted,
 }
 
-/// The targets of this workspace.
+/// Targets of this workspace.
 #[derive(Debug)]
 pub(crate) struct Targets<'a> {
     /// Cortex-M4F and M7.
     pub(crate) armv7em: Target<'a>,
-    /// Cortex-M55, where a toolchain builds for it.
+    /// Cortex-M55, if a toolchain builds for it.
     pub(crate) helium: Option<Target<'a>>,
 }
 
 impl<'a> Targets<'a> {
-    /// Sets up the firmware's target, and Helium's as far as nothing more has to be fetched for it.
+    /// Sets up the firmware's target, and Helium's if no further tool has to be fetched for it.
     ///
     /// # Errors
     /// As [`Target::set_up`].
@@ -66,7 +67,7 @@ impl<'a> Targets<'a> {
         Ok(Self { armv7em, helium })
     }
 
-    /// The one of an architecture, where there is one.
+    /// Returns the target of an architecture, if there is one.
     pub(crate) fn of(&self, architecture: Architecture) -> Option<&Target<'a>> {
         match architecture {
             Architecture::Armv7em => Some(&self.armv7em),
@@ -83,19 +84,20 @@ pub(crate) struct Target<'a> {
     route: Route,
     programs: Programs,
     linker: Option<PathBuf>,
-    /// Why there are no lints for the target.
+    /// Reason for having no lints for the target.
     no_clippy: Option<Missing>,
-    /// Apart from the host's: compilers of host and target may differ, and would discard each other's work.
+    /// Directory separate from the host's: compilers of host and target may differ, and would
+    /// discard each other's artifacts.
     artifacts: PathBuf,
 }
 
-/// The programs of a route.
+/// Programs of a route.
 #[derive(Debug)]
 struct Programs {
     rustc: PathBuf,
     cargo: PathBuf,
-    /// Called directly: cargo would look for it among the user's own programs first, and find another compiler's. The
-    /// active toolchain's is called by its cargo.
+    /// Clippy, called directly: cargo would look for it among the user's own programs first, and
+    /// find another compiler's. The active toolchain's clippy is called by its cargo.
     cargo_clippy: Option<PathBuf>,
 }
 
@@ -132,10 +134,11 @@ impl Programs {
 }
 
 impl<'a> Target<'a> {
-    /// The firmware's target: chooses the route, fetches what it needs, and says in one line what will be used.
+    /// Sets up the firmware's target: chooses the route, fetches what it needs, and prints in one
+    /// line what will be used.
     ///
     /// # Errors
-    /// [`Missing`] where there is no compiler or no linker and none can be fetched.
+    /// [`Missing`] if there is no compiler or no linker and none can be fetched.
     pub(crate) fn set_up(
         workspace: &'a Workspace,
         toolbox: &Toolbox<'_>,
@@ -147,7 +150,7 @@ impl<'a> Target<'a> {
         let mut no_clippy = (!plan.has_clippy).then(|| Missing::clippy(toolbox.system()));
         for tool in &plan.fetch {
             match (tool, lints) {
-                // Lints are one thing, builds another.
+                // Builds do not need the lints, so a missing clippy is not an error here.
                 (Tool::Clippy, Lints::Wanted) => no_clippy = toolbox.provide(*tool).err(),
                 (Tool::Clippy, Lints::NotWanted) => {}
                 _ => drop(toolbox.provide(*tool)?),
@@ -162,7 +165,7 @@ impl<'a> Target<'a> {
         Ok(target)
     }
 
-    /// Commands of that plan on that machine.
+    /// Creates the commands of a plan on a machine.
     fn new(
         workspace: &'a Workspace,
         toolbox: &Toolbox<'_>,
@@ -176,42 +179,43 @@ impl<'a> Target<'a> {
             architecture,
             route,
             programs: Programs::of(route, toolbox),
-            // A compiler with a compiled core library brings its linker along.
+            // A compiler with a compiled core library includes a linker.
             linker: machine.linker.filter(|_| route != Route::Active),
             no_clippy: None,
             artifacts: workspace.target_dir.join("thumb"),
         }
     }
 
-    /// Why there are no lints for the target, where there are none.
+    /// Returns the reason for having no lints for the target, if there are none.
     pub(crate) fn no_clippy(&self) -> Option<&Missing> {
         self.no_clippy.as_ref()
     }
 
-    /// Where this target's builds put programs.
+    /// Returns the directory of the programs that this target's builds produce.
     pub(crate) fn programs(&self) -> PathBuf {
         let target = self.artifacts.join(self.architecture.target());
         target.join("release")
     }
 
-    /// The compiler's name and number.
+    /// Returns name and number of the compiler.
     ///
     /// # Errors
-    /// Where it does not answer.
+    /// An error if it does not answer.
     pub(crate) fn compiler(&self) -> Result<String> {
         let version = self.compiler_version()?;
         let words: Vec<_> = version.split_whitespace().take(2).collect();
         Ok(words.join(" "))
     }
 
-    /// What the compiler says of itself.
+    /// Returns what the compiler prints as its version.
     fn compiler_version(&self) -> Result<String> {
         let rustc = self.shell.cmd(&self.programs.rustc).quiet();
         let version = self.in_environment(rustc).arg("--version");
         version.read().map_err(Into::into)
     }
 
-    /// Cargo for the target, with the words of `line` as arguments, the subcommand first.
+    /// Returns a cargo command for the target; the words of `line` are its arguments, the
+    /// subcommand first.
     pub(crate) fn cargo(&self, line: &str) -> Cmd<'a> {
         let (subcommand, arguments) = line.split_once(' ').unwrap_or((line, ""));
         let clippy = self.programs.cargo_clippy.as_ref();
@@ -226,7 +230,8 @@ impl<'a> Target<'a> {
             .args(arguments.split_whitespace())
     }
 
-    /// Settings of cargo by which the processor is compiled for, but not the core library that is built with it.
+    /// Returns cargo's settings that compile for the processor, except for the core library that is
+    /// built with it.
     fn settings(&self) -> Vec<String> {
         let processor = self.architecture.processor();
         let Some(processor) = processor.filter(|_| self.route != Route::Active) else {
@@ -241,7 +246,8 @@ impl<'a> Target<'a> {
                 "profile.release.package.core.rustflags",
                 format!("-Ctarget-cpu={PROCESSOR_OF_CORE}"),
             ),
-            // Build scripts would get the profile's, which name no processor of this machine's.
+            // Build scripts would otherwise get the profile's flags, with a processor that is not
+            // that of this machine.
             (
                 "profile.release.build-override.rustflags",
                 "-Copt-level=0".to_owned(),
@@ -252,7 +258,8 @@ impl<'a> Target<'a> {
         .collect()
     }
 
-    /// The command with the variables of this route and without those that belong to other builds.
+    /// Returns the command with the variables of this route and without those that belong to other
+    /// builds.
     fn in_environment(&self, command: Cmd<'a>) -> Cmd<'a> {
         let distribution = matches!(self.route, Route::Installed | Route::Fetched);
         let is_foreign =
@@ -269,7 +276,7 @@ impl<'a> Target<'a> {
                 let flags = self.architecture.variable("RUSTFLAGS");
                 command.env(flags, format!("-Ctarget-cpu={processor}"))
             } else {
-                // For `settings`.
+                // `settings` needs this variable.
                 command.env("CARGO_UNSTABLE_PROFILE_RUSTFLAGS", "true")
             };
         }
@@ -284,7 +291,7 @@ impl<'a> Target<'a> {
         }
     }
 
-    /// The target, its compiler, the origin of its core library, and the linker.
+    /// Describes the target, its compiler, the origin of its core library, and the linker.
     fn description(&self) -> Result<String> {
         let target = self.architecture.target();
         let rustc = self.compiler_version().context(target)?;
@@ -305,7 +312,7 @@ impl<'a> Target<'a> {
     }
 }
 
-/// Flags and targets that the user set for host builds.
+/// Returns true for flags and targets that the user set for host builds.
 fn is_for_host(name: &str) -> bool {
     [
         "RUSTFLAGS",
@@ -316,7 +323,8 @@ fn is_for_host(name: &str) -> bool {
     .contains(&name)
 }
 
-/// What the toolchain that started xtask has left in the environment for its own programs.
+/// Returns true for variables that the toolchain that started xtask set in the environment for its
+/// own programs.
 fn is_for_active_toolchain(name: &str) -> bool {
     name == "CARGO"
         || name == "LD_LIBRARY_PATH"

@@ -1,4 +1,4 @@
-//! `cargo xtask verify`: builds the firmware and `host-sim`, and hands over to `host-sim verify`.
+//! `cargo xtask verify`: builds the firmware and `host-sim`, and runs `host-sim verify`.
 
 use std::{
     ffi::{OsStr, OsString},
@@ -10,19 +10,21 @@ use anyhow::{Context as _, Result, ensure};
 
 use crate::{checks::TESTED, firmware, missing::Missing, workspace::Workspace};
 
-/// Exit code where the program ended by a signal and gave none of its own.
+/// Exit code if the program was ended by a signal and returned none.
 const ENDED_BY_SIGNAL: u8 = 3;
 
-/// Builds the firmware where it is needed, and `host-sim`, runs `host-sim verify` with `arguments` in the user's
-/// directory and passes its exit code on. Where no device is named and the firmware or QEMU cannot be had, `host-sim`
-/// does without, and is told why.
+/// Builds the firmware if it is needed, and `host-sim`, runs `host-sim verify` with `arguments` in
+/// the user's directory and returns its exit code. If no device is named and the firmware or QEMU
+/// is not available, `host-sim` verifies without it, and reports the reason.
 ///
 /// # Errors
-/// Where the firmware was asked for and cannot be built, or `host-sim` cannot be built or started.
+/// An error if the firmware was requested and cannot be built, or if `host-sim` cannot be built or
+/// started.
 pub(crate) fn run(workspace: &Workspace, arguments: Vec<OsString>) -> Result<ExitCode> {
     let mut build = Command::from(workspace.cargo("build --release --locked --package host-sim"));
     let build = build.spawn().context("start cargo")?;
-    // Beside it: while packages come and one large crate is compiled, a core would wait.
+    // The set-up runs beside the build, because a core would be idle while packages are downloaded
+    // and one large crate is compiled.
     let firmware = firmware_for(&arguments);
     let set_up = (firmware != Firmware::NotUsed).then(|| firmware::set_up(workspace));
     let built = build.wait_with_output().context("cargo")?.status;
@@ -35,7 +37,7 @@ pub(crate) fn run(workspace: &Workspace, arguments: Vec<OsString>) -> Result<Exi
     verify = match set_up {
         None => verify,
         Some(Ok(emulator)) => verify.env("PATH", emulator.search_path()?),
-        // A firmware that does not compile is no lack of this machine's.
+        // A firmware that does not compile is an error of the sources, not of this machine.
         Some(Err(error)) if firmware == Firmware::Optional && error.is::<Missing>() => {
             verify.arg("--not-in-qemu").arg(in_one_line(&error))
         }
@@ -53,18 +55,20 @@ pub(crate) fn run(workspace: &Workspace, arguments: Vec<OsString>) -> Result<Exi
     Ok(ExitCode::from(code))
 }
 
-/// `host-sim` as the tests have built it: in a fraction of the time that a release takes.
+/// Returns `host-sim` as the tests build it, which takes a fraction of the time of a release build.
 ///
 /// # Errors
-/// Where the build fails.
+/// An error if the build fails.
 pub(crate) fn tested_host_sim(workspace: &Workspace) -> Result<PathBuf> {
-    // A build of the program alone would have other features of its dependencies, and compile them again.
+    // A build of the program alone would select other features of its dependencies and compile them
+    // again.
     let build = workspace.cargo(&format!("test {TESTED} --locked --no-run --test main"));
     build.run()?;
     Ok(workspace.host_sim("debug"))
 }
 
-/// Where the report goes unless the user says otherwise: `verify` in the target directory, seen from the user's.
+/// Returns the default directory of the report: `verify` in the target directory, relative to the
+/// user's directory.
 pub(crate) fn default_out(workspace: &Workspace) -> OsString {
     let out = workspace.target_dir.join("verify");
     let from_here = out
@@ -73,18 +77,18 @@ pub(crate) fn default_out(workspace: &Workspace) -> OsString {
     from_here.as_os_str().to_owned()
 }
 
-/// What the arguments mean for the firmware.
+/// Need of the firmware according to the arguments.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 enum Firmware {
-    /// They name QEMU, or what QEMU alone takes.
+    /// The arguments name QEMU, or an option for QEMU alone.
     Required,
-    /// They name no device.
+    /// The arguments name no device.
     Optional,
-    /// They name another device, or ask for help.
+    /// The arguments name another device, or ask for help.
     NotUsed,
 }
 
-/// Whether the firmware runs with these arguments.
+/// Returns the need of the firmware with these arguments.
 fn firmware_for(arguments: &[OsString]) -> Firmware {
     let is_for_qemu = |argument: &OsString| {
         let text = argument.to_string_lossy();
@@ -115,13 +119,13 @@ fn firmware_for(arguments: &[OsString]) -> Firmware {
     without_device
 }
 
-/// The error and its causes without line breaks.
+/// Returns the error and its causes without line breaks.
 fn in_one_line(error: &anyhow::Error) -> String {
     let text = format!("{error:#}");
     text.split_whitespace().collect::<Vec<_>>().join(" ")
 }
 
-/// Whether the user named the report's directory.
+/// Returns true if the user named the report's directory.
 fn names_out(arguments: &[OsString]) -> bool {
     let is_out = |argument: &OsString| {
         argument == OsStr::new("--out") || argument.to_string_lossy().starts_with("--out=")

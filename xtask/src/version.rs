@@ -1,4 +1,4 @@
-//! Versions, as far as they decide anything: major and minor number.
+//! Versions, as far as decisions depend on them: major and minor number.
 
 use std::fmt;
 
@@ -10,13 +10,13 @@ pub(crate) struct Version {
 }
 
 impl Version {
-    /// A version by its numbers.
+    /// Creates a version from its numbers.
     pub(crate) const fn new(major: u32, minor: u32) -> Self {
         Self { major, minor }
     }
 
-    /// The first word of a text that begins with two numbers and a point between: what a program says of itself, or a
-    /// `rust-version` of a manifest.
+    /// Finds the first word of a text that begins with two numbers separated by a point, in what a
+    /// program says of itself or in a manifest's `rust-version`.
     pub(crate) fn find(text: &str) -> Option<Self> {
         text.split_whitespace().find_map(|word| {
             let mut parts = word.split('.');

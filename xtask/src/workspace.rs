@@ -1,4 +1,4 @@
-//! The workspace: its directories and the host's cargo.
+//! Directories of the workspace and the host's cargo.
 
 use std::{
     env::{self, consts::EXE_SUFFIX},
@@ -10,14 +10,15 @@ use std::{
 use anyhow::{Context as _, Result};
 use xshell::{Cmd, Shell};
 
-/// Directories of the workspace and a shell that stands where the user called.
+/// Directories of the workspace, and a shell in the directory of the user.
 #[derive(Debug)]
 pub(crate) struct Workspace {
-    /// Runs commands; its directory is the user's, so that relative paths mean what the user meant.
+    /// Shell that runs commands in the user's directory, so that relative paths mean what the user
+    /// meant.
     pub(crate) shell: Shell,
     /// Directory of the root `Cargo.toml`.
     pub(crate) root: PathBuf,
-    /// Cargo's target directory, wherever settings put it.
+    /// Cargo's target directory, wherever settings place it.
     pub(crate) target_dir: PathBuf,
     tells: bool,
 }
@@ -26,18 +27,19 @@ impl Workspace {
     /// Finds the directories.
     ///
     /// # Errors
-    /// Where the current directory or this executable cannot be located.
+    /// An error if the current directory or this executable cannot be located.
     pub(crate) fn new() -> Result<Self> {
         let shell = Shell::new()?;
         let root = Path::new(env!("CARGO_MANIFEST_DIR"));
         let root = root.parent().context("xtask has no parent directory")?;
-        // Cargo put this program into <target>/debug, by the same settings that hold for what it builds next.
+        // Cargo put this program into <target>/debug, by the same settings that hold for what it
+        // builds next.
         let xtask = env::current_exe().context("path of xtask")?;
         let target_dir = xtask
             .ancestors()
             .nth(2)
             .context("xtask is not in a target directory")?;
-        // A relative setting is relative to the user's directory, and steps run in others.
+        // A relative setting is relative to the user's directory, but steps run in others.
         if let Some(setting) = env::var_os("CARGO_TARGET_DIR") {
             shell.set_var("CARGO_TARGET_DIR", path::absolute(setting)?);
         }
@@ -49,23 +51,23 @@ impl Workspace {
         })
     }
 
-    /// The same, which tells what is used, or does not.
+    /// Returns the same workspace with [`Self::tell`] switched on or off.
     pub(crate) fn telling(self, tells: bool) -> Self {
         Self { tells, ..self }
     }
 
-    /// Says what is used, where that has not been said.
+    /// Prints what is used, unless that is switched off.
     pub(crate) fn tell(&self, text: &str) {
         if self.tells {
             eprintln!("xtask: {text}");
         }
     }
 
-    /// The lock of a directory, which is made where it is absent; it is given up with the value. Waits for another xtask
-    /// that has it, and says `what` that does.
+    /// Locks a directory, which is created if it is absent, until the value is dropped. Waits for
+    /// another xtask that has the lock, and prints `what` that one does.
     ///
     /// # Errors
-    /// Where the directory cannot be written.
+    /// An error if the directory cannot be written.
     pub(crate) fn lock(directory: &Path, what: &str) -> Result<File> {
         let path = directory.join(".lock");
         let told = || path.display().to_string();
@@ -82,13 +84,13 @@ impl Workspace {
         Ok(file)
     }
 
-    /// The cargo that started xtask, with the words of `line` as arguments.
+    /// Returns a command of the cargo that started xtask; the words of `line` are its arguments.
     pub(crate) fn cargo(&self, line: &str) -> Cmd<'_> {
         let cargo = self.shell.cmd(host_cargo()).quiet();
         cargo.args(line.split_whitespace())
     }
 
-    /// `host-sim` in the directory of a profile.
+    /// Returns the path of `host-sim` in the directory of a profile.
     pub(crate) fn host_sim(&self, profile: &str) -> PathBuf {
         self.target_dir
             .join(profile)
@@ -96,7 +98,7 @@ impl Workspace {
     }
 }
 
-/// Path of the cargo that started xtask.
+/// Returns the path of the cargo that started xtask.
 pub(crate) fn host_cargo() -> OsString {
     env::var_os("CARGO").unwrap_or_else(|| "cargo".into())
 }

@@ -1,16 +1,17 @@
-//! Side by side: what a point costs on every core, ours and others'.
+//! Comparison of the cost of a point on every core, for this project and for others.
 
 use serde::{Deserialize, Serialize};
 
 use super::{cost::Instructions, cycles::Cycles};
 
-/// What a user would take on a core, which others are measured by.
+/// Counted row with which others are compared: the function that a user would call on a core.
 const OURS: &str = "correct_slice";
 
-/// The same among what is timed, by the end of its name; that of the widest vectors stands first.
+/// End of the name of the timed row with which others are compared; the row of the widest vectors
+/// comes first.
 pub(super) const OURS_ON_A_PC: &str = " short x, y";
 
-/// Rows that are compared, of those that are counted.
+/// Counted rows that are compared.
 pub(super) const COMPARED: [&str; 15] = [
     OURS,
     "correct_slice_xy",
@@ -29,7 +30,7 @@ pub(super) const COMPARED: [&str; 15] = [
     "opencv_ros_camera_project",
 ];
 
-/// A row of `docs/performance.csv`; costs are per point, or per what `unit` says.
+/// Row of `docs/performance.csv`; costs are per point, or per what `unit` says.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub(super) struct Row {
     pub(super) core: String,
@@ -38,21 +39,22 @@ pub(super) struct Row {
     pub(super) instructions: Option<f64>,
     pub(super) unit: String,
     pub(super) compiler: String,
-    /// To a call, of what is timed.
+    /// Number of points per call, for timed rows.
     pub(super) points: Option<u32>,
     #[serde(rename = "cycles_per_point")]
     pub(super) cycles: Option<f64>,
-    /// The model they are from, or the clock by which time became cycles.
+    /// Model of the cycles, or the clock by which a time was converted into cycles.
     pub(super) cycles_by: String,
     #[serde(rename = "ns_per_point")]
     pub(super) ns: Option<f64>,
-    /// Time by that of copying the same bytes.
+    /// Time relative to that of copying the same bytes.
     pub(super) of_memcpy: Option<f64>,
-    /// Cost by that of the correction of the same points on this core: instructions, on a PC time.
+    /// Cost relative to that of the correction of the same points on this core: instructions, on a
+    /// PC time.
     pub(super) of_ours: Option<f64>,
 }
 
-/// What was counted, modelled and timed, in one table.
+/// Returns all rows, counted, modelled and timed, in one table.
 pub(super) fn rows(counted: &[Instructions], cycles: &[Cycles], timed: Vec<Row>) -> Vec<Row> {
     let counted = counted.iter().map(|row| {
         let is_it = |cycles: &&Cycles| (cycles.core, cycles.kernel) == (&*row.core, &*row.kernel);
@@ -81,12 +83,12 @@ pub(super) fn rows(counted: &[Instructions], cycles: &[Cycles], timed: Vec<Row>)
 }
 
 impl Row {
-    /// Whether others are measured by it.
+    /// Returns true if others are compared with this row.
     fn is_ours(&self) -> bool {
         self.kernel == OURS || self.kernel.ends_with(OURS_ON_A_PC)
     }
 
-    /// Whether two rows are of the same core, and on a PC of as many points.
+    /// Returns true if two rows are of the same core and, on a PC, of the same number of points.
     fn is_of_same(&self, other: &Self) -> bool {
         self.core == other.core && (self.ns.is_none() || self.points == other.points)
     }
@@ -95,13 +97,13 @@ impl Row {
         self.ns.or(self.instructions)
     }
 
-    /// Whether it belongs to the comparison.
+    /// Returns true if the row belongs to the comparison.
     pub(super) fn is_compared(&self) -> bool {
         self.ns.is_some() || COMPARED.contains(&&*self.kernel)
     }
 }
 
-/// Three decimals are more than a model or a clock is worth.
+/// Rounds to three decimals; a model or a clock is not more accurate.
 pub(super) fn rounded(number: f64) -> f64 {
     (1000.0 * number).round() / 1000.0
 }
@@ -178,7 +180,7 @@ mod tests {
         assert_eq!(modelled, [28.667]);
     }
 
-    /// Others cost so many times as much at least, in the committed table.
+    /// The committed table has at least the claimed ratios.
     #[test]
     fn committed_ratios_are_those_that_are_claimed() {
         let table: Vec<Row> = documented::table("docs/performance.csv");
@@ -196,7 +198,8 @@ mod tests {
                 "{kernel}: {ratios:?}"
             );
         }
-        // Beyond the caches no form of the widest vectors takes longer than a copy by more than a tenth.
+        // Beyond the caches, no form of the widest vectors takes more than a tenth longer than a
+        // copy.
         let large = table.iter().filter(|row| row.points == Some(10_000_000));
         let streamed =
             large.filter(|row| row.kernel.starts_with("avx512") && !row.kernel.ends_with("stored"));

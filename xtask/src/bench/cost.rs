@@ -1,40 +1,41 @@
-//! What the camera's work costs: the rows of `docs/instructions.csv` and `docs/footprint.csv`.
+//! Costs of the camera's work: the rows of `docs/instructions.csv` and `docs/footprint.csv`.
 
 use std::{fmt, path::Path};
 
 use anyhow::{Context as _, Result};
 use serde::{Deserialize, Serialize, de::DeserializeOwned};
 
-/// A row of the table of instructions.
+/// Row of the table of instructions.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub(crate) struct Instructions {
     pub(crate) core: String,
     pub(crate) kernel: String,
-    /// Per point, or per what `unit` says.
+    /// Instructions per point, or per what `unit` says.
     #[serde(rename = "instructions_per_point")]
     pub(crate) count: f64,
     pub(crate) unit: String,
-    /// Instructions are the compiler's: another one may need more or fewer.
+    /// Compiler; another one may need more or fewer instructions.
     pub(crate) compiler: String,
 }
 
-/// A row of the table of images.
+/// Row of the table of images.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub(crate) struct Footprint {
     pub(crate) image: String,
     pub(crate) flash_bytes: u64,
-    /// Of variables: without the stack.
+    /// Bytes of variables, without the stack.
     pub(crate) static_ram_bytes: u64,
-    /// Most that was in use while `host-sim verify` ran.
+    /// Largest stack in use while `host-sim verify` ran.
     pub(crate) stack_used_bytes: u64,
     pub(crate) compiler: String,
 }
 
-/// A row of a table: one cost or several, of one compiler on one core or image.
+/// Row of a table: one cost or several, of one compiler on one core or image.
 pub(crate) trait Cost {
-    /// The table, from the root of the workspace.
+    /// Path of the table, from the root of the workspace.
     const TABLE: &'static str;
-    /// What is measured together: the compiler, and the core or image. Rows of one group compare with each other.
+    /// Returns the compiler and the core or image, which are measured together; rows of one group
+    /// are compared with each other.
     fn group(&self) -> (&str, &str);
     fn amounts(&self) -> Vec<Amount<'_>>;
 }
@@ -44,21 +45,21 @@ pub(crate) trait Cost {
 pub(crate) struct Amount<'a> {
     pub(crate) table: &'static str,
     pub(crate) compiler: &'a str,
-    /// The core or image.
+    /// Core or image.
     pub(crate) on: &'a str,
-    /// The kernel, or the column of an image.
+    /// Kernel, or column of an image.
     pub(crate) cost: &'a str,
     pub(crate) count: f64,
     pub(crate) unit: String,
 }
 
 impl Amount<'_> {
-    /// The same cost, by whichever compiler.
+    /// Returns true if both are the same cost, by whichever compiler.
     pub(crate) fn is_of_same(&self, other: &Self) -> bool {
         (self.on, self.cost) == (other.on, other.cost)
     }
 
-    /// The same compiler on the same core or image.
+    /// Returns true if both are of the same compiler on the same core or image.
     pub(crate) fn is_of_group_of(&self, other: &Self) -> bool {
         (self.compiler, self.on) == (other.compiler, other.on)
     }
@@ -70,7 +71,7 @@ impl fmt::Display for Amount<'_> {
     }
 }
 
-/// All costs of rows.
+/// Returns all costs of the rows.
 pub(crate) fn amounts<T: Cost>(rows: &[T]) -> Vec<Amount<'_>> {
     rows.iter().flat_map(T::amounts).collect()
 }
@@ -119,7 +120,7 @@ impl Cost for Footprint {
     }
 }
 
-/// Bytes of an image, as a number that can be divided.
+/// Converts bytes of an image into a number that can be divided.
 #[allow(
     clippy::cast_precision_loss,
     reason = "images are smaller than 2^52 bytes"
@@ -128,10 +129,11 @@ fn count(bytes: u64) -> f64 {
     bytes as f64
 }
 
-/// Replaces the rows of the groups of `measured` in their table, which may be new; those of others stay.
+/// Replaces the rows of the groups of `measured` in their table, which may be new; the rows of
+/// other groups stay.
 ///
 /// # Errors
-/// Where the table cannot be read or written.
+/// An error if the table cannot be read or written.
 pub(crate) fn replace<T: Cost + Serialize + DeserializeOwned>(
     root: &Path,
     measured: Vec<T>,
@@ -146,16 +148,16 @@ pub(crate) fn replace<T: Cost + Serialize + DeserializeOwned>(
 /// Reads a table.
 ///
 /// # Errors
-/// Where the file is missing or no such table.
+/// An error if the file is missing or is not such a table.
 pub(crate) fn read<T: DeserializeOwned>(path: &Path) -> Result<Vec<T>> {
     let read = || -> csv::Result<Vec<T>> { csv::Reader::from_path(path)?.deserialize().collect() };
     read().with_context(|| format!("{}", path.display()))
 }
 
-/// A table as text.
+/// Formats a table as text.
 ///
 /// # Errors
-/// Where a row cannot be written.
+/// An error if a row cannot be written.
 pub(crate) fn text<T: Serialize>(rows: &[T]) -> Result<String> {
     let mut writer = csv::Writer::from_writer(Vec::new());
     for row in rows {

@@ -1,4 +1,4 @@
-//! Instructions, counted in QEMU on the emulated cores.
+//! Counts of instructions in QEMU on the emulated cores.
 
 use std::time::Duration;
 
@@ -11,10 +11,10 @@ use crate::{
     emulator::Emulator,
 };
 
-/// Counting takes some seconds where nothing else runs.
+/// Longest time of the counting; it takes some seconds if nothing else runs.
 const LIMIT: Duration = Duration::from_mins(10);
 
-/// A line of the counting program.
+/// Line of the counting program's output.
 #[derive(Debug, Deserialize)]
 struct Counted {
     kernel: String,
@@ -23,13 +23,13 @@ struct Counted {
     instructions: f64,
 }
 
-/// The counting program.
+/// Name of the counting program.
 pub(super) const PROGRAM: &str = "instruction-count";
 
-/// Counts on every core that there is a program for.
+/// Counts on every core for which there is a program.
 ///
 /// # Errors
-/// Where QEMU fails, or prints nothing.
+/// An error if QEMU fails or prints nothing.
 pub(super) fn count(emulator: &Emulator, programs: &[Program<'_>]) -> Result<Vec<Instructions>> {
     let mut rows = Vec::new();
     for Program {

@@ -1,8 +1,9 @@
-//! Cycles of the point kernels' loops, modelled: nobody has measured silicon here.
+//! Modelled cycles of the point kernels' loops; they are not measured on silicon.
 //!
-//! For the Cortex-M4F by the table of its manual, for the others by LLVM's model of the processor. Neither knows the
-//! wait states of a memory; LLVM's takes a load of many registers for one cycle, and assumes of the M55 how its vectors
-//! overlap. The loops alone: what a call costs besides is in the instructions.
+//! For the Cortex-M4F they come from the table of its manual, for the others from LLVM's model of
+//! the processor. Neither knows the wait states of a memory; LLVM's takes a load of many registers
+//! for one cycle, and assumes for the M55 how its vectors overlap. The cycles are those of the
+//! loops alone; the rest of a call is in the instructions.
 
 use anyhow::{Context as _, Result, bail};
 use object::{File, Object as _, ObjectSymbol as _};
@@ -16,7 +17,7 @@ use crate::{
     route::Architecture,
 };
 
-/// Rows of the table, their function in the crate `kernel`, and its operations per point.
+/// Rows of the table, each with its function in the crate `kernel` and its operations per point.
 pub(super) const KERNELS: [(&str, &str, u32); 4] = [
     ("correct_slice", "short_pairs", 23),
     ("correct_slice_xy", "short_xy", 23),
@@ -24,7 +25,7 @@ pub(super) const KERNELS: [(&str, &str, u32); 4] = [
     ("correct_slice_xy_full", "full_xy", 29),
 ];
 
-/// Cycles per point that may not be exceeded: core, row, limit.
+/// Largest allowed cycles per point: core, row, limit.
 const LIMITS: [(&str, &str, f64); 4] = [
     ("cortex-m4f", "correct_slice", 31.0),
     ("cortex-m4f", "correct_slice_xy", 31.0),
@@ -32,21 +33,21 @@ const LIMITS: [(&str, &str, f64); 4] = [
     ("cortex-m7", "correct_slice_xy", 27.0),
 ];
 
-/// Of a taken branch on the M4F: one, and one to three to fill the pipeline.
+/// Cycles of a taken branch on the M4F: one, and one to three to fill the pipeline.
 const TAKEN_BRANCH: u32 = 3;
 
-/// The cycles of a kernel on a core.
+/// Cycles of a kernel on a core.
 #[derive(Clone, Debug, PartialEq)]
 pub(super) struct Cycles {
     pub(super) core: &'static str,
     pub(super) kernel: &'static str,
     pub(super) per_point: f64,
-    /// The table or model they are from.
+    /// Table or model that they come from.
     pub(super) by: String,
 }
 
 impl Cycles {
-    /// What it says where it is over its limit.
+    /// Returns a message if the cycles exceed their limit.
     pub(super) fn over_limit(&self) -> Option<String> {
         let is_it =
             |(core, kernel, _): &&(&str, &str, f64)| (*core, *kernel) == (self.core, self.kernel);
@@ -60,10 +61,10 @@ impl Cycles {
     }
 }
 
-/// The cycles of all kernels on all cores, from the images that were counted.
+/// Models the cycles of all kernels on all cores, from the images that were counted.
 ///
 /// # Errors
-/// Where a loop is not found, or holds an instruction that the table does not have.
+/// An error if a loop is not found, or holds an instruction that the table does not have.
 pub(super) fn cycles(llvm: &Llvm<'_>, programs: &[Program<'_>]) -> Result<Vec<Cycles>> {
     let mut all = Vec::new();
     for Program { core, image, .. } in programs {
@@ -80,7 +81,7 @@ pub(super) fn cycles(llvm: &Llvm<'_>, programs: &[Program<'_>]) -> Result<Vec<Cy
             };
             let symbol = file.symbols().find(is_it);
             let symbol = symbol.with_context(|| format!("no {wanted} in the image"))?;
-            // The lowest bit of an address says that Thumb instructions are there.
+            // The lowest bit of the address marks Thumb instructions.
             let start = symbol.address() & !1;
             let disassembly = llvm.disassembly(image, start..start + symbol.size())?;
             let found = KernelLoop::find(&disassembly, operations);
@@ -91,7 +92,7 @@ pub(super) fn cycles(llvm: &Llvm<'_>, programs: &[Program<'_>]) -> Result<Vec<Cy
     Ok(all)
 }
 
-/// The instruction set by its name in LLVM.
+/// Returns LLVM's name of the instruction set.
 fn triple(architecture: Architecture) -> &'static str {
     match architecture {
         Architecture::Armv7em => "thumbv7em-none-eabihf",
@@ -99,7 +100,7 @@ fn triple(architecture: Architecture) -> &'static str {
     }
 }
 
-/// By the manual's table for the M4F, for others by LLVM's model.
+/// Models a loop by the manual's table for the M4F and by LLVM's model for others.
 fn of_loop(
     llvm: &Llvm<'_>,
     core: Core,
@@ -124,7 +125,7 @@ fn of_loop(
     })
 }
 
-/// Cycles of a round on a Cortex-M4F.
+/// Returns the cycles of a round on a Cortex-M4F.
 ///
 /// # Source
 /// Arm, Cortex-M4 Technical Reference Manual (DDI 0439), tables of processor and floating-point instructions: arithmetic
@@ -137,7 +138,7 @@ fn by_manual(round: &[Instruction]) -> Result<u32> {
         cycles += match one.mnemonic.as_str() {
             "vadd.f32" | "vsub.f32" | "vmul.f32" | "adds" | "subs" | "add" | "sub" | "cmp" => 1,
             "vmla.f32" => 3,
-            // The first register is the address.
+            // The first register holds the address.
             "vldmia" | "vstmia" => names,
             "vldr" | "vstr" => 2,
             _ if one.is_branch() => TAKEN_BRANCH,
@@ -146,7 +147,7 @@ fn by_manual(round: &[Instruction]) -> Result<u32> {
         let is_arithmetic = |one: &Instruction| one.operations() > 0;
         if let Some(next) = round.get(index + 1).filter(|_| is_arithmetic(one)) {
             let reads = |next: &Instruction, name| {
-                // Arithmetic writes the first, unless it adds to it.
+                // Arithmetic writes its first register; VMLA also reads it.
                 let written = usize::from(is_arithmetic(next) && next.mnemonic != "vmla.f32");
                 next.registers()
                     .skip(written)

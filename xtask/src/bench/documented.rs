@@ -1,4 +1,4 @@
-//! Tables in documents, held against the committed tables.
+//! Tables of documents, for comparison with the committed tables.
 
 use std::path::Path;
 
@@ -8,28 +8,28 @@ use super::comparison::Row;
 use super::cost::{self, Cost as _, Footprint, Instructions};
 use super::cycles::KERNELS;
 
-/// The compiler whose counts the documents quote; the tables may have rows of others.
+/// Compiler whose counts the documents quote; the tables may also have rows of others.
 pub(crate) const COMPILER: &str = "rustc 1.96.0";
 
-/// A committed table.
+/// Reads a committed table.
 pub(crate) fn table<T: DeserializeOwned>(path: &str) -> Vec<T> {
     let root = Path::new(env!("CARGO_MANIFEST_DIR")).join("..");
     cost::read(&root.join(path)).unwrap()
 }
 
-/// The committed tables, with the rows of every compiler.
+/// Reads the committed tables, with the rows of every compiler.
 pub(crate) fn tables() -> (Vec<Instructions>, Vec<Footprint>) {
     (table(Instructions::TABLE), table(Footprint::TABLE))
 }
 
-/// What the documents quote of the table of instructions.
+/// Returns the rows of the table of instructions that the documents quote.
 pub(crate) fn instructions() -> Vec<Instructions> {
     let mut rows = tables().0;
     rows.retain(|row| row.compiler == COMPILER);
     rows
 }
 
-/// A count of these.
+/// Returns one of the quoted counts.
 pub(crate) fn count(core: &str, kernel: &str) -> f64 {
     let rows = instructions();
     let is_it = |row: &&Instructions| row.core == core && row.kernel == kernel;
@@ -37,7 +37,7 @@ pub(crate) fn count(core: &str, kernel: &str) -> f64 {
     row.unwrap_or_else(|| panic!("{kernel} on {core}")).count
 }
 
-/// Cells of the rows of the tables under this line of a document.
+/// Returns the cells of the table rows under this line of a document.
 pub(crate) fn rows(document: &'static str, heading: &str) -> Vec<Vec<&'static str>> {
     let tables = document.split(heading).skip(1);
     tables

@@ -1,4 +1,5 @@
-//! The figure of the comparison: instructions per point on the microcontrollers, time per point on a PC.
+//! Figure of the comparison: instructions per point on the microcontrollers, time per point on a
+//! PC.
 
 use anyhow::{Result, anyhow};
 use plotters::{
@@ -18,14 +19,14 @@ const SIZE: (u32, u32) = (1500, 720);
 const INK: RGBColor = RGBColor(40, 44, 52);
 const GRID: RGBColor = RGBColor(222, 226, 232);
 
-/// Of the cores, in their order.
+/// Colours of the cores, in their order.
 const SHADES: [RGBColor; 3] = [
     RGBColor(31, 78, 121),
     RGBColor(91, 143, 199),
     RGBColor(217, 130, 43),
 ];
 
-/// Bars from top to bottom: rows of the table, and what they are called.
+/// Bars from top to bottom: rows of the table with their labels.
 const BARS: [(&str, &str); 9] = [
     ("correct_slice", "correct_slice, short"),
     ("correct_slice_full", "correct_slice, full"),
@@ -38,12 +39,12 @@ const BARS: [(&str, &str); 9] = [
     ("opencv_ros_camera_project", "opencv-ros-camera project"),
 ];
 
-/// Lines nearer than by this factor would write over one another.
+/// Ratio of two lines below which their labels would overlap.
 const CLOSE: f64 = 2.0;
 
-/// Times of one contender over the numbers of points.
+/// Times of one contender by number of points.
 struct Line {
-    /// How the name of its rows ends; of instruction sets the widest stands first.
+    /// End of the name of its rows; of instruction sets the widest comes first.
     rows: &'static str,
     name: &'static str,
     colour: RGBColor,
@@ -79,10 +80,10 @@ const LINES: [Line; 5] = [
 
 type Canvas<'a> = DrawingArea<SVGBackend<'a>, Shift>;
 
-/// The figure, in SVG.
+/// Draws the figure as SVG.
 ///
 /// # Errors
-/// Where the drawing fails.
+/// An error if the drawing fails.
 pub(super) fn svg(rows: &[Row]) -> Result<String> {
     let mut svg = String::new();
     {
@@ -103,7 +104,7 @@ fn text(size: u32, horizontal: HPos) -> TextStyle<'static> {
         .into_text_style(&(0, 0))
 }
 
-/// Instructions per point on the cores, with the modelled cycles of those that have them.
+/// Draws instructions per point on the cores, with the modelled cycles where there are any.
 fn bars(canvas: &Canvas<'_>, rows: &[Row]) -> Result<()> {
     let find = |kernel: &str, core: &str| {
         let is_it = |row: &&Row| row.kernel == kernel && row.core == core;
@@ -165,12 +166,12 @@ fn bars(canvas: &Canvas<'_>, rows: &[Row]) -> Result<()> {
     Ok(())
 }
 
-/// A place along the axis of bars; there are few.
+/// Converts an index into a position on the axis of bars.
 fn place(index: usize) -> f64 {
     u32::try_from(index).map_or(f64::MAX, f64::from)
 }
 
-/// Time per point on a PC.
+/// Draws time per point on a PC.
 fn lines(canvas: &Canvas<'_>, rows: &[Row]) -> Result<()> {
     let series: Vec<(&Line, Vec<(f64, f64)>)> = LINES
         .iter()
@@ -211,7 +212,7 @@ fn lines(canvas: &Canvas<'_>, rows: &[Row]) -> Result<()> {
         .label_style(text(15, HPos::Center))
         .draw()?;
     let area = chart.plotting_area();
-    // Above a dot, or below where another line runs close above it.
+    // The label goes above a dot, or below it if another line runs close above.
     let all: Vec<_> = dots().copied().collect();
     let side = |(points, ns): (f64, f64)| {
         let is_close = |other: &&(f64, f64)| {

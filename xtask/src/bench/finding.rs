@@ -1,4 +1,4 @@
-//! What has become worse than the tables say, or cannot be told.
+//! Findings: costs that exceed the tables, and costs that cannot be compared.
 
 use std::{collections::BTreeMap, fmt};
 
@@ -7,42 +7,42 @@ use super::{
     limit::{self, LIMITS, Limit},
 };
 
-/// By how much a cost may exceed that of the table before the table has to change.
+/// Relative rise of a cost above which the table has to change.
 pub(crate) const MAX_RISE: f64 = 0.01;
 
-/// The command that writes the tables, but no limit.
+/// Command that writes the tables, but not the limits.
 const UPDATE: &str = "`cargo xtask bench --update`";
 
-/// Something that is not as it has to be.
+/// A finding.
 #[derive(Clone, Debug, PartialEq)]
 pub(crate) enum Finding {
-    /// It costs more than the table says.
+    /// A cost is larger than in the table.
     Dearer {
         name: String,
         unit: String,
         table: f64,
         now: f64,
     },
-    /// It costs more than it ever may.
+    /// A cost exceeds its limit.
     OverLimit {
         name: String,
         unit: String,
         limit: f64,
         now: f64,
     },
-    /// It is measured and has no limit.
+    /// A measured cost has no limit.
     NoLimit {
         on: String,
         cost: String,
         proposal: f64,
     },
-    /// It has a limit and is not measured.
+    /// A limit belongs to a cost that is not measured.
     LimitOfNothing { on: String, cost: String },
-    /// It is measured and not in the table, which has others of the same compiler and core.
+    /// A measured cost is not in the table, which has others of the same compiler and core.
     NotInTable { name: String, table: &'static str },
-    /// It is in the table and not measured.
+    /// A cost of the table is not measured.
     NotMeasured { name: String, table: &'static str },
-    /// There was nothing to compare.
+    /// No cost was measured.
     NothingMeasured,
 }
 
@@ -87,8 +87,8 @@ impl fmt::Display for Finding {
     }
 }
 
-/// Compares what was measured with the limits, and with the rows of the same compiler and core.
-/// Where the table has no row of these, the limits alone hold, and [`notes`] says so.
+/// Compares the measured costs with the limits and with the rows of the same compiler and core. If
+/// the table has no such rows, only the limits apply, and [`notes`] says so.
 pub(crate) fn findings(
     table: &[Amount<'_>],
     limits: &[Limit],
@@ -130,8 +130,8 @@ pub(crate) fn findings(
     findings
 }
 
-/// What the comparison leaves out: the rows of compilers that the tables do not have, and the
-/// limits of what was not measured.
+/// Returns notes on what the comparison leaves out: the rows of compilers that the tables do not
+/// have, and the limits of costs that were not measured.
 pub(crate) fn notes(
     table: &[Amount<'_>],
     limits: &[Limit],
@@ -176,7 +176,7 @@ mod tests {
         row_on("cortex-m4f", kernel, count, compiler)
     }
 
-    /// On each of the cores, for each of the kernels.
+    /// Creates limits of every kernel on every core.
     fn limits(limits: &[(&str, &str, f64)]) -> Vec<Limit> {
         let limits = limits.iter().map(|(on, cost, limit)| Limit {
             on: (*on).to_owned(),
@@ -245,7 +245,7 @@ mod tests {
         let said = notes(&amounts(&both), &limits, &amounts(&m4f));
         let expected = "nothing was measured on cortex-m55: its 1 limits are passed over";
         assert_eq!(said, [expected]);
-        // A table without them says nothing but that, and the limit holds.
+        // A table without these rows causes only a note, and the limit applies.
         assert_eq!(compare(&m4f, &limits, &both), []);
         assert_eq!(notes(&amounts(&m4f), &limits, &amounts(&both)).len(), 1);
         let dear = row_on("cortex-m55", "a", 7.2, "1.96");
@@ -271,7 +271,7 @@ mod tests {
         let limits = limits(&[("cortex-m4f", "a", 1.0)]);
         assert_eq!(compare(&table, &limits, &[]), [Finding::NothingMeasured]);
         assert_eq!(compare(&[], &[], &[]), [Finding::NothingMeasured]);
-        // Nor one without limits.
+        // A table without limits does not pass either.
         let findings = compare(&table, &[], &table);
         assert!(matches!(findings[..], [Finding::NoLimit { .. }]));
         assert_eq!(table[0].amounts().len(), 1);

@@ -1,4 +1,4 @@
-//! Sizes of the flight image, and its stack.
+//! Sizes and stack of the flight image.
 
 use std::{fs, path::Path};
 
@@ -15,10 +15,10 @@ use crate::{
     workspace::Workspace,
 };
 
-/// Where the memory of variables begins on every Cortex-M.
+/// Start address of the memory of variables on every Cortex-M.
 const RAM: u64 = 0x2000_0000;
 
-/// What the report of `host-sim verify` says of the camera's end of the link.
+/// Part of the report of `host-sim verify` about the camera's end of the link.
 #[derive(Debug, Deserialize)]
 struct Summary {
     link: LinkSummary,
@@ -29,18 +29,18 @@ struct LinkSummary {
     stack_used_bytes: u64,
 }
 
-/// Bytes of flash and of static RAM that an image takes.
+/// Returns the bytes of flash and of static RAM that an image takes.
 fn sizes(image: &Path) -> Result<(u64, u64)> {
     let bytes = fs::read(image)?;
     let file = File::parse(&*bytes).with_context(|| format!("{}", image.display()))?;
-    // What is writable and not zero at the start is in both: copied from flash to RAM.
+    // Initialised variables that are not zero take both: they are copied from flash to RAM.
     let flash = file.segments().map(|segment| segment.file_range().1).sum();
     let in_ram = file.segments().filter(|segment| segment.address() >= RAM);
     let ram = in_ram.map(|segment| segment.size()).sum();
     Ok((flash, ram))
 }
 
-/// Sizes of the flight image, and its stack over a verification of one camera.
+/// Measures the sizes of the flight image, and its stack during the verification of one camera.
 pub(super) fn footprint(
     workspace: &Workspace,
     target: &Target<'_>,

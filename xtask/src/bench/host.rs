@@ -1,4 +1,5 @@
-//! This PC: the kernel's time per point beside copying the same bytes, another crate, and `OpenCV`.
+//! Times on this PC: the kernel per point, beside copying the same bytes, another crate, and
+//! `OpenCV`.
 
 use std::env::consts::EXE_SUFFIX;
 
@@ -9,13 +10,13 @@ use xshell::cmd;
 use super::comparison::{Row, rounded};
 use crate::workspace::Workspace;
 
-/// Points to a call.
+/// Numbers of points per call.
 const SIZES: [&str; 5] = ["1000", "10000", "100000", "1000000", "10000000"];
 
-/// What `OpenCV`'s script ends with where Python has no `OpenCV`.
+/// Exit code of the `OpenCV` script if Python has no `OpenCV`.
 const NO_OPENCV: i32 = 3;
 
-/// A line of the timing programs.
+/// Line of the timing programs' output.
 #[derive(Debug, Deserialize)]
 struct Timed {
     core: String,
@@ -26,10 +27,10 @@ struct Timed {
     clock_ghz: Option<f64>,
 }
 
-/// Times everyone in one run, one after the other; `OpenCV` where `python3` has it.
+/// Times all contenders in one run, one after the other; `OpenCV` only if `python3` has it.
 ///
 /// # Errors
-/// Where the build or a program fails.
+/// An error if the build or a program fails.
 pub(super) fn times(workspace: &Workspace) -> Result<Vec<Row>> {
     let _root = workspace.shell.push_dir(&workspace.root);
     let build = workspace.cargo("build --release -p host-benches --locked");

@@ -1,8 +1,8 @@
-//! The innermost loop of a kernel, out of the image that is counted.
+//! Innermost loop of a kernel, from the image that is counted.
 
 use anyhow::{Context as _, Result, ensure};
 
-/// A line of a disassembly.
+/// An instruction: a line of a disassembly.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub(super) struct Instruction {
     address: u64,
@@ -10,17 +10,18 @@ pub(super) struct Instruction {
     pub(super) operands: String,
 }
 
-/// Branches at the end of a loop that count down by themselves and cost nothing once the loop is known.
+/// Branches at the end of a loop that count down by themselves and take no time once the loop is
+/// known.
 const LOW_OVERHEAD_END: [&str; 2] = ["le", "letp"];
 
 impl Instruction {
-    /// Of a line `address: mnemonic operands <symbol>`; `None` of others.
+    /// Parses a line `address: mnemonic operands <symbol>`; `None` for other lines.
     pub(super) fn parse(line: &str) -> Option<Self> {
         let (address, text) = line.split_once(':')?;
         let address = u64::from_str_radix(address.trim(), 16).ok()?;
         let text = text.trim();
         let (mnemonic, operands) = text.split_once(char::is_whitespace).unwrap_or((text, ""));
-        // What a number means is said behind it.
+        // The meaning of a number follows it.
         let operands = operands.split(['<', '@']).next().unwrap_or_default();
         Some(Self {
             address,
@@ -29,7 +30,7 @@ impl Instruction {
         })
     }
 
-    /// Where a branch leads.
+    /// Returns the target of a branch.
     fn target(&self) -> Option<u64> {
         let is_branch = self.is_low_overhead_end() || self.mnemonic.starts_with('b');
         let last = self
@@ -48,7 +49,8 @@ impl Instruction {
         LOW_OVERHEAD_END.contains(&self.mnemonic.as_str())
     }
 
-    /// Floating-point operations of a multiplication, addition or subtraction in single precision, over all its lanes.
+    /// Counts multiplications, additions and subtractions in single precision, over all lanes of
+    /// the instruction.
     pub(super) fn operations(&self) -> u32 {
         let each = match self.mnemonic.as_str() {
             "vadd.f32" | "vsub.f32" | "vmul.f32" => 1,
@@ -59,26 +61,28 @@ impl Instruction {
         each * lanes
     }
 
-    /// Registers that it names, in order; the one that it writes first.
+    /// Returns the registers that it names, in order; an instruction writes its first one.
     pub(super) fn registers(&self) -> impl Iterator<Item = &str> {
         let names = self.operands.split(|c: char| !c.is_ascii_alphanumeric());
         names.filter(|name| !name.is_empty())
     }
 }
 
-/// One round of a loop; its branch is the last instruction.
+/// One round of a loop; the last instruction is its branch.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub(super) struct KernelLoop {
     pub(super) instructions: Vec<Instruction>,
-    /// Points of a round.
+    /// Points per round.
     pub(super) points: u32,
 }
 
 impl KernelLoop {
-    /// The innermost loop with the most operations, of a function that does `operations` of them per point.
+    /// Finds the innermost loop with the most operations, in a function that performs `operations`
+    /// of them per point.
     ///
     /// # Errors
-    /// Where there is no loop, or its operations do not make whole points: then it is not what it is taken for.
+    /// An error if there is no loop, or if its operations are not those of whole points, so that it
+    /// is not the kernel's loop.
     pub(super) fn find(disassembly: &str, operations: u32) -> Result<Self> {
         let all: Vec<_> = disassembly.lines().filter_map(Instruction::parse).collect();
         let mut loops = Vec::new();
@@ -113,7 +117,7 @@ impl KernelLoop {
         })
     }
 
-    /// The round as an assembler reads it, its branch leading to its own beginning.
+    /// Returns the round as text for an assembler, with a branch to its own beginning.
     pub(super) fn text(&self) -> String {
         let lines = self
             .instructions
@@ -131,7 +135,7 @@ impl KernelLoop {
 mod tests {
     use super::KernelLoop;
 
-    /// Two operations per point: a vector of four points, then what is left over, one by one.
+    /// Two operations per point: a vector of four points, then the remaining ones one by one.
     const DISASSEMBLY: &str = "
 00000100 <kernel>:
      100:      \tcbz\tr2, 0x132 <kernel+0x32> @ imm = #0x2e

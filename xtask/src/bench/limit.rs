@@ -1,7 +1,7 @@
-//! What the camera's work may cost at most, by whichever compiler: `docs/limits.csv`.
+//! Limits of the cost of the camera's work, by whichever compiler: `docs/limits.csv`.
 //!
-//! A count is the compiler's, so that a row of a table is compared with rows of the same compiler
-//! alone. A limit is the camera's: every row has one, and every compiler is held to it.
+//! A count depends on the compiler, so a row of a table is compared only with rows of the same
+//! compiler. A limit belongs to the camera: every row has one, and every compiler has to keep it.
 
 use std::{collections::BTreeSet, path::Path};
 
@@ -13,41 +13,41 @@ use super::{
     finding::Finding,
 };
 
-/// The limits. They are set by hand: nothing in this program writes them.
+/// Path of the limits. They are set by hand: this program does not write them.
 pub(crate) const LIMITS: &str = "docs/limits.csv";
 
-/// Proposed limit of a new row, by its first count: the same code was found to cost up to 24 % more
-/// where the compiler joined other functions (`docs/performance.md`).
+/// Factor from the first count to the proposed limit of a new row: the same code was found to cost
+/// up to 24 % more where the compiler joined other functions (`docs/performance.md`).
 pub(crate) const MARGIN: f64 = 1.25;
 
-/// The least margin of an event or tick of the control loop: whether it and its actions are handed
-/// over in registers or in memory is up to 240 instructions to each, however few it takes besides.
+/// Least margin of an event or tick of the control loop: passing it and its actions in registers or
+/// in memory makes a difference of up to 240 instructions to each, however few it takes otherwise.
 pub(crate) const LEAST_OF_A_STEP: f64 = 240.0;
 
-/// How much a limit may be above the dearest count of its row: one that is further off says
-/// nothing, and is to be lowered.
+/// Largest ratio of a limit to the largest count of its row: a looser limit is meaningless and has
+/// to be lowered.
 #[cfg(test)]
 pub(crate) const LOOSEST: f64 = 1.38;
 
-/// A line of the limits. It has no way to be written.
+/// Line of the limits. It can be read but not written.
 #[derive(Clone, Debug, PartialEq, Deserialize)]
 pub(crate) struct Limit {
-    /// The core or image.
+    /// Core or image.
     pub(crate) on: String,
-    /// The kernel, or the column of an image.
+    /// Kernel, or column of an image.
     pub(crate) cost: String,
     #[serde(rename = "limit")]
     pub(crate) most: f64,
     pub(crate) set_by: SetBy,
 }
 
-/// Where a limit is from.
+/// Origin of a limit.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Deserialize)]
 #[serde(rename_all = "lowercase")]
 pub(crate) enum SetBy {
-    /// What the camera is to keep.
+    /// Requirement of the camera.
     Requirement,
-    /// A margin over the first count.
+    /// Margin over the first count.
     Margin,
 }
 
@@ -60,23 +60,23 @@ impl Limit {
 /// Reads the limits.
 ///
 /// # Errors
-/// Where they are missing or no such table.
+/// An error if they are missing or are not such a table.
 pub(crate) fn read(root: &Path) -> Result<Vec<Limit>> {
     cost::read(&root.join(LIMITS))
 }
 
-/// Proposed limit of a row: its count and the margin, in two digits.
+/// Returns the proposed limit of a row: its count and the margin, in two digits.
 pub(crate) fn proposal(row: &Amount<'_>) -> f64 {
     let least = if is_step(row) { LEAST_OF_A_STEP } else { 0.0 };
     two_digits_up((MARGIN * row.count).max(row.count + least))
 }
 
-/// Whether it is an event or a tick of the control loop, which are counted one at a time.
+/// Returns true for an event or a tick of the control loop, which are counted singly.
 fn is_step(row: &Amount<'_>) -> bool {
     row.cost.starts_with("control_event_") || row.cost.starts_with("control_tick_")
 }
 
-/// The next number of two significant digits.
+/// Rounds up to two significant digits.
 fn two_digits_up(number: f64) -> f64 {
     let digit = number.log10().floor() - 1.0;
     if digit < 0.0 {
@@ -88,7 +88,8 @@ fn two_digits_up(number: f64) -> f64 {
     }
 }
 
-/// What is over its limit, has none, or is a limit of nothing on a core or image that was measured.
+/// Returns the costs that exceed their limit or have none, and the limits without a cost on a core
+/// or image that was measured.
 pub(crate) fn held(limits: &[Limit], measured: &[Amount<'_>]) -> Vec<Finding> {
     let mut findings = Vec::new();
     for now in measured {
@@ -120,7 +121,7 @@ pub(crate) fn held(limits: &[Limit], measured: &[Amount<'_>]) -> Vec<Finding> {
     findings
 }
 
-/// The cores and images that were not measured, each with the number of its limits.
+/// Returns the cores and images that were not measured, each with the number of its limits.
 pub(crate) fn passed_over<'a>(
     limits: &'a [Limit],
     measured: &[Amount<'_>],
@@ -145,7 +146,8 @@ mod tests {
         two_digits_up,
     };
 
-    /// The same of a step of the control loop, for the two digits of its least margin.
+    /// Largest ratio for a step of the control loop, which allows for the two digits of its least
+    /// margin.
     const LOOSEST_OF_A_STEP: f64 = 1.1;
 
     fn limits() -> Vec<Limit> {
@@ -176,7 +178,7 @@ mod tests {
         findings.iter().map(ToString::to_string).collect()
     }
 
-    /// Every compiler's row is within its limit, every row has one, and none is without a row.
+    /// Every compiler's row is within its limit, every row has one, and every limit has a row.
     #[test]
     fn committed_tables_keep_every_limit() {
         let (instructions, footprint) = documented::tables();
@@ -210,7 +212,7 @@ mod tests {
         assert_eq!(named.len(), limits.len());
     }
 
-    /// What is required stands in the document, too: it is not changed in passing.
+    /// Requirements are stated in the document, too, so that they are not changed in passing.
     #[test]
     fn requirements_are_those_that_are_documented() {
         let documented = documented::rows(
@@ -309,7 +311,7 @@ mod tests {
         assert_eq!(texts, [over, without]);
     }
 
-    /// A dearer count goes into the table, and stays over its limit.
+    /// A larger count goes into the table, and still exceeds its limit.
     #[test]
     fn update_of_a_table_leaves_the_limits_alone() {
         let root = std::env::temp_dir().join(format!("fmc-xtask-limits-{}", std::process::id()));

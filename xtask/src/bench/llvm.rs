@@ -1,4 +1,4 @@
-//! LLVM's tools: its disassembler, and the model of a processor by which compilers schedule.
+//! LLVM's tools: its disassembler, and its model of a processor, by which compilers schedule.
 
 use std::{
     env, fs,
@@ -15,22 +15,22 @@ use crate::{
     tools::{Tool, Toolbox},
 };
 
-/// The first whose models were tried: 14 has none of the Cortex-M55.
+/// First version whose models were tried; 14 has none for the Cortex-M55.
 const OLDEST: u32 = 19;
 
-/// Rounds of a loop that are modelled: what comes before it is at full speed is nothing beside them.
+/// Number of modelled rounds of a loop, so large that the start until full speed is negligible.
 const ROUNDS: u32 = 500;
 
-/// Both tools, of one version.
+/// Both tools, in one version.
 #[derive(Debug)]
 pub(super) struct Llvm<'a> {
     shell: &'a Shell,
     directory: PathBuf,
-    /// What follows the tools' names: empty, or `-19`.
+    /// End of the tools' names: empty, or `-19`.
     suffix: String,
 }
 
-/// What is used of the model's report.
+/// Part of the model's report that is used.
 #[derive(Debug, Deserialize)]
 struct Report {
     #[serde(rename = "CodeRegions")]
@@ -50,8 +50,8 @@ struct Summary {
 }
 
 impl<'a> Llvm<'a> {
-    /// Finds the tools on the search path, or else fetches them; where they cannot be had, says that no cycles are
-    /// modelled.
+    /// Finds the tools on the search path or fetches them; if they are not available, prints that
+    /// no cycles are modelled.
     pub(super) fn set_up(shell: &'a Shell, toolbox: &Toolbox<'_>) -> Option<Self> {
         let found = env::var_os("PATH").and_then(|path| Self::find(shell, env::split_paths(&path)));
         found.or_else(|| match toolbox.provide(Tool::Llvm) {
@@ -63,7 +63,7 @@ impl<'a> Llvm<'a> {
         })
     }
 
-    /// The newest in these directories that is not too old.
+    /// Finds the newest tools in these directories that are not too old.
     fn find(shell: &'a Shell, directories: impl IntoIterator<Item = PathBuf>) -> Option<Self> {
         let tools = directories.into_iter().flat_map(|directory| {
             let names = fs::read_dir(&directory).into_iter().flatten().flatten();
@@ -91,10 +91,10 @@ impl<'a> Llvm<'a> {
         self.directory.join(format!("{name}{}", self.suffix))
     }
 
-    /// Name and number of the model.
+    /// Returns name and number of the model.
     ///
     /// # Errors
-    /// Where the tool does not answer.
+    /// An error if the tool does not answer.
     pub(super) fn version(&self) -> Result<String> {
         Ok(format!("llvm-mca {}", self.number()?))
     }
@@ -110,10 +110,10 @@ impl<'a> Llvm<'a> {
             .context("llvm-mca --version names none")
     }
 
-    /// The instructions of a function, as the disassembler writes them: address, colon, mnemonic, operands.
+    /// Disassembles a function; each line has address, colon, mnemonic and operands.
     ///
     /// # Errors
-    /// Where the tool fails.
+    /// An error if the tool fails.
     pub(super) fn disassembly(&self, image: &Path, addresses: Range<u64>) -> Result<String> {
         let objdump = self.program("llvm-objdump");
         let start = format!("--start-address={}", addresses.start);
@@ -127,10 +127,10 @@ impl<'a> Llvm<'a> {
             .with_context(|| format!("disassembly of {}", image.display()))
     }
 
-    /// Cycles that a processor takes for one round of a loop.
+    /// Returns the cycles that a processor takes for one round of a loop.
     ///
     /// # Errors
-    /// Where the tool has no such processor, or does not know an instruction.
+    /// An error if the tool has no such processor, or does not know an instruction.
     pub(super) fn cycles(&self, triple: &str, processor: &str, round: &str) -> Result<f64> {
         let mca = self.program("llvm-mca");
         let rounds = ROUNDS.to_string();
@@ -152,7 +152,7 @@ impl<'a> Llvm<'a> {
     }
 }
 
-/// The first number of a version.
+/// Returns the first number of a version.
 fn major(number: &str) -> Option<u32> {
     number.split('.').next()?.parse().ok()
 }

@@ -1,4 +1,4 @@
-//! What the control loop leaves of a core, from the instructions that its rounds take.
+//! Load of a core by the control loop, from the instructions of its rounds.
 
 use std::fmt;
 
@@ -6,23 +6,23 @@ use anyhow::{Result, ensure};
 
 use super::cost::Instructions;
 
-/// Clocks: of the emulated machines, and of a usual Cortex-M4F.
+/// Clocks: those of the emulated machines, and that of a usual Cortex-M4F.
 const CLOCKS_MHZ: [f64; 2] = [25.0, 168.0];
 
-/// From one round to the next.
+/// Period of the control loop.
 const ROUND_MS: f64 = 1.0;
 
-/// Mean over the frame cycle at 2 frames/s.
+/// Row with the mean over the frame cycle at 2 frames/s.
 const MEAN: &str = "control_round";
-/// The dearest at the longest exposure within the camera's limits.
+/// Row with the longest round at the longest exposure within the camera's limits.
 const WORST: &str = "control_round_worst";
-/// The dearest with a shutter that stays open until it is given up.
+/// Row with the longest round with a shutter that stays open until the camera gives it up.
 const STUCK: &str = "control_round_stuck_shutter";
 
-/// Least of the time that must be left at the slowest clock, on average.
+/// Least mean share of the time that must be left at the slowest clock.
 pub(crate) const LEAST_IDLE: f64 = 0.8;
 
-/// Load of one core at one clock, at an instruction per cycle.
+/// Load of one core at one clock, at one instruction per cycle.
 #[derive(Clone, Debug, PartialEq)]
 pub(crate) struct Load {
     core: String,
@@ -34,7 +34,7 @@ pub(crate) struct Load {
 }
 
 impl Load {
-    /// Whether it leaves enough, and no round lasts into the next.
+    /// Returns true if enough time is left and no round lasts into the next.
     pub(crate) fn is_allowed(&self) -> bool {
         self.idle >= LEAST_IDLE && self.worst_ms.max(self.stuck_ms) < ROUND_MS
     }
@@ -54,7 +54,7 @@ impl fmt::Display for Load {
     }
 }
 
-/// The loads of every core that is in the rows.
+/// Returns the loads of every core of the rows.
 pub(crate) fn loads(rows: &[Instructions]) -> Vec<Load> {
     let mut loads = Vec::new();
     for mean in rows.iter().filter(|row| row.kernel == MEAN) {
@@ -82,10 +82,10 @@ pub(crate) fn loads(rows: &[Instructions]) -> Vec<Load> {
     loads
 }
 
-/// Says every load, and holds it to what has to be left.
+/// Prints every load and checks that enough time is left.
 ///
 /// # Errors
-/// Where a load is not allowed, or there is none.
+/// An error if a load is not allowed, or if there is none.
 pub(crate) fn check(loads: &[Load]) -> Result<()> {
     ensure!(
         !loads.is_empty(),

@@ -1,4 +1,4 @@
-//! `cargo xtask bench`: what the camera's work costs on the targets, counted in QEMU.
+//! `cargo xtask bench`: cost of the camera's work on the targets, counted in QEMU.
 
 mod comparison;
 mod cost;
@@ -33,15 +33,16 @@ use crate::{
 use cost::{Cost, Footprint, Instructions, amounts};
 use llvm::Llvm;
 
-/// The comparison, and its figure.
+/// File names of the comparison and of its figure.
 const PERFORMANCE: &str = "performance.csv";
 const FIGURE: &str = "performance.svg";
 
-/// Prints counts, modelled cycles and times as CSV, and the images' footprint on the error stream; draws what a point
-/// costs on every core. With `update` the tables and the figure in docs are written, otherwise those in target/bench.
+/// Prints counts, modelled cycles and times as CSV, and the images' footprint on the error stream;
+/// draws the cost of a point on every core. With `update` it writes the tables and the figure in
+/// docs, otherwise those in target/bench.
 ///
 /// # Errors
-/// Where the set-up, a build, QEMU or a timing program fails.
+/// An error if the set-up, a build, QEMU or a timing program fails.
 pub(crate) fn run(workspace: &Workspace, update: bool) -> Result<ExitCode> {
     let toolbox = Toolbox::new(workspace);
     let emulator = Emulator::set_up(workspace, &toolbox)?;
@@ -62,7 +63,7 @@ pub(crate) fn run(workspace: &Workspace, update: bool) -> Result<ExitCode> {
         eprintln!("{load}");
     }
     eprint!("\n{}", cost::text(&footprint)?);
-    // No limit is written here, whatever is found.
+    // Limits are not written here, whatever is found.
     let measured = [amounts(&counted), amounts(&footprint)].concat();
     for finding in limit::held(&limit::read(&workspace.root)?, &measured) {
         eprintln!("note: {finding}");
@@ -91,10 +92,10 @@ pub(crate) fn run(workspace: &Workspace, update: bool) -> Result<ExitCode> {
     Ok(ExitCode::SUCCESS)
 }
 
-/// Compares what is counted with the committed tables and limits.
+/// Compares the counts with the committed tables and limits.
 ///
 /// # Errors
-/// Where something costs more than its table or its limit says, or cannot be compared.
+/// An error if a cost exceeds its table or its limit, or cannot be compared.
 pub(crate) fn check(
     workspace: &Workspace,
     targets: &Targets<'_>,
@@ -129,7 +130,7 @@ pub(crate) fn check(
     Ok(())
 }
 
-/// The counting program for every core.
+/// Builds the counting program for every core.
 fn programs<'a>(workspace: &Workspace, targets: &'a Targets<'_>) -> Result<Vec<Program<'a>>> {
     let _root = workspace.shell.push_dir(&workspace.root);
     cores::programs(targets, count::PROGRAM)

@@ -1,4 +1,4 @@
-//! What documents and comments say, in sentences.
+//! Sentences of documents and comments.
 
 use std::{
     fs,
@@ -6,18 +6,19 @@ use std::{
     path::{Path, PathBuf},
 };
 
-/// Documents, besides those in docs.
+/// Documents besides those in docs.
 const DOCUMENTS: [&str; 2] = ["README.md", "CHANGELOG.md"];
 
-/// Where documentation of sources is looked for.
+/// Directories in which documentation of sources is looked for.
 const SOURCES: [&str; 6] = ["src", "crates", "host-sim", "benches", "examples", "tests"];
 
-/// Of the workspace.
+/// Returns the root of the workspace.
 fn root() -> PathBuf {
     Path::new(env!("CARGO_MANIFEST_DIR")).join("..")
 }
 
-/// What a line says: all of a document, of a source its comments and the reasons of its lints.
+/// Returns the prose of a line: in a document all of it, in a source its comments and the reasons
+/// of its lints.
 fn prose<'a>(file: &str, line: &'a str) -> Option<&'a str> {
     let line = line.trim();
     if Path::new(file).extension().is_some_and(|end| end == "md") || line.starts_with("reason = \"")
@@ -28,7 +29,7 @@ fn prose<'a>(file: &str, line: &'a str) -> Option<&'a str> {
     marks.iter().find_map(|mark| line.strip_prefix(mark))
 }
 
-/// Paragraphs of a file, each in one line; a row of a table is one.
+/// Returns the paragraphs of a file, each in one line; a row of a table is a paragraph.
 pub(crate) fn paragraphs(file: &str) -> Vec<String> {
     let text = fs::read_to_string(root().join(file)).unwrap();
     let mut paragraphs = vec![String::new()];
@@ -48,7 +49,7 @@ pub(crate) fn paragraphs(file: &str) -> Vec<String> {
     paragraphs
 }
 
-/// Places of the sentences of a paragraph that have the word and a number.
+/// Returns the places of the sentences of a paragraph that have one of the words and a number.
 pub(crate) fn with_numbers(paragraph: &str) -> Vec<Range<usize>> {
     let mut start = 0;
     let mut found = Vec::new();
@@ -67,7 +68,8 @@ pub(crate) fn with_numbers(paragraph: &str) -> Vec<Range<usize>> {
     found
 }
 
-/// Places of a text in a paragraph, where it begins and ends with whole words and numbers.
+/// Returns the places of a text in a paragraph where it begins and ends with whole words and
+/// numbers.
 pub(crate) fn places<'a>(
     paragraph: &'a str,
     text: &'a str,
@@ -86,7 +88,7 @@ pub(crate) fn places<'a>(
         })
 }
 
-/// Paths of the documents and sources, from the root.
+/// Returns the paths of the documents and sources, from the root.
 pub(crate) fn files() -> Vec<String> {
     let mut files = DOCUMENTS.map(str::to_owned).to_vec();
     let mut directories: Vec<PathBuf> = SOURCES.iter().map(|name| root().join(name)).collect();

@@ -1,7 +1,7 @@
-//! Sentences of documents and of the sources' documentation that quote the tables.
+//! Quotes of the tables in sentences of documents and of the sources' documentation.
 //!
-//! Every sentence with a number of instructions or cycles is here: built from the tables in
-//! [`quotes`], or, where the number is from elsewhere, in [`OF_OTHER_SOURCES`].
+//! Every sentence with a number of instructions or cycles is listed here: it is built from the
+//! tables in [`quotes`], or, if the number has another origin, it is in [`OF_OTHER_SOURCES`].
 
 use std::ops::Range;
 
@@ -28,10 +28,10 @@ const INVERSE: &str = "src/geometry/inverse.rs";
 const M4F: &str = "cortex-m4f";
 const M55: &str = "cortex-m55";
 
-/// Numbers that no table has: of manuals, of experiments that are not repeated, and of how the
-/// counting is done.
+/// Numbers that are not in a table: those of manuals, of experiments that are not repeated, and of
+/// the method of counting.
 const OF_OTHER_SOURCES: [(&str, &str); 20] = [
-    // Of manuals and models.
+    // From manuals and models.
     (CONTROL_LOOP, "square roots (14 cycles each)"),
     (CONTROL_LOOP, "the 12 cycles each way"),
     (PERFORMANCE, "a taken branch 3 (its manual: 2 to 4)"),
@@ -46,7 +46,7 @@ const OF_OTHER_SOURCES: [(&str, &str); 20] = [
         "benches/instructions/src/interrupts.rs",
         "12 cycles each on a Cortex-M4",
     ),
-    // Of experiments.
+    // From experiments.
     (CHANGELOG, "instead of 2218"),
     (
         PERFORMANCE,
@@ -61,9 +61,9 @@ const OF_OTHER_SOURCES: [(&str, &str); 20] = [
         "an event or tick takes up to 240 instructions more",
     ),
     (ROWS, "60 instructions per start"),
-    // Of a loop's registers, by its source.
+    // From the registers of a loop, by its source.
     (PERFORMANCE, "29 less the 2 that VMLA joins"),
-    // Of how it is counted and flown.
+    // From the method of counting and flying.
     (
         PERFORMANCE,
         "Instructions per point over a slice of 1024 points",
@@ -87,7 +87,7 @@ const OF_OTHER_SOURCES: [(&str, &str); 20] = [
     ),
 ];
 
-/// A sentence, or part of one, and the file that has to have it.
+/// A sentence, or part of one, and the file that must contain it.
 struct Quote {
     file: &'static str,
     sentence: String,
@@ -98,7 +98,7 @@ fn of(file: &'static str, sentences: Vec<String>) -> impl Iterator<Item = Quote>
     quotes.map(move |sentence| Quote { file, sentence })
 }
 
-/// Every sentence that quotes a table.
+/// Returns every sentence that quotes a table.
 fn quotes() -> Vec<Quote> {
     of(README, readme())
         .chain(of(CHANGELOG, changelog()))
@@ -115,23 +115,23 @@ fn m4f(kernel: &str) -> f64 {
     count(M4F, kernel)
 }
 
-/// To the nearest multiple.
+/// Rounds to the nearest multiple.
 fn nearest(multiple: f64, number: f64) -> f64 {
     multiple * (number / multiple).round()
 }
 
-/// What a call costs, by slices of 256 and of 1024 points.
+/// Returns the cost of a call, from slices of 256 and of 1024 points.
 fn call(core: &str, kernel: &str) -> f64 {
     let few = count(core, &format!("{kernel}_256"));
     (few - count(core, kernel)) / (1.0 / 256.0 - 1.0 / 1024.0)
 }
 
-/// What a point costs without the call.
+/// Returns the cost of a point without the call.
 fn without_call(core: &str, kernel: &str) -> f64 {
     count(core, kernel) - call(core, kernel) / 1024.0
 }
 
-/// Of the frames' mean over transfers, per row of the detector.
+/// Returns the cost per row of the detector, for the frames' mean over transfers.
 fn per_tdi_row() -> f64 {
     (m4f("frame_fold_tdi_worst") - m4f("frame_fold_worst")) / 1024.0
 }
@@ -174,7 +174,7 @@ fn changelog() -> Vec<String> {
     ]
 }
 
-/// Of the points on a microcontroller.
+/// Returns the quotes about points on a microcontroller.
 fn points() -> Vec<String> {
     let of_ours = |core| count(core, "opencv_ros_camera_undistort") / count(core, "correct_slice");
     let calls = [M4F, M55].map(|core| {
@@ -215,7 +215,7 @@ fn points() -> Vec<String> {
     ]
 }
 
-/// Of a frame, and of rows of a mesh.
+/// Returns the quotes about frames, and about rows of a mesh.
 fn frames_and_rows() -> Vec<String> {
     let whole_rows = ["16px", "32px", "64px", "128px", "64px_104mm"];
     let whole_rows = whole_rows.map(|spacing| m4f(&format!("mesh_row_k3_{spacing}")));
@@ -232,7 +232,7 @@ fn frames_and_rows() -> Vec<String> {
     ]
 }
 
-/// Of the limits.
+/// Returns the quotes about limits.
 fn limits() -> Vec<String> {
     vec![
         format!("Counts are those of {COMPILER};"),
@@ -256,7 +256,7 @@ fn limits() -> Vec<String> {
     ]
 }
 
-/// Of the points on a PC.
+/// Returns the quotes about points on a PC.
 fn times() -> Vec<String> {
     let table: Vec<Row> = documented::table("docs/performance.csv");
     let clocks = table.iter().filter_map(|row| {
@@ -282,7 +282,7 @@ fn times() -> Vec<String> {
 }
 
 fn control_loop() -> Vec<String> {
-    // 921,600 bits per second, ten to a byte.
+    // The link has 921,600 bits per second, ten to a byte.
     let link = 92.0 * m4f("interrupt_receive");
     let [slow, fast] = [25_000.0, 168_000.0];
     let rmc = m4f("nmea_rmc");
@@ -309,7 +309,7 @@ fn control_loop() -> Vec<String> {
     ]
 }
 
-/// Of the sources' documentation.
+/// Returns the quotes in the sources' documentation.
 fn of_sources() -> impl Iterator<Item = Quote> {
     let rows = vec![
         format!(
@@ -381,7 +381,7 @@ fn every_quote_is_that_of_the_committed_tables() {
     }
 }
 
-/// Whether one of the texts reaches into a sentence of a paragraph.
+/// Returns true if one of the texts overlaps a sentence of a paragraph.
 fn is_read(paragraph: &str, sentence: &Range<usize>, texts: &[&str]) -> bool {
     texts.iter().any(|text| {
         let mut places = places(paragraph, text);
@@ -402,7 +402,7 @@ fn every_number_of_instructions_or_cycles_is_read() {
             .chain(of_others.map(|(_, text)| *text))
             .collect();
         let paragraphs = paragraphs(&file);
-        // Rows of tables are read as such.
+        // The rows of tables are compared elsewhere.
         for paragraph in paragraphs.iter().filter(|text| !text.starts_with('|')) {
             for sentence in with_numbers(paragraph) {
                 sentences += 1;

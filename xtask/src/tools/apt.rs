@@ -1,5 +1,6 @@
-//! The distribution's packages, by its own programs and the machine's own settings of them, with lists and cache in a
-//! directory of the project: the machine's may be old or absent, and are not this user's to renew.
+//! Packages of the distribution, fetched by its own programs and with the machine's own settings.
+//! Lists and cache are in a directory of the project, because the machine's may be old or absent,
+//! and this user may not be allowed to renew them.
 
 use std::{fs, path::PathBuf};
 
@@ -11,8 +12,8 @@ use super::{
     closure::{self, Package},
 };
 
-/// Beginnings of settings that are not the machine's to say here: where lists and cache are, what runs before and after,
-/// and what is fetched besides the lists of packages.
+/// Prefixes of settings that are not taken from the machine: the places of lists and cache, what
+/// runs before and after, and what is fetched besides the lists of packages.
 const NOT_TAKEN: [&str; 9] = [
     "Acquire::Languages",
     "APT::Sandbox",
@@ -25,22 +26,23 @@ const NOT_TAKEN: [&str; 9] = [
     "DPkg",
 ];
 
-/// A server that does not answer is given up after these seconds, and asked once more.
+/// Settings by which apt gives up a server after these seconds without an answer, after one more
+/// try.
 const PATIENCE: &str = "Acquire::Retries \"1\";
 Acquire::http::Timeout \"20\";
 Acquire::https::Timeout \"20\";
 ";
 
-/// Renewed lists.
+/// Renewed package lists.
 #[derive(Debug)]
 pub(super) struct Apt<'a> {
     shell: &'a Shell,
     directory: PathBuf,
-    /// dpkg's status of the machine.
+    /// dpkg's status file of the machine.
     installed: String,
     /// dpkg's name of the machine's processor.
     architecture: String,
-    /// What was wrong with renewing the lists; those of some source may have come all the same.
+    /// Error of renewing the lists; the lists of some sources may have arrived all the same.
     fault: Option<String>,
 }
 
@@ -48,7 +50,7 @@ impl<'a> Apt<'a> {
     /// Fetches the lists of the machine's sources.
     ///
     /// # Errors
-    /// Where the directory cannot be written.
+    /// An error if the directory cannot be written.
     pub(super) fn renewed(shell: &'a Shell, directory: PathBuf) -> Result<Self> {
         for part in ["lists/partial", "cache/archives/partial", "none"] {
             let part = directory.join(part);
@@ -73,17 +75,18 @@ impl<'a> Apt<'a> {
             fault: None,
         };
         eprintln!("xtask: fetching the package lists of this system");
-        // One source that fails may be none of those that are needed.
+        // A source that fails may not be needed.
         let update = apt.configured(cmd!(shell, "apt-get --quiet update"));
         let answer = update.ignore_status().output()?;
         apt.fault = fault_of_update(&String::from_utf8_lossy(&answer.stderr));
         Ok(apt)
     }
 
-    /// The packages of a tool that are absent on this machine, and in the tool that it rests on.
+    /// Returns the packages of a tool that are absent on this machine and in the tool on which it
+    /// is based.
     ///
     /// # Errors
-    /// Where the lists do not have them.
+    /// An error if the lists do not have them.
     pub(super) fn absent(&self, tool: Tool, base: Option<&Unpacked>) -> Result<Vec<Package>> {
         let names = tool.packages();
         let first = names.first().context("a tool without packages")?;
@@ -92,7 +95,7 @@ impl<'a> Apt<'a> {
         let shown = shown.map_err(|error| self.with_fault(error))?;
         let source = closure::source_of(&shown).context("a package without a name")?;
         let mut status = closure::status(&self.installed, source);
-        // Where the tool rests on an installed one there is none.
+        // An installed base has no status file of the project.
         let base = base.map(|base| fs::read_to_string(base.status()).unwrap_or_default());
         let base = base.unwrap_or_default();
         status += &base;
@@ -103,7 +106,8 @@ impl<'a> Apt<'a> {
             "apt-get --quiet --simulate --no-install-recommends install {names...}"
         )));
         let mut packages = closure::installs(&simulation.map_err(|error| self.with_fault(error))?);
-        // apt takes a package that asks for nothing for another one than that of the lists.
+        // apt reinstalls a package without dependencies, because it takes it for a different one
+        // from that of the lists.
         packages.retain(|package| {
             let is_there = closure::has(&self.installed, package, &self.architecture)
                 || closure::has(&base, package, &self.architecture);
@@ -119,7 +123,7 @@ impl<'a> Apt<'a> {
     /// Downloads packages and unpacks them.
     ///
     /// # Errors
-    /// Where one cannot be downloaded or unpacked whole.
+    /// An error if one cannot be downloaded or unpacked completely.
     pub(super) fn unpack(&self, packages: &[Package], new: &Unpacked) -> Result<()> {
         let archives = new.directory.join("archives");
         let root = new.root();
@@ -160,7 +164,7 @@ impl<'a> Apt<'a> {
             .env("DEBIAN_FRONTEND", "noninteractive")
     }
 
-    /// An error with what went wrong before it.
+    /// Adds the error of renewing the lists to a later error.
     fn with_fault(&self, error: anyhow::Error) -> anyhow::Error {
         match &self.fault {
             Some(fault) => error.context(format!("the package lists cannot be renewed: {fault}")),
@@ -172,7 +176,7 @@ impl<'a> Apt<'a> {
 /// Runs a program to its end and returns what it prints.
 ///
 /// # Errors
-/// What it said was wrong, in a line.
+/// The program's own error message, in one line.
 fn said(command: Cmd<'_>) -> Result<String> {
     let name = command.to_string();
     let name = name.split_whitespace().next().unwrap_or_default();
@@ -189,7 +193,7 @@ fn said(command: Cmd<'_>) -> Result<String> {
     Err(anyhow::anyhow!("{name}: {fault}"))
 }
 
-/// What kept lists from being renewed, in what apt says of it; other warnings are none of that.
+/// Returns the reason why lists were not renewed, according to apt; other warnings are not reasons.
 fn fault_of_update(stderr: &str) -> Option<String> {
     let lines = stderr.lines().filter(|line| {
         line.starts_with("E: ") || line.starts_with("W: Failed") || line.starts_with("W: Some")
@@ -197,7 +201,7 @@ fn fault_of_update(stderr: &str) -> Option<String> {
     fault(&lines.collect::<Vec<_>>().join("\n"))
 }
 
-/// The first error, or else the first warning, that apt or dpkg names.
+/// Returns the first error, or else the first warning, that apt or dpkg names.
 fn fault(stderr: &str) -> Option<String> {
     let first = |mark: &str| stderr.lines().find_map(|line| line.strip_prefix(mark));
     let other = || stderr.lines().rfind(|line| line.starts_with("dpkg"));
@@ -205,7 +209,7 @@ fn fault(stderr: &str) -> Option<String> {
     Some(fault.trim().to_owned())
 }
 
-/// The value of a setting in `apt-config dump`.
+/// Returns the value of a setting in `apt-config dump`.
 fn value<'a>(dump: &'a str, key: &str) -> Option<&'a str> {
     let line = dump
         .lines()
@@ -213,7 +217,7 @@ fn value<'a>(dump: &'a str, key: &str) -> Option<&'a str> {
     Some(line.trim_matches(['"', ';']))
 }
 
-/// The machine's settings, with the project's own in the place of some.
+/// Returns the machine's settings, some of them replaced by the project's own.
 fn settings(machine: &str, own: &str) -> String {
     let is_taken = |line: &&str| {
         let key = line.split_whitespace().next().unwrap_or_default();

@@ -1,4 +1,4 @@
-//! Which packages a tool consists of: texts to and from apt, without calling it.
+//! Closure of a tool's packages: texts to and from apt, without calling it.
 
 use crate::version::Version;
 
@@ -10,7 +10,7 @@ pub(super) struct Package {
 }
 
 impl Package {
-    /// The version of what is packed, without Debian's own numbers.
+    /// Returns the version of the packaged program, without Debian's own numbers.
     pub(super) fn upstream(&self) -> Option<Version> {
         let (_, upstream) = self
             .version
@@ -20,7 +20,7 @@ impl Package {
     }
 }
 
-/// Fields of dpkg's status that tell what is there.
+/// Fields of dpkg's status that describe what is installed.
 const KEPT: [&str; 6] = [
     "Package:",
     "Source:",
@@ -30,15 +30,15 @@ const KEPT: [&str; 6] = [
     "Provides:",
 ];
 
-/// dpkg's status for the question which packages of `source` are absent: all that is installed, but nothing that
-/// installed packages ask for or object to, since the tool is laid beside them; and none of `source`, whose installed
-/// parts may be of another version.
+/// Returns dpkg's status for the question which packages of `source` are absent. It lists all
+/// installed packages, but not their dependencies and conflicts, since the tool is unpacked beside
+/// them; it lists none of `source`, whose installed packages may be of another version.
 pub(super) fn status(installed: &str, source: &str) -> String {
     let others = stanzas(installed).filter(|stanza| source_of(stanza) != Some(source));
     others.map(self::installed).collect()
 }
 
-/// Whether a package is there at that version, for that processor or for all.
+/// Returns true if a package is installed at that version, for that processor or for all.
 pub(super) fn has(installed: &str, package: &Package, architecture: &str) -> bool {
     stanzas(installed).any(|stanza| {
         field(stanza, "Package:") == Some(&package.name)
@@ -47,14 +47,14 @@ pub(super) fn has(installed: &str, package: &Package, architecture: &str) -> boo
     })
 }
 
-/// The version at which a package is there.
+/// Returns the version at which a package is installed.
 pub(super) fn version_of(installed: &str, package: &str) -> Option<String> {
     let is_it = |stanza: &&str| field(stanza, "Package:") == Some(package);
     let stanza = stanzas(installed).find(is_it)?;
     field(stanza, "Version:").map(str::to_owned)
 }
 
-/// The stanzas of the packages that are installed whole.
+/// Returns the stanzas of the packages that are completely installed.
 fn stanzas(status: &str) -> impl Iterator<Item = &str> {
     status.split("\n\n").filter(|stanza| {
         let state = field(stanza, "Status:").unwrap_or_default();
@@ -62,14 +62,14 @@ fn stanzas(status: &str) -> impl Iterator<Item = &str> {
     })
 }
 
-/// What a stanza tells of its package, as that of an installed one.
+/// Converts a stanza into that of an installed package.
 pub(super) fn installed(stanza: &str) -> String {
     let is_kept = |line: &&str| KEPT.iter().any(|field| line.starts_with(field));
     let kept: Vec<_> = stanza.lines().filter(is_kept).collect();
     format!("{}\nStatus: install ok installed\n\n", kept.join("\n"))
 }
 
-/// The source package that a stanza's package is built from.
+/// Returns the source package from which a stanza's package is built.
 pub(super) fn source_of(stanza: &str) -> Option<&str> {
     let value = field(stanza, "Source:").or_else(|| field(stanza, "Package:"))?;
     value.split_whitespace().next()
@@ -80,8 +80,9 @@ fn field<'a>(stanza: &'a str, name: &str) -> Option<&'a str> {
     Some(value.trim())
 }
 
-/// The packages that `apt-get install --simulate` would install. Never the C library: it belongs to the system's
-/// loader, and its release has the one that the others are built for.
+/// Returns the packages that `apt-get install --simulate` would install, without the C library: it
+/// belongs to the system's loader, and its release has the one for which the other packages are
+/// built.
 pub(super) fn installs(simulation: &str) -> Vec<Package> {
     let package = |line: &str| {
         let rest = line.strip_prefix("Inst ")?;
@@ -145,7 +146,7 @@ Status: install ok installed
 
 ";
         assert_eq!(status(INSTALLED, "qemu"), expected);
-        // What is written can be read again.
+        // The output can be read again.
         assert_eq!(status(&status(INSTALLED, "qemu"), ""), expected);
         let zlib = Package {
             name: "zlib1g".to_owned(),

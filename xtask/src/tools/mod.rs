@@ -1,10 +1,11 @@
-//! Tools of the project's own: the distribution's packages of QEMU, a compiler and what belongs to it, unpacked under
-//! `<target>/tools` and run from there. Nothing on the machine is installed or changed, so that no right is needed and
-//! no installed package can be in the way.
+//! Tools of the project: the distribution's packages of QEMU, a compiler and what belongs to it,
+//! unpacked under `<target>/tools` and run from there. Nothing on the machine is installed or
+//! changed, so that no privileges are needed and installed packages cannot conflict.
 //!
-//! A tool is a directory, `<target>/tools/<name>`: complete, or absent. It is unpacked beside its place, tried, and
-//! renamed. In it are `root` with the packages' files, `bin` with a launcher per program that names the libraries that
-//! came along, `status` with the packages, and `release`, which names the system they are of.
+//! A tool is a directory, `<target>/tools/<name>`, which is complete or absent. It is unpacked
+//! beside its place, tried, and renamed. It contains `root` with the packages' files, `bin` with a
+//! launcher per program that names the libraries of the packages, `status` with the list of
+//! packages, and `release` with the name of their system.
 
 mod apt;
 mod closure;
@@ -32,7 +33,7 @@ pub(crate) use unpacked::Unpacked;
 /// End of the name of a directory that is not complete yet.
 const UNFINISHED: &str = ".new";
 
-/// What may be fetched.
+/// A tool that may be fetched.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 pub(crate) enum Tool {
     /// A compiler with its cargo and its library sources.
@@ -48,7 +49,7 @@ pub(crate) enum Tool {
 }
 
 impl Tool {
-    /// Its directory.
+    /// Returns the name of its directory.
     pub(crate) fn name(self) -> &'static str {
         match self {
             Self::Compiler => "compiler",
@@ -59,7 +60,7 @@ impl Tool {
         }
     }
 
-    /// Debian's packages of it; the first tells its version.
+    /// Returns Debian's packages of the tool; the first one determines its version.
     pub(crate) fn packages(self) -> &'static [&'static str] {
         match self {
             Self::Compiler => &["rustc-web", "cargo-web", "rust-web-src"],
@@ -70,7 +71,7 @@ impl Tool {
         }
     }
 
-    /// Programs of it that are run, the first to ask for its version.
+    /// Returns the programs that are run; the first one is asked for its version.
     fn programs(self) -> &'static [&'static str] {
         match self {
             Self::Compiler => &["rustc", "cargo"],
@@ -81,7 +82,7 @@ impl Tool {
         }
     }
 
-    /// The oldest version that serves, where an older one may be met.
+    /// Returns the oldest version that is accepted, if an older one may occur.
     pub(crate) fn oldest(self) -> Option<Version> {
         match self {
             Self::Compiler => Version::find(env!("CARGO_PKG_RUST_VERSION")),
@@ -90,12 +91,12 @@ impl Tool {
         }
     }
 
-    /// The tool whose libraries it is run with, besides its own.
+    /// Returns the tool whose libraries it needs, besides its own.
     fn rests_on(self) -> Option<Self> {
         (self == Self::Clippy).then_some(Self::Compiler)
     }
 
-    /// Files it must have besides programs.
+    /// Returns the files that it must have besides programs.
     fn files(self) -> &'static [&'static str] {
         match self {
             Self::Compiler => &[COMPILER_SOURCES],
@@ -116,18 +117,18 @@ impl fmt::Display for Tool {
     }
 }
 
-/// The directory of the tools, and what is needed to fill it.
+/// Directory of the tools, and what is needed to fill it.
 #[derive(Debug)]
 pub(crate) struct Toolbox<'a> {
     shell: &'a Shell,
     directory: PathBuf,
     system: System,
-    /// Package lists, renewed at the first need of them.
+    /// Package lists, renewed when they are first needed.
     apt: OnceCell<Apt<'a>>,
 }
 
 impl<'a> Toolbox<'a> {
-    /// The workspace's; nothing is done yet.
+    /// Creates the toolbox of the workspace, without fetching anything.
     pub(crate) fn new(workspace: &'a Workspace) -> Self {
         Self {
             shell: &workspace.shell,
@@ -137,26 +138,26 @@ impl<'a> Toolbox<'a> {
         }
     }
 
-    /// The system that the tools are for.
+    /// Returns the system that the tools are for.
     pub(crate) fn system(&self) -> &System {
         &self.system
     }
 
-    /// A tool that is there, of this system's release, and works.
+    /// Returns a tool that is present, of this system's release, and works.
     pub(crate) fn find(&self, tool: Tool) -> Option<Unpacked> {
         self.tried(tool).ok()
     }
 
-    /// A tool that is there, or else is fetched.
+    /// Returns a tool that is present, or else fetches it.
     ///
     /// # Errors
-    /// [`Missing`] where it cannot be had; then nothing of it is left.
+    /// [`Missing`] if it is not available; then nothing of it is left.
     pub(crate) fn provide(&self, tool: Tool) -> Result<Unpacked, Missing> {
         let fetched = self.find(tool).map_or_else(|| self.fetch(tool), Ok);
         fetched.map_err(|error| Missing::new(tool, &self.system, &error))
     }
 
-    /// Where a tool is, once it has been provided.
+    /// Returns the place of a tool after it has been provided.
     pub(crate) fn place(&self, tool: Tool) -> Unpacked {
         let base = tool.rests_on().map(|base| self.directory.join(base.name()));
         Unpacked::new(self.directory.join(tool.name()), base)
@@ -168,7 +169,7 @@ impl<'a> Toolbox<'a> {
         Ok(place)
     }
 
-    /// Fetches a tool, with every other program of this kind kept out meanwhile.
+    /// Fetches a tool, with a lock against other programs of this kind.
     fn fetch(&self, tool: Tool) -> Result<Unpacked> {
         for program in ["apt-get", "apt-cache", "apt-config", "dpkg-deb"] {
             if on_path(program).is_none() {
@@ -177,7 +178,7 @@ impl<'a> Toolbox<'a> {
         }
         let _lock = Workspace::lock(&self.directory, "fetches tools")?;
         self.remove_unfinished()?;
-        // Another program may have fetched it meanwhile.
+        // Another program may have fetched the tool in the meantime.
         if let Some(tool) = self.find(tool) {
             return Ok(tool);
         }
@@ -187,7 +188,7 @@ impl<'a> Toolbox<'a> {
         );
         let fetched = self.fetch_into(tool, &new);
         if fetched.is_err() {
-            // What is wrong has been found out; that the rest goes too is not worth another error.
+            // The error of the fetching is returned; an error of the removal is ignored.
             let _ = fs::remove_dir_all(&new.directory);
         }
         fetched?;
@@ -228,7 +229,8 @@ impl<'a> Toolbox<'a> {
             .with_context(|| place.directory.display().to_string())
     }
 
-    /// Removes what a program that was killed has left; with the lock, so that nobody works on it.
+    /// Removes what a program that was killed has left; the lock guarantees that no other program
+    /// uses it.
     fn remove_unfinished(&self) -> Result<()> {
         for name in file_names(&self.directory) {
             if name.ends_with(UNFINISHED) {
@@ -241,7 +243,7 @@ impl<'a> Toolbox<'a> {
     fn renewed(&self) -> Result<&Apt<'a>> {
         if self.apt.get().is_none() {
             let apt = Apt::renewed(self.shell, self.directory.join("apt"))?;
-            // Nobody else has set it since: this value is not shared between threads.
+            // The value cannot have been set since, because it is not shared between threads.
             let _ = self.apt.set(apt);
         }
         self.apt.get().context("the package lists")

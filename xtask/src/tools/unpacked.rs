@@ -1,4 +1,5 @@
-//! A tool unpacked from its packages, and the launchers by which its programs find the libraries that came along.
+//! Tool unpacked from its packages, with the launchers by which its programs find the libraries of
+//! the packages.
 
 use std::{
     fs, io,
@@ -11,7 +12,7 @@ use xshell::{Shell, cmd};
 use super::{Tool, closure};
 use crate::{machine::file_names, version::Version};
 
-/// A tool's directory.
+/// Directory of a tool.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub(crate) struct Unpacked {
     pub(super) directory: PathBuf,
@@ -24,27 +25,27 @@ impl Unpacked {
         Self { directory, base }
     }
 
-    /// Where the packages' files are.
+    /// Returns the directory of the packages' files.
     pub(crate) fn root(&self) -> PathBuf {
         self.directory.join("root")
     }
 
-    /// Where the launchers are: a directory for a search path.
+    /// Returns the directory of the launchers, for a search path.
     pub(crate) fn bin(&self) -> PathBuf {
         self.directory.join("bin")
     }
 
-    /// The launcher of a program.
+    /// Returns the launcher of a program.
     pub(crate) fn program(&self, name: &str) -> PathBuf {
         self.bin().join(name)
     }
 
-    /// What it consists of, as dpkg would tell it of installed packages.
+    /// Returns the path of the list of its packages, in the form of dpkg's list of installed ones.
     pub(super) fn status(&self) -> PathBuf {
         self.directory.join("status")
     }
 
-    /// The version of the package that tells the tool's.
+    /// Returns the version of the package that determines the tool's.
     fn version(&self, tool: Tool) -> Option<String> {
         let status = fs::read_to_string(self.status()).ok()?;
         closure::version_of(&status, tool.packages().first()?)
@@ -54,7 +55,7 @@ impl Unpacked {
         self.directory.join("release")
     }
 
-    /// Writes what belongs to the packages' files: the launchers, and the release they are of.
+    /// Writes the launchers, and the release to which the packages belong.
     pub(super) fn finish(&self, tool: Tool, release: &str) -> Result<()> {
         let own = library_directories(&self.root(), "");
         let base = self.base.as_deref().map_or_else(Vec::new, |base| {
@@ -71,10 +72,10 @@ impl Unpacked {
         fs::write(self.release(), release).with_context(|| self.release().display().to_string())
     }
 
-    /// Whether it is of this release, complete, and runs.
+    /// Checks that the tool is of this release, complete, and runs.
     ///
     /// # Errors
-    /// What is wrong.
+    /// A message that says what is wrong.
     pub(super) fn try_out(&self, shell: &Shell, tool: Tool, release: &str) -> Result<()> {
         let of = fs::read_to_string(self.release())
             .with_context(|| self.directory.display().to_string())?;
@@ -122,7 +123,8 @@ impl Unpacked {
     }
 }
 
-/// The directories of shared libraries below a root, seen from a tool's directory: `prefix`, then `root/…`.
+/// Returns the directories of shared libraries below a root, relative to a tool's directory:
+/// `prefix`, then `root/…`.
 fn library_directories(root: &Path, prefix: &str) -> Vec<String> {
     ["usr/lib", "lib"]
         .into_iter()
@@ -137,7 +139,8 @@ fn library_directories(root: &Path, prefix: &str) -> Vec<String> {
         .collect()
 }
 
-/// A program that runs another one with these directories of libraries, relative to the tool's.
+/// Returns the text of a program that runs another one with these directories of libraries, which
+/// are relative to the tool's.
 fn launcher(name: &str, libraries: &[String]) -> String {
     let libraries: Vec<_> = libraries
         .iter()
@@ -161,7 +164,7 @@ fn write_program(path: &Path, text: &str) -> io::Result<()> {
     fs::set_permissions(path, fs::Permissions::from_mode(0o755))
 }
 
-/// Packages of Debian's kind are fetched on no other system.
+/// Writes the text alone: this system fetches no packages of Debian's kind.
 #[cfg(not(unix))]
 fn write_program(path: &Path, text: &str) -> io::Result<()> {
     fs::write(path, text)
@@ -171,7 +174,7 @@ fn write_program(path: &Path, text: &str) -> io::Result<()> {
 mod tests {
     use super::*;
 
-    /// A tool whose program answers `answer` to everything.
+    /// Creates a tool whose program answers `answer` to everything.
     fn unpacked(directory: &Path, release: &str, answer: &str) -> Unpacked {
         let tool = Unpacked::new(directory.to_owned(), None);
         let programs = tool.root().join("usr/bin");
