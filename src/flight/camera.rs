@@ -294,7 +294,7 @@ impl Camera {
     ///
     /// # Errors
     /// As [`Self::plan`]; also for more TDI rows than
-    /// [`MAX_ROWS`](crate::geometry::tdi::MAX_ROWS).
+    /// [`MAX_ROWS`](crate::geometry::range::MAX_ROWS).
     pub fn motion(&self, exposure: &Exposure) -> Result<PrincipalPointMotion, FrameError> {
         let travel = UniformTravel {
             opening_offset_mm: self.plan(exposure)?.opening_mm,

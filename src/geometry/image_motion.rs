@@ -5,7 +5,7 @@ use core::f32::consts::PI;
 use core::fmt;
 
 use super::calibration::Calibration;
-use super::planar_flow::{FlightPoint, GroundScale, Quadratic, extent};
+use super::planar_flow::{Extent, FlightPoint, GroundScale, Quadratic};
 use super::range::{OutOfRange, Quantity};
 use super::sensor::{FmcAxis, Sensor, SensorPoint};
 
@@ -43,6 +43,31 @@ impl View {
             principal_point: record.principal_point,
             axis: record.axis,
         }
+    }
+
+    /// A point of the sensor frame relative to the principal point, along the camera's axes.
+    fn flight_from_sensor(&self, point: SensorPoint) -> FlightPoint {
+        let x_mm = point.x_mm - self.principal_point.x_mm;
+        let y_mm = point.y_mm - self.principal_point.y_mm;
+        let sign = self.axis.sign();
+        if self.axis.is_x() {
+            FlightPoint {
+                right_mm: -sign * y_mm,
+                forward_mm: sign * x_mm,
+            }
+        } else {
+            FlightPoint {
+                right_mm: sign * x_mm,
+                forward_mm: sign * y_mm,
+            }
+        }
+    }
+
+    /// Two opposite corners of the sensor.
+    fn extent(&self) -> Extent {
+        let (x, y) = (self.sensor.half_width_mm(), self.sensor.half_height_mm());
+        [SensorPoint::new(-x, -y), SensorPoint::new(x, y)]
+            .map(|corner| self.flight_from_sensor(corner))
     }
 }
 
@@ -239,7 +264,7 @@ impl ImageMotion {
             along_right: cos_pitch * sin_roll / focal,
             along_forward: -sin_pitch / focal,
         };
-        let least = scale.least_in(&extent(view));
+        let least = scale.least_in(&view.extent());
         if least.is_nan() || least < LEAST_GROUND_SCALE {
             return Err(ImageMotionError::Horizon(least));
         }
@@ -356,7 +381,7 @@ impl ImageMotion {
 
     /// The longest control point of the residual velocity over the sensor, mm/s.
     fn fastest_mm_s(&self) -> f32 {
-        let extent = extent(&self.view);
+        let extent = self.view.extent();
         let ends = [(0.0, 0.0), (0.0, 1.0), (1.0, 1.0)];
         let mut fastest = 0.0_f32;
         for across in ends {
@@ -371,7 +396,7 @@ impl ImageMotion {
     }
 
     fn velocity_beside(&self, point: SensorPoint, detector_mm_s: f32) -> ImageVelocity {
-        let at = FlightPoint::of(&self.view, point);
+        let at = self.view.flight_from_sensor(point);
         let right = self.right.at(at);
         let forward = self.forward.at(at) + detector_mm_s;
         let sign = self.view.axis.sign();

@@ -1,8 +1,5 @@
 //! The image motion over flat ground as a function of the image point: two quadratic polynomials.
 
-use super::image_motion::View;
-use super::sensor::SensorPoint;
-
 /// A point of the image relative to the principal point, along the camera's axes.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct FlightPoint {
@@ -10,32 +7,8 @@ pub(super) struct FlightPoint {
     pub(super) forward_mm: f32,
 }
 
-impl FlightPoint {
-    pub(super) fn of(view: &View, point: SensorPoint) -> Self {
-        let x_mm = point.x_mm - view.principal_point.x_mm;
-        let y_mm = point.y_mm - view.principal_point.y_mm;
-        let sign = view.axis.sign();
-        if view.axis.is_x() {
-            Self {
-                right_mm: -sign * y_mm,
-                forward_mm: sign * x_mm,
-            }
-        } else {
-            Self {
-                right_mm: sign * x_mm,
-                forward_mm: sign * y_mm,
-            }
-        }
-    }
-}
-
 /// Two opposite corners of the sensor.
 pub(super) type Extent = [FlightPoint; 2];
-
-pub(super) fn extent(view: &View) -> Extent {
-    let (x, y) = (view.sensor.half_width_mm(), view.sensor.half_height_mm());
-    [SensorPoint::new(-x, -y), SensorPoint::new(x, y)].map(|corner| FlightPoint::of(view, corner))
-}
 
 /// s: the scale of the ground's image by its scale below the camera, linear over the image.
 #[derive(Debug, Clone, Copy)]

@@ -73,6 +73,9 @@ pub enum Quantity {
 /// the distance from exit pupil to image (1 mm at 100 mm: hundreds of times the depth of focus).
 pub const MAX_FOCUS_FRACTION: f32 = 0.01;
 
+/// Most rows the charge of a TDI sensor may move in one exposure.
+pub const MAX_ROWS: f32 = 1024.0;
+
 impl Quantity {
     /// The name in the camera file and in messages, with its unit.
     #[must_use]
@@ -154,7 +157,7 @@ impl Quantity {
             Self::StrokeMm => (0.001, 100.0),
             Self::FlatnessUm => (-1000.0, 1000.0),
             Self::FirstTransfer | Self::OpeningFraction | Self::ClosingFraction => (0.0, 1.0),
-            Self::TdiRows => (0.0, super::tdi::MAX_ROWS),
+            Self::TdiRows => (0.0, MAX_ROWS),
             Self::VhPerS => (0.0, 10.0),
             Self::ExposureS => (1e-6, 10.0),
             Self::OpeningOffsetMm | Self::CentroidOffsetMm => (-50.0, 50.0),

@@ -3,9 +3,6 @@
 use super::range::{OutOfRange, Quantity};
 use super::shutter::Shutter;
 
-/// Most rows the charge may move in one exposure.
-pub const MAX_ROWS: f32 = 1024.0;
-
 /// The mean number of rows the charge has been moved by, over the light of one exposure.
 ///
 /// # Model
@@ -20,10 +17,10 @@ pub const MAX_ROWS: f32 = 1024.0;
 /// result in rows along the FMC axis.
 ///
 /// # Accuracy
-/// 0.002 rows at [`MAX_ROWS`] (rounding of the sum), 1e-5 rows at 100 rows.
+/// 0.002 rows at [`MAX_ROWS`](super::range::MAX_ROWS) (rounding of the sum), 1e-5 rows at 100 rows.
 ///
 /// # Errors
-/// [`OutOfRange`] for a phase outside 0 to 1 row periods or for more rows than [`MAX_ROWS`].
+/// [`OutOfRange`] for a phase outside 0 to 1 row periods or for more rows than [`MAX_ROWS`](super::range::MAX_ROWS).
 ///
 /// # Examples
 /// ```
@@ -52,6 +49,7 @@ pub fn mean_transfers(
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::geometry::range::MAX_ROWS;
     use crate::geometry::shutter::ShutterProfile;
 
     fn lag(rows: f32, first_transfer: f32) -> f32 {

@@ -18,9 +18,8 @@ use fmc_camera::geometry::inverse::{FREE_STEPS, LAST_RESIDUAL_NM, MAX_STEPS};
 use fmc_camera::geometry::invertibility::{MAX_DISC_SLOPE, MIN_SCALE};
 use fmc_camera::geometry::newton_step::{LEFT_BY_ONE_STEP_NM, MAX_LAST_STEP_FRACTION};
 use fmc_camera::geometry::principal_distance::FLATNESS_TERMS;
-use fmc_camera::geometry::range::MAX_FOCUS_FRACTION;
+use fmc_camera::geometry::range::{MAX_FOCUS_FRACTION, MAX_ROWS};
 use fmc_camera::geometry::sensor::{MAX_SIDE_MM, MAX_SIDE_PX};
-use fmc_camera::geometry::tdi::MAX_ROWS;
 
 #[test]
 fn documented_constants_are_those_of_the_code() {

@@ -4,8 +4,8 @@ use crate::geometry::cameras;
 use crate::geometry::mesh::{corrections, half_a_millimetre, wide};
 use crate::geometry::source_row::source_f64;
 use fmc_camera::geometry::calibration::Calibration;
-use fmc_camera::geometry::mesh::format::{MeshFormat, OutOfFormat, PixelAxis};
-use fmc_camera::geometry::mesh::vertex::{MeshError, Vertex, VertexRow};
+use fmc_camera::geometry::mesh::format::{MeshFormat, OutOfFormat, PixelAxis, Vertex};
+use fmc_camera::geometry::mesh::vertex::{MeshError, VertexRow};
 
 /// Source minus output pixel, columns and rows, of a vertex as stored.
 fn displacement_px(format: MeshFormat, word: &[u8], [col, row]: [f64; 2]) -> [f64; 2] {

@@ -55,7 +55,7 @@ impl Camera {
     }
 
     /// The motion of rows that are clocked at the speed of a travel, of any length: beyond
-    /// [`MAX_ROWS`](crate::geometry::tdi::MAX_ROWS) it is the smooth one, which then differs by less than a row in
+    /// [`MAX_ROWS`](crate::geometry::range::MAX_ROWS) it is the smooth one, which then differs by less than a row in
     /// ten thousand.
     #[must_use]
     pub fn rows(&self, travel: UniformTravel) -> PrincipalPointMotion {

@@ -1,7 +1,10 @@
 //! The way back: from wherever the stage is to where it waits for the next trigger.
 
+use super::error::{PlanError, StrokeTooShort};
+use super::plan::Stage;
 use super::profile::Profile;
-use super::{PlanError, Setpoint, Stage, StrokeTooShort, Travel};
+use super::setpoint::Setpoint;
+use super::travel::Travel;
 
 impl Stage {
     /// The quickest motion to rest at another place; a stage that moves stops first.

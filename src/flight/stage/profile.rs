@@ -2,7 +2,7 @@
 
 use heapless::Vec;
 
-use super::Setpoint;
+use super::setpoint::Setpoint;
 
 /// Most segments of a profile: three of a stop, seven of the fly-back after it.
 pub const MAX_SEGMENTS: usize = 10;

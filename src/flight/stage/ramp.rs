@@ -1,7 +1,8 @@
 //! Acceleration from rest to a speed, and back to rest.
 
+use super::plan::Stage;
 use super::profile::Profile;
-use super::{Setpoint, Stage};
+use super::setpoint::Setpoint;
 
 /// A change of speed between rest and a speed, with limited acceleration and jerk.
 ///

@@ -1,7 +1,9 @@
 //! The travel of a real exposure: from where the stage stands at the trigger.
 
+use super::error::PlanError;
+use super::plan::{RunUp, Stage, StagePlan, Tracking};
 use super::profile::Profile;
-use super::{PlanError, RunUp, Setpoint, Stage, StagePlan, Tracking};
+use super::setpoint::Setpoint;
 use crate::geometry::range::Quantity;
 
 /// How much faster than now the next frame may need to be, as a fraction of the speed, without opening off its place.

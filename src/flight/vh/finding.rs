@@ -2,7 +2,7 @@
 
 use core::fmt;
 
-use super::VhSample;
+use super::sample::VhSample;
 
 /// A sensor's number, as one source of V/H.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]

@@ -1,9 +1,10 @@
 //! Keeps what the sensors say, and makes V/H of it.
 
 use super::channel::{Accepted, Channel, Held, is_times};
+use super::estimate::{VhEstimate, VhSource};
 use super::finding::{VhChannel, VhCounters, VhFinding, VhFindingKind};
+use super::sample::VhSample;
 use super::settings::{ChannelSettings, VhSettings};
-use super::{VhEstimate, VhSample, VhSource};
 use crate::flight::time::Time;
 
 /// Keeps the samples and makes V/H of them.

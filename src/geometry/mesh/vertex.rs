@@ -2,7 +2,7 @@
 
 use core::fmt;
 
-use super::format::{MeshFormat, OutOfFormat, Word};
+use super::format::{MeshFormat, OutOfFormat, Vertex, Word};
 use super::source_row::SourceRow;
 use crate::geometry::frame_correction::FrameCorrection;
 use crate::geometry::inverse::DistortError;
@@ -27,19 +27,6 @@ pub struct VertexRow {
     /// Column and row of the whole image from which source coordinates are counted: the first pixel of the part of the
     /// source image that the engine is given. Displacements do not depend on it.
     pub origin_px: [u32; 2],
-}
-
-/// A vertex: a pixel of the output image and the way to its place in the source image, the measured one.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Vertex {
-    /// Column of the output pixel, from the origin.
-    pub col_px: i32,
-    /// Row of the output pixel, from the origin.
-    pub row_px: i32,
-    /// Columns from there to its place in the source image, to the right.
-    pub source_cols_px: f32,
-    /// Rows from there to its place in the source image, downwards.
-    pub source_rows_px: f32,
 }
 
 /// A row of a mesh cannot be given.

@@ -4,8 +4,9 @@
 //! `InitUndistortRectifyMapInverse`; its own `remap` reads maps in single precision ([`super::single`]). This format is for
 //! kernels that stay in fixed point.
 
-use super::{Fixed, MeshFormat, OutOfFormat, PixelAxis, pair32};
-use crate::geometry::mesh::vertex::Vertex;
+use super::fixed::{Fixed, pair32};
+use super::mesh_format::{MeshFormat, OutOfFormat};
+use super::vertex::{PixelAxis, Vertex};
 
 /// Half a step, and rounding before it of a displacement of up to 256 pixels.
 pub const QUANTISATION_PX: f32 = 0.5 / 1_048_576.0 + 256.0 * f32::EPSILON;

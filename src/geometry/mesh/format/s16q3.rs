@@ -5,8 +5,9 @@
 //! "Mesh table" of LDC; TI E2E FAQ 1042074 has horizontal as the first). Vertices every 2ᵐ pixels; the table begins on a
 //! 16-byte boundary.
 
-use super::{Fixed, MeshFormat, OutOfFormat, PixelAxis, pair16};
-use crate::geometry::mesh::vertex::Vertex;
+use super::fixed::{Fixed, pair16};
+use super::mesh_format::{MeshFormat, OutOfFormat};
+use super::vertex::{PixelAxis, Vertex};
 
 /// Half a step.
 pub const QUANTISATION_PX: f32 = 1.0 / 16.0;

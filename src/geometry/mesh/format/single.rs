@@ -3,8 +3,9 @@
 //! VPI's warp map has control points of two floats, x then y (`VPIKeypointF32`), on the output image's grid; `OpenCV`
 //! takes two maps of one float or one of two. All hold the place in the source image.
 
-use super::{MeshFormat, OutOfFormat, PixelAxis, pair32};
-use crate::geometry::mesh::vertex::Vertex;
+use super::fixed::pair32;
+use super::mesh_format::{MeshFormat, OutOfFormat};
+use super::vertex::{PixelAxis, Vertex};
 
 /// Largest rounding of a coordinate of up to `largest_px`, and of the displacement in it: 0.0005 px at 10000 px.
 #[must_use]
@@ -17,7 +18,8 @@ pub const fn quantisation_px(largest_px: f32) -> f32 {
 /// # Errors
 /// [`OutOfFormat`] for a vertex that is not finite.
 pub fn bytes(vertex: &Vertex) -> Result<[u8; 8], OutOfFormat> {
-    let finite = |axis, value_px: f32| {
+    let finite = |axis| {
+        let value_px = vertex.source_px(axis);
         if value_px.is_finite() {
             Ok(value_px.to_le_bytes())
         } else {
@@ -32,19 +34,7 @@ pub fn bytes(vertex: &Vertex) -> Result<[u8; 8], OutOfFormat> {
             })
         }
     };
-    let columns = finite(
-        PixelAxis::Columns,
-        sum(vertex.col_px, vertex.source_cols_px),
-    )?;
-    let rows = finite(PixelAxis::Rows, sum(vertex.row_px, vertex.source_rows_px))?;
+    let columns = finite(PixelAxis::Columns)?;
+    let rows = finite(PixelAxis::Rows)?;
     Ok(pair32(columns, rows))
-}
-
-/// A place and a share of pixels, in single precision.
-#[expect(
-    clippy::cast_precision_loss,
-    reason = "exact: pixels of an image are fewer than 2^24"
-)]
-pub(super) fn sum(whole_px: i32, share_px: f32) -> f32 {
-    whole_px as f32 + share_px
 }

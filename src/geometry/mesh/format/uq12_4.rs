@@ -5,8 +5,9 @@
 //! `dw100`, control `V4L2_CID_DW100_DEWARPING_16x16_VERTEX_MAP`). The engine takes images of at most 4096 x 3072 pixels:
 //! a larger sensor is corrected part by part.
 
-use super::{Fixed, MeshFormat, OutOfFormat, PixelAxis, pair16};
-use crate::geometry::mesh::vertex::Vertex;
+use super::fixed::{Fixed, pair16};
+use super::mesh_format::{MeshFormat, OutOfFormat};
+use super::vertex::{PixelAxis, Vertex};
 
 /// Half a step.
 pub const QUANTISATION_PX: f32 = 1.0 / 32.0;

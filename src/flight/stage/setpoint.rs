@@ -1,0 +1,22 @@
+//! Place, speed and acceleration of the stage at one instant.
+
+/// Where the stage should be at an instant, and how it should move.
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
+#[cfg_attr(feature = "link", derive(serde::Serialize, serde::Deserialize))]
+pub struct Setpoint {
+    /// Offset along the FMC axis from the calibrated position, mm.
+    pub offset_mm: f32,
+    /// Speed along the FMC axis, mm/s.
+    pub speed_mm_s: f32,
+    /// Acceleration along the FMC axis, mm/s².
+    pub acceleration_mm_s2: f32,
+}
+
+impl Setpoint {
+    /// Whether all of it are numbers.
+    pub(super) const fn is_finite(&self) -> bool {
+        self.offset_mm.is_finite()
+            && self.speed_mm_s.is_finite()
+            && self.acceleration_mm_s2.is_finite()
+    }
+}
