@@ -4,8 +4,8 @@
 pub(crate) mod wire_format;
 
 use fmc_camera::flight::camera::{Camera, CameraRecord};
-use fmc_camera::flight::drive::pwm_encoder::DriveSettings;
 use fmc_camera::flight::drive::rig::RigDrive;
+use fmc_camera::flight::drive::settings::DriveSettings;
 use fmc_camera::flight::exposure::Exposure;
 use fmc_camera::flight::time::Time;
 use fmc_camera::flight::unit::MAX_ROUND_ACTIONS;

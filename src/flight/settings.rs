@@ -1,10 +1,10 @@
 //! How a camera is flown: what its calibration does not say.
 
-use super::drive::pwm_encoder::DriveSettings;
-use super::drive::settings::SettingOutOfRange;
+use super::drive::settings::DriveSettings;
 use super::exposure::FlightDirection;
 use super::stage_watch::StageTolerance;
 use super::vh::settings::VhSettings;
+use crate::geometry::range::{OutOfRange, Quantity};
 
 /// How a camera is flown.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -42,31 +42,24 @@ impl FlightSettings {
     /// The settings, if each is believable.
     ///
     /// # Errors
-    /// [`SettingOutOfRange`] naming the field, its value and its range.
-    pub fn checked(self) -> Result<Self, SettingOutOfRange> {
-        let ranges = [
-            ("exposure_s", self.exposure_s, 1e-6, 10.0),
-            ("smear_budget_px", self.smear_budget_px, 0.01, 100.0),
+    /// [`OutOfRange`] naming the field, its value and its range.
+    pub fn checked(self) -> Result<Self, OutOfRange> {
+        let fields = [
+            (Quantity::ExposureS, self.exposure_s),
+            (Quantity::SmearBudgetPx, self.smear_budget_px),
             (
-                "speed_tolerance_percent",
+                Quantity::SpeedTolerancePercent,
                 self.speed_tolerance_percent,
-                0.01,
-                100.0,
             ),
-            (
-                "following_tolerance_um",
-                self.following_tolerance_um,
-                0.1,
-                10_000.0,
-            ),
-            ("jump_tolerance_um", self.jump_tolerance_um, 0.01, 10_000.0),
-            ("shutter_latency_s", self.shutter_latency_s, 0.0, 1.0),
-            ("shutter_tolerance_s", self.shutter_tolerance_s, 1e-5, 0.1),
-            ("time_pulse_sigma_s", self.time_pulse_sigma_s, 0.0, 0.01),
-            ("trigger_interval_s", self.trigger_interval_s, 0.0, 3600.0),
+            (Quantity::FollowingToleranceUm, self.following_tolerance_um),
+            (Quantity::JumpToleranceUm, self.jump_tolerance_um),
+            (Quantity::ShutterLatencyS, self.shutter_latency_s),
+            (Quantity::ShutterToleranceS, self.shutter_tolerance_s),
+            (Quantity::TimePulseSigmaS, self.time_pulse_sigma_s),
+            (Quantity::TriggerIntervalS, self.trigger_interval_s),
         ];
-        for (field, value, min, max) in ranges {
-            super::drive::settings::within(field, value, min, max)?;
+        for (quantity, value) in fields {
+            quantity.check(value)?;
         }
         Ok(Self {
             vh: self.vh.checked()?,

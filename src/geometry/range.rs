@@ -1,73 +1,7 @@
-//! The quantities a camera is described by, and the range in which each of them is believable.
+//! The quantities a camera is described by and the settings it is flown with, and the range in
+//! which each of them is believable.
 
 use core::fmt;
-
-/// A quantity of the calibration, the mechanism or the exposure that is checked on the way in.
-///
-/// The name is the one of the camera file and of the documents.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-#[cfg_attr(feature = "link", derive(serde::Serialize, serde::Deserialize))]
-#[expect(missing_docs, reason = "each variant is the field of the same name")]
-pub enum Quantity {
-    PrincipalDistanceMm,
-    ExitPupilMm,
-    PrincipalPointX,
-    PrincipalPointY,
-    WidthPx,
-    HeightPx,
-    PixelUm,
-    K0,
-    K1,
-    K2,
-    K3,
-    P1,
-    P2,
-    B1,
-    B2,
-    Km0,
-    Km1,
-    Km2,
-    Kd1,
-    Pm1,
-    AccelerationMmS2,
-    SettlingMs,
-    StrokeMm,
-    FlatnessUm,
-    FirstTransfer,
-    TdiRows,
-    OpeningFraction,
-    ClosingFraction,
-    VhPerS,
-    ExposureS,
-    OpeningOffsetMm,
-    CentroidOffsetMm,
-    TravelMm,
-    FocusShiftUm,
-    XMm,
-    YMm,
-    DxUm,
-    DyUm,
-    SigmaUm,
-    ReliefPercent,
-    PitchDeg,
-    RollDeg,
-    DriftDeg,
-    PitchRateDegS,
-    RollRateDegS,
-    YawRateDegS,
-    JerkMmS3,
-    MaxSpeedMmS,
-    GroundSpeedMS,
-    HeightAboveGroundM,
-    AltitudeM,
-    TerrainHeightM,
-    SourcePeriodS,
-    SourceValidityS,
-    SourceSlew,
-    SourceSigma,
-    SourceFrozenS,
-    DisagreementPercent,
-}
 
 /// Largest principal-distance change the correction is shown invertible for, as a fraction κ of
 /// the distance from exit pupil to image (1 mm at 100 mm: hundreds of times the depth of focus).
@@ -76,125 +10,138 @@ pub const MAX_FOCUS_FRACTION: f32 = 0.01;
 /// Most rows the charge of a TDI sensor may move in one exposure.
 pub const MAX_ROWS: f32 = 1024.0;
 
+/// The enum of the quantities, each with its name and its least and largest value.
+macro_rules! quantities {
+    ($($variant:ident = $name:literal, $least:expr, $most:expr;)+) => {
+        /// A quantity of the calibration, the mechanism, the exposure or the settings of a flight
+        /// that is checked on the way in.
+        ///
+        /// The name is the one of the camera file and of the documents. The order is that of the
+        /// numbers on the wire: new quantities are added at the end.
+        #[derive(Debug, Clone, Copy, PartialEq, Eq)]
+        #[cfg_attr(feature = "link", derive(serde::Serialize, serde::Deserialize))]
+        #[expect(missing_docs, reason = "each variant is the field of the same name")]
+        pub enum Quantity {
+            $($variant),+
+        }
+
+        impl Quantity {
+            /// All of them, in the order of the numbers on the wire.
+            pub const ALL: &'static [Self] = &[$(Self::$variant),+];
+
+            /// The name in the camera file and in messages, with its unit.
+            #[must_use]
+            pub const fn name(self) -> &'static str {
+                match self {
+                    $(Self::$variant => $name),+
+                }
+            }
+
+            /// The believable range, both ends included. Polynomial coefficients have none of their
+            /// own: any finite number passes here and the invertibility check judges the set.
+            #[must_use]
+            pub const fn range(self) -> (f32, f32) {
+                match self {
+                    $(Self::$variant => ($least, $most)),+
+                }
+            }
+        }
+    };
+}
+
+quantities! {
+    PrincipalDistanceMm = "principal_distance_mm", 5.0, 5000.0;
+    ExitPupilMm = "exit_pupil_mm", 1.0, 100_000.0;
+    PrincipalPointX = "principal_point_mm[0]", -250.0, 250.0;
+    PrincipalPointY = "principal_point_mm[1]", -250.0, 250.0;
+    WidthPx = "width_px", 1.0, 100_000.0;
+    HeightPx = "height_px", 1.0, 100_000.0;
+    PixelUm = "pixel_um", 0.5, 100.0;
+    K0 = "k0", f32::MIN, f32::MAX;
+    K1 = "k1", f32::MIN, f32::MAX;
+    K2 = "k2", f32::MIN, f32::MAX;
+    K3 = "k3", f32::MIN, f32::MAX;
+    P1 = "p1", f32::MIN, f32::MAX;
+    P2 = "p2", f32::MIN, f32::MAX;
+    B1 = "b1", f32::MIN, f32::MAX;
+    B2 = "b2", f32::MIN, f32::MAX;
+    Km0 = "km0", f32::MIN, f32::MAX;
+    Km1 = "km1", f32::MIN, f32::MAX;
+    Km2 = "km2", f32::MIN, f32::MAX;
+    Kd1 = "kd1", f32::MIN, f32::MAX;
+    Pm1 = "pm1", f32::MIN, f32::MAX;
+    AccelerationMmS2 = "acceleration_mm_s2", 1.0, 1e6;
+    SettlingMs = "settling_ms", 0.0, 1000.0;
+    StrokeMm = "stroke_mm", 0.001, 100.0;
+    FlatnessUm = "flatness_um", -1000.0, 1000.0;
+    FirstTransfer = "first_transfer", 0.0, 1.0;
+    TdiRows = "TDI rows per exposure", 0.0, MAX_ROWS;
+    OpeningFraction = "opening_fraction", 0.0, 1.0;
+    ClosingFraction = "closing_fraction", 0.0, 1.0;
+    VhPerS = "vh_per_s", 0.0, 10.0;
+    ExposureS = "exposure_s", 1e-6, 10.0;
+    OpeningOffsetMm = "opening_offset_mm", -50.0, 50.0;
+    CentroidOffsetMm = "centroid_offset_mm", -50.0, 50.0;
+    TravelMm = "travel_mm", -100.0, 100.0;
+    FocusShiftUm = "focus_shift_um", -100_000.0, 100_000.0;
+    XMm = "x_mm", -500.0, 500.0;
+    YMm = "y_mm", -500.0, 500.0;
+    DxUm = "dx_um", -100_000.0, 100_000.0;
+    DyUm = "dy_um", -100_000.0, 100_000.0;
+    SigmaUm = "sigma_um", 1e-4, 1e4;
+    ReliefPercent = "relief_percent", -100.0, 90.0;
+    PitchDeg = "pitch_deg", -45.0, 45.0;
+    RollDeg = "roll_deg", -45.0, 45.0;
+    DriftDeg = "drift_deg", -45.0, 45.0;
+    PitchRateDegS = "pitch_rate_deg_s", -60.0, 60.0;
+    RollRateDegS = "roll_rate_deg_s", -60.0, 60.0;
+    YawRateDegS = "yaw_rate_deg_s", -60.0, 60.0;
+    JerkMmS3 = "jerk_mm_s3", 1.0, 1e12;
+    MaxSpeedMmS = "max_speed_mm_s", 1e-3, 1e5;
+    GroundSpeedMS = "ground_speed_m_s", 0.0, 1000.0;
+    HeightAboveGroundM = "height_above_ground_m", 0.0, 100_000.0;
+    AltitudeM = "altitude_m", -1000.0, 100_000.0;
+    TerrainHeightM = "terrain_height_m", -1000.0, 10_000.0;
+    SourcePeriodS = "source_period_s", 0.001, 3600.0;
+    SourceValidityS = "source_validity_s", 0.001, 3600.0;
+    SourceSlew = "source_slew", 1e-6, 1e6;
+    SourceSigma = "source_sigma", 1e-6, 1e6;
+    SourceFrozenS = "source_frozen_s", 0.0, 3600.0;
+    DisagreementPercent = "disagreement_percent", 0.01, 100.0;
+    SmearBudgetPx = "smear_budget_px", 0.01, 100.0;
+    SpeedTolerancePercent = "speed_tolerance_percent", 0.01, 100.0;
+    FollowingToleranceUm = "following_tolerance_um", 0.1, 10_000.0;
+    JumpToleranceUm = "jump_tolerance_um", 0.01, 10_000.0;
+    ShutterLatencyS = "shutter_latency_s", 0.0, 1.0;
+    ShutterToleranceS = "shutter_tolerance_s", 1e-5, 0.1;
+    TriggerIntervalS = "trigger_interval_s", 0.0, 3600.0;
+    TimePulseSigmaS = "time_pulse_sigma_s", 0.0, 0.01;
+    EncoderStepUm = "encoder_step_um", 1e-3, 100.0;
+    PositionGainPerS = "position_gain_per_s", 0.0, 1e4;
+    SpeedGainPerMmS = "speed_gain_per_mm_s", 0.0, 1e3;
+    IntegralRatePerS = "integral_rate_per_s", 0.0, 1e4;
+    SlopeWeight = "slope_weight", 0.01, 1.0;
+    SpeedFeedPerMmS = "speed_feed_per_mm_s", 0.0, 10.0;
+    AccelerationFeedPerMmS2 = "acceleration_feed_per_mm_s2", 0.0, 1.0;
+    FrictionFeed = "friction_feed", 0.0, 1.0;
+    MaxDuty = "max_duty", 0.01, 1.0;
+    RestBandUm = "rest_band_um", 0.0, 1000.0;
+    LearningRatePerS = "learning_rate_per_s", 0.0, 100.0;
+    ReadingAgeS = "reading_age_s", 0.0, 0.01;
+    DutyDelayS = "duty_delay_s", 0.0, 0.01;
+    MassKg = "mass_kg", 1e-3, 100.0;
+    ForceN = "force_n", 1e-3, 1e4;
+    DampingNSM = "damping_n_s_m", 0.0, 1e4;
+    FrictionN = "friction_n", 0.0, 1e3;
+    StepsPerMm = "steps_per_mm", 1.0, 100_000.0;
+    PulseRateHz = "pulse_rate_hz", 100.0, 1e6;
+    MaxStepRateHz = "max_step_rate_hz", 1.0, 500_000.0;
+    HomingOffsetMm = "homing_offset_mm", -100.0, 100.0;
+    HomingSpeedMmS = "homing_speed_mm_s", 1e-3, 1e5;
+    HomingTravelMm = "homing_travel_mm", 0.0, 200.0;
+}
+
 impl Quantity {
-    /// The name in the camera file and in messages, with its unit.
-    #[must_use]
-    pub const fn name(self) -> &'static str {
-        match self {
-            Self::PrincipalDistanceMm => "principal_distance_mm",
-            Self::ExitPupilMm => "exit_pupil_mm",
-            Self::PrincipalPointX => "principal_point_mm[0]",
-            Self::PrincipalPointY => "principal_point_mm[1]",
-            Self::WidthPx => "width_px",
-            Self::HeightPx => "height_px",
-            Self::PixelUm => "pixel_um",
-            Self::K0 => "k0",
-            Self::K1 => "k1",
-            Self::K2 => "k2",
-            Self::K3 => "k3",
-            Self::P1 => "p1",
-            Self::P2 => "p2",
-            Self::B1 => "b1",
-            Self::B2 => "b2",
-            Self::Km0 => "km0",
-            Self::Km1 => "km1",
-            Self::Km2 => "km2",
-            Self::Kd1 => "kd1",
-            Self::Pm1 => "pm1",
-            Self::AccelerationMmS2 => "acceleration_mm_s2",
-            Self::SettlingMs => "settling_ms",
-            Self::StrokeMm => "stroke_mm",
-            Self::FlatnessUm => "flatness_um",
-            Self::FirstTransfer => "first_transfer",
-            Self::TdiRows => "TDI rows per exposure",
-            Self::OpeningFraction => "opening_fraction",
-            Self::ClosingFraction => "closing_fraction",
-            Self::VhPerS => "vh_per_s",
-            Self::ExposureS => "exposure_s",
-            Self::OpeningOffsetMm => "opening_offset_mm",
-            Self::CentroidOffsetMm => "centroid_offset_mm",
-            Self::TravelMm => "travel_mm",
-            Self::FocusShiftUm => "focus_shift_um",
-            Self::XMm => "x_mm",
-            Self::YMm => "y_mm",
-            Self::DxUm => "dx_um",
-            Self::DyUm => "dy_um",
-            Self::SigmaUm => "sigma_um",
-            Self::ReliefPercent => "relief_percent",
-            Self::PitchDeg => "pitch_deg",
-            Self::RollDeg => "roll_deg",
-            Self::DriftDeg => "drift_deg",
-            Self::PitchRateDegS => "pitch_rate_deg_s",
-            Self::RollRateDegS => "roll_rate_deg_s",
-            Self::YawRateDegS => "yaw_rate_deg_s",
-            Self::JerkMmS3 => "jerk_mm_s3",
-            Self::MaxSpeedMmS => "max_speed_mm_s",
-            Self::GroundSpeedMS => "ground_speed_m_s",
-            Self::HeightAboveGroundM => "height_above_ground_m",
-            Self::AltitudeM => "altitude_m",
-            Self::TerrainHeightM => "terrain_height_m",
-            Self::SourcePeriodS => "source_period_s",
-            Self::SourceValidityS => "source_validity_s",
-            Self::SourceSlew => "source_slew",
-            Self::SourceSigma => "source_sigma",
-            Self::SourceFrozenS => "source_frozen_s",
-            Self::DisagreementPercent => "disagreement_percent",
-        }
-    }
-
-    /// The believable range, both ends included. Polynomial coefficients have none of their own:
-    /// any finite number passes here and the invertibility check judges the set.
-    #[must_use]
-    pub const fn range(self) -> (f32, f32) {
-        match self {
-            Self::PrincipalDistanceMm => (5.0, 5000.0),
-            Self::ExitPupilMm => (1.0, 100_000.0),
-            Self::PrincipalPointX | Self::PrincipalPointY => (-250.0, 250.0),
-            Self::WidthPx | Self::HeightPx => (1.0, 100_000.0),
-            Self::PixelUm => (0.5, 100.0),
-            Self::AccelerationMmS2 => (1.0, 1e6),
-            Self::SettlingMs => (0.0, 1000.0),
-            Self::StrokeMm => (0.001, 100.0),
-            Self::FlatnessUm => (-1000.0, 1000.0),
-            Self::FirstTransfer | Self::OpeningFraction | Self::ClosingFraction => (0.0, 1.0),
-            Self::TdiRows => (0.0, MAX_ROWS),
-            Self::VhPerS => (0.0, 10.0),
-            Self::ExposureS => (1e-6, 10.0),
-            Self::OpeningOffsetMm | Self::CentroidOffsetMm => (-50.0, 50.0),
-            Self::TravelMm => (-100.0, 100.0),
-            Self::FocusShiftUm => (-100_000.0, 100_000.0),
-            Self::XMm | Self::YMm => (-500.0, 500.0),
-            Self::DxUm | Self::DyUm => (-100_000.0, 100_000.0),
-            Self::SigmaUm => (1e-4, 1e4),
-            Self::ReliefPercent => (-100.0, 90.0),
-            Self::PitchDeg | Self::RollDeg | Self::DriftDeg => (-45.0, 45.0),
-            Self::PitchRateDegS | Self::RollRateDegS | Self::YawRateDegS => (-60.0, 60.0),
-            Self::JerkMmS3 => (1.0, 1e12),
-            Self::MaxSpeedMmS => (1e-3, 1e5),
-            Self::GroundSpeedMS => (0.0, 1000.0),
-            Self::HeightAboveGroundM => (0.0, 100_000.0),
-            Self::AltitudeM => (-1000.0, 100_000.0),
-            Self::TerrainHeightM => (-1000.0, 10_000.0),
-            Self::SourcePeriodS | Self::SourceValidityS => (0.001, 3600.0),
-            Self::SourceSlew | Self::SourceSigma => (1e-6, 1e6),
-            Self::SourceFrozenS => (0.0, 3600.0),
-            Self::DisagreementPercent => (0.01, 100.0),
-            Self::K0
-            | Self::K1
-            | Self::K2
-            | Self::K3
-            | Self::P1
-            | Self::P2
-            | Self::B1
-            | Self::B2
-            | Self::Km0
-            | Self::Km1
-            | Self::Km2
-            | Self::Kd1
-            | Self::Pm1 => (f32::MIN, f32::MAX),
-        }
-    }
-
     /// `value`, if it is a number inside [`Self::range`].
     ///
     /// # Errors

@@ -3,19 +3,13 @@
 use crate::conventions::document::{names, rows};
 use fmc_camera::geometry::range::Quantity;
 
-/// The listed quantities; does not compile while one is missing.
-macro_rules! quantities {
-    ($($variant:ident),* $(,)?) => {{
-        const _: fn(Quantity) = |quantity| match quantity {
-            $(Quantity::$variant => {})*
-        };
-        [$(Quantity::$variant),*]
-    }};
-}
-
 /// The unit that a name ends in.
 fn unit_in(name: &str) -> Option<&'static str> {
     let units = [
+        ("_per_mm_s2", "1/(mm/s²)"),
+        ("_per_mm_s", "1/(mm/s)"),
+        ("_per_mm", "1/mm"),
+        ("_n_s_m", "N·s/m"),
         ("_mm_s2", "mm/s²"),
         ("_mm_s3", "mm/s³"),
         ("_mm_s", "mm/s"),
@@ -30,6 +24,9 @@ fn unit_in(name: &str) -> Option<&'static str> {
         ("_ms", "ms"),
         ("_m", "m"),
         ("_s", "s"),
+        ("_kg", "kg"),
+        ("_hz", "Hz"),
+        ("_n", "N"),
     ];
     let name = name.split('[').next()?;
     let (_, unit) = units
@@ -48,70 +45,13 @@ fn printed(end: f32) -> String {
 
 #[test]
 fn documented_ranges_are_those_of_the_code() {
-    let quantities = quantities!(
-        PrincipalDistanceMm,
-        ExitPupilMm,
-        PrincipalPointX,
-        PrincipalPointY,
-        WidthPx,
-        HeightPx,
-        PixelUm,
-        K0,
-        K1,
-        K2,
-        K3,
-        P1,
-        P2,
-        B1,
-        B2,
-        Km0,
-        Km1,
-        Km2,
-        Kd1,
-        Pm1,
-        AccelerationMmS2,
-        SettlingMs,
-        StrokeMm,
-        FlatnessUm,
-        FirstTransfer,
-        TdiRows,
-        OpeningFraction,
-        ClosingFraction,
-        VhPerS,
-        ExposureS,
-        OpeningOffsetMm,
-        CentroidOffsetMm,
-        TravelMm,
-        FocusShiftUm,
-        XMm,
-        YMm,
-        DxUm,
-        DyUm,
-        SigmaUm,
-        ReliefPercent,
-        PitchDeg,
-        RollDeg,
-        DriftDeg,
-        PitchRateDegS,
-        RollRateDegS,
-        YawRateDegS,
-        JerkMmS3,
-        MaxSpeedMmS,
-        GroundSpeedMS,
-        HeightAboveGroundM,
-        AltitudeM,
-        TerrainHeightM,
-        SourcePeriodS,
-        SourceValidityS,
-        SourceSlew,
-        SourceSigma,
-        SourceFrozenS,
-        DisagreementPercent,
-    );
-    let of_the_code = quantities.map(|quantity| {
-        let (least, most) = quantity.range();
-        (quantity.name(), printed(least), printed(most))
-    });
+    let of_the_code: Vec<_> = Quantity::ALL
+        .iter()
+        .map(|quantity| {
+            let (least, most) = quantity.range();
+            (quantity.name(), printed(least), printed(most))
+        })
+        .collect();
     let rows = rows("quantity");
     let documented: Vec<_> = rows
         .iter()

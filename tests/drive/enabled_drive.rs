@@ -6,7 +6,7 @@ use embedded_hal_mock::eh1::MockError;
 use embedded_hal_mock::eh1::digital::{Mock, State, Transaction};
 use fmc_camera::flight::drive::enabled_drive::EnabledDrive;
 use fmc_camera::flight::drive::flown_drive::FlownDrive;
-use fmc_camera::flight::drive::pwm_encoder::DriveSettings;
+use fmc_camera::flight::drive::settings::DriveSettings;
 use fmc_camera::flight::drive::{FmcDrive, StageReading};
 use fmc_camera::flight::fault::Fault;
 use fmc_camera::flight::stage::Setpoint;

@@ -6,12 +6,14 @@ use embedded_hal_mock::eh1::MockError;
 use embedded_hal_mock::eh1::{digital, pwm};
 use fmc_camera::flight::drive::FmcDrive;
 use fmc_camera::flight::drive::loop_settings::LoopSettings;
-use fmc_camera::flight::drive::pwm_encoder::{DriveSettings, Pins, PwmEncoder};
+use fmc_camera::flight::drive::pwm_encoder::{Pins, PwmEncoder};
 use fmc_camera::flight::drive::quadrature::QuadratureCounter;
 use fmc_camera::flight::drive::rig::RigDrive;
+use fmc_camera::flight::drive::settings::DriveSettings;
 use fmc_camera::flight::fault::Fault;
 use fmc_camera::flight::stage::Setpoint;
 use fmc_camera::flight::time::Time;
+use fmc_camera::geometry::range::Quantity;
 
 #[derive(Debug, Clone, Copy)]
 struct Count(i32);
@@ -259,7 +261,10 @@ fn rig_shows_duty_and_power_and_starts_afresh_after_a_pause() {
 fn settings_out_of_range_are_refused_by_name() {
     let mut wrong = settings();
     wrong.velocity_loop.max_duty = f32::NAN;
-    assert_eq!(RigDrive::new(wrong).unwrap_err().setting, "max_duty");
+    assert_eq!(
+        RigDrive::new(wrong).unwrap_err().quantity,
+        Quantity::MaxDuty
+    );
     wrong = settings();
     wrong.encoder_step_um = 0.0;
     let refused = RigDrive::new(wrong).unwrap_err();
@@ -299,7 +304,7 @@ fn other_settings_release_the_motor_and_keep_the_zero() {
         ..settings()
     };
     let error = drive.set_settings(wrong).unwrap_err();
-    assert_eq!(error.setting, "encoder_step_um");
+    assert_eq!(error.quantity, Quantity::EncoderStepUm);
     assert!(drive.is_powered(), "nothing has changed");
 
     let reversed = DriveSettings {

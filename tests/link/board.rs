@@ -1,8 +1,8 @@
 //! A board on the PC: its events come from wires and over the link, its stage is a number.
 
 use fmc_camera::flight::controller::state::State;
-use fmc_camera::flight::drive::pwm_encoder::DriveSettings;
 use fmc_camera::flight::drive::rig::RigDrive;
+use fmc_camera::flight::drive::settings::DriveSettings;
 use fmc_camera::flight::event::{Action, Command, Event, ShutterEdge};
 use fmc_camera::flight::fault::Fault;
 use fmc_camera::flight::frame_record::FrameRecord;

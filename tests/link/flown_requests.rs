@@ -3,8 +3,8 @@
 use fmc_camera::flight::camera::Mechanism;
 use fmc_camera::flight::controller::state::State;
 use fmc_camera::flight::drive::FmcDrive;
-use fmc_camera::flight::drive::pwm_encoder::DriveSettings;
 use fmc_camera::flight::drive::rig::RigDrive;
+use fmc_camera::flight::drive::settings::DriveSettings;
 use fmc_camera::flight::event::{Command, Event, ShutterEdge};
 use fmc_camera::flight::fault::Fault;
 use fmc_camera::flight::rig::RigStep;

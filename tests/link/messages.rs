@@ -12,6 +12,7 @@ use fmc_camera::geometry::frame_correction::Corrected;
 use fmc_camera::geometry::mesh::format::{MAX_WORD_BYTES, MeshFormat};
 use fmc_camera::geometry::mesh::pixel_correction::PixelCorrection;
 use fmc_camera::geometry::mesh::vertex::VertexRow;
+use fmc_camera::geometry::range::Quantity;
 use fmc_camera::geometry::sensor::SensorPoint;
 use fmc_camera::geometry::shutter::ShutterProfile;
 use fmc_camera::io::link::frame::{Frame, FrameReceiver};
@@ -145,13 +146,38 @@ fn bytes_on_the_wire_are_those_of_the_description() {
         sequence: 3,
     };
     let request = frame(header, &Request::Connect);
-    // Version 3; session 0x0102, seven bits a byte; number 3; request 0. The zero at the end is COBS's second block.
-    let encoded = [5, 3, 0x82, 2, 3, 1];
+    // Version 4; session 0x0102, seven bits a byte; number 3; request 0. The zero at the end is COBS's second block.
+    let encoded = [5, 4, 0x82, 2, 3, 1];
     let checked = [&[0x86, 0x80], &encoded[..]].concat();
     let crc = crc::Crc::<u32>::new(&crc::CRC_32_ISO_HDLC).checksum(&checked);
     let crc = [0, 7, 14, 21, 28].map(|shift| ((crc >> shift) & 127 | 128).to_le_bytes()[0]);
     assert_eq!(request.bytes(), [&[0], &checked[..], &crc, &[0]].concat());
-    assert_eq!(PROTOCOL_VERSION, 3);
+    assert_eq!(PROTOCOL_VERSION, 4);
+}
+
+#[test]
+fn quantities_keep_the_numbers_they_were_given() {
+    for (quantity, number) in [
+        (Quantity::PrincipalDistanceMm, 0),
+        (Quantity::VhPerS, 28),
+        (Quantity::DisagreementPercent, 57),
+        (Quantity::SmearBudgetPx, 58),
+        (Quantity::DutyDelayS, 78),
+    ] {
+        assert_eq!(Quantity::ALL.get(number), Some(&quantity));
+        let mut frame = Frame::EMPTY;
+        let error = quantity.check(f32::NAN).unwrap_err();
+        Answer::Refused(Refusal::Settings(error))
+            .write(LONGEST_HEADER, &mut frame)
+            .unwrap();
+        let payload = payload_of(&frame);
+        // The number, then value and range.
+        assert_eq!(
+            usize::from(payload[payload.len() - 13]),
+            number,
+            "{quantity}"
+        );
+    }
 }
 
 #[test]

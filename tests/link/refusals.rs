@@ -2,6 +2,7 @@
 
 use fmc_camera::flight::camera::FrameError;
 use fmc_camera::flight::exposure::Exposure;
+use fmc_camera::flight::settings::FlightSettings;
 use fmc_camera::geometry::calibration::CalibrationError;
 use fmc_camera::geometry::inverse::DistortError;
 use fmc_camera::geometry::mesh::MeshRow;
@@ -83,6 +84,22 @@ fn calibration_that_is_not_usable_is_named_and_the_one_before_stays() {
         pc.ask(&Request::Expose(EXPOSURE)),
         Answer::Frame(_)
     ));
+}
+
+#[test]
+fn setting_out_of_its_range_is_named() {
+    let mut pc = Pc::loaded();
+    let mut settings = FlightSettings::default();
+    settings.drive.velocity_loop.max_duty = 1.5;
+    let error = Quantity::MaxDuty.check(1.5).unwrap_err();
+    assert_eq!(
+        pc.ask(&Request::Prepare(settings)),
+        Answer::Refused(Refusal::Settings(error))
+    );
+    assert_eq!(
+        Refusal::Settings(error).to_string(),
+        "a setting of the flight is refused: max_duty = 1.5 is outside 0.01 to 1"
+    );
 }
 
 #[test]

@@ -63,26 +63,7 @@ const fn key_path(quantity: Quantity) -> &'static [&'static str] {
             &["fmc", "stroke_mm"]
         }
         Quantity::FocusShiftUm => &["focus_shift_um"],
-        // Quantities of observations, not of cameras.
-        Quantity::XMm | Quantity::YMm | Quantity::DxUm | Quantity::DyUm | Quantity::SigmaUm => &[],
-        // Quantities of an exposure, which no camera file has.
-        Quantity::ReliefPercent
-        | Quantity::PitchDeg
-        | Quantity::RollDeg
-        | Quantity::DriftDeg
-        | Quantity::PitchRateDegS
-        | Quantity::RollRateDegS
-        | Quantity::YawRateDegS => &[],
-        // Quantities of V/H sources, which no camera file has.
-        Quantity::GroundSpeedMS
-        | Quantity::HeightAboveGroundM
-        | Quantity::AltitudeM
-        | Quantity::TerrainHeightM
-        | Quantity::SourcePeriodS
-        | Quantity::SourceValidityS
-        | Quantity::SourceSlew
-        | Quantity::SourceSigma
-        | Quantity::SourceFrozenS
-        | Quantity::DisagreementPercent => &[],
+        // Of observations, exposures, sources of V/H and settings of a flight: in no camera file.
+        _ => &[],
     }
 }

@@ -3,13 +3,13 @@
 use std::fmt;
 
 use fmc_camera::flight::camera::FrameError;
-use fmc_camera::flight::drive::settings::SettingOutOfRange;
 use fmc_camera::flight::exposure::Exposure;
 use fmc_camera::flight::interior_orientation::InteriorOrientation;
 use fmc_camera::geometry::calibration::CalibrationError;
 use fmc_camera::geometry::frame_correction::Corrected;
 use fmc_camera::geometry::inverse::DistortError;
 use fmc_camera::geometry::mesh::vertex::{MeshError, VertexRow};
+use fmc_camera::geometry::range::OutOfRange;
 use fmc_camera::geometry::sensor::SensorPoint;
 use fmc_reference::verification::device::CorrectionFailure;
 
@@ -57,7 +57,7 @@ pub enum DeviceError {
     NotPrepared,
     /// The device refuses the settings of the flight.
     #[error("the camera refuses the flight's settings: {0}")]
-    Settings(SettingOutOfRange),
+    Settings(OutOfRange),
     /// Records of an earlier flight would be lost.
     #[error(
         "the camera still has {0} records of an earlier flight; fetch them with `host-sim records`"

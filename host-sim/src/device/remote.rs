@@ -143,6 +143,7 @@ impl<P: Port> Remote<P> {
                 Refusal::NotPrepared => return DeviceError::NotPrepared,
                 Refusal::RecordsKept(count) => return DeviceError::RecordsKept(count),
                 Refusal::Mesh(error) => return DeviceError::Mesh(error),
+                Refusal::Settings(error) => return DeviceError::Settings(error),
                 Refusal::Travel(error) => return DeviceError::Frame(error),
                 Refusal::OffSensor { index } => {
                     return DeviceError::OffSensor {

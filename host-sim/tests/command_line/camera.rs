@@ -4,8 +4,8 @@ use std::fs;
 use std::sync::Arc;
 use std::sync::atomic::{AtomicU32, Ordering};
 
-use fmc_camera::flight::drive::pwm_encoder::DriveSettings;
 use fmc_camera::flight::drive::rig::RigDrive;
+use fmc_camera::flight::drive::settings::DriveSettings;
 use fmc_camera::flight::event::{Action, Event, ShutterEdge};
 use fmc_camera::flight::time::Time;
 use fmc_camera::io::link::deck::FlightDeck;

@@ -1,6 +1,6 @@
 //! Following of the stage with the gains of the library, against the documented bounds.
 
-use fmc_camera::flight::drive::pwm_encoder::DriveSettings;
+use fmc_camera::flight::drive::settings::DriveSettings;
 use fmc_camera::flight::drive::{following::FollowingBounds, loop_settings::LoopSettings};
 use fmc_simulation::mechanics::{EncoderSide, MechanicsSettings};
 

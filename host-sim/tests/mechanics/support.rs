@@ -1,8 +1,8 @@
 //! The camera's control loop at 1 kHz, reduced to its drive, on the simulated stage.
 
 use fmc_camera::flight::drive::FmcDrive;
-use fmc_camera::flight::drive::pwm_encoder::DriveSettings;
 use fmc_camera::flight::drive::rig::RigDrive;
+use fmc_camera::flight::drive::settings::DriveSettings;
 use fmc_camera::flight::time::Time;
 use fmc_simulation::mechanics::{Injection, Mechanics, MechanicsSettings};
 

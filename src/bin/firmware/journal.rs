@@ -70,7 +70,7 @@ fn refusal_name(refusal: Refusal) -> &'static str {
         Refusal::Observation { .. } => "observation",
         Refusal::Fit(_) => "fit",
         Refusal::NotPrepared => "not prepared for flight",
-        Refusal::Settings => "flight settings",
+        Refusal::Settings(_) => "flight settings",
         Refusal::Travel(_) => "travel not possible",
         Refusal::FrameInFlight => "frame in flight",
         Refusal::RecordsKept(_) => "records not acknowledged",

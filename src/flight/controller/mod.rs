@@ -33,7 +33,6 @@ use self::motion::Motion;
 use self::rounds::Rounds;
 use self::state::State;
 use super::camera::{self, Camera, CameraRecord, FrameError};
-use super::drive::settings::SettingOutOfRange;
 use super::event::{Action, AttitudeSample, Event};
 use super::fault::{Fault, Faults};
 use super::following_error::FollowingError;
@@ -49,6 +48,7 @@ use super::time::Time;
 use super::utc::UtcClock;
 use super::vh::VhMonitor;
 use crate::geometry::calibration::CalibrationError;
+use crate::geometry::range::OutOfRange;
 
 /// Most actions that one event leads to.
 pub const MAX_ACTIONS: usize = 6;
@@ -312,7 +312,7 @@ pub enum ControllerError {
     /// The calibration is not usable.
     Calibration(CalibrationError),
     /// A setting is not believable.
-    Settings(SettingOutOfRange),
+    Settings(OutOfRange),
     /// The mechanism cannot make any travel within the camera's limits, or not between two triggers.
     Travel(FrameError),
 }

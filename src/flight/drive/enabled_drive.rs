@@ -3,12 +3,12 @@
 use embedded_hal::digital::OutputPin;
 
 use super::flown_drive::FlownDrive;
-use super::pwm_encoder::DriveSettings;
-use super::settings::SettingOutOfRange;
+use super::settings::DriveSettings;
 use super::{FmcDrive, StageReading};
 use crate::flight::fault::Fault;
 use crate::flight::stage::Setpoint;
 use crate::flight::time::Time;
+use crate::geometry::range::OutOfRange;
 
 /// A drive, and the pin that is high while it may put force on the stage.
 ///
@@ -63,7 +63,7 @@ impl<Drive: FmcDrive, Enable: OutputPin> FmcDrive for EnabledDrive<Drive, Enable
 }
 
 impl<Drive: FlownDrive, Enable: OutputPin> FlownDrive for EnabledDrive<Drive, Enable> {
-    fn set_settings(&mut self, settings: DriveSettings) -> Result<(), SettingOutOfRange> {
+    fn set_settings(&mut self, settings: DriveSettings) -> Result<(), OutOfRange> {
         self.release();
         self.drive.set_settings(settings)
     }

@@ -1,8 +1,8 @@
 //! The drive of a camera that is prepared again and again.
 
 use super::FmcDrive;
-use super::pwm_encoder::DriveSettings;
-use super::settings::SettingOutOfRange;
+use super::settings::DriveSettings;
+use crate::geometry::range::OutOfRange;
 
 /// A mechanism that is built in: it takes the settings of each flight, and its zero where the stage stands.
 pub trait FlownDrive: FmcDrive {
@@ -12,8 +12,8 @@ pub trait FlownDrive: FmcDrive {
     /// mechanism without such settings leaves this as it is.
     ///
     /// # Errors
-    /// [`SettingOutOfRange`] naming the field; the settings before stay.
-    fn set_settings(&mut self, settings: DriveSettings) -> Result<(), SettingOutOfRange> {
+    /// [`OutOfRange`] naming the field; the settings before stay.
+    fn set_settings(&mut self, settings: DriveSettings) -> Result<(), OutOfRange> {
         let _ = settings;
         self.release();
         Ok(())

@@ -1,6 +1,6 @@
 //! Gains of the velocity loop, from the plant they are for.
 
-use super::settings::{SettingOutOfRange, within};
+use crate::geometry::range::{OutOfRange, Quantity};
 
 /// What the motor has to move, all of it reduced to the stage.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -28,12 +28,12 @@ impl Plant {
     /// The plant, if it is one.
     ///
     /// # Errors
-    /// [`SettingOutOfRange`] naming the field.
-    pub fn checked(self) -> Result<Self, SettingOutOfRange> {
-        within("mass_kg", self.mass_kg, 1e-3, 100.0)?;
-        within("force_n", self.force_n, 1e-3, 1e4)?;
-        within("damping_n_s_m", self.damping_n_s_m, 0.0, 1e4)?;
-        within("friction_n", self.friction_n, 0.0, 1e3)?;
+    /// [`OutOfRange`] naming the field.
+    pub fn checked(self) -> Result<Self, OutOfRange> {
+        Quantity::MassKg.check(self.mass_kg)?;
+        Quantity::ForceN.check(self.force_n)?;
+        Quantity::DampingNSM.check(self.damping_n_s_m)?;
+        Quantity::FrictionN.check(self.friction_n)?;
         Ok(self)
     }
 }
@@ -113,25 +113,20 @@ impl LoopSettings {
     /// The settings, if each is in its range.
     ///
     /// # Errors
-    /// [`SettingOutOfRange`] naming the field.
-    pub fn checked(self) -> Result<Self, SettingOutOfRange> {
-        within("position_gain_per_s", self.position_gain_per_s, 0.0, 1e4)?;
-        within("speed_gain_per_mm_s", self.speed_gain_per_mm_s, 0.0, 1e3)?;
-        within("integral_rate_per_s", self.integral_rate_per_s, 0.0, 1e4)?;
-        within("slope_weight", self.slope_weight, 0.01, 1.0)?;
-        within("speed_feed_per_mm_s", self.speed_feed_per_mm_s, 0.0, 10.0)?;
-        within(
-            "acceleration_feed_per_mm_s2",
-            self.acceleration_feed_per_mm_s2,
-            0.0,
-            1.0,
-        )?;
-        within("friction_feed", self.friction_feed, 0.0, 1.0)?;
-        within("max_duty", self.max_duty, 0.01, 1.0)?;
-        within("rest_band_um", self.rest_band_um, 0.0, 1000.0)?;
-        within("learning_rate_per_s", self.learning_rate_per_s, 0.0, 100.0)?;
-        within("reading_age_s", self.reading_age_s, 0.0, 0.01)?;
-        within("duty_delay_s", self.duty_delay_s, 0.0, 0.01)?;
+    /// [`OutOfRange`] naming the field.
+    pub fn checked(self) -> Result<Self, OutOfRange> {
+        Quantity::PositionGainPerS.check(self.position_gain_per_s)?;
+        Quantity::SpeedGainPerMmS.check(self.speed_gain_per_mm_s)?;
+        Quantity::IntegralRatePerS.check(self.integral_rate_per_s)?;
+        Quantity::SlopeWeight.check(self.slope_weight)?;
+        Quantity::SpeedFeedPerMmS.check(self.speed_feed_per_mm_s)?;
+        Quantity::AccelerationFeedPerMmS2.check(self.acceleration_feed_per_mm_s2)?;
+        Quantity::FrictionFeed.check(self.friction_feed)?;
+        Quantity::MaxDuty.check(self.max_duty)?;
+        Quantity::RestBandUm.check(self.rest_band_um)?;
+        Quantity::LearningRatePerS.check(self.learning_rate_per_s)?;
+        Quantity::ReadingAgeS.check(self.reading_age_s)?;
+        Quantity::DutyDelayS.check(self.duty_delay_s)?;
         Ok(self)
     }
 }

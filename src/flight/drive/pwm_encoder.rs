@@ -4,54 +4,17 @@ use embedded_hal::digital::{OutputPin, PinState};
 use embedded_hal::pwm::SetDutyCycle;
 
 use super::flown_drive::FlownDrive;
-use super::loop_settings::LoopSettings;
 use super::quadrature::QuadratureCounter;
-use super::settings::{SettingOutOfRange, within};
+use super::settings::DriveSettings;
 use super::velocity_loop::VelocityLoop;
 use super::{FmcDrive, StageReading};
 use crate::flight::fault::Fault;
 use crate::flight::stage::Setpoint;
 use crate::flight::time::Time;
+use crate::geometry::range::OutOfRange;
 
 /// Longer without a set point than this, s, and the loop starts afresh.
 const LONGEST_PAUSE_S: f32 = 0.005;
-
-/// How motor and encoder are built in.
-#[derive(Debug, Clone, Copy, PartialEq)]
-#[cfg_attr(feature = "link", derive(serde::Serialize, serde::Deserialize))]
-pub struct DriveSettings {
-    /// Travel per count of the encoder, µm.
-    pub encoder_step_um: f32,
-    /// The encoder counts down along the FMC axis.
-    pub encoder_reversed: bool,
-    /// Direction low and positive duty move the stage against the FMC axis.
-    pub motor_reversed: bool,
-    /// Gains and limits.
-    pub velocity_loop: LoopSettings,
-}
-
-impl Default for DriveSettings {
-    fn default() -> Self {
-        Self {
-            encoder_step_um: 0.1,
-            encoder_reversed: false,
-            motor_reversed: false,
-            velocity_loop: LoopSettings::default(),
-        }
-    }
-}
-
-impl DriveSettings {
-    /// The settings, if each is in its range.
-    ///
-    /// # Errors
-    /// [`SettingOutOfRange`] naming the field.
-    pub fn checked(self) -> Result<Self, SettingOutOfRange> {
-        within("encoder_step_um", self.encoder_step_um, 1e-3, 100.0)?;
-        self.velocity_loop.checked()?;
-        Ok(self)
-    }
-}
 
 /// The pins and the counter of the drive.
 #[derive(Debug)]
@@ -92,11 +55,11 @@ where
     /// A drive without force; count 0 is the calibrated position.
     ///
     /// # Errors
-    /// [`SettingOutOfRange`] naming the field.
+    /// [`OutOfRange`] naming the field.
     pub fn new(
         settings: DriveSettings,
         pins: Pins<Pwm, Direction, Counter>,
-    ) -> Result<Self, SettingOutOfRange> {
+    ) -> Result<Self, OutOfRange> {
         let mut drive = Self::unprepared(pins);
         drive.take_settings(settings)?;
         Ok(drive)
@@ -133,8 +96,8 @@ where
     /// Takes other settings: released, the loop as new, the count at the calibrated position as it was.
     ///
     /// # Errors
-    /// [`SettingOutOfRange`] naming the field; the settings before stay.
-    pub fn set_settings(&mut self, settings: DriveSettings) -> Result<(), SettingOutOfRange> {
+    /// [`OutOfRange`] naming the field; the settings before stay.
+    pub fn set_settings(&mut self, settings: DriveSettings) -> Result<(), OutOfRange> {
         self.take_settings(settings)?;
         self.release();
         // `motor_reversed` may have changed what the pin means.
@@ -142,7 +105,7 @@ where
         Ok(())
     }
 
-    fn take_settings(&mut self, settings: DriveSettings) -> Result<(), SettingOutOfRange> {
+    fn take_settings(&mut self, settings: DriveSettings) -> Result<(), OutOfRange> {
         self.settings = settings.checked()?;
         self.velocity_loop = VelocityLoop::new(settings.velocity_loop);
         Ok(())
@@ -259,7 +222,7 @@ where
     Direction: OutputPin,
     Counter: QuadratureCounter,
 {
-    fn set_settings(&mut self, settings: DriveSettings) -> Result<(), SettingOutOfRange> {
+    fn set_settings(&mut self, settings: DriveSettings) -> Result<(), OutOfRange> {
         self.set_settings(settings)
     }
 

@@ -6,13 +6,14 @@ use embedded_hal::digital::{ErrorType, OutputPin};
 use embedded_hal::pwm::{self, SetDutyCycle};
 
 use super::flown_drive::FlownDrive;
-use super::pwm_encoder::{DriveSettings, Pins, PwmEncoder};
+use super::pwm_encoder::{Pins, PwmEncoder};
 use super::quadrature::QuadratureCounter;
-use super::settings::SettingOutOfRange;
+use super::settings::DriveSettings;
 use super::{FmcDrive, StageReading};
 use crate::flight::fault::Fault;
 use crate::flight::stage::Setpoint;
 use crate::flight::time::Time;
+use crate::geometry::range::OutOfRange;
 
 /// Steps of the pulse width, as a timer of 200 MHz has them at 20 kHz.
 const FULL_DUTY: u16 = 10_000;
@@ -76,8 +77,8 @@ impl RigDrive {
     /// A drive without force; count 0 is the calibrated position.
     ///
     /// # Errors
-    /// [`SettingOutOfRange`] naming the field.
-    pub fn new(settings: DriveSettings) -> Result<Self, SettingOutOfRange> {
+    /// [`OutOfRange`] naming the field.
+    pub fn new(settings: DriveSettings) -> Result<Self, OutOfRange> {
         let pins = Pins {
             pwm: Width::default(),
             direction: Level::default(),
@@ -128,7 +129,7 @@ impl FmcDrive for RigDrive {
 }
 
 impl FlownDrive for RigDrive {
-    fn set_settings(&mut self, settings: DriveSettings) -> Result<(), SettingOutOfRange> {
+    fn set_settings(&mut self, settings: DriveSettings) -> Result<(), OutOfRange> {
         self.drive.set_settings(settings)
     }
 

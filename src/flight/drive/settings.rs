@@ -1,62 +1,41 @@
-//! A setting of a drive that is out of its range.
+//! How a motor with an encoder is built in.
 
-use core::fmt;
+use super::loop_settings::LoopSettings;
+use crate::geometry::range::{OutOfRange, Quantity};
 
-use crate::geometry::range::OutOfRange;
-
-/// A setting is not a number, or lies outside its range.
+/// How motor and encoder are built in.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct SettingOutOfRange {
-    /// The field.
-    pub setting: &'static str,
-    /// What it was, in the unit of its name.
-    pub value: f32,
-    /// Smallest allowed value.
-    pub min: f32,
-    /// Largest allowed value.
-    pub max: f32,
+#[cfg_attr(feature = "link", derive(serde::Serialize, serde::Deserialize))]
+pub struct DriveSettings {
+    /// Travel per count of the encoder, µm.
+    pub encoder_step_um: f32,
+    /// The encoder counts down along the FMC axis.
+    pub encoder_reversed: bool,
+    /// Direction low and positive duty move the stage against the FMC axis.
+    pub motor_reversed: bool,
+    /// Gains and limits.
+    pub velocity_loop: LoopSettings,
 }
 
-impl fmt::Display for SettingOutOfRange {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        let Self {
-            setting,
-            value,
-            min,
-            max,
-        } = self;
-        write!(f, "{setting} = {value} is outside {min} to {max}")
-    }
-}
-
-impl core::error::Error for SettingOutOfRange {}
-
-impl From<OutOfRange> for SettingOutOfRange {
-    fn from(error: OutOfRange) -> Self {
+impl Default for DriveSettings {
+    fn default() -> Self {
         Self {
-            setting: error.quantity.name(),
-            value: error.value,
-            min: error.min,
-            max: error.max,
+            encoder_step_um: 0.1,
+            encoder_reversed: false,
+            motor_reversed: false,
+            velocity_loop: LoopSettings::default(),
         }
     }
 }
 
-/// A value, if it is a number in `[min, max]`.
-pub(in crate::flight) const fn within(
-    setting: &'static str,
-    value: f32,
-    min: f32,
-    max: f32,
-) -> Result<f32, SettingOutOfRange> {
-    if value >= min && value <= max {
-        Ok(value)
-    } else {
-        Err(SettingOutOfRange {
-            setting,
-            value,
-            min,
-            max,
-        })
+impl DriveSettings {
+    /// The settings, if each is in its range.
+    ///
+    /// # Errors
+    /// [`OutOfRange`] naming the field.
+    pub fn checked(self) -> Result<Self, OutOfRange> {
+        Quantity::EncoderStepUm.check(self.encoder_step_um)?;
+        self.velocity_loop.checked()?;
+        Ok(self)
     }
 }

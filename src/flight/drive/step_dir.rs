@@ -2,12 +2,12 @@
 
 use embedded_hal::digital::{InputPin, OutputPin, PinState};
 
-use super::settings::SettingOutOfRange;
 use super::step_settings::StepSettings;
 use super::{FmcDrive, StageReading};
 use crate::flight::fault::Fault;
 use crate::flight::stage::Setpoint;
 use crate::flight::time::Time;
+use crate::geometry::range::OutOfRange;
 
 /// A set point is extrapolated for so long, s; if none comes, the stage stands then.
 const LONGEST_PAUSE_S: f32 = 0.005;
@@ -88,7 +88,7 @@ where
     /// A stepper that stands, at offset 0.
     ///
     /// # Errors
-    /// [`SettingOutOfRange`] naming the field.
+    /// [`OutOfRange`] naming the field.
     #[expect(
         clippy::cast_possible_truncation,
         clippy::cast_sign_loss,
@@ -97,7 +97,7 @@ where
     pub fn new(
         settings: StepSettings,
         pins: StepPins<Step, Direction, Low, High>,
-    ) -> Result<Self, SettingOutOfRange> {
+    ) -> Result<Self, OutOfRange> {
         let settings = settings.checked()?;
         Ok(Self {
             pins,

@@ -1,6 +1,6 @@
 //! How a stepper is built in.
 
-use super::settings::{SettingOutOfRange, within};
+use crate::geometry::range::{OutOfRange, Quantity};
 
 /// Settings of a stepper with step and direction inputs.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -47,16 +47,16 @@ impl StepSettings {
     /// The settings, if each is in its range.
     ///
     /// # Errors
-    /// [`SettingOutOfRange`] naming the field.
-    pub fn checked(self) -> Result<Self, SettingOutOfRange> {
-        within("steps_per_mm", self.steps_per_mm, 1.0, 100_000.0)?;
-        let pulse_rate = within("pulse_rate_hz", self.pulse_rate_hz, 100.0, 1e6)?;
+    /// [`OutOfRange`] naming the field.
+    pub fn checked(self) -> Result<Self, OutOfRange> {
+        Quantity::StepsPerMm.check(self.steps_per_mm)?;
+        let pulse_rate = Quantity::PulseRateHz.check(self.pulse_rate_hz)?;
         let most = 0.5 * pulse_rate;
-        let rate = within("max_step_rate_hz", self.max_step_rate_hz, 1.0, most)?;
-        within("homing_offset_mm", self.homing_offset_mm, -100.0, 100.0)?;
+        let rate = Quantity::MaxStepRateHz.check_within(self.max_step_rate_hz, 1.0, most)?;
+        Quantity::HomingOffsetMm.check(self.homing_offset_mm)?;
         let fastest = rate / self.steps_per_mm;
-        within("homing_speed_mm_s", self.homing_speed_mm_s, 1e-3, fastest)?;
-        within("homing_travel_mm", self.homing_travel_mm, 0.0, 200.0)?;
+        Quantity::HomingSpeedMmS.check_within(self.homing_speed_mm_s, 1e-3, fastest)?;
+        Quantity::HomingTravelMm.check(self.homing_travel_mm)?;
         Ok(self)
     }
 }

@@ -110,7 +110,7 @@ impl From<ControllerError> for Refusal {
     fn from(error: ControllerError) -> Self {
         match error {
             ControllerError::Calibration(error) => Self::Calibration(error),
-            ControllerError::Settings(_) => Self::Settings,
+            ControllerError::Settings(error) => Self::Settings(error),
             ControllerError::Travel(error) => Self::Travel(error),
         }
     }

@@ -186,7 +186,7 @@ impl<Drive: FlownDrive> FlightDeck for FlownDeck<Drive> {
             Ok(controller) => {
                 self.drive
                     .set_settings(settings.drive)
-                    .map_err(|_| Refusal::Settings)?;
+                    .map_err(Refusal::Settings)?;
                 self.controller = Some(controller);
             }
             Err(error) => return Err(error.into()),

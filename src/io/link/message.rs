@@ -200,8 +200,8 @@ pub enum Refusal {
     Fit(FitError),
     /// It has not been prepared for flight.
     NotPrepared,
-    /// The settings are not believable; the same check on the PC names the one.
-    Settings,
+    /// A setting of the flight is out of its range.
+    Settings(OutOfRange),
     /// The mechanism cannot make the travel, or not in the time between triggers.
     Travel(FrameError),
     /// A frame is in flight, or the camera is armed, with compensation or without: calibration and settings stay, and
@@ -251,7 +251,7 @@ impl fmt::Display for Refusal {
             }
             Self::Fit(error) => error.fmt(f),
             Self::NotPrepared => f.write_str("it has not been prepared for flight"),
-            Self::Settings => f.write_str("a flight setting is not believable"),
+            Self::Settings(error) => write!(f, "a setting of the flight is refused: {error}"),
             Self::Travel(error) => error.fmt(f),
             Self::FrameInFlight => f.write_str("it is armed or in flight"),
             Self::RecordsKept(count) => {

@@ -37,7 +37,7 @@ pub mod message;
 pub mod station;
 
 /// The version of frames and messages. Changes whenever a message does.
-pub const PROTOCOL_VERSION: u8 = 3;
+pub const PROTOCOL_VERSION: u8 = 4;
 
 /// Points in one message; every buffer's size follows from it.
 pub const MAX_POINTS: usize = 64;

@@ -1,7 +1,7 @@
 //! The settings of a flight: defaults and ranges.
 
 use fmc_camera::flight::drive::loop_settings::LoopSettings;
-use fmc_camera::flight::drive::pwm_encoder::DriveSettings;
+use fmc_camera::flight::drive::settings::DriveSettings;
 use fmc_camera::flight::settings::FlightSettings;
 use fmc_camera::flight::vh::{ChannelSettings, VhSettings};
 

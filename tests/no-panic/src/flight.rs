@@ -8,7 +8,7 @@ use fmc_camera::flight::{
         enabled_drive::EnabledDrive,
         flown_drive::FlownDrive,
         loop_settings::{LoopSettings, Plant},
-        pwm_encoder::{DriveSettings, PwmEncoder},
+        pwm_encoder::PwmEncoder,
         quadrature::{QuadratureCounter, QuadratureDecoder, WideCount},
         rig::RigDrive,
         step_dir::StepDir,

@@ -5,6 +5,7 @@ use std::path::Path;
 use fmc_camera::flight::camera::{Camera, FrameError};
 use fmc_camera::flight::controller::{Controller, ControllerError, Start};
 use fmc_camera::flight::exposure::Exposure;
+use fmc_camera::geometry::range::Quantity;
 use fmc_camera_file::number::single;
 use fmc_camera_file::toml_text::TomlText;
 use fmc_camera_file::{CameraFile, InputError, MechanismName};
@@ -325,18 +326,32 @@ fn check_settings(
             format!("cannot be flown at the largest V/H of its limits: {error}"),
         ),
         ControllerError::Calibration(error) => (&["camera"], error.to_string()),
-        ControllerError::Settings(error) => (setting_path(error.setting), error.to_string()),
+        ControllerError::Settings(error) => (setting_path(error.quantity), error.to_string()),
     };
     Err(text.invalid(path, &format!("is refused by the camera: {fault}")))
 }
 
 /// Returns the path in the scenario of a setting of the camera.
-fn setting_path(setting: &str) -> &'static [&'static str] {
+const fn setting_path(setting: Quantity) -> &'static [&'static str] {
     match setting {
-        "exposure_s" => &["flight", "exposure_s"],
-        "smear_budget_px" => &["limits", "smear_px"],
-        "shutter_latency_s" => &["shutter", "latency_ms"],
-        "trigger_interval_s" => &["flight", "interval_s"],
+        Quantity::ExposureS => &["flight", "exposure_s"],
+        Quantity::SmearBudgetPx => &["limits", "smear_px"],
+        Quantity::ShutterLatencyS => &["shutter", "latency_ms"],
+        Quantity::TriggerIntervalS => &["flight", "interval_s"],
+        Quantity::EncoderStepUm => &["mechanics", "encoder_step_um"],
+        Quantity::ReadingAgeS => &["mechanics", "encoder_latency_s"],
+        Quantity::DutyDelayS => &["mechanics", "duty_latency_s"],
+        Quantity::VhPerS
+        | Quantity::GroundSpeedMS
+        | Quantity::HeightAboveGroundM
+        | Quantity::AltitudeM
+        | Quantity::TerrainHeightM
+        | Quantity::SourcePeriodS
+        | Quantity::SourceValidityS
+        | Quantity::SourceSlew
+        | Quantity::SourceSigma
+        | Quantity::SourceFrozenS
+        | Quantity::DisagreementPercent => &["vh"],
         _ => &["mechanics"],
     }
 }

@@ -1,7 +1,7 @@
 //! Settings of the camera for the aircraft, the shutter and the stage.
 
 use fmc_camera::flight::drive::loop_settings::{LoopSettings, Plant};
-use fmc_camera::flight::drive::pwm_encoder::DriveSettings;
+use fmc_camera::flight::drive::settings::DriveSettings;
 use fmc_camera::flight::settings::FlightSettings;
 use fmc_camera::flight::vh::{ChannelSettings, VhSettings};
 use fmc_camera_file::number::single;
