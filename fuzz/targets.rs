@@ -7,13 +7,13 @@ use fmc_camera::flight::camera::{Camera, CameraRecord};
 use fmc_camera::flight::drive::rig::RigDrive;
 use fmc_camera::flight::drive::settings::DriveSettings;
 use fmc_camera::flight::exposure::Exposure;
+use fmc_camera::flight::flown_deck::FlownDeck;
 use fmc_camera::flight::time::Time;
 use fmc_camera::flight::unit::MAX_ROUND_ACTIONS;
 use fmc_camera::geometry::calibration::CalibrationRecord;
 use fmc_camera::geometry::frame_correction::Corrected;
 use fmc_camera::geometry::sensor::SensorPoint;
 use fmc_camera::io::link::deck::{FlightDeck, RigDeck};
-use fmc_camera::io::link::flown_deck::FlownDeck;
 use fmc_camera::io::link::frame::{Frame, FrameReceiver};
 use fmc_camera::io::link::message::{Answer, Header, Identity, Request, Start};
 use fmc_camera::io::link::station::Station;
@@ -66,11 +66,15 @@ pub(crate) fn station(bytes: &[u8]) {
     let drive = RigDrive::new(DriveSettings::default()).unwrap();
     let mut now = Time::START;
     // On a board a millisecond and a round of the control loop follow every request.
-    station_of(FlownDeck::new(drive, Start::PowerOn), bytes, |deck| {
-        now = Time::from_us(now.us() + 1000);
-        let actions = deck.round(now);
-        assert!(actions.len() < MAX_ROUND_ACTIONS);
-    });
+    station_of(
+        FlownDeck::new(drive, Start::PowerOn.unreferenced()),
+        bytes,
+        |deck| {
+            now = Time::from_us(now.us() + 1000);
+            let actions = deck.round(now);
+            assert!(actions.len() < MAX_ROUND_ACTIONS);
+        },
+    );
 }
 
 /// Does the same with any camera; `then` is called after every request.

@@ -16,7 +16,7 @@ use crate::geometry::shutter::{Shutter, ShutterProfile};
 
 /// How the image is held still.
 #[derive(Debug, Clone, Copy, PartialEq)]
-#[cfg_attr(feature = "link", derive(serde::Serialize, serde::Deserialize))]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub enum Mechanism {
     /// A stage moves the detector.
     Stage {
@@ -40,7 +40,7 @@ pub enum Mechanism {
 
 /// Everything that describes one camera, not yet believed.
 #[derive(Debug, Clone, Copy, PartialEq)]
-#[cfg_attr(feature = "link", derive(serde::Serialize, serde::Deserialize))]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct CameraRecord {
     /// Lens, sensor and FMC axis.
     pub calibration: CalibrationRecord,
@@ -97,7 +97,8 @@ pub struct Frame {
 
 /// A frame cannot be taken as asked.
 #[derive(Debug, Clone, Copy, PartialEq)]
-#[cfg_attr(feature = "link", derive(serde::Serialize, serde::Deserialize))]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub enum FrameError {
     /// A quantity of the exposure is outside its limits.
     OutOfRange(OutOfRange),

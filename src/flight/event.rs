@@ -8,7 +8,8 @@ use super::vh::VhSample;
 
 /// Something that happens, at a time that comes with it.
 #[derive(Debug, Clone, Copy, PartialEq)]
-#[cfg_attr(feature = "link", derive(serde::Serialize, serde::Deserialize))]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub enum Event {
     /// Somebody wants something.
     Command(Command),
@@ -52,7 +53,8 @@ impl Event {
 
 /// What somebody wants.
 #[derive(Debug, Clone, Copy, PartialEq)]
-#[cfg_attr(feature = "link", derive(serde::Serialize, serde::Deserialize))]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub enum Command {
     /// Triggers are to be obeyed.
     Arm,
@@ -69,7 +71,8 @@ pub enum Command {
 
 /// An edge of the shutter's sensor.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-#[cfg_attr(feature = "link", derive(serde::Serialize, serde::Deserialize))]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub enum ShutterEdge {
     /// First light.
     Opened,
@@ -79,7 +82,8 @@ pub enum ShutterEdge {
 
 /// The supply voltage.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-#[cfg_attr(feature = "link", derive(serde::Serialize, serde::Deserialize))]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub enum Supply {
     /// Too low to move the stage.
     Low,
@@ -89,7 +93,8 @@ pub enum Supply {
 
 /// Attitude of the camera, as the aircraft's inertial unit has it.
 #[derive(Debug, Clone, Copy, PartialEq)]
-#[cfg_attr(feature = "link", derive(serde::Serialize, serde::Deserialize))]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct AttitudeSample {
     /// Pitch, roll, drift, °; signs of [`crate::geometry::image_motion::Attitude`].
     pub pitch_deg: f32,
@@ -103,7 +108,8 @@ pub struct AttitudeSample {
 
 /// What the camera does about it.
 #[derive(Debug, Clone, Copy, PartialEq)]
-#[cfg_attr(feature = "link", derive(serde::Serialize, serde::Deserialize))]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub enum Action {
     /// The stage is to be there, and move so, now.
     MoveStage(Setpoint),

@@ -5,7 +5,8 @@ use crate::geometry::range::{OutOfRange, Quantity};
 
 /// Which model corrects the coordinates.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
-#[cfg_attr(feature = "link", derive(serde::Serialize, serde::Deserialize))]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub enum CorrectionModel {
     /// Exposure mean of the calibration about the moving principal point.
     #[default]
@@ -18,7 +19,8 @@ pub enum CorrectionModel {
 
 /// Which way the camera flies. Strips are flown to and fro; the camera need not be turned round.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
-#[cfg_attr(feature = "link", derive(serde::Serialize, serde::Deserialize))]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub enum FlightDirection {
     /// Along the FMC axis.
     #[default]
@@ -40,7 +42,8 @@ impl FlightDirection {
 
 /// One exposure.
 #[derive(Debug, Clone, Copy, PartialEq)]
-#[cfg_attr(feature = "link", derive(serde::Serialize, serde::Deserialize))]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct Exposure {
     /// η = V/H, 1/s.
     pub vh_per_s: f32,
@@ -76,7 +79,7 @@ impl Exposure {
 
 /// The exposures a camera accepts.
 #[derive(Debug, Clone, Copy, PartialEq)]
-#[cfg_attr(feature = "link", derive(serde::Serialize, serde::Deserialize))]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct Limits {
     /// Smallest and largest V/H, 1/s.
     pub vh_per_s: [f32; 2],

@@ -4,7 +4,8 @@ use core::fmt;
 
 /// Something went wrong. The code is in records and messages; `docs/integration.md` has cause and remedy of each.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-#[cfg_attr(feature = "link", derive(serde::Serialize, serde::Deserialize))]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub enum Fault {
     /// The stage does not follow: it stands, or falls behind.
     Stall,
@@ -120,7 +121,7 @@ impl fmt::Display for Fault {
 
 /// A set of faults.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
-#[cfg_attr(feature = "link", derive(serde::Serialize, serde::Deserialize))]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct Faults {
     bits: u32,
 }

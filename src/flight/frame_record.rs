@@ -10,7 +10,7 @@ use super::vh::VhEstimate;
 
 /// The record of one trigger.
 #[derive(Debug, Clone, Copy, PartialEq)]
-#[cfg_attr(feature = "link", derive(serde::Serialize, serde::Deserialize))]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct FrameRecord {
     /// Number of the trigger since the camera was prepared, from 1; none is left out.
     pub sequence: u32,
@@ -30,7 +30,7 @@ pub struct FrameRecord {
 /// What became of a trigger.
 #[allow(clippy::large_enum_variant, reason = "no heap")]
 #[derive(Debug, Clone, Copy, PartialEq)]
-#[cfg_attr(feature = "link", derive(serde::Serialize, serde::Deserialize))]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub enum Outcome {
     /// The shutter opened.
     Exposed(ExposedFrame),
@@ -40,7 +40,7 @@ pub enum Outcome {
 
 /// An exposure as it was measured.
 #[derive(Debug, Clone, Copy, PartialEq)]
-#[cfg_attr(feature = "link", derive(serde::Serialize, serde::Deserialize))]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct ExposedFrame {
     /// First light, camera time.
     pub opened: Time,
@@ -68,7 +68,8 @@ pub struct ExposedFrame {
 
 /// Why a trigger was refused.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-#[cfg_attr(feature = "link", derive(serde::Serialize, serde::Deserialize))]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub enum Reason {
     /// The camera was not armed.
     NotArmed,
@@ -122,6 +123,7 @@ impl fmt::Display for Reason {
 
 /// What a user of a frame should know.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub enum Flag {
     /// The stage stood still: no compensation.
     NoCompensation,
@@ -184,7 +186,7 @@ impl Flag {
 
 /// A set of flags.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
-#[cfg_attr(feature = "link", derive(serde::Serialize, serde::Deserialize))]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct Flags {
     bits: u32,
 }

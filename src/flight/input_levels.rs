@@ -2,6 +2,7 @@
 
 /// What the lines say in a round.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct InputLevels {
     /// The limit switch at the negative end of the travel is closed.
     pub limit_low: bool,
@@ -26,7 +27,6 @@ impl InputLevels {
     }
 
     /// The same, each limit switch as it was known where it says something else than just before.
-    #[cfg(feature = "link")]
     pub(crate) const fn with_steady_limits(&self, before: &Self, known: &Self) -> Self {
         Self {
             limit_low: if self.limit_low == before.limit_low {

@@ -7,7 +7,7 @@ use crate::geometry::sensor::SensorPoint;
 
 /// How a focus shift is reported.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-#[cfg_attr(feature = "link", derive(serde::Serialize, serde::Deserialize))]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub enum FocusConvention {
     /// (A): the principal distance is reported unchanged and the corrected coordinates contain the
     /// enlargement.
@@ -19,7 +19,7 @@ pub enum FocusConvention {
 /// Principal point and time belong together: both are means over the exposure, and only as a pair
 /// are they right at every terrain height.
 #[derive(Debug, Clone, Copy, PartialEq)]
-#[cfg_attr(feature = "link", derive(serde::Serialize, serde::Deserialize))]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct InteriorOrientation {
     /// η = V/H used, 1/s.
     pub vh_per_s: f32,

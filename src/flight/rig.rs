@@ -10,7 +10,7 @@ use super::unit::{CameraUnit, Events, RoundActions};
 
 /// What happens from one round of the control loop to the next.
 #[derive(Debug, Clone, PartialEq, Default)]
-#[cfg_attr(feature = "link", derive(serde::Serialize, serde::Deserialize))]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct RigStep {
     /// When the control loop comes round.
     pub time: Time,
@@ -22,7 +22,7 @@ pub struct RigStep {
 
 /// What the camera does in that round.
 #[derive(Debug, Clone, PartialEq)]
-#[cfg_attr(feature = "link", derive(serde::Serialize, serde::Deserialize))]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct RigAnswer {
     /// Pulse width at the motor, -1 to 1; positive is along the FMC axis.
     pub duty: f32,

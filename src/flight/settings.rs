@@ -8,7 +8,8 @@ use crate::geometry::range::{OutOfRange, Quantity};
 
 /// How a camera is flown.
 #[derive(Debug, Clone, Copy, PartialEq)]
-#[cfg_attr(feature = "link", derive(serde::Serialize, serde::Deserialize))]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct FlightSettings {
     /// Exposure time of the frames to come, s.
     pub exposure_s: f32,

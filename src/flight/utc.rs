@@ -40,7 +40,8 @@ const US_PER_S: u64 = 1_000_000;
 
 /// An instant of UTC.
 #[derive(Debug, Clone, Copy, PartialEq)]
-#[cfg_attr(feature = "link", derive(serde::Serialize, serde::Deserialize))]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct UtcTime {
     /// Microseconds since 1970-01-01T00:00:00 UTC, leap seconds not counted.
     pub unix_us: u64,
@@ -50,7 +51,8 @@ pub struct UtcTime {
 
 /// What a pulse or a time shows.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-#[cfg_attr(feature = "link", derive(serde::Serialize, serde::Deserialize))]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub enum UtcFinding {
     /// So many pulses did not come.
     MissingPulses(u32),

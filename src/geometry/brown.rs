@@ -7,7 +7,7 @@ use super::range::{OutOfRange, Quantity};
 ///
 /// Brown/Australis order: P1 goes with x̄². Published *corrections* have the opposite sign.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
-#[cfg_attr(feature = "link", derive(serde::Serialize, serde::Deserialize))]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct Brown {
     /// K0, dimensionless: the gauge of the principal distance.
     pub k0: f32,

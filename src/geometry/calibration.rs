@@ -11,7 +11,7 @@ use super::sensor::{FmcAxis, Sensor, SensorPoint};
 
 /// What a calibration certificate and the mechanism's drawing say, not yet believed.
 #[derive(Debug, Clone, Copy, PartialEq)]
-#[cfg_attr(feature = "link", derive(serde::Serialize, serde::Deserialize))]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct CalibrationRecord {
     /// f, mm.
     pub principal_distance_mm: f32,
@@ -75,7 +75,8 @@ pub struct Calibration {
 
 /// Which polynomial of a calibration is meant.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-#[cfg_attr(feature = "link", derive(serde::Serialize, serde::Deserialize))]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub enum Polynomial {
     /// The static distortion, with what the exposure and the focus may add to it.
     Static,
@@ -85,7 +86,8 @@ pub enum Polynomial {
 
 /// A calibration is not usable.
 #[derive(Debug, Clone, Copy, PartialEq)]
-#[cfg_attr(feature = "link", derive(serde::Serialize, serde::Deserialize))]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub enum CalibrationError {
     /// A number is not a number or not believable.
     OutOfRange(OutOfRange),

@@ -2,7 +2,7 @@
 
 /// A displacement in the sensor frame, mm: distortion is *measured - ideal*.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
-#[cfg_attr(feature = "link", derive(serde::Serialize, serde::Deserialize))]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 #[repr(C)]
 pub struct Displacement {
     /// To the right, mm.

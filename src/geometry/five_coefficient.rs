@@ -7,7 +7,8 @@ use super::sensor::FmcAxis;
 
 /// What `K_d1` and `P_m1` are multiplied by.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
-#[cfg_attr(feature = "link", derive(serde::Serialize, serde::Deserialize))]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub enum Regressor {
     /// δ, the travel while the shutter is open: Yuan et al. 2012, eq. 22. Right where Δδ/δ is the
     /// same in all exposures.
@@ -23,7 +24,7 @@ pub enum Regressor {
 /// `K_m0..K_m2` *replace* K0..K2 of the static calibration; K3, P, B stay. The printed feed-forward
 /// values (`K_d1` = 2K1, `P_m1` = K1) have the wrong sign and are never used.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
-#[cfg_attr(feature = "link", derive(serde::Serialize, serde::Deserialize))]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct FiveCoefficients {
     /// `K_m0`, dimensionless.
     pub km0: f32,

@@ -14,7 +14,7 @@ pub const SHORT_KERNEL_NM: f32 = 0.5;
 
 /// Which of the two kernels evaluates a frame.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-#[cfg_attr(feature = "link", derive(serde::Serialize, serde::Deserialize))]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub enum Kernel {
     /// Without b₁, b₂, tx, ty: 23 floating-point operations per point.
     Short,
@@ -24,7 +24,7 @@ pub enum Kernel {
 
 /// A point with its correction.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
-#[cfg_attr(feature = "link", derive(serde::Serialize, serde::Deserialize))]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 #[repr(C)]
 pub struct Corrected {
     /// The new coordinate.

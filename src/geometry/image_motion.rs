@@ -147,6 +147,7 @@ pub struct LargestSmear {
 
 /// There is no image motion over the whole sensor.
 #[derive(Debug, Clone, Copy, PartialEq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub enum ImageMotionError {
     /// A quantity is outside its range.
     OutOfRange(OutOfRange),

@@ -18,7 +18,8 @@ pub const LAST_RESIDUAL_NM: f32 = 20.0;
 
 /// No measured point belongs to the ideal one.
 #[derive(Debug, Clone, Copy, PartialEq)]
-#[cfg_attr(feature = "link", derive(serde::Serialize, serde::Deserialize))]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub enum DistortError {
     /// The measured point lies off the sensor as far as Newton's method leads: at this place.
     OffSensor(SensorPoint),

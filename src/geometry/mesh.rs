@@ -20,7 +20,7 @@ use super::sensor::SensorPoint;
 
 /// Points of the sensor frame from a first one on, along +x.
 #[derive(Debug, Clone, Copy, PartialEq)]
-#[cfg_attr(feature = "link", derive(serde::Serialize, serde::Deserialize))]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct MeshRow {
     /// The first point.
     pub first: SensorPoint,

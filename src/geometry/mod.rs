@@ -5,7 +5,6 @@
 
 pub mod brown;
 pub mod calibration;
-#[cfg(feature = "estimation")]
 pub mod estimation;
 pub mod evaluation_form;
 pub mod five_coefficient;

@@ -4,7 +4,7 @@
 ///
 /// The unit is the position's: mm², mm³, mm⁴ for a path in millimetres.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
-#[cfg_attr(feature = "link", derive(serde::Serialize, serde::Deserialize))]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct CentralMoments {
     /// μ₂, the variance.
     pub second: f32,

@@ -6,7 +6,8 @@ use super::range::{OutOfRange, Quantity};
 
 /// Which formula turns a focus shift into distortion.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
-#[cfg_attr(feature = "link", derive(serde::Serialize, serde::Deserialize))]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub enum FocusSign {
     /// A detector moved away from the lens enlarges the image by Δz/L, L from exit pupil to image:
     /// what ray tracing shows.
@@ -133,7 +134,7 @@ pub const FLATNESS_TERMS: usize = 5;
 
 /// The stage's out-of-plane run-out Δz(s): a polynomial of its position.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
-#[cfg_attr(feature = "link", derive(serde::Serialize, serde::Deserialize))]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct Flatness {
     /// Coefficients, lowest power first: µm of Δz per power of mm of stage position along the FMC
     /// axis.

@@ -12,7 +12,7 @@ use super::tdi::mean_transfers;
 /// Offsets are counted along the FMC axis from the calibrated principal point, positive in the
 /// axis' own direction.
 #[derive(Debug, Clone, Copy, PartialEq)]
-#[cfg_attr(feature = "link", derive(serde::Serialize, serde::Deserialize))]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct PrincipalPointMotion {
     /// Δδ: offset when the shutter opens, mm.
     pub opening_offset_mm: f32,

@@ -19,7 +19,8 @@ macro_rules! quantities {
         /// The name is the one of the camera file and of the documents. The order is that of the
         /// numbers on the wire: new quantities are added at the end.
         #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-        #[cfg_attr(feature = "link", derive(serde::Serialize, serde::Deserialize))]
+        #[cfg_attr(feature = "defmt", derive(defmt::Format))]
+        #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
         #[expect(missing_docs, reason = "each variant is the field of the same name")]
         pub enum Quantity {
             $($variant),+
@@ -177,7 +178,8 @@ impl fmt::Display for Quantity {
 
 /// A quantity is not a number, or lies outside its range.
 #[derive(Debug, Clone, Copy, PartialEq)]
-#[cfg_attr(feature = "link", derive(serde::Serialize, serde::Deserialize))]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct OutOfRange {
     /// Which quantity.
     pub quantity: Quantity,

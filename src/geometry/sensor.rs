@@ -5,7 +5,8 @@ use super::range::{OutOfRange, Quantity};
 /// A point of the sensor frame: upright positive image, origin at the centre of the pixel array,
 /// x right, y up, millimetres.
 #[derive(Debug, Clone, Copy, PartialEq, Default, bytemuck::Pod, bytemuck::Zeroable)]
-#[cfg_attr(feature = "link", derive(serde::Serialize, serde::Deserialize))]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 #[repr(C)]
 pub struct SensorPoint {
     /// To the right of the array's centre, mm.
@@ -34,7 +35,7 @@ pub struct PixelPoint {
 /// The direction in which the principal point moves in the sensor frame while the mechanism
 /// compensates: the direction of flight.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
-#[cfg_attr(feature = "link", derive(serde::Serialize, serde::Deserialize))]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub enum FmcAxis {
     /// Towards larger x.
     PlusX,

@@ -8,7 +8,7 @@ use super::range::{OutOfRange, Quantity};
 
 /// How the transmission runs over the exposure.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
-#[cfg_attr(feature = "link", derive(serde::Serialize, serde::Deserialize))]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub enum ShutterProfile {
     /// Open and closed at once: an electronic global shutter.
     #[default]

@@ -6,4 +6,3 @@ pub mod link;
 pub mod mavlink;
 #[cfg(feature = "nmea")]
 pub mod nmea;
-pub mod ring;

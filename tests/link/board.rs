@@ -5,14 +5,13 @@ use fmc_camera::flight::drive::rig::RigDrive;
 use fmc_camera::flight::drive::settings::DriveSettings;
 use fmc_camera::flight::event::{Action, Command, Event, ShutterEdge};
 use fmc_camera::flight::fault::Fault;
+use fmc_camera::flight::flown_deck::FlownDeck;
 use fmc_camera::flight::frame_record::FrameRecord;
 use fmc_camera::flight::input_levels::InputLevels;
 use fmc_camera::flight::settings::FlightSettings;
 use fmc_camera::flight::shutter_output::ShutterOutput;
 use fmc_camera::flight::time::Clock;
 use fmc_camera::flight::vh::VhSample;
-use fmc_camera::io::link::deck::FlightDeck;
-use fmc_camera::io::link::flown_deck::FlownDeck;
 use fmc_camera::io::link::message::{Answer, Identity, Request, Start, Status};
 use fmc_camera::io::link::station::Station;
 
@@ -49,7 +48,7 @@ impl Board {
     pub(crate) fn connected(start: Start, counter_us: u32) -> Self {
         let identity = Identity::new("test build", "test board", false, start);
         let drive = RigDrive::new(DriveSettings::default()).unwrap();
-        let station = Station::with(identity, || 0, FlownDeck::new(drive, start));
+        let station = Station::with(identity, || 0, FlownDeck::new(drive, start.unreferenced()));
         let mut clock = Clock::new();
         // It has run for a while.
         for quarter in 1..=counter_us >> 30 {

@@ -7,13 +7,12 @@ use fmc_camera::flight::drive::rig::RigDrive;
 use fmc_camera::flight::drive::settings::DriveSettings;
 use fmc_camera::flight::event::{Command, Event, ShutterEdge};
 use fmc_camera::flight::fault::Fault;
+use fmc_camera::flight::flown_deck::FlownDeck;
 use fmc_camera::flight::rig::RigStep;
 use fmc_camera::flight::settings::FlightSettings;
 use fmc_camera::flight::time::Time;
 use fmc_camera::flight::vh::VhSample;
 use fmc_camera::geometry::estimation::options::FitOptions;
-use fmc_camera::io::link::deck::FlightDeck;
-use fmc_camera::io::link::flown_deck::FlownDeck;
 use fmc_camera::io::link::message::{Answer, Grid, Observations, Refusal, Request, Start};
 
 use crate::link::board::{Board, COUNT_AT_START};
@@ -129,7 +128,7 @@ fn armed_tdi_camera_is_busy_without_a_stage() {
         first_transfer: 0.5,
     };
     let drive = RigDrive::new(DriveSettings::default()).unwrap();
-    let mut deck = FlownDeck::new(drive, Start::PowerOn).with_row_clock();
+    let mut deck = FlownDeck::new(drive, Start::PowerOn.unreferenced()).with_row_clock();
     deck.prepare(&camera, 0, &FlightSettings::default())
         .unwrap();
     let mut round = |number: u64, event| {
@@ -221,7 +220,7 @@ fn tdi_camera_needs_an_output_that_clocks_its_rows() {
     assert_eq!(board.prepare(), Answer::Refused(Refusal::NoRowClock));
 
     let drive = RigDrive::new(DriveSettings::default()).unwrap();
-    let mut clocking = FlownDeck::new(drive, Start::PowerOn).with_row_clock();
+    let mut clocking = FlownDeck::new(drive, Start::PowerOn.unreferenced()).with_row_clock();
     assert_eq!(
         clocking.prepare(&camera, 0, &FlightSettings::default()),
         Ok(())

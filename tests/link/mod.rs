@@ -11,6 +11,7 @@
 mod board;
 mod conversation;
 mod damage;
+#[cfg(feature = "estimation")]
 mod fit;
 mod flown;
 mod flown_requests;

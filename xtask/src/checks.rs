@@ -19,12 +19,23 @@ use crate::{
 pub(crate) const TESTED: &str =
     "--workspace --exclude hil --features fmc-camera/nmea,fmc-camera/mavlink";
 
+/// Features of the library, each of which must compile by itself, and none of them.
+const FEATURES: [&str; 7] = [
+    "",
+    "defmt",
+    "estimation",
+    "link",
+    "mavlink",
+    "nmea",
+    "serde",
+];
+
 /// One step; its name is that of `--only`.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
 pub(crate) enum Step {
     /// Formatting
     Format,
-    /// Lints for the host
+    /// Lints for the host, each feature of the library by itself, then everything
     HostLints,
     /// Lints of the tests on a real board, which nothing else builds
     HilLints,
@@ -117,8 +128,16 @@ fn run_step(step: Step, workspace: &Workspace, equipment: &Equipment<'_>) -> Res
     let target = || equipment.targets().map(|targets| &targets.armv7em);
     let command = match step {
         Step::Format => workspace.cargo("fmt --all --check"),
-        Step::HostLints => workspace
-            .cargo(&format!("clippy {TESTED} --all-targets --locked -- -D warnings")),
+        Step::HostLints => {
+            for feature in FEATURES {
+                let alone = workspace.cargo(&format!(
+                    "clippy -p fmc-camera --lib --no-default-features --features={feature} --locked -- -D warnings"
+                ));
+                eprintln!("$ {alone}");
+                alone.run()?;
+            }
+            workspace.cargo(&format!("clippy {TESTED} --all-targets --locked -- -D warnings"))
+        }
         Step::HilLints => {
             workspace.cargo("clippy --package hil --all-targets --locked -- -D warnings")
         }

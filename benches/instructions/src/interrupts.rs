@@ -7,7 +7,7 @@ use cortex_m::asm;
 use cortex_m::interrupt::InterruptNumber;
 use cortex_m::peripheral::NVIC;
 use cortex_m_rt::exception;
-use fmc_camera::io::ring::Ring;
+use fmc_camera::flight::ring::Ring;
 
 use crate::counter::Counter;
 use crate::receive_ring::ReceiveRing;

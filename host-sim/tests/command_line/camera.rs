@@ -7,9 +7,8 @@ use std::sync::atomic::{AtomicU32, Ordering};
 use fmc_camera::flight::drive::rig::RigDrive;
 use fmc_camera::flight::drive::settings::DriveSettings;
 use fmc_camera::flight::event::{Action, Event, ShutterEdge};
+use fmc_camera::flight::flown_deck::FlownDeck;
 use fmc_camera::flight::time::Time;
-use fmc_camera::io::link::deck::FlightDeck;
-use fmc_camera::io::link::flown_deck::FlownDeck;
 use fmc_camera::io::link::message::Start;
 
 use crate::command_line::fake_camera::FakeCamera;
@@ -30,7 +29,7 @@ struct Board {
 impl Board {
     fn new() -> Self {
         let drive = RigDrive::new(DriveSettings::default()).unwrap();
-        let mut camera = FakeCamera::with(FlownDeck::new(drive, Start::PowerOn));
+        let mut camera = FakeCamera::with(FlownDeck::new(drive, Start::PowerOn.unreferenced()));
         let triggers = Arc::new(AtomicU32::new(0));
         let wanted = Arc::clone(&triggers);
         let mut now = Time::START;

@@ -100,7 +100,8 @@ pub struct Controller {
 
 /// What has happened since the controller was made.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
-#[cfg_attr(feature = "link", derive(serde::Serialize, serde::Deserialize))]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct Counts {
     /// Triggers.
     pub triggers: u32,
@@ -297,6 +298,7 @@ impl Controller {
 
 /// How the camera has come to run.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub enum Start {
     /// Switched on, or asked to start again.
     Orderly,
@@ -308,6 +310,7 @@ pub enum Start {
 
 /// A camera cannot be flown so.
 #[derive(Debug, Clone, Copy, PartialEq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub enum ControllerError {
     /// The calibration is not usable.
     Calibration(CalibrationError),

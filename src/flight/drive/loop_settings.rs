@@ -4,7 +4,8 @@ use crate::geometry::range::{OutOfRange, Quantity};
 
 /// What the motor has to move, all of it reduced to the stage.
 #[derive(Debug, Clone, Copy, PartialEq)]
-#[cfg_attr(feature = "link", derive(serde::Serialize, serde::Deserialize))]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct Plant {
     /// Moving mass, with the motor's and the screw's inertia, kg.
     pub mass_kg: f32,
@@ -40,7 +41,8 @@ impl Plant {
 
 /// Gains and limits of the velocity loop.
 #[derive(Debug, Clone, Copy, PartialEq)]
-#[cfg_attr(feature = "link", derive(serde::Serialize, serde::Deserialize))]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct LoopSettings {
     /// Speed asked for per following error, 1/s.
     pub position_gain_per_s: f32,

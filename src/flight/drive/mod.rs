@@ -20,7 +20,8 @@ pub mod velocity_loop;
 
 /// A position of the stage as its encoder has it.
 #[derive(Debug, Clone, Copy, PartialEq)]
-#[cfg_attr(feature = "link", derive(serde::Serialize, serde::Deserialize))]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct StageReading {
     /// When it was read, camera time.
     pub time: Time,

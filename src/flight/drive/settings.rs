@@ -5,7 +5,8 @@ use crate::geometry::range::{OutOfRange, Quantity};
 
 /// How motor and encoder are built in.
 #[derive(Debug, Clone, Copy, PartialEq)]
-#[cfg_attr(feature = "link", derive(serde::Serialize, serde::Deserialize))]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct DriveSettings {
     /// Travel per count of the encoder, µm.
     pub encoder_step_um: f32,

@@ -4,7 +4,8 @@ use crate::geometry::range::{OutOfRange, Quantity};
 
 /// Settings of a stepper with step and direction inputs.
 #[derive(Debug, Clone, Copy, PartialEq)]
-#[cfg_attr(feature = "link", derive(serde::Serialize, serde::Deserialize))]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct StepSettings {
     /// Steps per millimetre of the stage, micro-steps counted as the driver counts them.
     pub steps_per_mm: f32,

@@ -6,7 +6,8 @@ use crate::geometry::range::OutOfRange;
 
 /// The travel does not fit the stroke.
 #[derive(Debug, Clone, Copy, PartialEq)]
-#[cfg_attr(feature = "link", derive(serde::Serialize, serde::Deserialize))]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct StrokeTooShort {
     /// Start of the travel that is needed, mm from the calibrated position.
     pub from_mm: f32,
@@ -30,6 +31,7 @@ impl core::error::Error for StrokeTooShort {}
 
 /// The stage cannot make a travel.
 #[derive(Debug, Clone, Copy, PartialEq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub enum PlanError {
     /// A quantity is not believable.
     OutOfRange(OutOfRange),

@@ -5,7 +5,7 @@ use crate::geometry::range::{OutOfRange, Quantity};
 
 /// Where the run-up puts the exposure.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
-#[cfg_attr(feature = "link", derive(serde::Serialize, serde::Deserialize))]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub enum RunUp {
     /// The exposure centroid falls on the calibrated principal point: Δδ = -v·E\[τ\].
     #[default]

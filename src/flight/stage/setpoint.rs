@@ -2,7 +2,8 @@
 
 /// Where the stage should be at an instant, and how it should move.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
-#[cfg_attr(feature = "link", derive(serde::Serialize, serde::Deserialize))]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct Setpoint {
     /// Offset along the FMC axis from the calibrated position, mm.
     pub offset_mm: f32,

@@ -2,7 +2,8 @@
 
 /// Where a V/H comes from.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-#[cfg_attr(feature = "link", derive(serde::Serialize, serde::Deserialize))]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub enum VhSource {
     /// Given as V/H.
     Direct,
@@ -14,7 +15,8 @@ pub enum VhSource {
 
 /// V/H at an instant.
 #[derive(Debug, Clone, Copy, PartialEq)]
-#[cfg_attr(feature = "link", derive(serde::Serialize, serde::Deserialize))]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct VhEstimate {
     /// η = V/H, 1/s.
     pub vh_per_s: f32,

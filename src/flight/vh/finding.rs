@@ -6,7 +6,8 @@ use super::sample::VhSample;
 
 /// A sensor's number, as one source of V/H.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-#[cfg_attr(feature = "link", derive(serde::Serialize, serde::Deserialize))]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 #[expect(missing_docs, reason = "each variant is the sample of the same name")]
 pub enum VhChannel {
     Direct,
@@ -72,7 +73,8 @@ impl VhChannel {
 
 /// A unit that is not the one agreed on.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-#[cfg_attr(feature = "link", derive(serde::Serialize, serde::Deserialize))]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub enum WrongUnit {
     /// Feet for metres.
     Feet,
@@ -93,7 +95,8 @@ impl WrongUnit {
 
 /// What a sample shows.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-#[cfg_attr(feature = "link", derive(serde::Serialize, serde::Deserialize))]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub enum VhFindingKind {
     /// A NaN or an infinity; not used.
     NotANumber,
@@ -149,7 +152,8 @@ impl VhFindingKind {
 
 /// What a sample shows about its source.
 #[derive(Debug, Clone, Copy, PartialEq)]
-#[cfg_attr(feature = "link", derive(serde::Serialize, serde::Deserialize))]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct VhFinding {
     /// Whose value it is.
     pub channel: VhChannel,
@@ -174,7 +178,7 @@ impl fmt::Display for VhFinding {
 
 /// How often each finding was made; a count that is full stays so.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
-#[cfg_attr(feature = "link", derive(serde::Serialize, serde::Deserialize))]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 #[expect(
     missing_docs,
     reason = "each field counts the finding of the same name"

@@ -14,7 +14,8 @@ pub const LEAST_HEIGHT_M: f32 = 1.0;
 
 /// What is believed of one source, in its own unit.
 #[derive(Debug, Clone, Copy, PartialEq)]
-#[cfg_attr(feature = "link", derive(serde::Serialize, serde::Deserialize))]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct ChannelSettings {
     /// Least and largest value.
     pub range: [f32; 2],
@@ -66,7 +67,8 @@ impl ChannelSettings {
 
 /// What is believed of each source, and what of V/H.
 #[derive(Debug, Clone, Copy, PartialEq)]
-#[cfg_attr(feature = "link", derive(serde::Serialize, serde::Deserialize))]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct VhSettings {
     /// V/H given directly, 1/s; its range is that of every V/H.
     pub direct: ChannelSettings,

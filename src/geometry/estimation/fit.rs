@@ -9,7 +9,7 @@ use crate::geometry::five_coefficient::FiveCoefficients;
 
 /// Coefficients in powers of mm, with what the observations say about their precision.
 #[derive(Debug, Clone, Copy, PartialEq)]
-#[cfg_attr(feature = "link", derive(serde::Serialize, serde::Deserialize))]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct Fit<T> {
     /// What was asked for.
     pub options: FitOptions,
@@ -90,7 +90,8 @@ fn element<T: Number>(values: &[T; PARAMETERS], parameter: Parameter) -> T {
 
 /// The observations do not determine the coefficients.
 #[derive(Debug, Clone, Copy, PartialEq)]
-#[cfg_attr(feature = "link", derive(serde::Serialize, serde::Deserialize))]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub enum FitError {
     /// There are too few points.
     TooFew {

@@ -13,7 +13,7 @@ mod sealed {
 ///
 /// Roots are those of `libm`, called by path, so that PC and camera get the same bits.
 pub trait Number:
-    nalgebra::Scalar
+    'static
     + Copy
     + Debug
     + PartialOrd

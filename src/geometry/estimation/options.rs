@@ -5,7 +5,8 @@ use crate::geometry::five_coefficient::Regressor;
 /// What becomes of the static decentring along the FMC axis, whose displacement differs from that
 /// of `K_d1` and `P_m1` in one thing alone: it does not change from exposure to exposure.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
-#[cfg_attr(feature = "link", derive(serde::Serialize, serde::Deserialize))]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub enum StaticDecentring {
     /// Held at the calibration's value; the data must be able to tell it from the dynamic terms.
     #[default]
@@ -19,7 +20,8 @@ pub enum StaticDecentring {
 
 /// Options of an adjustment.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
-#[cfg_attr(feature = "link", derive(serde::Serialize, serde::Deserialize))]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct FitOptions {
     /// What `K_d1` and `P_m1` are multiplied by.
     pub regressor: Regressor,

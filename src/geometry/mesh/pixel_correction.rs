@@ -9,7 +9,7 @@ use crate::geometry::sensor::{PixelPoint, Sensor, pixels};
 
 /// The way of a pixel of the recorded image to its place in the corrected one: corrected - recorded.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
-#[cfg_attr(feature = "link", derive(serde::Serialize, serde::Deserialize))]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 #[repr(C)]
 pub struct PixelCorrection {
     /// Columns, to the right.

@@ -14,7 +14,7 @@ use crate::geometry::sensor::{PixelPoint, Sensor, pixels};
 /// The output image has the pixels of the sensor, at their *ideal* places: the corrected image, about the same
 /// principal point. An engine that is given a part of the source image counts from [`Self::origin_px`].
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-#[cfg_attr(feature = "link", derive(serde::Serialize, serde::Deserialize))]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct VertexRow {
     /// Column of the first vertex, pixels of the whole image.
     pub first_col_px: u32,
@@ -31,7 +31,8 @@ pub struct VertexRow {
 
 /// A row of a mesh cannot be given.
 #[derive(Debug, Clone, Copy, PartialEq)]
-#[cfg_attr(feature = "link", derive(serde::Serialize, serde::Deserialize))]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub enum MeshError {
     /// A vertex lies more than one spacing beyond the last column or row.
     OffImage {

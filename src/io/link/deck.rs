@@ -1,9 +1,11 @@
-//! What the link flies: a camera on a test rig, or the one of a board ([`super::flown_deck`]).
+//! What the link flies: a camera on a test rig, or the one of a board ([`FlownDeck`]).
 
 use super::message::{self, Refusal, Status};
 use crate::flight::camera::{self, CameraRecord};
 use crate::flight::controller::{Controller, ControllerError, Start};
+use crate::flight::drive::flown_drive::FlownDrive;
 use crate::flight::event::Event;
+use crate::flight::flown_deck::{FlownDeck, NotFlyable, NotTaken};
 use crate::flight::frame_record::FrameRecord;
 use crate::flight::rig::{Rig, RigAnswer, RigStep};
 use crate::flight::settings::FlightSettings;
@@ -59,10 +61,7 @@ impl RigDeck {
     /// A rig without a camera, whose encoder counts on through a start in good order.
     #[must_use]
     pub const fn after(start: message::Start) -> Self {
-        Self::new(match start {
-            message::Start::Watchdog | message::Start::Fault => Start::AfterWatchdog,
-            message::Start::PowerOn | message::Start::Requested => Start::Orderly,
-        })
+        Self::new(start.counting_on())
     }
 }
 
@@ -103,6 +102,45 @@ impl FlightDeck for RigDeck {
 
     fn tell(&mut self, _: Event) -> Result<(), Refusal> {
         Err(Refusal::OnRig)
+    }
+}
+
+impl<Drive: FlownDrive> FlightDeck for FlownDeck<Drive> {
+    fn prepare(
+        &mut self,
+        camera: &CameraRecord,
+        calibration_crc: u32,
+        settings: &FlightSettings,
+    ) -> Result<(), Refusal> {
+        Self::prepare(self, camera, calibration_crc, settings).map_err(|error| match error {
+            NotFlyable::Controller(error) => error.into(),
+            NotFlyable::NoRowClock => Refusal::NoRowClock,
+        })
+    }
+
+    fn controller(&self) -> Option<&Controller> {
+        self.controller()
+    }
+
+    fn controller_mut(&mut self) -> Option<&mut Controller> {
+        self.controller_mut()
+    }
+
+    fn offset_mm(&self) -> Option<f32> {
+        self.offset_mm()
+    }
+
+    /// Its time is its own.
+    fn step(&mut self, _: &RigStep) -> Option<Result<RigAnswer, Refusal>> {
+        None
+    }
+
+    fn tell(&mut self, event: Event) -> Result<(), Refusal> {
+        Self::tell(self, event).map_err(|error| match error {
+            NotTaken::NotPrepared => Refusal::NotPrepared,
+            NotTaken::NotTold => Refusal::NotTold,
+            NotTaken::QueueFull => Refusal::QueueFull,
+        })
     }
 }
 

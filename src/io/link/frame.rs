@@ -67,6 +67,7 @@ fn wire_from_number<const N: usize>(number: u32) -> [u8; N] {
 
 /// Why a frame was discarded.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub enum Damage {
     /// It is not as long as it says, or ends in the middle of a block of COBS.
     Truncated,

@@ -8,8 +8,8 @@ use serde::{Deserialize, Serialize};
 use super::frame::Frame;
 use super::{MAX_OBSERVATIONS, MAX_POINTS, PROTOCOL_VERSION};
 use crate::flight::camera::{CameraRecord, FrameError};
-use crate::flight::controller::Counts;
 use crate::flight::controller::state::State;
+use crate::flight::controller::{self, Counts};
 use crate::flight::event::Event;
 use crate::flight::exposure::Exposure;
 use crate::flight::frame_record::FrameRecord;
@@ -41,6 +41,7 @@ pub type Observations = Vec<Observation<f32>, MAX_OBSERVATIONS>;
 
 /// Which request of which session.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct Header {
     /// Chosen by the PC when it connects; 0 is nobody's.
     pub session: u32,
@@ -151,6 +152,7 @@ pub enum Answer {
 /// Why the camera does not do what it is asked for. Nothing has changed, except that after an
 /// [`Refusal::Exposure`] there is no frame.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub enum Refusal {
     /// Another version of this protocol; the answer's first byte says which.
     OtherProtocol,
@@ -221,6 +223,8 @@ pub enum Refusal {
     NoRowClock,
     /// A vertex of the mesh is off the image, has no source, or one that the format does not hold.
     Mesh(MeshError),
+    /// Its firmware was built without the adjustment of the five coefficients.
+    NoEstimation,
 }
 
 impl fmt::Display for Refusal {
@@ -265,6 +269,9 @@ impl fmt::Display for Refusal {
                 f.write_str("it has no output that clocks the rows of a TDI sensor")
             }
             Self::Mesh(error) => error.fmt(f),
+            Self::NoEstimation => {
+                f.write_str("its firmware was built without the adjustment of coefficients")
+            }
         }
     }
 }
@@ -273,6 +280,7 @@ impl core::error::Error for Refusal {}
 
 /// Why the camera runs: what it did before.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub enum Start {
     /// It was switched on.
     PowerOn,
@@ -282,6 +290,26 @@ pub enum Start {
     Watchdog,
     /// A fault of processor or memory.
     Fault,
+}
+
+impl Start {
+    /// How the controller of a camera takes it whose encoder counts on through a start in good order.
+    #[must_use]
+    pub const fn counting_on(self) -> controller::Start {
+        match self {
+            Self::PowerOn | Self::Requested => controller::Start::Orderly,
+            Self::Watchdog | Self::Fault => controller::Start::AfterWatchdog,
+        }
+    }
+
+    /// How the controller of a camera takes it whose encoder counts from wherever the stage stands.
+    #[must_use]
+    pub const fn unreferenced(self) -> controller::Start {
+        match self {
+            Self::PowerOn | Self::Requested => controller::Start::Unreferenced,
+            Self::Watchdog | Self::Fault => controller::Start::AfterWatchdog,
+        }
+    }
 }
 
 /// Who answers.
@@ -322,6 +350,7 @@ impl Identity {
 
 /// What a camera in flight is doing.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct Status {
     /// State of the controller.
     pub state: State,
@@ -340,6 +369,7 @@ pub struct Status {
 
 /// Which calibration, and whether it outlives a restart.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct CalibrationIdentity {
     /// [`super::digest::of_record`].
     pub crc: u32,
@@ -349,6 +379,7 @@ pub struct CalibrationIdentity {
 
 /// Where a calibration is kept.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub enum Storage {
     /// In memory alone: gone at the next restart.
     Volatile,
@@ -375,6 +406,7 @@ impl Grid {
 
 /// What the link has seen since the camera started.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct Counters {
     /// Requests acted on.
     pub done: u32,
@@ -404,6 +436,7 @@ pub struct Counters {
 
 /// A payload of which not even the header can be read.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub enum Unreadable {
     /// Its first byte is this version, not [`PROTOCOL_VERSION`].
     OtherProtocol(u8),

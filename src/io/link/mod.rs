@@ -31,7 +31,7 @@
 mod batch;
 pub mod deck;
 pub mod digest;
-pub mod flown_deck;
+mod fitting;
 pub mod frame;
 pub mod message;
 pub mod station;

@@ -1,23 +1,20 @@
 //! The camera's end of the link: bytes in, bytes out, no clock and no port.
 
 use super::deck::{self, FlightDeck, RigDeck};
+use super::fitting::Fitting;
 use super::frame::{Damage, Frame, FrameReceiver};
 use super::message::{
-    Answer, CalibrationIdentity, Counters, Header, Identity, Observations, Refusal, Request,
-    Storage, Unreadable,
+    Answer, CalibrationIdentity, Counters, Header, Identity, Refusal, Request, Storage, Unreadable,
 };
 use super::{batch, digest};
 use crate::flight::camera::{self, Camera, CameraRecord};
 use crate::flight::exposure::Exposure;
 use crate::flight::frame_record::FrameRecord;
 use crate::flight::interior_orientation::InteriorOrientation;
-use crate::geometry::estimation::adjustment::Adjustment;
-use crate::geometry::estimation::known_lens::KnownLens;
-use crate::geometry::estimation::options::FitOptions;
-use crate::geometry::sensor::SensorPoint;
 
 /// What a byte led to; for the log, and for what only the board can do.
 #[derive(Debug, Clone, Copy, PartialEq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub enum Event {
     /// A frame was damaged on its way. Nothing is answered.
     Lost(Damage),
@@ -76,7 +73,7 @@ impl<Deck: FlightDeck> Station<Deck> {
                 camera: None,
                 loaded: None,
                 frame: None,
-                adjustment: None,
+                fitting: Fitting::NONE,
                 answer: Frame::EMPTY,
                 aside: Frame::EMPTY,
                 to_send: Which::Answer,
@@ -163,7 +160,7 @@ struct Desk<Deck> {
     loaded: Option<(CameraRecord, u32)>,
     frame: Option<camera::Frame>,
     deck: Deck,
-    adjustment: Option<Adjustment<f32>>,
+    fitting: Fitting,
     answer: Frame,
     /// What is said to others meanwhile: the answer stays, for whoever asks for it again.
     aside: Frame,
@@ -252,7 +249,7 @@ impl<Deck: FlightDeck> Desk<Deck> {
         let answer = match request {
             Request::Connect => {
                 self.frame = None;
-                self.adjustment = None;
+                self.fitting = Fitting::NONE;
                 let answer = Answer::Connected(self.identity.clone());
                 return Ok((answer, Event::Connected(header.session)));
             }
@@ -283,12 +280,17 @@ impl<Deck: FlightDeck> Desk<Deck> {
                 return Ok((Answer::Ending, Event::PowerOff));
             }
             Request::PowerOff => return Err(Refusal::NoPowerSwitch),
-            Request::StartFit(options) => Answer::Observed(self.start_fit(*options)?),
-            Request::Observe(observations) => Answer::Observed(self.observe(observations)?),
+            Request::StartFit(options) => {
+                deck::check_idle(&self.deck)?;
+                Answer::Observed(self.fitting.start(self.camera.as_ref(), *options)?)
+            }
+            Request::Observe(observations) => {
+                deck::check_idle(&self.deck)?;
+                Answer::Observed(self.fitting.observe(self.camera.as_ref(), observations)?)
+            }
             Request::Fit => {
                 deck::check_idle(&self.deck)?;
-                let adjustment = self.adjustment.as_ref().ok_or(Refusal::NoFit)?;
-                Answer::Fitted(adjustment.fit().map_err(Refusal::Fit)?)
+                Answer::Fitted(self.fitting.fit()?)
             }
             Request::Prepare(settings) => {
                 let (record, crc) = self.loaded.as_ref().ok_or(Refusal::NoCalibration)?;
@@ -336,7 +338,7 @@ impl<Deck: FlightDeck> Desk<Deck> {
         self.camera = Some(camera);
         self.loaded = Some((*record, calibration.crc));
         self.frame = None;
-        self.adjustment = None;
+        self.fitting = Fitting::NONE;
         self.identity.calibration = Some(calibration);
         Ok(calibration)
     }
@@ -348,39 +350,6 @@ impl<Deck: FlightDeck> Desk<Deck> {
         let frame = camera.frame(exposure).map_err(Refusal::Exposure)?;
         self.frame = Some(frame);
         Ok(frame.record)
-    }
-
-    fn start_fit(&mut self, options: FitOptions) -> Result<u32, Refusal> {
-        deck::check_idle(&self.deck)?;
-        let camera = self.camera.as_ref().ok_or(Refusal::NoCalibration)?;
-        let adjustment = Adjustment::new(KnownLens::of(camera.calibration()), options);
-        let points = adjustment.points();
-        self.adjustment = Some(adjustment);
-        Ok(points)
-    }
-
-    /// Takes all observations of a batch, or none.
-    fn observe(&mut self, observations: &Observations) -> Result<u32, Refusal> {
-        deck::check_idle(&self.deck)?;
-        let camera = self.camera.as_ref().ok_or(Refusal::NoCalibration)?;
-        let adjustment = self.adjustment.as_mut().ok_or(Refusal::NoFit)?;
-        let calibration = camera.calibration();
-        let lens = KnownLens::of(calibration);
-        for (index, observation) in (0..).zip(observations) {
-            let point = SensorPoint::new(observation.x_mm, observation.y_mm);
-            if !calibration.sensor().contains(point) {
-                return Err(Refusal::OffSensor { index });
-            }
-            observation
-                .checked(&lens)
-                .map_err(|error| Refusal::Observation { index, error })?;
-        }
-        for (index, observation) in (0..).zip(observations) {
-            adjustment
-                .observe(*observation)
-                .map_err(|error| Refusal::Observation { index, error })?;
-        }
-        Ok(adjustment.points())
     }
 
     fn frame(&self) -> Result<&camera::Frame, Refusal> {

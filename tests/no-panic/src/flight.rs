@@ -11,6 +11,7 @@ use fmc_camera::flight::{
         pwm_encoder::PwmEncoder,
         quadrature::{QuadratureCounter, QuadratureDecoder, WideCount},
         rig::RigDrive,
+        settings::DriveSettings,
         step_dir::StepDir,
         step_settings::StepSettings,
         velocity_loop::VelocityLoop,

@@ -1,15 +1,15 @@
 //! Public functions of the link and of the receivers of aircraft data.
 
 use fmc_camera::flight::drive::rig::RigDrive;
+use fmc_camera::flight::flown_deck::FlownDeck;
+use fmc_camera::flight::ring::Ring;
 use fmc_camera::io::link::{
     deck::{FlightDeck, RigDeck},
     digest,
-    flown_deck::FlownDeck,
     frame::{Frame, FrameReceiver},
-    message::{Answer, Grid, Identity, Request},
+    message::{Answer, Grid, Identity, Request, Start},
     station::Station,
 };
-use fmc_camera::io::ring::Ring;
 
 type Bytes = Ring<u8, 8>;
 type Deck = FlownDeck<RigDrive>;
@@ -60,8 +60,10 @@ pub(crate) fn keep() {
         Deck::controller,
         Deck::controller_mut,
         Deck::offset_mm,
-        Deck::step,
         Deck::tell,
+        Deck::step,
+        Start::counting_on,
+        Start::unreferenced,
         Station::<Deck>::receive,
         Station::new,
         Station::<RigDeck>::with,

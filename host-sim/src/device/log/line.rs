@@ -1,8 +1,9 @@
 //! A frame of the firmware's log as a line of text.
 //!
 //! The numbers, strings, characters and truth values that defmt writes are shown, with the hints
-//! for numbers and seconds. Of a frame with other arguments (structures of the firmware that format
-//! themselves, slices, bit fields) only the level and the format string are shown.
+//! for numbers and seconds, and so are structures and enums of the library (`defmt::Format`, as it
+//! is derived). Of a frame with other arguments (slices, bit fields) only the level and the format
+//! string are shown.
 
 use std::fmt::{Display, Write as _};
 
@@ -32,6 +33,8 @@ enum Argument<'a> {
     Truth(bool),
     Character(char),
     Text(&'a str),
+    /// A structure or a variant of an enum, its fields shown already.
+    Value(String),
 }
 
 /// Returns the line of a frame, given encoded and without the zeros around it; `None` for a frame
@@ -74,7 +77,6 @@ pub(super) fn is_shown(format: &str) -> bool {
         Fragment::Parameter(Parameter { ty, .. }) => !matches!(
             ty,
             Type::BitField(_)
-                | Type::Format
                 | Type::FormatArray(_)
                 | Type::FormatSequence
                 | Type::FormatSlice
@@ -119,6 +121,16 @@ impl<'a> Reader<'a> {
         Some(text)
     }
 
+    /// Of the format of an enum that of its variant, which the next byte names; else the format itself.
+    fn variant<'format>(&mut self, format: &'format str) -> Option<&'format str> {
+        // An enum of one variant has no byte.
+        if !format.contains('|') {
+            return Some(format);
+        }
+        let [number] = self.take()?;
+        format.split('|').nth(number.into())
+    }
+
     fn argument(&mut self, kind: &Type) -> Option<Argument<'a>> {
         Some(match kind {
             Type::U8 => Argument::Unsigned(u8::from_le_bytes(self.take()?).into()),
@@ -159,8 +171,12 @@ impl<'a> Reader<'a> {
                 self.bytes = rest.get(1..)?;
                 Argument::Text(str::from_utf8(text).ok()?)
             }
+            Type::Format => {
+                let entry = self.table.get(u16::from_le_bytes(self.take()?))?;
+                let format = self.variant(entry.is_value.then_some(&*entry.text)?)?;
+                Argument::Value(self.text(format)?)
+            }
             Type::BitField(_)
-            | Type::Format
             | Type::FormatArray(_)
             | Type::FormatSequence
             | Type::FormatSlice
@@ -194,6 +210,7 @@ impl Argument<'_> {
                 Some(DisplayHint::Debug) => write!(text, "{line:?}").ok(),
                 _ => write!(text, "{line}").ok(),
             },
+            Self::Value(value) => write!(text, "{value}").ok(),
         }
     }
 }
@@ -351,8 +368,48 @@ mod tests {
     }
 
     #[test]
+    fn structures_and_enums_are_shown_with_their_fields() {
+        let table = table(&[
+            (1, "defmt_warn", "refused: {}"),
+            (2, "defmt_derived", "Lost|Setting({=?})|Storage({=?})"),
+            (
+                3,
+                "defmt_derived",
+                "OutOfRange {{ name: {=?}, value: {=f32} }}",
+            ),
+            (4, "defmt_derived", "MaxDuty|Gain"),
+            (5, "defmt_derived", "Volatile"),
+            (6, "defmt_prim", "{=u8}"),
+            (7, "defmt_str", "interned"),
+        ]);
+        let line = |argument: &[u8]| decode(&table, &rzcobs::encode(&[&[1, 0], argument].concat()));
+        assert_eq!(line(&[2, 0, 0]).unwrap(), "WARN refused: Lost");
+        let setting = [2, 0, 1, 3, 0, 4, 0, 1, 0, 0, 192, 63];
+        assert_eq!(
+            line(&setting).unwrap(),
+            "WARN refused: Setting(OutOfRange { name: Gain, value: 1.5 })"
+        );
+        assert_eq!(
+            line(&[2, 0, 2, 5, 0]).unwrap(),
+            "WARN refused: Storage(Volatile)"
+        );
+        assert_eq!(line(&[6, 0, 9]).unwrap(), "WARN refused: 9");
+        // No such variant, no such format, a string that is no value's, and none at all.
+        for wrong in [&[2, 0, 3][..], &[8, 0], &[7, 0, 1], &[]] {
+            assert!(line(wrong).is_none(), "{wrong:?}");
+        }
+    }
+
+    #[test]
     fn arguments_of_other_kinds_leave_level_and_format() {
-        for format in ["{=?}", "{}", "{=[u8]}", "{=[u8; 1]}", "{=0..3}", "{=u8"] {
+        for format in [
+            "{=[?]}",
+            "{=[?; 1]}",
+            "{=[u8]}",
+            "{=[u8; 1]}",
+            "{=0..3}",
+            "{=u8",
+        ] {
             let expected = format!("WARN {format} (with arguments of other kinds)");
             assert_eq!(line(format, &[1, 0]), Some(expected));
         }

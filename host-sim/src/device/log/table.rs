@@ -21,6 +21,8 @@ pub(super) struct Table {
 pub(super) struct Entry {
     /// `None` for a line that is printed without a level, and for a part of a line.
     pub(super) level: Option<&'static str>,
+    /// Whether it is the format of a value that formats itself.
+    pub(super) is_value: bool,
     /// The format string, or the interned string.
     pub(super) text: String,
 }
@@ -70,7 +72,13 @@ impl Table {
             "defmt_error" => Some("ERROR"),
             _ => None,
         };
-        self.entries.insert(number, Entry { level, text: data });
+        let is_value = matches!(&*tag, "defmt_derived" | "defmt_prim");
+        let entry = Entry {
+            level,
+            is_value,
+            text: data,
+        };
+        self.entries.insert(number, entry);
     }
 
     /// Returns the entry of a number.
@@ -78,11 +86,12 @@ impl Table {
         self.entries.get(&number.into())
     }
 
-    /// Returns the format strings of lines and of the time, without the strings that are parts of
-    /// lines.
+    /// Returns the format strings of lines, of values in them and of the time, without the strings
+    /// that are parts of some.
     pub(super) fn formats(&self) -> impl Iterator<Item = &str> {
-        let lines = self.entries.values().filter(|entry| entry.level.is_some());
-        lines
+        let entries = self.entries.values();
+        entries
+            .filter(|entry| entry.level.is_some() || entry.is_value)
             .map(|entry| entry.text.as_str())
             .chain(self.timestamp())
     }

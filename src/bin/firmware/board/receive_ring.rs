@@ -1,7 +1,7 @@
 //! Bytes on their way from the receive interrupt to the main loop.
 
+use fmc_camera::flight::ring::Ring;
 use fmc_camera::io::link::LONGEST_FRAME;
-use fmc_camera::io::ring::Ring;
 
 /// Bytes that wait at most: two of the longest frames and more. The ring asks for a power of two.
 const CAPACITY: usize = (2 * LONGEST_FRAME).next_power_of_two();

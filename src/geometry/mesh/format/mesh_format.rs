@@ -6,7 +6,8 @@ use super::vertex::PixelAxis;
 
 /// How a warp engine stores a vertex.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-#[cfg_attr(feature = "link", derive(serde::Serialize, serde::Deserialize))]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub enum MeshFormat {
     /// Displacements in eighths of a pixel: [`s16q3`](super::s16q3).
     S16Q3,
@@ -34,7 +35,8 @@ impl MeshFormat {
 
 /// A number of a vertex is beyond its format's range.
 #[derive(Debug, Clone, Copy, PartialEq)]
-#[cfg_attr(feature = "link", derive(serde::Serialize, serde::Deserialize))]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct OutOfFormat {
     /// Which format.
     pub format: MeshFormat,

@@ -35,7 +35,8 @@ impl Vertex {
 
 /// Which of the two numbers of a vertex.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-#[cfg_attr(feature = "link", derive(serde::Serialize, serde::Deserialize))]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub enum PixelAxis {
     /// Along the row.
     Columns,

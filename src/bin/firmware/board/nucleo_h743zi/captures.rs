@@ -17,9 +17,10 @@ use embassy_stm32::{
 use fmc_camera::flight::{
     drive::flown_drive::FlownDrive,
     event::{Event, ShutterEdge},
+    flown_deck::FlownDeck,
+    ring::Ring,
     time::Clock,
 };
-use fmc_camera::io::{link::flown_deck::FlownDeck, ring::Ring};
 
 /// Edges of one line that are kept from one round to the next.
 const PLACES: usize = 8;

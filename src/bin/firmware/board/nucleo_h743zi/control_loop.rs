@@ -4,8 +4,8 @@ use core::sync::atomic::{AtomicBool, Ordering};
 
 use cortex_m::peripheral::{SYST, syst::SystClkSource};
 use cortex_m_rt::exception;
+use fmc_camera::flight::flown_deck::FlownDeck;
 use fmc_camera::flight::{event::Action, round_guard::RoundGuard, time::Clock};
-use fmc_camera::io::link::flown_deck::FlownDeck;
 
 use crate::journal;
 

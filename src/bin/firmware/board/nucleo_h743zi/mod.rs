@@ -30,8 +30,8 @@ use self::{
     shutter::Shutter,
     step_pins::StepPins,
 };
-use fmc_camera::flight::time::Clock;
-use fmc_camera::io::link::{flown_deck::FlownDeck, message::Start};
+use fmc_camera::flight::{flown_deck::FlownDeck, time::Clock};
+use fmc_camera::io::link::message::Start;
 
 use super::cause;
 
@@ -109,7 +109,7 @@ impl Board {
 
     /// The camera on this board's pins, not prepared.
     pub(crate) fn deck(start: Start) -> Deck {
-        FlownDeck::new(motor::drive(), start)
+        FlownDeck::new(motor::drive(), start.unreferenced())
     }
 
     /// A round of the control loop, where one is due.

@@ -62,7 +62,7 @@ impl Item for u32 {
 /// Every line has a ring of its own, so that one that bounces keeps out nothing of another's.
 ///
 /// ```
-/// use fmc_camera::io::ring::Ring;
+/// use fmc_camera::flight::ring::Ring;
 ///
 /// static RECEIVED: Ring<u8, 4> = Ring::new();
 /// RECEIVED.push(0x55);

@@ -1,30 +1,29 @@
-//! The camera of a board: its drive moves a stage, its events come from wires and from the link.
+//! The camera of a board: its drive moves a stage, its events come from wires and from what it is told.
 
-use super::deck::FlightDeck;
-use super::message::{Refusal, Start};
-use crate::flight::camera::{CameraRecord, Mechanism};
-use crate::flight::controller::state::State;
-use crate::flight::controller::{self, Controller};
-use crate::flight::drive::flown_drive::FlownDrive;
-use crate::flight::event::{Command, Event, Supply};
-use crate::flight::event_queue::EventQueue;
-use crate::flight::input_levels::InputLevels;
-use crate::flight::rig::{RigAnswer, RigStep};
-use crate::flight::settings::FlightSettings;
-use crate::flight::time::Time;
-use crate::flight::unit::{self, RoundActions};
+use core::fmt;
+
+use super::camera::{CameraRecord, Mechanism};
+use super::controller::state::State;
+use super::controller::{Controller, ControllerError, Start};
+use super::drive::flown_drive::FlownDrive;
+use super::event::{Command, Event, Supply};
+use super::event_queue::EventQueue;
+use super::input_levels::InputLevels;
+use super::settings::FlightSettings;
+use super::time::Time;
+use super::unit::{self, RoundActions};
 
 /// A camera that moves a stage, with one drive for all the flights it is prepared for.
 ///
-/// It has no clock: the board says what time it is, with every round and, so that what it is told gets the time of its
-/// arrival, before bytes of the link go to the [`Station`](super::station::Station).
+/// It has no clock: the board says what time it is, with every round and before [`Self::tell`], so that what it is told
+/// gets the time of its arrival.
 ///
 /// Every millisecond: what the interrupts have stamped goes to [`Self::capture`], what the lines say to
 /// [`Self::see`], and then comes [`Self::round`]. Until it is prepared it does nothing but read the stage, and forgets
 /// what it is given.
 #[derive(Debug)]
 pub struct FlownDeck<Drive> {
-    start: controller::Start,
+    start: Start,
     drive: Drive,
     controller: Option<Controller>,
     events: EventQueue,
@@ -39,15 +38,12 @@ pub struct FlownDeck<Drive> {
 }
 
 impl<Drive: FlownDrive> FlownDeck<Drive> {
-    /// A camera that has not been prepared. Its encoder counts from wherever the stage stands: before it compensates
-    /// somebody has to say where that is ([`Command::Referenced`]).
+    /// A camera that has not been prepared. After [`Start::Unreferenced`] its encoder counts from wherever the stage
+    /// stands: before it compensates somebody has to say where that is ([`Command::Referenced`]).
     #[must_use]
     pub const fn new(drive: Drive, start: Start) -> Self {
         Self {
-            start: match start {
-                Start::PowerOn | Start::Requested => controller::Start::Unreferenced,
-                Start::Watchdog | Start::Fault => controller::Start::AfterWatchdog,
-            },
+            start,
             drive,
             controller: None,
             events: EventQueue::new(),
@@ -164,64 +160,114 @@ impl<Drive: FlownDrive> FlownDeck<Drive> {
     pub const fn drive_mut(&mut self) -> &mut Drive {
         &mut self.drive
     }
-}
 
-impl<Drive: FlownDrive> FlightDeck for FlownDeck<Drive> {
-    fn prepare(
+    /// Makes it ready to be flown, in place of the camera before.
+    ///
+    /// # Errors
+    /// [`NotFlyable`]; the camera before stays as it was.
+    pub fn prepare(
         &mut self,
         camera: &CameraRecord,
         calibration_crc: u32,
         settings: &FlightSettings,
-    ) -> Result<(), Refusal> {
+    ) -> Result<(), NotFlyable> {
         if let Mechanism::Tdi { .. } = camera.mechanism
             && !self.has_row_clock
         {
-            return Err(Refusal::NoRowClock);
+            return Err(NotFlyable::NoRowClock);
         }
         // A fault that nobody has cleared is not forgotten.
         if let Some(controller) = &self.controller {
             self.start = controller.next_start();
         }
-        match Controller::new(camera, calibration_crc, settings, self.start) {
-            Ok(controller) => {
-                self.drive
-                    .set_settings(settings.drive)
-                    .map_err(Refusal::Settings)?;
-                self.controller = Some(controller);
-            }
-            Err(error) => return Err(error.into()),
-        }
+        let controller = Controller::new(camera, calibration_crc, settings, self.start)
+            .map_err(NotFlyable::Controller)?;
+        self.drive
+            .set_settings(settings.drive)
+            .map_err(|error| NotFlyable::Controller(ControllerError::Settings(error)))?;
+        self.controller = Some(controller);
         self.events.clear();
         self.known = InputLevels::GOOD;
         Ok(())
     }
 
-    fn controller(&self) -> Option<&Controller> {
+    /// The camera's controller; `None` before it is prepared.
+    #[must_use]
+    pub const fn controller(&self) -> Option<&Controller> {
         self.controller.as_ref()
     }
 
-    fn controller_mut(&mut self) -> Option<&mut Controller> {
+    /// The same, to acknowledge records.
+    pub const fn controller_mut(&mut self) -> Option<&mut Controller> {
         self.controller.as_mut()
     }
 
-    fn offset_mm(&self) -> Option<f32> {
+    /// Where the stage was in the last round, mm along the FMC axis from the encoder's zero; `None` without a reading.
+    #[must_use]
+    pub const fn offset_mm(&self) -> Option<f32> {
         self.offset_mm
     }
 
-    /// Its time is its own.
-    fn step(&mut self, _: &RigStep) -> Option<Result<RigAnswer, Refusal>> {
-        None
-    }
-
-    fn tell(&mut self, event: Event) -> Result<(), Refusal> {
+    /// Somebody says that something happens, now: a command, or what another instrument has measured.
+    ///
+    /// # Errors
+    /// [`NotTaken`]; nothing has happened then.
+    pub fn tell(&mut self, event: Event) -> Result<(), NotTaken> {
         if self.controller.is_none() {
-            return Err(Refusal::NotPrepared);
+            return Err(NotTaken::NotPrepared);
         }
         if !event.is_told() {
-            return Err(Refusal::NotTold);
+            return Err(NotTaken::NotTold);
         }
         self.events
             .offer(self.now, event)
-            .map_err(|_| Refusal::QueueFull)
+            .map_err(|_| NotTaken::QueueFull)
     }
 }
+
+/// A board cannot fly a camera so.
+#[derive(Debug, Clone, Copy, PartialEq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
+pub enum NotFlyable {
+    /// The controller refuses calibration or settings, or the drive its settings.
+    Controller(ControllerError),
+    /// The sensor is TDI, and the board has no output that clocks its rows.
+    NoRowClock,
+}
+
+impl fmt::Display for NotFlyable {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::Controller(error) => error.fmt(f),
+            Self::NoRowClock => {
+                f.write_str("the board has no output that clocks the rows of a TDI sensor")
+            }
+        }
+    }
+}
+
+impl core::error::Error for NotFlyable {}
+
+/// What a camera is told is not taken.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
+pub enum NotTaken {
+    /// It has not been prepared for flight.
+    NotPrepared,
+    /// It takes such an event from its own inputs alone ([`Event::is_told`]).
+    NotTold,
+    /// As many events wait for the control loop as can be kept.
+    QueueFull,
+}
+
+impl fmt::Display for NotTaken {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str(match self {
+            Self::NotPrepared => "the camera has not been prepared for flight",
+            Self::NotTold => "the camera takes such an event from its own inputs alone",
+            Self::QueueFull => "too many events wait for the control loop",
+        })
+    }
+}
+
+impl core::error::Error for NotTaken {}
