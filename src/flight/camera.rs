@@ -260,7 +260,7 @@ impl Camera {
     /// # Model
     /// v = f·η (Yuan et al. 2012, eq. 8), negative where the camera flies against the FMC axis.
     #[must_use]
-    pub fn tracking(&self, exposure: &Exposure) -> Tracking {
+    pub(crate) fn tracking(&self, exposure: &Exposure) -> Tracking {
         let speed = self.calibration.record().principal_distance_mm * exposure.vh_per_s;
         Tracking {
             speed_mm_s: exposure.direction.sign() * speed,

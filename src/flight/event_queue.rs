@@ -105,7 +105,7 @@ impl EventQueue {
     /// # Errors
     /// [`Full`]; nothing is counted. For [`Event::Stage`], [`Event::Tick`] and [`Event::Lost`], which the control loop
     /// makes itself, there is none.
-    pub fn offer(&mut self, time: Time, event: Event) -> Result<(), Full> {
+    pub(crate) fn offer(&mut self, time: Time, event: Event) -> Result<(), Full> {
         let kind = Kind::of(&event).ok_or(Full)?;
         let alike = self
             .waiting

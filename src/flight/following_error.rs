@@ -3,20 +3,17 @@
 use micromath::F32Ext;
 
 /// Readings over which the mean runs: an exponential window of a second and two hundredths at 1 kHz.
-pub const WINDOW: f32 = 1024.0;
-
-/// Most that [`FollowingError::rms_um`] is off for the approximate square root, as a fraction.
-pub const ROOT_ERROR: f32 = 0.06;
+pub(crate) const WINDOW: f32 = 1024.0;
 
 /// The mean square of the following error over about a second.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
-pub struct FollowingError {
+pub(crate) struct FollowingError {
     mean_square_um2: f32,
 }
 
 impl FollowingError {
     /// Takes a following error, mm.
-    pub fn push(&mut self, error_mm: f32) {
+    pub(crate) fn push(&mut self, error_mm: f32) {
         let error_um = 1000.0 * error_mm;
         self.mean_square_um2 += (error_um * error_um - self.mean_square_um2) / WINDOW;
     }
@@ -24,9 +21,9 @@ impl FollowingError {
     /// Its root mean square, µm.
     ///
     /// # Accuracy
-    /// [`ROOT_ERROR`]: the square root is `micromath`'s approximate one.
+    /// 6 %, asserted below: the square root is `micromath`'s approximate one.
     #[must_use]
-    pub fn rms_um(&self) -> f32 {
+    pub(crate) fn rms_um(&self) -> f32 {
         F32Ext::sqrt(self.mean_square_um2)
     }
 }
@@ -34,6 +31,9 @@ impl FollowingError {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    /// Most that the approximate square root is off, as a fraction.
+    const ROOT_ERROR: f32 = 0.06;
 
     #[test]
     fn rms_is_right_within_the_stated_error() {

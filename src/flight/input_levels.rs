@@ -22,7 +22,7 @@ impl InputLevels {
 
     /// Whether a limit switch has closed since.
     #[must_use]
-    pub const fn has_closed_since(&self, before: &Self) -> bool {
+    pub(crate) const fn has_closed_since(&self, before: &Self) -> bool {
         (self.limit_low && !before.limit_low) || (self.limit_high && !before.limit_high)
     }
 

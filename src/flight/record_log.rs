@@ -15,7 +15,7 @@ pub const CAPACITY: usize = 32;
 /// number and time alone, and are kept as a range. The range ends with the acknowledgement of its last number, so
 /// that it never has a gap.
 #[derive(Debug, Clone, Default)]
-pub struct RecordLog {
+pub(crate) struct RecordLog {
     whole: Deque<Place, CAPACITY>,
     refused: Option<Range>,
     last_sequence: u32,
@@ -31,7 +31,7 @@ struct Place {
 
 /// The number a trigger has got.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum Numbered {
+pub(crate) enum Numbered {
     /// Its record is to be finished.
     Pending(u32),
     /// There is no room for its record: it is refused.
@@ -68,7 +68,7 @@ impl Range {
 impl RecordLog {
     /// A log before the first trigger.
     #[must_use]
-    pub const fn new() -> Self {
+    pub(crate) const fn new() -> Self {
         Self {
             whole: Deque::new(),
             refused: None,
@@ -79,7 +79,7 @@ impl RecordLog {
 
     /// Numbers a trigger that has come. Its record is pending until [`Self::finish`], and none that comes after it can
     /// be fetched before. Where there is no room, its record is made at once: refused.
-    pub fn number(&mut self, trigger: Time, calibration_crc: u32) -> Numbered {
+    pub(crate) fn number(&mut self, trigger: Time, calibration_crc: u32) -> Numbered {
         self.last_sequence = self.last_sequence.saturating_add(1);
         let sequence = self.last_sequence;
         let record = FrameRecord {
@@ -113,7 +113,7 @@ impl RecordLog {
     }
 
     /// What became of a pending trigger; false where none of that number is.
-    pub fn finish(&mut self, record: FrameRecord) -> bool {
+    pub(crate) fn finish(&mut self, record: FrameRecord) -> bool {
         let place = self
             .whole
             .iter_mut()
@@ -134,7 +134,7 @@ impl RecordLog {
     ///
     /// `None` also where a pending one comes first.
     #[must_use]
-    pub fn from(&self, sequence: u32) -> Option<FrameRecord> {
+    pub(crate) fn from(&self, sequence: u32) -> Option<FrameRecord> {
         let mut pending = false;
         for place in &self.whole {
             pending |= place.is_pending;
@@ -149,7 +149,7 @@ impl RecordLog {
 
     /// The PC has all records up to this number: they are forgotten, except pending ones and what comes after them.
     /// Says how many are left.
-    pub fn acknowledge(&mut self, through: u32) -> u32 {
+    pub(crate) fn acknowledge(&mut self, through: u32) -> u32 {
         while self
             .whole
             .front()
@@ -169,7 +169,7 @@ impl RecordLog {
 
     /// Records that are not acknowledged.
     #[must_use]
-    pub fn kept(&self) -> u32 {
+    pub(crate) fn kept(&self) -> u32 {
         let refused = self.refused.as_ref().map_or(0, |range| {
             range
                 .last_sequence
@@ -178,12 +178,6 @@ impl RecordLog {
         });
         let whole = u32::try_from(self.whole.len()).unwrap_or(u32::MAX);
         whole.saturating_add(refused)
-    }
-
-    /// The number of the last trigger; 0 before the first.
-    #[must_use]
-    pub const fn last_sequence(&self) -> u32 {
-        self.last_sequence
     }
 }
 
@@ -204,7 +198,7 @@ mod tests {
     }
 
     fn number(log: &mut RecordLog) -> Numbered {
-        let next = u64::from(log.last_sequence()) + 1;
+        let next = u64::from(log.last_sequence) + 1;
         log.number(Time::from_us(next), 7)
     }
 
@@ -226,7 +220,7 @@ mod tests {
         assert_eq!(log.from(4), None);
         assert_eq!(log.acknowledge(2), 1);
         assert_eq!(log.acknowledge(u32::MAX), 0);
-        assert_eq!(log.last_sequence(), 3);
+        assert_eq!(log.last_sequence, 3);
     }
 
     #[test]

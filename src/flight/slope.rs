@@ -5,25 +5,25 @@ use heapless::Deque;
 use super::time::Time;
 
 /// Values by which the slope is measured.
-pub const VALUES: usize = 4;
+pub(crate) const VALUES: usize = 4;
 
 /// The slope of the latest values.
 #[derive(Debug, Clone, Default)]
-pub struct Slope {
+pub(crate) struct Slope {
     latest: Deque<(Time, f32), VALUES>,
 }
 
 impl Slope {
     /// No value yet.
     #[must_use]
-    pub const fn new() -> Self {
+    pub(crate) const fn new() -> Self {
         Self {
             latest: Deque::new(),
         }
     }
 
     /// Takes a value.
-    pub fn push(&mut self, time: Time, value: f32) {
+    pub(crate) fn push(&mut self, time: Time, value: f32) {
         if self.latest.is_full() {
             self.latest.pop_front();
         }
@@ -32,14 +32,14 @@ impl Slope {
     }
 
     /// Forgets all values.
-    pub fn clear(&mut self) {
+    pub(crate) fn clear(&mut self) {
         self.latest.clear();
     }
 
     /// The slope of the line of least squares through the last [`VALUES`] values, per second; `None` before there are
     /// so many, or where their times are one.
     #[must_use]
-    pub fn per_s(&self) -> Option<f32> {
+    pub(crate) fn per_s(&self) -> Option<f32> {
         let (first_time, first_value) = *self.latest.front()?;
         if !self.latest.is_full() {
             return None;

@@ -111,12 +111,12 @@ impl StageTrack {
     }
 
     /// Keeps everything from an instant on: the shutter opens.
-    pub fn keep_from(&mut self, opened: Time) {
+    pub(crate) fn keep_from(&mut self, opened: Time) {
         self.keep_from = Some(opened);
     }
 
     /// The exposure is over: old readings may be forgotten.
-    pub fn keep_latest(&mut self) {
+    pub(crate) fn keep_latest(&mut self) {
         self.keep_from = None;
         self.stride = 1;
         self.since_kept = 0;

@@ -12,16 +12,16 @@ const ACCELERATING: f32 = 4.0;
 
 /// What the stage may be off before something is wrong.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct StageTolerance {
+pub(crate) struct StageTolerance {
     /// Between set point and reading, mm.
-    pub following_mm: f32,
+    pub(crate) following_mm: f32,
     /// Between what a reading and its set point have moved since the ones before, at constant speed, mm.
-    pub jump_mm: f32,
+    pub(crate) jump_mm: f32,
 }
 
 /// What a reading shows.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum Finding {
+pub(crate) enum Finding {
     /// The stage follows.
     Follows,
     /// The reading is far from where the stage can be; the next one will tell.
@@ -47,7 +47,7 @@ pub enum Finding {
 ///
 /// What stays undetected: counts lost or added in a step of less than `jump_mm`.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
-pub struct StageWatch {
+pub(crate) struct StageWatch {
     last: Option<(StageReading, Setpoint)>,
     suspicion_mm: Option<f32>,
 }
@@ -55,7 +55,7 @@ pub struct StageWatch {
 impl StageWatch {
     /// A watch that has seen nothing.
     #[must_use]
-    pub const fn new() -> Self {
+    pub(crate) const fn new() -> Self {
         Self {
             last: None,
             suspicion_mm: None,
@@ -63,7 +63,7 @@ impl StageWatch {
     }
 
     /// Looks at a reading and the set point of its time.
-    pub fn look(
+    pub(crate) fn look(
         &mut self,
         reading: StageReading,
         setpoint: Setpoint,

@@ -129,12 +129,6 @@ impl UtcClock {
         }
     }
 
-    /// Drift of the camera's clock, ppm; positive where it is fast. `None` before it is measured.
-    #[must_use]
-    pub fn drift_ppm(&self) -> Option<f32> {
-        (self.drifts > 0).then_some(self.drift_ppm)
-    }
-
     /// Takes the edge of a pulse.
     pub fn pulse(&mut self, time: Time) -> Option<UtcFinding> {
         let Some(last) = self.pulse else {

@@ -38,7 +38,7 @@ pub struct CalibrationRecord {
 }
 
 /// Total travel of the principal point where none is given, mm.
-pub const DEFAULT_STROKE_MM: f32 = 4.0;
+pub(crate) const DEFAULT_STROKE_MM: f32 = 4.0;
 
 impl CalibrationRecord {
     /// A lens without distortion at `principal_distance_mm` before [columns, rows] of pixels of
@@ -212,7 +212,7 @@ impl Calibration {
     /// The sensor enlarged by half the stroke along the FMC axis, and by the largest focus shift,
     /// as seen from the principal point.
     #[must_use]
-    pub fn region(&self) -> Region {
+    pub(crate) fn region(&self) -> Region {
         let reach = |half: f32, pp: f32, along: bool| {
             let travel = if along {
                 0.5 * self.record.stroke_mm

@@ -105,7 +105,7 @@ impl EvaluationForm {
     /// The largest share of the displacement, mm per axis, that [`Self::short_displacement`]
     /// leaves out over |X| ≤ `reach_x`, |Y| ≤ `reach_y`.
     #[must_use]
-    pub fn dropped_by_short(&self, reach_x: f32, reach_y: f32) -> f32 {
+    pub(crate) fn dropped_by_short(&self, reach_x: f32, reach_y: f32) -> f32 {
         let along_x = self.b1.abs() * reach_x + self.b2.abs() * reach_y + self.tx.abs();
         along_x.max(self.ty.abs())
     }

@@ -17,7 +17,7 @@ pub struct CentralMoments {
 impl CentralMoments {
     /// The moments of `scale` times the position.
     #[must_use]
-    pub fn scaled(self, scale: f32) -> Self {
+    pub(crate) fn scaled(self, scale: f32) -> Self {
         let square = scale * scale;
         Self {
             second: self.second * square,

@@ -33,7 +33,7 @@ pub struct FocusShift {
 impl FocusShift {
     /// The distance to which Δz is related: L, with the printed signs f, mm.
     #[must_use]
-    pub const fn lever_mm(&self) -> f32 {
+    pub(crate) const fn lever_mm(&self) -> f32 {
         match self.sign {
             FocusSign::Physical => self.exit_pupil_mm,
             FocusSign::Printed => self.principal_distance_mm,
@@ -143,7 +143,7 @@ pub struct Flatness {
 
 impl Flatness {
     /// A stage that stays in its plane.
-    pub const FLAT: Self = Self {
+    pub(crate) const FLAT: Self = Self {
         coefficients_um: [0.0; FLATNESS_TERMS],
     };
 
@@ -165,7 +165,7 @@ impl Flatness {
     /// # Model
     /// `E[z(c)] = z(c̄) + z''μ₂/2 + z'''μ₃/6 + z''''μ₄/24`: exact, the polynomial ends at s⁴.
     #[must_use]
-    pub fn mean_shift_mm(&self, motion: &PrincipalPointMotion) -> f32 {
+    pub(crate) fn mean_shift_mm(&self, motion: &PrincipalPointMotion) -> f32 {
         let [z0, z1, z2, z3, z4] = self.coefficients_um;
         let s = motion.centroid_mm;
         let moments = motion.moments;
@@ -181,7 +181,7 @@ impl Flatness {
 
     /// A bound on |dz/ds| within `reach_mm` of the calibrated position, mm per mm.
     #[must_use]
-    pub fn steepest(&self, reach_mm: f32) -> f32 {
+    pub(crate) fn steepest(&self, reach_mm: f32) -> f32 {
         let [_, z1, z2, z3, z4] = self.coefficients_um.map(f32::abs);
         let s = reach_mm;
         (z1 + s * (2.0 * z2 + s * (3.0 * z3 + s * (4.0 * z4)))) / 1000.0

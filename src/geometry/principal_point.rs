@@ -83,7 +83,7 @@ impl PrincipalPointMotion {
     ///
     /// # Errors
     /// As [`mean_transfers`].
-    pub fn from_tdi(
+    pub(crate) fn from_tdi(
         travel: UniformTravel,
         pixel_mm: f32,
         first_transfer: f32,

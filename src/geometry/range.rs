@@ -156,7 +156,12 @@ impl Quantity {
     ///
     /// # Errors
     /// [`OutOfRange`] with the value and the range; a NaN or an infinity is never inside.
-    pub const fn check_within(self, value: f32, min: f32, max: f32) -> Result<f32, OutOfRange> {
+    pub(crate) const fn check_within(
+        self,
+        value: f32,
+        min: f32,
+        max: f32,
+    ) -> Result<f32, OutOfRange> {
         if value >= min && value <= max {
             Ok(value)
         } else {

@@ -99,7 +99,7 @@ impl Shutter {
 
     /// The share of the light that has arrived by the fraction `u` of the base.
     #[must_use]
-    pub fn light_until(&self, u: f32) -> f32 {
+    pub(crate) fn light_until(&self, u: f32) -> f32 {
         let closing_from = 1.0 - self.closing;
         let area = if u <= 0.0 {
             0.0

@@ -26,7 +26,7 @@ use crate::geometry::range::{OutOfRange, Quantity};
 pub const LONGEST_FRAME: usize = 280;
 
 /// Samples of one message.
-pub const MAX_SAMPLES: usize = 3;
+pub(crate) const MAX_SAMPLES: usize = 3;
 
 /// `GLOBAL_POSITION_INT` after an `ALTITUDE` whose altitude is passed over: the two may differ by tens of metres, and
 /// `ALTITUDE` has the terrain's height that goes with its own.

@@ -9,7 +9,7 @@ use crate::geometry::range::{OutOfRange, Quantity};
 impl Camera {
     /// Whether a stage moves the detector.
     #[must_use]
-    pub const fn has_stage(&self) -> bool {
+    pub(crate) const fn has_stage(&self) -> bool {
         self.run_up().is_some()
     }
 
@@ -74,7 +74,7 @@ impl Camera {
     ///
     /// # Errors
     /// [`OutOfRange`] with the camera's own limits.
-    pub fn check_exposure_time(&self, exposure_s: f32) -> Result<(), OutOfRange> {
+    pub(crate) fn check_exposure_time(&self, exposure_s: f32) -> Result<(), OutOfRange> {
         let [least, most] = self.limits.exposure_s;
         Quantity::ExposureS.check_within(exposure_s, least, most)?;
         Ok(())

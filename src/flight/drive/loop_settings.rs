@@ -72,13 +72,13 @@ pub struct LoopSettings {
 
 impl LoopSettings {
     /// `ω_p`: position loop, 1/s.
-    pub const POSITION_RATE_PER_S: f32 = 200.0;
+    pub(crate) const POSITION_RATE_PER_S: f32 = 200.0;
 
     /// `ω_v`: velocity loop, 1/s.
-    pub const SPEED_RATE_PER_S: f32 = 500.0;
+    pub(crate) const SPEED_RATE_PER_S: f32 = 500.0;
 
     /// `ω_i`: integral, 1/s.
-    pub const INTEGRAL_RATE_PER_S: f32 = 80.0;
+    pub(crate) const INTEGRAL_RATE_PER_S: f32 = 80.0;
 
     /// The gains for a plant, for latencies of 0.1 ms each.
     ///

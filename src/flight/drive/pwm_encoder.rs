@@ -117,7 +117,7 @@ where
     }
 
     /// The pins, to look at.
-    pub const fn pins(&self) -> &Pins<Pwm, Direction, Counter> {
+    pub(crate) const fn pins(&self) -> &Pins<Pwm, Direction, Counter> {
         &self.pins
     }
 

@@ -42,7 +42,7 @@ fn error_us(clock: &UtcClock, after: u64, ms: i64) -> i64 {
 #[test]
 fn utc_follows_the_pulse_and_the_measured_drift() {
     let clock = running(10);
-    assert!((clock.drift_ppm().unwrap() - 20.0).abs() < 0.01);
+    assert!(clock.drifts > 0 && (clock.drift_ppm - 20.0).abs() < 0.01);
     for ms in [-3000, 0, 250, 999, 30_000, 500_000] {
         let error = error_us(&clock, 9, ms);
         // Rounding of both clocks to 1 µs.

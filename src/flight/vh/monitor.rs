@@ -114,12 +114,6 @@ impl VhMonitor {
         })
     }
 
-    /// Whether two sensors of one quantity or two ways differ by more than the limit now.
-    #[must_use]
-    pub fn disagrees(&self, now: Time) -> bool {
-        self.disagreement(now).is_some()
-    }
-
     fn finding(&mut self, time: Time, sample: VhSample) -> Option<VhFinding> {
         let (channel, value) = VhChannel::of(sample);
         let expected = self.values(time).expected(channel);
@@ -199,7 +193,7 @@ impl VhMonitor {
     }
 
     /// The V/H or speed in use and another that differs from it by more than the limit.
-    fn disagreement(&self, now: Time) -> Option<[f32; 2]> {
+    pub(super) fn disagreement(&self, now: Time) -> Option<[f32; 2]> {
         let sensors = [
             [VhChannel::GroundSpeed, VhChannel::InertialSpeed],
             [VhChannel::LaserHeight, VhChannel::HeightAboveGround],

@@ -12,7 +12,7 @@ use crate::geometry::range::OutOfRange;
 
 /// Points gathered in a factor of their own before they join the others: rounding grows with the
 /// square root of the rotations that a number goes through, and so goes through fewer of them.
-pub const BLOCK_POINTS: u32 = 64;
+pub(crate) const BLOCK_POINTS: u32 = 64;
 
 /// Points without which there is no adjustment.
 pub const MIN_POINTS: u32 = 3;

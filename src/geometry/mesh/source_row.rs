@@ -7,12 +7,12 @@ use crate::geometry::sensor::SensorPoint;
 
 /// A residual of at most this length, nm, is removed without derivatives: a distortion whose slope is q leaves the
 /// share q of it, 0.1 nm for 5 %.
-pub const LAST_FIXED_POINT_RESIDUAL_NM: f32 = 2.0;
+pub(crate) const LAST_FIXED_POINT_RESIDUAL_NM: f32 = 2.0;
 
 /// The Newton step taken from a residual of at most this length, nm, is the last one, unless it crosses an edge of the
 /// sensor: what is left is half the second derivative of the distortion times the square of a micrometre, 0.001 nm for
 /// 0.5 mm of distortion over 104 mm.
-pub const LAST_NEWTON_RESIDUAL_NM: f32 = 1000.0;
+pub(crate) const LAST_NEWTON_RESIDUAL_NM: f32 = 1000.0;
 
 /// The displacements from ideal points to measured ones, each found from those before.
 ///

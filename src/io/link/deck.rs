@@ -195,7 +195,7 @@ pub(super) fn status(deck: &impl FlightDeck) -> Result<Status, Refusal> {
         kept: controller.kept(),
         is_place_lost: controller.is_place_lost(),
         offset_mm: deck.offset_mm(),
-        following_rms_um: controller.following_error().rms_um(),
+        following_rms_um: controller.following_rms_um(),
     })
 }
 

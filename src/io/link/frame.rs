@@ -10,7 +10,7 @@ use super::{CRC_BYTES, LENGTH_BYTES, LONGEST_CHECKED, LONGEST_FRAME, LONGEST_PAY
 pub(super) const CRC: Crc<u32, Table<1>> = Crc::<u32, Table<1>>::new(&CRC_32_ISO_HDLC);
 
 /// What ends a frame.
-pub const DELIMITER: u8 = 0;
+pub(crate) const DELIMITER: u8 = 0;
 
 /// A frame as it goes over the wire, with a zero at either end.
 #[derive(Debug, Clone, PartialEq, Eq)]

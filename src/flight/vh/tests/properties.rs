@@ -90,7 +90,7 @@ proptest! {
             {
                 prop_assert!(found.age_s > before.age_s);
                 // A way that disagreed takes the difference with it when it is lost.
-                prop_assert!(found.sigma_per_s > before.sigma_per_s || monitor.disagrees(heard));
+                prop_assert!(found.sigma_per_s > before.sigma_per_s || monitor.disagreement(heard).is_some());
             }
             before = found;
         }

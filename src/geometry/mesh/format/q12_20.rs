@@ -9,7 +9,7 @@ use super::mesh_format::{MeshFormat, OutOfFormat};
 use super::vertex::{PixelAxis, Vertex};
 
 /// Half a step, and rounding before it of a displacement of up to 256 pixels.
-pub const QUANTISATION_PX: f32 = 0.5 / 1_048_576.0 + 256.0 * f32::EPSILON;
+pub(super) const QUANTISATION_PX: f32 = 0.5 / 1_048_576.0 + 256.0 * f32::EPSILON;
 
 const FIXED: Fixed = Fixed {
     format: MeshFormat::Q12Q20,

@@ -10,7 +10,7 @@ use super::mesh_format::{MeshFormat, OutOfFormat};
 use super::vertex::{PixelAxis, Vertex};
 
 /// Half a step.
-pub const QUANTISATION_PX: f32 = 1.0 / 16.0;
+pub(super) const QUANTISATION_PX: f32 = 1.0 / 16.0;
 
 const FIXED: Fixed = Fixed {
     format: MeshFormat::S16Q3,

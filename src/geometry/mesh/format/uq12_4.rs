@@ -10,7 +10,7 @@ use super::mesh_format::{MeshFormat, OutOfFormat};
 use super::vertex::{PixelAxis, Vertex};
 
 /// Half a step.
-pub const QUANTISATION_PX: f32 = 1.0 / 32.0;
+pub(super) const QUANTISATION_PX: f32 = 1.0 / 32.0;
 
 /// Pixels from one vertex to the next.
 pub const SPACING_PX: u16 = 16;
