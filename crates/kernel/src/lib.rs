@@ -27,38 +27,66 @@ mod thumbv7em;
 /// `x' = x - (X·G + gx·R + b₁·X + b₂·Y + tx)`,
 /// `y' = y - (Y·G + gy·R + ty)`.
 ///
-/// Lengths are in mm, coefficients in powers of it. The assembly reads them in this order.
+/// Lengths are in mm, coefficients in powers of it. The assembly reads them in this order; a vector
+/// kernel has each of them in every lane of a `T`.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 #[repr(C)]
-pub struct Coefficients {
+pub struct Coefficients<T = f32> {
     /// cx, mm.
-    pub cx: f32,
+    pub cx: T,
     /// cy, mm.
-    pub cy: f32,
+    pub cy: T,
     /// k₀, mm⁰.
-    pub k0: f32,
+    pub k0: T,
     /// k₁, mm⁻².
-    pub k1: f32,
+    pub k1: T,
     /// k₂, mm⁻⁴.
-    pub k2: f32,
+    pub k2: T,
     /// k₃, mm⁻⁶.
-    pub k3: f32,
+    pub k3: T,
     /// hx, mm⁻¹.
-    pub hx: f32,
+    pub hx: T,
     /// hy, mm⁻¹.
-    pub hy: f32,
+    pub hy: T,
     /// gx, mm⁻¹.
-    pub gx: f32,
+    pub gx: T,
     /// gy, mm⁻¹.
-    pub gy: f32,
+    pub gy: T,
     /// b₁, mm⁰.
-    pub b1: f32,
+    pub b1: T,
     /// b₂, mm⁰.
-    pub b2: f32,
+    pub b2: T,
     /// tx, mm.
-    pub tx: f32,
+    pub tx: T,
     /// ty, mm.
-    pub ty: f32,
+    pub ty: T,
+}
+
+impl<T> Coefficients<T> {
+    /// The same numbers as another type has them.
+    #[expect(
+        clippy::inline_always,
+        reason = "within a function for vectors, which a call would leave"
+    )]
+    #[inline(always)]
+    pub fn map<U>(self, number: impl Fn(T) -> U) -> Coefficients<U> {
+        Coefficients {
+            cx: number(self.cx),
+            cy: number(self.cy),
+            k0: number(self.k0),
+            k1: number(self.k1),
+            k2: number(self.k2),
+            k3: number(self.k3),
+            hx: number(self.hx),
+            hy: number(self.hy),
+            gx: number(self.gx),
+            gy: number(self.gy),
+            b1: number(self.b1),
+            b2: number(self.b2),
+            tx: number(self.tx),
+            ty: number(self.ty),
+        }
+    }
 }
 
 /// Replaces every point (x, y), mm, of a slice by its ideal point, without b₁, b₂, tx and ty.

@@ -7,20 +7,7 @@ use crate::Coefficients;
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Form<V: Vectors, const FULL: bool> {
     vectors: V,
-    cx: V::f32s,
-    cy: V::f32s,
-    k0: V::f32s,
-    k1: V::f32s,
-    k2: V::f32s,
-    k3: V::f32s,
-    hx: V::f32s,
-    hy: V::f32s,
-    gx: V::f32s,
-    gy: V::f32s,
-    b1: V::f32s,
-    b2: V::f32s,
-    tx: V::f32s,
-    ty: V::f32s,
+    numbers: Coefficients<V::f32s>,
 }
 
 /// Ideal points and distortion, one vector of each component.
@@ -35,23 +22,9 @@ pub(super) struct Ideal<V: Vectors> {
 impl<V: Vectors, const FULL: bool> Form<V, FULL> {
     #[inline(always)]
     pub(super) fn new(vectors: V, form: &Coefficients) -> Self {
-        let all = |number| vectors.splat_f32s(number);
         Self {
             vectors,
-            cx: all(form.cx),
-            cy: all(form.cy),
-            k0: all(form.k0),
-            k1: all(form.k1),
-            k2: all(form.k2),
-            k3: all(form.k3),
-            hx: all(form.hx),
-            hy: all(form.hy),
-            gx: all(form.gx),
-            gy: all(form.gy),
-            b1: all(form.b1),
-            b2: all(form.b2),
-            tx: all(form.tx),
-            ty: all(form.ty),
+            numbers: form.map(|number| vectors.splat_f32s(number)),
         }
     }
 
@@ -62,25 +35,26 @@ impl<V: Vectors, const FULL: bool> Form<V, FULL> {
         let plus = |a, b| self.vectors.add_f32s(a, b);
         let minus = |a, b| self.vectors.sub_f32s(a, b);
         let times = |a, b| self.vectors.mul_f32s(a, b);
-        let from_centre_x = minus(x, self.cx);
-        let from_centre_y = minus(y, self.cy);
+        let form = &self.numbers;
+        let from_centre_x = minus(x, form.cx);
+        let from_centre_y = minus(y, form.cy);
         let r2 = plus(
             times(from_centre_x, from_centre_x),
             times(from_centre_y, from_centre_y),
         );
-        let cubic = plus(self.k2, times(r2, self.k3));
-        let square = plus(self.k1, times(r2, cubic));
-        let radial = plus(self.k0, times(r2, square));
+        let cubic = plus(form.k2, times(r2, form.k3));
+        let square = plus(form.k1, times(r2, cubic));
+        let radial = plus(form.k0, times(r2, square));
         let gain = plus(
-            plus(radial, times(self.hx, from_centre_x)),
-            times(self.hy, from_centre_y),
+            plus(radial, times(form.hx, from_centre_x)),
+            times(form.hy, from_centre_y),
         );
-        let mut dx = plus(times(from_centre_x, gain), times(self.gx, r2));
-        let mut dy = plus(times(from_centre_y, gain), times(self.gy, r2));
+        let mut dx = plus(times(from_centre_x, gain), times(form.gx, r2));
+        let mut dy = plus(times(from_centre_y, gain), times(form.gy, r2));
         if FULL {
-            dx = plus(dx, times(self.b1, from_centre_x));
-            dx = plus(plus(dx, times(self.b2, from_centre_y)), self.tx);
-            dy = plus(dy, self.ty);
+            dx = plus(dx, times(form.b1, from_centre_x));
+            dx = plus(plus(dx, times(form.b2, from_centre_y)), form.tx);
+            dy = plus(dy, form.ty);
         }
         Ideal {
             x: minus(x, dx),
