@@ -2,8 +2,9 @@
 
 use core::fmt;
 
-use super::evaluation_form::{Displacement, Jacobian};
+use super::evaluation_form::Displacement;
 use super::frame_correction::{Corrected, FrameCorrection, Kernel};
+use super::newton_step::newton_step;
 use super::sensor::SensorPoint;
 
 /// Most Newton steps without looking where they lead; a lens of up to a per cent of distortion needs one.
@@ -291,17 +292,6 @@ impl FrameCorrection {
             dx_mm: cut(d.dx_mm, point.x_mm, clamped.x_mm),
             dy_mm: cut(d.dy_mm, point.y_mm, clamped.y_mm),
         }
-    }
-}
-
-/// `(I - J)⁻¹` times the residual; not finite where I - J is singular.
-pub(super) fn newton_step(j: Jacobian, residual: Displacement) -> Displacement {
-    let scale_x = 1.0 - j.dx_by_x;
-    let scale_y = 1.0 - j.dy_by_y;
-    let determinant = scale_x * scale_y - j.dx_by_y * j.dy_by_x;
-    Displacement {
-        dx_mm: (scale_y * residual.dx_mm + j.dx_by_y * residual.dy_mm) / determinant,
-        dy_mm: (j.dy_by_x * residual.dx_mm + scale_x * residual.dy_mm) / determinant,
     }
 }
 

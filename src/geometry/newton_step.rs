@@ -1,7 +1,7 @@
 //! One step of Newton's method towards the measured point, and how far it may be the last.
 
 use super::calibration::Calibration;
-use super::evaluation_form::{Displacement, EvaluationForm};
+use super::evaluation_form::{Displacement, EvaluationForm, Jacobian};
 use super::sensor::SensorPoint;
 
 /// What the last Newton step of `distort` may leave of the displacement, nm: a tenth of what rounding does to the
@@ -44,6 +44,20 @@ pub(super) fn longer_than_diagonal(width: f32, height: f32) -> f32 {
         (height, width)
     };
     longer + (core::f32::consts::SQRT_2 - 1.0) * shorter
+}
+
+/// Newton's step for any derivatives: `(I - J)⁻¹` times the residual; not finite where I - J is singular.
+///
+/// It divides by the determinant, where [`EvaluationForm::stepped`] multiplies by its inverse, which saves a division and
+/// rounds otherwise.
+pub(super) fn newton_step(j: Jacobian, residual: Displacement) -> Displacement {
+    let scale_x = 1.0 - j.dx_by_x;
+    let scale_y = 1.0 - j.dy_by_y;
+    let determinant = scale_x * scale_y - j.dx_by_y * j.dy_by_x;
+    Displacement {
+        dx_mm: (scale_y * residual.dx_mm + j.dx_by_y * residual.dy_mm) / determinant,
+        dy_mm: (j.dy_by_x * residual.dx_mm + scale_x * residual.dy_mm) / determinant,
+    }
 }
 
 /// What displacement and derivatives have in common at a point.

@@ -2,7 +2,8 @@
 
 use crate::geometry::evaluation_form::{Displacement, Jacobian};
 use crate::geometry::frame_correction::FrameCorrection;
-use crate::geometry::inverse::{DistortError, MAX_STEPS, newton_step, shifted};
+use crate::geometry::inverse::{DistortError, MAX_STEPS, shifted};
+use crate::geometry::newton_step::newton_step;
 use crate::geometry::sensor::SensorPoint;
 
 /// A residual of at most this length, nm, is removed without derivatives: a distortion whose slope is q leaves the
