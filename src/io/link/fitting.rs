@@ -25,6 +25,11 @@ mod with_estimation {
     impl Fitting {
         pub(in crate::io::link) const NONE: Self = Self { adjustment: None };
 
+        /// Forgets the adjustment.
+        pub(in crate::io::link) fn end(&mut self) {
+            self.adjustment = None;
+        }
+
         /// Starts an adjustment; ends another.
         pub(in crate::io::link) fn start(
             &mut self,
@@ -88,6 +93,8 @@ mod without_estimation {
     #[allow(clippy::unused_self, reason = "as with the feature")]
     impl Fitting {
         pub(in crate::io::link) const NONE: Self = Self;
+
+        pub(in crate::io::link) const fn end(&mut self) {}
 
         pub(in crate::io::link) const fn start(
             &mut self,

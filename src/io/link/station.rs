@@ -249,7 +249,7 @@ impl<Deck: FlightDeck> Desk<Deck> {
         let answer = match request {
             Request::Connect => {
                 self.frame = None;
-                self.fitting = Fitting::NONE;
+                self.fitting.end();
                 let answer = Answer::Connected(self.identity.clone());
                 return Ok((answer, Event::Connected(header.session)));
             }
@@ -338,7 +338,7 @@ impl<Deck: FlightDeck> Desk<Deck> {
         self.camera = Some(camera);
         self.loaded = Some((*record, calibration.crc));
         self.frame = None;
-        self.fitting = Fitting::NONE;
+        self.fitting.end();
         self.identity.calibration = Some(calibration);
         Ok(calibration)
     }
