@@ -129,6 +129,7 @@ mod without_estimation {
             let options = FitOptions::default();
             assert_eq!(fitting.start(None, options), Err(refused));
             assert_eq!(fitting.observe(None, &Observations::new()), Err(refused));
+            fitting.end();
             assert_eq!(fitting.fit(), Err(refused));
             assert_eq!(
                 refused.to_string(),
