@@ -12,6 +12,14 @@ pub(crate) struct FollowingError {
 }
 
 impl FollowingError {
+    /// Nothing has been read yet.
+    #[must_use]
+    pub const fn new() -> Self {
+        Self {
+            mean_square_um2: 0.0,
+        }
+    }
+
     /// Takes a following error, mm.
     pub(crate) fn push(&mut self, error_mm: f32) {
         let error_um = 1000.0 * error_mm;

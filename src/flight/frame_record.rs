@@ -2,6 +2,7 @@
 
 use core::fmt;
 
+use super::camera::FrameError;
 use super::fault::{Fault, Faults};
 use super::interior_orientation::InteriorOrientation;
 use super::time::Time;
@@ -111,6 +112,19 @@ impl Reason {
             Self::Disarmed => "disarmed",
             Self::RecordsFull => "records full",
             Self::Unusable => "unusable",
+        }
+    }
+}
+
+impl From<FrameError> for Reason {
+    /// Why a frame that cannot be planned is refused.
+    fn from(error: FrameError) -> Self {
+        match error {
+            FrameError::Stroke(_) => Self::Stroke,
+            FrameError::Speed { .. } => Self::Speed,
+            FrameError::OutOfRange(_) | FrameError::NotFitted | FrameError::Time { .. } => {
+                Self::OutsideLimits
+            }
         }
     }
 }

@@ -7,7 +7,7 @@ use super::stage::Setpoint;
 /// Of a jump that stays, what the drive may have made good by the next reading.
 const MADE_GOOD: f32 = 0.5;
 
-/// While the stage accelerates, so many times more per reading is no jump.
+/// While the stage accelerates or is released, so many times more per reading is no jump.
 const ACCELERATING: f32 = 4.0;
 
 /// What the stage may be off before something is wrong.
@@ -44,11 +44,13 @@ pub(crate) enum Finding {
 /// Motion is at fault where it is off its set point by more than `following_mm`: where the stage should move,
 /// [`Fault::WrongDirection`] if it moves the other way, [`Fault::Runaway`] if it is ahead, else [`Fault::Stall`]; where
 /// it should stand, [`Fault::Runaway`] if it moves, else [`Fault::Stall`]: it has not come there.
+/// A released stage is not at fault wherever it goes.
 ///
 /// What stays undetected: counts lost or added in a step of less than `jump_mm`.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub(crate) struct StageWatch {
-    last: Option<(StageReading, Setpoint)>,
+    /// The last reading, and where the stage should have been, mm; released, 0.
+    last: Option<(StageReading, f32)>,
     suspicion_mm: Option<f32>,
 }
 
@@ -62,22 +64,24 @@ impl StageWatch {
         }
     }
 
-    /// Looks at a reading and the set point of its time.
+    /// Looks at a reading and the set point of its time; `None` of a released stage, which has no set point to follow
+    /// and moves as it may, but whose reading must not jump.
     pub(crate) fn look(
         &mut self,
         reading: StageReading,
-        setpoint: Setpoint,
+        setpoint: Option<Setpoint>,
         tolerance: &StageTolerance,
     ) -> Finding {
         if !reading.offset_mm.is_finite() {
             return Finding::Fault(Fault::Encoder);
         }
-        let Some((last, last_setpoint)) = self.last.replace((reading, setpoint)) else {
+        let told_mm = setpoint.map_or(0.0, |setpoint| setpoint.offset_mm);
+        let Some((last, last_told_mm)) = self.last.replace((reading, told_mm)) else {
             return following(reading, setpoint, 0.0, tolerance);
         };
         let moved_mm = reading.offset_mm - last.offset_mm;
-        let step_mm = moved_mm - (setpoint.offset_mm - last_setpoint.offset_mm);
-        let is_steady = setpoint.acceleration_mm_s2 == 0.0;
+        let step_mm = moved_mm - (told_mm - last_told_mm);
+        let is_steady = setpoint.is_some_and(|setpoint| setpoint.acceleration_mm_s2 == 0.0);
         let jump_mm = tolerance.jump_mm * if is_steady { 1.0 } else { ACCELERATING };
         match self.suspicion_mm.take() {
             Some(suspicion_mm) if libm::fabsf(suspicion_mm + step_mm) <= jump_mm => Finding::Glitch,
@@ -99,10 +103,13 @@ impl StageWatch {
 /// Judges motion: where the stage is, and by how much it has moved since the reading before.
 fn following(
     reading: StageReading,
-    setpoint: Setpoint,
+    setpoint: Option<Setpoint>,
     moved_mm: f32,
     tolerance: &StageTolerance,
 ) -> Finding {
+    let Some(setpoint) = setpoint else {
+        return Finding::Follows;
+    };
     let error_mm = reading.offset_mm - setpoint.offset_mm;
     if libm::fabsf(error_mm) <= tolerance.following_mm {
         return Finding::Follows;
@@ -146,7 +153,8 @@ mod tests {
                     speed_mm_s: SPEED_MM_S,
                     acceleration_mm_s2: 0.0,
                 };
-                let finding = watch.look(StageReading { time, offset_mm }, setpoint, &TOLERANCE);
+                let finding =
+                    watch.look(StageReading { time, offset_mm }, Some(setpoint), &TOLERANCE);
                 time = time.plus_s(1e-3);
                 finding
             })

@@ -197,3 +197,40 @@ fn faults_lead_to_what_the_document_says() {
         .collect();
     assert_eq!(documented(), found);
 }
+
+/// What it is, of each machine.
+fn machines() -> Vec<[&'static str; 2]> {
+    DOCUMENT
+        .lines()
+        .skip_while(|line| !line.starts_with("| machine |"))
+        .skip(2)
+        .map_while(|line| line.strip_prefix("| "))
+        .map(|row| {
+            let cells: Vec<_> = row.split(" | ").collect();
+            [cells[0], cells[1]]
+        })
+        .collect()
+}
+
+#[test]
+fn every_state_is_one_of_the_documented_machines() {
+    let machines = machines();
+    assert_eq!(
+        machines.iter().map(|[name, _]| *name).collect::<Vec<_>>(),
+        ["`readiness`", "`frame`", "`stage`"]
+    );
+    let fault = Fault::Drive;
+    for (state, machine, word) in [
+        (State::Standby, "`readiness`", "standby"),
+        (State::Armed, "`readiness`", "armed"),
+        (State::Degraded(fault), "`readiness`", "degraded"),
+        (State::FlyBack, "`readiness`", "flying back"),
+        (State::Fault(fault), "`readiness`", "fault"),
+        (State::RunUp, "`frame`", "run-up"),
+        (State::Tracking, "`frame`", "tracking"),
+        (State::Exposing, "`frame`", "exposing"),
+    ] {
+        let [_, is] = machines.iter().find(|[name, _]| *name == machine).unwrap();
+        assert!(is.contains(word), "{state}: {is}");
+    }
+}

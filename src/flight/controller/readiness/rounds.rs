@@ -1,10 +1,10 @@
 //! Whether the control loop comes round in time.
 
-use super::timing::{LATE_TICK_S, OVERLOAD_ROUNDS, OVERLOAD_WINDOW_S};
+use crate::flight::controller::timing::{LATE_TICK_S, OVERLOAD_ROUNDS, OVERLOAD_WINDOW_S};
 use crate::flight::time::Time;
 
 /// The rounds of the control loop.
-#[derive(Debug, Clone, Copy, Default)]
+#[derive(Debug, Clone, Copy)]
 pub(super) struct Rounds {
     last: Option<Time>,
     late_lately: u8,
@@ -16,7 +16,7 @@ pub(super) struct Rounds {
 
 /// What a round shows.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(super) enum Round {
+pub(in super::super) enum Round {
     Punctual,
     /// Later than it should.
     Late,
@@ -29,6 +29,17 @@ pub(super) enum Round {
 }
 
 impl Rounds {
+    /// Before the first.
+    pub(super) const fn new() -> Self {
+        Self {
+            last: None,
+            late_lately: 0,
+            late_first: Time::START,
+            late_last: Time::START,
+            is_overloaded: false,
+        }
+    }
+
     /// The loop comes round; whether anything depends on that.
     pub(super) fn look(&mut self, now: Time, is_needed: bool) -> Round {
         let Some(last) = self.last.replace(now) else {
@@ -66,13 +77,13 @@ impl Rounds {
     }
 
     /// Somebody has looked at it.
-    pub(super) fn forget_overload(&mut self) {
+    pub(super) const fn forget_overload(&mut self) {
         self.is_overloaded = false;
         self.late_lately = 0;
     }
 
     /// The clock has jumped: the next round is the first.
-    pub(super) fn restart(&mut self) {
+    pub(super) const fn restart(&mut self) {
         self.last = None;
     }
 

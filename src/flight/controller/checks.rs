@@ -1,0 +1,48 @@
+//! What shows by itself that something is wrong: rounds that come late, readings of the stage.
+
+use super::readiness::Round;
+use super::state::State;
+use super::{Actions, Controller};
+use crate::flight::drive::StageReading;
+use crate::flight::fault::Fault;
+use crate::flight::frame_record::{Flag, Reason};
+use crate::flight::stage_watch::Finding;
+use crate::flight::time::Time;
+
+impl Controller {
+    /// Too many late rounds end the frame, if there is no light yet, and lead to flying without compensation.
+    pub(super) fn come_round(&mut self, now: Time, actions: &mut Actions) {
+        match self.readiness.come_round(now) {
+            Round::Punctual | Round::Idle => {}
+            Round::Backwards => self.restart_clock(now, actions),
+            Round::Late => self.frame.note(Fault::Overload),
+            Round::Overload => {
+                self.report(Fault::Overload, actions);
+                if let State::RunUp | State::Tracking = self.state() {
+                    self.call_off(now, Reason::Fault(Fault::Overload), actions);
+                }
+            }
+        }
+    }
+
+    /// A reading of the stage's encoder.
+    pub(super) fn stage_reading(
+        &mut self,
+        time: Time,
+        reading: StageReading,
+        actions: &mut Actions,
+    ) {
+        let obedience = self.readiness.obedience();
+        let Some(seen) = self.stage.look(&self.setup, obedience, time, reading) else {
+            return;
+        };
+        match seen.finding {
+            Finding::Follows | Finding::Suspicious => {}
+            Finding::Glitch => self.frame.flag(Flag::EncoderGlitch),
+            Finding::Fault(fault) => self.fail(fault, actions),
+        }
+        if seen.finding != Finding::Fault(Fault::Encoder) {
+            self.stage.keep(reading, seen);
+        }
+    }
+}

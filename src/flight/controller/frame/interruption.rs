@@ -1,0 +1,44 @@
+//! What ends a frame early.
+
+use super::{Asked, FrameMachine, Phase};
+use crate::flight::frame_record::{Flag, Reason};
+
+impl FrameMachine {
+    /// The frame in flight ends before first light. Its number, and whether the shutter had been told to open; `None`
+    /// where there is none, or light has come.
+    pub(in super::super) fn call_off(
+        &mut self,
+        reason: Reason,
+        calibration_crc: u32,
+    ) -> Option<(u32, bool)> {
+        let frame = self.in_flight.as_ref()?;
+        let is_told = match frame.phase {
+            Phase::Triggered { .. } | Phase::RunUp { .. } => false,
+            Phase::Tracking { .. } => true,
+            Phase::Exposing { .. } | Phase::Closed(_) | Phase::Measured(..) => return None,
+        };
+        let Asked {
+            sequence, trigger, ..
+        } = frame.asked;
+        let faults = frame.faults;
+        self.in_flight = None;
+        self.kept
+            .refuse(sequence, trigger, reason, faults, calibration_crc);
+        Some((sequence, is_told))
+    }
+
+    /// The clock has jumped. Whether light had come: then the exposure is taken to have ended as it should, its motion
+    /// to be the plan's, and it is to be recorded.
+    pub(in super::super) fn end_with_clock(&mut self) -> bool {
+        let Some(frame) = &mut self.in_flight else {
+            return false;
+        };
+        match frame.phase {
+            Phase::Triggered { .. } | Phase::RunUp { .. } | Phase::Tracking { .. } => return false,
+            Phase::Exposing { opened, .. } => frame.assume_last_light(opened),
+            Phase::Closed(_) | Phase::Measured(..) => {}
+        }
+        frame.flags.insert(Flag::PlannedMotion);
+        true
+    }
+}

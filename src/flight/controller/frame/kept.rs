@@ -1,0 +1,104 @@
+//! What is kept of the frames: their records, their number, and the latest.
+
+use crate::flight::camera;
+use crate::flight::fault::Faults;
+use crate::flight::frame_record::{Flags, FrameRecord, Outcome, Reason};
+use crate::flight::record_log::{Numbered, RecordLog};
+use crate::flight::time::Time;
+
+/// What is kept of the frames.
+#[derive(Debug, Clone)]
+pub(in super::super) struct Kept {
+    /// Number and frame of the exposure recorded last.
+    latest: Option<(u32, camera::Frame)>,
+    records: RecordLog,
+    triggers: u32,
+    exposed: u32,
+    refused: u32,
+    unexpected_edges: u32,
+}
+
+impl Kept {
+    #[inline]
+    pub(super) const fn new() -> Self {
+        Self {
+            latest: None,
+            records: RecordLog::new(),
+            triggers: 0,
+            exposed: 0,
+            refused: 0,
+            unexpected_edges: 0,
+        }
+    }
+
+    /// Every trigger gets a number, and with it a record: one without room for it is refused at once.
+    pub(in super::super) fn number(&mut self, trigger: Time, calibration_crc: u32) -> Numbered {
+        self.triggers = self.triggers.saturating_add(1);
+        let numbered = self.records.number(trigger, calibration_crc);
+        if let Numbered::Full(_) = numbered {
+            self.refused = self.refused.saturating_add(1);
+        }
+        numbered
+    }
+
+    /// The record of a trigger without an exposure.
+    pub(in super::super) fn refuse(
+        &mut self,
+        sequence: u32,
+        trigger: Time,
+        reason: Reason,
+        faults: Faults,
+        calibration_crc: u32,
+    ) {
+        self.finish(FrameRecord {
+            sequence,
+            trigger,
+            outcome: Outcome::Refused(reason),
+            faults,
+            flags: Flags::NONE,
+            calibration_crc,
+        });
+    }
+
+    /// The record of a trigger.
+    pub(super) fn finish(&mut self, record: FrameRecord) {
+        let count = match record.outcome {
+            Outcome::Exposed(_) => &mut self.exposed,
+            Outcome::Refused(_) => &mut self.refused,
+        };
+        *count = count.saturating_add(1);
+        self.records.finish(record);
+    }
+
+    /// An exposure whose points are to be corrected.
+    pub(super) const fn set_latest(&mut self, sequence: u32, frame: camera::Frame) {
+        self.latest = Some((sequence, frame));
+    }
+
+    /// An edge of the shutter that nobody had asked for.
+    pub(super) const fn count_unexpected_edge(&mut self) {
+        self.unexpected_edges = self.unexpected_edges.saturating_add(1);
+    }
+
+    pub(in super::super) const fn latest(&self) -> Option<&(u32, camera::Frame)> {
+        self.latest.as_ref()
+    }
+
+    pub(in super::super) const fn records(&self) -> &RecordLog {
+        &self.records
+    }
+
+    pub(in super::super) const fn records_mut(&mut self) -> &mut RecordLog {
+        &mut self.records
+    }
+
+    /// Triggers, records with an exposure, records without, edges of the shutter that nobody had asked for.
+    pub(in super::super) const fn counts(&self) -> [u32; 4] {
+        [
+            self.triggers,
+            self.exposed,
+            self.refused,
+            self.unexpected_edges,
+        ]
+    }
+}

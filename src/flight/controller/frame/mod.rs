@@ -1,0 +1,148 @@
+//! The machine of the frame: from a trigger to its record.
+//!
+//! ```text
+//!            next round             at speed              first light         last light        stage read
+//! Triggered ───────────► RunUp ──────────────► Tracking ─────────────► Exposing ────────► Closed ────────► Measured
+//!     └────── called off: refused ◄──┴────────────┘                                                           │
+//!                                                                                         next round: recorded ◄
+//! ```
+//!
+//! First light ends every phase before it: light is light, and the exposure is recorded. A phase has what is known in it.
+
+mod interruption;
+mod kept;
+mod motion;
+mod plan;
+mod record;
+mod shutter;
+
+use self::kept::Kept;
+pub(super) use self::plan::Asked;
+pub(super) use self::shutter::Due;
+use super::stage::ExposureMotion;
+use super::state::State;
+use super::timing::TICK_S;
+use crate::flight::fault::{Fault, Faults};
+use crate::flight::frame_record::{Flag, Flags};
+use crate::flight::time::Time;
+
+/// The machine of the frame.
+#[derive(Debug, Clone)]
+pub(super) struct FrameMachine {
+    in_flight: Option<InFlight>,
+    /// What went wrong with no frame in flight; goes into the next record.
+    faults: Faults,
+    pub(super) kept: Kept,
+}
+
+/// A frame from its trigger to its record.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(super) struct InFlight {
+    asked: Asked,
+    /// Δδ of the plan, mm.
+    planned_opening_mm: f32,
+    /// δ of the plan, mm.
+    planned_travel_mm: f32,
+    faults: Faults,
+    flags: Flags,
+    phase: Phase,
+}
+
+/// How far a frame has come, and what is known by then.
+#[derive(Debug, Clone, Copy, PartialEq)]
+enum Phase {
+    /// The stage starts with the next round and a while after, s; first light is a while after that, s.
+    Triggered { wait_s: f32, opening_s: f32 },
+    /// The stage accelerates and settles; first light of the plan.
+    RunUp { first_light: Time },
+    /// The shutter has been told to open; first light is expected.
+    Tracking { first_light: Time },
+    /// The shutter is open, since first light.
+    Exposing {
+        opened: Time,
+        /// When it was told to close because it had been open for too long.
+        told_to_close: Option<Time>,
+    },
+    /// The shutter is closed.
+    Closed(Light),
+    /// It is known how the stage moved.
+    Measured(Light, ExposureMotion),
+}
+
+/// From first to last light.
+#[derive(Debug, Clone, Copy, PartialEq)]
+struct Light {
+    opened: Time,
+    closed: Time,
+    /// Last light was not seen.
+    is_end_assumed: bool,
+}
+
+impl FrameMachine {
+    /// Before the first trigger; what goes into the first record.
+    #[inline]
+    pub(super) const fn new(faults: Faults) -> Self {
+        Self {
+            in_flight: None,
+            faults,
+            kept: Kept::new(),
+        }
+    }
+
+    /// A frame begins.
+    pub(super) fn begin(&mut self, mut frame: InFlight) {
+        for fault in core::mem::take(&mut self.faults).iter() {
+            frame.faults.insert(fault);
+        }
+        self.in_flight = Some(frame);
+    }
+
+    /// The first round after the trigger: from here on the stage moves, at the same time after every trigger unless the
+    /// round is late. Says when.
+    pub(super) fn start(&mut self, now: Time) -> Option<Time> {
+        let frame = self.in_flight.as_mut()?;
+        let Phase::Triggered { wait_s, opening_s } = frame.phase else {
+            return None;
+        };
+        let began = now.max(frame.asked.trigger.plus_s(TICK_S)).plus_s(wait_s);
+        frame.phase = Phase::RunUp {
+            first_light: began.plus_s(opening_s),
+        };
+        Some(began)
+    }
+
+    /// A fault goes into the record of the frame in flight, or of the next.
+    pub(super) const fn note(&mut self, fault: Fault) {
+        match &mut self.in_flight {
+            Some(frame) => frame.faults.insert(fault),
+            None => self.faults.insert(fault),
+        }
+    }
+
+    /// What a user of the frame in flight should know.
+    pub(super) const fn flag(&mut self, flag: Flag) {
+        if let Some(frame) = &mut self.in_flight {
+            frame.flags.insert(flag);
+        }
+    }
+
+    /// The state of the frame in flight, for those who are told.
+    pub(super) const fn state(&self) -> Option<State> {
+        match &self.in_flight {
+            None => None,
+            Some(frame) => Some(match frame.phase {
+                Phase::Triggered { .. } | Phase::RunUp { .. } => State::RunUp,
+                Phase::Tracking { .. } => State::Tracking,
+                Phase::Exposing { .. } | Phase::Closed(_) | Phase::Measured(..) => State::Exposing,
+            }),
+        }
+    }
+
+    const fn is_exposing(&self) -> bool {
+        matches!(&self.in_flight, Some(frame) if matches!(frame.phase, Phase::Exposing { .. }))
+    }
+
+    pub(super) const fn is_in_flight(&self) -> bool {
+        self.in_flight.is_some()
+    }
+}

@@ -1,0 +1,65 @@
+//! How the principal point moved in an exposure: as measured, or as planned.
+
+use super::{InFlight, Light, Phase};
+use crate::flight::controller::setup::Setup;
+use crate::flight::controller::stage::{ExposureMotion, StageMachine};
+use crate::flight::controller::timing::STAMP_SIGMA_S;
+use crate::flight::frame_record::Flag;
+use crate::geometry::principal_point::{PrincipalPointMotion, UniformTravel};
+
+impl InFlight {
+    /// After last light: works out how the stage moved.
+    pub(super) fn measure(&mut self, setup: &Setup, stage: &StageMachine) {
+        let Phase::Closed(light) = self.phase else {
+            return;
+        };
+        let motion = if !setup.camera.has_stage() {
+            self.motion_of_rows(light, setup)
+        } else if let Some((motion, is_whole)) = (!self.flags.contains(Flag::PlannedMotion))
+            .then(|| stage.motion_between([light.opened, light.closed], setup))
+            .flatten()
+        {
+            if !is_whole {
+                self.flags.insert(Flag::ExtrapolatedMotion);
+            }
+            motion
+        } else {
+            self.planned_motion(light, setup)
+        };
+        self.phase = Phase::Measured(light, motion);
+    }
+
+    /// Rows move as the clock drives them.
+    fn motion_of_rows(&self, light: Light, setup: &Setup) -> ExposureMotion {
+        let planned = self.planned_travel(light);
+        ExposureMotion {
+            motion: setup.camera.rows(planned),
+            sigma_mm: libm::fabsf(planned.speed_mm_s) * STAMP_SIGMA_S,
+            wander_mm: 0.0,
+        }
+    }
+
+    /// Nobody knows how the stage moved, and what had force on it may have gone anywhere.
+    fn planned_motion(&mut self, light: Light, setup: &Setup) -> ExposureMotion {
+        self.flags.insert(Flag::PlannedMotion);
+        self.flags.insert(Flag::StaticCorrection);
+        let (planned, shutter) = (self.planned_travel(light), setup.camera.shutter());
+        ExposureMotion {
+            motion: PrincipalPointMotion::from_plan(planned, shutter),
+            sigma_mm: setup.half_stroke_mm(),
+            wander_mm: if self.flags.contains(Flag::NoCompensation) {
+                0.0
+            } else {
+                setup.half_stroke_mm()
+            },
+        }
+    }
+
+    fn planned_travel(&self, light: Light) -> UniformTravel {
+        UniformTravel {
+            opening_offset_mm: self.planned_opening_mm,
+            speed_mm_s: self.planned_travel_mm / self.asked.exposure.exposure_s,
+            exposure_s: light.closed.seconds_since(light.opened),
+        }
+    }
+}

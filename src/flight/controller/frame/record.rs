@@ -1,0 +1,112 @@
+//! The record of an exposure.
+
+use super::{FrameMachine, InFlight, Light, Phase};
+use crate::flight::camera;
+use crate::flight::controller::aircraft::Aircraft;
+use crate::flight::controller::setup::Setup;
+use crate::flight::controller::stage::{ExposureMotion, StageMachine};
+use crate::flight::exposure::{CorrectionModel, Exposure};
+use crate::flight::frame_record::{ExposedFrame, Flag, Flags, FrameRecord, Outcome, Reason};
+
+impl FrameMachine {
+    /// Records the exposure in flight, and ends it. Its number; `None` before last light.
+    pub(in super::super) fn record(
+        &mut self,
+        setup: &Setup,
+        stage: &StageMachine,
+        aircraft: &Aircraft,
+    ) -> Option<u32> {
+        let frame = self.in_flight.as_mut()?;
+        frame.measure(setup, stage);
+        let Phase::Measured(light, measured) = frame.phase else {
+            return None;
+        };
+        let sequence = frame.asked.sequence;
+        let mut flags = frame.flags;
+        let mut sigma_mm = measured.sigma_mm;
+        if light.is_end_assumed {
+            flags.insert(Flag::LastLightAssumed);
+            if let Some(last) = stage.track().last() {
+                // It may have been open until now: the centroid may lie half as far on.
+                let closing_mm = measured.motion.opening_offset_mm + measured.motion.travel_mm;
+                sigma_mm = sigma_mm.max(0.5 * libm::fabsf(last.offset_mm - closing_mm));
+            }
+        }
+        let exposure = Exposure {
+            exposure_s: light.closed.seconds_since(light.opened),
+            model: if flags.contains(Flag::StaticCorrection) {
+                CorrectionModel::Static
+            } else {
+                frame.asked.exposure.model
+            },
+            ..frame.asked.exposure
+        };
+        let predicted = setup.camera.frame_of(&exposure, &measured.motion).ok();
+        let predicted = predicted.or_else(|| {
+            sigma_mm = setup.half_stroke_mm();
+            flags.insert(Flag::PlannedMotion);
+            flags.insert(Flag::StaticCorrection);
+            setup.standing_frame(&exposure)
+        });
+        let outcome = if let Some(predicted) = predicted {
+            self.kept.set_latest(sequence, predicted);
+            let measured = ExposureMotion {
+                sigma_mm,
+                ..measured
+            };
+            Outcome::Exposed(
+                frame.exposed(light, &predicted, &measured, setup, aircraft, &mut flags),
+            )
+        } else {
+            Outcome::Refused(Reason::Unusable)
+        };
+        self.kept.finish(FrameRecord {
+            sequence,
+            trigger: frame.asked.trigger,
+            outcome,
+            faults: frame.faults,
+            flags,
+            calibration_crc: setup.calibration_crc,
+        });
+        self.in_flight = None;
+        Some(sequence)
+    }
+}
+
+impl InFlight {
+    fn exposed(
+        &self,
+        light: Light,
+        predicted: &camera::Frame,
+        measured: &ExposureMotion,
+        setup: &Setup,
+        aircraft: &Aircraft,
+        flags: &mut Flags,
+    ) -> ExposedFrame {
+        let interior = predicted.record;
+        let centroid = light.opened.plus_s(interior.motion.centroid_time_s);
+        let attitude = aircraft.attitude_at(centroid);
+        let smear = setup.predict_smear(&self.asked, &interior, measured.wander_mm, attitude);
+        if smear.is_with_attitude {
+            flags.insert(Flag::WithAttitude);
+        }
+        let smear_um = smear.largest_um;
+        let smear_px = setup.smear.pixels(smear_um);
+        if smear_px > setup.settings.smear_budget_px {
+            flags.insert(Flag::SmearOverBudget);
+        }
+        ExposedFrame {
+            opened: light.opened,
+            closed: light.closed,
+            centroid,
+            centroid_utc: aircraft.utc.utc(centroid),
+            vh: self.asked.vh,
+            planned_opening_mm: self.planned_opening_mm,
+            planned_travel_mm: self.planned_travel_mm,
+            interior,
+            principal_point_sigma_mm: measured.sigma_mm,
+            smear_um,
+            smear_px,
+        }
+    }
+}

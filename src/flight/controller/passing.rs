@@ -1,0 +1,135 @@
+//! What happens to a frame, passed from machine to machine: trigger, edges, rounds.
+
+use super::frame::{Asked, Due, InFlight};
+use super::{Actions, Controller, act};
+use crate::flight::event::{Action, ShutterEdge};
+use crate::flight::fault::{Fault, Faults};
+use crate::flight::frame_record::Reason;
+use crate::flight::record_log::Numbered;
+use crate::flight::time::Time;
+
+impl Controller {
+    /// A frame begins, or is refused: every trigger has its record.
+    pub(super) fn trigger(&mut self, trigger: Time, actions: &mut Actions) {
+        let crc = self.setup.calibration_crc;
+        let numbered = self.frame.kept.number(trigger, crc);
+        if let Numbered::Pending(sequence) = numbered {
+            let admitted = self.readiness.admit(self.frame.is_in_flight());
+            let begun = admitted.and_then(|why_not| self.begin(sequence, trigger, why_not));
+            let Err(reason) = begun else {
+                return;
+            };
+            let kept = &mut self.frame.kept;
+            kept.refuse(sequence, trigger, reason, Faults::NONE, crc);
+        }
+        let (Numbered::Pending(sequence) | Numbered::Full(sequence)) = numbered;
+        act(actions, Action::FrameReady(sequence));
+    }
+
+    /// With compensation, or without because of a fault or for want of V/H.
+    fn begin(
+        &mut self,
+        sequence: u32,
+        trigger: Time,
+        why_not: Option<Fault>,
+    ) -> Result<(), Reason> {
+        let vh = self.aircraft.vh.estimate(trigger);
+        let asked = Asked {
+            sequence,
+            trigger,
+            vh,
+            exposure: self.setup.exposure(vh.map_or(0.0, |vh| vh.vh_per_s)),
+        };
+        let setup = &self.setup;
+        let has_stage = setup.camera.has_stage();
+        let frame = match why_not.or(vh.is_none().then_some(Fault::VhLost)) {
+            None if has_stage => {
+                let standing = self.stage.setpoint(trigger).ok_or(Reason::NotArmed)?;
+                let (from_mm, margin_s) = (standing.offset_mm, setup.margin_s());
+                let travel = setup.camera.travel(from_mm, &asked.exposure, margin_s)?;
+                let frame = InFlight::travelling(asked, setup, &travel);
+                self.stage.wait_for(travel.profile);
+                frame
+            }
+            None => InFlight::of_rows(asked, setup)?,
+            Some(fault) => InFlight::standing(asked, setup, self.stage.place_mm(trigger), fault)?,
+        };
+        self.frame.begin(frame);
+        Ok(())
+    }
+
+    /// An edge of the shutter's sensor.
+    pub(super) fn shutter_edge(&mut self, time: Time, edge: ShutterEdge, actions: &mut Actions) {
+        let tolerance_s = self.setup.settings.shutter_tolerance_s;
+        let seen = self.frame.see_edge(time, edge, tolerance_s);
+        if seen.is_first_light {
+            self.stage.track_mut().keep_from(time);
+        }
+        if let Some(fault) = seen.fault {
+            act(actions, Action::Fault(fault));
+        }
+        if seen.is_to_close {
+            act(actions, Action::CloseShutter);
+        }
+    }
+
+    /// What a round asks of the frame in flight.
+    pub(super) fn look_after_frame(&mut self, now: Time, actions: &mut Actions) {
+        match self.frame.look(now, &self.setup, &self.stage) {
+            Due::Nothing => {}
+            Due::Open {
+                at,
+                exposure_s,
+                rows_mm_s,
+            } => {
+                if !self.setup.camera.has_stage() {
+                    let speed_mm_s = rows_mm_s;
+                    act(actions, Action::ClockRows { at, speed_mm_s });
+                }
+                act(actions, Action::OpenShutter { at, exposure_s });
+            }
+            Due::CallOff(reason) => {
+                if reason == Reason::ShutterMissing {
+                    self.report(Fault::ShutterMissing, actions);
+                }
+                self.call_off(now, reason, actions);
+            }
+            Due::Close => {
+                act(actions, Action::Fault(Fault::ShutterLong));
+                act(actions, Action::CloseShutter);
+            }
+            Due::GivenUp => {
+                self.record_exposure(now, actions);
+                self.stop(Fault::ShutterLong, actions);
+            }
+            Due::Record => self.record_exposure(now, actions),
+        }
+    }
+
+    /// Records the exposure in flight, and ends it; the stage goes back.
+    pub(super) fn record_exposure(&mut self, now: Time, actions: &mut Actions) {
+        let recorded = self.frame.record(&self.setup, &self.stage, &self.aircraft);
+        if let Some(sequence) = recorded {
+            act(actions, Action::FrameReady(sequence));
+            self.stage.track_mut().keep_latest();
+            self.go_back(now, actions);
+        }
+    }
+
+    /// The frame in flight ends before first light; the stage goes back.
+    pub(super) fn call_off(&mut self, now: Time, reason: Reason, actions: &mut Actions) {
+        self.refuse_frame(reason, actions);
+        self.go_back(now, actions);
+    }
+
+    /// The frame in flight ends, where it is before first light.
+    pub(super) fn refuse_frame(&mut self, reason: Reason, actions: &mut Actions) {
+        let crc = self.setup.calibration_crc;
+        if let Some((sequence, is_told)) = self.frame.call_off(reason, crc) {
+            if is_told {
+                act(actions, Action::CloseShutter);
+            }
+            act(actions, Action::FrameReady(sequence));
+        }
+    }
+}

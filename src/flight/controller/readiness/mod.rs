@@ -1,0 +1,296 @@
+//! The machine of readiness: whether a trigger is obeyed, and how.
+
+mod rounds;
+
+pub(super) use self::rounds::Round;
+use self::rounds::Rounds;
+use super::stage::Obedience;
+use super::state::State;
+use super::timing::{CLOCK_JUMP_S, EXERCISE_WAYS, LATE_EVENT_S};
+use crate::flight::fault::Fault;
+use crate::flight::frame_record::Reason;
+use crate::flight::time::Time;
+
+/// The machine of readiness.
+#[derive(Debug, Clone)]
+pub(super) struct Readiness {
+    mode: Mode,
+    is_supply_good: bool,
+    /// A disarm waits for the exposure or the stage's way to end.
+    is_disarming: bool,
+    last_event: Option<Time>,
+    rounds: Rounds,
+    late_ticks: u32,
+    lost_events: u32,
+}
+
+/// What it is, but for a frame in flight, which begins in [`Self::Armed`] or [`Self::Degraded`].
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(super) enum Mode {
+    /// Triggers are refused; the stage is left alone.
+    Standby,
+    /// The stage goes to and fro: so many ways are left, and then the one to the waiting place.
+    Arming { ways_left: u8 },
+    /// The stage returns after a frame.
+    FlyBack,
+    /// A trigger is obeyed.
+    Armed,
+    /// A trigger is obeyed, without compensation because of a fault.
+    Degraded(Fault),
+    /// Something went wrong; the stage is released.
+    Fault(Fault),
+}
+
+/// What follows when the stage has arrived.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(super) enum Arrival {
+    /// To standby.
+    StandBy,
+    /// Another way of the exercise.
+    NextWay,
+    /// Ready.
+    Ready,
+}
+
+/// What follows from the wish to disarm.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(super) enum Disarming {
+    /// Nothing, or nothing yet.
+    Later,
+    /// To standby.
+    Now,
+    /// The frame in flight is called off.
+    CallOff,
+}
+
+impl Readiness {
+    /// In standby, or with the fault of a start after the watchdog.
+    pub(super) const fn new(mode: Mode) -> Self {
+        Self {
+            mode,
+            is_supply_good: true,
+            is_disarming: false,
+            last_event: None,
+            rounds: Rounds::new(),
+            late_ticks: 0,
+            lost_events: 0,
+        }
+    }
+
+    /// What it is, frames in flight left out.
+    pub(super) const fn mode(&self) -> Mode {
+        self.mode
+    }
+
+    pub(super) const fn set_mode(&mut self, mode: Mode) {
+        self.mode = mode;
+    }
+
+    /// The state that is told, with that of a frame in flight.
+    pub(super) const fn state(&self, in_flight: Option<State>) -> State {
+        match (self.mode, in_flight) {
+            (Mode::Fault(fault), _) => State::Fault(fault),
+            (_, Some(state)) => state,
+            (Mode::Standby, None) => State::Standby,
+            (Mode::Arming { .. } | Mode::FlyBack, None) => State::FlyBack,
+            (Mode::Armed, None) => State::Armed,
+            (Mode::Degraded(fault), None) => State::Degraded(fault),
+        }
+    }
+
+    /// How a trigger is obeyed: with compensation, or without because of a fault.
+    ///
+    /// # Errors
+    /// Why it is refused.
+    pub(super) const fn admit(&self, is_in_flight: bool) -> Result<Option<Fault>, Reason> {
+        match self.mode {
+            Mode::Fault(fault) => Err(Reason::Fault(fault)),
+            Mode::Standby | Mode::Arming { .. } => Err(Reason::NotArmed),
+            Mode::FlyBack => Err(Reason::Overlap),
+            Mode::Armed | Mode::Degraded(_) if is_in_flight => Err(Reason::Overlap),
+            Mode::Armed => Ok(None),
+            Mode::Degraded(fault) => Ok(Some(fault)),
+        }
+    }
+
+    /// An event of a time has come. Whether the clock has jumped: events come in order of time, or nearly so, and one at
+    /// least with every round.
+    pub(super) fn has_jumped(&mut self, time: Time) -> bool {
+        let Some(last) = self.last_event else {
+            self.last_event = Some(time);
+            return false;
+        };
+        let later_s = time.seconds_since(last);
+        if (-LATE_EVENT_S..=CLOCK_JUMP_S).contains(&later_s) {
+            self.last_event = Some(last.max(time));
+            return false;
+        }
+        true
+    }
+
+    /// The clock has jumped to a time.
+    pub(super) const fn restart_clock(&mut self, time: Time) {
+        self.last_event = Some(time);
+        self.rounds.restart();
+    }
+
+    /// Whether no round has come yet.
+    pub(super) const fn is_before_first_round(&self) -> bool {
+        self.rounds.last().is_none()
+    }
+
+    /// A round comes. Those that are late count; in standby, where a request may last longer than a round, nothing
+    /// follows from them.
+    pub(super) fn come_round(&mut self, now: Time) -> Round {
+        let round = self.rounds.look(now, self.mode != Mode::Standby);
+        if let Round::Idle | Round::Late | Round::Overload = round {
+            self.late_ticks = self.late_ticks.saturating_add(1);
+        }
+        round
+    }
+
+    /// So many events were lost.
+    pub(super) const fn lose(&mut self, events: u32) {
+        self.lost_events = self.lost_events.saturating_add(events);
+    }
+
+    /// Somebody wants it armed. Whether it begins to be; in standby alone, elsewhere a disarm is taken back.
+    ///
+    /// # Errors
+    /// Why it cannot be.
+    pub(super) const fn arm(&mut self) -> Result<bool, Fault> {
+        match self.mode {
+            Mode::Standby if !self.is_supply_good => Err(Fault::BrownOut),
+            Mode::Standby => Ok(true),
+            _ => {
+                self.is_disarming = false;
+                Ok(false)
+            }
+        }
+    }
+
+    /// Somebody wants it disarmed; the state is the one that is told.
+    pub(super) const fn disarm(&mut self, state: State) -> Disarming {
+        match state {
+            State::Standby => Disarming::Later,
+            State::Armed | State::Degraded(_) => Disarming::Now,
+            State::RunUp | State::Tracking => {
+                self.is_disarming = true;
+                Disarming::CallOff
+            }
+            State::Exposing | State::FlyBack | State::Fault(_) => {
+                self.is_disarming = true;
+                Disarming::Later
+            }
+        }
+    }
+
+    /// Whether a disarm has waited until now.
+    pub(super) const fn take_disarm(&mut self) -> bool {
+        core::mem::replace(&mut self.is_disarming, false)
+    }
+
+    /// Somebody has looked at the fault. Whether it ends with that.
+    pub(super) const fn clear_fault(&mut self) -> bool {
+        let is_over = matches!(
+            self.mode,
+            Mode::Fault(_) | Mode::Degraded(_) | Mode::Standby
+        );
+        if is_over {
+            self.rounds.forget_overload();
+            self.is_disarming = false;
+        }
+        is_over
+    }
+
+    /// The supply is good, or too low to move the stage.
+    pub(super) const fn set_supply(&mut self, is_good: bool) {
+        self.is_supply_good = is_good;
+    }
+
+    /// The stage begins its exercise.
+    pub(super) const fn start_exercise(&mut self) {
+        self.mode = Mode::Arming {
+            ways_left: EXERCISE_WAYS,
+        };
+    }
+
+    /// The stage begins a way back: of the exercise, or after a frame.
+    pub(super) const fn go_back(&mut self) {
+        if !matches!(self.mode, Mode::Arming { .. }) {
+            self.mode = Mode::FlyBack;
+        }
+    }
+
+    /// The stage has arrived.
+    pub(super) const fn arrive(&mut self) -> Arrival {
+        if self.take_disarm() {
+            return Arrival::StandBy;
+        }
+        match self.mode {
+            Mode::Arming { ways_left } if ways_left > 0 => {
+                self.mode = Mode::Arming {
+                    ways_left: ways_left.saturating_sub(1),
+                };
+                Arrival::NextWay
+            }
+            _ => Arrival::Ready,
+        }
+    }
+
+    /// Ready for a trigger, with compensation or, for want of stage, time or V/H, without.
+    pub(super) fn become_ready(
+        &mut self,
+        now: Time,
+        stage_fault: Option<Fault>,
+        has_vh: impl FnOnce() -> bool,
+    ) {
+        let is_overloaded = self.rounds.is_overloaded(now);
+        let why_not = if stage_fault.is_some() {
+            stage_fault
+        } else if is_overloaded {
+            Some(Fault::Overload)
+        } else if has_vh() {
+            None
+        } else {
+            Some(Fault::VhLost)
+        };
+        self.mode = why_not.map_or(Mode::Armed, Mode::Degraded);
+    }
+
+    /// A fault ends whatever it is doing; in standby and in a fault, nothing. Whether it has.
+    pub(super) const fn fail(&mut self, fault: Fault) -> bool {
+        if let Mode::Standby | Mode::Fault(_) = self.mode {
+            return false;
+        }
+        self.mode = Mode::Fault(fault);
+        true
+    }
+
+    /// Whether a fault is over without anybody's help; those for which the stage must stand ask for that.
+    pub(super) fn is_over(&self, fault: Fault, has_stood: impl FnOnce() -> bool) -> bool {
+        match fault {
+            Fault::BrownOut => self.is_supply_good,
+            // Somebody must look at these.
+            Fault::Clock | Fault::Watchdog | Fault::ShutterLong => false,
+            _ => has_stood(),
+        }
+    }
+
+    /// How far the stage is expected to do as it is told.
+    pub(super) const fn obedience(&self) -> Obedience {
+        match self.mode {
+            Mode::Standby | Mode::Fault(_) => Obedience::None,
+            Mode::Arming { ways_left } if ways_left > 0 => Obedience::Unlearned,
+            _ => Obedience::Full,
+        }
+    }
+
+    pub(super) const fn late_ticks(&self) -> u32 {
+        self.late_ticks
+    }
+
+    pub(super) const fn lost_events(&self) -> u32 {
+        self.lost_events
+    }
+}

@@ -1,0 +1,147 @@
+//! The camera and its settings, as one flight has them.
+
+use super::ControllerError;
+use super::frame::Asked;
+use super::timing::{LEAD_S, TICK_S};
+use crate::flight::camera::{self, Camera, FrameError};
+use crate::flight::event::AttitudeSample;
+use crate::flight::exposure::{CorrectionModel, Exposure};
+use crate::flight::interior_orientation::InteriorOrientation;
+use crate::flight::settings::FlightSettings;
+use crate::flight::smear_prediction::{Compensation, PredictedSmear, SmearPrediction};
+use crate::flight::stage::PlanError;
+use crate::flight::vh::{VhEstimate, VhSource};
+use crate::geometry::principal_point::{PrincipalPointMotion, UniformTravel};
+
+/// The camera and its settings; the exposure time alone changes in flight.
+#[derive(Debug, Clone)]
+pub(super) struct Setup {
+    pub(super) camera: Camera,
+    pub(super) calibration_crc: u32,
+    pub(super) settings: FlightSettings,
+    pub(super) smear: SmearPrediction,
+    /// Exposure time of the frames to come, s.
+    pub(super) exposure_s: f32,
+}
+
+impl Setup {
+    /// The exposure that a V/H asks for, 1/s.
+    pub(super) fn exposure(&self, vh_per_s: f32) -> Exposure {
+        exposure(&self.settings, vh_per_s, self.exposure_s)
+    }
+
+    /// How much longer than the exposure the stage stays at speed, s.
+    pub(super) fn margin_s(&self) -> f32 {
+        margin_s(&self.settings)
+    }
+
+    /// Half of the stage's stroke, mm.
+    pub(super) fn half_stroke_mm(&self) -> f32 {
+        0.5 * self.camera.calibration().record().stroke_mm
+    }
+
+    /// The frame of a stage about which nothing is known: it counts as standing at its calibrated position.
+    pub(super) fn standing_frame(&self, exposure: &Exposure) -> Option<camera::Frame> {
+        let still = UniformTravel {
+            opening_offset_mm: 0.0,
+            speed_mm_s: 0.0,
+            exposure_s: exposure.exposure_s,
+        };
+        let motion = PrincipalPointMotion::from_plan(still, self.camera.shutter());
+        let exposure = Exposure {
+            model: CorrectionModel::Static,
+            ..*exposure
+        };
+        self.camera.frame_of(&exposure, &motion).ok()
+    }
+
+    /// The residual smear of an exposure. Without any V/H the largest that the camera may fly at bounds it.
+    pub(super) fn predict_smear(
+        &self,
+        asked: &Asked,
+        interior: &InteriorOrientation,
+        wander_mm: f32,
+        attitude: Option<&AttitudeSample>,
+    ) -> PredictedSmear {
+        let vh = asked.vh.unwrap_or_else(|| VhEstimate {
+            vh_per_s: self.camera.limits().vh_per_s[1],
+            sigma_per_s: 0.0,
+            age_s: 0.0,
+            source: VhSource::Direct,
+            extrapolated: true,
+        });
+        let compensation = Compensation {
+            exposure_s: interior.exposure_s,
+            travel_mm: asked.exposure.direction.sign() * interior.motion.travel_mm,
+            wander_mm,
+            principal_point: interior.principal_point,
+        };
+        self.smear.of(&vh, attitude, &compensation)
+    }
+
+    /// By how much the following error may change in an exposure with a travel, mm: the speed is right to within 1 % or
+    /// the smear budget.
+    pub(super) fn allowed_change_mm(&self, travel_mm: f32) -> f32 {
+        let pixel_mm = self.camera.calibration().sensor().pixel_mm();
+        let of_speed = 0.01 * self.settings.speed_tolerance_percent * libm::fabsf(travel_mm);
+        of_speed.max(self.settings.smear_budget_px * pixel_mm)
+    }
+
+    /// Where the stage waits for the next trigger, mm: at the place for the V/H there is, or, where there is none, for
+    /// the largest of the camera's limits.
+    pub(super) fn waiting_place_mm(&self, vh: Option<VhEstimate>) -> Result<f32, FrameError> {
+        let [_, most] = self.camera.limits().vh_per_s;
+        let at = |vh_per_s| {
+            self.camera
+                .waiting_place_mm(&self.exposure(vh_per_s), self.margin_s())
+        };
+        match vh {
+            Some(vh) => at(vh.vh_per_s).or_else(|_| at(most)),
+            None => at(most),
+        }
+    }
+}
+
+/// Whether the mechanism is back before the next trigger, at the largest V/H of the camera's limits.
+pub(super) fn check_interval(
+    camera: &Camera,
+    settings: &FlightSettings,
+) -> Result<(), ControllerError> {
+    let available_s = settings.trigger_interval_s;
+    if available_s == 0.0 || !camera.has_stage() {
+        return Ok(());
+    }
+    let [_, most] = camera.limits().vh_per_s;
+    let exposure = exposure(settings, most, settings.exposure_s);
+    let margin_s = margin_s(settings);
+    let needed = || {
+        let place_mm = camera.waiting_place_mm(&exposure, margin_s)?;
+        let travel = camera.travel(place_mm, &exposure, margin_s)?;
+        let cycle_s = camera.stage().cycle_s(&travel, place_mm)?;
+        let before_s = TICK_S + (settings.shutter_latency_s + LEAD_S - travel.opening_s).max(0.0);
+        Ok(before_s + cycle_s)
+    };
+    let needed_s = needed().map_err(ControllerError::Travel)?;
+    if needed_s <= available_s {
+        Ok(())
+    } else {
+        Err(ControllerError::Travel(
+            PlanError::Time {
+                needed_s,
+                available_s,
+            }
+            .into(),
+        ))
+    }
+}
+
+fn exposure(settings: &FlightSettings, vh_per_s: f32, exposure_s: f32) -> Exposure {
+    Exposure {
+        direction: settings.direction,
+        ..Exposure::new(vh_per_s, exposure_s)
+    }
+}
+
+fn margin_s(settings: &FlightSettings) -> f32 {
+    2.0 * settings.shutter_tolerance_s + TICK_S
+}

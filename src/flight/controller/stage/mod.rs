@@ -1,0 +1,333 @@
+//! The machine of the stage: the force on it, its readings, and what is wrong with it.
+
+mod exposure_motion;
+mod motion;
+
+pub(super) use self::exposure_motion::ExposureMotion;
+use self::motion::Motion;
+use super::setup::Setup;
+use super::timing::{
+    LATE_EVENT_S, LATE_TICK_S, READINGS_CEASE_S, STANDING_S, TICK_S, UNLEARNED_TOLERANCE,
+};
+use crate::flight::drive::StageReading;
+use crate::flight::fault::Fault;
+use crate::flight::following_error::FollowingError;
+use crate::flight::slope::Slope;
+use crate::flight::stage::{Profile, Setpoint};
+use crate::flight::stage_track::StageTrack;
+use crate::flight::stage_watch::{Finding, StageWatch};
+use crate::flight::time::Time;
+
+/// The machine of the stage. It is released, waits at the start of a profile, or moves along one; a fault that nobody
+/// has cleared keeps it released.
+#[derive(Debug, Clone)]
+pub(super) struct StageMachine {
+    /// `None`: no force on the stage.
+    motion: Option<Motion>,
+    track: StageTrack,
+    watch: StageWatch,
+    /// Following error; without force, the place.
+    following: Slope,
+    following_error: FollowingError,
+    /// What went wrong, until it is cleared: the stage is left alone.
+    fault: Option<Fault>,
+    /// The encoder has lost its place, until somebody has found it again.
+    is_place_lost: bool,
+    /// When the stage was read last, or the readings began to be waited for.
+    last_reading: Time,
+    /// Where it stands without force, and since when.
+    standing_since: Option<(Time, f32)>,
+    /// Wrong readings that were left out.
+    glitches: u32,
+}
+
+/// How far the stage is expected to do as it is told.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(super) enum Obedience {
+    /// It may be moved by hand, or coast.
+    None,
+    /// The velocity loop is still learning.
+    Unlearned,
+    /// It follows.
+    Full,
+}
+
+/// What a reading shows.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(super) struct Seen {
+    pub(super) finding: Finding,
+    /// Reading less set point, mm; without force, the place.
+    error_mm: f32,
+}
+
+impl StageMachine {
+    /// A stage without force.
+    #[inline]
+    pub(super) const fn new(is_place_lost: bool) -> Self {
+        Self {
+            motion: None,
+            track: StageTrack::new(),
+            watch: StageWatch::new(),
+            following: Slope::new(),
+            following_error: FollowingError::new(),
+            fault: if is_place_lost {
+                Some(Fault::Encoder)
+            } else {
+                None
+            },
+            is_place_lost,
+            last_reading: Time::START,
+            standing_since: None,
+            glitches: 0,
+        }
+    }
+
+    /// Judges a reading that came with an event of a time. `None`: it is left out, or the next will tell.
+    ///
+    /// Where it is to be kept, [`Self::keep`] follows, after what the finding leads to.
+    pub(super) fn look(
+        &mut self,
+        setup: &Setup,
+        obedience: Obedience,
+        time: Time,
+        reading: StageReading,
+    ) -> Option<Seen> {
+        if self.is_place_lost || !setup.camera.has_stage() {
+            return None;
+        }
+        let older_s = time.seconds_since(reading.time);
+        if !(-TICK_S..=LATE_EVENT_S).contains(&older_s) || reading.time < self.last_reading {
+            // No reading of now: where none comes, the encoder has failed.
+            return None;
+        }
+        let mut tolerance = setup.settings.stage_tolerance();
+        match obedience {
+            Obedience::None => self.watch = StageWatch::new(),
+            Obedience::Unlearned => tolerance.following_mm *= UNLEARNED_TOLERANCE,
+            Obedience::Full => {}
+        }
+        let setpoint = self.setpoint(reading.time);
+        let finding = self.watch.look(reading, setpoint, &tolerance);
+        match finding {
+            Finding::Suspicious => return None,
+            Finding::Glitch => self.glitches = self.glitches.saturating_add(1),
+            Finding::Follows | Finding::Fault(_) => {}
+        }
+        let told_mm = setpoint.map_or(0.0, |setpoint| setpoint.offset_mm);
+        Some(Seen {
+            finding,
+            error_mm: reading.offset_mm - told_mm,
+        })
+    }
+
+    /// Keeps a reading that is believed.
+    pub(super) fn keep(&mut self, reading: StageReading, seen: Seen) {
+        self.last_reading = reading.time;
+        self.track.push(reading);
+        self.following.push(reading.time, seen.error_mm);
+        if self.motion.is_some() {
+            self.following_error.push(seen.error_mm);
+        }
+    }
+
+    /// The stage is to stand at the start of a profile until [`Self::begin`].
+    pub(super) fn wait_for(&mut self, profile: Profile) {
+        self.motion = Some(Motion {
+            profile,
+            began: None,
+        });
+    }
+
+    /// The profile that has been waited for begins at a time; where there is none, nothing does.
+    pub(super) fn begin(&mut self, began: Time) {
+        if let Some(motion) = &mut self.motion
+            && motion.began.is_none()
+        {
+            motion.began = Some(began);
+        }
+    }
+
+    /// From wherever it is the stage goes to a place, mm. False where there is no such way: a number is none.
+    pub(super) fn go_to(&mut self, setup: &Setup, now: Time, place_mm: f32) -> bool {
+        let from = self.setpoint(now).unwrap_or_else(|| Setpoint {
+            offset_mm: self.last_place_mm(),
+            ..Setpoint::default()
+        });
+        let Ok(profile) = setup.camera.stage().reposition(from, place_mm) else {
+            return false;
+        };
+        self.motion = Some(Motion {
+            profile,
+            began: Some(now),
+        });
+        true
+    }
+
+    /// Readings are waited for from now on, to be compared with nothing from before.
+    pub(super) fn expect_readings(&mut self, now: Time) {
+        self.following.clear();
+        self.watch = StageWatch::new();
+        self.last_reading = now;
+    }
+
+    /// No force on the stage. Whether there was any.
+    pub(super) fn release(&mut self) -> bool {
+        self.following.clear();
+        self.watch = StageWatch::new();
+        self.standing_since = None;
+        self.motion.take().is_some()
+    }
+
+    /// Something is wrong, and where it is the stage, stays so until it is cleared.
+    pub(super) fn fail(&mut self, fault: Fault) {
+        if !is_of_the_stage(fault) {
+            return;
+        }
+        // Where it is the encoder that is the wrong way round, it has counted to a place where the stage is not: at a
+        // standstill that looks like a stage that runs away.
+        self.is_place_lost |= matches!(
+            fault,
+            Fault::Encoder | Fault::WrongDirection | Fault::Runaway
+        );
+        self.fault = match self.fault {
+            Some(first) if fault != Fault::Encoder => Some(first),
+            _ => Some(fault),
+        };
+    }
+
+    /// The encoder has not counted for a while.
+    pub(super) const fn lose_place(&mut self) {
+        self.is_place_lost = true;
+        self.fault = Some(Fault::Encoder);
+    }
+
+    /// The encoder counts from the calibrated position again.
+    pub(super) fn refer(&mut self) {
+        self.is_place_lost = false;
+        self.track.clear();
+        self.following.clear();
+        self.fault = self.fault.filter(|fault| *fault != Fault::Encoder);
+    }
+
+    /// Somebody has looked at the fault. A place that is lost stays so.
+    pub(super) fn clear_fault(&mut self) {
+        self.fault = self.is_place_lost.then_some(Fault::Encoder);
+    }
+
+    /// The clock has jumped: what was read so far has nothing to do with the times to come.
+    pub(super) fn forget_readings(&mut self) {
+        self.track.clear();
+        self.following.clear();
+        self.standing_since = None;
+    }
+
+    /// The clock has jumped to a time.
+    pub(super) const fn restart_clock(&mut self, now: Time) {
+        self.last_reading = now;
+    }
+
+    /// Whether the stage under force has not been read for too long.
+    pub(super) fn is_unread(&self, now: Time) -> bool {
+        self.motion.is_some() && now.seconds_since(self.last_reading) > READINGS_CEASE_S
+    }
+
+    /// Whether it stands at the end of its way, or has none.
+    pub(super) fn has_arrived(&self, now: Time) -> bool {
+        self.motion
+            .as_ref()
+            .is_none_or(|motion| motion.is_over(now))
+    }
+
+    /// Whether the following error changes by no more than so much in an exposure, mm; where nobody can know, it counts
+    /// as if.
+    pub(super) fn is_steady(
+        &self,
+        setup: &Setup,
+        now: Time,
+        exposure_s: f32,
+        allowed_mm: f32,
+    ) -> bool {
+        if !setup.camera.has_stage() || self.is_place_lost {
+            return true;
+        }
+        now.seconds_since(self.last_reading) <= LATE_TICK_S
+            && self
+                .following
+                .per_s()
+                .is_some_and(|error_mm_s| libm::fabsf(error_mm_s) * exposure_s <= allowed_mm)
+    }
+
+    /// Whether the stage has not moved for [`STANDING_S`], as far as can be seen.
+    pub(super) fn has_stood(&mut self, setup: &Setup, now: Time) -> bool {
+        let offset_mm = self.last_place_mm();
+        let tolerance_mm = setup.settings.stage_tolerance().following_mm;
+        match self.standing_since {
+            Some((since, place_mm)) if libm::fabsf(offset_mm - place_mm) <= tolerance_mm => {
+                now.seconds_since(since) > STANDING_S
+            }
+            _ => {
+                self.standing_since = Some((now, offset_mm));
+                false
+            }
+        }
+    }
+
+    /// Where it should be at a time; `None` where it is released.
+    pub(super) fn setpoint(&self, now: Time) -> Option<Setpoint> {
+        self.motion.as_ref().map(|motion| motion.setpoint(now))
+    }
+
+    /// Where it should be at a time, mm; released, where it was read last.
+    pub(super) fn place_mm(&self, now: Time) -> f32 {
+        match self.setpoint(now) {
+            Some(setpoint) => setpoint.offset_mm,
+            None => self.last_place_mm(),
+        }
+    }
+
+    /// Where it was read last, mm; 0 where it never was.
+    fn last_place_mm(&self) -> f32 {
+        self.track.last().map_or(0.0, |reading| reading.offset_mm)
+    }
+
+    pub(super) const fn is_released(&self) -> bool {
+        self.motion.is_none()
+    }
+
+    pub(super) const fn fault(&self) -> Option<Fault> {
+        self.fault
+    }
+
+    pub(super) const fn is_place_lost(&self) -> bool {
+        self.is_place_lost
+    }
+
+    pub(super) const fn track(&self) -> &StageTrack {
+        &self.track
+    }
+
+    pub(super) const fn track_mut(&mut self) -> &mut StageTrack {
+        &mut self.track
+    }
+
+    pub(super) const fn following_error(&self) -> &FollowingError {
+        &self.following_error
+    }
+
+    pub(super) const fn glitches(&self) -> u32 {
+        self.glitches
+    }
+}
+
+/// Faults after which the stage is left alone until they are cleared.
+const fn is_of_the_stage(fault: Fault) -> bool {
+    matches!(
+        fault,
+        Fault::Stall
+            | Fault::Runaway
+            | Fault::WrongDirection
+            | Fault::LimitSwitch
+            | Fault::Encoder
+            | Fault::Drive
+    )
+}

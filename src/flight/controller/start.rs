@@ -1,0 +1,105 @@
+//! How a controller comes to be.
+
+use core::fmt;
+
+use super::Controller;
+use super::aircraft::Aircraft;
+use super::frame::FrameMachine;
+use super::readiness::{Mode, Readiness};
+use super::setup::{Setup, check_interval};
+use super::stage::StageMachine;
+use crate::flight::camera::{Camera, CameraRecord, FrameError};
+use crate::flight::fault::{Fault, Faults};
+use crate::flight::settings::FlightSettings;
+use crate::flight::smear_prediction::SmearPrediction;
+use crate::geometry::calibration::CalibrationError;
+use crate::geometry::range::OutOfRange;
+
+/// How the camera has come to run.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
+pub enum Start {
+    /// Switched on, or asked to start again.
+    Orderly,
+    /// Its watchdog was not fed, or the processor failed.
+    AfterWatchdog,
+    /// As [`Self::Orderly`], but the encoder has lost its place.
+    Unreferenced,
+}
+
+/// A camera cannot be flown so.
+#[derive(Debug, Clone, Copy, PartialEq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
+pub enum ControllerError {
+    /// The calibration is not usable.
+    Calibration(CalibrationError),
+    /// A setting is not believable.
+    Settings(OutOfRange),
+    /// The mechanism cannot make any travel within the camera's limits, or not between two triggers.
+    Travel(FrameError),
+}
+
+impl fmt::Display for ControllerError {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::Calibration(error) => error.fmt(f),
+            Self::Settings(error) => error.fmt(f),
+            Self::Travel(error) => error.fmt(f),
+        }
+    }
+}
+
+impl core::error::Error for ControllerError {}
+
+impl Controller {
+    /// The controller of a camera, in standby. After a bite of the watchdog it begins with that fault.
+    ///
+    /// # Errors
+    /// [`ControllerError`] naming what is not believable.
+    pub fn new(
+        record: &CameraRecord,
+        calibration_crc: u32,
+        settings: &FlightSettings,
+        start: Start,
+    ) -> Result<Self, ControllerError> {
+        let camera = Camera::new(*record).map_err(ControllerError::Calibration)?;
+        let settings = settings.checked().map_err(ControllerError::Settings)?;
+        camera
+            .check_exposure_time(settings.exposure_s)
+            .map_err(|error| ControllerError::Travel(error.into()))?;
+        check_interval(&camera, &settings)?;
+        let mut faults = Faults::NONE;
+        let mode = match start {
+            Start::Orderly | Start::Unreferenced => Mode::Standby,
+            Start::AfterWatchdog => {
+                faults.insert(Fault::Watchdog);
+                Mode::Fault(Fault::Watchdog)
+            }
+        };
+        // Made where it is to be: it is large, and a copy on the way takes as much of the stack.
+        Ok(Self {
+            aircraft: Aircraft::new(&settings),
+            // What an encoder counts is gone with the processor.
+            stage: StageMachine::new(start != Start::Orderly && camera.has_stage()),
+            frame: FrameMachine::new(faults),
+            readiness: Readiness::new(mode),
+            setup: Setup {
+                smear: SmearPrediction::new(camera.calibration(), settings.direction),
+                exposure_s: settings.exposure_s,
+                camera,
+                calibration_crc,
+                settings,
+            },
+        })
+    }
+
+    /// How the controller must begin that takes the place of this one: what nobody has cleared is not forgotten.
+    #[must_use]
+    pub fn next_start(&self) -> Start {
+        match self.readiness.mode() {
+            Mode::Fault(Fault::Watchdog) => Start::AfterWatchdog,
+            _ if self.stage.is_place_lost() => Start::Unreferenced,
+            _ => Start::Orderly,
+        }
+    }
+}

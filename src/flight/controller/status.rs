@@ -1,0 +1,114 @@
+//! What the camera says of itself.
+
+use super::Controller;
+use super::readiness::Mode;
+use crate::flight::camera::{self, Camera};
+use crate::flight::frame_record::FrameRecord;
+use crate::flight::settings::FlightSettings;
+use crate::flight::stage::Setpoint;
+use crate::flight::time::Time;
+use crate::flight::vh::VhMonitor;
+
+/// What has happened since the controller was made.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+pub struct Counts {
+    /// Triggers.
+    pub triggers: u32,
+    /// Records with an exposure.
+    pub exposed: u32,
+    /// Records without.
+    pub refused: u32,
+    /// Wrong encoder readings that were left out.
+    pub glitches: u32,
+    /// Rounds of the control loop that came late.
+    pub late_ticks: u32,
+    /// Edges of the shutter that nobody had asked for.
+    pub unexpected_edges: u32,
+    /// Events that could not be kept until the control loop came round.
+    pub lost_events: u32,
+}
+
+impl Controller {
+    /// The validated camera.
+    #[must_use]
+    pub const fn camera(&self) -> &Camera {
+        &self.setup.camera
+    }
+
+    /// The settings.
+    #[must_use]
+    pub const fn settings(&self) -> &FlightSettings {
+        &self.setup.settings
+    }
+
+    /// The sources of V/H.
+    #[must_use]
+    pub const fn vh(&self) -> &VhMonitor {
+        &self.aircraft.vh
+    }
+
+    /// What has happened so far.
+    #[must_use]
+    pub const fn counts(&self) -> Counts {
+        let [triggers, exposed, refused, unexpected_edges] = self.frame.kept.counts();
+        Counts {
+            triggers,
+            exposed,
+            refused,
+            glitches: self.stage.glitches(),
+            late_ticks: self.readiness.late_ticks(),
+            unexpected_edges,
+            lost_events: self.readiness.lost_events(),
+        }
+    }
+
+    /// Whether the encoder has lost its place.
+    #[must_use]
+    pub const fn is_place_lost(&self) -> bool {
+        self.stage.is_place_lost()
+    }
+
+    /// Root mean square of the stage's following error over about a second, µm, within 6 %.
+    #[must_use]
+    pub fn following_rms_um(&self) -> f32 {
+        self.stage.following_error().rms_um()
+    }
+
+    /// Whether it is armed, with compensation or without, or a frame is in flight: calibration and settings must stay.
+    #[must_use]
+    pub const fn is_busy(&self) -> bool {
+        self.frame.is_in_flight()
+            || !matches!(self.readiness.mode(), Mode::Standby | Mode::Fault(_))
+    }
+
+    /// Number and frame of the exposure recorded last, for the correction of its points.
+    #[must_use]
+    pub const fn latest(&self) -> Option<&(u32, camera::Frame)> {
+        self.frame.kept.latest()
+    }
+
+    /// The oldest record with this number or a higher one.
+    #[must_use]
+    pub fn record(&self, from_sequence: u32) -> Option<FrameRecord> {
+        self.frame.kept.records().from(from_sequence)
+    }
+
+    /// Records that have not been acknowledged.
+    #[must_use]
+    pub fn kept(&self) -> u32 {
+        self.frame.kept.records().kept()
+    }
+
+    /// The PC has all records up to this number. Says how many are left.
+    pub fn acknowledge(&mut self, through: u32) -> u32 {
+        self.frame.kept.records_mut().acknowledge(through)
+    }
+
+    /// Where the stage should be at a time; `None` where it is released.
+    #[must_use]
+    pub fn setpoint(&self, now: Time) -> Option<Setpoint> {
+        self.stage.setpoint(now)
+    }
+}

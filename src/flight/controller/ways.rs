@@ -1,0 +1,133 @@
+//! The stage's ways between frames, and what the camera is ready for at their end.
+
+use super::readiness::{Arrival, Mode};
+use super::timing::{EXERCISE_REACH, EXERCISE_WAYS};
+use super::{Actions, Controller, act};
+use crate::flight::event::Action;
+use crate::flight::fault::Fault;
+use crate::flight::time::Time;
+
+impl Controller {
+    /// Force on the stage, to and fro, and to its waiting place; where there is none, or something is wrong with it,
+    /// ready without.
+    pub(super) fn resume(&mut self, now: Time, actions: &mut Actions) {
+        if !self.setup.camera.has_stage() || self.stage.fault().is_some() {
+            self.become_ready(now);
+            return;
+        }
+        self.stage.expect_readings(now);
+        let place_mm = self.destination_mm(now, EXERCISE_WAYS);
+        if self.stage.go_to(&self.setup, now, place_mm) {
+            self.readiness.start_exercise();
+        } else {
+            // The reading is not a number, or the stage's end is not.
+            self.fail(Fault::Encoder, actions);
+        }
+    }
+
+    /// After a frame or a way: on to the next place, where there is a stage with force on it.
+    pub(super) fn go_back(&mut self, now: Time, actions: &mut Actions) {
+        let ways_left = match self.readiness.mode() {
+            Mode::Fault(_) => return,
+            Mode::Arming { ways_left } => ways_left,
+            _ => 0,
+        };
+        if self.stage.is_released() {
+            if self.readiness.take_disarm() {
+                self.stand_by(actions);
+            } else {
+                self.become_ready(now);
+            }
+            return;
+        }
+        let place_mm = self.destination_mm(now, ways_left);
+        if self.stage.go_to(&self.setup, now, place_mm) {
+            self.readiness.go_back();
+        } else {
+            // The set point is not a number.
+            self.fail(Fault::Drive, actions);
+        }
+    }
+
+    /// What a round asks for while no frame is in flight.
+    pub(super) fn look_after_readiness(&mut self, now: Time, actions: &mut Actions) {
+        match self.readiness.mode() {
+            Mode::Standby => {}
+            Mode::Armed | Mode::Degraded(_) => self.keep_ready(now, actions),
+            Mode::Arming { .. } | Mode::FlyBack => {
+                if self.stage.has_arrived(now) {
+                    self.arrive(now, actions);
+                }
+            }
+            Mode::Fault(fault) => self.recover(now, fault, actions),
+        }
+    }
+
+    /// To standby: no force on the stage.
+    pub(super) fn stand_by(&mut self, actions: &mut Actions) {
+        self.release(actions);
+        self.readiness.set_mode(Mode::Standby);
+    }
+
+    /// No force on the stage.
+    pub(super) fn release(&mut self, actions: &mut Actions) {
+        if self.stage.release() {
+            act(actions, Action::ReleaseStage);
+        }
+    }
+
+    /// The stage has arrived.
+    fn arrive(&mut self, now: Time, actions: &mut Actions) {
+        match self.readiness.arrive() {
+            Arrival::StandBy => self.stand_by(actions),
+            Arrival::NextWay => self.go_back(now, actions),
+            Arrival::Ready => self.become_ready(now),
+        }
+    }
+
+    /// Looks whether compensation is possible, or possible again.
+    fn keep_ready(&mut self, now: Time, actions: &mut Actions) {
+        let before = self.readiness.mode();
+        self.become_ready(now);
+        let mode = self.readiness.mode();
+        if let Mode::Degraded(fault) = mode
+            && mode != before
+        {
+            act(actions, Action::Fault(fault));
+        }
+    }
+
+    fn become_ready(&mut self, now: Time) {
+        let vh = &self.aircraft.vh;
+        self.readiness
+            .become_ready(now, self.stage.fault(), || vh.estimate(now).is_some());
+    }
+
+    /// The way out of a fault that needs nobody.
+    fn recover(&mut self, now: Time, fault: Fault, actions: &mut Actions) {
+        let has_stood = || self.stage.has_stood(&self.setup, now);
+        if !self.readiness.is_over(fault, has_stood) {
+            return;
+        }
+        if self.readiness.take_disarm() {
+            self.stand_by(actions);
+        } else {
+            self.resume(now, actions);
+        }
+    }
+
+    /// Where the stage goes next, mm: to an end of the exercise, or, where none of its ways is left, to where it waits
+    /// for the trigger.
+    fn destination_mm(&self, now: Time, ways_left: u8) -> f32 {
+        let stroke_mm = self.setup.camera.calibration().record().stroke_mm;
+        let reach_mm = EXERCISE_REACH * stroke_mm;
+        if ways_left == 0 {
+            let vh = self.aircraft.vh.estimate(now);
+            self.setup.waiting_place_mm(vh).unwrap_or(0.0)
+        } else if ways_left.is_multiple_of(2) {
+            -reach_mm
+        } else {
+            reach_mm
+        }
+    }
+}
