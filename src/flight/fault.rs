@@ -135,6 +135,11 @@ impl Faults {
         self.bits |= fault.bit();
     }
 
+    /// Adds all of another set.
+    pub const fn insert_all(&mut self, others: Self) {
+        self.bits |= others.bits;
+    }
+
     /// Whether it is among them.
     #[must_use]
     pub const fn contains(self, fault: Fault) -> bool {

@@ -4,6 +4,7 @@ use core::fmt;
 
 use super::camera::FrameError;
 use super::fault::{Fault, Faults};
+pub use super::flag::{Flag, Flags};
 use super::interior_orientation::InteriorOrientation;
 use super::time::Time;
 use super::utc::UtcTime;
@@ -132,98 +133,5 @@ impl From<FrameError> for Reason {
 impl fmt::Display for Reason {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         f.write_str(self.name())
-    }
-}
-
-/// What a user of a frame should know.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-#[cfg_attr(feature = "defmt", derive(defmt::Format))]
-pub enum Flag {
-    /// The stage stood still: no compensation.
-    NoCompensation,
-    /// V/H was older than its source's rate: the last good one was used.
-    LastGoodVh,
-    /// The exposure opened off the planned place, as the stage came from elsewhere.
-    OffCentre,
-    /// Predicted smear exceeds the budget.
-    SmearOverBudget,
-    /// The motion is the plan's, not measured: the encoder is not believed.
-    PlannedMotion,
-    /// The coordinates are corrected by the static calibration alone.
-    StaticCorrection,
-    /// A single wrong encoder reading was left out.
-    EncoderGlitch,
-    /// Encoder readings are missing in the exposure or at one end of it; the path was continued from the others.
-    ExtrapolatedMotion,
-    /// Attitude rates were given and are in the predicted smear.
-    WithAttitude,
-    /// Last light was not seen: the exposure is taken to have been as long as it should.
-    LastLightAssumed,
-}
-
-impl Flag {
-    /// All of them.
-    pub const ALL: [Self; 10] = [
-        Self::NoCompensation,
-        Self::LastGoodVh,
-        Self::OffCentre,
-        Self::SmearOverBudget,
-        Self::PlannedMotion,
-        Self::StaticCorrection,
-        Self::EncoderGlitch,
-        Self::ExtrapolatedMotion,
-        Self::WithAttitude,
-        Self::LastLightAssumed,
-    ];
-
-    /// The name in documents and tables.
-    #[must_use]
-    pub const fn name(self) -> &'static str {
-        match self {
-            Self::NoCompensation => "no compensation",
-            Self::LastGoodVh => "last good V/H",
-            Self::OffCentre => "off centre",
-            Self::SmearOverBudget => "smear over budget",
-            Self::PlannedMotion => "planned motion",
-            Self::StaticCorrection => "static correction",
-            Self::EncoderGlitch => "encoder glitch",
-            Self::ExtrapolatedMotion => "extrapolated motion",
-            Self::WithAttitude => "with attitude",
-            Self::LastLightAssumed => "last light assumed",
-        }
-    }
-
-    const fn bit(self) -> u32 {
-        1 << self as u32
-    }
-}
-
-/// A set of flags.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
-#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
-pub struct Flags {
-    bits: u32,
-}
-
-impl Flags {
-    /// None.
-    pub const NONE: Self = Self { bits: 0 };
-
-    /// Adds one.
-    pub const fn insert(&mut self, flag: Flag) {
-        self.bits |= flag.bit();
-    }
-
-    /// Whether it is among them.
-    #[must_use]
-    pub const fn contains(self, flag: Flag) -> bool {
-        self.bits & flag.bit() != 0
-    }
-
-    /// Each of them.
-    pub fn iter(self) -> impl Iterator<Item = Flag> {
-        Flag::ALL
-            .into_iter()
-            .filter(move |flag| self.contains(*flag))
     }
 }

@@ -1,5 +1,6 @@
 //! The camera in flight: events in, actions out.
 
+pub mod attitude;
 pub mod camera;
 pub mod controller;
 pub mod drive;
@@ -7,6 +8,8 @@ pub mod event;
 pub mod event_queue;
 pub mod exposure;
 pub mod fault;
+pub mod findings;
+pub mod flag;
 pub mod flown_deck;
 mod following_error;
 pub mod frame_record;

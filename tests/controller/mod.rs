@@ -13,6 +13,7 @@ mod bench;
 mod bring_up;
 mod document;
 mod faults;
+mod findings;
 mod nominal;
 mod sequences;
 mod table;

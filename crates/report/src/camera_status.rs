@@ -1,5 +1,6 @@
 //! The status of a camera, for users and programs.
 
+use std::collections::BTreeMap;
 use std::io::{self, Write};
 
 use fmc_camera::flight::controller::state::State;
@@ -39,7 +40,19 @@ pub fn write_text(status: &Status, sink: &mut dyn Write) -> io::Result<()> {
         sink,
         "irregular        {} late rounds, {} encoder glitches, {} unexpected edges of the shutter, {} events lost",
         counts.late_ticks, counts.glitches, counts.unexpected_edges, counts.lost_events
-    )
+    )?;
+    let found: Vec<String> = status
+        .findings
+        .iter()
+        .filter(|(_, count)| *count > 0)
+        .map(|(flag, count)| format!("{} {}", count, flag.name()))
+        .collect();
+    let found = if found.is_empty() {
+        "nothing of the instruments".to_owned()
+    } else {
+        found.join(", ")
+    };
+    writeln!(sink, "found            {found}")
 }
 
 /// Writes the status as JSON.
@@ -68,6 +81,8 @@ struct StatusReport {
     encoder_glitches: u32,
     unexpected_edges: u32,
     lost_events: u32,
+    /// How often each was found of the aircraft's instruments, by the name of its flag.
+    findings: BTreeMap<&'static str, u32>,
 }
 
 impl StatusReport {
@@ -92,6 +107,11 @@ impl StatusReport {
             encoder_glitches: counts.glitches,
             unexpected_edges: counts.unexpected_edges,
             lost_events: counts.lost_events,
+            findings: status
+                .findings
+                .iter()
+                .map(|(flag, count)| (flag.name(), count))
+                .collect(),
         }
     }
 }

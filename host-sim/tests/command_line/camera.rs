@@ -124,6 +124,14 @@ fn camera_on_a_board_is_flown_by_commands_and_its_records_are_fetched() {
         (&1.into(), &1.into())
     );
     assert_eq!(status["lost_events"], 0);
+    assert_eq!(status["findings"]["V/H jump"], 0);
+    let text = board.run(&["status"]).ok().stdout;
+    assert!(text.contains("found            nothing"), "{text}");
+    // What is found is counted under its name.
+    board.says(&["vh", "1.5"], "armed");
+    let text = board.run(&["status"]).ok().stdout;
+    assert!(text.contains("found            1 V/H jump\n"), "{text}");
+    assert_eq!(board.status()["findings"]["V/H jump"], 1);
     board.says(&["disarm"], "standby");
     board
         .run(&["prepare", "--camera", "camera.toml"])

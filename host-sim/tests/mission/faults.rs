@@ -5,8 +5,12 @@ use std::collections::BTreeSet;
 
 use fmc_camera::flight::frame_record::{Flag, Outcome, Reason};
 use fmc_camera::flight::vh::VhSource;
+use fmc_report::mission::MissionReport;
+use fmc_report::mission::summary::{Count, Summary};
 use fmc_simulation::mission::fault::InjectedFault;
-use fmc_simulation::mission::flown::FlownFrame;
+use fmc_simulation::mission::flown::{Flown, FlownFrame};
+use fmc_simulation::mission::judgement::Judgement;
+use fmc_simulation::mission::scenario::MissionScenario;
 
 use crate::mission::support::{fault_scenario, folder, passed};
 
@@ -38,6 +42,50 @@ fn silent_source_is_bridged_then_flown_without() {
             .position(|frame| frame.record.flags.contains(flag))
     };
     assert!(has(Flag::LastGoodVh).unwrap() < has(Flag::NoCompensation).unwrap());
+}
+
+/// In how many frames a flag is, as in the report.
+fn told(scenario: &MissionScenario, (flown, judgement): &(Flown, Judgement), flag: Flag) -> usize {
+    let summary = Summary::of(&MissionReport {
+        scenario,
+        seed: 1,
+        flown,
+        judgement,
+    });
+    let has_name = |count: &&Count| count.name == flag.name();
+    let in_summary = summary.flags.iter().find(has_name);
+    let in_frames = |frame: &&FlownFrame| frame.record.flags.contains(flag);
+    let frames = flown.frames.iter().filter(in_frames).count();
+    assert_eq!(in_summary.map_or(0, |count| count.frames), frames);
+    frames
+}
+
+#[test]
+fn what_is_found_of_the_instruments_is_in_the_records_and_counted_in_the_report() {
+    for (name, flag) in [
+        ("vh-jump", Flag::VhJump),
+        ("vh-nan", Flag::VhNotANumber),
+        ("vh-frozen", Flag::VhFrozen),
+        ("vh-wrong-unit", Flag::VhKnots),
+        ("vh-wrong-sign", Flag::VhWrongSign),
+    ] {
+        let scenario = fault_scenario(name);
+        let flight = passed(&scenario, 1);
+        let frames = told(&scenario, &flight, flag);
+        assert!(frames > 0, "{name}: {}", flag.name());
+        assert!(
+            frames < flight.0.frames.len(),
+            "{name}: before the fault, too"
+        );
+        let report = MissionReport {
+            scenario: &scenario,
+            seed: 1,
+            flown: &flight.0,
+            judgement: &flight.1,
+        };
+        let text = host_sim::report::mission::text::text(&report);
+        assert!(text.contains(&format!("{} in ", flag.name())), "{text}");
+    }
 }
 
 #[test]

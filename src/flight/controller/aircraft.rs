@@ -1,11 +1,13 @@
-//! What the aircraft's instruments say: V/H, time and attitude.
+//! What the aircraft's instruments say, V/H, time and attitude, and what is found of them.
 
 use super::timing::ATTITUDE_WITHIN_S;
 use crate::flight::event::AttitudeSample;
+use crate::flight::findings::Findings;
+use crate::flight::flag::{Flag, Flags};
 use crate::flight::settings::FlightSettings;
 use crate::flight::time::Time;
-use crate::flight::utc::UtcClock;
-use crate::flight::vh::{VhMonitor, VhSample};
+use crate::flight::utc::{UtcClock, UtcFinding};
+use crate::flight::vh::{VhChannel, VhFinding, VhFindingKind, VhMonitor, VhSample};
 
 /// What the aircraft's instruments say.
 #[derive(Debug, Clone)]
@@ -13,7 +15,17 @@ pub(super) struct Aircraft {
     pub(super) vh: VhMonitor,
     pub(super) utc: UtcClock,
     attitude: Option<(Time, AttitudeSample)>,
+    findings: Findings,
+    /// Found since the record before, or by the last sample of a source.
+    found: Flags,
+    /// What the last sample of each source shows: of each [`VhChannel`], of pulse, time and attitude.
+    last: [Flags; SOURCES],
 }
+
+const PULSE: usize = VhChannel::ALL.len();
+const TIME: usize = PULSE + 1;
+const ATTITUDE: usize = TIME + 1;
+const SOURCES: usize = ATTITUDE + 1;
 
 /// What an instrument says.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -33,6 +45,9 @@ impl Aircraft {
             vh: VhMonitor::new(settings.vh),
             utc: UtcClock::new(settings.time_pulse_sigma_s),
             attitude: None,
+            findings: Findings::NONE,
+            found: Flags::NONE,
+            last: [Flags::NONE; SOURCES],
         }
     }
 
@@ -40,23 +55,84 @@ impl Aircraft {
     pub(super) fn hear(&mut self, time: Time, said: Said) {
         match said {
             Said::Vh(sample) => {
-                self.vh.observe(time, sample);
+                let (channel, _) = VhChannel::of(sample);
+                let finding = self.vh.observe(time, sample);
+                self.find(channel as usize, None, 0);
+                if let Some(VhFinding { channel, kind, .. }) = finding {
+                    let flag = Flag::of_vh(kind);
+                    self.find(channel as usize, flag, 1);
+                    if kind == VhFindingKind::Disagreement {
+                        // It holds until there is none, whatever comes from this source.
+                        self.find(channel as usize, None, 0);
+                    }
+                }
             }
-            Said::Attitude(sample) => self.attitude = Some((time, sample)),
+            Said::Attitude(sample) => {
+                self.attitude = Some((time, sample));
+                self.find(ATTITUDE, sample.finding().map(Flag::of_attitude), 1);
+            }
             Said::TimePulse => {
-                self.utc.pulse(time);
+                let finding = self.utc.pulse(time);
+                let times = match finding {
+                    Some(UtcFinding::MissingPulses(pulses)) => pulses,
+                    _ => 1,
+                };
+                self.find(PULSE, finding.map(Flag::of_utc), times);
             }
             Said::GnssTime(unix_us) => {
-                self.utc.receiver_time(time, unix_us);
+                let finding = self.utc.receiver_time(time, unix_us);
+                self.find(TIME, finding.map(Flag::of_utc), 1);
             }
         }
     }
 
-    /// The attitude at a time; `None` where the last is too far from it.
-    pub(super) fn attitude_at(&self, time: Time) -> Option<&AttitudeSample> {
-        self.attitude.as_ref().and_then(|(heard, sample)| {
-            let apart_s = libm::fabsf(time.seconds_since(*heard));
-            (apart_s <= ATTITUDE_WITHIN_S).then_some(sample)
-        })
+    /// The attitude at a time; `None` where the last is too far from it, which is a finding.
+    pub(super) fn attitude_at(&mut self, time: Time) -> Option<AttitudeSample> {
+        let (heard, sample) = self.attitude?;
+        if libm::fabsf(time.seconds_since(heard)) <= ATTITUDE_WITHIN_S {
+            return Some(sample);
+        }
+        self.found.insert(Flag::AttitudeSilent);
+        self.findings.count(Flag::AttitudeSilent, 1);
+        None
+    }
+
+    /// What goes into a record: found since the one before, or by the last sample of a source.
+    pub(super) fn tell(&mut self) -> Flags {
+        let told = self.found;
+        if !told.is_empty() {
+            self.found = self.still_found();
+        }
+        told
+    }
+
+    /// How often something was found.
+    pub(super) const fn findings(&self) -> &Findings {
+        &self.findings
+    }
+
+    /// The last sample of a source shows something, so many times, or nothing.
+    fn find(&mut self, source: usize, flag: Option<Flag>, times: u32) {
+        let mut shown = Flags::NONE;
+        if let Some(flag) = flag {
+            shown.insert(flag);
+            self.findings.count(flag, times);
+        }
+        self.found.insert_all(shown);
+        if let Some(last) = self.last.get_mut(source) {
+            *last = shown;
+        }
+    }
+
+    /// What holds now.
+    fn still_found(&self) -> Flags {
+        let mut found = Flags::NONE;
+        for shown in self.last {
+            found.insert_all(shown);
+        }
+        if self.vh.has_disagreed() {
+            found.insert(Flag::VhDisagreement);
+        }
+        found
     }
 }

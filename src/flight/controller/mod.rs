@@ -113,7 +113,9 @@ impl Controller {
         if self.stage.is_unread(now) {
             self.fail(Fault::Encoder, actions);
         }
-        self.look_after_frame(now, actions);
+        if self.frame.is_in_flight() {
+            self.look_after_frame(now, actions);
+        }
         if !self.frame.is_in_flight() {
             self.look_after_readiness(now, actions);
         }

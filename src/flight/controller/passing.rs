@@ -1,6 +1,6 @@
 //! What happens to a frame, passed from machine to machine: trigger, edges, rounds.
 
-use super::frame::{Asked, Due, InFlight};
+use super::frame::{Asked, Due, Plan};
 use super::{Actions, Controller, act};
 use crate::flight::event::{Action, ShutterEdge};
 use crate::flight::fault::{Fault, Faults};
@@ -42,19 +42,19 @@ impl Controller {
         };
         let setup = &self.setup;
         let has_stage = setup.camera.has_stage();
-        let frame = match why_not.or(vh.is_none().then_some(Fault::VhLost)) {
+        let plan = match why_not.or(vh.is_none().then_some(Fault::VhLost)) {
             None if has_stage => {
                 let standing = self.stage.setpoint(trigger).ok_or(Reason::NotArmed)?;
                 let (from_mm, margin_s) = (standing.offset_mm, setup.margin_s());
                 let travel = setup.camera.travel(from_mm, &asked.exposure, margin_s)?;
-                let frame = InFlight::travelling(asked, setup, &travel);
+                let plan = Plan::of_stage(&asked, setup, &travel);
                 self.stage.wait_for(travel.profile);
-                frame
+                plan
             }
-            None => InFlight::of_rows(asked, setup)?,
-            Some(fault) => InFlight::standing(asked, setup, self.stage.place_mm(trigger), fault)?,
+            None => Plan::of_rows(&asked, setup)?,
+            Some(fault) => Plan::standing(&asked, setup, self.stage.place_mm(trigger), fault)?,
         };
-        self.frame.begin(frame);
+        self.frame.begin(asked, &plan);
         Ok(())
     }
 
@@ -108,7 +108,9 @@ impl Controller {
 
     /// Records the exposure in flight, and ends it; the stage goes back.
     pub(super) fn record_exposure(&mut self, now: Time, actions: &mut Actions) {
-        let recorded = self.frame.record(&self.setup, &self.stage, &self.aircraft);
+        let recorded = self
+            .frame
+            .record(&self.setup, &self.stage, &mut self.aircraft);
         if let Some(sequence) = recorded {
             act(actions, Action::FrameReady(sequence));
             self.stage.track_mut().keep_latest();

@@ -3,6 +3,7 @@
 use super::Controller;
 use super::readiness::Mode;
 use crate::flight::camera::{self, Camera};
+use crate::flight::findings::Findings;
 use crate::flight::frame_record::FrameRecord;
 use crate::flight::settings::FlightSettings;
 use crate::flight::stage::Setpoint;
@@ -47,6 +48,12 @@ impl Controller {
     #[must_use]
     pub const fn vh(&self) -> &VhMonitor {
         &self.aircraft.vh
+    }
+
+    /// How often something was found of the aircraft's instruments.
+    #[must_use]
+    pub const fn findings(&self) -> &Findings {
+        self.aircraft.findings()
     }
 
     /// What has happened so far.

@@ -114,6 +114,12 @@ impl VhMonitor {
         })
     }
 
+    /// Whether two sensors or ways differed by more than the limit when the last sample was taken that is used.
+    #[must_use]
+    pub const fn has_disagreed(&self) -> bool {
+        self.disagree
+    }
+
     fn finding(&mut self, time: Time, sample: VhSample) -> Option<VhFinding> {
         let (channel, value) = VhChannel::of(sample);
         let expected = self.values(time).expected(channel);

@@ -43,13 +43,14 @@ impl ChannelSettings {
             frozen_s,
         } = self;
         let (_, most) = quantity.range();
+        let (_, longest_s) = Quantity::SourceValidityS.range();
         let checks = [
             quantity.check_within(min, least, most),
             quantity.check_within(max, min, most),
             Quantity::SourcePeriodS.check(period_s),
             Quantity::SourceValidityS.check(validity_s),
             // Lost before it is silent makes no sense.
-            Quantity::SourceValidityS.check_within(validity_s, period_s, f32::MAX),
+            Quantity::SourceValidityS.check_within(validity_s, period_s, longest_s),
             Quantity::SourceSlew.check(slew_per_s),
             Quantity::SourceSigma.check(sigma),
             Quantity::SourceFrozenS.check(frozen_s),

@@ -196,6 +196,7 @@ pub(super) fn status(deck: &impl FlightDeck) -> Result<Status, Refusal> {
         is_place_lost: controller.is_place_lost(),
         offset_mm: deck.offset_mm(),
         following_rms_um: controller.following_rms_um(),
+        findings: *controller.findings(),
     })
 }
 

@@ -12,6 +12,7 @@ use crate::flight::controller::state::State;
 use crate::flight::controller::{self, Counts};
 use crate::flight::event::Event;
 use crate::flight::exposure::Exposure;
+use crate::flight::findings::Findings;
 use crate::flight::frame_record::FrameRecord;
 use crate::flight::interior_orientation::InteriorOrientation;
 use crate::flight::rig::{RigAnswer, RigStep};
@@ -365,6 +366,8 @@ pub struct Status {
     pub offset_mm: Option<f32>,
     /// Root mean square of the stage's following error over about a second, µm, within 6 %.
     pub following_rms_um: f32,
+    /// How often something was found of the aircraft's instruments since it was prepared.
+    pub findings: Findings,
 }
 
 /// Which calibration, and whether it outlives a restart.

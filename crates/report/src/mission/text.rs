@@ -29,6 +29,14 @@ pub fn text(report: &MissionReport<'_>) -> String {
         summary.smear_px.max,
         summary.compensation_smear_px.rms
     ));
+    let flags = summary.flags.iter().map(|flag| {
+        let frames = wording::counted(flag.frames, "frame");
+        format!("{} in {frames}", flag.name)
+    });
+    let flags: Vec<String> = flags.collect();
+    if !flags.is_empty() {
+        line(format!("flags: {}", flags.join(", ")));
+    }
     line(format!("CRC-32 of the records {}", summary.records_crc32));
     out
 }

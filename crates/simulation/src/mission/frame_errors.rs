@@ -67,6 +67,7 @@ fn is_clean(record: &FrameRecord) -> bool {
     record.faults.is_empty()
         && Flag::ALL
             .into_iter()
-            .filter(|flag| !HARMLESS.contains(flag))
+            // A finding of an instrument does not affect the coordinates either.
+            .filter(|flag| !HARMLESS.contains(flag) && !flag.is_of_instrument())
             .all(|flag| !record.flags.contains(flag))
 }

@@ -17,7 +17,7 @@ mod record;
 mod shutter;
 
 use self::kept::Kept;
-pub(super) use self::plan::Asked;
+pub(super) use self::plan::{Asked, Plan};
 pub(super) use self::shutter::Due;
 use super::stage::ExposureMotion;
 use super::state::State;
@@ -37,7 +37,7 @@ pub(super) struct FrameMachine {
 
 /// A frame from its trigger to its record.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub(super) struct InFlight {
+struct InFlight {
     asked: Asked,
     /// Δδ of the plan, mm.
     planned_opening_mm: f32,
@@ -90,11 +90,20 @@ impl FrameMachine {
     }
 
     /// A frame begins.
-    pub(super) fn begin(&mut self, mut frame: InFlight) {
-        for fault in core::mem::take(&mut self.faults).iter() {
-            frame.faults.insert(fault);
-        }
-        self.in_flight = Some(frame);
+    pub(super) fn begin(&mut self, asked: Asked, plan: &Plan) {
+        let mut faults = core::mem::take(&mut self.faults);
+        faults.insert_all(plan.faults);
+        self.in_flight = Some(InFlight {
+            asked,
+            planned_opening_mm: plan.opening_mm,
+            planned_travel_mm: plan.travel_mm,
+            faults,
+            flags: plan.flags,
+            phase: Phase::Triggered {
+                wait_s: plan.wait_s,
+                opening_s: plan.opening_s,
+            },
+        });
     }
 
     /// The first round after the trigger: from here on the stage moves, at the same time after every trigger unless the

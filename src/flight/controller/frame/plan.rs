@@ -1,6 +1,5 @@
 //! The plan of a frame, made at its trigger.
 
-use super::{InFlight, Phase};
 use crate::flight::controller::setup::Setup;
 use crate::flight::controller::timing::LEAD_S;
 use crate::flight::exposure::Exposure;
@@ -20,62 +19,71 @@ pub(in super::super) struct Asked {
     pub(in super::super) exposure: Exposure,
 }
 
-impl InFlight {
-    /// A frame with a stage that moves.
-    pub(in super::super) fn travelling(asked: Asked, setup: &Setup, travel: &Travel) -> Self {
+/// What is planned for a frame.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(in super::super) struct Plan {
+    /// Δδ, mm.
+    pub(super) opening_mm: f32,
+    /// δ, mm.
+    pub(super) travel_mm: f32,
+    /// From the next round to the start of the stage, s.
+    pub(super) wait_s: f32,
+    /// From the start of the stage to first light, s.
+    pub(super) opening_s: f32,
+    pub(super) faults: Faults,
+    pub(super) flags: Flags,
+}
+
+impl Plan {
+    /// Of a stage that moves.
+    pub(in super::super) fn of_stage(asked: &Asked, setup: &Setup, travel: &Travel) -> Self {
         let [opening_mm, closing_mm] = [travel.plan.opening_mm, travel.plan.closing_mm];
+        let mut plan = Self::new(asked, setup, opening_mm, closing_mm - opening_mm);
         // The shutter's command must leave a latency before first light, and be known before that.
-        let wait_s = (setup.settings.shutter_latency_s + LEAD_S - travel.opening_s).max(0.0);
-        let mut frame = Self::new(asked, opening_mm, closing_mm - opening_mm, setup);
-        frame.phase = Phase::Triggered {
-            wait_s,
-            opening_s: travel.opening_s,
-        };
+        plan.wait_s = (setup.settings.shutter_latency_s + LEAD_S - travel.opening_s).max(0.0);
+        plan.opening_s = travel.opening_s;
         if travel.off_centre_mm != 0.0 {
-            frame.flags.insert(Flag::OffCentre);
+            plan.flags.insert(Flag::OffCentre);
         }
-        frame
+        plan
     }
 
-    /// A frame of a TDI sensor, whose rows move: no stage, no run-up.
-    pub(in super::super) fn of_rows(asked: Asked, setup: &Setup) -> Result<Self, Reason> {
+    /// Of the rows of a TDI sensor: no stage, no run-up.
+    pub(in super::super) fn of_rows(asked: &Asked, setup: &Setup) -> Result<Self, Reason> {
         let motion = setup.camera.motion(&asked.exposure)?;
         let (opening_mm, travel_mm) = (motion.opening_offset_mm, motion.travel_mm);
-        Ok(Self::new(asked, opening_mm, travel_mm, setup))
+        Ok(Self::new(asked, setup, opening_mm, travel_mm))
     }
 
-    /// A frame without compensation for the reason of a fault; the stage stays at its place, mm.
+    /// Without compensation for the reason of a fault: the stage stays at its place, mm.
     pub(in super::super) fn standing(
-        asked: Asked,
+        asked: &Asked,
         setup: &Setup,
         place_mm: f32,
         fault: Fault,
     ) -> Result<Self, Reason> {
         let checked = setup.camera.check_exposure_time(setup.exposure_s);
         checked.map_err(|_| Reason::OutsideLimits)?;
-        let mut frame = Self::new(asked, place_mm, 0.0, setup);
-        frame.flags = Flags::NONE;
-        frame.flags.insert(Flag::NoCompensation);
-        frame.faults.insert(fault);
-        Ok(frame)
+        let mut plan = Self::new(asked, setup, place_mm, 0.0);
+        plan.flags = Flags::NONE;
+        plan.flags.insert(Flag::NoCompensation);
+        plan.faults.insert(fault);
+        Ok(plan)
     }
 
-    /// A frame that starts with the next round, and opens a latency later.
-    fn new(asked: Asked, opening_mm: f32, travel_mm: f32, setup: &Setup) -> Self {
+    /// Of a shutter that opens a latency after the next round.
+    fn new(asked: &Asked, setup: &Setup, opening_mm: f32, travel_mm: f32) -> Self {
         let mut flags = Flags::NONE;
         if asked.vh.is_some_and(|vh| vh.extrapolated) {
             flags.insert(Flag::LastGoodVh);
         }
         Self {
-            asked,
-            planned_opening_mm: opening_mm,
-            planned_travel_mm: travel_mm,
+            opening_mm,
+            travel_mm,
+            wait_s: LEAD_S,
+            opening_s: setup.settings.shutter_latency_s,
             faults: Faults::NONE,
             flags,
-            phase: Phase::Triggered {
-                wait_s: LEAD_S,
-                opening_s: setup.settings.shutter_latency_s,
-            },
         }
     }
 }

@@ -14,7 +14,7 @@ impl FrameMachine {
         &mut self,
         setup: &Setup,
         stage: &StageMachine,
-        aircraft: &Aircraft,
+        aircraft: &mut Aircraft,
     ) -> Option<u32> {
         let frame = self.in_flight.as_mut()?;
         frame.measure(setup, stage);
@@ -80,13 +80,18 @@ impl InFlight {
         predicted: &camera::Frame,
         measured: &ExposureMotion,
         setup: &Setup,
-        aircraft: &Aircraft,
+        aircraft: &mut Aircraft,
         flags: &mut Flags,
     ) -> ExposedFrame {
         let interior = predicted.record;
         let centroid = light.opened.plus_s(interior.motion.centroid_time_s);
         let attitude = aircraft.attitude_at(centroid);
-        let smear = setup.predict_smear(&self.asked, &interior, measured.wander_mm, attitude);
+        let smear = setup.predict_smear(
+            &self.asked,
+            &interior,
+            measured.wander_mm,
+            attitude.as_ref(),
+        );
         if smear.is_with_attitude {
             flags.insert(Flag::WithAttitude);
         }
@@ -95,6 +100,7 @@ impl InFlight {
         if smear_px > setup.settings.smear_budget_px {
             flags.insert(Flag::SmearOverBudget);
         }
+        flags.insert_all(aircraft.tell());
         ExposedFrame {
             opened: light.opened,
             closed: light.closed,

@@ -11,6 +11,10 @@ use crate::flight::fault::Fault;
 use crate::flight::frame_record::Reason;
 use crate::flight::time::Time;
 
+/// [`LATE_EVENT_S`] and [`CLOCK_JUMP_S`], µs: every event is compared with them.
+const LATE_EVENT_US: u64 = whole_us(LATE_EVENT_S);
+const CLOCK_JUMP_US: u64 = whole_us(CLOCK_JUMP_S);
+
 /// The machine of readiness.
 #[derive(Debug, Clone)]
 pub(super) struct Readiness {
@@ -120,12 +124,14 @@ impl Readiness {
             self.last_event = Some(time);
             return false;
         };
-        let later_s = time.seconds_since(last);
-        if (-LATE_EVENT_S..=CLOCK_JUMP_S).contains(&later_s) {
-            self.last_event = Some(last.max(time));
+        if time >= last {
+            if time.us_since(last) > CLOCK_JUMP_US {
+                return true;
+            }
+            self.last_event = Some(time);
             return false;
         }
-        true
+        last.us_since(time) > LATE_EVENT_US
     }
 
     /// The clock has jumped to a time.
@@ -292,5 +298,36 @@ impl Readiness {
 
     pub(super) const fn lost_events(&self) -> u32 {
         self.lost_events
+    }
+}
+
+#[expect(
+    clippy::cast_possible_truncation,
+    clippy::cast_sign_loss,
+    reason = "a second at most"
+)]
+const fn whole_us(seconds: f32) -> u64 {
+    (seconds * 1e6 + 0.5) as u64
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn clock_has_jumped_by_more_than_a_second_or_back_by_more_than_an_event_may_be_late() {
+        assert_eq!((LATE_EVENT_US, CLOCK_JUMP_US), (10_000, 1_000_000));
+        let last = Time::from_us(5_000_000);
+        for us in (0..20_000).chain(999_000..1_001_000) {
+            for time in [5_000_000 - us, 5_000_000 + us].map(Time::from_us) {
+                let mut readiness = Readiness::new(Mode::Standby);
+                assert!(!readiness.has_jumped(last), "the first");
+                let later_s = time.seconds_since(last);
+                let expected = !(-LATE_EVENT_S..=CLOCK_JUMP_S).contains(&later_s);
+                assert_eq!(readiness.has_jumped(time), expected, "{later_s} s");
+                let latest = if expected { last } else { last.max(time) };
+                assert_eq!(readiness.last_event, Some(latest));
+            }
+        }
     }
 }

@@ -148,6 +148,7 @@ impl StageMachine {
     }
 
     /// From wherever it is the stage goes to a place, mm. False where there is no such way: a number is none.
+    #[inline(never)]
     pub(super) fn go_to(&mut self, setup: &Setup, now: Time, place_mm: f32) -> bool {
         let from = self.setpoint(now).unwrap_or_else(|| Setpoint {
             offset_mm: self.last_place_mm(),

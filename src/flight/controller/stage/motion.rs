@@ -13,6 +13,7 @@ pub(super) struct Motion {
 
 impl Motion {
     /// Where the stage should be.
+    #[inline(never)]
     pub(super) fn setpoint(&self, now: Time) -> Setpoint {
         match self.began {
             Some(began) => self.profile.setpoint(now.seconds_since(began)),
