@@ -5,6 +5,7 @@ use crate::geometry::range::Quantity;
 
 /// What an attitude shows.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub enum AttitudeFinding {
     /// A NaN or an infinity; the predicted smear does without.
     NotANumber,

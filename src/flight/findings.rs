@@ -10,6 +10,7 @@ const FIRST: usize = Flag::VhNotANumber as usize;
 
 /// How often something was found of the aircraft's instruments, by the flag that tells it; a count that is full stays so.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct Findings {
     counts: [u32; KINDS],

@@ -14,7 +14,7 @@ pub(crate) struct FollowingError {
 impl FollowingError {
     /// Nothing has been read yet.
     #[must_use]
-    pub const fn new() -> Self {
+    pub(crate) const fn new() -> Self {
         Self {
             mean_square_um2: 0.0,
         }
