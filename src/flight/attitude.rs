@@ -12,7 +12,8 @@ pub enum AttitudeFinding {
     /// An angle or a rate is outside its range; the predicted smear does without.
     OutOfRange,
     /// Attitudes have come, but none near the exposure
-    /// ([`ATTITUDE_WITHIN_S`](super::controller::timing::ATTITUDE_WITHIN_S)); the predicted smear does without.
+    /// ([`ATTITUDE_WITHIN_S`](super::controller::timing::ATTITUDE_WITHIN_S)); the predicted smear
+    /// does without.
     Silent,
 }
 

@@ -1,4 +1,4 @@
-//! How often something was found of the aircraft's instruments.
+//! Counts of what was found of the aircraft's instruments.
 
 use super::flag::Flag;
 
@@ -8,7 +8,8 @@ const KINDS: usize = Flag::ALL.len() - FIRST;
 /// The first flag that tells of an instrument.
 const FIRST: usize = Flag::VhNotANumber as usize;
 
-/// How often something was found of the aircraft's instruments, by the flag that tells it; a count that is full stays so.
+/// How often something was found of the aircraft's instruments, by the flag that tells it; a count
+/// that is full stays so.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
@@ -20,7 +21,8 @@ impl Findings {
     /// Nothing yet.
     pub const NONE: Self = Self { counts: [0; KINDS] };
 
-    /// How often what a flag tells was found; `None` for a flag that tells nothing of an instrument.
+    /// How often what a flag tells was found; `None` for a flag that tells nothing of an
+    /// instrument.
     #[must_use]
     pub fn of(&self, flag: Flag) -> Option<u32> {
         self.counts.get(index(flag)?).copied()

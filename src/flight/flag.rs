@@ -1,11 +1,11 @@
-//! What a user of a frame should know.
+//! Flags of a frame: what its user should know.
 
 use super::attitude::AttitudeFinding;
 use super::utc::UtcFinding;
 use super::vh::{VhFindingKind, WrongUnit};
 
-/// What a user of a frame should know. Those from [`Self::VhNotANumber`] on are findings of the aircraft's instruments:
-/// made since the record before, or by the last sample of their source.
+/// What a user of a frame should know. Those from [`Self::VhNotANumber`] on are findings of the
+/// aircraft's instruments: made since the record before, or by the last sample of their source.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub enum Flag {

@@ -64,8 +64,8 @@ impl StageWatch {
         }
     }
 
-    /// Looks at a reading and the set point of its time; `None` of a released stage, which has no set point to follow
-    /// and moves as it may, but whose reading must not jump.
+    /// Looks at a reading and the set point of its time; `None` of a released stage, which has no
+    /// set point to follow and moves as it may, but whose reading must not jump.
     pub(crate) fn look(
         &mut self,
         reading: StageReading,
@@ -195,6 +195,23 @@ mod tests {
         );
         let ahead = steady().map(|offset_mm| 3.0 * offset_mm);
         assert_eq!(first_fault(&findings(ahead)).unwrap().1, Fault::Runaway);
+    }
+
+    #[test]
+    fn released_stage_may_go_anywhere_but_not_at_once() {
+        let mut watch = StageWatch::new();
+        let mut look = |us, offset_mm| {
+            let time = Time::from_us(us);
+            watch.look(StageReading { time, offset_mm }, None, &TOLERANCE)
+        };
+        for tick in 0..1000_u16 {
+            let found = look(1000 * u64::from(tick), 0.003 * f32::from(tick));
+            assert_eq!(found, Finding::Follows);
+        }
+        assert_eq!(look(1_000_000, 3.5), Finding::Suspicious);
+        assert_eq!(look(1_001_000, 3.0), Finding::Glitch);
+        assert_eq!(look(1_002_000, 3.5), Finding::Suspicious);
+        assert_eq!(look(1_003_000, 3.5), Finding::Fault(Fault::Encoder));
     }
 
     #[test]

@@ -1,4 +1,4 @@
-//! What the aircraft's instruments say, V/H, time and attitude, and what is found of them.
+//! The aircraft's instruments: what they say of V/H, time and attitude, and what is found of that.
 
 use super::timing::ATTITUDE_WITHIN_S;
 use crate::flight::event::AttitudeSample;
@@ -18,7 +18,8 @@ pub(super) struct Aircraft {
     findings: Findings,
     /// Found since the record before, or by the last sample of a source.
     found: Flags,
-    /// What the last sample of each source shows: of each [`VhChannel`], of pulse, time and attitude.
+    /// What the last sample of each source shows: of each [`VhChannel`], of pulse, time and
+    /// attitude.
     last: [Flags; SOURCES],
 }
 

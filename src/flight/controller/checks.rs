@@ -1,4 +1,4 @@
-//! What shows by itself that something is wrong: rounds that come late, readings of the stage.
+//! Checks by which a fault shows: rounds that come late, readings of the stage.
 
 use super::readiness::Round;
 use super::state::State;
@@ -10,7 +10,8 @@ use crate::flight::stage_watch::Finding;
 use crate::flight::time::Time;
 
 impl Controller {
-    /// Too many late rounds end the frame, if there is no light yet, and lead to flying without compensation.
+    /// Too many late rounds end the frame, if there is no light yet, and lead to flying without
+    /// compensation.
     pub(super) fn come_round(&mut self, now: Time, actions: &mut Actions) {
         match self.readiness.come_round(now) {
             Round::Punctual | Round::Idle => {}

@@ -1,4 +1,4 @@
-//! Something goes wrong.
+//! Faults, and what they end.
 
 use super::{Actions, Controller, act};
 use crate::flight::event::{Action, Supply};
@@ -39,7 +39,8 @@ impl Controller {
         act(actions, Action::Fault(fault));
     }
 
-    /// The clock has jumped to a time: what was measured so far has nothing to do with the times to come.
+    /// The clock has jumped to a time: what was measured so far has nothing to do with the times to
+    /// come.
     pub(super) fn restart_clock(&mut self, time: Time, actions: &mut Actions) {
         self.readiness.restart_clock(time);
         self.stage.restart_clock(time);

@@ -11,10 +11,11 @@
 //! armed ◄──► degraded(V/H lost, overload)      any ──► fault ──stage stands──► degraded(its fault)
 //! ```
 //!
-//! Three machines, each with its own fields, take events and return what they have decided: `readiness` (whether a
-//! trigger is obeyed, and how), `frame` (when the shutter opens, what the record says) and `stage` (whether it does as it
-//! is told). The controller passes events and decisions between them, in the order of `docs/integration.md`, section 2.
-//! The [`State`] that is told is the fault of `readiness`, or else the phase of a frame in flight, or else the state of
+//! Three machines, each with its own fields, take events and return what they have decided:
+//! `readiness` (whether a trigger is obeyed, and how), `frame` (when the shutter opens, what the
+//! record says) and `stage` (whether it does as it is told). The controller passes events and
+//! decisions between them, in the order of `docs/integration.md`, section 2. The [`State`] that is
+//! told is the fault of `readiness`, or else the phase of a frame in flight, or else the state of
 //! `readiness`.
 
 mod aircraft;

@@ -1,4 +1,4 @@
-//! What happens to a frame, passed from machine to machine: trigger, edges, rounds.
+//! The passage of a frame's events from machine to machine: trigger, edges, rounds.
 
 use super::frame::{Asked, Due, Plan};
 use super::{Actions, Controller, act};
@@ -15,24 +15,18 @@ impl Controller {
         let numbered = self.frame.kept.number(trigger, crc);
         if let Numbered::Pending(sequence) = numbered {
             let admitted = self.readiness.admit(self.frame.is_in_flight());
-            let begun = admitted.and_then(|why_not| self.begin(sequence, trigger, why_not));
+            let begun = admitted.and_then(|fault| self.begin(sequence, trigger, fault));
             let Err(reason) = begun else {
                 return;
             };
-            let kept = &mut self.frame.kept;
-            kept.refuse(sequence, trigger, reason, Faults::NONE, crc);
+            (self.frame.kept).refuse(sequence, trigger, reason, Faults::NONE, crc);
         }
         let (Numbered::Pending(sequence) | Numbered::Full(sequence)) = numbered;
         act(actions, Action::FrameReady(sequence));
     }
 
     /// With compensation, or without because of a fault or for want of V/H.
-    fn begin(
-        &mut self,
-        sequence: u32,
-        trigger: Time,
-        why_not: Option<Fault>,
-    ) -> Result<(), Reason> {
+    fn begin(&mut self, sequence: u32, trigger: Time, fault: Option<Fault>) -> Result<(), Reason> {
         let vh = self.aircraft.vh.estimate(trigger);
         let asked = Asked {
             sequence,
@@ -41,9 +35,8 @@ impl Controller {
             exposure: self.setup.exposure(vh.map_or(0.0, |vh| vh.vh_per_s)),
         };
         let setup = &self.setup;
-        let has_stage = setup.camera.has_stage();
-        let plan = match why_not.or(vh.is_none().then_some(Fault::VhLost)) {
-            None if has_stage => {
+        let plan = match fault.or(vh.is_none().then_some(Fault::VhLost)) {
+            None if setup.camera.has_stage() => {
                 let standing = self.stage.setpoint(trigger).ok_or(Reason::NotArmed)?;
                 let (from_mm, margin_s) = (standing.offset_mm, setup.margin_s());
                 let travel = setup.camera.travel(from_mm, &asked.exposure, margin_s)?;

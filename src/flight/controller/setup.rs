@@ -40,7 +40,8 @@ impl Setup {
         0.5 * self.camera.calibration().record().stroke_mm
     }
 
-    /// The frame of a stage about which nothing is known: it counts as standing at its calibrated position.
+    /// The frame of a stage about which nothing is known: it counts as standing at its calibrated
+    /// position.
     pub(super) fn standing_frame(&self, exposure: &Exposure) -> Option<camera::Frame> {
         let still = UniformTravel {
             opening_offset_mm: 0.0,
@@ -55,7 +56,8 @@ impl Setup {
         self.camera.frame_of(&exposure, &motion).ok()
     }
 
-    /// The residual smear of an exposure. Without any V/H the largest that the camera may fly at bounds it.
+    /// The residual smear of an exposure. Without any V/H the largest that the camera may fly at
+    /// bounds it.
     pub(super) fn predict_smear(
         &self,
         asked: &Asked,
@@ -79,16 +81,16 @@ impl Setup {
         self.smear.of(&vh, attitude, &compensation)
     }
 
-    /// By how much the following error may change in an exposure with a travel, mm: the speed is right to within 1 % or
-    /// the smear budget.
+    /// By how much the following error may change in an exposure with a travel, mm: the speed is
+    /// right to within 1 % or the smear budget.
     pub(super) fn allowed_change_mm(&self, travel_mm: f32) -> f32 {
         let pixel_mm = self.camera.calibration().sensor().pixel_mm();
         let of_speed = 0.01 * self.settings.speed_tolerance_percent * libm::fabsf(travel_mm);
         of_speed.max(self.settings.smear_budget_px * pixel_mm)
     }
 
-    /// Where the stage waits for the next trigger, mm: at the place for the V/H there is, or, where there is none, for
-    /// the largest of the camera's limits.
+    /// Where the stage waits for the next trigger, mm: at the place for the V/H there is, or, where
+    /// there is none, for the largest of the camera's limits.
     pub(super) fn waiting_place_mm(&self, vh: Option<VhEstimate>) -> Result<f32, FrameError> {
         let [_, most] = self.camera.limits().vh_per_s;
         let at = |vh_per_s| {

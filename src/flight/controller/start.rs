@@ -1,4 +1,4 @@
-//! How a controller comes to be.
+//! The start of a controller.
 
 use core::fmt;
 

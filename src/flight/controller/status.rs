@@ -1,4 +1,4 @@
-//! What the camera says of itself.
+//! The camera's status.
 
 use super::Controller;
 use super::readiness::Mode;

@@ -116,8 +116,8 @@ impl Controller {
         }
     }
 
-    /// Where the stage goes next, mm: to an end of the exercise, or, where none of its ways is left, to where it waits
-    /// for the trigger.
+    /// Where the stage goes next, mm: to an end of the exercise, or, where none of its ways is
+    /// left, to where it waits for the trigger.
     fn destination_mm(&self, now: Time, ways_left: u8) -> f32 {
         let stroke_mm = self.setup.camera.calibration().record().stroke_mm;
         let reach_mm = EXERCISE_REACH * stroke_mm;

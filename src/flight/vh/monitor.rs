@@ -114,7 +114,8 @@ impl VhMonitor {
         })
     }
 
-    /// Whether two sensors or ways differed by more than the limit when the last sample was taken that is used.
+    /// Whether two sensors or ways differed by more than the limit when the last sample was taken
+    /// that is used.
     #[must_use]
     pub const fn has_disagreed(&self) -> bool {
         self.disagree

@@ -1,11 +1,11 @@
-//! What ends a frame early.
+//! The interruption of a frame.
 
 use super::{Asked, FrameMachine, Phase};
 use crate::flight::frame_record::{Flag, Reason};
 
 impl FrameMachine {
-    /// The frame in flight ends before first light. Its number, and whether the shutter had been told to open; `None`
-    /// where there is none, or light has come.
+    /// The frame in flight ends before first light. Its number, and whether the shutter had been
+    /// told to open; `None` where there is none, or light has come.
     pub(in super::super) fn call_off(
         &mut self,
         reason: Reason,
@@ -27,8 +27,8 @@ impl FrameMachine {
         Some((sequence, is_told))
     }
 
-    /// The clock has jumped. Whether light had come: then the exposure is taken to have ended as it should, its motion
-    /// to be the plan's, and it is to be recorded.
+    /// The clock has jumped. Whether light had come: then the exposure is taken to have ended as it
+    /// should, its motion to be the plan's, and it is to be recorded.
     pub(in super::super) fn end_with_clock(&mut self) -> bool {
         let Some(frame) = &mut self.in_flight else {
             return false;

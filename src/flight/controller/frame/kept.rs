@@ -1,4 +1,4 @@
-//! What is kept of the frames: their records, their number, and the latest.
+//! The records of frames, their number, and the latest frame.
 
 use crate::flight::camera;
 use crate::flight::fault::Faults;
@@ -31,7 +31,8 @@ impl Kept {
         }
     }
 
-    /// Every trigger gets a number, and with it a record: one without room for it is refused at once.
+    /// Every trigger gets a number, and with it a record: one without room for it is refused at
+    /// once.
     pub(in super::super) fn number(&mut self, trigger: Time, calibration_crc: u32) -> Numbered {
         self.triggers = self.triggers.saturating_add(1);
         let numbered = self.records.number(trigger, calibration_crc);
@@ -92,7 +93,8 @@ impl Kept {
         &mut self.records
     }
 
-    /// Triggers, records with an exposure, records without, edges of the shutter that nobody had asked for.
+    /// Triggers, records with an exposure, records without, edges of the shutter that nobody had
+    /// asked for.
     pub(in super::super) const fn counts(&self) -> [u32; 4] {
         [
             self.triggers,

@@ -1,13 +1,12 @@
 //! The machine of the frame: from a trigger to its record.
 //!
 //! ```text
-//!            next round             at speed              first light         last light        stage read
-//! Triggered ───────────► RunUp ──────────────► Tracking ─────────────► Exposing ────────► Closed ────────► Measured
-//!     └────── called off: refused ◄──┴────────────┘                                                           │
-//!                                                                                         next round: recorded ◄
+//! Triggered ─next round─► RunUp ─at speed─► Tracking     (called off: refused)
+//!   └─────────────────first light──────────────┴─► Exposing ─last light─► Closed ─stage read─┐
+//!                                                           record ◄─next round─ Measured ◄──┘
 //! ```
 //!
-//! First light ends every phase before it: light is light, and the exposure is recorded. A phase has what is known in it.
+//! First light ends every phase before it: light is light, and recorded. A phase has what is known.
 
 mod interruption;
 mod kept;
@@ -51,7 +50,7 @@ struct InFlight {
 /// How far a frame has come, and what is known by then.
 #[derive(Debug, Clone, Copy, PartialEq)]
 enum Phase {
-    /// The stage starts with the next round and a while after, s; first light is a while after that, s.
+    /// The stage starts a while after the next round, s; first light is a while after that, s.
     Triggered { wait_s: f32, opening_s: f32 },
     /// The stage accelerates and settles; first light of the plan.
     RunUp { first_light: Time },
@@ -106,8 +105,8 @@ impl FrameMachine {
         });
     }
 
-    /// The first round after the trigger: from here on the stage moves, at the same time after every trigger unless the
-    /// round is late. Says when.
+    /// The first round after the trigger: from here on the stage moves, at the same time after
+    /// every trigger unless the round is late. Says when.
     pub(super) fn start(&mut self, now: Time) -> Option<Time> {
         let frame = self.in_flight.as_mut()?;
         let Phase::Triggered { wait_s, opening_s } = frame.phase else {

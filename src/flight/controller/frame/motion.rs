@@ -1,4 +1,4 @@
-//! How the principal point moved in an exposure: as measured, or as planned.
+//! The motion of the principal point in an exposure, as measured or as planned.
 
 use super::{InFlight, Light, Phase};
 use crate::flight::controller::setup::Setup;

@@ -86,12 +86,8 @@ impl InFlight {
         let interior = predicted.record;
         let centroid = light.opened.plus_s(interior.motion.centroid_time_s);
         let attitude = aircraft.attitude_at(centroid);
-        let smear = setup.predict_smear(
-            &self.asked,
-            &interior,
-            measured.wander_mm,
-            attitude.as_ref(),
-        );
+        let wander_mm = measured.wander_mm;
+        let smear = setup.predict_smear(&self.asked, &interior, wander_mm, attitude.as_ref());
         if smear.is_with_attitude {
             flags.insert(Flag::WithAttitude);
         }

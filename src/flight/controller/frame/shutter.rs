@@ -16,7 +16,7 @@ use crate::flight::time::Time;
 pub(in super::super) enum Due {
     /// Nothing, or nothing of the other machines.
     Nothing,
-    /// The shutter is to be told to open at a time, for an exposure, s; rows of a TDI sensor move at a speed, mm/s.
+    /// The shutter is to open at a time, for an exposure, s; rows of a TDI sensor move, mm/s.
     Open {
         at: Time,
         exposure_s: f32,
@@ -86,7 +86,7 @@ impl FrameMachine {
             Phase::Exposing {
                 opened,
                 told_to_close,
-            } => frame.await_last_light(now, opened, told_to_close, tolerance_s),
+            } => frame.await_end(now, opened, told_to_close, tolerance_s),
             Phase::Closed(Light { closed, .. }) => {
                 let is_read = stage.track().last().is_some_and(|it| it.time >= closed);
                 if is_read
@@ -159,15 +159,9 @@ impl InFlight {
     }
 
     /// A shutter that is open for too long is told to close, and given up where that does not help.
-    fn await_last_light(
-        &mut self,
-        now: Time,
-        opened: Time,
-        told_to_close: Option<Time>,
-        tolerance_s: f32,
-    ) -> Due {
+    fn await_end(&mut self, now: Time, opened: Time, told: Option<Time>, tolerance_s: f32) -> Due {
         let planned = opened.plus_s(self.asked.exposure.exposure_s);
-        match told_to_close {
+        match told {
             None if now.seconds_since(planned) > tolerance_s => {
                 self.faults.insert(Fault::ShutterLong);
                 self.phase = Phase::Exposing {

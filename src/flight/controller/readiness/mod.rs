@@ -117,8 +117,8 @@ impl Readiness {
         }
     }
 
-    /// An event of a time has come. Whether the clock has jumped: events come in order of time, or nearly so, and one at
-    /// least with every round.
+    /// An event of a time has come. Whether the clock has jumped: events come in order of time, or
+    /// nearly so, and one at least with every round.
     pub(super) fn has_jumped(&mut self, time: Time) -> bool {
         let Some(last) = self.last_event else {
             self.last_event = Some(time);
@@ -145,8 +145,8 @@ impl Readiness {
         self.rounds.last().is_none()
     }
 
-    /// A round comes. Those that are late count; in standby, where a request may last longer than a round, nothing
-    /// follows from them.
+    /// A round comes. Those that are late count; in standby, where a request may last longer than a
+    /// round, nothing follows from them.
     pub(super) fn come_round(&mut self, now: Time) -> Round {
         let round = self.rounds.look(now, self.mode != Mode::Standby);
         if let Round::Idle | Round::Late | Round::Overload = round {
@@ -160,7 +160,8 @@ impl Readiness {
         self.lost_events = self.lost_events.saturating_add(events);
     }
 
-    /// Somebody wants it armed. Whether it begins to be; in standby alone, elsewhere a disarm is taken back.
+    /// Somebody wants it armed. Whether it begins to be; in standby alone, elsewhere a disarm is
+    /// taken back.
     ///
     /// # Errors
     /// Why it cannot be.
@@ -273,7 +274,8 @@ impl Readiness {
         true
     }
 
-    /// Whether a fault is over without anybody's help; those for which the stage must stand ask for that.
+    /// Whether a fault is over without anybody's help; those for which the stage must stand ask for
+    /// that.
     pub(super) fn is_over(&self, fault: Fault, has_stood: impl FnOnce() -> bool) -> bool {
         match fault {
             Fault::BrownOut => self.is_supply_good,

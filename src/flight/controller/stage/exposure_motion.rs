@@ -1,4 +1,4 @@
-//! How the stage moved in an exposure, from its readings.
+//! The motion of the stage in an exposure, from its readings.
 
 use super::StageMachine;
 use crate::flight::controller::setup::Setup;
@@ -19,8 +19,8 @@ pub(in super::super) struct ExposureMotion {
 }
 
 impl StageMachine {
-    /// The motion from first to last light, and whether readings of all of it are there; `None` where there are too
-    /// few, or where nobody knows from which place they count.
+    /// The motion from first to last light, and whether readings of all of it are there; `None`
+    /// where there are too few, or where nobody knows from which place they count.
     pub(in super::super) fn motion_between(
         &self,
         [opened, closed]: [Time; 2],

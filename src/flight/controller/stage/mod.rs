@@ -18,8 +18,8 @@ use crate::flight::stage_track::StageTrack;
 use crate::flight::stage_watch::{Finding, StageWatch};
 use crate::flight::time::Time;
 
-/// The machine of the stage. It is released, waits at the start of a profile, or moves along one; a fault that nobody
-/// has cleared keeps it released.
+/// The machine of the stage. It is released, waits at the start of a profile, or moves along one; a
+/// fault that nobody has cleared keeps it released.
 #[derive(Debug, Clone)]
 pub(super) struct StageMachine {
     /// `None`: no force on the stage.
@@ -82,7 +82,8 @@ impl StageMachine {
         }
     }
 
-    /// Judges a reading that came with an event of a time. `None`: it is left out, or the next will tell.
+    /// Judges a reading that came with an event of a time. `None`: it is left out, or the next will
+    /// tell.
     ///
     /// Where it is to be kept, [`Self::keep`] follows, after what the finding leads to.
     pub(super) fn look(
@@ -147,7 +148,8 @@ impl StageMachine {
         }
     }
 
-    /// From wherever it is the stage goes to a place, mm. False where there is no such way: a number is none.
+    /// From wherever it is the stage goes to a place, mm. False where there is no such way: a
+    /// number is none.
     #[inline(never)]
     pub(super) fn go_to(&mut self, setup: &Setup, now: Time, place_mm: f32) -> bool {
         let from = self.setpoint(now).unwrap_or_else(|| Setpoint {
@@ -184,8 +186,8 @@ impl StageMachine {
         if !is_of_the_stage(fault) {
             return;
         }
-        // Where it is the encoder that is the wrong way round, it has counted to a place where the stage is not: at a
-        // standstill that looks like a stage that runs away.
+        // Where it is the encoder that is the wrong way round, it has counted to a place where the
+        // stage is not: at a standstill that looks like a stage that runs away.
         self.is_place_lost |= matches!(
             fault,
             Fault::Encoder | Fault::WrongDirection | Fault::Runaway
@@ -239,8 +241,8 @@ impl StageMachine {
             .is_none_or(|motion| motion.is_over(now))
     }
 
-    /// Whether the following error changes by no more than so much in an exposure, mm; where nobody can know, it counts
-    /// as if.
+    /// Whether the following error changes by no more than so much in an exposure, mm; where nobody
+    /// can know, it counts as if.
     pub(super) fn is_steady(
         &self,
         setup: &Setup,
