@@ -1,7 +1,7 @@
 """Time per point of OpenCV's undistortPoints, as the rows of host-benches: python3 opencv.py SIZE...
 
-Five iterations in double precision inside, pixels in single precision outside; one thread. Exit code 3 where Python has
-no OpenCV.
+It takes five iterations in double precision inside, pixels in single precision outside, in one thread. The exit code is
+3 if Python has no OpenCV.
 """
 
 import statistics
@@ -22,7 +22,7 @@ CAMERA = numpy.array([[FOCAL_PX, 0, CENTRE_PX], [0, FOCAL_PX, CENTRE_PX], [0, 0,
 
 
 def points(count):
-    """The places of host-benches, in pixels."""
+    """Returns the points of host-benches, in pixels."""
     index = numpy.arange(count) % 65_536
     mm = numpy.stack([(index % 8_009) * 0.01 - 40.0, (index % 7_919) * 0.01 - 39.5], axis=1)
     return (CENTRE_PX + mm / PIXEL_MM).astype(numpy.float32).reshape(-1, 1, 2)

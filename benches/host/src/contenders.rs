@@ -1,4 +1,5 @@
-//! What is timed: the kernel in all its forms, a copy of the same bytes, and another crate.
+//! Contenders that are timed: the kernel in all its forms, a copy of the same bytes, and another
+//! crate.
 
 use std::hint::black_box;
 
@@ -9,11 +10,12 @@ use opencv_ros_camera::{Distortion, RosOpenCvIntrinsics};
 use crate::points::Points;
 use crate::timing::Contender;
 
-/// Copies of x and y apart, and of pairs.
+/// Names of the copies of separate x and y, and of pairs.
 const COPY_XY: &str = "memcpy x, y";
 const COPY_PAIRS: &str = "memcpy pairs";
 
-/// A frame with all terms; f32 products of these neither vanish nor overflow on the sensor.
+/// Coefficients of a frame with all terms, whose f32 products neither vanish nor overflow on the
+/// sensor.
 const FORM: Coefficients = Coefficients {
     cx: 0.0123,
     cy: -0.0711,
@@ -31,7 +33,7 @@ const FORM: Coefficients = Coefficients {
     ty: -4.1e-6,
 };
 
-/// Everyone, on the same points.
+/// Returns all contenders, on the same points.
 pub(crate) fn all(points: &Points) -> Vec<Contender<'_>> {
     let mut all = vec![
         Contender::new(COPY_XY, COPY_XY, || {
@@ -85,7 +87,7 @@ pub(crate) fn all(points: &Points) -> Vec<Contender<'_>> {
     all
 }
 
-/// One batch in its four layouts.
+/// Returns a batch in its four layouts.
 fn of_batch<'a>(points: &'a Points, batch: Batch, name: &str) -> [Contender<'a>; 4] {
     [
         xy_into(points, batch, &format!("{name} x, y")),
@@ -120,7 +122,7 @@ fn xy_into<'a>(points: &'a Points, batch: Batch, name: &str) -> Contender<'a> {
     })
 }
 
-/// The correction of `opencv-ros-camera`: pixels in double precision, five iterations.
+/// Returns the correction of `opencv-ros-camera`: pixels in double precision, five iterations.
 fn other_crate(points: &Points) -> Contender<'_> {
     let distortion =
         Distortion::from_opencv_vec(nalgebra::Vector5::new(-0.1, 0.05, 1e-4, 1e-4, 0.01));

@@ -1,20 +1,20 @@
-//! Time that processors worked: other programs of the machine are not in it.
+//! Processor time, which does not count other programs of the machine.
 
-/// Whose time.
+/// Processes whose time is taken.
 #[derive(Clone, Copy)]
 pub(crate) enum Of {
     /// All threads of this process.
     Ourselves,
-    /// The processes that this one has started and that have ended.
+    /// The processes that this one started and that have ended.
     Children,
 }
 
-/// Seconds since the start, in programs and in the kernel.
+/// Seconds since the start of the processes, in programs and in the kernel.
 #[derive(Clone, Copy)]
 pub(crate) struct CpuTime(f64);
 
 impl CpuTime {
-    /// `None` where the system does not tell.
+    /// Returns the time until now; `None` if the system does not report it.
     #[cfg(unix)]
     pub(crate) fn now(of: Of) -> Option<Self> {
         use nix::sys::resource::{UsageWho, getrusage};
@@ -31,7 +31,7 @@ impl CpuTime {
             .map(|microseconds| Self(std::time::Duration::from_micros(microseconds).as_secs_f64()))
     }
 
-    /// `None`: there is no such call.
+    /// Returns `None`, because this system has no such call.
     #[cfg(not(unix))]
     pub(crate) const fn now(_: Of) -> Option<Self> {
         None

@@ -1,8 +1,9 @@
 //! Time per point on this PC, as CSV on standard output.
 //!
-//! Every contender is timed once per round, so that all meet the same state of the machine; `of_memcpy` is the median
-//! over the rounds of a contender's time by that of copying the same bytes, `clock_ghz` the clock of the core in the
-//! same rounds. Nothing asserts these times: they belong to a machine and an hour.
+//! Every contender is timed once per round, so that all meet the same state of the machine.
+//! `of_memcpy` is the median over the rounds of a contender's time relative to that of copying the
+//! same bytes, `clock_ghz` the clock of the core in the same rounds. No test asserts these times,
+//! because they depend on the machine and its load.
 
 mod contenders;
 mod cpu_time;
@@ -19,7 +20,7 @@ use points::Points;
 use table::Table;
 use timing::CLOCK;
 
-/// Point times rounds: short sizes are repeated until an undisturbed moment is met.
+/// Points times rounds: short sizes are repeated until there is a round without disturbance.
 const POINT_ROUNDS: usize = 200_000_000;
 
 /// Time per point on this PC, as CSV: the kernel, a copy of the same bytes, another crate
@@ -41,7 +42,7 @@ struct Arguments {
     kernel: Option<String>,
 }
 
-/// A number of points or rows.
+/// Parses a number of points or rows.
 fn count(text: &str) -> Result<usize, String> {
     match text.parse() {
         Ok(count @ 1..=MOST) => Ok(count),
@@ -49,7 +50,7 @@ fn count(text: &str) -> Result<usize, String> {
     }
 }
 
-/// Points or rows at most.
+/// Largest number of points or rows.
 const MOST: usize = 1_000_000_000;
 
 fn main() -> ExitCode {

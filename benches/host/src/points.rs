@@ -1,4 +1,4 @@
-//! The points that everyone gets, and places for answers.
+//! Points that all contenders get, and space for their results.
 
 use std::cell::RefCell;
 
@@ -10,7 +10,7 @@ pub(crate) struct Points {
     pub(crate) answers: RefCell<Answers>,
 }
 
-/// Where answers go.
+/// Space for results.
 pub(crate) struct Answers {
     pub(crate) x: Vec<f32>,
     pub(crate) y: Vec<f32>,

@@ -1,7 +1,9 @@
-//! What streams of points take: `host-sim correct` at the end of a pipe, beside what bounds it.
+//! Times of streams of points: `host-sim correct` at the end of a pipe, beside the work that limits
+//! it.
 //!
-//! Text is bounded by its parser: the reader of `host-sim` and its conversion of numbers, alone, over the same bytes.
-//! An array is bounded by the pipe: a copy of the same bytes through one, both ends included.
+//! Text is limited by its parser: the reader of `host-sim` and its conversion of numbers, alone,
+//! over the same bytes. An array is limited by the pipe: a copy of the same bytes through a pipe,
+//! with both ends.
 
 use std::env;
 use std::io::{self, Read, Write};
@@ -13,42 +15,42 @@ use std::time::Instant;
 use crate::cpu_time::{CpuTime, Of};
 use crate::timing::Times;
 
-/// Rows that are repeated until there are enough: memory is constant here, too.
+/// Number of rows that are repeated, so that memory is constant here, too.
 pub(crate) const ROWS: usize = 100_000;
 
-/// What `host-sim` gives its reader of text.
+/// Buffer size that `host-sim` gives its reader of text.
 const BUFFER: usize = 1 << 18;
 
-/// Points as they are written down: a header, and rows that repeat.
+/// Points in a format: a header, and rows that repeat.
 struct Written {
     header: Vec<u8>,
     rows: Vec<u8>,
     repeats: usize,
 }
 
-/// The bytes of [`Written`], one behind the other.
+/// Bytes of [`Written`], one after the other.
 struct Bytes<'a> {
     written: &'a Written,
     now: &'a [u8],
     left: usize,
 }
 
-/// What is timed.
+/// Work that is timed.
 #[derive(Clone, Copy)]
 enum Work {
-    /// Records and numbers of text, in this thread.
+    /// Parsing of records and numbers of text, in this thread.
     Parse,
-    /// Bytes through a pipe, from a thread into another.
+    /// Copying of bytes through a pipe, from one thread to another.
     Copy,
     /// The command, fed through a pipe.
     Correct(&'static str),
 }
 
-/// [`ROWS`] or a multiple of it: wall time and, where it is known, processor time of every work, in turns; a round takes
-/// some seconds per 1e7 rows.
+/// Times all works in turns, for [`ROWS`] rows or a multiple of it: wall time and, if it is known,
+/// processor time. A round takes some seconds per 1e7 rows.
 ///
 /// # Errors
-/// What could not be done, in words.
+/// A message that says what failed.
 pub(crate) fn times(rows: usize, rounds: usize) -> Result<Vec<Times>, String> {
     let text = Written::text(rows).map_err(|error| error.to_string())?;
     let array = Written::array(rows).map_err(|error| error.to_string())?;
@@ -115,7 +117,7 @@ impl Written {
     }
 }
 
-/// Places all over the sensor, in no order: nothing can be guessed from the one before.
+/// Returns points all over the sensor, in random order, so that the next one cannot be predicted.
 fn places() -> impl Iterator<Item = [f32; 2]> {
     let mut random = fastrand::Rng::with_seed(1);
     (0..ROWS).map(move |_| [random.f32(), random.f32()].map(|share| 80.0 * share - 40.0))
@@ -132,7 +134,7 @@ impl Read for Bytes<'_> {
 }
 
 impl Bytes<'_> {
-    /// Writes all, in pieces as large as they lie there.
+    /// Writes all bytes, in pieces as large as they are stored.
     fn feed(mut self, sink: &mut impl Write) -> io::Result<()> {
         sink.write_all(self.now)?;
         while self.left > 0 {
@@ -208,7 +210,7 @@ fn correct(written: &Written, format: &str) -> Result<(), Box<dyn std::error::Er
     Ok(())
 }
 
-/// The command, built beside this program.
+/// Returns the path of the command, which is built beside this program.
 fn host_sim() -> io::Result<PathBuf> {
     let name = format!("host-sim{}", env::consts::EXE_SUFFIX);
     let path = env::current_exe()?.with_file_name(name);

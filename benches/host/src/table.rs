@@ -4,7 +4,7 @@ use std::io;
 
 use crate::timing::Times;
 
-/// The rows of times on standard output.
+/// Rows of times on standard output.
 pub(crate) struct Table(csv::Writer<io::Stdout>);
 
 impl Table {
@@ -22,7 +22,8 @@ impl Table {
         Ok(table)
     }
 
-    /// One contender; `copy` copies the same bytes, `clock_ghz` is what the core was clocked with meanwhile.
+    /// Writes the row of a contender; `copy` copies the same bytes, and `clock_ghz` is the clock of
+    /// the core at that time.
     pub(crate) fn row(
         &mut self,
         time: &Times,

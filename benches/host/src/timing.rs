@@ -1,21 +1,22 @@
-//! Wall time, by turns.
+//! Wall time of contenders, in turns.
 
 use std::hint::black_box;
 use std::time::{Duration, Instant};
 
 /// Name of [`clock`].
 pub(crate) const CLOCK: &str = "clock";
-/// Steps of [`clock`], each of two operations that wait for one another and take a cycle each.
+/// Number of steps of [`clock`], each of two operations, of which the second needs the result of
+/// the first, and which take a cycle each.
 const STEPS: u32 = 10_000;
 
-/// Least duration of one measurement: the clock and the call of it are nothing beside it, and another process seldom
-/// comes between.
+/// Shortest duration of one measurement: the time of reading the clock is negligible in it, and
+/// another process rarely interrupts it.
 const LEAST: Duration = Duration::from_micros(20);
 
-/// What is timed against others.
+/// Work that is timed against others.
 pub(crate) struct Contender<'a> {
     pub(crate) name: String,
-    /// The contender that copies the same bytes.
+    /// Name of the contender that copies the same bytes.
     pub(crate) copy: &'static str,
     pub(crate) work: Box<dyn FnMut() + 'a>,
 }
@@ -34,7 +35,7 @@ impl<'a> Contender<'a> {
     }
 }
 
-/// The times of one contender, seconds per call, a round each.
+/// Times of one contender, in seconds per call, one for each round.
 pub(crate) struct Times {
     pub(crate) name: String,
     pub(crate) copy: &'static str,
@@ -50,7 +51,8 @@ impl Times {
         median(self.rounds.clone())
     }
 
-    /// Median of the ratios of rounds: what slows the machine down slows down both.
+    /// Returns the median of the ratios of rounds; a disturbance of the machine slows both parts of
+    /// a ratio.
     pub(crate) fn ratio(&self, to: &Self) -> f64 {
         median(
             self.rounds
@@ -62,7 +64,7 @@ impl Times {
     }
 }
 
-/// Times all, each once per round, so that they meet the same state of the machine.
+/// Times all contenders, each once per round, so that they meet the same state of the machine.
 pub(crate) fn by_turns(contenders: &mut [Contender<'_>], rounds: usize) -> Vec<Times> {
     let calls: Vec<u32> = contenders.iter_mut().map(calls_of).collect();
     let mut times: Vec<Times> = contenders
@@ -75,7 +77,8 @@ pub(crate) fn by_turns(contenders: &mut [Contender<'_>], rounds: usize) -> Vec<T
         .collect();
     for _ in 0..rounds {
         for ((contender, times), calls) in contenders.iter_mut().zip(&mut times).zip(&calls) {
-            // What the one before left in the caches is not this one's.
+            // One call before the measurement replaces what the previous contender left in the
+            // caches.
             (contender.work)();
             let start = Instant::now();
             for _ in 0..*calls {
@@ -88,19 +91,20 @@ pub(crate) fn by_turns(contenders: &mut [Contender<'_>], rounds: usize) -> Vec<T
     times
 }
 
-/// Cycles of the clock by which a core counts its operations, as a contender: what it takes is the clock of the moment.
+/// Contender that takes a known number of cycles, so that its time gives the clock of the core at
+/// that moment.
 pub(crate) fn clock() -> Contender<'static> {
     Contender::new(CLOCK, "", || {
         let mut number = black_box(1_u64);
         for _ in 0..STEPS {
-            // A rotation and an exclusive or, which no core makes one of.
+            // A core cannot combine a rotation and an exclusive or into one operation.
             number = number.rotate_left(7) ^ 0x5bd1;
         }
         black_box(number);
     })
 }
 
-/// The clock that [`clock`] has met where it was least disturbed, GHz.
+/// Returns the clock that [`clock`] measured in its least disturbed round, GHz.
 pub(crate) fn clock_ghz(times: &[Times]) -> f64 {
     let clock = times.iter().find(|time| time.name == CLOCK);
     clock.map_or(f64::NAN, |clock| {
@@ -108,7 +112,7 @@ pub(crate) fn clock_ghz(times: &[Times]) -> f64 {
     })
 }
 
-/// Calls that take [`LEAST`] together.
+/// Returns the number of calls that take [`LEAST`] together.
 fn calls_of(contender: &mut Contender<'_>) -> u32 {
     let mut calls = 1;
     loop {

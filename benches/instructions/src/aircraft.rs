@@ -1,4 +1,4 @@
-//! What aircraft send, byte by byte: whole sentences and messages, and the dearest byte among others.
+//! Data of aircraft, byte by byte: whole sentences and messages, and the most expensive byte.
 
 use core::hint::black_box;
 
@@ -36,8 +36,8 @@ const MESSAGES: [(&str, &[u8]); 3] = [
     ),
 ];
 
-/// Bytes of MAVLink that are nested as deep as they can be: 43 false beginnings, all of whose frames end with the same
-/// byte, where each is checked in vain.
+/// Bytes of MAVLink that are nested as deep as possible: 43 false beginnings, whose frames all end
+/// with the same byte, where each is checked without success.
 const NESTED: [u8; 262] = {
     let mut bytes = [0; 262];
     let mut at = 0;
@@ -81,7 +81,7 @@ pub(crate) fn count(counter: &mut Counter) -> Option<()> {
     })
 }
 
-/// Prints what the dearest of these bytes costs.
+/// Prints the cost of the most expensive of these bytes.
 fn dearest(
     counter: &mut Counter,
     name: &str,

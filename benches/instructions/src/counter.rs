@@ -1,4 +1,4 @@
-//! The instruction counter.
+//! Instruction counter.
 
 use core::hint::black_box;
 
@@ -10,10 +10,10 @@ use cortex_m_semihosting::hprintln;
 /// Instructions to four ticks: 1 ns each, the timer runs at 25 MHz.
 #[cfg(mps2)]
 const PER_FOUR_TICKS: u32 = 160;
-/// The same where the timer runs at 32 MHz.
+/// The same number if the timer runs at 32 MHz.
 #[cfg(not(mps2))]
 const PER_FOUR_TICKS: u32 = 125;
-/// The timer counts down from here.
+/// Value from which the timer counts down.
 const RELOAD: u32 = 0x00ff_ffff;
 
 /// Counts instructions in ticks of the system timer.
@@ -30,19 +30,19 @@ impl Counter {
         Self { timer }
     }
 
-    /// Whether what is counted are instructions: a loop of two of them must take as many as it does.
+    /// Returns true if instructions are counted: a loop of two of them must take as many as it has.
     pub(crate) fn is_calibrated(&mut self) -> bool {
         const ROUNDS: u32 = 100_000;
-        // It goes round once more than it is told.
+        // The loop runs once more than its argument.
         let counted = self.measure(|| delay(ROUNDS - 1));
-        // What is around the loop is less than two ticks.
+        // The instructions around the loop take less than two ticks.
         counted.is_some_and(|(instructions, ())| {
             (2 * ROUNDS..2 * ROUNDS + PER_FOUR_TICKS / 2).contains(&instructions)
         })
     }
 
-    /// Runs `work` and prints what one of its `repetitions` costs; `None` if it fails or takes longer than the timer
-    /// can count.
+    /// Runs `work` and prints the cost of one of its `repetitions`; `None` if it fails or takes
+    /// longer than the timer can count.
     pub(crate) fn count<T>(
         &mut self,
         kernel: &str,
@@ -55,10 +55,11 @@ impl Counter {
         Some(())
     }
 
-    /// Runs `work` and says how many instructions it takes; `None` if that is longer than the timer can count.
+    /// Runs `work` and returns the number of its instructions; `None` if it takes longer than the
+    /// timer can count.
     pub(crate) fn measure<T>(&mut self, work: impl FnOnce() -> T) -> Option<(u32, T)> {
         self.timer.clear_current();
-        // Reading says whether the timer has run out since it was read last.
+        // The first reading clears the flag that says whether the timer has run out.
         self.timer.has_wrapped();
         let start = SYST::get_current();
         let result = work();
@@ -68,11 +69,11 @@ impl Counter {
         if wrapped && end >= start || ticks > RELOAD / 2 {
             return None;
         }
-        // At most 2^23 ticks: the product fits.
+        // There are at most 2^23 ticks, so the product fits.
         Some((ticks * PER_FOUR_TICKS / 4, black_box(result)))
     }
 
-    /// Prints what `repetitions` have taken.
+    /// Prints the cost of `repetitions`.
     pub(crate) fn print(kernel: &str, (repetitions, unit): (u32, &str), instructions: u32) {
         hprintln!("{},{},{},{}", kernel, unit, repetitions, instructions);
     }

@@ -1,4 +1,4 @@
-//! The control loop: what it is made of, each of its events, and whole rounds.
+//! Control loop: its parts, each of its events, and whole rounds.
 
 use core::hint::black_box;
 
@@ -22,15 +22,15 @@ use crate::counter::Counter;
 use crate::sensors;
 use crate::specimen::{EXPOSURE, flown};
 
-/// Repetitions of what is cheap and leaves things as they are.
+/// Repetitions of cheap work that does not change its state.
 const REPETITIONS: u32 = 100;
-/// Rounds from one frame to the next: 2 frames/s.
+/// Rounds from one frame to the next, at 2 frames/s.
 const CYCLE_ROUNDS: u32 = 500;
-/// Frames of the flight in which every event is met.
+/// Frames of the flight in which every event occurs.
 const FRAMES: u32 = 8;
 /// The longest exposure within the camera's limits, s.
 const LONGEST_EXPOSURE_S: f32 = 0.02;
-/// How long a shutter that sticks is open, s: so long that the track of the stage is full.
+/// Times for which a stuck shutter stays open, s: so long that the track of the stage becomes full.
 const STUCK_S: [f32; 4] = [0.0605, 0.0615, 0.0625, 0.0635];
 const PER_FRAME: (u32, &str) = (1, "frame");
 const CALIBRATION_CRC: u32 = 1;
@@ -41,7 +41,7 @@ pub(crate) fn count(counter: &mut Counter) -> Option<()> {
     rounds(counter)
 }
 
-/// What a round is made of, where it has a name of its own.
+/// Counts the parts of a round that have a name.
 fn parts(counter: &mut Counter) -> Option<()> {
     let settings = FlightSettings::default();
     let camera = Camera::new(flown()).ok()?;
@@ -91,7 +91,8 @@ fn parts(counter: &mut Counter) -> Option<()> {
     })
 }
 
-/// What the record of an exposure is made of: 64 readings of the stage in it, and the smear with an attitude.
+/// Counts the parts of the record of an exposure: 64 readings of the stage during it, and the smear
+/// with an attitude.
 fn record_parts(counter: &mut Counter, camera: &Camera) -> Option<()> {
     let mut track = StageTrack::new();
     for tick in 0..64_u16 {
@@ -140,11 +141,11 @@ fn controller() -> Option<Controller> {
     Controller::new(&flown(), CALIBRATION_CRC, &settings(), Start::Orderly).ok()
 }
 
-/// What an event is counted as: the dearest of a kind is printed.
+/// Kind of an event; the most expensive event of a kind is printed.
 #[derive(Clone, Copy, PartialEq, Eq)]
 struct Kind(&'static str);
 
-/// The kind of an event, from the states before and after.
+/// Returns the kind of an event, from the states before and after it.
 fn kind(event: Event, [before, after]: [State; 2]) -> Option<Kind> {
     let name = match event {
         Event::Vh(_) => "control_event_vh",
@@ -170,7 +171,7 @@ fn kind(event: Event, [before, after]: [State; 2]) -> Option<Kind> {
     Some(Kind(name))
 }
 
-/// A shutter that does as it is told, and stays open for as long as it likes.
+/// A shutter that obeys its commands, and stays open for a set time.
 struct Shutter {
     latency_s: f32,
     open_s: f32,
@@ -188,7 +189,7 @@ impl Shutter {
         }
     }
 
-    /// The edges until now.
+    /// Removes and returns the edges until now.
     fn until(&mut self, now: Time) -> impl Iterator<Item = (Time, Event)> {
         let edges = self.edges.clone();
         self.edges.retain(|(time, _)| *time > now);
@@ -200,22 +201,22 @@ impl Shutter {
     }
 }
 
-/// What happens in a round of a flight at 2 frames/s, besides the shutter.
+/// Adds the events of a round of a flight at 2 frames/s, without those of the shutter.
 fn happening(round: u32, now: Time, events: &mut Events) {
     for event in sensors::events(round).into_iter().flatten() {
         let _ = events.push((now, event));
     }
-    // Armed takes a second.
+    // Arming takes a second.
     let since = round % CYCLE_ROUNDS;
     if round == 0 {
         let _ = events.push((now, Event::Command(Command::Arm)));
     } else if round >= 2 * CYCLE_ROUNDS && (since == 0 || since == 20) {
-        // The second is refused: the frame before is not finished.
+        // The second trigger is refused, because the frame before is not finished.
         let _ = events.push((now, Event::Trigger));
     }
 }
 
-/// Every event of a flight with all sensors, in which the stage follows exactly.
+/// Counts every event of a flight with all sensors, in which the stage follows exactly.
 fn events(counter: &mut Counter) -> Option<()> {
     let mut controller = controller()?;
     let mut dearest: heapless::Vec<(Kind, u32), 24> = heapless::Vec::new();
@@ -250,7 +251,7 @@ fn events(counter: &mut Counter) -> Option<()> {
         }
         controller.acknowledge(u32::MAX);
     }
-    // All were recorded, and all kinds were met.
+    // Every frame was recorded, and every kind of event occurred.
     if controller.counts().exposed != FRAMES || dearest.len() != 16 {
         return None;
     }
@@ -265,7 +266,8 @@ fn events(counter: &mut Counter) -> Option<()> {
     Some(())
 }
 
-/// Whole rounds of the camera with its drive and velocity loop: the mean of a frame cycle, and the dearest.
+/// Counts whole rounds of the camera with its drive and velocity loop: the mean of a frame cycle,
+/// and the most expensive one.
 fn rounds(counter: &mut Counter) -> Option<()> {
     let (sum, _) = fly(counter, &[1.0 / 300.0], flown())?;
     let rounds = CYCLE_ROUNDS * FRAMES;
@@ -277,7 +279,8 @@ fn rounds(counter: &mut Counter) -> Option<()> {
     Some(())
 }
 
-/// Flies, and says what all rounds of all frame cycles have taken, and the dearest of them.
+/// Flies, and returns the cost of all rounds of all frame cycles and that of the most expensive
+/// round.
 fn fly(counter: &mut Counter, open_s: &[f32], record: CameraRecord) -> Option<(u32, u32)> {
     let settings = FlightSettings {
         exposure_s: open_s.first()?.min(LONGEST_EXPOSURE_S),

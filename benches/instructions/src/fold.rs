@@ -1,4 +1,5 @@
-//! The dearest exposure into coefficients, searched for over cameras and over all that an exposure may ask for.
+//! Most expensive conversion of an exposure into coefficients, searched for over cameras and over
+//! all values of an exposure.
 
 use core::hint::black_box;
 
@@ -15,16 +16,18 @@ use fmc_camera::{Camera, CameraRecord, Exposure};
 use crate::counter::Counter;
 use crate::specimen::{flown, full, short, strong};
 
-/// Repetitions of an exposure that may be the dearest.
+/// Repetitions of an exposure that may be the most expensive.
 const FRAMES: u32 = 10;
 const PER_FRAME: (u32, &str) = (FRAMES, "frame");
-/// What a single frame may be counted too little by: the longest tick of the timer.
+/// Largest deficit in the count of a single frame: the longest tick of the timer.
 const TICK: u32 = 40;
 
-/// Counts the dearest frame of cameras with a stage, and of those whose charge moves in rows.
+/// Counts the most expensive frame of cameras with a stage, and that of cameras whose charge moves
+/// in rows.
 ///
-/// What a frame costs depends on the ramp of the run-up (a root where the acceleration does not reach its largest), on
-/// the offset at opening, the model, the axis and the signs; with rows on their number above all.
+/// The cost of a frame depends on the ramp of the run-up (a root where the acceleration does not
+/// reach its largest), the offset at opening, the model, the axis and the signs; with rows, mainly
+/// on their number.
 pub(crate) fn count(counter: &mut Counter) -> Option<()> {
     let stage = |run_up, jerk_mm_s3| Mechanism::Stage {
         acceleration_mm_s2: 1000.0,
@@ -39,14 +42,14 @@ pub(crate) fn count(counter: &mut Counter) -> Option<()> {
         stage(RunUp::FromRest, Some(1e5)),
     ];
     worst(counter, "frame_fold_worst", stages)?;
-    // The sooner the first transfer, the more there are.
+    // The earlier the first transfer, the more transfers there are.
     let rows = [Mechanism::Tdi {
         first_transfer: 0.0,
     }];
     worst(counter, "frame_fold_tdi_worst", rows)
 }
 
-/// So many frames of the same exposure; `None` if the camera refuses it.
+/// Computes a number of frames of the same exposure; `None` if the camera refuses it.
 #[inline(never)]
 pub(crate) fn frames(camera: &Camera, exposure: &Exposure, repetitions: u32) -> Option<()> {
     for _ in 0..repetitions {
@@ -75,7 +78,7 @@ fn worst<const N: usize>(
     Some(())
 }
 
-/// The digits of a number, each of them a choice.
+/// Digits of a number, each of which selects a value.
 struct Choices(usize);
 
 impl Choices {
@@ -85,13 +88,13 @@ impl Choices {
         value
     }
 
-    /// `chosen`, unless the number has more digits than there are choices.
+    /// Returns `chosen`, unless the number has more digits than there are choices.
     fn end<T>(self, chosen: T) -> Option<T> {
         (self.0 == 0).then_some(chosen)
     }
 }
 
-/// One of the specimens, with a fitted model and the widest limits.
+/// Returns one of the specimens, with a fitted model and the widest limits.
 fn camera<const N: usize>(number: usize, mechanisms: [Mechanism; N]) -> Option<CameraRecord> {
     let mut choices = Choices(number);
     let mut record = choices.of([short(), full(), strong()])?;
@@ -123,14 +126,15 @@ fn camera<const N: usize>(number: usize, mechanisms: [Mechanism; N]) -> Option<C
     choices.end(record)
 }
 
-/// An exposure of any kind; some no camera takes.
+/// Returns an exposure of any kind; no camera accepts some of them.
 fn exposure(number: usize) -> Option<Exposure> {
     let mut choices = Choices(number);
     let focus = [(-400.0, FocusSign::Physical), (400.0, FocusSign::Printed)];
     let (focus_shift_um, focus_sign) = choices.of(focus)?;
     let exposure = Exposure {
         vh_per_s: choices.of([0.0, 1e-37, 0.05, 0.17, 1.0])?,
-        // The longest moves the charge by as many rows as it may, 1024, or the stage by the stroke.
+        // The longest exposure moves the charge by the largest number of rows, 1024, or the stage
+        // by the stroke.
         exposure_s: choices.of([1e-6, 5e-3, 0.02, 0.4408])?,
         opening_offset_mm: choices.of([None, Some(-1.9), Some(1.9)])?,
         focus_shift_um,

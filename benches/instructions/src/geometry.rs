@@ -1,4 +1,4 @@
-//! Points and frames.
+//! Geometry: points and frames.
 
 use core::hint::black_box;
 
@@ -11,9 +11,9 @@ use crate::counter::Counter;
 use crate::fold::frames;
 use crate::specimen::{self, EXPOSURE, POINTS, full, points, short, strong};
 
-/// Points to a call where it is not all of them.
+/// Points per call, unless all points are in one call.
 const BATCH: usize = 256;
-/// Repetitions of what is done once per frame.
+/// Repetitions of work that is done once per frame.
 const FRAMES: u32 = 100;
 const PER_FRAME: (u32, &str) = (FRAMES, "frame");
 #[expect(clippy::cast_possible_truncation, reason = "1024 points")]
@@ -57,7 +57,7 @@ pub(crate) fn count(counter: &mut Counter) -> Option<()> {
     Some(())
 }
 
-/// The hot path: points replaced in place, so many to a call.
+/// Counts the hot path: points replaced in place, `LENGTH` per call.
 fn slice<const LENGTH: usize>(
     counter: &mut Counter,
     kernel: &str,
@@ -74,7 +74,7 @@ fn slice<const LENGTH: usize>(
     Some(())
 }
 
-/// The same with x and y apart.
+/// Counts the hot path with separate x and y.
 fn slice_xy(counter: &mut Counter, kernel: &str, correction: &FrameCorrection) -> Option<()> {
     let mut x = points().map(|point| point.x_mm);
     let mut y = points().map(|point| point.y_mm);
@@ -86,7 +86,7 @@ fn slice_xy(counter: &mut Counter, kernel: &str, correction: &FrameCorrection) -
     Some(())
 }
 
-/// One point after the other, with the distortion.
+/// Counts one point after the other, with the distortion.
 fn single(counter: &mut Counter, kernel: &str, correction: &FrameCorrection) -> Option<()> {
     let points = points();
     counter.count(kernel, PER_POINT, || {
@@ -107,7 +107,7 @@ fn distort(counter: &mut Counter, kernel: &str, correction: &FrameCorrection) ->
     })
 }
 
-/// Points replaced in place by their measured ones.
+/// Counts points replaced in place by their measured ones.
 fn distort_slice(counter: &mut Counter, kernel: &str, correction: &FrameCorrection) -> Option<()> {
     let mut points = points();
     counter.count(kernel, PER_POINT, || {
@@ -118,7 +118,7 @@ fn distort_slice(counter: &mut Counter, kernel: &str, correction: &FrameCorrecti
     Some(())
 }
 
-/// An exposure into coefficients.
+/// Counts the conversion of an exposure into coefficients.
 fn fold(counter: &mut Counter, kernel: &str, camera: &Camera, exposure: Exposure) -> Option<()> {
     counter.count(kernel, PER_FRAME, || frames(camera, &exposure, FRAMES))
 }

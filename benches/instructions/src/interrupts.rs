@@ -1,5 +1,6 @@
-//! Interrupts, from the instruction that asks for one to the one after it. What the core itself does on the way in and
-//! out (12 cycles each on a Cortex-M4) is no instruction, and the registers of the device are the board's.
+//! Interrupts, from the instruction that requests one to the one after it. What the core itself
+//! does on entry and exit (12 cycles each on a Cortex-M4) is not an instruction, and the registers
+//! of the device are the board's.
 
 use core::sync::atomic::{AtomicBool, AtomicU32, Ordering};
 
@@ -17,10 +18,10 @@ const TIMES: u32 = 100;
 static RECEIVED: ReceiveRing = ReceiveRing::new();
 static EDGES: Ring<u32, 128> = Ring::new();
 static SERVED: AtomicU32 = AtomicU32::new(0);
-/// Whether the next is an edge; otherwise it is a byte.
+/// `true` if the next interrupt is an edge, `false` if it is a byte.
 static IS_EDGE: AtomicBool = AtomicBool::new(false);
 
-/// An interrupt that no device of the machine asks for.
+/// An interrupt that no device of the machine requests.
 #[derive(Clone, Copy)]
 struct Spare;
 
@@ -31,7 +32,7 @@ unsafe impl InterruptNumber for Spare {
     }
 }
 
-/// A byte has come, or an edge.
+/// Handles a byte or an edge.
 #[exception]
 unsafe fn DefaultHandler(_: i16) {
     if IS_EDGE.load(Ordering::Relaxed) {
@@ -42,7 +43,7 @@ unsafe fn DefaultHandler(_: i16) {
     SERVED.fetch_add(1, Ordering::Relaxed);
 }
 
-/// Asks for the interrupt, and goes on after it.
+/// Requests the interrupt, and returns after it.
 fn interrupt() {
     NVIC::pend(Spare);
     asm::dsb();
@@ -50,7 +51,7 @@ fn interrupt() {
 }
 
 pub(crate) fn count(counter: &mut Counter) -> Option<()> {
-    // SAFETY: what the interrupt shares is atomic.
+    // SAFETY: the data that the interrupt shares are atomic.
     unsafe { NVIC::unmask(Spare) };
     for (kernel, unit, is_edge) in [
         ("interrupt_receive", "byte", false),

@@ -1,4 +1,4 @@
-//! The link: a message from its first byte to the answer's last.
+//! Link: a message from its first byte to the last byte of its answer.
 
 use fmc_camera::geometry::mesh::MeshRow;
 use fmc_camera::geometry::mesh::format::MeshFormat;
@@ -63,7 +63,8 @@ pub(crate) fn count(counter: &mut Counter) -> Option<()> {
     Some(())
 }
 
-/// All bytes of a request, and the answer taken away; `None` unless it was answered.
+/// Receives all bytes of a request and takes the answer away; `None` unless the request was
+/// answered.
 fn exchange(station: &mut Station, frame: &Frame) -> Option<Event> {
     let mut event = None;
     for byte in frame.bytes() {

@@ -1,4 +1,4 @@
-//! Rows for warp engines and graphics processors.
+//! Mesh rows for warp engines and graphics processors.
 
 use core::hint::black_box;
 
@@ -14,12 +14,12 @@ use fmc_camera::{Camera, FrameCorrection};
 use crate::counter::Counter;
 use crate::specimen::{EXPOSURE, POINTS, full, short, wide};
 
-/// Repetitions of what is done once per frame or row.
+/// Repetitions of work that is done once per frame or row.
 const FRAMES: u32 = 100;
 #[expect(clippy::cast_possible_truncation, reason = "1024 points")]
 const PER_POINT: (u32, &str) = (POINTS as u32, "point");
 
-/// Every eighth pixel of 3.76 µm: 30.8 mm of the sensor.
+/// Spacing of every eighth pixel of 3.76 µm: 30.8 mm of the sensor.
 const MESH_STEP_MM: f32 = 8.0 * 0.00376;
 const ROW_START: SensorPoint = SensorPoint::new(-26.0, 15.0);
 
@@ -31,7 +31,7 @@ pub(crate) fn count(counter: &mut Counter) -> Option<()> {
     pixel_corrections(counter)
 }
 
-/// Displacements along rows of the measured image: without K3, with it, and all terms.
+/// Counts displacements along rows of the measured image: without K3, with it, and with all terms.
 fn mesh_rows(counter: &mut Counter) -> Option<()> {
     let mut without_k3 = short();
     without_k3.calibration.distortion.k3 = 0.0;
@@ -42,7 +42,7 @@ fn mesh_rows(counter: &mut Counter) -> Option<()> {
     ] {
         let correction = Camera::new(record).ok()?.frame(&EXPOSURE).ok()?.correction;
         let rows = DisplacementRows::new(&correction, MESH_STEP_MM);
-        // The differences start anew as seldom as they ever do.
+        // The differences restart as rarely as they ever do.
         (rows.restart_interval() == RESTART_INTERVAL.get()).then_some(())?;
         let mut row = [Displacement::default(); POINTS];
         counter.count(kernel, PER_POINT, || {
@@ -69,8 +69,8 @@ fn mesh_rows(counter: &mut Counter) -> Option<()> {
     })
 }
 
-/// Displacements with K3 along rows of the whole sensor, what is done once per row included: the wider the spacing, the
-/// fewer points share it.
+/// Counts displacements with K3 along rows of the whole sensor, with the work that is done once per
+/// row: the wider the spacing, the fewer points share it.
 fn mesh_rows_of_other_spacings(counter: &mut Counter) -> Option<()> {
     for (kernel, record, spacing_px) in [
         ("mesh_row_k3_16px", short(), 16_u16),
@@ -98,7 +98,7 @@ fn mesh_rows_of_other_spacings(counter: &mut Counter) -> Option<()> {
     Some(())
 }
 
-/// Sources along a row of the ideal image, and vertices as a warp engine stores them.
+/// Counts sources along a row of the ideal image, and vertices as a warp engine stores them.
 fn source_rows(counter: &mut Counter, correction: &FrameCorrection) -> Option<()> {
     counter.count("mesh_source_row", PER_POINT, || {
         let mut row = SourceRow::new(black_box(correction));
@@ -130,7 +130,8 @@ fn source_rows(counter: &mut Counter, correction: &FrameCorrection) -> Option<()
     Some(())
 }
 
-/// Vertices of the recorded image as a graphics processor draws them: without K3, and with it.
+/// Counts vertices of the recorded image as a graphics processor draws them: without K3, and with
+/// it.
 fn pixel_corrections(counter: &mut Counter) -> Option<()> {
     let mut without_k3 = short();
     without_k3.calibration.distortion.k3 = 0.0;

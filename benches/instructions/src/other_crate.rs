@@ -1,4 +1,5 @@
-//! What a user would otherwise take: the crate `opencv-ros-camera`, in single precision, its coordinates in pixels.
+//! Alternative for users: the crate `opencv-ros-camera`, in single precision, with coordinates in
+//! pixels.
 
 use core::hint::black_box;
 
@@ -9,13 +10,14 @@ use opencv_ros_camera::{Distortion, RosOpenCvIntrinsics, UndistortedPixels};
 use crate::counter::Counter;
 use crate::specimen::points;
 
-/// Points to a call; their matrices are on the stack.
+/// Points per call; their matrices are on the stack.
 const BATCH: usize = 256;
 const PIXEL_MM: f32 = 0.00376;
 const PRINCIPAL_DISTANCE_PX: f32 = 51.3712 / PIXEL_MM;
 const CENTRE_PX: [f32; 2] = [7101.5, 5325.5];
 
-/// Ideal to measured is a polynomial there, and back five iterations: the other way round than photogrammetry has it.
+/// Counts the crate's functions. It converts ideal into measured points by a polynomial and back by
+/// five iterations; photogrammetry has the polynomial the other way round.
 pub(crate) fn count(counter: &mut Counter) -> Option<()> {
     // K1 to K3 of the short specimen, and no tangential terms, in units of the principal distance.
     let distortion = Distortion::from_opencv_vec(Vector5::new(0.0424, -0.0431, 0.0, 0.0, 0.0241));
@@ -30,7 +32,7 @@ pub(crate) fn count(counter: &mut Counter) -> Option<()> {
     );
     let points = points();
     let places = SMatrix::<f32, BATCH, 2>::from_fn(|row, column| {
-        // Every fourth point.
+        // Every fourth point is taken.
         let point = points.get(4 * row).copied().unwrap_or_default();
         match column {
             0 => centre_col + point.x_mm / PIXEL_MM,
@@ -47,7 +49,8 @@ pub(crate) fn count(counter: &mut Counter) -> Option<()> {
     counter.count("opencv_ros_camera_undistort", per_point, || {
         Some(black_box(&camera).undistort(black_box(&measured)).data[(0, 0)])
     })?;
-    // From directions in the camera to pixels: a division more than the polynomial.
+    // The conversion from directions in the camera to pixels has one division more than the
+    // polynomial.
     let rays =
         Points::<CameraFrame, f32, _, _>::new(SMatrix::<f32, BATCH, 3>::from_fn(|row, column| {
             match column {

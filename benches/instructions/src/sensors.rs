@@ -1,20 +1,20 @@
-//! Sensors of an aircraft at 50 m/s, 500 m above the ground: all there are.
+//! Sensors of an aircraft at 50 m/s, 500 m above the ground, with every kind of sensor.
 
 use fmc_camera::flight::event::{AttitudeSample, Event};
 use fmc_camera::flight::vh::VhSample;
 
-/// Rounds from one sample of V/H to the next: each of the seven comes ten times a second.
+/// Rounds from one sample of V/H to the next; each of the seven comes ten times a second.
 const SAMPLE_ROUNDS: u32 = 14;
 /// Rounds from one attitude to the next: 100 Hz.
 const ATTITUDE_ROUNDS: u32 = 10;
 /// Rounds from one time pulse to the next.
 const SECOND_ROUNDS: u32 = 1000;
-/// The receiver names a pulse that many rounds after it.
+/// Rounds from a pulse to the message in which the receiver names it.
 const NAMED_ROUNDS: u32 = 100;
 /// 2026-01-01, µs since 1970.
 const START_UNIX_US: u64 = 1_767_225_600_000_000;
 
-/// A turbulent one.
+/// Attitude in turbulence.
 pub(crate) const ATTITUDE: AttitudeSample = AttitudeSample {
     pitch_deg: 1.0,
     roll_deg: -2.0,
@@ -22,7 +22,7 @@ pub(crate) const ATTITUDE: AttitudeSample = AttitudeSample {
     rates_deg_s: [0.5, -0.5, 0.2],
 };
 
-/// A sample of V/H: one of the seven after the other, no two in a row the same.
+/// Returns a sample of V/H, from each of the seven sources in turn, with changing values.
 pub(crate) fn sample(index: u32) -> VhSample {
     let wobble = if (index / 7).is_multiple_of(2) {
         1.0
@@ -40,7 +40,7 @@ pub(crate) fn sample(index: u32) -> VhSample {
     }
 }
 
-/// What the sensors say in a round.
+/// Returns the events of the sensors in a round.
 pub(crate) fn events(round: u32) -> [Option<Event>; 3] {
     let comes = |period: u32, at: u32| round % period == at;
     let seconds = u64::from(round / SECOND_ROUNDS);

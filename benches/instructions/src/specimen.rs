@@ -1,4 +1,4 @@
-//! The cameras whose work is counted, and their points.
+//! Cameras whose work is counted, and their points.
 
 use fmc_camera::flight::camera::Mechanism;
 use fmc_camera::flight::stage::RunUp;
@@ -19,7 +19,7 @@ pub(crate) fn short() -> CameraRecord {
     CameraRecord::new(lens)
 }
 
-/// The same with tangential distortion and affinity: the full form.
+/// The same camera with tangential distortion and affinity: the full form.
 pub(crate) fn full() -> CameraRecord {
     let mut record = short();
     record.calibration.distortion = Brown {
@@ -32,7 +32,8 @@ pub(crate) fn full() -> CameraRecord {
     record
 }
 
-/// The full form behind a leaf shutter, on a stage of limited jerk: all that an exposure's record can cost.
+/// The full form behind a leaf shutter, on a stage of limited jerk, for which the record of an
+/// exposure is most expensive.
 pub(crate) fn flown() -> CameraRecord {
     CameraRecord {
         mechanism: Mechanism::Stage {
@@ -50,7 +51,8 @@ pub(crate) fn flown() -> CameraRecord {
     }
 }
 
-/// A lens of 20 % distortion at the corner, near to folding: shown to be one-to-one box by box, which takes longest.
+/// A lens of 20 % distortion at the corner, near to folding; the proof that it is one-to-one goes
+/// box by box, which takes longest.
 pub(crate) fn strong() -> CameraRecord {
     let mut lens = CalibrationRecord::new(100.0, [8000, 6000], 10.0);
     lens.distortion.k1 = 9e-5;
@@ -71,12 +73,12 @@ pub(crate) fn wide() -> CameraRecord {
 
 pub(crate) const EXPOSURE: Exposure = Exposure::new(0.17, 1.0 / 200.0);
 
-/// Points of a side of the grid that is corrected.
+/// Points along a side of the grid that is corrected.
 const SIDE: u16 = 32;
-/// Points of the grid.
+/// Number of points of the grid.
 pub(crate) const POINTS: usize = SIDE as usize * SIDE as usize;
 
-/// A grid over most of the sensor, small enough that every ideal point has a measured one.
+/// Returns a grid over most of the sensor, small enough that every ideal point has a measured one.
 pub(crate) fn points() -> [SensorPoint; POINTS] {
     let mut points = [SensorPoint::default(); POINTS];
     for (index, point) in (0_u16..).zip(&mut points) {
