@@ -83,7 +83,7 @@ fn what_is_found_of_the_instruments_is_in_the_records_and_counted_in_the_report(
             flown: &flight.0,
             judgement: &flight.1,
         };
-        let text = host_sim::report::mission::text::text(&report);
+        let text = fmc_report::mission::text::text(&report);
         assert!(text.contains(&format!("{} in ", flag.name())), "{text}");
     }
 }
