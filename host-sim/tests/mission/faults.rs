@@ -68,6 +68,9 @@ fn what_is_found_of_the_instruments_is_in_the_records_and_counted_in_the_report(
         ("vh-frozen", Flag::VhFrozen),
         ("vh-wrong-unit", Flag::VhKnots),
         ("vh-wrong-sign", Flag::VhWrongSign),
+        ("vh-wrong-unit-second-source", Flag::VhFeet),
+        ("vh-jump-second-source", Flag::VhDisagreement),
+        ("uart-cut", Flag::AttitudeSilent),
     ] {
         let scenario = fault_scenario(name);
         let flight = passed(&scenario, 1);
