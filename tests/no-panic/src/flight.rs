@@ -21,8 +21,10 @@ use fmc_camera::flight::{
     exposure::{Exposure, FlightDirection, Limits},
     fault::{Fault, Faults},
     findings::Findings,
+    flown_deck::FlownDeck,
     frame_record::{Flag, Flags, Reason},
     rig::Rig,
+    ring::Ring,
     round_guard::RoundGuard,
     settings::FlightSettings,
     shutter_output::{self, ShutterOutput},
@@ -37,9 +39,12 @@ use fmc_camera::flight::{
 
 use crate::pin::Pin;
 
+type Bytes = Ring<u8, 8>;
+type Deck = FlownDeck<RigDrive>;
 type Decoder = QuadratureDecoder<Pin, Pin>;
 type Motor = PwmEncoder<Pin, Pin, Decoder>;
 type Enabled = EnabledDrive<Motor, Pin>;
+type Stamps = Ring<u32, 8>;
 type Stepper = StepDir<Pin, Pin, Pin, Pin>;
 
 /// Keeps the public functions of `fmc_camera::flight`.
@@ -118,6 +123,35 @@ pub(crate) fn keep() {
         EventQueue::count_lost,
         EventQueue::take,
         EventQueue::clear,
+        Deck::new,
+        Deck::with_row_clock,
+        Deck::set_now,
+        Deck::capture,
+        Deck::count_lost,
+        Deck::see,
+        Deck::round,
+        Deck::drive,
+        Deck::drive_mut,
+        Deck::prepare,
+        Deck::controller,
+        Deck::controller_mut,
+        Deck::offset_mm,
+        Deck::tell,
+        Bytes::new,
+        Bytes::push,
+        Bytes::pop,
+        Bytes::has_room,
+        Bytes::is_empty,
+        Bytes::lose,
+        Bytes::take_lost,
+        Stamps::new,
+        Stamps::push,
+        Stamps::pop,
+        Stamps::has_room,
+        Stamps::is_empty,
+        Stamps::lose,
+        Stamps::take_lost,
+        Stamps::capture,
         RoundGuard::new,
         RoundGuard::come_round,
         RoundGuard::is_overdue,

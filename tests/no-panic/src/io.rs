@@ -2,7 +2,6 @@
 
 use fmc_camera::flight::drive::rig::RigDrive;
 use fmc_camera::flight::flown_deck::FlownDeck;
-use fmc_camera::flight::ring::Ring;
 use fmc_camera::io::link::{
     deck::{FlightDeck, RigDeck},
     digest,
@@ -11,28 +10,11 @@ use fmc_camera::io::link::{
     station::Station,
 };
 
-type Bytes = Ring<u8, 8>;
 type Deck = FlownDeck<RigDrive>;
-type Stamps = Ring<u32, 8>;
 
 /// Keeps the public functions of `fmc_camera::io`.
 pub(crate) fn keep() {
     keep![
-        Bytes::new,
-        Bytes::push,
-        Bytes::pop,
-        Bytes::has_room,
-        Bytes::is_empty,
-        Bytes::lose,
-        Bytes::take_lost,
-        Stamps::new,
-        Stamps::push,
-        Stamps::pop,
-        Stamps::has_room,
-        Stamps::is_empty,
-        Stamps::lose,
-        Stamps::take_lost,
-        Stamps::capture,
         Frame::bytes,
         FrameReceiver::new,
         FrameReceiver::receive,
@@ -47,20 +29,6 @@ pub(crate) fn keep() {
         digest::of_flight_record,
         RigDeck::new,
         RigDeck::after,
-        Deck::new,
-        Deck::with_row_clock,
-        Deck::set_now,
-        Deck::capture,
-        Deck::count_lost,
-        Deck::see,
-        Deck::round,
-        Deck::drive,
-        Deck::drive_mut,
-        Deck::prepare,
-        Deck::controller,
-        Deck::controller_mut,
-        Deck::offset_mm,
-        Deck::tell,
         Deck::step,
         Start::counting_on,
         Start::unreferenced,
