@@ -19,10 +19,22 @@ fn panic(info: &PanicInfo<'_>) -> ! {
 #[cfg(link_check)]
 #[panic_handler]
 fn panic(_: &PanicInfo<'_>) -> ! {
-    unsafe extern "C" {
-        safe fn fmc_camera_can_panic() -> !;
-    }
     fmc_camera_can_panic()
+}
+
+#[cfg(link_check)]
+unsafe extern "C" {
+    safe fn fmc_camera_can_panic() -> !;
+}
+
+/// What follows a `defmt::panic!`, which nothing calls. Without it defmt's linker script would keep the default, which
+/// panics, whether it is called or not.
+#[defmt::panic_handler]
+fn panic_of_the_log() -> ! {
+    #[cfg(link_check)]
+    fmc_camera_can_panic();
+    #[cfg(not(link_check))]
+    super::stop_after_panic()
 }
 
 /// A panic for the negative control of the link check.
