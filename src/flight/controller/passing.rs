@@ -19,7 +19,8 @@ impl Controller {
             let Err(reason) = begun else {
                 return;
             };
-            (self.frame.kept).refuse(sequence, trigger, reason, Faults::NONE, crc);
+            let kept = &mut self.frame.kept;
+            kept.refuse(sequence, trigger, reason, Faults::NONE, crc);
         }
         let (Numbered::Pending(sequence) | Numbered::Full(sequence)) = numbered;
         act(actions, Action::FrameReady(sequence));
