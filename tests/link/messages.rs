@@ -153,6 +153,8 @@ fn bytes_on_the_wire_are_those_of_the_description() {
     let crc = [0, 7, 14, 21, 28].map(|shift| ((crc >> shift) & 127 | 128).to_le_bytes()[0]);
     assert_eq!(request.bytes(), [&[0], &checked[..], &crc, &[0]].concat());
     assert_eq!(PROTOCOL_VERSION, 4);
+    let latest = format!("|---|---|\n| {PROTOCOL_VERSION} |");
+    assert!(include_str!("../../CHANGELOG.md").contains(&latest));
 }
 
 #[test]
