@@ -21,6 +21,7 @@
 mod aircraft;
 mod checks;
 mod commands;
+mod error;
 mod faults;
 mod frame;
 mod passing;
@@ -36,11 +37,12 @@ mod ways;
 use heapless::Vec;
 
 use self::aircraft::{Aircraft, Said};
+pub use self::error::ControllerError;
 use self::frame::FrameMachine;
 use self::readiness::{Mode, Readiness};
 use self::setup::Setup;
 use self::stage::StageMachine;
-pub use self::start::{ControllerError, Start};
+pub use self::start::Start;
 use self::state::State;
 pub use self::status::Counts;
 use super::event::{Action, Event};

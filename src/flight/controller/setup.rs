@@ -1,11 +1,10 @@
 //! The camera and its settings, as one flight has them.
 
-use super::ControllerError;
-use super::frame::Asked;
+use super::error::ControllerError;
 use super::timing::{LEAD_S, TICK_S};
 use crate::flight::camera::{self, Camera, FrameError};
 use crate::flight::event::AttitudeSample;
-use crate::flight::exposure::{CorrectionModel, Exposure};
+use crate::flight::exposure::{CorrectionModel, Exposure, FlightDirection};
 use crate::flight::interior_orientation::InteriorOrientation;
 use crate::flight::settings::FlightSettings;
 use crate::flight::smear_prediction::{Compensation, PredictedSmear, SmearPrediction};
@@ -60,12 +59,13 @@ impl Setup {
     /// bounds it.
     pub(super) fn predict_smear(
         &self,
-        asked: &Asked,
+        vh: Option<VhEstimate>,
+        direction: FlightDirection,
         interior: &InteriorOrientation,
         wander_mm: f32,
         attitude: Option<&AttitudeSample>,
     ) -> PredictedSmear {
-        let vh = asked.vh.unwrap_or_else(|| VhEstimate {
+        let vh = vh.unwrap_or_else(|| VhEstimate {
             vh_per_s: self.camera.limits().vh_per_s[1],
             sigma_per_s: 0.0,
             age_s: 0.0,
@@ -74,7 +74,7 @@ impl Setup {
         });
         let compensation = Compensation {
             exposure_s: interior.exposure_s,
-            travel_mm: asked.exposure.direction.sign() * interior.motion.travel_mm,
+            travel_mm: direction.sign() * interior.motion.travel_mm,
             wander_mm,
             principal_point: interior.principal_point,
         };

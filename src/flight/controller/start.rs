@@ -1,19 +1,16 @@
 //! The start of a controller.
 
-use core::fmt;
-
 use super::Controller;
 use super::aircraft::Aircraft;
+use super::error::ControllerError;
 use super::frame::FrameMachine;
 use super::readiness::{Mode, Readiness};
 use super::setup::{Setup, check_interval};
 use super::stage::StageMachine;
-use crate::flight::camera::{Camera, CameraRecord, FrameError};
+use crate::flight::camera::{Camera, CameraRecord};
 use crate::flight::fault::{Fault, Faults};
 use crate::flight::settings::FlightSettings;
 use crate::flight::smear_prediction::SmearPrediction;
-use crate::geometry::calibration::CalibrationError;
-use crate::geometry::range::OutOfRange;
 
 /// How the camera has come to run.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -26,30 +23,6 @@ pub enum Start {
     /// As [`Self::Orderly`], but the encoder has lost its place.
     Unreferenced,
 }
-
-/// A camera cannot be flown so.
-#[derive(Debug, Clone, Copy, PartialEq)]
-#[cfg_attr(feature = "defmt", derive(defmt::Format))]
-pub enum ControllerError {
-    /// The calibration is not usable.
-    Calibration(CalibrationError),
-    /// A setting is not believable.
-    Settings(OutOfRange),
-    /// The mechanism cannot make any travel within the camera's limits, or not between two triggers.
-    Travel(FrameError),
-}
-
-impl fmt::Display for ControllerError {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        match self {
-            Self::Calibration(error) => error.fmt(f),
-            Self::Settings(error) => error.fmt(f),
-            Self::Travel(error) => error.fmt(f),
-        }
-    }
-}
-
-impl core::error::Error for ControllerError {}
 
 impl Controller {
     /// The controller of a camera, in standby. After a bite of the watchdog it begins with that fault.

@@ -82,6 +82,7 @@ fn no_files_of_a_crate_use_each_other_in_a_circle() {
     for (name, arrows) in crates {
         assert_eq!(circles(&arrows), [""; 0], "crates/{name}");
     }
+    assert_eq!(circles(&library()), [""; 0], "src");
 }
 
 /// The arrows of a sample, whose files are given by name and text.

@@ -87,7 +87,8 @@ impl InFlight {
         let centroid = light.opened.plus_s(interior.motion.centroid_time_s);
         let attitude = aircraft.attitude_at(centroid);
         let wander_mm = measured.wander_mm;
-        let smear = setup.predict_smear(&self.asked, &interior, wander_mm, attitude.as_ref());
+        let (vh, direction) = (self.asked.vh, self.asked.exposure.direction);
+        let smear = setup.predict_smear(vh, direction, &interior, wander_mm, attitude.as_ref());
         if smear.is_with_attitude {
             flags.insert(Flag::WithAttitude);
         }

@@ -1,0 +1,31 @@
+//! The error of a camera that cannot be flown.
+
+use core::fmt;
+
+use crate::flight::camera::FrameError;
+use crate::geometry::calibration::CalibrationError;
+use crate::geometry::range::OutOfRange;
+
+/// A camera cannot be flown so.
+#[derive(Debug, Clone, Copy, PartialEq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
+pub enum ControllerError {
+    /// The calibration is not usable.
+    Calibration(CalibrationError),
+    /// A setting is not believable.
+    Settings(OutOfRange),
+    /// The mechanism cannot make any travel within the camera's limits, or not between two triggers.
+    Travel(FrameError),
+}
+
+impl fmt::Display for ControllerError {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::Calibration(error) => error.fmt(f),
+            Self::Settings(error) => error.fmt(f),
+            Self::Travel(error) => error.fmt(f),
+        }
+    }
+}
+
+impl core::error::Error for ControllerError {}
