@@ -7,7 +7,13 @@ use fmc_camera::io::link::station::Event;
 
 /// The first line.
 pub(crate) fn note_start(board: &str, build: &str, start: Start) {
-    defmt::info!("{=str} {=str} starts after {}", board, build, start);
+    let after = match start {
+        Start::PowerOn => "power on",
+        Start::Requested => "request",
+        Start::Watchdog => "watchdog",
+        Start::Fault => "fault",
+    };
+    defmt::info!("{=str} {=str} starts after {=str}", board, build, after);
 }
 
 /// A line for each event that is not the ordinary flow of points.
@@ -18,10 +24,12 @@ pub(crate) fn note(event: Event) {
             defmt::info!("calibration {=u32:#010x} in use", calibration.crc);
         }
         Event::Exposed | Event::Answered => {}
-        Event::Reset | Event::PowerOff => defmt::info!("{} requested", event),
-        Event::Repeated | Event::Lost(_) | Event::Unreadable(_) | Event::Refused(_) => {
-            defmt::warn!("{}", event);
-        }
+        Event::Repeated => defmt::warn!("request repeated"),
+        Event::Lost(damage) => defmt::warn!("frame lost: {}", damage),
+        Event::Unreadable(unreadable) => defmt::warn!("frame unreadable: {}", unreadable),
+        Event::Refused(refusal) => defmt::warn!("refused: {}", refusal),
+        Event::Reset => defmt::info!("reset requested"),
+        Event::PowerOff => defmt::info!("power off requested"),
     }
 }
 
