@@ -5,7 +5,7 @@
 
 use std::{env, error::Error, fmt::Write as _, fs};
 
-use fmc_camera::{Brown, CalibrationRecord, Camera, CameraRecord, Exposure, SensorPoint};
+use fmc_camera::{Brown, CalibrationParameters, Camera, CameraParameters, Exposure, SensorPoint};
 
 /// A point as it stands in the file.
 #[derive(Debug, serde::Deserialize)]
@@ -17,14 +17,14 @@ struct Point {
 
 /// A Phase One iXM-RS150F with 50 mm, as published: principal distance and coefficients in mm.
 fn camera() -> Result<Camera, Box<dyn Error>> {
-    let mut lens = CalibrationRecord::new(51.3712, [14204, 10652], 3.76);
+    let mut lens = CalibrationParameters::new(51.3712, [14204, 10652], 3.76);
     lens.distortion = Brown {
         k1: -1.6056e-5,
         k2: 6.18966e-9,
         k3: -1.31329e-12,
         ..Brown::default()
     };
-    Ok(Camera::new(CameraRecord::new(lens))?)
+    Ok(Camera::new(CameraParameters::new(lens))?)
 }
 
 /// The corrected points of a table, with what was subtracted.

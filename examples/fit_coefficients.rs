@@ -14,7 +14,7 @@ use fmc_camera::geometry::estimation::observation::Observation;
 use fmc_camera::geometry::estimation::options::FitOptions;
 use fmc_camera::geometry::estimation::parameter::Parameter;
 use fmc_camera::geometry::five_coefficient::Regressor;
-use fmc_camera::{CalibrationRecord, Camera, CameraRecord, Exposure, SensorPoint};
+use fmc_camera::{CalibrationParameters, Camera, CameraParameters, Exposure, SensorPoint};
 
 /// Standard deviation of an observed distortion, mm.
 const SIGMA_MM: f32 = 1e-3;
@@ -26,14 +26,14 @@ fn read_mm(truth_mm: f32) -> f32 {
 
 /// Observations of five exposures at 81 points each, adjusted.
 pub(crate) fn fit() -> Result<String, Box<dyn Error>> {
-    let mut lens = CalibrationRecord::new(100.0, [9216, 9216], 8.75);
+    let mut lens = CalibrationParameters::new(100.0, [9216, 9216], 8.75);
     lens.distortion.k1 = -1e-5;
-    let mut record = CameraRecord::new(lens);
-    if let Mechanism::Stage { run_up, .. } = &mut record.mechanism {
+    let mut parameters = CameraParameters::new(lens);
+    if let Mechanism::Stage { run_up, .. } = &mut parameters.mechanism {
         // The shutter opens when the principal point has left its calibrated place.
         *run_up = RunUp::FromRest;
     }
-    let camera = Camera::new(record)?;
+    let camera = Camera::new(parameters)?;
 
     // Per mm of c̄, the mean offset of the principal point: for a distortion of K1 alone, Kd1 = -2·K1 and Pm1 = -K1.
     let options = FitOptions {
@@ -52,7 +52,7 @@ pub(crate) fn fit() -> Result<String, Box<dyn Error>> {
                 y_mm,
                 dx_mm: read_mm(distortion.dx_mm),
                 dy_mm: read_mm(distortion.dy_mm),
-                regressor_mm: frame.record.motion.centroid_mm,
+                regressor_mm: frame.interior.motion.centroid_mm,
                 sigma_mm: SIGMA_MM,
             })?;
         }

@@ -5,7 +5,7 @@ use std::{error::Error, fmt::Write as _};
 
 use fmc_camera::geometry::mesh::pixel_correction::{CorrectionMesh, PixelCorrection};
 use fmc_camera::geometry::mesh::vertex::VertexRow;
-use fmc_camera::{Brown, CalibrationRecord, Camera, CameraRecord, Exposure};
+use fmc_camera::{Brown, CalibrationParameters, Camera, CameraParameters, Exposure};
 
 const COLUMNS_PX: u16 = 14204;
 const ROWS_PX: u16 = 10652;
@@ -16,14 +16,15 @@ const VERTICES: u16 = (COLUMNS_PX - 1).div_ceil(SPACING_PX) + 1;
 
 /// What the mesh of an exposure is: its size, its bounds, and the correction at four of its vertices.
 pub(crate) fn mesh() -> Result<String, Box<dyn Error>> {
-    let mut lens = CalibrationRecord::new(51.3712, [COLUMNS_PX.into(), ROWS_PX.into()], 3.76);
+    let mut lens = CalibrationParameters::new(51.3712, [COLUMNS_PX.into(), ROWS_PX.into()], 3.76);
     lens.distortion = Brown {
         k1: -1.6056e-5,
         k2: 6.18966e-9,
         k3: -1.31329e-12,
         ..Brown::default()
     };
-    let frame = Camera::new(CameraRecord::new(lens))?.frame(&Exposure::new(0.17, 1.0 / 200.0))?;
+    let frame =
+        Camera::new(CameraParameters::new(lens))?.frame(&Exposure::new(0.17, 1.0 / 200.0))?;
     let mesh = CorrectionMesh::new(&frame.correction, SPACING_PX);
 
     let mut text = String::new();

@@ -1,6 +1,7 @@
 //! A camera with a mechanism of its own: a voice coil with an amplifier that goes where it is told. Mechanism, shutter and
 //! V/H are imaginary, and so is time; the rest is what firmware does. `cargo run --example imaginary_mechanism`
 
+use fmc_camera::flight::control_loop::{ControlLoop, Events};
 use fmc_camera::flight::controller::{Controller, Start};
 use fmc_camera::flight::drive::{FmcDrive, StageReading};
 use fmc_camera::flight::event::{Action, Command, Event, ShutterEdge};
@@ -9,9 +10,8 @@ use fmc_camera::flight::frame_record::Outcome;
 use fmc_camera::flight::settings::FlightSettings;
 use fmc_camera::flight::stage::Setpoint;
 use fmc_camera::flight::time::Time;
-use fmc_camera::flight::unit::{CameraUnit, Events};
 use fmc_camera::flight::vh::VhSample;
-use fmc_camera::{CalibrationRecord, CameraRecord};
+use fmc_camera::{CalibrationParameters, CameraParameters};
 use std::{error::Error, fmt::Write};
 
 /// Part of the way to its set point that the stage goes in a round: it lags by a millisecond.
@@ -48,9 +48,9 @@ impl FmcDrive for VoiceCoil {
 
 /// A second and a half with one trigger, and what happens in it.
 pub(crate) fn flight() -> Result<String, Box<dyn Error>> {
-    let camera = CameraRecord::new(CalibrationRecord::new(100.0, [9216, 9216], 8.75));
+    let camera = CameraParameters::new(CalibrationParameters::new(100.0, [9216, 9216], 8.75));
     let controller = Controller::new(&camera, 0, &FlightSettings::default(), Start::Orderly)?;
-    let mut unit = CameraUnit::new(controller, VoiceCoil::default());
+    let mut unit = ControlLoop::new(controller, VoiceCoil::default());
     let (mut edges, mut log) = (Vec::new(), String::new());
     for round in 1..=1500 {
         let now = Time::from_us(1000 * round);

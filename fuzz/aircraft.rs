@@ -4,7 +4,7 @@
 use crc::{CRC_16_MCRF4XX, Crc};
 use fmc_camera::flight::vh::{VhChannel, VhSample};
 use fmc_camera::geometry::range::Quantity;
-use fmc_camera::io::mavlink::{LONGEST_FRAME, MavlinkReading, MavlinkReceiver};
+use fmc_camera::io::mavlink::{LONGEST_PACKET, MavlinkReading, MavlinkReceiver};
 use fmc_camera::io::nmea::{LONGEST_SENTENCE, NmeaError, NmeaReading, NmeaReceiver};
 
 /// Feeds any bytes to the receiver of satellite sentences: every reading was sent whole and is in
@@ -100,7 +100,7 @@ const MESSAGES: [(u32, u8); 5] = [(2, 137), (33, 104), (132, 85), (141, 47), (0,
 /// The input is sent as it is, then as the payload of every message that is read, with a right
 /// checksum.
 pub(crate) fn mavlink(bytes: &[u8]) {
-    const { assert!(size_of::<MavlinkReceiver>() <= LONGEST_FRAME + 16) };
+    const { assert!(size_of::<MavlinkReceiver>() <= LONGEST_PACKET + 16) };
     let mut receiver = MavlinkReceiver::new();
     let mut readings = messages(&mut receiver, bytes);
     for piece in bytes.chunks(60) {
@@ -121,7 +121,7 @@ pub(crate) fn mavlink(bytes: &[u8]) {
         &[&time_us.to_le_bytes()[..], &[1, 2, 3]].concat(),
     );
     let mut found = Vec::new();
-    for _ in 0..LONGEST_FRAME / last.len() + 2 {
+    for _ in 0..LONGEST_PACKET / last.len() + 2 {
         found = messages(&mut receiver, &last);
     }
     assert_eq!(found.last().unwrap().unix_us, Some(time_us));

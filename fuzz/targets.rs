@@ -3,28 +3,28 @@
 #[path = "wire_format.rs"]
 pub(crate) mod wire_format;
 
-use fmc_camera::flight::camera::{Camera, CameraRecord};
+use fmc_camera::flight::camera::{Camera, CameraParameters};
+use fmc_camera::flight::control_loop::MAX_ROUND_ACTIONS;
 use fmc_camera::flight::drive::rig::RigDrive;
 use fmc_camera::flight::drive::settings::DriveSettings;
 use fmc_camera::flight::exposure::Exposure;
 use fmc_camera::flight::flown_deck::FlownDeck;
 use fmc_camera::flight::time::Time;
-use fmc_camera::flight::unit::MAX_ROUND_ACTIONS;
-use fmc_camera::geometry::calibration::CalibrationRecord;
+use fmc_camera::geometry::calibration::CalibrationParameters;
 use fmc_camera::geometry::frame_correction::Corrected;
 use fmc_camera::geometry::sensor::SensorPoint;
 use fmc_camera::io::link::deck::{FlightDeck, RigDeck};
-use fmc_camera::io::link::frame::{Frame, FrameReceiver};
-use fmc_camera::io::link::message::{Answer, Header, Identity, Request, Start};
+use fmc_camera::io::link::message::{Answer, Header, Identity, Request, ResetCause};
+use fmc_camera::io::link::packet::{Packet, PacketReceiver};
 use fmc_camera::io::link::station::Station;
 
-use fmc_camera::io::link::{LONGEST_FRAME, PROTOCOL_VERSION};
+use fmc_camera::io::link::{LONGEST_PACKET, PROTOCOL_VERSION};
 use wire_format::{frame_of, payload_of};
 
 /// Feeds any bytes to the wire: a payload is accepted exactly where a slow and simple reading of
 /// the same bytes accepts one, and a whole frame after them is received.
 pub(crate) fn wire(bytes: &[u8]) {
-    let mut receiver = FrameReceiver::new();
+    let mut receiver = PacketReceiver::new();
     let mut accepted = Vec::new();
     for byte in bytes {
         if let Some(Ok(payload)) = receiver.receive(*byte) {
@@ -42,18 +42,24 @@ pub(crate) fn wire(bytes: &[u8]) {
         .collect();
     assert_eq!(accepted, expected);
 
-    let mut frame = Frame::EMPTY;
+    let mut frame = Packet::EMPTY;
     let header = Header {
         session: 1,
         sequence: 2,
     };
-    Request::Record.write(header, &mut frame).unwrap();
+    Request::InteriorOrientation
+        .write(header, &mut frame)
+        .unwrap();
     let last = std::iter::once(&0)
         .chain(frame.bytes())
         .filter_map(|byte| receiver.receive(*byte)?.ok().map(<[u8]>::to_vec))
         .last();
     let read = Request::read(&last.unwrap()).unwrap();
-    assert_eq!(read, (header, Some(Request::Record)), "resynchronised");
+    assert_eq!(
+        read,
+        (header, Some(Request::InteriorOrientation)),
+        "resynchronised"
+    );
 }
 
 /// Sends any requests to a camera: it answers each with one whole answer or none, counts those that
@@ -62,12 +68,12 @@ pub(crate) fn wire(bytes: &[u8]) {
 /// The input is cut into pieces by its own length bytes. A piece is sent as it is, or with header
 /// and CRC around it, so that every request is reached.
 pub(crate) fn station(bytes: &[u8]) {
-    station_of(RigDeck::after(Start::PowerOn), bytes, |_| ());
+    station_of(RigDeck::after(ResetCause::PowerOn), bytes, |_| ());
     let drive = RigDrive::new(DriveSettings::default()).unwrap();
     let mut now = Time::START;
     // On a board a millisecond and a round of the control loop follow every request.
     station_of(
-        FlownDeck::new(drive, Start::PowerOn.unreferenced()),
+        FlownDeck::new(drive, ResetCause::PowerOn.unreferenced()),
         bytes,
         |deck| {
             now = Time::from_us(now.us() + 1000);
@@ -79,7 +85,7 @@ pub(crate) fn station(bytes: &[u8]) {
 
 /// Does the same with any camera; `then` is called after every request.
 fn station_of<Deck: FlightDeck>(deck: Deck, bytes: &[u8], mut then: impl FnMut(&mut Deck)) {
-    let identity = Identity::new("", "", true, Start::PowerOn);
+    let identity = Identity::new("", "", true, ResetCause::PowerOn);
     let mut station = Station::with(identity, || 0, deck);
     send(&mut station, &framed(&Request::Connect, 0));
     let mut sequence = 1;
@@ -118,10 +124,10 @@ fn station_of<Deck: FlightDeck>(deck: Deck, bytes: &[u8], mut then: impl FnMut(&
 
 /// Checks a new session, a calibration, an exposure and a point against the bits of the library.
 fn works_for_the_next_host<Deck: FlightDeck>(station: &mut Station<Deck>) {
-    let record = CameraRecord::new(CalibrationRecord::new(100.0, [8000, 4000], 10.0));
+    let parameters = CameraParameters::new(CalibrationParameters::new(100.0, [8000, 4000], 10.0));
     let exposure = Exposure::new(0.1, 0.005);
     let point = SensorPoint::new(12.0, -3.0);
-    let expected: Corrected = Camera::new(record)
+    let expected: Corrected = Camera::new(parameters)
         .unwrap()
         .frame(&exposure)
         .unwrap()
@@ -131,7 +137,7 @@ fn works_for_the_next_host<Deck: FlightDeck>(station: &mut Station<Deck>) {
     let mut answers = Vec::new();
     for (request, sequence) in [
         Request::Connect,
-        Request::Load(record),
+        Request::Load(parameters),
         Request::Expose(exposure),
         Request::Correct(std::iter::once(point).collect()),
     ]
@@ -154,7 +160,7 @@ fn send<Deck: FlightDeck>(station: &mut Station<Deck>, bytes: &[u8]) -> Vec<Opti
         station.sent(answer.len());
         assert!(station.to_send().is_empty());
         if let [0, frame @ .., 0] = &answer[..] {
-            assert!(answer.len() <= LONGEST_FRAME);
+            assert!(answer.len() <= LONGEST_PACKET);
             let (_, answer) = Answer::read(&payload_of(frame).unwrap()).unwrap();
             assert!(answer.is_some());
             answers.push(answer);
@@ -167,7 +173,7 @@ fn send<Deck: FlightDeck>(station: &mut Station<Deck>, bytes: &[u8]) -> Vec<Opti
 
 /// Returns a frame with a request of session 5.
 fn framed(request: &Request, sequence: u16) -> Vec<u8> {
-    let mut frame = Frame::EMPTY;
+    let mut frame = Packet::EMPTY;
     let header = Header {
         session: 5,
         sequence,

@@ -18,9 +18,9 @@ pub mod flight;
 pub mod geometry;
 pub mod io;
 
-pub use flight::camera::{Camera, CameraRecord, Frame};
+pub use flight::camera::{Camera, CameraParameters, Frame};
 pub use flight::exposure::{CorrectionModel, Exposure};
 pub use geometry::brown::Brown;
-pub use geometry::calibration::{Calibration, CalibrationRecord};
+pub use geometry::calibration::{Calibration, CalibrationParameters};
 pub use geometry::frame_correction::FrameCorrection;
 pub use geometry::sensor::SensorPoint;

@@ -7,7 +7,7 @@ use core::fmt;
 use super::exposure::{CorrectionModel, Exposure, Limits};
 use super::interior_orientation::{FocusConvention, InteriorOrientation};
 use super::stage::{MechanismLimits, PlanError, RunUp, Stage, StagePlan, StrokeTooShort, Tracking};
-use crate::geometry::calibration::{Calibration, CalibrationError, CalibrationRecord};
+use crate::geometry::calibration::{Calibration, CalibrationError, CalibrationParameters};
 use crate::geometry::frame_correction::FrameCorrection;
 use crate::geometry::principal_distance::FocusShift;
 use crate::geometry::principal_point::{PrincipalPointMotion, UniformTravel};
@@ -41,9 +41,9 @@ pub enum Mechanism {
 /// Everything that describes one camera, not yet believed.
 #[derive(Debug, Clone, Copy, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
-pub struct CameraRecord {
+pub struct CameraParameters {
     /// Lens, sensor and FMC axis.
-    pub calibration: CalibrationRecord,
+    pub calibration: CalibrationParameters,
     /// How the image is held still.
     pub mechanism: Mechanism,
     /// Transmission over the exposure.
@@ -52,12 +52,12 @@ pub struct CameraRecord {
     pub limits: Limits,
 }
 
-impl CameraRecord {
+impl CameraParameters {
     /// A camera of this calibration with the mechanism, shutter and limits of a camera file that
     /// names none: a stage with 1000 mm/s², without limit of jerk and speed, 5 ms of settling,
     /// centred run-up, uniform shutter, V/H 0.05 to 0.17 1/s, exposures of 1 to 20 ms.
     #[must_use]
-    pub const fn new(calibration: CalibrationRecord) -> Self {
+    pub const fn new(calibration: CalibrationParameters) -> Self {
         Self {
             calibration,
             mechanism: Mechanism::Stage {
@@ -86,11 +86,11 @@ pub struct Camera {
     limits: Limits,
 }
 
-/// One frame: its record, and the correction of its points.
+/// One frame: its interior orientation, and the correction of its points.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Frame {
     /// What is reported.
-    pub record: InteriorOrientation,
+    pub interior: InteriorOrientation,
     /// What corrects its coordinates.
     pub correction: FrameCorrection,
 }
@@ -186,14 +186,14 @@ impl fmt::Display for FrameError {
 impl core::error::Error for FrameError {}
 
 impl Camera {
-    /// Validates a record.
+    /// Validates a parameters.
     ///
     /// # Errors
     /// [`CalibrationError`] naming the quantity, its value and the allowed range.
-    pub fn new(record: CameraRecord) -> Result<Self, CalibrationError> {
-        let calibration = Calibration::new(record.calibration)?;
-        let stroke_mm = record.calibration.stroke_mm;
-        let stage = match record.mechanism {
+    pub fn new(parameters: CameraParameters) -> Result<Self, CalibrationError> {
+        let calibration = Calibration::new(parameters.calibration)?;
+        let stroke_mm = parameters.calibration.stroke_mm;
+        let stage = match parameters.mechanism {
             Mechanism::Stage {
                 acceleration_mm_s2,
                 settling_ms,
@@ -221,10 +221,10 @@ impl Camera {
         };
         Ok(Self {
             calibration,
-            mechanism: record.mechanism,
+            mechanism: parameters.mechanism,
             stage,
-            shutter: Shutter::new(record.shutter)?,
-            limits: record.limits.checked()?,
+            shutter: Shutter::new(parameters.shutter)?,
+            limits: parameters.limits.checked()?,
         })
     }
 
@@ -261,7 +261,7 @@ impl Camera {
     /// v = f·η (Yuan et al. 2012, eq. 8), negative where the camera flies against the FMC axis.
     #[must_use]
     pub(crate) fn tracking(&self, exposure: &Exposure) -> Tracking {
-        let speed = self.calibration.record().principal_distance_mm * exposure.vh_per_s;
+        let speed = self.calibration.parameters().principal_distance_mm * exposure.vh_per_s;
         Tracking {
             speed_mm_s: exposure.direction.sign() * speed,
             exposure_s: exposure.exposure_s,
@@ -331,8 +331,8 @@ impl Camera {
         exposure: &Exposure,
         motion: &PrincipalPointMotion,
     ) -> Result<Frame, FrameError> {
-        let record = self.calibration.record();
-        within_stroke(motion, record.stroke_mm)?;
+        let parameters = self.calibration.parameters();
+        within_stroke(motion, parameters.stroke_mm)?;
         let focus = self.focus_shift(exposure, motion)?;
         let (correction, enlargement) = match exposure.model {
             CorrectionModel::Exact => (
@@ -347,19 +347,19 @@ impl Camera {
             CorrectionModel::Static => (FrameCorrection::without_motion(&self.calibration), 0.0),
         };
         Ok(Frame {
-            record: InteriorOrientation {
+            interior: InteriorOrientation {
                 vh_per_s: exposure.vh_per_s,
                 exposure_s: exposure.exposure_s,
                 motion: *motion,
-                principal_point: record
+                principal_point: parameters
                     .axis
-                    .sensor_from_offset(record.principal_point, motion.centroid_mm),
-                principal_distance_mm: record.principal_distance_mm,
+                    .sensor_from_offset(parameters.principal_point, motion.centroid_mm),
+                principal_distance_mm: parameters.principal_distance_mm,
                 focus_shift_mm: focus.shift_mm,
                 enlargement,
                 focus_convention: FocusConvention::FixedPrincipalDistance,
                 model: exposure.model,
-                kernel: correction.kernel(),
+                terms: correction.terms(),
                 left_out_nm: correction.left_out_nm(),
             },
             correction,
@@ -372,17 +372,20 @@ impl Camera {
         exposure: &Exposure,
         motion: &PrincipalPointMotion,
     ) -> Result<FocusShift, OutOfRange> {
-        let record = self.calibration.record();
+        let parameters = self.calibration.parameters();
         let added_um = Quantity::FocusShiftUm.check(exposure.focus_shift_um)?;
-        let run_out_mm = record.flatness.mean_shift_mm(motion);
+        let run_out_mm = parameters.flatness.mean_shift_mm(motion);
         let shift = FocusShift {
             shift_mm: run_out_mm + added_um / 1000.0,
-            principal_distance_mm: record.principal_distance_mm,
-            exit_pupil_mm: record.exit_pupil_mm,
+            principal_distance_mm: parameters.principal_distance_mm,
+            exit_pupil_mm: parameters.exit_pupil_mm,
             sign: exposure.focus_sign,
         };
-        let largest_um =
-            1000.0 * MAX_FOCUS_FRACTION * record.exit_pupil_mm.min(record.principal_distance_mm);
+        let largest_um = 1000.0
+            * MAX_FOCUS_FRACTION
+            * parameters
+                .exit_pupil_mm
+                .min(parameters.principal_distance_mm);
         Quantity::FocusShiftUm.check_within(shift.shift_mm * 1000.0, -largest_um, largest_um)?;
         Ok(shift)
     }

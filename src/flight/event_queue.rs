@@ -2,9 +2,9 @@
 
 use heapless::Vec;
 
+use super::control_loop::{Events, MAX_EVENTS};
 use super::event::{Command, Event, ShutterEdge};
 use super::time::Time;
-use super::unit::{Events, MAX_EVENTS};
 
 /// Places for every kind of event together.
 const CAPACITY: usize = {
@@ -176,10 +176,10 @@ impl EventQueue {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::flight::control_loop::MAX_ROUND_ACTIONS;
     use crate::flight::controller::timing::{LATE_EVENT_S, TICK_S};
     use crate::flight::event::{AttitudeSample, Supply};
     use crate::flight::fault::Fault;
-    use crate::flight::unit::MAX_ROUND_ACTIONS;
     use crate::flight::vh::VhSample;
 
     fn at(us: u64) -> Time {

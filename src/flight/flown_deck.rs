@@ -2,7 +2,8 @@
 
 use core::fmt;
 
-use super::camera::{CameraRecord, Mechanism};
+use super::camera::{CameraParameters, Mechanism};
+use super::control_loop::{self, RoundActions};
 use super::controller::state::State;
 use super::controller::{Controller, ControllerError, Start};
 use super::drive::flown_drive::FlownDrive;
@@ -11,7 +12,6 @@ use super::event_queue::EventQueue;
 use super::input_levels::InputLevels;
 use super::settings::FlightSettings;
 use super::time::Time;
-use super::unit::{self, RoundActions};
 
 /// A camera that moves a stage, with one drive for all the flights it is prepared for.
 ///
@@ -148,7 +148,7 @@ impl<Drive: FlownDrive> FlownDeck<Drive> {
         }
         let reading = self.drive.position(now);
         self.offset_mm = reading.ok().map(|reading| reading.offset_mm);
-        unit::round(controller, &mut self.drive, now, reading, &events)
+        control_loop::round(controller, &mut self.drive, now, reading, &events)
     }
 
     /// The drive.
@@ -167,7 +167,7 @@ impl<Drive: FlownDrive> FlownDeck<Drive> {
     /// [`NotFlyable`]; the camera before stays as it was.
     pub fn prepare(
         &mut self,
-        camera: &CameraRecord,
+        camera: &CameraParameters,
         calibration_crc: u32,
         settings: &FlightSettings,
     ) -> Result<(), NotFlyable> {

@@ -1,7 +1,7 @@
 //! The interior orientation of a frame, for the block adjustment, and how it came about.
 
 use super::exposure::CorrectionModel;
-use crate::geometry::frame_correction::Kernel;
+use crate::geometry::frame_correction::Terms;
 use crate::geometry::principal_point::PrincipalPointMotion;
 use crate::geometry::sensor::SensorPoint;
 
@@ -41,7 +41,7 @@ pub struct InteriorOrientation {
     /// Which model corrects the coordinates of this frame.
     pub model: CorrectionModel,
     /// Which kernel evaluates it.
-    pub kernel: Kernel,
+    pub terms: Terms,
     /// Upper bound of what model fold and kernel leave out, per axis, nm.
     pub left_out_nm: f32,
 }

@@ -2,6 +2,7 @@
 
 pub mod attitude;
 pub mod camera;
+pub mod control_loop;
 pub mod controller;
 pub mod drive;
 pub mod event;
@@ -11,7 +12,7 @@ pub mod fault;
 pub mod findings;
 pub mod flag;
 pub mod flown_deck;
-mod following_error;
+mod following_error_rms;
 pub mod frame_record;
 pub mod input_levels;
 pub mod interior_orientation;
@@ -27,6 +28,5 @@ pub mod stage;
 pub mod stage_track;
 mod stage_watch;
 pub mod time;
-pub mod unit;
 pub mod utc;
 pub mod vh;

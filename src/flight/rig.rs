@@ -1,12 +1,12 @@
 //! The camera on a test rig: the wires of its drive, shutter and sensors are numbers, its time is given.
 
-use super::camera::CameraRecord;
+use super::camera::CameraParameters;
+use super::control_loop::{ControlLoop, Events, RoundActions};
 use super::controller::state::State;
 use super::controller::{Controller, ControllerError, Start};
 use super::drive::rig::RigDrive;
 use super::settings::FlightSettings;
 use super::time::Time;
-use super::unit::{CameraUnit, Events, RoundActions};
 
 /// What happens from one round of the control loop to the next.
 #[derive(Debug, Clone, PartialEq, Default)]
@@ -37,7 +37,7 @@ pub struct RigAnswer {
 /// A camera on a test rig.
 #[derive(Debug)]
 pub struct Rig {
-    unit: CameraUnit<RigDrive>,
+    control: ControlLoop<RigDrive>,
 }
 
 impl Rig {
@@ -47,7 +47,7 @@ impl Rig {
     /// As [`Controller::new`].
     #[inline]
     pub fn new(
-        record: &CameraRecord,
+        record: &CameraParameters,
         calibration_crc: u32,
         settings: &FlightSettings,
         start: Start,
@@ -56,7 +56,7 @@ impl Rig {
         // One copy of the controller, which is large, and none more.
         match Controller::new(record, calibration_crc, settings, start) {
             Ok(controller) => Ok(Self {
-                unit: CameraUnit::new(controller, drive),
+                control: ControlLoop::new(controller, drive),
             }),
             Err(error) => Err(error),
         }
@@ -64,24 +64,24 @@ impl Rig {
 
     /// One round of the control loop.
     pub fn step(&mut self, step: &RigStep) -> RigAnswer {
-        self.unit.drive_mut().set_count(step.encoder_count);
-        let actions = self.unit.round(step.time, &step.events);
+        self.control.drive_mut().set_count(step.encoder_count);
+        let actions = self.control.round(step.time, &step.events);
         RigAnswer {
-            duty: self.unit.drive().duty(),
-            powered: self.unit.drive().powered(),
+            duty: self.control.drive().duty(),
+            powered: self.control.drive().powered(),
             actions,
-            state: self.unit.controller().state(),
+            state: self.control.controller().state(),
         }
     }
 
     /// The state machine.
     #[must_use]
     pub const fn controller(&self) -> &Controller {
-        self.unit.controller()
+        self.control.controller()
     }
 
     /// The state machine, to acknowledge its records.
     pub const fn controller_mut(&mut self) -> &mut Controller {
-        self.unit.controller_mut()
+        self.control.controller_mut()
     }
 }

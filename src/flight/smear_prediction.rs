@@ -56,18 +56,18 @@ impl SmearPrediction {
             },
             ..calibrated
         };
-        let record = calibration.record();
-        let origin = record.principal_point;
+        let parameters = calibration.parameters();
+        let origin = parameters.principal_point;
         let (half_width, half_height) = (view.sensor.half_width_mm(), view.sensor.half_height_mm());
         let place = |index: u8| 2.0 * f32::from(index) / f32::from(GRID_POINTS - 1) - 1.0;
         let mut lens_gradient: f32 = 0.0;
         for row in 0..GRID_POINTS {
             for column in 0..GRID_POINTS {
-                let jacobian = record.distortion.jacobian(
+                let jacobian = parameters.distortion.jacobian(
                     half_width * place(column) - origin.x_mm,
                     half_height * place(row) - origin.y_mm,
                 );
-                let gradient = if record.axis.is_x() {
+                let gradient = if parameters.axis.is_x() {
                     libm::hypotf(jacobian.dx_by_x, jacobian.dy_by_x)
                 } else {
                     libm::hypotf(jacobian.dx_by_y, jacobian.dy_by_y)
@@ -174,7 +174,7 @@ mod tests {
     use super::*;
     use crate::flight::vh::VhSource;
     use crate::geometry::brown::Brown;
-    use crate::geometry::calibration::CalibrationRecord;
+    use crate::geometry::calibration::CalibrationParameters;
 
     const VH: VhEstimate = VhEstimate {
         vh_per_s: 0.1,
@@ -185,12 +185,15 @@ mod tests {
     };
 
     fn prediction(k0: f32) -> SmearPrediction {
-        let mut record = CalibrationRecord::new(100.0, [9216, 9216], 8.75);
-        record.distortion = Brown {
+        let mut parameters = CalibrationParameters::new(100.0, [9216, 9216], 8.75);
+        parameters.distortion = Brown {
             k0,
             ..Brown::default()
         };
-        SmearPrediction::new(&Calibration::new(record).unwrap(), FlightDirection::Forward)
+        SmearPrediction::new(
+            &Calibration::new(parameters).unwrap(),
+            FlightDirection::Forward,
+        )
     }
 
     fn compensation(travel_mm: f32) -> Compensation {

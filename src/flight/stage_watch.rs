@@ -21,7 +21,7 @@ pub(crate) struct StageTolerance {
 
 /// What a reading shows.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(crate) enum Finding {
+pub(crate) enum ReadingVerdict {
     /// The stage follows.
     Follows,
     /// The reading is far from where the stage can be; the next one will tell.
@@ -71,52 +71,54 @@ impl StageWatch {
         reading: StageReading,
         setpoint: Option<Setpoint>,
         tolerance: &StageTolerance,
-    ) -> Finding {
+    ) -> ReadingVerdict {
         if !reading.offset_mm.is_finite() {
-            return Finding::Fault(Fault::Encoder);
+            return ReadingVerdict::Fault(Fault::Encoder);
         }
         let told_mm = setpoint.map_or(0.0, |setpoint| setpoint.offset_mm);
         let Some((last, last_told_mm)) = self.last.replace((reading, told_mm)) else {
-            return following(reading, setpoint, 0.0, tolerance);
+            return verdict_of_motion(reading, setpoint, 0.0, tolerance);
         };
         let moved_mm = reading.offset_mm - last.offset_mm;
         let step_mm = moved_mm - (told_mm - last_told_mm);
         let is_steady = setpoint.is_some_and(|setpoint| setpoint.acceleration_mm_s2 == 0.0);
         let jump_mm = tolerance.jump_mm * if is_steady { 1.0 } else { ACCELERATING };
         match self.suspicion_mm.take() {
-            Some(suspicion_mm) if libm::fabsf(suspicion_mm + step_mm) <= jump_mm => Finding::Glitch,
+            Some(suspicion_mm) if libm::fabsf(suspicion_mm + step_mm) <= jump_mm => {
+                ReadingVerdict::Glitch
+            }
             Some(suspicion_mm)
                 if libm::fabsf(step_mm) <= MADE_GOOD * libm::fabsf(suspicion_mm)
                     || step_mm * suspicion_mm < 0.0 =>
             {
-                Finding::Fault(Fault::Encoder)
+                ReadingVerdict::Fault(Fault::Encoder)
             }
             None if libm::fabsf(step_mm) > jump_mm => {
                 self.suspicion_mm = Some(step_mm);
-                Finding::Suspicious
+                ReadingVerdict::Suspicious
             }
-            _ => following(reading, setpoint, moved_mm, tolerance),
+            _ => verdict_of_motion(reading, setpoint, moved_mm, tolerance),
         }
     }
 }
 
 /// Judges motion: where the stage is, and by how much it has moved since the reading before.
-fn following(
+fn verdict_of_motion(
     reading: StageReading,
     setpoint: Option<Setpoint>,
     moved_mm: f32,
     tolerance: &StageTolerance,
-) -> Finding {
+) -> ReadingVerdict {
     let Some(setpoint) = setpoint else {
-        return Finding::Follows;
+        return ReadingVerdict::Follows;
     };
     let error_mm = reading.offset_mm - setpoint.offset_mm;
     if libm::fabsf(error_mm) <= tolerance.following_mm {
-        return Finding::Follows;
+        return ReadingVerdict::Follows;
     }
     let speed = setpoint.speed_mm_s;
     let is_moving = libm::fabsf(moved_mm) > 0.5 * tolerance.jump_mm;
-    Finding::Fault(if speed == 0.0 {
+    ReadingVerdict::Fault(if speed == 0.0 {
         if is_moving {
             Fault::Runaway
         } else {
@@ -143,7 +145,7 @@ mod tests {
     const SPEED_MM_S: f32 = 5.0;
 
     /// Findings over readings at 1 kHz, the set point at constant speed from 0.
-    fn findings(readings: impl Iterator<Item = f32>) -> std::vec::Vec<Finding> {
+    fn verdicts(readings: impl Iterator<Item = f32>) -> std::vec::Vec<ReadingVerdict> {
         let mut watch = StageWatch::new();
         let mut time = Time::START;
         readings
@@ -153,10 +155,10 @@ mod tests {
                     speed_mm_s: SPEED_MM_S,
                     acceleration_mm_s2: 0.0,
                 };
-                let finding =
+                let verdict =
                     watch.look(StageReading { time, offset_mm }, Some(setpoint), &TOLERANCE);
                 time = time.plus_s(1e-3);
-                finding
+                verdict
             })
             .collect()
     }
@@ -165,36 +167,40 @@ mod tests {
         (0..20_u8).map(|tick| 1e-3 * SPEED_MM_S * f32::from(tick))
     }
 
-    fn first_fault(findings: &[Finding]) -> Option<(usize, Fault)> {
-        findings
+    fn first_fault(verdicts: &[ReadingVerdict]) -> Option<(usize, Fault)> {
+        verdicts
             .iter()
             .enumerate()
-            .find_map(|(tick, finding)| match finding {
-                Finding::Fault(fault) => Some((tick, *fault)),
+            .find_map(|(tick, verdict)| match verdict {
+                ReadingVerdict::Fault(fault) => Some((tick, *fault)),
                 _ => None,
             })
     }
 
     #[test]
     fn steady_motion_follows() {
-        assert!(findings(steady()).iter().all(|it| *it == Finding::Follows));
+        assert!(
+            verdicts(steady())
+                .iter()
+                .all(|it| *it == ReadingVerdict::Follows)
+        );
     }
 
     #[test]
     fn stall_is_seen_within_three_readings() {
         let stalled = steady().map(|offset_mm| offset_mm.min(0.05));
-        assert_eq!(first_fault(&findings(stalled)), Some((12, Fault::Stall)));
+        assert_eq!(first_fault(&verdicts(stalled)), Some((12, Fault::Stall)));
     }
 
     #[test]
     fn motion_against_the_command_and_ahead_of_it_have_their_names() {
         let wrong = steady().map(|offset_mm| -offset_mm);
         assert_eq!(
-            first_fault(&findings(wrong)).unwrap().1,
+            first_fault(&verdicts(wrong)).unwrap().1,
             Fault::WrongDirection
         );
         let ahead = steady().map(|offset_mm| 3.0 * offset_mm);
-        assert_eq!(first_fault(&findings(ahead)).unwrap().1, Fault::Runaway);
+        assert_eq!(first_fault(&verdicts(ahead)).unwrap().1, Fault::Runaway);
     }
 
     #[test]
@@ -206,12 +212,12 @@ mod tests {
         };
         for tick in 0..1000_u16 {
             let found = look(1000 * u64::from(tick), 0.003 * f32::from(tick));
-            assert_eq!(found, Finding::Follows);
+            assert_eq!(found, ReadingVerdict::Follows);
         }
-        assert_eq!(look(1_000_000, 3.5), Finding::Suspicious);
-        assert_eq!(look(1_001_000, 3.0), Finding::Glitch);
-        assert_eq!(look(1_002_000, 3.5), Finding::Suspicious);
-        assert_eq!(look(1_003_000, 3.5), Finding::Fault(Fault::Encoder));
+        assert_eq!(look(1_000_000, 3.5), ReadingVerdict::Suspicious);
+        assert_eq!(look(1_001_000, 3.0), ReadingVerdict::Glitch);
+        assert_eq!(look(1_002_000, 3.5), ReadingVerdict::Suspicious);
+        assert_eq!(look(1_003_000, 3.5), ReadingVerdict::Fault(Fault::Encoder));
     }
 
     #[test]
@@ -219,17 +225,17 @@ mod tests {
         let glitch = steady()
             .enumerate()
             .map(|(tick, offset_mm)| offset_mm + if tick == 9 { 0.5 } else { 0.0 });
-        let found = findings(glitch);
-        assert_eq!(found[9], Finding::Suspicious);
-        assert_eq!(found[10], Finding::Glitch);
+        let found = verdicts(glitch);
+        assert_eq!(found[9], ReadingVerdict::Suspicious);
+        assert_eq!(found[10], ReadingVerdict::Glitch);
         assert_eq!(first_fault(&found), None);
         let lost = steady()
             .enumerate()
             .map(|(tick, offset_mm)| offset_mm - if tick >= 9 { 0.003 } else { 0.0 });
-        assert_eq!(first_fault(&findings(lost)), Some((10, Fault::Encoder)));
+        assert_eq!(first_fault(&verdicts(lost)), Some((10, Fault::Encoder)));
         let not_a_number = steady().map(|_| f32::NAN);
         assert_eq!(
-            first_fault(&findings(not_a_number)),
+            first_fault(&verdicts(not_a_number)),
             Some((0, Fault::Encoder))
         );
     }

@@ -12,7 +12,7 @@ use super::sensor::{FmcAxis, Sensor, SensorPoint};
 /// What a calibration certificate and the mechanism's drawing say, not yet believed.
 #[derive(Debug, Clone, Copy, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
-pub struct CalibrationRecord {
+pub struct CalibrationParameters {
     /// f, mm.
     pub principal_distance_mm: f32,
     /// L, from the exit pupil to the image, mm; f where it is not known.
@@ -40,7 +40,7 @@ pub struct CalibrationRecord {
 /// Total travel of the principal point where none is given, mm.
 pub(crate) const DEFAULT_STROKE_MM: f32 = 4.0;
 
-impl CalibrationRecord {
+impl CalibrationParameters {
     /// A lens without distortion at `principal_distance_mm` before [columns, rows] of pixels of
     /// `pixel_um`; everything else as in a camera file that names nothing else.
     #[must_use]
@@ -66,7 +66,7 @@ impl CalibrationRecord {
 /// wherever the principal point may be within the stroke.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Calibration {
-    record: CalibrationRecord,
+    parameters: CalibrationParameters,
     sensor: Sensor,
     /// The distance of the corner of [`Self::region`], mm.
     radius_mm: f32,
@@ -136,7 +136,7 @@ impl fmt::Display for CalibrationError {
 impl core::error::Error for CalibrationError {}
 
 impl Calibration {
-    /// Validates a record.
+    /// Validates parameters.
     ///
     /// # Model
     /// Every number finite and in its range; both polynomials one-to-one over the sensor enlarged
@@ -146,21 +146,28 @@ impl Calibration {
     ///
     /// # Errors
     /// [`CalibrationError`] naming the quantity, its value and the allowed range.
-    pub fn new(record: CalibrationRecord) -> Result<Self, CalibrationError> {
-        let sensor = Sensor::new(record.width_px, record.height_px, record.pixel_um)?;
-        Quantity::PrincipalDistanceMm.check(record.principal_distance_mm)?;
-        Quantity::ExitPupilMm.check(record.exit_pupil_mm)?;
-        let pp = record.principal_point;
+    pub fn new(parameters: CalibrationParameters) -> Result<Self, CalibrationError> {
+        let sensor = Sensor::new(
+            parameters.width_px,
+            parameters.height_px,
+            parameters.pixel_um,
+        )?;
+        Quantity::PrincipalDistanceMm.check(parameters.principal_distance_mm)?;
+        Quantity::ExitPupilMm.check(parameters.exit_pupil_mm)?;
+        let pp = parameters.principal_point;
         let (half_width, half_height) = (sensor.half_width_mm(), sensor.half_height_mm());
         Quantity::PrincipalPointX.check_within(pp.x_mm, -half_width, half_width)?;
         Quantity::PrincipalPointY.check_within(pp.y_mm, -half_height, half_height)?;
-        Quantity::StrokeMm.check(record.stroke_mm)?;
-        record.flatness.checked(0.5 * record.stroke_mm)?;
-        let lens = record.distortion.checked()?;
-        let fitted = record.fitted.map(FiveCoefficients::checked).transpose()?;
+        Quantity::StrokeMm.check(parameters.stroke_mm)?;
+        parameters.flatness.checked(0.5 * parameters.stroke_mm)?;
+        let lens = parameters.distortion.checked()?;
+        let fitted = parameters
+            .fitted
+            .map(FiveCoefficients::checked)
+            .transpose()?;
 
         let mut calibration = Self {
-            record,
+            parameters,
             sensor,
             radius_mm: 0.0,
             least_scale: 1.0,
@@ -170,14 +177,14 @@ impl Calibration {
         calibration.least_scale = least_scale(
             &lens.evaluation_form(),
             region,
-            exposure_slope(&lens, region, record.stroke_mm),
+            exposure_slope(&lens, region, parameters.stroke_mm),
         )
         .map_err(|folds| calibration.folds(Polynomial::Static, folds))?;
         if let Some(fitted) = fitted {
-            let still = fitted.folded(lens.evaluation_form(), 0.0, record.axis);
+            let still = fitted.folded(lens.evaluation_form(), 0.0, parameters.axis);
             let moving = 2.0
                 * (fitted.kd1.abs() + fitted.pm1.abs())
-                * record.stroke_mm
+                * parameters.stroke_mm
                 * calibration.radius_mm;
             let scale = least_scale(&still, region, moving)
                 .map_err(|folds| calibration.folds(Polynomial::Fitted, folds))?;
@@ -186,10 +193,10 @@ impl Calibration {
         Ok(calibration)
     }
 
-    /// The record as it was given.
+    /// The parameters as they were given.
     #[must_use]
-    pub const fn record(&self) -> &CalibrationRecord {
-        &self.record
+    pub const fn parameters(&self) -> &CalibrationParameters {
+        &self.parameters
     }
 
     /// The pixel array.
@@ -215,14 +222,14 @@ impl Calibration {
     pub(crate) fn region(&self) -> Region {
         let reach = |half: f32, pp: f32, along: bool| {
             let travel = if along {
-                0.5 * self.record.stroke_mm
+                0.5 * self.parameters.stroke_mm
             } else {
                 0.0
             };
             (half + pp.abs() + travel) / (1.0 - MAX_FOCUS_FRACTION)
         };
-        let pp = self.record.principal_point;
-        let along_x = self.record.axis.is_x();
+        let pp = self.parameters.principal_point;
+        let along_x = self.parameters.axis.is_x();
         Region {
             reach_x: reach(self.sensor.half_width_mm(), pp.x_mm, along_x),
             reach_y: reach(self.sensor.half_height_mm(), pp.y_mm, !along_x),
@@ -230,7 +237,7 @@ impl Calibration {
     }
 
     fn folds(&self, polynomial: Polynomial, folds: Folds) -> CalibrationError {
-        let pp = self.record.principal_point;
+        let pp = self.parameters.principal_point;
         CalibrationError::Folds {
             polynomial,
             scale: folds.scale,
@@ -256,15 +263,15 @@ mod tests {
 
     /// 80 mm x 40 mm behind 100 mm, with a K1 that folds the image at `radius` mm from the
     /// principal point: 3·K1·r² = 1.
-    fn folding_at(radius: f32) -> CalibrationRecord {
-        let mut record = CalibrationRecord::new(100.0, [8000, 4000], 10.0);
-        record.stroke_mm = 0.1;
-        record.distortion.k1 = 1.0 / (3.0 * radius * radius);
-        record
+    fn folding_at(radius: f32) -> CalibrationParameters {
+        let mut parameters = CalibrationParameters::new(100.0, [8000, 4000], 10.0);
+        parameters.stroke_mm = 0.1;
+        parameters.distortion.k1 = 1.0 / (3.0 * radius * radius);
+        parameters
     }
 
-    fn is_usable(record: CalibrationRecord) -> bool {
-        Calibration::new(record).is_ok()
+    fn is_usable(parameters: CalibrationParameters) -> bool {
+        Calibration::new(parameters).is_ok()
     }
 
     /// The corner is at 44.7 mm; with a fold at 50 mm the scale there is 0.2.
@@ -272,30 +279,30 @@ mod tests {
     fn sensor_is_enlarged_by_half_the_stroke_along_the_axis_alone() {
         assert!(is_usable(folding_at(50.0)));
         for (axis, usable) in [(FmcAxis::PlusX, false), (FmcAxis::MinusX, false)] {
-            let record = CalibrationRecord {
+            let parameters = CalibrationParameters {
                 stroke_mm: 14.0,
                 axis,
                 ..folding_at(50.0)
             };
-            assert_eq!(is_usable(record), usable, "{axis:?}");
+            assert_eq!(is_usable(parameters), usable, "{axis:?}");
         }
         // Along the short side the corner moves out by a third as much.
-        let record = CalibrationRecord {
+        let parameters = CalibrationParameters {
             stroke_mm: 6.0,
             axis: FmcAxis::PlusY,
             ..folding_at(51.0)
         };
-        assert!(is_usable(record));
-        assert!(!is_usable(CalibrationRecord {
+        assert!(is_usable(parameters));
+        assert!(!is_usable(CalibrationParameters {
             axis: FmcAxis::PlusX,
-            ..record
+            ..parameters
         }));
     }
 
     #[test]
     fn principal_point_off_the_centre_brings_a_corner_nearer_to_the_fold() {
         for pp in [SensorPoint::new(6.0, 0.0), SensorPoint::new(0.0, -9.0)] {
-            assert!(!is_usable(CalibrationRecord {
+            assert!(!is_usable(CalibrationParameters {
                 principal_point: pp,
                 ..folding_at(50.0)
             }));
@@ -311,10 +318,10 @@ mod tests {
         // 1 % of focus shift enlarges by 1.01 %.
         assert!(calibration.least_scale() < alone - 0.009);
         assert!(region.reach_x > 40.0 * 1.01 && region.reach_y > 20.05 * 1.01);
-        let mut long_stroke = CalibrationRecord::new(100.0, [800, 400], 10.0);
+        let mut long_stroke = CalibrationParameters::new(100.0, [800, 400], 10.0);
         long_stroke.stroke_mm = 100.0;
         long_stroke.distortion.k1 = 2e-5;
-        let still = CalibrationRecord {
+        let still = CalibrationParameters {
             stroke_mm: 0.1,
             ..long_stroke
         };
@@ -326,16 +333,16 @@ mod tests {
 
     #[test]
     fn fitted_model_is_judged_with_its_motion() {
-        let mut record = CalibrationRecord::new(100.0, [8000, 4000], 10.0);
-        record.fitted = Some(FiveCoefficients::default());
-        assert!(is_usable(record));
+        let mut parameters = CalibrationParameters::new(100.0, [8000, 4000], 10.0);
+        parameters.fitted = Some(FiveCoefficients::default());
+        assert!(is_usable(parameters));
         let refused = |fitted| {
-            let record = CalibrationRecord {
+            let parameters = CalibrationParameters {
                 fitted: Some(fitted),
-                ..record
+                ..parameters
             };
             matches!(
-                Calibration::new(record),
+                Calibration::new(parameters),
                 Err(CalibrationError::Folds {
                     polynomial: Polynomial::Fitted,
                     ..
@@ -357,7 +364,7 @@ mod tests {
             km1: 5e-5,
             ..FiveCoefficients::default()
         };
-        record.fitted = Some(strong);
-        assert!(Calibration::new(record).unwrap().least_scale() < 0.75);
+        parameters.fitted = Some(strong);
+        assert!(Calibration::new(parameters).unwrap().least_scale() < 0.75);
     }
 }

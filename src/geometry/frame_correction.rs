@@ -12,15 +12,7 @@ use super::sensor::{FmcAxis, Sensor, SensorPoint};
 /// Terms that together are smaller than this over the whole sensor are not evaluated, nm.
 pub const SHORT_KERNEL_NM: f32 = 0.5;
 
-/// Which of the two kernels evaluates a frame.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
-pub enum Kernel {
-    /// Without b₁, b₂, tx, ty: 23 floating-point operations per point.
-    Short,
-    /// All terms: 29.
-    Full,
-}
+pub use fmc_camera_kernel::Terms;
 
 /// A point with its correction.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
@@ -40,7 +32,7 @@ pub struct Corrected {
 pub struct FrameCorrection {
     centre: SensorPoint,
     form: EvaluationForm,
-    kernel: Kernel,
+    terms: Terms,
     left_out_nm: f32,
     sensor: Sensor,
     /// Of Newton's steps to a measured point, mm².
@@ -52,11 +44,11 @@ impl FrameCorrection {
     /// nothing of the motion.
     #[must_use]
     pub fn without_motion(calibration: &Calibration) -> Self {
-        let record = calibration.record();
+        let parameters = calibration.parameters();
         Self::folded(
             calibration,
-            record.principal_point,
-            record.distortion.evaluation_form(),
+            parameters.principal_point,
+            parameters.distortion.evaluation_form(),
             0.0,
         )
     }
@@ -79,12 +71,12 @@ impl FrameCorrection {
         motion: &PrincipalPointMotion,
         focus: &FocusShift,
     ) -> Self {
-        let record = calibration.record();
-        let lens = focus.distortion_at_fixed_distance(&record.distortion);
-        let centre = record
+        let parameters = calibration.parameters();
+        let lens = focus.distortion_at_fixed_distance(&parameters.distortion);
+        let centre = parameters
             .axis
-            .sensor_from_offset(record.principal_point, motion.centroid_mm);
-        let form = with_second_moment(&lens, motion.moments.second, record.axis);
+            .sensor_from_offset(parameters.principal_point, motion.centroid_mm);
+        let form = with_second_moment(&lens, motion.moments.second, parameters.axis);
         let run_out = run_out_bound(calibration, motion, focus);
         let left_out_mm = higher_order_bound(&lens, motion, calibration.radius_mm());
         Self::folded(calibration, centre, form, (left_out_mm + run_out) * 1e6)
@@ -101,11 +93,16 @@ impl FrameCorrection {
         calibration: &Calibration,
         motion: &PrincipalPointMotion,
     ) -> Option<Self> {
-        let record = calibration.record();
-        let still = record.distortion.evaluation_form();
-        let fitted = record.fitted?;
-        let form = fitted.folded(still, fitted.regressor_mm(motion), record.axis);
-        Some(Self::folded(calibration, record.principal_point, form, 0.0))
+        let parameters = calibration.parameters();
+        let still = parameters.distortion.evaluation_form();
+        let fitted = parameters.fitted?;
+        let form = fitted.folded(still, fitted.regressor_mm(motion), parameters.axis);
+        Some(Self::folded(
+            calibration,
+            parameters.principal_point,
+            form,
+            0.0,
+        ))
     }
 
     fn folded(
@@ -121,16 +118,16 @@ impl FrameCorrection {
                 half_width_mm + centre.x_mm.abs(),
                 half_height_mm + centre.y_mm.abs(),
             );
-        let (kernel, kernel_left_out_nm) = if dropped_nm < SHORT_KERNEL_NM {
-            (Kernel::Short, dropped_nm)
+        let (terms, dropped_nm) = if dropped_nm < SHORT_KERNEL_NM {
+            (Terms::Short, dropped_nm)
         } else {
-            (Kernel::Full, 0.0)
+            (Terms::Full, 0.0)
         };
         Self {
             centre,
             form,
-            kernel,
-            left_out_nm: model_left_out_nm + kernel_left_out_nm,
+            terms,
+            left_out_nm: model_left_out_nm + dropped_nm,
             sensor: *calibration.sensor(),
             longest_last_step2: longest_last_step2(calibration, &form, centre),
         }
@@ -174,10 +171,10 @@ impl FrameCorrection {
         &self.form
     }
 
-    /// The kernel in use.
+    /// The terms that are evaluated.
     #[must_use]
-    pub const fn kernel(&self) -> Kernel {
-        self.kernel
+    pub const fn terms(&self) -> Terms {
+        self.terms
     }
 
     /// Upper bound of what the fold and the kernel leave out of the model, per axis, nm.
@@ -195,9 +192,9 @@ impl FrameCorrection {
     #[inline]
     #[must_use]
     pub fn distortion(&self, measured: SensorPoint) -> Displacement {
-        match self.kernel {
-            Kernel::Short => self.evaluate::<false>(measured),
-            Kernel::Full => self.evaluate::<true>(measured),
+        match self.terms {
+            Terms::Short => self.evaluate::<false>(measured),
+            Terms::Full => self.evaluate::<true>(measured),
         }
     }
 
@@ -280,8 +277,8 @@ fn run_out_bound(
     motion: &PrincipalPointMotion,
     focus: &FocusShift,
 ) -> f32 {
-    let record = calibration.record();
-    let slope = record.flatness.steepest(0.5 * record.stroke_mm) / focus.lever_mm();
+    let parameters = calibration.parameters();
+    let slope = parameters.flatness.steepest(0.5 * parameters.stroke_mm) / focus.lever_mm();
     let lens = 1.0 + 7.0 * (1.0 - calibration.least_scale());
     slope * motion.moments.second * (lens + slope * calibration.radius_mm())
 }

@@ -36,12 +36,12 @@ impl View {
     /// The view of a calibrated camera whose stage stands at its calibrated position.
     #[must_use]
     pub fn calibrated(calibration: &Calibration) -> Self {
-        let record = calibration.record();
+        let parameters = calibration.parameters();
         Self {
             sensor: *calibration.sensor(),
-            principal_distance_mm: record.principal_distance_mm,
-            principal_point: record.principal_point,
-            axis: record.axis,
+            principal_distance_mm: parameters.principal_distance_mm,
+            principal_point: parameters.principal_point,
+            axis: parameters.axis,
         }
     }
 

@@ -3,7 +3,7 @@
 use core::fmt;
 
 use super::evaluation_form::Displacement;
-use super::frame_correction::{Corrected, FrameCorrection, Kernel};
+use super::frame_correction::{Corrected, FrameCorrection, Terms};
 use super::newton_step::newton_step;
 use super::sensor::SensorPoint;
 
@@ -103,9 +103,9 @@ impl FrameCorrection {
     /// there is a measured point.
     #[inline]
     pub fn distort(&self, ideal: SensorPoint) -> Result<Corrected, DistortError> {
-        let first = match self.kernel() {
-            Kernel::Short => self.first_step::<false>(ideal),
-            Kernel::Full => self.first_step::<true>(ideal),
+        let first = match self.terms() {
+            Terms::Short => self.first_step::<false>(ideal),
+            Terms::Full => self.first_step::<true>(ideal),
         };
         match first {
             Ok(measured) => Ok(measured),
@@ -137,9 +137,9 @@ impl FrameCorrection {
         let (x, y) = self.centred(ideal);
         for _ in 1..FREE_STEPS {
             let step2_mm2;
-            (distortion, step2_mm2) = match self.kernel() {
-                Kernel::Short => self.form().stepped::<false>(x, y, distortion),
-                Kernel::Full => self.form().stepped::<true>(x, y, distortion),
+            (distortion, step2_mm2) = match self.terms() {
+                Terms::Short => self.form().stepped::<false>(x, y, distortion),
+                Terms::Full => self.form().stepped::<true>(x, y, distortion),
             };
             if let Some(measured) = self.ended(ideal, distortion, step2_mm2) {
                 return Ok(measured);
@@ -229,10 +229,10 @@ impl FrameCorrection {
     ///
     /// # Examples
     /// ```
-    /// # use fmc_camera::{Brown, Calibration, CalibrationRecord, FrameCorrection, SensorPoint};
-    /// let mut record = CalibrationRecord::new(100.0, [9216, 9216], 8.75);
-    /// record.distortion = Brown { k1: 1e-6, ..Brown::NONE };
-    /// let correction = FrameCorrection::without_motion(&Calibration::new(record)?);
+    /// # use fmc_camera::{Brown, Calibration, CalibrationParameters, FrameCorrection, SensorPoint};
+    /// let mut parameters = CalibrationParameters::new(100.0, [9216, 9216], 8.75);
+    /// parameters.distortion = Brown { k1: 1e-6, ..Brown::NONE };
+    /// let correction = FrameCorrection::without_motion(&Calibration::new(parameters)?);
     /// // K1·r² = 1e-6 * 500 of each measured coordinate; half the side is 40.32 mm.
     /// let mut points = [SensorPoint::new(9.995, 19.99), SensorPoint::new(0.0, 50.0)];
     /// let refused = correction.distort_slice(&mut points).unwrap_err();
@@ -243,9 +243,9 @@ impl FrameCorrection {
         let mut rest = points;
         let mut index = 0;
         loop {
-            let not_found = match self.kernel() {
-                Kernel::Short => self.first_steps::<false>(rest),
-                Kernel::Full => self.first_steps::<true>(rest),
+            let not_found = match self.terms() {
+                Terms::Short => self.first_steps::<false>(rest),
+                Terms::Full => self.first_steps::<true>(rest),
             };
             let Some((found, distortion)) = not_found else {
                 return Ok(());
@@ -303,13 +303,13 @@ pub(super) fn shifted(point: SensorPoint, by: Displacement) -> SensorPoint {
 mod tests {
     use super::*;
     use crate::geometry::brown::Brown;
-    use crate::geometry::calibration::{Calibration, CalibrationRecord};
+    use crate::geometry::calibration::{Calibration, CalibrationParameters};
     use proptest::prelude::*;
 
     fn correction(distortion: Brown) -> Option<FrameCorrection> {
-        let mut record = CalibrationRecord::new(100.0, [8000, 6000], 10.0);
-        record.distortion = distortion;
-        let calibration = Calibration::new(record).ok()?;
+        let mut parameters = CalibrationParameters::new(100.0, [8000, 6000], 10.0);
+        parameters.distortion = distortion;
+        let calibration = Calibration::new(parameters).ok()?;
         Some(FrameCorrection::without_motion(&calibration))
     }
 
@@ -359,9 +359,9 @@ mod tests {
             p2: -4.5e-6,
             ..Brown::NONE
         };
-        let mut record = CalibrationRecord::new(51.3712, [14204, 10652], 3.76);
-        record.distortion = lens;
-        let calibration = Calibration::new(record).unwrap();
+        let mut parameters = CalibrationParameters::new(51.3712, [14204, 10652], 3.76);
+        parameters.distortion = lens;
+        let calibration = Calibration::new(parameters).unwrap();
         let correction = FrameCorrection::without_motion(&calibration);
         let mut largest = 0.0_f32;
         for row in -20_i8..=20 {

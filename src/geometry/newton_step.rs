@@ -152,7 +152,7 @@ impl EvaluationForm {
 mod tests {
     use super::*;
     use crate::geometry::brown::Brown;
-    use crate::geometry::calibration::CalibrationRecord;
+    use crate::geometry::calibration::CalibrationParameters;
     use proptest::prelude::*;
 
     /// Distortion and derivatives by x and by y, in double precision.
@@ -189,23 +189,23 @@ mod tests {
             k2 in -3e-8_f32..3e-8,
             k3 in -1e-11_f32..1e-11,
             p in [-2e-5_f32..2e-5, -2e-5_f32..2e-5],
-        ) -> CalibrationRecord {
-            let mut record = CalibrationRecord::new(100.0, [8000, 6000], 10.0);
-            record.distortion = Brown { k1, k2, k3, p1: p[0], p2: p[1], ..Brown::NONE };
-            record
+        ) -> CalibrationParameters {
+            let mut parameters = CalibrationParameters::new(100.0, [8000, 6000], 10.0);
+            parameters.distortion = Brown { k1, k2, k3, p1: p[0], p2: p[1], ..Brown::NONE };
+            parameters
         }
     }
 
     proptest! {
         #[test]
         fn longest_last_step_leaves_what_it_may(
-            (record, calibration) in lens().prop_filter_map("not one-to-one", |record| {
-                Some((record, Calibration::new(record).ok()?))
+            (parameters, calibration) in lens().prop_filter_map("not one-to-one", |parameters| {
+                Some((parameters, Calibration::new(parameters).ok()?))
             }),
             at in [-1.0_f64..1.0, -1.0_f64..1.0],
             direction in 0.0_f64..core::f64::consts::TAU,
         ) {
-            let form = record.distortion.evaluation_form();
+            let form = parameters.distortion.evaluation_form();
             let step2 = longest_last_step2(&calibration, &form, SensorPoint::default());
             let measured = [40.0 * at[0], 30.0 * at[1]];
             let [d, ..] = evaluated(&form, measured);
@@ -220,21 +220,21 @@ mod tests {
 
     #[test]
     fn lens_of_the_field_may_end_with_a_step_of_a_micrometre() {
-        let mut record = CalibrationRecord::new(51.3712, [14204, 10652], 3.76);
-        record.distortion = Brown {
+        let mut parameters = CalibrationParameters::new(51.3712, [14204, 10652], 3.76);
+        parameters.distortion = Brown {
             k1: -1.6056e-5,
             k2: 6.18966e-9,
             k3: -1.31329e-12,
             ..Brown::NONE
         };
-        let calibration = Calibration::new(record).unwrap();
-        let form = record.distortion.evaluation_form();
+        let calibration = Calibration::new(parameters).unwrap();
+        let form = parameters.distortion.evaluation_form();
         let step2 = longest_last_step2(&calibration, &form, SensorPoint::default());
         let step_um = 1e3 * libm::sqrtf(step2);
         assert!((0.8..1.2).contains(&step_um), "{step_um} µm");
         // Without distortion it is the sensor that limits it: half the shorter side is 20.03 mm.
-        record.distortion = Brown::NONE;
-        let calibration = Calibration::new(record).unwrap();
+        parameters.distortion = Brown::NONE;
+        let calibration = Calibration::new(parameters).unwrap();
         let still = EvaluationForm::default();
         let step2 = longest_last_step2(&calibration, &still, SensorPoint::default());
         assert!((step2 - 0.02003 * 0.02003).abs() < 1e-6, "{step2} mm²");

@@ -2,7 +2,7 @@
 
 use fmc_camera_kernel::Coefficients;
 
-use super::frame_correction::{FrameCorrection, Kernel};
+use super::frame_correction::{FrameCorrection, Terms};
 use super::sensor::SensorPoint;
 
 /// x and y of the same points have different numbers of them.
@@ -42,10 +42,10 @@ impl FrameCorrection {
     ///
     /// # Examples
     /// ```
-    /// # use fmc_camera::{Brown, Calibration, CalibrationRecord, FrameCorrection, SensorPoint};
-    /// let mut record = CalibrationRecord::new(100.0, [9216, 9216], 8.75);
-    /// record.distortion = Brown { k1: 1e-6, ..Brown::NONE };
-    /// let correction = FrameCorrection::without_motion(&Calibration::new(record)?);
+    /// # use fmc_camera::{Brown, Calibration, CalibrationParameters, FrameCorrection, SensorPoint};
+    /// let mut parameters = CalibrationParameters::new(100.0, [9216, 9216], 8.75);
+    /// parameters.distortion = Brown { k1: 1e-6, ..Brown::NONE };
+    /// let correction = FrameCorrection::without_motion(&Calibration::new(parameters)?);
     /// // K1·r² = 1e-6 * 500 of each coordinate.
     /// let mut points = [SensorPoint::new(10.0, 20.0), SensorPoint::new(-20.0, 10.0)];
     /// correction.correct_slice(&mut points);
@@ -55,9 +55,9 @@ impl FrameCorrection {
     #[inline]
     pub fn correct_slice(&self, points: &mut [SensorPoint]) {
         let pairs = bytemuck::must_cast_slice_mut(points);
-        match self.kernel() {
-            Kernel::Short => fmc_camera_kernel::short_pairs(&self.coefficients(), pairs),
-            Kernel::Full => fmc_camera_kernel::full_pairs(&self.coefficients(), pairs),
+        match self.terms() {
+            Terms::Short => fmc_camera_kernel::short_pairs(&self.coefficients(), pairs),
+            Terms::Full => fmc_camera_kernel::full_pairs(&self.coefficients(), pairs),
         }
     }
 
@@ -75,9 +75,9 @@ impl FrameCorrection {
         if x != y {
             return Err(LengthsDiffer { x, y });
         }
-        match self.kernel() {
-            Kernel::Short => fmc_camera_kernel::short_xy(&self.coefficients(), x_mm, y_mm),
-            Kernel::Full => fmc_camera_kernel::full_xy(&self.coefficients(), x_mm, y_mm),
+        match self.terms() {
+            Terms::Short => fmc_camera_kernel::short_xy(&self.coefficients(), x_mm, y_mm),
+            Terms::Full => fmc_camera_kernel::full_xy(&self.coefficients(), x_mm, y_mm),
         }
         Ok(())
     }
@@ -86,11 +86,11 @@ impl FrameCorrection {
     ///
     /// # Examples
     /// ```
-    /// # use fmc_camera::{Brown, Calibration, CalibrationRecord, FrameCorrection, SensorPoint};
-    /// # let mut record = CalibrationRecord::new(100.0, [9216, 9216], 8.75);
-    /// record.principal_point = SensorPoint::new(0.5, -0.25);
-    /// record.distortion = Brown { k1: 1e-6, ..Brown::NONE };
-    /// let frame = FrameCorrection::without_motion(&Calibration::new(record)?).coefficients();
+    /// # use fmc_camera::{Brown, Calibration, CalibrationParameters, FrameCorrection, SensorPoint};
+    /// # let mut parameters = CalibrationParameters::new(100.0, [9216, 9216], 8.75);
+    /// parameters.principal_point = SensorPoint::new(0.5, -0.25);
+    /// parameters.distortion = Brown { k1: 1e-6, ..Brown::NONE };
+    /// let frame = FrameCorrection::without_motion(&Calibration::new(parameters)?).coefficients();
     /// assert_eq!([frame.cx, frame.cy, frame.k1], [0.5, -0.25, 1e-6]);
     /// # Ok::<(), Box<dyn core::error::Error>>(())
     /// ```

@@ -23,7 +23,7 @@ use crate::flight::vh::VhSample;
 use crate::geometry::range::{OutOfRange, Quantity};
 
 /// Longest frame: version 2 with a full payload and a signature, bytes.
-pub const LONGEST_FRAME: usize = 280;
+pub const LONGEST_PACKET: usize = 280;
 
 /// Samples of one message.
 pub(crate) const MAX_SAMPLES: usize = 3;
@@ -113,7 +113,7 @@ enum Beginning {
 /// Cuts an autopilot's bytes into messages and reads them.
 #[derive(Debug, Clone, Default)]
 pub struct MavlinkReceiver {
-    received: Vec<u8, LONGEST_FRAME>,
+    received: Vec<u8, LONGEST_PACKET>,
     /// Altitudes of `GLOBAL_POSITION_INT` still to be passed over.
     passed_over: u8,
 }
@@ -134,7 +134,7 @@ impl MavlinkReceiver {
     /// the next bytes one of them.
     ///
     /// # Errors
-    /// [`MavlinkError`]; a whole frame that follows is read whatever came before it, at most [`LONGEST_FRAME`] bytes
+    /// [`MavlinkError`]; a whole frame that follows is read whatever came before it, at most [`LONGEST_PACKET`] bytes
     /// late.
     pub fn receive(&mut self, byte: u8) -> Option<Result<MavlinkReading, MavlinkError>> {
         if self.received.push(byte).is_err() {

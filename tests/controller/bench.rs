@@ -9,11 +9,11 @@ use fmc_camera::flight::settings::FlightSettings;
 use fmc_camera::flight::stage::Setpoint;
 use fmc_camera::flight::time::Time;
 use fmc_camera::flight::vh::VhSample;
-use fmc_camera::{CalibrationRecord, CameraRecord};
+use fmc_camera::{CalibrationParameters, CameraParameters};
 
 /// 100 mm, 9216 x 9216 pixels of 8.75 µm, a stage of 4 mm.
-pub(crate) fn camera() -> CameraRecord {
-    CameraRecord::new(CalibrationRecord::new(100.0, [9216, 9216], 8.75))
+pub(crate) fn camera() -> CameraParameters {
+    CameraParameters::new(CalibrationParameters::new(100.0, [9216, 9216], 8.75))
 }
 
 /// The world around a controller.
@@ -41,7 +41,7 @@ impl Bench {
         Self::with(&camera(), settings, Start::Orderly)
     }
 
-    pub(crate) fn with(camera: &CameraRecord, settings: FlightSettings, start: Start) -> Self {
+    pub(crate) fn with(camera: &CameraParameters, settings: FlightSettings, start: Start) -> Self {
         Self {
             controller: Controller::new(camera, 0xca1, &settings, start).unwrap(),
             now: Time::from_us(1_000_000),

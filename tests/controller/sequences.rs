@@ -7,7 +7,7 @@ mod record;
 mod speed_at_opening;
 mod stage_after_a_fault;
 
-use fmc_camera::flight::camera::{CameraRecord, Mechanism};
+use fmc_camera::flight::camera::{CameraParameters, Mechanism};
 use fmc_camera::flight::controller::Start;
 use fmc_camera::flight::controller::state::State;
 use fmc_camera::flight::drive::StageReading;
@@ -46,8 +46,8 @@ fn late_round(bench: &mut Bench) {
     bench.round();
 }
 
-fn tdi() -> CameraRecord {
-    CameraRecord {
+fn tdi() -> CameraParameters {
+    CameraParameters {
         mechanism: Mechanism::Tdi {
             first_transfer: 0.5,
         },

@@ -1,7 +1,7 @@
 //! The last column of section 10: bounds that follow from other quantities.
 
 use crate::conventions::camera;
-use fmc_camera::flight::camera::{Camera, CameraRecord, FrameError};
+use fmc_camera::flight::camera::{Camera, CameraParameters, FrameError};
 use fmc_camera::flight::exposure::{CorrectionModel, Exposure};
 use fmc_camera::flight::stage::StrokeTooShort;
 use fmc_camera::geometry::calibration::CalibrationError;
@@ -13,13 +13,13 @@ use fmc_camera::geometry::range::{MAX_FOCUS_FRACTION, OutOfRange, Quantity};
 use fmc_camera::geometry::sensor::MAX_SIDE_MM;
 use fmc_camera::geometry::shutter::ShutterProfile;
 
-fn camera_with(change: impl Fn(&mut CameraRecord)) -> Result<Camera, CalibrationError> {
+fn camera_with(change: impl Fn(&mut CameraParameters)) -> Result<Camera, CalibrationError> {
     let mut record = camera::record();
     change(&mut record);
     Camera::new(record)
 }
 
-fn refusal(change: impl Fn(&mut CameraRecord)) -> OutOfRange {
+fn refusal(change: impl Fn(&mut CameraParameters)) -> OutOfRange {
     match camera_with(change) {
         Err(CalibrationError::OutOfRange(error)) => error,
         other => panic!("not refused: {other:?}"),

@@ -1,17 +1,17 @@
 //! The camera of the tests: 100 mm, 9216 x 9216 pixels of 8.75 µm, ± 2 mm of stroke along +y.
 
-use fmc_camera::flight::camera::{CameraRecord, Mechanism};
+use fmc_camera::flight::camera::{CameraParameters, Mechanism};
 use fmc_camera::flight::exposure::Limits;
 use fmc_camera::flight::stage::RunUp;
 use fmc_camera::geometry::brown::Brown;
-use fmc_camera::geometry::calibration::CalibrationRecord;
+use fmc_camera::geometry::calibration::CalibrationParameters;
 use fmc_camera::geometry::principal_distance::Flatness;
 use fmc_camera::geometry::sensor::{FmcAxis, SensorPoint};
 use fmc_camera::geometry::shutter::ShutterProfile;
 
-pub(crate) fn record() -> CameraRecord {
-    CameraRecord {
-        calibration: CalibrationRecord {
+pub(crate) fn record() -> CameraParameters {
+    CameraParameters {
+        calibration: CalibrationParameters {
             principal_distance_mm: 100.0,
             exit_pupil_mm: 100.0,
             principal_point: SensorPoint::default(),

@@ -3,12 +3,12 @@
 use crate::conventions::document::{names, rows};
 use std::collections::BTreeSet;
 
-use fmc_camera::flight::camera::{CameraRecord, Mechanism};
+use fmc_camera::flight::camera::{CameraParameters, Mechanism};
 use fmc_camera::flight::exposure::Exposure;
 use fmc_camera::flight::interior_orientation::InteriorOrientation;
 use fmc_camera::flight::stage::{MechanismLimits, RunUp, StrokeTooShort, Tracking, Travel};
 use fmc_camera::geometry::brown::Brown;
-use fmc_camera::geometry::calibration::CalibrationRecord;
+use fmc_camera::geometry::calibration::CalibrationParameters;
 use fmc_camera::geometry::evaluation_form::Displacement;
 use fmc_camera::geometry::five_coefficient::FiveCoefficients;
 use fmc_camera::geometry::image_motion::{
@@ -54,14 +54,14 @@ fn documented_names_are_those_of_the_code() {
         field!(SensorPoint.y_mm),
         field!(PixelPoint.col_px),
         field!(PixelPoint.row_px),
-        field!(CalibrationRecord.width_px),
-        field!(CalibrationRecord.height_px),
-        field!(CalibrationRecord.pixel_um),
-        field!(CalibrationRecord.principal_point),
-        field!(CalibrationRecord.principal_distance_mm),
-        field!(CalibrationRecord.exit_pupil_mm),
-        field!(CalibrationRecord.axis),
-        field!(CalibrationRecord.stroke_mm),
+        field!(CalibrationParameters.width_px),
+        field!(CalibrationParameters.height_px),
+        field!(CalibrationParameters.pixel_um),
+        field!(CalibrationParameters.principal_point),
+        field!(CalibrationParameters.principal_distance_mm),
+        field!(CalibrationParameters.exit_pupil_mm),
+        field!(CalibrationParameters.axis),
+        field!(CalibrationParameters.stroke_mm),
         field!(StrokeTooShort.from_mm),
         field!(StrokeTooShort.to_mm),
         field!(MechanismLimits.jerk_mm_s3),
@@ -103,7 +103,7 @@ fn documented_names_are_those_of_the_code() {
         field!(InteriorOrientation.focus_shift_mm),
         field!(InteriorOrientation.enlargement),
         path!(ShutterProfile::Trapezoid {}),
-        field!(CameraRecord.mechanism),
+        field!(CameraParameters.mechanism),
         path!(RunUp::Centred),
         path!(RunUp::FromRest),
         path!(Mechanism::Stage {}),

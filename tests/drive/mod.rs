@@ -1,6 +1,8 @@
 //! The drives, seen from their pins.
 
 #[cfg(test)]
+mod control_loop;
+#[cfg(test)]
 mod enabled_drive;
 #[cfg(test)]
 mod pwm_encoder;
@@ -8,5 +10,3 @@ mod pwm_encoder;
 mod quadrature;
 #[cfg(test)]
 mod step_dir;
-#[cfg(test)]
-mod unit;

@@ -6,7 +6,9 @@ use fmc_camera::geometry::estimation::options::{FitOptions, StaticDecentring};
 use fmc_camera::geometry::estimation::parameter::Parameter;
 use fmc_camera::geometry::five_coefficient::Regressor;
 use fmc_camera::geometry::sensor::{FmcAxis, SensorPoint};
-use fmc_camera::{Calibration, CalibrationRecord, Camera, CameraRecord, CorrectionModel, Exposure};
+use fmc_camera::{
+    Calibration, CalibrationParameters, Camera, CameraParameters, CorrectionModel, Exposure,
+};
 
 use crate::estimation::simulated::{TRUTH, adjusted, lens, observations, travels};
 
@@ -77,7 +79,8 @@ fn one_exposure_suffices_where_the_static_decentring_is_believed() {
 #[test]
 fn coefficients_are_applied_to_what_they_were_regressed_on() {
     for regressor in [Regressor::Travel, Regressor::Centroid] {
-        let mut record = CameraRecord::new(CalibrationRecord::new(100.0, [9216, 9216], 8.75));
+        let mut record =
+            CameraParameters::new(CalibrationParameters::new(100.0, [9216, 9216], 8.75));
         record.calibration.distortion.k1 = -1e-6;
         let calibration = Calibration::new(record.calibration).unwrap();
         let mut adjustment = Adjustment::new(
@@ -101,7 +104,7 @@ fn coefficients_are_applied_to_what_they_were_regressed_on() {
         ];
         let mut observe = |exposure: &Exposure| {
             let frame = camera.frame(exposure).unwrap();
-            let motion = &frame.record.motion;
+            let motion = &frame.interior.motion;
             for (x_mm, y_mm) in points {
                 let seen = frame.correction.distortion(SensorPoint::new(x_mm, y_mm));
                 let observation = fmc_camera::geometry::estimation::observation::Observation {

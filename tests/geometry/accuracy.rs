@@ -46,7 +46,7 @@ fn rounding_stays_within_its_budget_on_the_published_cameras() {
 
 #[test]
 fn kernel_is_short_only_where_the_dropped_terms_are_below_half_a_nanometre() {
-    use fmc_camera::geometry::frame_correction::{Kernel, SHORT_KERNEL_NM};
+    use fmc_camera::geometry::frame_correction::{SHORT_KERNEL_NM, Terms};
     use fmc_camera::geometry::principal_point::{PrincipalPointMotion, UniformTravel};
     use fmc_camera::geometry::shutter::{Shutter, ShutterProfile};
     let shutter = Shutter::new(ShutterProfile::Uniform).unwrap();
@@ -74,12 +74,12 @@ fn kernel_is_short_only_where_the_dropped_terms_are_below_half_a_nanometre() {
                         .max((full.dy_mm - short.dy_mm).abs())
                 })
                 .fold(0.0, f32::max);
-            match correction.kernel() {
+            match correction.terms() {
                 // 0.06 nm: rounding of the two sums.
-                Kernel::Short => assert!(dropped_nm < SHORT_KERNEL_NM + 0.06),
-                Kernel::Full => assert!(dropped_nm > SHORT_KERNEL_NM - 0.06),
+                Terms::Short => assert!(dropped_nm < SHORT_KERNEL_NM + 0.06),
+                Terms::Full => assert!(dropped_nm > SHORT_KERNEL_NM - 0.06),
             }
-            seen[usize::from(correction.kernel() == Kernel::Full)] = true;
+            seen[usize::from(correction.terms() == Terms::Full)] = true;
         }
     }
     assert_eq!(seen, [true, true], "both kernels must have been used");

@@ -2,7 +2,7 @@
 
 use crate::geometry::cameras;
 use fmc_camera::geometry::brown::Brown;
-use fmc_camera::geometry::calibration::{Calibration, CalibrationRecord};
+use fmc_camera::geometry::calibration::{Calibration, CalibrationParameters};
 use fmc_camera::geometry::frame_correction::FrameCorrection;
 use fmc_camera::geometry::principal_point::PrincipalPointMotion;
 use fmc_camera::geometry::sensor::{FmcAxis, SensorPoint};
@@ -12,8 +12,11 @@ use proptest::prelude::*;
 /// smallest term of the motion is worth four times as much.
 const ROUNDING_MM: f32 = 4e-6;
 
-fn corrections(record: CalibrationRecord, motion: &PrincipalPointMotion) -> [FrameCorrection; 2] {
-    let calibration = Calibration::new(CalibrationRecord {
+fn corrections(
+    record: CalibrationParameters,
+    motion: &PrincipalPointMotion,
+) -> [FrameCorrection; 2] {
+    let calibration = Calibration::new(CalibrationParameters {
         fitted: Some(cameras::fitted(&record.distortion)),
         ..record
     })
@@ -55,7 +58,7 @@ proptest! {
     ) {
         let record = cameras::square(lens, FmcAxis::PlusY);
         let pp = record.principal_point;
-        let mirrored = CalibrationRecord {
+        let mirrored = CalibrationParameters {
             distortion: Brown { p2: -lens.p2, b2: -lens.b2, ..lens },
             principal_point: SensorPoint::new(pp.x_mm, -pp.y_mm),
             axis: FmcAxis::MinusY,
@@ -74,7 +77,7 @@ proptest! {
     ) {
         let record = cameras::square(lens, FmcAxis::PlusX);
         let pp = record.principal_point;
-        let mirrored = CalibrationRecord {
+        let mirrored = CalibrationParameters {
             distortion: Brown { p1: -lens.p1, b2: -lens.b2, ..lens },
             principal_point: SensorPoint::new(-pp.x_mm, pp.y_mm),
             axis: FmcAxis::MinusX,
@@ -95,7 +98,7 @@ proptest! {
         let lens = Brown { b1: 0.0, b2: 0.0, ..lens };
         let record = cameras::square(lens, FmcAxis::PlusY);
         let pp = record.principal_point;
-        let mirrored = CalibrationRecord {
+        let mirrored = CalibrationParameters {
             distortion: Brown { p1: lens.p2, p2: lens.p1, ..lens },
             principal_point: SensorPoint::new(pp.y_mm, pp.x_mm),
             axis: FmcAxis::PlusX,

@@ -3,7 +3,7 @@
 //! Published coefficients are read from `host-sim/data/cameras.csv` (sources are named there).
 
 use fmc_camera::geometry::brown::Brown;
-use fmc_camera::geometry::calibration::{Calibration, CalibrationRecord};
+use fmc_camera::geometry::calibration::{Calibration, CalibrationParameters};
 use fmc_camera::geometry::five_coefficient::FiveCoefficients;
 use fmc_camera::geometry::principal_distance::{Flatness, FocusShift, FocusSign};
 use fmc_camera::geometry::principal_point::{PrincipalPointMotion, UniformTravel};
@@ -12,7 +12,7 @@ use fmc_camera::geometry::shutter::{Shutter, ShutterProfile};
 use proptest::prelude::*;
 
 /// The five published calibrations.
-pub(crate) fn published() -> Vec<CalibrationRecord> {
+pub(crate) fn published() -> Vec<CalibrationParameters> {
     include_str!("../../host-sim/data/cameras.csv")
         .lines()
         .skip(1)
@@ -36,7 +36,7 @@ pub(crate) fn published() -> Vec<CalibrationRecord> {
                     off(*a).total_cmp(&off(*b))
                 })
             };
-            CalibrationRecord {
+            CalibrationParameters {
                 principal_distance_mm: number(1),
                 exit_pupil_mm: number(1),
                 principal_point: SensorPoint::new(number(2), number(3)),
@@ -63,8 +63,8 @@ pub(crate) fn published() -> Vec<CalibrationRecord> {
 }
 
 /// A record of an 80.64 mm square sensor behind a 100 mm lens.
-pub(crate) fn square(distortion: Brown, axis: FmcAxis) -> CalibrationRecord {
-    CalibrationRecord {
+pub(crate) fn square(distortion: Brown, axis: FmcAxis) -> CalibrationParameters {
+    CalibrationParameters {
         principal_distance_mm: 100.0,
         exit_pupil_mm: 100.0,
         principal_point: SensorPoint::new(0.031, -0.047),
@@ -137,8 +137,8 @@ pub(crate) fn motions() -> impl Strategy<Value = PrincipalPointMotion> {
 pub(crate) fn focus(calibration: &Calibration, shift_mm: f32) -> FocusShift {
     FocusShift {
         shift_mm,
-        principal_distance_mm: calibration.record().principal_distance_mm,
-        exit_pupil_mm: calibration.record().exit_pupil_mm,
+        principal_distance_mm: calibration.parameters().principal_distance_mm,
+        exit_pupil_mm: calibration.parameters().exit_pupil_mm,
         sign: FocusSign::Physical,
     }
 }

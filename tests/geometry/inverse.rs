@@ -3,8 +3,8 @@
 use crate::geometry::cameras;
 use crate::geometry::jacobian::brown;
 use fmc_camera::geometry::brown::Brown;
-use fmc_camera::geometry::calibration::{Calibration, CalibrationRecord};
-use fmc_camera::geometry::frame_correction::{FrameCorrection, Kernel};
+use fmc_camera::geometry::calibration::{Calibration, CalibrationParameters};
+use fmc_camera::geometry::frame_correction::{FrameCorrection, Terms};
 use fmc_camera::geometry::inverse::DistortError;
 use fmc_camera::geometry::sensor::{FmcAxis, SensorPoint};
 use proptest::prelude::*;
@@ -60,7 +60,7 @@ fn displacement_of_an_ideal_point_is_that_of_double_precision() {
 
 /// 20 % of distortion at the corner of 80 mm x 60 mm, near to folding.
 fn strong() -> FrameCorrection {
-    let mut record = CalibrationRecord::new(100.0, [8000, 6000], 10.0);
+    let mut record = CalibrationParameters::new(100.0, [8000, 6000], 10.0);
     record.distortion.k1 = 9e-5;
     FrameCorrection::without_motion(&Calibration::new(record).unwrap())
 }
@@ -72,10 +72,7 @@ fn corrections() -> [FrameCorrection; 3] {
     record.distortion.b1 = 1e-4;
     record.distortion.b2 = -2e-4;
     let full = FrameCorrection::without_motion(&Calibration::new(record).unwrap());
-    assert_eq!(
-        [short.kernel(), full.kernel()],
-        [Kernel::Short, Kernel::Full]
-    );
+    assert_eq!([short.terms(), full.terms()], [Terms::Short, Terms::Full]);
     [short, full, strong()]
 }
 

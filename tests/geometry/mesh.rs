@@ -2,7 +2,7 @@
 
 use crate::geometry::cameras;
 use fmc_camera::geometry::brown::Brown;
-use fmc_camera::geometry::calibration::{Calibration, CalibrationRecord};
+use fmc_camera::geometry::calibration::{Calibration, CalibrationParameters};
 use fmc_camera::geometry::evaluation_form::Displacement;
 use fmc_camera::geometry::frame_correction::FrameCorrection;
 use fmc_camera::geometry::mesh::displacement_rows::{
@@ -31,8 +31,8 @@ pub(crate) fn form_f64(correction: &FrameCorrection, x_mm: f64, y_mm: f64) -> [f
 }
 
 /// A sensor 104 mm wide and high; behind it 0.5 mm of distortion per axis at the corner.
-pub(crate) fn wide(distortion: Brown) -> CalibrationRecord {
-    CalibrationRecord {
+pub(crate) fn wide(distortion: Brown) -> CalibrationParameters {
+    CalibrationParameters {
         width_px: 10_400,
         height_px: 10_400,
         pixel_um: 10.0,

@@ -3,7 +3,7 @@
 use crate::geometry::cameras;
 use crate::geometry::mesh::{SPACINGS_PX, form_f64, frames};
 use fmc_camera::geometry::brown::Brown;
-use fmc_camera::geometry::calibration::{Calibration, CalibrationRecord};
+use fmc_camera::geometry::calibration::{Calibration, CalibrationParameters};
 use fmc_camera::geometry::evaluation_form::Displacement;
 use fmc_camera::geometry::frame_correction::FrameCorrection;
 use fmc_camera::geometry::mesh::displacement_rows::{DisplacementRows, ROW_ROUNDING_NM};
@@ -159,9 +159,9 @@ fn corrections_of_every_camera_are_within_their_stated_bound_to_one_spacing_beyo
 
 /// A frame with one coefficient, about the centre of an image of 8000 x 6000 pixels of 10 µm.
 fn frame_of(distortion: Brown) -> FrameCorrection {
-    let record = CalibrationRecord {
+    let record = CalibrationParameters {
         distortion,
-        ..CalibrationRecord::new(100.0, [8000, 6000], 10.0)
+        ..CalibrationParameters::new(100.0, [8000, 6000], 10.0)
     };
     FrameCorrection::without_motion(&Calibration::new(record).unwrap())
 }
@@ -320,7 +320,7 @@ proptest! {
         spacing_px in 1_u16..=1024,
         pixel_um in prop::sample::select(vec![8.75_f32, 8.7491, 4.601, 3.757]),
     ) {
-        let record = CalibrationRecord { pixel_um, ..cameras::square(lens, axis) };
+        let record = CalibrationParameters { pixel_um, ..cameras::square(lens, axis) };
         let calibration = Calibration::new(record).unwrap();
         let focus = cameras::focus(&calibration, 0.01);
         let correction = FrameCorrection::exact(&calibration, &motion, &focus);

@@ -2,7 +2,7 @@
 
 use crate::geometry::cameras;
 use fmc_camera::geometry::calibration::Calibration;
-use fmc_camera::geometry::frame_correction::{FrameCorrection, Kernel};
+use fmc_camera::geometry::frame_correction::{FrameCorrection, Terms};
 use fmc_camera::geometry::point_kernel::LengthsDiffer;
 use fmc_camera::geometry::sensor::{FmcAxis, SensorPoint};
 use proptest::prelude::*;
@@ -53,10 +53,7 @@ fn short_and_full() -> [FrameCorrection; 2] {
     record.distortion.b1 = 1e-4;
     record.distortion.b2 = -2e-4;
     let full = FrameCorrection::without_motion(&Calibration::new(record).unwrap());
-    assert_eq!(
-        [short.kernel(), full.kernel()],
-        [Kernel::Short, Kernel::Full]
-    );
+    assert_eq!([short.terms(), full.terms()], [Terms::Short, Terms::Full]);
     [short, full]
 }
 

@@ -12,10 +12,10 @@ use fmc_camera::flight::settings::FlightSettings;
 use fmc_camera::flight::shutter_output::ShutterOutput;
 use fmc_camera::flight::time::Clock;
 use fmc_camera::flight::vh::VhSample;
-use fmc_camera::io::link::message::{Answer, Identity, Request, Start, Status};
+use fmc_camera::io::link::message::{Answer, Identity, Request, ResetCause, Status};
 use fmc_camera::io::link::station::Station;
 
-use crate::link::pc::{Pc, camera_record};
+use crate::link::pc::{Pc, camera_parameters};
 /// What the encoder counts where the stage stands at power-on, which is the calibrated position.
 pub(crate) const COUNT_AT_START: i32 = 12_345;
 
@@ -38,14 +38,14 @@ pub(crate) struct Board {
 impl Board {
     /// Connected, loaded and prepared; its counter at some number.
     pub(crate) fn prepared_at(counter_us: u32) -> Self {
-        let mut board = Self::connected(Start::PowerOn, counter_us);
-        let loaded = board.pc.ask(&Request::Load(camera_record()));
+        let mut board = Self::connected(ResetCause::PowerOn, counter_us);
+        let loaded = board.pc.ask(&Request::Load(camera_parameters()));
         assert!(matches!(loaded, Answer::Loaded(_)), "{loaded:?}");
         assert_eq!(board.prepare(), Answer::Prepared);
         board
     }
 
-    pub(crate) fn connected(start: Start, counter_us: u32) -> Self {
+    pub(crate) fn connected(start: ResetCause, counter_us: u32) -> Self {
         let identity = Identity::new("test build", "test board", false, start);
         let drive = RigDrive::new(DriveSettings::default()).unwrap();
         let station = Station::with(identity, || 0, FlownDeck::new(drive, start.unreferenced()));
@@ -180,8 +180,8 @@ impl Board {
     }
 
     pub(crate) fn record(&mut self, sequence: u32) -> FrameRecord {
-        match self.pc.ask(&Request::FlightRecord(sequence)) {
-            Answer::FlightRecord(Some((record, _))) if record.sequence == sequence => record,
+        match self.pc.ask(&Request::FrameRecord(sequence)) {
+            Answer::FrameRecord(Some((record, _))) if record.sequence == sequence => record,
             other => panic!("{other:?}"),
         }
     }

@@ -10,11 +10,11 @@ use fmc_camera::geometry::mesh::vertex::VertexRow;
 use fmc_camera::geometry::sensor::SensorPoint;
 use fmc_camera::io::link::digest;
 use fmc_camera::io::link::message::{
-    Answer, CalibrationIdentity, Grid, Header, Points, Request, Start, Storage,
+    Answer, CalibrationIdentity, Grid, Header, Points, Request, ResetCause, Storage,
 };
-use fmc_camera::io::link::station::Event;
+use fmc_camera::io::link::station::LinkEvent;
 
-use crate::link::pc::{Pc, SESSION, STACK_USED, camera_record};
+use crate::link::pc::{Pc, SESSION, STACK_USED, camera_parameters};
 
 const EXPOSURE: Exposure = Exposure::new(0.17, 1.0 / 200.0);
 
@@ -28,17 +28,20 @@ fn points() -> Points {
 #[test]
 fn answers_are_those_of_the_library_bit_by_bit() {
     let mut pc = Pc::loaded();
-    let frame = Camera::new(camera_record())
+    let frame = Camera::new(camera_parameters())
         .unwrap()
         .frame(&EXPOSURE)
         .unwrap();
     assert_eq!(
         pc.ask(&Request::Expose(EXPOSURE)),
-        Answer::Frame(frame.record)
+        Answer::InteriorOrientation(frame.interior)
     );
-    assert_eq!(pc.event, Some(Event::Exposed));
-    assert_eq!(pc.ask(&Request::Record), Answer::Frame(frame.record));
-    assert_eq!(pc.event, Some(Event::Answered));
+    assert_eq!(pc.event, Some(LinkEvent::Exposed));
+    assert_eq!(
+        pc.ask(&Request::InteriorOrientation),
+        Answer::InteriorOrientation(frame.interior)
+    );
+    assert_eq!(pc.event, Some(LinkEvent::Answered));
 
     let measured = points();
     let ideal = measured
@@ -76,7 +79,7 @@ fn answers_are_those_of_the_library_bit_by_bit() {
 #[test]
 fn a_mesh_arrives_as_the_library_stores_it_in_every_format() {
     let mut pc = Pc::loaded();
-    let frame = Camera::new(camera_record())
+    let frame = Camera::new(camera_parameters())
         .unwrap()
         .frame(&EXPOSURE)
         .unwrap();
@@ -104,7 +107,7 @@ fn a_mesh_arrives_as_the_library_stores_it_in_every_format() {
 #[test]
 fn corrections_of_vertices_arrive_as_the_library_gives_them() {
     let mut pc = Pc::loaded();
-    let frame = Camera::new(camera_record())
+    let frame = Camera::new(camera_parameters())
         .unwrap()
         .frame(&EXPOSURE)
         .unwrap();
@@ -173,20 +176,20 @@ fn connecting_tells_who_answers_and_which_calibration_it_holds() {
     assert_eq!(identity.version, env!("CARGO_PKG_VERSION"));
     assert_eq!(identity.build, "test build");
     assert_eq!(identity.board, "test board");
-    assert_eq!(identity.start, Start::Watchdog);
+    assert_eq!(identity.reset_cause, ResetCause::Watchdog);
     assert_eq!(identity.max_points, 64);
     assert_eq!(identity.calibration, None);
-    assert_eq!(pc.event, Some(Event::Connected(SESSION)));
+    assert_eq!(pc.event, Some(LinkEvent::Connected(SESSION)));
 
     let calibration = CalibrationIdentity {
-        crc: digest::of_record(&camera_record()).unwrap(),
+        crc: digest::of_camera(&camera_parameters()).unwrap(),
         storage: Storage::Volatile,
     };
     assert_eq!(
-        pc.ask(&Request::Load(camera_record())),
+        pc.ask(&Request::Load(camera_parameters())),
         Answer::Loaded(calibration)
     );
-    assert_eq!(pc.event, Some(Event::Loaded(calibration)));
+    assert_eq!(pc.event, Some(LinkEvent::Loaded(calibration)));
     let other = Header {
         session: 7,
         sequence: 99,
@@ -199,10 +202,10 @@ fn connecting_tells_who_answers_and_which_calibration_it_holds() {
 
 #[test]
 fn digest_of_a_calibration_tells_every_field_of_it() {
-    let of = |change: fn(&mut fmc_camera::CameraRecord)| {
-        let mut record = camera_record();
+    let of = |change: fn(&mut fmc_camera::CameraParameters)| {
+        let mut record = camera_parameters();
         change(&mut record);
-        digest::of_record(&record).unwrap()
+        digest::of_camera(&record).unwrap()
     };
     let digests = [
         of(|_| {}),
@@ -252,8 +255,8 @@ fn counters_tell_the_stack_and_the_overrun() {
 #[test]
 fn ending_is_announced_and_left_to_the_board() {
     for (request, event) in [
-        (Request::Reset, Event::Reset),
-        (Request::PowerOff, Event::PowerOff),
+        (Request::Reset, LinkEvent::Reset),
+        (Request::PowerOff, LinkEvent::PowerOff),
     ] {
         let mut pc = Pc::connected();
         assert_eq!(pc.ask(&request), Answer::Ending);

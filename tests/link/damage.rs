@@ -1,10 +1,10 @@
 //! What happens to frames on a bad wire.
 
 use fmc_camera::flight::exposure::Exposure;
-use fmc_camera::io::link::frame::Damage;
 use fmc_camera::io::link::message::{Answer, Header, Refusal, Request, Unreadable};
-use fmc_camera::io::link::station::{Event, NOBODY};
-use fmc_camera::io::link::{LONGEST_FRAME, PROTOCOL_VERSION};
+use fmc_camera::io::link::packet::Damage;
+use fmc_camera::io::link::station::{LinkEvent, NOBODY};
+use fmc_camera::io::link::{LONGEST_PACKET, PROTOCOL_VERSION};
 
 use crate::link::pc::{Pc, SESSION, frame};
 use crate::link::targets::wire_format::{between_zeros, frame_of};
@@ -25,21 +25,21 @@ fn damaged_frame_is_counted_and_dropped_and_the_next_one_taken() {
     let mut wrong = wire.to_vec();
     wrong[3] ^= 0x40;
     assert!(pc.send(&wrong).is_empty());
-    assert_eq!(pc.event, Some(Event::Lost(Damage::Crc)));
+    assert_eq!(pc.event, Some(LinkEvent::Lost(Damage::Crc)));
 
     let cut = wire.len() / 2;
     assert!(pc.send(&wire[..cut]).is_empty());
     assert!(pc.send(&[0]).is_empty());
-    assert_eq!(pc.event, Some(Event::Lost(Damage::Truncated)));
+    assert_eq!(pc.event, Some(LinkEvent::Lost(Damage::Truncated)));
     // Shorter than its CRC; and a block of COBS that is longer than the frame.
     for short in [&[3, 1, 1, 0], &between_zeros(&[9, 1, 2])[..]] {
         assert!(pc.send(short).is_empty());
-        assert_eq!(pc.event, Some(Event::Lost(Damage::Truncated)));
+        assert_eq!(pc.event, Some(LinkEvent::Lost(Damage::Truncated)));
     }
-    assert!(pc.send(&[7; LONGEST_FRAME + 1]).is_empty());
+    assert!(pc.send(&[7; LONGEST_PACKET + 1]).is_empty());
     assert!(pc.send(&vec![9; 100_000]).is_empty());
     assert!(pc.send(&[0]).is_empty());
-    assert_eq!(pc.event, Some(Event::Lost(Damage::Oversized)));
+    assert_eq!(pc.event, Some(LinkEvent::Lost(Damage::Oversized)));
 
     let answers = pc.send(wire);
     let [(_, Answer::Counters(counters))] = answers[..] else {
@@ -89,7 +89,7 @@ fn other_protocol_is_answered_with_ones_own_version() {
     assert_eq!(answers, [(NOBODY, Answer::Refused(Refusal::OtherProtocol))]);
     assert_eq!(
         pc.event,
-        Some(Event::Unreadable(Unreadable::OtherProtocol(1)))
+        Some(LinkEvent::Unreadable(Unreadable::OtherProtocol(1)))
     );
     assert_eq!(pc.station.counters().other_protocol, 1);
 }
@@ -98,7 +98,7 @@ fn other_protocol_is_answered_with_ones_own_version() {
 fn whole_frame_without_a_request_is_counted() {
     let mut pc = Pc::connected();
     assert!(pc.send(&frame_of(&[PROTOCOL_VERSION])).is_empty());
-    assert_eq!(pc.event, Some(Event::Unreadable(Unreadable::NoHeader)));
+    assert_eq!(pc.event, Some(LinkEvent::Unreadable(Unreadable::NoHeader)));
     let mut unknown = vec![PROTOCOL_VERSION];
     unknown.extend([0x91, 0xa0, 0xd4, 0xf2, 0x05]); // SESSION as LEB128
     unknown.extend([u8::try_from(pc.next).unwrap(), 77]);

@@ -13,11 +13,11 @@ use fmc_camera::geometry::sensor::SensorPoint;
 use fmc_camera::io::link::MAX_OBSERVATIONS;
 use fmc_camera::io::link::message::{Answer, Refusal, Request};
 
-use crate::link::pc::{Pc, camera_record};
+use crate::link::pc::{Pc, camera_parameters};
 
 /// What exposures from rest would show on a 9 x 9 grid, with a pattern in place of noise.
 fn observations() -> Vec<Observation<f32>> {
-    let camera = Camera::new(camera_record()).unwrap();
+    let camera = Camera::new(camera_parameters()).unwrap();
     let mut observations = Vec::new();
     for (vh, offset_mm) in [(0.05, 0.1), (0.1, -0.04), (0.17, 0.2)] {
         let frame = camera
@@ -37,7 +37,7 @@ fn observations() -> Vec<Observation<f32>> {
                 y_mm: point.y_mm,
                 dx_mm: seen.dx_mm + 1e-4 * (f32::from(index % 7) - 3.0),
                 dy_mm: seen.dy_mm + 1e-4 * (f32::from(index % 5) - 2.0),
-                regressor_mm: frame.record.motion.centroid_mm,
+                regressor_mm: frame.interior.motion.centroid_mm,
                 sigma_mm: 5e-4 + 1e-4 * f32::from(index % 3),
             });
         }
@@ -77,7 +77,7 @@ fn bits(fit: &Fit<f32>) -> Vec<u32> {
 fn fit_through_the_link_is_that_of_a_direct_call_bit_by_bit() {
     let observations = observations();
     for options in options() {
-        let calibration = *Camera::new(camera_record()).unwrap().calibration();
+        let calibration = *Camera::new(camera_parameters()).unwrap().calibration();
         let mut direct = Adjustment::new(KnownLens::of(&calibration), options);
         let mut pc = Pc::loaded();
         assert_eq!(pc.ask(&Request::StartFit(options)), Answer::Observed(0));
@@ -115,10 +115,10 @@ fn adjustment_belongs_to_its_calibration_and_its_session() {
         Answer::Refused(Refusal::NoCalibration),
         "without a calibration there is no lens"
     );
-    pc.ask(&Request::Load(camera_record()));
+    pc.ask(&Request::Load(camera_parameters()));
     assert_eq!(pc.ask(&batch), no_fit);
     assert_eq!(pc.ask(&Request::Fit), no_fit);
-    for ending in [Request::Load(camera_record()), Request::Connect] {
+    for ending in [Request::Load(camera_parameters()), Request::Connect] {
         assert_eq!(pc.ask(&start), Answer::Observed(0));
         assert_eq!(pc.ask(&batch), Answer::Observed(2));
         pc.ask(&ending);

@@ -7,10 +7,10 @@ use fmc_camera::flight::frame_record::{ExposedFrame, Flag, FrameRecord, Outcome}
 use fmc_camera::flight::input_levels::InputLevels;
 use fmc_camera::flight::time::Time;
 use fmc_camera::flight::vh::VhSample;
-use fmc_camera::io::link::message::{Answer, Request, Start};
+use fmc_camera::io::link::message::{Answer, Request, ResetCause};
 
 use crate::link::board::Board;
-use crate::link::pc::camera_record;
+use crate::link::pc::camera_parameters;
 fn exposed(record: &FrameRecord) -> &ExposedFrame {
     match &record.outcome {
         Outcome::Exposed(frame) => frame,
@@ -53,8 +53,8 @@ fn camera_is_flown_over_the_link_and_by_its_wires_alone() {
         assert_compensated(&board.record(sequence));
     }
     assert_eq!(
-        board.pc.ask(&Request::FlightRecord(3)),
-        Answer::FlightRecord(None)
+        board.pc.ask(&Request::FrameRecord(3)),
+        Answer::FrameRecord(None)
     );
     assert_eq!(board.status().kept, 2);
     assert_eq!(board.pc.ask(&Request::Acknowledge(2)), Answer::Kept(0));
@@ -284,8 +284,8 @@ fn switch_that_is_still_closed_when_faults_are_cleared_keeps_the_stage_without_f
 
 #[test]
 fn after_the_watchdog_the_shutter_is_closed_and_somebody_must_look() {
-    let mut board = Board::connected(Start::Watchdog, 0);
-    board.pc.ask(&Request::Load(camera_record()));
+    let mut board = Board::connected(ResetCause::Watchdog, 0);
+    board.pc.ask(&Request::Load(camera_parameters()));
     assert_eq!(board.prepare(), Answer::Prepared);
     board.shutter.open(Time::from_us(500), 1.0);
     board.round();

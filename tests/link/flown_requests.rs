@@ -13,13 +13,13 @@ use fmc_camera::flight::settings::FlightSettings;
 use fmc_camera::flight::time::Time;
 use fmc_camera::flight::vh::VhSample;
 use fmc_camera::geometry::estimation::options::FitOptions;
-use fmc_camera::io::link::message::{Answer, Grid, Observations, Refusal, Request, Start};
+use fmc_camera::io::link::message::{Answer, Grid, Observations, Refusal, Request, ResetCause};
 
 use crate::link::board::{Board, COUNT_AT_START};
-use crate::link::pc::{Pc, camera_record};
+use crate::link::pc::{Pc, camera_parameters};
 #[test]
 fn only_what_is_told_may_be_told_and_what_finds_no_place_is_refused() {
-    let mut board = Board::connected(Start::PowerOn, 0);
+    let mut board = Board::connected(ResetCause::PowerOn, 0);
     let arm = Event::Command(Command::Arm);
     let refused = |answer| match answer {
         Answer::Refused(refusal) => refusal,
@@ -28,7 +28,7 @@ fn only_what_is_told_may_be_told_and_what_finds_no_place_is_refused() {
     assert_eq!(refused(board.tell(arm)), Refusal::NotPrepared);
     // Lost on nobody: there is no camera.
     board.deck().capture(Time::START, Event::Trigger);
-    board.pc.ask(&Request::Load(camera_record()));
+    board.pc.ask(&Request::Load(camera_parameters()));
     board.prepare();
     for wired in [
         Event::Trigger,
@@ -72,7 +72,7 @@ fn nothing_that_lasts_longer_than_a_round_is_begun_while_the_stage_has_force_on_
         Request::StartFit(FitOptions::default()),
         Request::Observe(Observations::new()),
         Request::Fit,
-        Request::Load(camera_record()),
+        Request::Load(camera_parameters()),
         Request::Prepare(FlightSettings::default()),
     ];
     board.trigger(0);
@@ -97,7 +97,7 @@ fn nothing_that_lasts_longer_than_a_round_is_begun_while_the_stage_has_force_on_
 fn nothing_is_loaded_or_prepared_while_it_flies_without_force_on_the_stage() {
     let mut board = Board::prepared_at(0);
     let long = [
-        Request::Load(camera_record()),
+        Request::Load(camera_parameters()),
         Request::Prepare(FlightSettings::default()),
         Request::StartFit(FitOptions::default()),
     ];
@@ -123,12 +123,12 @@ fn nothing_is_loaded_or_prepared_while_it_flies_without_force_on_the_stage() {
 
 #[test]
 fn armed_tdi_camera_is_busy_without_a_stage() {
-    let mut camera = camera_record();
+    let mut camera = camera_parameters();
     camera.mechanism = Mechanism::Tdi {
         first_transfer: 0.5,
     };
     let drive = RigDrive::new(DriveSettings::default()).unwrap();
-    let mut deck = FlownDeck::new(drive, Start::PowerOn.unreferenced()).with_row_clock();
+    let mut deck = FlownDeck::new(drive, ResetCause::PowerOn.unreferenced()).with_row_clock();
     deck.prepare(&camera, 0, &FlightSettings::default())
         .unwrap();
     let mut round = |number: u64, event| {
@@ -149,8 +149,8 @@ fn armed_tdi_camera_is_busy_without_a_stage() {
 
 #[test]
 fn encoder_is_seen_in_the_status_before_anybody_has_said_where_the_stage_stands() {
-    let mut board = Board::connected(Start::PowerOn, 0);
-    board.pc.ask(&Request::Load(camera_record()));
+    let mut board = Board::connected(ResetCause::PowerOn, 0);
+    board.pc.ask(&Request::Load(camera_parameters()));
     let offset_mm = |board: &mut Board| board.deck().offset_mm();
     assert_eq!(offset_mm(&mut board), None, "before the first round");
     board.round();
@@ -210,8 +210,8 @@ fn reference_is_taken_in_standby_alone() {
 
 #[test]
 fn tdi_camera_needs_an_output_that_clocks_its_rows() {
-    let mut board = Board::connected(Start::PowerOn, 0);
-    let mut camera = camera_record();
+    let mut board = Board::connected(ResetCause::PowerOn, 0);
+    let mut camera = camera_parameters();
     camera.mechanism = Mechanism::Tdi {
         first_transfer: 0.5,
     };
@@ -220,7 +220,7 @@ fn tdi_camera_needs_an_output_that_clocks_its_rows() {
     assert_eq!(board.prepare(), Answer::Refused(Refusal::NoRowClock));
 
     let drive = RigDrive::new(DriveSettings::default()).unwrap();
-    let mut clocking = FlownDeck::new(drive, Start::PowerOn.unreferenced()).with_row_clock();
+    let mut clocking = FlownDeck::new(drive, ResetCause::PowerOn.unreferenced()).with_row_clock();
     assert_eq!(
         clocking.prepare(&camera, 0, &FlightSettings::default()),
         Ok(())

@@ -10,7 +10,7 @@ use fmc_camera::flight::vh::VhSample;
 use fmc_camera::io::link::deck::FlightDeck;
 use fmc_camera::io::link::message::{Answer, CalibrationIdentity, Refusal, Request};
 
-use crate::link::pc::{Pc, camera_record};
+use crate::link::pc::{Pc, camera_parameters};
 
 /// A test rig with an ideal stage.
 struct Flight {
@@ -61,7 +61,7 @@ impl Flight {
     }
 
     fn load(&mut self, pixel_um: f32) -> Answer {
-        let mut camera = camera_record();
+        let mut camera = camera_parameters();
         camera.calibration.pixel_um = pixel_um;
         self.pc.ask(&Request::Load(camera))
     }
@@ -104,8 +104,7 @@ fn calibration_waits_for_the_exposure_and_the_flight_keeps_the_one_it_was_prepar
     flight.run_until(State::Armed);
     flight.round(Some(Event::Command(Command::Disarm)));
     for sequence in [1, 2] {
-        let Answer::FlightRecord(Some((record, _))) =
-            flight.pc.ask(&Request::FlightRecord(sequence))
+        let Answer::FrameRecord(Some((record, _))) = flight.pc.ask(&Request::FrameRecord(sequence))
         else {
             panic!("no record");
         };
@@ -121,7 +120,7 @@ fn calibration_waits_for_the_exposure_and_the_flight_keeps_the_one_it_was_prepar
     assert_eq!(flight.prepare(), Answer::Prepared);
     // In standby, under the new calibration, and counting from 1.
     flight.round(Some(Event::Trigger));
-    let Answer::FlightRecord(Some((record, _))) = flight.pc.ask(&Request::FlightRecord(0)) else {
+    let Answer::FrameRecord(Some((record, _))) = flight.pc.ask(&Request::FrameRecord(0)) else {
         panic!("no record");
     };
     assert_eq!((record.sequence, record.calibration_crc), (1, crc));

@@ -1,6 +1,6 @@
 //! Messages as bytes.
 
-use fmc_camera::flight::camera::{CameraRecord, Mechanism};
+use fmc_camera::flight::camera::{CameraParameters, Mechanism};
 use fmc_camera::flight::event::{AttitudeSample, Event};
 use fmc_camera::flight::exposure::Exposure;
 use fmc_camera::flight::stage::RunUp;
@@ -15,13 +15,13 @@ use fmc_camera::geometry::mesh::vertex::VertexRow;
 use fmc_camera::geometry::range::Quantity;
 use fmc_camera::geometry::sensor::SensorPoint;
 use fmc_camera::geometry::shutter::ShutterProfile;
-use fmc_camera::io::link::frame::{Frame, FrameReceiver};
-use fmc_camera::io::link::message::{Answer, Grid, Header, Identity, Refusal, Request, Start};
+use fmc_camera::io::link::message::{Answer, Grid, Header, Identity, Refusal, Request, ResetCause};
+use fmc_camera::io::link::packet::{Packet, PacketReceiver};
 use fmc_camera::io::link::{
-    LONGEST_FRAME, LONGEST_PAYLOAD, MAX_OBSERVATIONS, MAX_POINTS, PROTOCOL_VERSION,
+    LONGEST_PACKET, LONGEST_PAYLOAD, MAX_OBSERVATIONS, MAX_POINTS, PROTOCOL_VERSION,
 };
 
-use crate::link::pc::{camera_record, frame};
+use crate::link::pc::{camera_parameters, frame};
 
 /// The header whose numbers take most bytes.
 const LONGEST_HEADER: Header = Header {
@@ -38,8 +38,8 @@ const LONGEST_MESH_ROW: VertexRow = VertexRow {
     origin_px: [u32::MAX; 2],
 };
 
-fn payload_of(frame: &Frame) -> Vec<u8> {
-    let mut receiver = FrameReceiver::new();
+fn payload_of(frame: &Packet) -> Vec<u8> {
+    let mut receiver = PacketReceiver::new();
     let (last, bytes) = frame.bytes().split_last().unwrap();
     for byte in bytes {
         assert!(receiver.receive(*byte).is_none());
@@ -48,8 +48,8 @@ fn payload_of(frame: &Frame) -> Vec<u8> {
 }
 
 /// Every number of the record is there, none of them short.
-fn longest_record() -> CameraRecord {
-    let mut record = camera_record();
+fn longest_record() -> CameraParameters {
+    let mut record = camera_parameters();
     record.calibration.fitted = Some(FiveCoefficients::default());
     record.mechanism = Mechanism::Stage {
         acceleration_mm_s2: 1.0,
@@ -124,15 +124,15 @@ fn longest_messages_fit_and_come_back_as_they_went() {
         }),
         Answer::Mesh(std::iter::repeat_n(u8::MAX, MAX_POINTS * MAX_WORD_BYTES).collect()),
         Answer::Corrections(std::iter::repeat_n(far_correction, MAX_POINTS).collect()),
-        Answer::Connected(Identity::new(&long, &long[..24], true, Start::Fault)),
+        Answer::Connected(Identity::new(&long, &long[..24], true, ResetCause::Fault)),
     ] {
-        let mut frame = Frame::EMPTY;
+        let mut frame = Packet::EMPTY;
         answer.write(LONGEST_HEADER, &mut frame).unwrap();
-        assert!(frame.bytes().len() <= LONGEST_FRAME);
+        assert!(frame.bytes().len() <= LONGEST_PACKET);
         let (header, read) = Answer::read(&payload_of(&frame)).unwrap();
         assert_eq!((header, read), (LONGEST_HEADER, Some(answer)));
     }
-    let mut frame = Frame::EMPTY;
+    let mut frame = Packet::EMPTY;
     let answer = Answer::Points(std::iter::repeat_n(corrected, MAX_POINTS).collect());
     answer.write(LONGEST_HEADER, &mut frame).unwrap();
     // The buffers are as long as they need be, and 5 bytes more.
@@ -167,7 +167,7 @@ fn quantities_keep_the_numbers_they_were_given() {
         (Quantity::DutyDelayS, 78),
     ] {
         assert_eq!(Quantity::ALL.get(number), Some(&quantity));
-        let mut frame = Frame::EMPTY;
+        let mut frame = Packet::EMPTY;
         let error = quantity.check(f32::NAN).unwrap_err();
         Answer::Refused(Refusal::Settings(error))
             .write(LONGEST_HEADER, &mut frame)
@@ -220,14 +220,14 @@ fn requests_and_answers_keep_the_numbers_they_were_given() {
         (Answer::Mesh([1, 2, 3, 4].into_iter().collect()), 18),
         (Answer::Corrections(corrections.into_iter().collect()), 19),
     ] {
-        let mut frame = Frame::EMPTY;
+        let mut frame = Packet::EMPTY;
         answer.write(header, &mut frame).unwrap();
         let payload = payload_of(&frame);
         assert_eq!(payload[3], number, "{answer:?}");
         assert_eq!(Answer::read(&payload), Ok((header, Some(answer))));
     }
     // Their number, then columns and rows in little endian.
-    let mut frame = Frame::EMPTY;
+    let mut frame = Packet::EMPTY;
     let answer = Answer::Corrections(corrections.into_iter().collect());
     answer.write(header, &mut frame).unwrap();
     let numbers = [1.5_f32, -0.25].map(f32::to_le_bytes);
@@ -259,6 +259,6 @@ fn what_follows_the_header_is_one_message_to_the_last_byte() {
 #[test]
 fn names_that_are_too_long_are_left_empty() {
     let long = "x".repeat(41);
-    let identity = Identity::new(&long, &long, true, Start::PowerOn);
+    let identity = Identity::new(&long, &long, true, ResetCause::PowerOn);
     assert_eq!((identity.build.as_str(), identity.board.as_str()), ("", ""));
 }

@@ -1,12 +1,12 @@
 //! The PC's end, as simple as it can be: what is asked arrives, and so does the answer.
 
-use fmc_camera::flight::camera::CameraRecord;
+use fmc_camera::flight::camera::CameraParameters;
 use fmc_camera::geometry::brown::Brown;
-use fmc_camera::geometry::calibration::CalibrationRecord;
+use fmc_camera::geometry::calibration::CalibrationParameters;
 use fmc_camera::io::link::deck::{FlightDeck, RigDeck};
-use fmc_camera::io::link::frame::{Frame, FrameReceiver};
-use fmc_camera::io::link::message::{Answer, Header, Identity, Request, Start};
-use fmc_camera::io::link::station::{Event, Station};
+use fmc_camera::io::link::message::{Answer, Header, Identity, Request, ResetCause};
+use fmc_camera::io::link::packet::{Packet, PacketReceiver};
+use fmc_camera::io::link::station::{LinkEvent, Station};
 
 pub(crate) const SESSION: u32 = 0x5e55_1011;
 
@@ -17,13 +17,13 @@ pub(crate) const STACK_USED: u32 = 1234;
 pub(crate) struct Pc<Deck = RigDeck> {
     pub(crate) station: Station<Deck>,
     pub(crate) next: u16,
-    pub(crate) event: Option<Event>,
+    pub(crate) event: Option<LinkEvent>,
 }
 
 impl Pc {
     /// Without a session.
     pub(crate) fn unconnected() -> Self {
-        let identity = Identity::new("test build", "test board", true, Start::Watchdog);
+        let identity = Identity::new("test build", "test board", true, ResetCause::Watchdog);
         Self::of(Station::new(identity, || STACK_USED))
     }
 
@@ -36,7 +36,7 @@ impl Pc {
     /// With a calibration.
     pub(crate) fn loaded() -> Self {
         let mut pc = Self::connected();
-        let answer = pc.ask(&Request::Load(camera_record()));
+        let answer = pc.ask(&Request::Load(camera_parameters()));
         assert!(matches!(answer, Answer::Loaded(_)), "{answer:?}");
         pc
     }
@@ -98,15 +98,15 @@ impl<Deck: FlightDeck> Pc<Deck> {
     }
 }
 
-pub(crate) fn frame(header: Header, request: &Request) -> Frame {
-    let mut frame = Frame::EMPTY;
+pub(crate) fn frame(header: Header, request: &Request) -> Packet {
+    let mut frame = Packet::EMPTY;
     request.write(header, &mut frame).unwrap();
     frame
 }
 
 /// Every answer in bytes from the camera, all of them whole.
 fn answers_in(bytes: &[u8]) -> Vec<(Header, Answer)> {
-    let mut receiver = FrameReceiver::new();
+    let mut receiver = PacketReceiver::new();
     let mut answers = Vec::new();
     for byte in bytes {
         if let Some(payload) = receiver.receive(*byte) {
@@ -118,13 +118,13 @@ fn answers_in(bytes: &[u8]) -> Vec<(Header, Answer)> {
 }
 
 /// The 50 mm camera of the README.
-pub(crate) fn camera_record() -> CameraRecord {
-    let mut lens = CalibrationRecord::new(51.3712, [14204, 10652], 3.76);
+pub(crate) fn camera_parameters() -> CameraParameters {
+    let mut lens = CalibrationParameters::new(51.3712, [14204, 10652], 3.76);
     lens.distortion = Brown {
         k1: -1.6056e-5,
         k2: 6.18966e-9,
         k3: -1.31329e-12,
         ..Brown::default()
     };
-    CameraRecord::new(lens)
+    CameraParameters::new(lens)
 }

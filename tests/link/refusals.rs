@@ -11,11 +11,11 @@ use fmc_camera::geometry::mesh::vertex::{MeshError, VertexRow};
 use fmc_camera::geometry::range::Quantity;
 use fmc_camera::geometry::sensor::SensorPoint;
 use fmc_camera::io::link::message::{
-    Answer, Grid, Header, Identity, Points, Refusal, Request, Start,
+    Answer, Grid, Header, Identity, Points, Refusal, Request, ResetCause,
 };
-use fmc_camera::io::link::station::{Event, Station};
+use fmc_camera::io::link::station::{LinkEvent, Station};
 
-use crate::link::pc::{Pc, SESSION, camera_record};
+use crate::link::pc::{Pc, SESSION, camera_parameters};
 
 const EXPOSURE: Exposure = Exposure::new(0.1, 0.005);
 
@@ -31,13 +31,13 @@ fn nothing_is_done_before_what_it_needs() {
     let mut pc = Pc::connected();
     let no_calibration = Answer::Refused(Refusal::NoCalibration);
     assert_eq!(pc.ask(&Request::Expose(EXPOSURE)), no_calibration);
-    pc.ask(&Request::Load(camera_record()));
+    pc.ask(&Request::Load(camera_parameters()));
     let grid = Grid {
         x_mm: heapless::Vec::new(),
         y_mm: heapless::Vec::new(),
     };
     for request in [
-        Request::Record,
+        Request::InteriorOrientation,
         Request::Correct(batch(&[(0.0, 0.0)])),
         Request::Distort(batch(&[(0.0, 0.0)])),
         Request::Digest(grid),
@@ -52,7 +52,7 @@ fn frame_ends_with_its_session_and_with_a_refused_exposure_or_a_new_calibration(
     let point = Request::Correct(batch(&[(0.0, 0.0)]));
     for (what, request) in [
         ("connect", Request::Connect),
-        ("calibration", Request::Load(camera_record())),
+        ("calibration", Request::Load(camera_parameters())),
         ("exposure", Request::Expose(Exposure::new(5.0, 0.005))),
     ] {
         let mut pc = Pc::loaded();
@@ -66,7 +66,7 @@ fn frame_ends_with_its_session_and_with_a_refused_exposure_or_a_new_calibration(
 #[test]
 fn calibration_that_is_not_usable_is_named_and_the_one_before_stays() {
     let mut pc = Pc::loaded();
-    let mut bad = camera_record();
+    let mut bad = camera_parameters();
     bad.calibration.pixel_um = f32::NAN;
     let Answer::Refused(Refusal::Calibration(CalibrationError::OutOfRange(error))) =
         pc.ask(&Request::Load(bad))
@@ -74,7 +74,7 @@ fn calibration_that_is_not_usable_is_named_and_the_one_before_stays() {
         panic!("not refused");
     };
     assert_eq!(error.quantity, Quantity::PixelUm);
-    let mut folding = camera_record();
+    let mut folding = camera_parameters();
     folding.calibration.distortion.k1 = 1e-3;
     assert!(matches!(
         pc.ask(&Request::Load(folding)),
@@ -82,7 +82,7 @@ fn calibration_that_is_not_usable_is_named_and_the_one_before_stays() {
     ));
     assert!(matches!(
         pc.ask(&Request::Expose(EXPOSURE)),
-        Answer::Frame(_)
+        Answer::InteriorOrientation(_)
     ));
 }
 
@@ -268,7 +268,7 @@ fn request_out_of_order_is_refused_with_the_number_expected() {
         };
         let expected = pc.next;
         assert_eq!(
-            pc.ask_as(header, &Request::Load(camera_record())),
+            pc.ask_as(header, &Request::Load(camera_parameters())),
             Answer::Refused(Refusal::OutOfOrder { expected })
         );
     }
@@ -289,15 +289,18 @@ fn session_of_another_host_ends_the_first() {
     };
     pc.ask_as(other, &Request::Connect);
     let ended = Answer::Refused(Refusal::OtherSession);
-    assert_eq!(pc.ask(&Request::Record), ended);
-    assert_eq!(pc.event, Some(Event::Refused(Refusal::OtherSession)));
+    assert_eq!(pc.ask(&Request::InteriorOrientation), ended);
+    assert_eq!(pc.event, Some(LinkEvent::Refused(Refusal::OtherSession)));
     // The second goes on undisturbed.
     let next = Header {
         session: 2,
         sequence: 1,
     };
     let answer = pc.ask_as(next, &Request::Expose(EXPOSURE));
-    assert!(matches!(answer, Answer::Frame(_)), "{answer:?}");
+    assert!(
+        matches!(answer, Answer::InteriorOrientation(_)),
+        "{answer:?}"
+    );
     assert_eq!(pc.station.counters().other_session, 1);
 }
 
@@ -306,14 +309,14 @@ fn before_a_session_only_connecting_is_answered_otherwise_than_by_refusal() {
     let mut pc = Pc::unconnected();
     for request in [Request::Counters, Request::Reset, Request::PowerOff] {
         assert_eq!(pc.ask(&request), Answer::Refused(Refusal::OtherSession));
-        assert_eq!(pc.event, Some(Event::Refused(Refusal::OtherSession)));
+        assert_eq!(pc.event, Some(LinkEvent::Refused(Refusal::OtherSession)));
     }
 }
 
 #[test]
 fn camera_without_a_power_switch_says_so() {
     let mut pc = Pc::unconnected();
-    let identity = Identity::new("", "", false, Start::Watchdog);
+    let identity = Identity::new("", "", false, ResetCause::Watchdog);
     pc.station = Station::new(identity, || 0);
     pc.ask(&Request::Connect);
     assert_eq!(

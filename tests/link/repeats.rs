@@ -2,7 +2,7 @@
 
 use fmc_camera::flight::exposure::Exposure;
 use fmc_camera::io::link::message::{Answer, Header, Refusal, Request};
-use fmc_camera::io::link::station::Event;
+use fmc_camera::io::link::station::LinkEvent;
 
 use crate::link::pc::{Pc, SESSION};
 use crate::link::targets::wire_format::frame_of;
@@ -29,7 +29,7 @@ fn request_that_comes_again_is_answered_again_and_not_acted_on_again() {
     // The same number with other contents: the answer from memory.
     let again = pc.ask_as(header, &Request::Expose(Exposure::new(0.05, 0.01)));
     assert_eq!(again, first);
-    assert_eq!(pc.event, Some(Event::Repeated));
+    assert_eq!(pc.event, Some(LinkEvent::Repeated));
     let counters = pc.station.counters();
     assert_eq!((counters.done, counters.repeated), (done, 1));
 }
@@ -52,7 +52,7 @@ fn answer_survives_what_others_ask_meanwhile() {
     assert_eq!(pc.ask_as(header, &Request::Expose(EXPOSURE)), first);
     // And the frame is the session's still.
     pc.next += 1;
-    assert_eq!(pc.ask(&Request::Record), first);
+    assert_eq!(pc.ask(&Request::InteriorOrientation), first);
 }
 
 #[test]
@@ -74,6 +74,6 @@ fn ending_that_is_asked_for_again_is_only_answered_again() {
         let header = next(&pc);
         pc.ask_as(header, &request);
         assert_eq!(pc.ask_as(header, &request), Answer::Ending);
-        assert_eq!(pc.event, Some(Event::Repeated));
+        assert_eq!(pc.event, Some(LinkEvent::Repeated));
     }
 }

@@ -6,8 +6,8 @@ use std::ops::Range;
 use fmc_camera::flight::exposure::Exposure;
 use fmc_camera::geometry::frame_correction::Corrected;
 use fmc_camera::geometry::sensor::SensorPoint;
-use fmc_camera::io::link::frame::{Frame, FrameReceiver};
 use fmc_camera::io::link::message::{Answer, Header, Request};
+use fmc_camera::io::link::packet::{Packet, PacketReceiver};
 
 use crate::link::pc::{SESSION, frame};
 use crate::link::targets::wire_format::{frame_of, wire_from_crc, wire_from_length};
@@ -24,7 +24,7 @@ fn header(sequence: u16) -> Header {
 
 /// Whether any frame is accepted in these bytes, or in what is left over with a zero after it.
 fn accepts(bytes: impl Iterator<Item = u8>) -> bool {
-    let mut receiver = FrameReceiver::new();
+    let mut receiver = PacketReceiver::new();
     bytes
         .chain([0])
         .any(|byte| matches!(receiver.receive(byte), Some(Ok(_))))
@@ -32,7 +32,7 @@ fn accepts(bytes: impl Iterator<Item = u8>) -> bool {
 
 #[test]
 fn all_errors_of_a_short_frame_are_found_by_trying() {
-    let request = frame(header(3), &Request::Record);
+    let request = frame(header(3), &Request::InteriorOrientation);
     let wire = request.bytes();
     assert!(accepts(wire.iter().copied()));
     let bits = 8 * wire.len();
@@ -70,7 +70,7 @@ fn all_errors_of_long_frames_are_found_by_the_linearity_of_the_crc() {
         point: point(index),
         ..Corrected::default()
     };
-    let mut answer = Frame::EMPTY;
+    let mut answer = Packet::EMPTY;
     Answer::Points((0..64).map(corrected).collect())
         .write(header(4), &mut answer)
         .unwrap();

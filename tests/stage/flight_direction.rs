@@ -1,16 +1,16 @@
 //! Strips flown to and fro with the same camera.
 
-use fmc_camera::flight::camera::{Camera, CameraRecord, Mechanism};
+use fmc_camera::flight::camera::{Camera, CameraParameters, Mechanism};
 use fmc_camera::flight::exposure::{CorrectionModel, Exposure, FlightDirection};
 use fmc_camera::flight::stage::RunUp;
 use fmc_camera::geometry::brown::Brown;
-use fmc_camera::geometry::calibration::CalibrationRecord;
+use fmc_camera::geometry::calibration::CalibrationParameters;
 use fmc_camera::geometry::five_coefficient::{FiveCoefficients, Regressor};
 use fmc_camera::geometry::sensor::{FmcAxis, SensorPoint};
 use fmc_camera::geometry::shutter::ShutterProfile;
 
 fn camera(axis: FmcAxis, mechanism: Mechanism, regressor: Regressor) -> Camera {
-    let mut record = CameraRecord::new(CalibrationRecord::new(100.0, [9216, 9216], 8.75));
+    let mut record = CameraParameters::new(CalibrationParameters::new(100.0, [9216, 9216], 8.75));
     record.calibration.principal_point = SensorPoint::new(0.02, -0.01);
     record.calibration.distortion = Brown {
         k1: -1e-6,
@@ -86,11 +86,14 @@ fn flight_against_an_axis_is_flight_along_the_opposite_one_bit_by_bit() {
                     };
                     let forward = camera(against, mechanism, regressor).frame(&along).unwrap();
                     let back = camera(axis, mechanism, regressor).frame(&reverse).unwrap();
-                    let (there, here) = (forward.record.motion, back.record.motion);
+                    let (there, here) = (forward.interior.motion, back.interior.motion);
                     assert!(here.travel_mm < 0.0);
                     assert!((here.travel_mm + there.travel_mm).abs() <= 0.0);
                     assert!((here.centroid_mm + there.centroid_mm).abs() <= 0.0);
-                    assert_eq!(back.record.principal_point, forward.record.principal_point);
+                    assert_eq!(
+                        back.interior.principal_point,
+                        forward.interior.principal_point
+                    );
                     assert_eq!(
                         back.correction, forward.correction,
                         "{mechanism:?} {model:?}"
@@ -118,7 +121,7 @@ fn direction_moves_the_principal_point_the_other_way() {
     assert!((plan.opening_mm + 0.2295).abs() < 1e-6);
     assert!((plan.closing_mm + 0.3995).abs() < 1e-6);
     let frame = camera.frame(&reverse).unwrap();
-    assert!(frame.record.principal_point.y_mm < -0.01 - 0.3);
+    assert!(frame.interior.principal_point.y_mm < -0.01 - 0.3);
 }
 
 #[test]

@@ -3,8 +3,11 @@
 
 use std::hint::black_box;
 
-use fmc_camera_kernel::host::{Batch, Level, Terms};
 use fmc_camera_kernel::{Coefficients, portable};
+use fmc_camera_kernel::{
+    Terms,
+    host::{Batch, Level},
+};
 use opencv_ros_camera::{Distortion, RosOpenCvIntrinsics};
 
 use crate::points::Points;

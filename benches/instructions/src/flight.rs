@@ -2,6 +2,7 @@
 
 use core::hint::black_box;
 
+use fmc_camera::flight::control_loop::{ControlLoop, Events};
 use fmc_camera::flight::controller::{Controller, Start, state::State};
 use fmc_camera::flight::drive::StageReading;
 use fmc_camera::flight::drive::rig::RigDrive;
@@ -12,11 +13,10 @@ use fmc_camera::flight::settings::FlightSettings;
 use fmc_camera::flight::smear_prediction::{Compensation, SmearPrediction};
 use fmc_camera::flight::stage_track::StageTrack;
 use fmc_camera::flight::time::{Clock, Time};
-use fmc_camera::flight::unit::{CameraUnit, Events};
 use fmc_camera::flight::vh::{VhEstimate, VhSource};
 use fmc_camera::geometry::principal_point::PrincipalPointMotion;
 use fmc_camera::geometry::sensor::SensorPoint;
-use fmc_camera::{Camera, CameraRecord};
+use fmc_camera::{Camera, CameraParameters};
 
 use crate::counter::Counter;
 use crate::sensors;
@@ -281,14 +281,14 @@ fn rounds(counter: &mut Counter) -> Option<()> {
 
 /// Flies, and returns the cost of all rounds of all frame cycles and that of the most expensive
 /// round.
-fn fly(counter: &mut Counter, open_s: &[f32], record: CameraRecord) -> Option<(u32, u32)> {
+fn fly(counter: &mut Counter, open_s: &[f32], record: CameraParameters) -> Option<(u32, u32)> {
     let settings = FlightSettings {
         exposure_s: open_s.first()?.min(LONGEST_EXPOSURE_S),
         ..settings()
     };
     let controller = Controller::new(&record, CALIBRATION_CRC, &settings, Start::Orderly).ok()?;
     let drive = RigDrive::new(settings.drive).ok()?;
-    let mut unit = CameraUnit::new(controller, drive);
+    let mut control = ControlLoop::new(controller, drive);
     let mut open_s = open_s.iter().cycle();
     let mut shutter = Shutter {
         latency_s: settings.shutter_latency_s,

@@ -11,7 +11,7 @@ use fmc_camera::geometry::principal_distance::{Flatness, FocusSign};
 use fmc_camera::geometry::range::Quantity;
 use fmc_camera::geometry::sensor::FmcAxis;
 use fmc_camera::geometry::shutter::ShutterProfile;
-use fmc_camera::{Camera, CameraRecord, Exposure};
+use fmc_camera::{Camera, CameraParameters, Exposure};
 
 use crate::counter::Counter;
 use crate::specimen::{flown, full, short, strong};
@@ -64,8 +64,8 @@ fn worst<const N: usize>(
     mechanisms: [Mechanism; N],
 ) -> Option<()> {
     let mut most = 0;
-    for record in (0..).map_while(|number| camera(number, mechanisms)) {
-        let camera = Camera::new(record).ok()?;
+    for parameters in (0..).map_while(|number| camera(number, mechanisms)) {
+        let camera = Camera::new(parameters).ok()?;
         for exposure in (0..).map_while(exposure) {
             let (once, taken) = counter.measure(|| frames(&camera, &exposure, 1))?;
             if taken.is_some() && (once + TICK) * FRAMES > most {
@@ -95,16 +95,16 @@ impl Choices {
 }
 
 /// Returns one of the specimens, with a fitted model and the widest limits.
-fn camera<const N: usize>(number: usize, mechanisms: [Mechanism; N]) -> Option<CameraRecord> {
+fn camera<const N: usize>(number: usize, mechanisms: [Mechanism; N]) -> Option<CameraParameters> {
     let mut choices = Choices(number);
-    let mut record = choices.of([short(), full(), strong()])?;
-    record.mechanism = choices.of(mechanisms)?;
-    record.shutter = choices.of([ShutterProfile::Uniform, flown().shutter])?;
-    record.limits = Limits {
+    let mut parameters = choices.of([short(), full(), strong()])?;
+    parameters.mechanism = choices.of(mechanisms)?;
+    parameters.shutter = choices.of([ShutterProfile::Uniform, flown().shutter])?;
+    parameters.limits = Limits {
         vh_per_s: Quantity::VhPerS.range().into(),
         exposure_s: Quantity::ExposureS.range().into(),
     };
-    let lens = &mut record.calibration;
+    let lens = &mut parameters.calibration;
     let flat = [0.0; 5];
     let curved = [0.5, -1.0, 0.3, -0.2, 0.1];
     let (axis, coefficients_um, regressor) = choices.of([
@@ -123,7 +123,7 @@ fn camera<const N: usize>(number: usize, mechanisms: [Mechanism; N]) -> Option<C
         regressor,
         ..FiveCoefficients::default()
     });
-    choices.end(record)
+    choices.end(parameters)
 }
 
 /// Returns an exposure of any kind; no camera accepts some of them.

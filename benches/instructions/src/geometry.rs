@@ -3,7 +3,7 @@
 use core::hint::black_box;
 
 use fmc_camera::flight::exposure::CorrectionModel;
-use fmc_camera::geometry::frame_correction::Kernel;
+use fmc_camera::geometry::frame_correction::Terms;
 use fmc_camera::geometry::sensor::SensorPoint;
 use fmc_camera::{Camera, Exposure, FrameCorrection};
 
@@ -19,11 +19,11 @@ const PER_FRAME: (u32, &str) = (FRAMES, "frame");
 #[expect(clippy::cast_possible_truncation, reason = "1024 points")]
 const PER_POINT: (u32, &str) = (POINTS as u32, "point");
 pub(crate) fn count(counter: &mut Counter) -> Option<()> {
-    let record = short();
-    let camera = Camera::new(record).ok()?;
+    let parameters = short();
+    let camera = Camera::new(parameters).ok()?;
     let correction = camera.frame(&EXPOSURE).ok()?.correction;
     let full = Camera::new(full()).ok()?.frame(&EXPOSURE).ok()?.correction;
-    if (correction.kernel(), full.kernel()) != (Kernel::Short, Kernel::Full) {
+    if (correction.terms(), full.terms()) != (Terms::Short, Terms::Full) {
         return None;
     }
     slice::<POINTS>(counter, "correct_slice", &correction)?;
@@ -46,12 +46,12 @@ pub(crate) fn count(counter: &mut Counter) -> Option<()> {
         ..EXPOSURE
     };
     fold(counter, "frame_fold_static", &camera, still)?;
-    for (kernel, record) in [
-        ("calibration", record),
+    for (kernel, parameters) in [
+        ("calibration", parameters),
         ("calibration_strong", specimen::strong()),
     ] {
         counter.count(kernel, (1, "calibration"), || {
-            Camera::new(black_box(record)).ok()
+            Camera::new(black_box(parameters)).ok()
         })?;
     }
     Some(())

@@ -4,16 +4,16 @@ use fmc_camera::geometry::mesh::MeshRow;
 use fmc_camera::geometry::mesh::format::MeshFormat;
 use fmc_camera::geometry::mesh::vertex::VertexRow;
 use fmc_camera::geometry::sensor::SensorPoint;
-use fmc_camera::io::link::frame::Frame;
-use fmc_camera::io::link::message::{Grid, Header, Identity, Points, Request, Start};
-use fmc_camera::io::link::station::{Event, Station};
+use fmc_camera::io::link::message::{Grid, Header, Identity, Points, Request, ResetCause};
+use fmc_camera::io::link::packet::Frame;
+use fmc_camera::io::link::station::{LinkEvent, Station};
 
 use crate::counter::Counter;
 use crate::specimen::{EXPOSURE, points, short};
 use crate::stack;
 
 pub(crate) fn count(counter: &mut Counter) -> Option<()> {
-    let identity = Identity::new("", "", true, Start::PowerOn);
+    let identity = Identity::new("", "", true, ResetCause::PowerOn);
     let mut station = Station::new(identity, stack::used_bytes);
     let batch: Points = points().iter().step_by(16).copied().collect();
     let side = || {
@@ -51,7 +51,7 @@ pub(crate) fn count(counter: &mut Counter) -> Option<()> {
         ("link_corrections_64", Request::Corrections(vertices)),
         ("link_counters", Request::Counters),
     ];
-    let mut frame = Frame::EMPTY;
+    let mut frame = Packet::EMPTY;
     for (sequence, (kernel, request)) in (0..).zip(requests) {
         let header = Header {
             session: 1,
@@ -65,12 +65,12 @@ pub(crate) fn count(counter: &mut Counter) -> Option<()> {
 
 /// Receives all bytes of a request and takes the answer away; `None` unless the request was
 /// answered.
-fn exchange(station: &mut Station, frame: &Frame) -> Option<Event> {
+fn exchange(station: &mut Station, frame: &Packet) -> Option<LinkEvent> {
     let mut event = None;
     for byte in frame.bytes() {
         event = station.receive(*byte);
     }
     let length = station.to_send().len();
     station.sent(length);
-    event.filter(|event| !matches!(event, Event::Refused(_) | Event::Lost(_)))
+    event.filter(|event| !matches!(event, LinkEvent::Refused(_) | LinkEvent::Lost(_)))
 }

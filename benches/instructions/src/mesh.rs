@@ -35,12 +35,16 @@ pub(crate) fn count(counter: &mut Counter) -> Option<()> {
 fn mesh_rows(counter: &mut Counter) -> Option<()> {
     let mut without_k3 = short();
     without_k3.calibration.distortion.k3 = 0.0;
-    for (kernel, record) in [
+    for (kernel, parameters) in [
         ("mesh_row", without_k3),
         ("mesh_row_k3", short()),
         ("mesh_row_k3_full", full()),
     ] {
-        let correction = Camera::new(record).ok()?.frame(&EXPOSURE).ok()?.correction;
+        let correction = Camera::new(parameters)
+            .ok()?
+            .frame(&EXPOSURE)
+            .ok()?
+            .correction;
         let rows = DisplacementRows::new(&correction, MESH_STEP_MM);
         // The differences restart as rarely as they ever do.
         (rows.restart_interval() == RESTART_INTERVAL.get()).then_some(())?;
@@ -72,7 +76,7 @@ fn mesh_rows(counter: &mut Counter) -> Option<()> {
 /// Counts displacements with K3 along rows of the whole sensor, with the work that is done once per
 /// row: the wider the spacing, the fewer points share it.
 fn mesh_rows_of_other_spacings(counter: &mut Counter) -> Option<()> {
-    for (kernel, record, spacing_px) in [
+    for (kernel, parameters, spacing_px) in [
         ("mesh_row_k3_16px", short(), 16_u16),
         ("mesh_row_k3_32px", short(), 32),
         ("mesh_row_k3_64px", short(), 64),
@@ -80,7 +84,11 @@ fn mesh_rows_of_other_spacings(counter: &mut Counter) -> Option<()> {
         ("mesh_row_k3_64px_104mm", wide(), 64),
         ("mesh_row_k3_128px_104mm", wide(), 128),
     ] {
-        let correction = Camera::new(record).ok()?.frame(&EXPOSURE).ok()?.correction;
+        let correction = Camera::new(parameters)
+            .ok()?
+            .frame(&EXPOSURE)
+            .ok()?
+            .correction;
         let sensor = *correction.sensor();
         let count = sensor.width_px() / u32::from(spacing_px) + 1;
         let rows = DisplacementRows::new(&correction, f32::from(spacing_px) * sensor.pixel_mm());
@@ -135,11 +143,15 @@ fn source_rows(counter: &mut Counter, correction: &FrameCorrection) -> Option<()
 fn pixel_corrections(counter: &mut Counter) -> Option<()> {
     let mut without_k3 = short();
     without_k3.calibration.distortion.k3 = 0.0;
-    for (kernel, record) in [
+    for (kernel, parameters) in [
         ("mesh_corrections", without_k3),
         ("mesh_corrections_k3", short()),
     ] {
-        let correction = Camera::new(record).ok()?.frame(&EXPOSURE).ok()?.correction;
+        let correction = Camera::new(parameters)
+            .ok()?
+            .frame(&EXPOSURE)
+            .ok()?
+            .correction;
         let mesh = CorrectionMesh::new(&correction, 8);
         let row = VertexRow {
             first_col_px: 8,

@@ -2,10 +2,10 @@
 
 use std::path::Path;
 
-use fmc_camera::flight::camera::{Camera, CameraRecord, Mechanism};
+use fmc_camera::flight::camera::{Camera, CameraParameters, Mechanism};
 use fmc_camera::flight::exposure::Limits;
 use fmc_camera::geometry::brown::Brown;
-use fmc_camera::geometry::calibration::CalibrationRecord;
+use fmc_camera::geometry::calibration::CalibrationParameters;
 use fmc_camera::geometry::five_coefficient::FiveCoefficients;
 use fmc_camera::geometry::principal_distance::{FLATNESS_TERMS, Flatness};
 use fmc_camera::geometry::range::Quantity;
@@ -70,7 +70,7 @@ impl CameraFile {
         let text = TomlText::new(file, text);
         let camera_file: Self = text.deserialize()?;
         camera_file.check_what_only_the_file_knows(&text)?;
-        let camera = Camera::new(camera_file.record())
+        let camera = Camera::new(camera_file.parameters())
             .map_err(|error| invalid_calibration(&text, &error))?;
         Ok((camera_file, camera))
     }
@@ -160,15 +160,15 @@ impl CameraFile {
 
     /// Returns the record that the camera is given: the numbers of the file in single precision.
     #[must_use]
-    pub fn record(&self) -> CameraRecord {
+    pub fn parameters(&self) -> CameraParameters {
         let distortion = self.distortion.measured_minus_ideal();
         let [x_mm, y_mm] = self.principal_point_mm.map(single);
         let mut coefficients_um = [0.0; FLATNESS_TERMS];
         for (coefficient, value) in coefficients_um.iter_mut().zip(&self.fmc.flatness_um) {
             *coefficient = single(*value);
         }
-        CameraRecord {
-            calibration: CalibrationRecord {
+        CameraParameters {
+            calibration: CalibrationParameters {
                 principal_distance_mm: single(self.principal_distance_mm),
                 exit_pupil_mm: single(self.exit_pupil_mm()),
                 principal_point: SensorPoint::new(x_mm, y_mm),

@@ -21,6 +21,16 @@ pub mod portable;
 #[cfg(hand_scheduled)]
 mod thumbv7em;
 
+/// Terms of the correction that are evaluated for every point of a frame.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+pub enum Terms {
+    /// All terms except b₁, b₂, tx and ty: 23 floating-point operations per point.
+    Short,
+    /// All terms: 29.
+    Full,
+}
+
 /// Coefficients of one frame: with X = x - cx, Y = y - cy, R = X² + Y² and
 /// `G = k₀ + R(k₁ + R(k₂ + R·k₃)) + hx·X + hy·Y`
 ///

@@ -3,7 +3,7 @@
 use std::thread::sleep;
 use std::time::{Duration, Instant};
 
-use fmc_camera::flight::camera::CameraRecord;
+use fmc_camera::flight::camera::CameraParameters;
 use fmc_camera::flight::controller::state::State;
 use fmc_camera::flight::controller::{Controller, Start};
 use fmc_camera::flight::event::{Command, Event};
@@ -80,9 +80,9 @@ pub(super) fn run(args: &CameraArgs) -> Result<(), Failure> {
 }
 
 /// Reads calibration and settings, and checks on this PC that the camera can fly with them.
-fn read(args: &PrepareArgs) -> Result<(CameraRecord, FlightSettings), Failure> {
+fn read(args: &PrepareArgs) -> Result<(CameraParameters, FlightSettings), Failure> {
     let (file, _) = CameraFile::read(&args.camera)?;
-    let camera = file.record();
+    let camera = file.parameters();
     let mut settings = match &args.settings {
         Some(path) => flight_settings::read(path)?,
         None => FlightSettings::default(),

@@ -4,7 +4,7 @@ use std::io::Write;
 
 use fmc_camera::flight::exposure::CorrectionModel;
 use fmc_camera::flight::interior_orientation::{FocusConvention, InteriorOrientation};
-use fmc_camera::geometry::frame_correction::Kernel;
+use fmc_camera::geometry::frame_correction::Terms;
 use fmc_camera_file::CameraFile;
 use serde::Serialize;
 
@@ -18,7 +18,7 @@ pub(super) fn run(args: &FrameArgs) -> Result<(), Failure> {
     output::check_not_the_input(args.out.as_deref(), &request.camera)?;
     let mut device = args.device.open()?;
     let record = device
-        .load(&camera.record())
+        .load(&camera.parameters())
         .and_then(|()| device.expose(&request.exposure()))
         .map_err(|error| request.refused(&error))?;
     let report = FrameReport::new(&camera, request, &record);
@@ -80,9 +80,9 @@ impl FrameReport {
             focus_convention: match record.focus_convention {
                 FocusConvention::FixedPrincipalDistance => "A",
             },
-            kernel: match record.kernel {
-                Kernel::Short => "short",
-                Kernel::Full => "full",
+            kernel: match record.terms {
+                Terms::Short => "short",
+                Terms::Full => "full",
             },
             left_out_nm: record.left_out_nm,
         }

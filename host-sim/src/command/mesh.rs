@@ -30,7 +30,7 @@ pub(super) fn run(args: &MeshArgs) -> Result<(), Failure> {
     let layout = Layout::new(args, &camera)?;
     let mut device = args.device.open()?;
     let record = device
-        .load(&camera.record())
+        .load(&camera.parameters())
         .and_then(|()| device.expose(&request.exposure()))
         .map_err(|error| request.refused(&error))?;
     let mesh = fetch(&mut *device, &layout).map_err(|error| match error {
@@ -90,7 +90,7 @@ struct Layout {
 
 impl Layout {
     fn new(args: &MeshArgs, camera: &CameraFile) -> Result<Self, Failure> {
-        let calibration = camera.record().calibration;
+        let calibration = camera.parameters().calibration;
         let image = [calibration.width_px, calibration.height_px];
         let ImagePart { origin_px, size_px } = args.part.unwrap_or(ImagePart {
             origin_px: [0, 0],

@@ -34,7 +34,7 @@ pub(super) fn run(args: &MissionArgs) -> Result<(), Failure> {
         .map_err(|fault| scenario.fault("mechanics", fault))?;
     let mut device = args.device.open_flying()?;
     device.prepare(
-        &scenario.camera.record(),
+        &scenario.camera.parameters(),
         &flight_settings(&scenario.written, scenario.interval_s),
     )?;
     let options = FlightOptions {
@@ -61,10 +61,10 @@ pub(super) fn run(args: &MissionArgs) -> Result<(), Failure> {
         Ok(())
     } else {
         let failed: Vec<String> = judgement
-            .findings
+            .checks
             .iter()
-            .filter(|finding| !finding.passed)
-            .map(|finding| format!("{}: {}", finding.what, finding.found))
+            .filter(|check| !check.passed)
+            .map(|check| format!("{}: {}", check.what, check.found))
             .collect();
         Err(Failure::check(format!(
             "{}: {}",

@@ -36,7 +36,7 @@ pub(super) fn run(args: &PointsArgs, direction: Direction) -> Result<(), Failure
     let points = PointStream::open(&args.files, &camera, checked)?;
     let mut device = args.device.open()?;
     device
-        .load(&camera.record())
+        .load(&camera.parameters())
         .and_then(|()| device.expose(&request.exposure()))
         .map_err(|error| request.refused(&error))?;
     let mut batch = Vec::with_capacity(BATCH);

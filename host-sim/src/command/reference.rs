@@ -18,7 +18,7 @@ pub(super) fn run(args: &ReferenceArgs) -> Result<(), Failure> {
     output::check_not_the_input(args.files.out.as_deref(), &request.camera)?;
     let points = PointStream::open(&args.files, &camera, Checked::OnSensor)?;
     // The reference accepts only what the camera accepts.
-    Camera::new(camera.record())
+    Camera::new(camera.parameters())
         .map_err(DeviceError::Calibration)
         .and_then(|checked| {
             checked

@@ -22,7 +22,7 @@ pub(super) fn run(args: &SmearArgs) -> Result<(), Failure> {
     let record = checked
         .frame(&exposure.exposure())
         .map_err(|error| exposure.refused(&DeviceError::Frame(error)))?
-        .record;
+        .interior;
     let view = View {
         principal_point: record.principal_point,
         ..View::calibrated(checked.calibration())

@@ -1,9 +1,9 @@
 //! Batches of points of a frame, corrected with the vectors of this PC.
 
 use fmc_camera::geometry::evaluation_form::Displacement;
-use fmc_camera::geometry::frame_correction::{Corrected, FrameCorrection, Kernel};
+use fmc_camera::geometry::frame_correction::{Corrected, FrameCorrection};
 use fmc_camera::geometry::sensor::SensorPoint;
-use fmc_camera_kernel::host::{Batch, Terms};
+use fmc_camera_kernel::host::Batch;
 
 /// Points that go through the kernel together: their numbers fit the first-level cache.
 const POINTS: usize = 512;
@@ -14,11 +14,7 @@ pub(super) struct PointBatch(Batch);
 
 impl PointBatch {
     pub(super) fn new(correction: &FrameCorrection) -> Self {
-        let terms = match correction.kernel() {
-            Kernel::Short => Terms::Short,
-            Kernel::Full => Terms::Full,
-        };
-        Self(Batch::new(correction.coefficients(), terms))
+        Self(Batch::new(correction.coefficients(), correction.terms()))
     }
 
     /// Returns true if every point is on the sensor. Only the farthest is tested, as the sensor is
@@ -67,6 +63,8 @@ mod tests {
     use fmc_camera_file::number::single;
     use fmc_camera_file::published::CAMERA_FILES;
 
+    use fmc_camera_kernel::Terms;
+
     use super::*;
 
     #[test]
@@ -76,7 +74,7 @@ mod tests {
         let [half_width, half_height] = file.half_format_mm().map(single);
         let [_, vh_per_s] = file.limits.vh_per_s.map(single);
         let [exposure_s, _] = file.limits.exposure_s.map(single);
-        let camera = Camera::new(file.record()).unwrap();
+        let camera = Camera::new(file.parameters()).unwrap();
         let exposure = Exposure::new(vh_per_s, exposure_s);
         let correction = camera.frame(&exposure).unwrap().correction;
         let corner = SensorPoint::new(half_width, -half_height);
@@ -104,10 +102,10 @@ mod tests {
             [point.x_mm, point.y_mm, distortion.dx_mm, distortion.dy_mm].map(f32::to_bits)
         };
         let mut random = fastrand::Rng::with_seed(8);
-        let mut kernels = Vec::new();
+        let mut terms = Vec::new();
         for (name, text) in CAMERA_FILES {
             let (file, _) = CameraFile::parse(name, text).unwrap();
-            let camera = Camera::new(file.record()).unwrap();
+            let camera = Camera::new(file.parameters()).unwrap();
             let [half_width, half_height] = file.half_format_mm().map(single);
             let points: Vec<SensorPoint> = (0..20_000)
                 .map(|_| {
@@ -125,7 +123,7 @@ mod tests {
                     ..Exposure::new(vh_per_s, exposure_s)
                 };
                 let correction = camera.frame(&exposure).unwrap().correction;
-                kernels.push(correction.kernel());
+                terms.push(correction.terms());
                 let batch = PointBatch::new(&correction).corrected(&points);
                 assert_eq!(batch.len(), points.len());
                 for (point, batch) in points.iter().zip(batch) {
@@ -137,6 +135,6 @@ mod tests {
                 }
             }
         }
-        assert!(kernels.contains(&Kernel::Short) && kernels.contains(&Kernel::Full));
+        assert!(terms.contains(&Terms::Short) && terms.contains(&Terms::Full));
     }
 }

@@ -3,7 +3,7 @@
 use std::io::ErrorKind;
 use std::time::{Duration, Instant};
 
-use fmc_camera::flight::camera::CameraRecord;
+use fmc_camera::flight::camera::CameraParameters;
 use fmc_camera::flight::exposure::Exposure;
 use fmc_camera::flight::interior_orientation::InteriorOrientation;
 use fmc_camera::geometry::estimation::fit::Fit;
@@ -14,11 +14,11 @@ use fmc_camera::geometry::mesh::MeshRow;
 use fmc_camera::geometry::mesh::format::MeshFormat;
 use fmc_camera::geometry::mesh::pixel_correction::PixelCorrection;
 use fmc_camera::geometry::mesh::vertex::VertexRow;
-use fmc_camera::io::link::frame::{Frame, FrameReceiver};
 use fmc_camera::io::link::message::{
     Answer, CalibrationIdentity, Counters, Grid, Header, Identity, Observations, Points, Refusal,
     Request, Unreadable,
 };
+use fmc_camera::io::link::packet::{Packet, PacketReceiver};
 
 use super::link_error::{Heard, LinkError};
 use super::port::Port;
@@ -49,9 +49,9 @@ enum Listened {
 #[derive(Debug)]
 pub struct Client<P> {
     port: P,
-    receiver: FrameReceiver,
+    receiver: PacketReceiver,
     last: Header,
-    frame: Frame,
+    frame: Packet,
     /// Number of times the last request was repeated.
     repeats: u32,
     given_up: Option<LinkError>,
@@ -63,12 +63,12 @@ impl<P: Port> Client<P> {
     pub const fn new(port: P) -> Self {
         Self {
             port,
-            receiver: FrameReceiver::new(),
+            receiver: PacketReceiver::new(),
             last: Header {
                 session: 0,
                 sequence: 0,
             },
-            frame: Frame::EMPTY,
+            frame: Packet::EMPTY,
             repeats: 0,
             given_up: None,
         }
@@ -95,7 +95,7 @@ impl<P: Port> Client<P> {
     ///
     /// # Errors
     /// [`LinkError::Refused`] where the calibration is not usable.
-    pub fn load(&mut self, record: &CameraRecord) -> Result<CalibrationIdentity, LinkError> {
+    pub fn load(&mut self, record: &CameraParameters) -> Result<CalibrationIdentity, LinkError> {
         let request = Request::Load(*record);
         match self.ask(&request)? {
             Answer::Loaded(calibration) => Ok(calibration),
@@ -108,20 +108,20 @@ impl<P: Port> Client<P> {
     /// # Errors
     /// [`LinkError::Refused`] where the exposure cannot be taken.
     pub fn expose(&mut self, exposure: &Exposure) -> Result<InteriorOrientation, LinkError> {
-        self.frame_record(&Request::Expose(*exposure))
+        self.predicted(&Request::Expose(*exposure))
     }
 
-    /// Returns the record of the current frame.
+    /// Returns the interior orientation of the current frame.
     ///
     /// # Errors
     /// [`LinkError::Refused`] where there is none.
-    pub fn record(&mut self) -> Result<InteriorOrientation, LinkError> {
-        self.frame_record(&Request::Record)
+    pub fn interior_orientation(&mut self) -> Result<InteriorOrientation, LinkError> {
+        self.predicted(&Request::InteriorOrientation)
     }
 
-    fn frame_record(&mut self, request: &Request) -> Result<InteriorOrientation, LinkError> {
+    fn predicted(&mut self, request: &Request) -> Result<InteriorOrientation, LinkError> {
         match self.ask(request)? {
-            Answer::Frame(record) => Ok(record),
+            Answer::InteriorOrientation(interior) => Ok(interior),
             _ => Err(self.unexpected(request)),
         }
     }
@@ -387,7 +387,7 @@ impl<P: Port> Client<P> {
 
 /// Returns true if a payload is that of the frame that was sent.
 fn is_echo(payload: &[u8], frame: &[u8]) -> bool {
-    let mut receiver = FrameReceiver::new();
+    let mut receiver = PacketReceiver::new();
     frame
         .iter()
         .any(|byte| matches!(receiver.receive(*byte), Some(Ok(sent)) if sent == payload))
@@ -399,7 +399,7 @@ const fn name(request: &Request) -> &'static str {
         Request::Connect => "connect",
         Request::Load(_) => "load calibration",
         Request::Expose(_) => "expose",
-        Request::Record => "frame record",
+        Request::InteriorOrientation => "frame record",
         Request::Correct(_) => "correct",
         Request::Distort(_) => "distort",
         Request::Row(_) => "row",
@@ -412,7 +412,7 @@ const fn name(request: &Request) -> &'static str {
         Request::Fit => "fit",
         Request::Prepare(_) => "prepare",
         Request::Rig(_) => "rig",
-        Request::FlightRecord(_) => "flight record",
+        Request::FrameRecord(_) => "frame record",
         Request::Acknowledge(_) => "acknowledge",
         Request::Status => "status",
         Request::Flown => "flown",

@@ -36,19 +36,19 @@ impl<P: Port> Client<P> {
         }
     }
 
-    /// Returns the oldest flight record with this number or a higher one, and its CRC-32.
+    /// Returns the oldest frame record with this number or a higher one, and its CRC-32.
     ///
     /// # Errors
     /// [`LinkError::Refused`] for a camera that has not been prepared.
-    pub fn flight_record(&mut self, from: u32) -> Result<Option<(FrameRecord, u32)>, LinkError> {
-        let request = Request::FlightRecord(from);
+    pub fn frame_record(&mut self, from: u32) -> Result<Option<(FrameRecord, u32)>, LinkError> {
+        let request = Request::FrameRecord(from);
         match self.ask(&request)? {
-            Answer::FlightRecord(record) => Ok(record),
+            Answer::FrameRecord(record) => Ok(record),
             _ => Err(self.unexpected(&request)),
         }
     }
 
-    /// Tells the camera that flight records up to this number are stored; returns how many are
+    /// Tells the camera that frame records up to this number are stored; returns how many are
     /// left.
     ///
     /// # Errors

@@ -131,7 +131,7 @@ pub enum DifferentResult {
         twin: Option<String>,
     },
     /// Frame records.
-    Record {
+    InteriorOrientation {
         /// The camera's.
         camera: InteriorOrientation,
         /// The twin's.
@@ -148,7 +148,7 @@ pub enum DifferentResult {
         /// Result of the twin.
         twin: Corrected,
     },
-    /// Actions of a round of the control loop, or flight records.
+    /// Actions of a round of the control loop, or frame records.
     Round {
         /// The camera's.
         camera: String,
@@ -199,7 +199,7 @@ impl fmt::Display for Difference {
                     outcome(twin)
                 )
             }
-            DifferentResult::Record { camera, twin } => write!(
+            DifferentResult::InteriorOrientation { camera, twin } => write!(
                 f,
                 "the camera's frame record is {camera:?}, this PC's {twin:?}"
             ),

@@ -5,9 +5,9 @@ use std::io;
 use std::sync::{Arc, Mutex};
 use std::time::Instant;
 
-use fmc_camera::io::link::frame::{Frame, FrameReceiver};
-use fmc_camera::io::link::message::{Answer, Identity, Start};
-use fmc_camera::io::link::station::{Event, Station};
+use fmc_camera::io::link::message::{Answer, Identity, ResetCause};
+use fmc_camera::io::link::packet::{Packet, PacketReceiver};
+use fmc_camera::io::link::station::{LinkEvent, Station};
 
 use super::port::Port;
 
@@ -52,7 +52,7 @@ pub(super) struct FaultyPort {
     host: usize,
 }
 
-fn station(start: Start) -> Station {
+fn station(start: ResetCause) -> Station {
     Station::new(Identity::new("test", "memory", true, start), || 0)
 }
 
@@ -61,7 +61,7 @@ impl FaultyPort {
     /// each; all later frames are undisturbed.
     pub(super) fn new(faults: impl IntoIterator<Item = Fault>) -> Self {
         let wire = Wire {
-            station: station(Start::PowerOn),
+            station: station(ResetCause::PowerOn),
             faults: faults.into_iter().collect(),
             now: 0,
             to_camera: Vec::new(),
@@ -98,7 +98,7 @@ impl FaultyPort {
 
     /// Restarts the camera.
     pub(super) fn restart(&self) {
-        self.wire.lock().unwrap().station = station(Start::Watchdog);
+        self.wire.lock().unwrap().station = station(ResetCause::Watchdog);
     }
 
     /// Applies this change to the camera's answers before they are put into frames.
@@ -132,7 +132,7 @@ impl Wire {
             Fault::Delayed(by) => vec![(now + u32::from(by), bytes)],
             Fault::Echoed(by) => vec![(now, bytes.clone()), (now + u32::from(by), bytes)],
             Fault::Restart => {
-                self.station = station(Start::Watchdog);
+                self.station = station(ResetCause::Watchdog);
                 vec![(now, bytes)]
             }
         }
@@ -148,8 +148,8 @@ impl Wire {
             self.station.sent(answer.len());
             let arriving = self.on_the_way(changed(&answer, self.change));
             self.to_host.extend(arriving);
-            if event == Some(Event::Reset) {
-                self.station = station(Start::Requested);
+            if event == Some(LinkEvent::Reset) {
+                self.station = station(ResetCause::Requested);
             }
         }
     }
@@ -175,13 +175,13 @@ impl Wire {
 
 /// Returns a frame whose answer has been changed.
 fn changed(frame: &[u8], change: fn(&mut Answer)) -> Vec<u8> {
-    let mut receiver = FrameReceiver::new();
+    let mut receiver = PacketReceiver::new();
     for byte in frame {
         if let Some(payload) = receiver.receive(*byte) {
             let (header, answer) = Answer::read(payload.unwrap()).unwrap();
             let mut answer = answer.unwrap();
             change(&mut answer);
-            let mut frame = Frame::EMPTY;
+            let mut frame = Packet::EMPTY;
             answer.write(header, &mut frame).unwrap();
             return frame.bytes().to_vec();
         }

@@ -1,6 +1,6 @@
 //! A camera that moves its own stage, in real time and with real events.
 
-use fmc_camera::flight::camera::CameraRecord;
+use fmc_camera::flight::camera::CameraParameters;
 use fmc_camera::flight::event::Event;
 use fmc_camera::flight::settings::FlightSettings;
 use fmc_camera::io::link::message::Status;
@@ -17,7 +17,7 @@ pub trait FlownCamera {
     /// [`DeviceError`] where it refuses them, or still has records that have not been fetched.
     fn prepare(
         &mut self,
-        camera: &CameraRecord,
+        camera: &CameraParameters,
         settings: &FlightSettings,
     ) -> Result<(), DeviceError>;
 
@@ -37,7 +37,7 @@ pub trait FlownCamera {
 impl<P: Port> FlownCamera for Remote<P> {
     fn prepare(
         &mut self,
-        camera: &CameraRecord,
+        camera: &CameraParameters,
         settings: &FlightSettings,
     ) -> Result<(), DeviceError> {
         CorrectingDevice::load(self, camera)?;

@@ -1,6 +1,6 @@
 //! The camera in this process, in a simulated flight.
 
-use fmc_camera::flight::camera::{Camera, CameraRecord};
+use fmc_camera::flight::camera::{Camera, CameraParameters};
 use fmc_camera::flight::controller::{ControllerError, Start};
 use fmc_camera::flight::frame_record::FrameRecord;
 use fmc_camera::flight::rig::{Rig, RigAnswer, RigStep};
@@ -16,7 +16,7 @@ impl InProcess {
     pub(super) fn prepare_after(
         &mut self,
         start: Start,
-        camera: &CameraRecord,
+        camera: &CameraParameters,
         settings: &FlightSettings,
     ) -> Result<(), DeviceError> {
         Camera::new(*camera).map_err(DeviceError::Calibration)?;
@@ -28,7 +28,7 @@ impl InProcess {
             Some(rig) if start == Start::Orderly => rig.controller().next_start(),
             _ => start,
         };
-        let crc = digest::of_record(camera).unwrap_or_default();
+        let crc = digest::of_camera(camera).unwrap_or_default();
         let rig = Rig::new(camera, crc, settings, start).map_err(|error| match error {
             ControllerError::Calibration(error) => DeviceError::Calibration(error),
             ControllerError::Settings(error) => DeviceError::Settings(error),
@@ -53,7 +53,7 @@ impl FlyingDevice for InProcess {
 
     fn prepare(
         &mut self,
-        camera: &CameraRecord,
+        camera: &CameraParameters,
         settings: &FlightSettings,
     ) -> Result<(), DeviceError> {
         self.prepare_after(Start::Orderly, camera, settings)
@@ -67,7 +67,7 @@ impl FlyingDevice for InProcess {
         Ok(self.rig()?.step(step))
     }
 
-    fn record(&mut self, from_sequence: u32) -> Result<Option<FrameRecord>, DeviceError> {
+    fn frame_record(&mut self, from_sequence: u32) -> Result<Option<FrameRecord>, DeviceError> {
         Ok(self.rig()?.controller().record(from_sequence))
     }
 

@@ -64,8 +64,8 @@ pub enum LinkError {
         /// Request.
         request: &'static str,
     },
-    /// A flight record differs from the one that the camera made.
-    #[error("flight record {0} does not have its CRC")]
+    /// A frame record differs from the one that the camera made.
+    #[error("frame record {0} does not have its CRC")]
     RecordCrc(u32),
     /// The camera refuses the request.
     #[error("the camera refuses \"{request}\": {refusal}")]

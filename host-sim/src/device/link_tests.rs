@@ -1,15 +1,15 @@
 //! Tests of the link under faults: every result is right, or an error.
 
-use fmc_camera::flight::camera::{CameraRecord, FrameError};
+use fmc_camera::flight::camera::{CameraParameters, FrameError};
 use fmc_camera::flight::exposure::Exposure;
 use fmc_camera::geometry::brown::Brown;
-use fmc_camera::geometry::calibration::CalibrationRecord;
+use fmc_camera::geometry::calibration::CalibrationParameters;
 use fmc_camera::geometry::mesh::MeshRow;
 use fmc_camera::geometry::mesh::format::MeshFormat;
 use fmc_camera::geometry::mesh::vertex::VertexRow;
 use fmc_camera::geometry::sensor::SensorPoint;
 use fmc_camera::io::link::MAX_POINTS;
-use fmc_camera::io::link::message::{Answer, Grid, Refusal, Start};
+use fmc_camera::io::link::message::{Answer, Grid, Refusal, ResetCause};
 use proptest::prelude::*;
 
 use super::client::{Client, TRIES};
@@ -19,8 +19,8 @@ use super::link_error::LinkError;
 use super::remote::Remote;
 use super::{CorrectingDevice, Device, InProcess};
 
-fn camera() -> CameraRecord {
-    let mut lens = CalibrationRecord::new(100.0, [8000, 6000], 10.0);
+fn camera() -> CameraParameters {
+    let mut lens = CalibrationParameters::new(100.0, [8000, 6000], 10.0);
     lens.distortion = Brown {
         k1: -1e-6,
         k2: 2e-10,
@@ -28,7 +28,7 @@ fn camera() -> CameraRecord {
         b1: 1e-5,
         ..Brown::default()
     };
-    CameraRecord::new(lens)
+    CameraParameters::new(lens)
 }
 
 fn points(count: u16) -> Vec<SensorPoint> {
@@ -77,7 +77,7 @@ fn remote_camera_answers_what_the_one_in_process_does() {
     let mut twin = InProcess::default();
     twin.load(&camera()).unwrap();
     let record = twin.expose(&EXPOSURE).unwrap();
-    assert_eq!(remote.record().unwrap(), record);
+    assert_eq!(remote.interior_orientation().unwrap(), record);
     for count in [0, 1, 64, 65, 200] {
         let points = points(count);
         assert_eq!(remote.correct(&points), twin.correct(&points));
@@ -240,13 +240,16 @@ fn every_answer_is_compared_with_the_twin_to_the_last_bit() {
     assert_eq!(corrections, DifferentResult::Mesh { row: VERTICES });
     let record = found(
         |answer| {
-            if let Answer::Frame(record) = answer {
+            if let Answer::InteriorOrientation(record) = answer {
                 record.motion.centroid_mm = -record.motion.centroid_mm;
             }
         },
         |remote| remote.expose(&EXPOSURE).map(drop),
     );
-    assert!(matches!(record, DifferentResult::Record { .. }));
+    assert!(matches!(
+        record,
+        DifferentResult::InteriorOrientation { .. }
+    ));
     let calibration = found(
         |answer| {
             if let Answer::Loaded(calibration) = answer {
@@ -314,21 +317,27 @@ fn second_host_takes_the_session_and_the_first_is_told() {
     second.load(&camera()).unwrap();
     second.expose(&EXPOSURE).unwrap();
     second.correct(&points(100)).unwrap();
-    assert_eq!(link_error(first.record()), LinkError::SessionEnded);
+    assert_eq!(
+        link_error(first.interior_orientation()),
+        LinkError::SessionEnded
+    );
     first.reconnect().unwrap();
     first.load(&camera()).unwrap();
-    assert_eq!(link_error(second.record()), LinkError::SessionEnded);
+    assert_eq!(
+        link_error(second.interior_orientation()),
+        LinkError::SessionEnded
+    );
 }
 
 #[test]
 fn restart_of_the_camera_ends_the_session_and_a_new_one_starts_afresh() {
     let (mut remote, port) = exposed();
-    assert_eq!(remote.identity().start, Start::PowerOn);
+    assert_eq!(remote.identity().reset_cause, ResetCause::PowerOn);
     port.restart();
     let error = remote.correct(&points(3)).unwrap_err();
     assert!(error.to_string().contains("has restarted"), "{error}");
     remote.reconnect().unwrap();
-    assert_eq!(remote.identity().start, Start::Watchdog);
+    assert_eq!(remote.identity().reset_cause, ResetCause::Watchdog);
     assert_eq!(remote.identity().calibration, None);
     assert_eq!(remote.correct(&points(3)), Err(DeviceError::NoFrame));
 }
@@ -337,7 +346,7 @@ fn restart_of_the_camera_ends_the_session_and_a_new_one_starts_afresh() {
 fn reset_starts_the_camera_again() {
     let (mut remote, _) = exposed();
     remote.reset().unwrap();
-    assert_eq!(remote.identity().start, Start::Requested);
+    assert_eq!(remote.identity().reset_cause, ResetCause::Requested);
     assert_eq!(remote.expose(&EXPOSURE), Err(DeviceError::NoFrame));
     assert_eq!(remote.counters().unwrap().unwrap().done, 1);
 }
@@ -346,13 +355,13 @@ fn reset_starts_the_camera_again() {
 fn request_is_given_up_after_the_documented_tries_and_nothing_follows() {
     let (mut remote, port) = exposed();
     port.set_faults([Fault::Lost; TRIES as usize]);
-    let LinkError::NoAnswer { tries, heard, .. } = link_error(remote.record()) else {
+    let LinkError::NoAnswer { tries, heard, .. } = link_error(remote.interior_orientation()) else {
         panic!();
     };
     assert_eq!((tries, heard.bytes), (TRIES, 0));
     // The wire is free of faults again, but what the camera did meanwhile is not known.
     assert!(matches!(
-        link_error(remote.record()),
+        link_error(remote.interior_orientation()),
         LinkError::NoAnswer { .. }
     ));
     remote.reconnect().unwrap();
@@ -399,7 +408,7 @@ fn connect_after_a_host_that_died_in_the_middle_of_a_batch() {
 fn closed_port_is_an_error_at_once() {
     let (mut remote, port) = exposed();
     port.close();
-    assert_eq!(link_error(remote.record()), LinkError::Closed);
+    assert_eq!(link_error(remote.interior_orientation()), LinkError::Closed);
 }
 
 #[test]
@@ -488,7 +497,7 @@ fn reset_whose_answer_is_lost_is_still_a_reset() {
 fn request_out_of_order_ends_the_conversation() {
     let (mut remote, port) = exposed();
     port.tamper(|answer| *answer = Answer::Refused(Refusal::OutOfOrder { expected: 9 }));
-    let first = link_error(remote.record());
+    let first = link_error(remote.interior_orientation());
     port.tamper(|_| {});
-    assert_eq!(link_error(remote.record()), first);
+    assert_eq!(link_error(remote.interior_orientation()), first);
 }

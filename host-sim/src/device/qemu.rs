@@ -5,7 +5,7 @@ use std::net::TcpStream;
 use std::path::PathBuf;
 use std::thread::JoinHandle;
 
-use fmc_camera::flight::camera::CameraRecord;
+use fmc_camera::flight::camera::CameraParameters;
 use fmc_camera::flight::exposure::Exposure;
 use fmc_camera::flight::frame_record::FrameRecord;
 use fmc_camera::flight::interior_orientation::InteriorOrientation;
@@ -160,7 +160,7 @@ impl CorrectingDevice for Qemu {
         )
     }
 
-    fn load(&mut self, camera: &CameraRecord) -> Result<(), DeviceError> {
+    fn load(&mut self, camera: &CameraParameters) -> Result<(), DeviceError> {
         let answer = self.remote.load(camera);
         answer.map_err(|error| self.watch.explain(error))
     }
@@ -223,7 +223,7 @@ impl FlyingDevice for Qemu {
 
     fn prepare(
         &mut self,
-        camera: &CameraRecord,
+        camera: &CameraParameters,
         settings: &FlightSettings,
     ) -> Result<(), DeviceError> {
         let answer = self.remote.prepare(camera, settings);
@@ -239,8 +239,8 @@ impl FlyingDevice for Qemu {
         answer.map_err(|error| self.watch.explain(error))
     }
 
-    fn record(&mut self, from_sequence: u32) -> Result<Option<FrameRecord>, DeviceError> {
-        let answer = FlyingDevice::record(&mut self.remote, from_sequence);
+    fn frame_record(&mut self, from_sequence: u32) -> Result<Option<FrameRecord>, DeviceError> {
+        let answer = FlyingDevice::frame_record(&mut self.remote, from_sequence);
         answer.map_err(|error| self.watch.explain(error))
     }
 

@@ -1,6 +1,6 @@
 //! A camera at the other end of a link, checked against its twin in this process.
 
-use fmc_camera::flight::camera::CameraRecord;
+use fmc_camera::flight::camera::CameraParameters;
 use fmc_camera::flight::exposure::Exposure;
 use fmc_camera::flight::interior_orientation::InteriorOrientation;
 use fmc_camera::geometry::evaluation_form::Displacement;
@@ -12,7 +12,7 @@ use fmc_camera::geometry::mesh::vertex::VertexRow;
 use fmc_camera::geometry::sensor::SensorPoint;
 use fmc_camera::io::link::MAX_POINTS;
 use fmc_camera::io::link::digest;
-use fmc_camera::io::link::message::{Counters, Grid, Identity, Points, Refusal, Start};
+use fmc_camera::io::link::message::{Counters, Grid, Identity, Points, Refusal, ResetCause};
 use serde::Serialize;
 
 use super::client::Client;
@@ -79,8 +79,10 @@ impl<P: Port> Remote<P> {
     ///
     /// # Errors
     /// [`DeviceError::NoFrame`] before the first exposure.
-    pub fn record(&mut self) -> Result<InteriorOrientation, DeviceError> {
-        self.client.record().map_err(|error| self.failed(error, 0))
+    pub fn interior_orientation(&mut self) -> Result<InteriorOrientation, DeviceError> {
+        self.client
+            .interior_orientation()
+            .map_err(|error| self.failed(error, 0))
     }
 
     /// Returns the distortion along a row of the sensor.
@@ -99,7 +101,7 @@ impl<P: Port> Remote<P> {
     pub fn reset(&mut self) -> Result<(), DeviceError> {
         self.client.reset().map_err(|error| self.failed(error, 0))?;
         self.reconnect()?;
-        if self.identity.start == Start::Requested {
+        if self.identity.reset_cause == ResetCause::Requested {
             Ok(())
         } else {
             // Another host has the session, and the camera runs on.
@@ -257,7 +259,7 @@ impl<P: Port> CorrectingDevice for Remote<P> {
         format!("{} ({})", self.name, self.firmware())
     }
 
-    fn load(&mut self, camera: &CameraRecord) -> Result<(), DeviceError> {
+    fn load(&mut self, camera: &CameraParameters) -> Result<(), DeviceError> {
         self.exposure = None;
         let loaded = self
             .client
@@ -265,7 +267,7 @@ impl<P: Port> CorrectingDevice for Remote<P> {
             .map_err(|error| self.failed(error, 0));
         let twin = self.twin.load(camera);
         let (loaded, ()) = self.same_outcome(loaded, twin)?;
-        let sent = digest::of_record(camera).ok_or(DeviceError::Link {
+        let sent = digest::of_camera(camera).ok_or(DeviceError::Link {
             device: self.name.clone(),
             error: LinkError::Unexpected {
                 request: "load calibration",
@@ -289,7 +291,7 @@ impl<P: Port> CorrectingDevice for Remote<P> {
         let twin = self.twin.expose(exposure);
         let (camera, twin) = self.same_outcome(camera, twin)?;
         if !same_bits(&camera, &twin) {
-            return Err(self.different(DifferentResult::Record { camera, twin }));
+            return Err(self.different(DifferentResult::InteriorOrientation { camera, twin }));
         }
         Ok(camera)
     }

@@ -1,6 +1,6 @@
 //! A camera at the other end of a link in a simulated flight, round by round beside its twin.
 
-use fmc_camera::flight::camera::CameraRecord;
+use fmc_camera::flight::camera::CameraParameters;
 use fmc_camera::flight::controller::Start;
 use fmc_camera::flight::controller::state::State;
 use fmc_camera::flight::fault::Fault;
@@ -27,12 +27,12 @@ impl<P: Port> Remote<P> {
     pub fn fetch_record(&mut self, from_sequence: u32) -> Result<Option<FrameRecord>, DeviceError> {
         let fetched = self
             .client
-            .flight_record(from_sequence)
+            .frame_record(from_sequence)
             .map_err(|error| self.failed(error, 0))?;
         let Some((record, crc)) = fetched else {
             return Ok(None);
         };
-        if digest::of_flight_record(&record) == Some(crc) {
+        if digest::of_frame_record(&record) == Some(crc) {
             Ok(Some(record))
         } else {
             Err(self.failed(LinkError::RecordCrc(record.sequence), 0))
@@ -57,8 +57,8 @@ impl<P: Port> Remote<P> {
             .status()
             .map_err(|error| self.failed(error, 0))?;
         let has_failed = matches!(
-            self.identity().start,
-            message::Start::Watchdog | message::Start::Fault
+            self.identity().reset_cause,
+            message::ResetCause::Watchdog | message::ResetCause::Fault
         );
         Ok(
             if has_failed && status.state == State::Fault(Fault::Watchdog) {
@@ -88,7 +88,7 @@ impl<P: Port> FlyingDevice for Remote<P> {
 
     fn prepare(
         &mut self,
-        camera: &CameraRecord,
+        camera: &CameraParameters,
         settings: &FlightSettings,
     ) -> Result<(), DeviceError> {
         CorrectingDevice::load(self, camera)?;
@@ -128,9 +128,9 @@ impl<P: Port> FlyingDevice for Remote<P> {
         }
     }
 
-    fn record(&mut self, from_sequence: u32) -> Result<Option<FrameRecord>, DeviceError> {
+    fn frame_record(&mut self, from_sequence: u32) -> Result<Option<FrameRecord>, DeviceError> {
         let camera = self.fetch_record(from_sequence)?;
-        let twin = self.twin.record(from_sequence)?;
+        let twin = self.twin.frame_record(from_sequence)?;
         if same_bits(&camera, &twin) {
             Ok(camera)
         } else {

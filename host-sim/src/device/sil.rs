@@ -1,6 +1,6 @@
 //! The camera's own code in this process.
 
-use fmc_camera::flight::camera::{Camera, CameraRecord};
+use fmc_camera::flight::camera::{Camera, CameraParameters};
 use fmc_camera::flight::exposure::Exposure;
 use fmc_camera::flight::interior_orientation::InteriorOrientation;
 use fmc_camera::flight::rig::Rig;
@@ -48,7 +48,7 @@ impl CorrectingDevice for InProcess {
         "sil (the camera's code in this process)".to_owned()
     }
 
-    fn load(&mut self, camera: &CameraRecord) -> Result<(), DeviceError> {
+    fn load(&mut self, camera: &CameraParameters) -> Result<(), DeviceError> {
         let camera = Camera::new(*camera).map_err(DeviceError::Calibration)?;
         self.camera = Some(camera);
         self.correction = None;
@@ -61,7 +61,7 @@ impl CorrectingDevice for InProcess {
         self.correction = None;
         let frame = camera.frame(exposure).map_err(DeviceError::Frame)?;
         self.correction = Some(frame.correction);
-        Ok(frame.record)
+        Ok(frame.interior)
     }
 
     fn correct(&mut self, measured: &[SensorPoint]) -> Result<Vec<Corrected>, DeviceError> {

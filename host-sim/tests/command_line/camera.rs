@@ -9,7 +9,7 @@ use fmc_camera::flight::drive::settings::DriveSettings;
 use fmc_camera::flight::event::{Action, Event, ShutterEdge};
 use fmc_camera::flight::flown_deck::FlownDeck;
 use fmc_camera::flight::time::Time;
-use fmc_camera::io::link::message::Start;
+use fmc_camera::io::link::message::ResetCause;
 
 use crate::command_line::fake_camera::FakeCamera;
 use crate::command_line::serial::Port;
@@ -29,7 +29,8 @@ struct Board {
 impl Board {
     fn new() -> Self {
         let drive = RigDrive::new(DriveSettings::default()).unwrap();
-        let mut camera = FakeCamera::with(FlownDeck::new(drive, Start::PowerOn.unreferenced()));
+        let mut camera =
+            FakeCamera::with(FlownDeck::new(drive, ResetCause::PowerOn.unreferenced()));
         let triggers = Arc::new(AtomicU32::new(0));
         let wanted = Arc::clone(&triggers);
         let mut now = Time::START;

@@ -3,9 +3,9 @@
 use std::io::{ErrorKind, Read, Write};
 
 use fmc_camera::io::link::deck::{FlightDeck, RigDeck};
-use fmc_camera::io::link::frame::{Frame, FrameReceiver};
-use fmc_camera::io::link::message::{Answer, Identity, Start};
-use fmc_camera::io::link::station::{Event, Station};
+use fmc_camera::io::link::message::{Answer, Identity, ResetCause};
+use fmc_camera::io::link::packet::{Packet, PacketReceiver};
+use fmc_camera::io::link::station::{LinkEvent, Station};
 
 /// A camera that works correctly until told otherwise.
 pub(crate) struct FakeCamera<Deck = RigDeck> {
@@ -21,14 +21,14 @@ pub(crate) struct FakeCamera<Deck = RigDeck> {
 impl FakeCamera {
     /// Returns a camera that works correctly.
     pub(crate) fn new() -> Self {
-        Self::with(RigDeck::after(Start::PowerOn))
+        Self::with(RigDeck::after(ResetCause::PowerOn))
     }
 }
 
 impl<Deck: FlightDeck> FakeCamera<Deck> {
     /// Returns a camera that works correctly, with this deck.
     pub(crate) fn with(deck: Deck) -> Self {
-        let identity = Identity::new("of the test", "fake", true, Start::PowerOn);
+        let identity = Identity::new("of the test", "fake", true, ResetCause::PowerOn);
         Self {
             station: Station::with(identity, || 0, deck),
             change: |_| {},
@@ -60,7 +60,7 @@ impl<Deck: FlightDeck> FakeCamera<Deck> {
                     return;
                 }
                 answers += 1;
-                if event == Some(Event::PowerOff) {
+                if event == Some(LinkEvent::PowerOff) {
                     return;
                 }
             }
@@ -68,13 +68,13 @@ impl<Deck: FlightDeck> FakeCamera<Deck> {
     }
 
     fn changed(&self, frame: &[u8]) -> Vec<u8> {
-        let mut receiver = FrameReceiver::new();
+        let mut receiver = PacketReceiver::new();
         for byte in frame {
             if let Some(payload) = receiver.receive(*byte) {
                 let (header, answer) = Answer::read(payload.unwrap()).unwrap();
                 let mut answer = answer.unwrap();
                 (self.change)(&mut answer);
-                let mut frame = Frame::EMPTY;
+                let mut frame = Packet::EMPTY;
                 answer.write(header, &mut frame).unwrap();
                 return frame.bytes().to_vec();
             }

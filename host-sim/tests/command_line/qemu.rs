@@ -363,7 +363,7 @@ fn camera_that_refuses_what_this_pc_accepts_is_not_believed() {
         }
     };
     let expose: fn(&mut Answer) = |answer| {
-        if matches!(answer, Answer::Frame(_)) {
+        if matches!(answer, Answer::InteriorOrientation(_)) {
             *answer = Answer::Refused(Refusal::Exposure(FrameError::NotFitted));
         }
     };

@@ -4,20 +4,20 @@ use fmc_camera::geometry::mesh::MeshRow;
 use fmc_camera::geometry::mesh::format::MeshFormat;
 use fmc_camera::geometry::mesh::pixel_correction::PixelCorrection;
 use fmc_camera::geometry::mesh::vertex::VertexRow;
-use fmc_camera::io::link::message::{Grid, Start};
-use fmc_camera::{CalibrationRecord, CameraRecord, Exposure, SensorPoint};
+use fmc_camera::io::link::message::{Grid, ResetCause};
+use fmc_camera::{CalibrationParameters, CameraParameters, Exposure, SensorPoint};
 use host_sim::device::qemu::{Qemu, QemuOptions};
 use host_sim::device::{CorrectingDevice as _, Device, DeviceError, InProcess, Machine};
 
 const MACHINES: [Machine; 2] = [Machine::An386, Machine::An500];
 const EXPOSURE: Exposure = Exposure::new(0.1, 0.005);
 
-fn camera() -> CameraRecord {
-    let mut lens = CalibrationRecord::new(100.0, [8000, 6000], 10.0);
+fn camera() -> CameraParameters {
+    let mut lens = CalibrationParameters::new(100.0, [8000, 6000], 10.0);
     lens.distortion.k1 = -1e-6;
     lens.distortion.p1 = 1e-6;
     lens.distortion.b2 = 1e-5;
-    CameraRecord::new(lens)
+    CameraParameters::new(lens)
 }
 
 fn exposed(machine: Machine) -> Qemu {
@@ -52,7 +52,7 @@ fn points_rows_grid_and_record_have_the_bits_computed_on_this_pc() {
         assert_eq!(qemu.correct(&points), twin.correct(&points));
         assert_eq!(qemu.distort(&points), twin.distort(&points));
         assert_eq!(qemu.correct_grid(&grid), twin.correct_grid(&grid));
-        assert_eq!(qemu.remote().record(), Ok(record));
+        assert_eq!(qemu.remote().interior_orientation(), Ok(record));
         let answered = qemu.remote().row(row).unwrap();
         assert!(
             answered
@@ -130,10 +130,10 @@ fn camera_says_who_it_is_and_starts_again_when_asked() {
         let mut qemu = exposed(machine);
         let identity = qemu.remote().identity().clone();
         assert_eq!(identity.board, "mps2");
-        assert_eq!(identity.start, Start::PowerOn);
+        assert_eq!(identity.reset_cause, ResetCause::PowerOn);
         assert!(identity.power_switch);
         qemu.remote().reset().unwrap();
-        assert_eq!(qemu.remote().identity().start, Start::Requested);
+        assert_eq!(qemu.remote().identity().reset_cause, ResetCause::Requested);
         assert_eq!(qemu.remote().identity().calibration, None);
         assert_eq!(qemu.expose(&EXPOSURE), Err(DeviceError::NoFrame));
         qemu.load(&camera()).unwrap();

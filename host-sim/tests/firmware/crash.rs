@@ -4,8 +4,8 @@ use std::env;
 use std::io::Write as _;
 use std::thread;
 
-use fmc_camera::io::link::message::Start;
-use fmc_camera::{CalibrationRecord, CameraRecord, Exposure, SensorPoint};
+use fmc_camera::io::link::message::ResetCause;
+use fmc_camera::{CalibrationParameters, CameraParameters, Exposure, SensorPoint};
 use host_sim::device::qemu::{Qemu, QemuOptions};
 use host_sim::device::{CorrectingDevice as _, DeviceError, Machine};
 
@@ -18,8 +18,8 @@ fn with_drills(machine: Machine) -> Qemu {
         print_log: false,
     };
     let mut qemu = Qemu::start(machine, &options).unwrap();
-    let lens = CalibrationRecord::new(100.0, [8000, 6000], 10.0);
-    qemu.load(&CameraRecord::new(lens)).unwrap();
+    let lens = CalibrationParameters::new(100.0, [8000, 6000], 10.0);
+    qemu.load(&CameraParameters::new(lens)).unwrap();
     qemu.expose(&Exposure::new(0.1, 0.005)).unwrap();
     qemu
 }
@@ -65,7 +65,7 @@ fn restart_by_the_watchdog_is_reported_with_the_log_and_the_camera_can_be_used_a
                 assert!(error.contains(part), "{part}: {error}");
             }
             qemu.remote().reconnect().unwrap();
-            assert_eq!(qemu.remote().identity().start, Start::Watchdog);
+            assert_eq!(qemu.remote().identity().reset_cause, ResetCause::Watchdog);
         }
     }
 }

@@ -3,7 +3,7 @@
 use std::env;
 use std::path::PathBuf;
 
-use fmc_camera::geometry::calibration::CalibrationRecord;
+use fmc_camera::geometry::calibration::CalibrationParameters;
 use fmc_camera::geometry::estimation::adjustment::Adjustment;
 use fmc_camera::geometry::estimation::fit::Fit;
 use fmc_camera::geometry::estimation::known_lens::KnownLens;
@@ -11,19 +11,19 @@ use fmc_camera::geometry::estimation::observation::Observation;
 use fmc_camera::geometry::estimation::options::{FitOptions, StaticDecentring};
 use fmc_camera::geometry::sensor::SensorPoint;
 use fmc_camera::io::link::MAX_OBSERVATIONS;
-use fmc_camera::{Camera, CameraRecord, Exposure};
+use fmc_camera::{Camera, CameraParameters, Exposure};
 use host_sim::device::Machine;
 use host_sim::device::client::Client;
 use host_sim::device::machine::{self, Started};
 use host_sim::device::port::TcpPort;
 
 /// Camera of 80.64 mm x 80.64 mm behind 100 mm, with 0.2 mm of distortion.
-fn record() -> CameraRecord {
-    let mut lens = CalibrationRecord::new(100.0, [9216, 9216], 8.75);
+fn record() -> CameraParameters {
+    let mut lens = CalibrationParameters::new(100.0, [9216, 9216], 8.75);
     lens.distortion.k1 = -1.2e-6;
     lens.distortion.k2 = 2.1e-10;
     lens.distortion.p2 = -3e-6;
-    CameraRecord::new(lens)
+    CameraParameters::new(lens)
 }
 
 /// Returns 11 x 11 points in 12 exposures, with a pattern in place of noise.
@@ -47,7 +47,7 @@ fn observations(camera: &Camera) -> Vec<Observation<f32>> {
                 y_mm: point.y_mm,
                 dx_mm: seen.dx_mm + 1e-4 * (f32::from(place % 7) - 3.0),
                 dy_mm: seen.dy_mm + 1e-4 * (f32::from(place % 5) - 2.0),
-                regressor_mm: frame.record.motion.travel_mm,
+                regressor_mm: frame.interior.motion.travel_mm,
                 sigma_mm: 5e-4 + 1e-4 * f32::from(place % 3),
             });
         }

@@ -11,8 +11,8 @@ use fmc_camera::flight::rig::{RigAnswer, RigStep};
 use fmc_camera::flight::settings::FlightSettings;
 use fmc_camera::flight::time::Time;
 use fmc_camera::flight::vh::VhSample;
-use fmc_camera::io::link::message::{Refusal, Start};
-use fmc_camera::{CalibrationRecord, CameraRecord};
+use fmc_camera::io::link::message::{Refusal, ResetCause};
+use fmc_camera::{CalibrationParameters, CameraParameters};
 use fmc_simulation::mechanics::{Mechanics, MechanicsSettings};
 use host_sim::device::link_error::LinkError;
 use host_sim::device::qemu::{Qemu, QemuOptions};
@@ -29,8 +29,8 @@ const VH_PER_S: f32 = 0.1;
 const VH_ROUNDS: u64 = 50;
 
 /// Returns a camera of 100 mm, 9216 x 9216 pixels of 8.75 µm.
-fn camera() -> CameraRecord {
-    CameraRecord::new(CalibrationRecord::new(100.0, [9216, 9216], 8.75))
+fn camera() -> CameraParameters {
+    CameraParameters::new(CalibrationParameters::new(100.0, [9216, 9216], 8.75))
 }
 
 /// A camera and its simulated surroundings.
@@ -146,7 +146,7 @@ impl Flight {
     }
 
     fn fetched(&mut self, sequence: u32) -> FrameRecord {
-        let record = FlyingDevice::record(&mut self.device, sequence)
+        let record = FlyingDevice::frame_record(&mut self.device, sequence)
             .unwrap()
             .unwrap();
         assert_eq!(record.sequence, sequence);
@@ -244,7 +244,7 @@ fn camera_is_not_prepared_again_before_its_records_are_fetched() {
     assert_eq!(flight.fetched(1), record);
     assert_eq!(flight.device.acknowledge(1), Ok(0));
     flight.prepare().unwrap();
-    assert_eq!(FlyingDevice::record(&mut flight.device, 0), Ok(None));
+    assert_eq!(FlyingDevice::frame_record(&mut flight.device, 0), Ok(None));
 }
 
 #[test]
@@ -258,7 +258,10 @@ fn after_the_watchdog_the_camera_is_in_that_fault_until_it_is_cleared() {
     flight.arm();
     bite_watchdog(&mut flight.device, b'h');
     flight.device.remote().reconnect().unwrap();
-    assert_eq!(flight.device.remote().identity().start, Start::Watchdog);
+    assert_eq!(
+        flight.device.remote().identity().reset_cause,
+        ResetCause::Watchdog
+    );
     let mut flight = Flight::prepared(flight.device);
     flight.round(None);
     assert_eq!(flight.state(), State::Fault(Fault::Watchdog));

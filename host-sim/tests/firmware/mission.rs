@@ -14,7 +14,7 @@ fn records_crc(
 ) -> (usize, u32) {
     let settings = flight_settings(&scenario.written, scenario.interval_s);
     device
-        .prepare(&scenario.camera.record(), &settings)
+        .prepare(&scenario.camera.parameters(), &settings)
         .unwrap();
     let mechanics = Mechanics::new(scenario.written.mechanics).unwrap();
     let options = FlightOptions {

@@ -6,7 +6,7 @@ use std::thread;
 use std::time::Duration;
 use std::{env, fs};
 
-use fmc_camera::io::link::message::Start;
+use fmc_camera::io::link::message::ResetCause;
 use host_sim::device::client::Client;
 use host_sim::device::machine::{self, Started};
 use host_sim::device::port::TcpPort;
@@ -104,7 +104,7 @@ fn firmware_goes_on_after_the_pc_has_slept() {
         thread::sleep(Duration::from_millis(2500));
     }
     assert_eq!(client.counters().unwrap().done, 1);
-    assert_eq!(client.connect().unwrap().start, Start::PowerOn);
+    assert_eq!(client.connect().unwrap().reset_cause, ResetCause::PowerOn);
 }
 
 #[test]

@@ -7,7 +7,7 @@ use fmc_camera::flight::event::{Action, Command, Event, ShutterEdge};
 use fmc_camera::flight::settings::FlightSettings;
 use fmc_camera::flight::time::Time;
 use fmc_camera::flight::vh::VhSample;
-use fmc_camera::{CalibrationRecord, CameraRecord};
+use fmc_camera::{CalibrationParameters, CameraParameters};
 
 /// Time of the trigger, between the rounds of 1.000 s and 1.001 s.
 const TRIGGER: Time = Time::from_us(1_000_600);
@@ -95,7 +95,7 @@ impl Bench {
 
 /// Arms the camera and flies one frame.
 pub(crate) fn fly() -> Flight {
-    let camera = CameraRecord::new(CalibrationRecord::new(100.0, [9216, 9216], 8.75));
+    let camera = CameraParameters::new(CalibrationParameters::new(100.0, [9216, 9216], 8.75));
     let settings = FlightSettings::default();
     let mut bench = Bench {
         controller: Controller::new(&camera, 0, &settings, Start::Orderly).unwrap(),

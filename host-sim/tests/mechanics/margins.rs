@@ -3,7 +3,7 @@
 use std::f64::consts::PI;
 
 use fmc_camera::flight::drive::{
-    following::LoopMargins,
+    following_error_bounds::LoopMargins,
     loop_settings::{LoopSettings, Plant},
 };
 use nalgebra::Complex;

@@ -5,7 +5,7 @@ mod convergence;
 #[cfg(test)]
 mod faults;
 #[cfg(test)]
-mod following;
+mod following_error;
 #[cfg(test)]
 mod margins;
 #[cfg(test)]

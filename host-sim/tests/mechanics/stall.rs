@@ -63,7 +63,7 @@ fn cruise_s(speed_mm_s: f64) -> f64 {
 
 /// Returns the lines of the table in the library's documentation.
 fn documented() -> Vec<(String, String, Vec<f64>)> {
-    let source = include_str!("../../../src/flight/drive/following.rs");
+    let source = include_str!("../../../src/flight/drive/following_error_bounds.rs");
     let rows = source.lines().filter_map(|line| {
         let cells: Vec<_> = line.trim().strip_prefix("/// | ")?.split('|').collect();
         let numbers: Vec<f64> = cells[2..]

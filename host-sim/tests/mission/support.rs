@@ -30,7 +30,7 @@ pub(crate) fn flown_with(scenario: &MissionScenario, seed: u64, frame: Option<u3
     let mut device = InProcess::default();
     let settings = flight_settings(&scenario.written, scenario.interval_s);
     device
-        .prepare(&scenario.camera.record(), &settings)
+        .prepare(&scenario.camera.parameters(), &settings)
         .unwrap();
     let mechanics = Mechanics::new(scenario.written.mechanics).unwrap();
     let options = FlightOptions { seed, frame };
@@ -42,10 +42,10 @@ pub(crate) fn passed(scenario: &MissionScenario, seed: u64) -> (Flown, Judgement
     let flown = flown(scenario, seed);
     let judgement = Judgement::of(scenario, &flown);
     let failed: Vec<String> = judgement
-        .findings
+        .checks
         .iter()
-        .filter(|finding| !finding.passed)
-        .map(|finding| format!("{}: {}", finding.what, finding.found))
+        .filter(|check| !check.passed)
+        .map(|check| format!("{}: {}", check.what, check.found))
         .collect();
     assert!(
         failed.is_empty(),

@@ -35,9 +35,9 @@ fn onsets_ms(from: i32, to: i32, step: usize) -> impl Iterator<Item = f64> + Clo
 /// Returns the failed findings of a flight, and its silent errors.
 fn complaints(scenario: &MissionScenario, flown: &Flown) -> Vec<String> {
     let judgement = Judgement::of(scenario, flown);
-    let failed = judgement.findings.iter().filter(|finding| !finding.passed);
+    let failed = judgement.checks.iter().filter(|check| !check.passed);
     let mut complaints: Vec<String> = failed
-        .map(|finding| format!("{}: {}", finding.what, finding.found))
+        .map(|check| format!("{}: {}", check.what, check.found))
         .collect();
     for (frame, errors) in flown.frames.iter().zip(&judgement.errors) {
         let Some(errors) = errors else {

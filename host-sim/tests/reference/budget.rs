@@ -5,7 +5,7 @@ use fmc_camera::geometry::frame_correction::Corrected;
 use fmc_camera::geometry::mesh::format::MeshFormat;
 use fmc_camera::geometry::mesh::pixel_correction::PixelCorrection;
 use fmc_camera::geometry::mesh::vertex::VertexRow;
-use fmc_camera::{CameraRecord, Exposure, SensorPoint};
+use fmc_camera::{CameraParameters, Exposure, SensorPoint};
 use fmc_reference::strict::MAX_SOLVER_ERROR_NM;
 use fmc_reference::verification::result::{
     CameraResult, MAX_COORDINATE_ERROR_NM, MAX_ERROR_NM, Treatment, Verification,
@@ -90,7 +90,7 @@ impl CorrectingDevice for Wrong {
         "wrong".to_owned()
     }
 
-    fn load(&mut self, camera: &CameraRecord) -> Result<(), DeviceError> {
+    fn load(&mut self, camera: &CameraParameters) -> Result<(), DeviceError> {
         let mut camera = *camera;
         if matches!(self.fault, Fault::K1) {
             camera.calibration.distortion.k1 *= 1.000_01;

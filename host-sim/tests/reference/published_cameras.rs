@@ -1,6 +1,6 @@
 //! The camera files against the published table.
 
-use fmc_camera::{CalibrationRecord, CameraRecord};
+use fmc_camera::{CalibrationParameters, CameraParameters};
 use fmc_camera_file::CameraFile;
 use fmc_reference::lens::Lens;
 
@@ -11,8 +11,8 @@ fn keys_that_are_left_out_have_the_defaults_of_the_library() {
     let text = "name = \"bare\"\nprincipal_distance_mm = 51.3712\n\
                 [sensor]\nwidth_px = 14204\nheight_px = 10652\npixel_um = 3.76\n";
     let (file, _) = CameraFile::parse("bare.toml", text).unwrap();
-    let calibration = CalibrationRecord::new(51.3712, [14204, 10652], 3.76);
-    assert_eq!(file.record(), CameraRecord::new(calibration));
+    let calibration = CalibrationParameters::new(51.3712, [14204, 10652], 3.76);
+    assert_eq!(file.parameters(), CameraParameters::new(calibration));
 }
 
 #[test]

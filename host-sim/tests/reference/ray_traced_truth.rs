@@ -113,7 +113,7 @@ fn camera_is_as_good_as_the_recentred_static_fit_in_double_precision() {
                 ..Exposure::new(single(row.delta_mm / 149.999_958_957 / 0.02), 0.02)
             };
             let frame = cameras[usize::from(row.ramps)].frame(&exposure).unwrap();
-            let centroid_mm = f64::from(frame.record.motion.centroid_mm);
+            let centroid_mm = f64::from(frame.interior.motion.centroid_mm);
             assert!((centroid_mm - row.centroid_mm).abs() < 1e-7);
             let d = frame
                 .correction

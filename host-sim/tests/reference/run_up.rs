@@ -27,7 +27,7 @@ fn opening_offset_is_the_references_to_a_nanometre() {
         for acceleration in [100.0, 700.0, 1000.0, 20_000.0] {
             for jerk in [0.0, 1500.0, 1e4, 1e5, 3e6, 1e12] {
                 let file = stage(strategy, acceleration, jerk);
-                let camera = Camera::new(file.record()).unwrap();
+                let camera = Camera::new(file.parameters()).unwrap();
                 for vh in [0.05, 0.083, 0.11, 0.17] {
                     for t in [0.001, 0.0037, 0.02] {
                         for direction in DIRECTIONS {

@@ -33,12 +33,12 @@ pub(crate) fn camera_distortion(
     exposure: &Exposure,
     [x, y]: [f32; 2],
 ) -> ([f64; 2], f64) {
-    let camera = Camera::new(camera.record()).unwrap();
+    let camera = Camera::new(camera.parameters()).unwrap();
     let frame = camera.frame(exposure).unwrap();
     let d = frame.correction.distortion(SensorPoint::new(x, y));
     (
         [d.dx_mm, d.dy_mm].map(f64::from),
-        f64::from(frame.record.left_out_nm) * 1e-6,
+        f64::from(frame.interior.left_out_nm) * 1e-6,
     )
 }
 

@@ -3,7 +3,7 @@
 use fmc_camera_file::published::CAMERA_FILES;
 use fmc_camera_file::{CameraFile, Strategy};
 use fmc_simulation::scene::Scene;
-use fmc_simulation::scene::frame::Frame;
+use fmc_simulation::scene::exposure::ExposedScene;
 
 pub(crate) const HEIGHT_M: f64 = 1000.0;
 
@@ -49,7 +49,11 @@ pub(crate) fn points(camera: &CameraFile, count: u8, share: f64) -> Vec<[f64; 2]
 
 /// Returns the point of the ground at height 0 below an ideal point of the sensor frame at the
 /// centroid, for a level camera.
-pub(crate) fn ground_below(scene: &Scene, frame: &Frame<'_>, ideal_mm: [f64; 2]) -> [f64; 3] {
+pub(crate) fn ground_below(
+    scene: &Scene,
+    frame: &ExposedScene<'_>,
+    ideal_mm: [f64; 2],
+) -> [f64; 3] {
     let [x0, y0] = frame.principal_point_mm();
     let [eye_x, eye_y, eye_z] = frame.projection_centre_m();
     let relative = [ideal_mm[0] - x0, ideal_mm[1] - y0];

@@ -2,34 +2,34 @@
 
 #[cfg(feature = "board-nucleo-h743zi")]
 use fmc_camera::flight::fault::Fault;
-use fmc_camera::io::link::message::Start;
-use fmc_camera::io::link::station::Event;
+use fmc_camera::io::link::message::ResetCause;
+use fmc_camera::io::link::station::LinkEvent;
 
 /// The first line.
-pub(crate) fn note_start(board: &str, build: &str, start: Start) {
+pub(crate) fn note_start(board: &str, build: &str, start: ResetCause) {
     let after = match start {
-        Start::PowerOn => "power on",
-        Start::Requested => "request",
-        Start::Watchdog => "watchdog",
-        Start::Fault => "fault",
+        ResetCause::PowerOn => "power on",
+        ResetCause::Requested => "request",
+        ResetCause::Watchdog => "watchdog",
+        ResetCause::Fault => "fault",
     };
     defmt::info!("{=str} {=str} starts after {=str}", board, build, after);
 }
 
 /// A line for each event that is not the ordinary flow of points.
-pub(crate) fn note(event: Event) {
+pub(crate) fn note(event: LinkEvent) {
     match event {
-        Event::Connected(session) => defmt::info!("session {=u32:#010x} opened", session),
-        Event::Loaded(calibration) => {
+        LinkEvent::Connected(session) => defmt::info!("session {=u32:#010x} opened", session),
+        LinkEvent::Loaded(calibration) => {
             defmt::info!("calibration {=u32:#010x} in use", calibration.crc);
         }
-        Event::Exposed | Event::Answered => {}
-        Event::Repeated => defmt::warn!("request repeated"),
-        Event::Lost(damage) => defmt::warn!("frame lost: {}", damage),
-        Event::Unreadable(unreadable) => defmt::warn!("frame unreadable: {}", unreadable),
-        Event::Refused(refusal) => defmt::warn!("refused: {}", refusal),
-        Event::Reset => defmt::info!("reset requested"),
-        Event::PowerOff => defmt::info!("power off requested"),
+        LinkEvent::Exposed | LinkEvent::Answered => {}
+        LinkEvent::Repeated => defmt::warn!("request repeated"),
+        LinkEvent::Lost(damage) => defmt::warn!("packet lost: {}", damage),
+        LinkEvent::Unreadable(unreadable) => defmt::warn!("packet unreadable: {}", unreadable),
+        LinkEvent::Refused(refusal) => defmt::warn!("refused: {}", refusal),
+        LinkEvent::Reset => defmt::info!("reset requested"),
+        LinkEvent::PowerOff => defmt::info!("power off requested"),
     }
 }
 

@@ -22,7 +22,7 @@ use {
     board::Board,
     fmc_camera::io::link::{
         message::{Identity, Start},
-        station::{Event, Station},
+        station::{LinkEvent, Station},
     },
 };
 
@@ -60,8 +60,8 @@ fn run(mut board: Board, start: Start) -> ! {
         }
         // Only now has the answer to the last request left.
         match ending {
-            Some(Event::Reset) => board.reset(),
-            Some(Event::PowerOff) => board.power_off(),
+            Some(LinkEvent::Reset) => board.reset(),
+            Some(LinkEvent::PowerOff) => board.power_off(),
             _ => {}
         }
         match board.receive() {

@@ -6,7 +6,7 @@ use super::{Actions, Controller};
 use crate::flight::drive::StageReading;
 use crate::flight::fault::Fault;
 use crate::flight::frame_record::{Flag, Reason};
-use crate::flight::stage_watch::Finding;
+use crate::flight::stage_watch::ReadingVerdict;
 use crate::flight::time::Time;
 
 impl Controller {
@@ -37,12 +37,12 @@ impl Controller {
         let Some(seen) = self.stage.look(&self.setup, obedience, time, reading) else {
             return;
         };
-        match seen.finding {
-            Finding::Follows | Finding::Suspicious => {}
-            Finding::Glitch => self.frame.flag(Flag::EncoderGlitch),
-            Finding::Fault(fault) => self.fail(fault, actions),
+        match seen.verdict {
+            ReadingVerdict::Follows | ReadingVerdict::Suspicious => {}
+            ReadingVerdict::Glitch => self.frame.flag(Flag::EncoderGlitch),
+            ReadingVerdict::Fault(fault) => self.fail(fault, actions),
         }
-        if seen.finding != Finding::Fault(Fault::Encoder) {
+        if seen.verdict != ReadingVerdict::Fault(Fault::Encoder) {
             self.stage.keep(reading, seen);
         }
     }

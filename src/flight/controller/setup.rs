@@ -36,7 +36,7 @@ impl Setup {
 
     /// Half of the stage's stroke, mm.
     pub(super) fn half_stroke_mm(&self) -> f32 {
-        0.5 * self.camera.calibration().record().stroke_mm
+        0.5 * self.camera.calibration().parameters().stroke_mm
     }
 
     /// The frame of a stage about which nothing is known: it counts as standing at its calibrated

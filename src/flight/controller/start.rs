@@ -7,7 +7,7 @@ use super::frame::FrameMachine;
 use super::readiness::{Mode, Readiness};
 use super::setup::{Setup, check_interval};
 use super::stage::StageMachine;
-use crate::flight::camera::{Camera, CameraRecord};
+use crate::flight::camera::{Camera, CameraParameters};
 use crate::flight::fault::{Fault, Faults};
 use crate::flight::settings::FlightSettings;
 use crate::flight::smear_prediction::SmearPrediction;
@@ -30,7 +30,7 @@ impl Controller {
     /// # Errors
     /// [`ControllerError`] naming what is not believable.
     pub fn new(
-        record: &CameraRecord,
+        record: &CameraParameters,
         calibration_crc: u32,
         settings: &FlightSettings,
         start: Start,

@@ -119,7 +119,7 @@ impl Controller {
     /// Where the stage goes next, mm: to an end of the exercise, or, where none of its ways is
     /// left, to where it waits for the trigger.
     fn destination_mm(&self, now: Time, ways_left: u8) -> f32 {
-        let stroke_mm = self.setup.camera.calibration().record().stroke_mm;
+        let stroke_mm = self.setup.camera.calibration().parameters().stroke_mm;
         let reach_mm = EXERCISE_REACH * stroke_mm;
         if ways_left == 0 {
             let vh = self.aircraft.vh.estimate(now);

@@ -1,6 +1,6 @@
 //! The force that is known beforehand: friction, damping and mass, learned in motion.
 
-use super::led_motion::Lead;
+use super::feed_forward_motion::FeedForward;
 use super::loop_settings::LoopSettings;
 
 /// Slower than this is standing, mm/s.
@@ -34,7 +34,7 @@ impl KnownForce {
     }
 
     /// The duty for a tick.
-    pub(super) fn duty(&self, lead: &Lead) -> f32 {
+    pub(super) fn duty(&self, lead: &FeedForward) -> f32 {
         self.per_speed * lead.speed_mm_s
             + self.per_acceleration * lead.push_mm_s2
             + self.friction * direction(lead.speed_mm_s)
@@ -46,7 +46,7 @@ impl KnownForce {
     /// Feedback-error learning: `dθ/dt = λ·φ·u_fb/|φ|²`, with φ the direction, speed and acceleration in parts of what
     /// is usual (Kawato, Furukawa and Suzuki, Biological Cybernetics 57 (1987) 169). Each stays between half and
     /// twice its setting: a stage that jams teaches nothing that lasts.
-    pub(super) fn learn(&mut self, settings: &LoopSettings, lead: &Lead, added_s: f32) {
+    pub(super) fn learn(&mut self, settings: &LoopSettings, lead: &FeedForward, added_s: f32) {
         let direction = direction(lead.speed_mm_s);
         let speed = lead.speed_mm_s / LEARNING_SPEED_MM_S;
         let push = lead.push_mm_s2 / LEARNING_ACCELERATION_MM_S2;

@@ -5,10 +5,10 @@ use super::stage::Setpoint;
 use super::time::Time;
 
 pub mod enabled_drive;
+mod feed_forward_motion;
 pub mod flown_drive;
-pub mod following;
+pub mod following_error_bounds;
 mod known_force;
-mod led_motion;
 pub mod loop_settings;
 pub mod pwm_encoder;
 pub mod quadrature;

@@ -1,7 +1,7 @@
 //! The velocity loop: from set point and reading to the duty of the motor, arithmetic alone.
 
+use super::feed_forward_motion::{Delays, FeedForwardMotion};
 use super::known_force::{KnownForce, STANDING_MM_S};
-use super::led_motion::{Delays, LedMotion};
 use super::loop_settings::LoopSettings;
 use crate::flight::stage::Setpoint;
 
@@ -22,7 +22,7 @@ const LEARNING_ERROR_MM: f32 = 0.05;
 pub struct VelocityLoop {
     settings: LoopSettings,
     known: KnownForce,
-    led: LedMotion,
+    led: FeedForwardMotion,
     last_error_mm: Option<f32>,
     slope_mm_s: f32,
     integral: f32,
@@ -36,7 +36,7 @@ impl VelocityLoop {
         Self {
             settings,
             known: KnownForce::new(&settings),
-            led: LedMotion::default(),
+            led: FeedForwardMotion::default(),
             last_error_mm: None,
             slope_mm_s: 0.0,
             integral: 0.0,

@@ -44,8 +44,8 @@ pub const MIN_REGRESSOR_MM: f32 = 1e-5;
 /// ```
 /// use fmc_camera::geometry::estimation::{adjustment::Adjustment, known_lens::KnownLens};
 /// use fmc_camera::geometry::estimation::{observation::Observation, options::FitOptions};
-/// use fmc_camera::{Calibration, CalibrationRecord};
-/// let calibration = Calibration::new(CalibrationRecord::new(100.0, [9216, 9216], 8.75))?;
+/// use fmc_camera::{Calibration, CalibrationParameters};
+/// let calibration = Calibration::new(CalibrationParameters::new(100.0, [9216, 9216], 8.75))?;
 /// let mut adjustment = Adjustment::new(KnownLens::of(&calibration), FitOptions::default());
 /// // P_m1 = 1e-4 alone: 1e-4 · 0.1 · 200 = 0.002 mm along the axis at (10, 10) mm.
 /// for travel_mm in [0.1_f32, 0.2] {

@@ -29,9 +29,9 @@ impl KnownLens<f32> {
     /// The lens of a calibration.
     #[must_use]
     pub fn of(calibration: &Calibration) -> Self {
-        let record = calibration.record();
-        let pp = record.principal_point;
-        let lens = &record.distortion;
+        let parameters = calibration.parameters();
+        let pp = parameters.principal_point;
+        let lens = &parameters.distortion;
         let reach_x = calibration.sensor().half_width_mm() + pp.x_mm.abs();
         let reach_y = calibration.sensor().half_height_mm() + pp.y_mm.abs();
         Self {
@@ -39,7 +39,7 @@ impl KnownLens<f32> {
             k: [lens.k0, lens.k1, lens.k2, lens.k3],
             p: [lens.p1, lens.p2],
             b: [lens.b1, lens.b2],
-            axis: record.axis,
+            axis: parameters.axis,
             radius_mm: libm::sqrtf(reach_x * reach_x + reach_y * reach_y),
         }
     }

@@ -42,7 +42,7 @@ pub const ROW_ROUNDING_NM: f32 = 4.0;
 /// otherwise, whatever other terms the form has. Forward differences lead from point to point with 9 additions, 13
 /// with K3; every [`Self::restart_interval`] points they start anew from the coefficients. They lead away from the centre,
 /// to the right of it and to the left. All terms of the form are evaluated, those too that
-/// [`Kernel::Short`](crate::geometry::frame_correction::Kernel::Short) drops.
+/// [`Terms::Short`](crate::geometry::frame_correction::Terms::Short) drops.
 ///
 /// # Units and frames
 /// Sensor frame, mm: points `first + index·step` of the measured image; measured - ideal.
@@ -80,12 +80,12 @@ pub const ROW_ROUNDING_NM: f32 = 4.0;
 ///
 /// # Examples
 /// ```
-/// use fmc_camera::geometry::calibration::{Calibration, CalibrationRecord};
+/// use fmc_camera::geometry::calibration::{Calibration, CalibrationParameters};
 /// use fmc_camera::geometry::evaluation_form::Displacement;
 /// use fmc_camera::geometry::frame_correction::FrameCorrection;
 /// use fmc_camera::geometry::mesh::displacement_rows::DisplacementRows;
 /// use fmc_camera::geometry::sensor::SensorPoint;
-/// let mut lens = CalibrationRecord::new(100.0, [8000, 6000], 10.0);
+/// let mut lens = CalibrationParameters::new(100.0, [8000, 6000], 10.0);
 /// lens.distortion.k1 = -1e-6;
 /// let correction = FrameCorrection::without_motion(&Calibration::new(lens)?);
 /// let rows = DisplacementRows::new(&correction, 10.0);
@@ -268,7 +268,7 @@ impl DisplacementRow<'_> {
         gain: [f32; N],
         index: f32,
         stride: &Stride,
-    ) -> Start<M, N> {
+    ) -> RowStart<M, N> {
         let [along, _] = self.rows.strides;
         let RowPolynomial { y, beside_x, .. } = self.polynomial;
         let nodes = stride.nodes(self.x_mm + index * along.step());
@@ -283,7 +283,7 @@ impl DisplacementRow<'_> {
         for (coefficient, beside) in dy.iter_mut().zip(beside_y) {
             *coefficient += beside;
         }
-        Start {
+        RowStart {
             dx: Differences::of_newton_form(dx, stride),
             dy: Differences::of_newton_form(dy, stride),
         }
@@ -291,12 +291,12 @@ impl DisplacementRow<'_> {
 }
 
 /// Where a block of a row starts.
-struct Start<const M: usize, const N: usize> {
+struct RowStart<const M: usize, const N: usize> {
     dx: Differences<M>,
     dy: Differences<N>,
 }
 
-impl<const M: usize, const N: usize> Start<M, N> {
+impl<const M: usize, const N: usize> RowStart<M, N> {
     #[inline]
     fn take(&mut self) -> Displacement {
         Displacement {

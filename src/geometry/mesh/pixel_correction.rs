@@ -136,11 +136,11 @@ impl VertexRow {
     ///
     /// # Examples
     /// ```
-    /// use fmc_camera::geometry::calibration::{Calibration, CalibrationRecord};
+    /// use fmc_camera::geometry::calibration::{Calibration, CalibrationParameters};
     /// use fmc_camera::geometry::frame_correction::FrameCorrection;
     /// use fmc_camera::geometry::mesh::pixel_correction::{CorrectionMesh, PixelCorrection};
     /// use fmc_camera::geometry::mesh::vertex::VertexRow;
-    /// let mut lens = CalibrationRecord::new(100.0, [8001, 6001], 10.0);
+    /// let mut lens = CalibrationParameters::new(100.0, [8001, 6001], 10.0);
     /// lens.distortion.k1 = -1e-6;
     /// let correction = FrameCorrection::without_motion(&Calibration::new(lens)?);
     /// let mesh = CorrectionMesh::new(&correction, 1000);

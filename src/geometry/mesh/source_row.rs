@@ -22,7 +22,7 @@ pub(crate) const LAST_NEWTON_RESIDUAL_NM: f32 = 1000.0;
 /// before: along a row of a mesh that leaves nanometres, and one evaluation of D is enough. Where it leaves more, Newton's
 /// method follows. A measured point may lie off the sensor, where no image is but a warp engine wants a number: there
 /// the distortion of the nearest point of the sensor counts, which continues the map without a jump. All terms of the
-/// form are evaluated, those too that [`Kernel::Short`](crate::geometry::frame_correction::Kernel::Short) drops.
+/// form are evaluated, those too that [`Terms::Short`](crate::geometry::frame_correction::Terms::Short) drops.
 ///
 /// # Units and frames
 /// Sensor frame, mm; measured - ideal, as a function of the *ideal* point.

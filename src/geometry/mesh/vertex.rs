@@ -107,10 +107,10 @@ impl VertexRow {
     ///
     /// # Examples
     /// ```
-    /// use fmc_camera::geometry::calibration::{Calibration, CalibrationRecord};
+    /// use fmc_camera::geometry::calibration::{Calibration, CalibrationParameters};
     /// use fmc_camera::geometry::frame_correction::FrameCorrection;
     /// use fmc_camera::geometry::mesh::{format::MeshFormat, vertex::VertexRow};
-    /// let mut lens = CalibrationRecord::new(100.0, [8000, 6000], 10.0);
+    /// let mut lens = CalibrationParameters::new(100.0, [8000, 6000], 10.0);
     /// lens.distortion.k1 = -1e-6;
     /// let correction = FrameCorrection::without_motion(&Calibration::new(lens)?);
     /// let row = VertexRow { first_col_px: 2000, row_px: 3000, spacing_px: 16, count: 1, origin_px: [0, 0] };

@@ -1,7 +1,7 @@
 //! What the link flies: a camera on a test rig, or the one of a board ([`FlownDeck`]).
 
 use super::message::{self, Refusal, Status};
-use crate::flight::camera::{self, CameraRecord};
+use crate::flight::camera::{self, CameraParameters};
 use crate::flight::controller::{Controller, ControllerError, Start};
 use crate::flight::drive::flown_drive::FlownDrive;
 use crate::flight::event::Event;
@@ -18,7 +18,7 @@ pub trait FlightDeck {
     /// As [`Controller::new`], and what the deck itself cannot do.
     fn prepare(
         &mut self,
-        camera: &CameraRecord,
+        camera: &CameraParameters,
         calibration_crc: u32,
         settings: &FlightSettings,
     ) -> Result<(), Refusal>;
@@ -60,7 +60,7 @@ impl RigDeck {
 
     /// A rig without a camera, whose encoder counts on through a start in good order.
     #[must_use]
-    pub const fn after(start: message::Start) -> Self {
+    pub const fn after(start: message::ResetCause) -> Self {
         Self::new(start.counting_on())
     }
 }
@@ -68,7 +68,7 @@ impl RigDeck {
 impl FlightDeck for RigDeck {
     fn prepare(
         &mut self,
-        camera: &CameraRecord,
+        camera: &CameraParameters,
         calibration_crc: u32,
         settings: &FlightSettings,
     ) -> Result<(), Refusal> {
@@ -108,7 +108,7 @@ impl FlightDeck for RigDeck {
 impl<Drive: FlownDrive> FlightDeck for FlownDeck<Drive> {
     fn prepare(
         &mut self,
-        camera: &CameraRecord,
+        camera: &CameraParameters,
         calibration_crc: u32,
         settings: &FlightSettings,
     ) -> Result<(), Refusal> {
@@ -157,7 +157,7 @@ impl From<ControllerError> for Refusal {
 /// What the link asks of a deck, in its own words.
 pub(super) fn prepare(
     deck: &mut impl FlightDeck,
-    camera: &CameraRecord,
+    camera: &CameraParameters,
     calibration_crc: u32,
     settings: &FlightSettings,
 ) -> Result<(), Refusal> {

@@ -1,13 +1,13 @@
 //! Digests by which camera and PC show each other that they have the same bits.
 
 use super::LONGEST_PAYLOAD;
-use super::frame::CRC;
 use super::message::Grid;
-use crate::flight::camera::CameraRecord;
+use super::packet::CRC;
+use crate::flight::camera::CameraParameters;
 use crate::flight::frame_record::FrameRecord;
 use crate::geometry::frame_correction::{Corrected, FrameCorrection};
 
-/// Longest camera or flight record as `postcard` writes it, bytes.
+/// Longest camera or frame record as `postcard` writes it, bytes.
 const LONGEST_RECORD: usize = 256;
 
 /// CRC-32 over the bits of every corrected point of a grid: x', y', dx, dy, little-endian.
@@ -26,7 +26,7 @@ pub fn of_grid(correction: &FrameCorrection, grid: &Grid) -> u32 {
 /// CRC-32 over a camera record as the link carries it; `None` only if it were longer than the
 /// record's type allows.
 #[must_use]
-pub fn of_record(record: &CameraRecord) -> Option<u32> {
+pub fn of_camera(record: &CameraParameters) -> Option<u32> {
     const {
         assert!(
             LONGEST_RECORD <= LONGEST_PAYLOAD,
@@ -38,9 +38,9 @@ pub fn of_record(record: &CameraRecord) -> Option<u32> {
     Some(CRC.checksum(bytes))
 }
 
-/// CRC-32 over a flight record as the link carries it; `None` only if it were longer than the record's type allows.
+/// CRC-32 over a frame record as the link carries it; `None` only if it were longer than the record's type allows.
 #[must_use]
-pub fn of_flight_record(record: &FrameRecord) -> Option<u32> {
+pub fn of_frame_record(record: &FrameRecord) -> Option<u32> {
     let mut buffer = [0; LONGEST_RECORD];
     let bytes = postcard::to_slice(record, &mut buffer).ok()?;
     Some(CRC.checksum(bytes))

@@ -5,9 +5,9 @@ use core::fmt;
 use heapless::{String, Vec};
 use serde::{Deserialize, Serialize};
 
-use super::frame::Frame;
+use super::packet::Packet;
 use super::{MAX_OBSERVATIONS, MAX_POINTS, PROTOCOL_VERSION};
-use crate::flight::camera::{CameraRecord, FrameError};
+use crate::flight::camera::{CameraParameters, FrameError};
 use crate::flight::controller::state::State;
 use crate::flight::controller::{self, Counts};
 use crate::flight::event::Event;
@@ -58,11 +58,11 @@ pub enum Request {
     /// Starts a session; ends another that is open, and the current frame with it.
     Connect,
     /// Replaces the camera's calibration, mechanism, shutter and limits.
-    Load(CameraRecord),
+    Load(CameraParameters),
     /// Predicts a frame; the points that follow belong to it.
     Expose(Exposure),
     /// The record of the current frame.
-    Record,
+    InteriorOrientation,
     /// Corrects measured points.
     Correct(Points),
     /// Distorts ideal points.
@@ -88,9 +88,9 @@ pub enum Request {
     Prepare(FlightSettings),
     /// One round of the control loop on a test rig.
     Rig(RigStep),
-    /// The oldest flight record with this number or a higher one.
-    FlightRecord(u32),
-    /// All flight records up to this number are safe on the PC.
+    /// The oldest frame record with this number or a higher one.
+    FrameRecord(u32),
+    /// All frame records up to this number are safe on the PC.
     Acknowledge(u32),
     /// What the camera is doing.
     Status,
@@ -113,7 +113,7 @@ pub enum Answer {
     /// The calibration is in use.
     Loaded(CalibrationIdentity),
     /// The frame is predicted, or asked for again.
-    Frame(InteriorOrientation),
+    InteriorOrientation(InteriorOrientation),
     /// The points, in order, with the distortion as evaluated before the subtraction.
     Points(Vec<Corrected, MAX_POINTS>),
     /// The distortion, measured - ideal, along the row.
@@ -134,9 +134,9 @@ pub enum Answer {
     Prepared,
     /// What the camera does in a round.
     Rig(RigAnswer),
-    /// A flight record with its CRC-32, by [`super::digest::of_flight_record`]; none where there is none yet.
-    FlightRecord(Option<(FrameRecord, u32)>),
-    /// So many flight records are left.
+    /// A frame record with its CRC-32, by [`super::digest::of_frame_record`]; none where there is none yet.
+    FrameRecord(Option<(FrameRecord, u32)>),
+    /// So many frame records are left.
     Kept(u32),
     /// What the camera is doing.
     Status(Status),
@@ -210,7 +210,7 @@ pub enum Refusal {
     /// A frame is in flight, or the camera is armed, with compensation or without: calibration and settings stay, and
     /// nothing is begun that lasts longer than a round of the control loop.
     FrameInFlight,
-    /// So many flight records have not been acknowledged, and would be lost.
+    /// So many frame records have not been acknowledged, and would be lost.
     RecordsKept(u32),
     /// It is not on a test rig: its time is its own.
     NoRig,
@@ -260,7 +260,7 @@ impl fmt::Display for Refusal {
             Self::Travel(error) => error.fmt(f),
             Self::FrameInFlight => f.write_str("it is armed or in flight"),
             Self::RecordsKept(count) => {
-                write!(f, "{count} flight records have not been acknowledged")
+                write!(f, "{count} frame records have not been acknowledged")
             }
             Self::NoRig => f.write_str("it is not on a test rig"),
             Self::OnRig => f.write_str("it is on a test rig: events come with the rig's rounds"),
@@ -282,7 +282,7 @@ impl core::error::Error for Refusal {}
 /// Why the camera runs: what it did before.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
-pub enum Start {
+pub enum ResetCause {
     /// It was switched on.
     PowerOn,
     /// It was asked to start again: by a request, by a debugger, or by the reset button.
@@ -293,7 +293,7 @@ pub enum Start {
     Fault,
 }
 
-impl Start {
+impl ResetCause {
     /// How the controller of a camera takes it whose encoder counts on through a start in good order.
     #[must_use]
     pub const fn counting_on(self) -> controller::Start {
@@ -325,7 +325,7 @@ pub struct Identity {
     /// Whether it can switch itself off.
     pub power_switch: bool,
     /// Why it runs.
-    pub start: Start,
+    pub reset_cause: ResetCause,
     /// Points in one message.
     pub max_points: u16,
     /// The calibration in use.
@@ -335,13 +335,13 @@ pub struct Identity {
 impl Identity {
     /// The identity of a camera that has just started. Names that are too long are left empty.
     #[must_use]
-    pub fn new(build: &str, board: &str, power_switch: bool, start: Start) -> Self {
+    pub fn new(build: &str, board: &str, power_switch: bool, reset_cause: ResetCause) -> Self {
         Self {
             version: String::try_from(env!("CARGO_PKG_VERSION")).unwrap_or_default(),
             build: String::try_from(build).unwrap_or_default(),
             board: String::try_from(board).unwrap_or_default(),
             power_switch,
-            start,
+            reset_cause,
             #[expect(clippy::cast_possible_truncation, reason = "64 fits")]
             max_points: MAX_POINTS as u16,
             calibration: None,
@@ -374,7 +374,7 @@ pub struct Status {
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct CalibrationIdentity {
-    /// [`super::digest::of_record`].
+    /// [`super::digest::of_camera`].
     pub crc: u32,
     /// Where it is kept.
     pub storage: Storage,
@@ -425,7 +425,7 @@ pub struct Counters {
     pub wrong_crc: u32,
     /// Frames of another protocol version.
     pub other_protocol: u32,
-    /// Whole frames that are no request.
+    /// Whole packet that are no request.
     pub unknown: u32,
     /// Requests of a session that is not open.
     pub other_session: u32,
@@ -448,9 +448,9 @@ pub enum Unreadable {
 }
 
 impl Request {
-    /// Makes `frame` the request's; `None` if it were longer than a frame can be.
-    pub fn write(&self, header: Header, frame: &mut Frame) -> Option<()> {
-        write(self, header, frame)
+    /// Makes `packet` the request's; `None` if it were longer than a packet can be.
+    pub fn write(&self, header: Header, packet: &mut Packet) -> Option<()> {
+        write(self, header, packet)
     }
 
     /// Reads a request; without a body where what follows the header is none, or more than one.
@@ -464,8 +464,8 @@ impl Request {
 
 impl Answer {
     /// As [`Request::write`].
-    pub fn write(&self, header: Header, frame: &mut Frame) -> Option<()> {
-        write(self, header, frame)
+    pub fn write(&self, header: Header, packet: &mut Packet) -> Option<()> {
+        write(self, header, packet)
     }
 
     /// As [`Request::read`].
@@ -477,8 +477,8 @@ impl Answer {
     }
 }
 
-fn write(body: &impl Serialize, header: Header, frame: &mut Frame) -> Option<()> {
-    frame.fill(|buffer| {
+fn write(body: &impl Serialize, header: Header, packet: &mut Packet) -> Option<()> {
+    packet.fill(|buffer| {
         let written = postcard::to_slice(&(PROTOCOL_VERSION, header, body), buffer);
         Some(written.ok()?.len())
     })

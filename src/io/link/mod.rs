@@ -32,8 +32,8 @@ mod batch;
 pub mod deck;
 pub mod digest;
 mod fitting;
-pub mod frame;
 pub mod message;
+pub mod packet;
 pub mod station;
 
 /// The version of frames and messages. Changes whenever a message does.
@@ -59,4 +59,4 @@ pub(crate) const LONGEST_CHECKED: usize =
     LENGTH_BYTES + cobs::max_encoding_length(LONGEST_PAYLOAD) + CRC_BYTES;
 
 /// Longest frame, bytes, with a zero at either end.
-pub const LONGEST_FRAME: usize = LONGEST_CHECKED + 2;
+pub const LONGEST_PACKET: usize = LONGEST_CHECKED + 2;

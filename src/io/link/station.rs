@@ -2,12 +2,12 @@
 
 use super::deck::{self, FlightDeck, RigDeck};
 use super::fitting::Fitting;
-use super::frame::{Damage, Frame, FrameReceiver};
 use super::message::{
     Answer, CalibrationIdentity, Counters, Header, Identity, Refusal, Request, Storage, Unreadable,
 };
+use super::packet::{Damage, Packet, PacketReceiver};
 use super::{batch, digest};
-use crate::flight::camera::{self, Camera, CameraRecord};
+use crate::flight::camera::{self, Camera, CameraParameters};
 use crate::flight::exposure::Exposure;
 use crate::flight::frame_record::FrameRecord;
 use crate::flight::interior_orientation::InteriorOrientation;
@@ -15,10 +15,10 @@ use crate::flight::interior_orientation::InteriorOrientation;
 /// What a byte led to; for the log, and for what only the board can do.
 #[derive(Debug, Clone, Copy, PartialEq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
-pub enum Event {
-    /// A frame was damaged on its way. Nothing is answered.
+pub enum LinkEvent {
+    /// A packet was damaged on its way. Nothing is answered.
     Lost(Damage),
-    /// A whole frame has no header of this version.
+    /// A whole packet has no header of this version.
     Unreadable(Unreadable),
     /// A session was opened under this number.
     Connected(u32),
@@ -45,15 +45,15 @@ pub enum Event {
 /// ask again.
 #[derive(Debug)]
 pub struct Station<Deck = RigDeck> {
-    receiver: FrameReceiver,
-    desk: Desk<Deck>,
+    receiver: PacketReceiver,
+    responder: Responder<Deck>,
 }
 
 impl Station {
     /// A station without session and calibration, its camera on a test rig.
     #[must_use]
     pub const fn new(identity: Identity, stack_used_bytes: fn() -> u32) -> Self {
-        let deck = RigDeck::after(identity.start);
+        let deck = RigDeck::after(identity.reset_cause);
         Self::with(identity, stack_used_bytes, deck)
     }
 }
@@ -63,8 +63,8 @@ impl<Deck: FlightDeck> Station<Deck> {
     #[must_use]
     pub const fn with(identity: Identity, stack_used_bytes: fn() -> u32, deck: Deck) -> Self {
         Self {
-            receiver: FrameReceiver::new(),
-            desk: Desk {
+            receiver: PacketReceiver::new(),
+            responder: Responder {
                 identity,
                 stack_used_bytes,
                 deck,
@@ -74,8 +74,8 @@ impl<Deck: FlightDeck> Station<Deck> {
                 loaded: None,
                 frame: None,
                 fitting: Fitting::NONE,
-                answer: Frame::EMPTY,
-                aside: Frame::EMPTY,
+                answer: Packet::EMPTY,
+                aside: Packet::EMPTY,
                 to_send: Which::Answer,
                 sent: 0,
                 counters: Counters {
@@ -97,10 +97,10 @@ impl<Deck: FlightDeck> Station<Deck> {
     }
 
     /// Takes a byte from the wire; an event where it ends a frame.
-    pub fn receive(&mut self, byte: u8) -> Option<Event> {
+    pub fn receive(&mut self, byte: u8) -> Option<LinkEvent> {
         let event = match self.receiver.receive(byte)? {
-            Ok(payload) => self.desk.answer(payload),
-            Err(damage) => self.desk.lost(damage),
+            Ok(payload) => self.responder.answer(payload),
+            Err(damage) => self.responder.lost(damage),
         };
         Some(event)
     }
@@ -108,32 +108,32 @@ impl<Deck: FlightDeck> Station<Deck> {
     /// What is left of the answer to be sent.
     #[must_use]
     pub fn to_send(&self) -> &[u8] {
-        let frame = match self.desk.to_send {
-            Which::Answer => &self.desk.answer,
-            Which::Aside => &self.desk.aside,
+        let frame = match self.responder.to_send {
+            Which::Answer => &self.responder.answer,
+            Which::Aside => &self.responder.aside,
         };
-        frame.bytes().get(self.desk.sent..).unwrap_or_default()
+        frame.bytes().get(self.responder.sent..).unwrap_or_default()
     }
 
     /// So many bytes of [`Self::to_send`] are on their way.
     pub fn sent(&mut self, bytes: usize) {
-        self.desk.sent = self.desk.sent.saturating_add(bytes);
+        self.responder.sent = self.responder.sent.saturating_add(bytes);
     }
 
     /// So many bytes arrived and could not be taken.
     pub fn count_overrun(&mut self, bytes: u32) {
-        count_more(&mut self.desk.counters.overrun_bytes, bytes);
+        count_more(&mut self.responder.counters.overrun_bytes, bytes);
     }
 
     /// What the link has seen since the camera started.
     #[must_use]
     pub fn counters(&self) -> Counters {
-        self.desk.counters()
+        self.responder.counters()
     }
 
     /// The camera in flight.
     pub const fn deck_mut(&mut self) -> &mut Deck {
-        &mut self.desk.deck
+        &mut self.responder.deck
     }
 }
 
@@ -148,7 +148,7 @@ enum Which {
 
 /// Who reads requests and writes answers.
 #[derive(Debug)]
-struct Desk<Deck> {
+struct Responder<Deck> {
     identity: Identity,
     stack_used_bytes: fn() -> u32,
     /// The request of the session that was answered last.
@@ -157,29 +157,29 @@ struct Desk<Deck> {
     kept: Option<Header>,
     camera: Option<Camera>,
     /// What is loaded, and its digest.
-    loaded: Option<(CameraRecord, u32)>,
+    loaded: Option<(CameraParameters, u32)>,
     frame: Option<camera::Frame>,
     deck: Deck,
     fitting: Fitting,
-    answer: Frame,
+    answer: Packet,
     /// What is said to others meanwhile: the answer stays, for whoever asks for it again.
-    aside: Frame,
+    aside: Packet,
     to_send: Which,
     sent: usize,
     counters: Counters,
 }
 
-impl<Deck: FlightDeck> Desk<Deck> {
-    fn lost(&mut self, damage: Damage) -> Event {
+impl<Deck: FlightDeck> Responder<Deck> {
+    fn lost(&mut self, damage: Damage) -> LinkEvent {
         count(match damage {
             Damage::Truncated => &mut self.counters.truncated,
             Damage::Oversized => &mut self.counters.oversized,
             Damage::Crc => &mut self.counters.wrong_crc,
         });
-        Event::Lost(damage)
+        LinkEvent::Lost(damage)
     }
 
-    fn answer(&mut self, payload: &[u8]) -> Event {
+    fn answer(&mut self, payload: &[u8]) -> LinkEvent {
         let (header, request) = match Request::read(payload) {
             Ok(message) => message,
             Err(unreadable) => {
@@ -191,14 +191,14 @@ impl<Deck: FlightDeck> Desk<Deck> {
                     // The first byte of the answer tells the sender which version this is.
                     self.refuse_aside(NOBODY, Refusal::OtherProtocol);
                 }
-                return Event::Unreadable(unreadable);
+                return LinkEvent::Unreadable(unreadable);
             }
         };
         if self.kept == Some(header) {
             self.to_send = Which::Answer;
             self.sent = 0;
             count(&mut self.counters.repeated);
-            return Event::Repeated;
+            return LinkEvent::Repeated;
         }
         let connects = matches!(request, Some(Request::Connect));
         if !connects && let Err(refusal) = self.in_order(header) {
@@ -207,7 +207,7 @@ impl<Deck: FlightDeck> Desk<Deck> {
                 _ => &mut self.counters.out_of_order,
             });
             self.refuse_aside(header, refusal);
-            return Event::Refused(refusal);
+            return LinkEvent::Refused(refusal);
         }
         self.last = Some(header);
         let done = match request {
@@ -226,7 +226,7 @@ impl<Deck: FlightDeck> Desk<Deck> {
                     _ => &mut self.counters.refused,
                 });
                 self.send(header, &Answer::Refused(refusal));
-                Event::Refused(refusal)
+                LinkEvent::Refused(refusal)
             }
         }
     }
@@ -245,22 +245,25 @@ impl<Deck: FlightDeck> Desk<Deck> {
         }
     }
 
-    fn act(&mut self, header: Header, request: &Request) -> Result<(Answer, Event), Refusal> {
+    fn act(&mut self, header: Header, request: &Request) -> Result<(Answer, LinkEvent), Refusal> {
         let answer = match request {
             Request::Connect => {
                 self.frame = None;
                 self.fitting.end();
                 let answer = Answer::Connected(self.identity.clone());
-                return Ok((answer, Event::Connected(header.session)));
+                return Ok((answer, LinkEvent::Connected(header.session)));
             }
             Request::Load(record) => {
                 let calibration = self.load(record)?;
-                return Ok((Answer::Loaded(calibration), Event::Loaded(calibration)));
+                return Ok((Answer::Loaded(calibration), LinkEvent::Loaded(calibration)));
             }
             Request::Expose(exposure) => {
-                return Ok((Answer::Frame(self.expose(exposure)?), Event::Exposed));
+                return Ok((
+                    Answer::InteriorOrientation(self.expose(exposure)?),
+                    LinkEvent::Exposed,
+                ));
             }
-            Request::Record => Answer::Frame(self.frame()?.record),
+            Request::InteriorOrientation => Answer::InteriorOrientation(self.frame()?.interior),
             Request::Correct(measured) => {
                 Answer::Points(batch::correct(&self.frame()?.correction, measured)?)
             }
@@ -275,9 +278,9 @@ impl<Deck: FlightDeck> Desk<Deck> {
                 Answer::Digest(digest::of_grid(correction, grid))
             }
             Request::Counters => Answer::Counters(self.counters()),
-            Request::Reset => return Ok((Answer::Ending, Event::Reset)),
+            Request::Reset => return Ok((Answer::Ending, LinkEvent::Reset)),
             Request::PowerOff if self.identity.power_switch => {
-                return Ok((Answer::Ending, Event::PowerOff));
+                return Ok((Answer::Ending, LinkEvent::PowerOff));
             }
             Request::PowerOff => return Err(Refusal::NoPowerSwitch),
             Request::StartFit(options) => {
@@ -298,7 +301,7 @@ impl<Deck: FlightDeck> Desk<Deck> {
                 Answer::Prepared
             }
             Request::Rig(step) => Answer::Rig(self.deck.step(step).ok_or(Refusal::NoRig)??),
-            Request::FlightRecord(from) => Answer::FlightRecord(self.flight_record(*from)?),
+            Request::FrameRecord(from) => Answer::FrameRecord(self.frame_record(*from)?),
             Request::Acknowledge(through) => {
                 Answer::Kept(deck::acknowledge(&mut self.deck, *through)?)
             }
@@ -306,7 +309,7 @@ impl<Deck: FlightDeck> Desk<Deck> {
             Request::Flown => {
                 let (sequence, frame) = deck::latest(&self.deck).ok_or(Refusal::NoFrame)?;
                 self.frame = Some(frame);
-                Answer::Flown(sequence, frame.record)
+                Answer::Flown(sequence, frame.interior)
             }
             Request::Tell(event) => {
                 self.deck.tell(*event)?;
@@ -319,20 +322,20 @@ impl<Deck: FlightDeck> Desk<Deck> {
                 Answer::Corrections(batch::corrections(&self.frame()?.correction, row)?)
             }
         };
-        Ok((answer, Event::Answered))
+        Ok((answer, LinkEvent::Answered))
     }
 
-    fn flight_record(&self, from: u32) -> Result<Option<(FrameRecord, u32)>, Refusal> {
+    fn frame_record(&self, from: u32) -> Result<Option<(FrameRecord, u32)>, Refusal> {
         let record = deck::record(&self.deck, from)?;
         // Every record fits its digest's buffer.
-        Ok(record.and_then(|record| Some((record, digest::of_flight_record(&record)?))))
+        Ok(record.and_then(|record| Some((record, digest::of_frame_record(&record)?))))
     }
 
-    fn load(&mut self, record: &CameraRecord) -> Result<CalibrationIdentity, Refusal> {
+    fn load(&mut self, record: &CameraParameters) -> Result<CalibrationIdentity, Refusal> {
         deck::check_idle(&self.deck)?;
         let camera = Camera::new(*record).map_err(Refusal::Calibration)?;
         let calibration = CalibrationIdentity {
-            crc: digest::of_record(record).ok_or(Refusal::Unknown)?,
+            crc: digest::of_camera(record).ok_or(Refusal::Unknown)?,
             storage: Storage::Volatile,
         };
         self.camera = Some(camera);
@@ -349,7 +352,7 @@ impl<Deck: FlightDeck> Desk<Deck> {
         self.frame = None;
         let frame = camera.frame(exposure).map_err(Refusal::Exposure)?;
         self.frame = Some(frame);
-        Ok(frame.record)
+        Ok(frame.interior)
     }
 
     fn frame(&self) -> Result<&camera::Frame, Refusal> {

@@ -3,7 +3,7 @@
 use super::{Example, Given, Results};
 use crate::conventions::camera;
 use fmc_camera::geometry::brown::Brown;
-use fmc_camera::geometry::calibration::{Calibration, CalibrationRecord};
+use fmc_camera::geometry::calibration::{Calibration, CalibrationParameters};
 use fmc_camera::geometry::frame_correction::FrameCorrection;
 
 pub(super) const EXAMPLES: &[Example] = &[
@@ -42,7 +42,7 @@ fn barrel(given: &Given) -> Results {
         k1: given.number("K1", "mm⁻²"),
         ..Brown::default()
     };
-    let calibration = Calibration::new(CalibrationRecord {
+    let calibration = Calibration::new(CalibrationParameters {
         distortion: lens,
         ..camera::record().calibration
     })

@@ -2,7 +2,7 @@
 
 use super::{Example, Given, Results};
 use crate::conventions::camera;
-use fmc_camera::flight::camera::{Camera, CameraRecord};
+use fmc_camera::flight::camera::{Camera, CameraParameters};
 use fmc_camera::flight::exposure::Exposure;
 use fmc_camera::geometry::estimation::adjustment::Adjustment;
 use fmc_camera::geometry::estimation::known_lens::KnownLens;
@@ -17,7 +17,7 @@ pub(super) const EXAMPLES: &[Example] = &[(
 )];
 
 fn fitted_to_exact_exposures(given: &Given) -> Results {
-    let mut record: CameraRecord = camera::record();
+    let mut record: CameraParameters = camera::record();
     record.calibration.principal_distance_mm = given.number("f", "mm");
     record.calibration.distortion.k1 = given.number("K1", "mm⁻²");
     let camera = Camera::new(record).unwrap();
@@ -41,7 +41,7 @@ fn fitted_to_exact_exposures(given: &Given) -> Results {
                     y_mm,
                     dx_mm: seen.dx_mm,
                     dy_mm: seen.dy_mm,
-                    regressor_mm: frame.record.motion.centroid_mm,
+                    regressor_mm: frame.interior.motion.centroid_mm,
                     sigma_mm: 1e-6,
                 })
                 .unwrap();

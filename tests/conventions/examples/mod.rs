@@ -16,7 +16,7 @@ mod time;
 
 use crate::conventions::camera;
 use crate::conventions::document::rows;
-use fmc_camera::flight::camera::{CameraRecord, Mechanism};
+use fmc_camera::flight::camera::{CameraParameters, Mechanism};
 use fmc_camera::flight::exposure::Exposure;
 use fmc_camera::flight::stage::RunUp;
 use fmc_camera::geometry::sensor::{PixelPoint, Sensor, SensorPoint};
@@ -87,7 +87,7 @@ impl Given {
     }
 
     /// The camera of the tests with the given principal distance and stage.
-    fn stage_camera(&self, run_up: RunUp) -> CameraRecord {
+    fn stage_camera(&self, run_up: RunUp) -> CameraParameters {
         let mut record = camera::record();
         record.calibration.principal_distance_mm = self.number("f", "mm");
         record.mechanism = Mechanism::Stage {

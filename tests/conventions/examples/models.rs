@@ -9,16 +9,16 @@ use fmc_camera::geometry::five_coefficient::FiveCoefficients;
 pub(super) const EXAMPLES: &[Example] = &[("one point, three models", three_models)];
 
 fn three_models(given: &Given) -> Results {
-    let mut record = given.stage_camera(RunUp::FromRest);
+    let mut interior = given.stage_camera(RunUp::FromRest);
     let k1 = given.number("K1", "mm⁻²");
-    record.calibration.distortion.k1 = k1;
-    record.calibration.fitted = Some(FiveCoefficients {
+    interior.calibration.distortion.k1 = k1;
+    interior.calibration.fitted = Some(FiveCoefficients {
         km1: k1,
         kd1: given.number("Kd1", "mm⁻²"),
         pm1: given.number("Pm1", "mm⁻²"),
         ..FiveCoefficients::default()
     });
-    let camera = Camera::new(record).unwrap();
+    let camera = Camera::new(interior).unwrap();
     [
         ("static", CorrectionModel::Static),
         ("exact", CorrectionModel::Exact),
@@ -29,9 +29,12 @@ fn three_models(given: &Given) -> Results {
             model,
             ..given.exposure()
         };
-        let Frame { record, correction } = camera.frame(&exposure).unwrap();
+        let Frame {
+            interior,
+            correction,
+        } = camera.frame(&exposure).unwrap();
         assert!(
-            (record.principal_point.y_mm - record.motion.centroid_mm).abs() < 1e-9,
+            (interior.principal_point.y_mm - interior.motion.centroid_mm).abs() < 1e-9,
             "every model reports the centroid"
         );
         let dy_mm = correction.distortion(given.point("x", "y")).dy_mm;

@@ -1,5 +1,6 @@
 //! The constants by which the camera judges.
 
+use fmc_camera::flight::control_loop::MAX_EVENTS;
 use fmc_camera::flight::controller::timing::{
     ATTITUDE_WITHIN_S, CLOCK_JUMP_S, EXERCISE_REACH, EXERCISE_WAYS, LATE_EVENT_S, LATE_TICK_S,
     LEAD_S, LONGEST_GAP, OVERLOAD_ROUNDS, OVERLOAD_WINDOW_S, READING_GAP_PART, READING_GAP_S,
@@ -8,7 +9,6 @@ use fmc_camera::flight::controller::timing::{
 };
 use fmc_camera::flight::record_log::CAPACITY;
 use fmc_camera::flight::round_guard::LONGEST_ROUND_US;
-use fmc_camera::flight::unit::MAX_EVENTS;
 
 use super::rows;
 use crate::conventions::document::names;

@@ -66,7 +66,7 @@ fn fields_of_a_record_are_those_of_the_code() {
         enlargement,
         focus_convention,
         model,
-        kernel,
+        terms,
         left_out_nm,
     });
     // `focus_convention` is named twice.

@@ -13,7 +13,9 @@ use std::{
 };
 
 use anyhow::{Context as _, Result, ensure};
-use fmc_camera::{Brown, CalibrationRecord, CameraRecord, Exposure, io::link::message::Grid};
+use fmc_camera::{
+    Brown, CalibrationParameters, CameraParameters, Exposure, io::link::message::Grid,
+};
 use host_sim::device::{CorrectingDevice as _, Device as _, serial};
 use probe_rs::{
     CoreStatus, MemoryInterface as _, Session, SessionConfig,
@@ -65,15 +67,15 @@ fn image_runs_without_restart_and_computes_as_this_pc() -> Result<()> {
 /// code on this PC.
 fn computes_as_this_pc(port: &Path) -> Result<()> {
     let mut camera = serial::connect(port)?;
-    let lens = CalibrationRecord {
+    let lens = CalibrationParameters {
         distortion: Brown {
             k1: -1.6056e-5,
             k2: 6.189_66e-9,
             ..Brown::default()
         },
-        ..CalibrationRecord::new(51.3712, [14204, 10652], 3.76)
+        ..CalibrationParameters::new(51.3712, [14204, 10652], 3.76)
     };
-    camera.load(&CameraRecord::new(lens))?;
+    camera.load(&CameraParameters::new(lens))?;
     camera.expose(&Exposure::new(0.17, 1.0 / 200.0))?;
     let grid = Grid {
         x_mm: heapless::Vec::from_array([-26.5, -13.0, 0.0, 13.0, 26.5]),

@@ -1,7 +1,8 @@
 //! Public functions of the camera in flight.
 
 use fmc_camera::flight::{
-    camera::{Camera, CameraRecord},
+    camera::{Camera, CameraParameters},
+    control_loop::ControlLoop,
     controller::{Controller, state::State},
     drive::{
         FmcDrive,
@@ -32,7 +33,6 @@ use fmc_camera::flight::{
     stage::{Profile, Stage, Travel},
     stage_track::StageTrack,
     time::{Clock, Time},
-    unit::CameraUnit,
     utc::UtcClock,
     vh::{VhChannel, VhCounters, VhFindingKind, VhMonitor, VhSettings, WrongUnit},
 };
@@ -51,7 +51,7 @@ type Stepper = StepDir<Pin, Pin, Pin, Pin>;
 #[allow(clippy::too_many_lines, reason = "a list")]
 pub(crate) fn keep() {
     keep![
-        CameraRecord::new,
+        CameraParameters::new,
         Camera::new,
         Camera::calibration,
         Camera::shutter,
@@ -84,12 +84,12 @@ pub(crate) fn keep() {
         Camera::travel,
         Camera::waiting_place_mm,
         Camera::rows,
-        CameraUnit::<RigDrive>::new,
-        CameraUnit::<RigDrive>::round,
-        CameraUnit::<RigDrive>::controller,
-        CameraUnit::<RigDrive>::controller_mut,
-        CameraUnit::<RigDrive>::drive,
-        CameraUnit::<RigDrive>::drive_mut,
+        ControlLoop::<RigDrive>::new,
+        ControlLoop::<RigDrive>::round,
+        ControlLoop::<RigDrive>::controller,
+        ControlLoop::<RigDrive>::controller_mut,
+        ControlLoop::<RigDrive>::drive,
+        ControlLoop::<RigDrive>::drive_mut,
         Controller::new,
         Controller::handle,
         Controller::state,

@@ -2,7 +2,7 @@
 
 use fmc_camera::geometry::{
     brown::Brown,
-    calibration::{Calibration, CalibrationRecord},
+    calibration::{Calibration, CalibrationParameters},
     estimation::{
         adjustment::Adjustment, fit::Fit, known_lens::KnownLens, observation::Observation,
         parameter::Parameter,
@@ -36,9 +36,9 @@ pub(crate) fn keep() {
         Brown::displacement,
         Brown::jacobian,
         Brown::evaluation_form,
-        CalibrationRecord::new,
+        CalibrationParameters::new,
         Calibration::new,
-        Calibration::record,
+        Calibration::parameters,
         Calibration::sensor,
         Calibration::least_scale,
         EvaluationForm::displacement,
@@ -66,7 +66,7 @@ pub(crate) fn keep() {
         FrameCorrection::five_coefficient,
         FrameCorrection::centre,
         FrameCorrection::form,
-        FrameCorrection::kernel,
+        FrameCorrection::terms,
         FrameCorrection::left_out_nm,
         FrameCorrection::contains,
         FrameCorrection::sensor,

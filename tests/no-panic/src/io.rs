@@ -5,8 +5,8 @@ use fmc_camera::flight::flown_deck::FlownDeck;
 use fmc_camera::io::link::{
     deck::{FlightDeck, RigDeck},
     digest,
-    frame::{Frame, FrameReceiver},
-    message::{Answer, Grid, Identity, Request, Start},
+    message::{Answer, Grid, Identity, Request, ResetCause},
+    packet::{Packet, PacketReceiver},
     station::Station,
 };
 
@@ -15,9 +15,9 @@ type Deck = FlownDeck<RigDrive>;
 /// Keeps the public functions of `fmc_camera::io`.
 pub(crate) fn keep() {
     keep![
-        Frame::bytes,
-        FrameReceiver::new,
-        FrameReceiver::receive,
+        Packet::bytes,
+        PacketReceiver::new,
+        PacketReceiver::receive,
         Identity::new,
         Grid::points,
         Request::write,
@@ -25,13 +25,13 @@ pub(crate) fn keep() {
         Answer::write,
         Answer::read,
         digest::of_grid,
-        digest::of_record,
-        digest::of_flight_record,
+        digest::of_camera,
+        digest::of_frame_record,
         RigDeck::new,
         RigDeck::after,
         Deck::step,
-        Start::counting_on,
-        Start::unreferenced,
+        ResetCause::counting_on,
+        ResetCause::unreferenced,
         Station::<Deck>::receive,
         Station::new,
         Station::<RigDeck>::with,

@@ -10,7 +10,7 @@ use serde::Deserialize;
 
 use super::{
     cost::{self, Amount},
-    finding::Finding,
+    cost_problem::CostProblem,
 };
 
 /// Path of the limits. They are set by hand: this program does not write them.
@@ -90,19 +90,19 @@ fn two_digits_up(number: f64) -> f64 {
 
 /// Returns the costs that exceed their limit or have none, and the limits without a cost on a core
 /// or image that was measured.
-pub(crate) fn held(limits: &[Limit], measured: &[Amount<'_>]) -> Vec<Finding> {
+pub(crate) fn held(limits: &[Limit], measured: &[Amount<'_>]) -> Vec<CostProblem> {
     let mut findings = Vec::new();
     for now in measured {
         let limit = limits.iter().find(|limit| limit.is_of(now));
         match limit.map(|limit| limit.most) {
             Some(limit) if now.count <= limit => {}
-            Some(limit) => findings.push(Finding::OverLimit {
+            Some(limit) => findings.push(CostProblem::OverLimit {
                 name: now.to_string(),
                 unit: now.unit.clone(),
                 limit,
                 now: now.count,
             }),
-            None => findings.push(Finding::NoLimit {
+            None => findings.push(CostProblem::NoLimit {
                 on: now.on.to_owned(),
                 cost: now.cost.to_owned(),
                 proposal: proposal(now),
@@ -112,7 +112,7 @@ pub(crate) fn held(limits: &[Limit], measured: &[Amount<'_>]) -> Vec<Finding> {
     for limit in limits {
         let is_on = measured.iter().any(|now| now.on == limit.on);
         if is_on && !measured.iter().any(|now| limit.is_of(now)) {
-            findings.push(Finding::LimitOfNothing {
+            findings.push(CostProblem::LimitOfNothing {
                 on: limit.on.clone(),
                 cost: limit.cost.clone(),
             });

@@ -2,12 +2,12 @@
 
 mod comparison;
 mod cost;
+mod cost_problem;
 mod count;
 mod cycles;
 #[cfg(test)]
 mod documented;
 mod figure;
-mod finding;
 mod footprint;
 mod host;
 mod kernel_loop;
@@ -112,10 +112,10 @@ pub(crate) fn check(
     let footprint = [footprint::footprint(workspace, &targets.armv7em, emulator)?];
     let table = [amounts(&instructions), amounts(&footprints)].concat();
     let measured = [amounts(&counted), amounts(&footprint)].concat();
-    for note in finding::notes(&table, &limits, &measured) {
+    for note in cost_problem::notes(&table, &limits, &measured) {
         eprintln!("note: {note}");
     }
-    let findings = finding::findings(&table, &limits, &measured);
+    let findings = cost_problem::findings(&table, &limits, &measured);
     let mut text: Vec<_> = findings.iter().map(ToString::to_string).collect();
     if let Some(llvm) = Llvm::set_up(&workspace.shell, toolbox) {
         let cycles = cycles::cycles(&llvm, &programs)?;

@@ -8,9 +8,9 @@ use std::ops::Range;
 use super::{
     comparison::Row,
     cost::{Cost as _, Footprint, Instructions},
+    cost_problem::MAX_RISE,
     cycles::KERNELS,
     documented::{self, COMPILER, count},
-    finding::MAX_RISE,
     limit::{LIMITS, Limit},
     load,
     prose::{files, paragraphs, places, with_numbers},

@@ -4,7 +4,7 @@ use rayon::prelude::*;
 
 use super::level::Level;
 use super::{pairs, xy};
-use crate::Coefficients;
+use crate::{Coefficients, Terms};
 
 /// Smallest size in bytes of a set's ideal points from which on they are written past the caches.
 ///
@@ -22,15 +22,6 @@ pub const THREADED_FROM_POINTS: usize = 1 << 18;
 
 /// Number of points that a thread takes at once.
 const SHARE: usize = 1 << 15;
-
-/// Terms that are evaluated.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum Terms {
-    /// All terms except b₁, b₂, tx and ty.
-    Short,
-    /// All terms.
-    Full,
-}
 
 /// Correction of many points of one frame.
 ///

@@ -19,7 +19,7 @@ mod pairs;
 mod vectors;
 mod xy;
 
-pub use batch::{Batch, STREAMED_FROM_BYTES, THREADED_FROM_POINTS, Terms};
+pub use batch::{Batch, STREAMED_FROM_BYTES, THREADED_FROM_POINTS};
 pub use level::Level;
 
 use vectors::Vectors;

@@ -1,7 +1,10 @@
 //! Calls of every entry of the kernel, and the results of the portable one.
 
-use fmc_camera_kernel::host::{Batch, Level, Terms};
 use fmc_camera_kernel::{Coefficients, portable};
+use fmc_camera_kernel::{
+    Terms,
+    host::{Batch, Level},
+};
 
 /// Both forms.
 pub(crate) const TERMS: [Terms; 2] = [Terms::Short, Terms::Full];

@@ -142,7 +142,7 @@ fn together(a: &Counters, b: &Counters) -> Counters {
 
 #[cfg(test)]
 mod tests {
-    use fmc_camera::flight::camera::{Camera, CameraRecord};
+    use fmc_camera::flight::camera::{Camera, CameraParameters};
     use fmc_camera::flight::exposure::Exposure;
     use fmc_camera::flight::interior_orientation::InteriorOrientation;
     use fmc_camera::geometry::frame_correction::{Corrected, FrameCorrection};
@@ -186,7 +186,7 @@ mod tests {
             "this process".to_owned()
         }
 
-        fn load(&mut self, camera: &CameraRecord) -> Result<(), Failure> {
+        fn load(&mut self, camera: &CameraParameters) -> Result<(), Failure> {
             let camera = Camera::new(*camera).map_err(|error| Failure::Refused(error.to_string()));
             self.camera = Some(camera?);
             Ok(())
@@ -197,7 +197,7 @@ mod tests {
             let frame = camera.frame(exposure);
             let frame = frame.map_err(|error| Failure::Refused(error.to_string()))?;
             self.correction = Some(frame.correction);
-            Ok(frame.record)
+            Ok(frame.interior)
         }
 
         fn correct(&mut self, measured: &[SensorPoint]) -> Result<Vec<Corrected>, Failure> {

@@ -2,7 +2,7 @@
 
 use std::error::Error;
 
-use fmc_camera::flight::camera::CameraRecord;
+use fmc_camera::flight::camera::CameraParameters;
 use fmc_camera::flight::exposure::Exposure;
 use fmc_camera::flight::interior_orientation::InteriorOrientation;
 use fmc_camera::geometry::frame_correction::Corrected;
@@ -21,7 +21,7 @@ pub trait CorrectingDevice: Send {
     ///
     /// # Errors
     /// An error if the camera refuses them; the previous ones then stay.
-    fn load(&mut self, camera: &CameraRecord) -> Result<(), Self::Error>;
+    fn load(&mut self, camera: &CameraParameters) -> Result<(), Self::Error>;
 
     /// Predicts a frame, to which the points that follow belong.
     ///

@@ -35,7 +35,7 @@ pub fn camera<D: CorrectingDevice + ?Sized>(
         let mut strategy = camera.clone();
         strategy.fmc.strategy = exposure.strategy;
         if loaded != Some(exposure.strategy) {
-            device.load(&strategy.record())?;
+            device.load(&strategy.parameters())?;
             loaded = Some(exposure.strategy);
         }
         device.expose(&Exposure::new(

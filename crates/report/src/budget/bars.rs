@@ -5,7 +5,7 @@ use plotters::element::{PathElement, Rectangle, Text};
 use plotters::prelude::{Color, RGBColor};
 use plotters::style::text_anchor::HPos;
 
-use super::findings;
+use super::results;
 use crate::figure::{self, Area, Backend, FigureError, GRID, INK, pixels, text, text_at};
 use crate::picture;
 
@@ -100,7 +100,7 @@ fn draw<B: Backend>(canvas: &Area<B>, budget: &Budget) -> Result<(), FigureError
     ))?;
     let mut y = TOP;
     for term in &budget.terms {
-        let label = findings::assumed(budget, term.source);
+        let label = results::assumed(budget, term.source);
         let middle = y + ROW / 2;
         canvas.draw(&Text::new(
             label,
@@ -113,7 +113,7 @@ fn draw<B: Backend>(canvas: &Area<B>, budget: &Budget) -> Result<(), FigureError
             colour(term).filled(),
         ))?;
         canvas.draw(&Text::new(
-            findings::three_digits(1e3 * term.limits_mm),
+            results::three_digits(1e3 * term.limits_mm),
             (NUMBERS, middle),
             text_at(FONT, HPos::Right),
         ))?;

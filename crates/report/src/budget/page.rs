@@ -4,14 +4,14 @@ use askama::Template;
 use fmc_simulation::budget::result::Budget;
 
 use super::bars;
-use super::findings::Findings;
+use super::results::BudgetResults;
 use crate::page::{PageError, inline};
 
 /// Content of the page.
 #[derive(Template)]
 #[template(path = "budget.html")]
 struct Page {
-    findings: Findings,
+    results: BudgetResults,
     figure: String,
 }
 
@@ -21,7 +21,7 @@ struct Page {
 /// [`PageError`] if the figure cannot be drawn.
 pub fn page(budget: &Budget) -> Result<String, PageError> {
     let page = Page {
-        findings: Findings::of(budget),
+        results: BudgetResults::of(budget),
         figure: inline(bars::svg(budget)?),
     };
     Ok(page.render()?)

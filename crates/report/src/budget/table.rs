@@ -3,12 +3,12 @@
 use comfy_table::{CellAlignment, Table, presets::UTF8_FULL_CONDENSED};
 use fmc_simulation::budget::result::Budget;
 
-use super::findings::Findings;
+use super::results::BudgetResults;
 
 /// Writes camera, exposures, a row per term, and the advice.
 #[must_use]
 pub fn text(budget: &Budget) -> String {
-    let findings = Findings::of(budget);
+    let results = BudgetResults::of(budget);
     let mut table = Table::new();
     table.load_style(UTF8_FULL_CONDENSED);
     table.set_header([
@@ -20,7 +20,7 @@ pub fn text(budget: &Budget) -> String {
         "limits\npx",
         "limits\ncm on the ground",
     ]);
-    for row in &findings.rows {
+    for row in &results.rows {
         table.add_row([
             row.term.as_str(),
             row.kind,
@@ -35,10 +35,10 @@ pub fn text(budget: &Budget) -> String {
         column.set_cell_alignment(CellAlignment::Right);
     }
     [
-        findings.camera,
-        findings.exposures,
+        results.camera,
+        results.exposures,
         table.trim_fmt(),
-        findings.advice,
+        results.advice,
     ]
     .join("\n")
         + "\n"

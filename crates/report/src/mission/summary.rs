@@ -17,7 +17,7 @@ pub struct Summary {
     pub device: String,
     /// Seed of air, noise and jitter.
     pub seed: u64,
-    /// `true` if every finding is as expected.
+    /// `true` if every check is as expected.
     pub passed: bool,
     /// Number of triggers.
     pub triggers: usize,
@@ -47,7 +47,8 @@ pub struct Summary {
     /// CRC-32 of all records: the same on every device, bit for bit.
     pub records_crc32: String,
     /// Findings of the judgement.
-    pub findings: Vec<FindingSummary>,
+    #[serde(rename = "findings")]
+    pub checks: Vec<CheckSummary>,
     /// Number of frames with each flag.
     pub flags: Vec<Count>,
     /// Number of frames with each fault.
@@ -76,9 +77,9 @@ pub struct Limits {
     pub smear_px: f64,
 }
 
-/// One finding.
+/// One check.
 #[derive(Debug, Clone, PartialEq, Serialize)]
-pub struct FindingSummary {
+pub struct CheckSummary {
     /// Property that was examined.
     pub what: String,
     /// Result.
@@ -157,13 +158,13 @@ impl Summary {
                 smear_px: limits.smear_px,
             },
             records_crc32: format!("{:08x}", records::crc32(&report.records())),
-            findings: judgement
-                .findings
+            checks: judgement
+                .checks
                 .iter()
-                .map(|finding| FindingSummary {
-                    what: finding.what.clone(),
-                    found: finding.found.clone(),
-                    passed: finding.passed,
+                .map(|check| CheckSummary {
+                    what: check.what.clone(),
+                    found: check.found.clone(),
+                    passed: check.passed,
                 })
                 .collect(),
             flags: Self::flags(report),

@@ -17,9 +17,9 @@ pub fn text(report: &MissionReport<'_>) -> String {
     };
     line(format!("{}: {}", summary.scenario, headline(&summary)));
     line(setting(report, &summary));
-    for finding in &summary.findings {
-        let mark = if finding.passed { "passed" } else { "FAILED" };
-        line(format!("{mark}: {}: {}", finding.what, finding.found));
+    for check in &summary.checks {
+        let mark = if check.passed { "passed" } else { "FAILED" };
+        line(format!("{mark}: {}: {}", check.what, check.found));
     }
     line(format!(
         "principal point {:.4} px RMS, {:.4} px at most; smear {:.4} px RMS, {:.4} px at most, of which compensation {:.4} px RMS",

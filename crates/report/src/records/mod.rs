@@ -78,7 +78,7 @@ pub fn crc32(records: &[FrameRecord]) -> u32 {
 
 #[cfg(test)]
 mod tests {
-    use fmc_camera::flight::camera::{Camera, CameraRecord};
+    use fmc_camera::flight::camera::{Camera, CameraParameters};
     use fmc_camera::flight::exposure::Exposure;
     use fmc_camera::flight::fault::{Fault, Faults};
     use fmc_camera::flight::frame_record::{ExposedFrame, Flag, Flags, Outcome, Reason};
@@ -87,11 +87,11 @@ mod tests {
 
     use super::*;
 
-    fn camera() -> (CameraRecord, Camera) {
+    fn camera() -> (CameraParameters, Camera) {
         let text = "name = \"bare\"\nprincipal_distance_mm = 100.0\n\
                     [sensor]\nwidth_px = 9216\nheight_px = 9216\npixel_um = 8.75\n";
         let (file, camera) = CameraFile::parse("bare.toml", text).unwrap();
-        (file.record(), camera)
+        (file.parameters(), camera)
     }
 
     fn records() -> Vec<FrameRecord> {
@@ -111,7 +111,7 @@ mod tests {
                 vh: None,
                 planned_opening_mm: -0.02,
                 planned_travel_mm: 0.04,
-                interior: frame.record,
+                interior: frame.interior,
                 principal_point_sigma_mm: 1e-4,
                 smear_um: 0.5,
                 smear_px: 0.06,

@@ -5,7 +5,7 @@ use fmc_camera::flight::fault::Fault;
 use fmc_camera::flight::frame_record::{ExposedFrame, Flag, FrameRecord, Outcome};
 use fmc_camera::flight::interior_orientation::FocusConvention;
 use fmc_camera::flight::vh::VhSource;
-use fmc_camera::geometry::frame_correction::Kernel;
+use fmc_camera::geometry::frame_correction::Terms;
 use serde::Serialize;
 
 /// Names of the columns, as the fields of [`Row`].
@@ -159,9 +159,9 @@ impl<L: Names> Row<L> {
                 CorrectionModel::Fitted => "fitted",
                 CorrectionModel::Static => "static",
             }),
-            kernel: exposed.map(|exposed| match exposed.interior.kernel {
-                Kernel::Short => "short",
-                Kernel::Full => "full",
+            kernel: exposed.map(|exposed| match exposed.interior.terms {
+                Terms::Short => "short",
+                Terms::Full => "full",
             }),
             left_out_nm: frame(|frame| frame.interior.left_out_nm),
             opening_offset_mm: frame(|frame| frame.interior.motion.opening_offset_mm),

@@ -7,8 +7,8 @@ use fmc_simulation::sweep::result::{FrameFit, Sweep};
 use plotters::element::{Circle, EmptyElement, PathElement, Rectangle, Text};
 use plotters::prelude::{Color, RGBColor};
 
-use super::findings::{COEFFICIENTS, per};
 use super::power;
+use super::results::{COEFFICIENTS, per};
 use crate::chart::{Axes, Axis, Margins};
 use crate::figure::{self, Area, Backend, FigureError, INK, text};
 use crate::{picture, wording};

@@ -4,7 +4,7 @@ use std::io::Write;
 
 use fmc_simulation::sweep::result::{FrameFit, Sweep};
 
-use super::findings::COEFFICIENTS;
+use super::results::COEFFICIENTS;
 
 /// Columns of the file. A coefficient that does not exist is an empty field.
 const HEADER: [&str; 17] = [

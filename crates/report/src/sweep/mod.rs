@@ -2,10 +2,10 @@
 
 pub mod coefficient_plot;
 pub mod coefficients_csv;
-mod findings;
 #[cfg(test)]
 mod fixture;
 pub mod page;
 mod power;
+mod results;
 pub mod summary;
 pub mod table;

@@ -4,14 +4,14 @@ use askama::Template;
 use fmc_simulation::sweep::result::Sweep;
 
 use super::coefficient_plot;
-use super::findings::Findings;
+use super::results::SweepResults;
 use crate::page::{PageError, inline};
 
 /// Content of the page.
 #[derive(Template)]
 #[template(path = "sweep.html")]
 struct Page {
-    findings: Findings,
+    results: SweepResults,
     figure: String,
 }
 
@@ -21,7 +21,7 @@ struct Page {
 /// [`PageError`] if the figure cannot be drawn.
 pub fn page(sweep: &Sweep) -> Result<String, PageError> {
     let page = Page {
-        findings: Findings::of(sweep),
+        results: SweepResults::of(sweep),
         figure: inline(coefficient_plot::svg(sweep)?),
     };
     Ok(page.render()?)

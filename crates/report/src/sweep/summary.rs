@@ -6,7 +6,7 @@ use fmc_reference::strict::{Reading, Weight};
 use fmc_simulation::sweep::result::{CaseResult, Sweep};
 use serde::Serialize;
 
-use super::findings::{COEFFICIENTS, PAPER_UM};
+use super::results::{COEFFICIENTS, PAPER_UM};
 
 /// The numbers of a sweep. Keys are only ever added. σ is per coordinate with divisor 2n - u unless
 /// the key says otherwise, µm. A number that does not exist is null.

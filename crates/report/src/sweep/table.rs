@@ -3,29 +3,29 @@
 use comfy_table::{CellAlignment, Table, presets::UTF8_FULL_CONDENSED};
 use fmc_simulation::sweep::result::Sweep;
 
-use super::findings::Findings;
+use super::results::SweepResults;
 
-/// Writes the simulation, σ of every case and model, the coefficients, and the findings.
+/// Writes the simulation, σ of every case and model, the coefficients, and the results.
 #[must_use]
 pub fn text(sweep: &Sweep) -> String {
-    let findings = Findings::of(sweep);
-    let mut lines = vec![findings.simulated.clone(), table(&findings).trim_fmt()];
+    let results = SweepResults::of(sweep);
+    let mut lines = vec![results.simulated.clone(), table(&results).trim_fmt()];
     lines.push(
         "σ: 2n - u, per coordinate; n - 5: the divisor of eq. 28; all in µm, over all exposures"
             .to_owned(),
     );
     lines.extend(
-        findings
+        results
             .estimates
             .iter()
             .map(|found| format!("{} = {} {}", found.symbol, found.value, found.unit))
             .map(|line| line.trim_end().to_owned()),
     );
-    lines.extend(findings.sentences);
+    lines.extend(results.sentences);
     lines.join("\n") + "\n"
 }
 
-fn table(findings: &Findings) -> Table {
+fn table(results: &SweepResults) -> Table {
     let mut table = Table::new();
     table.load_style(UTF8_FULL_CONDENSED);
     table.set_header([
@@ -37,7 +37,7 @@ fn table(findings: &Findings) -> Table {
         "exact\nσ / n - 5",
         "without\nnoise",
     ]);
-    for row in &findings.rows {
+    for row in &results.rows {
         let mut cells = vec![row.case.to_owned()];
         for cell in &row.cells {
             cells.push(format!("{} / {}", cell.sigma, cell.as_printed));

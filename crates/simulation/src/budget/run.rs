@@ -38,7 +38,7 @@ pub enum BudgetError {
 /// # Errors
 /// [`BudgetError`] if the camera accepts none of its exposures.
 pub fn budget(camera: &CameraFile, assumptions: Assumptions) -> Result<Budget, BudgetError> {
-    let checked = Camera::new(camera.record())?;
+    let checked = Camera::new(camera.parameters())?;
     let strategy = match camera.fmc.mechanism {
         MechanismName::Tdi => None,
         MechanismName::Stage => Some(camera.fmc.strategy.unwrap_or_default()),
@@ -115,7 +115,7 @@ impl Set {
                 Ok(frame) => set.accepted.push(Accepted {
                     exposure: *exposure,
                     path: ExposurePath::new(camera, &planned(*exposure)),
-                    run_out_mm: f64::from(frame.record.focus_shift_mm),
+                    run_out_mm: f64::from(frame.interior.focus_shift_mm),
                 }),
                 Err(error) => {
                     set.refused += 1;

@@ -1,6 +1,6 @@
 //! Interface of the camera that is flown.
 
-use fmc_camera::flight::camera::CameraRecord;
+use fmc_camera::flight::camera::CameraParameters;
 use fmc_camera::flight::frame_record::FrameRecord;
 use fmc_camera::flight::rig::{RigAnswer, RigStep};
 use fmc_camera::flight::settings::FlightSettings;
@@ -22,7 +22,7 @@ pub trait FlyingDevice {
     /// An error if it refuses them, or if it still has records that were not fetched.
     fn prepare(
         &mut self,
-        camera: &CameraRecord,
+        camera: &CameraParameters,
         settings: &FlightSettings,
     ) -> Result<(), Self::Error>;
 
@@ -39,7 +39,7 @@ pub trait FlyingDevice {
     ///
     /// # Errors
     /// An error if the connection to the camera fails.
-    fn record(&mut self, from_sequence: u32) -> Result<Option<FrameRecord>, Self::Error>;
+    fn frame_record(&mut self, from_sequence: u32) -> Result<Option<FrameRecord>, Self::Error>;
 
     /// Acknowledges the records up to this number, which the camera may then forget. Returns the
     /// number of records left.

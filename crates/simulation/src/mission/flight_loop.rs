@@ -296,7 +296,7 @@ impl<'a, D: FlyingDevice + ?Sized> Flight<'a, D> {
             self.flown.lost_requests += 1;
             return Ok(());
         }
-        while let Some(record) = self.device.record(self.next_sequence)? {
+        while let Some(record) = self.device.frame_record(self.next_sequence)? {
             self.next_sequence = record.sequence + 1;
             self.keep(now_us, record);
         }

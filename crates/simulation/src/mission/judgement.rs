@@ -2,7 +2,7 @@
 
 use fmc_camera::flight::frame_record::{Outcome, Reason};
 
-use super::finding::{Finding, refused};
+use super::check::{Check, refused};
 use super::flown::Flown;
 use super::frame_errors::FrameErrors;
 use super::outcome::outcome;
@@ -18,7 +18,7 @@ pub struct Judgement {
     /// Errors of each frame, in the order of the frames.
     pub errors: Vec<Option<FrameErrors>>,
     /// Findings of the judgement.
-    pub findings: Vec<Finding>,
+    pub checks: Vec<Check>,
 }
 
 impl Judgement {
@@ -30,29 +30,29 @@ impl Judgement {
             .iter()
             .map(|frame| FrameErrors::of(&scenario.camera, frame))
             .collect();
-        let mut findings = vec![unanswered(flown), coordinates(scenario, flown, &errors)];
+        let mut checks = vec![unanswered(flown), coordinates(scenario, flown, &errors)];
         if scenario.faults.is_empty() {
-            findings.push(nominal_smear(scenario, &errors));
-            findings.push(refused(flown, 0));
+            checks.push(nominal_smear(scenario, &errors));
+            checks.push(refused(flown, 0));
         } else {
-            findings.push(predicted_smear(scenario, flown, &errors));
+            checks.push(predicted_smear(scenario, flown, &errors));
         }
         for (fault, felt_us) in scenario.faults.iter().zip(&flown.felt_us) {
-            findings.extend(outcome(scenario, flown, &errors, fault, *felt_us));
+            checks.extend(outcome(scenario, flown, &errors, fault, *felt_us));
         }
-        Self { errors, findings }
+        Self { errors, checks }
     }
 
-    /// Returns true if every finding is as it should be.
+    /// Returns true if every check is as it should be.
     #[must_use]
     pub fn passed(&self) -> bool {
-        self.findings.iter().all(|finding| finding.passed)
+        self.checks.iter().all(|check| check.passed)
     }
 }
 
 /// Checks that every trigger has its record at its own time, numbered without a gap. Of triggers
 /// refused because the camera's memory was full, all but the last may have the time of the first.
-fn unanswered(flown: &Flown) -> Finding {
+fn unanswered(flown: &Flown) -> Check {
     let answered = flown
         .triggers_us
         .iter()
@@ -68,7 +68,7 @@ fn unanswered(flown: &Flown) -> Finding {
         .count();
     let missing = flown.triggers_us.len() - answered;
     let extra = flown.frames.len().saturating_sub(flown.triggers_us.len());
-    Finding {
+    Check {
         what: "every trigger has its record".to_owned(),
         found: format!(
             "{answered} of {} answered in order, {} too many",
@@ -81,11 +81,7 @@ fn unanswered(flown: &Flown) -> Finding {
 
 /// Checks the principal points of the frames that the camera vouches for: the error is at most the
 /// limit, or [`SIGMAS`] where the camera states a larger uncertainty.
-fn coordinates(
-    scenario: &MissionScenario,
-    flown: &Flown,
-    errors: &[Option<FrameErrors>],
-) -> Finding {
+fn coordinates(scenario: &MissionScenario, flown: &Flown, errors: &[Option<FrameErrors>]) -> Check {
     let limit_px = scenario.written.limits.pp_error_px;
     let clean = || errors.iter().flatten().filter(|errors| errors.is_clean);
     let worst = clean()
@@ -101,7 +97,7 @@ fn coordinates(
             matches!(frame.record.outcome, Outcome::Exposed(_)) && frame.truth.is_none()
         })
         .count();
-    Finding {
+    Check {
         what: format!(
             "principal point within {limit_px} px of the truth, or {SIGMAS} σ where the record says more, in all frames without fault or flag"
         ),
@@ -115,14 +111,14 @@ fn coordinates(
 }
 
 /// Checks the smear of a flight in which nothing goes wrong.
-fn nominal_smear(scenario: &MissionScenario, errors: &[Option<FrameErrors>]) -> Finding {
+fn nominal_smear(scenario: &MissionScenario, errors: &[Option<FrameErrors>]) -> Check {
     let limit_px = scenario.written.limits.smear_px;
     let worst = errors
         .iter()
         .flatten()
         .map(|errors| errors.smear_px)
         .fold(0.0, f64::max);
-    Finding {
+    Check {
         what: format!("smear of all frames at most {limit_px} px, attitude included"),
         found: format!("largest {worst:.4} px"),
         passed: worst <= limit_px,
@@ -134,7 +130,7 @@ fn predicted_smear(
     scenario: &MissionScenario,
     flown: &Flown,
     errors: &[Option<FrameErrors>],
-) -> Finding {
+) -> Check {
     let limit_px = scenario.written.limits.smear_px;
     let excess = flown
         .frames
@@ -144,7 +140,7 @@ fn predicted_smear(
         .filter_map(|(_, errors)| errors.as_ref())
         .map(|errors| errors.smear_px - errors.predicted_px)
         .fold(f64::NEG_INFINITY, f64::max);
-    Finding {
+    Check {
         what: format!("no frame without fault smeared by {limit_px} px more than predicted"),
         found: format!("at most {excess:.4} px more"),
         passed: excess <= limit_px,

@@ -5,13 +5,13 @@
 //! report of every frame is compared with the physical exposure.
 
 pub mod aircraft;
+pub mod check;
 pub mod clock;
 pub mod device;
 pub mod expectation;
 pub mod fault;
 pub mod file;
 mod file_range;
-pub mod finding;
 pub mod flight_loop;
 pub mod flown;
 pub mod frame_errors;

@@ -7,7 +7,7 @@ use super::aircraft::Aircraft;
 use super::clock::seconds;
 use super::shutter::Opening;
 use crate::scene::Scene;
-use crate::scene::frame::Frame;
+use crate::scene::exposure::ExposedScene;
 use crate::scene::shutter::Shutter;
 use crate::scene::stage_path::StagePath;
 
@@ -110,7 +110,7 @@ impl Oracle {
         }
     }
 
-    fn largest_smear_mm(&self, frame: &Frame<'_>, exposure_s: f64) -> f64 {
+    fn largest_smear_mm(&self, frame: &ExposedScene<'_>, exposure_s: f64) -> f64 {
         let [half_x, half_y] = self.camera.half_format_mm();
         let inside = 0.99;
         [
@@ -130,7 +130,7 @@ impl Oracle {
 }
 
 /// Returns the largest distance between places of an image point during the exposure, mm.
-fn farthest_mm(frame: &Frame<'_>, ground_m: [f64; 3], exposure_s: f64) -> Option<f64> {
+fn farthest_mm(frame: &ExposedScene<'_>, ground_m: [f64; 3], exposure_s: f64) -> Option<f64> {
     let places: Vec<[f64; 2]> = (0..=INSTANTS)
         .map(|instant| {
             let after_s = exposure_s * f64::from(instant) / f64::from(INSTANTS);

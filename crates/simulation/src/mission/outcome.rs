@@ -5,12 +5,12 @@ use fmc_camera::flight::fault::Fault;
 use fmc_camera::flight::frame_record::{ExposedFrame, Flag, Outcome};
 use fmc_camera::flight::vh::VhSource;
 
+use super::check::{Check, refused};
 use super::clock::microseconds;
 use super::clock::seconds;
 use super::expectation::way_name;
 use super::fault::InjectedFault;
 use super::fault::line::Traffic;
-use super::finding::{Finding, refused};
 use super::flown::{Flown, FlownFrame};
 use super::frame_errors::FrameErrors;
 use super::planned_fault::PlannedFault;
@@ -28,7 +28,7 @@ pub(super) fn outcome(
     errors: &[Option<FrameErrors>],
     planned: &PlannedFault,
     felt_us: Option<u64>,
-) -> Vec<Finding> {
+) -> Vec<Check> {
     let injection = &planned.injection;
     let onset_us = microseconds(injection.onset_s);
     let aftermath = Aftermath {
@@ -40,7 +40,7 @@ pub(super) fn outcome(
         felt_us: felt_us.unwrap_or(onset_us),
     };
     let expected = &planned.expectation;
-    let mut findings: Vec<Finding> = [
+    let mut checks: Vec<Check> = [
         expected
             .fault
             .map(|fault| aftermath.fault(fault, expected.within_ms)),
@@ -68,13 +68,13 @@ pub(super) fn outcome(
     if injection.fault == InjectedFault::UartCut {
         let carried = scenario.carried();
         if carried.has(Traffic::Records) {
-            findings.push(aftermath.records_kept());
+            checks.push(aftermath.records_kept());
         }
         if carried.has_vh() {
-            findings.push(aftermath.uncertainty_grows());
+            checks.push(aftermath.uncertainty_grows());
         }
     }
-    findings
+    checks
 }
 
 /// The flight after the onset of a fault.
@@ -89,8 +89,8 @@ struct Aftermath<'a> {
 }
 
 impl<'a> Aftermath<'a> {
-    fn finding(&self, what: &str, found: String, passed: bool) -> Finding {
-        Finding {
+    fn check(&self, what: &str, found: String, passed: bool) -> Check {
+        Check {
             what: format!("{}: {what}", self.name),
             found,
             passed,
@@ -115,7 +115,7 @@ impl<'a> Aftermath<'a> {
             .filter(move |frame| span_us.contains(&frame.record.trigger.us()))
     }
 
-    fn fault(&self, fault: Fault, within_ms: Option<f64>) -> Finding {
+    fn fault(&self, fault: Fault, within_ms: Option<f64>) -> Check {
         let announced = self
             .flown
             .announced
@@ -139,16 +139,16 @@ impl<'a> Aftermath<'a> {
             None if recorded => "in a record".to_owned(),
             None => "not named".to_owned(),
         };
-        self.finding(&what, found, passed)
+        self.check(&what, found, passed)
     }
 
-    fn state(&self, state: &str) -> Finding {
+    fn state(&self, state: &str) -> Check {
         let found = self
             .flown
             .states
             .iter()
             .find(|(time_us, one)| *time_us >= self.onset_us && one.name() == state);
-        self.finding(
+        self.check(
             &format!("state {state}"),
             found.map_or("never".to_owned(), |(time_us, one)| {
                 format!("{one} at {:.3} s", seconds(*time_us))
@@ -157,7 +157,7 @@ impl<'a> Aftermath<'a> {
         )
     }
 
-    fn refused_for(&self, reason: &str) -> Finding {
+    fn refused_for(&self, reason: &str) -> Check {
         let found = self
             .later()
             .filter(|frame| match frame.record.outcome {
@@ -165,45 +165,45 @@ impl<'a> Aftermath<'a> {
                 Outcome::Exposed(_) => false,
             })
             .count();
-        self.finding(
+        self.check(
             &format!("a trigger refused: {reason}"),
             format!("{found} refused so"),
             found > 0,
         )
     }
 
-    fn flag(&self, flag: Flag) -> Finding {
+    fn flag(&self, flag: Flag) -> Check {
         let found = self
             .later()
             .filter(|frame| frame.record.flags.contains(flag))
             .count();
-        self.finding(
+        self.check(
             &format!("a frame with the flag \"{}\"", flag.name()),
             wording::counted(found, "frame"),
             found > 0,
         )
     }
 
-    fn refused_at_most(&self, most: usize) -> Finding {
-        let Finding {
+    fn refused_at_most(&self, most: usize) -> Check {
+        let Check {
             what,
             found,
             passed,
         } = refused(self.flown, most);
-        self.finding(&what, found, passed)
+        self.check(&what, found, passed)
     }
 
-    fn vh_from(&self, way: VhSource) -> Finding {
+    fn vh_from(&self, way: VhSource) -> Check {
         let last = self.meanwhile().filter_map(exposed).last();
         let found = last.and_then(|exposed| exposed.vh).map(|vh| vh.source);
-        self.finding(
+        self.check(
             &format!("V/H from {} in the end", way_name(way)),
             found.map_or("no V/H".to_owned(), |found| way_name(found).to_owned()),
             found == Some(way),
         )
     }
 
-    fn smear(&self, most_px: f64) -> Finding {
+    fn smear(&self, most_px: f64) -> Check {
         let largest_px = self
             .flown
             .frames
@@ -213,7 +213,7 @@ impl<'a> Aftermath<'a> {
             .filter_map(|(_, errors)| errors.as_ref())
             .map(|errors| errors.smear_px)
             .fold(0.0, f64::max);
-        self.finding(
+        self.check(
             &format!("no frame after the onset smeared by more than {most_px} px"),
             format!("largest {largest_px:.4} px"),
             largest_px <= most_px,
@@ -221,7 +221,7 @@ impl<'a> Aftermath<'a> {
     }
 
     /// Judges whether the camera compensates again soon after the end of the fault.
-    fn armed(&self, within_s: f64) -> Finding {
+    fn armed(&self, within_s: f64) -> Check {
         let flies = |state: State| !matches!(state, State::Fault(_) | State::Degraded(_));
         let armed_us = if self.flown.state_at(self.end_us).is_some_and(flies) {
             Some(self.end_us)
@@ -233,7 +233,7 @@ impl<'a> Aftermath<'a> {
                 .map(|(time_us, _)| *time_us)
         };
         let after_s = armed_us.map(|armed_us| seconds(armed_us - self.end_us));
-        self.finding(
+        self.check(
             &format!("armed within {within_s} s after its end"),
             after_s.map_or("not armed".to_owned(), |after_s| {
                 format!("{after_s:.3} s after it")
@@ -243,7 +243,7 @@ impl<'a> Aftermath<'a> {
     }
 
     /// Judges whether the records of a cut arrive after it.
-    fn records_kept(&self) -> Finding {
+    fn records_kept(&self) -> Check {
         let kept = self.meanwhile().count();
         let too_soon = self
             .flown
@@ -256,7 +256,7 @@ impl<'a> Aftermath<'a> {
             .map(|frame| frame.fetched_us)
             .max()
             .unwrap_or(self.end_us);
-        self.finding(
+        self.check(
             "records of the cut come after it, and none comes during it",
             format!(
                 "{kept} kept, the last fetched {:.3} s after its end; {too_soon} during it",
@@ -267,7 +267,7 @@ impl<'a> Aftermath<'a> {
     }
 
     /// Judges the uncertainty of a V/H that no source renews: it has to grow from frame to frame.
-    fn uncertainty_grows(&self) -> Finding {
+    fn uncertainty_grows(&self) -> Check {
         let held: Vec<f32> = self
             .meanwhile()
             .filter(|frame| frame.record.flags.contains(Flag::LastGoodVh))
@@ -285,7 +285,7 @@ impl<'a> Aftermath<'a> {
             ),
             _ => "no frame with the last good V/H".to_owned(),
         };
-        self.finding("σ of a V/H that is held grows", found, grows)
+        self.check("σ of a V/H that is held grows", found, grows)
     }
 }
 

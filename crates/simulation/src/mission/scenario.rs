@@ -299,7 +299,7 @@ fn check_settings(
     text: &TomlText,
 ) -> Result<(), InputError> {
     let settings = flight_settings(written, interval_s);
-    let Err(refused) = Controller::new(&camera.record(), 0, &settings, Start::Orderly) else {
+    let Err(refused) = Controller::new(&camera.parameters(), 0, &settings, Start::Orderly) else {
         return Ok(());
     };
     let (path, fault): (&[&str], String) = match refused {

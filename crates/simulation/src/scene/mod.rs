@@ -26,8 +26,8 @@
 //! ```
 
 pub mod attitude;
+pub mod exposure;
 pub mod field_table;
-pub mod frame;
 pub mod image_point;
 pub mod interior;
 pub mod lens;

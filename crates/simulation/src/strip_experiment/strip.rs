@@ -229,7 +229,7 @@ fn corrections(scenario: &Scenario) -> Result<Corrections, InputError> {
             single(scenario.written.flight.exposure_s),
         )
     };
-    let frame = Camera::new(camera.record())
+    let frame = Camera::new(camera.parameters())
         .map_err(|error| error.to_string())
         .and_then(|checked| checked.frame(&exposure).map_err(|error| error.to_string()))
         .map_err(|error| {
@@ -247,7 +247,7 @@ fn corrections(scenario: &Scenario) -> Result<Corrections, InputError> {
         Lens::of(camera),
         FittedModel::printed(camera, path.travel_mm),
         frame.correction,
-        f64::from(frame.record.enlargement),
+        f64::from(frame.interior.enlargement),
     ))
 }
 

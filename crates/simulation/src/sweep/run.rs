@@ -78,7 +78,7 @@ impl<'a> Plan<'a> {
     /// # Errors
     /// [`SweepError`] that names the exposure the camera refuses.
     pub fn new(camera: &'a CameraFile, options: SweepOptions) -> Result<Self, SweepError> {
-        let checked = Camera::new(camera.record())?;
+        let checked = Camera::new(camera.parameters())?;
         let strategy = match camera.fmc.mechanism {
             MechanismName::Tdi => None,
             MechanismName::Stage => Some(camera.fmc.strategy.unwrap_or_default()),
@@ -95,7 +95,8 @@ impl<'a> Plan<'a> {
                         Per::Travel => path.travel_mm,
                         Per::Centroid => path.centroid_mm(),
                     },
-                    focus_shift_mm: options.focus_shift_mm + f64::from(frame.record.focus_shift_mm),
+                    focus_shift_mm: options.focus_shift_mm
+                        + f64::from(frame.interior.focus_shift_mm),
                     path,
                 })
             })
@@ -144,7 +145,7 @@ impl<'a> Plan<'a> {
 
     fn run(&self, case: Case, after_frame: &mut impl FnMut()) -> Result<CaseResult, SweepError> {
         let camera = simulated_camera(self.camera, case);
-        let checked = Camera::new(camera.record())?;
+        let checked = Camera::new(camera.parameters())?;
         let static_lens = Lens::of(&camera);
         let mut whole = Adjustment::new(self.lens, self.fit_options(StaticDecentring::Hold));
         let mut noise_free = whole;

@@ -47,7 +47,7 @@ impl Accuracy {
             }
             Content::Corrections => {
                 let request = &args.exposure;
-                let frame = Camera::new(camera.record())
+                let frame = Camera::new(camera.parameters())
                     .map_err(DeviceError::Calibration)
                     .and_then(|camera| {
                         camera
@@ -114,7 +114,7 @@ struct Drawing {
 
 impl Drawing {
     fn of(camera: &CameraFile) -> Self {
-        let calibration = camera.record().calibration;
+        let calibration = camera.parameters().calibration;
         let [width, height] = [calibration.width_px, calibration.height_px];
         Self {
             place: "vertex i of the file, from 0: col = origin_px[0] + (i mod columns) spacing_px, row = origin_px[1] + (i div columns) spacing_px; its numbers are dcol and drow",

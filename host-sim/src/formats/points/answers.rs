@@ -6,7 +6,7 @@ use std::ops::Range;
 use fmc_camera_file::CameraFile;
 use fmc_camera_file::number::single;
 
-use super::{Block, Frame, PointFormat, Precision, Source, decimal};
+use super::{Block, CoordinateFrame, PointFormat, Precision, Source, decimal};
 use crate::failure::Failure;
 use crate::formats::npy_header::NpyHeader;
 
@@ -139,8 +139,8 @@ fn push_text(
             name.unwrap_or_else(|| number.format(index).as_bytes()),
         );
         let coordinate = match source.frame {
-            Frame::Sensor => answer.point_mm,
-            Frame::Pixel => camera.pixel_from_sensor(answer.point_mm),
+            CoordinateFrame::Sensor => answer.point_mm,
+            CoordinateFrame::Pixel => camera.pixel_from_sensor(answer.point_mm),
         };
         for value in coordinate {
             text.push(b',');

@@ -3,7 +3,7 @@
 use fmc_camera_file::CameraFile;
 use fmc_camera_file::number::clipped;
 
-use super::{Frame, Source};
+use super::{CoordinateFrame, Source};
 use crate::failure::Failure;
 
 /// Number of points that are read, corrected and written together.
@@ -104,8 +104,8 @@ impl Block {
         let [first, second] = source.frame.columns();
         let [x, y] = camera.half_format_mm();
         let ([a, b], [least, most]) = match source.frame {
-            Frame::Sensor => (point_mm, [[-x, -y], [x, y]]),
-            Frame::Pixel => {
+            CoordinateFrame::Sensor => (point_mm, [[-x, -y], [x, y]]),
+            CoordinateFrame::Pixel => {
                 let [first, last] = [[-x, y], [x, -y]].map(|p| camera.pixel_from_sensor(p));
                 (camera.pixel_from_sensor(point_mm), [first, last])
             }

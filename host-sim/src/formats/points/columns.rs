@@ -4,14 +4,14 @@ use csv::ByteRecord;
 use fmc_camera_file::CameraFile;
 use fmc_camera_file::number::clipped;
 
-use super::{Block, Frame};
+use super::{Block, CoordinateFrame};
 
 /// Places of the columns of a point file.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Columns {
     id: usize,
     coordinates: [usize; 2],
-    pub(super) frame: Frame,
+    pub(super) frame: CoordinateFrame,
 }
 
 impl Columns {
@@ -34,7 +34,7 @@ impl Columns {
         let id = place("id")?.ok_or_else(|| format!("column id is missing; found {found}"))?;
         let mut complete = Vec::new();
         let mut missing = Vec::new();
-        for frame in Frame::ALL {
+        for frame in CoordinateFrame::ALL {
             let [first, second] = frame.columns();
             match (place(first)?, place(second)?) {
                 (Some(a), Some(b)) => complete.push((frame, [a, b])),
@@ -79,8 +79,8 @@ impl Columns {
         };
         let coordinate = [first, second];
         let point_mm = match self.frame {
-            Frame::Sensor => coordinate,
-            Frame::Pixel => camera.sensor_from_pixel(coordinate),
+            CoordinateFrame::Sensor => coordinate,
+            CoordinateFrame::Pixel => camera.sensor_from_pixel(coordinate),
         };
         block.push(name, point_mm, line);
         Ok(())

@@ -7,7 +7,7 @@ use csv::{ByteRecord, ErrorKind, Reader, ReaderBuilder};
 use fmc_camera_file::CameraFile;
 
 use super::columns::Columns;
-use super::{Block, Frame};
+use super::{Block, CoordinateFrame};
 use crate::failure::Failure;
 
 /// The rows of a CSV file behind its header.
@@ -45,7 +45,7 @@ impl<R: Read> CsvPoints<R> {
         })
     }
 
-    pub(super) const fn frame(&self) -> Frame {
+    pub(super) const fn frame(&self) -> CoordinateFrame {
         self.columns.frame
     }
 

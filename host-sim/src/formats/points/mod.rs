@@ -48,14 +48,14 @@ impl PointFormat {
 
 /// Frame of the two coordinate columns of a point file.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum Frame {
+pub enum CoordinateFrame {
     /// `x_mm`, `y_mm` of the sensor frame.
     Sensor,
     /// `col_px`, `row_px`.
     Pixel,
 }
 
-impl Frame {
+impl CoordinateFrame {
     const ALL: [Self; 2] = [Self::Sensor, Self::Pixel];
 
     const fn columns(self) -> [&'static str; 2] {

@@ -11,7 +11,7 @@ use fmc_camera_file::CameraFile;
 
 use super::csv_points::CsvPoints;
 use super::npy_points::NpyPoints;
-use super::{Block, Frame, PointFormat, Precision};
+use super::{Block, CoordinateFrame, PointFormat, Precision};
 use crate::failure::Failure;
 
 /// Number of blocks between the thread that reads and the one that answers.
@@ -23,7 +23,7 @@ pub struct Source {
     /// Name of the file in messages.
     pub file: String,
     /// Frame of the points and of the answers.
-    pub frame: Frame,
+    pub frame: CoordinateFrame,
     /// Number of points, where the header of the file states it.
     pub count: Option<u64>,
     /// Precision of an array's numbers.
@@ -85,7 +85,7 @@ impl Source {
                 let bytes = Some(points.bytes());
                 (
                     Points::Npy(points),
-                    Frame::Sensor,
+                    CoordinateFrame::Sensor,
                     Some(count),
                     precision,
                     bytes,

@@ -2,7 +2,7 @@
 
 use core::{cell::UnsafeCell, mem::MaybeUninit};
 
-use fmc_camera::io::link::message::Start;
+use fmc_camera::io::link::message::ResetCause;
 
 struct Word(UnsafeCell<MaybeUninit<u32>>);
 
@@ -13,26 +13,26 @@ unsafe impl Sync for Word {}
 static WORD: Word = Word(UnsafeCell::new(MaybeUninit::uninit()));
 
 /// Unlikely to be in memory when power comes on.
-const WORDS: [(u32, Start); 3] = [
-    (0x5ca1_ab1e, Start::Requested),
-    (0xba5e_ba11, Start::Watchdog),
-    (0xdead_fa11, Start::Fault),
+const WORDS: [(u32, ResetCause); 3] = [
+    (0x5ca1_ab1e, ResetCause::Requested),
+    (0xba5e_ba11, ResetCause::Watchdog),
+    (0xdead_fa11, ResetCause::Fault),
 ];
 
 /// The cause noted before the reset, and forgets it.
-pub(super) fn take() -> Start {
+pub(super) fn take() -> ResetCause {
     let start = noted();
     write(0);
     start
 }
 
 /// The cause noted last: power on, where it is none of those that are noted.
-pub(super) fn noted() -> Start {
+pub(super) fn noted() -> ResetCause {
     // SAFETY: the address is that of the static, aligned and never written by Rust's own code. Any bits are a valid
     // u32, and a volatile read gives those that are in the memory, whatever left them there.
     let found = unsafe { WORD.0.get().cast::<u32>().read_volatile() };
     let known = WORDS.iter().find(|(word, _)| *word == found);
-    known.map_or(Start::PowerOn, |(_, start)| *start)
+    known.map_or(ResetCause::PowerOn, |(_, start)| *start)
 }
 
 /// Forgets whatever the memory holds.
@@ -42,7 +42,7 @@ pub(super) fn forget() {
 }
 
 /// Notes the cause of the reset that follows.
-pub(super) fn note(start: Start) {
+pub(super) fn note(start: ResetCause) {
     let known = WORDS.iter().find(|(_, known)| *known == start);
     write(known.map_or(0, |(word, _)| *word));
 }

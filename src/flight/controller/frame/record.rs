@@ -83,7 +83,7 @@ impl InFlight {
         aircraft: &mut Aircraft,
         flags: &mut Flags,
     ) -> ExposedFrame {
-        let interior = predicted.record;
+        let interior = predicted.interior;
         let centroid = light.opened.plus_s(interior.motion.centroid_time_s);
         let attitude = aircraft.attitude_at(centroid);
         let wander_mm = measured.wander_mm;

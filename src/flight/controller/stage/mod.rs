@@ -11,11 +11,11 @@ use super::timing::{
 };
 use crate::flight::drive::StageReading;
 use crate::flight::fault::Fault;
-use crate::flight::following_error::FollowingError;
+use crate::flight::following_error_rms::FollowingErrorRms;
 use crate::flight::slope::Slope;
 use crate::flight::stage::{Profile, Setpoint};
 use crate::flight::stage_track::StageTrack;
-use crate::flight::stage_watch::{Finding, StageWatch};
+use crate::flight::stage_watch::{ReadingVerdict, StageWatch};
 use crate::flight::time::Time;
 
 /// The machine of the stage. It is released, waits at the start of a profile, or moves along one; a
@@ -27,8 +27,8 @@ pub(super) struct StageMachine {
     track: StageTrack,
     watch: StageWatch,
     /// Following error; without force, the place.
-    following: Slope,
-    following_error: FollowingError,
+    following_slope: Slope,
+    following_error: FollowingErrorRms,
     /// What went wrong, until it is cleared: the stage is left alone.
     fault: Option<Fault>,
     /// The encoder has lost its place, until somebody has found it again.
@@ -55,7 +55,7 @@ pub(super) enum Obedience {
 /// What a reading shows.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) struct Seen {
-    pub(super) finding: Finding,
+    pub(super) verdict: ReadingVerdict,
     /// Reading less set point, mm; without force, the place.
     error_mm: f32,
 }
@@ -68,8 +68,8 @@ impl StageMachine {
             motion: None,
             track: StageTrack::new(),
             watch: StageWatch::new(),
-            following: Slope::new(),
-            following_error: FollowingError::new(),
+            following_slope: Slope::new(),
+            following_error: FollowingErrorRms::new(),
             fault: if is_place_lost {
                 Some(Fault::Encoder)
             } else {
@@ -85,7 +85,7 @@ impl StageMachine {
     /// Judges a reading that came with an event of a time. `None`: it is left out, or the next will
     /// tell.
     ///
-    /// Where it is to be kept, [`Self::keep`] follows, after what the finding leads to.
+    /// Where it is to be kept, [`Self::keep`] follows, after what the verdict leads to.
     pub(super) fn look(
         &mut self,
         setup: &Setup,
@@ -108,15 +108,15 @@ impl StageMachine {
             Obedience::Full => {}
         }
         let setpoint = self.setpoint(reading.time);
-        let finding = self.watch.look(reading, setpoint, &tolerance);
-        match finding {
-            Finding::Suspicious => return None,
-            Finding::Glitch => self.glitches = self.glitches.saturating_add(1),
-            Finding::Follows | Finding::Fault(_) => {}
+        let verdict = self.watch.look(reading, setpoint, &tolerance);
+        match verdict {
+            ReadingVerdict::Suspicious => return None,
+            ReadingVerdict::Glitch => self.glitches = self.glitches.saturating_add(1),
+            ReadingVerdict::Follows | ReadingVerdict::Fault(_) => {}
         }
         let told_mm = setpoint.map_or(0.0, |setpoint| setpoint.offset_mm);
         Some(Seen {
-            finding,
+            verdict,
             error_mm: reading.offset_mm - told_mm,
         })
     }
@@ -125,7 +125,7 @@ impl StageMachine {
     pub(super) fn keep(&mut self, reading: StageReading, seen: Seen) {
         self.last_reading = reading.time;
         self.track.push(reading);
-        self.following.push(reading.time, seen.error_mm);
+        self.following_slope.push(reading.time, seen.error_mm);
         if self.motion.is_some() {
             self.following_error.push(seen.error_mm);
         }
@@ -168,14 +168,14 @@ impl StageMachine {
 
     /// Readings are waited for from now on, to be compared with nothing from before.
     pub(super) fn expect_readings(&mut self, now: Time) {
-        self.following.clear();
+        self.following_slope.clear();
         self.watch = StageWatch::new();
         self.last_reading = now;
     }
 
     /// No force on the stage. Whether there was any.
     pub(super) fn release(&mut self) -> bool {
-        self.following.clear();
+        self.following_slope.clear();
         self.watch = StageWatch::new();
         self.standing_since = None;
         self.motion.take().is_some()
@@ -208,7 +208,7 @@ impl StageMachine {
     pub(super) fn refer(&mut self) {
         self.is_place_lost = false;
         self.track.clear();
-        self.following.clear();
+        self.following_slope.clear();
         self.fault = self.fault.filter(|fault| *fault != Fault::Encoder);
     }
 
@@ -220,7 +220,7 @@ impl StageMachine {
     /// The clock has jumped: what was read so far has nothing to do with the times to come.
     pub(super) fn forget_readings(&mut self) {
         self.track.clear();
-        self.following.clear();
+        self.following_slope.clear();
         self.standing_since = None;
     }
 
@@ -255,7 +255,7 @@ impl StageMachine {
         }
         now.seconds_since(self.last_reading) <= LATE_TICK_S
             && self
-                .following
+                .following_slope
                 .per_s()
                 .is_some_and(|error_mm_s| libm::fabsf(error_mm_s) * exposure_s <= allowed_mm)
     }
@@ -313,7 +313,7 @@ impl StageMachine {
         &mut self.track
     }
 
-    pub(super) const fn following_error(&self) -> &FollowingError {
+    pub(super) const fn following_error(&self) -> &FollowingErrorRms {
         &self.following_error
     }
 

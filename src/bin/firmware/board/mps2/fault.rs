@@ -8,10 +8,10 @@ use cortex_m_semihosting::debug;
 
 use super::super::cause;
 use super::{link, watchdog};
-use fmc_camera::io::link::message::Start;
+use fmc_camera::io::link::message::ResetCause;
 
 /// Ends QEMU with failure: whoever waits for the camera learns at once.
-fn stop(start: Start) -> ! {
+fn stop(start: ResetCause) -> ! {
     cause::note(start);
     loop {
         debug::exit(debug::EXIT_FAILURE);
@@ -21,13 +21,13 @@ fn stop(start: Start) -> ! {
 /// Follows the log of a panic.
 #[allow(dead_code, reason = "the link check's panic handler does without")]
 pub(in super::super) fn stop_after_panic() -> ! {
-    stop(Start::Fault)
+    stop(ResetCause::Fault)
 }
 
 #[exception]
 unsafe fn HardFault(frame: &ExceptionFrame) -> ! {
     defmt::error!("hard fault at {=u32:#010x}", frame.pc());
-    stop(Start::Fault)
+    stop(ResetCause::Fault)
 }
 
 /// One expiry has been forgiven since the main loop fed the watchdog last.
@@ -42,7 +42,7 @@ unsafe fn NonMaskableInt() {
         return;
     }
     defmt::error!("main loop stands still");
-    cause::note(Start::Watchdog);
+    cause::note(ResetCause::Watchdog);
     SCB::sys_reset()
 }
 
@@ -53,6 +53,6 @@ unsafe fn DefaultHandler(number: i16) {
         link::collect();
     } else {
         defmt::error!("unexpected exception {=i16}", number);
-        stop(Start::Fault)
+        stop(ResetCause::Fault)
     }
 }

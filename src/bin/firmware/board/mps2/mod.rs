@@ -18,7 +18,7 @@ use core::sync::atomic::Ordering;
 use cortex_m::peripheral::{Peripherals, SCB};
 use cortex_m_semihosting::debug;
 
-use fmc_camera::io::link::{deck::RigDeck, message::Start};
+use fmc_camera::io::link::{deck::RigDeck, message::ResetCause};
 
 use super::cause;
 
@@ -43,7 +43,7 @@ impl Board {
     pub(crate) const CAN_POWER_OFF: bool = true;
 
     /// Starts clocks, watchdog, link and log, once.
-    pub(crate) fn start() -> Option<(Self, Start)> {
+    pub(crate) fn start() -> Option<(Self, ResetCause)> {
         let mut core = Peripherals::take()?;
         let start = cause::take();
         clock::start(&mut core.SYST);
@@ -61,7 +61,7 @@ impl Board {
     }
 
     /// A test rig.
-    pub(crate) const fn deck(start: Start) -> Deck {
+    pub(crate) const fn deck(start: ResetCause) -> Deck {
         RigDeck::after(start)
     }
 
@@ -103,7 +103,7 @@ impl Board {
 
     pub(crate) fn reset(&mut self) -> ! {
         link::finish();
-        cause::note(Start::Requested);
+        cause::note(ResetCause::Requested);
         SCB::sys_reset()
     }
 

@@ -3,7 +3,7 @@
 
 use cortex_m::peripheral::SCB;
 use cortex_m_rt::exception;
-use fmc_camera::io::link::message::Start;
+use fmc_camera::io::link::message::ResetCause;
 
 use super::super::cause;
 use super::{clock::CORE_MHZ, control_loop};
@@ -14,8 +14,8 @@ const LOG_US: u32 = 20_000;
 /// Logs by `log`, unless that is what failed, and restarts.
 fn restart(log: impl FnOnce()) -> ! {
     control_loop::stop();
-    if cause::noted() != Start::Fault {
-        cause::note(Start::Fault);
+    if cause::noted() != ResetCause::Fault {
+        cause::note(ResetCause::Fault);
         log();
         cortex_m::asm::delay(CORE_MHZ * LOG_US);
     }

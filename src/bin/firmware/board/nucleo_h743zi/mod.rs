@@ -31,7 +31,7 @@ use self::{
     step_pins::StepPins,
 };
 use fmc_camera::flight::{flown_deck::FlownDeck, time::Clock};
-use fmc_camera::io::link::message::Start;
+use fmc_camera::io::link::message::ResetCause;
 
 use super::cause;
 
@@ -64,7 +64,7 @@ impl Board {
     pub(crate) const CAN_POWER_OFF: bool = false;
 
     /// Starts clocks, link and watchdog, once; `None` where that fails.
-    pub(crate) fn start() -> Option<(Self, Start)> {
+    pub(crate) fn start() -> Option<(Self, ResetCause)> {
         start_watchdog();
         let start = reason_of_start();
         let mut core = cortex_m::Peripherals::take()?;
@@ -72,7 +72,7 @@ impl Board {
         core.SCB.enable_dcache(&mut core.CPUID);
         let p = embassy_stm32::init(clock::configuration());
 
-        let restarted = Level::from(matches!(start, Start::Watchdog | Start::Fault));
+        let restarted = Level::from(matches!(start, ResetCause::Watchdog | ResetCause::Fault));
         let board = Self {
             link: Link::start(p.USART3, p.PD8, p.PD9),
             alive: Output::new(p.PB0, Level::High, Speed::Low),
@@ -108,7 +108,7 @@ impl Board {
     }
 
     /// The camera on this board's pins, not prepared.
-    pub(crate) fn deck(start: Start) -> Deck {
+    pub(crate) fn deck(start: ResetCause) -> Deck {
         FlownDeck::new(motor::drive(), start.unreferenced())
     }
 
@@ -179,19 +179,19 @@ fn start_watchdog() {
 }
 
 /// Why the processor started, from the flags of the reset controller, which it clears.
-fn reason_of_start() -> Start {
+fn reason_of_start() -> ResetCause {
     let flags = pac::RCC.rsr().read();
     pac::RCC.rsr().modify(|w| w.set_rmvf(true));
     // A brown-out leaves memory no more reliable than power coming on.
     if flags.porrstf() || flags.borrstf() {
         // Nor has the mark any content yet; reading it could fail the memory's error correction.
         cause::forget();
-        Start::PowerOn
-    } else if cause::take() == Start::Fault {
-        Start::Fault
+        ResetCause::PowerOn
+    } else if cause::take() == ResetCause::Fault {
+        ResetCause::Fault
     } else if flags.iwdg1rstf() {
-        Start::Watchdog
+        ResetCause::Watchdog
     } else {
-        Start::Requested
+        ResetCause::Requested
     }
 }

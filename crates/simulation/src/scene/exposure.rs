@@ -22,7 +22,7 @@ const GAUSS: [(f64, f64); 4] = [
 /// is transferred, the path of the stage has no knot, and the turbulence runs through a quarter of
 /// its shortest wave.
 #[derive(Debug, Clone)]
-pub struct Frame<'a> {
+pub struct ExposedScene<'a> {
     scene: &'a Scene,
     opening_s: f64,
     nodes: Vec<Node>,
@@ -31,8 +31,8 @@ pub struct Frame<'a> {
 impl Scene {
     /// Returns the exposure whose shutter opens at a time, s.
     #[must_use]
-    pub fn expose(&self, opening_s: f64) -> Frame<'_> {
-        Frame::new(self, opening_s)
+    pub fn expose(&self, opening_s: f64) -> ExposedScene<'_> {
+        ExposedScene::new(self, opening_s)
     }
 }
 
@@ -54,7 +54,7 @@ struct Instant {
     enlargement: f64,
 }
 
-impl<'a> Frame<'a> {
+impl<'a> ExposedScene<'a> {
     fn new(scene: &'a Scene, opening_s: f64) -> Self {
         let exposure_s = scene.shutter.exposure_s;
         let mut edges: Vec<f64> = scene.shutter.edges_s().to_vec();

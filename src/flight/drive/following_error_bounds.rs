@@ -4,7 +4,7 @@ use super::loop_settings::LoopSettings;
 
 /// What a stage keeps to with the gains of [`LoopSettings::tuned`], µm: largest of the true following error.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct FollowingBounds {
+pub struct FollowingErrorBounds {
     /// In cruise, 5 ms after the run-up.
     pub cruise_um: f32,
     /// Its change within 10 ms of that: what smears.
@@ -39,7 +39,7 @@ impl LoopSettings {
     };
 
     /// The stage of [`Plant::REFERENCE`](super::loop_settings::Plant::REFERENCE).
-    pub const NOMINAL: FollowingBounds = FollowingBounds {
+    pub const NOMINAL: FollowingErrorBounds = FollowingErrorBounds {
         cruise_um: 0.16,
         smear_um: 0.15,
         ramp_um: 1.3,
@@ -49,7 +49,7 @@ impl LoopSettings {
     };
 
     /// The same with an encoder of 0.5 µm instead of 0.1 µm.
-    pub const COARSE: FollowingBounds = FollowingBounds {
+    pub const COARSE: FollowingErrorBounds = FollowingErrorBounds {
         cruise_um: 0.5,
         smear_um: 0.7,
         ramp_um: 1.5,
@@ -60,7 +60,7 @@ impl LoopSettings {
 
     /// Mass, friction and force each 30 % more or less than in the settings, encoders of 0.1 µm and 0.5 µm, latencies
     /// of 0.1 ms and 0.2 ms each; after two strokes to and fro, in which the loop learns.
-    pub const LEARNED: FollowingBounds = FollowingBounds {
+    pub const LEARNED: FollowingErrorBounds = FollowingErrorBounds {
         cruise_um: 0.9,
         smear_um: 0.92,
         ramp_um: 2.2,
@@ -70,7 +70,7 @@ impl LoopSettings {
     };
 
     /// The same in the first motion ever.
-    pub const UNLEARNED: FollowingBounds = FollowingBounds {
+    pub const UNLEARNED: FollowingErrorBounds = FollowingErrorBounds {
         cruise_um: 7.0,
         smear_um: 4.0,
         ramp_um: 9.0,

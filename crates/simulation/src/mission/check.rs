@@ -1,14 +1,14 @@
-//! Single finding of a judgement.
+//! Single check of a judgement.
 
 use fmc_camera::flight::frame_record::Outcome;
 
 use super::flown::Flown;
 use crate::wording;
 
-/// A finding.
+/// A check.
 #[derive(Debug, Clone, PartialEq)]
-pub struct Finding {
-    /// Subject of the finding.
+pub struct Check {
+    /// Subject of the check.
     pub what: String,
     /// Result.
     pub found: String,
@@ -17,13 +17,13 @@ pub struct Finding {
 }
 
 /// Judges the number of refused triggers, which is at most `most`.
-pub(super) fn refused(flown: &Flown, most: usize) -> Finding {
+pub(super) fn refused(flown: &Flown, most: usize) -> Check {
     let refused = flown
         .frames
         .iter()
         .filter(|frame| matches!(frame.record.outcome, Outcome::Refused(_)))
         .count();
-    Finding {
+    Check {
         what: match most {
             0 => "no trigger refused".to_owned(),
             most => format!("at most {} refused", wording::counted(most, "trigger")),

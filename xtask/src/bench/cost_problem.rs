@@ -15,7 +15,7 @@ const UPDATE: &str = "`cargo xtask bench --update`";
 
 /// A finding.
 #[derive(Clone, Debug, PartialEq)]
-pub(crate) enum Finding {
+pub(crate) enum CostProblem {
     /// A cost is larger than in the table.
     Dearer {
         name: String,
@@ -46,7 +46,7 @@ pub(crate) enum Finding {
     NothingMeasured,
 }
 
-impl fmt::Display for Finding {
+impl fmt::Display for CostProblem {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
             Self::Dearer {
@@ -93,9 +93,9 @@ pub(crate) fn findings(
     table: &[Amount<'_>],
     limits: &[Limit],
     measured: &[Amount<'_>],
-) -> Vec<Finding> {
+) -> Vec<CostProblem> {
     if measured.is_empty() {
-        return vec![Finding::NothingMeasured];
+        return vec![CostProblem::NothingMeasured];
     }
     let mut findings = limit::held(limits, measured);
     let is_in =
@@ -103,12 +103,12 @@ pub(crate) fn findings(
     for now in measured.iter().filter(|row| is_in(table, row)) {
         let mut group = table.iter().filter(|row| row.is_of_group_of(now));
         match group.find(|row| row.is_of_same(now)) {
-            None => findings.push(Finding::NotInTable {
+            None => findings.push(CostProblem::NotInTable {
                 name: now.to_string(),
                 table: now.table,
             }),
             Some(known) if now.count > known.count * (1.0 + MAX_RISE) => {
-                findings.push(Finding::Dearer {
+                findings.push(CostProblem::Dearer {
                     name: now.to_string(),
                     unit: now.unit.clone(),
                     table: known.count,
@@ -121,7 +121,7 @@ pub(crate) fn findings(
     for known in table.iter().filter(|row| is_in(measured, row)) {
         let mut group = measured.iter().filter(|now| now.is_of_group_of(known));
         if !group.any(|now| now.is_of_same(known)) {
-            findings.push(Finding::NotMeasured {
+            findings.push(CostProblem::NotMeasured {
                 name: known.to_string(),
                 table: known.table,
             });
@@ -160,7 +160,7 @@ pub(crate) fn notes(
 mod tests {
     use super::super::cost::{Cost as _, Instructions, amounts};
     use super::super::limit::{Limit, SetBy};
-    use super::{Finding, findings, notes};
+    use super::{CostProblem, findings, notes};
 
     fn row_on(core: &str, kernel: &str, count: f64, compiler: &str) -> Instructions {
         Instructions {
@@ -191,7 +191,7 @@ mod tests {
         table: &[Instructions],
         limits: &[Limit],
         measured: &[Instructions],
-    ) -> Vec<Finding> {
+    ) -> Vec<CostProblem> {
         findings(&amounts(table), limits, &amounts(measured))
     }
 
@@ -216,7 +216,7 @@ mod tests {
         assert_eq!(said, [expected]);
         let dear = [row("a", 25.0, "1.95"), row("b", 25.1, "1.95")];
         let findings = compare(&table, &limits, &dear);
-        assert!(matches!(findings[..], [Finding::OverLimit { .. }]));
+        assert!(matches!(findings[..], [CostProblem::OverLimit { .. }]));
     }
 
     #[test]
@@ -225,11 +225,11 @@ mod tests {
         let limits = limits(&[("cortex-m4f", "a", 25.0)]);
         assert_eq!(compare(&both, &limits, &[row("a", 24.1, "1.95")]), []);
         let findings = compare(&both, &limits, &[row("a", 24.4, "1.95")]);
-        assert!(matches!(findings[..], [Finding::Dearer { .. }]));
+        assert!(matches!(findings[..], [CostProblem::Dearer { .. }]));
         let over = compare(&both, &limits, &[row("a", 25.1, "1.95")]);
         assert!(matches!(
             over[..],
-            [Finding::OverLimit { .. }, Finding::Dearer { .. }]
+            [CostProblem::OverLimit { .. }, CostProblem::Dearer { .. }]
         ));
         let none = notes(&amounts(&both), &limits, &amounts(&both[1..]));
         assert_eq!(none, [""; 0]);
@@ -250,7 +250,7 @@ mod tests {
         assert_eq!(notes(&amounts(&m4f), &limits, &amounts(&both)).len(), 1);
         let dear = row_on("cortex-m55", "a", 7.2, "1.96");
         let findings = compare(&m4f, &limits, &[m4f[0].clone(), dear]);
-        assert!(matches!(findings[..], [Finding::OverLimit { .. }]));
+        assert!(matches!(findings[..], [CostProblem::OverLimit { .. }]));
     }
 
     #[test]
@@ -269,11 +269,14 @@ mod tests {
     fn comparison_of_nothing_is_no_pass() {
         let table = [row("a", 1.0, "")];
         let limits = limits(&[("cortex-m4f", "a", 1.0)]);
-        assert_eq!(compare(&table, &limits, &[]), [Finding::NothingMeasured]);
-        assert_eq!(compare(&[], &[], &[]), [Finding::NothingMeasured]);
+        assert_eq!(
+            compare(&table, &limits, &[]),
+            [CostProblem::NothingMeasured]
+        );
+        assert_eq!(compare(&[], &[], &[]), [CostProblem::NothingMeasured]);
         // A table without limits does not pass either.
         let findings = compare(&table, &[], &table);
-        assert!(matches!(findings[..], [Finding::NoLimit { .. }]));
+        assert!(matches!(findings[..], [CostProblem::NoLimit { .. }]));
         assert_eq!(table[0].amounts().len(), 1);
     }
 }

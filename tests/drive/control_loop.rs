@@ -1,5 +1,6 @@
 //! Drive and controller in one round.
 
+use fmc_camera::flight::control_loop::{ControlLoop, Events};
 use fmc_camera::flight::controller::{Controller, Start};
 use fmc_camera::flight::drive::{FmcDrive, StageReading};
 use fmc_camera::flight::event::{Command, Event};
@@ -7,8 +8,7 @@ use fmc_camera::flight::fault::Fault;
 use fmc_camera::flight::settings::FlightSettings;
 use fmc_camera::flight::stage::Setpoint;
 use fmc_camera::flight::time::Time;
-use fmc_camera::flight::unit::{CameraUnit, Events};
-use fmc_camera::{CalibrationRecord, CameraRecord};
+use fmc_camera::{CalibrationParameters, CameraParameters};
 
 /// What was asked of the drive in a round.
 #[derive(Debug, Default)]
@@ -35,14 +35,14 @@ impl FmcDrive for Asked {
 
 #[test]
 fn stage_is_read_when_the_round_begins_and_not_after_its_events() {
-    let camera = CameraRecord::new(CalibrationRecord::new(100.0, [9216, 9216], 8.75));
+    let camera = CameraParameters::new(CalibrationParameters::new(100.0, [9216, 9216], 8.75));
     let controller =
         Controller::new(&camera, 0, &FlightSettings::default(), Start::Orderly).unwrap();
-    let mut unit = CameraUnit::new(controller, Asked::default());
+    let mut control = ControlLoop::new(controller, Asked::default());
     let mut round = |at_us, event| {
         let now = Time::from_us(at_us);
-        unit.round(now, &Events::from_iter([(now, event)]));
-        core::mem::take(&mut unit.drive_mut().0)
+        control.round(now, &Events::from_iter([(now, event)]));
+        core::mem::take(&mut control.drive_mut().0)
     };
     let arm = Event::Command(Command::Arm);
     assert_eq!(round(1000, arm), ["position", "follow"]);

@@ -20,14 +20,14 @@ const JOIN_SPEED: f32 = 1.5;
 /// `u = a + (x_s - x)/T² + 1.5·(v_s - v)/T`: both poles at 0 (Åström and Wittenmark, Computer-Controlled Systems, 3rd
 /// ed. 1997, section 4.3: dead-beat control).
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
-pub(super) struct LedMotion {
+pub(super) struct FeedForwardMotion {
     /// When the last duty began to act; its acceleration is the push since.
     at: Option<Setpoint>,
 }
 
 /// What is to be pushed until the next call.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub(super) struct Lead {
+pub(super) struct FeedForward {
     /// Where the stage should have been at the reading, mm.
     pub expected_mm: f32,
     /// Mean speed over the tick to come, mm/s.
@@ -49,9 +49,9 @@ pub(super) struct Delays {
     pub tick: f32,
 }
 
-impl LedMotion {
+impl FeedForwardMotion {
     /// One tick on; `dt_s` has passed since the last.
-    pub(super) fn lead(&mut self, setpoint: Setpoint, dt_s: f32, delays: Delays) -> Lead {
+    pub(super) fn lead(&mut self, setpoint: Setpoint, dt_s: f32, delays: Delays) -> FeedForward {
         let ahead = moved(setpoint, delays.duty);
         let (led, starts) = match self.at.map(|last| moved(last, dt_s)) {
             Some(led) if (ahead.offset_mm - led.offset_mm).abs() <= JUMP_MM => (led, false),
@@ -66,7 +66,7 @@ impl LedMotion {
             acceleration_mm_s2: push_mm_s2,
             ..led
         });
-        Lead {
+        FeedForward {
             expected_mm: moved(led, -(delays.duty + delays.reading)).offset_mm,
             speed_mm_s: led.speed_mm_s + 0.5 * push_mm_s2 * tick_s,
             push_mm_s2,
@@ -121,7 +121,7 @@ mod tests {
 
     #[test]
     fn corner_between_two_ticks_is_made_up_for_in_two_ticks() {
-        let mut led = LedMotion::default();
+        let mut led = FeedForwardMotion::default();
         let mut farthest_um: f32 = 0.0;
         for tick in 0_u8..20 {
             let wanted = ramp(f32::from(tick) * 1e-3);
@@ -142,7 +142,7 @@ mod tests {
 
     #[test]
     fn jump_of_the_set_point_is_left_to_the_feedback() {
-        let mut led = LedMotion::default();
+        let mut led = FeedForwardMotion::default();
         led.lead(Setpoint::default(), 0.0, DELAYS);
         let there = Setpoint {
             offset_mm: 0.1,

@@ -1,7 +1,9 @@
 //! Following of the stage with the gains of the library, against the documented bounds.
 
 use fmc_camera::flight::drive::settings::DriveSettings;
-use fmc_camera::flight::drive::{following::FollowingBounds, loop_settings::LoopSettings};
+use fmc_camera::flight::drive::{
+    following_error_bounds::FollowingErrorBounds, loop_settings::LoopSettings,
+};
 use fmc_simulation::mechanics::{EncoderSide, MechanicsSettings};
 
 use crate::mechanics::profile::{ACCELERATION_MM_S2, FASTEST_MM_S, Profile};
@@ -77,7 +79,7 @@ fn slow() -> MechanicsSettings {
     }
 }
 
-fn assert_within(found: Followed, bounds: &FollowingBounds) {
+fn assert_within(found: Followed, bounds: &FollowingErrorBounds) {
     println!("{found:.2?}");
     let pairs = [
         ("cruise", found.cruise_um, bounds.cruise_um),

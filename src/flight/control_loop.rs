@@ -22,12 +22,12 @@ pub type RoundActions = Vec<Action, MAX_ROUND_ACTIONS>;
 
 /// A camera that moves a stage.
 #[derive(Debug)]
-pub struct CameraUnit<Drive> {
+pub struct ControlLoop<Drive> {
     controller: Controller,
     drive: Drive,
 }
 
-impl<Drive: FmcDrive> CameraUnit<Drive> {
+impl<Drive: FmcDrive> ControlLoop<Drive> {
     /// A camera and its drive, which is released.
     #[must_use]
     pub const fn new(controller: Controller, drive: Drive) -> Self {
@@ -66,7 +66,7 @@ impl<Drive: FmcDrive> CameraUnit<Drive> {
     }
 }
 
-/// A round of the control loop, as [`CameraUnit::round`], the stage having been read: what the events cost is no way of
+/// A round of the control loop, as [`ControlLoop::round`], the stage having been read: what the events cost is no way of
 /// it.
 pub(crate) fn round(
     controller: &mut Controller,

@@ -7,11 +7,11 @@ pub(crate) const WINDOW: f32 = 1024.0;
 
 /// The mean square of the following error over about a second.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
-pub(crate) struct FollowingError {
+pub(crate) struct FollowingErrorRms {
     mean_square_um2: f32,
 }
 
-impl FollowingError {
+impl FollowingErrorRms {
     /// Nothing has been read yet.
     #[must_use]
     pub(crate) const fn new() -> Self {
@@ -46,7 +46,7 @@ mod tests {
     #[test]
     fn rms_is_right_within_the_stated_error() {
         for amplitude_um in [0.1_f32, 0.37, 1.0, 2.9, 8.0] {
-            let mut following = FollowingError::default();
+            let mut following = FollowingErrorRms::default();
             for reading in 0..20_000_u16 {
                 let sign = if reading % 2 == 0 { 1.0 } else { -1.0 };
                 following.push(sign * 1e-3 * amplitude_um);
@@ -54,6 +54,6 @@ mod tests {
             let error = following.rms_um() / amplitude_um - 1.0;
             assert!(error.abs() <= ROOT_ERROR, "{amplitude_um}: {error}");
         }
-        assert!(FollowingError::default().rms_um() < 1e-6);
+        assert!(FollowingErrorRms::default().rms_um() < 1e-6);
     }
 }

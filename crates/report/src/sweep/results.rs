@@ -1,4 +1,4 @@
-//! The findings of a sweep in words, for terminal and page alike.
+//! The results of a sweep in words, for terminal and page alike.
 
 use fmc_camera::geometry::estimation::fit::{Fit, FitError};
 use fmc_camera::geometry::estimation::parameter::Parameter;
@@ -97,9 +97,9 @@ pub(super) struct Estimate {
 /// Limit of the exact model's residuals by rounding alone, µm rms.
 const ROUNDING_UM: f64 = 1e-5;
 
-/// Findings of a report.
+/// SweepResults of a report.
 #[derive(Debug, Clone, PartialEq, Eq)]
-pub(super) struct Findings {
+pub(super) struct SweepResults {
     /// Description of the simulation, in a line.
     pub(super) simulated: String,
     pub(super) rows: Vec<Row>,
@@ -107,7 +107,7 @@ pub(super) struct Findings {
     pub(super) sentences: Vec<String>,
 }
 
-impl Findings {
+impl SweepResults {
     pub(super) fn of(sweep: &Sweep) -> Self {
         let both = sweep.both();
         let mut sentences = vec![divisors(sweep)];

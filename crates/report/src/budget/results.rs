@@ -1,4 +1,4 @@
-//! The findings of a budget in words, for terminal and page alike.
+//! The results of a budget in words, for terminal and page alike.
 
 use fmc_simulation::budget::result::{Budget, Exposures, Kind, Source, Term};
 
@@ -19,16 +19,16 @@ pub(super) struct Row {
     pub(super) ground_cm: String,
 }
 
-/// Findings of a report.
+/// BudgetResults of a report.
 #[derive(Debug, Clone, PartialEq, Eq)]
-pub(super) struct Findings {
+pub(super) struct BudgetResults {
     pub(super) camera: String,
     pub(super) exposures: String,
     pub(super) rows: Vec<Row>,
     pub(super) advice: String,
 }
 
-impl Findings {
+impl BudgetResults {
     pub(super) fn of(budget: &Budget) -> Self {
         let [slowest, fastest] = budget.vh_per_s;
         let [shortest, longest] = budget.exposure_s;

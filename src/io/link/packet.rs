@@ -4,7 +4,7 @@ use cobs::{DecodeResult, DecoderState};
 use crc::{CRC_32_ISO_HDLC, Crc, Table};
 use heapless::Vec;
 
-use super::{CRC_BYTES, LENGTH_BYTES, LONGEST_CHECKED, LONGEST_FRAME, LONGEST_PAYLOAD};
+use super::{CRC_BYTES, LENGTH_BYTES, LONGEST_CHECKED, LONGEST_PACKET, LONGEST_PAYLOAD};
 
 /// CRC-32 (ISO-HDLC): of frames, calibrations and grids.
 pub(super) const CRC: Crc<u32, Table<1>> = Crc::<u32, Table<1>>::new(&CRC_32_ISO_HDLC);
@@ -14,15 +14,15 @@ pub(crate) const DELIMITER: u8 = 0;
 
 /// A frame as it goes over the wire, with a zero at either end.
 #[derive(Debug, Clone, PartialEq, Eq)]
-pub struct Frame {
-    bytes: [u8; LONGEST_FRAME],
+pub struct Packet {
+    bytes: [u8; LONGEST_PACKET],
     length: usize,
 }
 
-impl Frame {
+impl Packet {
     /// A frame of no bytes.
     pub const EMPTY: Self = Self {
-        bytes: [DELIMITER; LONGEST_FRAME],
+        bytes: [DELIMITER; LONGEST_PACKET],
         length: 0,
     };
 
@@ -71,7 +71,7 @@ fn wire_from_number<const N: usize>(number: u32) -> [u8; N] {
 pub enum Damage {
     /// It is not as long as it says, or ends in the middle of a block of COBS.
     Truncated,
-    /// It is longer than [`LONGEST_FRAME`].
+    /// It is longer than [`LONGEST_PACKET`].
     Oversized,
     /// Its CRC is wrong.
     Crc,
@@ -79,7 +79,7 @@ pub enum Damage {
 
 /// Cuts the bytes of a wire into frames.
 #[derive(Debug, Default)]
-pub struct FrameReceiver {
+pub struct PacketReceiver {
     /// The frame under way, as it came.
     received: Vec<u8, LONGEST_CHECKED>,
     oversized: bool,
@@ -87,7 +87,7 @@ pub struct FrameReceiver {
     ended: bool,
 }
 
-impl FrameReceiver {
+impl PacketReceiver {
     /// A receiver before the first byte.
     #[must_use]
     pub const fn new() -> Self {
@@ -157,13 +157,13 @@ mod tests {
 
     #[test]
     fn payload_that_does_not_fit_leaves_an_empty_frame() {
-        let mut frame = Frame::EMPTY;
+        let mut frame = Packet::EMPTY;
         let full = |buffer: &mut [u8]| {
             buffer.fill(7);
             Some(buffer.len())
         };
         assert_eq!(frame.fill(full), Some(()));
-        assert_eq!(frame.bytes().len(), LONGEST_FRAME);
+        assert_eq!(frame.bytes().len(), LONGEST_PACKET);
         for refused in [None, Some(LONGEST_PAYLOAD + 1)] {
             assert_eq!(frame.fill(|_| refused), None);
             assert!(frame.bytes().is_empty());
