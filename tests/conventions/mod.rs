@@ -21,3 +21,5 @@ mod names;
 mod ranges;
 #[cfg(test)]
 mod readme;
+#[cfg(test)]
+mod terms;

@@ -14,7 +14,7 @@ use super::run;
 /// Error of a device that refused a camera or failed.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
 #[error("{camera}: {error}")]
-pub struct CheckError<E> {
+pub struct VerificationError<E> {
     /// Name of the camera that was checked.
     pub camera: String,
     /// Error of the device.
@@ -28,14 +28,14 @@ pub struct CheckError<E> {
 /// difference and ends there; it leaves out the cameras after that one.
 ///
 /// # Errors
-/// [`CheckError`] of the first camera that a device refuses or fails with. Without a device no
+/// [`VerificationError`] of the first camera that a device refuses or fails with. Without a device no
 /// camera is checked.
 pub fn cameras<D: CorrectingDevice + ?Sized>(
     devices: &mut [Box<D>],
     cameras: &[CameraFile],
     before_camera: impl Fn(&str) + Sync,
     after_frame: impl Fn() + Sync,
-) -> Result<Verification, CheckError<D::Error>> {
+) -> Result<Verification, VerificationError<D::Error>> {
     let next = AtomicUsize::new(0);
     let checked = Mutex::new(Vec::new());
     thread::scope(|scope| {
@@ -74,7 +74,7 @@ pub fn cameras<D: CorrectingDevice + ?Sized>(
             }
             Err(error) => {
                 let camera = camera.name.clone();
-                return Err(CheckError { camera, error });
+                return Err(VerificationError { camera, error });
             }
         }
     }
@@ -106,10 +106,10 @@ fn since(before: Evidence, now: Evidence) -> Evidence {
 /// Returns the counters of all devices' links together; `None` if there is no link.
 fn link<D: CorrectingDevice + ?Sized>(
     devices: &mut [Box<D>],
-) -> Result<Option<Counters>, CheckError<D::Error>> {
+) -> Result<Option<Counters>, VerificationError<D::Error>> {
     let mut sum: Option<Counters> = None;
     for device in devices {
-        let counters = device.counters().map_err(|error| CheckError {
+        let counters = device.counters().map_err(|error| VerificationError {
             camera: device.description(),
             error,
         })?;
@@ -224,7 +224,10 @@ mod tests {
             .collect()
     }
 
-    fn checked(count: usize, files: &[CameraFile]) -> Result<Verification, CheckError<Failure>> {
+    fn checked(
+        count: usize,
+        files: &[CameraFile],
+    ) -> Result<Verification, VerificationError<Failure>> {
         let mut devices: Vec<Box<InProcess>> = (0..count).map(|_| Box::default()).collect();
         cameras(&mut devices, files, |_| (), || ())
     }

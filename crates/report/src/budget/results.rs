@@ -19,7 +19,7 @@ pub(super) struct Row {
     pub(super) ground_cm: String,
 }
 
-/// BudgetResults of a report.
+/// Results of a report.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub(super) struct BudgetResults {
     pub(super) camera: String,

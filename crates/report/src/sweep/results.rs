@@ -97,7 +97,7 @@ pub(super) struct Estimate {
 /// Limit of the exact model's residuals by rounding alone, µm rms.
 const ROUNDING_UM: f64 = 1e-5;
 
-/// SweepResults of a report.
+/// Results of a report.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub(super) struct SweepResults {
     /// Description of the simulation, in a line.

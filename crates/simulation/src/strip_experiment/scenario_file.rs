@@ -27,7 +27,7 @@ pub struct ScenarioFile {
     pub pos: PosTable,
     pub control: ControlTable,
     #[serde(default)]
-    pub check: CheckTable,
+    pub check: CheckPointTable,
 }
 
 /// `[flight]`.
@@ -192,11 +192,11 @@ pub struct GroundPoint {
     missing_docs,
     reason = "each field is the key of the same name in the scenario"
 )]
-pub struct CheckTable {
+pub struct CheckPointTable {
     pub points_per_side: i64,
 }
 
-impl Default for CheckTable {
+impl Default for CheckPointTable {
     fn default() -> Self {
         Self { points_per_side: 7 }
     }
