@@ -1,9 +1,10 @@
-//! Linker arguments of the firmware and the memory of its board. They stand here, and not in RUSTFLAGS, so that a user's
-//! flags cannot displace them. A build of the library alone gets none.
+//! Linker arguments of the firmware, and the memory of its board. They stand here and not in
+//! RUSTFLAGS, so that a user's flags cannot displace them. A build of the library alone gets none
+//! of them.
 
 use std::{env, fs, io, path::PathBuf};
 
-/// Features that choose a board, and where its memory is described.
+/// Features that choose a board, each with the file that describes its memory.
 const BOARDS: [(&str, &str); 2] = [
     (
         "CARGO_FEATURE_BOARD_MPS2",
@@ -15,10 +16,10 @@ const BOARDS: [(&str, &str); 2] = [
     ),
 ];
 
-/// What cargo is told for the firmware alone, behind `cargo rustc --`; with features instead, cargo would compile the
-/// library anew for each.
-/// `drills` are accidents on request, for tests; `link_check` links only if nothing can panic, and `negative_control` adds
-/// a panic to that.
+/// Conditions that are set for the firmware alone, by arguments behind `cargo rustc --`; features
+/// would make cargo compile the library anew for each. `drills` compiles in accidents on request,
+/// for tests; `link_check` links only if nothing can panic, and `negative_control` adds a panic to
+/// that.
 const CFGS: [&str; 3] = ["drills", "link_check", "negative_control"];
 
 fn main() -> io::Result<()> {
@@ -38,7 +39,7 @@ fn main() -> io::Result<()> {
     Ok(())
 }
 
-/// What the firmware needs on the board whose memory that file describes.
+/// Tells cargo the linker arguments for the board whose memory that file describes.
 fn firmware(memory: &str) -> io::Result<()> {
     println!("cargo::rustc-cfg=board");
     if let Some(out) = env::var_os("OUT_DIR").map(PathBuf::from) {
@@ -55,7 +56,7 @@ fn firmware(memory: &str) -> io::Result<()> {
     Ok(())
 }
 
-/// Without the variable only errors would be compiled in.
+/// Sets the level of the log, because without the variable only errors would be compiled in.
 fn log_level() {
     println!("cargo::rerun-if-env-changed=DEFMT_LOG");
     if env::var_os("DEFMT_LOG").is_none() {

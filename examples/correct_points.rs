@@ -1,7 +1,8 @@
 //! Measured points of a file, corrected for the exposure in which they were recorded.
 //!
-//! `cargo run --example correct_points -- POINTS.csv` reads columns `id,x_mm,y_mm`; without a file it takes
-//! `examples/data/points.csv`. `host-sim correct` does the same for files of any size and for every camera file.
+//! `cargo run --example correct_points -- POINTS.csv` reads columns `id,x_mm,y_mm`; without a file
+//! it takes `examples/data/points.csv`. `host-sim correct` does the same for files of any size and
+//! for every camera file.
 
 use std::{env, error::Error, fmt::Write as _, fs};
 
@@ -27,10 +28,10 @@ fn camera() -> Result<Camera, Box<dyn Error>> {
     Ok(Camera::new(CameraParameters::new(lens))?)
 }
 
-/// The corrected points of a table, with what was subtracted.
+/// Returns the corrected points of a table, with the distortion that was subtracted.
 ///
 /// # Errors
-/// A row that is no point, or whose point lies off the sensor, by its line.
+/// An error with the line of the first row that is not a point, or whose point lies off the sensor.
 pub(crate) fn corrected(table: &str) -> Result<String, Box<dyn Error>> {
     // V/H in 1/s, exposure in s: 200 m/s at 1176 m above the ground, 1/200 s.
     let frame = camera()?.frame(&Exposure::new(0.17, 1.0 / 200.0))?;

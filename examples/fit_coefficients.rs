@@ -1,8 +1,8 @@
-//! The five coefficients of Yuan et al. 2012 from distortions observed at several exposures, in single precision as the
-//! camera itself fits them.
+//! The five coefficients of Yuan et al. 2012, fitted to distortions observed at several exposures,
+//! in single precision as in the camera.
 //!
-//! `cargo run --example fit_coefficients --features estimation`; `host-sim calibrate five` reads files of observations and
-//! finds gross errors in them.
+//! `cargo run --example fit_coefficients --features estimation`; `host-sim calibrate five` reads
+//! files of observations and finds gross errors in them.
 
 use std::{error::Error, fmt::Write as _};
 
@@ -19,23 +19,24 @@ use fmc_camera::{CalibrationParameters, Camera, CameraParameters, Exposure, Sens
 /// Standard deviation of an observed distortion, mm.
 const SIGMA_MM: f32 = 1e-3;
 
-/// What a comparator reads: the truth, rounded to whole micrometres.
+/// Returns the reading of a comparator: the truth, rounded to whole micrometres.
 fn read_mm(truth_mm: f32) -> f32 {
     (1e3 * truth_mm).round() / 1e3
 }
 
-/// Observations of five exposures at 81 points each, adjusted.
+/// Adjusts observations of five exposures at 81 points each.
 pub(crate) fn fit() -> Result<String, Box<dyn Error>> {
     let mut lens = CalibrationParameters::new(100.0, [9216, 9216], 8.75);
     lens.distortion.k1 = -1e-5;
     let mut parameters = CameraParameters::new(lens);
     if let Mechanism::Stage { run_up, .. } = &mut parameters.mechanism {
-        // The shutter opens when the principal point has left its calibrated place.
+        // The shutter opens after the principal point has left its calibrated place.
         *run_up = RunUp::FromRest;
     }
     let camera = Camera::new(parameters)?;
 
-    // Per mm of c̄, the mean offset of the principal point: for a distortion of K1 alone, Kd1 = -2·K1 and Pm1 = -K1.
+    // Per mm of c̄, the mean offset of the principal point: for a distortion of K1 alone, Kd1 =
+    // -2·K1 and Pm1 = -K1.
     let options = FitOptions {
         regressor: Regressor::Centroid,
         ..FitOptions::default()

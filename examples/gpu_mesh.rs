@@ -1,5 +1,6 @@
-//! The mesh with which a graphics processor draws a frame corrected: its vertices are pixels of the recorded image, each
-//! drawn where its correction leads. `cargo run --example gpu_mesh`; `host-sim mesh --format gpu` writes the files.
+//! Mesh with which a graphics processor draws a frame corrected: its vertices are pixels of the
+//! recorded image, each drawn at its corrected place. `cargo run --example gpu_mesh`;
+//! `host-sim mesh --format gpu` writes the files.
 
 use std::{error::Error, fmt::Write as _};
 
@@ -9,12 +10,13 @@ use fmc_camera::{Brown, CalibrationParameters, Camera, CameraParameters, Exposur
 
 const COLUMNS_PX: u16 = 14204;
 const ROWS_PX: u16 = 10652;
-/// From one vertex to the next.
+/// Distance from one vertex to the next.
 const SPACING_PX: u16 = 64;
 /// Vertices of a row: the last one lies at the image's end or up to one spacing beyond.
 const VERTICES: u16 = (COLUMNS_PX - 1).div_ceil(SPACING_PX) + 1;
 
-/// What the mesh of an exposure is: its size, its bounds, and the correction at four of its vertices.
+/// Describes the mesh of an exposure: its size, its bounds, and the correction at four of its
+/// vertices.
 pub(crate) fn mesh() -> Result<String, Box<dyn Error>> {
     let mut lens = CalibrationParameters::new(51.3712, [COLUMNS_PX.into(), ROWS_PX.into()], 3.76);
     lens.distortion = Brown {
@@ -39,7 +41,7 @@ pub(crate) fn mesh() -> Result<String, Box<dyn Error>> {
             count: VERTICES,
             origin_px: [0, 0],
         };
-        // One row after the other goes into the buffer that the graphics processor reads.
+        // Each row in turn is written to the buffer that the graphics processor reads.
         let filled = row.corrections(&mesh, &mut corrections)?;
         vertices += filled.len();
         for (index, correction) in filled.iter().enumerate() {

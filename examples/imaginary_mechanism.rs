@@ -1,5 +1,5 @@
-//! A camera with a mechanism of its own: a voice coil with an amplifier that goes where it is told. Mechanism, shutter and
-//! V/H are imaginary, and so is time; the rest is what firmware does. `cargo run --example imaginary_mechanism`
+//! A user's own mechanism, a voice coil whose amplifier follows a set point; all but the library is
+//! imaginary, time included. `cargo run --example imaginary_mechanism`
 
 use fmc_camera::flight::control_loop::{ControlLoop, Events};
 use fmc_camera::flight::controller::{Controller, Start};
@@ -20,7 +20,7 @@ const PART: f32 = 0.632;
 #[derive(Debug, Default)]
 struct VoiceCoil {
     offset_mm: f32,
-    /// What the amplifier was told; without force the stage stays where it is.
+    /// Set point of the amplifier; without force the stage stays in place.
     told_mm: Option<f32>,
 }
 
@@ -36,7 +36,7 @@ impl FmcDrive for VoiceCoil {
     }
 
     fn follow(&mut self, _: Time, setpoint: Setpoint) -> Result<(), Fault> {
-        // Ahead by the lag, and by half of the millisecond until the next.
+        // The set point leads by the lag, and by half of the millisecond until the next.
         self.told_mm = Some(setpoint.offset_mm + 1.5e-3 * setpoint.speed_mm_s);
         Ok(())
     }
@@ -46,7 +46,7 @@ impl FmcDrive for VoiceCoil {
     }
 }
 
-/// A second and a half with one trigger, and what happens in it.
+/// Flies a second and a half with one trigger, and returns the events.
 pub(crate) fn flight() -> Result<String, Box<dyn Error>> {
     let camera = CameraParameters::new(CalibrationParameters::new(100.0, [9216, 9216], 8.75));
     let controller = Controller::new(&camera, 0, &FlightSettings::default(), Start::Orderly)?;
@@ -55,7 +55,7 @@ pub(crate) fn flight() -> Result<String, Box<dyn Error>> {
     for round in 1..=1500 {
         let now = Time::from_us(1000 * round);
         let before = unit.controller().state();
-        // What interrupts have stamped since the last round, in order of time.
+        // Events that interrupts have stamped since the last round, in order of time.
         let mut events: Events = edges.extract_if(.., |(time, _)| *time <= now).collect();
         let stamped = match round {
             1 => events.push((now, Event::Command(Command::Arm))),
@@ -67,7 +67,7 @@ pub(crate) fn flight() -> Result<String, Box<dyn Error>> {
         for action in unit.round(now, &events) {
             match action {
                 Action::OpenShutter { at, exposure_s } => {
-                    // A blade that comes 30 µs late and stays open 5 µs too long.
+                    // The blade comes 30 µs late and stays open 5 µs too long.
                     let opened = at.plus_s(unit.controller().settings().shutter_latency_s + 30e-6);
                     let closed = opened.plus_s(exposure_s + 5e-6);
                     edges.push((opened, Event::Shutter(ShutterEdge::Opened)));

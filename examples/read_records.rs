@@ -1,7 +1,9 @@
-//! Frame records, as `host-sim records` and `host-sim mission` write them, read for a block adjustment: for every image its
-//! principal point with σ and the instant to which it belongs, and for every trigger without an image the reason.
+//! Frame records, as `host-sim records` and `host-sim mission` write them, read for a block
+//! adjustment: for every image its principal point with σ and the instant to which it belongs, and
+//! for every trigger without an image the reason.
 //!
-//! `cargo run --example read_records -- records.csv`; without a file it takes `examples/data/records.csv`.
+//! `cargo run --example read_records -- records.csv`; without a file it takes
+//! `examples/data/records.csv`.
 
 use std::{env, error::Error, fmt::Write as _, fs};
 
@@ -11,7 +13,7 @@ struct Record {
     sequence: u32,
     outcome: String,
     reason: String,
-    /// The camera's own clock, µs; `centroid_unix_us` is UTC where a time pulse has set it.
+    /// Time of the camera's own clock, µs; `centroid_unix_us` is UTC if a time pulse has set it.
     centroid_us: Option<u64>,
     principal_point_x_mm: Option<f64>,
     principal_point_y_mm: Option<f64>,
@@ -20,10 +22,10 @@ struct Record {
     flags: String,
 }
 
-/// A line for every record.
+/// Returns a line for every record.
 ///
 /// # Errors
-/// A row that is no record, by its line.
+/// An error with the line of the first row that is not a record.
 pub(crate) fn orientations(table: &str) -> Result<String, Box<dyn Error>> {
     let mut text = String::new();
     let (mut images, mut triggers) = (0, 0);
@@ -47,7 +49,8 @@ pub(crate) fn orientations(table: &str) -> Result<String, Box<dyn Error>> {
             continue;
         };
         images += 1;
-        // Of an image without compensation the principal point stands off its place; its σ holds all the same.
+        // The principal point of an image without compensation is off its calibrated place; its σ
+        // is valid all the same.
         let note = if record.flags.contains("no compensation") {
             ", not compensated"
         } else {

@@ -1,17 +1,17 @@
 //! Folders and documents that come with the source.
 //!
-//! | where | what is in it |
+//! | where | contents |
 //! |---|---|
 //! | `docs/conventions.md` | frames, signs, units, names and ranges |
-//! | `docs/integration.md` | from wiring to the first exposure; settings, timing diagram, cause and remedy of every fault |
+//! | `docs/integration.md` | wiring, first exposure, settings, timing, remedy of every fault |
 //! | `docs/board.md` | the firmware on a NUCLEO-H743ZI2: wiring, flashing, porting |
-//! | `docs/errata.md` | where and why the library departs from a printed formula; `docs/derivations` has the scripts |
-//! | `docs/performance.md` | what a point costs, and why; `docs/control_loop.md`: what the control loop leaves of a core |
+//! | `docs/errata.md` | departures from printed formulas; `docs/derivations` has the scripts |
+//! | `docs/performance.md` | cost of a point; `docs/control_loop.md`: load of the control loop |
 //! | `docs/instructions.csv`, `docs/footprint.csv`, `docs/limits.csv` | costs, and their limits |
-//! | `examples` | a file's points corrected, a mesh, coefficients fitted, records read, a mechanism of one's own |
-//! | `tests` | what a user of the library would check |
+//! | `examples` | points of a file, a mesh, a fit, records, a user's own mechanism |
+//! | `tests` | tests of the library as its users see it |
 //! | `crates`, `host-sim` | libraries and program of the PC; `host-sim/cameras` has camera files |
-//! | `xtask`, `benches`, `fuzz` | the project's commands, what is counted and timed, hostile input |
+//! | `xtask`, `benches`, `fuzz` | the project's commands, counts and times, hostile input |
 //!
-//! `docs/figures/dynamic-change.svg`, what the motion adds to the distortion of a 50 mm lens:
+//! The motion adds to the distortion of a 50 mm lens as shown (`docs/figures/dynamic-change.svg`):
 #![doc = include_str!("../docs/figures/dynamic-change.svg")]

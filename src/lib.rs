@@ -1,13 +1,13 @@
 #![no_std]
 #![forbid(unsafe_code)]
-// Of two definitions of a link the first is taken: here the README's links lead to modules.
+// rustdoc takes the first of two definitions of a link: here the README's links lead to modules.
 #![doc = include_str!("readme_links.md")]
 #![doc = include_str!("../README.md")]
 
 #[cfg(test)]
 extern crate std;
 
-/// Its code compiles.
+/// Compiles the code of the integration guide.
 #[cfg(all(doctest, feature = "link"))]
 #[doc = include_str!("../docs/integration.md")]
 pub mod integration {}

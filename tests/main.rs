@@ -1,4 +1,5 @@
-//! The library as its users see it; one program, so that all tests share the processor's cores.
+//! Tests of the library as its users see it, in one program, so that all of them share the
+//! processor's cores.
 
 #[cfg(all(test, feature = "mavlink", feature = "nmea"))]
 mod aircraft;

@@ -205,7 +205,7 @@ mod tests {
         }
     }
 
-    /// MODEL: f = 100 mm, V/H 0.10 1/s, 1/300 s: δ = 33.3 µm.
+    /// δ = f·η·t (`docs/conventions.md`, section 4) for 100 mm, 0.10 1/s and 1/300 s: 33.3 µm.
     const DELTA_MM: f32 = 0.1 / 3.0;
 
     #[test]

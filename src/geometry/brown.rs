@@ -1,4 +1,4 @@
-//! The static lens distortion: Brown's polynomial.
+//! Brown's polynomial: the static distortion of a lens.
 
 use super::evaluation_form::{Displacement, EvaluationForm, Jacobian};
 use super::range::{OutOfRange, Quantity};
@@ -40,10 +40,10 @@ impl Brown {
         b2: 0.0,
     };
 
-    /// The coefficients, if all of them are finite numbers.
+    /// Returns the coefficients if all of them are finite numbers.
     ///
     /// # Errors
-    /// [`OutOfRange`] naming the first that is not.
+    /// [`OutOfRange`], which names the first that is not.
     pub fn checked(self) -> Result<Self, OutOfRange> {
         for (quantity, value) in [
             (Quantity::K0, self.k0),
@@ -60,7 +60,7 @@ impl Brown {
         Ok(self)
     }
 
-    /// The static distortion at a point relative to the principal point.
+    /// Returns the static distortion at a point relative to the principal point.
     ///
     /// # Model
     /// `Dx = x̄(K0 + K1r² + K2r⁴ + K3r⁶) + P1(r² + 2x̄²) + 2P2x̄ȳ + B1x̄ + B2ȳ`,
@@ -69,7 +69,8 @@ impl Brown {
     /// [`EvaluationForm`] with hx = 2P1, hy = 2P2, gx = P1, gy = P2.
     ///
     /// # Units and frames
-    /// `x`, `y` in mm of the sensor frame from the principal point; displacement in mm, measured - ideal.
+    /// `x`, `y` in mm of the sensor frame from the principal point; displacement in mm, measured -
+    /// ideal.
     ///
     /// # Accuracy
     /// Rounding ≤ 0.11 nm for the published calibrations (`tests/geometry/accuracy.rs`).
@@ -86,13 +87,13 @@ impl Brown {
         self.evaluation_form().displacement(x, y)
     }
 
-    /// The derivatives of [`Self::displacement`] by x and y.
+    /// Returns the derivatives of [`Self::displacement`] by x and y.
     #[must_use]
     pub fn jacobian(&self, x: f32, y: f32) -> Jacobian {
         self.evaluation_form().jacobian(x, y)
     }
 
-    /// The same polynomial in the form every model is evaluated in.
+    /// Returns the same polynomial in the form in which every model is evaluated.
     #[must_use]
     pub fn evaluation_form(&self) -> EvaluationForm {
         EvaluationForm {

@@ -9,7 +9,7 @@ use super::principal_distance::Flatness;
 use super::range::{MAX_FOCUS_FRACTION, OutOfRange, Quantity};
 use super::sensor::{FmcAxis, Sensor, SensorPoint};
 
-/// What a calibration certificate and the mechanism's drawing say, not yet believed.
+/// Numbers of a calibration certificate and of the mechanism's drawing, not yet validated.
 #[derive(Debug, Clone, Copy, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct CalibrationParameters {
@@ -41,8 +41,8 @@ pub struct CalibrationParameters {
 pub(crate) const DEFAULT_STROKE_MM: f32 = 4.0;
 
 impl CalibrationParameters {
-    /// A lens without distortion at `principal_distance_mm` before [columns, rows] of pixels of
-    /// `pixel_um`; everything else as in a camera file that names nothing else.
+    /// Returns a lens without distortion at `principal_distance_mm` before [columns, rows] of
+    /// pixels of `pixel_um`; all other numbers are the defaults of the camera file.
     #[must_use]
     pub const fn new(principal_distance_mm: f32, size_px: [u32; 2], pixel_um: f32) -> Self {
         let [width_px, height_px] = size_px;
@@ -62,7 +62,7 @@ impl CalibrationParameters {
     }
 }
 
-/// A calibration that has been shown to be usable: finite, in range, one-to-one over the sensor
+/// Calibration that has been shown to be usable: finite, in range, one-to-one over the sensor
 /// wherever the principal point may be within the stroke.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Calibration {
@@ -73,7 +73,7 @@ pub struct Calibration {
     least_scale: f32,
 }
 
-/// Which polynomial of a calibration is meant.
+/// One of the two polynomials of a calibration.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
@@ -89,15 +89,15 @@ pub enum Polynomial {
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub enum CalibrationError {
-    /// A number is not a number or not believable.
+    /// A number is not finite or outside its range.
     OutOfRange(OutOfRange),
-    /// The polynomial folds the image inside the sensor, or comes too near to it.
+    /// The polynomial folds the image inside the sensor, or comes close to it.
     Folds {
-        /// Which polynomial.
+        /// The polynomial that folds.
         polynomial: Polynomial,
         /// Lower bound of the scale `∂(ideal)/∂(measured)`; [`MIN_SCALE`] is required.
         scale: f32,
-        /// Where.
+        /// Place of the smallest scale.
         at: SensorPoint,
     },
 }
@@ -139,13 +139,13 @@ impl Calibration {
     /// Validates parameters.
     ///
     /// # Model
-    /// Every number finite and in its range; both polynomials one-to-one over the sensor enlarged
-    /// by half the stroke along the FMC axis, with the slope that focus shift (up to
-    /// [`MAX_FOCUS_FRACTION`]), μ₂ terms and the fitted δ terms may add
-    /// ([`least_scale`]).
+    /// Checks that every number is finite and in its range, and that both polynomials are
+    /// one-to-one over the sensor enlarged by half the stroke along the FMC axis. The slope that
+    /// the focus shift (up to [`MAX_FOCUS_FRACTION`]), the μ₂ terms and the fitted δ terms may add
+    /// is included ([`least_scale`]).
     ///
     /// # Errors
-    /// [`CalibrationError`] naming the quantity, its value and the allowed range.
+    /// [`CalibrationError`], which names the quantity, its value and the allowed range.
     pub fn new(parameters: CalibrationParameters) -> Result<Self, CalibrationError> {
         let sensor = Sensor::new(
             parameters.width_px,
@@ -246,8 +246,8 @@ impl Calibration {
     }
 }
 
-/// What a frame may add to the slope of the static polynomial: the largest focus shift and the μ₂
-/// terms of the largest travel (the variance of a path within ±s/2 is at most s²/4).
+/// Returns the slope that a frame may add to the static polynomial: that of the largest focus shift
+/// and of the μ₂ terms of the largest travel (the variance of a path within ±s/2 is at most s²/4).
 fn exposure_slope(lens: &Brown, region: Region, stroke_mm: f32) -> f32 {
     let variance = 0.25 * stroke_mm * stroke_mm;
     let radius = region.radius_mm();
@@ -261,8 +261,8 @@ fn exposure_slope(lens: &Brown, region: Region, stroke_mm: f32) -> f32 {
 mod tests {
     use super::*;
 
-    /// 80 mm x 40 mm behind 100 mm, with a K1 that folds the image at `radius` mm from the
-    /// principal point: 3·K1·r² = 1.
+    /// Returns the parameters of a camera of 80 mm x 40 mm and f = 100 mm, whose K1 folds the image at
+    /// `radius` mm from the principal point: 3·K1·r² = 1.
     fn folding_at(radius: f32) -> CalibrationParameters {
         let mut parameters = CalibrationParameters::new(100.0, [8000, 4000], 10.0);
         parameters.stroke_mm = 0.1;

@@ -1,4 +1,4 @@
-//! The one polynomial into which every model folds, once per frame.
+//! The evaluation form: the polynomial into which every model is folded once per frame.
 
 /// A displacement in the sensor frame, mm: distortion is *measured - ideal*.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
@@ -30,8 +30,8 @@ pub struct Jacobian {
 /// `Dx = X·G + gx·R + b₁·X + b₂·Y + tx`,
 /// `Dy = Y·G + gy·R + ty`.
 ///
-/// Static, exact dynamic and five-coefficient models differ in the numbers alone, so the cost per
-/// point is the same for all of them. Coefficients in powers of mm.
+/// Static, exact dynamic and five-coefficient models differ only in the coefficients, so that the
+/// cost per point is the same for all of them. Coefficients are in powers of mm.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub struct EvaluationForm {
     /// k₀, mm⁰.
@@ -61,8 +61,8 @@ pub struct EvaluationForm {
 }
 
 impl EvaluationForm {
-    /// The displacement at (`x`, `y`) mm from the centre. 25 floating-point operations; with two
-    /// to centre the point and two to subtract the result, 29.
+    /// Returns the displacement at (`x`, `y`) mm from the centre in 25 floating-point operations:
+    /// 29 with two that centre the point and two that subtract the result.
     #[inline]
     #[must_use]
     pub fn displacement(&self, x: f32, y: f32) -> Displacement {
@@ -74,7 +74,7 @@ impl EvaluationForm {
         }
     }
 
-    /// The displacement without b₁, b₂, tx and ty: six operations fewer.
+    /// Returns the displacement without b₁, b₂, tx and ty, in six operations fewer.
     #[inline]
     #[must_use]
     pub fn short_displacement(&self, x: f32, y: f32) -> Displacement {
@@ -86,7 +86,7 @@ impl EvaluationForm {
         }
     }
 
-    /// The derivatives of [`Self::displacement`] at (`x`, `y`) mm from the centre.
+    /// Returns the derivatives of [`Self::displacement`] at (`x`, `y`) mm from the centre.
     #[must_use]
     pub fn jacobian(&self, x: f32, y: f32) -> Jacobian {
         let r2 = x * x + y * y;
@@ -102,17 +102,18 @@ impl EvaluationForm {
         }
     }
 
-    /// The largest share of the displacement, mm per axis, that [`Self::short_displacement`]
-    /// leaves out over |X| ≤ `reach_x`, |Y| ≤ `reach_y`.
+    /// Returns the largest displacement, mm per axis, that [`Self::short_displacement`] leaves out
+    /// over |X| ≤ `reach_x`, |Y| ≤ `reach_y`.
     #[must_use]
     pub(crate) fn dropped_by_short(&self, reach_x: f32, reach_y: f32) -> f32 {
         let along_x = self.b1.abs() * reach_x + self.b2.abs() * reach_y + self.tx.abs();
         along_x.max(self.ty.abs())
     }
 
-    /// The most by which [`Self::jacobian`] changes per mm, in any direction, within `radius` mm of the centre, mm⁻¹.
+    /// Returns the largest change of [`Self::jacobian`] per mm, in any direction, within `radius`
+    /// mm of the centre, mm⁻¹.
     ///
-    /// As the second derivative of `(X, Y)·Rⁿ` is no larger than `2n(2n+1)r²ⁿ⁻¹`, it is
+    /// The second derivative of `(X, Y)·Rⁿ` is at most `2n(2n+1)r²ⁿ⁻¹`, so that the result is
     /// `6|k₁|r + 20|k₂|r³ + 42|k₃|r⁵ + 2(|hx| + |hy| + |gx| + |gy|)`.
     pub(super) fn largest_curvature(&self, radius: f32) -> f32 {
         let r2 = radius * radius;

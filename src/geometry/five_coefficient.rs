@@ -5,21 +5,21 @@ use super::principal_point::PrincipalPointMotion;
 use super::range::{OutOfRange, Quantity};
 use super::sensor::FmcAxis;
 
-/// What `K_d1` and `P_m1` are multiplied by.
+/// Regressor of `K_d1` and `P_m1`: the motion by which they are multiplied.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub enum Regressor {
-    /// δ, the travel while the shutter is open: Yuan et al. 2012, eq. 22. Right where Δδ/δ is the
-    /// same in all exposures.
+    /// δ, the travel while the shutter is open (Yuan et al. 2012, eq. 22). It is right where Δδ/δ
+    /// is the same in all exposures.
     #[default]
     Travel,
-    /// c̄, the offset of the exposure centroid (Δδ + δ/2 for a uniform shutter): what the terms are
-    /// proportional to.
+    /// c̄, the offset of the exposure centroid (Δδ + δ/2 for a uniform shutter), to which the terms
+    /// are proportional.
     Centroid,
 }
 
-/// `K_m0`, `K_m1`, `K_m2`, `K_d1`, `P_m1` as fitted to calibration exposures.
+/// Coefficients `K_m0`, `K_m1`, `K_m2`, `K_d1`, `P_m1` as fitted to calibration exposures.
 ///
 /// `K_m0..K_m2` *replace* K0..K2 of the static calibration; K3, P, B stay. The printed feed-forward
 /// values (`K_d1` = 2K1, `P_m1` = K1) have the wrong sign and are never used.
@@ -36,15 +36,15 @@ pub struct FiveCoefficients {
     pub kd1: f32,
     /// `P_m1`, mm⁻².
     pub pm1: f32,
-    /// What `kd1` and `pm1` are multiplied by.
+    /// Regressor of `kd1` and `pm1`.
     pub regressor: Regressor,
 }
 
 impl FiveCoefficients {
-    /// The coefficients, if all of them are finite numbers.
+    /// Returns the coefficients if all of them are finite numbers.
     ///
     /// # Errors
-    /// [`OutOfRange`] naming the first that is not.
+    /// [`OutOfRange`], which names the first that is not.
     pub fn checked(self) -> Result<Self, OutOfRange> {
         for (quantity, value) in [
             (Quantity::Km0, self.km0),
@@ -58,7 +58,7 @@ impl FiveCoefficients {
         Ok(self)
     }
 
-    /// What `K_d1` and `P_m1` are multiplied by in a frame of this motion, mm.
+    /// Returns the regressor of `K_d1` and `P_m1` in a frame of this motion, mm.
     #[must_use]
     pub const fn regressor_mm(&self, motion: &PrincipalPointMotion) -> f32 {
         match self.regressor {
@@ -67,7 +67,7 @@ impl FiveCoefficients {
         }
     }
 
-    /// The model at `regressor_mm` (δ, or c̄ by [`Self::regressor_mm`]) along `axis`, on top of the
+    /// Adds the model at `regressor_mm` (δ, or c̄ by [`Self::regressor_mm`]) along `axis` to the
     /// static `form`.
     ///
     /// # Model

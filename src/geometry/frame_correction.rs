@@ -1,4 +1,4 @@
-//! The correction of one frame: every model folded into the one evaluation form.
+//! Correction of one frame: every model folded into the evaluation form.
 
 use super::brown::Brown;
 use super::calibration::Calibration;
@@ -9,7 +9,7 @@ use super::principal_distance::FocusShift;
 use super::principal_point::PrincipalPointMotion;
 use super::sensor::{FmcAxis, Sensor, SensorPoint};
 
-/// Terms that together are smaller than this over the whole sensor are not evaluated, nm.
+/// Largest sum of terms over the whole sensor that is left out of the evaluation, nm.
 pub const SHORT_KERNEL_NM: f32 = 0.5;
 
 pub use fmc_camera_kernel::Terms;
@@ -35,13 +35,13 @@ pub struct FrameCorrection {
     terms: Terms,
     left_out_nm: f32,
     sensor: Sensor,
-    /// Of Newton's steps to a measured point, mm².
+    /// Square of the longest Newton step that may be the last towards a measured point, mm².
     longest_last_step2: f32,
 }
 
 impl FrameCorrection {
-    /// The static calibration about the calibrated principal point: what software does that knows
-    /// nothing of the motion.
+    /// Returns the static calibration about the calibrated principal point: the correction of
+    /// software that does not know the motion.
     #[must_use]
     pub fn without_motion(calibration: &Calibration) -> Self {
         let parameters = calibration.parameters();
@@ -53,8 +53,8 @@ impl FrameCorrection {
         )
     }
 
-    /// The exposure mean of the distortion: the calibration evaluated about the centroid principal
-    /// point, with the focus shift and the μ₂ terms.
+    /// Returns the exposure mean of the distortion: the calibration evaluated about the centroid
+    /// principal point, with the focus shift and the μ₂ terms.
     ///
     /// # Model
     /// `D̄(x, y) = E[D(x-x0, y-y0-c)]`, expanded exactly about c̄; of the terms of order μ₂ those
@@ -82,8 +82,8 @@ impl FrameCorrection {
         Self::folded(calibration, centre, form, (left_out_mm + run_out) * 1e6)
     }
 
-    /// The fitted five-coefficient model about the calibrated principal point; `None` while the
-    /// calibration has none.
+    /// Returns the fitted five-coefficient model about the calibrated principal point, or `None` if
+    /// the calibration has none.
     ///
     /// # Model
     /// As [`FiveCoefficients::folded`](super::five_coefficient::FiveCoefficients::folded). The
@@ -133,13 +133,13 @@ impl FrameCorrection {
         }
     }
 
-    /// Whether a measured point is on the sensor.
+    /// Returns true if a measured point is on the sensor.
     #[must_use]
     pub fn contains(&self, point: SensorPoint) -> bool {
         self.sensor.contains(point)
     }
 
-    /// The square of the longest step that may be the last towards a measured point, mm².
+    /// Returns the square of the longest step that may be the last towards a measured point, mm².
     pub(super) const fn longest_last_step2(&self) -> f32 {
         self.longest_last_step2
     }
@@ -165,7 +165,7 @@ impl FrameCorrection {
         self.centre
     }
 
-    /// The folded numbers.
+    /// The coefficients of the fold.
     #[must_use]
     pub const fn form(&self) -> &EvaluationForm {
         &self.form
@@ -183,11 +183,11 @@ impl FrameCorrection {
         self.left_out_nm
     }
 
-    /// The distortion at a measured point, measured - ideal.
+    /// Returns the distortion at a measured point, measured - ideal.
     ///
     /// # Units and frames
-    /// A point of the sensor frame in, mm out. Valid on the sensor; beyond it the polynomial goes
-    /// on without meaning, and a NaN stays a NaN: the caller asks
+    /// Takes a point of the sensor frame and returns mm. The result is valid on the sensor. Beyond
+    /// it the polynomial continues without meaning, and a NaN stays a NaN: the caller checks with
     /// [`Sensor::contains`](super::sensor::Sensor::contains).
     #[inline]
     #[must_use]
@@ -198,14 +198,15 @@ impl FrameCorrection {
         }
     }
 
-    /// The ideal point of a measured one.
+    /// Returns the ideal point of a measured one.
     ///
     /// # Model
-    /// `x' = x - Dx`, `y' = y - Dy`: the distortion first, then one subtraction, so that the
-    /// coordinate is rounded once. Plain multiply and add: the same bits on every machine.
+    /// `x' = x - Dx`, `y' = y - Dy`: the distortion is computed first, then subtracted once, so
+    /// that the coordinate is rounded once. Plain multiplications and additions give the same bits
+    /// on every machine.
     ///
     /// # Units and frames
-    /// Sensor frame, mm; domain as [`Self::distortion`].
+    /// Sensor frame, mm; the domain is that of [`Self::distortion`].
     ///
     /// # Accuracy
     /// Half a unit in the last place of the coordinate (3.8 nm at 114 mm) on top of
@@ -228,7 +229,7 @@ impl FrameCorrection {
         }
     }
 
-    /// The derivatives of [`Self::distortion`] at a point of the sensor frame.
+    /// Returns the derivatives of [`Self::distortion`] at a point of the sensor frame.
     #[must_use]
     pub fn jacobian(&self, point: SensorPoint) -> Jacobian {
         self.form
@@ -247,9 +248,11 @@ fn subtracted(measured: SensorPoint, distortion: Displacement) -> Corrected {
     }
 }
 
-/// The lens about the centroid principal point with those μ₂ terms that fit the evaluation form.
+/// Returns the lens about the centroid principal point with those μ₂ terms that fit the evaluation
+/// form.
 ///
-/// K1 and K2 terms partly cancel on real lenses: all of them or none.
+/// The terms of K1 and K2 partly cancel on real lenses, so that either all of them are taken or
+/// none.
 fn with_second_moment(lens: &Brown, mu2: f32, axis: FmcAxis) -> EvaluationForm {
     let mut form = lens.evaluation_form();
     form.k1 += 6.0 * mu2 * lens.k2;
@@ -268,10 +271,11 @@ fn with_second_moment(lens: &Brown, mu2: f32, axis: FmcAxis) -> EvaluationForm {
     form
 }
 
-/// A bound, mm per axis, on what the exposure mean of Δz leaves out: Δz varies with c.
+/// Returns a bound, mm per axis, on the error of the exposure mean of Δz, which leaves out that Δz
+/// varies with c.
 ///
-/// With dκ/dc = z'/L: the covariance `μ₂z'/L` with X itself and, up to seven times its slope, with
-/// the lens polynomial; and the variance `μ₂(z'/L)²` of κ times X.
+/// With dκ/dc = z'/L it consists of the covariance `μ₂z'/L` with X itself and, up to seven times
+/// its slope, with the lens polynomial, and of the variance `μ₂(z'/L)²` of κ times X.
 fn run_out_bound(
     calibration: &Calibration,
     motion: &PrincipalPointMotion,
@@ -283,10 +287,12 @@ fn run_out_bound(
     slope * motion.moments.second * (lens + slope * calibration.radius_mm())
 }
 
-/// A bound, mm per axis, on the terms of the exact mean that the evaluation form has no place for.
+/// Returns a bound, mm per axis, on the terms of the exact mean that the evaluation form cannot
+/// hold.
 ///
-/// From MODEL section 3, every power of X and Y bounded by r: `μ₂(4|K2|r³ + 9|K3|r⁵)`, then μ₃ and
-/// μ₄ with the sums of their coefficients, and the moments above with |μₖ| ≤ μ₄·δᵏ⁻⁴.
+/// The terms are those of `docs/derivations/exposure_mean.txt`, each at its largest within r:
+/// `μ₂(4|K2|r³ + 9|K3|r⁵)`, then μ₃ and μ₄ with their largest coefficients, and the higher moments
+/// with |μₖ| ≤ μ₄·δᵏ⁻⁴.
 fn higher_order_bound(lens: &Brown, motion: &PrincipalPointMotion, radius: f32) -> f32 {
     let CentralMoments {
         second,
@@ -337,7 +343,7 @@ mod tests {
         for (x, y) in [(20.0, -15.0), (3.0, 24.0)] {
             let a = along_x.displacement(x, y);
             let b = along_y.displacement(y, x);
-            // The μ₂ terms are worth 12 nm here, rounding 0.05 nm.
+            // The μ₂ terms amount to 12 nm here, rounding to 0.05 nm.
             assert!((a.dx_mm - b.dy_mm).abs() < 1e-7);
             assert!((a.dy_mm - b.dx_mm).abs() < 1e-7);
         }

@@ -1,5 +1,4 @@
-//! How the image moves while the shutter is open, and what of it the compensation leaves: the
-//! residual smear.
+//! Image motion while the shutter is open, and the residual smear that the compensation leaves.
 
 use core::f32::consts::PI;
 use core::fmt;
@@ -9,17 +8,18 @@ use super::planar_flow::{Extent, FlightPoint, GroundScale, Quadratic};
 use super::range::{OutOfRange, Quantity};
 use super::sensor::{FmcAxis, Sensor, SensorPoint};
 
-/// Least scale of the ground's image, as a fraction of its scale below the camera, at which a
+/// Smallest scale of the ground's image, as a fraction of its scale below the camera, at which a
 /// corner of the sensor counts as seeing ground; 0 is the horizon.
 pub const LEAST_GROUND_SCALE: f32 = 0.1;
 
-/// Points along each side of the grid on which the largest smear is looked for.
+/// Points along each side of the grid on which the largest smear is sought.
 const GRID_POINTS: u8 = 9;
 
-/// Squares of lengths differ by less than this where rounding can hide which is longer.
+/// Ratio of squared lengths below which the first is certainly shorter: rounding can hide the order
+/// of lengths that are closer.
 const CLEARLY_SHORTER: f32 = 1.0 - 1e-5;
 
-/// The camera as far as image motion depends on it.
+/// The properties of the camera on which image motion depends.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct View {
     /// The pixel array.
@@ -33,7 +33,7 @@ pub struct View {
 }
 
 impl View {
-    /// The view of a calibrated camera whose stage stands at its calibrated position.
+    /// Returns the view of a calibrated camera whose stage stands at its calibrated position.
     #[must_use]
     pub fn calibrated(calibration: &Calibration) -> Self {
         let parameters = calibration.parameters();
@@ -45,7 +45,8 @@ impl View {
         }
     }
 
-    /// A point of the sensor frame relative to the principal point, along the camera's axes.
+    /// Converts a point of the sensor frame to one relative to the principal point, along the
+    /// camera's axes.
     fn flight_from_sensor(&self, point: SensorPoint) -> FlightPoint {
         let x_mm = point.x_mm - self.principal_point.x_mm;
         let y_mm = point.y_mm - self.principal_point.y_mm;
@@ -71,14 +72,14 @@ impl View {
     }
 }
 
-/// How the camera moves over the ground.
+/// Motion of the camera over the ground.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub struct GroundMotion {
     /// η = V/H, with H above the reference plane, 1/s.
     pub vh_per_s: f32,
     /// h/H: terrain above the reference plane, per cent of H; negative below it.
     pub relief_percent: f32,
-    /// χ: how far to the right of the camera's forward axis the track points, °.
+    /// χ: angle by which the track points to the right of the camera's forward axis, °.
     pub drift_deg: f32,
 }
 
@@ -100,11 +101,11 @@ pub struct Attitude {
 /// Motion, attitude and compensation of one exposure.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub struct FlightState {
-    /// How the camera moves over the ground.
+    /// Motion over the ground.
     pub motion: GroundMotion,
-    /// How it is held.
+    /// Attitude and its rates.
     pub attitude: Attitude,
-    /// V/H for which the mechanism compensates, 1/s; 0: it stands still.
+    /// V/H for which the mechanism compensates, 1/s; 0 if the mechanism stands still.
     pub compensated_vh_per_s: f32,
 }
 
@@ -117,7 +118,7 @@ pub struct ImageVelocity {
     pub y_mm_s: f32,
 }
 
-/// How far an image point moves over the detector while the shutter is open.
+/// Path of an image point over the detector while the shutter is open.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub struct Smear {
     /// To the right, µm.
@@ -137,22 +138,22 @@ impl Smear {
 /// The largest smear found on the sensor.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct LargestSmear {
-    /// Where.
+    /// Place of the largest smear.
     pub point: SensorPoint,
-    /// How much.
+    /// The smear there.
     pub smear: Smear,
-    /// What no point of the sensor exceeds, µm.
+    /// Bound that no point of the sensor exceeds, µm.
     pub bound_um: f32,
 }
 
-/// There is no image motion over the whole sensor.
+/// The image motion of some part of the sensor cannot be given.
 #[derive(Debug, Clone, Copy, PartialEq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub enum ImageMotionError {
     /// A quantity is outside its range.
     OutOfRange(OutOfRange),
-    /// A corner of the sensor sees the horizon or nearly: the scale of the ground's image there, as
-    /// a fraction of its scale below the camera, is under [`LEAST_GROUND_SCALE`].
+    /// A corner of the sensor sees the horizon or almost does: the scale of the ground's image
+    /// there, as a fraction of its scale below the camera, is under [`LEAST_GROUND_SCALE`].
     Horizon(f32),
 }
 
@@ -179,8 +180,8 @@ impl From<OutOfRange> for ImageMotionError {
 /// The velocity of every image point, in the lens frame and on the compensating detector.
 ///
 /// # Model
-/// Camera axes: right, forward (the FMC axis e), up; the optical axis points down, the image is the
-/// upright positive. A terrain point P moves by `Ṗ = -T - ω × P`, its image `x = -f·Px/Pz`,
+/// Camera axes are right, forward (the FMC axis e) and up; the optical axis points down, the image
+/// is the upright positive. A terrain point P moves by `Ṗ = -T - ω × P`, its image `x = -f·Px/Pz`,
 /// `y = -f·Py/Pz` by
 ///
 /// ```text
@@ -190,16 +191,17 @@ impl From<OutOfRange> for ImageMotionError {
 /// t = (cosφ·sinχ + sinφ·cosχ·sinθ, cosχ·cosθ, sinφ·sinχ - cosφ·cosχ·sinθ)
 /// ```
 ///
-/// with x, y from the principal point. The detector moves by `f·η_c` against e; on it an image point
-/// moves by `(ẋ, ẏ) + f·η_c·e`, the *residual*. Level attitude is: heading, then pitch, then roll.
-/// Terrain is a horizontal plane at the relief's height, the lens free of distortion: a lens whose
-/// distortion has the gradient J along e adds δ·J to the smear, whatever the compensation.
+/// with x, y from the principal point. The detector moves by `f·η_c` against e; on it an image
+/// point moves by `(ẋ, ẏ) + f·η_c·e`, the *residual*. The attitude is applied to a level camera in
+/// the order heading, pitch, roll. Terrain is a horizontal plane at the relief's height, and the
+/// lens counts as free of distortion: a lens whose distortion has the gradient J along e adds δ·J
+/// to the smear, whatever the compensation.
 ///
 /// # Units and frames
 /// Points and velocities in the sensor frame, mm and mm/s; smear in µm.
 ///
 /// # Accuracy
-/// Rounding of a residual velocity: at most [`ROUNDING_MM_S`] for f·η up to 20 mm/s
+/// The rounding error of a residual velocity is at most [`ROUNDING_MM_S`] for f·η up to 20 mm/s
 /// (`velocity_agrees_with_the_differentiated_path` in `host-sim/tests/scene`).
 ///
 /// # Examples
@@ -233,14 +235,15 @@ pub struct ImageMotion {
     compensation_mm_s: f32,
 }
 
-/// Largest rounding error of a residual velocity, mm/s, for f·η up to 20 mm/s: over 1/100 s 0.1 nm.
+/// Largest rounding error of a residual velocity, mm/s, for f·η up to 20 mm/s; over 1/100 s it
+/// amounts to 0.1 nm.
 pub const ROUNDING_MM_S: f32 = 1e-5;
 
 impl ImageMotion {
-    /// The image motion of a camera in a flight state.
+    /// Returns the image motion of a camera in a flight state.
     ///
     /// # Errors
-    /// [`ImageMotionError`] for a quantity outside [`Quantity::range`], and where a corner of the
+    /// [`ImageMotionError`] for a quantity outside [`Quantity::range`], and if a corner of the
     /// sensor does not see the ground.
     pub fn new(view: &View, flight: &FlightState) -> Result<Self, ImageMotionError> {
         let focal = Quantity::PrincipalDistanceMm.check(view.principal_distance_mm)?;
@@ -269,7 +272,7 @@ impl ImageMotion {
         if least.is_nan() || least < LEAST_GROUND_SCALE {
             return Err(ImageMotionError::Horizon(least));
         }
-        // Velocity over the ground, camera axes, in heights above the terrain per second.
+        // Velocity over the ground along camera axes, in heights above the terrain per second.
         let vh = vh / (1.0 - relief);
         let to_right = vh * (cos_roll * sin_drift + sin_roll * cos_drift * sin_pitch);
         let to_front = vh * cos_drift * cos_pitch;
@@ -299,17 +302,17 @@ impl ImageMotion {
         })
     }
 
-    /// The image's velocity in the lens frame, where the principal point rests.
+    /// Returns the image's velocity in the lens frame, in which the principal point rests.
     ///
     /// # Units and frames
-    /// The point in mm of the sensor frame at the exposure's centroid, on the sensor; elsewhere the
-    /// result is finite and means nothing.
+    /// The point is in mm of the sensor frame at the exposure's centroid and lies on the sensor;
+    /// elsewhere the result is finite and has no meaning.
     #[must_use]
     pub fn velocity(&self, point: SensorPoint) -> ImageVelocity {
         self.velocity_beside(point, 0.0)
     }
 
-    /// The image's velocity on the detector: what the compensation leaves.
+    /// Returns the image's velocity on the detector, which the compensation leaves.
     ///
     /// # Units and frames
     /// As [`Self::velocity`].
@@ -318,11 +321,11 @@ impl ImageMotion {
         self.velocity_beside(point, self.compensation_mm_s)
     }
 
-    /// How far the image of a point moves over the detector during an exposure.
+    /// Returns the path of a point's image over the detector during an exposure.
     ///
     /// # Model
-    /// Residual velocity at the centroid times `exposure_s`. The velocity's change over the exposure
-    /// bends the path and leaves its ends as they are, to second order.
+    /// Residual velocity at the centroid times `exposure_s`. The velocity's change over the
+    /// exposure bends the path and, to second order, does not move its ends.
     ///
     /// # Units and frames
     /// As [`Self::velocity`]; `exposure_s` in s is the shutter's base, first light to last.
@@ -336,14 +339,14 @@ impl ImageMotion {
         }
     }
 
-    /// The largest smear on a grid of 9 x 9 points with corners and edges, and what no point of the
-    /// sensor exceeds.
+    /// Returns the largest smear on a grid of 9 x 9 points with corners and edges, and a bound that
+    /// no point of the sensor exceeds.
     ///
     /// # Model
     /// Both components are quadratic in x and y. The bound is the longest of their nine Bernstein
-    /// control points over the sensor: the velocity is a mean of them with weights that are not
-    /// negative. Where the largest smear lies in a corner and the field grows towards it, the bound
-    /// is reached; with opposing terms it is above.
+    /// control points over the sensor, because the velocity is a mean of them with weights that are
+    /// not negative. Where the largest smear lies in a corner and the field grows towards it, the
+    /// bound is reached; with opposing terms it is larger.
     #[must_use]
     pub fn largest_smear(&self, exposure_s: f32) -> LargestSmear {
         let (point, smear) = self.largest_on_grid(exposure_s);
@@ -354,7 +357,7 @@ impl ImageMotion {
         }
     }
 
-    /// The grid's part of [`Self::largest_smear`].
+    /// Returns the part of [`Self::largest_smear`] on the grid.
     pub(crate) fn largest_on_grid(&self, exposure_s: f32) -> (SensorPoint, Smear) {
         let sensor = &self.view.sensor;
         let (half_width, half_height) = (sensor.half_width_mm(), sensor.half_height_mm());
@@ -367,7 +370,8 @@ impl ImageMotion {
             for column in 0..GRID_POINTS {
                 let at = SensorPoint::new(half_width * place(column), half_height * place(row));
                 let found = self.smear(at, exposure_s);
-                // Shorter by more than squares can err: its length, which takes longest, need not be known.
+                // This smear is shorter by more than the squares can err, so that its length, the
+                // costly part, is not computed.
                 if square(found) < CLEARLY_SHORTER * square(smear) {
                     continue;
                 }
@@ -380,7 +384,7 @@ impl ImageMotion {
         (point, smear)
     }
 
-    /// The longest control point of the residual velocity over the sensor, mm/s.
+    /// Returns the longest control point of the residual velocity over the sensor, mm/s.
     fn fastest_mm_s(&self) -> f32 {
         let extent = self.view.extent();
         let ends = [(0.0, 0.0), (0.0, 1.0), (1.0, 1.0)];

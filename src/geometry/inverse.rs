@@ -1,4 +1,4 @@
-//! From the ideal point to the measured one.
+//! Inverse of the correction: from the ideal point to the measured one.
 
 use core::fmt;
 
@@ -7,14 +7,15 @@ use super::frame_correction::{Corrected, FrameCorrection, Terms};
 use super::newton_step::newton_step;
 use super::sensor::SensorPoint;
 
-/// Most Newton steps without looking where they lead; a lens of up to a per cent of distortion needs one.
+/// Largest number of Newton steps that may leave the sensor; a lens of up to a per cent of
+/// distortion needs one step.
 pub const FREE_STEPS: u8 = 3;
 
-/// Most Newton steps along which every place is kept on the sensor.
+/// Largest number of Newton steps that are kept on the sensor.
 pub const MAX_STEPS: u8 = 12;
 
-/// The step taken on the sensor from a residual of at most this length, nm, is the last one: Newton's
-/// steps shrink quadratically, and the next would be far below rounding.
+/// The step taken on the sensor from a residual of at most this length, nm, is the last one:
+/// Newton's steps shrink quadratically, and the next would be far below rounding.
 pub const LAST_RESIDUAL_NM: f32 = 20.0;
 
 /// No measured point belongs to the ideal one.
@@ -22,12 +23,11 @@ pub const LAST_RESIDUAL_NM: f32 = 20.0;
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub enum DistortError {
-    /// The measured point lies off the sensor as far as Newton's method leads: at this place.
+    /// The measured point lies off the sensor, at the place given, as far as Newton's method leads.
     OffSensor(SensorPoint),
-    /// The residual was still this long after [`MAX_STEPS`] steps, nm; a NaN for an ideal point
-    /// that is not finite.
+    /// The residual did not become small in [`MAX_STEPS`] steps.
     NotConverged {
-        /// Length of the residual, nm.
+        /// Length of the residual, nm; a NaN for an ideal point that is not finite.
         residual_nm: f32,
     },
 }
@@ -53,9 +53,9 @@ impl core::error::Error for DistortError {}
 /// A point of a slice to which no measured one belongs.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct DistortSliceError {
-    /// Its place in the slice, from 0.
+    /// Index of the point in the slice, from 0.
     pub index: usize,
-    /// Why.
+    /// Error of this point.
     pub error: DistortError,
 }
 
@@ -68,20 +68,23 @@ impl fmt::Display for DistortSliceError {
 impl core::error::Error for DistortSliceError {}
 
 impl FrameCorrection {
-    /// The measured point of an ideal one: the inverse of [`Self::correct`].
+    /// Returns the measured point of an ideal one: the inverse of [`Self::correct`].
     ///
     /// # Model
-    /// Newton's method on the displacement d: `d - D(ideal + d) = 0`. Iterating the displacement, not
-    /// the coordinate, keeps its finer resolution until the one addition at the end. The calibration
-    /// has been shown to be one-to-one over the sensor, so that a solution on the sensor is the only one.
+    /// Newton's method on the displacement d: `d - D(ideal + d) = 0`. Iterating the displacement,
+    /// not the coordinate, keeps its finer resolution until the one addition at the end. The
+    /// calibration has been shown to be one-to-one over the sensor, so that there is only one
+    /// solution on the sensor.
     ///
-    /// First from where the radial terms lead, `d = D(ideal)·(1 + s + s²)` with the slope s of the radial
-    /// distortion, up to [`FREE_STEPS`] steps. The last is one so short that it leaves no more than
-    /// [`LEFT_BY_ONE_STEP_NM`], by a bound of the frame's curvature (Newton and Kantorovich), and it must
-    /// end on the sensor; on lenses of up to a per cent of distortion it is the first.
+    /// The first attempt starts from the radial terms, `d = D(ideal)·(1 + s + s²)` with the slope s
+    /// of the radial distortion, and takes up to [`FREE_STEPS`] steps. The last step is one that is
+    /// so short that it leaves no more than [`LEFT_BY_ONE_STEP_NM`], by a bound of the frame's
+    /// curvature (Newton and Kantorovich), and it must end on the sensor; on lenses of up to a per
+    /// cent of distortion it is the first.
     ///
-    /// Where there is none, again from `d = D(ideal)` with every place kept on the sensor, at most [`MAX_STEPS`]
-    /// steps, the last from a residual of at most [`LAST_RESIDUAL_NM`].
+    /// If this fails, the second attempt starts from `d = D(ideal)`, keeps every iterate on the
+    /// sensor and takes at most [`MAX_STEPS`] steps, the last from a residual of at most
+    /// [`LAST_RESIDUAL_NM`].
     ///
     /// [`LEFT_BY_ONE_STEP_NM`]: super::newton_step::LEFT_BY_ONE_STEP_NM
     ///
@@ -92,15 +95,16 @@ impl FrameCorrection {
     /// # Accuracy
     /// `distort(correct(p))` is within two units in the last place of p, or of its ideal point
     /// where that is larger, divided by the scale `∂(ideal)/∂(measured)` where that is below 0.7,
-    /// and within 0.02 nm where all this is less (`tests/geometry/round_trip.rs`). The displacement is
-    /// within 0.11 nm of that in double precision on the published cameras (`tests/geometry/inverse.rs`).
-    /// Instructions on Cortex-M4F and M7 where the first step is the last: 115 with the short kernel and 128 with the
-    /// full one (`docs/instructions.csv`); where every place has to be kept on the sensor, some hundred more.
+    /// and within 0.02 nm where all this is less (`tests/geometry/round_trip.rs`). The displacement
+    /// agrees within 0.11 nm with the one in double precision on the published cameras
+    /// (`tests/geometry/inverse.rs`). Instructions on Cortex-M4F and M7 if the first step is the
+    /// last: 115 with the short kernel and 128 with the full one (`docs/instructions.csv`); if
+    /// every iterate has to be kept on the sensor, some hundred more.
     ///
     /// # Errors
-    /// [`DistortError`]; never a finite point that does not belong to `ideal`. A lens of tens of
-    /// per cent of distortion may hold Newton's method at an edge or cycling: then an error, though
-    /// there is a measured point.
+    /// [`DistortError`]; the result is never a finite point that does not belong to `ideal`. On a
+    /// lens of tens of per cent of distortion Newton's method may stop at an edge or cycle and end
+    /// in an error although there is a measured point.
     #[inline]
     pub fn distort(&self, ideal: SensorPoint) -> Result<Corrected, DistortError> {
         let first = match self.terms() {
@@ -113,7 +117,8 @@ impl FrameCorrection {
         }
     }
 
-    /// [`Self::distort`] by one free step, or where that leads if it is not the last or leaves the sensor.
+    /// Takes the first free step of [`Self::distort`], and returns where it leads as an error if it
+    /// is not the last or leaves the sensor.
     #[expect(
         clippy::inline_always,
         reason = "a call per point would load the coefficients again: 21 instructions"
@@ -126,7 +131,7 @@ impl FrameCorrection {
         self.ended(ideal, distortion, step2_mm2).ok_or(distortion)
     }
 
-    /// [`Self::distort`] from where the first free step has led.
+    /// Continues [`Self::distort`] from the result of the first free step.
     #[cold]
     #[inline(never)]
     fn further_steps(
@@ -148,7 +153,7 @@ impl FrameCorrection {
         self.kept_on_sensor(ideal)
     }
 
-    /// Where a free step has led, if it may be the last and ends on the sensor.
+    /// Returns the result of a free step if it may be the last and ends on the sensor.
     #[inline]
     fn ended(
         &self,
@@ -167,10 +172,10 @@ impl FrameCorrection {
         (ideal.x_mm - centre.x_mm, ideal.y_mm - centre.y_mm)
     }
 
-    /// [`Self::distort`] where free steps find nothing: at the edge, beyond it, and with a strong lens. It decides
-    /// which error it is.
+    /// Second attempt of [`Self::distort`], for ideal points at the edge or beyond it and for
+    /// strong lenses. It decides between the two errors.
     fn kept_on_sensor(&self, ideal: SensorPoint) -> Result<Corrected, DistortError> {
-        // Every iterate stays on the sensor, where the map is one-to-one: beyond it the polynomial
+        // Every iterate stays on the sensor, where the map is one-to-one; beyond it the polynomial
         // may have other roots.
         let mut d = self.on_sensor(ideal, self.distortion(self.clamped(ideal)));
         let mut residual_nm = f32::NAN;
@@ -203,7 +208,7 @@ impl FrameCorrection {
             }
             let kept = self.on_sensor(ideal, next);
             if kept == d {
-                // The edge holds it back: the measured point is beyond.
+                // The edge stops the iteration: the measured point lies beyond it.
                 return Err(DistortError::OffSensor(point));
             }
             d = kept;
@@ -214,18 +219,18 @@ impl FrameCorrection {
     /// Replaces every ideal point of a slice by its measured point.
     ///
     /// # Model
-    /// [`Self::distort`], bit for bit, on every machine. A point does not touch another.
+    /// [`Self::distort`], bit for bit, on every machine. No point depends on another.
     ///
     /// # Units and frames
-    /// Sensor frame, mm; domain as [`Self::distort`].
+    /// Sensor frame, mm; the domain is that of [`Self::distort`].
     ///
     /// # Accuracy
-    /// That of [`Self::distort`]. Instructions to a point on Cortex-M4F and M7 where the first step is the last: 94
-    /// with the short kernel and 105 with the full one.
+    /// That of [`Self::distort`]. Instructions per point on Cortex-M4F and M7 if the first step is
+    /// the last: 94 with the short kernel and 105 with the full one.
     ///
     /// # Errors
-    /// [`DistortSliceError`] for the first point that no measured one belongs to. Those before it have been replaced;
-    /// it and those behind it are as they were.
+    /// [`DistortSliceError`] for the first point that has no measured one. The points before it
+    /// have been replaced; it and those behind it are unchanged.
     ///
     /// # Examples
     /// ```
@@ -264,8 +269,9 @@ impl FrameCorrection {
         }
     }
 
-    /// Replaces points as long as the first step is the last: at which index it is not, and where it leads. A loop that
-    /// calls nothing keeps the coefficients in registers.
+    /// Replaces points as long as the first step is the last one, and returns the index at which it
+    /// is not with the result of that step. A loop without calls keeps the coefficients in
+    /// registers.
     #[inline(never)]
     fn first_steps<const FULL: bool>(
         &self,
@@ -280,7 +286,7 @@ impl FrameCorrection {
         None
     }
 
-    /// The displacement cut where it would leave the sensor.
+    /// Returns the displacement, shortened if it would leave the sensor.
     fn on_sensor(&self, ideal: SensorPoint, d: Displacement) -> Displacement {
         let point = shifted(ideal, d);
         let clamped = self.clamped(point);
@@ -313,7 +319,8 @@ mod tests {
         Some(FrameCorrection::without_motion(&calibration))
     }
 
-    /// Two units in the last place at 40 mm, over the scale.
+    /// Returns true if two points agree within two units in the last place at 40 mm, over the
+    /// scale.
     fn is_same(a: SensorPoint, b: SensorPoint, scale: f32) -> bool {
         let near = |a: f32, b: f32| (a - b).abs() <= 7.7e-6 / scale;
         near(a.x_mm, b.x_mm) && near(a.y_mm, b.y_mm)
@@ -339,7 +346,8 @@ mod tests {
             let ideal = SensorPoint::new(x, y);
             match (correction.distort(ideal), correction.kept_on_sensor(ideal)) {
                 (Ok(free), Ok(kept)) => prop_assert!(is_same(free.point, kept.point, 0.1)),
-                // Held at the edge or cycling, as documented: then what the free steps found must be right.
+                // The second attempt stopped at the edge or cycled, as documented: then the result
+                // of the free steps must be right.
                 (Ok(free), Err(_)) => {
                     prop_assert!(is_same(correction.correct(free.point).point, ideal, 1.0));
                 }

@@ -2,17 +2,18 @@
 
 use super::evaluation_form::EvaluationForm;
 
-/// Smallest scale `∂(ideal)/∂(measured)` a calibration may have anywhere: below it the image is
-/// about to fold over, and the inverse loses a decimal digit.
+/// Smallest scale `∂(ideal)/∂(measured)` that a calibration may have anywhere. Below it the image
+/// is about to fold over, and the inverse loses a decimal digit.
 pub const MIN_SCALE: f32 = 0.1;
 
-/// Slope of the distortion up to which the bound over a disc is taken as it is; beyond, the
-/// rectangle is looked at box by box, which takes longer and is sharper.
+/// Largest slope of the distortion for which the bound over a disc decides; beyond it the rectangle
+/// is examined box by box, which takes longer and is sharper.
 pub const MAX_DISC_SLOPE: f32 = 0.5;
 
-/// Pieces into which the range of R and each side of the rectangle are cut: four halvings.
+/// Number of pieces into which the range of R and each side of the rectangle are cut: four
+/// halvings.
 const PIECES: u8 = 16;
-/// Pieces into which each side of a box is cut that does not decide.
+/// Number of pieces into which each side of an undecided box is cut.
 const SUB_BOXES: u8 = 4;
 
 /// The rectangle |X| ≤ `reach_x`, |Y| ≤ `reach_y` about the principal point, mm.
@@ -25,7 +26,7 @@ pub struct Region {
 }
 
 impl Region {
-    /// The distance of the corner, mm.
+    /// Returns the distance of the corner, mm.
     #[must_use]
     pub fn radius_mm(&self) -> f32 {
         libm::hypotf(self.reach_x, self.reach_y)
@@ -38,33 +39,34 @@ pub struct Folds {
     /// Lower bound of the scale `∂(ideal)/∂(measured)` at its worst; negative where the image is
     /// folded.
     pub scale: f32,
-    /// Where, X from the principal point, mm.
+    /// Place of the smallest scale: X from the principal point, mm.
     pub x: f32,
-    /// Where, Y from the principal point, mm.
+    /// Place of the smallest scale: Y from the principal point, mm.
     pub y: f32,
 }
 
-/// A lower bound of the scale of `p -> p - D(p)` over the region.
+/// Returns a lower bound of the scale of `p -> p - D(p)` over the region.
 ///
 /// # Model
-/// First over the disc about the principal point that holds the region and the largest
-/// displacement: with g = k₀ + k₁R + k₂R² + k₃R³,
+/// The first bound (`docs/derivations/invertibility.py`) is over the disc about the principal point
+/// that holds the region and the largest displacement: with g = k₀ + k₁R + k₂R² + k₃R³,
 /// `λ = max(g, g + 2Rg') + 2(|h| + |g⃗|)ρ + (b₁ + hypot(b₁, b₂))/2` and
 /// `q = max(|g|, |g + 2Rg'|) + 2(|h| + |g⃗|)ρ + hypot(b₁, b₂)`, both cubics bounded by their
 /// Bernstein coefficients. λ < 1 makes the map strongly monotone, hence one-to-one.
-/// Where λ or q is more than [`MAX_DISC_SLOPE`], over 16 x 16 boxes of the rectangle by intervals,
-/// each cut into 4 x 4 where it does not decide: `1 - ∂xDx`, `1 - ∂yDy` and the determinant all
-/// positive make it one-to-one on a rectangle (Gale & Nikaidô 1965); the determinant alone does
-/// not. The better of both bounds counts.
+///
+/// If λ or q is more than [`MAX_DISC_SLOPE`], the second bound is found by intervals over 16 x 16
+/// boxes of the rectangle, each cut into 4 x 4 if it does not decide: `1 - ∂xDx`, `1 - ∂yDy` and
+/// the determinant all positive make the map one-to-one on a rectangle (Gale & Nikaidô 1965); the
+/// determinant alone does not. The larger of the two bounds is the result.
 ///
 /// # Units and frames
-/// `added_slope`: what the frames may add to the slope of `form`, dimensionless.
+/// `added_slope`: the slope that the frames may add to that of `form`, dimensionless.
 ///
 /// # Accuracy
-/// Not rounded outwards: f32 rounding, 1e-6, is far below [`MIN_SCALE`].
+/// The bound is not rounded outwards: f32 rounding, 1e-6, is far below [`MIN_SCALE`].
 ///
 /// # Errors
-/// [`Folds`] where the scale cannot be shown to stay at or above [`MIN_SCALE`].
+/// [`Folds`] if the scale cannot be shown to stay at or above [`MIN_SCALE`].
 pub fn least_scale(form: &EvaluationForm, region: Region, added_slope: f32) -> Result<f32, Folds> {
     let radius = region.radius_mm();
     let reach = radius + largest_displacement(form, radius);
@@ -95,7 +97,7 @@ pub fn least_scale(form: &EvaluationForm, region: Region, added_slope: f32) -> R
             };
         }
     }
-    // λ < 1 alone makes the map one-to-one, and Newton's method asks nothing of q.
+    // λ < 1 alone makes the map one-to-one, and Newton's method does not need q.
     let scale = if of_disc > worst.scale {
         of_disc
     } else {
@@ -108,19 +110,20 @@ pub fn least_scale(form: &EvaluationForm, region: Region, added_slope: f32) -> R
     }
 }
 
-/// The lesser of two, or a NaN where there is one.
+/// Returns the lesser of two numbers, or a NaN if one of them is.
 fn lesser(a: f32, b: f32) -> f32 {
     if a.is_nan() || a < b { a } else { b }
 }
 
-/// A rectangle cut into `pieces` x `pieces` boxes.
+/// Cuts a rectangle into `pieces` x `pieces` boxes.
 fn boxes(x: Interval, y: Interval, pieces: u8) -> impl Iterator<Item = (Interval, Interval)> {
     (0..pieces).flat_map(move |column| {
         (0..pieces).map(move |row| (x.piece(column, pieces), y.piece(row, pieces)))
     })
 }
 
-/// λ and q of MODEL over the disc of radius `radius` mm.
+/// Returns λ and q of [`least_scale`] (`docs/derivations/invertibility.py`) over the disc of radius
+/// `radius` mm.
 fn disc_slopes(form: &EvaluationForm, radius: f32) -> (f32, f32) {
     let radial = [form.k0, form.k1, form.k2, form.k3];
     let [k0, k1, k2, k3] = radial;
@@ -148,7 +151,7 @@ fn disc_slopes(form: &EvaluationForm, radius: f32) -> (f32, f32) {
     )
 }
 
-/// A bound on |D| over the disc of radius `radius` mm.
+/// Returns a bound on |D| over the disc of radius `radius` mm.
 fn largest_displacement(form: &EvaluationForm, radius: f32) -> f32 {
     let squares = Interval {
         lo: 0.0,
@@ -159,7 +162,7 @@ fn largest_displacement(form: &EvaluationForm, radius: f32) -> f32 {
     radius * (gain + decentring * radius + libm::hypotf(form.b1, form.b2))
 }
 
-/// A lower bound of the scale over one box.
+/// Returns a lower bound of the scale over one box.
 fn box_scale(form: &EvaluationForm, x: Interval, y: Interval, added_slope: f32) -> f32 {
     let squares = x.squared() + y.squared();
     let gain = cubic_range([form.k0, form.k1, form.k2, form.k3], squares);
@@ -180,7 +183,7 @@ fn box_scale(form: &EvaluationForm, x: Interval, y: Interval, added_slope: f32) 
     let scale_x = 1.0 - dx_by_x.hi - added_slope;
     let scale_y = 1.0 - dy_by_y.hi - added_slope;
     let mixing = (dx_by_y.largest() + added_slope) * (dy_by_x.largest() + added_slope);
-    // Gershgorin: no direction is stretched more than this.
+    // No direction is stretched more than this, by Gershgorin's theorem.
     let widest = (1.0 - dx_by_x.lo).max(1.0 - dy_by_y.lo)
         + dx_by_y.largest().max(dy_by_x.largest())
         + 2.0 * added_slope;
@@ -209,7 +212,7 @@ impl Interval {
         }
     }
 
-    /// Piece `index` of `pieces` equal ones.
+    /// Returns piece `index` of `pieces` equal ones.
     fn piece(self, index: u8, pieces: u8) -> Self {
         let step = (self.hi - self.lo) / f32::from(pieces);
         Self {
@@ -281,8 +284,8 @@ impl core::ops::Mul for Interval {
     }
 }
 
-/// The range of `c₀ + c₁R + c₂R² + c₃R³` over an interval, bounded by its Bernstein coefficients:
-/// the values of the cubic's blossom at the interval's ends.
+/// Returns the range of `c₀ + c₁R + c₂R² + c₃R³` over an interval, bounded by its Bernstein
+/// coefficients: the values of the cubic's blossom at the interval's ends.
 fn cubic_range(coefficients: [f32; 4], over: Interval) -> Interval {
     let [c0, c1, c2, c3] = coefficients;
     let blossom = |u: f32, v: f32, w: f32| {
@@ -355,7 +358,8 @@ mod tests {
 
     #[test]
     fn positive_determinant_alone_is_not_enough() {
-        // 180° turn: b1 = 2 and k0 such that both diagonal terms are negative, determinant positive.
+        // 180° turn: b1 = 2 and k0 such that both diagonal terms are negative, determinant
+        // positive.
         let turned = EvaluationForm {
             k0: 2.0,
             ..EvaluationForm::default()
@@ -371,7 +375,7 @@ mod tests {
         assert!(least_scale(&radial(0.0), REGION, f32::NAN).is_err());
     }
 
-    /// The least stretch of `p - D(p)` in any direction, over a grid of the region.
+    /// Returns the least stretch of `p - D(p)` in any direction, over a grid of the region.
     fn gridded_scale(form: &EvaluationForm) -> f64 {
         let mut smallest = f64::INFINITY;
         for i in -20_i8..=20 {
@@ -406,7 +410,7 @@ mod tests {
             let form = EvaluationForm { k0, k1, k2, k3, hx, hy, gx, gy, b1, b2, tx: 0.0, ty: 0.0 };
             if let Ok(bound) = least_scale(&form, REGION, 0.0) {
                 proptest::prop_assert!(f64::from(bound) <= gridded_scale(&form) + 1e-6);
-                // What the frames add is taken off in full, or the lens is refused.
+                // The slope that the frames add is subtracted in full, or the lens is refused.
                 if let Ok(with_frames) = least_scale(&form, REGION, 0.05) {
                     proptest::prop_assert!(f64::from(with_frames) <= gridded_scale(&form) - 0.05 + 1e-6);
                 }
@@ -431,7 +435,7 @@ mod tests {
             "{}",
             gridded_scale(&form)
         );
-        // Barrel of any strength shrinks nothing.
+        // Barrel distortion of any strength does not fold the image.
         assert!(least_scale(&radial(-5.0 / corner2), REGION, 0.0).is_ok());
     }
 }

@@ -15,7 +15,7 @@ pub struct CentralMoments {
 }
 
 impl CentralMoments {
-    /// The moments of `scale` times the position.
+    /// Returns the moments of `scale` times the position.
     #[must_use]
     pub(crate) fn scaled(self, scale: f32) -> Self {
         let square = scale * scale;
@@ -36,15 +36,15 @@ impl CentralMoments {
 }
 
 /// Abscissae and weights of the three-point Gauss-Legendre rule on [-1, 1]: √(3/5), 5/9, 8/9
-/// (Abramowitz & Stegun, table 25.4). Exact up to degree 5, hence for a piecewise linear
-/// transmission times the fourth power of a piecewise linear path.
+/// (Abramowitz & Stegun, table 25.4). The rule is exact up to degree 5, hence for a piecewise
+/// linear transmission times the fourth power of a piecewise linear path.
 const GAUSS_LEGENDRE_3: [(f32, f32); 3] = [
     (-0.774_596_7, 0.555_555_6),
     (0.0, 0.888_888_9),
     (0.774_596_7, 0.555_555_6),
 ];
 
-/// The nodes of the interval `[from, to]` and their weights.
+/// Returns the nodes of the interval `[from, to]` and their weights.
 pub(crate) fn gauss_nodes(from: f32, to: f32) -> [(f32, f32); 3] {
     let half = 0.5 * (to - from);
     let middle = 0.5 * (to + from);

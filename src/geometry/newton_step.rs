@@ -1,24 +1,25 @@
-//! One step of Newton's method towards the measured point, and how far it may be the last.
+//! One step of Newton's method towards the measured point, and the bound up to which it may be the
+//! last.
 
 use super::calibration::Calibration;
 use super::evaluation_form::{Displacement, EvaluationForm, Jacobian};
 use super::sensor::SensorPoint;
 
-/// What the last Newton step of `distort` may leave of the displacement, nm: a tenth of what rounding does to the
-/// distortion.
+/// Largest error, nm, that the last Newton step of `distort` leaves in the displacement: a tenth of
+/// the rounding of the distortion.
 pub const LEFT_BY_ONE_STEP_NM: f32 = 0.01;
 
-/// Longest last step, as a fraction of half the shorter side of the sensor: the step starts as near to the sensor,
-/// where the calibration has been shown to be one-to-one.
+/// Longest last step, as a fraction of half the shorter side of the sensor. It keeps the start of
+/// the step near the sensor, where the calibration has been shown to be one-to-one.
 pub const MAX_LAST_STEP_FRACTION: f32 = 1e-3;
 
-/// The square of the longest step that may be the last towards a point of the sensor, mm².
+/// Returns the square of the longest step that may be the last towards a point of the sensor, mm².
 ///
 /// # Model
-/// Newton and Kantorovich: after a step of length η from where (I - J)⁻¹ is no larger than 1/m and, around,
-/// J changes by no more than C per mm, the solution is no farther than hη with `h = Cη/m ≤ 1/2`. Hence
-/// `η² ≤ m·e/C` for an error e of [`LEFT_BY_ONE_STEP_NM`]. m is the least scale of the calibration, C the form's largest
-/// curvature.
+/// Newton and Kantorovich: after a step of length η from where (I - J)⁻¹ is no larger than 1/m and,
+/// around, J changes by no more than C per mm, the solution is no farther than hη with
+/// `h = Cη/m ≤ 1/2`. Hence `η² ≤ m·e/C` for an error e of [`LEFT_BY_ONE_STEP_NM`]. m is the least
+/// scale of the calibration, C the form's largest curvature.
 pub(super) fn longest_last_step2(
     calibration: &Calibration,
     form: &EvaluationForm,
@@ -36,7 +37,7 @@ pub(super) fn longest_last_step2(
         .min(longest * longest)
 }
 
-/// At least the diagonal of a rectangle, at most a twelfth more, without a root.
+/// Returns at least the diagonal of a rectangle, and at most a twelfth more, without a root.
 pub(super) fn longer_than_diagonal(width: f32, height: f32) -> f32 {
     let (longer, shorter) = if width >= height {
         (width, height)
@@ -46,10 +47,11 @@ pub(super) fn longer_than_diagonal(width: f32, height: f32) -> f32 {
     longer + (core::f32::consts::SQRT_2 - 1.0) * shorter
 }
 
-/// Newton's step for any derivatives: `(I - J)⁻¹` times the residual; not finite where I - J is singular.
+/// Returns Newton's step for any derivatives: `(I - J)⁻¹` times the residual; not finite where I -
+/// J is singular.
 ///
-/// It divides by the determinant, where [`EvaluationForm::stepped`] multiplies by its inverse, which saves a division and
-/// rounds otherwise.
+/// It divides by the determinant. [`EvaluationForm::stepped`] multiplies by its inverse, which
+/// saves a division and rounds differently.
 pub(super) fn newton_step(j: Jacobian, residual: Displacement) -> Displacement {
     let scale_x = 1.0 - j.dx_by_x;
     let scale_y = 1.0 - j.dy_by_y;
@@ -60,7 +62,7 @@ pub(super) fn newton_step(j: Jacobian, residual: Displacement) -> Displacement {
     }
 }
 
-/// What displacement and derivatives have in common at a point.
+/// Terms that displacement and derivatives have in common at a point.
 struct Local {
     r2: f32,
     gain: f32,
@@ -69,8 +71,8 @@ struct Local {
 }
 
 impl EvaluationForm {
-    /// Newton's step from `start` to the displacement of the ideal point (`x`, `y`), with the square of its
-    /// length, mm².
+    /// Takes Newton's step from `start` to the displacement of the ideal point (`x`, `y`), and
+    /// returns it with the square of the step's length, mm².
     #[inline]
     pub(super) fn stepped<const FULL: bool>(
         &self,
@@ -104,8 +106,8 @@ impl EvaluationForm {
         (next, step_x * step_x + step_y * step_y)
     }
 
-    /// Where the radial terms lead from the ideal point (`x`, `y`): Newton's step along the radius, with
-    /// `1 + s + s²` for the inverse of 1 - s.
+    /// Returns the start from the radial terms for the ideal point (`x`, `y`): Newton's step along
+    /// the radius, with `1 + s + s²` for the inverse of 1 - s.
     #[inline]
     pub(super) fn start<const FULL: bool>(&self, x: f32, y: f32) -> Displacement {
         let local = self.local(x, y);
@@ -118,7 +120,7 @@ impl EvaluationForm {
         }
     }
 
-    /// Derivative and value by one Horner scheme.
+    /// Computes derivative and value by one Horner scheme.
     #[inline]
     fn local(&self, x: f32, y: f32) -> Local {
         let r2 = x * x + y * y;
@@ -155,7 +157,7 @@ mod tests {
     use crate::geometry::calibration::CalibrationParameters;
     use proptest::prelude::*;
 
-    /// Distortion and derivatives by x and by y, in double precision.
+    /// Returns the distortion and its derivatives by x and by y, in double precision.
     fn evaluated(form: &EvaluationForm, [x, y]: [f64; 2]) -> [[f64; 2]; 3] {
         let [k0, k1, k2, k3] = [form.k0, form.k1, form.k2, form.k3].map(f64::from);
         let [hx, hy, gx, gy] = [form.hx, form.hy, form.gx, form.gy].map(f64::from);
@@ -170,7 +172,7 @@ mod tests {
         ]
     }
 
-    /// One step from `measured`, and where it leads.
+    /// Returns the point to which one step from `measured` leads.
     fn stepped(form: &EvaluationForm, ideal: [f64; 2], measured: [f64; 2]) -> [f64; 2] {
         let [d, by_x, by_y] = evaluated(form, measured);
         let residual = [0, 1].map(|axis| measured[axis] - d[axis] - ideal[axis]);
@@ -183,7 +185,7 @@ mod tests {
     }
 
     prop_compose! {
-        /// A lens whose distortion can be inverted: some three of four.
+        /// Lenses, of which some three in four have a distortion that can be inverted.
         fn lens()(
             k1 in -9e-5_f32..9e-5,
             k2 in -3e-8_f32..3e-8,
@@ -232,7 +234,7 @@ mod tests {
         let step2 = longest_last_step2(&calibration, &form, SensorPoint::default());
         let step_um = 1e3 * libm::sqrtf(step2);
         assert!((0.8..1.2).contains(&step_um), "{step_um} µm");
-        // Without distortion it is the sensor that limits it: half the shorter side is 20.03 mm.
+        // Without distortion the sensor limits the step: half the shorter side is 20.03 mm.
         parameters.distortion = Brown::NONE;
         let calibration = Calibration::new(parameters).unwrap();
         let still = EvaluationForm::default();

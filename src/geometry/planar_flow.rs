@@ -1,4 +1,4 @@
-//! The image motion over flat ground as a function of the image point: two quadratic polynomials.
+//! Image motion over flat ground as a function of the image point: two quadratic polynomials.
 
 /// A point of the image relative to the principal point, along the camera's axes.
 #[derive(Debug, Clone, Copy)]
@@ -19,7 +19,7 @@ pub(super) struct GroundScale {
 }
 
 impl GroundScale {
-    /// A linear function is least in a corner.
+    /// Returns the least scale in the extent: a linear function is least in a corner.
     pub(super) fn least_in(&self, [one, other]: &Extent) -> f32 {
         let least = |slope: f32, from: f32, to: f32| (slope * from).min(slope * to);
         self.centre
@@ -45,7 +45,8 @@ impl Quadratic {
         self.constant + x * (self.x + self.xx * x + self.xy * y) + y * (self.y + self.yy * y)
     }
 
-    /// The polar form: a Bernstein coefficient over the extent, where the arguments are its ends.
+    /// Returns the polar form: a Bernstein coefficient over the extent if the arguments are its
+    /// ends.
     pub(super) fn control_point(
         &self,
         [one, other]: &Extent,

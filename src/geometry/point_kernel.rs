@@ -1,11 +1,11 @@
-//! The hot path: all points of a frame at once.
+//! Hot path: the correction of all points of a frame at once.
 
 use fmc_camera_kernel::Coefficients;
 
 use super::frame_correction::{FrameCorrection, Terms};
 use super::sensor::SensorPoint;
 
-/// x and y of the same points have different numbers of them.
+/// The slices of x and y differ in length.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct LengthsDiffer {
     /// Number of x.
@@ -26,19 +26,20 @@ impl FrameCorrection {
     /// Replaces every measured point of a slice by its ideal point.
     ///
     /// # Model
-    /// [`Self::correct`], bit for bit, on every machine: the same operations in the same order, several points side by
-    /// side. Points beyond the sensor and NaN as there; a point does not touch another.
+    /// [`Self::correct`], bit for bit, on every machine: the same operations in the same order,
+    /// several points side by side. Points beyond the sensor and NaN give the same results as
+    /// there; no point depends on another.
     ///
-    /// The vectors of a Cortex-M55 take numbers below 2⁻¹²⁶ for zero. A camera has them for a coordinate within 1e-21
-    /// mm of zero alone, and it differs by less than 1e-28 mm then.
+    /// The vectors of a Cortex-M55 take numbers below 2⁻¹²⁶ for zero. In a camera they occur only
+    /// for a coordinate within 1e-21 mm of zero, which then differs by less than 1e-28 mm.
     ///
     /// # Units and frames
     /// Sensor frame, mm.
     ///
     /// # Accuracy
-    /// That of [`Self::correct`]. On Cortex-M4F and M7 24.1 instructions to a point with the short
-    /// kernel and 28.4 with the full one, on a Cortex-M55 compiled for its vectors 7.1 and 9.9, of
-    /// slices of 1024 points; about 100 of them to a call (`docs/instructions.csv`).
+    /// That of [`Self::correct`]. It takes 24.1 instructions per point with the short kernel and
+    /// 28.4 with the full one on Cortex-M4F and M7, and 7.1 and 9.9 on a Cortex-M55 compiled for
+    /// its vectors, in slices of 1024 points; about 100 of them per call (`docs/instructions.csv`).
     ///
     /// # Examples
     /// ```
@@ -61,10 +62,11 @@ impl FrameCorrection {
         }
     }
 
-    /// [`Self::correct_slice`] for coordinates that are kept apart: `x_mm` and `y_mm` of the same points.
+    /// Does the same as [`Self::correct_slice`] for separate coordinates: `x_mm` and `y_mm` of the
+    /// same points.
     ///
     /// # Errors
-    /// [`LengthsDiffer`], and nothing is replaced, unless there are as many x as y.
+    /// [`LengthsDiffer`] unless there are as many x as y; then nothing is replaced.
     #[inline]
     pub fn correct_slice_xy(
         &self,
@@ -82,7 +84,8 @@ impl FrameCorrection {
         Ok(())
     }
 
-    /// The numbers of the frame as the point kernel takes them: the centre and the folded form, in its order.
+    /// Returns the numbers of the frame as the point kernel takes them: the centre and the folded
+    /// form, in its order.
     ///
     /// # Examples
     /// ```

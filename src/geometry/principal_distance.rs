@@ -1,16 +1,16 @@
-//! What a detector out of its calibrated plane does to the image.
+//! Focus shift: the effect of a detector out of its calibrated plane on the image.
 
 use super::brown::Brown;
 use super::principal_point::PrincipalPointMotion;
 use super::range::{OutOfRange, Quantity};
 
-/// Which formula turns a focus shift into distortion.
+/// Formula that turns a focus shift into distortion.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub enum FocusSign {
-    /// A detector moved away from the lens enlarges the image by Δz/L, L from exit pupil to image:
-    /// what ray tracing shows.
+    /// A detector moved away from the lens enlarges the image by Δz/L, with L from exit pupil to
+    /// image, as ray tracing shows.
     #[default]
     Physical,
     /// Yuan et al. 2012, eqs. 14-17, as printed: `k0' = -Δf/f`, `K' = K(1 - k0')`.
@@ -26,12 +26,12 @@ pub struct FocusShift {
     pub principal_distance_mm: f32,
     /// L: distance from the exit pupil to the image, mm.
     pub exit_pupil_mm: f32,
-    /// Which formula applies.
+    /// The formula that applies.
     pub sign: FocusSign,
 }
 
 impl FocusShift {
-    /// The distance to which Δz is related: L, with the printed signs f, mm.
+    /// Returns the distance to which Δz is related: L, or f with the printed signs, mm.
     #[must_use]
     pub(crate) const fn lever_mm(&self) -> f32 {
         match self.sign {
@@ -40,7 +40,8 @@ impl FocusShift {
         }
     }
 
-    /// κ: the relative enlargement of the image, Δz/L; with the printed signs k0' = -Δf/f.
+    /// Returns κ, the relative enlargement of the image: Δz/L, or k0' = -Δf/f with the printed
+    /// signs.
     ///
     /// # Examples
     /// ```
@@ -63,14 +64,16 @@ impl FocusShift {
         }
     }
 
-    /// The distortion about an unchanged principal distance f: convention (A), what `correct` does.
+    /// Returns the distortion about an unchanged principal distance f: convention (A), which
+    /// `correct` uses.
     ///
     /// # Model
     /// Physical: `D'(r) = κr/(1+κ) + D(r/(1+κ))`. Printed: the radial polynomial times `1 - κ`,
     /// plus `κr`, with `κ = k0' = -Δf/f` (eq. 16).
     ///
     /// # Accuracy
-    /// Exact for a pure scaling about the exit pupil; real lenses keep 18-173 nm at Δz = 10 µm.
+    /// The formula is exact for a pure scaling about the exit pupil; real lenses depart from it by
+    /// 18-173 nm at Δz = 10 µm.
     #[must_use]
     pub fn distortion_at_fixed_distance(&self, lens: &Brown) -> Brown {
         let kappa = self.enlargement();
@@ -103,12 +106,12 @@ impl FocusShift {
         }
     }
 
-    /// The changed principal distance `f(1+κ)`, mm, and the distortion that goes with it:
+    /// Returns the changed principal distance `f(1+κ)`, mm, and the distortion that belongs to it:
     /// convention (B), for software that takes an interior orientation per frame.
     ///
     /// # Model
-    /// `D''(r) = (1+κ)·D(r/(1+κ))` at `f(1+κ)`: the same rays as convention (A). Defined for the
-    /// physical sign; with the printed one the two conventions contradict each other, and the
+    /// `D''(r) = (1+κ)·D(r/(1+κ))` at `f(1+κ)`: the same rays as convention (A). It is defined for
+    /// the physical sign; with the printed one the two conventions contradict each other, and the
     /// physical formula is used on the printed κ.
     #[must_use]
     pub fn distortion_at_changed_distance(&self, lens: &Brown) -> (f32, Brown) {
@@ -147,7 +150,7 @@ impl Flatness {
         coefficients_um: [0.0; FLATNESS_TERMS],
     };
 
-    /// The polynomial, if its terms stay believable at `reach_mm` from the calibrated position.
+    /// Returns the polynomial if its terms are in range at `reach_mm` from the calibrated position.
     ///
     /// # Errors
     /// [`OutOfRange`] for a coefficient that is not a number or a term above 1000 µm.
@@ -160,10 +163,11 @@ impl Flatness {
         Ok(self)
     }
 
-    /// The exposure mean of Δz, mm.
+    /// Returns the exposure mean of Δz, mm.
     ///
     /// # Model
-    /// `E[z(c)] = z(c̄) + z''μ₂/2 + z'''μ₃/6 + z''''μ₄/24`: exact, the polynomial ends at s⁴.
+    /// `E[z(c)] = z(c̄) + z''μ₂/2 + z'''μ₃/6 + z''''μ₄/24`, which is exact, as the polynomial ends
+    /// at s⁴.
     #[must_use]
     pub(crate) fn mean_shift_mm(&self, motion: &PrincipalPointMotion) -> f32 {
         let [z0, z1, z2, z3, z4] = self.coefficients_um;
@@ -179,7 +183,7 @@ impl Flatness {
             / 1000.0
     }
 
-    /// A bound on |dz/ds| within `reach_mm` of the calibrated position, mm per mm.
+    /// Returns a bound on |dz/ds| within `reach_mm` of the calibrated position, mm per mm.
     #[must_use]
     pub(crate) fn steepest(&self, reach_mm: f32) -> f32 {
         let [_, z1, z2, z3, z4] = self.coefficients_um.map(f32::abs);
@@ -272,7 +276,7 @@ mod tests {
 
     #[test]
     fn mean_run_out_of_a_skew_path_is_exact() {
-        // A path that is a below its mean for two thirds of the light and 2a above it for one.
+        // The path is a below its mean for two thirds of the light and 2a above it for one third.
         let (centroid, a) = (0.4_f32, 0.2_f32);
         let moments = CentralMoments {
             second: 2.0 * a * a,

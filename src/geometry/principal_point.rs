@@ -1,4 +1,4 @@
-//! How the principal point moves under the image while the shutter is open.
+//! Motion of the principal point under the image while the shutter is open.
 
 use core::fmt;
 
@@ -7,7 +7,7 @@ use super::range::OutOfRange;
 use super::shutter::Shutter;
 use super::tdi::mean_transfers;
 
-/// The motion of the principal point during one exposure, as far as the image depends on it.
+/// Motion of the principal point during one exposure, with all numbers on which the image depends.
 ///
 /// Offsets are counted along the FMC axis from the calibrated principal point, positive in the
 /// axis' own direction.
@@ -47,7 +47,7 @@ pub struct StageSample {
 }
 
 impl PrincipalPointMotion {
-    /// The motion predicted for a stage at constant speed.
+    /// Returns the motion predicted for a stage at constant speed.
     ///
     /// # Model
     /// `δ = v·t`, `c(τ) = Δδ + v·τ`, `c̄ = Δδ + v·E[τ]`, `μₖ = δᵏ·μₖ(τ/t)` (Yuan et al. 2012,
@@ -58,8 +58,10 @@ impl PrincipalPointMotion {
     /// use fmc_camera::geometry::principal_point::{PrincipalPointMotion, UniformTravel};
     /// use fmc_camera::geometry::shutter::{Shutter, ShutterProfile};
     /// // f = 128 mm, V/H = 1/8 1/s: 16 mm/s for 1/128 s.
-    /// let travel = UniformTravel { opening_offset_mm: 0.0, speed_mm_s: 16.0, exposure_s: 1.0 / 128.0 };
-    /// let motion = PrincipalPointMotion::from_plan(travel, &Shutter::new(ShutterProfile::Uniform)?);
+    /// let exposure_s = 1.0 / 128.0;
+    /// let travel = UniformTravel { opening_offset_mm: 0.0, speed_mm_s: 16.0, exposure_s };
+    /// let shutter = Shutter::new(ShutterProfile::Uniform)?;
+    /// let motion = PrincipalPointMotion::from_plan(travel, &shutter);
     /// assert_eq!((motion.travel_mm, motion.centroid_mm), (0.125, 0.0625));
     /// # Ok::<(), fmc_camera::geometry::range::OutOfRange>(())
     /// ```
@@ -75,7 +77,7 @@ impl PrincipalPointMotion {
         }
     }
 
-    /// The motion of a TDI sensor, whose charge follows the image in rows of `pixel_mm`.
+    /// Returns the motion for a TDI sensor, whose charge follows the image in rows of `pixel_mm`.
     ///
     /// # Model
     /// `c̄ = Δδ ± p·M` with M of [`mean_transfers`] and the sign of v; the moments are those of the
@@ -98,7 +100,7 @@ impl PrincipalPointMotion {
         })
     }
 
-    /// The motion as the encoder measured it.
+    /// Returns the motion as the encoder measured it.
     ///
     /// # Model
     /// The position runs linearly from sample to sample; c̄ and μₖ are its transmission-weighted
@@ -109,7 +111,7 @@ impl PrincipalPointMotion {
     /// begin at or before the opening and end at or after the closing.
     ///
     /// # Errors
-    /// [`SampleError`] when the samples do not determine the path over the whole exposure.
+    /// [`SampleError`] if the samples do not determine the path over the whole exposure.
     pub fn from_samples(
         samples: &[StageSample],
         exposure_s: f32,
@@ -220,12 +222,12 @@ impl<'a> MeasuredPath<'a> {
         })
     }
 
-    /// Neighbouring samples.
+    /// Returns pairs of neighbouring samples.
     fn stretches(samples: &[StageSample]) -> impl Iterator<Item = (StageSample, StageSample)> {
         samples.iter().copied().zip(samples.iter().copied().skip(1))
     }
 
-    /// Offsets at first and last light, mm.
+    /// Returns the offsets at first and last light, mm.
     fn ends(&self) -> (f32, f32) {
         let mut opening = 0.0;
         let mut closing = 0.0;
@@ -248,7 +250,8 @@ impl<'a> MeasuredPath<'a> {
             .map(|(open, close)| (open * self.exposure_s, close * self.exposure_s));
         for (before, after) in Self::stretches(self.samples) {
             for (open_s, close_s) in pieces {
-                // Comparisons: none is a NaN, and a call of `f32::max` takes longer than the node.
+                // These are comparisons, because no value is a NaN and a call of `f32::max` takes
+                // longer than the node.
                 let from = if before.time_s > open_s {
                     before.time_s
                 } else {

@@ -1,20 +1,20 @@
-//! The quantities a camera is described by and the settings it is flown with, and the range in
-//! which each of them is believable.
+//! Ranges of the quantities that describe a camera and of the settings with which it is flown.
 
 use core::fmt;
 
-/// Largest principal-distance change the correction is shown invertible for, as a fraction κ of
-/// the distance from exit pupil to image (1 mm at 100 mm: hundreds of times the depth of focus).
+/// Largest change of principal distance for which the correction is shown to be invertible, as a
+/// fraction κ of the distance from exit pupil to image (1 mm at 100 mm: hundreds of times the depth
+/// of focus).
 pub const MAX_FOCUS_FRACTION: f32 = 0.01;
 
-/// Most rows the charge of a TDI sensor may move in one exposure.
+/// Largest number of rows by which the charge of a TDI sensor may move in one exposure.
 pub const MAX_ROWS: f32 = 1024.0;
 
-/// The enum of the quantities, each with its name and its least and largest value.
+/// Defines the enum of the quantities, each with its name and its least and largest value.
 macro_rules! quantities {
     ($($variant:ident = $name:literal, $least:expr, $most:expr;)+) => {
         /// A quantity of the calibration, the mechanism, the exposure or the settings of a flight
-        /// that is checked on the way in.
+        /// that is checked on input.
         ///
         /// The name is the one of the camera file and of the documents. The order is that of the
         /// numbers on the wire: new quantities are added at the end.
@@ -27,7 +27,7 @@ macro_rules! quantities {
         }
 
         impl Quantity {
-            /// All of them, in the order of the numbers on the wire.
+            /// All quantities, in the order of the numbers on the wire.
             pub const ALL: &'static [Self] = &[$(Self::$variant),+];
 
             /// The name in the camera file and in messages, with its unit.
@@ -38,8 +38,8 @@ macro_rules! quantities {
                 }
             }
 
-            /// The believable range, both ends included. Polynomial coefficients have none of their
-            /// own: any finite number passes here and the invertibility check judges the set.
+            /// The allowed range, both ends included. Polynomial coefficients have no range: any
+            /// finite number passes here, and the invertibility check judges the set.
             #[must_use]
             pub const fn range(self) -> (f32, f32) {
                 match self {
@@ -143,19 +143,20 @@ quantities! {
 }
 
 impl Quantity {
-    /// `value`, if it is a number inside [`Self::range`].
+    /// Returns `value` if it is a number inside [`Self::range`].
     ///
     /// # Errors
-    /// [`OutOfRange`] with the value and the range; a NaN or an infinity is never inside.
+    /// [`OutOfRange`] with the value and the range, also for a NaN or an infinity.
     pub const fn check(self, value: f32) -> Result<f32, OutOfRange> {
         let (min, max) = self.range();
         self.check_within(value, min, max)
     }
 
-    /// `value`, if it is a number in `[min, max]`: for ranges that follow from other quantities.
+    /// Returns `value` if it is a number in `[min, max]`, for ranges that follow from other
+    /// quantities.
     ///
     /// # Errors
-    /// [`OutOfRange`] with the value and the range; a NaN or an infinity is never inside.
+    /// [`OutOfRange`] with the value and the range, also for a NaN or an infinity.
     pub(crate) const fn check_within(
         self,
         value: f32,
@@ -186,9 +187,9 @@ impl fmt::Display for Quantity {
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct OutOfRange {
-    /// Which quantity.
+    /// The quantity.
     pub quantity: Quantity,
-    /// What it was, in the unit of its name.
+    /// Its value, in the unit of its name.
     pub value: f32,
     /// Smallest allowed value.
     pub min: f32,

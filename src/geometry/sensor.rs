@@ -23,7 +23,8 @@ impl SensorPoint {
     }
 }
 
-/// A point in pixels: column to the right, row downwards, the *centre* of the first pixel is (0, 0).
+/// A point in pixels: column to the right, row downwards, the *centre* of the first pixel is (0,
+/// 0).
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub struct PixelPoint {
     /// Column, px.
@@ -32,7 +33,7 @@ pub struct PixelPoint {
     pub row_px: f32,
 }
 
-/// The direction in which the principal point moves in the sensor frame while the mechanism
+/// Direction in which the principal point moves in the sensor frame while the mechanism
 /// compensates: the direction of flight.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
@@ -49,7 +50,7 @@ pub enum FmcAxis {
 }
 
 impl FmcAxis {
-    /// All four, for sweeps.
+    /// All four axes, for sweeps.
     pub const ALL: [Self; 4] = [Self::PlusX, Self::MinusX, Self::PlusY, Self::MinusY];
 
     /// The sign σ of the axis: +1 or -1.
@@ -61,13 +62,13 @@ impl FmcAxis {
         }
     }
 
-    /// Whether the axis lies along x (else along y).
+    /// Returns true if the axis lies along x, and false if it lies along y.
     #[must_use]
     pub const fn is_x(self) -> bool {
         matches!(self, Self::PlusX | Self::MinusX)
     }
 
-    /// The point of the sensor frame that lies `offset_mm` along the axis from `origin`.
+    /// Returns the point of the sensor frame that lies `offset_mm` along the axis from `origin`.
     #[must_use]
     pub fn sensor_from_offset(self, origin: SensorPoint, offset_mm: f32) -> SensorPoint {
         let signed = self.sign() * offset_mm;
@@ -92,12 +93,12 @@ pub struct Sensor {
     pixel_um: f32,
     /// The corner up and to the right.
     corner: SensorPoint,
-    /// Farthest |x| and |y| that are still taken for points of the array.
+    /// Farthest |x| and |y| that still count as points of the array.
     farthest: SensorPoint,
 }
 
 impl Sensor {
-    /// An array of `width_px` by `height_px` pixels of `pixel_um` micrometres.
+    /// Returns an array of `width_px` by `height_px` pixels of `pixel_um` micrometres.
     ///
     /// # Errors
     /// [`OutOfRange`] for a side of no pixels, of more than [`MAX_SIDE_PX`] or of more than
@@ -142,35 +143,35 @@ impl Sensor {
         self.pixel_um / 1000.0
     }
 
-    /// The distance from the centre to the left and right edge, mm.
+    /// Distance from the centre to the left and right edge, mm.
     #[must_use]
     pub const fn half_width_mm(&self) -> f32 {
         self.corner.x_mm
     }
 
-    /// The distance from the centre to the upper and lower edge, mm.
+    /// Distance from the centre to the upper and lower edge, mm.
     #[must_use]
     pub const fn half_height_mm(&self) -> f32 {
         self.corner.y_mm
     }
 
-    /// Whether the point lies on the array, edges included. A NaN does not.
+    /// Returns true if the point lies on the array, edges included; a NaN does not.
     ///
     /// # Accuracy
-    /// In single precision an edge is known to two units in the last place; a point is on it within
-    /// that.
+    /// In single precision the position of an edge is known to two units in the last place; points
+    /// within that count as on the edge.
     #[inline]
     #[must_use]
     pub fn contains(&self, point: SensorPoint) -> bool {
         point.x_mm.abs() <= self.farthest.x_mm && point.y_mm.abs() <= self.farthest.y_mm
     }
 
-    /// The sensor-frame point of a pixel coordinate.
+    /// Returns the sensor-frame point of a pixel coordinate.
     ///
     /// # Model
     /// `x = (col - (W-1)/2)·p`, `y = ((H-1)/2 - row)·p`.
     ///
-    /// # Units and frames
+    /// Takes pixels (first pixel centre = (0, 0), row downwards), returns mm of the sensor frame.
     /// Pixels in (first pixel centre = (0, 0), row downwards), mm of the sensor frame out.
     ///
     /// # Examples
@@ -190,14 +191,15 @@ impl Sensor {
         )
     }
 
-    /// The pixel coordinate of a sensor-frame point: the inverse of [`Self::sensor_from_pixel`].
+    /// Returns the pixel coordinate of a sensor-frame point: the inverse of
+    /// [`Self::sensor_from_pixel`].
     ///
     /// # Model
     /// `col = (W-1)/2 + x/p`, `row = (H-1)/2 - y/p`.
     ///
     /// # Accuracy
-    /// Half a unit in the last place of the pixel number, 0.002 px at 18000 px: for measuring use
-    /// the sensor frame.
+    /// Half a unit in the last place of the pixel number, 0.002 px at 18000 px; the sensor frame
+    /// resolves more and is the one to measure in.
     #[must_use]
     pub fn pixel_from_sensor(&self, point: SensorPoint) -> PixelPoint {
         let centre = self.centre();
@@ -215,7 +217,7 @@ impl Sensor {
     }
 }
 
-/// A pixel count as a number; exact up to 2²⁴.
+/// Converts a pixel count, exactly up to 2²⁴.
 #[expect(
     clippy::cast_precision_loss,
     reason = "exact: every count that passes validation is at most MAX_SIDE_PX < 2^24"
@@ -241,7 +243,7 @@ mod tests {
         let sensor = Sensor::new(18000, 18000, 12.7).unwrap();
         let edge = sensor.half_width_mm();
         assert!(sensor.contains(SensorPoint::new(edge, -edge)));
-        // 114.3 mm: two units in the last place are 15 nm.
+        // Two units in the last place at 114.3 mm are 15 nm.
         assert!(!sensor.contains(SensorPoint::new(edge + 2.3e-5, 0.0)));
         assert!(!sensor.contains(SensorPoint::new(0.0, -edge - 2.3e-5)));
         assert!(!sensor.contains(SensorPoint::new(0.0, f32::NAN)));

@@ -1,4 +1,4 @@
-//! The transmission of the shutter over the exposure, and its moments.
+//! Transmission of the shutter over the exposure, and its moments.
 //!
 //! Time is counted as a fraction u of the *base*: from first light (u = 0) to last (u = 1). The
 //! exposure time t of this crate is that base.
@@ -6,11 +6,11 @@
 use super::moments::{CentralMoments, gauss_nodes};
 use super::range::{OutOfRange, Quantity};
 
-/// How the transmission runs over the exposure.
+/// Course of the transmission over the exposure.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub enum ShutterProfile {
-    /// Open and closed at once: an electronic global shutter.
+    /// Opening and closing at once: an electronic global shutter.
     #[default]
     Uniform,
     /// Linear ramps, as leaf shutters have.
@@ -27,13 +27,13 @@ pub enum ShutterProfile {
 pub struct Shutter {
     opening: f32,
     closing: f32,
-    // What every frame asks for.
+    // `centroid` and `moments` are stored because every frame needs them.
     centroid: f32,
     moments: CentralMoments,
 }
 
 impl Shutter {
-    /// The shutter of the given profile.
+    /// Returns the shutter of the given profile.
     ///
     /// # Errors
     /// [`OutOfRange`] for a ramp that is negative or not a number, and for ramps that together
@@ -67,7 +67,7 @@ impl Shutter {
         Ok(shutter)
     }
 
-    /// The three stretches of the base over which the transmission is linear.
+    /// Returns the three parts of the base over which the transmission is linear.
     pub(crate) fn pieces(&self) -> [(f32, f32); 3] {
         let closing_from = 1.0 - self.closing;
         [
@@ -77,7 +77,7 @@ impl Shutter {
         ]
     }
 
-    /// Transmission at the fraction `u` of the base: 0 (closed) to 1 (open).
+    /// Returns the transmission at the fraction `u` of the base: 0 (closed) to 1 (open).
     #[must_use]
     pub fn transmission(&self, u: f32) -> f32 {
         if !(0.0..=1.0).contains(&u) {
@@ -91,13 +91,13 @@ impl Shutter {
         }
     }
 
-    /// The effective exposure as a fraction of the base: `1 - (r₁+r₂)/2`.
+    /// Returns the effective exposure as a fraction of the base: `1 - (r₁+r₂)/2`.
     #[must_use]
     pub fn effective_fraction(&self) -> f32 {
         1.0 - 0.5 * (self.opening + self.closing)
     }
 
-    /// The share of the light that has arrived by the fraction `u` of the base.
+    /// Returns the share of the light that has arrived by the fraction `u` of the base.
     #[must_use]
     pub(crate) fn light_until(&self, u: f32) -> f32 {
         let closing_from = 1.0 - self.closing;
@@ -124,7 +124,8 @@ impl Shutter {
     /// # Examples
     /// ```
     /// use fmc_camera::geometry::shutter::{Shutter, ShutterProfile};
-    /// let leaf = Shutter::new(ShutterProfile::Trapezoid { opening_fraction: 0.3, closing_fraction: 0.1 })?;
+    /// let (opening_fraction, closing_fraction) = (0.3, 0.1);
+    /// let leaf = Shutter::new(ShutterProfile::Trapezoid { opening_fraction, closing_fraction })?;
     /// assert!((leaf.centroid() - 0.5 - 0.0458).abs() < 1e-4); // 4.6 % of the travel
     /// # Ok::<(), fmc_camera::geometry::range::OutOfRange>(())
     /// ```
@@ -133,16 +134,16 @@ impl Shutter {
         self.centroid
     }
 
-    /// Central moments of the time of a photon, in powers of the base.
+    /// Returns the central moments of the time of a photon, in powers of the base.
     ///
     /// # Accuracy
-    /// The quadrature is exact for the profile; what remains is rounding, below 1e-7.
+    /// The quadrature is exact for the profile; the error is rounding, below 1e-7.
     #[must_use]
     pub const fn moments(&self) -> CentralMoments {
         self.moments
     }
 
-    /// [`Self::moments`] from the transmission.
+    /// Computes [`Self::moments`] from the transmission.
     fn integrated(&self) -> CentralMoments {
         let mut moments = CentralMoments::default();
         for (from, to) in self.pieces() {
@@ -155,7 +156,7 @@ impl Shutter {
     }
 }
 
-/// [`Shutter::centroid`] of two ramps.
+/// Returns [`Shutter::centroid`] for two ramps.
 fn centroid(r1: f32, r2: f32) -> f32 {
     0.5 + (r1 - r2) * (3.0 - 2.0 * r1 - 2.0 * r2) / (6.0 * (2.0 - r1 - r2))
 }

@@ -1,26 +1,28 @@
-//! Time delay and integration: the charge follows the image in whole rows.
+//! Time delay and integration: the staircase in which the charge follows the image.
 
 use super::range::{OutOfRange, Quantity};
 use super::shutter::Shutter;
 
-/// The mean number of rows the charge has been moved by, over the light of one exposure.
+/// Returns the mean number of rows by which the charge has been moved, over the light of one
+/// exposure.
 ///
 /// # Model
 /// The charge moves one row every row period p/v; the first transfer comes `first_transfer` row
-/// periods after the shutter opens. The row count is the staircase `⌊u - φ⌋ + 1`, and its mean over the light is
-/// the sum over all transfers of the share of light that arrives after the transfer. For a whole
-/// number of rows N and a uniform shutter it is `N/2 + 1/2 - φ`: after a full row period the image
-/// lags by half a pixel, after half a period not at all.
+/// periods after the shutter opens. The row count is the staircase `⌊u - φ⌋ + 1`, and its mean over
+/// the light is the sum over all transfers of the share of light that arrives after the transfer.
+/// For a whole number of rows N and a uniform shutter it is `N/2 + 1/2 - φ`: with the first
+/// transfer after a full row period the image lags by half a pixel, after half a period not at all.
 ///
 /// # Units and frames
 /// `rows` = δ/p, the travel of the image in rows; `first_transfer` φ in row periods, 0 to 1; the
-/// result in rows along the FMC axis.
+/// result is in rows along the FMC axis.
 ///
 /// # Accuracy
 /// 0.002 rows at [`MAX_ROWS`](super::range::MAX_ROWS) (rounding of the sum), 1e-5 rows at 100 rows.
 ///
 /// # Errors
-/// [`OutOfRange`] for a phase outside 0 to 1 row periods or for more rows than [`MAX_ROWS`](super::range::MAX_ROWS).
+/// [`OutOfRange`] for a phase outside 0 to 1 row periods or for more rows than
+/// [`MAX_ROWS`](super::range::MAX_ROWS).
 ///
 /// # Examples
 /// ```

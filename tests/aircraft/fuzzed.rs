@@ -10,7 +10,7 @@ use proptest::test_runner::{Config, RngAlgorithm, TestRng, TestRunner};
 
 use crate::aircraft::targets;
 
-/// Every input of the corpus, then random ones, the same every time.
+/// Runs every input of the corpus, then random ones, the same every time.
 fn run(target: fn(&[u8]), corpus: &str, frequent: &'static [u8]) {
     let folder = Path::new(env!("CARGO_MANIFEST_DIR"))
         .join("fuzz/corpus")

@@ -17,7 +17,7 @@ fn samples(bytes: &[u8]) -> Vec<VhSample> {
     answer(bytes).unwrap().unwrap().samples.to_vec()
 }
 
-/// 36 m/s north and 48 m/s east, 1200.5 m above the sea.
+/// Returns the payload of a position: 36 m/s north and 48 m/s east, 1200.5 m above the sea.
 fn position() -> Vec<u8> {
     let mut payload = 1000_u32.to_le_bytes().to_vec();
     for number in [481_234_567, 115_678_901, 1_200_500, 1_000_000_i32] {
@@ -29,7 +29,7 @@ fn position() -> Vec<u8> {
     payload
 }
 
-/// Distance in cm of a sensor for 1 m to 600 m.
+/// Returns the payload of a distance in cm, from a sensor for 1 m to 600 m.
 fn distance(distance_cm: u16, kind: u8, orientation: u8) -> Vec<u8> {
     let mut payload = 1000_u32.to_le_bytes().to_vec();
     for number in [100, 60_000, distance_cm] {
@@ -39,7 +39,7 @@ fn distance(distance_cm: u16, kind: u8, orientation: u8) -> Vec<u8> {
     payload
 }
 
-/// Altitude, height above terrain and clearance.
+/// Returns the payload of altitude, height above terrain and clearance.
 fn altitude(amsl: f32, above_terrain: f32, clearance: f32) -> Vec<u8> {
     let mut payload = 1000_u64.to_le_bytes().to_vec();
     for number in [0.0, amsl, 0.0, 0.0, above_terrain, clearance] {
@@ -151,7 +151,7 @@ fn damaged_frame_is_not_read_and_the_next_is() {
             for bit in 0..8 {
                 let mut bytes = whole.clone();
                 bytes[damage] ^= 1 << bit;
-                // What a wrong length hides comes when its bytes have.
+                // A wrong length hides the next frame until as many bytes have come as it claims.
                 bytes.extend(&next);
                 bytes.extend([0; 280]);
                 let found = messages(&mut MavlinkReceiver::new(), &bytes);

@@ -1,4 +1,4 @@
-//! What aircraft send, as a user of the crate sees it: bytes in, speed, heights and time out.
+//! Data of aircraft, as a user of the crate sees them: bytes in; speed, heights and time out.
 
 #![cfg(test)]
 #![allow(

@@ -48,13 +48,13 @@ fn damaged_sentence_is_refused_and_the_next_is_read() {
             let mut bytes = RMC.to_vec();
             bytes[damage] ^= 1 << bit;
             if bytes.ends_with(b"*2b\r\n") {
-                // The same checksum.
+                // This damage leaves the checksum as it is.
                 continue;
             }
             bytes.extend(GGA);
             let answers = answers(&bytes);
             let readings: Vec<_> = answers.iter().flatten().collect();
-            // Another name or an end in its middle may silence it; never is it read.
+            // A damaged name or an end in the middle may hide the sentence, but it is never read.
             assert_eq!(readings.len(), 1, "byte {damage} bit {bit}: {answers:?}");
             assert_eq!(readings[0].sample, Some(VhSample::Altitude(545.4)));
         }
@@ -106,7 +106,7 @@ fn what_is_no_number_or_beyond_its_range_is_refused() {
             "{altitude}: {answer:?}"
         );
     }
-    // Altitude in feet, were it said so.
+    // The sentence gives the altitude as if it were in feet.
     let feet = answer(
         "GPGGA",
         "123519,4807.038,N,01131.0,E,1,08,0.9,1789.4,F,46.9,M,,",

@@ -1,4 +1,4 @@
-//! A controller with an ideal stage and a shutter that does as it is told.
+//! A controller with an ideal stage and a shutter that follows its commands.
 
 use fmc_camera::flight::controller::state::State;
 use fmc_camera::flight::controller::{Controller, Start};
@@ -11,28 +11,28 @@ use fmc_camera::flight::time::Time;
 use fmc_camera::flight::vh::VhSample;
 use fmc_camera::{CalibrationParameters, CameraParameters};
 
-/// 100 mm, 9216 x 9216 pixels of 8.75 µm, a stage of 4 mm.
+/// Returns a camera of 100 mm, with 9216 x 9216 pixels of 8.75 µm and a stage of 4 mm.
 pub(crate) fn camera() -> CameraParameters {
     CameraParameters::new(CalibrationParameters::new(100.0, [9216, 9216], 8.75))
 }
 
-/// The world around a controller.
+/// Controller with the devices around it.
 pub(crate) struct Bench {
     pub(crate) controller: Controller,
     pub(crate) now: Time,
-    /// Where the stage is: where it was last told to be.
+    /// Set point that the stage has reached.
     pub(crate) stage: Setpoint,
-    /// Whether the stage follows.
+    /// `true` if the stage follows its set points.
     pub(crate) stage_follows: bool,
-    /// Whether the encoder is read.
+    /// `true` if the encoder is read.
     pub(crate) is_read: bool,
-    /// Whether the shutter obeys.
+    /// `true` if the shutter obeys.
     pub(crate) shutter_obeys: bool,
     pub(crate) shutter_late_s: f32,
     /// V/H that arrives with every round.
     pub(crate) vh_per_s: Option<f32>,
     pub(crate) edges: Vec<(Time, ShutterEdge)>,
-    /// All actions so far but the stage's motion.
+    /// All actions so far, except the stage's motion.
     pub(crate) actions: Vec<(Time, Action)>,
 }
 
@@ -56,7 +56,7 @@ impl Bench {
         }
     }
 
-    /// An armed camera, its stage at the waiting place.
+    /// Returns an armed camera, its stage at the waiting place.
     pub(crate) fn armed() -> Self {
         let mut bench = Self::new(FlightSettings::default());
         bench.arm();
@@ -69,7 +69,7 @@ impl Bench {
         self.run_until(2000, |state| state == State::Armed);
     }
 
-    /// Something happens now.
+    /// Sends an event at the present time.
     pub(crate) fn send(&mut self, event: Event) {
         self.send_at(self.now, event);
     }
@@ -95,7 +95,8 @@ impl Bench {
                         .push((opened.plus_s(exposure_s), ShutterEdge::Closed));
                 }
                 Action::CloseShutter => {
-                    // A blade that has not moved stays; one that has goes on to its planned end.
+                    // A blade that has not moved stays closed; one that has continues to its
+                    // planned end.
                     let now = self.now;
                     if self
                         .edges
@@ -110,7 +111,7 @@ impl Bench {
         }
     }
 
-    /// A round of the control loop, a millisecond later.
+    /// Runs a round of the control loop, a millisecond later.
     pub(crate) fn round(&mut self) {
         self.now = self.now.plus_s(1e-3);
         if let Some(vh_per_s) = self.vh_per_s {
@@ -132,7 +133,7 @@ impl Bench {
         self.send(Event::Tick);
     }
 
-    /// Where the stage is now: it goes on from the last set point.
+    /// Returns the stage's present place, which follows from the last set point and its speed.
     pub(crate) fn place_mm(&self) -> f32 {
         if self.stage_follows {
             self.controller
@@ -150,7 +151,7 @@ impl Bench {
         }
     }
 
-    /// Runs until a state is reached, and says after how many rounds.
+    /// Runs until a state is reached, and returns the number of rounds.
     pub(crate) fn run_until(&mut self, most: u32, reached: impl Fn(State) -> bool) -> u32 {
         for rounds in 0..most {
             if reached(self.controller.state()) {
@@ -161,7 +162,7 @@ impl Bench {
         panic!("still {} after {most} rounds", self.controller.state());
     }
 
-    /// The records from a number on.
+    /// Returns the records from a number on.
     pub(crate) fn records(&self) -> Vec<FrameRecord> {
         let mut records: Vec<FrameRecord> = Vec::new();
         let mut next = 0;

@@ -1,4 +1,4 @@
-//! The steps of the bring-up in `docs/integration.md`, section 4, and what section 2 says of times.
+//! The steps of the bring-up in `docs/integration.md`, section 4, and the times in its section 2.
 
 use fmc_camera::flight::controller::state::State;
 use fmc_camera::flight::event::{Command, Event, ShutterEdge};

@@ -1,4 +1,4 @@
-//! `docs/integration.md`: what each fault leads to, and what ends it.
+//! The faults of `docs/integration.md`: their consequences, and the ways out of them.
 
 use fmc_camera::flight::controller::Start;
 use fmc_camera::flight::controller::state::State;
@@ -11,7 +11,7 @@ use crate::controller::bench::{Bench, camera};
 
 const DOCUMENT: &str = include_str!("../../docs/integration.md");
 
-/// Code, *leads to* and *ends* of the table of faults.
+/// Returns code, *leads to* and *ends* of the table of faults.
 fn documented() -> Vec<[&'static str; 3]> {
     DOCUMENT
         .lines()
@@ -25,7 +25,7 @@ fn documented() -> Vec<[&'static str; 3]> {
         .collect()
 }
 
-/// A camera in a state after a trigger.
+/// Returns a camera in a state after a trigger.
 fn in_state(state: State) -> Bench {
     let mut bench = Bench::armed();
     bench.send(Event::Trigger);
@@ -33,7 +33,8 @@ fn in_state(state: State) -> Bench {
     bench
 }
 
-/// A stage that is told one thing and does another: its motion since now times so much.
+/// Returns a camera whose stage departs from its set points: its motion from now on is multiplied
+/// by `factor`.
 fn moving_by(factor: f32) -> Bench {
     let mut bench = in_state(State::Tracking);
     bench.is_read = false;
@@ -52,7 +53,7 @@ fn moving_by(factor: f32) -> Bench {
     bench
 }
 
-/// The fault has just happened.
+/// Returns a camera in which the fault has just happened.
 fn with(fault: Fault) -> Bench {
     match fault {
         Fault::Stall => {
@@ -126,7 +127,7 @@ fn with(fault: Fault) -> Bench {
     }
 }
 
-/// What the fault makes of the camera, in the document's words.
+/// Returns the states to which the fault leads, in the document's words.
 fn leads_to(bench: &mut Bench, fault: Fault) -> String {
     let mut found: Vec<&str> = Vec::new();
     for _ in 0..8000 {
@@ -137,7 +138,7 @@ fn leads_to(bench: &mut Bench, fault: Fault) -> String {
                 found.push(state.name());
             }
         }
-        // It recovers by itself: seen below.
+        // [`ends`] checks that it recovers.
         if let State::Degraded(_) = state {
             break;
         }
@@ -150,7 +151,8 @@ fn leads_to(bench: &mut Bench, fault: Fault) -> String {
     }
 }
 
-/// Whether the camera is armed again by itself once the cause has gone, in the document's words.
+/// Returns the way in which the camera is armed again once the cause has gone, in the document's
+/// words.
 fn ends(bench: &mut Bench) -> &'static str {
     bench.is_read = true;
     bench.stage_follows = true;
@@ -198,7 +200,7 @@ fn faults_lead_to_what_the_document_says() {
     assert_eq!(documented(), found);
 }
 
-/// What it is, of each machine.
+/// Returns the name and the states of each machine in the document.
 fn machines() -> Vec<[&'static str; 2]> {
     DOCUMENT
         .lines()

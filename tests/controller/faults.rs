@@ -1,4 +1,4 @@
-//! What goes wrong, by name: the state it leads to, its code, and what becomes of the frame.
+//! Faults by name: the state to which each leads, its code, and the frame's outcome.
 
 use fmc_camera::flight::controller::Start;
 use fmc_camera::flight::controller::state::State;
@@ -10,7 +10,7 @@ use fmc_camera::flight::time::Time;
 
 use crate::controller::bench::{Bench, camera};
 
-/// A camera in a state after a trigger.
+/// Returns a camera in a state after a trigger.
 fn in_state(state: State) -> Bench {
     let mut bench = Bench::armed();
     bench.send(Event::Trigger);
@@ -47,7 +47,7 @@ fn stall_before_the_shutter_refuses_the_frame_and_goes_on_without_compensation()
         only(&bench).outcome,
         Outcome::Refused(Reason::Fault(Fault::Stall))
     );
-    // It stands: the pilot gets pictures without compensation, and is told so.
+    // The stage stands: the pilot gets images without compensation, and the state says so.
     bench.run_until(100, |state| state == State::Degraded(Fault::Stall));
     bench.send(Event::Trigger);
     bench.run(100);
@@ -59,7 +59,7 @@ fn stall_before_the_shutter_refuses_the_frame_and_goes_on_without_compensation()
     assert!(frame.interior.motion.travel_mm.abs() < 1e-6);
     let place = frame.interior.motion.centroid_mm;
     assert!((place - bench.stage.offset_mm).abs() < 1e-6);
-    // Cleared and armed: with compensation again.
+    // Once the fault is cleared and the camera armed, there is compensation again.
     bench.stage_follows = true;
     bench.send(Event::Command(Command::ClearFault));
     assert_eq!(bench.controller.state(), State::Standby);
@@ -73,7 +73,8 @@ fn stall_while_the_shutter_is_open_is_measured() {
     bench.run(60);
     let record = only(&bench);
     let frame = exposed(&record);
-    // The path is what the encoder saw: the record is right, its smear is not small.
+    // The path is the one that the encoder measured: the record is right, and its smear is not
+    // small.
     assert!(frame.interior.motion.travel_mm < 0.03);
     assert!(frame.smear_px > 0.5, "{}", frame.smear_px);
     assert!(record.flags.contains(Flag::SmearOverBudget));
@@ -138,7 +139,8 @@ fn encoder_that_may_be_the_wrong_way_round_has_lost_the_place() {
     bench.run(100);
     let record = only(&bench);
     assert!(record.flags.contains(Flag::StaticCorrection));
-    // What had force on it may have gone anywhere: half of the stroke, and smear of as much.
+    // A stage that had force on it may be anywhere: σ is half of the stroke, and the smear as
+    // large.
     assert!((exposed(&record).principal_point_sigma_mm - 2.0).abs() < 1e-6);
     assert!(exposed(&record).smear_um > 2000.0);
     assert_eq!(
@@ -169,7 +171,7 @@ fn late_edge_is_exposed_and_says_so() {
     let record = only(&bench);
     assert!(record.faults.contains(Fault::ShutterLate));
     assert!(acted(&bench, Action::Fault(Fault::ShutterLate)));
-    // 2.5 ms at 10 mm/s: the principal point is where it was measured, not where it was planned.
+    // 2.5 ms at 10 mm/s: the record has the principal point as measured, not as planned.
     assert!((exposed(&record).interior.motion.centroid_mm - 0.025).abs() < 2e-4);
 }
 
@@ -188,7 +190,7 @@ fn missing_edge_refuses_the_frame_and_one_that_comes_after_all_is_reported() {
     assert!(acted(&bench, Action::Fault(Fault::ShutterUnexpected)));
     assert!(acted(&bench, Action::CloseShutter));
     assert_eq!(bench.controller.counts().unexpected_edges, 1);
-    // The next record tells it.
+    // The fault is in the next record.
     bench.shutter_obeys = true;
     bench.send(Event::Trigger);
     bench.run(100);
@@ -234,7 +236,7 @@ fn shutter_that_does_not_close_is_given_up_with_a_record() {
     assert!(acted(&bench, Action::CloseShutter));
     let record = only(&bench);
     assert!(record.faults.contains(Fault::ShutterLong));
-    // How long it was open nobody knows: the frame says so, in its flag and in its σ.
+    // The time for which it was open is not known: the frame says so, in its flag and in its σ.
     assert!(record.flags.contains(Flag::LastLightAssumed));
     let frame = exposed(&record);
     assert!((frame.interior.exposure_s - 1.0 / 300.0).abs() < 1e-6);
@@ -301,9 +303,9 @@ fn watchdog_begins_in_its_fault_and_is_in_the_next_record() {
         Outcome::Refused(Reason::Fault(Fault::Watchdog))
     );
     bench.run(1);
-    // Nobody knows what the shutter had been told.
+    // The last command to the shutter is not known.
     assert!(acted(&bench, Action::CloseShutter));
-    // The encoder's count is gone: without a reference there is no compensation.
+    // The encoder's count is lost, and without a reference there is no compensation.
     bench.send(Event::Command(Command::ClearFault));
     bench.send(Event::Command(Command::Arm));
     assert_eq!(bench.controller.state(), State::Degraded(Fault::Encoder));
@@ -326,7 +328,7 @@ fn lost_vh_leads_to_frames_without_compensation_and_recovers() {
     assert!(record.flags.contains(Flag::NoCompensation) && record.faults.contains(Fault::VhLost));
     let frame = exposed(&record);
     assert_eq!(frame.vh, None);
-    // The largest V/H that the camera may fly at bounds the smear: 17 mm/s for 1/300 s.
+    // The smear is bounded by the largest V/H at which the camera may fly: 17 mm/s for 1/300 s.
     assert!((frame.smear_um - 56.7).abs() < 1.0, "{}", frame.smear_um);
     bench.vh_per_s = Some(0.1);
     bench.run_until(50, |state| state == State::Armed);
@@ -382,7 +384,7 @@ fn late_rounds_of_standby_are_counted_and_nothing_follows_from_them() {
     let record = only(&bench);
     assert!(record.faults.is_empty(), "{:?}", record.faults);
     assert!(!record.flags.contains(Flag::NoCompensation));
-    // Armed, it counts again.
+    // Once the camera is armed, late rounds count again.
     bench.run_until(2000, |state| state == State::Armed);
     for _ in 0..3 {
         bench.now = bench.now.plus_s(0.004);
@@ -449,7 +451,7 @@ fn stage_that_fails_without_force_is_not_moved_until_it_is_cleared() {
             Fault::LimitSwitch => Event::LimitSwitch,
             fault => Event::Drive(fault),
         };
-        // The encoder goes with the supply.
+        // The encoder loses its count with the supply.
         let mut without_supply = Bench::armed();
         without_supply.send(Event::Supply(Supply::Low));
         without_supply.send(event);
@@ -471,7 +473,7 @@ fn stage_that_fails_without_force_is_not_moved_until_it_is_cleared() {
             assert_eq!(announced.count(), 1);
             bench.send(Event::Command(Command::ClearFault));
             if fault == Fault::Encoder {
-                // Its place is still lost.
+                // The place of the stage is still lost.
                 bench.send(Event::Command(Command::Arm));
                 bench.run(500);
                 assert_eq!(bench.controller.state(), State::Degraded(fault));

@@ -1,4 +1,4 @@
-//! What is found of the aircraft's instruments is in the next record, and counted.
+//! Findings of the aircraft's instruments: each is in the next record, and counted.
 
 use fmc_camera::flight::event::{AttitudeSample, Event};
 use fmc_camera::flight::findings::Findings;
@@ -24,7 +24,7 @@ fn vh(bench: &mut Bench, samples: &[VhSample]) {
     }
 }
 
-/// Pulses a second apart, each named by a time that may be off, s.
+/// Sends pulses a second apart, each named by a time that may be off, s.
 fn pulses(bench: &mut Bench, off_s: &[u64]) {
     for (second, off_s) in (0_u64..).zip(off_s) {
         bench.send(Event::TimePulse);
@@ -35,7 +35,7 @@ fn pulses(bench: &mut Bench, off_s: &[u64]) {
     }
 }
 
-/// Makes what a flag tells of.
+/// Makes the finding that a flag stands for.
 fn inject(bench: &mut Bench, flag: Flag) {
     let height = VhSample::HeightAboveGround(600.0);
     match flag {
@@ -177,21 +177,21 @@ fn what_holds_is_in_every_record_and_what_has_passed_in_one() {
     let mut bench = Bench::armed();
     let good = VhSample::GroundSpeed(60.0);
     let has = |bench: &mut Bench, flag| next_record(bench).flags.contains(flag);
-    // The last sample of its source.
+    // The flag holds as long as this is the last sample of its source.
     vh(&mut bench, &[VhSample::GroundSpeed(f32::NAN)]);
     for _ in 0..3 {
         assert!(has(&mut bench, Flag::VhNotANumber));
     }
-    // It held until now, and from now on no more.
+    // The finding held until now, and from here on no more.
     vh(&mut bench, &[good]);
     assert!(has(&mut bench, Flag::VhNotANumber));
     assert!(!has(&mut bench, Flag::VhNotANumber));
     assert_eq!(count(&bench, Flag::VhNotANumber), 1);
-    // Between two frames.
+    // The finding comes and goes between two frames.
     vh(&mut bench, &[VhSample::GroundSpeed(f32::NAN), good]);
     assert!(has(&mut bench, Flag::VhNotANumber));
     assert!(!has(&mut bench, Flag::VhNotANumber));
-    // Two ways that disagree.
+    // Two sources disagree.
     vh(&mut bench, &[good, VhSample::InertialSpeed(66.0), good]);
     for _ in 0..3 {
         assert!(has(&mut bench, Flag::VhDisagreement));
@@ -204,7 +204,7 @@ fn finding_of_an_exposure_is_in_its_own_record_and_of_a_refusal_in_the_next() {
     let mut bench = Bench::armed();
     bench.send(Event::Trigger);
     bench.run(5);
-    // The frame before is not over.
+    // The finding comes while the frame before is not finished.
     bench.send(Event::Trigger);
     vh(&mut bench, &[VhSample::GroundSpeed(400.0)]);
     bench.run(100);

@@ -1,4 +1,4 @@
-//! Frames in which nothing goes wrong.
+//! Frames without faults.
 
 use fmc_camera::flight::camera::Mechanism;
 use fmc_camera::flight::controller::state::State;

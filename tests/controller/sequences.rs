@@ -1,4 +1,4 @@
-//! Sequences of events that once led astray: each comment says how.
+//! Sequences of events that once led to wrong behaviour, which the comments describe.
 
 mod closing_shutter;
 mod degraded_modes;
@@ -21,7 +21,8 @@ use fmc_camera::flight::vh::VhSample;
 
 use crate::controller::bench::{Bench, camera};
 
-/// A round of a given length, with a reading of a stage that is off its set point; `None`: no reading.
+/// Runs a round of a given length, with a reading of a stage that is off its set point, or with
+/// none.
 fn round(bench: &mut Bench, round_s: f32, off_mm: Option<f32>) {
     bench.now = bench.now.plus_s(round_s);
     bench.send(Event::Vh(VhSample::Direct(0.1)));

@@ -13,10 +13,11 @@ use fmc_camera::flight::vh::VhSample;
 
 use crate::controller::bench::Bench;
 
-/// What each event does in each state at once; a tick, within the next 10 ms of silence from everything else.
+/// Table of each event in each state: the next state and the records made, at once; for a tick,
+/// within the next 10 ms without other events.
 const TABLE: &str = include_str!("table.csv");
 
-/// A camera in every state.
+/// Returns cameras in every state.
 fn states() -> Vec<Bench> {
     let flying = |state| {
         let mut bench = Bench::armed();
@@ -121,7 +122,7 @@ fn every_event_in_every_state_does_what_the_table_says() {
             let next = bench.controller.state();
             let made = bench.records().len() - kept;
             writeln!(found, "{},{event_name},{},{made}", name(before), name(next)).unwrap();
-            // Whatever it was: every trigger gets its record within a second.
+            // After any event, every trigger gets its record within a second.
             bench.run(1000);
             let counts = bench.controller.counts();
             assert_eq!(
@@ -145,7 +146,7 @@ fn every_event_in_every_state_does_what_the_table_says() {
     assert_eq!(found.lines().count(), TABLE.lines().count());
 }
 
-/// Triggers at random, far closer than the mechanism allows as well as far apart.
+/// Triggers come at random, far closer than the mechanism allows as well as far apart.
 #[test]
 fn a_million_random_triggers_are_all_answered() {
     const TRIGGERS: u32 = 1_000_000;
@@ -162,7 +163,7 @@ fn a_million_random_triggers_are_all_answered() {
     while triggers < TRIGGERS {
         let burst = match next() % 8 {
             0 => 0,
-            // More than there is room for.
+            // These are more than the queue has room for.
             1 if next() % 64 == 0 => 100,
             few => few,
         };

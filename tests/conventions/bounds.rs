@@ -1,4 +1,4 @@
-//! The last column of section 10: bounds that follow from other quantities.
+//! Last column of section 10: bounds that follow from other quantities.
 
 use crate::conventions::camera;
 use fmc_camera::flight::camera::{Camera, CameraParameters, FrameError};

@@ -1,14 +1,14 @@
-//! The document, its tables, and where its numbers may stand.
+//! Reader of the document and its tables, and check of the places where its numbers may stand.
 
-/// Paragraphs, code and tables are the blocks between blank lines.
+/// Text of the document. Its paragraphs, code and tables are the blocks between blank lines.
 const DOCUMENT: &str = include_str!("../../docs/conventions.md");
 
-/// The rows of every table whose first heading is `heading`.
+/// Returns the rows of every table whose first heading is `heading`.
 pub(crate) fn rows(heading: &str) -> Vec<Vec<&'static str>> {
     rows_of(DOCUMENT, heading)
 }
 
-/// The same of another document.
+/// Returns the same rows of another document.
 pub(crate) fn rows_of(document: &'static str, heading: &str) -> Vec<Vec<&'static str>> {
     let rows: Vec<_> = document
         .split("\n\n")
@@ -20,7 +20,7 @@ pub(crate) fn rows_of(document: &'static str, heading: &str) -> Vec<Vec<&'static
     rows
 }
 
-/// What stands in backquotes in a cell.
+/// Returns the text in backquotes in a cell.
 pub(crate) fn names(cell: &str) -> Vec<&str> {
     cell.split('`').skip(1).step_by(2).collect()
 }
@@ -43,7 +43,7 @@ fn numbers_with_a_unit_stand_only_in_tables_that_are_checked() {
     assert_numbers_checked(DOCUMENT, CHECKED);
 }
 
-/// Numbers with a unit stand in tables of these headings alone.
+/// Checks that numbers with a unit stand only in tables of these headings.
 pub(crate) fn assert_numbers_checked(document: &str, checked: &[Option<&str>]) {
     const UNITS: &[&str] = &[
         "mm", "µm", "nm", "m", "cm", "px", "s", "ms", "1/s", "mm/s", "m/s", "%", "rows", "°", "°/s",

@@ -1,5 +1,6 @@
 //! `docs/conventions.md` and `docs/integration.md` against the code: names, ranges, constants and
-//! worked examples; the links of the README; and the direction of the dependencies inside the crates.
+//! worked examples; the links of the README; and the direction of the dependencies inside the
+//! crates.
 
 #[cfg(test)]
 mod arrows;

@@ -25,7 +25,7 @@ const CAMERA_FILE: [&str; 2] = [
     include_str!("../../crates/camera-file/src/tables.rs"),
 ];
 
-/// `Type.field`, as documented; does not compile for a field that is not there.
+/// Returns `Type.field`, as documented; does not compile for a field that does not exist.
 macro_rules! field {
     ($type:ident . $field:ident) => {{
         let _ = |value: $type| {
@@ -35,7 +35,8 @@ macro_rules! field {
     }};
 }
 
-/// `Type::name`, as documented, of a method or a variant, `{}` after one with fields.
+/// Returns `Type::name`, as documented, of a method or a variant, with `{}` after a variant with
+/// fields.
 macro_rules! path {
     ($type:ident :: $name:ident) => {{
         let _ = $type::$name;
@@ -129,7 +130,7 @@ fn documented_names_are_those_of_the_code() {
     assert_eq!(documented, code);
 }
 
-/// The keys of the camera file, with their table, from the fields that are read.
+/// Returns the keys of the camera file, with their table, from the fields that are read.
 fn camera_file_keys() -> BTreeSet<String> {
     let mut table = None;
     let mut keys = BTreeSet::new();

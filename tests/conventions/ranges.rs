@@ -1,9 +1,9 @@
-//! The ranges of section 10 that belong to one quantity.
+//! Ranges of section 10 that belong to one quantity.
 
 use crate::conventions::document::{names, rows};
 use fmc_camera::geometry::range::Quantity;
 
-/// The unit that a name ends in.
+/// Returns the unit in which a name ends.
 fn unit_in(name: &str) -> Option<&'static str> {
     let units = [
         ("_per_mm_s2", "1/(mm/s²)"),

@@ -1,11 +1,11 @@
-//! The first page: its links lead somewhere, beside the source and where it is shown as documentation.
+//! Links of the README, beside the source and in the documentation.
 
 use std::path::Path;
 
 const README: &str = include_str!("../../README.md");
 const SHOWN_AS_DOCUMENTATION: &str = include_str!("../../src/readme_links.md");
 
-/// Labels and targets of the links that a text defines.
+/// Returns labels and targets of the links that a text defines.
 fn definitions(text: &str) -> Vec<(&str, &str)> {
     text.lines()
         .filter_map(|line| line.strip_prefix('[')?.split_once("]: "))
@@ -32,7 +32,7 @@ fn every_link_leads_to_a_module_where_it_is_shown_as_documentation() {
         definitions.map(|(label, _)| label).collect::<Vec<_>>()
     };
     assert_eq!(labels(README), labels(SHOWN_AS_DOCUMENTATION));
-    // That the modules exist is checked where the documentation is built.
+    // The build of the documentation checks that the modules exist.
     let inline = README
         .match_indices("](")
         .filter(|(at, _)| !README[at + 2..].starts_with("http"));

@@ -10,7 +10,7 @@ use fmc_camera::flight::stage::Setpoint;
 use fmc_camera::flight::time::Time;
 use fmc_camera::{CalibrationParameters, CameraParameters};
 
-/// What was asked of the drive in a round.
+/// Names of the calls to the drive in a round.
 #[derive(Debug, Default)]
 struct Asked(Vec<&'static str>);
 
@@ -46,6 +46,7 @@ fn stage_is_read_when_the_round_begins_and_not_after_its_events() {
     };
     let arm = Event::Command(Command::Arm);
     assert_eq!(round(1000, arm), ["position", "follow"]);
-    // What an event leads to may take longer than the stage may have moved.
+    // The stage is read first, because the handling of an event may take so long that the stage
+    // moves meanwhile.
     assert_eq!(round(2000, Event::LimitSwitch), ["position", "release"]);
 }

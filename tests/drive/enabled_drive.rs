@@ -1,4 +1,4 @@
-//! The pin that lets the motor's power stage on.
+//! The pin that enables the motor's power stage.
 
 use std::io;
 
@@ -12,7 +12,7 @@ use fmc_camera::flight::fault::Fault;
 use fmc_camera::flight::stage::Setpoint;
 use fmc_camera::flight::time::Time;
 
-/// Fails on request, and counts how often it was released.
+/// Motor that fails on request, and counts its releases.
 #[derive(Debug, Default)]
 struct Motor {
     fails: bool,
@@ -84,7 +84,7 @@ fn drive_that_fails_takes_the_pin_away() {
     let mut drive = EnabledDrive::new(Motor::default(), pin.clone());
     assert_eq!(drive.follow(Time::START, at(0.0)), Ok(()));
     assert_eq!(drive.follow(Time::START, at(-0.1)), Err(Fault::LimitSwitch));
-    // The next call is as good as the first.
+    // The next call works like the first.
     assert_eq!(drive.follow(Time::START, at(0.0)), Ok(()));
     drive.release();
     pin.done();

@@ -1,4 +1,4 @@
-//! The drives, seen from their pins.
+//! The drives, tested through their pins.
 
 #[cfg(test)]
 mod control_loop;

@@ -1,4 +1,4 @@
-//! Pulse width and direction, with the encoder's count.
+//! Drive by pulse width and direction, with the encoder's count.
 
 use std::io;
 
@@ -37,7 +37,7 @@ fn at(offset_mm: f32) -> Setpoint {
     }
 }
 
-/// Position alone: 1 mm/s per µm, 0.02 of duty per mm/s.
+/// Returns settings that use the position alone: 1 mm/s per µm, 0.02 of duty per mm/s.
 fn settings() -> DriveSettings {
     DriveSettings {
         velocity_loop: LoopSettings {
@@ -109,14 +109,14 @@ fn loop_follows_from_the_count_that_was_read_in_its_round() {
     let mut drive = RigDrive::new(settings()).unwrap();
     let read = drive.position(tick(1)).unwrap();
     assert!(read.offset_mm.abs() < 1e-6);
-    // 10 µm on while the round computes.
+    // The stage moves 10 µm further while the round computes.
     drive.set_count(100);
     drive.follow(tick(1), at(0.0)).unwrap();
     assert!(drive.duty().abs() < 1e-6, "{}", drive.duty());
-    // A round that has not read the stage reads it now: back by 10 µm, 0.2.
+    // A round that has not read the stage reads it now: 10 µm back, duty 0.2.
     drive.follow(tick(2), at(0.0)).unwrap();
     assert!((drive.duty() + 0.2).abs() < 0.01, "{}", drive.duty());
-    // So it is in the round that does.
+    // A round that has read the stage uses that reading.
     drive.position(tick(3)).unwrap();
     drive.set_count(0);
     drive.follow(tick(3), at(0.0)).unwrap();
@@ -127,19 +127,19 @@ fn loop_follows_from_the_count_that_was_read_in_its_round() {
 fn short_motion_is_exactly_this_traffic() {
     let followed = traffic(
         settings(),
-        // 20 µm to go, and then at its place.
+        // 20 µm to go, then at its place.
         &[(0.02, 0), (0.02, 200), (0.02, 200)],
         &[
-            // 20 µm: 20 mm/s, 0.4.
+            // 20 µm give 20 mm/s and a duty of 0.4.
             width(0),
             full(),
             width(400),
-            // The slope weighs 1 %, 0.2 mm/s: it rests.
+            // The slope has a weight of 1 %, which gives 0.2 mm/s: the stage rests.
             full(),
             width(0),
             full(),
             width(0),
-            // Released.
+            // The drive is released.
             width(0),
         ],
         &[low()],
@@ -155,7 +155,7 @@ fn direction_turns_while_there_is_no_pulse_and_duty_keeps_its_limit() {
     };
     let followed = traffic(
         reversed,
-        // 0.1 mm ahead, then a set point that jumps 0.1 mm back.
+        // A set point 0.1 mm ahead, then one that jumps 0.1 mm back.
         &[(0.1, 0), (-0.1, 0), (-0.1, 0)],
         &[
             width(0),
@@ -179,7 +179,7 @@ fn pin_that_fails_is_a_drive_fault_without_force_and_the_next_call_is_as_good_as
         settings(),
         &[(0.02, 0), (0.02, 0)],
         &[
-            // The direction cannot be set: off.
+            // The direction cannot be set, so that the pulse width stays zero.
             width(0),
             width(0),
             width(0),
@@ -202,9 +202,9 @@ fn release_that_fails_is_reported_by_the_next_follow() {
             full(),
             width(400).with_error(broken()),
             width(0).with_error(broken()),
-            // Tried again.
+            // The next call tries again.
             width(0),
-            // And as at first, but the direction is known.
+            // Then as at first, except that the direction is known.
             full(),
             width(400),
             width(0),
@@ -251,7 +251,7 @@ fn rig_shows_duty_and_power_and_starts_afresh_after_a_pause() {
     drive.release();
     drive.release();
     assert!(!drive.powered() && drive.duty().abs() <= 0.0);
-    // Counts that came during a pause are no speed: 20 µm, 0.4.
+    // Counts that came during a pause do not count as speed: 20 µm, duty 0.4.
     drive.set_count(-300);
     drive.follow(tick(100), at(-0.01)).unwrap();
     assert!((drive.duty() - 0.4).abs() < 1e-6, "{}", drive.duty());
@@ -277,13 +277,13 @@ fn settings_out_of_range_are_refused_by_name() {
 #[test]
 fn other_settings_release_the_motor_and_keep_the_zero() {
     let mut width = pwm::Mock::new(&[
-        // 20 µm along the axis: 0.4.
+        // 20 µm along the axis, duty 0.4.
         width(0),
         full(),
         width(400),
-        // Released, with the new settings.
+        // The new settings release the drive.
         width(0),
-        // The pin is set again: what it means may have changed.
+        // The pin is set again, because its meaning may have changed.
         width(0),
         full(),
         width(400),

@@ -7,7 +7,7 @@ use embedded_hal_mock::eh1::digital::{Mock, State, Transaction};
 use fmc_camera::flight::drive::quadrature::{QuadratureCounter, QuadratureDecoder, WideCount};
 use fmc_camera::flight::fault::Fault;
 
-/// Counts after each pair of levels (A, B), and glitches in the end.
+/// Returns the counts after each pair of levels (A, B), and the glitches in the end.
 fn decoded(levels: &[(bool, bool)]) -> (Vec<i32>, u32) {
     let pin = |which: fn(&(bool, bool)) -> bool| {
         let reads = levels.iter().map(|pair| {
@@ -62,7 +62,7 @@ fn pin_that_cannot_be_read_is_an_encoder_fault_and_counts_nothing() {
 fn timer_of_sixteen_bits_counts_on_across_its_wraps_both_ways() {
     let mut wide = WideCount::new();
     let mut true_count = 0_i32;
-    // Just under half a turn at most.
+    // Each step is at most just under half a turn.
     for step in [1, 32_767, 30_000, 12_000, -32_767, -32_767, -32_767, 5, -80] {
         true_count += step;
         let [low, high, ..] = true_count.to_le_bytes();

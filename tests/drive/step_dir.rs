@@ -1,4 +1,4 @@
-//! Step and direction, with limit switches.
+//! Drive by step and direction, with limit switches.
 
 use std::cell::RefCell;
 use std::convert::Infallible;
@@ -49,9 +49,9 @@ fn broken() -> MockError {
 fn two_steps_forth_and_one_back_are_exactly_this_traffic() {
     let mut pins = [
         Mock::new(&[step(), step(), step()].concat()),
-        // Low is along the axis.
+        // A low level moves along the axis.
         Mock::new(&[Transaction::set(State::Low), Transaction::set(State::High)]),
-        // Asked for at each pulse at which a step is due, made or not.
+        // The switch is read at each pulse at which a step is due, whether it is made or not.
         Mock::new(&open(3)),
         Mock::new(&open(5)),
     ];
@@ -80,7 +80,7 @@ fn two_steps_forth_and_one_back_are_exactly_this_traffic() {
     for _ in 0..5 {
         pulse(&mut drive);
     }
-    // Two pulses of set-up, a step every other pulse.
+    // Two pulses set up the direction, then every other pulse is a step.
     let expected = [0.0, 0.0, 1.0, 1.0, 2.0, 2.0, 2.0, 2.0, 1.0, 1.0, 1.0];
     assert_eq!(positions, expected);
     for pin in &mut pins {
@@ -116,7 +116,7 @@ fn pin_that_fails_is_a_drive_fault_once_and_the_next_set_point_is_followed() {
     .unwrap();
     drive.follow(Time::START, at(0.001)).unwrap();
     drive.pulse();
-    // Without a target nothing is tried again.
+    // Without a target no step is tried again.
     drive.pulse();
     assert_eq!(drive.follow(Time::START, at(0.001)), Err(Fault::Drive));
     drive.pulse();
@@ -140,9 +140,9 @@ struct Bench {
 enum Pin {
     Step(Rc<RefCell<Bench>>),
     Direction(Rc<RefCell<Bench>>),
-    /// Closed, low, at and below so many steps.
+    /// Lower switch, closed (low) at and below a number of steps.
     Low(Rc<RefCell<Bench>>, i32),
-    /// Closed at and above.
+    /// Upper switch, closed at and above a number of steps.
     High(Rc<RefCell<Bench>>, i32),
 }
 
@@ -263,7 +263,7 @@ fn limit_switch_stops_at_once_and_the_way_back_is_free() {
             drive.follow(Time::START, at(0.05 * sign)),
             Err(Fault::LimitSwitch)
         );
-        // Still closed: the same again.
+        // The switch is still closed, with the same result.
         drive.follow(Time::START, at(0.05 * sign)).unwrap();
         pulses(&mut drive, 40);
         assert_eq!(drive.follow(Time::START, at(0.0)), Err(Fault::LimitSwitch));
@@ -299,7 +299,7 @@ fn homing_without_a_switch_ends_and_says_so() {
     assert_eq!(drive.homing(), Homing::Failed);
     assert_eq!(bench.borrow().steps, -5000);
     assert_eq!(drive.follow(Time::START, at(0.0)), Err(Fault::Drive));
-    // It can be tried again, and released.
+    // Homing can be tried again, and released.
     drive.start_homing();
     pulses(&mut drive, 400);
     drive.release();
@@ -327,7 +327,7 @@ fn step_rate_keeps_its_limit() {
     let mut drive = StepDir::new(slow, pins).unwrap();
     drive.follow(Time::START, at(5.0)).unwrap();
     pulses(&mut drive, 402);
-    // 402 pulses less two of set-up, every fourth.
+    // 402 pulses less two of set-up; every fourth is a step.
     assert_eq!(bench.borrow().steps, 100);
 }
 

@@ -1,4 +1,4 @@
-//! Whether the standard deviations are what they say.
+//! Coverage of the standard deviations.
 
 use fmc_camera::geometry::estimation::options::{FitOptions, StaticDecentring};
 use fmc_camera::geometry::sensor::FmcAxis;

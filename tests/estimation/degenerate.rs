@@ -12,7 +12,7 @@ use crate::estimation::simulated::{
     Noise, TRUTH, adjusted, distortion, lens, observations, rounded, single_lens, travels,
 };
 
-/// The error of a fit, the same in both precisions but for the numbers in it.
+/// Returns the error of a fit, which is the same in both precisions except for the numbers in it.
 fn error(axis: FmcAxis, options: FitOptions, observations: &[Observation<f64>]) -> FitError {
     let double = adjusted(lens(axis), options, observations)
         .fit()

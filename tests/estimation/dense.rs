@@ -10,7 +10,7 @@ use crate::estimation::simulated::{
     Noise, TRUTH, adjusted, distortion, lens, observations, travels,
 };
 
-/// Columns from the model itself, which is linear: what it changes by when a coefficient is one.
+/// Returns columns from the model itself, which is linear: the change when a coefficient is one.
 fn design(observations: &[Observation<f64>], axis: FmcAxis) -> DMatrix<f64> {
     let lens = lens(axis);
     DMatrix::from_fn(2 * observations.len(), 6, |row, column| {
@@ -67,7 +67,7 @@ fn fit_is_that_of_a_dense_singular_value_decomposition() {
                 tangential += radial;
                 dense = dense.remove_column(3);
             }
-            // Columns of unit length, as the decomposition is not of numbers 1e10 apart.
+            // Columns have unit length, so that the decomposition does not get numbers 1e10 apart.
             let lengths: Vec<f64> = dense.column_iter().map(|column| column.norm()).collect();
             for (mut column, length) in dense.column_iter_mut().zip(&lengths) {
                 column /= *length;
@@ -126,7 +126,8 @@ fn fit_is_that_of_a_dense_singular_value_decomposition() {
     }
 }
 
-/// Why coordinates are divided by the format radius and columns brought to one length.
+/// Shows the reason for which coordinates are divided by the format radius and columns are brought
+/// to one length.
 #[test]
 fn condition_number_in_powers_of_mm_is_beyond_single_precision() {
     let lens = lens(FmcAxis::PlusY);

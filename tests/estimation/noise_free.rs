@@ -1,4 +1,4 @@
-//! Noise-free observations of the model give its coefficients back.
+//! Fits to noise-free observations of the model, which give its coefficients back.
 
 use fmc_camera::geometry::estimation::adjustment::Adjustment;
 use fmc_camera::geometry::estimation::options::{FitOptions, StaticDecentring};
@@ -53,7 +53,7 @@ fn coefficients_come_back_to_1e_minus_4_in_single_precision() {
     }
 }
 
-/// The calibration says nothing: all of 0.6 mm of distortion is fitted, in single precision.
+/// The calibration has no distortion: all of 0.6 mm of distortion is fitted, in single precision.
 #[test]
 fn lens_without_static_calibration_is_fitted_in_single_precision_too() {
     let mut known = lens(FmcAxis::PlusY);
@@ -70,7 +70,7 @@ fn lens_without_static_calibration_is_fitted_in_single_precision_too() {
     assert!(worst < 1e-4, "{worst:e}");
 }
 
-/// In powers of mm that of the same design is in the millions (`dense.rs`).
+/// In powers of mm the condition number of the same design is in the millions (`dense.rs`).
 #[test]
 fn condition_number_is_about_30() {
     let lens = lens(FmcAxis::PlusY);

@@ -1,4 +1,4 @@
-//! What the options change.
+//! Effects of the options.
 
 use fmc_camera::geometry::estimation::adjustment::Adjustment;
 use fmc_camera::geometry::estimation::known_lens::KnownLens;
@@ -74,8 +74,8 @@ fn one_exposure_suffices_where_the_static_decentring_is_believed() {
     }
 }
 
-/// What is fitted to c̄ is applied to c̄: the camera with the fitted coefficients removes what was
-/// observed, whatever Δδ.
+/// Coefficients that are fitted to c̄ are applied to c̄: the camera with the fitted coefficients
+/// removes the observed distortion, whatever Δδ.
 #[test]
 fn coefficients_are_applied_to_what_they_were_regressed_on() {
     for regressor in [Regressor::Travel, Regressor::Centroid] {
@@ -122,7 +122,7 @@ fn coefficients_are_applied_to_what_they_were_regressed_on() {
             }
         };
         for vh in [0.05, 0.1, 0.17] {
-            // Δδ = δ: c̄ is 1.5 δ.
+            // Δδ = δ, so that c̄ is 1.5 δ.
             observe(&exposure(vh, vh));
         }
         record.calibration.fitted = Some(adjustment.fit().unwrap().coefficients());

@@ -9,7 +9,7 @@ use fmc_camera::geometry::sensor::FmcAxis;
 use proptest::prelude::Rng;
 use proptest::test_runner::{RngAlgorithm, TestRng};
 
-/// A wide-angle lens: 0.6 mm of distortion in the corner, every static term present.
+/// Returns a wide-angle lens: 0.6 mm of distortion in the corner, every static term present.
 pub(crate) fn lens(axis: FmcAxis) -> KnownLens<f64> {
     KnownLens {
         principal_point_mm: [0.0625, -0.03125],
@@ -21,7 +21,7 @@ pub(crate) fn lens(axis: FmcAxis) -> KnownLens<f64> {
     }
 }
 
-/// The lens in single precision.
+/// Returns the lens in single precision.
 pub(crate) fn single_lens(axis: FmcAxis) -> KnownLens<f32> {
     let lens = lens(axis);
     KnownLens {
@@ -39,10 +39,10 @@ pub(crate) fn single(value: f64) -> f32 {
     value as f32
 }
 
-/// What is to be found again: not the static K0..K2.
+/// Coefficients that a fit is to find: not the static K0..K2.
 pub(crate) const TRUTH: [f64; 5] = [1.8e-4, -1.61e-5, 6.3e-9, 2.4e-5, 1.5e-5];
 
-/// The model's distortion at a point, mm; `k3`, P and B from the lens.
+/// Returns the model's distortion at a point, mm; `k3`, P and B are those of the lens.
 pub(crate) fn distortion(
     lens: &KnownLens<f64>,
     [km0, km1, km2, kd1, pm1]: [f64; 5],
@@ -78,7 +78,7 @@ pub(crate) fn distortion(
     [dx, dy]
 }
 
-/// Travels of 10 V/H and 6 exposure times behind 50 mm, mm.
+/// Returns travels of 10 V/H and 6 exposure times behind 50 mm, mm.
 pub(crate) fn travels() -> Vec<f64> {
     let exposures = [100.0, 175.0, 200.0, 300.0, 500.0, 700.0];
     (0..10)
@@ -89,7 +89,7 @@ pub(crate) fn travels() -> Vec<f64> {
         .collect()
 }
 
-/// `steps` x `steps` points over 53.4 mm x 40 mm, in numbers that single precision holds.
+/// Returns `steps` x `steps` points over 53.4 mm x 40 mm, in numbers that single precision holds.
 pub(crate) fn grid(steps: i32) -> Vec<[f64; 2]> {
     let place = |index: i32, half: f64| {
         f64::from(single(
@@ -101,7 +101,7 @@ pub(crate) fn grid(steps: i32) -> Vec<[f64; 2]> {
         .collect()
 }
 
-/// Every point of a grid at every travel, without noise.
+/// Returns an observation of every point of a grid at every travel, without noise.
 pub(crate) fn observations(
     lens: &KnownLens<f64>,
     coefficients: [f64; 5],
@@ -139,7 +139,7 @@ pub(crate) fn rounded(observation: &Observation<f64>) -> Observation<f32> {
     }
 }
 
-/// An adjustment of observations.
+/// Returns an adjustment of observations.
 pub(crate) fn adjusted(
     lens: KnownLens<f64>,
     options: FitOptions,
@@ -152,7 +152,7 @@ pub(crate) fn adjusted(
     adjustment
 }
 
-/// Normally distributed numbers, the same for the same seed.
+/// Generator of normally distributed numbers, the same for the same seed.
 pub(crate) struct Noise(TestRng);
 
 impl Noise {
@@ -162,7 +162,7 @@ impl Noise {
         Self(TestRng::from_seed(RngAlgorithm::ChaCha, &bytes))
     }
 
-    /// Two of standard deviation 1, by Box and Muller.
+    /// Returns two numbers of standard deviation 1, by Box and Muller.
     pub(crate) fn pair(&mut self) -> [f64; 2] {
         let mut uniform = || (f64::from(self.0.next_u32()) + 0.5) / 4_294_967_296.0;
         let radius = (-2.0 * uniform().ln()).sqrt();

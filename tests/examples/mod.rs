@@ -1,4 +1,4 @@
-//! The examples print what they are there to show.
+//! Output of the examples, with numbers that can be checked by hand.
 
 #[expect(dead_code, reason = "its `main` prints what is compared here")]
 #[path = "../../examples/correct_points.rs"]
@@ -13,8 +13,8 @@ mod gpu_mesh;
 #[path = "../../examples/read_records.rs"]
 mod read_records;
 
-/// The last point can be checked by hand: K1·r³ + K2·r⁵ + K3·r⁷ at r = 26 mm is -219.207 µm, and the principal point stands
-/// where it was calibrated on the average of a centred exposure.
+/// The last point can be checked by hand: K1·r³ + K2·r⁵ + K3·r⁷ at r = 26 mm is -219.207 µm, and
+/// the mean principal point of a centred exposure is the calibrated one.
 #[test]
 fn points_of_a_file_are_corrected() {
     let points = include_str!("../../examples/data/points.csv");
@@ -56,8 +56,9 @@ at a vertex right to 0.00114 px, between vertices to 0.0458 px
     assert_eq!(gpu_mesh::mesh().unwrap(), expected);
 }
 
-/// K1 is -1e-5 mm⁻², so that Kd1 = 2e-5 and Pm1 = 1e-5 mm⁻² for a short travel (`docs/conventions.md`, section 13); rounding
-/// to whole micrometres has a standard deviation of 1/√12 = 0.29 µm.
+/// K1 is -1e-5 mm⁻², so that Kd1 = 2e-5 and Pm1 = 1e-5 mm⁻² for a short travel
+/// (`docs/conventions.md`, section 13); rounding to whole micrometres has a standard deviation of
+/// 1/√12 = 0.29 µm.
 #[test]
 fn coefficients_are_those_that_the_distortion_of_k1_demands() {
     let expected = "\

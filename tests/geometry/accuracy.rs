@@ -9,7 +9,7 @@ use fmc_camera::geometry::frame_correction::FrameCorrection;
 const MAX_NM: f64 = 0.11;
 /// Root mean square, nm.
 const RMS_NM: f64 = 0.02;
-/// Mean, nm: rounding must not push to one side.
+/// Largest mean error, nm: rounding must not be biased.
 const BIAS_NM: f64 = 0.001;
 /// Largest error of a coordinate: half a unit in the last place at 114 mm, nm.
 const COORDINATE_NM: f64 = 3.83;
@@ -75,7 +75,7 @@ fn kernel_is_short_only_where_the_dropped_terms_are_below_half_a_nanometre() {
                 })
                 .fold(0.0, f32::max);
             match correction.terms() {
-                // 0.06 nm: rounding of the two sums.
+                // 0.06 nm are the rounding of the two sums.
                 Terms::Short => assert!(dropped_nm < SHORT_KERNEL_NM + 0.06),
                 Terms::Full => assert!(dropped_nm > SHORT_KERNEL_NM - 0.06),
             }

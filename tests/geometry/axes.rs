@@ -1,4 +1,4 @@
-//! The four FMC axes are one: turning or mirroring the camera turns or mirrors the answer.
+//! Symmetry of the four FMC axes: turning or mirroring the camera turns or mirrors the result.
 
 use crate::geometry::cameras;
 use fmc_camera::geometry::brown::Brown;
@@ -8,8 +8,8 @@ use fmc_camera::geometry::principal_point::PrincipalPointMotion;
 use fmc_camera::geometry::sensor::{FmcAxis, SensorPoint};
 use proptest::prelude::*;
 
-/// Eight units in the last place of 6 mm of distortion, its terms added in another order, mm; the
-/// smallest term of the motion is worth four times as much.
+/// Eight units in the last place of 6 mm of distortion with its terms added in another order, mm;
+/// the smallest term of the motion is four times as large.
 const ROUNDING_MM: f32 = 4e-6;
 
 fn corrections(
@@ -94,7 +94,7 @@ proptest! {
         x in -40.0_f32..40.0,
         y in -40.0_f32..40.0,
     ) {
-        // Affinity is written for x alone, so it has no mirror image in these coefficients.
+        // Affinity is defined for x alone, so that these coefficients have no mirror image with it.
         let lens = Brown { b1: 0.0, b2: 0.0, ..lens };
         let record = cameras::square(lens, FmcAxis::PlusY);
         let pp = record.principal_point;

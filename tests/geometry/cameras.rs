@@ -11,7 +11,7 @@ use fmc_camera::geometry::sensor::{FmcAxis, SensorPoint};
 use fmc_camera::geometry::shutter::{Shutter, ShutterProfile};
 use proptest::prelude::*;
 
-/// The five published calibrations.
+/// Returns the five published calibrations.
 pub(crate) fn published() -> Vec<CalibrationParameters> {
     include_str!("../../host-sim/data/cameras.csv")
         .lines()
@@ -24,7 +24,7 @@ pub(crate) fn published() -> Vec<CalibrationParameters> {
             } else {
                 1.0
             };
-            // The film cameras name no pixel: 228.6 mm scanned in 18000 pixels.
+            // The film cameras have no pixel: 228.6 mm are scanned in 18000 pixels.
             let pixel_um = if column[6].is_empty() {
                 12.7
             } else {
@@ -62,7 +62,7 @@ pub(crate) fn published() -> Vec<CalibrationParameters> {
         .collect()
 }
 
-/// A record of an 80.64 mm square sensor behind a 100 mm lens.
+/// Returns a record of an 80.64 mm square sensor behind a 100 mm lens.
 pub(crate) fn square(distortion: Brown, axis: FmcAxis) -> CalibrationParameters {
     CalibrationParameters {
         principal_distance_mm: 100.0,
@@ -79,7 +79,7 @@ pub(crate) fn square(distortion: Brown, axis: FmcAxis) -> CalibrationParameters 
     }
 }
 
-/// Lenses with up to some per cent of distortion in which no term is zero.
+/// Returns lenses with up to some per cent of distortion in which no term is zero.
 pub(crate) fn lenses() -> impl Strategy<Value = Brown> {
     let signed = |largest: f32| {
         (0.05_f32..1.0, any::<bool>()).prop_map(move |(size, negative)| {
@@ -112,12 +112,12 @@ pub(crate) fn lenses() -> impl Strategy<Value = Brown> {
         })
 }
 
-/// Any of the four axes.
+/// Returns any of the four axes.
 pub(crate) fn axes() -> impl Strategy<Value = FmcAxis> {
     prop::sample::select(FmcAxis::ALL.to_vec())
 }
 
-/// A motion of up to 0.34 mm at up to 0.5 mm from the calibrated position.
+/// Returns a motion of up to 0.34 mm at up to 0.5 mm from the calibrated position.
 pub(crate) fn motions() -> impl Strategy<Value = PrincipalPointMotion> {
     (-0.5_f32..0.5, 0.0_f32..0.34).prop_map(|(offset_mm, travel_mm)| {
         let travel = UniformTravel {
@@ -133,7 +133,7 @@ pub(crate) fn motions() -> impl Strategy<Value = PrincipalPointMotion> {
     })
 }
 
-/// Detector `shift_mm` out of its plane.
+/// Returns the shift of a detector that is `shift_mm` out of its plane.
 pub(crate) fn focus(calibration: &Calibration, shift_mm: f32) -> FocusShift {
     FocusShift {
         shift_mm,
@@ -143,7 +143,7 @@ pub(crate) fn focus(calibration: &Calibration, shift_mm: f32) -> FocusShift {
     }
 }
 
-/// The five coefficients that a fit to motion from rest gives a lens of this K1.
+/// Returns the five coefficients that a fit to motion from rest gives a lens of this K1.
 pub(crate) fn fitted(lens: &Brown) -> FiveCoefficients {
     FiveCoefficients {
         km0: lens.k0,
@@ -155,7 +155,7 @@ pub(crate) fn fitted(lens: &Brown) -> FiveCoefficients {
     }
 }
 
-/// `steps` x `steps` points over the sensor, edges included.
+/// Returns `steps` x `steps` points over the sensor, edges included.
 pub(crate) fn grid(calibration: &Calibration, steps: u8) -> Vec<SensorPoint> {
     let half_width = calibration.sensor().half_width_mm();
     let half_height = calibration.sensor().half_height_mm();

@@ -1,4 +1,4 @@
-//! The bits of the answers: the same on every machine, and the same tomorrow.
+//! Bits of the results, which are the same on every machine and in every version.
 
 use crate::geometry::cameras;
 use fmc_camera::geometry::calibration::Calibration;

@@ -1,4 +1,4 @@
-//! `distort` against double precision, slices of points, and what it refuses.
+//! `distort` against double precision, slices of points, and refusals.
 
 use crate::geometry::cameras;
 use crate::geometry::jacobian::brown;
@@ -16,7 +16,8 @@ const RMS_NM: f64 = 0.02;
 /// Mean, nm.
 const BIAS_NM: f64 = 0.001;
 
-/// The displacement of an ideal point, counted from the principal point, by iteration in double precision.
+/// Returns the displacement of an ideal point, counted from the principal point, by iteration in
+/// double precision.
 fn displaced(lens: &Brown, [x, y]: [f64; 2]) -> [f64; 2] {
     let mut d = [0.0, 0.0];
     for _ in 0..60 {
@@ -58,14 +59,14 @@ fn displacement_of_an_ideal_point_is_that_of_double_precision() {
     assert!(bias.abs() <= BIAS_NM, "bias {bias} nm");
 }
 
-/// 20 % of distortion at the corner of 80 mm x 60 mm, near to folding.
+/// Returns a correction of 20 % of distortion at the corner of 80 mm x 60 mm, close to folding.
 fn strong() -> FrameCorrection {
     let mut record = CalibrationParameters::new(100.0, [8000, 6000], 10.0);
     record.distortion.k1 = 9e-5;
     FrameCorrection::without_motion(&Calibration::new(record).unwrap())
 }
 
-/// A short and a full correction of a published lens, and a strong one.
+/// Returns a short and a full correction of a published lens, and a strong one.
 fn corrections() -> [FrameCorrection; 3] {
     let mut record = cameras::published()[0];
     let short = FrameCorrection::without_motion(&Calibration::new(record).unwrap());
@@ -76,7 +77,8 @@ fn corrections() -> [FrameCorrection; 3] {
     [short, full, strong()]
 }
 
-/// Compares a slice with single points: the same bits up to the first that is refused, which is named.
+/// Compares a slice with single points: the bits are the same up to the first point that is
+/// refused, which the error names.
 fn assert_same_bits(correction: &FrameCorrection, ideal: &[SensorPoint]) {
     let mut points = ideal.to_vec();
     let answer = correction.distort_slice(&mut points);
@@ -91,7 +93,7 @@ fn assert_same_bits(correction: &FrameCorrection, ideal: &[SensorPoint]) {
         assert_eq!(point.x_mm.to_bits(), left.x_mm.to_bits());
         assert_eq!(point.y_mm.to_bits(), left.y_mm.to_bits());
     }
-    // As text, because one of the errors has a NaN.
+    // The errors are compared as text, because one of them has a NaN.
     let refused = answer.err().map(|refused| (refused.index, refused.error));
     let expected = singles.get(replaced).map(|s| (replaced, s.unwrap_err()));
     assert_eq!(format!("{refused:?}"), format!("{expected:?}"));
@@ -157,7 +159,8 @@ fn strong_lens_gives_the_point_back_or_an_error_and_no_other_point() {
             let ideal = correction.correct(measured).point;
             if let Ok(back) = correction.distort(ideal) {
                 found += 1;
-                // Scale of the image down to 0.3: two units of 3.8 nm of the ideal point, stretched.
+                // The scale of the image falls to 0.3: two units of 3.8 nm of the ideal point are
+                // stretched by it.
                 let off = |a: f32, b: f32| (a - b).abs();
                 assert!(
                     off(back.point.x_mm, measured.x_mm) <= 2.6e-5,

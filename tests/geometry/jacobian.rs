@@ -1,4 +1,4 @@
-//! The Jacobians are the derivatives of what they belong to.
+//! Jacobians against differences of the functions whose derivatives they are.
 
 use crate::geometry::cameras;
 use fmc_camera::geometry::brown::Brown;
@@ -8,12 +8,12 @@ use fmc_camera::geometry::frame_correction::FrameCorrection;
 use fmc_camera::geometry::sensor::SensorPoint;
 use proptest::prelude::*;
 
-/// Four units in the last place of a slope of 0.5; the smallest term of any lens is worth 2e-5.
+/// Four units in the last place of a slope of 0.5; the smallest term of any lens contributes 2e-5.
 const SLOPE_ROUNDING: f64 = 2.4e-7;
-/// Four units in the last place of 6 mm of distortion; the smallest term is worth 1e-3 mm.
+/// Four units in the last place of 6 mm of distortion; the smallest term contributes 1e-3 mm.
 const VALUE_ROUNDING_MM: f64 = 1.9e-6;
 
-/// Eq. 1 of Yuan et al. 2012 with decentring and affinity, in double precision, as printed.
+/// Returns eq. 1 of Yuan et al. 2012 with decentring and affinity, in double precision, as printed.
 pub(crate) fn brown(lens: &Brown, x: f64, y: f64) -> [f64; 2] {
     let Brown {
         k0,
@@ -34,7 +34,7 @@ pub(crate) fn brown(lens: &Brown, x: f64, y: f64) -> [f64; 2] {
     ]
 }
 
-/// Central differences of `f` with a step of 1 µm.
+/// Returns the central differences of `f` with a step of 1 µm.
 fn differences(f: impl Fn(f64, f64) -> [f64; 2], x: f64, y: f64) -> [f64; 4] {
     let step = 1e-3;
     let [right, left] = [f(x + step, y), f(x - step, y)];

@@ -1,4 +1,4 @@
-//! Rows by differences are the distortion, within the bound they state.
+//! Rows by differences against the distortion, within the bound that they state.
 
 use crate::geometry::cameras;
 use fmc_camera::geometry::brown::Brown;
@@ -11,10 +11,10 @@ use fmc_camera::geometry::mesh::displacement_rows::{
 use fmc_camera::geometry::sensor::{FmcAxis, SensorPoint};
 use proptest::prelude::*;
 
-/// Largest error measured on the cameras below, nm: roundings of the worst case do not all come together.
+/// Largest error measured on the cameras below, nm: the largest roundings do not all coincide.
 const MEASURED_NM: f64 = 0.6;
 
-/// The evaluation form in double precision.
+/// Returns the evaluation form in double precision.
 pub(crate) fn form_f64(correction: &FrameCorrection, x_mm: f64, y_mm: f64) -> [f64; 2] {
     let form = correction.form();
     let [k0, k1, k2, k3] = [form.k0, form.k1, form.k2, form.k3].map(f64::from);
@@ -30,7 +30,7 @@ pub(crate) fn form_f64(correction: &FrameCorrection, x_mm: f64, y_mm: f64) -> [f
     ]
 }
 
-/// A sensor 104 mm wide and high; behind it 0.5 mm of distortion per axis at the corner.
+/// Returns a sensor 104 mm wide and high with 0.5 mm of distortion per axis at the corner.
 pub(crate) fn wide(distortion: Brown) -> CalibrationParameters {
     CalibrationParameters {
         width_px: 10_400,
@@ -40,7 +40,8 @@ pub(crate) fn wide(distortion: Brown) -> CalibrationParameters {
     }
 }
 
-/// Distortions of [`wide`]: K1 alone, K1 to K3 that compete, and these with all other terms.
+/// Returns distortions of [`wide`]: K1 alone, K1 to K3 that compete, and these with all other
+/// terms.
 pub(crate) fn half_a_millimetre() -> [Brown; 3] {
     let third_order = Brown {
         k1: 1.78e-6,
@@ -63,7 +64,7 @@ pub(crate) fn half_a_millimetre() -> [Brown; 3] {
     [third_order, competing, all]
 }
 
-/// The largest error over the rows of a sensor, nm; every row from edge to edge.
+/// Returns the largest error over the rows of a sensor, nm; every row goes from edge to edge.
 fn largest_error_nm(correction: &FrameCorrection, rows: &DisplacementRows, step_mm: f32) -> f64 {
     let sensor = correction.sensor();
     let top = sensor.half_height_mm();
@@ -74,7 +75,7 @@ fn largest_error_nm(correction: &FrameCorrection, rows: &DisplacementRows, step_
         .fold(0.0, f64::max)
 }
 
-/// The largest error of one row, nm, from `first` to the edge.
+/// Returns the largest error of one row, nm, from `first` to the edge.
 fn row_error_nm(
     correction: &FrameCorrection,
     rows: &DisplacementRows,
@@ -97,7 +98,8 @@ fn row_error_nm(
     1e6 * largest
 }
 
-/// Corrections of a calibration: still, and at either end of a motion in both directions of flight.
+/// Returns corrections of a calibration: still, and at either end of a motion in both directions of
+/// flight.
 pub(crate) fn corrections(calibration: &Calibration) -> Vec<FrameCorrection> {
     use fmc_camera::geometry::principal_point::{PrincipalPointMotion, UniformTravel};
     use fmc_camera::geometry::shutter::{Shutter, ShutterProfile};
@@ -115,9 +117,10 @@ pub(crate) fn corrections(calibration: &Calibration) -> Vec<FrameCorrection> {
     moved.into_iter().chain([still]).collect()
 }
 
-/// Frames of the published cameras, of that of the paper, and of [`wide`], with their names.
+/// Returns frames of the published cameras, of that of the paper, and of [`wide`], with their
+/// names.
 pub(crate) fn frames() -> Vec<(&'static str, FrameCorrection)> {
-    // The camera of the paper, in host-sim/cameras.
+    // This is the camera of the paper, in host-sim/cameras.
     let paper = Brown {
         k1: 9.226_781e-8,
         ..Brown::default()
@@ -136,7 +139,7 @@ pub(crate) fn frames() -> Vec<(&'static str, FrameCorrection)> {
     records.flat_map(named).collect()
 }
 
-/// From vertex to vertex, as warp engines have it.
+/// Distances from vertex to vertex, as warp engines use them.
 pub(crate) const SPACINGS_PX: [f32; 5] = [8.0, 16.0, 32.0, 64.0, 128.0];
 
 #[test]
@@ -167,8 +170,8 @@ fn rows_of_a_step_that_is_no_length_have_no_bound() {
     }
 }
 
-/// Points between starts at half a millimetre of distortion over 104 mm: what keeps a point within
-/// 20 instructions at 64 pixels from point to point and within 21 at 128.
+/// Number of points between starts at half a millimetre of distortion over 104 mm. It keeps a point
+/// within 20 instructions at 64 pixels from point to point and within 21 at 128.
 const WIDE_INTERVAL: u16 = 48;
 
 #[test]

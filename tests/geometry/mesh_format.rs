@@ -1,4 +1,4 @@
-//! Vertices as warp engines store them, read back as their documents say.
+//! Vertices as warp engines store them, read back as their documents define them.
 
 use crate::geometry::cameras;
 use crate::geometry::mesh::{corrections, half_a_millimetre, wide};
@@ -7,14 +7,14 @@ use fmc_camera::geometry::calibration::Calibration;
 use fmc_camera::geometry::mesh::format::{MeshFormat, OutOfFormat, PixelAxis, Vertex};
 use fmc_camera::geometry::mesh::vertex::{MeshError, VertexRow};
 
-/// Source minus output pixel, columns and rows, of a vertex as stored.
+/// Returns source minus output pixel, columns and rows, of a vertex as stored.
 fn displacement_px(format: MeshFormat, word: &[u8], [col, row]: [f64; 2]) -> [f64; 2] {
     let half = |at: usize| [word[at], word[at + 1]];
     let whole = |at: usize| [word[at], word[at + 1], word[at + 2], word[at + 3]];
     match format {
         MeshFormat::S16Q3 => [0, 2].map(|at| f64::from(i16::from_le_bytes(half(at))) / 8.0),
         MeshFormat::Uq12Q4 => {
-            // One 32-bit word: columns in its low half.
+            // The word has 32 bits, columns in its low half.
             let word = u32::from_le_bytes(whole(0));
             let [x, y] = [word & 0xffff, word >> 16].map(|q| f64::from(q) / 16.0);
             [x - col, y - row]
@@ -32,7 +32,8 @@ fn displacement_px(format: MeshFormat, word: &[u8], [col, row]: [f64; 2]) -> [f6
 
 #[test]
 fn every_format_gives_the_exact_source_within_its_quantisation() {
-    // What the sources themselves are off by, 0.3 nm of pixels of at least 3.76 µm, and the place of the pixel.
+    // Error of the sources themselves, 0.3 nm of pixels of at least 3.76 µm, and of the place of
+    // the pixel.
     const BEFORE_PX: f64 = 2e-4;
     for record in cameras::published()
         .into_iter()
@@ -44,7 +45,7 @@ fn every_format_gives_the_exact_source_within_its_quantisation() {
         let middle = [record.width_px, record.height_px].map(|side| f64::from(side - 1) / 2.0);
         for correction in corrections(&calibration) {
             for format in MeshFormat::ALL {
-                // A part of the image that every format holds, near the corner.
+                // Every format holds this part of the image, near the corner.
                 let origin_px = [sensor.width_px() - 1600, sensor.height_px() - 1400];
                 let row = VertexRow {
                     first_col_px: origin_px[0] + 200,
@@ -121,7 +122,7 @@ fn the_last_number_that_fits_fits_and_the_next_is_refused_by_name() {
 
 #[test]
 fn a_number_beyond_thirty_two_bits_is_refused_where_its_sum_would_fit() {
-    // 3000 px are more than 32 bits hold in steps of 2⁻²⁰, 2000 px are not.
+    // 32 bits in steps of 2⁻²⁰ hold 2000 px but not 3000 px.
     assert!(MeshFormat::Q12Q20.word(&vertex(-1000, 3000.0)).is_err());
     for format in MeshFormat::ALL {
         assert!(format.word(&vertex(0, f32::NAN)).is_err(), "{format:?}");
@@ -146,7 +147,7 @@ fn a_source_before_the_origin_does_not_fit_the_unsigned_format() {
         count: 1,
         origin_px: [0, 0],
     };
-    // 0.5 mm of positive distortion: the source of the first pixel is 50 pixels off the image.
+    // With 0.5 mm of positive distortion the source of the first pixel is 50 pixels off the image.
     let error = row.words(&correction, MeshFormat::Uq12Q4).next().unwrap();
     let Err(MeshError::Format(refused)) = error else {
         panic!("{error:?}");

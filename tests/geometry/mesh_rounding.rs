@@ -1,7 +1,8 @@
-//! If all roundings of a row came together, they would be within the stated bound.
+//! Sum of all roundings of a row, at their worst, against the stated bound.
 //!
-//! The additions and products of `DisplacementRow::write` once more, in double precision, each with the rounding it may
-//! have in single precision; unlike the bound, with the numbers that are rounded and not the largest there can be.
+//! The additions and products of `DisplacementRow::write` are repeated in double precision, each
+//! with the rounding that it may have in single precision. Unlike the bound, this uses the numbers
+//! that are rounded and not the largest possible ones.
 
 use core::ops::{Add, Mul};
 
@@ -14,10 +15,10 @@ use fmc_camera::geometry::sensor::SensorPoint;
 /// 2⁻²⁴ of a millimetre, nm.
 const UNIT_NM: f64 = 1e6 / 16_777_216.0;
 
-/// The largest that all of them came to, nm.
+/// Largest sum found, nm.
 const WORST_NM: f64 = 2.3;
 
-/// A number and by how much it may be off, in 2⁻²⁴.
+/// A number and its largest error, in 2⁻²⁴.
 #[derive(Clone, Copy)]
 struct Rounded {
     value: f64,
@@ -37,7 +38,7 @@ impl Rounded {
         self.value.abs() + self.off == 0.0
     }
 
-    /// A product with it is not rounded.
+    /// Returns true if a product with the number is not rounded.
     fn is_power_of_two(self) -> bool {
         self.off == 0.0 && self.value.abs().log2().fract() == 0.0
     }
@@ -87,7 +88,7 @@ impl Mul for Rounded {
     }
 }
 
-/// G, what is beside X·G, and what is beside Y·G, lowest power first; and Y.
+/// Coefficients of G, of the terms beside X·G, and of those beside Y·G, lowest power first; and Y.
 struct Row {
     gain: Vec<Rounded>,
     beside: [Vec<Rounded>; 2],
@@ -131,7 +132,7 @@ fn newton_form(coefficients: &[Rounded], nodes: &[Rounded]) -> Vec<Rounded> {
     form
 }
 
-/// The differences of Dx and Dy at `x`, taken as exact.
+/// Returns the differences of Dx and Dy at `x`, taken as exact.
 fn start(row: &Row, x: f64, step: f32) -> [Vec<Rounded>; 2] {
     let step = Rounded::given(step);
     let mut nodes = vec![Rounded::exact(x)];
@@ -161,7 +162,7 @@ fn start(row: &Row, x: f64, step: f32) -> [Vec<Rounded>; 2] {
     [dx, dy]
 }
 
-/// What the displacements of one row may be off by, nm: the largest. None is off by more.
+/// Returns the largest possible error of the displacements of one row, nm.
 fn worst_nm(correction: &FrameCorrection, rows: &DisplacementRows, step: f32, y_mm: f32) -> f64 {
     let right = correction.sensor().half_width_mm();
     let row = row(correction, y_mm);
@@ -221,7 +222,7 @@ fn roundings_that_all_come_together_are_within_the_stated_bound() {
                 "{name}, {spacing_px} px: {worst_nm} > {bound_nm} nm"
             );
             assert!(worst_nm <= WORST_NM, "{name}: {worst_nm} nm");
-            // Nor is the bound many times as much.
+            // The bound is not many times as large.
             assert!(
                 name != "wide" || worst_nm >= 0.2 * bound_nm,
                 "{name}, {spacing_px} px: {worst_nm} of {bound_nm} nm"

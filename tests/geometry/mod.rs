@@ -1,4 +1,4 @@
-//! What a user of the geometry would check.
+//! Tests of the geometry, through its public interface.
 
 #[cfg(test)]
 mod accuracy;

@@ -1,4 +1,4 @@
-//! Where pixels of the recorded image are to go: the differences in pixels, within the bound they state.
+//! Corrections of the recorded image's pixels, within the bound that they state.
 
 use crate::geometry::cameras;
 use crate::geometry::mesh::{SPACINGS_PX, form_f64, frames};
@@ -13,7 +13,7 @@ use fmc_camera::geometry::mesh::vertex::{MeshError, VertexRow};
 use fmc_camera::geometry::sensor::{PixelPoint, Sensor, SensorPoint};
 use proptest::prelude::*;
 
-/// A row from the first column to the last vertex that a mesh may have.
+/// Returns a row from the first column to the last vertex that a mesh may have.
 fn whole_row(sensor: &Sensor, row_px: u32, spacing_px: u16) -> VertexRow {
     let beyond = sensor.width_px() - 1 + u32::from(spacing_px);
     VertexRow {
@@ -32,21 +32,22 @@ fn corrections_of(mesh: &CorrectionMesh, row: &VertexRow) -> Vec<PixelCorrection
     corrections
 }
 
-/// Where the first vertex is, as the camera rounds it.
+/// Returns the first vertex as the camera rounds it.
 fn first_point(sensor: &Sensor, row: &VertexRow) -> SensorPoint {
     let pixel = [row.first_col_px, row.row_px].map(|place| u16::try_from(place).unwrap());
     let [col_px, row_px] = pixel.map(f32::from);
     sensor.sensor_from_pixel(PixelPoint { col_px, row_px })
 }
 
-/// Rows from the first to one spacing beyond the last.
+/// Returns rows from the first to one spacing beyond the last.
 fn row_places(sensor: &Sensor, spacing_px: u16) -> [u32; 4] {
     let height_px = sensor.height_px();
     let beyond = height_px - 1 + u32::from(spacing_px);
     [0, height_px / 3, height_px - 1, beyond]
 }
 
-/// The largest error over [`row_places`] and the largest correction, px; every row to one spacing beyond the image.
+/// Returns the largest error over [`row_places`] and the largest correction, px; every row reaches
+/// one spacing beyond the image.
 fn largest_error_px(correction: &FrameCorrection, spacing_px: u16) -> [f64; 2] {
     let sensor = correction.sensor();
     let mesh = CorrectionMesh::new(correction, spacing_px);
@@ -66,7 +67,7 @@ fn largest_error_px(correction: &FrameCorrection, spacing_px: u16) -> [f64; 2] {
     largest
 }
 
-/// As the link asks for a row: each part begins anew.
+/// Divides a row as the link requests it: each part begins anew.
 fn in_parts(row: VertexRow) -> impl Iterator<Item = VertexRow> {
     const PART: u16 = 64;
     (0..row.count)
@@ -78,19 +79,19 @@ fn in_parts(row: VertexRow) -> impl Iterator<Item = VertexRow> {
         })
 }
 
-/// Corrected - recorded, rows downwards.
+/// Returns corrected - recorded, rows downwards.
 fn exact_px(correction: &FrameCorrection, [x_mm, y_mm]: [f64; 2]) -> [f64; 2] {
     let pixel_mm = exact_pixel_mm(correction.sensor());
     let [dx, dy] = form_f64(correction, x_mm, y_mm);
     [-dx / pixel_mm, dy / pixel_mm]
 }
 
-/// Every pixel here is a whole number of tenths of a nanometre.
+/// Returns the pixel in mm: every pixel here is a whole number of tenths of a nanometre.
 fn exact_pixel_mm(sensor: &Sensor) -> f64 {
     (1e7 * f64::from(sensor.pixel_mm())).round() / 1e7
 }
 
-/// Where a vertex is.
+/// Returns the place of a vertex.
 fn place_mm(sensor: &Sensor, row: &VertexRow, index: u32) -> [f64; 2] {
     let pixel_mm = exact_pixel_mm(sensor);
     let col_px = f64::from(row.first_col_px + index * u32::from(row.spacing_px));
@@ -136,7 +137,7 @@ fn corrections_have_the_bits_of_displacement_rows_in_pixels() {
     }
 }
 
-/// What the documentation says of the cameras here: the bound, and the largest error measured, nm.
+/// Numbers of the documentation for these cameras: the bound, and the largest error measured, nm.
 const STATED_NM: f64 = 5.5;
 const MEASURED_NM: f64 = 1.0;
 
@@ -157,7 +158,8 @@ fn corrections_of_every_camera_are_within_their_stated_bound_to_one_spacing_beyo
     }
 }
 
-/// A frame with one coefficient, about the centre of an image of 8000 x 6000 pixels of 10 µm.
+/// Returns a frame with one coefficient, about the centre of an image of 8000 x 6000 pixels of 10
+/// µm.
 fn frame_of(distortion: Brown) -> FrameCorrection {
     let record = CalibrationParameters {
         distortion,
@@ -166,7 +168,8 @@ fn frame_of(distortion: Brown) -> FrameCorrection {
     FrameCorrection::without_motion(&Calibration::new(record).unwrap())
 }
 
-/// What the places of vertices every 100 pixels add to the bound, in units of u times 1 mm.
+/// Returns the contribution of the places of vertices every 100 pixels to the bound, in units of u
+/// times 1 mm.
 fn place_term(correction: &FrameCorrection) -> f32 {
     let mesh = CorrectionMesh::new(correction, 100);
     let rows = DisplacementRows::with_margin(correction, 1.0, 1.0);
@@ -178,7 +181,7 @@ const UNIT_ROUNDOFF: f32 = f32::EPSILON / 2.0;
 
 #[test]
 fn roundings_of_places_and_of_products_are_in_the_bound_term_by_term() {
-    // The product and the pixel: four, and a thousandth.
+    // The product and the pixel contribute four, and a thousandth.
     let lens = frame_of(Brown::default());
     let mesh = CorrectionMesh::new(&lens, 100);
     assert_eq!(mesh.rounding_bound_px(0.0).to_bits(), 0);
@@ -186,7 +189,8 @@ fn roundings_of_places_and_of_products_are_in_the_bound_term_by_term() {
         let counted = mesh.rounding_bound_px(largest_px) / (50.0 * UNIT_ROUNDOFF);
         assert!((counted - 4.004).abs() < 1e-4, "{counted}");
     }
-    // B1 is a slope along the row, where five roundings of 41 mm are; B2 one across, three of 31 mm.
+    // B1 is a slope along the row, where there are five roundings of 41 mm; B2 is one across it,
+    // with three of 31 mm.
     let along = place_term(&frame_of(Brown {
         b1: 1e-3,
         ..Brown::default()
@@ -217,7 +221,8 @@ fn triangles_between_vertices_are_within_their_bound() {
                     let at = |right: f64, up: f64| {
                         exact_px(&correction, [x + right * spacing_mm, y + up * spacing_mm])
                     };
-                    // Half way along the sides, and along the diagonals where two triangles meet.
+                    // The places are half way along the sides, and along the diagonals where two
+                    // triangles meet.
                     for [a, b] in [
                         [[0.0, 0.0], [1.0, 0.0]],
                         [[0.0, 0.0], [0.0, 1.0]],
@@ -238,7 +243,8 @@ fn triangles_between_vertices_are_within_their_bound() {
             }
         }
     }
-    // Reached where K1 rules, far where terms compete, as the documentation says.
+    // As documented, the bound is reached where K1 rules, and is far from the error where terms
+    // compete.
     let least = ratios.iter().copied().fold(f64::INFINITY, f64::min);
     let most = ratios.iter().copied().fold(0.0, f64::max);
     assert!(
@@ -269,15 +275,15 @@ fn vertices_beyond_the_image_cost_no_camera_the_four_nanometres_of_its_rows() {
 
 #[test]
 fn a_pixel_that_is_pushed_is_pulled_back_to_where_it_was() {
-    // Rounding of the row, 4 nm, of the vertex, 0.4 nm, sources that are 0.3 nm off, and the slope of the distortion
-    // times the rounding of the ideal coordinate, 3.8 nm.
+    // Rounding of the row, 4 nm, of the vertex, 0.4 nm, error of the sources, 0.3 nm, and the slope
+    // of the distortion times the rounding of the ideal coordinate, 3.8 nm.
     const THERE_AND_BACK_NM: f64 = 4.0 + 0.4 + 0.3 + 0.1;
     let mut farthest_px = 0.0_f32;
     for (name, correction) in frames() {
         let sensor = *correction.sensor();
         let mesh = CorrectionMesh::new(&correction, 64);
         let [width_px, height_px] = [sensor.width_px(), sensor.height_px()];
-        // Ideal points whose measured ones are on the sensor.
+        // The ideal points of these rows have measured ones on the sensor.
         for row_px in [height_px / 4, height_px / 2, height_px - 200] {
             let row = VertexRow {
                 first_col_px: 200,
@@ -330,7 +336,8 @@ proptest! {
     }
 }
 
-/// A frame and a row of three vertices of it, the last of them one spacing beyond the last column.
+/// Returns a frame and a row of three vertices of it, the last of them one spacing beyond the last
+/// column.
 fn at_the_end() -> (FrameCorrection, VertexRow) {
     let calibration = Calibration::new(cameras::published()[0]).unwrap();
     let correction = FrameCorrection::without_motion(&calibration);
@@ -406,7 +413,7 @@ fn as_many_vertices_are_filled_as_the_row_has_and_the_slice_has_room_for() {
     assert_eq!(one.corrections(&mesh, &mut room).unwrap(), &all[..1]);
     let none = VertexRow { count: 0, ..row };
     assert!(none.corrections(&mesh, &mut room).unwrap().is_empty());
-    // What finds no room need not be on the image.
+    // Vertices without room in the slice may lie off the image.
     let long = VertexRow {
         count: u16::MAX,
         ..row

@@ -1,4 +1,4 @@
-//! Slices of points have the bits of single points.
+//! Bits of slices of points, which are those of single points.
 
 use crate::geometry::cameras;
 use fmc_camera::geometry::calibration::Calibration;
@@ -10,7 +10,7 @@ use proptest::prelude::*;
 /// A point beside the slice, which must stay.
 const GUARD: SensorPoint = SensorPoint::new(-7.25, 7.5);
 
-/// Bits of the coordinates; one NaN is as good as another.
+/// Returns the bits of the coordinates; all NaN are equal.
 fn bits(point: SensorPoint) -> [u32; 2] {
     [point.x_mm, point.y_mm].map(|value| {
         if value.is_nan() {
@@ -45,7 +45,7 @@ fn assert_same_bits(correction: &FrameCorrection, measured: &[SensorPoint]) {
     assert_eq!(apart.map(bits).collect::<Vec<_>>(), expected);
 }
 
-/// A short and a full correction of a published lens.
+/// Returns a short and a full correction of a published lens.
 fn short_and_full() -> [FrameCorrection; 2] {
     let published = cameras::published();
     let short = FrameCorrection::without_motion(&Calibration::new(published[0]).unwrap());

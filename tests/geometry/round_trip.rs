@@ -1,4 +1,4 @@
-//! `distort` is the inverse of `correct`, or an error.
+//! Round trips: `distort` is the inverse of `correct`, or an error.
 
 use crate::geometry::cameras;
 use fmc_camera::geometry::calibration::Calibration;
@@ -9,11 +9,11 @@ use proptest::prelude::*;
 
 /// Units in the last place of the larger of measured and ideal coordinate.
 const LIMIT_ULPS: f32 = 2.0;
-/// Near an axis of the sensor a unit in the last place is less than rounding of the *other*
-/// coordinate makes of the distortion, nm.
+/// Error near an axis of the sensor, nm, where a unit in the last place is less than the effect of
+/// the *other* coordinate's rounding on the distortion.
 const LIMIT_NEAR_AXIS_NM: f32 = 0.02;
 
-/// Whether a point comes back.
+/// Returns true if a point comes back.
 fn comes_back(correction: &FrameCorrection, measured: SensorPoint) -> bool {
     let ideal = correction.correct(measured).point;
     let back = correction
@@ -103,7 +103,8 @@ fn strongest_lens_that_is_accepted_comes_back_too() {
     for point in cameras::grid(&calibration, 41) {
         let ideal = correction.correct(point).point;
         let back = correction.distort(ideal).unwrap().point;
-        // The scale of the image falls to 0.2: rounding of the ideal point grows accordingly.
+        // The scale of the image falls to 0.2, and the rounding of the ideal point grows
+        // accordingly.
         assert!((back.x_mm - point.x_mm).abs() < 4e-5 && (back.y_mm - point.y_mm).abs() < 4e-5);
     }
 }

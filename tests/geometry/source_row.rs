@@ -1,4 +1,4 @@
-//! Rows of sources are the inverse of the correction, and go on beyond the sensor.
+//! Rows of sources: the inverse of the correction, continued beyond the sensor.
 
 use crate::geometry::cameras;
 use crate::geometry::mesh::{corrections, form_f64, half_a_millimetre, wide};
@@ -11,11 +11,12 @@ use fmc_camera::geometry::mesh::vertex::{MeshError, VertexRow};
 use fmc_camera::geometry::sensor::{FmcAxis, SensorPoint};
 use proptest::prelude::*;
 
-/// Against the exact inverse, nm: rounding of the measured coordinate, 3.8 nm, to which a distortion of a few per
-/// cent answers and of the displacement itself.
+/// Largest error against the exact inverse, nm: the effect of rounding the measured coordinate, 3.8
+/// nm, on a distortion of a few per cent, and the rounding of the displacement itself.
 const SOURCE_NM: f64 = 0.3;
 
-/// The exact way from an ideal point to its measured one; beyond the sensor the distortion of its nearest point.
+/// Returns the exact way from an ideal point to its measured one; beyond the sensor the distortion
+/// is that of its nearest point.
 pub(crate) fn source_f64(correction: &FrameCorrection, [x, y]: [f64; 2]) -> [f64; 2] {
     let half_width = f64::from(correction.sensor().half_width_mm());
     let half_height = f64::from(correction.sensor().half_height_mm());
@@ -64,7 +65,8 @@ fn sources_of_every_camera_are_the_inverse_within_a_third_of_a_nanometre() {
 
 #[test]
 fn a_source_found_across_the_edge_of_the_sensor_is_as_exact_as_any() {
-    // The scale is 0.8 in the corners: off the sensor, where the distortion goes on unchanged, it is 1.
+    // The scale is 0.8 in the corners; off the sensor, where the distortion does not change, it is
+    // 1.
     let lens = Brown {
         k1: -3.44e-6,
         k2: 2.21e-9,
@@ -76,7 +78,7 @@ fn a_source_found_across_the_edge_of_the_sensor_is_as_exact_as_any() {
     let half = calibration.sensor().half_width_mm();
     let mut both_sides = [0; 2];
     for along in [-0.97_f32, -0.5, 0.93, 1.0] {
-        // The ideal place of a point of the edge, and places up to 10 µm off it.
+        // The ideal place of a point of the edge is tested, and places up to 10 µm off it.
         let edge = correction
             .correct(SensorPoint::new(along * half, half))
             .point;
@@ -86,7 +88,8 @@ fn a_source_found_across_the_edge_of_the_sensor_is_as_exact_as_any() {
             let [dx, dy] = source_f64(&correction, [ideal.x_mm, ideal.y_mm].map(f64::from));
             let off_nm = [f64::from(found.dx_mm) - dx, f64::from(found.dy_mm) - dy]
                 .map(|off_mm| 1e6 * off_mm.abs());
-            // A fifth of the rounding of the measured coordinate, 3.8 nm, and of the last residual, 2 nm.
+            // The bound is a fifth of the rounding of the measured coordinate, 3.8 nm, and of the
+            // last residual, 2 nm.
             assert!(
                 off_nm[0].max(off_nm[1]) <= 1.5,
                 "{off_nm:?} nm at {ideal:?}"
@@ -127,10 +130,11 @@ proptest! {
                         source.x_mm - corrected.point.x_mm,
                         source.y_mm - corrected.point.y_mm,
                     ];
-                    // Two units in the last place at 40 mm.
+                    // The bound is two units in the last place at 40 mm.
                     prop_assert!(off[0].abs().max(off[1].abs()) <= 7.7e-6, "{off:?}");
                 }
-                // It is off the sensor, or on its edge within rounding; a strong lens may hold Newton's method there.
+                // The point is off the sensor, or on its edge within rounding; on a strong lens
+                // Newton's method may stop there.
                 Err(error) => {
                     let is_off = source.x_mm.abs().max(source.y_mm.abs()) > half - 1e-5;
                     prop_assert!(is_off, "{source:?}: {error}");

@@ -1,5 +1,5 @@
 //! Memory layout of the emulated board, put where the root's `memory.x` includes it, for this
-//! comparison and for `benches/instructions`, which lies as deep in the tree.
+//! comparison and for `benches/instructions`, which is at the same depth of the tree.
 
 use std::{env, error::Error, fs, path::Path};
 

@@ -1,4 +1,5 @@
-//! A board on the PC: its events come from wires and over the link, its stage is a number.
+//! A board on the PC: its events come from wires and over the link, and a number stands for its
+//! stage.
 
 use fmc_camera::flight::controller::state::State;
 use fmc_camera::flight::drive::rig::RigDrive;
@@ -16,27 +17,27 @@ use fmc_camera::io::link::message::{Answer, Identity, Request, ResetCause, Statu
 use fmc_camera::io::link::station::Station;
 
 use crate::link::pc::{Pc, camera_parameters};
-/// What the encoder counts where the stage stands at power-on, which is the calibrated position.
+/// Count of the encoder where the stage stands at power-on, which is the calibrated position.
 pub(crate) const COUNT_AT_START: i32 = 12_345;
 
-/// From the shutter's command to light, and from its end to the end of light, µs.
+/// Time from the shutter's command to light, and from its end to the end of light, µs.
 const LATENCY_US: u32 = 2000;
 
-/// A board with an ideal stage and a shutter that does as its wire says.
+/// Board with an ideal stage and a shutter that follows its wire.
 pub(crate) struct Board {
     pub(crate) pc: Pc<FlownDeck<RigDrive>>,
     clock: Clock,
     pub(crate) counter_us: u32,
     pub(crate) shutter: ShutterOutput,
     is_high: bool,
-    /// What the capture inputs will have stamped.
+    /// Events that the capture inputs stamp later.
     pub(crate) stamps: Vec<(u32, Event)>,
     pub(crate) levels: InputLevels,
     pub(crate) faults: Vec<Fault>,
 }
 
 impl Board {
-    /// Connected, loaded and prepared; its counter at some number.
+    /// Returns a board that is connected, loaded and prepared, with its counter at a number.
     pub(crate) fn prepared_at(counter_us: u32) -> Self {
         let mut board = Self::connected(ResetCause::PowerOn, counter_us);
         let loaded = board.pc.ask(&Request::Load(camera_parameters()));
@@ -50,7 +51,7 @@ impl Board {
         let drive = RigDrive::new(DriveSettings::default()).unwrap();
         let station = Station::with(identity, || 0, FlownDeck::new(drive, start.unreferenced()));
         let mut clock = Clock::new();
-        // It has run for a while.
+        // The board has run for a while.
         for quarter in 1..=counter_us >> 30 {
             clock.extend(quarter << 30);
         }
@@ -100,7 +101,7 @@ impl Board {
         }
     }
 
-    /// The wire of the shutter at a time of the counter, and what its sensor says of it later.
+    /// Sets the wire of the shutter at a time of the counter, and the later answer of its sensor.
     pub(crate) fn work_shutter(&mut self, counter_us: u32) -> Option<u32> {
         let level = self.shutter.look(counter_us);
         if level.is_high != self.is_high {
@@ -116,7 +117,7 @@ impl Board {
         level.next_us
     }
 
-    /// A millisecond, and the round at its end.
+    /// Runs a millisecond and the round at its end.
     pub(crate) fn round(&mut self) {
         let end_us = self.counter_us.wrapping_add(1000);
         let is_due = |time_us: u32| end_us.wrapping_sub(time_us).cast_signed() >= 0;
@@ -171,7 +172,7 @@ impl Board {
         self.run_until(State::Armed);
     }
 
-    /// A trigger, stamped so long before the end of the round.
+    /// Runs a round with a trigger stamped that long before its end.
     pub(crate) fn trigger(&mut self, before_end_us: u32) {
         let stamp = self.counter_us.wrapping_add(1000 - before_end_us);
         self.stamps.push((stamp, Event::Trigger));

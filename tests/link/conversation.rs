@@ -1,4 +1,4 @@
-//! What a PC and a camera say to each other when all goes well.
+//! Conversation of a PC and a camera without errors.
 
 use fmc_camera::flight::camera::Camera;
 use fmc_camera::flight::exposure::Exposure;

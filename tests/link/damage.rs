@@ -1,4 +1,4 @@
-//! What happens to frames on a bad wire.
+//! Frames on a bad wire.
 
 use fmc_camera::flight::exposure::Exposure;
 use fmc_camera::io::link::message::{Answer, Header, Refusal, Request, Unreadable};
@@ -31,7 +31,8 @@ fn damaged_frame_is_counted_and_dropped_and_the_next_one_taken() {
     assert!(pc.send(&wire[..cut]).is_empty());
     assert!(pc.send(&[0]).is_empty());
     assert_eq!(pc.event, Some(LinkEvent::Lost(Damage::Truncated)));
-    // Shorter than its CRC; and a block of COBS that is longer than the frame.
+    // The first is shorter than its CRC; the second has a block of COBS that is longer than the
+    // frame.
     for short in [&[3, 1, 1, 0], &between_zeros(&[9, 1, 2])[..]] {
         assert!(pc.send(short).is_empty());
         assert_eq!(pc.event, Some(LinkEvent::Lost(Damage::Truncated)));
@@ -108,7 +109,7 @@ fn whole_frame_without_a_request_is_counted() {
         [(header(pc.next), Answer::Refused(Refusal::Unknown))]
     );
     assert_eq!(pc.station.counters().unknown, 2);
-    // It took its place in the session.
+    // The refused request used a number of the session.
     pc.next += 1;
     assert!(matches!(pc.ask(&Request::Counters), Answer::Counters(_)));
 }

@@ -15,7 +15,8 @@ use fmc_camera::io::link::message::{Answer, Refusal, Request};
 
 use crate::link::pc::{Pc, camera_parameters};
 
-/// What exposures from rest would show on a 9 x 9 grid, with a pattern in place of noise.
+/// Returns the observations of exposures from rest on a 9 x 9 grid, with a pattern in place of
+/// noise.
 fn observations() -> Vec<Observation<f32>> {
     let camera = Camera::new(camera_parameters()).unwrap();
     let mut observations = Vec::new();
@@ -61,7 +62,7 @@ fn options() -> [FitOptions; 3] {
     [options, tied, estimate]
 }
 
-/// Every number of a fit, as bits.
+/// Returns every number of a fit, as bits.
 fn bits(fit: &Fit<f32>) -> Vec<u32> {
     fit.values
         .into_iter()
@@ -97,7 +98,7 @@ fn fit_through_the_link_is_that_of_a_direct_call_bit_by_bit() {
         assert_eq!(fit, direct);
         assert_eq!(bits(&fit), bits(&direct));
         assert!(fit.sigma0 > 0.1 && fit.sigma0 < 1.0, "{}", fit.sigma0);
-        // More can follow, and another fit.
+        // More observations can follow, and another fit.
         let request = Request::Observe(observations[..3].iter().copied().collect());
         assert_eq!(pc.ask(&request), Answer::Observed(points + 3));
         assert!(matches!(pc.ask(&Request::Fit), Answer::Fitted(_)));

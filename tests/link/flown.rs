@@ -18,7 +18,8 @@ fn exposed(record: &FrameRecord) -> &ExposedFrame {
     }
 }
 
-/// The exposure is the wire's to the microsecond, the travel f·V/H·t to the encoder's step.
+/// Checks that the exposure is that of the wire to the microsecond, and the travel f·V/H·t to the
+/// encoder's step.
 fn assert_compensated(record: &FrameRecord) {
     let frame = exposed(record);
     assert!(record.faults.is_empty(), "{:?}", record.faults);
@@ -27,7 +28,7 @@ fn assert_compensated(record: &FrameRecord) {
     assert_eq!(frame.closed.us_since(frame.opened), 3333);
     let travel_mm = 51.3712 * 0.1 * 3.333e-3;
     let off_um = 1e3 * (frame.interior.motion.travel_mm - travel_mm);
-    // Two readings of 0.1 µm, by which the line through all of them is off at most.
+    // The line through all readings is off by at most two readings' error of 0.1 µm.
     assert!(off_um.abs() < 0.1, "{off_um} µm");
 }
 
@@ -83,7 +84,8 @@ fn counter_that_wraps_between_trigger_and_round_changes_nothing_but_the_times() 
     first.trigger(300);
     let record = first.record(1);
 
-    // The trigger is stamped 200 µs before the wrap, and the round that takes it comes 100 µs after it.
+    // The trigger is stamped 200 µs before the wrap, and the round that takes it comes 100 µs after
+    // it.
     let start_us = 0_u32.wrapping_sub(flown_us).wrapping_sub(900);
     let mut second = Board::prepared_at(start_us);
     second.arm();
@@ -110,8 +112,8 @@ fn counter_that_wraps_between_trigger_and_round_changes_nothing_but_the_times() 
 fn time_pulses_by_wire_and_their_utc_over_the_link_date_the_centroid() {
     let mut board = Board::prepared_at(0);
     board.arm();
-    // A pulse 300 µs into every 1000th millisecond; its UTC is told up to 0.9 s later, the last just before the next
-    // pulse.
+    // A pulse comes 300 µs into every 1000th millisecond; its UTC is told up to 0.9 s later, the
+    // last just before the next pulse.
     let unix_us = 1_700_000_000_000_000;
     let mut first_pulse = None;
     for second in 0..12_u32 {
@@ -137,7 +139,7 @@ fn time_pulses_by_wire_and_their_utc_over_the_link_date_the_centroid() {
         .centroid_utc
         .expect("pulses and times have been consistent");
     let since_pulse_us = frame.centroid.us() - u64::from(first_pulse.unwrap());
-    // The pulses are exact: what is left is the clock's microsecond.
+    // The pulses are exact, so that only the clock's microsecond is left.
     let off_us = utc.unix_us.abs_diff(unix_us + since_pulse_us);
     assert!(off_us <= 1, "{off_us} µs");
 }
@@ -147,7 +149,7 @@ fn bouncing_trigger_costs_its_own_bounces_and_says_so() {
     let mut board = Board::prepared_at(0);
     board.arm();
     board.trigger(300);
-    // In the millisecond of the shutter's opening.
+    // The trigger comes in the millisecond of the shutter's opening.
     let stamp = board.counter_us.wrapping_add(500);
     board.stamps.push((stamp, Event::Trigger));
     board.run_until(State::Tracking);
@@ -177,7 +179,7 @@ fn bouncing_trigger_costs_its_own_bounces_and_says_so() {
     );
     assert!(board.faults.contains(&Fault::Overload));
     let counts = board.status().counts;
-    // 2 that were meant, and 4 of the 40 that had a place.
+    // These are 2 triggers that were meant, and 4 of the 40 bounces that the queue had room for.
     assert_eq!((counts.triggers, counts.lost_events), (6, 36));
     assert_eq!((counts.exposed, counts.refused), (2, 4));
     assert_eq!((counts.late_ticks, counts.unexpected_edges), (0, 0));
@@ -195,7 +197,8 @@ fn switches_and_supply_are_events_once_when_they_change_and_after_every_prepare(
     board.levels.supply_low = true;
     board.round();
     board.round();
-    // The other switch is another event, a round later than what needs one alone.
+    // The other switch is a separate event, a round later than the supply, for which one round
+    // suffices.
     let expected = [Fault::LimitSwitch, Fault::BrownOut, Fault::LimitSwitch];
     assert_eq!(board.faults, expected);
     board.levels = InputLevels::GOOD;
@@ -226,7 +229,7 @@ fn spike_of_one_round_on_a_switch_is_no_closing_and_no_opening() {
             board.round();
         }
     }
-    // Each of the two for a round is neither for two.
+    // Two switches closed for one round each are not one switch closed for two.
     board.levels.limit_low = true;
     board.round();
     board.levels = InputLevels {
@@ -238,7 +241,7 @@ fn spike_of_one_round_on_a_switch_is_no_closing_and_no_opening() {
     assert_eq!(board.faults, []);
     board.round();
     assert_eq!(board.faults, [Fault::LimitSwitch]);
-    // Closed throughout, as far as can be seen.
+    // A switch that opens for one round counts as closed throughout.
     board.levels.limit_high = false;
     board.round();
     board.levels.limit_high = true;
@@ -251,7 +254,7 @@ fn spike_of_one_round_on_a_switch_is_no_closing_and_no_opening() {
 fn switch_that_is_still_closed_when_faults_are_cleared_keeps_the_stage_without_force() {
     let mut board = Board::prepared_at(0);
     board.arm();
-    // As a wire that breaks.
+    // A broken wire looks like a closed switch.
     board.levels.limit_high = true;
     board.round();
     board.round();
@@ -263,14 +266,14 @@ fn switch_that_is_still_closed_when_faults_are_cleared_keeps_the_stage_without_f
     assert_eq!(board.status().state, State::Degraded(Fault::LimitSwitch));
     assert!(!board.deck().drive_mut().powered());
 
-    // Both in one round: the next finds out.
+    // With both commands in one round, the closed switch is found in the next round.
     board.tell(Event::Command(Command::ClearFault));
     board.command(Command::Arm);
     board.round();
     assert_eq!(board.status().state, State::Fault(Fault::LimitSwitch));
     assert!(!board.deck().drive_mut().powered());
 
-    // Off the switch, the next that closes is seen.
+    // Once the stage is off the switch, the next one that closes is seen.
     board.levels = InputLevels::GOOD;
     board.round();
     board.command(Command::ClearFault);
@@ -291,7 +294,7 @@ fn after_the_watchdog_the_shutter_is_closed_and_somebody_must_look() {
     board.round();
     assert_eq!(board.status().state, State::Fault(Fault::Watchdog));
     assert!(!board.shutter.look(board.counter_us).is_high);
-    // Prepared again, it is still so.
+    // The fault remains after the camera is prepared again.
     assert_eq!(board.prepare(), Answer::Prepared);
     board.round();
     assert_eq!(board.status().state, State::Fault(Fault::Watchdog));

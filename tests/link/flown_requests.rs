@@ -1,4 +1,4 @@
-//! What a camera on a board is asked for, and refuses.
+//! Requests to a camera on a board, and its refusals.
 
 use fmc_camera::flight::camera::Mechanism;
 use fmc_camera::flight::controller::state::State;
@@ -26,7 +26,7 @@ fn only_what_is_told_may_be_told_and_what_finds_no_place_is_refused() {
         other => panic!("{other:?}"),
     };
     assert_eq!(refused(board.tell(arm)), Refusal::NotPrepared);
-    // Lost on nobody: there is no camera.
+    // This trigger is not counted as lost, because there is no camera.
     board.deck().capture(Time::START, Event::Trigger);
     board.pc.ask(&Request::Load(camera_parameters()));
     board.prepare();
@@ -46,7 +46,7 @@ fn only_what_is_told_may_be_told_and_what_finds_no_place_is_refused() {
         assert_eq!(board.tell(vh), Answer::Told);
     }
     assert_eq!(refused(board.tell(vh)), Refusal::QueueFull);
-    // What somebody wants finds a place all the same.
+    // A command finds room all the same.
     assert_eq!(board.tell(Event::Command(Command::Disarm)), Answer::Told);
     board.round();
     assert_eq!(board.tell(vh), Answer::Told);
@@ -112,7 +112,7 @@ fn nothing_is_loaded_or_prepared_while_it_flies_without_force_on_the_stage() {
             "{request:?}"
         );
     }
-    // Its records can be taken.
+    // Records can still be taken.
     assert_eq!(board.pc.ask(&Request::Acknowledge(0)), Answer::Kept(0));
     board.command(Command::Disarm);
     for request in &long {
@@ -157,7 +157,7 @@ fn encoder_is_seen_in_the_status_before_anybody_has_said_where_the_stage_stands(
     let started_mm = offset_mm(&mut board).unwrap();
     assert!((started_mm - 1.2345).abs() < 1e-6, "{started_mm} mm");
     board.prepare();
-    // Pushed by hand, 0.1 mm.
+    // The stage is pushed by 0.1 mm.
     board.count(COUNT_AT_START + 1000);
     board.round();
     let status = board.status();
@@ -202,7 +202,8 @@ fn reference_is_taken_in_standby_alone() {
     board.command(Command::Referenced);
     board.round();
     let unchanged = board.deck().drive_mut().position(Time::START).unwrap();
-    // At the waiting place, 51 µm at most from where it was: a new zero there would be 0.
+    // The stage is at the waiting place, at most 51 µm from its place before; a new zero there
+    // would make its offset 0.
     assert!((unchanged.offset_mm - count.offset_mm).abs() < 1e-3);
     assert!(unchanged.offset_mm.abs() > 1e-3, "{unchanged:?}");
     assert_eq!(board.deck().controller().unwrap().state(), State::Armed);

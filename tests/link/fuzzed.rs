@@ -9,7 +9,7 @@ use proptest::test_runner::{Config, RngAlgorithm, TestRng, TestRunner};
 
 use crate::link::targets;
 
-/// Every input of the corpus, then random ones, the same every time.
+/// Runs every input of the corpus, then random ones, the same every time.
 fn run(target: fn(&[u8]), corpus: &str) {
     let folder = Path::new(env!("CARGO_MANIFEST_DIR"))
         .join("fuzz/corpus")
@@ -28,7 +28,8 @@ fn run(target: fn(&[u8]), corpus: &str) {
         },
         seed,
     );
-    // Small numbers are lengths, zeros and numbers of messages more often than chance has it.
+    // Small numbers are more frequent than random ones would be, because they are lengths, zeros
+    // and numbers of messages.
     let byte = prop_oneof![3 => 0_u8..16, 1 => any::<u8>()];
     runner
         .run(&vec(byte, 0..400), |bytes| {

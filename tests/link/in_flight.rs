@@ -1,4 +1,4 @@
-//! A calibration that comes during a flight, and what is prepared after it.
+//! Calibrations that come during a flight, and the camera that is prepared after them.
 
 use fmc_camera::flight::controller::state::State;
 use fmc_camera::flight::event::{Action, Command, Event, ShutterEdge};
@@ -118,7 +118,7 @@ fn calibration_waits_for_the_exposure_and_the_flight_keeps_the_one_it_was_prepar
     assert_eq!(flight.prepare(), Answer::Refused(Refusal::RecordsKept(2)));
     assert_eq!(flight.pc.ask(&Request::Acknowledge(2)), Answer::Kept(0));
     assert_eq!(flight.prepare(), Answer::Prepared);
-    // In standby, under the new calibration, and counting from 1.
+    // The camera is in standby, under the new calibration, and counts from 1.
     flight.round(Some(Event::Trigger));
     let Answer::FrameRecord(Some((record, _))) = flight.pc.ask(&Request::FrameRecord(0)) else {
         panic!("no record");

@@ -23,13 +23,13 @@ use fmc_camera::io::link::{
 
 use crate::link::pc::{camera_parameters, frame};
 
-/// The header whose numbers take most bytes.
+/// Header whose numbers take the most bytes.
 const LONGEST_HEADER: Header = Header {
     session: u32::MAX,
     sequence: u16::MAX,
 };
 
-/// Every number takes most bytes.
+/// Mesh row whose numbers take the most bytes.
 const LONGEST_MESH_ROW: VertexRow = VertexRow {
     first_col_px: u32::MAX,
     row_px: u32::MAX,
@@ -47,7 +47,7 @@ fn payload_of(frame: &Packet) -> Vec<u8> {
     receiver.receive(*last).unwrap().unwrap().to_vec()
 }
 
-/// Every number of the record is there, none of them short.
+/// Returns a record with every number, each in its longest form.
 fn longest_record() -> CameraParameters {
     let mut record = camera_parameters();
     record.calibration.fitted = Some(FiveCoefficients::default());
@@ -135,7 +135,7 @@ fn longest_messages_fit_and_come_back_as_they_went() {
     let mut frame = Packet::EMPTY;
     let answer = Answer::Points(std::iter::repeat_n(corrected, MAX_POINTS).collect());
     answer.write(LONGEST_HEADER, &mut frame).unwrap();
-    // The buffers are as long as they need be, and 5 bytes more.
+    // The buffers are 5 bytes longer than the longest payload.
     assert_eq!(payload_of(&frame).len(), LONGEST_PAYLOAD - 5);
 }
 
@@ -146,7 +146,8 @@ fn bytes_on_the_wire_are_those_of_the_description() {
         sequence: 3,
     };
     let request = frame(header, &Request::Connect);
-    // Version 4; session 0x0102, seven bits a byte; number 3; request 0. The zero at the end is COBS's second block.
+    // Version 4; session 0x0102, seven bits a byte; number 3; request 0. The zero at the end is
+    // COBS's second block.
     let encoded = [5, 4, 0x82, 2, 3, 1];
     let checked = [&[0x86, 0x80], &encoded[..]].concat();
     let crc = crc::Crc::<u32>::new(&crc::CRC_32_ISO_HDLC).checksum(&checked);
@@ -173,7 +174,7 @@ fn quantities_keep_the_numbers_they_were_given() {
             .write(LONGEST_HEADER, &mut frame)
             .unwrap();
         let payload = payload_of(&frame);
-        // The number, then value and range.
+        // The number comes first, then value and range.
         assert_eq!(
             usize::from(payload[payload.len() - 13]),
             number,
@@ -198,7 +199,7 @@ fn requests_and_answers_keep_the_numbers_they_were_given() {
         cols_px: 1.5,
         rows_px: -0.25,
     }];
-    // After version, session and number.
+    // The number of a request follows version, session and number of the message.
     for (request, number) in [
         (Request::Connect, 0),
         (Request::Reset, 9),
@@ -226,7 +227,7 @@ fn requests_and_answers_keep_the_numbers_they_were_given() {
         assert_eq!(payload[3], number, "{answer:?}");
         assert_eq!(Answer::read(&payload), Ok((header, Some(answer))));
     }
-    // Their number, then columns and rows in little endian.
+    // The number of corrections comes first, then columns and rows in little endian.
     let mut frame = Packet::EMPTY;
     let answer = Answer::Corrections(corrections.into_iter().collect());
     answer.write(header, &mut frame).unwrap();

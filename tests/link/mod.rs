@@ -1,4 +1,4 @@
-//! The link as a user of the crate sees it: what is on the wire, and what the camera does about it.
+//! The link as a user of the crate sees it: bytes on the wire, and the camera's reactions.
 
 #![cfg(test)]
 #![allow(

@@ -1,4 +1,4 @@
-//! The PC's end, as simple as it can be: what is asked arrives, and so does the answer.
+//! The PC's end of an ideal link: every request arrives, and so does the answer.
 
 use fmc_camera::flight::camera::CameraParameters;
 use fmc_camera::geometry::brown::Brown;
@@ -10,7 +10,7 @@ use fmc_camera::io::link::station::{LinkEvent, Station};
 
 pub(crate) const SESSION: u32 = 0x5e55_1011;
 
-/// What the stack of the camera under test uses, bytes.
+/// Bytes that the camera under test reports as used of its stack.
 pub(crate) const STACK_USED: u32 = 1234;
 
 /// A station, and the number of the next request.
@@ -21,7 +21,7 @@ pub(crate) struct Pc<Deck = RigDeck> {
 }
 
 impl Pc {
-    /// Without a session.
+    /// Returns a PC without a session.
     pub(crate) fn unconnected() -> Self {
         let identity = Identity::new("test build", "test board", true, ResetCause::Watchdog);
         Self::of(Station::new(identity, || STACK_USED))
@@ -33,7 +33,7 @@ impl Pc {
         pc
     }
 
-    /// With a calibration.
+    /// Returns a PC whose camera has a calibration.
     pub(crate) fn loaded() -> Self {
         let mut pc = Self::connected();
         let answer = pc.ask(&Request::Load(camera_parameters()));
@@ -43,7 +43,7 @@ impl Pc {
 }
 
 impl<Deck: FlightDeck> Pc<Deck> {
-    /// Without a session.
+    /// Returns a PC without a session for a station.
     pub(crate) const fn of(station: Station<Deck>) -> Self {
         Self {
             station,
@@ -62,7 +62,7 @@ impl<Deck: FlightDeck> Pc<Deck> {
         self.ask_as(header, request)
     }
 
-    /// Asks under a header of one's own choice.
+    /// Asks a request under any header.
     pub(crate) fn ask_as(&mut self, header: Header, request: &Request) -> Answer {
         let answers = self.send(frame(header, request).bytes());
         let [(answered, answer)] = &answers[..] else {
@@ -84,7 +84,7 @@ impl<Deck: FlightDeck> Pc<Deck> {
         answers
     }
 
-    /// What the station has to send, in pieces of 7 bytes.
+    /// Returns the bytes that the station has to send, taken in pieces of 7.
     pub(crate) fn collect(&mut self) -> Vec<u8> {
         let mut bytes = Vec::new();
         while !self.station.to_send().is_empty() {
@@ -104,7 +104,7 @@ pub(crate) fn frame(header: Header, request: &Request) -> Packet {
     frame
 }
 
-/// Every answer in bytes from the camera, all of them whole.
+/// Returns every answer in bytes from the camera, all of them whole.
 fn answers_in(bytes: &[u8]) -> Vec<(Header, Answer)> {
     let mut receiver = PacketReceiver::new();
     let mut answers = Vec::new();
@@ -117,7 +117,7 @@ fn answers_in(bytes: &[u8]) -> Vec<(Header, Answer)> {
     answers
 }
 
-/// The 50 mm camera of the README.
+/// Returns the 50 mm camera of the README.
 pub(crate) fn camera_parameters() -> CameraParameters {
     let mut lens = CalibrationParameters::new(51.3712, [14204, 10652], 3.76);
     lens.distortion = Brown {

@@ -179,7 +179,7 @@ fn mesh_that_cannot_be_given_is_refused_by_vertex_and_reason() {
         error.value_px > 2047.9 && error.value_px < 2100.0,
         "{error}"
     );
-    // No number of the row makes the camera count beyond its own.
+    // No number of the row makes the camera's own numbers overflow.
     for off in [u32::MAX, u32::MAX - 1, 1 << 24] {
         let off_image = VertexRow {
             row_px: off,
@@ -229,7 +229,7 @@ fn corrections_that_cannot_be_given_are_refused_by_vertex_and_reason() {
     };
     let refused = off(14_203 + 17, row.row_px);
     assert_eq!(ask(&mut pc, right), Answer::Refused(refused));
-    // No number of the row makes the camera count beyond its own.
+    // No number of the row makes the camera's own numbers overflow.
     for far in [u32::MAX, u32::MAX - 1, 1 << 24] {
         let row = VertexRow {
             first_col_px: far,
@@ -273,7 +273,7 @@ fn request_out_of_order_is_refused_with_the_number_expected() {
         );
     }
     assert_eq!(pc.station.counters().out_of_order, 3);
-    // Nothing was loaded, and the right number is still taken.
+    // Nothing was loaded, and the right number is still accepted.
     assert_eq!(
         pc.ask(&Request::Expose(EXPOSURE)),
         Answer::Refused(Refusal::NoCalibration)
@@ -291,7 +291,7 @@ fn session_of_another_host_ends_the_first() {
     let ended = Answer::Refused(Refusal::OtherSession);
     assert_eq!(pc.ask(&Request::InteriorOrientation), ended);
     assert_eq!(pc.event, Some(LinkEvent::Refused(Refusal::OtherSession)));
-    // The second goes on undisturbed.
+    // The second session continues undisturbed.
     let next = Header {
         session: 2,
         sequence: 1,

@@ -1,4 +1,4 @@
-//! Requests that come again, since their answer was lost.
+//! Requests that are repeated because their answer was lost.
 
 use fmc_camera::flight::exposure::Exposure;
 use fmc_camera::io::link::message::{Answer, Header, Refusal, Request};
@@ -9,7 +9,7 @@ use crate::link::targets::wire_format::frame_of;
 
 const EXPOSURE: Exposure = Exposure::new(0.17, 1.0 / 200.0);
 
-/// The next request of the session.
+/// Returns the header of the next request of the session.
 fn next(pc: &Pc) -> Header {
     Header {
         session: SESSION,
@@ -26,7 +26,7 @@ fn request_that_comes_again_is_answered_again_and_not_acted_on_again() {
     };
     let first = pc.ask_as(header, &Request::Expose(EXPOSURE));
     let done = pc.station.counters().done;
-    // The same number with other contents: the answer from memory.
+    // The same number with other contents gets the answer from memory.
     let again = pc.ask_as(header, &Request::Expose(Exposure::new(0.05, 0.01)));
     assert_eq!(again, first);
     assert_eq!(pc.event, Some(LinkEvent::Repeated));
@@ -47,10 +47,10 @@ fn answer_survives_what_others_ask_meanwhile() {
         pc.ask_as(stranger, &Request::Counters),
         Answer::Refused(Refusal::OtherSession)
     );
-    // Of another version of the protocol.
+    // This frame is of another version of the protocol.
     assert_eq!(pc.send(&frame_of(&[2, 9, 9])).len(), 1);
     assert_eq!(pc.ask_as(header, &Request::Expose(EXPOSURE)), first);
-    // And the frame is the session's still.
+    // The frame still belongs to the session.
     pc.next += 1;
     assert_eq!(pc.ask(&Request::InteriorOrientation), first);
 }

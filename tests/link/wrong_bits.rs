@@ -1,4 +1,5 @@
-//! Wrong bits on the wire: every error of one, two or three of them, in short frames and in the longest.
+//! Wrong bits on the wire: every error of one, two or three of them, in short frames and in the
+//! longest.
 
 use std::collections::HashMap;
 use std::ops::Range;
@@ -12,7 +13,7 @@ use fmc_camera::io::link::packet::{Packet, PacketReceiver};
 use crate::link::pc::{SESSION, frame};
 use crate::link::targets::wire_format::{frame_of, wire_from_crc, wire_from_length};
 
-/// Bits that are wrong at most.
+/// Largest number of wrong bits.
 const WRONG: usize = 3;
 
 fn header(sequence: u16) -> Header {
@@ -22,7 +23,8 @@ fn header(sequence: u16) -> Header {
     }
 }
 
-/// Whether any frame is accepted in these bytes, or in what is left over with a zero after it.
+/// Returns true if any frame is accepted in these bytes, or in the rest of them with a zero after
+/// it.
 fn accepts(bytes: impl Iterator<Item = u8>) -> bool {
     let mut receiver = PacketReceiver::new();
     bytes
@@ -88,7 +90,7 @@ fn all_errors_of_long_frames_are_found_by_the_linearity_of_the_crc() {
         assert!(accepts(wire.iter().copied()));
         let between = &wire[1..wire.len() - 1];
         assert_eq!(errors.first_undetected(between, between.len(), WRONG), None);
-        // A wrong bit in the final zero joins the next frame's first to this one.
+        // A wrong bit in the final zero joins the first byte of the next frame to this one.
         for last in 0..8 {
             let mut longer = between.to_vec();
             longer.push(1 << last);
@@ -98,7 +100,8 @@ fn all_errors_of_long_frames_are_found_by_the_linearity_of_the_crc() {
     }
 }
 
-/// The search finds what is there to be found: a frame behind a byte of one bit, also with two wrong bits in it.
+/// Checks the search on frames that it must find: one behind a byte of one bit, also with two wrong
+/// bits in it.
 #[test]
 fn search_finds_a_frame_inside_a_frame() {
     let errors = Errors::up_to(200);
@@ -121,7 +124,7 @@ fn search_finds_a_frame_inside_a_frame() {
     );
     outer[start + 2] ^= 1;
     assert_eq!(errors.first_undetected(&outer, 0, WRONG), None);
-    // By trying: the byte of one bit becomes a zero.
+    // The receiver confirms it: the byte of one bit becomes a zero.
     outer[start + 2] ^= 1;
     for (byte, bit) in [(1, 3), (inner.len() - 1, 2)] {
         outer[start + byte] ^= 1 << bit;
@@ -130,22 +133,22 @@ fn search_finds_a_frame_inside_a_frame() {
     assert!(accepts(outer.into_iter()));
 }
 
-/// What each single wrong bit does to the CRC.
+/// Effect of each single wrong bit on the CRC.
 ///
-/// The CRC is linear: several wrong bits do together the exclusive or of what each does.
+/// The CRC is linear: the effect of several wrong bits is the exclusive or of their effects.
 struct Errors {
-    /// By the byte's distance from the end of the encoded bytes, and by the bit.
+    /// Changes by the byte's distance from the end of the encoded bytes, and by the bit.
     changes: Vec<[u32; 8]>,
-    /// The distance of the change that has this value.
+    /// Distance of the change that has this value.
     distance: HashMap<u32, usize>,
-    /// Low 20 bits of the changes, to tell quickly that a value is none.
+    /// Low 20 bits of the changes, for a quick test whether a value can be one.
     low_bits: Vec<bool>,
 }
 
 const LOW: u32 = 0xf_ffff;
 
 impl Errors {
-    /// Of frames up to so many bytes.
+    /// Computes the effects for frames up to this length.
     fn up_to(length: usize) -> Self {
         let crc = crc::Crc::<u32>::new(&crc::CRC_32_ISO_HDLC);
         let mut errors = Self {
@@ -171,10 +174,12 @@ impl Errors {
         errors
     }
 
-    /// The first piece of the bytes between two zeros that an error of up to `wrong` bits makes a frame.
+    /// Returns the first piece of the bytes between two zeros that an error of up to `wrong` bits
+    /// turns into a frame.
     ///
-    /// A piece begins at the start, or after a byte that the error makes zero, and ends likewise; what that takes is
-    /// not left for wrong bits within. The first `sent` bytes without a wrong bit are the frame that was sent.
+    /// A piece begins at the start, or after a byte that the error turns into a zero, and ends
+    /// likewise; the bits that this takes are not available within the piece. The first `sent`
+    /// bytes without a wrong bit are the frame that was sent.
     fn first_undetected(&self, between: &[u8], sent: usize, wrong: usize) -> Option<Range<usize>> {
         let ones = |index: usize| between[index].count_ones() as usize;
         let length = between.len();
@@ -193,7 +198,8 @@ impl Errors {
         None
     }
 
-    /// Whether up to `wrong` wrong bits make the piece's CRC right; at least one, where it was `sent`.
+    /// Returns true if up to `wrong` wrong bits make the piece's CRC right; in a piece that was
+    /// `sent` at least one must be wrong.
     fn passes(&self, piece: &[u8], wrong: usize, sent: bool) -> bool {
         let Some((checked, crc)) = piece.split_last_chunk::<5>() else {
             return false;
@@ -201,12 +207,12 @@ impl Errors {
         let Some((length, encoded)) = checked.split_first_chunk::<2>() else {
             return false;
         };
-        // The length must be right, and is made so.
+        // The length must be right, so that its wrong bits are counted.
         let right = wire_from_length(encoded.len());
         let pairs = length.iter().zip(right);
         let amiss: u32 = pairs.map(|(is, right)| (is ^ right).count_ones()).sum();
         let checked = &[&right, encoded].concat()[..];
-        // Bit 7 of each byte is set; the last one has no bits beyond the 32.
+        // Bit 7 of each byte is set; the last byte has no bits beyond the 32.
         let amiss = amiss as usize
             + crc.iter().filter(|byte| **byte < 128).count()
             + (crc[4] & 0b0111_0000).count_ones() as usize;

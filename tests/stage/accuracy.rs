@@ -5,7 +5,8 @@ use fmc_camera::flight::stage::{MechanismLimits, POSITION_NM, Profile, RunUp};
 use crate::stage::exact::Motion;
 use crate::stage::support::{LIMITS, at_rest, stage, tracking, with_jerk};
 
-/// Largest difference in place, nm, between a profile and a motion, at times that single precision has.
+/// Returns the largest difference in place, nm, between a profile and a motion, at times that
+/// single precision has.
 fn difference_nm(profile: &Profile, motion: &Motion) -> f64 {
     (0..=20_000_u16)
         .map(|step| profile.duration_s() * f32::from(step) / 20_000.0)
@@ -13,7 +14,7 @@ fn difference_nm(profile: &Profile, motion: &Motion) -> f64 {
         .fold(0.0, f64::max)
 }
 
-/// Stages that need about a second for 4 mm, with the speed at which they do it.
+/// Returns stages that need about a second for 4 mm, with the speed at which they do it.
 fn slow_stages() -> Vec<(MechanismLimits, f64)> {
     let slow = |acceleration_mm_s2, jerk_mm_s3, max_speed_mm_s: Option<f32>| MechanismLimits {
         acceleration_mm_s2,
@@ -27,7 +28,7 @@ fn slow_stages() -> Vec<(MechanismLimits, f64)> {
         (slow(16.0, None, None), 8.0),
         (slow(1000.0, Some(128.0), None), (16.0 * 32.0_f64).cbrt()),
         (slow(24.0, Some(200.0), None), a(24.0 / 200.0)),
-        // At the largest speed for most of the way.
+        // These run at the largest speed for most of the way.
         (slow(50.0, None, Some(5.0)), 5.0),
         (slow(50.0, Some(700.0), Some(5.3)), 5.300_000_190_734_863),
         (

@@ -1,4 +1,5 @@
-//! The motion in double precision: the segments of a profile one after the other, and the plans from their equations.
+//! Motion in double precision: the segments of a profile one after the other, and the plans from
+//! their equations.
 
 use fmc_camera::flight::stage::{Profile, Segment, Setpoint};
 
@@ -11,7 +12,7 @@ pub(crate) struct State {
 }
 
 impl State {
-    /// Offset, speed and acceleration less those of a set point.
+    /// Returns offset, speed and acceleration less those of a set point.
     pub(crate) fn minus(self, setpoint: Setpoint) -> [f64; 3] {
         [
             self.offset - f64::from(setpoint.offset_mm),
@@ -42,7 +43,7 @@ impl From<Setpoint> for State {
     }
 }
 
-/// Where a segment ends.
+/// Returns the state at the end of a segment.
 pub(crate) fn end_of(segment: &Segment) -> State {
     State::from(segment.start).after(segment.duration_s.into(), segment.jerk_mm_s3.into())
 }
@@ -54,7 +55,7 @@ pub(crate) struct Motion {
 }
 
 impl Motion {
-    /// The segments of a profile, whatever it makes of them.
+    /// Returns the motion through the segments of a profile.
     pub(crate) fn of(profile: &Profile) -> Self {
         Self {
             start: profile.start().into(),
@@ -72,7 +73,8 @@ impl Motion {
         }
     }
 
-    /// From rest at a place: acceleration to a speed, some time at it, deceleration.
+    /// Returns the motion from rest at a place: acceleration to a speed, some time at it,
+    /// deceleration.
     pub(crate) fn rest_to_rest(
         from: f64,
         speed: f64,
@@ -111,7 +113,7 @@ impl Motion {
         self.segments.iter().map(|[duration, ..]| duration).sum()
     }
 
-    /// The state a time after the start.
+    /// Returns the state a time after the start.
     pub(crate) fn at(&self, time: f64) -> State {
         let mut state = self.start;
         let mut left = time.max(0.0);

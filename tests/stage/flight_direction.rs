@@ -30,7 +30,7 @@ fn camera(axis: FmcAxis, mechanism: Mechanism, regressor: Regressor) -> Camera {
         pm1: 5e-7,
         regressor,
     });
-    // Even in s: a stage reversed has the same run-out.
+    // The run-out is even in s, so that a reversed stage has the same.
     record.calibration.flatness.coefficients_um = [1.0, 0.0, 3.0, 0.0, 0.0];
     record.calibration.axis = axis;
     record.mechanism = mechanism;
@@ -116,7 +116,7 @@ fn direction_moves_the_principal_point_the_other_way() {
         direction: FlightDirection::Reverse,
         ..Exposure::new(0.17, 0.01)
     };
-    // From rest 17 mm/s: 0.1445 mm of ramp, 0.085 mm of settling, downwards.
+    // From rest to 17 mm/s: 0.1445 mm of ramp, 0.085 mm of settling, downwards.
     let plan = camera.plan(&reverse).unwrap();
     assert!((plan.opening_mm + 0.2295).abs() < 1e-6);
     assert!((plan.closing_mm + 0.3995).abs() < 1e-6);

@@ -24,16 +24,18 @@ fn stop_takes_as_long_as_jerk_and_acceleration_demand() {
         (LIMITS, moving(0.5, -20.0, 700.0), 0.02, 0.3),
         // 20/1000 + 1000/10⁵ s, half of it at 20 mm/s.
         (with_jerk(1e5), moving(0.0, 20.0, 0.0), 0.03, 0.3),
-        // Accelerating: 10 ms, 5 mm/s and 0.15 + 0.05 - 0.1/6 mm to end that; then as before.
+        // While accelerating: 10 ms, 5 mm/s and 0.15 + 0.05 - 0.1/6 mm to end that; then as before.
         (with_jerk(1e5), moving(0.0, 15.0, 1000.0), 0.04, 0.483_333_3),
-        // Already stopping: the acceleration only has to go back to 0, in 10 ms, over 0.05 - 0.05 + 0.1/6 mm.
+        // While stopping: the acceleration only has to go back to 0, in 10 ms, over 0.05 - 0.05 +
+        // 0.1/6 mm.
         (
             with_jerk(1e5),
             moving(0.0, 5.0, -1000.0),
             0.01,
             0.016_666_67,
         ),
-        // Stopping too hard: it turns round and stops from the other side, with p = √(2·10⁵) mm/s²: 14.47 and 4.47 ms.
+        // While stopping too hard: the stage turns round and stops from the other side, with p =
+        // √(2·10⁵) mm/s²: 14.47 and 4.47 ms.
         (
             with_jerk(1e5),
             moving(0.0, 3.0, -1000.0),
@@ -76,13 +78,13 @@ fn way_back_is_as_quick_as_the_limits_allow() {
 fn moving_stage_stops_before_it_returns() {
     let stage = stage(LIMITS);
     let back = stage.reposition(moving(0.5, 20.0, 0.0), -0.3).unwrap();
-    // 20 ms and 0.2 mm to stop; 1 mm back.
+    // The stage takes 20 ms and 0.2 mm to stop, then goes back by 1 mm.
     near(back.duration_s(), 0.02 + 0.063_245_55);
     near(back.setpoint(0.02).offset_mm, 0.7);
     let (least, most) = back.reach_mm();
     near(least, -0.3);
     near(most, 0.7);
-    // Overshoot within the stop counts.
+    // The reach includes overshoot within the stop.
     let turned = crate::stage::support::stage(with_jerk(1e5)).stop(moving(0.0, 3.0, -1000.0));
     let (least, most) = turned.reach_mm();
     near(least, -0.012_277_61);
@@ -107,7 +109,7 @@ fn way_back_stays_within_the_stroke_or_is_refused() {
         let refused = stage.reposition(from, to_mm);
         assert!(matches!(refused, Err(PlanError::Stroke(_))), "{from:?}");
     }
-    // From beyond the end it may return.
+    // A stage beyond the end may return.
     assert!(stage.reposition(at_rest(2.1), 0.0).is_ok());
     assert!(stage.reposition(moving(2.1, -1.0, 0.0), 0.0).is_ok());
 }

@@ -1,4 +1,4 @@
-//! What every profile keeps: the limits, and no step in place and speed.
+//! Limits that every profile keeps, and its continuity in place and speed.
 
 use fmc_camera::flight::stage::{MechanismLimits, PlanError, RunUp, Setpoint};
 use proptest::prelude::*;
@@ -9,7 +9,7 @@ fn any_run_up() -> impl Strategy<Value = RunUp> {
     prop_oneof![Just(RunUp::Centred), Just(RunUp::FromRest)]
 }
 
-/// The state in units of what the stage can do; beyond it too.
+/// Returns the state for numbers in units of the stage's limits; they may exceed 1.
 fn state(limits: &MechanismLimits, [offset, speed, acceleration]: [f32; 3]) -> Setpoint {
     Setpoint {
         offset_mm: offset * 0.5 * limits.stroke_mm,
@@ -72,7 +72,7 @@ proptest! {
                     let slack = 1e-6 * limits.stroke_mm;
                     prop_assert!(least - slack <= now.offset_mm && now.offset_mm <= most + slack);
                 }
-                // Standing, it is not faster than the stage may be.
+                // From standing, the stage does not exceed its largest speed.
                 if let (Some(most), Ok(way)) = (limits.max_speed_mm_s, stage.reposition(at_rest(from.offset_mm), to * half_mm)) {
                     for time_s in times(&way) {
                         prop_assert!(way.setpoint(time_s).speed_mm_s.abs() <= most * 1.000_001);
@@ -101,7 +101,7 @@ proptest! {
         for time_s in times(&stop) {
             prop_assert_eq!(stop.setpoint(time_s), mirrored(other.setpoint(time_s)));
         }
-        // Nothing is left of the speed, by the segments themselves.
+        // The changes of speed of the segments add up to the whole speed.
         let change: f64 = stop
             .segments()
             .iter()

@@ -1,4 +1,4 @@
-//! Where a travel begins, opens and ends, and when it is refused.
+//! Start, opening and end of travels, and their refusals.
 
 use fmc_camera::flight::stage::{
     MechanismLimits, PlanError, RunUp, Stage, StrokeTooShort, Tracking,
@@ -27,7 +27,7 @@ fn ramp_is_the_trapezoid_the_triangle_or_the_step_of_the_acceleration() {
     near(opening_mm(with_jerk(1e5), 20.0), 0.3);
     // 20 mm/s < 1000²/10⁴: 20√(20/10⁴).
     near(opening_mm(with_jerk(1e4), 20.0), 0.894_427_2);
-    // Where they meet, 10 mm/s: 10·10·2/1000/2.
+    // At 10 mm/s the two formulas agree: 10·10·2/1000/2.
     near(opening_mm(with_jerk(1e5), 10.0), 0.1);
 }
 
@@ -104,7 +104,7 @@ fn margin_keeps_the_speed_for_a_shutter_that_is_late() {
     let travel = stage(LIMITS).travel(-0.4, RunUp::Centred, late).unwrap();
     let now = travel.setpoint(travel.closing_s + 0.0039);
     near(now.speed_mm_s, 20.0);
-    // 20 mm/s for 4 ms.
+    // At 20 mm/s for 4 ms.
     near(travel.plan.stop_mm, 0.3 + 0.08);
     let plan = stage(LIMITS).plan(RunUp::Centred, late).unwrap();
     near(plan.stop_mm, travel.plan.stop_mm);
@@ -164,7 +164,7 @@ fn travel_that_cannot_be_made_is_refused_with_the_reason() {
     };
     near(from_mm, 1.5);
     near(to_mm, 2.2);
-    // The other way it fits.
+    // In the other direction it fits.
     assert!(stage.travel(1.5, RunUp::Centred, tracking(-20.0)).is_ok());
 }
 
@@ -224,7 +224,7 @@ fn numbers_that_are_none_are_refused() {
         };
         assert!(stage.travel(-0.5, RunUp::Centred, bad).is_err());
     }
-    // At this speed it would never get there.
+    // At this speed the stage would never arrive.
     let creeping = stage.travel(-1.0, RunUp::Centred, tracking(1e-39));
     assert!(
         matches!(creeping, Err(PlanError::Time { .. })),

@@ -1,9 +1,9 @@
-//! Stages to plan for.
+//! Stages for plans.
 
 use fmc_camera::flight::stage::{MechanismLimits, Profile, Setpoint, Stage, Tracking};
 use proptest::prelude::*;
 
-/// The stage of a camera file that names none.
+/// Limits of the stage of a camera file that gives none.
 pub(crate) const LIMITS: MechanismLimits = MechanismLimits {
     acceleration_mm_s2: 1000.0,
     jerk_mm_s3: None,
@@ -44,7 +44,7 @@ pub(crate) fn tracking(speed_mm_s: f32) -> Tracking {
     }
 }
 
-/// Any stage that could be built: with and without limit of jerk and speed.
+/// Returns any stage that could be built: with and without limit of jerk and speed.
 pub(crate) fn any_limits() -> impl Strategy<Value = MechanismLimits> {
     (
         1.0_f32..5.0,
@@ -64,7 +64,7 @@ pub(crate) fn any_limits() -> impl Strategy<Value = MechanismLimits> {
         )
 }
 
-/// The same motion the other way, bit by bit.
+/// Returns the same motion in the other direction, bit by bit.
 pub(crate) fn mirrored(setpoint: Setpoint) -> Setpoint {
     Setpoint {
         offset_mm: -setpoint.offset_mm,
@@ -73,14 +73,14 @@ pub(crate) fn mirrored(setpoint: Setpoint) -> Setpoint {
     }
 }
 
-/// Times over a profile, a little before and after it included.
+/// Returns times over a profile, some before and after it included.
 pub(crate) fn times(profile: &Profile) -> impl Iterator<Item = f32> + use<> {
     let duration_s = profile.duration_s();
     (-5_i16..=205).map(move |step| duration_s * f32::from(step) / 200.0)
 }
 
-/// The profile keeps the stage's limits, and has no step in place or speed, nor in acceleration where the jerk is
-/// limited.
+/// Checks that the profile keeps the stage's limits, and has no step in place or speed, nor in
+/// acceleration where the jerk is limited.
 pub(crate) fn check_profile(
     profile: &Profile,
     limits: &MechanismLimits,

@@ -29,12 +29,13 @@ struct Arguments {
     /// Points to a call
     #[arg(default_values_t = [1_000, 10_000, 100_000, 1_000_000, 10_000_000], value_parser = count)]
     sizes: Vec<usize>,
-    /// Time `host-sim correct` at the end of a pipe instead, built beside this program: text beside its parser alone, an
-    /// array beside a copy of the same bytes through a pipe; wall time and processor time. Rows come in hundred thousands
+    /// Time `host-sim correct` at the end of a pipe instead, built beside this program: text beside
+    /// its parser alone, an array beside a copy of the same bytes through a pipe; wall time and
+    /// processor time. Rows come in hundred thousands
     #[arg(long, value_name = "ROWS", value_parser = count, conflicts_with = "sizes")]
     stream: Option<usize>,
-    /// Call one contender so often with the first size and print nothing: the difference of two runs under an instruction
-    /// counter is its cost
+    /// Call one contender so often with the first size and print nothing: the difference of two
+    /// runs under an instruction counter is its cost
     #[arg(long, requires = "kernel")]
     calls: Option<u32>,
     /// The contender of `--calls`, by its name in the table

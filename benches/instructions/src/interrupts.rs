@@ -1,6 +1,6 @@
-//! Interrupts, from the instruction that requests one to the one after it. What the core itself
-//! does on entry and exit (12 cycles each on a Cortex-M4) is not an instruction, and the registers
-//! of the device are the board's.
+//! Interrupts, from the instruction that requests one to the one after it. The core's own work on
+//! entry and exit (12 cycles each on a Cortex-M4) consists of no instructions, and the registers of
+//! the device depend on the board.
 
 use core::sync::atomic::{AtomicBool, AtomicU32, Ordering};
 

@@ -1,7 +1,8 @@
 //! Counter of the instructions of the camera's work on an emulated Cortex-M.
 //!
-//! Under `-icount shift=0` an instruction takes one nanosecond of the emulated time, so that the system timer counts
-//! instructions, exactly and repeatably: 40 to a tick, 31.25 on the Cortex-M55. They are instructions, not cycles.
+//! Under `-icount shift=0` an instruction takes one nanosecond of the emulated time, so that the
+//! system timer counts instructions, exactly and repeatably: 40 to a tick, 31.25 on the Cortex-M55.
+//! They are instructions, not cycles.
 //!
 //! It prints a line `kernel,unit,repetitions,instructions` for each kernel over semihosting.
 

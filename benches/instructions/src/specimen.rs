@@ -59,7 +59,8 @@ pub(crate) fn strong() -> CameraParameters {
     CameraParameters::new(lens)
 }
 
-/// A sensor 104 mm wide and high with 0.5 mm of distortion per axis at the corner, of terms up to K3 that compete.
+/// A sensor 104 mm wide and high with 0.5 mm of distortion per axis at the corner, of terms up to
+/// K3 that compete.
 pub(crate) fn wide() -> CameraParameters {
     let mut lens = CalibrationParameters::new(100.0, [10_400, 10_400], 10.0);
     lens.distortion = Brown {

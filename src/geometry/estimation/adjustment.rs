@@ -10,35 +10,37 @@ use super::parameter::{PARAMETERS, Parameter};
 use super::triangle::{Triangle, at};
 use crate::geometry::range::OutOfRange;
 
-/// Points gathered in a factor of their own before they join the others: rounding grows with the
-/// square root of the rotations that a number goes through, and so goes through fewer of them.
+/// Number of points that are gathered in a separate factor before they join the others. Rounding
+/// grows with the square root of the number of rotations that an element goes through; in blocks
+/// each element goes through fewer of them.
 pub(crate) const BLOCK_POINTS: u32 = 64;
 
-/// Points without which there is no adjustment.
+/// Fewest points from which coefficients are adjusted.
 pub const MIN_POINTS: u32 = 3;
 
 /// Points are on a line where the root mean square of their distances from it is less than this
 /// fraction of the format radius.
 pub const MIN_SPREAD: f32 = 1e-3;
 
-/// What `K_d1` and `P_m1` are regressed on is zero where it never exceeds this, mm: what it
-/// explains is then less than a nanometre.
+/// Largest regressor of `K_d1` and `P_m1` that counts as zero, mm: it explains less than a
+/// nanometre.
 pub const MIN_REGRESSOR_MM: f32 = 1e-5;
 
 /// Least squares of the five coefficients over any number of observations, which are not kept.
 ///
 /// # Model
-/// Yuan et al. 2012, eqs. 22 and 24-28 as amended in `docs/conventions.md`: what is observed is the
-/// total distortion, `K_m0` to `K_m2` replace K0 to K2, and K3, P, B of the static calibration
-/// stay. Coordinates are divided by the format radius; the unknowns are corrections to the static
-/// calibration with `K_d1` = `P_m1` = 0. The triangular factor is updated by Givens rotations, the
-/// normal matrix is never formed: the condition number is about 25 over a grid of exposures, and
-/// not its square, nor the 10⁶ and more of powers of mm.
+/// Yuan et al. 2012, eqs. 22 and 24-28 as amended in section 13 of `docs/conventions.md`: the
+/// observations are the total distortion, `K_m0` to `K_m2` replace K0 to K2, and K3, P, B of the
+/// static calibration stay. Coordinates are divided by the format radius; the unknowns are
+/// corrections to the static calibration with `K_d1` = `P_m1` = 0. The triangular factor is updated
+/// by Givens rotations and the normal matrix is never formed: the condition number is about 25 over
+/// a grid of exposures, where the normal matrix would have its square, and powers of mm 10⁶ and
+/// more.
 ///
 /// # Accuracy
 /// Noise-free observations of the model give its coefficients back to 10⁻⁴ in single and 10⁻⁹ in
-/// double precision (`tests/estimation/noise_free.rs`). Precision of the observations: one standard
-/// deviation covers the truth as often as it should (`tests/estimation/coverage.rs`).
+/// double precision (`tests/estimation/noise_free.rs`). One standard deviation of a coefficient
+/// covers the truth as often as it should (`tests/estimation/coverage.rs`).
 ///
 /// # Examples
 /// ```
@@ -70,14 +72,14 @@ pub struct Adjustment<T: Number> {
     options: FitOptions,
     total: Triangle<T, COLUMNS>,
     block: Triangle<T, COLUMNS>,
-    /// Of the rows (1, x, y): how the points are spread.
+    /// Factor of the rows (1, x, y), which holds the spread of the points.
     places: Triangle<T, 3>,
     points: u32,
     largest_regressor: T,
 }
 
 impl<T: Number> Adjustment<T> {
-    /// An adjustment without observations.
+    /// Returns an adjustment without observations.
     #[must_use]
     pub fn new(lens: KnownLens<T>, options: FitOptions) -> Self {
         Self {
@@ -103,7 +105,8 @@ impl<T: Number> Adjustment<T> {
     /// As in [`Observation`]; weight 1/σ².
     ///
     /// # Errors
-    /// [`OutOfRange`] for a number that is not believable; the adjustment is then unchanged.
+    /// [`OutOfRange`] for a number that is not finite or outside its range; the adjustment is then
+    /// unchanged.
     pub fn observe(&mut self, observation: Observation<T>) -> Result<(), OutOfRange> {
         let observation = observation.checked(&self.lens)?;
         for row in observation.rows(&self.lens) {
@@ -127,10 +130,11 @@ impl<T: Number> Adjustment<T> {
         Ok(())
     }
 
-    /// The coefficients of all observations so far.
+    /// Solves for the coefficients from all observations so far.
     ///
     /// # Errors
-    /// [`FitError`] where the observations do not determine them, naming what cannot be separated.
+    /// [`FitError`] if the observations do not determine them; it names the parameters that cannot
+    /// be separated.
     pub fn fit(&self) -> Result<Fit<T>, FitError> {
         self.check_places()?;
         let mut factor = self.total;
@@ -146,12 +150,13 @@ impl<T: Number> Adjustment<T> {
                 needed,
             });
         }
-        // What is held but not believed must be separable too.
+        // A decentring that is held without being known must be separable from the others, too.
         Design::of(&factor, self.options.tied, !believes).check()?;
         Ok(self.solved(&design))
     }
 
-    /// Points enough, not on a line, and moving.
+    /// Checks that there are enough points, that they are not on a line and that the principal
+    /// point moves.
     fn check_places(&self) -> Result<(), FitError> {
         if self.points < MIN_POINTS {
             return Err(FitError::TooFew {
@@ -173,8 +178,8 @@ impl<T: Number> Adjustment<T> {
         Ok(())
     }
 
-    /// Root mean square of the points' distances from the line that fits them best, in format
-    /// radii: the smaller singular value of their centred coordinates.
+    /// Returns the root mean square of the points' distances from the line that fits them best, in
+    /// format radii: the smaller singular value of their centred coordinates.
     fn distance_from_line(&self) -> T {
         let (a, b, c) = (
             self.places.at(1, 1),

@@ -6,9 +6,9 @@ use super::parameter::{PARAMETERS, Parameter};
 use super::separability::Separability;
 use super::triangle::Triangle;
 
-/// Parameters are inseparable where a combination of them (of unit length) changes the observations
-/// by less than this fraction of what each alone does. Rounding in single precision is less than a
-/// tenth of it.
+/// Smallest separation of parameters. Parameters are inseparable where a combination of them (of
+/// unit length) changes the observations by less than this fraction of the change that each causes
+/// alone. Rounding in single precision is less than a tenth of it.
 pub const MIN_SEPARATION: f32 = 1e-3;
 
 /// Columns of a factor: parameters and right-hand side.
@@ -18,12 +18,12 @@ pub(super) const COLUMNS: usize = PARAMETERS + 1;
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Design<T: Number> {
     pub(super) factor: Triangle<T, COLUMNS>,
-    /// u, and the column of the right-hand side.
+    /// u, which is also the column of the right-hand side.
     pub(super) size: usize,
     pub(super) tied: bool,
 }
 
-/// The parameters that a column of a design stands for, the main one first.
+/// Returns the parameters that a column of a design stands for, the main one first.
 const fn parameters_of(column: usize, tied: bool) -> [Option<Parameter>; 2] {
     match (column, tied) {
         (0, _) => [Some(Parameter::Km0), None],
@@ -37,7 +37,7 @@ const fn parameters_of(column: usize, tied: bool) -> [Option<Parameter>; 2] {
     }
 }
 
-/// Whether a column of a design stands for a parameter.
+/// Returns true if a column of a design stands for a parameter.
 pub(super) fn stands_for(column: usize, tied: bool, parameter: Parameter) -> bool {
     parameters_of(column, tied).contains(&Some(parameter))
 }
@@ -79,7 +79,7 @@ impl<T: Number> Design<T> {
         separability.most / separability.least
     }
 
-    /// Whether the columns can be told apart.
+    /// Checks that the columns can be told apart.
     pub(super) fn check(&self) -> Result<(), FitError> {
         let separability = Separability::of(&self.factor, self.size);
         let name = |column| {
@@ -94,7 +94,8 @@ impl<T: Number> Design<T> {
         if separability.least >= T::of(MIN_SEPARATION) {
             return Ok(());
         }
-        // The two with the largest share, and a third whose share is of their order.
+        // The error names the two parameters with the largest share, and a third whose share is of
+        // their order.
         let mut shares = separability.direction.map(Number::abs);
         let mut take_largest = || {
             let mut largest = (0, T::ZERO);

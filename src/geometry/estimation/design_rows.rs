@@ -1,4 +1,4 @@
-//! Rows of the design: what one observation says of the unknowns.
+//! Rows of the design: the equations of one observation in the unknowns.
 
 use super::known_lens::KnownLens;
 use super::number::Number;
@@ -10,10 +10,10 @@ use crate::geometry::range::{OutOfRange, Quantity};
 pub(super) type Rows<T> = [[T; 7]; 2];
 
 impl<T: Number> Observation<T> {
-    /// The observation, if every number of it is believable.
+    /// Returns the observation if every number of it is finite and in range.
     ///
     /// # Errors
-    /// [`OutOfRange`] naming the first that is not, in the unit of its name.
+    /// [`OutOfRange`], which names the first that is not, in the unit of its name.
     pub fn checked(self, lens: &KnownLens<T>) -> Result<Self, OutOfRange> {
         let farthest_mm = 2.0 * lens.radius_mm.single();
         Quantity::XMm.check_within(self.x_mm.single(), -farthest_mm, farthest_mm)?;
@@ -25,7 +25,7 @@ impl<T: Number> Observation<T> {
         Ok(self)
     }
 
-    /// The rows of the design.
+    /// Returns the rows of the design.
     ///
     /// # Model
     /// Yuan et al. 2012, eq. 25 with its y rows mended, in coordinates divided by the format radius
@@ -34,7 +34,8 @@ impl<T: Number> Observation<T> {
     /// `along:  a, aq, aq², d·a², d·q, q + 2a²  | l`,
     /// `across: b, bq, bq², d·ab, 0,   2ab      | l`,
     ///
-    /// l being what the static calibration does not explain, so that the unknowns are corrections.
+    /// l is the part that the static calibration does not explain, so that the unknowns are
+    /// corrections.
     #[expect(
         clippy::many_single_char_names,
         reason = "symbols of the equation above"

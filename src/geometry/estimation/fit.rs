@@ -1,4 +1,4 @@
-//! The result of an adjustment, and why there is none.
+//! Result of an adjustment, and the errors it may end with.
 
 use core::fmt;
 
@@ -7,11 +7,11 @@ use super::options::FitOptions;
 use super::parameter::{PARAMETERS, Parameter};
 use crate::geometry::five_coefficient::FiveCoefficients;
 
-/// Coefficients in powers of mm, with what the observations say about their precision.
+/// Adjusted coefficients in powers of mm, with their precision as the observations give it.
 #[derive(Debug, Clone, Copy, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct Fit<T> {
-    /// What was asked for.
+    /// Options of the adjustment.
     pub options: FitOptions,
     /// n: points observed, two observations each.
     pub points: u32,
@@ -24,8 +24,8 @@ pub struct Fit<T> {
     pub standard_deviations: [T; PARAMETERS],
     /// Their correlations; zero with one that is held.
     pub correlations: [[T; PARAMETERS]; PARAMETERS],
-    /// σ0 = √(ΣPvv/(2n - u)): by how much the residuals exceed the standard deviations given with
-    /// the observations.
+    /// σ0 = √(ΣPvv/(2n - u)): ratio of the residuals to the standard deviations given with the
+    /// observations.
     pub sigma0: T,
     /// √(ΣPvv/(n - u)) as printed in Yuan et al. 2012, eq. 28, for comparison: it counts n where
     /// there are 2n observations. None for n ≤ u.
@@ -69,7 +69,7 @@ impl<T: Number> Fit<T> {
         (2 * self.points).saturating_sub(self.unknowns)
     }
 
-    /// The five coefficients, as the correction takes them.
+    /// Returns the five coefficients as the correction takes them.
     #[must_use]
     pub fn coefficients(&self) -> FiveCoefficients {
         let single = |parameter| self.value(parameter).single();
@@ -105,24 +105,24 @@ pub enum FitError {
         /// Root mean square of their distances from it, mm.
         spread_mm: f32,
     },
-    /// The regressor is zero in every exposure, as c̄ is with a centred run-up: `K_d1` and `P_m1` do
-    /// not exist.
+    /// The regressor is zero in every exposure, as c̄ is with a centred run-up: nothing determines
+    /// `K_d1` and `P_m1`.
     NoMotion {
         /// Its largest absolute value, mm.
         largest_mm: f32,
     },
     /// No observation depends on a parameter.
     Unobserved {
-        /// Which.
+        /// The parameter.
         parameter: Parameter,
     },
     /// Parameters change the observations in the same way.
     Inseparable {
-        /// One.
+        /// First of them.
         first: Parameter,
-        /// The other.
+        /// Second of them.
         second: Parameter,
-        /// A third, where only the three together do.
+        /// A third, if only the three together do.
         third: Option<Parameter>,
     },
 }

@@ -1,4 +1,4 @@
-//! What an adjustment takes as given.
+//! The static calibration, which an adjustment takes as given.
 
 use super::number::Number;
 use super::parameter::PARAMETERS;
@@ -7,8 +7,8 @@ use crate::geometry::sensor::FmcAxis;
 
 /// The static calibration from which the corrections of an adjustment are counted.
 ///
-/// K0 to K2 are starting values alone: the fitted coefficients replace them. K3, P and B stay, and
-/// their displacement is no part of what is fitted.
+/// K0 to K2 are only starting values: the fitted coefficients replace them. K3, P and B stay, and
+/// their displacement is subtracted before the fit.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct KnownLens<T> {
     /// Calibrated principal point (x0, y0), mm.
@@ -46,7 +46,7 @@ impl KnownLens<f32> {
 }
 
 impl<T: Number> KnownLens<T> {
-    /// The static displacement at a point from the principal point, mm.
+    /// Returns the static displacement at a point relative to the principal point, mm.
     pub(super) fn displacement(&self, [x, y]: [T; 2]) -> [T; 2] {
         let [k0, k1, k2, k3] = self.k;
         let [p1, p2] = self.p;
@@ -61,7 +61,7 @@ impl<T: Number> KnownLens<T> {
         ]
     }
 
-    /// The values of the parameters from which corrections are counted.
+    /// Returns the values of the parameters from which corrections are counted.
     pub(super) fn starting_values(&self) -> [T; PARAMETERS] {
         let [k0, k1, k2, _] = self.k;
         let [p1, p2] = self.p;
@@ -69,7 +69,7 @@ impl<T: Number> KnownLens<T> {
         [k0, k1, k2, T::ZERO, T::ZERO, decentring]
     }
 
-    /// What a correction in normalised coordinates is divided by to become one in powers of mm.
+    /// Returns the divisors that turn corrections in normalised coordinates into powers of mm.
     pub(super) fn scales(&self) -> [T; PARAMETERS] {
         let radius = self.radius_mm;
         let r2 = radius * radius;

@@ -1,4 +1,4 @@
-//! Single and double precision.
+//! Single and double precision behind one trait.
 
 use core::fmt::Debug;
 use core::ops::{Add, Div, Mul, Neg, Sub};
@@ -29,13 +29,13 @@ pub trait Number:
     /// 1.
     const ONE: Self;
 
-    /// The number `value`, exactly.
+    /// Converts `value`, exactly.
     fn of(value: f32) -> Self;
 
-    /// The whole number `count`, rounded to this precision.
+    /// Converts the whole number `count`, rounded to this precision.
     fn of_count(count: u32) -> Self;
 
-    /// This number in single precision.
+    /// Converts this number to single precision.
     fn single(self) -> f32;
 
     /// The square root.

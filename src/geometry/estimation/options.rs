@@ -1,9 +1,9 @@
-//! What is estimated, and on what it is regressed.
+//! Options of an adjustment: the unknowns to estimate, and their regressor.
 
 use crate::geometry::five_coefficient::Regressor;
 
-/// What becomes of the static decentring along the FMC axis, whose displacement differs from that
-/// of `K_d1` and `P_m1` in one thing alone: it does not change from exposure to exposure.
+/// Treatment of the static decentring along the FMC axis. Its displacement differs from that of
+/// `K_d1` and `P_m1` only in that it is the same in every exposure.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
@@ -13,7 +13,7 @@ pub enum StaticDecentring {
     Hold,
     /// Estimated beside the five coefficients.
     Estimate,
-    /// Held and believed without error. One exposure suffices; an error of the value passes into
+    /// Held and taken to be free of error. One exposure suffices; an error of the value passes into
     /// `K_d1` and `P_m1`.
     Known,
 }
@@ -23,10 +23,10 @@ pub enum StaticDecentring {
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct FitOptions {
-    /// What `K_d1` and `P_m1` are multiplied by.
+    /// Regressor of `K_d1` and `P_m1`.
     pub regressor: Regressor,
-    /// Whether `K_d1` = 2`P_m1` is imposed: what a distortion of K1 alone demands.
+    /// `true` to impose `K_d1` = 2`P_m1`, which holds for a distortion of K1 alone.
     pub tied: bool,
-    /// The static decentring along the FMC axis.
+    /// Treatment of the static decentring along the FMC axis.
     pub decentring: StaticDecentring,
 }

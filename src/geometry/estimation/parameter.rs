@@ -21,11 +21,11 @@ pub enum Parameter {
     Decentring,
 }
 
-/// How many unknowns there can be.
+/// Largest number of unknowns.
 pub const PARAMETERS: usize = 6;
 
 impl Parameter {
-    /// All, in the order of the columns.
+    /// All parameters, in the order of the columns.
     pub const ALL: [Self; PARAMETERS] = [
         Self::Km0,
         Self::Km1,
@@ -35,7 +35,7 @@ impl Parameter {
         Self::Decentring,
     ];
 
-    /// Its place in [`Self::ALL`].
+    /// Returns its place in [`Self::ALL`].
     #[must_use]
     pub const fn index(self) -> usize {
         match self {
@@ -48,7 +48,7 @@ impl Parameter {
         }
     }
 
-    /// The symbol in messages.
+    /// Returns the symbol for messages.
     #[must_use]
     pub const fn symbol(self) -> &'static str {
         match self {

@@ -1,4 +1,4 @@
-//! Which unknowns a design can tell apart.
+//! Separability: the parameters that a design can tell apart.
 
 use nalgebra::SMatrix;
 
@@ -23,8 +23,8 @@ pub(super) struct Separability<T> {
 }
 
 impl<T: Number> Separability<T> {
-    /// Of the first `size` columns of a factor, by one-sided Jacobi rotations (Golub and Van Loan,
-    /// Matrix Computations, 4th ed., section 8.6.3): RV = UΣ.
+    /// Computes it for the first `size` columns of a factor by one-sided Jacobi rotations (Golub
+    /// and Van Loan, Matrix Computations, 4th ed., section 8.6.3): RV = UΣ.
     pub(super) fn of<const N: usize>(triangle: &Triangle<T, N>, size: usize) -> Self {
         let size = size.min(PARAMETERS);
         let mut columns: SMatrix<T, PARAMETERS, PARAMETERS> = zeros();
@@ -88,7 +88,8 @@ fn product<T: Number, const N: usize>(
     })
 }
 
-/// Cosine and sine of the rotation that makes two columns orthogonal; none where they are.
+/// Returns cosine and sine of the rotation that makes two columns orthogonal, or `None` if they are
+/// orthogonal.
 fn orthogonalising<T: Number, const N: usize>(
     columns: &SMatrix<T, N, N>,
     first: usize,

@@ -9,7 +9,7 @@ pub(super) fn zeros<T: Number, const N: usize>() -> SMatrix<T, N, N> {
     SMatrix::from_array_storage(ArrayStorage([[T::ZERO; N]; N]))
 }
 
-/// An element; nothing can be out of range where it is called, and a zero is no panic.
+/// Returns an element, or zero for an index out of range, which no caller gives: without a panic.
 pub(super) fn at<T: Number, const N: usize>(
     matrix: &SMatrix<T, N, N>,
     row: usize,
@@ -40,7 +40,7 @@ pub(super) struct Triangle<T: Number, const N: usize> {
 }
 
 impl<T: Number, const N: usize> Triangle<T, N> {
-    /// Of no rows.
+    /// Returns the factor of no rows.
     pub(super) fn empty() -> Self {
         Self { r: zeros() }
     }
@@ -57,7 +57,7 @@ impl<T: Number, const N: usize> Triangle<T, N> {
             let top = self.at(pivot, pivot);
             let low = row.get(pivot).copied().unwrap_or(T::ZERO);
             let length = (top * top + low * low).sqrt();
-            // Without a length there is nothing to rotate.
+            // A column without length needs no rotation.
             if length > T::ZERO {
                 let (cos, sin) = (top / length, low / length);
                 for (column, low) in row.iter_mut().enumerate().skip(pivot) {
@@ -76,7 +76,7 @@ impl<T: Number, const N: usize> Triangle<T, N> {
         }
     }
 
-    /// A row, with its zeros.
+    /// Returns a row, including its zeros.
     pub(super) fn row(&self, row: usize) -> [T; N] {
         let mut elements = [T::ZERO; N];
         for (column, element) in elements.iter_mut().enumerate() {
@@ -85,7 +85,8 @@ impl<T: Number, const N: usize> Triangle<T, N> {
         elements
     }
 
-    /// R⁻¹ of the first `size` columns; zero beyond. The diagonal must not hold zeros.
+    /// Returns R⁻¹ of the first `size` columns, and zeros beyond them. The diagonal must not hold
+    /// zeros.
     pub(super) fn inverse(&self, size: usize) -> SMatrix<T, N, N> {
         let mut inverse = zeros();
         for column in 0..size.min(N) {

@@ -1,7 +1,7 @@
 use super::*;
 use proptest::prelude::*;
 
-/// f = 100 mm, 80.64 mm square.
+/// Returns the view of a camera of f = 100 mm, 80.64 mm square.
 fn view(axis: FmcAxis) -> View {
     View {
         sensor: Sensor::new(9216, 9216, 8.75).unwrap(),
@@ -11,7 +11,7 @@ fn view(axis: FmcAxis) -> View {
     }
 }
 
-/// V/H 0.1, compensated for 0.1.
+/// Returns a flight at V/H 0.1, compensated for 0.1.
 fn compensated() -> FlightState {
     FlightState {
         motion: GroundMotion {
@@ -31,8 +31,8 @@ fn with(change: impl Fn(&mut FlightState)) -> ImageMotion {
 
 const EXPOSURE_S: f32 = 1.0 / 300.0;
 
-/// Each residual alone, the largest length over the sensor, from the formulas worked by hand:
-/// all lie in corners, (±40.32, ±40.32) mm, δ = 33.33 µm.
+/// Compares each residual alone, the largest length over the sensor, with the formulas worked by
+/// hand: all lie in corners, (±40.32, ±40.32) mm, δ = 33.33 µm.
 #[test]
 fn residuals_of_a_square_camera_are_those_worked_by_hand() {
     let cases: [(&str, f32, ImageMotion); 8] = [
@@ -109,11 +109,11 @@ fn largest_on_the_grid_is_that_of_all_lengths() {
 #[test]
 fn signs_of_attitude_are_those_of_the_documents() {
     let at = |x_mm, y_mm| SensorPoint::new(x_mm, y_mm);
-    // Tilted forward, what lies ahead is farther away and slower.
+    // Tilted forward, the ground ahead is farther away and its image slower.
     let pitch = with(|f| f.attitude.pitch_deg = 2.0);
     assert!(pitch.velocity(at(0.0, 40.0)).y_mm_s > -10.0);
     assert!(pitch.velocity(at(0.0, -40.0)).y_mm_s < -10.0);
-    // Rolled towards -x, what lies there is farther away and slower.
+    // Rolled towards -x, the ground there is farther away and its image slower.
     let roll = with(|f| f.attitude.roll_deg = 2.0);
     assert!(roll.velocity(at(-40.0, 0.0)).y_mm_s > -10.0);
     assert!(roll.velocity(at(40.0, 0.0)).y_mm_s < -10.0);
@@ -198,8 +198,8 @@ fn horizon_on_the_sensor_is_refused() {
 }
 
 proptest! {
-    /// On a fine grid of points no smear exceeds the bound, and the largest one found on the
-    /// coarse grid is at most the bound.
+    /// Checks on a fine grid of points that no smear exceeds the bound, and that the largest one
+    /// found on the coarse grid is at most the bound.
     #[test]
     fn bound_holds_over_the_whole_sensor(
         angles in prop::array::uniform3(-5.0_f32..5.0),

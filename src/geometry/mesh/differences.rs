@@ -1,12 +1,12 @@
-//! A polynomial at equidistant points, by forward differences.
+//! Forward differences: a polynomial at equidistant points.
 
-/// Value and forward differences of a polynomial of N coefficients at a point: N - 1 additions lead to
-/// the next point.
+/// Value and forward differences of a polynomial of N coefficients at a point: N - 1 additions lead
+/// to the next point.
 ///
 /// # Model
-/// With the nodes `xₖ = x + k·h`, Newton's form of the polynomial is `Σ fₖ·(X - x₀)…(X - xₖ₋₁)`, and the differences are
-/// `Δᵏ = k!·hᵏ·fₖ`. They are computed so, not as differences of values: each has the relative accuracy of the
-/// coefficients.
+/// With the nodes `xₖ = x + k·h`, Newton's form of the polynomial is `Σ fₖ·(X - x₀)…(X - xₖ₋₁)`,
+/// and the differences are `Δᵏ = k!·hᵏ·fₖ`. They are computed from it, not as differences of
+/// values, so that each has the relative accuracy of the coefficients.
 ///
 /// # Accuracy
 /// See [`super::displacement_rows`].
@@ -14,7 +14,7 @@
 pub(super) struct Differences<const N: usize>([f32; N]);
 
 impl<const N: usize> Differences<N> {
-    /// At the first node of Newton's form.
+    /// Returns the differences at the first node of Newton's form.
     #[inline]
     pub(super) fn of_newton_form(mut newton_form: [f32; N], stride: &Stride) -> Self {
         for (difference, scale) in newton_form.iter_mut().zip(stride.scales) {
@@ -23,7 +23,7 @@ impl<const N: usize> Differences<N> {
         Self(newton_form)
     }
 
-    /// The value here; afterwards the differences are those of the next point.
+    /// Returns the value here and moves the differences to the next point.
     #[inline]
     pub(super) fn take(&mut self) -> f32 {
         let mut value = 0.0;
@@ -39,7 +39,7 @@ impl<const N: usize> Differences<N> {
     }
 }
 
-/// From point to point.
+/// Step from point to point, with the factors that it brings into the differences.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) struct Stride {
     step: f32,
@@ -60,12 +60,12 @@ impl Stride {
         Self { step, scales }
     }
 
-    /// From one point to the next.
+    /// Returns the distance from one point to the next, mm.
     pub(super) const fn step(&self) -> f32 {
         self.step
     }
 
-    /// Eight points from `x` on.
+    /// Returns eight nodes from `x` on.
     #[inline]
     pub(super) fn nodes(&self, x: f32) -> [f32; 8] {
         let mut node = x;
@@ -77,8 +77,8 @@ impl Stride {
     }
 }
 
-/// The coefficients fₖ of Newton's form, by repeated synthetic division by `(X - x₀)`, `(X - x₁)`, …; a polynomial's
-/// coefficients, lowest power first, come in.
+/// Returns the coefficients fₖ of Newton's form, by repeated synthetic division by `(X - x₀)`,
+/// `(X - x₁)`, …, from a polynomial's coefficients, lowest power first.
 #[inline]
 pub(super) fn newton_form<const N: usize>(
     mut coefficients: [f32; N],
@@ -98,7 +98,8 @@ pub(super) fn newton_form<const N: usize>(
     coefficients
 }
 
-/// Newton's form, of M = N + 1 coefficients, of X times a polynomial given in Newton's form: `xₖ·fₖ + fₖ₋₁`.
+/// Returns Newton's form, of M = N + 1 coefficients, of X times a polynomial given in Newton's
+/// form: `xₖ·fₖ + fₖ₋₁`.
 #[inline]
 pub(super) fn times_x<const N: usize, const M: usize>(
     newton_form: [f32; N],
@@ -120,7 +121,8 @@ pub(super) fn times_x<const N: usize, const M: usize>(
     product
 }
 
-/// A coefficient that no term has: the zero whose addition changes no number, so that none is compiled.
+/// Coefficient of an absent term: the zero whose addition changes no number, so that no addition is
+/// compiled.
 pub(super) const ABSENT: f32 = -0.0;
 
 #[cfg(test)]

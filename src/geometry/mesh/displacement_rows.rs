@@ -1,4 +1,4 @@
-//! The distortion along rows of the measured image, by differences.
+//! Distortion along rows of the measured image, by differences.
 
 use core::num::NonZero;
 
@@ -9,7 +9,7 @@ use crate::geometry::evaluation_form::{Displacement, EvaluationForm};
 use crate::geometry::frame_correction::FrameCorrection;
 use crate::geometry::sensor::SensorPoint;
 
-/// Points from one analytic start of the differences to the next.
+/// Number of points from one analytic start of the differences to the next.
 pub const RESTART_INTERVAL: NonZero<u16> = points(64);
 
 /// The intervals tried, the longest first.
@@ -31,52 +31,62 @@ const fn points(count: u16) -> NonZero<u16> {
     }
 }
 
-/// What the rounding of a row may come to, nm per axis: where [`RESTART_INTERVAL`] would exceed it, the
+/// Largest rounding error of a row, nm per axis: where [`RESTART_INTERVAL`] would exceed it, the
 /// differences start more often.
 pub const ROW_ROUNDING_NM: f32 = 4.0;
 
-/// The distortion along rows with one step, for one frame: prepared once, then row by row.
+/// Distortion along rows with one step, for one frame: prepared once, then computed row by row.
 ///
 /// # Model
-/// Along a row the distortion is a polynomial in X, of degree 5 for Dx and 4 for Dy where K3 = 0, of degree 7 and 6
-/// otherwise, whatever other terms the form has. Forward differences lead from point to point with 9 additions, 13
-/// with K3; every [`Self::restart_interval`] points they start anew from the coefficients. They lead away from the centre,
-/// to the right of it and to the left. All terms of the form are evaluated, those too that
+/// Along a row the distortion is a polynomial in X, of degree 5 for Dx and 4 for Dy where K3 = 0,
+/// of degree 7 and 6 otherwise, whatever other terms the form has. Forward differences lead from
+/// point to point with 9 additions, 13 with K3; every [`Self::restart_interval`] points they start
+/// anew from the coefficients. They lead away from the centre, to the right of it and to the left.
+/// All terms of the form are evaluated, also those that
 /// [`Terms::Short`](crate::geometry::frame_correction::Terms::Short) drops.
 ///
 /// # Units and frames
 /// Sensor frame, mm: points `first + index·step` of the measured image; measured - ideal.
 ///
 /// # Accuracy
-/// [`Self::rounding_bound_nm`] is for all rows of the sensor. With u = 2⁻²⁴, the reach ρ of X about the centre, `a_m` the
-/// coefficients of a row, `Â(X) = Σ|a_m|Xᵐ` at the largest |Y|, `Ẑ(X) = Σ m|a_m|Xᵐ`, and n additions between two starts
-/// (or from the centre to the edge), L = n·step:
+/// [`Self::rounding_bound_nm`] holds for all rows of the sensor. With u = 2⁻²⁴, the reach ρ of X
+/// about the centre, `a_m` the coefficients of a row, `Â(X) = Σ|a_m|Xᵐ` at the largest |Y|,
+/// `Ẑ(X) = Σ m|a_m|Xᵐ`, and n additions between two starts (or from the centre to the edge), L =
+/// n·step:
 ///
 /// `error ≤ u·[ n·(w + Â(ρ) - M) + Â(ρ) + 2Ẑ(ρ) + 2(Ẑ(ρ) - Ẑ(ρ - L)) + 4ρ·D' + F̂ ]`:
 ///
-/// - Additions. At point i difference k is rounded by at most `u·|Δᵏᵢ|`, of which `C(n - i, k)` times as much is in the
-///   value at n. Away from the centre `|Δᵏᵢ| ≤ Δᵏ` of Â at |Xᵢ|, and by Newton's formula `Σₖ C(n - i, k)·Δᵏ` is `Â(Xₙ)`, of
-///   which the value itself, k = 0, is `Â(Xᵢ)`. So the differences bring the sum of `Â(Xₙ) - Â(Xᵢ)`, and M bounds the mean
-///   of Â over the last n points from below: Â is convex, `M = (Â(ρ - (n-1)·step/4) + Â(ρ - 3(n-1)·step/4))/2`. Towards the
-///   centre it would be `Â(ρ + L)` instead of `Â(ρ)`: several times as much where spacing is wide.
-/// - Additions to the value: half a unit in its last place, w·u with w the power of two within the largest distortion; for
-///   Dx also at most the mean of |X| times the largest G, and what is beside it.
-/// - The start, `f₀` to `f_m`: through synthetic division, X·G included, `a_m` comes to `fₖ` over 2m - k + 1 roundings:
-///   Â + 2Ẑ. From `fₖ` to `Δᵏ`, k ≥ 1, there is one more, those of `k!·stepᵏ` (0, 1, 3, 4, 6, 8, 10) and k for each of m - k
-///   nodes: less k at most 2m for every m up to 7, and as the `Δᵏ` from k = 1 on are worth `Â(Xₙ) - Â(X₀)`, 2(Ẑ(ρ) - Ẑ(ρ - L)).
-/// - The place of the start: four roundings of ρ, times D', the largest slope of the distortion along the row.
+/// - Additions. At point i difference k is rounded by at most `u·|Δᵏᵢ|`, of which `C(n - i, k)`
+///   times as much reaches the value at n. Away from the centre `|Δᵏᵢ| ≤ Δᵏ` of Â at |Xᵢ|, and by
+///   Newton's formula `Σₖ C(n - i, k)·Δᵏ` is `Â(Xₙ)`, of which the value itself, k = 0, is `Â(Xᵢ)`.
+///   So the differences contribute the sum of `Â(Xₙ) - Â(Xᵢ)`, and M bounds the mean of Â over the
+///   last n points from below: Â is convex, `M = (Â(ρ - (n-1)·step/4) + Â(ρ - 3(n-1)·step/4))/2`.
+///   Towards the centre it would be `Â(ρ + L)` instead of `Â(ρ)`: several times as much where
+///   spacing is wide.
+/// - Additions to the value: half a unit in its last place, w·u with w the power of two within the
+///   largest distortion; for Dx also at most the mean of |X| times the largest G, plus the terms
+///   beside X·G.
+/// - The start, `f₀` to `f_m`: through synthetic division, X·G included, `a_m` passes into `fₖ`
+///   over 2m - k + 1 roundings: Â + 2Ẑ. From `fₖ` to `Δᵏ`, k ≥ 1, there are one more, those of
+///   `k!·stepᵏ` (0, 1, 3, 4, 6, 8, 10) and k for each of m - k nodes: less k at most 2m for every m
+///   up to 7, and as the `Δᵏ` from k = 1 on amount to `Â(Xₙ) - Â(X₀)`, 2(Ẑ(ρ) - Ẑ(ρ - L)).
+/// - The position of the start: four roundings of ρ, times D', the largest slope of the distortion
+///   along the row.
 /// - F̂: the roundings in the fold of the form into `a_m`, counted coefficient by coefficient.
 ///
-/// Largest distortion and D' are those of K1 to K3 together, which often compete; all other sums are of absolute values.
+/// Largest distortion and D' are those of K1 to K3 together, which often compete; all other sums
+/// are of absolute values.
 ///
-/// The interval is the longest of 64, 56, 48, … that keeps the bound within [`ROW_ROUNDING_NM`]: 64 on every camera of
-/// `host-sim/cameras` at 8 to 128 pixels from point to point, 48 or more for 0.5 mm of distortion over 104 mm of width.
-/// Errors found there are at most 0.6 nm (`tests/geometry/mesh.rs`), and 2.3 nm if all roundings came together
-/// (`tests/geometry/mesh_rounding.rs`). A lens for which 8 does not has its larger bound stated.
+/// The interval is the longest of 64, 56, 48, … that keeps the bound within [`ROW_ROUNDING_NM`]: 64
+/// on every camera of `host-sim/cameras` at 8 to 128 pixels from point to point, 48 or more for 0.5
+/// mm of distortion over 104 mm of width. Errors found there are at most 0.6 nm
+/// (`tests/geometry/mesh.rs`), and 2.3 nm if all roundings came together
+/// (`tests/geometry/mesh_rounding.rs`). For a lens whose bound exceeds it at 8, too, the interval
+/// is 8 and the larger bound is stated.
 ///
-/// 13 instructions per point on a Cortex-M4F, 17 with K3, starts every 64 points included; 80 per row
-/// and 1100 per frame. All together, 20.5 per point with K3 where two starts serve 82 points (104 mm,
-/// 128 pixels of 10 µm).
+/// A point costs 13 instructions on a Cortex-M4F, 17 with K3, starts every 64 points included; a
+/// row costs 80 and a frame 1100. In all, it is 20.5 per point with K3 where two starts serve 82
+/// points (104 mm, 128 pixels of 10 µm).
 ///
 /// # Examples
 /// ```
@@ -102,21 +112,23 @@ pub const ROW_ROUNDING_NM: f32 = 4.0;
 pub struct DisplacementRows {
     centre: SensorPoint,
     form: EvaluationForm,
-    /// Along the row, and against it.
+    /// Strides along the row and against it.
     strides: [Stride; 2],
     interval: NonZero<u16>,
     bound_nm: f32,
 }
 
 impl DisplacementRows {
-    /// Rows of a frame in steps of `step_mm`; of one that is not finite all points are NaN, and so is the bound.
+    /// Returns the rows of a frame in steps of `step_mm`; if the step is not finite all points are
+    /// NaN, and so is the bound.
     #[must_use]
     pub fn new(correction: &FrameCorrection, step_mm: f32) -> Self {
         Self::with_margin(correction, step_mm, 0.0)
     }
 
-    /// As [`Self::new`], and the bound holds for points up to `margin_mm` off the sensor too, 0 or more: the same polynomial,
-    /// where no calibration has seen an image.
+    /// Returns the rows as [`Self::new`] does, with a bound that holds for points up to `margin_mm`
+    /// off the sensor, too (0 or more). There the same polynomial is used, although no calibration
+    /// has seen an image.
     #[must_use]
     pub fn with_margin(correction: &FrameCorrection, step_mm: f32, margin_mm: f32) -> Self {
         let centre = correction.centre();
@@ -144,7 +156,7 @@ impl DisplacementRows {
         }
     }
 
-    /// Points from one start of the differences to the next.
+    /// Number of points from one start of the differences to the next.
     #[must_use]
     pub const fn restart_interval(&self) -> u16 {
         self.interval.get()
@@ -156,7 +168,7 @@ impl DisplacementRows {
         self.bound_nm
     }
 
-    /// The row that begins at `first`: what is done once per row.
+    /// Prepares the row that begins at `first`, once per row.
     #[must_use]
     pub fn row(&self, first: SensorPoint) -> DisplacementRow<'_> {
         DisplacementRow {
@@ -179,12 +191,12 @@ impl DisplacementRow<'_> {
     /// Fills a slice with the displacements of the row's points, from its first on.
     ///
     /// # Units and frames
-    /// As [`DisplacementRows`]; the points lie on the sensor or its margin, or the bound does not hold.
+    /// As for [`DisplacementRows`]; the bound holds only for points on the sensor or its margin.
     pub fn write(&self, displacements: &mut [Displacement]) {
         self.write_as(displacements, |displacement| displacement);
     }
 
-    /// Fills a slice with what is made of each displacement.
+    /// Fills a slice with the results of `of` for the displacements.
     #[inline]
     pub(super) fn write_as<T>(&self, points: &mut [T], of: impl Fn(Displacement) -> T) {
         if self.rows.form.k3 == 0.0 {
@@ -194,7 +206,7 @@ impl DisplacementRow<'_> {
         }
     }
 
-    /// Away from the centre to either side; the gain has N coefficients, Dx one more.
+    /// Fills the row away from the centre to either side; the gain has N coefficients, Dx one more.
     #[inline]
     fn write_outward<const M: usize, const N: usize, T>(
         &self,
@@ -209,7 +221,7 @@ impl DisplacementRow<'_> {
         let Some((before, after)) = points.split_at_mut_checked(nearest) else {
             return;
         };
-        // Unrolled by hand: a jump costs a quarter of a point.
+        // Four points are unrolled by hand: a jump costs a quarter of a point.
         let mut index = index_of(nearest);
         for block in after.chunks_mut(block_points) {
             let mut start = self.start::<M, N>(gain, index, along);
@@ -240,7 +252,8 @@ impl DisplacementRow<'_> {
         }
     }
 
-    /// How many of the first points of a row come before X changes its sign, that of X = 0 included.
+    /// Returns the number of the first points of a row that come before X changes its sign,
+    /// including one at X = 0.
     fn points_before_the_centre(&self, count: usize) -> usize {
         let [along, _] = self.rows.strides;
         let steps_to_the_centre = -self.x_mm / along.step();
@@ -257,7 +270,7 @@ impl DisplacementRow<'_> {
         }
     }
 
-    /// The differences of both axes at point `index`.
+    /// Returns the differences of both axes at point `index`.
     #[expect(
         clippy::inline_always,
         reason = "the differences stay in registers: 60 instructions per start"
@@ -290,7 +303,7 @@ impl DisplacementRow<'_> {
     }
 }
 
-/// Where a block of a row starts.
+/// Differences at the start of a block of a row.
 struct RowStart<const M: usize, const N: usize> {
     dx: Differences<M>,
     dy: Differences<N>,

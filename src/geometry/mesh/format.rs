@@ -1,13 +1,14 @@
-//! Numbers as warp engines store them.
+//! Formats in which warp engines store numbers.
 //!
 //! | format | a vertex | range | step | engines |
 //! |---|---|---|---|---|
-//! | [`s16q3`] | displacement, columns then rows | -4096 to 4095.875 px | 1/8 px | TI LDC |
-//! | [`uq12_4`] | source, columns then rows | 0 to 4095.9375 px | 1/16 px | `DeWarp` engine DW100 of NXP i.MX 8M Plus |
-//! | [`q12_20`] | source, columns then rows | -2048 to 2048 px | 2⁻²⁰ px | `ap_fixed<32, 12>` of Vitis Vision |
-//! | [`single`] | source, columns then rows | every one of an image | 2⁻²⁴ of it | NVIDIA VPI, `remap` of `OpenCV` and Vitis Vision |
+//! | [`s16q3`] | displacement | -4096 to 4095.875 px | 1/8 px | TI LDC |
+//! | [`uq12_4`] | source | 0 to 4095.9375 px | 1/16 px | `DeWarp` DW100 of NXP i.MX 8M Plus |
+//! | [`q12_20`] | source | -2048 to 2048 px | 2⁻²⁰ px | `ap_fixed<32, 12>` of Vitis Vision |
+//! | [`single`] | source | all of an image | 2⁻²⁴ of it | VPI, `remap` of `OpenCV`, Vitis Vision |
 //!
-//! All are little endian. The pixel convention is the project's: the centre of the first pixel is (0, 0).
+//! Columns come before rows, and all are little endian. Pixels are those of the project: the
+//! centre of the first one is (0, 0).
 
 mod fixed;
 mod mesh_format;
@@ -22,14 +23,15 @@ pub use vertex::{PixelAxis, Vertex};
 
 use heapless::Vec;
 
-/// Most bytes of a vertex.
+/// Largest number of bytes of a vertex.
 pub const MAX_WORD_BYTES: usize = 8;
 
 /// The bytes of one vertex.
 pub type Word = Vec<u8, MAX_WORD_BYTES>;
 
 impl MeshFormat {
-    /// Largest difference of the stored number to the vertex's, pixels per axis, for a coordinate of up to `largest_px`.
+    /// Returns the largest difference between the stored number and the vertex's, pixels per axis,
+    /// for a coordinate of up to `largest_px`.
     #[must_use]
     pub const fn quantisation_px(self, largest_px: f32) -> f32 {
         match self {
@@ -40,12 +42,12 @@ impl MeshFormat {
         }
     }
 
-    /// A vertex as it is stored.
+    /// Returns a vertex as it is stored.
     ///
     /// # Errors
     /// [`OutOfFormat`] for a number beyond the format's range.
     pub fn word(self, vertex: &Vertex) -> Result<Word, OutOfFormat> {
-        // No format has more bytes than a word.
+        // A word has room for the bytes of every format.
         let word = |bytes: &[u8]| Word::from_slice(bytes).unwrap_or_default();
         Ok(match self {
             Self::S16Q3 => word(&s16q3::bytes(vertex)?),

@@ -1,4 +1,4 @@
-//! Where pixels of the recorded image are to go: meshes that push.
+//! Corrections of the recorded image's pixels, for meshes that push.
 
 use super::displacement_rows::DisplacementRows;
 use super::rounding_bound::{SECOND_ORDER, UNIT_ROUNDOFF, absolute};
@@ -7,7 +7,8 @@ use crate::geometry::frame_correction::FrameCorrection;
 use crate::geometry::newton_step::longer_than_diagonal;
 use crate::geometry::sensor::{PixelPoint, Sensor, pixels};
 
-/// The way of a pixel of the recorded image to its place in the corrected one: corrected - recorded.
+/// The way of a pixel of the recorded image to its place in the corrected one: corrected -
+/// recorded.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 #[repr(C)]
@@ -18,50 +19,53 @@ pub struct PixelCorrection {
     pub rows_px: f32,
 }
 
-/// Corrections of equidistant vertices of the recorded image, for one frame: prepared once, then row by row by
-/// [`VertexRow::corrections`].
+/// Corrections of equidistant vertices of the recorded image, for one frame: prepared once, then
+/// computed row by row by [`VertexRow::corrections`].
 ///
 /// # Model
-/// Graphics processors draw the recorded image as a mesh of triangles, each vertex at its corrected place: they need
-/// corrected - recorded at vertices of the *recorded* image, -(measured - ideal). That is what [`DisplacementRows`] gives,
-/// without an inverse.
+/// Graphics processors draw the recorded image as a mesh of triangles, each vertex at its corrected
+/// place. They need corrected - recorded at vertices of the *recorded* image, which is -(measured -
+/// ideal). [`DisplacementRows`] gives it without an inverse.
 ///
 /// # Units and frames
-/// Vertices are pixels of the recorded image, the centre of its first pixel (0, 0); results are pixels, columns to the
-/// right and rows downwards, `-Dx·(1/p)` and `Dy·(1/p)` with the pixel p. The corrected image has the same pixels and principal point.
+/// Vertices are pixels of the recorded image, the centre of its first pixel (0, 0); results are
+/// pixels, columns to the right and rows downwards, `-Dx·(1/p)` and `Dy·(1/p)` with the pixel p.
+/// The corrected image has the same pixels and principal point.
 ///
 /// # Accuracy
-/// [`Self::rounding_bound_px`] is `(ε + s)/p + 4u·|c|` for a correction c, against the form's exact value at the vertex's
-/// exact place, with u = 2⁻²⁴:
+/// [`Self::rounding_bound_px`] is `(ε + s)/p + 4u·|c|` for a correction c, against the form's exact
+/// value at the vertex's exact place, with u = 2⁻²⁴:
 ///
 /// - ε is [`DisplacementRows::rounding_bound_nm`].
-/// - s is what the distortion makes of the vertex's rounded place: along the row five roundings of the half width (two of
-///   the pixel's length, one of the row's first vertex, and one of the way from it, which is twice as long), across it three
-///   of the half height, times the largest slopes, those of absolute values of the coefficients.
-/// - 4u·|c| is the product, and 1/p with the pixel's two roundings in it.
+/// - s is the change of the distortion due to the vertex's rounded place: along the row five
+///   roundings of the half width (two of the pixel's length, one of the row's first vertex, and one
+///   of the way from it, which is twice as long), across it three of the half height, times the
+///   largest slopes, those of absolute values of the coefficients.
+/// - 4u·|c| is the rounding of the product, and of 1/p with the pixel's two roundings in it.
 ///
-/// No number underflows: corrections below 1e-30 px are not covered.
+/// The bound assumes that no number underflows, which excludes corrections below 1e-30 px.
 ///
-/// It holds up to one spacing beyond the image, too, where the same polynomial goes on: a vertex there ends the last cell,
-/// and is no image point of any calibration. The bound is at most 5.5 nm for the cameras of `host-sim/cameras` and for
-/// 0.5 mm of distortion over 104 mm, up to 1024 pixels from vertex to vertex; at most 1 nm was found
-/// (`tests/geometry/pixel_correction.rs`).
+/// It also holds up to one spacing beyond the image, where the same polynomial is used: a vertex
+/// there ends the last cell, and no calibration has an image point there. The bound is at most 5.5
+/// nm for the cameras of `host-sim/cameras` and for 0.5 mm of distortion over 104 mm, up to 1024
+/// pixels from vertex to vertex; at most 1 nm was found (`tests/geometry/pixel_correction.rs`).
 ///
-/// To a point of [`DisplacementRows`] come two products; a division would take 14 cycles on a Cortex-M4F (its manual).
+/// A vertex costs two products more than a point of [`DisplacementRows`]; a division would take 14
+/// cycles on a Cortex-M4F (its manual).
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct CorrectionMesh {
     rows: DisplacementRows,
     sensor: Sensor,
     spacing_px: u16,
-    /// Pixels of a millimetre.
+    /// Pixels per millimetre.
     pixels_per_mm: f32,
-    /// Of what the rounded places of vertices come to, nm.
+    /// Bound on the effect of the rounded places of vertices, nm.
     place_bound_nm: f32,
     interpolation_bound_px: f32,
 }
 
 impl CorrectionMesh {
-    /// The mesh of a frame with vertices every `spacing_px` pixels along its rows.
+    /// Returns the mesh of a frame with vertices every `spacing_px` pixels along its rows.
     #[must_use]
     pub fn new(correction: &FrameCorrection, spacing_px: u16) -> Self {
         let sensor = *correction.sensor();
@@ -91,21 +95,23 @@ impl CorrectionMesh {
         SECOND_ORDER * (1e-6 * row_nm * self.pixels_per_mm + product_px)
     }
 
-    /// Upper bound of what a graphics processor leaves of a correction between vertices, pixels: it interpolates linearly
-    /// in triangles, the two halves of squares of one spacing.
+    /// Upper bound of the error that a graphics processor makes between vertices, pixels: it
+    /// interpolates linearly in triangles, the two halves of squares of one spacing.
     ///
     /// # Model
-    /// `C·s²/(4p)` with the spacing s and the form's largest curvature C to one spacing beyond the sensor: the error is half
-    /// the mean, weighted as the interpolation is, of the second derivative along the ways to the three corners, and the
-    /// mean of their squares is at most s²/2. In proportion to the square of the spacing; every 16 pixels reached where K1
-    /// rules, and up to 11 times what it is where terms compete; more at wide spacing.
+    /// `C·s²/(4p)` with the spacing s and the form's largest curvature C to one spacing beyond the
+    /// sensor: the error is half the mean, weighted as the interpolation is, of the second
+    /// derivative along the ways to the three corners, and the mean of their squares is at most
+    /// s²/2. The bound is proportional to the square of the spacing. At 16 pixels it is reached
+    /// where K1 rules, and up to 11 times the error where terms compete; more at wide spacing.
     #[must_use]
     pub const fn interpolation_bound_px(&self) -> f32 {
         self.interpolation_bound_px
     }
 }
 
-/// What the distortion makes of the rounded places of vertices up to `margin_mm` beyond the sensor, nm per axis.
+/// Returns a bound on the effect of the rounded places of vertices up to `margin_mm` beyond the
+/// sensor, nm per axis.
 fn place_bound_nm(correction: &FrameCorrection, margin_mm: f32) -> f32 {
     let sensor = correction.sensor();
     let centre = correction.centre();
@@ -116,17 +122,18 @@ fn place_bound_nm(correction: &FrameCorrection, margin_mm: f32) -> f32 {
     let [along, across] = [5.0 * reach_x, 3.0 * reach_y];
     let dx = along * steepest.dx_by_x + across * steepest.dx_by_y;
     let dy = along * steepest.dy_by_x + across * steepest.dy_by_y;
-    // A maximum would leave a NaN out.
+    // `f32::max` would drop a NaN.
     let larger = if dx > dy || dx.is_nan() { dx } else { dy };
     1e6 * UNIT_ROUNDOFF * larger
 }
 
 impl VertexRow {
-    /// The corrections of this row's vertices of the recorded image, in order: as many as `corrections` has room for, and
-    /// the part of it that is filled. [`Self::origin_px`] does not matter.
+    /// Writes the corrections of this row's vertices of the recorded image, in order, as many as
+    /// `corrections` has room for, and returns the part of it that is filled. [`Self::origin_px`]
+    /// does not matter.
     ///
     /// # Model
-    /// [`CorrectionMesh`]; the bits are those of [`DisplacementRow::write`] times 1/p.
+    /// As in [`CorrectionMesh`]; the bits are those of [`DisplacementRow::write`] times 1/p.
     ///
     /// # Units and frames
     /// Pixels, columns to the right, rows downwards.
@@ -144,11 +151,12 @@ impl VertexRow {
     /// lens.distortion.k1 = -1e-6;
     /// let correction = FrameCorrection::without_motion(&Calibration::new(lens)?);
     /// let mesh = CorrectionMesh::new(&correction, 1000);
-    /// let row = VertexRow { first_col_px: 2000, row_px: 3000, spacing_px: 1000, count: 2, origin_px: [0, 0] };
+    /// let (first_col_px, row_px, origin_px) = (2000, 3000, [0, 0]);
+    /// let row = VertexRow { first_col_px, row_px, spacing_px: 1000, count: 2, origin_px };
     /// let mut corrections = [PixelCorrection::default(); 2];
     /// row.corrections(&mesh, &mut corrections)?;
-    /// // The image is K1·r³ too close to the centre, 8 µm at 20 mm to the left of it and 1 µm at 10 mm: it goes 0.8 px and
-    /// // 0.1 px to the left.
+    /// // The image is K1·r³ too close to the centre, 8 µm at 20 mm to the left of it and 1 µm at
+    /// // 10 mm: it goes 0.8 px and 0.1 px to the left.
     /// for (found, expected_px) in corrections.iter().zip([-0.8, -0.1]) {
     ///     assert!((found.cols_px - expected_px).abs() < 1e-5);
     /// }
@@ -156,8 +164,9 @@ impl VertexRow {
     /// ```
     ///
     /// # Errors
-    /// [`MeshError::OffImage`] naming the first vertex that lies more than one spacing beyond the last column or row;
-    /// [`MeshError::Spacing`] for a mesh of another spacing. Nothing is filled then.
+    /// [`MeshError::OffImage`], which names the first vertex that lies more than one spacing beyond
+    /// the last column or row; [`MeshError::Spacing`] for a mesh of another spacing. In both cases
+    /// nothing is filled.
     ///
     /// [`DisplacementRow::write`]: super::displacement_rows::DisplacementRow::write
     pub fn corrections<'out>(
@@ -180,7 +189,7 @@ impl VertexRow {
             return Ok(corrections);
         };
         let sensor = &mesh.sensor;
-        // Columns rise along the row.
+        // Columns rise along the row, so that the last vertex decides.
         if self.place(sensor, last).is_err() {
             for index in 0..count {
                 self.place(sensor, index)?;

@@ -1,5 +1,5 @@
-//! What rounding can come to along a row of differences: the bound of
-//! [`DisplacementRows`](super::displacement_rows::DisplacementRows), where its parts are explained.
+//! Bound on the rounding along a row of differences;
+//! [`DisplacementRows`](super::displacement_rows::DisplacementRows) explains its parts.
 
 use core::num::NonZero;
 
@@ -9,24 +9,26 @@ use crate::geometry::evaluation_form::EvaluationForm;
 /// u: half a unit in the last place, relative.
 pub(super) const UNIT_ROUNDOFF: f32 = f32::EPSILON / 2.0;
 
-/// Roundings on the way of the terms without k into the differences, Y and its product with G included.
+/// Number of roundings of the terms without k on their way into the differences, Y and its product
+/// with G included.
 const FOLD_OF_OTHERS: f32 = 8.0;
 
-/// First-order terms alone are counted. What they leave out - products of roundings, a start that rounding puts on the far
-/// side of the centre by 6u of the reach, the roundings of the bound itself - is less than a thousandth of it.
+/// Factor for the terms of second order, as only those of first order are counted. The others -
+/// products of roundings, a start that rounding puts on the far side of the centre by 6u of the
+/// reach, the roundings of the bound itself - are less than a thousandth of the bound.
 pub(super) const SECOND_ORDER: f32 = 1.001;
 
-/// What the bound of a frame is made of.
+/// Parts of the bound of a frame.
 #[derive(Debug)]
 pub(super) struct RoundingBound {
     /// Half a unit in the last place of the largest distortion per axis, in u.
     half_unit: [f32; 2],
-    /// Largest |G|, and what is largest beside X·G.
+    /// Largest |G|; `beside_x` is the largest value of the terms beside X·G.
     gain: f32,
     beside_x: f32,
     /// Â and Ẑ at the reach.
     at_reach: [Magnitude; 2],
-    /// Start of the differences: what does not depend on the interval.
+    /// Contribution of the start of the differences, which does not depend on the interval.
     start: [f32; 2],
     /// Absolute values of the coefficients at the largest |Y|.
     row: RowPolynomial,
@@ -34,7 +36,7 @@ pub(super) struct RoundingBound {
 }
 
 impl RoundingBound {
-    /// For rows with |X| and |Y| up to `reach`.
+    /// Returns the bound for rows with |X| and |Y| up to `reach`.
     pub(super) fn new(form: &EvaluationForm, reach: [f32; 2]) -> Self {
         let [reach_x, reach_y] = reach;
         let absolute = absolute(form);
@@ -50,7 +52,8 @@ impl RoundingBound {
         let beside_slope = others.jacobian(reach_x, reach_y);
         let end = reach_x * reach_x + reach_y * reach_y;
         let gain = largest_of_cubic([0.0, form.k1, form.k2, form.k3], end);
-        // ∂(X·G)/∂X = G + X²·2dG/dR, ∂(Y·G)/∂X = XY·2dG/dR: the first lies between G and G + 2R·dG/dR.
+        // ∂(X·G)/∂X = G + X²·2dG/dR, ∂(Y·G)/∂X = XY·2dG/dR: the first lies between G and G +
+        // 2R·dG/dR.
         let across = [0.0, 2.0 * form.k1, 4.0 * form.k2, 6.0 * form.k3];
         let across = largest_of_cubic(across, end);
         let radial = [0.0, 3.0 * form.k1, 5.0 * form.k2, 7.0 * form.k3];
@@ -86,17 +89,17 @@ impl RoundingBound {
         }
     }
 
-    /// The bound for the larger of the two axes, nm; it rises with the interval.
+    /// Returns the bound for the larger of the two axes, nm; it rises with the interval.
     pub(super) fn nanometres(&self, interval: NonZero<u16>, step_mm: f32) -> f32 {
-        // A maximum would leave a NaN out.
+        // `f32::max` would drop a NaN.
         if !(step_mm + self.reach).is_finite() {
             return f32::NAN;
         }
         let step = step_mm.abs();
-        // No more points than from the centre to the edge follow each other.
+        // Runs of additions are no longer than from the centre to the edge.
         let additions = (f32::from(interval.get()) - 1.0).min(self.reach / step);
         let length = additions * step;
-        // From the first of the points that are added to, to the last.
+        // Distance from the first to the last of the points that are added to.
         let span = (length - step).max(0.0);
         let inside = |distance: f32| magnitudes(&self.row, (self.reach - distance).max(0.0));
         let outer = inside(0.25 * span);
@@ -109,7 +112,7 @@ impl RoundingBound {
                 + 2.0 * (at_reach.by_degree - first.by_degree)
         };
         let [half_unit_x, half_unit_y] = self.half_unit;
-        // Along the way |Dx| rises with |X|.
+        // The mean |X| of the way bounds |Dx|, which rises with |X|.
         let middle = self.reach - 0.5 * span;
         let half_unit_x = half_unit_x.min(middle * self.gain + self.beside_x);
         let [start_x, start_y] = self.start;
@@ -132,7 +135,7 @@ struct Magnitude {
     by_degree: f32,
 }
 
-/// Of both axes, from absolute values of the coefficients.
+/// Returns the magnitudes of both axes, from absolute values of the coefficients.
 fn magnitudes(row: &RowPolynomial, x: f32) -> [Magnitude; 2] {
     let [gain, gain_by_degree] = value_and_by_degree(&row.gain(), x);
     let [beside_x, beside_x_by_degree] = value_and_by_degree(&row.beside_x, x);
@@ -149,10 +152,12 @@ fn magnitudes(row: &RowPolynomial, x: f32) -> [Magnitude; 2] {
     ]
 }
 
-/// Roundings of k₁ to k₃ on their way into the differences of Dy: G of their absolute values, each counted.
+/// Returns the roundings of k₁ to k₃ on their way into the differences of Dy: G of their absolute
+/// values, each multiplied by its number of roundings.
 ///
-/// S brings three roundings, each step of a Horner scheme two. To what is counted on the way into g₀, g₂ and g₄ come three:
-/// Y, its product, and the sum with what is beside G. Dx has one of them.
+/// S brings three roundings, each step of a Horner scheme two. Three are added to those counted on
+/// the way into g₀, g₂ and g₄: Y, its product, and the sum with the terms beside G. Dx has one of
+/// them.
 fn fold_of_k(absolute: &EvaluationForm, [reach_x, reach_y]: [f32; 2]) -> f32 {
     let EvaluationForm { k1, k2, k3, .. } = *absolute;
     let [x2, s] = [reach_x * reach_x, reach_y * reach_y];
@@ -162,7 +167,8 @@ fn fold_of_k(absolute: &EvaluationForm, [reach_x, reach_y]: [f32; 2]) -> f32 {
     g0 + x2 * (g2 + x2 * (g4 + x2 * (3.0 * k3)))
 }
 
-/// The largest absolute value of a cubic in R, lowest power first, over 0 ≤ R ≤ `end`, bounded by its Bernstein coefficients.
+/// Returns the largest absolute value of a cubic in R, lowest power first, over 0 ≤ R ≤ `end`,
+/// bounded by its Bernstein coefficients.
 fn largest_of_cubic([c0, c1, c2, c3]: [f32; 4], end: f32) -> f32 {
     let linear = c1 * end / 3.0;
     let square = c2 * end * end / 3.0;
@@ -177,14 +183,14 @@ fn largest_of_cubic([c0, c1, c2, c3]: [f32; 4], end: f32) -> f32 {
     .fold(0.0, |largest, coefficient| coefficient.abs().max(largest))
 }
 
-/// The largest power of two that is not more than a positive number, to a thousandth: half a unit in the last place of that
-/// number is u times the power.
+/// Returns the largest power of two that is not more than a positive number, to a thousandth: half
+/// a unit in the last place of that number is u times the power.
 fn power_of_two_within(number: f32) -> f32 {
     const EXPONENT: u32 = 0x7f80_0000;
     f32::from_bits((SECOND_ORDER * number).to_bits() & EXPONENT)
 }
 
-/// Absolute values of the coefficients.
+/// Returns the form with absolute values of the coefficients.
 pub(super) fn absolute(form: &EvaluationForm) -> EvaluationForm {
     EvaluationForm {
         k0: form.k0.abs(),
@@ -202,7 +208,7 @@ pub(super) fn absolute(form: &EvaluationForm) -> EvaluationForm {
     }
 }
 
-/// `Σ a_m·xᵐ` and `Σ m·a_m·xᵐ`, lowest power first.
+/// Returns `Σ a_m·xᵐ` and `Σ m·a_m·xᵐ`, coefficients lowest power first.
 fn value_and_by_degree(coefficients: &[f32], x: f32) -> [f32; 2] {
     let from_the_highest = coefficients.iter().rev();
     let [value, slope] = from_the_highest.fold([0.0, 0.0], |[value, slope], coefficient| {

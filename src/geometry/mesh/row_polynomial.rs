@@ -1,4 +1,4 @@
-//! The distortion along a row: a polynomial in X for each axis.
+//! Polynomials of a row: the distortion as a function of X for each axis.
 
 use super::differences::ABSENT;
 use crate::geometry::evaluation_form::EvaluationForm;
@@ -13,16 +13,16 @@ use crate::geometry::evaluation_form::EvaluationForm;
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) struct RowPolynomial {
     pub(super) y: f32,
-    /// Of 1, X, X², X⁴ and X⁶.
+    /// Coefficients of 1, X, X², X⁴ and X⁶.
     gain: [f32; 5],
     /// qx, lowest power of X first.
     pub(super) beside_x: [f32; 3],
-    /// qy, of 1 and X².
+    /// Coefficients of 1 and X² in qy.
     beside_y: [f32; 2],
 }
 
 impl RowPolynomial {
-    /// Along the row `y` mm above the centre.
+    /// Returns the polynomials of the row `y` mm above the centre.
     #[inline]
     pub(super) fn new(form: &EvaluationForm, y: f32) -> Self {
         let s = y * y;
@@ -38,21 +38,21 @@ impl RowPolynomial {
         }
     }
 
-    /// G, lowest power of X first.
+    /// Returns the coefficients of G, lowest power of X first.
     #[inline]
     pub(super) const fn gain(&self) -> [f32; 7] {
         let [g0, g1, g2, g4, g6] = self.gain;
         [g0, g1, g2, ABSENT, g4, ABSENT, g6]
     }
 
-    /// G where K3 = 0.
+    /// Returns the coefficients of G where K3 = 0.
     #[inline]
     pub(super) const fn gain_without_k3(&self) -> [f32; 5] {
         let [g0, g1, g2, g4, _] = self.gain;
         [g0, g1, g2, ABSENT, g4]
     }
 
-    /// qy, lowest power of X first.
+    /// Returns the coefficients of qy, lowest power of X first.
     #[inline]
     pub(super) const fn beside_y(&self) -> [f32; 3] {
         let [q0, q2] = self.beside_y;

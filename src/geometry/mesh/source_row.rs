@@ -1,4 +1,4 @@
-//! The way from points of the ideal image to the measured ones, along a row.
+//! Ways from points of the ideal image to the measured ones, along a row.
 
 use crate::geometry::evaluation_form::{Displacement, Jacobian};
 use crate::geometry::frame_correction::FrameCorrection;
@@ -6,23 +6,25 @@ use crate::geometry::inverse::{DistortError, MAX_STEPS, shifted};
 use crate::geometry::newton_step::newton_step;
 use crate::geometry::sensor::SensorPoint;
 
-/// A residual of at most this length, nm, is removed without derivatives: a distortion whose slope is q leaves the
+/// Largest residual, nm, that is removed without derivatives: a distortion of slope q leaves the
 /// share q of it, 0.1 nm for 5 %.
 pub(crate) const LAST_FIXED_POINT_RESIDUAL_NM: f32 = 2.0;
 
-/// The Newton step taken from a residual of at most this length, nm, is the last one, unless it crosses an edge of the
-/// sensor: what is left is half the second derivative of the distortion times the square of a micrometre, 0.001 nm for
-/// 0.5 mm of distortion over 104 mm.
+/// Largest residual, nm, after which a Newton step is the last, unless it crosses an edge of the
+/// sensor: the step leaves half the second derivative of the distortion times the square of a
+/// micrometre, 0.001 nm for 0.5 mm of distortion over 104 mm.
 pub(crate) const LAST_NEWTON_RESIDUAL_NM: f32 = 1000.0;
 
-/// The displacements from ideal points to measured ones, each found from those before.
+/// Displacements from ideal points to measured ones, each predicted from those before.
 ///
 /// # Model
-/// `d = D(ideal + d)`, as [`FrameCorrection::distort`] solves it, but from the parabola through the three displacements
-/// before: along a row of a mesh that leaves nanometres, and one evaluation of D is enough. Where it leaves more, Newton's
-/// method follows. A measured point may lie off the sensor, where no image is but a warp engine wants a number: there
-/// the distortion of the nearest point of the sensor counts, which continues the map without a jump. All terms of the
-/// form are evaluated, those too that [`Terms::Short`](crate::geometry::frame_correction::Terms::Short) drops.
+/// `d = D(ideal + d)`, as [`FrameCorrection::distort`] solves it, but starting from the parabola
+/// through the three displacements before: along a row of a mesh its error is nanometres, and one
+/// evaluation of D is enough. Where the error is larger, Newton's method follows. A measured point
+/// may lie off the sensor, where there is no image but a warp engine needs a number: there the
+/// distortion of the nearest point of the sensor counts, which continues the map without a jump.
+/// All terms of the form are evaluated, also those that
+/// [`Terms::Short`](crate::geometry::frame_correction::Terms::Short) drops.
 ///
 /// # Units and frames
 /// Sensor frame, mm; measured - ideal, as a function of the *ideal* point.
@@ -34,13 +36,13 @@ pub(crate) const LAST_NEWTON_RESIDUAL_NM: f32 = 1000.0;
 pub struct SourceRow<'frame> {
     correction: &'frame FrameCorrection,
     last: Option<Displacement>,
-    /// Of the last displacement to the one before.
+    /// Difference of the last displacement to the one before.
     change: Displacement,
     predicted: Displacement,
 }
 
 impl<'frame> SourceRow<'frame> {
-    /// A row of a frame, before its first point.
+    /// Returns a row of a frame, before its first point.
     #[must_use]
     pub const fn new(correction: &'frame FrameCorrection) -> Self {
         const NONE: Displacement = Displacement {
@@ -55,11 +57,12 @@ impl<'frame> SourceRow<'frame> {
         }
     }
 
-    /// From the next ideal point to its measured one. Points of a mesh are equidistant; others take more steps.
+    /// Returns the displacement from the next ideal point to its measured one. Points of a mesh are
+    /// equidistant; others take more steps.
     ///
     /// # Errors
-    /// [`DistortError::NotConverged`]: for an ideal point that is not finite, and where Newton's method does not end in
-    /// [`MAX_STEPS`] steps.
+    /// [`DistortError::NotConverged`] for an ideal point that is not finite, and if Newton's method
+    /// does not end in [`MAX_STEPS`] steps.
     #[inline]
     pub fn next(&mut self, ideal: SensorPoint) -> Result<Displacement, DistortError> {
         let first = || self.distortion(self.correction.clamped(ideal));
@@ -97,7 +100,7 @@ impl<'frame> SourceRow<'frame> {
             d = difference(d, step);
             residual_nm = length_nm(residual);
             let point = shifted(ideal, d);
-            // Where the step has crossed the sensor's edge, it took the derivatives of the wrong side.
+            // A step that has crossed the sensor's edge used the derivatives of the wrong side.
             let last_nm = if self.off_sensor(measured) == self.off_sensor(point) {
                 LAST_NEWTON_RESIDUAL_NM
             } else {
@@ -117,7 +120,8 @@ impl<'frame> SourceRow<'frame> {
         form.displacement(point.x_mm - centre.x_mm, point.y_mm - centre.y_mm)
     }
 
-    /// The derivatives of the distortion; off the sensor it does not change in the direction that leads away.
+    /// Returns the derivatives of the distortion; off the sensor it does not change in the
+    /// direction that leads away.
     fn jacobian(&self, measured: SensorPoint) -> Jacobian {
         let mut jacobian = self.correction.jacobian(self.correction.clamped(measured));
         let [off_x, off_y] = self.off_sensor(measured);
@@ -132,7 +136,8 @@ impl<'frame> SourceRow<'frame> {
         jacobian
     }
 
-    /// Whether a point is beyond the sides, and beyond the lower or the upper edge.
+    /// Returns true for a point beyond the left or right edge, and for one beyond the lower or
+    /// upper edge.
     fn off_sensor(&self, point: SensorPoint) -> [bool; 2] {
         let nearest = self.correction.clamped(point);
         [

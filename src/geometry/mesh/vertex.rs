@@ -8,24 +8,25 @@ use crate::geometry::frame_correction::FrameCorrection;
 use crate::geometry::inverse::DistortError;
 use crate::geometry::sensor::{PixelPoint, Sensor, pixels};
 
-/// A row of vertices: of the output image, or of the recorded one
+/// A row of vertices of the output image, or of the recorded one
 /// ([`corrections`](Self::corrections)).
 ///
-/// The output image has the pixels of the sensor, at their *ideal* places: the corrected image, about the same
-/// principal point. An engine that is given a part of the source image counts from [`Self::origin_px`].
+/// The output image has the pixels of the sensor at their *ideal* places: it is the corrected
+/// image, about the same principal point. An engine that is given a part of the source image counts
+/// from [`Self::origin_px`].
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct VertexRow {
     /// Column of the first vertex, pixels of the whole image.
     pub first_col_px: u32,
-    /// Row of all, pixels of the whole image.
+    /// Row of all vertices, pixels of the whole image.
     pub row_px: u32,
-    /// From one vertex to the next, pixels.
+    /// Distance from one vertex to the next, pixels.
     pub spacing_px: u16,
-    /// How many vertices.
+    /// Number of vertices.
     pub count: u16,
-    /// Column and row of the whole image from which source coordinates are counted: the first pixel of the part of the
-    /// source image that the engine is given. Displacements do not depend on it.
+    /// Column and row of the whole image from which source coordinates are counted: the first pixel
+    /// of the part of the source image that the engine is given. Displacements do not depend on it.
     pub origin_px: [u32; 2],
 }
 
@@ -47,16 +48,16 @@ pub enum MeshError {
         col_px: u32,
         /// Its row.
         row_px: u32,
-        /// Why.
+        /// Error of the inverse.
         error: DistortError,
     },
     /// A number does not fit the format.
     Format(OutOfFormat),
     /// The mesh was prepared for another spacing than the row's.
     Spacing {
-        /// From one vertex of the row to the next, pixels.
+        /// Distance from one vertex of the row to the next, pixels.
         row_px: u16,
-        /// What the mesh was prepared for.
+        /// Spacing for which the mesh was prepared, pixels.
         mesh_px: u16,
     },
 }
@@ -85,14 +86,15 @@ impl fmt::Display for MeshError {
 impl core::error::Error for MeshError {}
 
 impl VertexRow {
-    /// The vertices with their sources, in order; the first error ends what is of use.
+    /// Returns the vertices with their sources, in order; vertices after the first error are not
+    /// valid.
     ///
     /// # Accuracy
-    /// As [`SourceRow`], divided by the pixel; the place of the vertex itself is rounded to 8 nm at 52 mm, to which 0.5 mm
-    /// of distortion over 104 mm answers with at most 0.3 nm.
+    /// As for [`SourceRow`], divided by the pixel. The place of the vertex itself is rounded to 8
+    /// nm at 52 mm, which changes 0.5 mm of distortion over 104 mm by at most 0.3 nm.
     ///
     /// # Errors
-    /// [`MeshError`] naming the vertex.
+    /// [`MeshError`], which names the vertex.
     pub fn vertices<'frame>(
         &self,
         correction: &'frame FrameCorrection,
@@ -103,7 +105,7 @@ impl VertexRow {
         (0..row.count).map(move |index| row.vertex(&sensor, &mut sources, index))
     }
 
-    /// The vertices as a warp engine stores them, in order.
+    /// Returns the vertices as a warp engine stores them, in order.
     ///
     /// # Examples
     /// ```
@@ -113,7 +115,8 @@ impl VertexRow {
     /// let mut lens = CalibrationParameters::new(100.0, [8000, 6000], 10.0);
     /// lens.distortion.k1 = -1e-6;
     /// let correction = FrameCorrection::without_motion(&Calibration::new(lens)?);
-    /// let row = VertexRow { first_col_px: 2000, row_px: 3000, spacing_px: 16, count: 1, origin_px: [0, 0] };
+    /// let (first_col_px, row_px, origin_px) = (2000, 3000, [0, 0]);
+    /// let row = VertexRow { first_col_px, row_px, spacing_px: 16, count: 1, origin_px };
     /// let word = row.words(&correction, MeshFormat::S16Q3).next();
     /// // 20 mm to the left of the centre K1·r³ is 8 µm to the right: 0.8 px, six eighths.
     /// assert_eq!(word.unwrap().unwrap(), [6, 0, 0, 0]);
@@ -121,7 +124,7 @@ impl VertexRow {
     /// ```
     ///
     /// # Errors
-    /// [`MeshError`] naming the vertex.
+    /// [`MeshError`], which names the vertex.
     pub fn words<'frame>(
         &self,
         correction: &'frame FrameCorrection,
@@ -131,7 +134,7 @@ impl VertexRow {
             .map(move |vertex| format.word(&vertex?).map_err(MeshError::Format))
     }
 
-    /// Column and row of a vertex that is at most one spacing beyond the image.
+    /// Returns column and row of a vertex that is at most one spacing beyond the image.
     pub(super) fn place(&self, sensor: &Sensor, index: u16) -> Result<[u32; 2], MeshError> {
         let offset_px = u32::from(self.spacing_px).wrapping_mul(u32::from(index));
         let col_px = self.first_col_px.saturating_add(offset_px);
@@ -171,7 +174,8 @@ impl VertexRow {
     }
 }
 
-/// Pixels from the origin, negative before it. An origin off every image gives a number that no format holds.
+/// Returns the pixels from the origin, negative before it. An origin off every image gives a number
+/// that no format holds.
 fn from_origin(place_px: u32, origin_px: u32) -> i32 {
     let signed = |pixels: u32| i32::try_from(pixels).unwrap_or(i32::MAX);
     signed(place_px).saturating_sub(signed(origin_px))

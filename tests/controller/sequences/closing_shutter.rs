@@ -1,10 +1,11 @@
-//! The shutter is left open; faults in the wrong record.
+//! Sequences that left the shutter open, or a fault in the wrong record.
 
 use super::*;
 
 #[test]
 fn second_shutter_that_does_not_close_is_told_to() {
-    // `fail` after `give_up_exposure` notes for the next frame, whose own long exposure is then taken for reported.
+    // The fault was noted for the next frame, too, whose own long exposure then counted as
+    // reported.
     let mut bench = exposing_for(1.0 / 300.0);
     bench.edges.clear();
     bench.run_until(100, |it| it == State::Fault(Fault::ShutterLong));
@@ -53,7 +54,8 @@ fn clock_fault_is_in_one_record() {
 
 #[test]
 fn shutter_open_across_a_long_round_is_told_to_close() {
-    // One round of 0.2 s: given up at once, neither told to close nor `ShutterLong` in its own record.
+    // One round of 0.2 s: the frame was given up at once, but the shutter was not told to close,
+    // and `ShutterLong` was not in the frame's own record.
     let mut bench = exposing_for(1.0 / 300.0);
     bench.edges.clear();
     bench.now = bench.now.plus_s(0.2);

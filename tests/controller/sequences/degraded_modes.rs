@@ -1,10 +1,11 @@
-//! Degraded modes that are not reached, or left.
+//! Sequences in which a degraded mode was not entered, or left too early.
 
 use super::*;
 
 #[test]
 fn dead_encoder_leaves_static_correction() {
-    // A drive whose `position` fails says so in every round; each time `fail` goes from degraded to fault again.
+    // A drive whose `position` fails reports so in every round; each report led from degraded to
+    // fault again.
     let mut bench = Bench::armed();
     bench.is_read = false;
     let dead = |bench: &mut Bench, rounds: u32| {
@@ -24,8 +25,8 @@ fn dead_encoder_leaves_static_correction() {
 
 #[test]
 fn late_round_with_a_trigger_is_no_lost_place() {
-    // The profile begins 1 ms after the trigger's stamp, in the past: a step of the set point, of which the stage (2
-    // m/s²) makes good what it can. Named encoder; the place is lost.
+    // The profile began 1 ms after the trigger's stamp, in the past: the set point made a step,
+    // which the stage (2 m/s²) could not follow. The encoder was blamed and the place was lost.
     let mut bench = Bench::armed();
     let start_mm = bench.place_mm();
     let trigger = bench.now.plus_s(0.000_01);
@@ -50,7 +51,7 @@ fn late_round_with_a_trigger_is_no_lost_place() {
 
 #[test]
 fn tdi_camera_disarmed_in_a_brown_out_is_disarmed() {
-    // `resume` without a stage is armed at once and leaves `is_disarming` standing.
+    // Without a stage `resume` armed the camera at once and did not reset `is_disarming`.
     let mut bench = Bench::with(&tdi(), FlightSettings::default(), Start::Orderly);
     bench.arm();
     bench.send(Event::Supply(Supply::Low));
@@ -79,7 +80,7 @@ fn stage_of_a_camera_disarmed_in_a_brown_out_stays() {
 
 #[test]
 fn tdi_camera_overloaded_in_its_run_up_is_degraded() {
-    // `call_off` asks `ready()` before `degraded` is set.
+    // `call_off` chose the next state before `degraded` was set.
     let mut bench = Bench::with(&tdi(), FlightSettings::default(), Start::Orderly);
     bench.arm();
     late_round(&mut bench);
@@ -95,7 +96,7 @@ fn tdi_camera_overloaded_in_its_run_up_is_degraded() {
 
 #[test]
 fn three_late_rounds_in_two_seconds_are_no_overload() {
-    // `late_since` moves with every late round: the window is a chain, not [`OVERLOAD_WINDOW_S`].
+    // The window began anew with every late round instead of ending after [`OVERLOAD_WINDOW_S`].
     let mut bench = Bench::armed();
     for _ in 0..3 {
         late_round(&mut bench);

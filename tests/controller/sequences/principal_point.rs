@@ -1,10 +1,10 @@
-//! Wrong principal points without flag or fault.
+//! Sequences that gave wrong principal points without flag or fault.
 
 use super::*;
 
 #[test]
 fn glitch_of_a_stage_without_force_is_no_motion() {
-    // Without force readings are not looked at: one wrong reading is integrated into the centroid.
+    // Readings of a stage without force were not checked: one wrong reading entered the centroid.
     let mut bench = stalled();
     let place_mm = bench.stage.offset_mm;
     bench.send(Event::Trigger);
@@ -23,14 +23,14 @@ fn glitch_of_a_stage_without_force_is_no_motion() {
 
 #[test]
 fn closing_edge_never_seen_is_not_a_measured_centroid() {
-    // The shutter closed in time, its edge was lost: the centroid is that of 54 ms, σ is 30 nm.
-    // `ShutterLong` with a closing edge that was seen looks the same.
+    // The shutter closed in time, but its edge was lost: the centroid was that of 54 ms, with a σ
+    // of 30 nm. `ShutterLong` with a closing edge that was seen looks the same.
     let mut bench = exposing_for(1.0 / 300.0);
     bench.edges.clear();
     bench.run(100);
     let record = bench.records()[0];
     let frame = exposed(&record);
-    // Planned and true: 0.
+    // The planned and true centroid is 0.
     let off_mm = frame.interior.motion.centroid_mm;
     assert!(
         off_mm.abs() <= 3.0 * frame.principal_point_sigma_mm
@@ -44,14 +44,15 @@ fn closing_edge_never_seen_is_not_a_measured_centroid() {
 
 #[test]
 fn lost_place_is_not_found_again_by_clearing_it() {
-    // 0.5 mm of counts are added, the fault is cleared, nothing has been referenced: frames are "measured" again.
+    // The count was 0.5 mm off and the fault was cleared without a reference; frames counted as
+    // measured again.
     let mut bench = Bench::armed();
     for _ in 0..3 {
         round(&mut bench, 1e-3, Some(0.5));
     }
     bench.run_until(200, |it| it == State::Degraded(Fault::Encoder));
     bench.send(Event::Command(Command::ClearFault));
-    // From here on the loop is closed on the wrong count: reading = set point = true place + 0.5 mm.
+    // From here on the stage follows the wrong count: reading = set point = true place + 0.5 mm.
     bench.run(2);
     bench.send(Event::Command(Command::Arm));
     bench.run(1500);
@@ -65,7 +66,8 @@ fn lost_place_is_not_found_again_by_clearing_it() {
 
 #[test]
 fn gap_in_the_readings_is_flagged() {
-    // `is_covered` looks at the ends alone: 12 of 20 ms are interpolated as if they had been measured.
+    // `is_covered` checked only the ends: 12 of 20 ms were interpolated as if they had been
+    // measured.
     let mut bench = exposing_for(0.02);
     bench.run(3);
     bench.is_read = false;
@@ -78,7 +80,8 @@ fn gap_in_the_readings_is_flagged() {
 
 #[test]
 fn wobble_in_the_exposure_is_smear() {
-    // 9 µm away from the set point and back: travel is right, so smear is "0.1 px"; it is 1 px.
+    // 9 µm away from the set point and back: the travel is right, so that the smear was given as
+    // 0.1 px; it is 1 px.
     let mut bench = exposing_for(0.02);
     for tick in 1..=18_u8 {
         let off_um = 0.9 * f32::from(if tick < 10 { tick } else { 18 - tick });
@@ -96,8 +99,8 @@ fn wobble_in_the_exposure_is_smear() {
 
 #[test]
 fn reading_from_the_future_does_not_end_all_measuring() {
-    // The time of a reading is not checked: all later ones are "not later" and left out of the path for 10 s, which
-    // is then the straight line to that reading.
+    // The time of a reading was not checked: all later readings counted as "not later" for 10 s and
+    // were left out of the path, which then was the straight line to that reading.
     let mut bench = Bench::armed();
     let reading = StageReading {
         time: bench.now.plus_s(10.0),

@@ -1,4 +1,4 @@
-//! What a record says.
+//! Sequences that gave wrong records.
 
 use super::*;
 
@@ -19,7 +19,7 @@ fn attitude_that_cannot_be_used_is_not_in_the_smear() {
 
 #[test]
 fn shutter_that_opens_before_its_command_is_not_opened_again() {
-    // The command waits at the board for another 1.7 ms; nothing takes it back.
+    // The command waits at the board for another 1.7 ms; it was not withdrawn.
     let mut bench = Bench::armed();
     bench.send(Event::Trigger);
     bench.run_until(100, |it| it == State::Tracking);
@@ -31,8 +31,8 @@ fn shutter_that_opens_before_its_command_is_not_opened_again() {
 
 #[test]
 fn exposure_cut_by_a_clock_jump_is_not_measured() {
-    // As `clock_that_jumps_ends_the_frame_and_is_a_fault`, one round later: the last light is an assumption, the path
-    // up to it "continued", σ 30 nm.
+    // As `clock_that_jumps_ends_the_frame_and_is_a_fault`, one round later: the last light is
+    // assumed; the path up to it counted as "continued", with a σ of 30 nm.
     let mut bench = exposing_for(1.0 / 300.0);
     bench.run(1);
     bench.edges.clear();
@@ -49,7 +49,7 @@ fn exposure_cut_by_a_clock_jump_is_not_measured() {
 
 #[test]
 fn round_before_the_one_before_is_a_jump_of_the_clock() {
-    // Stamps of interrupts may be 10 ms old; rounds come in order.
+    // Stamps of interrupts may be 10 ms old, but rounds come in order.
     let mut bench = Bench::armed();
     bench.now = bench.now.plus_s(-0.006);
     bench.round();
@@ -58,8 +58,8 @@ fn round_before_the_one_before_is_a_jump_of_the_clock() {
 
 #[test]
 fn attitude_of_a_camera_flown_backwards_is_about_its_own_axes() {
-    // Rates are about the camera's axes, the camera is not turned: in flight against the axis they act the other way.
-    // (If the sample is meant about the axes of the flight, its comment and that of `Attitude` are wrong instead.)
+    // Rates are about the camera's axes, and the camera is not turned: in flight against the axis
+    // they act in the opposite direction.
     let smear_px = |direction, pitch_rate_deg_s| {
         let mut bench = Bench::new(FlightSettings {
             direction,
@@ -94,7 +94,8 @@ mod link {
 
     #[test]
     fn watchdog_is_not_forgotten_by_preparing_twice() {
-        // `RigDeck::prepare` spends its start on the first controller; the second knows nothing, and no record does.
+        // `RigDeck::prepare` passed its start to the first controller only; the second did not know
+        // of it, and neither did any record.
         let mut deck = RigDeck::new(Start::AfterWatchdog);
         deck.prepare(&camera(), 1, &FlightSettings::default())
             .unwrap();

@@ -1,8 +1,9 @@
-//! The shutter opens without the stage at speed.
+//! Sequences in which the shutter opened although the stage was not at speed.
 
 use super::*;
 
-/// When the shutter's command leaves in the frame of [`Bench::armed`] triggered at once.
+/// Returns the time at which the shutter's command leaves in the frame of [`Bench::armed`]
+/// triggered at once.
 fn command() -> Time {
     let mut bench = Bench::armed();
     bench.send(Event::Trigger);
@@ -14,7 +15,8 @@ fn command() -> Time {
     opens.unwrap()
 }
 
-/// Rounds with their times relative to the command, s, of a stage that falls back by 7 % of its speed from 8 ms before.
+/// Runs rounds with their times relative to the command, s, of a stage that falls back by 7 % of
+/// its speed from 8 ms before.
 fn slow_stage(ends_s: &[f32]) -> Bench {
     const SLOW_MM_S: f32 = -0.7;
     let command = command();
@@ -42,13 +44,14 @@ fn slow_stage(ends_s: &[f32]) -> Bench {
 
 #[test]
 fn stage_not_at_speed_is_seen_with_rounds_of_1_4_ms() {
-    // Control: punctual rounds refuse the frame.
+    // As a control, punctual rounds refuse the frame.
     let punctual = slow_stage(&[-0.0015, -0.0005, 0.0005, 0.0015]);
     assert_eq!(
         punctual.records()[0].outcome,
         Outcome::Refused(Reason::NotAtSpeed)
     );
-    // No round in the last millisecond before the command (1.4 ms are not even late): nobody looks at the speed.
+    // No round falls into the last millisecond before the command (1.4 ms do not even count as
+    // late): the speed was not checked.
     let bench = slow_stage(&[-0.001_05, 0.000_35, 0.0015]);
     assert_eq!(bench.controller.counts().late_ticks, 0);
     assert_eq!(
@@ -59,8 +62,8 @@ fn stage_not_at_speed_is_seen_with_rounds_of_1_4_ms() {
 
 #[test]
 fn command_taken_back_is_not_repeated_without_a_look_at_the_speed() {
-    // Taken back 0.9 ms before it leaves; the next round, 0.1 ms before, sends it again: `now < planned` is not
-    // checked.
+    // The command is withdrawn 0.9 ms before it leaves; the next round, 0.1 ms before, sent it
+    // again, because `now < planned` was not checked.
     let bench = slow_stage(&[-0.0009, -0.0001, 0.0009]);
     assert_eq!(
         bench.records()[0].outcome,
@@ -70,7 +73,7 @@ fn command_taken_back_is_not_repeated_without_a_look_at_the_speed() {
 
 #[test]
 fn shutter_does_not_open_on_readings_that_have_ceased() {
-    // The slope of old readings counts for ever; there is no fault for an encoder that says nothing.
+    // The slope of old readings never expired, and an encoder without readings caused no fault.
     let mut bench = Bench::armed();
     bench.send(Event::Trigger);
     bench.run(5);

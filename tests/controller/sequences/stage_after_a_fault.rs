@@ -1,10 +1,11 @@
-//! The stage is driven after a fault.
+//! Sequences in which the stage was driven after a fault.
 
 use super::*;
 
 #[test]
 fn stall_outlives_a_brown_out() {
-    // `resume` forgets `degraded`: supply low and good again drives a stalled stage that nobody has cleared.
+    // `resume` lost `degraded`: a low supply that recovered drove a stalled stage whose fault had
+    // not been cleared.
     let mut bench = stalled();
     bench.send(Event::Supply(Supply::Low));
     bench.run(5);
@@ -21,13 +22,14 @@ fn stall_outlives_a_brown_out() {
 
 #[test]
 fn place_lost_in_standby_is_not_driven_blind() {
-    // In standby the fault is noted, `is_place_lost` stays, arming drives the stage with its watch switched off.
+    // In standby the fault was noted and `is_place_lost` stayed set; arming then drove the stage
+    // with its watch switched off.
     let mut bench = Bench::new(FlightSettings::default());
     bench.run(2);
     bench.send(Event::Drive(Fault::Encoder));
     bench.send(Event::Command(Command::Arm));
     bench.run(2);
-    // It goes the wrong way by half a millimetre, and nobody sees it.
+    // The stage goes half a millimetre the wrong way, which was not noticed.
     for _ in 0..20 {
         round(&mut bench, 1e-3, Some(-0.5));
     }
@@ -40,8 +42,8 @@ fn place_lost_in_standby_is_not_driven_blind() {
 
 #[test]
 fn stall_outlives_an_overload() {
-    // `overload` replaces `degraded` during an exposure; a second later the camera is armed, its stage without force,
-    // and the next trigger drives it from 0 mm, wherever it is.
+    // An overload replaced `degraded` during an exposure; a second later the camera was armed, its
+    // stage without force, and the next trigger drove it from 0 mm, regardless of its place.
     let mut bench = stalled();
     bench.send(Event::Trigger);
     bench.run_until(100, |it| it == State::Exposing);

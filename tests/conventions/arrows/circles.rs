@@ -4,9 +4,9 @@ use std::collections::{BTreeMap, BTreeSet, VecDeque};
 
 use super::modules::{Arrows, Module};
 
-/// Circles: from a module along arrows back to it, each written `a → b → a`, the shortest for a
-/// module that has one; a module that is on one circle already is not asked for another. The root
-/// of a crate is left out: it names everything, and holds what everything shares.
+/// Returns the circles: from a module along arrows back to it, each written `a → b → a`, the
+/// shortest for a module that has one. A module that is on a circle already found is not searched
+/// again. The root of a crate is left out, because it names all modules and holds what they share.
 pub(crate) fn circles(arrows: &Arrows) -> Vec<String> {
     let mut seen: BTreeSet<&Module> = BTreeSet::new();
     let mut circles = Vec::new();
@@ -23,7 +23,7 @@ pub(crate) fn circles(arrows: &Arrows) -> Vec<String> {
     circles
 }
 
-/// The shortest way from a module along arrows back to it.
+/// Returns the shortest way from a module along arrows back to it.
 fn circle_of<'a>(arrows: &'a Arrows, module: &'a Module) -> Option<Vec<&'a Module>> {
     let mut came_from: BTreeMap<&Module, &Module> = BTreeMap::new();
     let mut next = VecDeque::from([module]);
@@ -52,7 +52,7 @@ fn circle_of<'a>(arrows: &'a Arrows, module: &'a Module) -> Option<Vec<&'a Modul
     None
 }
 
-/// The same arrows between the modules of the top level, with all that is below them.
+/// Returns the same arrows between the modules of the top level, each with all modules below it.
 pub(crate) fn of_the_top_level(arrows: &Arrows) -> Arrows {
     let top = |module: &Module| module.first().map(|first| vec![first.clone()]);
     let mut between = Arrows::new();
@@ -64,7 +64,8 @@ pub(crate) fn of_the_top_level(arrows: &Arrows) -> Arrows {
     between
 }
 
-/// Arrows from a module, or one below it, to another or one below that, each written `a → b`.
+/// Returns the arrows from a module, or one below it, to another or one below that, each written
+/// `a → b`.
 pub(crate) fn between(arrows: &Arrows, from: &str, to: &str) -> Vec<String> {
     let [from, to] = [from, to].map(|path| path.split("::").map(str::to_owned).collect::<Module>());
     let mut found = Vec::new();

@@ -1,5 +1,5 @@
-//! Dependencies point from the edge to the core: between crates cargo keeps the direction, inside a
-//! crate these tests.
+//! Direction of dependencies, from the edge to the core: cargo keeps it between crates, these tests
+//! inside a crate.
 
 mod circles;
 mod modules;
@@ -14,12 +14,12 @@ fn root() -> &'static Path {
     Path::new(env!("CARGO_MANIFEST_DIR"))
 }
 
-/// The arrows of the library; its programs are crates of their own.
+/// Returns the arrows of the library; its programs are crates of their own.
 fn library() -> Arrows {
     of_directory(&root().join("src"), &["bin"])
 }
 
-/// Every library of `crates`.
+/// Returns the arrows of every library of `crates`.
 fn crates() -> Vec<(String, Arrows)> {
     let entries = fs::read_dir(root().join("crates")).unwrap();
     let directories = entries.map(|entry| entry.unwrap().path());
@@ -85,7 +85,7 @@ fn no_files_of_a_crate_use_each_other_in_a_circle() {
     assert_eq!(circles(&library()), [""; 0], "src");
 }
 
-/// The arrows of a sample, whose files are given by name and text.
+/// Returns the arrows of a sample, whose files are given by name and text.
 fn sample(files: &[(&str, &str)]) -> Arrows {
     let owned = |(name, text): &(&str, &str)| ((*name).to_owned(), (*text).to_owned());
     of_files(&files.iter().map(owned).collect::<Vec<_>>())
@@ -149,7 +149,7 @@ fn parent_that_passes_its_child_on_does_not_use_it_and_one_that_calls_it_does() 
     ] {
         assert_eq!(circles(&parent(text)), ["stage → stage::path → stage"]);
     }
-    // Passed on from elsewhere, it is an arrow.
+    // An item of another module that is passed on is an arrow.
     let elsewhere = sample(&[
         ("lib.rs", "mod stage; mod io;"),
         ("stage.rs", "pub use crate::io::Port;"),

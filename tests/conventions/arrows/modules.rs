@@ -1,4 +1,4 @@
-//! Modules of a crate, and which of them use which, by the paths in their sources.
+//! Modules of a crate and the modules that each uses, by the paths in their sources.
 //!
 //! A module is a file. Paths of `use`, of code and of macros' arguments count; those of tests, of
 //! documentation and of visibilities do not. An item that a module passes on (`pub use`) belongs to
@@ -13,24 +13,26 @@ use proc_macro2::{TokenStream, TokenTree};
 use syn::visit::{self, Visit};
 use syn::{Attribute, ItemMod, ItemUse, UseTree, Visibility};
 
-/// A module's path from the root of its crate, the root's is empty.
+/// A module's path from the root of its crate; that of the root is empty.
 pub(crate) type Module = Vec<String>;
 
-/// Which modules use which.
+/// For each module the modules that it uses.
 pub(crate) type Arrows = BTreeMap<Module, BTreeSet<Module>>;
 
-/// What a source says, its inline modules included.
+/// Contents of a source, its inline modules included.
 #[derive(Debug, Default)]
 struct Source {
     /// Paths, and the module, of the file or inline, in which they stand.
     used: Vec<(Module, Vec<String>)>,
-    /// Names that are passed on with the path of what they stand for; `*` is everything.
+    /// Names that are passed on, with the paths of the items for which they stand; `*` is
+    /// everything.
     passed_on: Vec<(String, Vec<String>)>,
-    /// Children that exist in tests alone.
+    /// Children that exist only in tests.
     of_tests: BTreeSet<String>,
 }
 
-/// The arrows of a crate whose sources lie in a directory; `skipped` are directories of programs.
+/// Returns the arrows of a crate whose sources lie in a directory; `skipped` are directories of
+/// programs.
 pub(crate) fn of_directory(root: &Path, skipped: &[&str]) -> Arrows {
     let mut files = Vec::new();
     let mut directories = vec![root.to_owned()];
@@ -51,7 +53,7 @@ pub(crate) fn of_directory(root: &Path, skipped: &[&str]) -> Arrows {
     of_files(&files)
 }
 
-/// The arrows of a crate of these files: paths from the root's directory, and texts.
+/// Returns the arrows of a crate of these files: paths from the root's directory, and texts.
 pub(crate) fn of_files(files: &[(String, String)]) -> Arrows {
     let mut sources: BTreeMap<Module, Source> = files
         .iter()
@@ -85,7 +87,7 @@ pub(crate) fn of_files(files: &[(String, String)]) -> Arrows {
     arrows
 }
 
-/// The module of a file.
+/// Returns the module of a file.
 fn module_of(name: &str) -> Module {
     let stem = name.strip_suffix(".rs").unwrap_or(name);
     let mut module: Module = stem.split('/').map(str::to_owned).collect();
@@ -102,8 +104,8 @@ fn below(module: &[String], child: &str) -> Module {
     path
 }
 
-/// The module that a path in a module leads to; `None` where it leads out of the crate, or to
-/// something that is named here otherwise: an item of this module, or one that a `use` has brought.
+/// Returns the module to which a path in a module leads; `None` if it leads out of the crate, or to
+/// a name of this module itself: an item, or a name that a `use` has brought.
 fn target(
     sources: &BTreeMap<Module, Source>,
     place: &[String],
@@ -138,7 +140,7 @@ fn target(
     while !sources.contains_key(&module) {
         module.pop()?;
     }
-    // What is passed on through three modules is passed on in a circle.
+    // An item that is passed on through three modules is passed on in a circle.
     if let Some(name) = rest.first()
         && depth < 3
     {
@@ -168,7 +170,7 @@ impl Source {
     }
 }
 
-/// Walks through a file.
+/// Visitor that walks through a file.
 struct Reader {
     place: Module,
     is_inline: bool,
@@ -180,7 +182,7 @@ impl Reader {
         self.source.used.push((self.place.clone(), path));
     }
 
-    /// Paths among tokens that nothing but their macro understands.
+    /// Adds the paths among tokens that only their macro understands.
     fn use_tokens(&mut self, tokens: TokenStream) {
         let mut path: Vec<String> = Vec::new();
         let mut colons = 0;
@@ -277,7 +279,7 @@ fn is_for_tests(attributes: &[Attribute]) -> bool {
     })
 }
 
-/// The names that a `use` brings, `*` for all, with their paths.
+/// Returns the names that a `use` brings, `*` for all, with their paths.
 fn leaves_of(tree: &UseTree, before: &mut Vec<String>, leaves: &mut Vec<(String, Vec<String>)>) {
     let path = |last: &str| {
         let mut path = before.clone();

@@ -1,4 +1,4 @@
-//! Section 12: the five coefficients fitted to exposures.
+//! Section 13: the five coefficients fitted to exposures.
 
 use super::{Example, Given, Results};
 use crate::conventions::camera;

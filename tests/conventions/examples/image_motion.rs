@@ -78,7 +78,7 @@ fn velocity(given: &Given) -> Results {
     ]
 }
 
-/// The largest smear and how far from the centre it is.
+/// Returns the largest smear and its distance from the centre.
 fn largest(given: &Given, change: impl Fn(&mut FlightState)) -> Results {
     let mut flight = flight(given);
     change(&mut flight);

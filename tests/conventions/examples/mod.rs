@@ -23,7 +23,7 @@ use fmc_camera::geometry::sensor::{PixelPoint, Sensor, SensorPoint};
 use std::fmt::Debug;
 use std::str::FromStr;
 
-/// Name of an example, and how it is computed.
+/// Name of an example, and the function that computes it.
 type Example = (&'static str, fn(&Given) -> Results);
 
 /// Symbol, unit and value.
@@ -86,7 +86,7 @@ impl Given {
         Exposure::new(self.number("V/H", "1/s"), self.number("t", "s"))
     }
 
-    /// The camera of the tests with the given principal distance and stage.
+    /// Returns the camera of the tests with the given principal distance and stage.
     fn stage_camera(&self, run_up: RunUp) -> CameraParameters {
         let mut record = camera::record();
         record.calibration.principal_distance_mm = self.number("f", "mm");
@@ -105,7 +105,7 @@ fn point_results(x: &'static str, y: &'static str, point: SensorPoint) -> Result
     vec![(x, "mm", point.x_mm.into()), (y, "mm", point.y_mm.into())]
 }
 
-/// Half a unit of the last printed digit.
+/// Returns half a unit of the last printed digit.
 fn half_last_digit(number: &str) -> f64 {
     let decimals = number.split_once('.').map_or(0, |(_, digits)| digits.len());
     0.5 * 10_f64.powi(-i32::try_from(decimals).unwrap())

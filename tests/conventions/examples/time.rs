@@ -46,13 +46,13 @@ fn unequal_ramps(given: &Given) -> Results {
     ]
 }
 
-/// f in mm, V in m/s, flying height in m.
+/// Returns f in mm, V in m/s and the flying height in m.
 fn flight(given: &Given) -> [f32; 3] {
     [("f", "mm"), ("V", "m/s"), ("height", "m")].map(|(symbol, unit)| given.number(symbol, unit))
 }
 
-/// Ground error of a pair (offset, time) at a terrain `relief_m` above the height that is
-/// compensated.
+/// Returns the ground error of a pair (offset, time) at a terrain `relief_m` above the height that
+/// is compensated.
 fn ground_error(
     given: &Given,
     relief_m: f64,
@@ -67,7 +67,8 @@ fn ground_error(
     let shutter = Shutter::new(ShutterProfile::Uniform).unwrap();
     let motion = PrincipalPointMotion::from_plan(travel, &shutter);
     let (offset_mm, time_s) = pair(&motion);
-    // Mean image of a point below the aircraft at opening, and the point that the pair makes of it.
+    // Mean image of a point below the aircraft at opening, and the point that follows from it with
+    // the pair.
     let (ground_speed, scale) = (f64::from(v), (f64::from(height) - relief_m) / f64::from(f));
     let image =
         f64::from(motion.centroid_mm) - ground_speed * f64::from(motion.centroid_time_s) / scale;

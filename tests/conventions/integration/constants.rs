@@ -1,4 +1,4 @@
-//! The constants by which the camera judges.
+//! Constants of the camera's decisions.
 
 use fmc_camera::flight::control_loop::MAX_EVENTS;
 use fmc_camera::flight::controller::timing::{

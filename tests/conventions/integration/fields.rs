@@ -6,7 +6,7 @@ use fmc_camera::flight::interior_orientation::InteriorOrientation;
 use super::rows;
 use crate::conventions::document::names;
 
-/// The names of all fields; does not compile where one is missing.
+/// Returns the names of all fields; does not compile if one is missing.
 macro_rules! fields {
     ($type:ident { $($field:ident),+ $(,)? }) => {{
         let _ = |$type { $($field),+ }: $type| {
@@ -16,7 +16,7 @@ macro_rules! fields {
     }};
 }
 
-/// The names in the first column, in the alphabet's order.
+/// Returns the names in the first column, in alphabetical order.
 fn documented(heading: &str) -> Vec<&'static str> {
     let mut found: Vec<_> = rows(heading)
         .into_iter()
@@ -69,7 +69,7 @@ fn fields_of_a_record_are_those_of_the_code() {
         terms,
         left_out_nm,
     });
-    // `focus_convention` is named twice.
+    // The table has `focus_convention` twice.
     let mut found = documented("field of `InteriorOrientation`");
     found.dedup();
     assert_eq!(found, sorted(interior));

@@ -32,7 +32,7 @@ fn every_flag_is_explained() {
     assert_eq!(column("flag", 0), expected);
 }
 
-/// The reason after another; does not compile with one that is not here.
+/// Returns the reason after another; does not compile if one is missing here.
 const fn next(reason: Reason) -> Option<Reason> {
     Some(match reason {
         Reason::NotArmed => Reason::Overlap,

@@ -1,5 +1,6 @@
-//! `docs/integration.md`: what it lists and quotes is what the code has. States that faults lead to are compared in
-//! `tests/controller/document.rs`, times of a frame in `host-sim/tests/frame_timing`.
+//! `docs/integration.md` against the code: its lists and quotations. States to which faults lead
+//! are compared in `tests/controller/document.rs`, times of a frame in
+//! `host-sim/tests/frame_timing`.
 
 mod constants;
 mod fields;
@@ -18,7 +19,7 @@ fn rows(heading: &str) -> Vec<Vec<&'static str>> {
     rows_of(DOCUMENT, heading)
 }
 
-/// What the example prints, and what stands before and after it.
+/// Returns the output of the example as the document quotes it, and the text before and after it.
 fn around_output() -> (&'static str, &'static str, &'static str) {
     let fence = "```text\n";
     let at = DOCUMENT.find("```text\n0.001000").unwrap() + fence.len();

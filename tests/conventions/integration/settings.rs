@@ -10,7 +10,7 @@ use crate::conventions::document::names;
 
 type Field = fn(&mut FlightSettings) -> &mut f32;
 
-/// Fields under their paths; does not compile for one that is not there.
+/// Returns the fields under their paths; does not compile for a field that does not exist.
 macro_rules! settings {
     ($($($field:ident).+),+ $(,)?) => {
         [$((
@@ -46,7 +46,7 @@ const SETTINGS: [(&str, Field); 23] = settings![
     drive.velocity_loop.duty_delay_s,
 ];
 
-/// Whether the settings are believed with this value of one of them.
+/// Returns true if the settings are accepted with this value of one of them.
 fn is_believed(field: Field, value: f32) -> bool {
     let mut settings = FlightSettings::default();
     *field(&mut settings) = value;
@@ -74,7 +74,7 @@ fn defaults_and_ranges_are_those_of_the_code() {
     }
 }
 
-/// Does not compile with a field more: it belongs in the document.
+/// Does not compile with an additional field, which belongs in the document, too.
 #[test]
 fn settings_without_a_range_are_named() {
     let FlightSettings {

@@ -2,7 +2,8 @@
 //! runs and answers.
 //!
 //! ```text
-//! FMC_FIRMWARE=target/firmware/nucleo-h743zi FMC_HIL_PORT=/dev/ttyACM0 cargo test -p hil -- --ignored
+//! FMC_FIRMWARE=target/firmware/nucleo-h743zi FMC_HIL_PORT=/dev/ttyACM0 \
+//! cargo test -p hil -- --ignored
 //! ```
 
 use std::{

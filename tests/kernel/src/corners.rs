@@ -1,4 +1,5 @@
-//! Corner cases: special numbers as coordinates and as coefficients, and every number of points up to nine.
+//! Corner cases: special numbers as coordinates and as coefficients, and every number of points up
+//! to nine.
 
 use fmc_camera_kernel::Coefficients;
 

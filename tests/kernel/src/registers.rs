@@ -26,8 +26,8 @@ macro_rules! kept {
     ($kernel:path, $first:expr, $second:expr, $third:expr, $fourth:expr) => {{
         let before = NUMBERS.map(f32::to_bits);
         let mut after = [0_u32; 16];
-        // SAFETY: the arguments are those of the kernel, for two blocks; every register that is loaded here or that a
-        // function may change is named.
+        // SAFETY: the arguments are those of the kernel, for two blocks; every register that is
+        // loaded here or that a function may change is named.
         unsafe {
             asm!(
                 "vldmia r5, {{s16-s31}}",

@@ -3,10 +3,11 @@
 use super::mesh_format::{MeshFormat, OutOfFormat};
 use super::vertex::{PixelAxis, Vertex};
 
-/// Steps that a 32-bit number holds.
+/// Number of steps that a 32-bit number holds.
 const LARGEST_SHARE: f32 = 65_536.0 * 32_768.0;
 
-/// A fixed-point number: a whole part that is counted exactly and a share that is rounded to the nearest step.
+/// A fixed-point number: a whole part that is exact and a share that is rounded to the nearest
+/// step.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Fixed {
     pub(super) format: MeshFormat,
@@ -16,7 +17,7 @@ pub(super) struct Fixed {
 }
 
 impl Fixed {
-    /// Steps of `whole_px + share_px`; [`OutOfFormat`] where `Steps` cannot hold them.
+    /// Returns `whole_px + share_px` in steps, or [`OutOfFormat`] if `Steps` cannot hold them.
     pub(super) fn steps<Steps: TryFrom<i64>>(
         &self,
         vertex: &Vertex,
@@ -28,7 +29,7 @@ impl Fixed {
         let steps_per_px = 1_i32 << self.fraction_bits;
         #[expect(clippy::cast_precision_loss, reason = "a power of two")]
         let share = share_px * steps_per_px as f32;
-        // Neither a NaN nor a number that the conversion would cut off.
+        // This excludes a NaN and numbers that the conversion would cut off.
         let rounded = (share.abs() < LARGEST_SHARE).then(|| {
             #[expect(clippy::cast_possible_truncation, reason = "that is the rounding")]
             let nearest = (share + 0.5_f32.copysign(share)) as i32;
@@ -60,13 +61,13 @@ impl Fixed {
     }
 }
 
-/// The bytes of two numbers of two bytes.
+/// Joins two numbers of two bytes.
 pub(super) const fn pair16(columns: [u8; 2], rows: [u8; 2]) -> [u8; 4] {
     let ([c0, c1], [r0, r1]) = (columns, rows);
     [c0, c1, r0, r1]
 }
 
-/// The bytes of two numbers of four bytes.
+/// Joins two numbers of four bytes.
 pub(super) const fn pair32(columns: [u8; 4], rows: [u8; 4]) -> [u8; 8] {
     let ([c0, c1, c2, c3], [r0, r1, r2, r3]) = (columns, rows);
     [c0, c1, c2, c3, r0, r1, r2, r3]

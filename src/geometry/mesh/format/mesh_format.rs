@@ -1,10 +1,10 @@
-//! The formats, and what one of them does not hold.
+//! The vertex formats, and the error of a number beyond their range.
 
 use core::fmt;
 
 use super::vertex::PixelAxis;
 
-/// How a warp engine stores a vertex.
+/// Format in which a warp engine stores a vertex.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
@@ -20,10 +20,10 @@ pub enum MeshFormat {
 }
 
 impl MeshFormat {
-    /// All of them.
+    /// All formats.
     pub const ALL: [Self; 4] = [Self::S16Q3, Self::Uq12Q4, Self::Q12Q20, Self::Single];
 
-    /// Bytes of one vertex.
+    /// Number of bytes of one vertex.
     #[must_use]
     pub const fn bytes(self) -> usize {
         match self {
@@ -38,19 +38,19 @@ impl MeshFormat {
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct OutOfFormat {
-    /// Which format.
+    /// The format.
     pub format: MeshFormat,
     /// Column of the vertex, from the origin.
     pub col_px: i32,
-    /// Its row.
+    /// Row of the vertex, from the origin.
     pub row_px: i32,
-    /// Which of its two numbers.
+    /// The number of the vertex that is out of range.
     pub axis: PixelAxis,
-    /// The number, pixels.
+    /// Its value, pixels.
     pub value_px: f32,
-    /// Smallest that fits.
+    /// Smallest value that fits.
     pub min_px: f32,
-    /// Largest that fits.
+    /// Largest value that fits.
     pub max_px: f32,
 }
 

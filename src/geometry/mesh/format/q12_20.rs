@@ -1,14 +1,14 @@
 //! Q12.20: sources in the fixed-point type of Vitis Vision's rectification, `ap_fixed<32, 12>`.
 //!
-//! 12 bits with the sign before the point, 20 after it. Vitis Vision uses it for the parameters of
-//! `InitUndistortRectifyMapInverse`; its own `remap` reads maps in single precision ([`super::single`]). This format is for
-//! kernels that stay in fixed point.
+//! The number has 12 bits with the sign before the point and 20 after it. Vitis Vision uses the
+//! type for the parameters of `InitUndistortRectifyMapInverse`; its own `remap` reads maps in
+//! single precision ([`super::single`]). This format is for kernels that stay in fixed point.
 
 use super::fixed::{Fixed, pair32};
 use super::mesh_format::{MeshFormat, OutOfFormat};
 use super::vertex::{PixelAxis, Vertex};
 
-/// Half a step, and rounding before it of a displacement of up to 256 pixels.
+/// Half a step, plus the rounding, before that, of a displacement of up to 256 pixels.
 pub(super) const QUANTISATION_PX: f32 = 0.5 / 1_048_576.0 + 256.0 * f32::EPSILON;
 
 const FIXED: Fixed = Fixed {

@@ -1,9 +1,9 @@
 //! S16Q3: displacements of the mesh table of TI's lens distortion correction (LDC).
 //!
-//! A table in raster order, for every vertex a 32-bit entry with the horizontal and the vertical displacement
-//! interleaved, each a signed 16-bit number in eighths of a pixel: source minus output pixel (TI SPRUJB3, section
-//! "Mesh table" of LDC; TI E2E FAQ 1042074 has horizontal as the first). Vertices every 2ᵐ pixels; the table begins on a
-//! 16-byte boundary.
+//! The table has, in raster order, a 32-bit entry for every vertex: the horizontal and the vertical
+//! displacement interleaved, each a signed 16-bit number in eighths of a pixel: source minus output
+//! pixel (TI SPRUJB3, section "Mesh table" of LDC; TI E2E FAQ 1042074 has horizontal as the first).
+//! Vertices lie every 2ᵐ pixels; the table begins on a 16-byte boundary.
 
 use super::fixed::{Fixed, pair16};
 use super::mesh_format::{MeshFormat, OutOfFormat};

@@ -1,13 +1,15 @@
 //! Single precision: sources for NVIDIA VPI and for `remap` of `OpenCV` and Vitis Vision.
 //!
-//! VPI's warp map has control points of two floats, x then y (`VPIKeypointF32`), on the output image's grid; `OpenCV`
-//! takes two maps of one float or one of two. All hold the place in the source image.
+//! VPI's warp map has control points of two floats, x then y (`VPIKeypointF32`), on the output
+//! image's grid; `OpenCV` takes two maps of one float or one of two. All of them hold the place in
+//! the source image.
 
 use super::fixed::pair32;
 use super::mesh_format::{MeshFormat, OutOfFormat};
 use super::vertex::{PixelAxis, Vertex};
 
-/// Largest rounding of a coordinate of up to `largest_px`, and of the displacement in it: 0.0005 px at 10000 px.
+/// Returns the largest rounding of a coordinate of up to `largest_px` and of the displacement in
+/// it: 0.0005 px at 10000 px.
 #[must_use]
 pub const fn quantisation_px(largest_px: f32) -> f32 {
     largest_px * (f32::EPSILON / 2.0)

@@ -1,6 +1,7 @@
-//! A vertex of a mesh, as all formats store it.
+//! Vertex of a mesh, as all formats store it.
 
-/// A vertex: a pixel of the output image and the way to its place in the source image, the measured one.
+/// A vertex: a pixel of the output image and the way to its place in the source image, the measured
+/// one.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Vertex {
     /// Column of the output pixel, from the origin.
@@ -14,7 +15,8 @@ pub struct Vertex {
 }
 
 impl Vertex {
-    /// Place in the source image along an axis, from the origin, in single precision, pixels.
+    /// Returns the place in the source image along an axis, from the origin, in single precision,
+    /// pixels.
     #[expect(
         clippy::cast_precision_loss,
         reason = "exact: pixels of an image are fewer than 2^24"
@@ -24,7 +26,8 @@ impl Vertex {
         place_px as f32 + share_px
     }
 
-    /// Place of the output pixel along an axis and the way from there to the source, pixels.
+    /// Returns the place of the output pixel along an axis and the way from there to the source,
+    /// pixels.
     pub(super) const fn along(&self, axis: PixelAxis) -> (i32, f32) {
         match axis {
             PixelAxis::Columns => (self.col_px, self.source_cols_px),
@@ -33,7 +36,7 @@ impl Vertex {
     }
 }
 
-/// Which of the two numbers of a vertex.
+/// One of the two numbers of a vertex.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
