@@ -1,12 +1,16 @@
 //! Image motion while the shutter is open, and the residual smear that the compensation leaves.
 
+mod flight_state;
+mod view;
+
 use core::f32::consts::PI;
 use core::fmt;
 
-use super::calibration::Calibration;
-use super::planar_flow::{Extent, FlightPoint, GroundScale, Quadratic};
+pub use self::flight_state::{Attitude, FlightState, GroundMotion};
+pub use self::view::View;
+use super::planar_flow::{GroundScale, Quadratic};
 use super::range::{OutOfRange, Quantity};
-use super::sensor::{FmcAxis, Sensor, SensorPoint};
+use super::sensor::SensorPoint;
 
 /// Smallest scale of the ground's image, as a fraction of its scale below the camera, at which a
 /// corner of the sensor counts as seeing ground; 0 is the horizon.
@@ -18,96 +22,6 @@ const GRID_POINTS: u8 = 9;
 /// Ratio of squared lengths below which the first is certainly shorter: rounding can hide the order
 /// of lengths that are closer.
 const CLEARLY_SHORTER: f32 = 1.0 - 1e-5;
-
-/// The properties of the camera on which image motion depends.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct View {
-    /// The pixel array.
-    pub sensor: Sensor,
-    /// f, mm.
-    pub principal_distance_mm: f32,
-    /// Principal point at the exposure's centroid, mm.
-    pub principal_point: SensorPoint,
-    /// Direction of flight in the sensor frame.
-    pub axis: FmcAxis,
-}
-
-impl View {
-    /// Returns the view of a calibrated camera whose stage stands at its calibrated position.
-    #[must_use]
-    pub fn calibrated(calibration: &Calibration) -> Self {
-        let parameters = calibration.parameters();
-        Self {
-            sensor: *calibration.sensor(),
-            principal_distance_mm: parameters.principal_distance_mm,
-            principal_point: parameters.principal_point,
-            axis: parameters.axis,
-        }
-    }
-
-    /// Converts a point of the sensor frame to one relative to the principal point, along the
-    /// camera's axes.
-    fn flight_from_sensor(&self, point: SensorPoint) -> FlightPoint {
-        let x_mm = point.x_mm - self.principal_point.x_mm;
-        let y_mm = point.y_mm - self.principal_point.y_mm;
-        let sign = self.axis.sign();
-        if self.axis.is_x() {
-            FlightPoint {
-                right_mm: -sign * y_mm,
-                forward_mm: sign * x_mm,
-            }
-        } else {
-            FlightPoint {
-                right_mm: sign * x_mm,
-                forward_mm: sign * y_mm,
-            }
-        }
-    }
-
-    /// Two opposite corners of the sensor.
-    fn extent(&self) -> Extent {
-        let (x, y) = (self.sensor.half_width_mm(), self.sensor.half_height_mm());
-        [SensorPoint::new(-x, -y), SensorPoint::new(x, y)]
-            .map(|corner| self.flight_from_sensor(corner))
-    }
-}
-
-/// Motion of the camera over the ground.
-#[derive(Debug, Clone, Copy, PartialEq, Default)]
-pub struct GroundMotion {
-    /// η = V/H, with H above the reference plane, 1/s.
-    pub vh_per_s: f32,
-    /// h/H: terrain above the reference plane, per cent of H; negative below it.
-    pub relief_percent: f32,
-    /// χ: angle by which the track points to the right of the camera's forward axis, °.
-    pub drift_deg: f32,
-}
-
-/// Attitude of the camera at the exposure's centroid, and its rates about the camera's axes.
-#[derive(Debug, Clone, Copy, PartialEq, Default)]
-pub struct Attitude {
-    /// θ, right-handed about the axis to the right: the optical axis forward of the vertical, °.
-    pub pitch_deg: f32,
-    /// φ, right-handed about the forward axis: the optical axis to the left of the vertical, °.
-    pub roll_deg: f32,
-    /// Rate about the axis to the right, °/s.
-    pub pitch_rate_deg_s: f32,
-    /// Rate about the forward axis, °/s.
-    pub roll_rate_deg_s: f32,
-    /// Rate about the axis upwards: positive turns the nose to the left, °/s.
-    pub yaw_rate_deg_s: f32,
-}
-
-/// Motion, attitude and compensation of one exposure.
-#[derive(Debug, Clone, Copy, PartialEq, Default)]
-pub struct FlightState {
-    /// Motion over the ground.
-    pub motion: GroundMotion,
-    /// Attitude and its rates.
-    pub attitude: Attitude,
-    /// V/H for which the mechanism compensates, 1/s; 0 if the mechanism stands still.
-    pub compensated_vh_per_s: f32,
-}
 
 /// Velocity of an image point in the sensor frame.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]

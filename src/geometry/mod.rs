@@ -10,6 +10,7 @@ pub mod evaluation_form;
 pub mod five_coefficient;
 pub mod frame_correction;
 pub mod image_motion;
+mod interval;
 pub mod inverse;
 pub mod invertibility;
 pub mod mesh;

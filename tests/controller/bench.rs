@@ -4,7 +4,7 @@ use fmc_camera::flight::controller::state::State;
 use fmc_camera::flight::controller::{Controller, Start};
 use fmc_camera::flight::drive::StageReading;
 use fmc_camera::flight::event::{Action, Command, Event, ShutterEdge};
-use fmc_camera::flight::frame_record::FrameRecord;
+use fmc_camera::flight::frame_record::{ExposedFrame, FrameRecord, Outcome};
 use fmc_camera::flight::settings::FlightSettings;
 use fmc_camera::flight::stage::Setpoint;
 use fmc_camera::flight::time::Time;
@@ -172,4 +172,30 @@ impl Bench {
         }
         records
     }
+}
+
+/// Returns a camera in a state after a trigger.
+pub(crate) fn in_state(state: State) -> Bench {
+    let mut bench = Bench::armed();
+    bench.send(Event::Trigger);
+    bench.run_until(100, |it| it == state);
+    bench
+}
+
+pub(crate) fn only(bench: &Bench) -> FrameRecord {
+    let [record] = bench.records()[..] else {
+        panic!("{:?}", bench.records());
+    };
+    record
+}
+
+pub(crate) fn exposed(record: &FrameRecord) -> ExposedFrame {
+    let Outcome::Exposed(frame) = record.outcome else {
+        panic!("{record:?}");
+    };
+    frame
+}
+
+pub(crate) fn acted(bench: &Bench, action: Action) -> bool {
+    bench.actions.iter().any(|(_, it)| *it == action)
 }

@@ -12,8 +12,10 @@
 mod bench;
 mod bring_up;
 mod document;
-mod faults;
 mod findings;
 mod nominal;
+mod processor_faults;
 mod sequences;
+mod shutter_faults;
+mod stage_faults;
 mod table;

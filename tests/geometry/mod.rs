@@ -21,6 +21,8 @@ mod mesh_rounding;
 #[cfg(test)]
 mod pixel_correction;
 #[cfg(test)]
+mod pixel_correction_row;
+#[cfg(test)]
 mod point_kernel;
 #[cfg(test)]
 mod round_trip;

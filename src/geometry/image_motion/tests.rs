@@ -1,4 +1,5 @@
 use super::*;
+use crate::geometry::sensor::{FmcAxis, Sensor};
 use proptest::prelude::*;
 
 /// Returns the view of a camera of f = 100 mm, 80.64 mm square.

@@ -1,0 +1,116 @@
+//! Faults of the shutter, and triggers that come too soon: the state, the code and the outcome.
+
+use fmc_camera::flight::controller::state::State;
+use fmc_camera::flight::event::{Action, Event, ShutterEdge};
+use fmc_camera::flight::fault::Fault;
+use fmc_camera::flight::frame_record::{Flag, Outcome, Reason};
+use fmc_camera::flight::time::Time;
+
+use crate::controller::bench::{Bench, acted, exposed, in_state, only};
+
+#[test]
+fn shutter_told_to_open_is_told_to_stay_closed_when_the_stage_fails() {
+    let mut bench = in_state(State::Tracking);
+    bench.send(Event::LimitSwitch);
+    assert!(acted(&bench, Action::CloseShutter));
+}
+
+#[test]
+fn late_edge_is_exposed_and_says_so() {
+    let mut bench = Bench::armed();
+    bench.shutter_late_s = 0.0025;
+    bench.send(Event::Trigger);
+    bench.run(100);
+    let record = only(&bench);
+    assert!(record.faults.contains(Fault::ShutterLate));
+    assert!(acted(&bench, Action::Fault(Fault::ShutterLate)));
+    // 2.5 ms at 10 mm/s: the record has the principal point as measured, not as planned.
+    assert!((exposed(&record).interior.motion.centroid_mm - 0.025).abs() < 2e-4);
+}
+
+#[test]
+fn missing_edge_refuses_the_frame_and_one_that_comes_after_all_is_reported() {
+    let mut bench = Bench::armed();
+    bench.shutter_obeys = false;
+    bench.send(Event::Trigger);
+    bench.run(100);
+    let record = only(&bench);
+    assert_eq!(record.outcome, Outcome::Refused(Reason::ShutterMissing));
+    assert!(record.faults.contains(Fault::ShutterMissing));
+    assert_eq!(bench.controller.state(), State::Armed);
+    bench.actions.clear();
+    bench.send(Event::Shutter(ShutterEdge::Opened));
+    assert!(acted(&bench, Action::Fault(Fault::ShutterUnexpected)));
+    assert!(acted(&bench, Action::CloseShutter));
+    assert_eq!(bench.controller.counts().unexpected_edges, 1);
+    // The fault is in the next record.
+    bench.shutter_obeys = true;
+    bench.send(Event::Trigger);
+    bench.run(100);
+    assert!(bench.records()[1].faults.contains(Fault::ShutterUnexpected));
+}
+
+#[test]
+fn double_edges_are_reported_and_the_first_pair_counts() {
+    let mut bench = in_state(State::Exposing);
+    let opened = bench.now;
+    bench.send(Event::Shutter(ShutterEdge::Opened));
+    bench.run(60);
+    let record = only(&bench);
+    assert!(record.faults.contains(Fault::ShutterUnexpected));
+    assert!(exposed(&record).opened <= opened);
+}
+
+#[test]
+fn short_and_long_exposures_are_as_long_as_they_were() {
+    for (closed_us, fault) in [(1500, Fault::ShutterShort), (9000, Fault::ShutterLong)] {
+        let mut bench = in_state(State::Exposing);
+        let opened = bench.actions.iter().find_map(|(_, action)| match action {
+            Action::OpenShutter { at, .. } => Some(at.plus_s(0.002)),
+            _ => None,
+        });
+        let closed = Time::from_us(opened.unwrap().us() + closed_us);
+        bench.edges = vec![(closed, ShutterEdge::Closed)];
+        bench.run(60);
+        let record = only(&bench);
+        assert!(record.faults.contains(fault), "{record:?}");
+        let exposure_s = exposed(&record).interior.exposure_s;
+        #[expect(clippy::cast_precision_loss, reason = "small")]
+        let expected_s = 1e-6 * closed_us as f32;
+        assert!((exposure_s - expected_s).abs() < 1e-8);
+    }
+}
+
+#[test]
+fn shutter_that_does_not_close_is_given_up_with_a_record() {
+    let mut bench = in_state(State::Exposing);
+    bench.edges.clear();
+    bench.run_until(100, |it| it == State::Fault(Fault::ShutterLong));
+    assert!(acted(&bench, Action::CloseShutter));
+    let record = only(&bench);
+    assert!(record.faults.contains(Fault::ShutterLong));
+    // The time for which it was open is not known: the frame says so, in its flag and in its σ.
+    assert!(record.flags.contains(Flag::LastLightAssumed));
+    let frame = exposed(&record);
+    assert!((frame.interior.exposure_s - 1.0 / 300.0).abs() < 1e-6);
+    assert!(frame.principal_point_sigma_mm > 0.03);
+}
+
+#[test]
+fn triggers_during_a_frame_are_refused_each_with_its_record() {
+    for state in [
+        State::RunUp,
+        State::Tracking,
+        State::Exposing,
+        State::FlyBack,
+    ] {
+        let mut bench = in_state(state);
+        // Two edges between two ticks are two events.
+        bench.send(Event::Trigger);
+        bench.send(Event::Trigger);
+        bench.run(100);
+        let outcomes: Vec<_> = bench.records().iter().map(|it| it.outcome).collect();
+        assert!(matches!(outcomes[0], Outcome::Exposed(_)));
+        assert_eq!(outcomes[1..], [Outcome::Refused(Reason::Overlap); 2]);
+    }
+}
