@@ -1,10 +1,12 @@
-"""Runs every script here and compares its output with the file beside it; then compares docs/errata.md with the outputs.
+"""Check of the derivations: outputs against the files beside the scripts, docs/errata.md against
+the outputs.
 
     python3 docs/derivations/check.py             all; exit 1 where something differs
     python3 docs/derivations/check.py --write     writes the outputs anew
 
-In docs/errata.md a paragraph that begins with `*Shown by*` names scripts by links; every number with a decimal point in
-it must stand in the output of one of them. Those of the overview may be rounded. Every link within the page must have its heading.
+In docs/errata.md a paragraph that begins with `*Shown by*` names scripts by links; every number
+with a decimal point in it must stand in the output of one of them. Those of the overview may be
+rounded. Every link within the page must have its heading.
 """
 
 import difflib
@@ -21,7 +23,7 @@ NO_ERRATUM = {"invertibility"}
 
 
 def output(script):
-    """What the script prints, or None after saying why there is nothing."""
+    """Returns the output of the script, or None after printing why there is none."""
     environment = os.environ | {"PYTHONPATH": "", "PYTHONHASHSEED": "0", "PYTHONIOENCODING": "utf-8", "PYTHONDONTWRITEBYTECODE": "1"}
     run = subprocess.run([sys.executable, script], cwd=HERE, env=environment, capture_output=True, text=True, encoding="utf-8")
     if run.returncode == 0:
@@ -33,7 +35,7 @@ def output(script):
 
 
 def compare(script, write):
-    """Whether the script prints what is committed."""
+    """Returns True if the output of the script is the committed one."""
     printed = output(script)
     if printed is None:
         return False
@@ -50,7 +52,7 @@ def compare(script, write):
 
 
 def quoted_numbers():
-    """Numbers of the errata that no output bears out, and scripts that it does not name."""
+    """Returns numbers of the errata that are in no output, and scripts that it does not name."""
     faults = []
     linked = set()
     page = ERRATA.read_text(encoding="utf-8")
@@ -69,7 +71,7 @@ def quoted_numbers():
 
 
 def overview_faults(page):
-    """Numbers of the overview that round no number of their entry's scripts, and links without a heading."""
+    """Returns numbers of the overview that round none of their entry's scripts, and dead links."""
     entries = {}
     for entry in re.split(r"^#+ ", page, flags=re.M)[1:]:
         heading, _, body = entry.partition("\n")
@@ -86,7 +88,7 @@ def overview_faults(page):
 
 
 def output_of(name):
-    """The committed output of a script; empty where there is none."""
+    """Returns the committed output of a script; empty if there is none."""
     file = HERE / f"{name}.txt"
     return file.read_text(encoding="utf-8") if file.exists() else ""
 

@@ -1,4 +1,4 @@
-"""What the scripts share: printing, identities that must hold, and the published lenses."""
+"""Common parts of the scripts: printing, identities that must hold, and the published lenses."""
 
 import csv
 from pathlib import Path
@@ -23,7 +23,7 @@ def holds(claim, difference):
 
 
 def differs(claim, difference):
-    """Prints the claim and what is left over; stops if nothing is."""
+    """Prints the claim and the remainder; stops if there is none."""
     rest = [sp.factor(sp.simplify(sp.expand(entry))) for entry in sp.Matrix([difference])]
     if all(entry == 0 for entry in rest):
         raise SystemExit(f"no difference: {claim}")

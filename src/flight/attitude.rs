@@ -1,24 +1,24 @@
-//! The aircraft's attitude, and what is wrong with it.
+//! Attitude of the aircraft, and the findings of its checks.
 
 use super::event::AttitudeSample;
 use crate::geometry::range::Quantity;
 
-/// What an attitude shows.
+/// A finding of an attitude.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub enum AttitudeFinding {
-    /// A NaN or an infinity; the predicted smear does without.
+    /// A NaN or an infinity; the predicted smear leaves the attitude out.
     NotANumber,
-    /// An angle or a rate is outside its range; the predicted smear does without.
+    /// An angle or a rate is outside its range; the predicted smear leaves the attitude out.
     OutOfRange,
     /// Attitudes have come, but none near the exposure
     /// ([`ATTITUDE_WITHIN_S`](super::controller::timing::ATTITUDE_WITHIN_S)); the predicted smear
-    /// does without.
+    /// leaves the attitude out.
     Silent,
 }
 
 impl AttitudeSample {
-    /// What is wrong with it; ranges are those of [`Quantity`].
+    /// Checks angles and rates against the ranges of [`Quantity`]; `None` if all are inside.
     #[must_use]
     pub fn finding(&self) -> Option<AttitudeFinding> {
         let [pitch_rate_deg_s, roll_rate_deg_s, yaw_rate_deg_s] = self.rates_deg_s;

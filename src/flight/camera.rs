@@ -14,7 +14,7 @@ use crate::geometry::principal_point::{PrincipalPointMotion, UniformTravel};
 use crate::geometry::range::{MAX_FOCUS_FRACTION, OutOfRange, Quantity};
 use crate::geometry::shutter::{Shutter, ShutterProfile};
 
-/// How the image is held still.
+/// Mechanism that holds the image still.
 #[derive(Debug, Clone, Copy, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub enum Mechanism {
@@ -24,7 +24,7 @@ pub enum Mechanism {
         acceleration_mm_s2: f32,
         /// Settling time between run-up and exposure, ms.
         settling_ms: f32,
-        /// Where the run-up puts the exposure.
+        /// Position of the exposure relative to the calibrated position.
         run_up: RunUp,
         /// Largest change of the acceleration, mm/s³; `None` is unlimited.
         jerk_mm_s3: Option<f32>,
@@ -38,24 +38,24 @@ pub enum Mechanism {
     },
 }
 
-/// Everything that describes one camera, not yet believed.
+/// Everything that describes one camera, not yet validated.
 #[derive(Debug, Clone, Copy, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct CameraParameters {
     /// Lens, sensor and FMC axis.
     pub calibration: CalibrationParameters,
-    /// How the image is held still.
+    /// Mechanism that holds the image still.
     pub mechanism: Mechanism,
     /// Transmission over the exposure.
     pub shutter: ShutterProfile,
-    /// The exposures it accepts.
+    /// Exposures that the camera accepts.
     pub limits: Limits,
 }
 
 impl CameraParameters {
-    /// A camera of this calibration with the mechanism, shutter and limits of a camera file that
-    /// names none: a stage with 1000 mm/s², without limit of jerk and speed, 5 ms of settling,
-    /// centred run-up, uniform shutter, V/H 0.05 to 0.17 1/s, exposures of 1 to 20 ms.
+    /// Returns a camera of this calibration with the defaults of a camera file for mechanism,
+    /// shutter and limits: a stage with 1000 mm/s², without limit of jerk and speed, 5 ms of
+    /// settling, centred run-up, uniform shutter, V/H 0.05 to 0.17 1/s, exposures of 1 to 20 ms.
     #[must_use]
     pub const fn new(calibration: CalibrationParameters) -> Self {
         Self {
@@ -89,13 +89,13 @@ pub struct Camera {
 /// One frame: its interior orientation, and the correction of its points.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Frame {
-    /// What is reported.
+    /// Interior orientation, as it is reported.
     pub interior: InteriorOrientation,
-    /// What corrects its coordinates.
+    /// Correction of its coordinates.
     pub correction: FrameCorrection,
 }
 
-/// A frame cannot be taken as asked.
+/// The reason why a frame cannot be taken as asked.
 #[derive(Debug, Clone, Copy, PartialEq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
@@ -106,18 +106,18 @@ pub enum FrameError {
     Stroke(StrokeTooShort),
     /// The camera has no five-coefficient model.
     NotFitted,
-    /// The stage is not that fast.
+    /// The speed exceeds the stage's largest.
     Speed {
         /// Speed along the FMC axis that is asked for, mm/s.
         wanted_mm_s: f32,
-        /// The stage's largest, in either direction, mm/s.
+        /// Largest speed of the stage, in either direction, mm/s.
         max_mm_s: f32,
     },
-    /// The travel takes longer than there is time.
+    /// The travel takes longer than the time available.
     Time {
-        /// What it takes, s.
+        /// Time that the travel takes, s.
         needed_s: f32,
-        /// What there is, s.
+        /// Time available, s.
         available_s: f32,
     },
 }
@@ -240,13 +240,14 @@ impl Camera {
         &self.shutter
     }
 
-    /// The planner of the stage's motion. Of a TDI sensor: of the path of its charge, which needs no run-up.
+    /// The planner of the stage's motion. For a TDI sensor it plans the path of the charge, which
+    /// needs no run-up.
     #[must_use]
     pub const fn stage(&self) -> &Stage {
         &self.stage
     }
 
-    /// Where the run-up puts the exposure; `None` without a stage.
+    /// Position of the exposure relative to the calibrated position; `None` without a stage.
     #[must_use]
     pub const fn run_up(&self) -> Option<RunUp> {
         match self.mechanism {
@@ -255,7 +256,8 @@ impl Camera {
         }
     }
 
-    /// What the stage has to track in an exposure, without margin for a shutter that is late.
+    /// Returns the motion that the stage has to track in an exposure, without margin for a late
+    /// shutter.
     ///
     /// # Model
     /// v = f·η (Yuan et al. 2012, eq. 8), negative where the camera flies against the FMC axis.
@@ -273,7 +275,8 @@ impl Camera {
     /// The stage's travel for an exposure.
     ///
     /// # Errors
-    /// [`FrameError`] for an exposure outside the limits, a speed beyond the stage's or a travel outside the stroke.
+    /// [`FrameError`] for an exposure outside the limits, a speed beyond the stage's or a travel
+    /// outside the stroke.
     pub fn plan(&self, exposure: &Exposure) -> Result<StagePlan, FrameError> {
         self.limits.check(exposure)?;
         let tracking = self.tracking(exposure);
@@ -366,7 +369,7 @@ impl Camera {
         })
     }
 
-    /// Δz of a frame: the exposure mean of the run-out, and what the exposure adds.
+    /// Returns Δz of a frame: the exposure mean of the run-out plus the exposure's own focus shift.
     fn focus_shift(
         &self,
         exposure: &Exposure,
@@ -391,7 +394,7 @@ impl Camera {
     }
 }
 
-/// The motion stays where the calibration has been shown to be one-to-one.
+/// Checks that the motion stays where the calibration has been shown to be one-to-one.
 fn within_stroke(motion: &PrincipalPointMotion, stroke_mm: f32) -> Result<(), OutOfRange> {
     let half_mm = 0.5 * stroke_mm;
     let opening_mm =
@@ -408,7 +411,8 @@ fn within_stroke(motion: &PrincipalPointMotion, stroke_mm: f32) -> Result<(), Ou
         -half_mm - slack_mm,
         half_mm + slack_mm,
     )?;
-    // A path within the stroke varies by no more than a quarter of its square; the root is for what may be beyond.
+    // The variance of a path within the stroke is at most a quarter of the stroke's square; the
+    // root is taken only for a path that may be beyond.
     let variance = motion.moments.second;
     if !(0.0..=half_mm * half_mm).contains(&variance) {
         let deviation_mm = libm::sqrtf(variance);

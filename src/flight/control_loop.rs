@@ -1,4 +1,4 @@
-//! Controller and drive together: one round of the control loop.
+//! Controller and drive together, for one round of the control loop.
 
 use heapless::Vec;
 
@@ -8,16 +8,17 @@ use super::event::{Action, Event};
 use super::fault::Fault;
 use super::time::Time;
 
-/// Events in one round.
+/// Largest number of events in one round.
 pub const MAX_EVENTS: usize = 6;
 
-/// Most actions of one round: those of its events, of the stage's reading, of the tick, and of a drive that fails.
+/// Largest number of actions of one round: those of its events, of the stage's reading, of the
+/// tick, and of a drive that fails.
 pub const MAX_ROUND_ACTIONS: usize = MAX_ACTIONS * (MAX_EVENTS + 3);
 
 /// Events with their times, in order of time.
 pub type Events = Vec<(Time, Event), MAX_EVENTS>;
 
-/// What a round leads to, besides the drive's motion.
+/// Actions of a round, besides the drive's motion.
 pub type RoundActions = Vec<Action, MAX_ROUND_ACTIONS>;
 
 /// A camera that moves a stage.
@@ -28,16 +29,17 @@ pub struct ControlLoop<Drive> {
 }
 
 impl<Drive: FmcDrive> ControlLoop<Drive> {
-    /// A camera and its drive, which is released.
+    /// Returns a camera with its drive, which is released.
     #[must_use]
     pub const fn new(controller: Controller, drive: Drive) -> Self {
         Self { controller, drive }
     }
 
-    /// One round of the control loop: what has happened since the last, a look at the stage, and what follows from
-    /// both. The stage is read first, at `now`.
+    /// Runs one round of the control loop with the events since the last. The stage is read first,
+    /// at `now`.
     ///
-    /// [`Action::MoveStage`] and [`Action::ReleaseStage`] have been done on return; the others are the caller's.
+    /// [`Action::MoveStage`] and [`Action::ReleaseStage`] have been done on return; the caller
+    /// carries out the others.
     pub fn round(&mut self, now: Time, events: &Events) -> RoundActions {
         let reading = self.drive.position(now);
         round(&mut self.controller, &mut self.drive, now, reading, events)
@@ -49,7 +51,7 @@ impl<Drive: FmcDrive> ControlLoop<Drive> {
         &self.controller
     }
 
-    /// The state machine, to acknowledge its records.
+    /// The state machine, for the acknowledgement of its records.
     pub const fn controller_mut(&mut self) -> &mut Controller {
         &mut self.controller
     }
@@ -66,8 +68,8 @@ impl<Drive: FmcDrive> ControlLoop<Drive> {
     }
 }
 
-/// A round of the control loop, as [`ControlLoop::round`], the stage having been read: what the events cost is no way of
-/// it.
+/// Runs a round of the control loop as [`ControlLoop::round`], after the stage has been read, so
+/// that the time spent on the events does not make the reading late.
 pub(crate) fn round(
     controller: &mut Controller,
     drive: &mut impl FmcDrive,

@@ -1,4 +1,4 @@
-//! What happens to a camera in flight, and what it does.
+//! Events of a camera in flight, and its actions.
 
 use super::drive::StageReading;
 use super::fault::Fault;
@@ -6,14 +6,14 @@ use super::stage::Setpoint;
 use super::time::Time;
 use super::vh::VhSample;
 
-/// Something that happens, at a time that comes with it.
+/// An event, whose time comes with it.
 #[derive(Debug, Clone, Copy, PartialEq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub enum Event {
-    /// Somebody wants something.
+    /// A command to the camera.
     Command(Command),
-    /// A sensor of the aircraft says something about V/H.
+    /// A sample of V/H from a sensor of the aircraft.
     Vh(VhSample),
     /// Attitude and its rates.
     Attitude(AttitudeSample),
@@ -21,27 +21,28 @@ pub enum Event {
     TimePulse,
     /// The UTC that the receiver gives for its last pulse, µs since 1970.
     GnssTime(u64),
-    /// An exposure is wanted.
+    /// A request for an exposure.
     Trigger,
-    /// The shutter's sensor.
+    /// An edge of the shutter's sensor.
     Shutter(ShutterEdge),
-    /// The stage is somewhere.
+    /// A reading of the stage's position.
     Stage(StageReading),
     /// A limit switch has closed.
     LimitSwitch,
-    /// The drive cannot do what it was told to, or the stage's position cannot be read.
+    /// The drive cannot carry out its command, or the stage's position cannot be read.
     Drive(Fault),
     /// The supply voltage has fallen too low, or is good again.
     Supply(Supply),
-    /// The control loop comes round.
+    /// A round of the control loop.
     Tick,
-    /// So many events could not be kept until the control loop came round.
+    /// Number of events that could not be kept until the round.
     Lost(u32),
 }
 
 impl Event {
-    /// Whether somebody may say so in a message: commands, and what other instruments measure. Everything else comes
-    /// from the camera's own inputs, with the time at which they changed.
+    /// Returns `true` for events that may come in a message: commands, and measurements of other
+    /// instruments. All others come from the camera's own inputs, with the time at which they
+    /// changed.
     #[must_use]
     pub const fn is_told(&self) -> bool {
         matches!(
@@ -51,19 +52,19 @@ impl Event {
     }
 }
 
-/// What somebody wants.
+/// A command to the camera.
 #[derive(Debug, Clone, Copy, PartialEq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub enum Command {
-    /// Triggers are to be obeyed.
+    /// Obey triggers.
     Arm,
-    /// Triggers are to be refused, and the stage left alone.
+    /// Refuse triggers, and release the stage.
     Disarm,
-    /// A fault has been looked at: the camera goes to standby.
+    /// Acknowledge a fault: the camera goes to standby.
     ClearFault,
-    /// The encoder's count has been referred to the calibrated position again, as after [`Fault::Encoder`] it must be.
-    /// In standby alone; elsewhere it is ignored.
+    /// The encoder's count has been referred to the calibrated position again, as it must be after
+    /// [`Fault::Encoder`]. It is obeyed in standby alone; elsewhere it is ignored.
     Referenced,
     /// Exposure time of the frames to come, s.
     Exposure(f32),
@@ -91,7 +92,7 @@ pub enum Supply {
     Good,
 }
 
-/// Attitude of the camera, as the aircraft's inertial unit has it.
+/// Attitude of the camera, as the aircraft's inertial unit reports it.
 #[derive(Debug, Clone, Copy, PartialEq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
@@ -106,33 +107,33 @@ pub struct AttitudeSample {
     pub rates_deg_s: [f32; 3],
 }
 
-/// What the camera does about it.
+/// An action of the camera.
 #[derive(Debug, Clone, Copy, PartialEq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub enum Action {
-    /// The stage is to be there, and move so, now.
+    /// The stage is to follow this set point, now.
     MoveStage(Setpoint),
-    /// No force on the stage.
+    /// The stage is to be without force.
     ReleaseStage,
-    /// The shutter is to open at a time, so that first light is one latency later, for an exposure, s.
+    /// The shutter is to open at a time, so that first light is one latency later, for an exposure.
     OpenShutter {
-        /// When the command must leave.
+        /// Time at which the command must leave.
         at: Time,
         /// Exposure time, s.
         exposure_s: f32,
     },
     /// The rows of a TDI sensor are to be clocked from a time on.
     ClockRows {
-        /// When the shutter's command leaves.
+        /// Time at which the shutter's command leaves.
         at: Time,
         /// Speed of the charge along the FMC axis, mm/s.
         speed_mm_s: f32,
     },
     /// The shutter is to close at once, or stay closed.
     CloseShutter,
-    /// A record is there: its sequence number.
+    /// A record is available, with this sequence number.
     FrameReady(u32),
-    /// Something went wrong.
+    /// A fault has occurred.
     Fault(Fault),
 }

@@ -1,4 +1,4 @@
-//! Events on their way to the control loop.
+//! Queue of the events that wait for the control loop.
 
 use heapless::Vec;
 
@@ -6,7 +6,7 @@ use super::control_loop::{Events, MAX_EVENTS};
 use super::event::{Command, Event, ShutterEdge};
 use super::time::Time;
 
-/// Places for every kind of event together.
+/// Places for all kinds of events together.
 const CAPACITY: usize = {
     let mut places = 0;
     let mut kinds = Kind::ALL.as_slice();
@@ -17,7 +17,7 @@ const CAPACITY: usize = {
     places
 };
 
-/// What shares its places.
+/// Events that share places.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 enum Kind {
     Opened,
@@ -55,7 +55,7 @@ impl Kind {
         }
     }
 
-    /// `None` for what the control loop makes itself.
+    /// Returns the kind of an event; `None` for those that the control loop makes itself.
     const fn of(event: &Event) -> Option<Self> {
         Some(match event {
             Event::Shutter(ShutterEdge::Opened) => Self::Opened,
@@ -74,16 +74,17 @@ impl Kind {
     }
 }
 
-/// An event for which there is no place.
+/// The error that an event finds no place.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Full;
 
-/// Events that wait for the control loop, in order of their times, whatever the order in which they came.
+/// Events that wait for the control loop, in order of their times, whatever the order in which they
+/// came.
 ///
-/// Every kind of event has places of its own, so that a trigger line that bounces, or a PC that talks too much, keeps
-/// out its own like and nothing else: least of all an edge of the shutter. Of one kind the first are kept, since a
-/// contact that bounces makes its true edge first. What is left out is counted, and the control loop gets the number as
-/// [`Event::Lost`].
+/// Every kind of event has separate places, so that a trigger line that bounces, or a PC that sends
+/// too much, keeps out events of its own kind alone, and never an edge of the shutter. Of one kind
+/// the first are kept, since a contact that bounces makes its true edge first. The others are
+/// counted, and the control loop gets the number as [`Event::Lost`].
 #[derive(Debug, Clone, PartialEq, Default)]
 pub struct EventQueue {
     waiting: Vec<(Time, Event), CAPACITY>,
@@ -103,8 +104,8 @@ impl EventQueue {
     /// Adds an event whose sender can be told that there is no place.
     ///
     /// # Errors
-    /// [`Full`]; nothing is counted. For [`Event::Stage`], [`Event::Tick`] and [`Event::Lost`], which the control loop
-    /// makes itself, there is none.
+    /// [`Full`] if there is no place; the event is not counted as lost. [`Event::Stage`],
+    /// [`Event::Tick`] and [`Event::Lost`], which the control loop makes itself, have no place.
     pub(crate) fn offer(&mut self, time: Time, event: Event) -> Result<(), Full> {
         let kind = Kind::of(&event).ok_or(Full)?;
         let alike = self
@@ -117,7 +118,7 @@ impl EventQueue {
         let mut carried = (time, event);
         let mut is_in_place = false;
         for place in &mut self.waiting {
-            // Of one time: as they came.
+            // Events of one time stay in the order in which they came.
             is_in_place |= place.0 > time;
             if is_in_place {
                 core::mem::swap(place, &mut carried);
@@ -126,23 +127,23 @@ impl EventQueue {
         self.waiting.push(carried).map_err(|_| Full)
     }
 
-    /// Adds an event that happens whether there is a place or not; one left out is counted.
+    /// Adds an event whose sender cannot wait; without a place it is counted as lost.
     pub fn push(&mut self, time: Time, event: Event) {
         if self.offer(time, event).is_err() {
             self.count_lost(1);
         }
     }
 
-    /// So many events were lost before they came here.
+    /// Counts events that were lost before they came here.
     pub const fn count_lost(&mut self, events: u32) {
         self.lost = self.lost.saturating_add(events);
     }
 
-    /// The oldest events, for a round of the control loop at `now`; what is more stays for the next. The number of
-    /// those lost comes last.
+    /// Takes the oldest events for a round of the control loop at `now`; the rest stays for the
+    /// next. The number of lost events comes last.
     ///
-    /// [`Command::Referenced`] is the first of a batch or not in it: before it is obeyed the drive's zero is to be set,
-    /// in the state that the round before has left.
+    /// [`Command::Referenced`] is the first of a batch or not in it: the drive's zero has to be set
+    /// before the command is obeyed, in the state that the previous round has left.
     pub fn take(&mut self, now: Time) -> Events {
         let mut batch = Events::new();
         let lost = core::mem::take(&mut self.lost);
@@ -152,7 +153,7 @@ impl EventQueue {
             for waiting in &self.waiting {
                 let begins = waiting.1 == Event::Command(Command::Referenced);
                 let goes = later.is_empty() && batch.len() < most && (batch.is_empty() || !begins);
-                // There is room in either.
+                // There is room in both.
                 if goes {
                     let _ = batch.push(*waiting);
                 } else {
@@ -232,7 +233,7 @@ mod tests {
                 _ => 0,
             })
             .sum();
-        // 50 triggers in 4 places, 50 pulses in 2; of the messages none is lost, all were refused.
+        // 50 triggers in 4 places, 50 pulses in 2; no message is lost, as all were refused.
         assert_eq!(lost, 46 + 48);
         for kept in [OPENED, CLOSED, Event::Supply(Supply::Low)] {
             assert!(handed.iter().any(|(_, event)| *event == kept), "{kept:?}");

@@ -1,9 +1,9 @@
-//! What is asked of the camera for one exposure, and the limits it must keep.
+//! Exposures as they are asked of the camera, and their limits.
 
 use crate::geometry::principal_distance::FocusSign;
 use crate::geometry::range::{OutOfRange, Quantity};
 
-/// Which model corrects the coordinates.
+/// Model that corrects the coordinates.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
@@ -17,7 +17,7 @@ pub enum CorrectionModel {
     Static,
 }
 
-/// Which way the camera flies. Strips are flown to and fro; the camera need not be turned round.
+/// Direction of flight. Strips are flown to and fro; the camera need not be turned round.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
@@ -49,20 +49,20 @@ pub struct Exposure {
     pub vh_per_s: f32,
     /// t: exposure time, the shutter's base, s.
     pub exposure_s: f32,
-    /// Δδ where it is given; otherwise the run-up strategy determines it. mm along the FMC axis.
+    /// Δδ, mm along the FMC axis; `None` leaves it to the run-up strategy.
     pub opening_offset_mm: Option<f32>,
     /// Δz beyond the stage's run-out, positive away from the lens, µm.
     pub focus_shift_um: f32,
-    /// Which formula turns Δz into distortion.
+    /// Formula that turns Δz into distortion.
     pub focus_sign: FocusSign,
-    /// Which model corrects the coordinates.
+    /// Model that corrects the coordinates.
     pub model: CorrectionModel,
-    /// Which way the camera flies; V/H is positive either way.
+    /// Direction of flight; V/H is positive either way.
     pub direction: FlightDirection,
 }
 
 impl Exposure {
-    /// An exposure at `vh_per_s` (1/s) of `exposure_s` (s), everything else as planned.
+    /// Returns an exposure at `vh_per_s` (1/s) of `exposure_s` (s), everything else as planned.
     #[must_use]
     pub const fn new(vh_per_s: f32, exposure_s: f32) -> Self {
         Self {
@@ -77,7 +77,7 @@ impl Exposure {
     }
 }
 
-/// The exposures a camera accepts.
+/// Exposures that a camera accepts.
 #[derive(Debug, Clone, Copy, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct Limits {
@@ -88,7 +88,7 @@ pub struct Limits {
 }
 
 impl Limits {
-    /// The limits, if both pairs are in order and believable.
+    /// Returns the limits, if both pairs are in order and in range.
     ///
     /// # Errors
     /// [`OutOfRange`] naming the quantity.
@@ -103,7 +103,7 @@ impl Limits {
         Ok(self)
     }
 
-    /// Whether the camera accepts the exposure's V/H and time.
+    /// Checks the exposure's V/H and time against the limits.
     ///
     /// # Errors
     /// [`OutOfRange`] naming the quantity and the camera's own limits.

@@ -1,8 +1,9 @@
-//! What can go wrong in flight, each with a code that stays the same for ever.
+//! Faults in flight, each with a code that never changes.
 
 use core::fmt;
 
-/// Something went wrong. The code is in records and messages; `docs/integration.md` has cause and remedy of each.
+/// A fault. The code is in records and messages; `docs/integration.md` has cause and remedy of
+/// each.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
@@ -11,19 +12,19 @@ pub enum Fault {
     Stall,
     /// The stage moves farther or faster than it is told to.
     Runaway,
-    /// The stage moves against the direction it is told to: motor or encoder is wired the wrong way round.
+    /// The stage moves against its command: motor or encoder is wired the wrong way round.
     WrongDirection,
     /// A limit switch has closed.
     LimitSwitch,
     /// The encoder's readings jump by more than the stage can move, again and again, or fail.
     Encoder,
-    /// The drive reports that it cannot move.
+    /// The drive reports that it cannot move the stage.
     Drive,
     /// The shutter opened later than it should have.
     ShutterLate,
     /// The shutter did not open.
     ShutterMissing,
-    /// The shutter opened or closed without being asked to, or twice.
+    /// The shutter opened or closed without a command, or twice.
     ShutterUnexpected,
     /// The shutter stayed open for too long.
     ShutterLong,
@@ -37,12 +38,12 @@ pub enum Fault {
     BrownOut,
     /// The camera has started again after its watchdog bit.
     Watchdog,
-    /// V/H is lost: every source is silent for longer than its validity, or not believed.
+    /// V/H is lost: every source is silent for longer than its validity, or not trusted.
     VhLost,
 }
 
 impl Fault {
-    /// All of them, in the order of their codes.
+    /// All faults, in the order of their codes.
     pub const ALL: [Self; 16] = [
         Self::Stall,
         Self::Runaway,
@@ -127,10 +128,10 @@ pub struct Faults {
 }
 
 impl Faults {
-    /// None.
+    /// The empty set.
     pub const NONE: Self = Self { bits: 0 };
 
-    /// Adds one.
+    /// Adds a fault.
     pub const fn insert(&mut self, fault: Fault) {
         self.bits |= fault.bit();
     }
@@ -140,19 +141,19 @@ impl Faults {
         self.bits |= others.bits;
     }
 
-    /// Whether it is among them.
+    /// Returns `true` if the fault is in the set.
     #[must_use]
     pub const fn contains(self, fault: Fault) -> bool {
         self.bits & fault.bit() != 0
     }
 
-    /// Whether there are none.
+    /// Returns `true` if the set is empty.
     #[must_use]
     pub const fn is_empty(self) -> bool {
         self.bits == 0
     }
 
-    /// Each of them, in the order of their codes.
+    /// Returns the faults in the order of their codes.
     pub fn iter(self) -> impl Iterator<Item = Fault> {
         Fault::ALL
             .into_iter()

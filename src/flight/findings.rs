@@ -1,15 +1,15 @@
-//! Counts of what was found of the aircraft's instruments.
+//! Counts of the findings of the aircraft's instruments.
 
 use super::flag::Flag;
 
 /// Kinds of findings.
 const KINDS: usize = Flag::ALL.len() - FIRST;
 
-/// The first flag that tells of an instrument.
+/// First flag of an instrument.
 const FIRST: usize = Flag::VhNotANumber as usize;
 
-/// How often something was found of the aircraft's instruments, by the flag that tells it; a count
-/// that is full stays so.
+/// Counts of the findings of the aircraft's instruments, by their flags; a count that is full stays
+/// so.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
@@ -18,24 +18,23 @@ pub struct Findings {
 }
 
 impl Findings {
-    /// Nothing yet.
+    /// Counts of zero.
     pub const NONE: Self = Self { counts: [0; KINDS] };
 
-    /// How often what a flag tells was found; `None` for a flag that tells nothing of an
-    /// instrument.
+    /// Count of a flag's finding; `None` for a flag that concerns no instrument.
     #[must_use]
     pub fn of(&self, flag: Flag) -> Option<u32> {
         self.counts.get(index(flag)?).copied()
     }
 
-    /// Every flag that tells of an instrument, and how often what it tells was found.
+    /// Returns every flag of an instrument, with the count of its finding.
     pub fn iter(&self) -> impl Iterator<Item = (Flag, u32)> {
         Flag::ALL
             .into_iter()
             .filter_map(|flag| Some((flag, self.of(flag)?)))
     }
 
-    /// It was found so many times more.
+    /// Adds to the count of a flag.
     pub(super) fn count(&mut self, flag: Flag, times: u32) {
         if let Some(count) = index(flag).and_then(|index| self.counts.get_mut(index)) {
             *count = count.saturating_add(times);

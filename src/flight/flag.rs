@@ -1,11 +1,12 @@
-//! Flags of a frame: what its user should know.
+//! Flags of a frame, for its user.
 
 use super::attitude::AttitudeFinding;
 use super::utc::UtcFinding;
 use super::vh::{VhFindingKind, WrongUnit};
 
-/// What a user of a frame should know. Those from [`Self::VhNotANumber`] on are findings of the
-/// aircraft's instruments: made since the record before, or by the last sample of their source.
+/// A property of a frame that its user should know. Those from [`Self::VhNotANumber`] on are
+/// findings of the aircraft's instruments: made since the last record, or of the last sample of
+/// their source.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub enum Flag {
@@ -13,21 +14,22 @@ pub enum Flag {
     NoCompensation,
     /// V/H was older than its source's rate: the last good one was used.
     LastGoodVh,
-    /// The exposure opened off the planned place, as the stage came from elsewhere.
+    /// The exposure opened off the planned place, as the stage started from another place.
     OffCentre,
     /// Predicted smear exceeds the budget.
     SmearOverBudget,
-    /// The motion is the plan's, not measured: the encoder is not believed.
+    /// The motion is that of the plan and not measured, since the encoder is not trusted.
     PlannedMotion,
     /// The coordinates are corrected by the static calibration alone.
     StaticCorrection,
     /// A single wrong encoder reading was left out.
     EncoderGlitch,
-    /// Encoder readings are missing in the exposure or at one end of it; the path was continued from the others.
+    /// Encoder readings are missing in the exposure or at one end of it; the path was continued
+    /// from the others.
     ExtrapolatedMotion,
     /// Attitude rates were given and are in the predicted smear.
     WithAttitude,
-    /// Last light was not seen: the exposure is taken to have been as long as it should.
+    /// Last light was not seen: the exposure is taken to have lasted as planned.
     LastLightAssumed,
     /// A source of V/H gave a NaN or an infinity ([`VhFindingKind::NotANumber`]).
     VhNotANumber,
@@ -55,7 +57,7 @@ pub enum Flag {
     UtcPulsesMoved,
     /// The receiver's time contradicted the count of pulses ([`UtcFinding::WrongSecond`]).
     UtcWrongSecond,
-    /// The receiver's time stepped, and is believed ([`UtcFinding::Stepped`]).
+    /// The receiver's time stepped, and is trusted ([`UtcFinding::Stepped`]).
     UtcStepped,
     /// A pulse or a time of the receiver came from the past ([`UtcFinding::FromThePast`]).
     UtcFromThePast,
@@ -65,12 +67,12 @@ pub enum Flag {
     AttitudeNotANumber,
     /// An attitude was out of range ([`AttitudeFinding::OutOfRange`]).
     AttitudeOutOfRange,
-    /// No attitude has come lately ([`AttitudeFinding::Silent`]).
+    /// No attitude has come near the exposure ([`AttitudeFinding::Silent`]).
     AttitudeSilent,
 }
 
 impl Flag {
-    /// All of them.
+    /// All flags.
     pub const ALL: [Self; 29] = [
         Self::NoCompensation,
         Self::LastGoodVh,
@@ -139,13 +141,13 @@ impl Flag {
         }
     }
 
-    /// Whether it tells of an instrument of the aircraft, and not of the camera.
+    /// Returns `true` if the flag concerns an instrument of the aircraft, and not the camera.
     #[must_use]
     pub const fn is_of_instrument(self) -> bool {
         self as u32 >= Self::VhNotANumber as u32
     }
 
-    /// That of a finding of V/H; `None` where all is well again.
+    /// Returns the flag of a finding of V/H; `None` for a recovery.
     #[must_use]
     pub const fn of_vh(kind: VhFindingKind) -> Option<Self> {
         Some(match kind {
@@ -162,7 +164,7 @@ impl Flag {
         })
     }
 
-    /// That of a finding of time.
+    /// Returns the flag of a finding of time.
     #[must_use]
     pub const fn of_utc(finding: UtcFinding) -> Self {
         match finding {
@@ -176,7 +178,7 @@ impl Flag {
         }
     }
 
-    /// That of a finding of attitude.
+    /// Returns the flag of a finding of attitude.
     #[must_use]
     pub const fn of_attitude(finding: AttitudeFinding) -> Self {
         match finding {
@@ -199,10 +201,10 @@ pub struct Flags {
 }
 
 impl Flags {
-    /// None.
+    /// The empty set.
     pub const NONE: Self = Self { bits: 0 };
 
-    /// Adds one.
+    /// Adds a flag.
     pub const fn insert(&mut self, flag: Flag) {
         self.bits |= flag.bit();
     }
@@ -212,19 +214,19 @@ impl Flags {
         self.bits |= others.bits;
     }
 
-    /// Whether it is among them.
+    /// Returns `true` if the flag is in the set.
     #[must_use]
     pub const fn contains(self, flag: Flag) -> bool {
         self.bits & flag.bit() != 0
     }
 
-    /// Whether there are none.
+    /// Returns `true` if the set is empty.
     #[must_use]
     pub const fn is_empty(self) -> bool {
         self.bits == 0
     }
 
-    /// Each of them.
+    /// Returns the flags of the set.
     pub fn iter(self) -> impl Iterator<Item = Flag> {
         Flag::ALL
             .into_iter()

@@ -1,4 +1,4 @@
-//! The camera of a board: its drive moves a stage, its events come from wires and from what it is told.
+//! The camera of a board: its drive moves a stage, its events come from wires and from messages.
 
 use core::fmt;
 
@@ -15,31 +15,32 @@ use super::time::Time;
 
 /// A camera that moves a stage, with one drive for all the flights it is prepared for.
 ///
-/// It has no clock: the board says what time it is, with every round and before [`Self::tell`], so that what it is told
-/// gets the time of its arrival.
+/// It has no clock: the board sets the time, with every round and before [`Self::tell`], so that an
+/// event that it is told gets the time of its arrival.
 ///
-/// Every millisecond: what the interrupts have stamped goes to [`Self::capture`], what the lines say to
-/// [`Self::see`], and then comes [`Self::round`]. Until it is prepared it does nothing but read the stage, and forgets
-/// what it is given.
+/// Every millisecond the board passes the stamps of the interrupts to [`Self::capture`] and the
+/// levels of the lines to [`Self::see`], and then calls [`Self::round`]. Until the camera is
+/// prepared it only reads the stage, and drops all events.
 #[derive(Debug)]
 pub struct FlownDeck<Drive> {
     start: Start,
     drive: Drive,
     controller: Option<Controller>,
     events: EventQueue,
-    /// What the controller knows of the lines.
+    /// Levels of the lines that the controller knows of.
     known: InputLevels,
-    /// What the lines said in the last round.
+    /// Levels of the lines in the last round.
     seen: InputLevels,
-    /// Where the stage was in the last round.
+    /// Position of the stage in the last round.
     offset_mm: Option<f32>,
     now: Time,
     has_row_clock: bool,
 }
 
 impl<Drive: FlownDrive> FlownDeck<Drive> {
-    /// A camera that has not been prepared. After [`Start::Unreferenced`] its encoder counts from wherever the stage
-    /// stands: before it compensates somebody has to say where that is ([`Command::Referenced`]).
+    /// Returns a camera that has not been prepared. After [`Start::Unreferenced`] its encoder
+    /// counts from the stage's present position: before it compensates, the operator has to refer
+    /// that position ([`Command::Referenced`]).
     #[must_use]
     pub const fn new(drive: Drive, start: Start) -> Self {
         Self {
@@ -55,8 +56,9 @@ impl<Drive: FlownDrive> FlownDeck<Drive> {
         }
     }
 
-    /// The same, on a board that does as [`Action::ClockRows`](crate::flight::event::Action::ClockRows) says; on any
-    /// other a TDI camera is refused.
+    /// Returns the same camera, for a board that carries out
+    /// [`Action::ClockRows`](crate::flight::event::Action::ClockRows); any other board refuses a
+    /// TDI camera.
     #[must_use]
     pub fn with_row_clock(self) -> Self {
         Self {
@@ -65,12 +67,12 @@ impl<Drive: FlownDrive> FlownDeck<Drive> {
         }
     }
 
-    /// It is so late now; time does not go back.
+    /// Sets the time; it never goes back.
     pub fn set_now(&mut self, now: Time) {
         self.now = self.now.max(now);
     }
 
-    /// Something has happened that a wire says, at a time that may be somewhat before now. Where there is no place for
+    /// Adds an event of a wire, at a time that may be somewhat before now. If there is no place for
     /// it, it is counted ([`EventQueue`]).
     pub fn capture(&mut self, time: Time, event: Event) {
         if self.controller.is_some() {
@@ -78,18 +80,19 @@ impl<Drive: FlownDrive> FlownDeck<Drive> {
         }
     }
 
-    /// So many edges were lost before they could be handed over.
+    /// Counts edges that were lost before they could be handed over.
     pub const fn count_lost(&mut self, edges: u32) {
         if self.controller.is_some() {
             self.events.count_lost(edges);
         }
     }
 
-    /// What the lines say now, once a round: changes become events, and what is wrong when a camera is prepared does,
-    /// too. So does a limit switch that is closed when faults are cleared: it has not been left yet.
+    /// Takes the present levels of the lines, once a round. Changes become events, and so does
+    /// everything that is wrong when a camera is prepared. When faults are cleared, a limit switch
+    /// that is still closed becomes an event again.
     ///
-    /// A switch has closed, or opened, where two rounds on end say so: a spike on its line does not end a flight. The
-    /// second round is 50 µm more of the stage's way at 50 mm/s.
+    /// A switch counts as closed, or open, after two rounds in a row say so, so that a spike on its
+    /// line does not end a flight. In the second round the stage moves 50 µm farther at 50 mm/s.
     pub fn see(&mut self, levels: InputLevels) {
         let before = core::mem::replace(&mut self.seen, levels);
         if self.controller.is_none() {
@@ -99,7 +102,7 @@ impl<Drive: FlownDrive> FlownDeck<Drive> {
         if levels.has_closed_since(&self.known)
             && self.events.offer(self.now, Event::LimitSwitch).is_err()
         {
-            // Once more in the next round.
+            // The event is offered again in the next round.
             return;
         }
         let supply = if levels.supply_low {
@@ -120,17 +123,18 @@ impl<Drive: FlownDrive> FlownDeck<Drive> {
         };
     }
 
-    /// The control loop comes round. What the stage is to do has been done on return; the rest is the board's.
+    /// Runs a round of the control loop. On return the stage has its command; the other actions are
+    /// left to the board.
     pub fn round(&mut self, now: Time) -> RoundActions {
         self.set_now(now);
         let Some(controller) = &mut self.controller else {
-            // To be looked at; and a counter of 16 bits must be asked now and then.
+            // The position is for display, and a counter of 16 bits must be read regularly.
             let reading = self.drive.position(now);
             self.offset_mm = reading.ok().map(|reading| reading.offset_mm);
             return RoundActions::new();
         };
         let events = self.events.take(now);
-        // It is the first, or not among them.
+        // The command is the first event of a round, or not among them.
         if let Some((_, Event::Command(Command::Referenced))) = events.first()
             && controller.state() == State::Standby
         {
@@ -140,7 +144,7 @@ impl<Drive: FlownDrive> FlownDeck<Drive> {
             .iter()
             .any(|(_, event)| *event == Event::Command(Command::ClearFault))
         {
-            // A switch that is still closed, or whose wire is broken, says so again.
+            // A switch that is still closed, or whose wire is broken, becomes an event again.
             self.known = InputLevels {
                 supply_low: self.known.supply_low,
                 ..InputLevels::GOOD
@@ -161,10 +165,10 @@ impl<Drive: FlownDrive> FlownDeck<Drive> {
         &mut self.drive
     }
 
-    /// Makes it ready to be flown, in place of the camera before.
+    /// Prepares a camera for flight, in place of the one before.
     ///
     /// # Errors
-    /// [`NotFlyable`]; the camera before stays as it was.
+    /// [`NotFlyable`]; the previous camera stays as it was.
     pub fn prepare(
         &mut self,
         camera: &CameraParameters,
@@ -176,7 +180,7 @@ impl<Drive: FlownDrive> FlownDeck<Drive> {
         {
             return Err(NotFlyable::NoRowClock);
         }
-        // A fault that nobody has cleared is not forgotten.
+        // A fault that has not been cleared is kept.
         if let Some(controller) = &self.controller {
             self.start = controller.next_start();
         }
@@ -197,21 +201,22 @@ impl<Drive: FlownDrive> FlownDeck<Drive> {
         self.controller.as_ref()
     }
 
-    /// The same, to acknowledge records.
+    /// The camera's controller, for the acknowledgement of records.
     pub const fn controller_mut(&mut self) -> Option<&mut Controller> {
         self.controller.as_mut()
     }
 
-    /// Where the stage was in the last round, mm along the FMC axis from the encoder's zero; `None` without a reading.
+    /// Position of the stage in the last round, mm along the FMC axis from the encoder's zero;
+    /// `None` without a reading.
     #[must_use]
     pub const fn offset_mm(&self) -> Option<f32> {
         self.offset_mm
     }
 
-    /// Somebody says that something happens, now: a command, or what another instrument has measured.
+    /// Takes an event from a message, now: a command, or the measurement of another instrument.
     ///
     /// # Errors
-    /// [`NotTaken`]; nothing has happened then.
+    /// [`NotTaken`]; the event is dropped then.
     pub fn tell(&mut self, event: Event) -> Result<(), NotTaken> {
         if self.controller.is_none() {
             return Err(NotTaken::NotPrepared);
@@ -225,11 +230,11 @@ impl<Drive: FlownDrive> FlownDeck<Drive> {
     }
 }
 
-/// A board cannot fly a camera so.
+/// The reason why a board cannot fly a camera.
 #[derive(Debug, Clone, Copy, PartialEq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub enum NotFlyable {
-    /// The controller refuses calibration or settings, or the drive its settings.
+    /// The controller refuses calibration or settings, or the drive refuses its settings.
     Controller(ControllerError),
     /// The sensor is TDI, and the board has no output that clocks its rows.
     NoRowClock,
@@ -248,15 +253,15 @@ impl fmt::Display for NotFlyable {
 
 impl core::error::Error for NotFlyable {}
 
-/// What a camera is told is not taken.
+/// The reason why a camera does not take an event from a message.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub enum NotTaken {
-    /// It has not been prepared for flight.
+    /// The camera has not been prepared for flight.
     NotPrepared,
-    /// It takes such an event from its own inputs alone ([`Event::is_told`]).
+    /// The camera takes such an event from its own inputs alone ([`Event::is_told`]).
     NotTold,
-    /// As many events wait for the control loop as can be kept.
+    /// The queue of the control loop is full.
     QueueFull,
 }
 

@@ -1,8 +1,8 @@
-//! How well the stage follows: a figure for the status, not for a coordinate.
+//! Following error of the stage: a figure for the status, not for a coordinate.
 
 use micromath::F32Ext;
 
-/// Readings over which the mean runs: an exponential window of a second and two hundredths at 1 kHz.
+/// Number of readings in the mean: an exponential window of a second and two hundredths at 1 kHz.
 pub(crate) const WINDOW: f32 = 1024.0;
 
 /// The mean square of the following error over about a second.
@@ -12,7 +12,7 @@ pub(crate) struct FollowingErrorRms {
 }
 
 impl FollowingErrorRms {
-    /// Nothing has been read yet.
+    /// Returns a mean without readings.
     #[must_use]
     pub(crate) const fn new() -> Self {
         Self {
@@ -26,7 +26,7 @@ impl FollowingErrorRms {
         self.mean_square_um2 += (error_um * error_um - self.mean_square_um2) / WINDOW;
     }
 
-    /// Its root mean square, µm.
+    /// Root mean square of the following error, µm.
     ///
     /// # Accuracy
     /// 6 %, asserted below: the square root is `micromath`'s approximate one.
@@ -40,7 +40,7 @@ impl FollowingErrorRms {
 mod tests {
     use super::*;
 
-    /// Most that the approximate square root is off, as a fraction.
+    /// Largest error of the approximate square root, as a fraction.
     const ROOT_ERROR: f32 = 0.06;
 
     #[test]

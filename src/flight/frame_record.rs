@@ -1,4 +1,5 @@
-//! What every trigger leaves: the exposure and its interior orientation, or the reason why there is none.
+//! The record of a trigger: the exposure and its interior orientation, or the reason for its
+//! refusal.
 
 use core::fmt;
 
@@ -14,22 +15,22 @@ use super::vh::VhEstimate;
 #[derive(Debug, Clone, Copy, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct FrameRecord {
-    /// Number of the trigger since the camera was prepared, from 1; none is left out.
+    /// Number of the trigger since the camera was prepared, from 1, without gaps.
     pub sequence: u32,
-    /// When the trigger came, camera time; of those refused as [`Reason::RecordsFull`], the first's for all but the
-    /// last.
+    /// Time of the trigger, camera time; of triggers refused as [`Reason::RecordsFull`], all but
+    /// the last have that of the first.
     pub trigger: Time,
-    /// What became of it.
+    /// Outcome of the trigger.
     pub outcome: Outcome,
-    /// What went wrong from the end of the frame before to the record.
+    /// Faults from the end of the last frame to this record.
     pub faults: Faults,
-    /// What a user of the frame should know.
+    /// Properties of the frame that its user should know.
     pub flags: Flags,
-    /// CRC-32 of the calibration in use, as the link names it; 0: none.
+    /// CRC-32 of the calibration in use, as the link names it; 0 if there is none.
     pub calibration_crc: u32,
 }
 
-/// What became of a trigger.
+/// Outcome of a trigger.
 #[allow(clippy::large_enum_variant, reason = "no heap")]
 #[derive(Debug, Clone, Copy, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
@@ -46,13 +47,14 @@ pub enum Outcome {
 pub struct ExposedFrame {
     /// First light, camera time.
     pub opened: Time,
-    /// Last light, camera time; where the closing edge was not seen, when it was given up.
+    /// Last light, camera time; if the closing edge was not seen, its planned time.
     pub closed: Time,
-    /// The exposure's centroid, which goes with the centroid principal point; camera time.
+    /// Centroid of the exposure, which goes with the centroid principal point; camera time.
     pub centroid: Time,
-    /// The centroid in UTC, where the receiver's time pulse has set the clock.
+    /// The centroid in UTC, if the receiver's time pulse has set the clock.
     pub centroid_utc: Option<UtcTime>,
-    /// V/H used, with its σ, age and source; none without compensation for want of one.
+    /// V/H used, with its σ, age and source; `None` if the frame was not compensated for want of
+    /// it.
     pub vh: Option<VhEstimate>,
     /// Δδ of the plan, mm along the FMC axis.
     pub planned_opening_mm: f32,
@@ -68,14 +70,14 @@ pub struct ExposedFrame {
     pub smear_px: f32,
 }
 
-/// Why a trigger was refused.
+/// The reason why a trigger was refused.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub enum Reason {
     /// The camera was not armed.
     NotArmed,
-    /// The frame before was not finished.
+    /// The previous frame was not finished.
     Overlap,
     /// V/H or exposure is outside the camera's limits.
     OutsideLimits,
@@ -118,7 +120,7 @@ impl Reason {
 }
 
 impl From<FrameError> for Reason {
-    /// Why a frame that cannot be planned is refused.
+    /// Returns the reason for the refusal of a frame that cannot be planned.
     fn from(error: FrameError) -> Self {
         match error {
             FrameError::Stroke(_) => Self::Stroke,

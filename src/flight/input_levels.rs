@@ -1,6 +1,6 @@
-//! Inputs that the control loop looks at: limit switches and supply.
+//! Inputs that the control loop reads: limit switches and supply.
 
-/// What the lines say in a round.
+/// Levels of the lines in a round.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct InputLevels {
@@ -13,20 +13,20 @@ pub struct InputLevels {
 }
 
 impl InputLevels {
-    /// Nothing is wrong.
+    /// Levels without a fault.
     pub const GOOD: Self = Self {
         limit_low: false,
         limit_high: false,
         supply_low: false,
     };
 
-    /// Whether a limit switch has closed since.
+    /// Returns `true` if a limit switch has closed since.
     #[must_use]
     pub(crate) const fn has_closed_since(&self, before: &Self) -> bool {
         (self.limit_low && !before.limit_low) || (self.limit_high && !before.limit_high)
     }
 
-    /// The same, each limit switch as it was known where it says something else than just before.
+    /// Returns the same levels, with each limit switch as last known if its level has just changed.
     pub(crate) const fn with_steady_limits(&self, before: &Self, known: &Self) -> Self {
         Self {
             limit_low: if self.limit_low == before.limit_low {

@@ -1,11 +1,11 @@
-//! The interior orientation of a frame, for the block adjustment, and how it came about.
+//! Interior orientation of a frame, for the block adjustment, and its origin.
 
 use super::exposure::CorrectionModel;
 use crate::geometry::frame_correction::Terms;
 use crate::geometry::principal_point::PrincipalPointMotion;
 use crate::geometry::sensor::SensorPoint;
 
-/// How a focus shift is reported.
+/// Convention by which a focus shift is reported.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub enum FocusConvention {
@@ -33,15 +33,15 @@ pub struct InteriorOrientation {
     pub principal_distance_mm: f32,
     /// Δz: run-out and focus shift of this frame, mm.
     pub focus_shift_mm: f32,
-    /// κ: relative enlargement of the image that Δz causes, by the formula asked for; 0 with models
-    /// that know none.
+    /// κ: relative enlargement of the image that Δz causes, by the formula asked for; 0 for models
+    /// that have none.
     pub enlargement: f32,
-    /// How Δz is reported.
+    /// Convention by which Δz is reported.
     pub focus_convention: FocusConvention,
-    /// Which model corrects the coordinates of this frame.
+    /// Model that corrects the coordinates of this frame.
     pub model: CorrectionModel,
-    /// Which kernel evaluates it.
+    /// Terms that are evaluated.
     pub terms: Terms,
-    /// Upper bound of what model fold and kernel leave out, per axis, nm.
+    /// Upper bound of the error of model fold and kernel, per axis, nm.
     pub left_out_nm: f32,
 }

@@ -6,14 +6,14 @@ use super::fault::Faults;
 use super::frame_record::{Flags, FrameRecord, Outcome, Reason};
 use super::time::Time;
 
-/// Whole records kept.
+/// Number of whole records that are kept.
 pub const CAPACITY: usize = 32;
 
 /// Records in order of their numbers, from the oldest that is not acknowledged to the newest.
 ///
-/// Where all [`CAPACITY`] places are taken, triggers are refused as [`Reason::RecordsFull`]; those records differ in
-/// number and time alone, and are kept as a range. The range ends with the acknowledgement of its last number, so
-/// that it never has a gap.
+/// If all [`CAPACITY`] places are taken, triggers are refused as [`Reason::RecordsFull`]; those
+/// records differ in number and time alone, and are kept as a range. The range ends with the
+/// acknowledgement of its last number, so that it never has a gap.
 #[derive(Debug, Clone, Default)]
 pub(crate) struct RecordLog {
     whole: Deque<Place, CAPACITY>,
@@ -22,19 +22,19 @@ pub(crate) struct RecordLog {
     calibration_crc: u32,
 }
 
-/// A record, or the place of one to come.
+/// A record, or the place of a pending one.
 #[derive(Debug, Clone, Copy)]
 struct Place {
     record: FrameRecord,
     is_pending: bool,
 }
 
-/// The number a trigger has got.
+/// The number of a trigger.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(crate) enum Numbered {
     /// Its record is to be finished.
     Pending(u32),
-    /// There is no room for its record: it is refused.
+    /// There is no room for its record: the trigger is refused.
     Full(u32),
 }
 
@@ -48,7 +48,8 @@ struct Range {
 }
 
 impl Range {
-    /// The record of one of them. Between the first and the last, the time is that of the first.
+    /// Returns the record of one of them. Between the first and the last, the time is that of the
+    /// first.
     fn record(&self, sequence: u32, calibration_crc: u32) -> FrameRecord {
         FrameRecord {
             sequence,
@@ -66,7 +67,7 @@ impl Range {
 }
 
 impl RecordLog {
-    /// A log before the first trigger.
+    /// Returns a log before the first trigger.
     #[must_use]
     pub(crate) const fn new() -> Self {
         Self {
@@ -77,8 +78,8 @@ impl RecordLog {
         }
     }
 
-    /// Numbers a trigger that has come. Its record is pending until [`Self::finish`], and none that comes after it can
-    /// be fetched before. Where there is no room, its record is made at once: refused.
+    /// Numbers a trigger. Its record is pending until [`Self::finish`], and no later one can be
+    /// fetched before. Without room, its record is made at once: refused.
     pub(crate) fn number(&mut self, trigger: Time, calibration_crc: u32) -> Numbered {
         self.last_sequence = self.last_sequence.saturating_add(1);
         let sequence = self.last_sequence;
@@ -112,7 +113,7 @@ impl RecordLog {
         Numbered::Full(sequence)
     }
 
-    /// What became of a pending trigger; false where none of that number is.
+    /// Finishes the record of a pending trigger. Returns `false` if none has that number.
     pub(crate) fn finish(&mut self, record: FrameRecord) -> bool {
         let place = self
             .whole
@@ -130,9 +131,9 @@ impl RecordLog {
         }
     }
 
-    /// The oldest record with this number or a higher one.
+    /// Returns the oldest record with this number or a higher one.
     ///
-    /// `None` also where a pending one comes first.
+    /// It returns `None` also if a pending one comes first.
     #[must_use]
     pub(crate) fn from(&self, sequence: u32) -> Option<FrameRecord> {
         let mut pending = false;
@@ -147,8 +148,8 @@ impl RecordLog {
             .then(|| range.record(sequence.max(range.first_sequence), self.calibration_crc))
     }
 
-    /// The PC has all records up to this number: they are forgotten, except pending ones and what comes after them.
-    /// Says how many are left.
+    /// Forgets the records up to this number, which the PC has, except pending ones and those after
+    /// them. Returns the number of those left.
     pub(crate) fn acknowledge(&mut self, through: u32) -> u32 {
         while self
             .whole
@@ -167,7 +168,7 @@ impl RecordLog {
         self.kept()
     }
 
-    /// Records that are not acknowledged.
+    /// Number of records that are not acknowledged.
     #[must_use]
     pub(crate) fn kept(&self) -> u32 {
         let refused = self.refused.as_ref().map_or(0, |range| {
@@ -245,7 +246,8 @@ mod tests {
             next += 1;
         }
         assert_eq!(next, last + 1);
-        // Acknowledged in part: the range stays without a gap, and later triggers join it.
+        // After an acknowledgement in part, the range stays without a gap, and later triggers join
+        // it.
         assert_eq!(log.acknowledge(last - 10), 10);
         assert_eq!(number(&mut log), Numbered::Full(last + 1));
         assert_eq!(log.from(0).unwrap().sequence, last - 9);

@@ -1,4 +1,5 @@
-//! The camera on a test rig: the wires of its drive, shutter and sensors are numbers, its time is given.
+//! The camera on a test rig: the wires of its drive, shutter and sensors are numbers, and its time
+//! is given.
 
 use super::camera::CameraParameters;
 use super::control_loop::{ControlLoop, Events, RoundActions};
@@ -8,29 +9,29 @@ use super::drive::rig::RigDrive;
 use super::settings::FlightSettings;
 use super::time::Time;
 
-/// What happens from one round of the control loop to the next.
+/// Inputs of the camera from one round of the control loop to the next.
 #[derive(Debug, Clone, PartialEq, Default)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct RigStep {
-    /// When the control loop comes round.
+    /// Time of the round.
     pub time: Time,
-    /// What the encoder has counted by then.
+    /// Count of the encoder at that time.
     pub encoder_count: i32,
-    /// What happened since the last round, in order of time.
+    /// Events since the last round, in order of time.
     pub events: Events,
 }
 
-/// What the camera does in that round.
+/// Outputs of the camera in a round.
 #[derive(Debug, Clone, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct RigAnswer {
     /// Pulse width at the motor, -1 to 1; positive is along the FMC axis.
     pub duty: f32,
-    /// Whether the motor's power stage is on.
+    /// `true` if the motor's power stage is on.
     pub powered: bool,
-    /// What else it does, in order.
+    /// Its other actions, in order.
     pub actions: RoundActions,
-    /// What it is doing now.
+    /// State of the camera after the round.
     pub state: State,
 }
 
@@ -41,7 +42,8 @@ pub struct Rig {
 }
 
 impl Rig {
-    /// A camera in standby, its stage at the calibrated position where the encoder counts 0.
+    /// Returns a camera in standby, its stage at the calibrated position where the encoder counts
+    /// 0.
     ///
     /// # Errors
     /// As [`Controller::new`].
@@ -53,7 +55,7 @@ impl Rig {
         start: Start,
     ) -> Result<Self, ControllerError> {
         let drive = RigDrive::new(settings.drive).map_err(ControllerError::Settings)?;
-        // One copy of the controller, which is large, and none more.
+        // The controller is large: one copy of it is made, and no more.
         match Controller::new(record, calibration_crc, settings, start) {
             Ok(controller) => Ok(Self {
                 control: ControlLoop::new(controller, drive),
@@ -62,7 +64,7 @@ impl Rig {
         }
     }
 
-    /// One round of the control loop.
+    /// Runs one round of the control loop.
     pub fn step(&mut self, step: &RigStep) -> RigAnswer {
         self.control.drive_mut().set_count(step.encoder_count);
         let actions = self.control.round(step.time, &step.events);
@@ -80,7 +82,7 @@ impl Rig {
         self.control.controller()
     }
 
-    /// The state machine, to acknowledge its records.
+    /// The state machine, for the acknowledgement of its records.
     pub const fn controller_mut(&mut self) -> &mut Controller {
         self.control.controller_mut()
     }

@@ -1,22 +1,22 @@
-//! Bytes and time stamps on their way from an interrupt to the main loop.
+//! Rings of bytes and time stamps between an interrupt and the main loop.
 
 use core::fmt;
 use core::sync::atomic::{AtomicU8, AtomicU32, AtomicUsize, Ordering};
 
-/// What a ring keeps: a byte of a serial line, or the stamp of an edge.
+/// An item of a ring: a byte of a serial line, or the stamp of an edge.
 pub trait Item: Copy + sealed::Sealed {
-    /// Where one is kept.
+    /// Storage of one item.
     type Place: fmt::Debug;
 
-    /// A place in which there is none.
+    /// A place without an item.
     #[doc(hidden)]
     const EMPTY: Self::Place;
 
-    /// What is in a place.
+    /// Returns the item in a place.
     #[doc(hidden)]
     fn load(place: &Self::Place) -> Self;
 
-    /// Puts it into a place.
+    /// Puts the item into a place.
     #[doc(hidden)]
     fn store(self, place: &Self::Place);
 }
@@ -57,9 +57,10 @@ impl Item for u32 {
     }
 }
 
-/// A ring with one writer, the interrupt, and one reader, the main loop; `PLACES` is a power of two.
+/// A ring with one writer, the interrupt, and one reader, the main loop; `PLACES` is a power of
+/// two.
 ///
-/// Every line has a ring of its own, so that one that bounces keeps out nothing of another's.
+/// Every line has a separate ring, so that a line that bounces keeps out no item of another.
 ///
 /// ```
 /// use fmc_camera::flight::ring::Ring;
@@ -91,7 +92,7 @@ impl<T: Item, const PLACES: usize> Ring<T, PLACES> {
         }
     }
 
-    /// Keeps an item; where there is no room it is lost and counted.
+    /// Keeps an item; without room it is lost and counted.
     #[inline]
     pub fn push(&self, item: T) {
         let written = self.written.load(Ordering::Relaxed);
@@ -117,36 +118,38 @@ impl<T: Item, const PLACES: usize> Ring<T, PLACES> {
         Some(item)
     }
 
-    /// Whether another item can be kept.
+    /// Returns `true` if another item can be kept.
     #[inline]
     pub fn has_room(&self) -> bool {
         let written = self.written.load(Ordering::Relaxed);
         written.wrapping_sub(self.read.load(Ordering::Acquire)) < PLACES
     }
 
-    /// Whether no item waits.
+    /// Returns `true` if no item waits.
     #[inline]
     pub fn is_empty(&self) -> bool {
         self.read.load(Ordering::Relaxed) == self.written.load(Ordering::Acquire)
     }
 
-    /// Counts items as lost, where the device says so.
+    /// Counts items as lost, as the device reports them.
     pub fn lose(&self, items: u32) {
         self.lost.fetch_add(items, Ordering::Relaxed);
     }
 
-    /// Items lost since this was asked last.
+    /// Returns the number of items lost since the last call.
     pub fn take_lost(&self) -> u32 {
         self.lost.swap(0, Ordering::Relaxed)
     }
 }
 
 impl<const PLACES: usize> Ring<u32, PLACES> {
-    /// What the interrupt of a capture input found: the stamp that the register holds, and whether an edge before it
-    /// was overwritten there, which is lost and counted.
+    /// Takes the stamp that the interrupt of a capture input found in its register.
+    /// `was_overwritten` is `true` if an earlier edge was overwritten there, which is lost and
+    /// counted.
     ///
-    /// Says whether the line may interrupt again. One that has filled its ring oscillates, and must not take all the
-    /// time there is: it is to be listened to again once the ring has been read.
+    /// Returns `true` if the line may interrupt again. A line that has filled its ring oscillates,
+    /// and must not use up the processor's time: it is to be enabled again once the ring has been
+    /// read.
     #[must_use]
     pub fn capture(&self, stamp: Option<u32>, was_overwritten: bool) -> bool {
         if was_overwritten {
@@ -201,12 +204,12 @@ mod tests {
             assert!(edges.capture(Some(stamp), false));
         }
         assert!(!edges.capture(Some(3), false));
-        // Another line's interrupt finds what has come meanwhile.
+        // The interrupt of another line finds the stamp that has come meanwhile.
         assert!(!edges.capture(Some(9), true));
         assert_eq!(edges.take_lost(), 2, "overwritten, and without room");
         assert!((0..4).all(|stamp| edges.pop() == Some(stamp)));
         assert!(edges.capture(None, false));
-        // The one that was overwritten is lost, the one that is held is not.
+        // The overwritten edge is lost, the one in the register is not.
         assert!(edges.capture(Some(20), true));
         assert_eq!((edges.pop(), edges.take_lost()), (Some(20), 1));
     }

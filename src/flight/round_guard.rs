@@ -1,19 +1,19 @@
-//! Whether the control loop still comes round, seen from an interrupt.
+//! Guard of the control loop's rounds, asked from an interrupt.
 
 use core::sync::atomic::{AtomicU32, Ordering};
 
-/// Longest time from one round to the next with force on the stage, µs: longer than any round of a loop that works, and
-/// short enough that a stage under full force stays within its end stops.
+/// Longest time from one round to the next with force on the stage, µs: longer than any round of a
+/// loop that works, and short enough that a stage under full force stays within its end stops.
 pub const LONGEST_ROUND_US: u32 = 5000;
 
-/// Tells an interrupt that the force has to be taken off: rounds have failed to come.
+/// Tells an interrupt to take the force off when rounds fail to come.
 #[derive(Debug, Default)]
 pub struct RoundGuard {
     last_us: AtomicU32,
 }
 
 impl RoundGuard {
-    /// Before the first round.
+    /// Returns a guard before the first round.
     #[must_use]
     pub const fn new() -> Self {
         Self {
@@ -21,12 +21,13 @@ impl RoundGuard {
         }
     }
 
-    /// The control loop comes round, at this count of microseconds.
+    /// Notes a round of the control loop, at this count of microseconds.
     pub fn come_round(&self, now_us: u32) {
         self.last_us.store(now_us, Ordering::Relaxed);
     }
 
-    /// Whether the last round is longer ago than [`LONGEST_ROUND_US`]. Ask more often than the counter turns.
+    /// Returns `true` if the last round is longer ago than [`LONGEST_ROUND_US`]. It must be asked
+    /// more often than the counter turns.
     pub fn is_overdue(&self, now_us: u32) -> bool {
         now_us.wrapping_sub(self.last_us.load(Ordering::Relaxed)) > LONGEST_ROUND_US
     }

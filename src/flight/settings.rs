@@ -1,4 +1,4 @@
-//! How a camera is flown: what its calibration does not say.
+//! Settings of a flight: everything that the calibration does not contain.
 
 use super::drive::settings::DriveSettings;
 use super::exposure::FlightDirection;
@@ -6,32 +6,33 @@ use super::stage_watch::StageTolerance;
 use super::vh::settings::VhSettings;
 use crate::geometry::range::{OutOfRange, Quantity};
 
-/// How a camera is flown.
+/// Settings of a flight.
 #[derive(Debug, Clone, Copy, PartialEq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct FlightSettings {
     /// Exposure time of the frames to come, s.
     pub exposure_s: f32,
-    /// Whether the aircraft flies along the FMC axis or against it.
+    /// Direction of flight, along the FMC axis or against it.
     pub direction: FlightDirection,
-    /// Smear that a frame may have before it is flagged, and the shutter may open at, pixels.
+    /// Largest smear of a frame that is not flagged, and with which the shutter may open, pixels.
     pub smear_budget_px: f32,
-    /// How far the stage's speed may be off when the shutter is told to open, per cent.
+    /// Largest error of the stage's speed at which the shutter is told to open, per cent.
     pub speed_tolerance_percent: f32,
-    /// How far the stage may be off its set point before something is wrong, µm.
+    /// Largest following error that is not a fault, µm.
     pub following_tolerance_um: f32,
-    /// By how much a step of the encoder's reading may differ from its set point's at constant speed, µm.
+    /// Largest difference between a step of the encoder's reading and of its set point at constant
+    /// speed, µm.
     pub jump_tolerance_um: f32,
-    /// From command to first light, s.
+    /// Time from command to first light, s.
     pub shutter_latency_s: f32,
-    /// How far first light and exposure may be off in time, s.
+    /// Largest error of first light and of exposure in time, s.
     pub shutter_tolerance_s: f32,
-    /// Shortest time between triggers that is planned, s; 0: not known.
+    /// Shortest planned time between triggers, s; 0 if not known.
     pub trigger_interval_s: f32,
     /// σ of the satellite receiver's time pulse, s.
     pub time_pulse_sigma_s: f32,
-    /// Whether the encoder counts on while the supply is too low for the motor.
+    /// `true` if the encoder counts on while the supply is too low for the motor.
     pub encoder_survives_brown_out: bool,
     /// Sources of V/H.
     pub vh: VhSettings,
@@ -40,7 +41,7 @@ pub struct FlightSettings {
 }
 
 impl FlightSettings {
-    /// The settings, if each is believable.
+    /// Returns the settings, if each is in its range.
     ///
     /// # Errors
     /// [`OutOfRange`] naming the field, its value and its range.
@@ -78,8 +79,8 @@ impl FlightSettings {
 }
 
 impl Default for FlightSettings {
-    /// 1/300 s along the FMC axis, a quarter of a pixel of smear, a shutter that opens 2 ms after its command to
-    /// within 1 ms.
+    /// Returns 1/300 s along the FMC axis, a quarter of a pixel of smear, a shutter that opens 2 ms
+    /// after its command to within 1 ms.
     fn default() -> Self {
         Self {
             exposure_s: 1.0 / 300.0,

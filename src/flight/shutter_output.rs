@@ -1,15 +1,15 @@
-//! The wire that opens the shutter.
+//! Output wire that opens the shutter.
 
 use super::time::Time;
 
-/// What the wire is to do: for the interrupt of a compare output.
+/// Levels and times of the wire, for the interrupt of a compare output.
 ///
-/// High opens the shutter, low closes it. Whoever works the wire asks [`Self::look`] after every change and at every
-/// compare, sets the wire's level and the time of the next compare, and asks again where that time has passed
-/// meanwhile.
+/// High opens the shutter, low closes it. The user calls [`Self::look`] after every change and at
+/// every compare, sets the wire's level and the time of the next compare, and calls it again if
+/// that time has passed meanwhile.
 ///
-/// Times are those of a counter of microseconds that wraps at 32 bits; a command must leave within half of that
-/// (35 minutes).
+/// Times are those of a counter of microseconds that wraps at 32 bits; a command must leave within
+/// half of that (35 minutes).
 ///
 /// ```
 /// use fmc_camera::flight::shutter_output::{ShutterLevel, ShutterOutput};
@@ -39,17 +39,17 @@ enum Phase {
     },
 }
 
-/// The wire now, and when to look again.
+/// Present level of the wire, and the time of the next look.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct ShutterLevel {
-    /// The shutter is told to be open.
+    /// `true` if the shutter is told to be open.
     pub is_high: bool,
-    /// When the level changes; `None` where it stays.
+    /// Time at which the level changes; `None` if it stays.
     pub next_us: Option<u32>,
 }
 
 impl ShutterOutput {
-    /// A shutter that is told to be closed.
+    /// Returns an output that tells the shutter to be closed.
     #[must_use]
     pub const fn new() -> Self {
         Self {
@@ -57,9 +57,10 @@ impl ShutterOutput {
         }
     }
 
-    /// The command is to leave at a time, for an exposure, s; in place of one that has not left. One whose time has
-    /// passed leaves at the next look, late and as long as any. An exposure shorter than half a microsecond, or that is
-    /// no number, is none.
+    /// Sets the command that is to leave at a time, for an exposure, s; it replaces one that has
+    /// not left. A command whose time has passed leaves at the next look, late and with its full
+    /// exposure. With an exposure that is shorter than half a microsecond, or NaN, the shutter is
+    /// to stay closed.
     pub fn open(&mut self, at: Time, exposure_s: f32) {
         let [b0, b1, b2, b3, ..] = at.us().to_le_bytes();
         let exposure_us = Time::START.plus_s(exposure_s.max(0.0)).us();
@@ -72,18 +73,18 @@ impl ShutterOutput {
         };
     }
 
-    /// It closes at once; a command that has not left is taken back.
+    /// Closes the shutter at once; a command that has not left is taken back.
     pub const fn close(&mut self) {
         self.phase = Phase::Closed;
     }
 
-    /// What the wire is to do from now on.
+    /// Returns the level of the wire from now on.
     pub const fn look(&mut self, now_us: u32) -> ShutterLevel {
         if let Phase::Waiting { at_us, exposure_us } = self.phase
             && has_come(at_us, now_us)
         {
             self.phase = Phase::Open {
-                // As long as it is to be, from when it does leave.
+                // The exposure is counted from the time at which the command leaves.
                 until_us: now_us.wrapping_add(exposure_us),
             };
         }
@@ -112,7 +113,7 @@ impl ShutterOutput {
 /// Longest exposure, µs: a third of the counter's turn.
 const LONGEST_US: u32 = u32::MAX / 3;
 
-/// Whether a time is not in the future: nearer behind `now_us` than before it.
+/// Returns `true` if a time is not in the future: nearer behind `now_us` than before it.
 #[must_use]
 pub const fn has_come(time_us: u32, now_us: u32) -> bool {
     now_us.wrapping_sub(time_us).cast_signed() >= 0
@@ -156,7 +157,7 @@ mod tests {
         shutter.open(Time::from_us(1000), 1e-3);
         assert_eq!(shutter.look(1700), level(true, 2700));
         assert_eq!(shutter.look(2700), CLOSED);
-        // Even one that would have ended by now: the controller judges.
+        // Even a command that would have ended by now leaves: the controller judges it.
         shutter.open(Time::from_us(5000), 1e-3);
         assert_eq!(shutter.look(9000), level(true, 10_000));
     }

@@ -1,10 +1,10 @@
-//! How fast a quantity changes.
+//! Slope of a quantity over time.
 
 use heapless::Deque;
 
 use super::time::Time;
 
-/// Values by which the slope is measured.
+/// Number of values by which the slope is measured.
 pub(crate) const VALUES: usize = 4;
 
 /// The slope of the latest values.
@@ -14,7 +14,7 @@ pub(crate) struct Slope {
 }
 
 impl Slope {
-    /// No value yet.
+    /// Returns a slope without values.
     #[must_use]
     pub(crate) const fn new() -> Self {
         Self {
@@ -36,8 +36,8 @@ impl Slope {
         self.latest.clear();
     }
 
-    /// The slope of the line of least squares through the last [`VALUES`] values, per second; `None` before there are
-    /// so many, or where their times are one.
+    /// Returns the slope of the line of least squares through the last [`VALUES`] values, per
+    /// second; `None` before there are as many, or if their times are equal.
     #[must_use]
     pub(crate) fn per_s(&self) -> Option<f32> {
         let (first_time, first_value) = *self.latest.front()?;

@@ -1,4 +1,4 @@
-//! The residual smear of a frame, predicted from what the camera knows.
+//! Residual smear of a frame, predicted from the camera's own data.
 
 use super::event::AttitudeSample;
 use super::exposure::FlightDirection;
@@ -7,10 +7,11 @@ use crate::geometry::calibration::Calibration;
 use crate::geometry::image_motion::{Attitude, FlightState, GroundMotion, ImageMotion, View};
 use crate::geometry::sensor::{FmcAxis, SensorPoint};
 
-/// Points along each side of the grid on which the lens' gradient is looked for.
+/// Points along each side of the grid on which the largest gradient of the lens distortion is
+/// sought.
 const GRID_POINTS: u8 = 9;
 
-/// A calibrated camera, as far as smear depends on it.
+/// The properties of a calibrated camera on which smear depends.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct SmearPrediction {
     view: View,
@@ -19,30 +20,30 @@ pub struct SmearPrediction {
     lens_gradient: f32,
 }
 
-/// What one exposure was like.
+/// Compensation of one exposure.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Compensation {
     /// t: exposure, s.
     pub exposure_s: f32,
     /// δ: travel in the direction of flight, mm; 0: the stage stood still.
     pub travel_mm: f32,
-    /// How far the stage left a straight line in time meanwhile, to both sides together, mm.
+    /// Departure of the stage from a straight line in time meanwhile, to both sides together, mm.
     pub wander_mm: f32,
     /// Principal point at the centroid, mm.
     pub principal_point: SensorPoint,
 }
 
-/// What an exposure leaves.
+/// Predicted smear of an exposure.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct PredictedSmear {
-    /// The largest on the sensor, µm.
+    /// Largest smear on the sensor, µm.
     pub largest_um: f32,
-    /// Whether the attitude is in it.
+    /// `true` if the attitude is in it.
     pub is_with_attitude: bool,
 }
 
 impl SmearPrediction {
-    /// The prediction for a camera that flies along its FMC axis, or against it.
+    /// Returns the prediction for a camera that flies along its FMC axis, or against it.
     #[must_use]
     pub fn new(calibration: &Calibration, direction: FlightDirection) -> Self {
         let calibrated = View::calibrated(calibration);
@@ -82,19 +83,21 @@ impl SmearPrediction {
         }
     }
 
-    /// The largest residual smear on the sensor.
+    /// Returns the largest residual smear on the sensor.
     ///
     /// # Model
     /// The largest length of the residual image motion over a grid of the sensor
-    /// ([`ImageMotion::largest_smear`]), with attitude, rates and drift where they are given; to that are added
-    /// `f·σ_η·t` for one σ of V/H, how far the stage left its straight line, and `|δ|·max|∂D/∂e|`, by which the lens
-    /// distortion changes along the travel. The terrain is taken as level at the height that V/H refers to.
+    /// ([`ImageMotion::largest_smear`]), with attitude, rates and drift if they are given; to that
+    /// are added `f·σ_η·t` for one σ of V/H, the stage's departure from its straight line, and
+    /// `|δ|·max|∂D/∂e|`, by which the lens distortion changes along the travel. The terrain is
+    /// taken as level at the height that V/H refers to.
     ///
-    /// Attitudes for which no image motion can be given (see [`ImageMotion::new`]) count as not given.
+    /// Attitudes for which no image motion can be given (see [`ImageMotion::new`]) count as not
+    /// given.
     ///
     /// # Units and frames
-    /// `travel_mm` positive in the direction of flight; the attitude about the camera's axes, the drift from the
-    /// direction of flight.
+    /// `travel_mm` is positive in the direction of flight; the attitude is about the camera's axes,
+    /// the drift from the direction of flight.
     #[must_use]
     pub fn of(
         &self,
@@ -148,7 +151,8 @@ impl SmearPrediction {
         let motion = with_attitude.or_else(|| ImageMotion::new(&view, &level).ok());
         let motion_um = match motion {
             Some(motion) => motion.largest_on_grid(exposure_s).1.length_um(),
-            // No image motion of a level camera: V/H is out of its range. The whole of it is left.
+            // A level camera without image motion has a V/H out of its range; the whole motion is
+            // left.
             None => 1000.0 * focal_mm * exposure_s * libm::fabsf(vh.vh_per_s - compensated),
         };
         let largest_um = motion_um
@@ -162,7 +166,7 @@ impl SmearPrediction {
         }
     }
 
-    /// Micrometres as pixels.
+    /// Converts micrometres to pixels.
     #[must_use]
     pub fn pixels(&self, smear_um: f32) -> f32 {
         smear_um / (1000.0 * self.view.sensor.pixel_mm())

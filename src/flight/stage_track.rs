@@ -1,4 +1,4 @@
-//! Where the stage has been lately.
+//! Recent readings of the stage, and its path in an exposure.
 
 use heapless::{Deque, Vec};
 
@@ -6,10 +6,10 @@ use super::drive::StageReading;
 use super::time::Time;
 use crate::geometry::principal_point::StageSample;
 
-/// Readings kept.
+/// Number of readings that are kept.
 pub const CAPACITY: usize = 64;
 
-/// How far the path is continued beyond its ends, s.
+/// Time by which the path is continued beyond its ends, s.
 const CONTINUED_S: f32 = 0.003;
 
 /// The latest readings, in order of time; from the opening of the shutter on, all of the exposure.
@@ -17,10 +17,10 @@ const CONTINUED_S: f32 = 0.003;
 pub struct StageTrack {
     readings: Deque<StageReading, CAPACITY>,
     keep_from: Option<Time>,
-    /// While an exposure is kept, every so many-th reading is.
+    /// Stride of the readings that are kept during an exposure.
     stride: u32,
     since_kept: u32,
-    /// The last reading makes room for the next.
+    /// `true` if the last reading makes room for the next.
     is_last_passing: bool,
 }
 
@@ -33,20 +33,21 @@ impl Default for StageTrack {
 /// The path of an exposure.
 #[derive(Debug, Clone)]
 pub struct ExposurePath {
-    /// Samples, s after first light, that cover the exposure as far as [`Self::is_covered`]; one at most before it.
+    /// Samples, s after first light, that cover the exposure as far as [`Self::is_covered`]; at
+    /// most one lies before it.
     pub samples: Vec<StageSample, { CAPACITY + 2 }>,
-    /// Whether an end was continued from its neighbours.
+    /// `true` if an end was continued from its neighbours.
     pub is_continued: bool,
     /// The longest time between two samples in the exposure, s.
     pub longest_gap_s: f32,
-    /// How far the path leaves the straight line between its ends, to both sides together, mm.
+    /// Departure of the path from the straight line between its ends, to both sides together, mm.
     pub wander_mm: f32,
-    /// Whether the samples cover the exposure.
+    /// `true` if the samples cover the exposure.
     pub is_covered: bool,
 }
 
 impl StageTrack {
-    /// Nothing read yet.
+    /// Returns a track without readings.
     #[must_use]
     pub const fn new() -> Self {
         Self {
@@ -58,10 +59,11 @@ impl StageTrack {
         }
     }
 
-    /// Takes a reading. One that is not later than the one before is left out.
+    /// Takes a reading. One that is not later than the last is left out.
     ///
-    /// Where there is no room, the oldest is forgotten; while an exposure is kept, every other one is, and from then on
-    /// every other one is kept, so that an exposure of any length is covered evenly.
+    /// If there is no room, the oldest is forgotten; while an exposure is kept, every other one is,
+    /// and from then on every other one is kept, so that an exposure of any length is covered
+    /// evenly.
     pub fn push(&mut self, reading: StageReading) {
         if self
             .readings
@@ -94,7 +96,7 @@ impl StageTrack {
         let mut keep = true;
         for (reading, next) in self.readings.iter().zip(self.readings.iter().skip(1)) {
             if next.time <= keep_from {
-                // Before the exposure.
+                // The reading lies before the exposure.
                 continue;
             }
             if keep {
@@ -110,12 +112,12 @@ impl StageTrack {
         self.since_kept = 0;
     }
 
-    /// Keeps everything from an instant on: the shutter opens.
+    /// Keeps everything from an instant on, at which the shutter opens.
     pub(crate) fn keep_from(&mut self, opened: Time) {
         self.keep_from = Some(opened);
     }
 
-    /// The exposure is over: old readings may be forgotten.
+    /// Ends an exposure: old readings may be forgotten.
     pub(crate) fn keep_latest(&mut self) {
         self.keep_from = None;
         self.stride = 1;
@@ -123,7 +125,7 @@ impl StageTrack {
         self.is_last_passing = false;
     }
 
-    /// Forgets everything: the readings to come have nothing to do with those so far.
+    /// Forgets everything, if the readings to come cannot be compared with those so far.
     pub fn clear(&mut self) {
         self.readings.clear();
         self.keep_latest();
@@ -135,7 +137,7 @@ impl StageTrack {
         self.readings.back().copied()
     }
 
-    /// The path from first to last light.
+    /// Returns the path from first to last light.
     #[must_use]
     pub fn path(&self, opened: Time, closed: Time) -> ExposurePath {
         let exposure_s = closed.seconds_since(opened);
@@ -158,7 +160,7 @@ impl StageTrack {
         else {
             return path;
         };
-        // What lies before the reading before the opening says nothing of the exposure.
+        // Of the readings up to the opening, only the last concerns the exposure.
         let pairs = self.readings.iter().zip(self.readings.iter().skip(1));
         let before_it = pairs.take_while(|(_, next)| next.time <= opened).count();
         // There is room for all and two more.
@@ -180,7 +182,7 @@ impl StageTrack {
 }
 
 impl ExposurePath {
-    /// Finds gap and wander.
+    /// Determines the longest gap and the wander.
     fn look_over(&mut self, exposure_s: f32) {
         let pairs = || {
             let inside = |(before, after): &(&StageSample, &StageSample)| {
@@ -207,7 +209,7 @@ impl ExposurePath {
     }
 }
 
-/// The straight line through two samples, at a time beyond the second.
+/// Extrapolates the straight line through two samples to a time.
 fn continued(first: StageSample, second: StageSample, time_s: f32) -> StageSample {
     let slope = (second.offset_mm - first.offset_mm) / (second.time_s - first.time_s);
     StageSample {

@@ -1,52 +1,52 @@
-//! Whether the stage does what it is told.
+//! The stage's watch: it compares readings with set points, and finds faults of stage and encoder.
 
 use super::drive::StageReading;
 use super::fault::Fault;
 use super::stage::Setpoint;
 
-/// Of a jump that stays, what the drive may have made good by the next reading.
+/// Part of a persistent jump that the drive may have made good by the next reading.
 const MADE_GOOD: f32 = 0.5;
 
-/// While the stage accelerates or is released, so many times more per reading is no jump.
+/// Factor by which a step may be larger while the stage accelerates or is released.
 const ACCELERATING: f32 = 4.0;
 
-/// What the stage may be off before something is wrong.
+/// Tolerances of the stage.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(crate) struct StageTolerance {
     /// Between set point and reading, mm.
     pub(crate) following_mm: f32,
-    /// Between what a reading and its set point have moved since the ones before, at constant speed, mm.
+    /// Between the steps of a reading and of its set point since the last ones, at constant speed,
+    /// mm.
     pub(crate) jump_mm: f32,
 }
 
-/// What a reading shows.
+/// Verdict on a reading.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(crate) enum ReadingVerdict {
     /// The stage follows.
     Follows,
-    /// The reading is far from where the stage can be; the next one will tell.
+    /// The reading is far from where the stage can be; the next one decides.
     Suspicious,
-    /// The reading before was wrong, this one is right.
+    /// The last reading was wrong, this one is right.
     Glitch,
-    /// Something is wrong.
+    /// A fault was found.
     Fault(Fault),
 }
 
 /// Compares readings with set points.
 ///
 /// # Model
-/// A reading whose step from the one before differs from its set point's by more than `jump_mm` is suspicious. With the
-/// next it turns out to be
-/// - a glitch, where that one steps back by as much;
+/// A reading whose step from the last differs from its set point's by more than `jump_mm` is
+/// suspicious. With the next it turns out to be
 /// - lost or added counts, [`Fault::Encoder`], where that one follows again from the new place;
 /// - motion of the stage otherwise.
 ///
-/// Motion is at fault where it is off its set point by more than `following_mm`: where the stage should move,
-/// [`Fault::WrongDirection`] if it moves the other way, [`Fault::Runaway`] if it is ahead, else [`Fault::Stall`]; where
-/// it should stand, [`Fault::Runaway`] if it moves, else [`Fault::Stall`]: it has not come there.
-/// A released stage is not at fault wherever it goes.
+/// Motion is at fault if it is off its set point by more than `following_mm`: if the stage should
+/// move, [`Fault::WrongDirection`] if it moves the other way, [`Fault::Runaway`] if it is ahead,
+/// else [`Fault::Stall`]; if it should stand, [`Fault::Runaway`] if it moves, else
+/// [`Fault::Stall`], since it has not arrived. A released stage may move anywhere without a fault.
 ///
-/// What stays undetected: counts lost or added in a step of less than `jump_mm`.
+/// Counts lost or added in a step of less than `jump_mm` stay undetected.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub(crate) struct StageWatch {
     /// The last reading, and where the stage should have been, mm; released, 0.
@@ -55,7 +55,7 @@ pub(crate) struct StageWatch {
 }
 
 impl StageWatch {
-    /// A watch that has seen nothing.
+    /// Returns a watch without readings.
     #[must_use]
     pub(crate) const fn new() -> Self {
         Self {
@@ -64,8 +64,8 @@ impl StageWatch {
         }
     }
 
-    /// Looks at a reading and the set point of its time; `None` of a released stage, which has no
-    /// set point to follow and moves as it may, but whose reading must not jump.
+    /// Judges a reading against the set point of its time. A released stage has no set point
+    /// (`None`) and may move, but its encoder must not jump.
     pub(crate) fn look(
         &mut self,
         reading: StageReading,
@@ -102,7 +102,7 @@ impl StageWatch {
     }
 }
 
-/// Judges motion: where the stage is, and by how much it has moved since the reading before.
+/// Judges the position of the stage, and its motion since the last reading.
 fn verdict_of_motion(
     reading: StageReading,
     setpoint: Option<Setpoint>,

@@ -14,7 +14,7 @@ impl Time {
     /// The start of the clock.
     pub const START: Self = Self { us: 0 };
 
-    /// So many microseconds after the start.
+    /// Returns the instant a number of microseconds after the start.
     #[must_use]
     pub const fn from_us(us: u64) -> Self {
         Self { us }
@@ -26,7 +26,7 @@ impl Time {
         self.us
     }
 
-    /// From `earlier` to this instant, s; negative where `earlier` is later.
+    /// Returns the time from `earlier` to this instant, s; negative if `earlier` is later.
     ///
     /// # Accuracy
     /// The difference is exact in microseconds; its rounding is 6e-8 of it.
@@ -40,14 +40,14 @@ impl Time {
         }
     }
 
-    /// From `earlier` to this instant, µs; 0 where `earlier` is later.
+    /// Returns the time from `earlier` to this instant, µs; 0 if `earlier` is later.
     #[must_use]
     pub const fn us_since(self, earlier: Self) -> u64 {
         self.us.saturating_sub(earlier.us)
     }
 
-    /// The instant a number of seconds later or earlier, to the nearest microsecond; it stays between the ends of
-    /// the clock, and a NaN counts as 0.
+    /// Returns the instant a number of seconds later or earlier, to the nearest microsecond; it
+    /// stays between the ends of the clock, and a NaN counts as 0.
     #[must_use]
     #[expect(
         clippy::cast_possible_truncation,
@@ -72,23 +72,24 @@ impl fmt::Display for Time {
     }
 }
 
-/// Makes a time that never wraps from a 32-bit counter of microseconds, which does every 71 minutes.
+/// Extends a 32-bit counter of microseconds, which wraps every 71 minutes, to a time that never
+/// wraps.
 ///
-/// Read the counter at least once per half period (35 minutes); readings taken in an interrupt may be up to that
-/// much older than the last one extended.
+/// The counter must be read at least once per half period (35 minutes); readings taken in an
+/// interrupt may be up to that much older than the last one extended.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub struct Clock {
     now: Time,
 }
 
 impl Clock {
-    /// A clock whose counter started at 0.
+    /// Returns a clock whose counter started at 0.
     #[must_use]
     pub const fn new() -> Self {
         Self { now: Time::START }
     }
 
-    /// The time of a reading: the one nearest to the last.
+    /// Returns the time of a reading: the one nearest to the last.
     pub fn extend(&mut self, counter_us: u32) -> Time {
         let [b0, b1, b2, b3, ..] = self.now.us.to_le_bytes();
         let ahead = counter_us
@@ -133,7 +134,7 @@ mod tests {
         assert_eq!(clock.extend(u32::MAX - 5).us(), u64::from(u32::MAX) - 5);
         let now = clock.extend(10);
         assert_eq!(now.us(), (1 << 32) + 10);
-        // Captured before the wrap, handed over after it.
+        // The stamp was captured before the wrap and handed over after it.
         assert_eq!(clock.extend(u32::MAX - 20).us(), (1 << 32) - 21);
         assert_eq!(clock.extend(11).us(), now.us() + 1);
     }

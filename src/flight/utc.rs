@@ -1,18 +1,19 @@
 //! Absolute time, from the receiver's time pulse and the times that name its pulses.
 //!
-//! The pulse says exactly when a second begins, and not which; the receiver's messages say which, and late. The
-//! camera's clock carries the time from one pulse to the next.
+//! The pulse marks exactly the beginning of a second, but does not name it; the receiver's messages
+//! name it, but come late. The camera's clock carries the time from one pulse to the next.
 
 use super::time::Time;
 
-/// How far a pulse may lie from a whole number of seconds after the last, per second, beyond its jitter: more than any
-/// crystal drifts.
+/// Largest distance of a pulse from a whole number of seconds after the last, per second, beyond
+/// its jitter: more than any crystal drifts.
 pub const CLOCK_TOLERANCE_PPM: f32 = 200.0;
 
 /// σ of the clock's drift before it is measured, ppm.
 pub const UNMEASURED_DRIFT_PPM: f32 = 50.0;
 
-/// By how much the drift may change, ppm per second without a pulse: a crystal that warms up by 1 K per minute.
+/// Largest change of the drift, ppm per second without a pulse: a crystal that warms up by 1 K per
+/// minute.
 pub const DRIFT_WANDER_PPM_PER_S: f32 = 0.02;
 
 /// Age of the last pulse beyond which there is no absolute time, s.
@@ -21,13 +22,15 @@ pub const HOLDOVER_S: f32 = 600.0;
 /// Largest σ of a pulse's time stamp, s.
 pub const WORST_PULSE_SIGMA_S: f32 = 1e-3;
 
-/// Times in a row that must name pulses alike: before there is absolute time, and before a count of pulses gives in.
+/// Number of times in a row that must name pulses alike before there is absolute time, and before
+/// it replaces the count of pulses.
 pub const CONSISTENT_TIMES: u8 = 3;
 
-/// Pulses in a row, a second apart, that must contradict those before until they are the pulses.
+/// Number of pulses in a row, a second apart, that must contradict the earlier ones to replace
+/// them.
 pub const CONSISTENT_PULSES: u8 = 3;
 
-/// By how much a message may seem to come before the time it names, s: jitter of its own stamp.
+/// Time by which a message may seem to come before the time it names, s: jitter of its own stamp.
 const EARLY_S: f32 = 0.02;
 
 /// Part of a new measurement in the drift.
@@ -49,20 +52,23 @@ pub struct UtcTime {
     pub sigma_s: f32,
 }
 
-/// What a pulse or a time shows.
+/// Finding of a pulse or a time.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub enum UtcFinding {
-    /// So many pulses did not come.
+    /// Number of pulses that did not come.
     MissingPulses(u32),
-    /// A pulse that belongs to no second; not used.
+    /// A pulse that fits no second; not used.
     ExtraPulse,
-    /// Pulses have come at another place in the second for long enough: they are the pulses, and unnamed.
+    /// Pulses have come at another place in the second for long enough: they replace the earlier
+    /// ones, and are not named yet.
     PulsesMoved,
-    /// The receiver's time differs by so many seconds from the count of pulses; not used yet, and σ covers it.
+    /// Number of seconds by which the receiver's time differs from the count of pulses; not used
+    /// yet, and σ covers it.
     WrongSecond(i64),
-    /// It has done so for long enough, and is believed: a leap second or a receiver that was wrong before.
+    /// The same difference has lasted long enough to be trusted: a leap second, or a receiver that
+    /// was wrong before.
     Stepped(i64),
     /// A pulse or a time that comes from before the last one; not used.
     FromThePast,
@@ -74,13 +80,14 @@ pub enum UtcFinding {
 #[derive(Debug, Clone, Copy, PartialEq)]
 struct Pulse {
     time: Time,
-    /// Which second begins with it, s since 1970.
+    /// Second that begins with it, s since 1970.
     second: Option<u64>,
-    /// How many times in a row have said so.
+    /// Number of times in a row that have named it so.
     named: u8,
 }
 
-/// By how many seconds the receiver contradicts the count of pulses, at how many pulses in a row, the last of them.
+/// Number of seconds by which the receiver contradicts the count of pulses, number of pulses in a
+/// row at which it does, and the last of them.
 #[derive(Debug, Clone, Copy, PartialEq)]
 struct Doubt {
     difference_s: i64,
@@ -88,19 +95,21 @@ struct Doubt {
     pulse: Time,
 }
 
-/// Makes UTC of the camera's time.
+/// Converts the camera's time to UTC.
 ///
 /// # Model
-/// With the last pulse at camera time T, the beginning of second N, and the clock's drift d measured from pulse to
-/// pulse (exponential mean, gain 1/8), UTC at camera time t is `N + (t - T)/(1 + d)`. With `age = |t - T|`:
-/// `σ² = σ_pulse² + ((σ_d + w·age)·age)² + σ_q²`, where `σ_d` is the mean deviation of the measured drifts, w
-/// [`DRIFT_WANDER_PPM_PER_S`] and `σ_q` the rounding to microseconds. While the receiver's times contradict the count
-/// of pulses, the contradiction is added to σ.
+/// With the last pulse at camera time T, the beginning of second N, and the clock's drift d
+/// measured from pulse to pulse (exponential mean, gain 1/8), UTC at camera time t is
+/// `N + (t - T)/(1 + d)`. With `age = |t - T|`: `σ² = σ_pulse² + ((σ_d + w·age)·age)² + σ_q²`,
+/// where `σ_d` is 1.25 times the mean deviation of the measured drifts, w
+/// [`DRIFT_WANDER_PPM_PER_S`] and `σ_q` the rounding to microseconds. While the receiver's times
+/// contradict the count of pulses, the contradiction is added to σ.
 #[derive(Debug, Clone)]
 pub struct UtcClock {
     pulse_sigma_s: f32,
     pulse: Option<Pulse>,
-    /// The last of the pulses that do not fit those before, and how many of them fit one another.
+    /// The last of the pulses that do not fit the earlier ones, and the number of them that fit one
+    /// another.
     stray: Option<(Time, u8)>,
     doubt: Option<Doubt>,
     drift_ppm: f32,
@@ -109,8 +118,8 @@ pub struct UtcClock {
 }
 
 impl UtcClock {
-    /// A clock that knows nothing; the jitter of a pulse's time stamp as σ, s: [`WORST_PULSE_SIGMA_S`] where that is
-    /// none or worse.
+    /// Returns a clock without pulses. `pulse_sigma_s` is the jitter of a pulse's time stamp as σ,
+    /// s; if it is not in range, [`WORST_PULSE_SIGMA_S`] replaces it.
     #[must_use]
     pub const fn new(pulse_sigma_s: f32) -> Self {
         let possible = pulse_sigma_s >= 0.0 && pulse_sigma_s <= WORST_PULSE_SIGMA_S;
@@ -153,10 +162,12 @@ impl UtcClock {
         (seconds > 1).then(|| UtcFinding::MissingPulses(seconds.saturating_sub(1)))
     }
 
-    /// Takes a time of the receiver, µs since 1970, whose message came at a camera time: it names the last pulse.
+    /// Takes a time of the receiver, µs since 1970, whose message came at a camera time: it names
+    /// the last pulse.
     ///
-    /// A message comes up to a second late. With the pulse's age a at its arrival and the fraction φ of its second, the
-    /// pulse began that second where `a ≥ φ`, and the next where the message had been made before the pulse.
+    /// A message comes up to a second late. With the pulse's age a at its arrival and the fraction
+    /// φ of its second, the pulse began that second if `a ≥ φ`, and the next if the message was
+    /// made before the pulse.
     pub fn receiver_time(&mut self, time: Time, unix_us: u64) -> Option<UtcFinding> {
         let Some(pulse) = self.pulse else {
             return Some(UtcFinding::NoPulse);
@@ -178,10 +189,11 @@ impl UtcClock {
         self.name(pulse, second)
     }
 
-    /// UTC of a camera time, up to [`HOLDOVER_S`] from the last pulse; `None` while no pulse is named.
+    /// Returns UTC of a camera time, up to [`HOLDOVER_S`] from the last pulse; `None` while no
+    /// pulse is named.
     ///
     /// # Accuracy
-    /// As its σ says; the arithmetic rounds to the microsecond.
+    /// The error is within σ; the arithmetic rounds to the microsecond.
     #[must_use]
     pub fn utc(&self, time: Time) -> Option<UtcTime> {
         let pulse = self.pulse?;
@@ -191,7 +203,7 @@ impl UtcClock {
         if distance_s > HOLDOVER_S {
             return None;
         }
-        // The drift alone in f32: a second of age is exact in microseconds.
+        // The drift alone is in f32: a second of age is exact in microseconds.
         let pulse_us = second.saturating_mul(US_PER_S);
         let drift = 1e-6 * self.drift_ppm;
         let correction_s = -(age_s * drift / (1.0 + drift));
@@ -211,7 +223,7 @@ impl UtcClock {
         })
     }
 
-    /// By how much the receiver contradicts the count, s.
+    /// Returns the time by which the receiver contradicts the count, s.
     fn doubt_s(&self) -> f32 {
         let difference_s = self
             .doubt
@@ -229,7 +241,8 @@ impl UtcClock {
         self.doubt = None;
     }
 
-    /// How many seconds from one pulse to the other, and the drift that makes them whole, ppm.
+    /// Returns the number of seconds from one pulse to the other, and the drift that makes them
+    /// whole, ppm.
     fn whole_seconds(&self, from: Time, to: Time) -> Option<(u32, f32)> {
         let elapsed_us = to.us_since(from);
         let seconds = u32::try_from(elapsed_us.saturating_add(US_PER_S / 2) / US_PER_S).ok()?;
@@ -240,7 +253,7 @@ impl UtcClock {
         let excess_s = Time::from_us(elapsed_us).seconds_since(Time::from_us(whole_us));
         let elapsed_s = Time::from_us(whole_us).seconds_since(Time::START);
         let allowed_s = CLOCK_TOLERANCE_PPM * 1e-6 * elapsed_s + 6.0 * self.pulse_sigma_s;
-        // Beyond half a second nobody knows how many there were.
+        // Beyond half a second their number is ambiguous.
         (libm::fabsf(excess_s) <= allowed_s && elapsed_s <= HOLDOVER_S)
             .then(|| (seconds, excess_s / elapsed_s * 1e6))
     }
@@ -260,7 +273,7 @@ impl UtcClock {
     }
 
     fn measure(&mut self, drift_ppm: f32) {
-        // Of one second between two pulses, each with its jitter.
+        // Error of one second between two pulses, each with its jitter.
         let least_ppm = 1.5e6 * (self.pulse_sigma_s + QUANTISATION_S);
         if self.drifts == 0 {
             self.drift_ppm = drift_ppm;
@@ -276,14 +289,14 @@ impl UtcClock {
         self.drifts = self.drifts.saturating_add(1);
     }
 
-    /// Compares the second a time gives the last pulse with the count, or begins the count.
+    /// Compares the second that a time gives to the last pulse with the count, or begins the count.
     fn name(&mut self, pulse: Pulse, second: u64) -> Option<UtcFinding> {
         let named = match pulse.second {
             Some(counted) if counted == second => pulse.named.saturating_add(1),
             Some(counted) if pulse.named >= CONSISTENT_TIMES => {
                 return Some(self.contradict(pulse, counted, second));
             }
-            // Not yet believed: it begins anew.
+            // The count is not trusted yet and begins anew.
             _ => 1,
         };
         self.doubt = None;
@@ -299,7 +312,7 @@ impl UtcClock {
         let difference_s = signed(second).saturating_sub(signed(counted));
         let times = match self.doubt {
             Some(doubt) if doubt.difference_s == difference_s => {
-                // Several times of one pulse are one witness.
+                // Several times of one pulse count once.
                 let more = u8::from(doubt.pulse != pulse.time);
                 doubt.times.saturating_add(more)
             }
@@ -322,7 +335,7 @@ impl UtcClock {
     }
 }
 
-/// Seconds as a number that may be subtracted; there are no more in the life of the sun.
+/// Converts seconds to a number that may be subtracted; no more occur in the life of the sun.
 fn signed(seconds: u64) -> i64 {
     i64::try_from(seconds).unwrap_or(i64::MAX)
 }

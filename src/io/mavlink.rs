@@ -1,11 +1,12 @@
 //! Messages of an autopilot (`MAVLink` 1 and 2): speed, heights and time, byte by byte.
 //!
-//! Read are `GLOBAL_POSITION_INT`, `DISTANCE_SENSOR`, `ALTITUDE` and `SYSTEM_TIME` of the common dialect; every other
-//! message is passed over. Frames are cut here: the reader of the crate `mavlink` indexes into its buffer, and what it
-//! cannot use it must have read whole. A candidate whose checksum is wrong is given up from its second byte, so that no
-//! frame is lost behind a false beginning. The crate knows each message's part of the checksum and decodes the payload,
-//! which it gets in an array of the message's full length: its own filling up of a shortened payload indexes.
-//! Signatures are not verified.
+//! The receiver reads `GLOBAL_POSITION_INT`, `DISTANCE_SENSOR`, `ALTITUDE` and `SYSTEM_TIME` of the
+//! common dialect, and ignores every other message. Frames are cut here: the reader of the crate
+//! `mavlink` indexes into its buffer, and has to read a frame whole even if it cannot use it. After
+//! a candidate whose checksum is wrong the search goes on from its second byte, so that no frame is
+//! lost behind a false beginning. The crate supplies each message's part of the checksum and
+//! decodes the payload, which it gets in an array of the message's full length, since its own
+//! extension of a shortened payload indexes. Signatures are not verified.
 //!
 //! The link check of `tests/no-panic` with its feature `mavlink` finds no panic here.
 
@@ -28,33 +29,35 @@ pub const LONGEST_PACKET: usize = 280;
 /// Samples of one message.
 pub(crate) const MAX_SAMPLES: usize = 3;
 
-/// `GLOBAL_POSITION_INT` after an `ALTITUDE` whose altitude is passed over: the two may differ by tens of metres, and
-/// `ALTITUDE` has the terrain's height that goes with its own.
+/// Number of `GLOBAL_POSITION_INT` after an `ALTITUDE` whose altitude is ignored: the two may
+/// differ by tens of metres, and `ALTITUDE` has the terrain's height that goes with its own.
 pub const ALTITUDE_PREFERRED: u8 = 50;
 
-/// Place of the signal's quality in a `DISTANCE_SENSOR`: an extension, which the crate decodes only with std.
+/// Place of the signal's quality in a `DISTANCE_SENSOR`: an extension, which the crate decodes only
+/// with std.
 const SIGNAL_QUALITY_AT: usize = 38;
 
-/// Quality a distance sensor gives a measurement that is none.
+/// Quality by which a distance sensor marks a measurement as invalid.
 const INVALID_SIGNAL: u8 = 1;
 
-/// Height above the terrain from which on `ALTITUDE` means it, m.
+/// Least height above the terrain that is a known one in `ALTITUDE`, m.
 const LEAST_ABOVE_TERRAIN_M: f32 = -1000.0;
 
-/// 2000-01-01 and 2200-01-01, µs since 1970: an autopilot that knows the time knows one between them.
+/// 2000-01-01 and 2200-01-01, µs since 1970: the time of an autopilot that knows it lies between
+/// them.
 const POSSIBLE_UNIX_US: [u64; 2] = [946_684_800_000_000, 7_258_118_400_000_000];
 
-/// The crate's own can panic.
+/// CRC of a frame; that of the crate can panic.
 const CRC: Crc<u16, Table<1>> = Crc::<u16, Table<1>>::new(&CRC_16_MCRF4XX);
 
-/// In version 2: the frame ends with a signature.
+/// Flag of version 2: the frame ends with a signature.
 const SIGNED: u8 = 1;
 
 const SIGNATURE_BYTES: usize = 13;
 
 const CHECKSUM_BYTES: usize = 2;
 
-/// What a message says.
+/// Content of a message.
 #[derive(Debug, Clone, PartialEq)]
 pub struct MavlinkReading {
     /// Speed and heights.
@@ -63,18 +66,18 @@ pub struct MavlinkReading {
     pub unix_us: Option<u64>,
 }
 
-/// Why a message is not used.
+/// The reason why a message is not used.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum MavlinkError {
-    /// The checksum of a message that is read is wrong, or its beginning was none.
+    /// The checksum of a message that is read is wrong, or its beginning was a false one.
     Checksum,
     /// A field has a value that the protocol does not know.
     Malformed,
     /// The autopilot does not know position or time.
     NoFix,
-    /// The distance is beyond what its sensor can measure, or the sensor says itself that it is none.
+    /// The distance is beyond the range of its sensor, or the sensor marks it as invalid.
     NoDistance,
-    /// A number outside its range.
+    /// A number is outside its range.
     OutOfRange(OutOfRange),
 }
 
@@ -92,7 +95,7 @@ impl fmt::Display for MavlinkError {
 
 impl core::error::Error for MavlinkError {}
 
-/// Where the parts of a frame lie.
+/// Layout of a frame.
 #[derive(Debug, Clone, Copy)]
 struct Layout {
     message: u32,
@@ -106,7 +109,7 @@ struct Layout {
 enum Beginning {
     Frame(Layout),
     Incomplete,
-    /// No frame that can be read.
+    /// The bytes begin no frame that can be read.
     None,
 }
 
@@ -114,12 +117,12 @@ enum Beginning {
 #[derive(Debug, Clone, Default)]
 pub struct MavlinkReceiver {
     received: Vec<u8, LONGEST_PACKET>,
-    /// Altitudes of `GLOBAL_POSITION_INT` still to be passed over.
+    /// Number of altitudes of `GLOBAL_POSITION_INT` still to be ignored.
     passed_over: u8,
 }
 
 impl MavlinkReceiver {
-    /// A receiver before the first byte.
+    /// Returns a receiver before the first byte.
     #[must_use]
     pub const fn new() -> Self {
         Self {
@@ -128,23 +131,23 @@ impl MavlinkReceiver {
         }
     }
 
-    /// Takes one byte; a reading, or the reason why there is none, where the byte ends a message.
+    /// Takes one byte. If it ends a message, returns a reading, or the reason why there is none.
     ///
-    /// Behind a false beginning several messages may end with one byte: [`Self::buffered`] gives the others, or each of
-    /// the next bytes one of them.
+    /// Behind a false beginning several messages may end with one byte: [`Self::buffered`] returns
+    /// the others, or each of the next bytes returns one of them.
     ///
     /// # Errors
-    /// [`MavlinkError`]; a whole frame that follows is read whatever came before it, at most [`LONGEST_PACKET`] bytes
-    /// late.
+    /// [`MavlinkError`]; a whole frame that follows is read after any bytes before it, at most
+    /// [`LONGEST_PACKET`] bytes late.
     pub fn receive(&mut self, byte: u8) -> Option<Result<MavlinkReading, MavlinkError>> {
         if self.received.push(byte).is_err() {
-            // A full buffer is a whole frame, and was cut.
+            // A full buffer would have been a whole frame, and was cut.
             self.received.clear();
         }
         self.buffered()
     }
 
-    /// The next message among the bytes that have come.
+    /// Returns the next message among the bytes that have come.
     ///
     /// # Errors
     /// As [`Self::receive`].
@@ -227,7 +230,7 @@ fn beginning(bytes: &[u8]) -> Beginning {
     })
 }
 
-/// The payload, if the checksum is right.
+/// Returns the payload, if the checksum is right.
 fn checked_payload(bytes: &[u8], layout: Layout) -> Option<&[u8]> {
     let (frame, rest) = bytes.split_at_checked(layout.payload_at + layout.payload_bytes)?;
     let (checksum, _) = rest.split_first_chunk::<CHECKSUM_BYTES>()?;
@@ -241,7 +244,7 @@ fn checked_payload(bytes: &[u8], layout: Layout) -> Option<&[u8]> {
     frame.get(layout.payload_at..)
 }
 
-/// Reads a payload; `None` where it says nothing of speed, height or time.
+/// Reads a payload; `None` if it holds no speed, height or time.
 fn read(
     message: u32,
     payload: &[u8],
@@ -286,7 +289,8 @@ fn read(
     Ok(says_something.then_some(MavlinkReading { samples, unix_us }))
 }
 
-/// A payload decoded by the crate; version 2 leaves out zeros at the end, and newer senders may add fields.
+/// Decodes a payload by the crate; version 2 leaves out zeros at the end, and newer senders may add
+/// fields.
 fn decoded<M: MessageData, const N: usize>(payload: &[u8]) -> Result<M, MavlinkError> {
     let mut whole = [0; N];
     for (to, byte) in whole.iter_mut().zip(payload) {
@@ -304,7 +308,7 @@ fn push(
     sample: fn(f32) -> VhSample,
 ) -> Result<(), MavlinkError> {
     let value = quantity.check(value).map_err(MavlinkError::OutOfRange)?;
-    // No message has more than fit.
+    // No message has more samples than fit.
     let _ = samples.push(sample(value));
     Ok(())
 }
@@ -314,7 +318,7 @@ fn of_position(
     with_altitude: bool,
     samples: &mut Samples,
 ) -> Result<(), MavlinkError> {
-    // Without a fix, autopilots send the gulf of Guinea.
+    // Without a fix, autopilots send latitude and longitude 0.
     if position.lat == 0 && position.lon == 0 {
         return Err(MavlinkError::NoFix);
     }
@@ -354,7 +358,7 @@ fn of_distance(
     push(samples, Quantity::HeightAboveGroundM, height_m, sample)
 }
 
-/// A NaN is a height that the autopilot does not know.
+/// Reads an `ALTITUDE`; a NaN is a height that the autopilot does not know.
 fn of_altitude(altitude: &ALTITUDE_DATA, samples: &mut Samples) -> Result<(), MavlinkError> {
     let (altitude_m, above_m) = (altitude.altitude_amsl, altitude.altitude_terrain);
     if !altitude_m.is_nan() {

@@ -1,4 +1,4 @@
-//! What crosses the camera's boundary.
+//! Inputs and outputs of the camera: the link, and messages of other instruments.
 
 #[cfg(feature = "link")]
 pub mod link;

@@ -1,13 +1,14 @@
 //! Sentences of a satellite receiver (NMEA 0183): speed, altitude and time, byte by byte.
 //!
-//! Read are GGA, RMC and VTG of any talker; every other sentence is passed over. A sentence is handed to the crate
-//! `nmea` only when it is printable ASCII, no longer than [`LONGEST_SENTENCE`] and its checksum is right, so what the
-//! crate sees was sent like this. The crate accepts "nan" and "inf" for numbers and any number of satellites; values
+//! The receiver reads GGA, RMC and VTG of any talker, and ignores every other sentence. A sentence
+//! is handed to the crate `nmea` only when it is printable ASCII, no longer than
+//! [`LONGEST_SENTENCE`] and its checksum is right, so that the crate gets only sentences as they
+//! were sent. The crate accepts "nan" and "inf" for numbers and any number of satellites; values
 //! are checked here again.
 //!
-//! The crate reads numbers with the core library's parser. Neither was written to be free of panics in the sense of the
-//! link check of `tests/no-panic`, which therefore leaves this module out, and the flight images leave the feature off;
-//! none was found by the fuzz target `nmea`.
+//! The crate reads numbers with the core library's parser. Neither was written to be free of panics
+//! in the sense of the link check of `tests/no-panic`, which therefore leaves this module out, and
+//! the flight images leave the feature off; the fuzz target `nmea` found none.
 
 use core::fmt;
 
@@ -18,13 +19,14 @@ use nmea::{NmeaSentence, SentenceType, parse_nmea_sentence};
 use crate::flight::vh::VhSample;
 use crate::geometry::range::{OutOfRange, Quantity};
 
-/// Longest sentence from `$` to the checksum, bytes: 80 by the standard, and what receivers are known to exceed it by.
+/// Longest sentence from `$` to the checksum, bytes: 80 by the standard, and the known excess of
+/// receivers.
 pub const LONGEST_SENTENCE: usize = 100;
 
 /// Metres per second in a knot: 1852 m per hour.
 pub const M_PER_S_PER_KNOT: f32 = 1852.0 / 3600.0;
 
-/// What a sentence says.
+/// Content of a sentence.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct NmeaReading {
     /// Ground speed (RMC, VTG) or altitude above sea level (GGA).
@@ -33,10 +35,10 @@ pub struct NmeaReading {
     pub unix_us: Option<u64>,
 }
 
-/// Why a sentence is not used.
+/// The reason why a sentence is not used.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum NmeaError {
-    /// Another sentence begins, or a byte that is no text comes, before its end.
+    /// Another sentence begins, or a byte that is not text comes, before its end.
     Truncated,
     /// It is longer than [`LONGEST_SENTENCE`].
     Oversized,
@@ -44,9 +46,9 @@ pub enum NmeaError {
     Checksum,
     /// Its fields are not those of its name.
     Malformed,
-    /// The receiver says itself that it has no fix, or a simulated one.
+    /// The receiver itself reports that it has no fix, or a simulated one.
     NoFix,
-    /// A number outside its range.
+    /// A number is outside its range.
     OutOfRange(OutOfRange),
 }
 
@@ -68,12 +70,12 @@ impl core::error::Error for NmeaError {}
 /// Cuts a receiver's bytes into sentences and reads them.
 #[derive(Debug, Clone, Default)]
 pub struct NmeaReceiver {
-    /// From `$` on; empty between sentences.
+    /// Bytes from `$` on; empty between sentences.
     sentence: Vec<u8, LONGEST_SENTENCE>,
 }
 
 impl NmeaReceiver {
-    /// A receiver before the first byte.
+    /// Returns a receiver before the first byte.
     #[must_use]
     pub const fn new() -> Self {
         Self {
@@ -81,10 +83,10 @@ impl NmeaReceiver {
         }
     }
 
-    /// Takes one byte; a reading, or the reason why there is none, where the byte ends a sentence.
+    /// Takes one byte. If it ends a sentence, returns a reading, or the reason why there is none.
     ///
     /// # Errors
-    /// [`NmeaError`]; the next `$` begins a sentence whatever came before it.
+    /// [`NmeaError`]; the next `$` begins a sentence after any bytes before it.
     pub fn receive(&mut self, byte: u8) -> Option<Result<NmeaReading, NmeaError>> {
         let under_way = !self.sentence.is_empty();
         match byte {
@@ -115,7 +117,7 @@ impl NmeaReceiver {
     }
 }
 
-/// Reads a sentence from `$` to its checksum; `None` where it is none of those that are read.
+/// Reads a sentence from `$` to its checksum; `None` if it is not one of those that are read.
 fn read(sentence: &[u8]) -> Result<Option<NmeaReading>, NmeaError> {
     let checksum_is_right =
         sentence

@@ -1,11 +1,11 @@
-//! The log of what the link brings.
+//! Log of the link's events and of faults.
 
 #[cfg(feature = "board-nucleo-h743zi")]
 use fmc_camera::flight::fault::Fault;
 use fmc_camera::io::link::message::ResetCause;
 use fmc_camera::io::link::station::LinkEvent;
 
-/// The first line.
+/// Logs the first line.
 pub(crate) fn note_start(board: &str, build: &str, start: ResetCause) {
     let after = match start {
         ResetCause::PowerOn => "power on",
@@ -16,7 +16,7 @@ pub(crate) fn note_start(board: &str, build: &str, start: ResetCause) {
     defmt::info!("{=str} {=str} starts after {=str}", board, build, after);
 }
 
-/// A line for each event that is not the ordinary flow of points.
+/// Logs a line for each event that is not the ordinary flow of points.
 pub(crate) fn note(event: LinkEvent) {
     match event {
         LinkEvent::Connected(session) => defmt::info!("session {=u32:#010x} opened", session),
@@ -33,7 +33,7 @@ pub(crate) fn note(event: LinkEvent) {
     }
 }
 
-/// Something went wrong in flight.
+/// Logs a fault in flight.
 #[cfg(feature = "board-nucleo-h743zi")]
 pub(crate) fn note_fault(fault: Fault) {
     defmt::warn!("fault {=u8}: {}", fault.code(), fault);

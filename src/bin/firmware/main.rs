@@ -1,10 +1,11 @@
 //! The camera's firmware: one loop between the serial link and the camera.
 //!
-//! On a board with a mechanism the control loop comes round in it, every millisecond, between two bytes of the link.
+//! On a board with a mechanism the control loop comes round in it, every millisecond, between two
+//! bytes of the link.
 //!
-//! Requests come in byte by byte through an interrupt and a ring; the station takes them out, answers, and the answer
-//! leaves before the next request is looked at. The watchdog is fed from here, so that it bites when the loop stands
-//! still.
+//! Requests come in byte by byte through an interrupt and a ring; the station reads and answers
+//! them, and the answer leaves before the next request is looked at. The loop feeds the watchdog,
+//! which bites when the loop stands still.
 //!
 //! `cfg(board)`, from `build.rs`, holds for the target with a board chosen.
 
@@ -26,7 +27,7 @@ use {
     },
 };
 
-/// What the sources were when this image was built.
+/// State of the sources from which this image was built.
 #[cfg(board)]
 const BUILD: &str = match option_env!("FMC_BUILD") {
     Some(build) => build,
@@ -41,7 +42,7 @@ fn main() {
     println!("This is the camera's firmware; `cargo xtask firmware` builds it for the target.");
 }
 
-/// Called once the board has started.
+/// Runs the main loop, once the board has started.
 #[cfg(board)]
 fn run(mut board: Board, start: Start) -> ! {
     journal::note_start(Board::NAME, BUILD, start);
@@ -58,7 +59,7 @@ fn run(mut board: Board, start: Start) -> ! {
             station.sent(accepted);
             continue;
         }
-        // Only now has the answer to the last request left.
+        // The answer to the last request has left by now.
         match ending {
             Some(LinkEvent::Reset) => board.reset(),
             Some(LinkEvent::PowerOff) => board.power_off(),

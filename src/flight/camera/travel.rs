@@ -1,4 +1,4 @@
-//! The travel of a real exposure: from where the stage stands, with time for a shutter that is late.
+//! Travel of a real exposure: from the stage's present position, with time for a late shutter.
 
 use super::{Camera, FrameError, Mechanism};
 use crate::flight::exposure::{Exposure, Limits};
@@ -7,23 +7,24 @@ use crate::geometry::principal_point::{PrincipalPointMotion, UniformTravel};
 use crate::geometry::range::{OutOfRange, Quantity};
 
 impl Camera {
-    /// Whether a stage moves the detector.
+    /// Returns `true` if a stage moves the detector.
     #[must_use]
     pub(crate) const fn has_stage(&self) -> bool {
         self.run_up().is_some()
     }
 
-    /// The exposures it accepts.
+    /// The exposures that the camera accepts.
     #[must_use]
     pub const fn limits(&self) -> &Limits {
         &self.limits
     }
 
-    /// The travel of an exposure from where the stage stands, mm along the FMC axis; it stays at speed for `margin_s`
-    /// longer than the exposure.
+    /// Returns the travel of an exposure from the stage's present position, mm along the FMC axis;
+    /// the stage stays at speed for `margin_s` longer than the exposure.
     ///
     /// # Errors
-    /// [`FrameError`] for an exposure outside the limits, a speed beyond the stage's or a travel outside the stroke.
+    /// [`FrameError`] for an exposure outside the limits, a speed beyond the stage's or a travel
+    /// outside the stroke.
     pub fn travel(
         &self,
         from_mm: f32,
@@ -36,7 +37,8 @@ impl Camera {
         Ok(self.stage.travel(from_mm, run_up, tracking)?)
     }
 
-    /// Where the stage waits for the trigger of an exposure, mm along the FMC axis.
+    /// Returns the position at which the stage waits for the trigger of an exposure, mm along the
+    /// FMC axis.
     ///
     /// # Errors
     /// As [`Self::travel`].
@@ -54,9 +56,9 @@ impl Camera {
         }
     }
 
-    /// The motion of rows that are clocked at the speed of a travel, of any length: beyond
-    /// [`MAX_ROWS`](crate::geometry::range::MAX_ROWS) it is the smooth one, which then differs by less than a row in
-    /// ten thousand.
+    /// Returns the motion of rows that are clocked at the speed of a travel, for any number of
+    /// rows: beyond [`MAX_ROWS`](crate::geometry::range::MAX_ROWS) it is the smooth motion, which
+    /// then differs by less than a row in ten thousand.
     #[must_use]
     pub fn rows(&self, travel: UniformTravel) -> PrincipalPointMotion {
         let smooth = PrincipalPointMotion::from_plan(travel, &self.shutter);
@@ -70,7 +72,7 @@ impl Camera {
         }
     }
 
-    /// Whether an exposure may be that long, s, whatever V/H is.
+    /// Checks an exposure time, s, against the camera's limits, whatever V/H is.
     ///
     /// # Errors
     /// [`OutOfRange`] with the camera's own limits.

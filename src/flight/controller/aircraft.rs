@@ -1,4 +1,4 @@
-//! The aircraft's instruments: what they say of V/H, time and attitude, and what is found of that.
+//! The aircraft's instruments: their samples of V/H, time and attitude, and the findings of them.
 
 use super::timing::ATTITUDE_WITHIN_S;
 use crate::flight::event::AttitudeSample;
@@ -9,16 +9,16 @@ use crate::flight::time::Time;
 use crate::flight::utc::{UtcClock, UtcFinding};
 use crate::flight::vh::{VhChannel, VhFinding, VhFindingKind, VhMonitor, VhSample};
 
-/// What the aircraft's instruments say.
+/// Samples and findings of the aircraft's instruments.
 #[derive(Debug, Clone)]
 pub(super) struct Aircraft {
     pub(super) vh: VhMonitor,
     pub(super) utc: UtcClock,
     attitude: Option<(Time, AttitudeSample)>,
     findings: Findings,
-    /// Found since the record before, or by the last sample of a source.
+    /// Findings since the last record, or of the last sample of a source.
     found: Flags,
-    /// What the last sample of each source shows: of each [`VhChannel`], of pulse, time and
+    /// Findings of the last sample of each source: of each [`VhChannel`], of pulse, time and
     /// attitude.
     last: [Flags; SOURCES],
 }
@@ -28,7 +28,7 @@ const TIME: usize = PULSE + 1;
 const ATTITUDE: usize = TIME + 1;
 const SOURCES: usize = ATTITUDE + 1;
 
-/// What an instrument says.
+/// A sample of an instrument.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) enum Said {
     Vh(VhSample),
@@ -39,7 +39,7 @@ pub(super) enum Said {
 }
 
 impl Aircraft {
-    /// Nothing has been said yet.
+    /// Returns the state before the first sample.
     #[inline]
     pub(super) const fn new(settings: &FlightSettings) -> Self {
         Self {
@@ -52,7 +52,7 @@ impl Aircraft {
         }
     }
 
-    /// An instrument says something.
+    /// Takes a sample of an instrument.
     pub(super) fn hear(&mut self, time: Time, said: Said) {
         match said {
             Said::Vh(sample) => {
@@ -63,7 +63,8 @@ impl Aircraft {
                     let flag = Flag::of_vh(kind);
                     self.find(channel as usize, flag, 1);
                     if kind == VhFindingKind::Disagreement {
-                        // It holds until there is none, whatever comes from this source.
+                        // A disagreement holds until the sources agree, whatever comes from this
+                        // one.
                         self.find(channel as usize, None, 0);
                     }
                 }
@@ -87,7 +88,7 @@ impl Aircraft {
         }
     }
 
-    /// The attitude at a time; `None` where the last is too far from it, which is a finding.
+    /// Returns the attitude at a time; `None`, and a finding, if the last one is too far from it.
     pub(super) fn attitude_at(&mut self, time: Time) -> Option<AttitudeSample> {
         let (heard, sample) = self.attitude?;
         if libm::fabsf(time.seconds_since(heard)) <= ATTITUDE_WITHIN_S {
@@ -98,7 +99,8 @@ impl Aircraft {
         None
     }
 
-    /// What goes into a record: found since the one before, or by the last sample of a source.
+    /// Returns the findings for a record: those since the last record, or of the last sample of a
+    /// source.
     pub(super) fn tell(&mut self) -> Flags {
         let told = self.found;
         if !told.is_empty() {
@@ -107,12 +109,12 @@ impl Aircraft {
         told
     }
 
-    /// How often something was found.
+    /// Counts of the findings.
     pub(super) const fn findings(&self) -> &Findings {
         &self.findings
     }
 
-    /// The last sample of a source shows something, so many times, or nothing.
+    /// Notes the findings of the last sample of a source: the flag and its count, or none.
     fn find(&mut self, source: usize, flag: Option<Flag>, times: u32) {
         let mut shown = Flags::NONE;
         if let Some(flag) = flag {
@@ -125,7 +127,7 @@ impl Aircraft {
         }
     }
 
-    /// What holds now.
+    /// Returns the findings that still hold.
     fn still_found(&self) -> Flags {
         let mut found = Flags::NONE;
         for shown in self.last {

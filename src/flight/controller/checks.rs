@@ -1,4 +1,4 @@
-//! Checks by which a fault shows: rounds that come late, readings of the stage.
+//! Checks that reveal a fault: late rounds, and readings of the stage.
 
 use super::readiness::Round;
 use super::state::State;
@@ -10,8 +10,8 @@ use crate::flight::stage_watch::ReadingVerdict;
 use crate::flight::time::Time;
 
 impl Controller {
-    /// Too many late rounds end the frame, if there is no light yet, and lead to flying without
-    /// compensation.
+    /// Judges the time of a round. Too many late rounds end a frame that has no light yet, and from
+    /// then on the camera flies without compensation.
     pub(super) fn come_round(&mut self, now: Time, actions: &mut Actions) {
         match self.readiness.come_round(now) {
             Round::Punctual | Round::Idle => {}
@@ -26,7 +26,7 @@ impl Controller {
         }
     }
 
-    /// A reading of the stage's encoder.
+    /// Judges a reading of the stage's encoder, and keeps it if it can be used.
     pub(super) fn stage_reading(
         &mut self,
         time: Time,

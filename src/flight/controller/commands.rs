@@ -1,4 +1,4 @@
-//! What somebody wants.
+//! Commands to the camera.
 
 use super::readiness::{Disarming, Mode};
 use super::{Actions, Controller, act};
@@ -21,13 +21,13 @@ impl Controller {
             },
             Command::ClearFault => self.clear_fault(actions),
             Command::Referenced => self.referenced(),
-            // One outside the camera's limits leads to the refusal of every trigger.
+            // An exposure time outside the camera's limits leads to the refusal of every trigger.
             Command::Exposure(exposure_s) => self.setup.exposure_s = exposure_s,
         }
     }
 
-    /// To standby, from a fault or from flying without compensation because of one. An exposure goes on. A place that
-    /// is lost stays so.
+    /// Returns to standby from a fault, or from flying without compensation because of one. An
+    /// exposure under way goes on. A place that is lost stays lost.
     fn clear_fault(&mut self, actions: &mut Actions) {
         if !self.frame.is_in_flight() && self.readiness.clear_fault() {
             self.stage.clear_fault();
@@ -35,7 +35,8 @@ impl Controller {
         }
     }
 
-    /// The encoder counts from the calibrated position again; in standby alone, where nothing follows from it at once.
+    /// Notes that the encoder counts from the calibrated position again. It does so in standby
+    /// alone, where nothing follows from it at once.
     fn referenced(&mut self) {
         if self.readiness.mode() == Mode::Standby {
             self.stage.refer();

@@ -6,15 +6,16 @@ use crate::flight::camera::FrameError;
 use crate::geometry::calibration::CalibrationError;
 use crate::geometry::range::OutOfRange;
 
-/// A camera cannot be flown so.
+/// The reason why a camera cannot be flown.
 #[derive(Debug, Clone, Copy, PartialEq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub enum ControllerError {
     /// The calibration is not usable.
     Calibration(CalibrationError),
-    /// A setting is not believable.
+    /// A setting is outside its range.
     Settings(OutOfRange),
-    /// The mechanism cannot make any travel within the camera's limits, or not between two triggers.
+    /// The mechanism cannot make any travel within the camera's limits, or not between two
+    /// triggers.
     Travel(FrameError),
 }
 

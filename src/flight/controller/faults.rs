@@ -1,4 +1,4 @@
-//! Faults, and what they end.
+//! Faults, and their consequences.
 
 use super::{Actions, Controller, act};
 use crate::flight::event::{Action, Supply};
@@ -7,11 +7,11 @@ use crate::flight::frame_record::Reason;
 use crate::flight::time::Time;
 
 impl Controller {
-    /// A fault that ends whatever the camera is doing: no force on the stage, no exposure that has not begun. One
-    /// that has begun is recorded when it ends.
+    /// Takes a fault that ends whatever the camera is doing: the stage is released, and an exposure
+    /// that has not begun is called off. One that has begun is recorded when it ends.
     pub(super) fn fail(&mut self, fault: Fault, actions: &mut Actions) {
         if self.stage.fault() == Some(fault) && self.stage.is_released() {
-            // It has been so since, and nothing has been asked of the stage.
+            // The same fault has released the stage before, and nothing has been asked of it since.
             if self.frame.is_in_flight() {
                 self.frame.note(fault);
             }
@@ -21,7 +21,7 @@ impl Controller {
         self.stop(fault, actions);
     }
 
-    /// As [`Self::fail`], of a fault that is in a record already.
+    /// Acts as [`Self::fail`], for a fault that is in a record already.
     pub(super) fn stop(&mut self, fault: Fault, actions: &mut Actions) {
         if self.setup.camera.has_stage() {
             self.stage.fail(fault);
@@ -33,14 +33,14 @@ impl Controller {
         }
     }
 
-    /// A fault that ends nothing.
+    /// Reports a fault that ends nothing.
     pub(super) fn report(&mut self, fault: Fault, actions: &mut Actions) {
         self.frame.note(fault);
         act(actions, Action::Fault(fault));
     }
 
-    /// The clock has jumped to a time: what was measured so far has nothing to do with the times to
-    /// come.
+    /// Restarts after a jump of the clock to a time: earlier measurements cannot be compared with
+    /// later times.
     pub(super) fn restart_clock(&mut self, time: Time, actions: &mut Actions) {
         self.readiness.restart_clock(time);
         self.stage.restart_clock(time);
@@ -52,7 +52,7 @@ impl Controller {
         self.stop(Fault::Clock, actions);
     }
 
-    /// The supply has fallen too low to move the stage, or is good again.
+    /// Takes a change of the supply: too low to move the stage, or good again.
     pub(super) fn supply(&mut self, supply: Supply, actions: &mut Actions) {
         let is_good = supply == Supply::Good;
         self.readiness.set_supply(is_good);

@@ -1,22 +1,23 @@
 //! The camera's state machine: one frame from trigger to record.
 //!
-//! Events come in with their time, in order; actions go out. Nothing waits, nothing is read from outside, so that
-//! firmware, simulator and tests run the same code. Per round of the control loop (1 kHz): what has happened since the
-//! last round, then [`Event::Stage`], then [`Event::Tick`].
+//! Events come in with their time, in order; actions go out. The machine neither waits nor reads
+//! anything from outside, so that firmware, simulator and tests run the same code. In each round of
+//! the control loop (1 kHz) it gets the events since the last round, then [`Event::Stage`], then
+//! [`Event::Tick`].
 //!
 //! ```text
-//! standby ──arm──► fly-back ──► armed ──trigger──► run-up ──at speed──► tracking ──first light──► exposing
-//!                     ▲                                                     │                        │
-//!                     └─────────────────────────────────────────────────────┴────── last light ──────┘
+//! standby ─arm─► fly-back ──► armed ─trigger─► run-up ─at speed─► tracking ─first light─► exposing
+//!                   ▲                                                 │                      │
+//!                   └─────────────────────────────────────────────────┴───── last light ─────┘
 //! armed ◄──► degraded(V/H lost, overload)      any ──► fault ──stage stands──► degraded(its fault)
 //! ```
 //!
-//! Three machines, each with its own fields, take events and return what they have decided:
-//! `readiness` (whether a trigger is obeyed, and how), `frame` (when the shutter opens, what the
-//! record says) and `stage` (whether it does as it is told). The controller passes events and
-//! decisions between them, in the order of `docs/integration.md`, section 2. The [`State`] that is
-//! told is the fault of `readiness`, or else the phase of a frame in flight, or else the state of
-//! `readiness`.
+//! Three machines, each with its own fields, take events and return their decisions: `readiness`
+//! (the reply to a trigger), `frame` (the command of the shutter, the contents of the record) and
+//! `stage` (the force on the stage, the judgement of its readings). The controller passes events
+//! and decisions between them, in the order of `docs/integration.md`, section 2. The reported
+//! [`State`] is the fault of `readiness`, or else the phase of a frame in flight, or else the state
+//! of `readiness`.
 
 mod aircraft;
 mod checks;
@@ -49,10 +50,10 @@ use super::event::{Action, Event};
 use super::fault::Fault;
 use super::time::Time;
 
-/// Most actions that one event leads to.
+/// Largest number of actions that one event leads to.
 pub const MAX_ACTIONS: usize = 6;
 
-/// What an event leads to, in order.
+/// Actions that follow from an event, in order.
 pub type Actions = Vec<Action, MAX_ACTIONS>;
 
 /// The camera's state machine.
@@ -66,9 +67,9 @@ pub struct Controller {
 }
 
 impl Controller {
-    /// What happens, and what is to be done about it. Events come in order of their times; one that is older than the
-    /// one before by more than [`timing::LATE_EVENT_S`], or later by more than [`timing::CLOCK_JUMP_S`], is a
-    /// [`Fault::Clock`].
+    /// Takes an event and returns the actions that follow from it. Events come in order of their
+    /// times; one that is older than the one before by more than [`timing::LATE_EVENT_S`], or later
+    /// by more than [`timing::CLOCK_JUMP_S`], is a [`Fault::Clock`].
     pub fn handle(&mut self, time: Time, event: Event) -> Actions {
         let mut actions = Actions::new();
         if self.readiness.has_jumped(time) {
@@ -95,18 +96,18 @@ impl Controller {
         actions
     }
 
-    /// What the camera is doing.
+    /// The camera's state.
     #[must_use]
     pub const fn state(&self) -> State {
         self.readiness.state(self.frame.state())
     }
 
-    /// The control loop comes round.
+    /// Runs a round of the control loop.
     fn tick(&mut self, now: Time, actions: &mut Actions) {
         if self.readiness.is_before_first_round()
             && self.readiness.mode() == Mode::Fault(Fault::Watchdog)
         {
-            // Nobody knows what the shutter was told before.
+            // The shutter may still hold a command from before the reset.
             act(actions, Action::CloseShutter);
         }
         self.come_round(now, actions);

@@ -9,7 +9,7 @@ use crate::flight::record_log::Numbered;
 use crate::flight::time::Time;
 
 impl Controller {
-    /// A frame begins, or is refused: every trigger has its record.
+    /// Begins a frame, or refuses it; every trigger gets its record.
     pub(super) fn trigger(&mut self, trigger: Time, actions: &mut Actions) {
         let crc = self.setup.calibration_crc;
         let numbered = self.frame.kept.number(trigger, crc);
@@ -26,7 +26,7 @@ impl Controller {
         act(actions, Action::FrameReady(sequence));
     }
 
-    /// With compensation, or without because of a fault or for want of V/H.
+    /// Begins a frame with compensation, or without it because of a fault or for want of V/H.
     fn begin(&mut self, sequence: u32, trigger: Time, fault: Option<Fault>) -> Result<(), Reason> {
         let vh = self.aircraft.vh.estimate(trigger);
         let asked = Asked {
@@ -52,7 +52,7 @@ impl Controller {
         Ok(())
     }
 
-    /// An edge of the shutter's sensor.
+    /// Takes an edge of the shutter's sensor.
     pub(super) fn shutter_edge(&mut self, time: Time, edge: ShutterEdge, actions: &mut Actions) {
         let tolerance_s = self.setup.settings.shutter_tolerance_s;
         let seen = self.frame.see_edge(time, edge, tolerance_s);
@@ -67,7 +67,7 @@ impl Controller {
         }
     }
 
-    /// What a round asks of the frame in flight.
+    /// Carries out the action that is due for the frame in flight.
     pub(super) fn look_after_frame(&mut self, now: Time, actions: &mut Actions) {
         match self.frame.look(now, &self.setup, &self.stage) {
             Due::Nothing => {}
@@ -100,7 +100,7 @@ impl Controller {
         }
     }
 
-    /// Records the exposure in flight, and ends it; the stage goes back.
+    /// Records the exposure in flight, and ends it; the stage returns.
     pub(super) fn record_exposure(&mut self, now: Time, actions: &mut Actions) {
         let recorded = self
             .frame
@@ -112,13 +112,13 @@ impl Controller {
         }
     }
 
-    /// The frame in flight ends before first light; the stage goes back.
+    /// Ends the frame in flight before first light; the stage returns.
     pub(super) fn call_off(&mut self, now: Time, reason: Reason, actions: &mut Actions) {
         self.refuse_frame(reason, actions);
         self.go_back(now, actions);
     }
 
-    /// The frame in flight ends, where it is before first light.
+    /// Ends the frame in flight, if it is before first light.
     pub(super) fn refuse_frame(&mut self, reason: Reason, actions: &mut Actions) {
         let crc = self.setup.calibration_crc;
         if let Some((sequence, is_told)) = self.frame.call_off(reason, crc) {

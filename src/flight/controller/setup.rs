@@ -1,4 +1,4 @@
-//! The camera and its settings, as one flight has them.
+//! The camera and its settings for one flight.
 
 use super::error::ControllerError;
 use super::timing::{LEAD_S, TICK_S};
@@ -24,12 +24,12 @@ pub(super) struct Setup {
 }
 
 impl Setup {
-    /// The exposure that a V/H asks for, 1/s.
+    /// Returns the exposure for a V/H, 1/s.
     pub(super) fn exposure(&self, vh_per_s: f32) -> Exposure {
         exposure(&self.settings, vh_per_s, self.exposure_s)
     }
 
-    /// How much longer than the exposure the stage stays at speed, s.
+    /// Time for which the stage stays at speed beyond the exposure, s.
     pub(super) fn margin_s(&self) -> f32 {
         margin_s(&self.settings)
     }
@@ -39,8 +39,8 @@ impl Setup {
         0.5 * self.camera.calibration().parameters().stroke_mm
     }
 
-    /// The frame of a stage about which nothing is known: it counts as standing at its calibrated
-    /// position.
+    /// Returns the frame of a stage of which nothing is known: it counts as standing at its
+    /// calibrated position.
     pub(super) fn standing_frame(&self, exposure: &Exposure) -> Option<camera::Frame> {
         let still = UniformTravel {
             opening_offset_mm: 0.0,
@@ -55,8 +55,8 @@ impl Setup {
         self.camera.frame_of(&exposure, &motion).ok()
     }
 
-    /// The residual smear of an exposure. Without any V/H the largest that the camera may fly at
-    /// bounds it.
+    /// Predicts the residual smear of an exposure. Without V/H, the largest V/H of the camera's
+    /// limits bounds it.
     pub(super) fn predict_smear(
         &self,
         vh: Option<VhEstimate>,
@@ -81,16 +81,16 @@ impl Setup {
         self.smear.of(&vh, attitude, &compensation)
     }
 
-    /// By how much the following error may change in an exposure with a travel, mm: the speed is
-    /// right to within 1 % or the smear budget.
+    /// Returns the largest change of the following error in an exposure with a travel, mm: the
+    /// speed is right to within 1 % or the smear budget.
     pub(super) fn allowed_change_mm(&self, travel_mm: f32) -> f32 {
         let pixel_mm = self.camera.calibration().sensor().pixel_mm();
         let of_speed = 0.01 * self.settings.speed_tolerance_percent * libm::fabsf(travel_mm);
         of_speed.max(self.settings.smear_budget_px * pixel_mm)
     }
 
-    /// Where the stage waits for the next trigger, mm: at the place for the V/H there is, or, where
-    /// there is none, for the largest of the camera's limits.
+    /// Returns the position at which the stage waits for the next trigger, mm: that for the present
+    /// V/H or, without V/H, for the largest of the camera's limits.
     pub(super) fn waiting_place_mm(&self, vh: Option<VhEstimate>) -> Result<f32, FrameError> {
         let [_, most] = self.camera.limits().vh_per_s;
         let at = |vh_per_s| {
@@ -104,7 +104,8 @@ impl Setup {
     }
 }
 
-/// Whether the mechanism is back before the next trigger, at the largest V/H of the camera's limits.
+/// Checks that the mechanism is back before the next trigger, at the largest V/H of the camera's
+/// limits.
 pub(super) fn check_interval(
     camera: &Camera,
     settings: &FlightSettings,

@@ -12,23 +12,24 @@ use crate::flight::fault::{Fault, Faults};
 use crate::flight::settings::FlightSettings;
 use crate::flight::smear_prediction::SmearPrediction;
 
-/// How the camera has come to run.
+/// Manner in which the camera came to run.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub enum Start {
-    /// Switched on, or asked to start again.
+    /// The camera was switched on, or asked to start again.
     Orderly,
-    /// Its watchdog was not fed, or the processor failed.
+    /// The watchdog was not fed, or the processor failed.
     AfterWatchdog,
     /// As [`Self::Orderly`], but the encoder has lost its place.
     Unreferenced,
 }
 
 impl Controller {
-    /// The controller of a camera, in standby. After a bite of the watchdog it begins with that fault.
+    /// Returns the controller of a camera, in standby, or after a bite of the watchdog with that
+    /// fault.
     ///
     /// # Errors
-    /// [`ControllerError`] naming what is not believable.
+    /// [`ControllerError`] naming the quantity that is refused.
     pub fn new(
         record: &CameraParameters,
         calibration_crc: u32,
@@ -49,10 +50,11 @@ impl Controller {
                 Mode::Fault(Fault::Watchdog)
             }
         };
-        // Made where it is to be: it is large, and a copy on the way takes as much of the stack.
+        // The controller is made in its final place: it is large, and a copy would take as much of
+        // the stack.
         Ok(Self {
             aircraft: Aircraft::new(&settings),
-            // What an encoder counts is gone with the processor.
+            // The encoder's count is lost with the processor.
             stage: StageMachine::new(start != Start::Orderly && camera.has_stage()),
             frame: FrameMachine::new(faults),
             readiness: Readiness::new(mode),
@@ -66,7 +68,8 @@ impl Controller {
         })
     }
 
-    /// How the controller must begin that takes the place of this one: what nobody has cleared is not forgotten.
+    /// Returns the start of the controller that replaces this one; faults that have not been
+    /// cleared are kept.
     #[must_use]
     pub fn next_start(&self) -> Start {
         match self.readiness.mode() {

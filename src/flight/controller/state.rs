@@ -1,19 +1,19 @@
-//! The states.
+//! States of the camera.
 
 use core::fmt;
 
 use crate::flight::fault::Fault;
 
-/// What the camera is doing.
+/// State of the camera, as it is reported.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub enum State {
     /// Triggers are refused; the stage is left alone.
     Standby,
-    /// The stage waits at its starting place, a trigger will be obeyed.
+    /// The stage waits at its starting place; a trigger will be obeyed.
     Armed,
-    /// As armed, without compensation: the stage stands still while the shutter is open.
+    /// Armed without compensation: the stage stands still while the shutter is open.
     Degraded(Fault),
     /// The stage accelerates and settles.
     RunUp,
@@ -23,7 +23,7 @@ pub enum State {
     Exposing,
     /// The stage stops and returns.
     FlyBack,
-    /// Something went wrong; the stage is without force.
+    /// A fault has occurred; the stage is released.
     Fault(Fault),
 }
 

@@ -10,7 +10,7 @@ use crate::flight::stage::Setpoint;
 use crate::flight::time::Time;
 use crate::flight::vh::VhMonitor;
 
-/// What has happened since the controller was made.
+/// Counts of events since the controller was made.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
@@ -19,13 +19,13 @@ pub struct Counts {
     pub triggers: u32,
     /// Records with an exposure.
     pub exposed: u32,
-    /// Records without.
+    /// Records without an exposure.
     pub refused: u32,
     /// Wrong encoder readings that were left out.
     pub glitches: u32,
     /// Rounds of the control loop that came late.
     pub late_ticks: u32,
-    /// Edges of the shutter that nobody had asked for.
+    /// Edges of the shutter that the camera had not commanded.
     pub unexpected_edges: u32,
     /// Events that could not be kept until the control loop came round.
     pub lost_events: u32,
@@ -50,13 +50,13 @@ impl Controller {
         &self.aircraft.vh
     }
 
-    /// How often something was found of the aircraft's instruments.
+    /// Counts of the findings of the aircraft's instruments.
     #[must_use]
     pub const fn findings(&self) -> &Findings {
         self.aircraft.findings()
     }
 
-    /// What has happened so far.
+    /// Returns the counts so far.
     #[must_use]
     pub const fn counts(&self) -> Counts {
         let [triggers, exposed, refused, unexpected_edges] = self.frame.kept.counts();
@@ -71,7 +71,7 @@ impl Controller {
         }
     }
 
-    /// Whether the encoder has lost its place.
+    /// Returns `true` if the encoder has lost its place.
     #[must_use]
     pub const fn is_place_lost(&self) -> bool {
         self.stage.is_place_lost()
@@ -83,14 +83,15 @@ impl Controller {
         self.stage.following_error().rms_um()
     }
 
-    /// Whether it is armed, with compensation or without, or a frame is in flight: calibration and settings must stay.
+    /// Returns `true` if the camera is armed, with compensation or without, or a frame is in
+    /// flight: calibration and settings must stay.
     #[must_use]
     pub const fn is_busy(&self) -> bool {
         self.frame.is_in_flight()
             || !matches!(self.readiness.mode(), Mode::Standby | Mode::Fault(_))
     }
 
-    /// Number and frame of the exposure recorded last, for the correction of its points.
+    /// Number and frame of the last recorded exposure, for the correction of its points.
     #[must_use]
     pub const fn latest(&self) -> Option<&(u32, camera::Frame)> {
         self.frame.kept.latest()
@@ -108,12 +109,12 @@ impl Controller {
         self.frame.kept.records().kept()
     }
 
-    /// The PC has all records up to this number. Says how many are left.
+    /// Forgets the records up to this number, which the PC has. Returns the number of those left.
     pub fn acknowledge(&mut self, through: u32) -> u32 {
         self.frame.kept.records_mut().acknowledge(through)
     }
 
-    /// Where the stage should be at a time; `None` where it is released.
+    /// Returns the set point of a time; `None` if the stage is released.
     #[must_use]
     pub fn setpoint(&self, now: Time) -> Option<Setpoint> {
         self.stage.setpoint(now)

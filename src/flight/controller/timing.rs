@@ -1,64 +1,68 @@
-//! Times by which the camera judges.
+//! Times and counts by which the camera judges.
 
-/// Ways that the stage goes to and fro when the camera is armed: two strokes, by which a velocity loop learns the
-/// stage's friction and mass ([`LoopSettings::LEARNED`](crate::flight::drive::loop_settings::LoopSettings::LEARNED)).
+/// Number of ways that the stage goes to and fro when the camera is armed: two strokes, by which a
+/// velocity loop learns the stage's friction and mass
+/// ([`LoopSettings::LEARNED`](crate::flight::drive::loop_settings::LoopSettings::LEARNED)).
 pub const EXERCISE_WAYS: u8 = 4;
 
-/// Their ends, as a part of the stroke from the calibrated position.
+/// Ends of those ways, as a part of the stroke from the calibrated position.
 pub const EXERCISE_REACH: f32 = 0.25;
 
-/// Until then the stage may be off its set point by so many times more.
+/// Factor by which the following tolerance is wider until the velocity loop has learned.
 pub const UNLEARNED_TOLERANCE: f32 = 1.5;
 
 /// Period of the control loop, s.
 pub const TICK_S: f32 = 1e-3;
 
-/// How much older than the one before an event may be, s: what an interrupt has stamped waits for the control loop.
+/// Largest age of an event relative to the one before, s: an event that an interrupt has stamped
+/// waits for the control loop.
 pub const LATE_EVENT_S: f32 = 0.01;
 
-/// From one round of the control loop to the next, s: what is longer is late.
+/// Time between two rounds of the control loop beyond which the later one is late, s.
 pub const LATE_TICK_S: f32 = 1.5 * TICK_S;
 
-/// From one event to the next, s: what is longer is a jump of the clock.
+/// Time between two events beyond which the clock has jumped, s.
 pub const CLOCK_JUMP_S: f32 = 1.0;
 
-/// So many late rounds within [`OVERLOAD_WINDOW_S`] are an overload.
+/// Number of late rounds within [`OVERLOAD_WINDOW_S`] that is an overload.
 pub const OVERLOAD_ROUNDS: u8 = 3;
 
-/// How long rounds must be punctual for an overload to be over, s.
+/// Time for which rounds must be punctual to end an overload, s.
 pub const OVERLOAD_WINDOW_S: f32 = 1.0;
 
-/// After so long without first light, s, beyond the shutter's tolerance, it is missing.
+/// Time without first light, beyond the shutter's tolerance, after which first light is missing, s.
 pub const SHUTTER_MISSING_S: f32 = 0.005;
 
-/// A shutter that has been told to close and does not is given up after so long, s.
+/// Time after which a shutter that does not close when told to is given up, s.
 pub const SHUTTER_GIVEN_UP_S: f32 = 0.05;
 
-/// How long a stage without force must have stood before it is believed to stand, s.
+/// Time for which a released stage must have stood still to count as standing, s.
 pub const STANDING_S: f32 = 0.05;
 
-/// How long the last light waits for a reading of the stage, s.
+/// Time for which the last light waits for a reading of the stage, s.
 pub const READING_WITHIN_S: f32 = 0.003;
 
-/// σ of the times at which stage and shutter are read, s: half of the clock's step, with what an interrupt may wait.
+/// σ of the times at which stage and shutter are read, s: half of the clock's step, with the time
+/// an interrupt may wait.
 pub const STAMP_SIGMA_S: f32 = 1e-6;
 
-/// How old an attitude may be to be taken for a frame's, s.
+/// Largest age of an attitude that is used for a frame, s.
 pub const ATTITUDE_WITHIN_S: f32 = 0.25;
 
-/// How long before it must leave the shutter's command is given at most, s: the stage's speed is looked at in the last
-/// round before it.
+/// Longest time by which the shutter's command is given before it must leave, s: the stage's speed
+/// is checked in the last round before it.
 pub const LEAD_S: f32 = TICK_S;
 
-/// After so long without a reading of a stage that has force on it, s, its encoder has failed.
+/// Time without a reading of a stage under force after which its encoder has failed, s.
 pub const READINGS_CEASE_S: f32 = 0.005;
 
-/// A gap between two readings in an exposure that is longer, s, and a larger part of it than [`READING_GAP_PART`], is
-/// flagged.
+/// Longest gap between two readings in an exposure, s, that is not flagged; a longer one is flagged
+/// if it is also a larger part of the exposure than [`READING_GAP_PART`].
 pub const READING_GAP_S: f32 = 0.0025;
 
-/// See [`READING_GAP_S`].
+/// Largest part of the exposure of a gap that is not flagged; see [`READING_GAP_S`].
 pub const READING_GAP_PART: f32 = 1.0 / 16.0;
 
-/// A gap so many times longer than one that is flagged leaves no measured motion.
+/// Length of a gap, as a multiple of the longest that is not flagged, beyond which no motion is
+/// measured.
 pub const LONGEST_GAP: f32 = 4.0;

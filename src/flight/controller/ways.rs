@@ -1,4 +1,4 @@
-//! The stage's ways between frames, and what the camera is ready for at their end.
+//! Ways of the stage between frames, and the readiness that follows at their end.
 
 use super::readiness::{Arrival, Mode};
 use super::timing::{EXERCISE_REACH, EXERCISE_WAYS};
@@ -8,8 +8,8 @@ use crate::flight::fault::Fault;
 use crate::flight::time::Time;
 
 impl Controller {
-    /// Force on the stage, to and fro, and to its waiting place; where there is none, or something is wrong with it,
-    /// ready without.
+    /// Sends the stage to and fro, and to its waiting place. Without a stage, or with a fault of
+    /// it, the camera becomes ready without it.
     pub(super) fn resume(&mut self, now: Time, actions: &mut Actions) {
         if !self.setup.camera.has_stage() || self.stage.fault().is_some() {
             self.become_ready(now);
@@ -20,12 +20,12 @@ impl Controller {
         if self.stage.go_to(&self.setup, now, place_mm) {
             self.readiness.start_exercise();
         } else {
-            // The reading is not a number, or the stage's end is not.
+            // The reading is not finite, or the stage's end is not.
             self.fail(Fault::Encoder, actions);
         }
     }
 
-    /// After a frame or a way: on to the next place, where there is a stage with force on it.
+    /// Sends a stage under force to its next place, after a frame or a way.
     pub(super) fn go_back(&mut self, now: Time, actions: &mut Actions) {
         let ways_left = match self.readiness.mode() {
             Mode::Fault(_) => return,
@@ -44,12 +44,12 @@ impl Controller {
         if self.stage.go_to(&self.setup, now, place_mm) {
             self.readiness.go_back();
         } else {
-            // The set point is not a number.
+            // The set point is not finite.
             self.fail(Fault::Drive, actions);
         }
     }
 
-    /// What a round asks for while no frame is in flight.
+    /// Carries out what is due in a round while no frame is in flight.
     pub(super) fn look_after_readiness(&mut self, now: Time, actions: &mut Actions) {
         match self.readiness.mode() {
             Mode::Standby => {}
@@ -63,20 +63,20 @@ impl Controller {
         }
     }
 
-    /// To standby: no force on the stage.
+    /// Goes to standby: the stage is released.
     pub(super) fn stand_by(&mut self, actions: &mut Actions) {
         self.release(actions);
         self.readiness.set_mode(Mode::Standby);
     }
 
-    /// No force on the stage.
+    /// Releases the stage.
     pub(super) fn release(&mut self, actions: &mut Actions) {
         if self.stage.release() {
             act(actions, Action::ReleaseStage);
         }
     }
 
-    /// The stage has arrived.
+    /// Acts on the arrival of the stage.
     fn arrive(&mut self, now: Time, actions: &mut Actions) {
         match self.readiness.arrive() {
             Arrival::StandBy => self.stand_by(actions),
@@ -85,7 +85,7 @@ impl Controller {
         }
     }
 
-    /// Looks whether compensation is possible, or possible again.
+    /// Checks if compensation is possible, and reports why it is not.
     fn keep_ready(&mut self, now: Time, actions: &mut Actions) {
         let before = self.readiness.mode();
         self.become_ready(now);
@@ -103,7 +103,7 @@ impl Controller {
             .become_ready(now, self.stage.fault(), || vh.estimate(now).is_some());
     }
 
-    /// The way out of a fault that needs nobody.
+    /// Leaves a fault that ends without a command.
     fn recover(&mut self, now: Time, fault: Fault, actions: &mut Actions) {
         let has_stood = || self.stage.has_stood(&self.setup, now);
         if !self.readiness.is_over(fault, has_stood) {
@@ -116,8 +116,8 @@ impl Controller {
         }
     }
 
-    /// Where the stage goes next, mm: to an end of the exercise, or, where none of its ways is
-    /// left, to where it waits for the trigger.
+    /// Returns the stage's next position, mm: an end of the exercise or, after its last way, the
+    /// waiting place.
     fn destination_mm(&self, now: Time, ways_left: u8) -> f32 {
         let stroke_mm = self.setup.camera.calibration().parameters().stroke_mm;
         let reach_mm = EXERCISE_REACH * stroke_mm;

@@ -1,4 +1,4 @@
-//! A drive whose power stage has an enable pin.
+//! Drive with an enable pin for its power stage.
 
 use embedded_hal::digital::OutputPin;
 
@@ -12,8 +12,8 @@ use crate::geometry::range::OutOfRange;
 
 /// A drive, and the pin that is high while it may put force on the stage.
 ///
-/// The pin stays high where rounds fail to come: something that goes on without the control loop has to take it away
-/// then ([`RoundGuard`](crate::flight::round_guard::RoundGuard)).
+/// The pin stays high if rounds fail to come: a device that works without the control loop must
+/// then take it low ([`RoundGuard`](crate::flight::round_guard::RoundGuard)).
 #[derive(Debug)]
 pub struct EnabledDrive<Drive, Enable> {
     drive: Drive,
@@ -22,7 +22,7 @@ pub struct EnabledDrive<Drive, Enable> {
 }
 
 impl<Drive: FmcDrive, Enable: OutputPin> EnabledDrive<Drive, Enable> {
-    /// A drive that is released, its pin low.
+    /// Returns a released drive, its pin low.
     pub fn new(drive: Drive, enable: Enable) -> Self {
         let mut enabled = Self {
             drive,
@@ -45,7 +45,7 @@ impl<Drive: FmcDrive, Enable: OutputPin> FmcDrive for EnabledDrive<Drive, Enable
             return Err(Fault::Drive);
         }
         let followed = self.drive.follow(now, setpoint);
-        // With the new duty, not with one before it.
+        // The pin goes high after the new duty is set, so that the old one never acts.
         let enabled = match followed {
             Ok(()) => self.enable.set_high().map_err(|_| Fault::Drive),
             Err(fault) => Err(fault),

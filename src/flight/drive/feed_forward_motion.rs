@@ -1,40 +1,43 @@
-//! The motion that the fed-forward force makes: the set point's, with its corners rounded to whole ticks.
+//! Motion under the fed-forward force: that of the set point, with its corners rounded to whole
+//! ticks.
 
 use crate::flight::stage::Setpoint;
 
-/// Farther from the set point than this the led motion starts anew there, mm: the set point has jumped.
+/// Distance from the set point beyond which the led motion starts anew there, mm: the set point has
+/// jumped.
 const JUMP_MM: f32 = 0.02;
 
 /// Gains per tick that bring a double integrator back in two ticks.
 const JOIN_OFFSET: f32 = 1.0;
 const JOIN_SPEED: f32 = 1.5;
 
-/// What the stage would do under the fed-forward force alone.
+/// Motion of the stage under the fed-forward force alone.
 ///
-/// A set point says nothing of a corner that comes before the next tick, and a force comes late by the bridge's delay:
-/// at 1000 mm/s² the speed is then wrong by up to 1.1 mm/s. The led motion knows, makes up for it in the two ticks that
-/// follow, and is what the feedback compares with the encoder; else the feedback would do it, over 10 ms of exposure.
+/// A set point does not show a corner that comes before the next tick, and the bridge delays the
+/// force: at 1000 mm/s² the speed is then wrong by up to 1.1 mm/s. The led motion contains that
+/// error and makes up for it in the two ticks that follow; the feedback compares it with the
+/// encoder, as it would otherwise correct the error itself, over 10 ms of exposure.
 ///
 /// # Model
 /// At constant push over a tick T: `x += v·T + u·T²/2`, `v += u·T`, with
-/// `u = a + (x_s - x)/T² + 1.5·(v_s - v)/T`: both poles at 0 (Åström and Wittenmark, Computer-Controlled Systems, 3rd
-/// ed. 1997, section 4.3: dead-beat control).
+/// `u = a + (x_s - x)/T² + 1.5·(v_s - v)/T`: both poles at 0 (Åström and Wittenmark,
+/// Computer-Controlled Systems, 3rd ed. 1997, section 4.3: dead-beat control).
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub(super) struct FeedForwardMotion {
-    /// When the last duty began to act; its acceleration is the push since.
+    /// Led motion when the last duty began to act; its acceleration is the push since.
     at: Option<Setpoint>,
 }
 
-/// What is to be pushed until the next call.
+/// Motion to be pushed until the next call.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) struct FeedForward {
-    /// Where the stage should have been at the reading, mm.
+    /// Expected position of the stage at the reading, mm.
     pub expected_mm: f32,
     /// Mean speed over the tick to come, mm/s.
     pub speed_mm_s: f32,
     /// Acceleration over the tick to come, mm/s².
     pub push_mm_s2: f32,
-    /// The led motion starts here: it says nothing of the last tick.
+    /// `true` if the led motion starts here, without a last tick.
     pub starts: bool,
 }
 
@@ -43,14 +46,14 @@ pub(super) struct FeedForward {
 pub(super) struct Delays {
     /// Age of the reading.
     pub reading: f32,
-    /// Until a duty acts.
+    /// Delay until a duty acts.
     pub duty: f32,
-    /// Until the next call.
+    /// Time until the next call.
     pub tick: f32,
 }
 
 impl FeedForwardMotion {
-    /// One tick on; `dt_s` has passed since the last.
+    /// Advances by one tick; `dt_s` is the time since the last.
     pub(super) fn lead(&mut self, setpoint: Setpoint, dt_s: f32, delays: Delays) -> FeedForward {
         let ahead = moved(setpoint, delays.duty);
         let (led, starts) = match self.at.map(|last| moved(last, dt_s)) {
@@ -75,7 +78,7 @@ impl FeedForwardMotion {
     }
 }
 
-/// A set point at constant acceleration, some time later or earlier.
+/// Returns a set point moved at constant acceleration to a later or earlier time.
 fn moved(setpoint: Setpoint, time_s: f32) -> Setpoint {
     let Setpoint {
         offset_mm,

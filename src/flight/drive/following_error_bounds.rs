@@ -1,32 +1,33 @@
-//! What a stage keeps to with the gains of the library, and when it is no longer healthy.
+//! Following error of a healthy stage with the gains of the library, and its limits.
 
 use super::loop_settings::LoopSettings;
 
-/// What a stage keeps to with the gains of [`LoopSettings::tuned`], µm: largest of the true following error.
+/// Bounds of the following error with the gains of [`LoopSettings::tuned`], µm: the largest true
+/// one.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct FollowingErrorBounds {
     /// In cruise, 5 ms after the run-up.
     pub cruise_um: f32,
-    /// Its change within 10 ms of that: what smears.
+    /// Change of the error within 10 ms of that, which smears the image.
     pub smear_um: f32,
     /// In run-ups, stops, and the first 5 ms of cruise.
     pub ramp_um: f32,
     /// In fly-backs, and 20 ms after any stop.
     pub fly_back_um: f32,
-    /// At rest, from then on.
+    /// At rest, later than that.
     pub rest_um: f32,
-    /// At any time, as the camera sees it: set point less reading.
+    /// At any time, as the camera measures it: set point less reading.
     pub seen_um: f32,
 }
 
 /// Margins of the open loop.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct LoopMargins {
-    /// Where its gain is 1, Hz.
+    /// Frequency at which the loop's gain is 1, Hz.
     pub crossover_hz: f32,
-    /// Phase above -180° there, °.
+    /// Phase above -180° at that frequency, °.
     pub phase_deg: f32,
-    /// So many times the gain makes it oscillate; less of it never does.
+    /// Factor of the gain that makes the loop oscillate; no smaller one does.
     pub gain: f32,
 }
 
@@ -38,7 +39,7 @@ impl LoopSettings {
         gain: 2.54,
     };
 
-    /// The stage of [`Plant::REFERENCE`](super::loop_settings::Plant::REFERENCE).
+    /// Bounds for the stage of [`Plant::REFERENCE`](super::loop_settings::Plant::REFERENCE).
     pub const NOMINAL: FollowingErrorBounds = FollowingErrorBounds {
         cruise_um: 0.16,
         smear_um: 0.15,
@@ -48,7 +49,7 @@ impl LoopSettings {
         seen_um: 1.5,
     };
 
-    /// The same with an encoder of 0.5 µm instead of 0.1 µm.
+    /// Bounds for the same stage with an encoder of 0.5 µm instead of 0.1 µm.
     pub const COARSE: FollowingErrorBounds = FollowingErrorBounds {
         cruise_um: 0.5,
         smear_um: 0.7,
@@ -58,8 +59,9 @@ impl LoopSettings {
         seen_um: 1.9,
     };
 
-    /// Mass, friction and force each 30 % more or less than in the settings, encoders of 0.1 µm and 0.5 µm, latencies
-    /// of 0.1 ms and 0.2 ms each; after two strokes to and fro, in which the loop learns.
+    /// Bounds with mass, friction and force each 30 % more or less than in the settings, encoders
+    /// of 0.1 µm and 0.5 µm, latencies of 0.1 ms and 0.2 ms each; after two strokes to and fro, in
+    /// which the loop learns.
     pub const LEARNED: FollowingErrorBounds = FollowingErrorBounds {
         cruise_um: 0.9,
         smear_um: 0.92,
@@ -79,10 +81,11 @@ impl LoopSettings {
         seen_um: 12.5,
     };
 
-    /// Following error that no healthy motion shows once the loop has learned, and every stage that jams or turns round
-    /// does within 5 ms, at 5 mm/s and more, at its start and in cruise, µm.
+    /// Following error, µm, that no healthy motion shows once the loop has learned. Every stage
+    /// that jams or reverses shows it within 5 ms, at 5 mm/s and more, at its start and in cruise.
     ///
-    /// Seen by the camera at the latest so long after a jam, or after motor or encoder is turned round, µm:
+    /// The table gives the following error, µm, that the camera has measured by each time after a
+    /// jam, or after motor or encoder is reversed:
     ///
     /// | fault | at | 2 ms | 3 ms | 4 ms | 5 ms | 6 ms |
     /// |---|---|---|---|---|---|---|
@@ -96,10 +99,12 @@ impl LoopSettings {
     /// | encoder | 17 mm/s | 34.0 | 73.6 | 129.7 | 201.6 | 288.1 |
     /// | encoder | start | 2.8 | 7.9 | 17.3 | 33.5 | 61.0 |
     ///
-    /// In the first motion ever, with settings 30 % off, 12.2 µm are healthy ([`Self::UNLEARNED`]): until the loop has
-    /// learned, [`Self::FOLLOWING_LIMIT_UNLEARNED_UM`] holds.
+    /// In the first motion ever, with settings 30 % off, a healthy stage reaches 12.2 µm
+    /// ([`Self::UNLEARNED`]): until the loop has learned, [`Self::FOLLOWING_LIMIT_UNLEARNED_UM`]
+    /// holds.
     pub const FOLLOWING_LIMIT_UM: f32 = 10.0;
 
-    /// The same for the first two strokes; a jam at 5 mm/s then takes 5 ms in cruise, and 6 ms at the start, to show.
+    /// The same for the first two strokes; a jam at 5 mm/s then takes 5 ms in cruise, and 6 ms at
+    /// the start, to show.
     pub const FOLLOWING_LIMIT_UNLEARNED_UM: f32 = 15.0;
 }

@@ -1,22 +1,22 @@
-//! The force that is known beforehand: friction, damping and mass, learned in motion.
+//! Force that is known beforehand: friction, damping and mass, learned in motion.
 
 use super::feed_forward_motion::FeedForward;
 use super::loop_settings::LoopSettings;
 
-/// Slower than this is standing, mm/s.
+/// Speed below which the stage counts as standing, mm/s.
 pub(super) const STANDING_MM_S: f32 = 0.05;
 
 /// Speed at which damping is learned as fast as friction, mm/s.
 const LEARNING_SPEED_MM_S: f32 = 20.0;
 
-/// The same for the mass, mm/s².
+/// Acceleration at which the mass is learned as fast as friction, mm/s².
 const LEARNING_ACCELERATION_MM_S2: f32 = 1000.0;
 
-/// What is learned stays between these parts of the settings.
+/// Bounds of the learned values, as parts of the settings.
 const LEAST: f32 = 0.5;
 const MOST: f32 = 2.0;
 
-/// Duty per what is known of the motion.
+/// Duty per friction, speed and acceleration.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) struct KnownForce {
     per_speed: f32,
@@ -43,9 +43,10 @@ impl KnownForce {
     /// Learns from what the feedback had to add, duty times seconds.
     ///
     /// # Model
-    /// Feedback-error learning: `dθ/dt = λ·φ·u_fb/|φ|²`, with φ the direction, speed and acceleration in parts of what
-    /// is usual (Kawato, Furukawa and Suzuki, Biological Cybernetics 57 (1987) 169). Each stays between half and
-    /// twice its setting: a stage that jams teaches nothing that lasts.
+    /// Feedback-error learning: `dθ/dt = λ·φ·u_fb/|φ|²`, with φ the direction, speed and
+    /// acceleration in parts of what is usual (Kawato, Furukawa and Suzuki, Biological Cybernetics
+    /// 57 (1987) 169). Each value stays between half and twice its setting, so that a jam has no
+    /// lasting effect on it.
     pub(super) fn learn(&mut self, settings: &LoopSettings, lead: &FeedForward, added_s: f32) {
         let direction = direction(lead.speed_mm_s);
         let speed = lead.speed_mm_s / LEARNING_SPEED_MM_S;
@@ -62,7 +63,7 @@ impl KnownForce {
         );
     }
 
-    /// The mass that has been learned, in parts of that of the settings.
+    /// The learned mass, in parts of that of the settings.
     pub(super) fn mass_ratio(&self, settings: &LoopSettings) -> f32 {
         let set = settings.acceleration_feed_per_mm_s2;
         if set > 0.0 {

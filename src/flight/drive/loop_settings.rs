@@ -1,8 +1,8 @@
-//! Gains of the velocity loop, from the plant they are for.
+//! Gains of the velocity loop, from the plant.
 
 use crate::geometry::range::{OutOfRange, Quantity};
 
-/// What the motor has to move, all of it reduced to the stage.
+/// Load of the motor, all of it reduced to the stage.
 #[derive(Debug, Clone, Copy, PartialEq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
@@ -26,7 +26,7 @@ impl Plant {
         friction_n: 0.25,
     };
 
-    /// The plant, if it is one.
+    /// Returns the plant, if each quantity is in its range.
     ///
     /// # Errors
     /// [`OutOfRange`] naming the field.
@@ -44,11 +44,11 @@ impl Plant {
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct LoopSettings {
-    /// Speed asked for per following error, 1/s.
+    /// Demanded speed per following error, 1/s.
     pub position_gain_per_s: f32,
     /// Duty per error of speed, 1/(mm/s).
     pub speed_gain_per_mm_s: f32,
-    /// How fast the integral of the speed error takes over from the speed error, 1/s.
+    /// Rate at which the integral of the speed error takes over from the speed error, 1/s.
     pub integral_rate_per_s: f32,
     /// Part of a new difference of following errors in the measured error of speed, 0 to 1.
     pub slope_weight: f32,
@@ -60,11 +60,12 @@ pub struct LoopSettings {
     pub friction_feed: f32,
     /// Largest duty, 0 to 1.
     pub max_duty: f32,
-    /// Following error that is left alone at rest, µm: above the encoder's step.
+    /// Following error that is tolerated at rest, µm: above the encoder's step.
     pub rest_band_um: f32,
-    /// How fast the three that are fed forward are learned from what the feedback has to add, 1/s; 0 is never.
+    /// Rate at which the three fed-forward values are learned from what the feedback has to add,
+    /// 1/s; 0 is never.
     pub learning_rate_per_s: f32,
-    /// Age of a reading of the encoder when it is used, s: so much before the round is its time stamp.
+    /// Age of a reading of the encoder when it is used, s: the time from its stamp to the round.
     pub reading_age_s: f32,
     /// Time from a duty to its force, s.
     pub duty_delay_s: f32,
@@ -83,15 +84,17 @@ impl LoopSettings {
     /// The gains for a plant, for latencies of 0.1 ms each.
     ///
     /// # Model
-    /// With m the mass, F the force of full duty, b the damping and `F_c` the friction, the force asked for is
-    /// `m·ω_v·(1 + ω_i/s)·(ω_p·e + de/dt) + m·a + b·v + F_c·sgn(v)`, in parts of F. `ω_v`, `ω_p` and `ω_i` were chosen
-    /// on the simulated stage (`crates/simulation/src/mechanics`) for the least smear that still leaves a gain margin of
-    /// 1.3/0.7: mass and force 30 % off. A rate of learning of 60/s has friction, damping and mass after two strokes to
-    /// and fro of 2 mm at 50 mm/s: make them at arming.
+    /// With m the mass, F the force of full duty, b the damping and `F_c` the friction, the force
+    /// asked for is `m·ω_v·(1 + ω_i/s)·(ω_p·e + de/dt) + m·a + b·v + F_c·sgn(v)`, in parts of F.
+    /// `ω_v`, `ω_p` and `ω_i` were chosen on the simulated stage
+    /// (`crates/simulation/src/mechanics`) for the least smear that still leaves a gain margin of
+    /// 1.3/0.7: mass and force 30 % off. At a rate of 60/s, friction, damping and mass are learned
+    /// in two strokes to and fro of 2 mm at 50 mm/s, which the camera should make at arming.
     ///
     /// # Accuracy
-    /// [`Self::MARGINS`], [`Self::NOMINAL`], [`Self::COARSE`], [`Self::LEARNED`] and [`Self::UNLEARNED`], each asserted
-    /// in `host-sim/tests/mechanics`: ramps of 1000 mm/s², cruise at 5 to 25 mm/s, fly-back at up to 50 mm/s.
+    /// [`Self::MARGINS`], [`Self::NOMINAL`], [`Self::COARSE`], [`Self::LEARNED`] and
+    /// [`Self::UNLEARNED`], each asserted in `host-sim/tests/mechanics`: ramps of 1000 mm/s²,
+    /// cruise at 5 to 25 mm/s, fly-back at up to 50 mm/s.
     #[must_use]
     pub const fn tuned(plant: Plant) -> Self {
         // N per m/s² is mN per mm/s².
@@ -112,7 +115,7 @@ impl LoopSettings {
         }
     }
 
-    /// The settings, if each is in its range.
+    /// Returns the settings, if each is in its range.
     ///
     /// # Errors
     /// [`OutOfRange`] naming the field.

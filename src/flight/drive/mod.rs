@@ -1,4 +1,4 @@
-//! What moves the stage.
+//! Drives that move the stage.
 
 use super::fault::Fault;
 use super::stage::Setpoint;
@@ -18,12 +18,12 @@ pub mod step_dir;
 pub mod step_settings;
 pub mod velocity_loop;
 
-/// A position of the stage as its encoder has it.
+/// A position of the stage as its encoder reports it.
 #[derive(Debug, Clone, Copy, PartialEq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct StageReading {
-    /// When it was read, camera time.
+    /// Time at which it was read, camera time.
     pub time: Time,
     /// Offset along the FMC axis from the calibrated position, mm.
     pub offset_mm: f32,
@@ -31,31 +31,35 @@ pub struct StageReading {
 
 /// A mechanism that moves the stage.
 ///
-/// Two are here: [`step_dir::StepDir`] and [`pwm_encoder::PwmEncoder`]. A piezo, a voice coil with its own
-/// amplifier or a motion controller on a bus gets an implementation of its own, which owns its pins or its bus.
+/// Two are here: [`step_dir::StepDir`] and [`pwm_encoder::PwmEncoder`]. A piezo, a voice coil with
+/// an amplifier or a motion controller on a bus gets an implementation that owns its pins or its
+/// bus.
 ///
-/// # Who calls, and when
-/// The control loop alone, once per tick (1 kHz): first [`position`](Self::position), then, unless the stage is
-/// released, [`follow`](Self::follow), both with the time of the tick. [`release`](Self::release) comes whenever it
-/// must: between the two, twice, or before anything else. Set points are of one continuous motion inside the stroke;
-/// after a release the next may be anywhere, but it is at rest.
+/// # Callers and order of calls
+/// The control loop alone calls these methods, once per tick (1 kHz): first
+/// [`position`](Self::position), then, unless the stage is released, [`follow`](Self::follow), both
+/// with the time of the tick. [`release`](Self::release) comes at any time: between the two, twice,
+/// or before anything else. Set points are of one continuous motion inside the stroke; after a
+/// release the next may be anywhere, but it is at rest.
 ///
 /// # Time allowed
-/// `position` and `follow` together: 100 µs, a tenth of a tick. Neither waits: not for the stage, not for a conversion,
-/// not for a bus. A mechanism behind a slow bus answers with the newest reading that it has, under the time of that
-/// reading; one older than two ticks is none, but [`Fault::Encoder`].
+/// `position` and `follow` together have 100 µs, a tenth of a tick. Neither waits: not for the
+/// stage, not for a conversion, not for a bus. A mechanism behind a slow bus answers with the
+/// newest reading that it has, under the time of that reading; one older than two ticks does not
+/// count, and the answer is [`Fault::Encoder`].
 ///
 /// # Signs
-/// Offsets, speeds and accelerations are along the FMC axis: positive where the *principal point* moves over the
-/// detector in the direction of flight. Where the detector moves and the lens does not, the principal point moves
-/// against the detector. Motors and encoders that count the other way are turned round inside the implementation.
+/// Offsets, speeds and accelerations are along the FMC axis: positive where the *principal point*
+/// moves over the detector in the direction of flight. If the detector moves and the lens does not,
+/// the principal point moves against the detector. The implementation reverses motors and encoders
+/// that count the other way.
 ///
 /// # Faults
-/// The implementation reports what only it can know: a pin, a bus, an amplifier or a limit switch. It does not judge
-/// whether the stage follows or a reading is believable; the controller does, from set points and readings (stall,
-/// runaway, wrong direction, encoder). After an error the stage has not been told anything new and is under no new
-/// force, the next call is as good as the first, and nothing needs to be reset. The controller answers an error with
-/// `release`.
+/// The implementation reports faults that only it can detect: of a pin, a bus, an amplifier or a
+/// limit switch. It does not judge if the stage follows or a reading is credible; the controller
+/// does, from set points and readings (stall, runaway, wrong direction, encoder). After an error
+/// the stage has no new set point and is under no new force, the next call is as good as the first,
+/// and nothing needs to be reset. The controller answers an error with `release`.
 ///
 /// # Examples
 /// A piezo stage whose amplifier follows a voltage and reports its own position:
@@ -66,7 +70,7 @@ pub struct StageReading {
 /// use fmc_camera::flight::stage::Setpoint;
 /// use fmc_camera::flight::time::Time;
 ///
-/// /// What the amplifier's data sheet offers.
+/// /// Functions of the amplifier, from its data sheet.
 /// trait Amplifier {
 ///     fn set_um(&mut self, position_um: f32) -> Result<(), ()>;
 ///     fn sensor_um(&mut self) -> Result<f32, ()>;
@@ -77,7 +81,7 @@ pub struct StageReading {
 ///     amplifier: A,
 ///     /// Position at which the principal point is at its calibrated place, µm.
 ///     zero_um: f32,
-///     /// By how much the stage lags behind the voltage, s.
+///     /// Lag of the stage behind the voltage, s.
 ///     lag_s: f32,
 /// }
 ///
@@ -110,31 +114,32 @@ pub struct StageReading {
 /// # assert!((piezo.position(Time::START).unwrap().offset_mm - 0.016).abs() < 1e-6);
 /// ```
 pub trait FmcDrive {
-    /// Where the stage is now.
+    /// Returns the present position of the stage.
     ///
-    /// On return the reading is the newest there is, under the time at which the stage was there (which is before
-    /// `now` by the encoder's latency), and nothing has moved because of the call. It may come at any time, released
-    /// or not, and more than once in a tick.
+    /// On return the reading is the newest there is, under the time at which the stage was there
+    /// (which is before `now` by the encoder's latency), and nothing has moved because of the call.
+    /// The call may come at any time, released or not, and more than once in a tick.
     ///
     /// # Errors
-    /// [`Fault`] where that cannot be said: [`Fault::Encoder`].
+    /// [`Fault::Encoder`] if there is no such reading.
     fn position(&mut self, now: Time) -> Result<StageReading, Fault>;
 
     /// Follows a set point, until the next call.
     ///
-    /// The set point is for `now`: there the stage should be at `offset_mm`, and go on with that speed and
-    /// acceleration. On return the mechanism has been told; it need not have moved. Where calls fail to come it must
-    /// not run on for ever: after a few ticks it stands, or a watchdog takes the force off.
+    /// The set point is for `now`: the stage should then be at `offset_mm`, and go on with that
+    /// speed and acceleration. On return the mechanism has been told; it need not have moved. If
+    /// calls fail to come, it must not run on for ever: after a few ticks it stands, or a watchdog
+    /// takes the force off.
     ///
     /// # Errors
-    /// [`Fault`] where it cannot: [`Fault::LimitSwitch`] where a switch is closed on that side, [`Fault::Drive`]
-    /// for anything else. The set point is then not followed.
+    /// [`Fault::LimitSwitch`] if a switch is closed on that side, [`Fault::Drive`] for anything
+    /// else. The set point is then not followed.
     fn follow(&mut self, now: Time, setpoint: Setpoint) -> Result<(), Fault>;
 
     /// Takes the force off.
     ///
-    /// On return no force is asked of the mechanism and none will be until the next [`follow`](Self::follow). It may
-    /// be called at any time, twice is as good as once, and it cannot fail: what fails on the way is tried to its end
-    /// and is reported by the next `follow`.
+    /// On return no force is asked of the mechanism and none will be until the next
+    /// [`follow`](Self::follow). It may be called at any time and more than once, and it cannot
+    /// fail: it tries every step to the end, and the next `follow` reports an error of any of them.
     fn release(&mut self);
 }

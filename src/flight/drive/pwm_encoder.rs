@@ -1,4 +1,4 @@
-//! A motor behind a bridge, driven by pulse width and direction, with a quadrature encoder.
+//! Motor behind a bridge, driven by pulse width and direction, with a quadrature encoder.
 
 use embedded_hal::digital::{OutputPin, PinState};
 use embedded_hal::pwm::SetDutyCycle;
@@ -13,7 +13,7 @@ use crate::flight::stage::Setpoint;
 use crate::flight::time::Time;
 use crate::geometry::range::OutOfRange;
 
-/// Longer without a set point than this, s, and the loop starts afresh.
+/// Longest time without a set point, s; after a longer one the loop starts afresh.
 const LONGEST_PAUSE_S: f32 = 0.005;
 
 /// The pins and the counter of the drive.
@@ -29,9 +29,10 @@ pub struct Pins<Pwm, Direction, Counter> {
 
 /// The drive: velocity loop, bridge and encoder.
 ///
-/// Duty 0 is all that [`release`](FmcDrive::release) can do with these pins; whether that brakes or lets go is the
-/// bridge's; [`EnabledDrive`](super::enabled_drive::EnabledDrive) adds a pin that lets go. The pulse width stays if
-/// calls fail to come: something that goes on without them has to take the bridge's enable away.
+/// With these pins [`release`](FmcDrive::release) can only set duty 0; the bridge determines if
+/// that brakes or lets go. [`EnabledDrive`](super::enabled_drive::EnabledDrive) adds a pin that
+/// lets go. The pulse width stays if calls fail to come: a device that works without them must then
+/// take the bridge's enable away.
 #[derive(Debug)]
 pub struct PwmEncoder<Pwm, Direction, Counter> {
     pins: Pins<Pwm, Direction, Counter>,
@@ -39,7 +40,7 @@ pub struct PwmEncoder<Pwm, Direction, Counter> {
     velocity_loop: VelocityLoop,
     /// The count at the calibrated position.
     zero: i32,
-    /// What was counted for the newest reading, and when it was asked for.
+    /// Count of the newest reading, and the time for which it was asked.
     read: Option<(Time, i32)>,
     followed: Option<Time>,
     direction: Option<PinState>,
@@ -52,7 +53,7 @@ where
     Direction: OutputPin,
     Counter: QuadratureCounter,
 {
-    /// A drive without force; count 0 is the calibrated position.
+    /// Returns a drive without force; count 0 is the calibrated position.
     ///
     /// # Errors
     /// [`OutOfRange`] naming the field.
@@ -65,7 +66,7 @@ where
         Ok(drive)
     }
 
-    /// A drive without force and with the default settings, until it is given others.
+    /// Returns a drive without force and with the default settings, until others are set.
     #[must_use]
     pub fn unprepared(pins: Pins<Pwm, Direction, Counter>) -> Self {
         let settings = DriveSettings::default();
@@ -81,8 +82,8 @@ where
         }
     }
 
-    /// Says where the stage is now, counts of the encoder along the FMC axis from the calibrated position: at its
-    /// reference mark.
+    /// Sets the present position of the stage, in counts of the encoder along the FMC axis from the
+    /// calibrated position: at its reference mark.
     pub fn set_position(&mut self, counts: i32) {
         let counts = if self.settings.encoder_reversed {
             counts.wrapping_neg()
@@ -93,14 +94,15 @@ where
         self.followed = None;
     }
 
-    /// Takes other settings: released, the loop as new, the count at the calibrated position as it was.
+    /// Takes other settings: the drive is released, the loop as new, the count at the calibrated
+    /// position unchanged.
     ///
     /// # Errors
-    /// [`OutOfRange`] naming the field; the settings before stay.
+    /// [`OutOfRange`] naming the field; the previous settings stay.
     pub fn set_settings(&mut self, settings: DriveSettings) -> Result<(), OutOfRange> {
         self.take_settings(settings)?;
         self.release();
-        // `motor_reversed` may have changed what the pin means.
+        // `motor_reversed` may have changed the meaning of the pin.
         self.direction = None;
         Ok(())
     }
@@ -111,17 +113,17 @@ where
         Ok(())
     }
 
-    /// Whether force is asked of the motor.
+    /// Returns `true` if force is asked of the motor.
     pub const fn is_powered(&self) -> bool {
         self.followed.is_some()
     }
 
-    /// The pins, to look at.
+    /// The pins, for inspection.
     pub(crate) const fn pins(&self) -> &Pins<Pwm, Direction, Counter> {
         &self.pins
     }
 
-    /// The pins, to work on.
+    /// The pins, to operate them.
     pub const fn pins_mut(&mut self) -> &mut Pins<Pwm, Direction, Counter> {
         &mut self.pins
     }
@@ -151,7 +153,7 @@ where
         };
         let direction = PinState::from(duty < 0.0);
         if self.direction != Some(direction) && duty.abs() > 0.0 {
-            // No pulse of the old width in the new direction.
+            // No pulse of the old width must come in the new direction.
             self.direction = None;
             self.pins.pwm.set_duty_cycle(0).map_err(|_| Fault::Drive)?;
             self.pins
@@ -200,7 +202,7 @@ where
             0.0
         };
         let count = match self.read {
-            // That of this instant: what has been computed since is no way of the stage.
+            // The count of this instant: the stage's motion during the computation must not enter.
             Some((time, count)) if time == now => count,
             _ => self.pins.counter.count(),
         };

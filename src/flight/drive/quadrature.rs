@@ -1,4 +1,4 @@
-//! The encoder's count: from a timer of the chip, or decoded from two pins.
+//! Encoder counts: from a timer of the chip, or decoded from two pins.
 
 use embedded_hal::digital::InputPin;
 
@@ -6,17 +6,18 @@ use crate::flight::fault::Fault;
 
 /// A counter of quadrature edges; a timer of the chip in encoder mode, mostly.
 ///
-/// It counts every edge of both channels, wraps from `i32::MAX` to `i32::MIN` and back, and never stops. A timer of
-/// 16 bits is extended to 32 by the implementation, which must be asked at least once per half turn of it: at
-/// 0.1 µm per edge and 50 mm/s every 65 ms.
+/// It counts every edge of both channels, wraps from `i32::MAX` to `i32::MIN` and back, and never
+/// stops. The implementation extends a timer of 16 bits to 32, and must be asked at least once per
+/// half turn of it: at 0.1 µm per edge and 50 mm/s every 65 ms.
 pub trait QuadratureCounter {
     /// Edges so far, one direction up and the other down.
     fn count(&mut self) -> i32;
 }
 
-/// Makes a count that wraps at 32 bits of a timer's, which does at 16.
+/// Extends a timer's count, which wraps at 16 bits, to one that wraps at 32 bits.
 ///
-/// Ask at least once per half turn, 32,768 edges: at 0.1 µm per edge and 50 mm/s every 65 ms.
+/// It must be asked at least once per half turn, 32,768 edges: at 0.1 µm per edge and 50 mm/s every
+/// 65 ms.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub struct WideCount {
     last: u16,
@@ -24,13 +25,13 @@ pub struct WideCount {
 }
 
 impl WideCount {
-    /// A count of 0 where the timer has 0.
+    /// Returns a count that is 0 where the timer has 0.
     #[must_use]
     pub const fn new() -> Self {
         Self { last: 0, count: 0 }
     }
 
-    /// The count at a reading of the timer: the one nearest to the last.
+    /// Returns the count at a reading of the timer: the one nearest to the last.
     pub fn extend(&mut self, timer: u16) -> i32 {
         let step = timer.wrapping_sub(self.last).cast_signed();
         self.last = timer;
@@ -39,10 +40,11 @@ impl WideCount {
     }
 }
 
-/// Counts the edges of two pins, in an interrupt at each of them or faster than they come.
+/// Counts the edges of two pins, in an interrupt at each edge or at a rate above theirs.
 ///
-/// For bench set-ups and slow stages: at 17 mm/s and 0.5 µm per edge there are 34 000 edges per second. A transition of
-/// both pins at once has no direction; it is counted as a glitch and moves nothing.
+/// It is for bench set-ups and slow stages: at 17 mm/s and 0.5 µm per edge there are 34 000 edges
+/// per second. A transition of both pins at once has no direction; it is counted as a glitch and
+/// leaves the count unchanged.
 #[derive(Debug)]
 pub struct QuadratureDecoder<A, B> {
     a: A,
@@ -53,7 +55,7 @@ pub struct QuadratureDecoder<A, B> {
 }
 
 impl<A: InputPin, B: InputPin> QuadratureDecoder<A, B> {
-    /// A decoder at 0; channel A leads where the count rises.
+    /// Returns a decoder at 0; channel A leads where the count rises.
     pub const fn new(a: A, b: B) -> Self {
         Self {
             a,
@@ -67,7 +69,7 @@ impl<A: InputPin, B: InputPin> QuadratureDecoder<A, B> {
     /// Reads the pins and counts.
     ///
     /// # Errors
-    /// [`Fault::Encoder`] where a pin cannot be read; nothing is counted then.
+    /// [`Fault::Encoder`] if a pin cannot be read; nothing is counted then.
     pub fn sample(&mut self) -> Result<(), Fault> {
         let a = self.a.is_high().map_err(|_| Fault::Encoder)?;
         let b = self.b.is_high().map_err(|_| Fault::Encoder)?;
@@ -83,7 +85,7 @@ impl<A: InputPin, B: InputPin> QuadratureDecoder<A, B> {
         Ok(())
     }
 
-    /// Transitions that had no direction: noise, or edges faster than samples.
+    /// Transitions without a direction: noise, or edges faster than samples.
     pub const fn glitches(&self) -> u32 {
         self.glitches
     }

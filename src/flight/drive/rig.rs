@@ -1,4 +1,4 @@
-//! The drive with numbers for pins: for rigs and simulations.
+//! Drive whose pins are numbers, for rigs and simulations.
 
 use core::convert::Infallible;
 
@@ -37,7 +37,7 @@ impl SetDutyCycle for Width {
     }
 }
 
-/// A pin that is a truth value.
+/// A pin that is a `bool`.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 struct Level(bool);
 
@@ -74,7 +74,7 @@ pub struct RigDrive {
 }
 
 impl RigDrive {
-    /// A drive without force; count 0 is the calibrated position.
+    /// Returns a drive without force; count 0 is the calibrated position.
     ///
     /// # Errors
     /// [`OutOfRange`] naming the field.
@@ -89,17 +89,18 @@ impl RigDrive {
         })
     }
 
-    /// What the encoder has counted by now.
+    /// Sets the encoder's present count.
     pub const fn set_count(&mut self, count: i32) {
         self.drive.pins_mut().counter = Count(count);
     }
 
-    /// Says where the stage is now, counts of the encoder along the FMC axis from the calibrated position.
+    /// Sets the present position of the stage, in counts of the encoder along the FMC axis from the
+    /// calibrated position.
     pub fn set_position(&mut self, counts: i32) {
         self.drive.set_position(counts);
     }
 
-    /// The duty at the bridge, -1 to 1: in the sense of its direction pin, low is positive.
+    /// The duty at the bridge, -1 to 1, in the sense of its direction pin: low is positive.
     #[must_use]
     pub fn duty(&self) -> f32 {
         let pins = self.drive.pins();
@@ -107,7 +108,7 @@ impl RigDrive {
         if pins.direction.0 { -duty } else { duty }
     }
 
-    /// Whether force is asked of the motor.
+    /// Returns `true` if force is asked of the motor.
     #[must_use]
     pub const fn powered(&self) -> bool {
         self.drive.is_powered()

@@ -1,18 +1,18 @@
-//! How a motor with an encoder is built in.
+//! Settings of a motor with an encoder.
 
 use super::loop_settings::LoopSettings;
 use crate::geometry::range::{OutOfRange, Quantity};
 
-/// How motor and encoder are built in.
+/// Settings of motor and encoder, as built in.
 #[derive(Debug, Clone, Copy, PartialEq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct DriveSettings {
     /// Travel per count of the encoder, µm.
     pub encoder_step_um: f32,
-    /// The encoder counts down along the FMC axis.
+    /// `true` if the encoder counts down along the FMC axis.
     pub encoder_reversed: bool,
-    /// Direction low and positive duty move the stage against the FMC axis.
+    /// `true` if direction low and positive duty move the stage against the FMC axis.
     pub motor_reversed: bool,
     /// Gains and limits.
     pub velocity_loop: LoopSettings,
@@ -30,7 +30,7 @@ impl Default for DriveSettings {
 }
 
 impl DriveSettings {
-    /// The settings, if each is in its range.
+    /// Returns the settings, if each is in its range.
     ///
     /// # Errors
     /// [`OutOfRange`] naming the field.

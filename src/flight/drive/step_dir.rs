@@ -1,4 +1,5 @@
-//! A stepper with step and direction inputs, limit switches at both ends, and homing against the low one.
+//! Stepper with step and direction inputs, limit switches at both ends, and homing against the low
+//! one.
 
 use embedded_hal::digital::{InputPin, OutputPin, PinState};
 
@@ -9,13 +10,13 @@ use crate::flight::stage::Setpoint;
 use crate::flight::time::Time;
 use crate::geometry::range::OutOfRange;
 
-/// A set point is extrapolated for so long, s; if none comes, the stage stands then.
+/// Time for which a set point is extrapolated, s; if none comes, the stage stands then.
 const LONGEST_PAUSE_S: f32 = 0.005;
 
-/// A step is due when the target is so far from the counted position, steps.
+/// Distance of the target from the counted position at which a step is due, steps.
 const STEP_ON: f32 = 0.5;
 
-/// The same where it turns round: no chatter between two steps.
+/// The same where the direction reverses, so that the stage does not chatter between two steps.
 const STEP_BACK: f32 = 0.75;
 
 /// The pins of the stepper.
@@ -31,23 +32,23 @@ pub struct StepPins<Step, Direction, Low, High> {
     pub high: High,
 }
 
-/// How far homing has come.
+/// Progress of homing.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Homing {
-    /// Never asked for: offsets count from where the stage stood at switch-on.
+    /// Homing was never asked for: offsets count from the position at switch-on.
     None,
-    /// On the way to the low limit switch.
+    /// The stage is on the way to the low limit switch.
     Seeking,
-    /// On the way back until it opens.
+    /// The stage is on the way back until the switch opens.
     BackingOff,
-    /// The stage knows where it is.
+    /// The position is known.
     Done,
-    /// It ended without a place: the switch did not close or open within the travel, a pin failed, or it was
-    /// interrupted by `release`.
+    /// Homing ended without a position: the switch did not close or open within the travel, a pin
+    /// failed, or `release` interrupted it.
     Failed,
 }
 
-/// Where the stage should be, counted on from pulse to pulse.
+/// Desired position of the stage, extrapolated from pulse to pulse.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 struct Target {
     steps: f32,
@@ -58,9 +59,9 @@ struct Target {
 
 /// The drive: a set point every tick, interpolated into steps by [`pulse`](Self::pulse).
 ///
-/// [`pulse`](Self::pulse) runs in a timer interrupt at a fixed rate; the methods of [`FmcDrive`] run in the control
-/// loop, with that interrupt masked. The position is the number of steps made; a stepper that loses steps does not say
-/// so, and has to be homed again.
+/// [`pulse`](Self::pulse) runs in a timer interrupt at a fixed rate; the methods of [`FmcDrive`]
+/// run in the control loop, with that interrupt masked. The position is the number of steps made; a
+/// stepper that loses steps does not report it, and has to be homed again.
 #[derive(Debug)]
 pub struct StepDir<Step, Direction, Low, High> {
     pins: StepPins<Step, Direction, Low, High>,
@@ -85,7 +86,7 @@ where
     Low: InputPin,
     High: InputPin,
 {
-    /// A stepper that stands, at offset 0.
+    /// Returns a stepper that stands, at offset 0.
     ///
     /// # Errors
     /// [`OutOfRange`] naming the field.
@@ -117,9 +118,10 @@ where
         })
     }
 
-    /// Starts homing: to the low limit switch, back until it opens, and there is the homing offset.
+    /// Starts homing: the stage goes to the low limit switch and back until it opens, which is at
+    /// the homing offset.
     ///
-    /// It goes on from pulse to pulse; meanwhile [`follow`](FmcDrive::follow) is refused.
+    /// Homing goes on from pulse to pulse; meanwhile [`follow`](FmcDrive::follow) is refused.
     #[expect(
         clippy::cast_possible_truncation,
         clippy::cast_sign_loss,
@@ -136,15 +138,15 @@ where
         self.target = None;
     }
 
-    /// How far homing has come.
+    /// Progress of homing.
     pub const fn homing(&self) -> Homing {
         self.homing
     }
 
-    /// One call of the timer: at most one edge of the step pin.
+    /// Makes at most one edge of the step pin; the timer calls it.
     ///
-    /// A step is a rising edge in one call and the falling one in the next. What fails stops the stage and is reported
-    /// by the next [`follow`](FmcDrive::follow).
+    /// A step is a rising edge in one call and the falling one in the next. An error stops the
+    /// stage and is reported by the next [`follow`](FmcDrive::follow).
     pub fn pulse(&mut self) {
         if let Err(fault) = self.try_pulse() {
             self.release();
@@ -165,7 +167,7 @@ where
         }
     }
 
-    /// One pulse of homing.
+    /// Makes one pulse of homing.
     #[expect(
         clippy::cast_precision_loss,
         reason = "a count of pulses between steps"
@@ -190,7 +192,7 @@ where
             return Err(Fault::Drive);
         }
         let stepped = match (self.homing, self.step(self.homing == Homing::BackingOff)) {
-            // It bounces.
+            // The switch bounces.
             (Homing::Seeking, Err(Fault::LimitSwitch)) => false,
             (_, stepped) => stepped?,
         };
@@ -198,7 +200,7 @@ where
         Ok(())
     }
 
-    /// One pulse towards the target.
+    /// Makes one pulse towards the target.
     #[expect(
         clippy::cast_precision_loss,
         reason = "exact to 16 million steps, more than a stroke has"
@@ -221,7 +223,7 @@ where
         Ok(())
     }
 
-    /// Makes a step, or prepares it; whether it was made.
+    /// Makes a step, or prepares it. Returns `true` if it was made.
     fn step(&mut self, upward: bool) -> Result<bool, Fault> {
         if self.limit_closed(upward)? {
             return Err(Fault::LimitSwitch);
@@ -248,7 +250,7 @@ where
         Ok(true)
     }
 
-    /// Whether the switch on that side is closed.
+    /// Returns `true` if the switch on that side is closed.
     fn limit_closed(&mut self, upward: bool) -> Result<bool, Fault> {
         let high = if upward {
             self.pins.high.is_high().map_err(|_| Fault::Drive)?

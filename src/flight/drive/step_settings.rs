@@ -1,4 +1,4 @@
-//! How a stepper is built in.
+//! Settings of a stepper.
 
 use crate::geometry::range::{OutOfRange, Quantity};
 
@@ -9,7 +9,7 @@ use crate::geometry::range::{OutOfRange, Quantity};
 pub struct StepSettings {
     /// Steps per millimetre of the stage, micro-steps counted as the driver counts them.
     pub steps_per_mm: f32,
-    /// Direction low moves the stage against the FMC axis.
+    /// `true` if direction low moves the stage against the FMC axis.
     pub reversed: bool,
     /// Calls of [`pulse`](super::step_dir::StepDir::pulse) per second, Hz.
     pub pulse_rate_hz: f32,
@@ -17,7 +17,7 @@ pub struct StepSettings {
     pub max_step_rate_hz: f32,
     /// Pulses between a change of direction and the step after it: the driver's set-up time.
     pub setup_pulses: u8,
-    /// A limit switch pulls its pin low when it closes.
+    /// `true` if a limit switch pulls its pin low when it closes.
     pub limit_closed_low: bool,
     /// Offset along the FMC axis at which the low limit switch opens, mm.
     pub homing_offset_mm: f32,
@@ -45,7 +45,7 @@ impl Default for StepSettings {
 }
 
 impl StepSettings {
-    /// The settings, if each is in its range.
+    /// Returns the settings, if each is in its range.
     ///
     /// # Errors
     /// [`OutOfRange`] naming the field.

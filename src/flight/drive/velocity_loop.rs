@@ -5,16 +5,16 @@ use super::known_force::{KnownForce, STANDING_MM_S};
 use super::loop_settings::LoopSettings;
 use crate::flight::stage::Setpoint;
 
-/// The next call comes after this, as long as nothing else is known, s.
+/// Time until the next call, as long as nothing else is known, s.
 const TICK_S: f32 = 1e-3;
 
-/// Calls that come faster count as this far apart, s.
+/// Least time between calls, s; faster calls count as this far apart.
 const SHORTEST_TICK_S: f32 = 2e-4;
 
-/// Below this error of speed a stage inside the rest band is at rest, mm/s.
+/// Error of speed below which a stage inside the rest band is at rest, mm/s.
 const REST_SPEED_MM_S: f32 = 1.0;
 
-/// Learning stops beyond this following error, mm: something else is wrong then.
+/// Following error beyond which learning stops, mm: something else is wrong then.
 const LEARNING_ERROR_MM: f32 = 0.05;
 
 /// A cascade: following error to speed, speed error to duty, with the known forces fed forward.
@@ -30,7 +30,8 @@ pub struct VelocityLoop {
 }
 
 impl VelocityLoop {
-    /// A loop that has seen nothing yet; settings are those that [`LoopSettings::checked`] lets pass.
+    /// Returns a loop without history; the settings are those that [`LoopSettings::checked`]
+    /// accepts.
     #[must_use]
     pub fn new(settings: LoopSettings) -> Self {
         Self {
@@ -44,8 +45,8 @@ impl VelocityLoop {
         }
     }
 
-    /// Forgets where the stage was: before a motion that is no continuation of the last. What it has learned of
-    /// friction, damping and mass stays.
+    /// Forgets the stage's path before a motion that does not continue the last. The learned
+    /// friction, damping and mass stay.
     pub fn restart(&mut self) {
         let known = self.known;
         *self = Self {
@@ -54,24 +55,27 @@ impl VelocityLoop {
         };
     }
 
-    /// The duty for the time until the next call, -1 to 1, positive along the FMC axis.
+    /// Returns the duty for the time until the next call, -1 to 1, positive along the FMC axis.
     ///
     /// # Model
-    /// `K·(w + ω_i·∫w dt) + k_v·v + k_a·a + k_f·sgn(v)` with `w = ω_p·e + de/dt` (Ellis, Control System Design Guide,
-    /// 4th ed. 2012, chapter 17: position P over velocity PI, with feed-forward). e is where the stage should have been
-    /// at the reading, less the reading; its slope, from one reading to the next, is the error of speed without the lag
-    /// that a difference of positions has. v and a are the set point's, with corners between two ticks made up for in
-    /// two ticks. `k_v`, `k_a` and `k_f` are learned from what the feedback has to add; K goes with `k_a`, the mass.
-    /// The integral stands still while the duty is at its limit and the error would drive it further. At a set point at
-    /// rest an error inside the rest band is left alone, without duty, until it is twice as wide: no hunting over a
-    /// step of the encoder.
+    /// `K·(w + ω_i·∫w dt) + k_v·v + k_a·a + k_f·sgn(v)` with `w = ω_p·e + de/dt` (Ellis, Control
+    /// System Design Guide, 4th ed. 2012, chapter 17: position P over velocity PI, with
+    /// feed-forward). e is the expected position at the reading less the reading; its slope, from
+    /// one reading to the next, is the error of speed without the lag that a difference of
+    /// positions has. v and a are the set point's, with corners between two ticks made up for in
+    /// two ticks. `k_v`, `k_a` and `k_f` are learned from what the feedback has to add; K scales
+    /// with `k_a`, the mass. The integral stands still while the duty is at its limit and the error
+    /// would drive it further. At a set point at rest an error inside the rest band is tolerated,
+    /// without duty, until it is twice as wide, so that the loop does not hunt over a step of the
+    /// encoder.
     ///
     /// # Units and frames
-    /// `measured_offset_mm` and the set point along the FMC axis; `dt_s` since the last call, 0 at the first.
+    /// `measured_offset_mm` and the set point are along the FMC axis; `dt_s` is the time since the
+    /// last call, 0 at the first.
     ///
     /// # Accuracy
-    /// What the stage then does is at [`LoopSettings::tuned`]. A set point or a reading that is no number gives duty 0
-    /// and starts the loop afresh.
+    /// [`LoopSettings::tuned`] states the stage's following error. A set point or a reading that is
+    /// not finite gives duty 0 and starts the loop afresh.
     pub fn duty(&mut self, setpoint: Setpoint, measured_offset_mm: f32, dt_s: f32) -> f32 {
         let settings = self.settings;
         let (dt_s, tick_s) = if dt_s > SHORTEST_TICK_S {
@@ -105,7 +109,7 @@ impl VelocityLoop {
             return 0.0;
         }
 
-        // The gain is for the mass that has been learned.
+        // The gain is for the learned mass.
         let gain = settings.speed_gain_per_mm_s * self.known.mass_ratio(&settings);
         let speed_error = settings.position_gain_per_s * error_mm + self.slope_mm_s;
         let added = gain * speed_error + self.integral;
@@ -128,7 +132,7 @@ impl VelocityLoop {
         }
     }
 
-    /// Whether the stage may stay where it is.
+    /// Returns `true` if the stage may stay at its present position.
     fn rests(&mut self, at_rest: bool, error_mm: f32) -> bool {
         let band_mm = 1e-3 * self.settings.rest_band_um;
         self.resting = at_rest
@@ -141,7 +145,7 @@ impl VelocityLoop {
     }
 }
 
-/// `f32::clamp` panics where the limits are no numbers.
+/// Limits a value to ± a bound; `f32::clamp` panics if a limit is not a number.
 fn limited(value: f32, max: f32) -> f32 {
     if value > max {
         max
@@ -206,7 +210,7 @@ mod tests {
         for tick in 0..200 {
             assert!(velocity_loop.duty(cruise(tick), 0.0, TICK) <= 1.0);
         }
-        // Free again and at its place: nothing is left that pushes on.
+        // The stage is free again and at its place: nothing is left that pushes on.
         let end = Setpoint {
             offset_mm: 3.4,
             ..Setpoint::default()

@@ -1,4 +1,4 @@
-//! Why a travel cannot be made.
+//! Reasons why a travel cannot be made.
 
 use core::fmt;
 
@@ -13,7 +13,7 @@ pub struct StrokeTooShort {
     pub from_mm: f32,
     /// Its end, mm.
     pub to_mm: f32,
-    /// What there is on either side, mm.
+    /// Half of the stroke, mm.
     pub half_stroke_mm: f32,
 }
 
@@ -29,26 +29,26 @@ impl fmt::Display for StrokeTooShort {
 
 impl core::error::Error for StrokeTooShort {}
 
-/// The stage cannot make a travel.
+/// The reason why the stage cannot make a travel.
 #[derive(Debug, Clone, Copy, PartialEq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub enum PlanError {
-    /// A quantity is not believable.
+    /// A quantity is outside its range.
     OutOfRange(OutOfRange),
     /// The travel leaves the stroke.
     Stroke(StrokeTooShort),
-    /// The stage is not that fast.
+    /// The speed exceeds the stage's largest.
     Speed {
         /// Speed along the FMC axis that is asked for, mm/s.
         wanted_mm_s: f32,
-        /// The stage's largest, in either direction, mm/s.
+        /// Largest speed of the stage, in either direction, mm/s.
         max_mm_s: f32,
     },
-    /// It takes longer than there is time.
+    /// The travel takes longer than the time available.
     Time {
-        /// What it takes, s.
+        /// Time that the travel takes, s.
         needed_s: f32,
-        /// What there is, s.
+        /// Time available, s.
         available_s: f32,
     },
 }

@@ -1,4 +1,4 @@
-//! The way back: from wherever the stage is to where it waits for the next trigger.
+//! The way back: from any state of the stage to its waiting place.
 
 use super::error::{PlanError, StrokeTooShort};
 use super::plan::Stage;
@@ -7,19 +7,19 @@ use super::setpoint::Setpoint;
 use super::travel::Travel;
 
 impl Stage {
-    /// The quickest motion to rest at another place; a stage that moves stops first.
+    /// Returns the quickest motion to rest at another place; a stage that moves stops first.
     ///
     /// # Model
-    /// Two ramps of speed v and, where v is the stage's largest speed, a stretch at it between them. Without stretch
-    /// the distance D is two ramps: `v = √(AD)` where the jerk is unlimited, with jerk J `v = ∛(D²J/4)` up to
-    /// D = 2A³/J², beyond it `v = (√((A/J)² + 4D/A) - A/J)·A/2`.
+    /// Two ramps of speed v and, if v is the stage's largest speed, a stretch at it between them.
+    /// Without stretch the distance D is two ramps: `v = √(AD)` for unlimited jerk, with jerk J
+    /// `v = ∛(D²J/4)` up to D = 2A³/J², beyond it `v = (√((A/J)² + 4D/A) - A/J)·A/2`.
     ///
     /// # Units and frames
-    /// Along the FMC axis; times in s after the beginning.
+    /// Positions are along the FMC axis; times are in s after the beginning.
     ///
     /// # Errors
-    /// [`PlanError`] for an end outside the stroke, for a stop that leaves it (farther than the stage already is),
-    /// and for a state that is not finite.
+    /// [`PlanError`] for an end outside the stroke, for a stop that leaves it (farther than the
+    /// stage already is), and for a state that is not finite.
     ///
     /// # Examples
     /// ```
@@ -40,7 +40,7 @@ impl Stage {
         let half_stroke_mm = 0.5 * self.stroke_mm;
         let mut profile = self.stop(from);
         let (least, most) = profile.reach_mm();
-        // A stage outside may come back.
+        // A stage outside the stroke may come back.
         let bound_mm = half_stroke_mm.max(from.offset_mm.abs());
         let stopped_mm = profile.end().offset_mm;
         if !(from.is_finite() && stopped_mm.is_finite() && least >= -bound_mm && most <= bound_mm) {
@@ -60,7 +60,7 @@ impl Stage {
         Ok(profile)
     }
 
-    /// The largest speed on a way from rest to rest, mm/s.
+    /// Returns the largest speed on a way from rest to rest, mm/s.
     fn fastest(&self, distance_mm: f32) -> f32 {
         let acceleration = self.acceleration_mm_s2;
         let speed = match self.jerk_mm_s3 {
@@ -78,7 +78,7 @@ impl Stage {
         speed.min(self.max_speed_mm_s)
     }
 
-    /// From the trigger to the stage standing at its waiting place again, s.
+    /// Returns the time from the trigger until the stage stands at its waiting place again, s.
     ///
     /// # Errors
     /// As [`Self::reposition`].

@@ -1,5 +1,5 @@
-//! The stage's travel for one exposure: run-up, settling, tracking, stop, fly-back, with limited acceleration and
-//! jerk. Nothing else plans it.
+//! The stage's travel for one exposure: run-up, settling, tracking, stop, fly-back, with limited
+//! acceleration and jerk. This module is the only planner of that motion.
 
 mod error;
 mod fly_back;

@@ -1,21 +1,21 @@
-//! What the mechanism can do, and the places one exposure takes it through.
+//! Limits of the mechanism, and the places of one exposure.
 
 use super::error::{PlanError, StrokeTooShort};
 use crate::geometry::range::{OutOfRange, Quantity};
 
-/// Where the run-up puts the exposure.
+/// Position of the exposure relative to the calibrated position.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub enum RunUp {
     /// The exposure centroid falls on the calibrated principal point: Δδ = -v·E\[τ\].
     #[default]
     Centred,
-    /// The stage starts at the calibrated position: Δδ is the ramp, v²/(2a) where the jerk is unlimited, and
-    /// `v·t_settle`.
+    /// The stage starts at the calibrated position: Δδ is the ramp, v²/(2a) for unlimited jerk,
+    /// plus `v·t_settle`.
     FromRest,
 }
 
-/// What the mechanism can do, not yet believed.
+/// Limits of the mechanism, not yet validated.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct MechanismLimits {
     /// A: largest acceleration, mm/s².
@@ -49,7 +49,7 @@ pub struct Tracking {
     pub exposure_s: f32,
     /// E\[τ\]: centroid of the exposure after opening, s.
     pub centroid_time_s: f32,
-    /// How much longer the stage stays at speed, for a shutter that is late, s.
+    /// Time for which the stage stays at speed beyond the exposure, for a late shutter, s.
     pub margin_s: f32,
 }
 
@@ -67,7 +67,7 @@ pub struct StagePlan {
 }
 
 impl Stage {
-    /// A stage with limits that are believable.
+    /// Validates the limits of a stage.
     ///
     /// # Errors
     /// [`OutOfRange`] naming the quantity.
@@ -86,16 +86,16 @@ impl Stage {
         })
     }
 
-    /// The travel of one exposure, from the best start of the run-up to the stop.
+    /// Returns the travel of one exposure, from the best start of the run-up to the stop.
     ///
     /// # Model
-    /// Run-up over the ramp and `v·t_settle`, tracking over `v·(t + margin)`, stop over the ramp. The ramp is v²/(2A)
-    /// where the jerk is unlimited, with jerk J `v(v/A + A/J)/2`, and `v√(v/J)` where v < A²/J. Centred:
-    /// `Δδ = -v·E[τ]`; from rest: the run-up begins at the calibrated position. Negative v mirrors everything, bit by
-    /// bit.
+    /// Run-up over the ramp and `v·t_settle`, tracking over `v·(t + margin)`, stop over the ramp.
+    /// The ramp is v²/(2A) for unlimited jerk, with jerk J `v(v/A + A/J)/2`, and `v√(v/J)` for
+    /// v < A²/J. Centred: `Δδ = -v·E[τ]`; from rest: the run-up begins at the calibrated position.
+    /// Negative v mirrors everything, bit by bit.
     ///
     /// # Errors
-    /// [`PlanError`] for a speed beyond the stage's and where any part would leave ± half the stroke.
+    /// [`PlanError`] for a speed beyond the stage's and if any part would leave ± half the stroke.
     ///
     /// # Examples
     /// ```
@@ -107,7 +107,12 @@ impl Stage {
     ///     settling_ms: 5.0,
     ///     stroke_mm: 4.0,
     /// })?;
-    /// let tracking = Tracking { speed_mm_s: 20.0, exposure_s: 0.01, centroid_time_s: 0.005, margin_s: 0.0 };
+    /// let tracking = Tracking {
+    ///     speed_mm_s: 20.0,
+    ///     exposure_s: 0.01,
+    ///     centroid_time_s: 0.005,
+    ///     margin_s: 0.0,
+    /// };
     /// // Δδ = 20(20/1000 + 1000/100000)/2 + 20·0.005 = 0.3 + 0.1 mm.
     /// let plan = stage.plan(RunUp::FromRest, tracking)?;
     /// assert!((plan.opening_mm - 0.4).abs() < 1e-6);
@@ -132,11 +137,11 @@ impl Stage {
         })
     }
 
-    /// The travel of an exposure that opens at a given offset, however the stage gets there: only
-    /// opening and closing must lie inside the stroke.
+    /// Returns the travel of an exposure that opens at a given offset, for any run-up: only opening
+    /// and closing must lie inside the stroke.
     ///
     /// # Errors
-    /// [`PlanError`] where one of them does not, and for a speed beyond the stage's.
+    /// [`PlanError`] if one of them does not, and for a speed beyond the stage's.
     pub fn opening_at(&self, opening_mm: f32, tracking: Tracking) -> Result<StagePlan, PlanError> {
         let speed = self.checked_speed(tracking.speed_mm_s)?;
         let closing_mm = opening_mm + speed * tracking.exposure_s;
@@ -148,7 +153,7 @@ impl Stage {
         })
     }
 
-    /// A speed that the stage can have, in either direction.
+    /// Returns a speed that the stage can have, in either direction.
     pub(super) fn checked_speed(&self, speed_mm_s: f32) -> Result<f32, PlanError> {
         if speed_mm_s.abs() <= self.max_speed_mm_s {
             Ok(speed_mm_s)
@@ -165,7 +170,7 @@ impl Stage {
         Ok(plan)
     }
 
-    /// A path between two ends, in either direction, lies within the stroke.
+    /// Checks that a path between two ends, in either direction, lies within the stroke.
     pub(super) fn check_reach(&self, from_mm: f32, to_mm: f32) -> Result<(), StrokeTooShort> {
         let half_stroke_mm = 0.5 * self.stroke_mm;
         if from_mm.abs() <= half_stroke_mm && to_mm.abs() <= half_stroke_mm {

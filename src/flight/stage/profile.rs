@@ -10,16 +10,16 @@ pub const MAX_SEGMENTS: usize = 10;
 /// A stretch of constant jerk.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Segment {
-    /// How long it lasts, s.
+    /// Duration, s.
     pub duration_s: f32,
-    /// Where it begins.
+    /// Set point at its beginning.
     pub start: Setpoint,
     /// Change of the acceleration, mm/s³; 0 is constant acceleration.
     pub jerk_mm_s3: f32,
 }
 
 impl Segment {
-    /// The set point a time after the segment's start.
+    /// Returns the set point at a time after the segment's start.
     fn at(&self, time_s: f32) -> Setpoint {
         let Setpoint {
             offset_mm,
@@ -36,7 +36,8 @@ impl Segment {
         }
     }
 
-    /// When the speed is zero, s after the start; what lies outside the segment is no such time.
+    /// Returns the times at which the speed is zero, s after the start; those outside the segment
+    /// do not count.
     fn turning_times_s(&self) -> [f32; 2] {
         let Setpoint {
             speed_mm_s,
@@ -55,13 +56,13 @@ impl Segment {
 /// A motion that begins in any state and ends at rest.
 ///
 /// # Model
-/// In each segment `s(t) = s₀ + v₀t + a₀t²/2 + jt³/6`, from the segment's own start, so that rounding does not grow
-/// with time. Where the jerk is unlimited the acceleration steps from one segment to the next; position and speed
-/// are continuous.
+/// In each segment `s(t) = s₀ + v₀t + a₀t²/2 + jt³/6`, from the segment's own start, so that
+/// rounding does not grow with time. If the jerk is unlimited, the acceleration steps from one
+/// segment to the next; position and speed are continuous.
 ///
 /// # Accuracy
-/// [`POSITION_NM`] against the same segments in double precision and against the exact plan, over 4 mm in 1 s
-/// (`tests/stage/accuracy.rs`).
+/// [`POSITION_NM`] against the same segments in double precision and against the exact plan, over
+/// 4 mm in 1 s (`tests/stage/accuracy.rs`).
 #[derive(Debug, Clone, PartialEq, Default)]
 pub struct Profile {
     start: Setpoint,
@@ -74,7 +75,7 @@ pub struct Profile {
 pub const POSITION_NM: f32 = 0.5;
 
 impl Profile {
-    /// Nothing happens yet.
+    /// Returns a profile without segments.
     pub(super) const fn from(start: Setpoint) -> Self {
         Self {
             start,
@@ -84,7 +85,7 @@ impl Profile {
         }
     }
 
-    /// Goes on for a time with a jerk, from an acceleration.
+    /// Appends a time with a jerk, from an acceleration.
     pub(super) fn then(&mut self, duration_s: f32, acceleration_mm_s2: f32, jerk_mm_s3: f32) {
         if duration_s > 0.0 {
             let segment = Segment {
@@ -95,7 +96,7 @@ impl Profile {
                 },
                 jerk_mm_s3,
             };
-            // The planner never makes more: three of a stop, seven of the way.
+            // The planner makes no more segments: three of a stop, seven of the way.
             if self.segments.push(segment).is_ok() {
                 self.end = segment.at(duration_s);
                 self.duration_s += duration_s;
@@ -103,13 +104,13 @@ impl Profile {
         }
     }
 
-    /// The acceleration has ended at a speed: its rounding is not carried on.
+    /// Ends an acceleration at a speed, without its rounding.
     pub(super) const fn settle_at_speed(&mut self, speed_mm_s: f32) {
         self.end.speed_mm_s = speed_mm_s;
         self.end.acceleration_mm_s2 = 0.0;
     }
 
-    /// The motion has ended at a place.
+    /// Ends the motion at a place.
     pub(super) const fn stand_at(&mut self, offset_mm: f32) {
         self.end = Setpoint {
             offset_mm,
@@ -118,8 +119,8 @@ impl Profile {
         };
     }
 
-    /// Where the stage should be a time after the start: at the start before it, at rest at the end after the end.
-    /// A NaN counts as before the start.
+    /// Returns the set point at a time after the start: at the start before it, at rest at the end
+    /// after the end. A NaN counts as before the start.
     #[must_use]
     pub fn setpoint(&self, time_s: f32) -> Setpoint {
         if time_s <= 0.0 || time_s.is_nan() {
@@ -139,19 +140,19 @@ impl Profile {
         self.end
     }
 
-    /// How long it takes, s.
+    /// Duration, s.
     #[must_use]
     pub const fn duration_s(&self) -> f32 {
         self.duration_s
     }
 
-    /// Where it begins.
+    /// Set point at its beginning.
     #[must_use]
     pub const fn start(&self) -> Setpoint {
         self.start
     }
 
-    /// Where the stage stands when it is over.
+    /// Set point at rest after its end.
     #[must_use]
     pub const fn end(&self) -> Setpoint {
         self.end

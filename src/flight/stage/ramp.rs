@@ -7,9 +7,9 @@ use super::setpoint::Setpoint;
 /// A change of speed between rest and a speed, with limited acceleration and jerk.
 ///
 /// # Model
-/// With acceleration A and jerk J the acceleration is a trapezoid where |v| ≥ A²/J: duration |v|/A + A/J, distance
-/// half of it times v; else a triangle of height √(J|v|): duration 2√(|v|/J), distance v√(|v|/J). Without limit of
-/// the jerk: |v|/A and v²/(2A).
+/// With acceleration A and jerk J the acceleration is a trapezoid for |v| ≥ A²/J: duration
+/// |v|/A + A/J, distance half of it times v; else a triangle of height √(J|v|): duration 2√(|v|/J),
+/// distance v√(|v|/J). Without limit of the jerk: |v|/A and v²/(2A).
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) struct Ramp {
     speed_mm_s: f32,
@@ -17,13 +17,13 @@ pub(super) struct Ramp {
     peak_mm_s2: f32,
     /// Jerk, with the sign of the speed; 0 where it is unlimited.
     jerk_mm_s3: f32,
-    /// How long the acceleration rises, and falls.
+    /// Time for which the acceleration rises, and falls.
     rise_s: f32,
-    /// How long it stays at its largest.
+    /// Time for which it stays at its largest.
     hold_s: f32,
-    /// How long it takes.
+    /// Duration of the ramp.
     pub(super) duration_s: f32,
-    /// How far it goes, with the sign of the speed.
+    /// Distance, with the sign of the speed.
     pub(super) distance_mm: f32,
 }
 
@@ -46,7 +46,7 @@ impl Ramp {
 }
 
 impl Stage {
-    /// The ramp to a speed.
+    /// Returns the ramp to a speed.
     pub(super) fn ramp(&self, speed_mm_s: f32) -> Ramp {
         let most = self.acceleration_mm_s2;
         let magnitude = speed_mm_s.abs();
@@ -81,16 +81,17 @@ impl Stage {
         }
     }
 
-    /// The quickest stop, from any speed and acceleration.
+    /// Returns the quickest stop, from any speed and acceleration.
     ///
     /// # Model
-    /// Were the acceleration a₀ taken back to 0 at once, the speed would be v₁ = v₀ + a₀|a₀|/(2J). The acceleration
-    /// goes to -p against v₁, stays where p is the stage's largest, and goes back to 0, with
-    /// `p² = J(v₀ + a₀²/(2J))` for positive v₁. Without limit of the jerk: |v₀|/A.
+    /// If the acceleration a₀ went back to 0 at once, the speed would be v₁ = v₀ + a₀|a₀|/(2J). The
+    /// acceleration goes to -p against v₁, stays there if p is the stage's largest, and goes back
+    /// to 0, with `p² = J(v₀ + a₀²/(2J))` for positive v₁. Without limit of the jerk: |v₀|/A.
     ///
     /// # Units and frames
-    /// Along the FMC axis; times in s after the beginning of the stop. The stroke is not looked at: nothing stops
-    /// sooner. A state that is not finite gives a profile that stands.
+    /// Positions are along the FMC axis; times are in s after the beginning of the stop. The stroke
+    /// is not checked, as no motion stops sooner. A state that is not finite gives a profile that
+    /// stands.
     #[must_use]
     pub fn stop(&self, from: Setpoint) -> Profile {
         let mut profile = Profile::from(from);
@@ -102,7 +103,7 @@ impl Stage {
         let (speed, acceleration) = (from.speed_mm_s, from.acceleration_mm_s2);
         if let Some(jerk) = self.jerk_mm_s3 {
             let remaining = speed + acceleration * acceleration.abs() / (2.0 * jerk);
-            // Mirrored, so that what remains is positive.
+            // The motion is mirrored, so that the remaining speed is positive.
             let along = 1.0_f32.copysign(remaining);
             let (speed, acceleration) = (along * speed, along * acceleration);
             let square = jerk * speed + 0.5 * acceleration * acceleration;

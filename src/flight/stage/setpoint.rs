@@ -1,6 +1,6 @@
 //! Place, speed and acceleration of the stage at one instant.
 
-/// Where the stage should be at an instant, and how it should move.
+/// Desired position and motion of the stage at an instant.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
@@ -14,7 +14,7 @@ pub struct Setpoint {
 }
 
 impl Setpoint {
-    /// Whether all of it are numbers.
+    /// Returns `true` if all components are finite.
     pub(super) const fn is_finite(&self) -> bool {
         self.offset_mm.is_finite()
             && self.speed_mm_s.is_finite()

@@ -1,4 +1,4 @@
-//! The travel of a real exposure: from where the stage stands at the trigger.
+//! Travel of a real exposure, from the stage's position at the trigger.
 
 use super::error::PlanError;
 use super::plan::{RunUp, Stage, StagePlan, Tracking};
@@ -6,30 +6,32 @@ use super::profile::Profile;
 use super::setpoint::Setpoint;
 use crate::geometry::range::Quantity;
 
-/// How much faster than now the next frame may need to be, as a fraction of the speed, without opening off its place.
+/// Fraction by which the next frame's speed may exceed the present one without opening off its
+/// place.
 pub const RUN_UP_RESERVE: f32 = 0.1;
 
 /// The travel of one exposure in time, from rest at the trigger to rest.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Travel {
-    /// The places it goes through.
+    /// Places of the travel.
     pub plan: StagePlan,
-    /// The stage has its speed, s after the start.
+    /// Time at which the stage reaches its speed, s after the start.
     pub at_speed_s: f32,
-    /// The shutter opens, s after the start.
+    /// Time at which the shutter opens, s after the start.
     pub opening_s: f32,
-    /// The shutter closes, s after the start.
+    /// Time at which the shutter closes, s after the start.
     pub closing_s: f32,
-    /// The stage stands again, s after the start.
+    /// Time at which the stage stands again, s after the start.
     pub stop_s: f32,
-    /// How far off the planned place the shutter opens, mm along the FMC axis; 0 where the run-up was long enough.
+    /// Offset of the opening from the planned place, mm along the FMC axis; 0 if the run-up was
+    /// long enough.
     pub off_centre_mm: f32,
     /// The motion.
     pub profile: Profile,
 }
 
 impl Travel {
-    /// Where the stage should be a time after the start.
+    /// Returns the set point at a time after the start.
     #[must_use]
     pub fn setpoint(&self, time_s: f32) -> Setpoint {
         self.profile.setpoint(time_s)
@@ -37,22 +39,23 @@ impl Travel {
 }
 
 impl Stage {
-    /// The travel of an exposure from where the stage stands.
+    /// Returns the travel of an exposure from the stage's present position.
     ///
     /// # Model
-    /// It accelerates at once, stays at speed until the planned Δδ, but at least for `t_settle`, tracks, and stops.
-    /// What the run-up is longer than it need be settles longer. A stage that stands too near, or beyond, opens as
-    /// soon as it has settled, off the planned place, as long as the stroke holds.
+    /// The stage accelerates at once, stays at speed until the planned Δδ, but at least for
+    /// `t_settle`, tracks, and stops. A run-up that is longer than needed settles longer. A stage
+    /// that stands too near, or beyond, opens as soon as it has settled, off the planned place, as
+    /// long as the stroke holds.
     ///
     /// # Units and frames
-    /// `from_mm` along the FMC axis; times in s after the trigger.
+    /// `from_mm` is along the FMC axis; times are in s after the trigger.
     ///
     /// # Accuracy
     /// A run-up too short by less than 2 units in the last place of the stroke is long enough.
     ///
     /// # Errors
-    /// [`PlanError`] for an exposure time that is not believable, a speed beyond the stage's, a travel that leaves
-    /// the stroke, and for one that never gets there.
+    /// [`PlanError`] for an exposure time out of range, a speed beyond the stage's, a travel that
+    /// leaves the stroke, and for one that never reaches its place.
     ///
     /// # Examples
     /// ```
@@ -64,11 +67,17 @@ impl Stage {
     ///     settling_ms: 5.0,
     ///     stroke_mm: 4.0,
     /// })?;
-    /// let tracking = Tracking { speed_mm_s: 20.0, exposure_s: 0.01, centroid_time_s: 0.005, margin_s: 0.0 };
-    /// // 20 ms and 0.2 mm of ramp, 5 ms and 0.1 mm of settling: from -0.4 mm it opens at -0.1 mm after 25 ms,
-    /// // from -0.5 mm 5 ms later.
+    /// let tracking = Tracking {
+    ///     speed_mm_s: 20.0,
+    ///     exposure_s: 0.01,
+    ///     centroid_time_s: 0.005,
+    ///     margin_s: 0.0,
+    /// };
+    /// // 20 ms and 0.2 mm of ramp, 5 ms and 0.1 mm of settling: from -0.4 mm it opens at -0.1 mm
+    /// // after 25 ms, from -0.5 mm 5 ms later.
     /// let travel = stage.travel(-0.5, RunUp::Centred, tracking)?;
-    /// assert!((travel.plan.opening_mm + 0.1).abs() < 1e-6 && (travel.opening_s - 0.030).abs() < 1e-6);
+    /// assert!((travel.plan.opening_mm + 0.1).abs() < 1e-6);
+    /// assert!((travel.opening_s - 0.030).abs() < 1e-6);
     /// // From 0 mm it opens at 0.3 mm instead of -0.1 mm.
     /// let late = stage.travel(0.0, RunUp::Centred, tracking)?;
     /// assert!((late.off_centre_mm - 0.4).abs() < 1e-6 && (late.opening_s - 0.025).abs() < 1e-6);
@@ -90,7 +99,7 @@ impl Stage {
             RunUp::FromRest => run_up_mm,
         };
         self.check_reach(planned_mm, planned_mm)?;
-        // What is left of the way to the planned place after the shortest run-up.
+        // The rest of the way to the planned place after the shortest run-up.
         let spare_mm = planned_mm - from_mm - run_up_mm;
         let spare_s = spare_mm / speed;
         let (opening_mm, wait_s) = if spare_s > 0.0 && speed.abs() > 0.0 {
@@ -135,8 +144,9 @@ impl Stage {
         })
     }
 
-    /// Where to stand for the next trigger, mm along the FMC axis: the best start of the run-up for a V/H that is
-    /// larger by [`RUN_UP_RESERVE`], as far as the stroke and the stage's speed allow.
+    /// Returns the position at which to wait for the next trigger, mm along the FMC axis: the best
+    /// start of the run-up for a V/H that is larger by [`RUN_UP_RESERVE`], as far as the stroke and
+    /// the stage's speed allow.
     ///
     /// # Errors
     /// As [`Self::plan`].

@@ -5,7 +5,8 @@ use proptest::prelude::*;
 const NEW_YEAR_S: u64 = 1_767_225_600;
 const SIGMA_S: f32 = 1e-6;
 
-/// Pulse and time of the second so many after the start, by a clock that is 20 ppm fast and started 0.3 s before.
+/// Returns the pulse that begins the given second after the start, by a clock that is 20 ppm fast
+/// and started 0.3 s before.
 fn pulse_at(second: u64) -> Time {
     Time::from_us(300_000 + second * 1_000_020)
 }
@@ -29,7 +30,7 @@ fn running(seconds: u64) -> UtcClock {
     clock
 }
 
-/// Error of UTC so many milliseconds after the pulse, µs.
+/// Returns the error of UTC a number of milliseconds after the pulse, µs.
 fn error_us(clock: &UtcClock, after: u64, ms: i64) -> i64 {
     // 20 ppm of a millisecond are 0.02 µs.
     let elapsed_us = ms * 1000 + ms / 50;
@@ -147,7 +148,8 @@ fn leap_second_and_backward_jump_are_believed_at_the_third_pulse() {
 fn time_with_a_fraction_names_the_second_its_pulse_began() {
     let mut clock = running(5);
     clock.pulse(pulse_at(5));
-    // Made 50 ms before the pulse, come 30 ms after it; and made after it.
+    // Two messages: one made 50 ms before the pulse that comes 30 ms after it, and one made after
+    // it.
     let made = (NEW_YEAR_S + 4) * US_PER_S + 950_000;
     assert_eq!(clock.receiver_time(pulse_at(5).plus_s(0.03), made), None);
     let made = (NEW_YEAR_S + 5) * US_PER_S + 300_000;

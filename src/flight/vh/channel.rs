@@ -1,34 +1,35 @@
-//! One source of V/H: what of its samples is believed, and what is still known when it falls silent.
+//! One source of V/H: its checks, and its value while it is silent.
 
 use super::finding::{VhFindingKind, WrongUnit};
 use super::settings::ChannelSettings;
 use crate::flight::time::Time;
 
-/// Samples that must lie near each other until a source that has jumped is believed again.
+/// Number of samples near each other after which a source that has jumped is trusted again.
 pub const CONSISTENT_SAMPLES: u8 = 5;
 
-/// σ by which a sample may differ from the last beyond what the slew limit allows.
+/// Number of σ by which a sample may differ from the last beyond the slew limit.
 pub const NOISE_SIGMAS: f32 = 6.0;
 
-/// Part of a unit's factor by which a ratio may differ from it and still be a wrong unit.
+/// Largest difference of a ratio from a unit's factor, as a part of it, at which the unit counts as
+/// wrong.
 pub const UNIT_TOLERANCE: f32 = 0.03;
 
-/// Difference from another way to the same number, as a part of it, up to which a source that had the wrong unit is
-/// believed again.
+/// Largest difference from another way to the same number, as a part of it, at which a source that
+/// had the wrong unit is trusted again.
 pub const UNIT_RELEASE: f32 = 0.1;
 
-/// A value and its uncertainty, now.
+/// Present value and its uncertainty.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) struct Held {
     pub(super) value: f32,
     pub(super) sigma: f32,
     pub(super) age_s: f32,
-    /// Older than the period of its source.
+    /// `true` if it is older than the period of its source.
     pub(super) silent: bool,
 }
 
 impl Held {
-    /// A value made of two: the age is that of the older.
+    /// Returns a value made of two; its age is that of the older.
     pub(super) const fn of_two(value: f32, sigma: f32, one: Self, other: Self) -> Self {
         Self {
             value,
@@ -46,7 +47,7 @@ struct Stamped {
     value: f32,
 }
 
-/// The source gives a wrong unit: its value is so many times what it should be.
+/// A source with a wrong unit: its last value, and the ratio to the right one.
 #[derive(Debug, Clone, Copy, PartialEq)]
 struct Barred {
     unit: WrongUnit,
@@ -54,14 +55,14 @@ struct Barred {
     ratio: f32,
 }
 
-/// Why a sample is not used, and what it was compared with.
+/// Finding for which a sample is not used, and the value it was compared with.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) struct Refusal {
     pub(super) kind: VhFindingKind,
     pub(super) expected: Option<f32>,
 }
 
-/// Whether a sample that is used ends a silence or a fault.
+/// Effect of a sample that is used: it may end a silence or a fault.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) enum Accepted {
     AsBefore,
@@ -71,16 +72,16 @@ pub(super) enum Accepted {
 /// One source.
 #[derive(Debug, Clone, Copy, Default)]
 pub(super) struct Channel {
-    /// The last sample that was believed.
+    /// The last sample that was trusted.
     last: Option<Stamped>,
-    /// The last sample, and since when it has repeated.
+    /// The last value, with the time since which it has repeated.
     repeated: Option<Stamped>,
-    /// When the last sample came.
+    /// Time of the last sample.
     heard: Time,
-    /// Samples at a new level, and how many.
+    /// The last sample at a new level, and the number of samples there.
     candidate: Option<(Stamped, u8)>,
     barred: Option<Barred>,
-    /// The last sample was refused.
+    /// `true` if the last sample was refused.
     refused: bool,
 }
 
@@ -94,11 +95,12 @@ impl Channel {
         refused: false,
     };
 
-    /// What is known now: the last value, as long as it is valid.
+    /// Returns the last value, with its uncertainty now, as long as it is valid.
     ///
     /// # Model
-    /// The value is held. It changes by its slew limit at most, so after an age T it lies within ± slew·T of the
-    /// sample, a uniform error of standard deviation slew·T/√3: `σ² = σ₀² + (slew·T)²/3`.
+    /// The value is held. It changes by its slew limit at most, so after an age T it lies
+    /// within ± slew·T of the sample, a uniform error of standard deviation slew·T/√3:
+    /// `σ² = σ₀² + (slew·T)²/3`.
     pub(super) fn held(&self, settings: &ChannelSettings, now: Time) -> Option<Held> {
         let last = self.last?;
         let age_s = now.seconds_since(last.time).max(0.0);
@@ -114,7 +116,7 @@ impl Channel {
         })
     }
 
-    /// Takes a sample; `expected` is what all other sources together say that it should be.
+    /// Takes a sample; `expected` is the value that follows from all other sources.
     pub(super) fn take(
         &mut self,
         settings: &ChannelSettings,
@@ -143,7 +145,7 @@ impl Channel {
         verdict.map(|()| Accepted::AsBefore)
     }
 
-    /// The others have shown that what was believed is in the wrong unit.
+    /// Bars the source, after the others have shown that its trusted value is in the wrong unit.
     pub(super) fn bar(&mut self, unit: WrongUnit) {
         if let Some(last) = self.last {
             self.barred = Some(Barred {
@@ -151,7 +153,7 @@ impl Channel {
                 value: last.value,
                 ratio: unit.factor(),
             });
-            // Nothing it has said is worth comparing with.
+            // No earlier value can be compared with later ones.
             self.last = None;
             self.candidate = None;
             self.refused = true;
@@ -188,7 +190,7 @@ impl Channel {
             };
         }
         if settings.frozen_s > 0.0 && time.seconds_since(repeated_since) > settings.frozen_s {
-            // Since then it may have been anything.
+            // The true value is unknown since the first repetition.
             if let Some(last) = &mut self.last {
                 last.time = last.time.min(repeated_since);
             }
@@ -197,7 +199,7 @@ impl Channel {
         self.check_jump(settings, sample)
     }
 
-    /// Since when the value has been exactly this.
+    /// Returns the time since which the value has been exactly this.
     fn repeated_since(&mut self, sample: Stamped) -> Time {
         match self.repeated {
             Some(before) if before.value.to_bits() == sample.value.to_bits() => before.time,
@@ -208,7 +210,8 @@ impl Channel {
         }
     }
 
-    /// Whether the value is in the wrong unit: against its own past, against the others, or still.
+    /// Checks the unit of a value against its own past, against the others, and against a unit that
+    /// was wrong before.
     fn check_unit(
         &mut self,
         settings: &ChannelSettings,
@@ -223,14 +226,14 @@ impl Channel {
         if let Some(barred) = self.barred {
             let confirmed = expected
                 .is_some_and(|expected| (value - expected).abs() <= UNIT_RELEASE * expected.abs());
-            // Nearer to the right value than to the wrong one.
+            // The value is nearer to the right one than to the wrong one.
             let back = if barred.ratio > 1.0 {
                 value * value * barred.ratio < barred.value * barred.value
             } else {
                 value * value * barred.ratio > barred.value * barred.value
             };
             if !(confirmed || back && value > 0.0) {
-                // It follows while the aircraft climbs.
+                // The barred value follows while the aircraft climbs.
                 if value > 0.0 {
                     self.barred = Some(Barred { value, ..barred });
                 }
@@ -267,7 +270,8 @@ impl Channel {
         })
     }
 
-    /// Whether the source can have got there from its last value, or has stayed there long enough.
+    /// Checks that the source can have reached this value from its last one, or has stayed there
+    /// long enough.
     fn check_jump(&mut self, settings: &ChannelSettings, sample: Stamped) -> Result<(), Refusal> {
         let Some(last) = self.last else {
             return Ok(());
@@ -302,13 +306,13 @@ impl Channel {
     }
 }
 
-/// Whether a source can have come from one sample to the other.
+/// Returns `true` if a source can have come from one sample to the other.
 fn reaches(settings: &ChannelSettings, from: Stamped, to: Stamped) -> bool {
     let elapsed_s = to.time.seconds_since(from.time).max(0.0);
     (to.value - from.value).abs() <= settings.slew_per_s * elapsed_s + NOISE_SIGMAS * settings.sigma
 }
 
-/// Whether a value is about so many times what it should be.
+/// Returns `true` if a value is about `ratio` times the right one.
 pub(super) fn is_times(value: f32, right: f32, ratio: f32) -> bool {
     let expected = ratio * right;
     right > 0.0 && (value - expected).abs() <= UNIT_TOLERANCE * expected

@@ -1,6 +1,6 @@
 //! V/H at an instant.
 
-/// Where a V/H comes from.
+/// Source of a V/H.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
@@ -20,12 +20,12 @@ pub enum VhSource {
 pub struct VhEstimate {
     /// η = V/H, 1/s.
     pub vh_per_s: f32,
-    /// σ of it, grown by its age, 1/s.
+    /// σ of V/H, grown by its age, 1/s.
     pub sigma_per_s: f32,
     /// Age of the oldest sample in it, s.
     pub age_s: f32,
-    /// Where it comes from.
+    /// Source of this V/H.
     pub source: VhSource,
-    /// Whether a source is silent for longer than its period, so that this is extrapolated.
+    /// `true` if a source is silent for longer than its period, so that this is extrapolated.
     pub extrapolated: bool,
 }

@@ -1,10 +1,10 @@
-//! What is wrong with what the sensors say, and how often it was.
+//! Findings of the samples of V/H, and their counts.
 
 use core::fmt;
 
 use super::sample::VhSample;
 
-/// A sensor's number, as one source of V/H.
+/// A quantity of one sensor, as one source of V/H.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
@@ -20,7 +20,7 @@ pub enum VhChannel {
 }
 
 impl VhChannel {
-    /// All of them.
+    /// All channels.
     pub const ALL: [Self; 7] = [
         Self::Direct,
         Self::GroundSpeed,
@@ -31,7 +31,7 @@ impl VhChannel {
         Self::TerrainHeight,
     ];
 
-    /// Channel and value of a sample.
+    /// Returns channel and value of a sample.
     #[must_use]
     pub const fn of(sample: VhSample) -> (Self, f32) {
         match sample {
@@ -45,7 +45,7 @@ impl VhChannel {
         }
     }
 
-    /// The unit its sensors may be set to by mistake.
+    /// The unit to which its sensors may be set by mistake.
     pub(super) const fn wrong_unit(self) -> Option<WrongUnit> {
         match self {
             Self::Direct => None,
@@ -71,7 +71,7 @@ impl VhChannel {
     }
 }
 
-/// A unit that is not the one agreed on.
+/// A unit that differs from the agreed one.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
@@ -83,7 +83,7 @@ pub enum WrongUnit {
 }
 
 impl WrongUnit {
-    /// The number in this unit, of what is 1 in the right one.
+    /// The number in this unit that equals 1 in the right one.
     #[must_use]
     pub const fn factor(self) -> f32 {
         match self {
@@ -93,7 +93,7 @@ impl WrongUnit {
     }
 }
 
-/// What a sample shows.
+/// Kind of a finding.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
@@ -104,9 +104,10 @@ pub enum VhFindingKind {
     OutOfRange,
     /// The value is right with the other sign; not used.
     WrongSign,
-    /// The source has changed its unit, or never had the right one; not used until it has it.
+    /// The source has changed its unit, or never had the right one; not used until it has.
     WrongUnit(WrongUnit),
-    /// Farther from the last value than the source can have gone; not used until it has stayed there.
+    /// Farther from the last value than the source can have gone; not used until it has stayed
+    /// there.
     Jump,
     /// The same value for too long; not used until it changes.
     Frozen,
@@ -119,7 +120,7 @@ pub enum VhFindingKind {
 }
 
 impl VhFindingKind {
-    /// All of them; units counted together.
+    /// All kinds; units are counted together.
     pub const ALL: [Self; 9] = [
         Self::NotANumber,
         Self::OutOfRange,
@@ -150,18 +151,19 @@ impl VhFindingKind {
     }
 }
 
-/// What a sample shows about its source.
+/// A finding of a sample about its source.
 #[derive(Debug, Clone, Copy, PartialEq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct VhFinding {
-    /// Whose value it is.
+    /// Channel of the sample.
     pub channel: VhChannel,
-    /// What it shows.
+    /// Kind of the finding.
     pub kind: VhFindingKind,
-    /// The value, in the source's unit; of a disagreement the V/H or speed in use.
+    /// The value, in the source's unit; for a disagreement the V/H or speed in use.
     pub value: f32,
-    /// What it was compared with: the last good value, the end of the range, the other way to the same number.
+    /// The value it was compared with: the last good value, the end of the range, the other way to
+    /// the same number.
     pub expected: Option<f32>,
 }
 
@@ -176,7 +178,7 @@ impl fmt::Display for VhFinding {
     }
 }
 
-/// How often each finding was made; a count that is full stays so.
+/// Counts of the findings by kind; a count that is full stays so.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 #[expect(
@@ -196,7 +198,7 @@ pub struct VhCounters {
 }
 
 impl VhCounters {
-    /// How often a finding was made.
+    /// Count of a kind of finding.
     #[must_use]
     pub const fn of(&self, kind: VhFindingKind) -> u32 {
         match kind {

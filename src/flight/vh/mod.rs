@@ -1,4 +1,4 @@
-//! V/H: from what the aircraft says of its speed and height, or given directly.
+//! V/H: from the aircraft's samples of speed and height, or given directly.
 
 pub mod channel;
 mod estimate;

@@ -1,4 +1,4 @@
-//! Keeps what the sensors say, and makes V/H of it.
+//! Monitor of the sources of V/H.
 
 use super::channel::{Accepted, Channel, Held, is_times};
 use super::estimate::{VhEstimate, VhSource};
@@ -7,22 +7,24 @@ use super::sample::VhSample;
 use super::settings::{ChannelSettings, VhSettings};
 use crate::flight::time::Time;
 
-/// Keeps the samples and makes V/H of them.
+/// Keeps the samples of all sources and derives V/H from them.
 ///
 /// # Model
-/// Three ways, the first that is not lost is used: V/H as given; ground speed over the height of an altimeter; ground
-/// speed over altitude less terrain height. Of two sensors of one quantity the satellite receiver goes before the
-/// inertial unit, the laser before the radar. Every sample passes the checks of its own source first (range, sign,
-/// unit, jump, frozen), see [`VhFindingKind`].
+/// Of three ways the first that is not lost is used: V/H as given; ground speed over the height of
+/// an altimeter; ground speed over altitude less terrain height. Of two sensors of one quantity the
+/// satellite receiver goes before the inertial unit, the laser before the radar. Every sample
+/// passes the checks of its own source first (range, sign, unit, jump, frozen), see
+/// [`VhFindingKind`].
 ///
-/// `σ² = (σ_V/H)² + (V·σ_H/H²)²`, each with its age; see [`ChannelSettings`]. Where another sensor or way that is not
-/// lost differs by more than the limit, σ² grows by the square of the difference: nobody knows which of the two is
-/// wrong, so V/H is still given, and it is for the smear budget to refuse it.
+/// `σ² = (σ_V/H)² + (V·σ_H/H²)²`, each with its age; see [`ChannelSettings`]. If another sensor or
+/// way that is not lost differs by more than the limit, σ² grows by the square of the difference:
+/// the wrong one of the two is not known, so V/H is still given, and the smear budget decides on
+/// its use.
 ///
-/// # What gets through
-/// A value that drifts no faster than the slew limit is not told from a real change; it is bounded by the ranges, and
-/// by the disagreement limit where there is a second way. A first sample has no past: alone, it is bounded by its
-/// range.
+/// # Undetected errors
+/// A value that drifts no faster than the slew limit cannot be told from a real change; it is
+/// bounded by the ranges, and by the disagreement limit if there is a second way. A first sample
+/// has no past: alone, it is bounded by its range.
 #[derive(Debug, Clone)]
 pub struct VhMonitor {
     settings: VhSettings,
@@ -44,7 +46,8 @@ impl Default for VhMonitor {
 }
 
 impl VhMonitor {
-    /// A monitor without samples; settings as [`VhSettings::checked`] gave them.
+    /// Returns a monitor without samples; the settings are those that [`VhSettings::checked`]
+    /// returned.
     #[must_use]
     pub const fn new(settings: VhSettings) -> Self {
         Self {
@@ -77,20 +80,20 @@ impl VhMonitor {
         &self.settings
     }
 
-    /// How often each finding was made.
+    /// Counts of each kind of finding.
     #[must_use]
     pub const fn counters(&self) -> VhCounters {
         self.counters
     }
 
-    /// Forgets samples and suspicions: somebody has looked. The counts stay.
+    /// Forgets samples and suspicions, for the operator. The counts stay.
     pub const fn clear(&mut self) {
         let counters = self.counters;
         *self = Self::new(self.settings);
         self.counters = counters;
     }
 
-    /// Takes a sample, and says what it shows where that is out of the ordinary.
+    /// Takes a sample, and returns its finding if there is one.
     pub fn observe(&mut self, time: Time, sample: VhSample) -> Option<VhFinding> {
         let finding = self.finding(time, sample);
         if let Some(finding) = finding {
@@ -99,7 +102,7 @@ impl VhMonitor {
         finding
     }
 
-    /// V/H now; `None` where there is none within its validity and the range of V/H.
+    /// Returns V/H now; `None` if there is none within its validity and the range of V/H.
     #[must_use]
     pub fn estimate(&self, now: Time) -> Option<VhEstimate> {
         let ways = self.ways(now);
@@ -114,8 +117,8 @@ impl VhMonitor {
         })
     }
 
-    /// Whether two sensors or ways differed by more than the limit when the last sample was taken
-    /// that is used.
+    /// Returns `true` if two sensors or ways differed by more than the limit at the last sample
+    /// that was used.
     #[must_use]
     pub const fn has_disagreed(&self) -> bool {
         self.disagree
@@ -161,8 +164,9 @@ impl VhMonitor {
         })
     }
 
-    /// Bars a source that the new sample shows to be in the wrong unit: of two numbers that differ by a unit's factor
-    /// the larger, as feet and knots are smaller than metres and metres per second.
+    /// Bars a source that the new sample shows to be in the wrong unit. Of two numbers that differ
+    /// by a unit's factor the larger is wrong, as feet and knots are smaller than metres and metres
+    /// per second.
     fn bar_another(&mut self, accepted: VhChannel, time: Time) -> Option<VhFinding> {
         let values = self.values(time);
         for channel in VhChannel::ALL {
@@ -199,7 +203,7 @@ impl VhMonitor {
         }
     }
 
-    /// The V/H or speed in use and another that differs from it by more than the limit.
+    /// Returns the V/H or speed in use and another that differs from it by more than the limit.
     pub(super) fn disagreement(&self, now: Time) -> Option<[f32; 2]> {
         let sensors = [
             [VhChannel::GroundSpeed, VhChannel::InertialSpeed],
@@ -220,7 +224,7 @@ impl VhMonitor {
             .find(|[used, other]| self.differ(*used, *other))
     }
 
-    /// How far the way farthest off differs, where it differs by more than the limit; else 0.
+    /// Returns the largest difference of a way beyond the limit; 0 if there is none.
     fn farthest(&self, ways: &Ways, used: f32) -> f32 {
         ways.iter()
             .filter_map(|(_, way)| *way)
@@ -232,7 +236,7 @@ impl VhMonitor {
         (used - other).abs() > 0.01 * self.settings.disagreement_percent * used
     }
 
-    /// V/H by each way that is not lost, the best first.
+    /// Returns V/H by each way that is not lost, the best first.
     fn ways(&self, now: Time) -> Ways {
         let speed = self.of_two(VhChannel::GroundSpeed, VhChannel::InertialSpeed, now);
         let altimeter = self.of_two(VhChannel::LaserHeight, VhChannel::HeightAboveGround, now);
@@ -264,7 +268,8 @@ impl VhMonitor {
         })
     }
 
-    /// The better of two sensors of one quantity that are not lost, with their difference in its σ where they disagree.
+    /// Returns the better of two sensors of one quantity that are not lost, with their difference
+    /// in its σ if they disagree.
     fn of_two(&self, better: VhChannel, other: VhChannel, now: Time) -> Option<Held> {
         let other = self.held(other, now);
         let Some(better) = self.held(better, now) else {
@@ -308,7 +313,7 @@ impl VhMonitor {
     }
 }
 
-/// What the sources say that are not lost.
+/// Values of the sources that are not lost.
 #[derive(Debug, Clone, Copy)]
 struct Values {
     direct: Option<f32>,
@@ -333,7 +338,7 @@ impl Values {
         }
     }
 
-    /// What all other sources together say that one should be.
+    /// Returns the value of one source that follows from all the others.
     fn expected(&self, channel: VhChannel) -> Option<f32> {
         let Self {
             direct,

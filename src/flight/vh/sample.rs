@@ -1,6 +1,6 @@
-//! What a sensor of the aircraft says.
+//! Samples of the aircraft's sensors.
 
-/// What a sensor says.
+/// A sample of a sensor.
 #[derive(Debug, Clone, Copy, PartialEq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]

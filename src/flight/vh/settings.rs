@@ -1,38 +1,38 @@
-//! What is believed of each source of V/H, and for how long.
+//! Settings of the sources of V/H: ranges, ages and rates of change.
 
 use super::finding::VhChannel;
 use crate::geometry::range::{OutOfRange, Quantity};
 
-/// Least V/H a source may be allowed, 1/s: an aircraft that stands has none.
+/// Smallest least V/H that a source's range may have, 1/s: an aircraft that stands has none.
 pub const LEAST_VH_PER_S: f32 = 1e-4;
 
-/// Least ground speed a source may be allowed, m/s.
+/// Smallest least ground speed that a source's range may have, m/s.
 pub const LEAST_SPEED_M_S: f32 = 0.1;
 
-/// Least height above ground a source may be allowed, m.
+/// Smallest least height above ground that a source's range may have, m.
 pub const LEAST_HEIGHT_M: f32 = 1.0;
 
-/// What is believed of one source, in its own unit.
+/// Settings of one source, in its own unit.
 #[derive(Debug, Clone, Copy, PartialEq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct ChannelSettings {
     /// Least and largest value.
     pub range: [f32; 2],
-    /// Age from which it counts as silent, s.
+    /// Age from which the source counts as silent, s.
     pub period_s: f32,
-    /// Age from which it is lost, s.
+    /// Age from which the source is lost, s.
     pub validity_s: f32,
-    /// How fast its value can change, per second.
+    /// Largest rate of change of its value, per second.
     pub slew_per_s: f32,
     /// σ of a fresh value.
     pub sigma: f32,
-    /// How long exactly the same value may repeat, s; 0: for ever.
+    /// Time for which exactly the same value may repeat, s; 0: for ever.
     pub frozen_s: f32,
 }
 
 impl ChannelSettings {
-    /// These settings, if range and times are possible for a source of this quantity.
+    /// Returns the settings, if range and times are possible for a source of this quantity.
     const fn checked(self, quantity: Quantity, least: f32) -> Result<Self, OutOfRange> {
         let Self {
             range: [min, max],
@@ -49,7 +49,7 @@ impl ChannelSettings {
             quantity.check_within(max, min, most),
             Quantity::SourcePeriodS.check(period_s),
             Quantity::SourceValidityS.check(validity_s),
-            // Lost before it is silent makes no sense.
+            // A source must be silent before it is lost.
             Quantity::SourceValidityS.check_within(validity_s, period_s, longest_s),
             Quantity::SourceSlew.check(slew_per_s),
             Quantity::SourceSigma.check(sigma),
@@ -66,7 +66,7 @@ impl ChannelSettings {
     }
 }
 
-/// What is believed of each source, and what of V/H.
+/// Settings of each source, and of V/H itself.
 #[derive(Debug, Clone, Copy, PartialEq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
@@ -77,7 +77,8 @@ pub struct VhSettings {
     pub ground_speed: ChannelSettings,
     /// Ground speed of the inertial unit, m/s.
     pub inertial_speed: ChannelSettings,
-    /// Height above ground of the radar altimeter, m; its range is that of altitude less terrain height, too.
+    /// Height above ground of the radar altimeter, m; its range also bounds altitude less terrain
+    /// height.
     pub height_above_ground: ChannelSettings,
     /// Height above ground of the laser altimeter, m.
     pub laser_height: ChannelSettings,
@@ -90,8 +91,8 @@ pub struct VhSettings {
 }
 
 impl VhSettings {
-    /// A survey aircraft with receiver, inertial unit and altimeter of its class: speeds change by half of g at most,
-    /// the ground below by a slope of 45° at 100 m/s.
+    /// Settings of a survey aircraft with receiver, inertial unit and altimeter of its class:
+    /// speeds change by half of g at most, the ground below by a slope of 45° at 100 m/s.
     pub const DEFAULT: Self = Self {
         direct: ChannelSettings {
             range: [0.001, 2.0],
@@ -152,10 +153,10 @@ impl VhSettings {
         disagreement_percent: 5.0,
     };
 
-    /// These settings, if every one is possible.
+    /// Returns the settings, if all of them are possible.
     ///
     /// # Errors
-    /// [`OutOfRange`] with the first that is not.
+    /// [`OutOfRange`] of the first that is not.
     pub fn checked(self) -> Result<Self, OutOfRange> {
         let (lowest, _) = Quantity::AltitudeM.range();
         let speed = (Quantity::GroundSpeedMS, LEAST_SPEED_M_S);
@@ -174,7 +175,7 @@ impl VhSettings {
         Ok(self)
     }
 
-    /// Those of one source.
+    /// Settings of one source.
     #[must_use]
     pub const fn of(&self, channel: VhChannel) -> &ChannelSettings {
         match channel {

@@ -1,4 +1,4 @@
-//! Each bad input by name: found, or bounded, and by how much.
+//! Tests with bad inputs by name: each is found, or bounded to a stated error.
 
 mod estimate;
 mod properties;
@@ -25,7 +25,7 @@ fn at(seconds: f32) -> Time {
     Time::START.plus_s(seconds)
 }
 
-/// What receivers add, so that nothing is frozen.
+/// Returns a sample with a receiver's noise, so that no value is frozen.
 fn noisy(sample: VhSample, step: u16) -> VhSample {
     let noise = 0.01 * f32::from(step % 7);
     match sample {
@@ -36,7 +36,8 @@ fn noisy(sample: VhSample, step: u16) -> VhSample {
     }
 }
 
-/// A monitor that has had good samples of these sources every 0.2 s for 4 s; the last at 4 s.
+/// Returns a monitor that has had good samples of these sources every 0.2 s for 4 s; the last at
+/// 4 s.
 fn flying(sources: &[VhSample]) -> VhMonitor {
     let mut monitor = VhMonitor::new(VhSettings::DEFAULT.checked().unwrap());
     for step in 0..=20_u16 {
@@ -52,7 +53,7 @@ fn kind(finding: Option<VhFinding>) -> Option<VhFindingKind> {
     finding.map(|finding| finding.kind)
 }
 
-/// The relative error of V/H where there is one.
+/// Returns the relative error of V/H, if there is one.
 fn error(monitor: &VhMonitor, seconds: f32) -> Option<f32> {
     let estimate = monitor.estimate(at(seconds))?;
     Some((estimate.vh_per_s - VH).abs() / VH)

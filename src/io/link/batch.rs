@@ -31,7 +31,7 @@ pub(super) fn distort(
         let point = correction
             .distort(*point)
             .map_err(|error| Refusal::Distort { index, error })?;
-        // There is room: as many come as went.
+        // There is room: the answer has as many points as the request.
         let _ = measured.push(point);
     }
     Ok(measured)
@@ -80,7 +80,7 @@ pub(super) fn corrections(
     Ok(corrections)
 }
 
-/// The first [`MAX_POINTS`] of what there is; collecting could panic.
+/// Collects the first [`MAX_POINTS`] items; `collect` could panic.
 fn batch<T>(items: impl Iterator<Item = T>) -> Vec<T, MAX_POINTS> {
     let mut batch = Vec::new();
     for item in items.take(MAX_POINTS) {
@@ -89,7 +89,7 @@ fn batch<T>(items: impl Iterator<Item = T>) -> Vec<T, MAX_POINTS> {
     batch
 }
 
-/// All points are on the sensor, where a correction means something.
+/// Checks that all points are on the sensor, where a correction is defined.
 pub(super) fn on_sensor(
     correction: &FrameCorrection,
     points: impl Iterator<Item = SensorPoint>,

@@ -1,4 +1,4 @@
-//! What the link flies: a camera on a test rig, or the one of a board ([`FlownDeck`]).
+//! Deck of the link: a camera on a test rig, or that of a board ([`FlownDeck`]).
 
 use super::message::{self, Refusal, Status};
 use crate::flight::camera::{self, CameraParameters};
@@ -12,10 +12,10 @@ use crate::flight::settings::FlightSettings;
 
 /// A camera that can be prepared for flight.
 pub trait FlightDeck {
-    /// Makes a camera ready to be flown, in place of the one before.
+    /// Prepares a camera for flight, in place of the one before.
     ///
     /// # Errors
-    /// As [`Controller::new`], and what the deck itself cannot do.
+    /// Errors of [`Controller::new`], and requests that the deck itself cannot carry out.
     fn prepare(
         &mut self,
         camera: &CameraParameters,
@@ -26,21 +26,21 @@ pub trait FlightDeck {
     /// The camera's controller; `None` before it is prepared.
     fn controller(&self) -> Option<&Controller>;
 
-    /// The same, to acknowledge records.
+    /// The camera's controller, for the acknowledgement of records.
     fn controller_mut(&mut self) -> Option<&mut Controller>;
 
-    /// Where the stage was when it was read last, mm along the FMC axis from the encoder's zero, whether its place is
-    /// known or lost; `None` on a test rig, or without a reading.
+    /// Position of the stage at its last reading, mm along the FMC axis from the encoder's zero,
+    /// also while its place is lost; `None` on a test rig, or without a reading.
     fn offset_mm(&self) -> Option<f32>;
 
-    /// One round of the control loop; `None` for a camera that is not on a test rig.
+    /// Runs one round of the control loop; `None` for a camera that is not on a test rig.
     fn step(&mut self, step: &RigStep) -> Option<Result<RigAnswer, Refusal>>;
 
-    /// Something happens, now.
+    /// Takes an event from a message, now.
     ///
     /// # Errors
-    /// [`Refusal::OnRig`] on a test rig; [`Refusal::NotPrepared`]; [`Refusal::NotTold`] for an event that is none to be
-    /// told; [`Refusal::QueueFull`].
+    /// [`Refusal::OnRig`] on a test rig; [`Refusal::NotPrepared`]; [`Refusal::NotTold`] for an
+    /// event that may not come in a message; [`Refusal::QueueFull`].
     fn tell(&mut self, event: Event) -> Result<(), Refusal>;
 }
 
@@ -52,13 +52,13 @@ pub struct RigDeck {
 }
 
 impl RigDeck {
-    /// A rig without a camera.
+    /// Returns a rig without a camera.
     #[must_use]
     pub const fn new(start: Start) -> Self {
         Self { start, rig: None }
     }
 
-    /// A rig without a camera, whose encoder counts on through a start in good order.
+    /// Returns a rig without a camera, whose encoder counts on through an orderly start.
     #[must_use]
     pub const fn after(start: message::ResetCause) -> Self {
         Self::new(start.counting_on())
@@ -72,7 +72,7 @@ impl FlightDeck for RigDeck {
         calibration_crc: u32,
         settings: &FlightSettings,
     ) -> Result<(), Refusal> {
-        // A fault that nobody has cleared is not forgotten.
+        // A fault that has not been cleared is kept.
         if let Some(rig) = &self.rig {
             self.start = rig.controller().next_start();
         }
@@ -130,7 +130,7 @@ impl<Drive: FlownDrive> FlightDeck for FlownDeck<Drive> {
         self.offset_mm()
     }
 
-    /// Its time is its own.
+    /// Returns `None`: the board has the time.
     fn step(&mut self, _: &RigStep) -> Option<Result<RigAnswer, Refusal>> {
         None
     }
@@ -154,7 +154,7 @@ impl From<ControllerError> for Refusal {
     }
 }
 
-/// What the link asks of a deck, in its own words.
+/// Prepares a deck, with its errors as refusals.
 pub(super) fn prepare(
     deck: &mut impl FlightDeck,
     camera: &CameraParameters,
@@ -169,7 +169,8 @@ pub(super) fn prepare(
     deck.prepare(camera, calibration_crc, settings)
 }
 
-/// While a frame is in flight calibration and settings stay, and nothing is begun that lasts longer than a round.
+/// Checks that no frame is in flight and the camera is not armed: otherwise calibration and
+/// settings stay, and nothing is begun that lasts longer than a round.
 pub(super) fn check_idle(deck: &impl FlightDeck) -> Result<(), Refusal> {
     match deck.controller() {
         Some(controller) if controller.is_busy() => Err(Refusal::FrameInFlight),
@@ -200,7 +201,7 @@ pub(super) fn status(deck: &impl FlightDeck) -> Result<Status, Refusal> {
     })
 }
 
-/// Number and frame of the exposure recorded last, for the correction of its points.
+/// Number and frame of the last recorded exposure, for the correction of its points.
 pub(super) fn latest(deck: &impl FlightDeck) -> Option<(u32, camera::Frame)> {
     deck.controller()?.latest().copied()
 }

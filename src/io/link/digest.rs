@@ -10,7 +10,8 @@ use crate::geometry::frame_correction::{Corrected, FrameCorrection};
 /// Longest camera or frame record as `postcard` writes it, bytes.
 const LONGEST_RECORD: usize = 256;
 
-/// CRC-32 over the bits of every corrected point of a grid: x', y', dx, dy, little-endian.
+/// Returns the CRC-32 over the bits of every corrected point of a grid: x', y', dx, dy,
+/// little-endian.
 #[must_use]
 pub fn of_grid(correction: &FrameCorrection, grid: &Grid) -> u32 {
     let mut digest = CRC.digest();
@@ -23,8 +24,8 @@ pub fn of_grid(correction: &FrameCorrection, grid: &Grid) -> u32 {
     digest.finalize()
 }
 
-/// CRC-32 over a camera record as the link carries it; `None` only if it were longer than the
-/// record's type allows.
+/// Returns the CRC-32 over a camera record as the link carries it; `None` only if it were longer
+/// than the record's type allows.
 #[must_use]
 pub fn of_camera(record: &CameraParameters) -> Option<u32> {
     const {
@@ -38,7 +39,8 @@ pub fn of_camera(record: &CameraParameters) -> Option<u32> {
     Some(CRC.checksum(bytes))
 }
 
-/// CRC-32 over a frame record as the link carries it; `None` only if it were longer than the record's type allows.
+/// Returns the CRC-32 over a frame record as the link carries it; `None` only if it were longer
+/// than the record's type allows.
 #[must_use]
 pub fn of_frame_record(record: &FrameRecord) -> Option<u32> {
     let mut buffer = [0; LONGEST_RECORD];

@@ -1,11 +1,11 @@
-//! The adjustment of the five coefficients, as the link asks for it.
+//! Adjustment of the five coefficients over the link.
 
 #[cfg(feature = "estimation")]
 pub(super) use with_estimation::Fitting;
 #[cfg(not(feature = "estimation"))]
 pub(super) use without_estimation::Fitting;
 
-/// A firmware that can adjust.
+/// Adjustment of a firmware that has it.
 #[cfg(feature = "estimation")]
 mod with_estimation {
     use crate::flight::camera::Camera;
@@ -16,7 +16,7 @@ mod with_estimation {
     use crate::geometry::sensor::SensorPoint;
     use crate::io::link::message::{Observations, Refusal};
 
-    /// The adjustment, where one has been started.
+    /// The adjustment, if one has been started.
     #[derive(Debug)]
     pub(in crate::io::link) struct Fitting {
         adjustment: Option<Adjustment<f32>>,
@@ -70,7 +70,7 @@ mod with_estimation {
             Ok(adjustment.points())
         }
 
-        /// The coefficients of all observations so far.
+        /// Returns the coefficients of all observations so far.
         pub(in crate::io::link) fn fit(&self) -> Result<Fit<f32>, Refusal> {
             let adjustment = self.adjustment.as_ref().ok_or(Refusal::NoFit)?;
             adjustment.fit().map_err(Refusal::Fit)
@@ -78,7 +78,7 @@ mod with_estimation {
     }
 }
 
-/// A firmware that cannot: it says so.
+/// Refusal of the adjustment by a firmware that lacks it.
 #[cfg(any(test, not(feature = "estimation")))]
 mod without_estimation {
     use crate::flight::camera::Camera;

@@ -1,4 +1,4 @@
-//! The messages.
+//! Messages of the link.
 
 use core::fmt;
 
@@ -40,18 +40,18 @@ pub type MeshBytes = Vec<u8, { MAX_POINTS * MAX_WORD_BYTES }>;
 /// A batch of observations.
 pub type Observations = Vec<Observation<f32>, MAX_OBSERVATIONS>;
 
-/// Which request of which session.
+/// Number of a request, and of its session.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct Header {
-    /// Chosen by the PC when it connects; 0 is nobody's.
+    /// Number chosen by the PC when it connects; 0 belongs to no session.
     pub session: u32,
-    /// One more than that of the request before; after 65535 comes 0.
+    /// One more than that of the last request; after 65535 comes 0.
     pub sequence: u16,
 }
 
-/// What the PC asks of the camera.
-// The batch is what the link is for: a box would need a heap.
+/// A request of the PC to the camera.
+// The batch is the largest message by purpose: a box would need a heap.
 #[allow(clippy::large_enum_variant, reason = "no heap")]
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub enum Request {
@@ -61,50 +61,53 @@ pub enum Request {
     Load(CameraParameters),
     /// Predicts a frame; the points that follow belong to it.
     Expose(Exposure),
-    /// The record of the current frame.
+    /// Reads the record of the current frame.
     InteriorOrientation,
     /// Corrects measured points.
     Correct(Points),
     /// Distorts ideal points.
     Distort(Points),
-    /// The distortion along a row of the sensor.
+    /// Reads the distortion along a row of the sensor.
     Row(MeshRow),
-    /// The digest of a grid of corrected points.
+    /// Reads the digest of a grid of corrected points.
     Digest(Grid),
-    /// What the link has seen since the camera started.
+    /// Reads the counts of the link since the camera started.
     Counters,
     /// Starts the camera again; a volatile calibration is lost.
     Reset,
-    /// Switches the camera off, where it can.
+    /// Switches the camera off, if it can.
     PowerOff,
     /// Starts an adjustment of the five coefficients; ends another.
     StartFit(FitOptions),
     /// Adds observations to the adjustment.
     Observe(Observations),
-    /// The coefficients of all observations so far. The calibration stays as it is.
+    /// Reads the coefficients of all observations so far. The calibration stays as it is.
     Fit,
-    /// Makes the camera ready to be flown, in standby, with the calibration that is loaded and no record
-    /// of a flight before that is not acknowledged.
+    /// Prepares the camera for flight, in standby, with the loaded calibration. No record of an
+    /// earlier flight may be left unacknowledged.
     Prepare(FlightSettings),
-    /// One round of the control loop on a test rig.
+    /// Runs one round of the control loop on a test rig.
     Rig(RigStep),
-    /// The oldest frame record with this number or a higher one.
+    /// Reads the oldest frame record with this number or a higher one.
     FrameRecord(u32),
-    /// All frame records up to this number are safe on the PC.
+    /// Acknowledges all frame records up to this number, which are safe on the PC.
     Acknowledge(u32),
-    /// What the camera is doing.
+    /// Reads the state of the camera.
     Status,
-    /// The frame exposed last in flight becomes the current one; the points that follow belong to it.
+    /// Makes the last exposed frame of the flight the current one; the points that follow belong to
+    /// it.
     Flown,
-    /// Something happens, now: a command, or what another instrument has measured ([`Event::is_told`]).
+    /// Passes on an event, now: a command, or the measurement of another instrument
+    /// ([`Event::is_told`]).
     Tell(Event),
-    /// A row of a warp engine's mesh for the current frame, up to [`MAX_POINTS`] vertices.
+    /// Computes a row of a warp engine's mesh for the current frame, up to [`MAX_POINTS`] vertices.
     Mesh(VertexRow, MeshFormat),
-    /// Where the vertices of a row of the recorded image are to be drawn, for the current frame, up to [`MAX_POINTS`].
+    /// Computes the positions at which the vertices of a row of the recorded image are to be drawn,
+    /// for the current frame, up to [`MAX_POINTS`].
     Corrections(VertexRow),
 }
 
-/// What the camera answers.
+/// An answer of the camera.
 #[allow(clippy::large_enum_variant, reason = "no heap")]
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub enum Answer {
@@ -112,7 +115,7 @@ pub enum Answer {
     Connected(Identity),
     /// The calibration is in use.
     Loaded(CalibrationIdentity),
-    /// The frame is predicted, or asked for again.
+    /// The frame, predicted or read again.
     InteriorOrientation(InteriorOrientation),
     /// The points, in order, with the distortion as evaluated before the subtraction.
     Points(Vec<Corrected, MAX_POINTS>),
@@ -120,29 +123,30 @@ pub enum Answer {
     Row(Vec<Displacement, MAX_POINTS>),
     /// The digest, by [`super::digest::of_grid`].
     Digest(u32),
-    /// What the link has seen.
+    /// The counts of the link.
     Counters(Counters),
-    /// It will be done once this answer has left.
+    /// The request will be carried out once this answer has left.
     Ending,
-    /// It is not done.
+    /// The request is refused.
     Refused(Refusal),
-    /// The adjustment has so many points.
+    /// Number of points in the adjustment.
     Observed(u32),
     /// The five coefficients, with their precision.
     Fitted(Fit<f32>),
-    /// The camera is ready to be flown.
+    /// The camera is prepared for flight.
     Prepared,
-    /// What the camera does in a round.
+    /// Outputs of the camera in a round.
     Rig(RigAnswer),
-    /// A frame record with its CRC-32, by [`super::digest::of_frame_record`]; none where there is none yet.
+    /// A frame record with its CRC-32, by [`super::digest::of_frame_record`]; `None` if there is
+    /// none yet.
     FrameRecord(Option<(FrameRecord, u32)>),
-    /// So many frame records are left.
+    /// Number of frame records that are left.
     Kept(u32),
-    /// What the camera is doing.
+    /// State of the camera.
     Status(Status),
     /// Number and interior orientation of the frame that is the current one now.
     Flown(u32, InteriorOrientation),
-    /// The next round of the control loop takes it.
+    /// The event is queued for the next round of the control loop.
     Told,
     /// The row's vertices, in order.
     Mesh(MeshBytes),
@@ -150,23 +154,23 @@ pub enum Answer {
     Corrections(Vec<PixelCorrection, MAX_POINTS>),
 }
 
-/// Why the camera does not do what it is asked for. Nothing has changed, except that after an
+/// The reason why the camera refuses a request. Nothing has changed, except that after an
 /// [`Refusal::Exposure`] there is no frame.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub enum Refusal {
-    /// Another version of this protocol; the answer's first byte says which.
+    /// The request is of another version of this protocol; the answer's first byte is this one.
     OtherProtocol,
-    /// No request of this version.
+    /// The bytes are not a request of this version.
     Unknown,
     /// The session is not open: another took its place, or the camera has started again.
     OtherSession,
-    /// Not the next request of the session.
+    /// The request is not the next one of the session.
     OutOfOrder {
-        /// The sequence number of the next.
+        /// The sequence number of the next request.
         expected: u16,
     },
-    /// The calibration is not usable; the one before stays.
+    /// The calibration is not usable; the previous one stays.
     Calibration(CalibrationError),
     /// There is no calibration yet.
     NoCalibration,
@@ -183,48 +187,49 @@ pub enum Refusal {
     Distort {
         /// Its index in the batch.
         index: u16,
-        /// Why.
+        /// The reason.
         error: DistortError,
     },
-    /// More points than fit an answer.
+    /// There are more points than fit an answer.
     TooMany,
     /// This camera cannot switch itself off.
     NoPowerSwitch,
     /// No adjustment has been started.
     NoFit,
-    /// An observation is not believable.
+    /// An observation is out of range.
     Observation {
         /// Its index in the batch.
         index: u16,
-        /// Which number.
+        /// The number that is out of range.
         error: OutOfRange,
     },
     /// The observations do not determine the coefficients.
     Fit(FitError),
-    /// It has not been prepared for flight.
+    /// The camera has not been prepared for flight.
     NotPrepared,
     /// A setting of the flight is out of its range.
     Settings(OutOfRange),
     /// The mechanism cannot make the travel, or not in the time between triggers.
     Travel(FrameError),
-    /// A frame is in flight, or the camera is armed, with compensation or without: calibration and settings stay, and
-    /// nothing is begun that lasts longer than a round of the control loop.
+    /// A frame is in flight, or the camera is armed, with compensation or without: calibration and
+    /// settings stay, and nothing is begun that lasts longer than a round of the control loop.
     FrameInFlight,
-    /// So many frame records have not been acknowledged, and would be lost.
+    /// This number of frame records has not been acknowledged, and would be lost.
     RecordsKept(u32),
-    /// It is not on a test rig: its time is its own.
+    /// The camera is not on a test rig: its board has the time.
     NoRig,
-    /// It is on a test rig: events come with the rig's rounds.
+    /// The camera is on a test rig: events come with the rig's rounds.
     OnRig,
-    /// It takes such an event from its own inputs alone, not from a message.
+    /// The camera takes such an event from its own inputs alone, not from a message.
     NotTold,
-    /// As many events wait for the control loop as can be kept.
+    /// The queue of the control loop is full.
     QueueFull,
-    /// It has no output that clocks the rows of a TDI sensor.
+    /// The camera has no output that clocks the rows of a TDI sensor.
     NoRowClock,
-    /// A vertex of the mesh is off the image, has no source, or one that the format does not hold.
+    /// A vertex of the mesh is off the image, has no source, or has a source that the format cannot
+    /// hold.
     Mesh(MeshError),
-    /// Its firmware was built without the adjustment of the five coefficients.
+    /// The firmware was built without the adjustment of the five coefficients.
     NoEstimation,
 }
 
@@ -279,13 +284,13 @@ impl fmt::Display for Refusal {
 
 impl core::error::Error for Refusal {}
 
-/// Why the camera runs: what it did before.
+/// The reason why the camera runs.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub enum ResetCause {
     /// It was switched on.
     PowerOn,
-    /// It was asked to start again: by a request, by a debugger, or by the reset button.
+    /// It was restarted on request: by a message, by a debugger, or by the reset button.
     Requested,
     /// Its watchdog was not fed.
     Watchdog,
@@ -294,7 +299,8 @@ pub enum ResetCause {
 }
 
 impl ResetCause {
-    /// How the controller of a camera takes it whose encoder counts on through a start in good order.
+    /// Returns the controller's start for a camera whose encoder counts on through an orderly
+    /// start.
     #[must_use]
     pub const fn counting_on(self) -> controller::Start {
         match self {
@@ -303,7 +309,8 @@ impl ResetCause {
         }
     }
 
-    /// How the controller of a camera takes it whose encoder counts from wherever the stage stands.
+    /// Returns the controller's start for a camera whose encoder counts from the stage's position
+    /// at the start.
     #[must_use]
     pub const fn unreferenced(self) -> controller::Start {
         match self {
@@ -313,18 +320,18 @@ impl ResetCause {
     }
 }
 
-/// Who answers.
+/// Identity of the camera.
 #[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
 pub struct Identity {
     /// Version of `fmc-camera`.
     pub version: String<16>,
-    /// Which build of it.
+    /// Build of that version.
     pub build: String<40>,
-    /// Which board.
+    /// Name of the board.
     pub board: String<24>,
-    /// Whether it can switch itself off.
+    /// `true` if the camera can switch itself off.
     pub power_switch: bool,
-    /// Why it runs.
+    /// The reason why it runs.
     pub reset_cause: ResetCause,
     /// Points in one message.
     pub max_points: u16,
@@ -333,7 +340,8 @@ pub struct Identity {
 }
 
 impl Identity {
-    /// The identity of a camera that has just started. Names that are too long are left empty.
+    /// Returns the identity of a camera that has just started. Names that are too long are left
+    /// empty.
     #[must_use]
     pub fn new(build: &str, board: &str, power_switch: bool, reset_cause: ResetCause) -> Self {
         Self {
@@ -349,42 +357,42 @@ impl Identity {
     }
 }
 
-/// What a camera in flight is doing.
+/// State of a camera in flight.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct Status {
     /// State of the controller.
     pub state: State,
-    /// What has happened since it was prepared.
+    /// Counts since it was prepared.
     pub counts: Counts,
     /// Records that have not been acknowledged.
     pub kept: u32,
-    /// Whether the encoder has lost its place.
+    /// `true` if the encoder has lost its place.
     pub is_place_lost: bool,
-    /// Where the stage was in the last round, mm along the FMC axis from the encoder's zero, also while its place is
-    /// lost; `None` on a test rig, or where it could not be read.
+    /// Position of the stage in the last round, mm along the FMC axis from the encoder's zero, also
+    /// while its place is lost; `None` on a test rig, or if it could not be read.
     pub offset_mm: Option<f32>,
     /// Root mean square of the stage's following error over about a second, µm, within 6 %.
     pub following_rms_um: f32,
-    /// How often something was found of the aircraft's instruments since it was prepared.
+    /// Counts of the findings of the aircraft's instruments since it was prepared.
     pub findings: Findings,
 }
 
-/// Which calibration, and whether it outlives a restart.
+/// Digest and storage of a calibration.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct CalibrationIdentity {
-    /// [`super::digest::of_camera`].
+    /// Digest by [`super::digest::of_camera`].
     pub crc: u32,
-    /// Where it is kept.
+    /// Storage of the calibration.
     pub storage: Storage,
 }
 
-/// Where a calibration is kept.
+/// Storage of a calibration.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub enum Storage {
-    /// In memory alone: gone at the next restart.
+    /// In memory alone: the calibration is lost at the next restart.
     Volatile,
 }
 
@@ -407,7 +415,7 @@ impl Grid {
     }
 }
 
-/// What the link has seen since the camera started.
+/// Counts of the link since the camera started.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct Counters {
@@ -425,7 +433,7 @@ pub struct Counters {
     pub wrong_crc: u32,
     /// Frames of another protocol version.
     pub other_protocol: u32,
-    /// Whole packet that are no request.
+    /// Whole frames that hold no request.
     pub unknown: u32,
     /// Requests of a session that is not open.
     pub other_session: u32,
@@ -433,11 +441,11 @@ pub struct Counters {
     pub out_of_order: u32,
     /// Bytes lost because the camera did not take them in time.
     pub overrun_bytes: u32,
-    /// Most of the stack that was in use, bytes.
+    /// Largest part of the stack in use, bytes.
     pub stack_used_bytes: u32,
 }
 
-/// A payload of which not even the header can be read.
+/// The reason why not even the header of a payload can be read.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub enum Unreadable {
@@ -448,12 +456,13 @@ pub enum Unreadable {
 }
 
 impl Request {
-    /// Makes `packet` the request's; `None` if it were longer than a packet can be.
+    /// Writes the request into `packet`; `None` if it were longer than a packet can be.
     pub fn write(&self, header: Header, packet: &mut Packet) -> Option<()> {
         write(self, header, packet)
     }
 
-    /// Reads a request; without a body where what follows the header is none, or more than one.
+    /// Reads a request; its body is `None` if the bytes after the header are not exactly one
+    /// request.
     ///
     /// # Errors
     /// [`Unreadable`] for another protocol version, and for bytes without a header.
@@ -463,12 +472,12 @@ impl Request {
 }
 
 impl Answer {
-    /// As [`Request::write`].
+    /// Writes the answer as [`Request::write`].
     pub fn write(&self, header: Header, packet: &mut Packet) -> Option<()> {
         write(self, header, packet)
     }
 
-    /// As [`Request::read`].
+    /// Reads an answer as [`Request::read`].
     ///
     /// # Errors
     /// [`Unreadable`] for another protocol version, and for bytes without a header.

@@ -2,31 +2,33 @@
 //!
 //! # On the wire
 //! A message is one *frame*: `0x00 ‖ length ‖ COBS(payload) ‖ CRC ‖ 0x00`. COBS keeps the zero byte
-//! out of the payload, so that a zero always ends a frame and whoever joins in the middle finds the
-//! next. Empty frames mean nothing, and the zero in front ends whatever was left half-sent.
+//! out of the payload, so that a zero always ends a frame and a receiver that joins in the middle
+//! finds the next. Empty frames have no meaning, and the zero in front ends a frame that was left
+//! half-sent.
 //!
-//! Length and CRC are in bytes of seven bits, the lowest first, bit 7 set, so that they hold no zero
-//! either: two bytes for the number of bytes that COBS made, five for the CRC-32 (ISO-HDLC) of length
-//! and encoded payload, the bytes *as they are on the wire*. A CRC of the payload would not do: one
-//! wrong bit in a block length of COBS turns other block lengths into data, so that three wrong bits
-//! on the wire may become dozens in the payload, which its CRC then passes by chance. Over the wire's
-//! bytes CRC-32 finds every error of up to three bits in frames of this length; the frame's length is
-//! there for those that make a zero and so cut the frame in two
-//! (`tests/link/wrong_bits.rs` goes through all of them).
+//! Length and CRC are in bytes of seven bits, the lowest first, bit 7 set, so that they hold no
+//! zero either: two bytes for the number of bytes that COBS made, five for the CRC-32 (ISO-HDLC) of
+//! length and encoded payload, the bytes *as they are on the wire*. A CRC of the payload would not
+//! suffice: one wrong bit in a block length of COBS turns other block lengths into data, so that
+//! three wrong bits on the wire may become dozens in the payload, which its CRC then passes by
+//! chance. Over the wire's bytes CRC-32 finds every error of up to three bits in frames of this
+//! length; the frame's length detects errors that make a zero and so cut the frame in two
+//! (`tests/link/wrong_bits.rs` tries all of them).
 //!
 //! The payload is [`PROTOCOL_VERSION`] as one byte, then a [`message::Header`] and a
 //! [`message::Request`] or [`message::Answer`] as `postcard` writes them. The first byte keeps its
 //! meaning in every version, so that two versions can tell each other apart.
 //!
 //! # Conversation
-//! The PC asks, the camera answers; one request at a time is on the way, which is what keeps either
-//! side from being overrun. A [`message::Request::Connect`] starts a session under a number of the PC's choice and
-//! ends any other; 0 is nobody's. Requests of a session are numbered one after the other: one that comes again is
-//! answered again, from memory and without being acted on twice, so that the PC may repeat what was
-//! not answered; any other number is refused.
+//! The PC asks, the camera answers; one request at a time is on the way, which keeps either side
+//! from being overrun. A [`message::Request::Connect`] starts a session under a number of the PC's
+//! choice and ends any other; 0 belongs to no session. Requests of a session are numbered one after
+//! the other: a repeated request is answered again, from memory and without being acted on twice,
+//! so that the PC may repeat a request that was not answered; any other number is refused.
 //!
-//! Nothing is acted on but a whole frame with the right CRC, of this version, that decodes to its
-//! last byte, from the open session and in order. Everything else is counted ([`message::Counters`]).
+//! The camera acts only on a whole frame with the right CRC, of this version, that decodes to its
+//! last byte, from the open session and in order. Everything else is counted
+//! ([`message::Counters`]).
 
 mod batch;
 pub mod deck;
@@ -36,16 +38,16 @@ pub mod message;
 pub mod packet;
 pub mod station;
 
-/// The version of frames and messages. Changes whenever a message does.
+/// Version of frames and messages. It changes whenever a message does.
 pub const PROTOCOL_VERSION: u8 = 4;
 
-/// Points in one message; every buffer's size follows from it.
+/// Number of points in one message; every buffer's size follows from it.
 pub const MAX_POINTS: usize = 64;
 
-/// Observations in one message: as many as fit the payload of [`MAX_POINTS`] answers.
+/// Number of observations in one message: as many as fit the payload of [`MAX_POINTS`] answers.
 pub const MAX_OBSERVATIONS: usize = 40;
 
-/// Longest payload, bytes: [`MAX_POINTS`] answers of four numbers, and what surrounds them.
+/// Longest payload, bytes: [`MAX_POINTS`] answers of four numbers, and the fields around them.
 pub const LONGEST_PAYLOAD: usize = 16 * MAX_POINTS + 16;
 
 /// Bytes of a CRC on the wire.
@@ -54,7 +56,7 @@ pub(crate) const CRC_BYTES: usize = 5;
 /// Bytes of a length on the wire.
 pub(crate) const LENGTH_BYTES: usize = 2;
 
-/// What is between two zeros at most, bytes.
+/// Largest number of bytes between two zeros.
 pub(crate) const LONGEST_CHECKED: usize =
     LENGTH_BYTES + cobs::max_encoding_length(LONGEST_PAYLOAD) + CRC_BYTES;
 

@@ -1,4 +1,4 @@
-//! Frames: payloads on the wire, shown to be whole.
+//! Frames: payloads on the wire, with length and CRC.
 
 use cobs::{DecodeResult, DecoderState};
 use crc::{CRC_32_ISO_HDLC, Crc, Table};
@@ -6,10 +6,10 @@ use heapless::Vec;
 
 use super::{CRC_BYTES, LENGTH_BYTES, LONGEST_CHECKED, LONGEST_PACKET, LONGEST_PAYLOAD};
 
-/// CRC-32 (ISO-HDLC): of frames, calibrations and grids.
+/// CRC-32 (ISO-HDLC) of frames, calibrations and grids.
 pub(super) const CRC: Crc<u32, Table<1>> = Crc::<u32, Table<1>>::new(&CRC_32_ISO_HDLC);
 
-/// What ends a frame.
+/// Byte that ends a frame.
 pub(crate) const DELIMITER: u8 = 0;
 
 /// A frame as it goes over the wire, with a zero at either end.
@@ -27,8 +27,8 @@ impl Packet {
     };
 
     /// Replaces the frame by that of a payload which `write` puts into a buffer of
-    /// [`LONGEST_PAYLOAD`] bytes, saying how many there are. `None`, and an empty frame, where it
-    /// says none or more than fit.
+    /// [`LONGEST_PAYLOAD`] bytes and whose length it returns. Returns `None`, and leaves an empty
+    /// frame, if `write` returns `None` or more bytes than fit.
     pub(super) fn fill(&mut self, write: impl FnOnce(&mut [u8]) -> Option<usize>) -> Option<()> {
         self.length = 0;
         let mut payload = [0; LONGEST_PAYLOAD];
@@ -55,7 +55,7 @@ impl Packet {
     }
 }
 
-/// A number in bytes that are never zero: seven bits in each, the lowest first.
+/// Encodes a number in bytes that are never zero: seven bits in each, the lowest first.
 fn wire_from_number<const N: usize>(number: u32) -> [u8; N] {
     let mut rest = number;
     [(); N].map(|()| {
@@ -65,11 +65,11 @@ fn wire_from_number<const N: usize>(number: u32) -> [u8; N] {
     })
 }
 
-/// Why a frame was discarded.
+/// The reason why a frame was discarded.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub enum Damage {
-    /// It is not as long as it says, or ends in the middle of a block of COBS.
+    /// Its length is not the stated one, or it ends in the middle of a block of COBS.
     Truncated,
     /// It is longer than [`LONGEST_PACKET`].
     Oversized,
@@ -83,12 +83,12 @@ pub struct PacketReceiver {
     /// The frame under way, as it came.
     received: Vec<u8, LONGEST_CHECKED>,
     oversized: bool,
-    /// The frame before has ended: the next byte begins another.
+    /// The last frame has ended: the next byte begins another.
     ended: bool,
 }
 
 impl PacketReceiver {
-    /// A receiver before the first byte.
+    /// Returns a receiver before the first byte.
     #[must_use]
     pub const fn new() -> Self {
         Self {
@@ -98,7 +98,7 @@ impl PacketReceiver {
         }
     }
 
-    /// Takes one byte; the payload, or the reason why it is lost, where the byte ends a frame.
+    /// Takes one byte. If it ends a frame, returns the payload, or the reason why it is lost.
     pub fn receive(&mut self, byte: u8) -> Option<Result<&[u8], Damage>> {
         if self.ended {
             self.received.clear();
@@ -120,7 +120,7 @@ impl PacketReceiver {
     }
 }
 
-/// The payload of the bytes between two zeros, where their CRC is right.
+/// Decodes the payload of the bytes between two zeros, if their CRC is right.
 fn decoded(received: &mut [u8]) -> Result<&[u8], Damage> {
     let (checked, crc) = received
         .split_last_chunk_mut::<CRC_BYTES>()
@@ -135,7 +135,7 @@ fn decoded(received: &mut [u8]) -> Result<&[u8], Damage> {
     if *crc != right {
         return Err(Damage::Crc);
     }
-    // In place: what is decoded is never longer than what was read.
+    // It is decoded in place: the decoded bytes are never more than those read.
     let mut decoder = DecoderState::default();
     let mut length = 0;
     for index in 0..encoded.len() {

@@ -1,4 +1,4 @@
-//! The camera's end of the link: bytes in, bytes out, no clock and no port.
+//! The camera's end of the link: it takes bytes and returns bytes, without clock and port.
 
 use super::deck::{self, FlightDeck, RigDeck};
 use super::fitting::Fitting;
@@ -12,7 +12,7 @@ use crate::flight::exposure::Exposure;
 use crate::flight::frame_record::FrameRecord;
 use crate::flight::interior_orientation::InteriorOrientation;
 
-/// What a byte led to; for the log, and for what only the board can do.
+/// Result of a byte, for the log, and for actions that only the board can carry out.
 #[derive(Debug, Clone, Copy, PartialEq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub enum LinkEvent {
@@ -32,17 +32,17 @@ pub enum LinkEvent {
     Repeated,
     /// A request was refused.
     Refused(Refusal),
-    /// Once the answer has left: start again.
+    /// The camera is to start again once the answer has left.
     Reset,
-    /// Once the answer has left: switch off.
+    /// The camera is to switch off once the answer has left.
     PowerOff,
 }
 
 /// The camera's end of the link.
 ///
-/// Give it the bytes that arrive, send what it has [to send](Self::to_send), and give it no further
-/// byte before that has left: another request's answer would cut it short, and the PC would have to
-/// ask again.
+/// The board passes in the bytes that arrive, sends the bytes [to send](Self::to_send), and passes
+/// in no further byte before those have left: another request's answer would cut the first short,
+/// and the PC would have to ask again.
 #[derive(Debug)]
 pub struct Station<Deck = RigDeck> {
     receiver: PacketReceiver,
@@ -50,7 +50,7 @@ pub struct Station<Deck = RigDeck> {
 }
 
 impl Station {
-    /// A station without session and calibration, its camera on a test rig.
+    /// Returns a station without session and calibration, its camera on a test rig.
     #[must_use]
     pub const fn new(identity: Identity, stack_used_bytes: fn() -> u32) -> Self {
         let deck = RigDeck::after(identity.reset_cause);
@@ -59,7 +59,7 @@ impl Station {
 }
 
 impl<Deck: FlightDeck> Station<Deck> {
-    /// A station without session and calibration.
+    /// Returns a station without session and calibration.
     #[must_use]
     pub const fn with(identity: Identity, stack_used_bytes: fn() -> u32, deck: Deck) -> Self {
         Self {
@@ -96,7 +96,7 @@ impl<Deck: FlightDeck> Station<Deck> {
         }
     }
 
-    /// Takes a byte from the wire; an event where it ends a frame.
+    /// Takes a byte from the wire. Returns an event if the byte ends a frame.
     pub fn receive(&mut self, byte: u8) -> Option<LinkEvent> {
         let event = match self.receiver.receive(byte)? {
             Ok(payload) => self.responder.answer(payload),
@@ -105,7 +105,7 @@ impl<Deck: FlightDeck> Station<Deck> {
         Some(event)
     }
 
-    /// What is left of the answer to be sent.
+    /// The part of the answer that is left to be sent.
     #[must_use]
     pub fn to_send(&self) -> &[u8] {
         let frame = match self.responder.to_send {
@@ -115,17 +115,17 @@ impl<Deck: FlightDeck> Station<Deck> {
         frame.bytes().get(self.responder.sent..).unwrap_or_default()
     }
 
-    /// So many bytes of [`Self::to_send`] are on their way.
+    /// Notes that a number of bytes of [`Self::to_send`] are on their way.
     pub fn sent(&mut self, bytes: usize) {
         self.responder.sent = self.responder.sent.saturating_add(bytes);
     }
 
-    /// So many bytes arrived and could not be taken.
+    /// Counts bytes that arrived and could not be taken.
     pub fn count_overrun(&mut self, bytes: u32) {
         count_more(&mut self.responder.counters.overrun_bytes, bytes);
     }
 
-    /// What the link has seen since the camera started.
+    /// The counts of the link since the camera started.
     #[must_use]
     pub fn counters(&self) -> Counters {
         self.responder.counters()
@@ -137,32 +137,32 @@ impl<Deck: FlightDeck> Station<Deck> {
     }
 }
 
-/// Which of the two frames is on its way.
+/// The frame that is on its way, of two.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 enum Which {
     /// The answer to the last request of the session.
     Answer,
-    /// The refusal of something else.
+    /// The refusal of a message that is not the next of the session.
     Aside,
 }
 
-/// Who reads requests and writes answers.
+/// The part that reads requests and writes answers.
 #[derive(Debug)]
 struct Responder<Deck> {
     identity: Identity,
     stack_used_bytes: fn() -> u32,
-    /// The request of the session that was answered last.
+    /// The last request of the session that was answered.
     last: Option<Header>,
-    /// The request to which the answer kept belongs.
+    /// The request to which the kept answer belongs.
     kept: Option<Header>,
     camera: Option<Camera>,
-    /// What is loaded, and its digest.
+    /// The loaded camera record, and its digest.
     loaded: Option<(CameraParameters, u32)>,
     frame: Option<camera::Frame>,
     deck: Deck,
     fitting: Fitting,
     answer: Packet,
-    /// What is said to others meanwhile: the answer stays, for whoever asks for it again.
+    /// A refusal outside the session: the answer stays, and can be asked for again.
     aside: Packet,
     to_send: Which,
     sent: usize,
@@ -188,7 +188,7 @@ impl<Deck: FlightDeck> Responder<Deck> {
                     Unreadable::NoHeader => &mut self.counters.unknown,
                 });
                 if let Unreadable::OtherProtocol(_) = unreadable {
-                    // The first byte of the answer tells the sender which version this is.
+                    // The first byte of the answer tells the sender the version of this protocol.
                     self.refuse_aside(NOBODY, Refusal::OtherProtocol);
                 }
                 return LinkEvent::Unreadable(unreadable);
@@ -231,7 +231,7 @@ impl<Deck: FlightDeck> Responder<Deck> {
         }
     }
 
-    /// Whether a request is the next of the open session.
+    /// Checks that a request is the next of the open session.
     fn in_order(&self, header: Header) -> Result<(), Refusal> {
         let last = self
             .last
@@ -348,7 +348,7 @@ impl<Deck: FlightDeck> Responder<Deck> {
 
     fn expose(&mut self, exposure: &Exposure) -> Result<InteriorOrientation, Refusal> {
         let camera = self.camera.as_ref().ok_or(Refusal::NoCalibration)?;
-        // Points that follow a refused exposure must not meet the frame before it.
+        // Points that follow a refused exposure must not meet the previous frame.
         self.frame = None;
         let frame = camera.frame(exposure).map_err(Refusal::Exposure)?;
         self.frame = Some(frame);
@@ -366,7 +366,7 @@ impl<Deck: FlightDeck> Responder<Deck> {
         }
     }
 
-    /// A refusal that is no answer within the session.
+    /// Sends a refusal that is not an answer within the session.
     fn refuse_aside(&mut self, header: Header, refusal: Refusal) {
         self.to_send = Which::Aside;
         self.sent = 0;
@@ -391,7 +391,7 @@ fn count(counter: &mut u32) {
     count_more(counter, 1);
 }
 
-/// Counters stop at their largest value.
+/// Adds to a counter, which stops at its largest value.
 fn count_more(counter: &mut u32, by: u32) {
     *counter = counter.saturating_add(by);
 }

@@ -1,4 +1,4 @@
-//! Why the firmware started, in a word of memory that start-up leaves alone.
+//! Cause of the firmware's start, in a word of memory that start-up leaves unchanged.
 
 use core::{cell::UnsafeCell, mem::MaybeUninit};
 
@@ -12,30 +12,30 @@ unsafe impl Sync for Word {}
 #[unsafe(link_section = ".uninit.CAUSE")]
 static WORD: Word = Word(UnsafeCell::new(MaybeUninit::uninit()));
 
-/// Unlikely to be in memory when power comes on.
+/// Values that are unlikely to be in memory when power comes on.
 const WORDS: [(u32, ResetCause); 3] = [
     (0x5ca1_ab1e, ResetCause::Requested),
     (0xba5e_ba11, ResetCause::Watchdog),
     (0xdead_fa11, ResetCause::Fault),
 ];
 
-/// The cause noted before the reset, and forgets it.
+/// Returns the cause noted before the reset, and forgets it.
 pub(super) fn take() -> ResetCause {
     let start = noted();
     write(0);
     start
 }
 
-/// The cause noted last: power on, where it is none of those that are noted.
+/// Returns the last noted cause: power on, if the value is none of the noted ones.
 pub(super) fn noted() -> ResetCause {
-    // SAFETY: the address is that of the static, aligned and never written by Rust's own code. Any bits are a valid
-    // u32, and a volatile read gives those that are in the memory, whatever left them there.
+    // SAFETY: the address is that of the static, aligned and never written by Rust's own code. Any
+    // bits are a valid u32, and a volatile read returns those in the memory, whatever wrote them.
     let found = unsafe { WORD.0.get().cast::<u32>().read_volatile() };
     let known = WORDS.iter().find(|(word, _)| *word == found);
     known.map_or(ResetCause::PowerOn, |(_, start)| *start)
 }
 
-/// Forgets whatever the memory holds.
+/// Forgets the present content of the memory.
 #[cfg(feature = "board-nucleo-h743zi")]
 pub(super) fn forget() {
     write(0);

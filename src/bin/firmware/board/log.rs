@@ -1,4 +1,4 @@
-//! The log: defmt's frames, encoded here for every board, which carries their bytes away.
+//! The log: defmt's frames, encoded here for every board, which transports their bytes.
 
 use core::cell::{Cell, UnsafeCell};
 
@@ -17,8 +17,9 @@ struct State {
     restore: Cell<RestoreState>,
 }
 
-// SAFETY: used only between `acquire` and `release`, with interrupts masked. NMI and faults are not masked; where
-// their handlers log they do not return, so that what they interrupted does not go on with a state that they changed.
+// SAFETY: used only between `acquire` and `release`, with interrupts masked. NMI and faults are not
+// masked; if their handlers log, they do not return, so that the code they interrupted does not go
+// on with a state that they changed.
 unsafe impl Sync for State {}
 
 static STATE: State = State {
@@ -26,7 +27,8 @@ static STATE: State = State {
     restore: Cell::new(RestoreState::invalid()),
 };
 
-// SAFETY: `acquire` masks interrupts, `release` ends that; one core, so nobody else is between the two.
+// SAFETY: `acquire` masks interrupts, `release` ends that; there is one core, so no other code runs
+// between the two.
 unsafe impl defmt::Logger for Logger {
     fn acquire() {
         // SAFETY: released in `release`, which defmt calls after every `acquire`.
@@ -48,6 +50,7 @@ unsafe impl defmt::Logger for Logger {
 }
 
 fn encode(act: impl FnOnce(&mut Encoder)) {
-    // SAFETY: between `acquire` and `release`, and neither encoder nor board logs: the only reference.
+    // SAFETY: between `acquire` and `release`, and neither encoder nor board logs: the only
+    // reference.
     act(unsafe { &mut *STATE.encoder.get() });
 }

@@ -1,20 +1,22 @@
 //! The board under the main loop: chosen by a feature, the same interface for each.
 //!
 //! A board brings a type `Board` with
-//! - `start`: itself, and why it starts; `None` where that fails;
-//! - `NAME`, and `CAN_POWER_OFF`: whether `power_off` does anything;
-//! - `deck`: what the link flies, a type `Deck`, not prepared; `fly`: makes a round of the control loop where one is
-//!   due, and never waits;
-//! - `receive`: the next byte from the link, kept by an interrupt until asked for; `overruns`: bytes lost since asked
-//!   last;
+//! - `start`: the board and the cause of its start; `None` if the start fails;
+//! - `NAME`, and `CAN_POWER_OFF`: `true` if `power_off` switches the power off;
+//! - `deck`: the camera of the link, a type `Deck`, not prepared; `fly`: makes a round of the
+//!   control loop if one is due, and never waits;
+//! - `receive`: the next byte from the link, kept by an interrupt until it is taken; `overruns`:
+//!   bytes lost since the last call;
 //! - `send`: passes on as many bytes as the transmitter takes now, and never waits;
 //! - `feed_watchdog`, to be called from the main loop alone;
 //! - `idle`: sleeps until an interrupt, unless a byte is already there;
-//! - `stack_used_bytes`: the deepest the stack has been since the start;
-//! - `reset` and `power_off`, which wait, with a bound, until the last byte has left, and do not return;
+//! - `stack_used_bytes`: the greatest depth of the stack since the start;
+//! - `reset` and `power_off`, which wait, with a bound, until the last byte has left, and do not
+//!   return;
 //!
-//! and functions `stop_after_panic`, which does not return either, `now_us`: microseconds since the start, wrapping,
-//! also for the log, and `carry_log`, which takes the log's bytes away or drops them, without waiting for a reader.
+//! and functions `stop_after_panic`, which does not return either, `now_us`: microseconds since the
+//! start, wrapping, also for the log, and `carry_log`, which transports the log's bytes or drops
+//! them, without waiting for a reader.
 
 mod cause;
 mod log;

@@ -1,5 +1,5 @@
-//! What follows a panic. None is reachable: with `--cfg link_check` the handler calls a function that exists nowhere, and
-//! the image links only if the linker can drop the handler.
+//! Handlers of a panic. None is reachable: with `--cfg link_check` the handler calls a function
+//! that exists nowhere, and the image links only if the linker can drop the handler.
 
 use core::panic::PanicInfo;
 
@@ -27,8 +27,8 @@ unsafe extern "C" {
     safe fn fmc_camera_can_panic() -> !;
 }
 
-/// What follows a `defmt::panic!`, which nothing calls. Without it defmt's linker script would keep the default, which
-/// panics, whether it is called or not.
+/// Handles a `defmt::panic!`, which nothing calls. Without this handler defmt's linker script would
+/// keep the default, which panics, even though it is never called.
 #[defmt::panic_handler]
 fn panic_of_the_log() -> ! {
     #[cfg(link_check)]

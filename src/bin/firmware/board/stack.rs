@@ -1,4 +1,4 @@
-//! How deep the stack has been: start-up paints its memory, and what is no longer painted was used.
+//! Depth of the stack: start-up paints its memory, and every word that lost its paint was used.
 
 use cortex_m_rt::STACK_PAINT_VALUE;
 
@@ -13,8 +13,8 @@ unsafe extern "C" {
 pub(super) fn used_bytes() -> u32 {
     let (lowest, end) = (&raw const _stack_end, &raw const _stack_start);
     let mut address = lowest;
-    // SAFETY: all words between the two symbols are the stack's memory, readable, and painted by start-up; a volatile
-    // read of a word in use gives whatever is there.
+    // SAFETY: all words between the two symbols are the stack's memory, readable, and painted by
+    // start-up; a volatile read of a word in use returns its content.
     while address < end && unsafe { address.read_volatile() } == STACK_PAINT_VALUE {
         address = address.wrapping_add(1);
     }

@@ -4,8 +4,8 @@ use super::{Asked, FrameMachine, Phase};
 use crate::flight::frame_record::{Flag, Reason};
 
 impl FrameMachine {
-    /// The frame in flight ends before first light. Its number, and whether the shutter had been
-    /// told to open; `None` where there is none, or light has come.
+    /// Ends the frame in flight before first light. Returns its number, and `true` if the shutter
+    /// had been told to open; `None` if no frame is in flight, or light has come.
     pub(in super::super) fn call_off(
         &mut self,
         reason: Reason,
@@ -27,8 +27,9 @@ impl FrameMachine {
         Some((sequence, is_told))
     }
 
-    /// The clock has jumped. Whether light had come: then the exposure is taken to have ended as it
-    /// should, its motion to be the plan's, and it is to be recorded.
+    /// Ends the exposure in flight after a jump of the clock. Returns `true` if light had come: the
+    /// exposure is then taken to have ended on time, with the planned motion, and has to be
+    /// recorded.
     pub(in super::super) fn end_with_clock(&mut self) -> bool {
         let Some(frame) = &mut self.in_flight else {
             return false;

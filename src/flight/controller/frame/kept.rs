@@ -6,10 +6,10 @@ use crate::flight::frame_record::{Flags, FrameRecord, Outcome, Reason};
 use crate::flight::record_log::{Numbered, RecordLog};
 use crate::flight::time::Time;
 
-/// What is kept of the frames.
+/// Records and counts of the frames.
 #[derive(Debug, Clone)]
 pub(in super::super) struct Kept {
-    /// Number and frame of the exposure recorded last.
+    /// Number and frame of the last recorded exposure.
     latest: Option<(u32, camera::Frame)>,
     records: RecordLog,
     triggers: u32,
@@ -31,8 +31,8 @@ impl Kept {
         }
     }
 
-    /// Every trigger gets a number, and with it a record: one without room for it is refused at
-    /// once.
+    /// Numbers a trigger. Every trigger gets a number and a record; one without room for its record
+    /// is refused at once.
     pub(in super::super) fn number(&mut self, trigger: Time, calibration_crc: u32) -> Numbered {
         self.triggers = self.triggers.saturating_add(1);
         let numbered = self.records.number(trigger, calibration_crc);
@@ -42,7 +42,7 @@ impl Kept {
         numbered
     }
 
-    /// The record of a trigger without an exposure.
+    /// Records a trigger that was refused.
     pub(in super::super) fn refuse(
         &mut self,
         sequence: u32,
@@ -61,7 +61,7 @@ impl Kept {
         });
     }
 
-    /// The record of a trigger.
+    /// Finishes the record of a trigger.
     pub(super) fn finish(&mut self, record: FrameRecord) {
         let count = match record.outcome {
             Outcome::Exposed(_) => &mut self.exposed,
@@ -71,12 +71,12 @@ impl Kept {
         self.records.finish(record);
     }
 
-    /// An exposure whose points are to be corrected.
+    /// Keeps the frame of an exposure, so that its points can be corrected.
     pub(super) const fn set_latest(&mut self, sequence: u32, frame: camera::Frame) {
         self.latest = Some((sequence, frame));
     }
 
-    /// An edge of the shutter that nobody had asked for.
+    /// Counts an edge of the shutter that the camera had not commanded.
     pub(super) const fn count_unexpected_edge(&mut self) {
         self.unexpected_edges = self.unexpected_edges.saturating_add(1);
     }
@@ -93,8 +93,8 @@ impl Kept {
         &mut self.records
     }
 
-    /// Triggers, records with an exposure, records without, edges of the shutter that nobody had
-    /// asked for.
+    /// Numbers of triggers, of records with an exposure, of records without, and of edges of the
+    /// shutter that the camera had not commanded.
     pub(in super::super) const fn counts(&self) -> [u32; 4] {
         [
             self.triggers,

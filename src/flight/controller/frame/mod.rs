@@ -6,7 +6,8 @@
 //!                                                           record ◄─next round─ Measured ◄──┘
 //! ```
 //!
-//! First light ends every phase before it: light is light, and recorded. A phase has what is known.
+//! First light ends every phase before it, since every exposure is recorded. Each phase carries the
+//! data known by then.
 
 mod interruption;
 mod kept;
@@ -29,7 +30,7 @@ use crate::flight::time::Time;
 #[derive(Debug, Clone)]
 pub(super) struct FrameMachine {
     in_flight: Option<InFlight>,
-    /// What went wrong with no frame in flight; goes into the next record.
+    /// Faults that occurred with no frame in flight; they go into the next record.
     faults: Faults,
     pub(super) kept: Kept,
 }
@@ -47,28 +48,28 @@ struct InFlight {
     phase: Phase,
 }
 
-/// How far a frame has come, and what is known by then.
+/// Progress of a frame, with the data known by then.
 #[derive(Debug, Clone, Copy, PartialEq)]
 enum Phase {
-    /// The stage starts a while after the next round, s; first light is a while after that, s.
+    /// The stage starts `wait_s` after the next round, s; first light is `opening_s` after that, s.
     Triggered { wait_s: f32, opening_s: f32 },
-    /// The stage accelerates and settles; first light of the plan.
+    /// The stage accelerates and settles until first light of the plan.
     RunUp { first_light: Time },
     /// The shutter has been told to open; first light is expected.
     Tracking { first_light: Time },
-    /// The shutter is open, since first light.
+    /// The shutter is open since first light.
     Exposing {
         opened: Time,
-        /// When it was told to close because it had been open for too long.
+        /// Time at which the shutter was told to close because it had been open for too long.
         told_to_close: Option<Time>,
     },
     /// The shutter is closed.
     Closed(Light),
-    /// It is known how the stage moved.
+    /// The motion of the stage is known.
     Measured(Light, ExposureMotion),
 }
 
-/// From first to last light.
+/// The interval from first to last light.
 #[derive(Debug, Clone, Copy, PartialEq)]
 struct Light {
     opened: Time,
@@ -78,7 +79,7 @@ struct Light {
 }
 
 impl FrameMachine {
-    /// Before the first trigger; what goes into the first record.
+    /// Returns the machine before the first trigger; `faults` go into the first record.
     #[inline]
     pub(super) const fn new(faults: Faults) -> Self {
         Self {
@@ -88,7 +89,7 @@ impl FrameMachine {
         }
     }
 
-    /// A frame begins.
+    /// Begins a frame.
     pub(super) fn begin(&mut self, asked: Asked, plan: &Plan) {
         let mut faults = core::mem::take(&mut self.faults);
         faults.insert_all(plan.faults);
@@ -105,8 +106,8 @@ impl FrameMachine {
         });
     }
 
-    /// The first round after the trigger: from here on the stage moves, at the same time after
-    /// every trigger unless the round is late. Says when.
+    /// Starts the run-up in the first round after the trigger. The stage moves from the same delay
+    /// after every trigger unless the round is late. Returns the time at which it starts.
     pub(super) fn start(&mut self, now: Time) -> Option<Time> {
         let frame = self.in_flight.as_mut()?;
         let Phase::Triggered { wait_s, opening_s } = frame.phase else {
@@ -119,7 +120,7 @@ impl FrameMachine {
         Some(began)
     }
 
-    /// A fault goes into the record of the frame in flight, or of the next.
+    /// Notes a fault for the record of the frame in flight, or else for the next record.
     pub(super) const fn note(&mut self, fault: Fault) {
         match &mut self.in_flight {
             Some(frame) => frame.faults.insert(fault),
@@ -127,14 +128,14 @@ impl FrameMachine {
         }
     }
 
-    /// What a user of the frame in flight should know.
+    /// Sets a flag of the frame in flight.
     pub(super) const fn flag(&mut self, flag: Flag) {
         if let Some(frame) = &mut self.in_flight {
             frame.flags.insert(flag);
         }
     }
 
-    /// The state of the frame in flight, for those who are told.
+    /// Returns the state of the frame in flight, as it is reported.
     pub(super) const fn state(&self) -> Option<State> {
         match &self.in_flight {
             None => None,

@@ -1,4 +1,4 @@
-//! The motion of the principal point in an exposure, as measured or as planned.
+//! Motion of the principal point in an exposure, measured or planned.
 
 use super::{InFlight, Light, Phase};
 use crate::flight::controller::setup::Setup;
@@ -8,7 +8,7 @@ use crate::flight::frame_record::Flag;
 use crate::geometry::principal_point::{PrincipalPointMotion, UniformTravel};
 
 impl InFlight {
-    /// After last light: works out how the stage moved.
+    /// Determines the motion of the stage after last light.
     pub(super) fn measure(&mut self, setup: &Setup, stage: &StageMachine) {
         let Phase::Closed(light) = self.phase else {
             return;
@@ -29,7 +29,7 @@ impl InFlight {
         self.phase = Phase::Measured(light, motion);
     }
 
-    /// Rows move as the clock drives them.
+    /// Returns the motion of a TDI sensor's rows, which move as the clock drives them.
     fn motion_of_rows(&self, light: Light, setup: &Setup) -> ExposureMotion {
         let planned = self.planned_travel(light);
         ExposureMotion {
@@ -39,7 +39,8 @@ impl InFlight {
         }
     }
 
-    /// Nobody knows how the stage moved, and what had force on it may have gone anywhere.
+    /// Returns the planned motion, for an exposure without usable readings. Its σ is half the
+    /// stroke, since the stage may have been anywhere.
     fn planned_motion(&mut self, light: Light, setup: &Setup) -> ExposureMotion {
         self.flags.insert(Flag::PlannedMotion);
         self.flags.insert(Flag::StaticCorrection);

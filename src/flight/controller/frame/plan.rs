@@ -9,7 +9,7 @@ use crate::flight::stage::Travel;
 use crate::flight::time::Time;
 use crate::flight::vh::VhEstimate;
 
-/// What a trigger asks for.
+/// Inputs of a frame at its trigger.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(in super::super) struct Asked {
     pub(in super::super) sequence: u32,
@@ -19,7 +19,7 @@ pub(in super::super) struct Asked {
     pub(in super::super) exposure: Exposure,
 }
 
-/// What is planned for a frame.
+/// Plan of a frame.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(in super::super) struct Plan {
     /// Δδ, mm.
@@ -35,7 +35,7 @@ pub(in super::super) struct Plan {
 }
 
 impl Plan {
-    /// Of a stage that moves.
+    /// Returns the plan for a stage that moves.
     pub(in super::super) fn of_stage(asked: &Asked, setup: &Setup, travel: &Travel) -> Self {
         let [opening_mm, closing_mm] = [travel.plan.opening_mm, travel.plan.closing_mm];
         let mut plan = Self::new(asked, setup, opening_mm, closing_mm - opening_mm);
@@ -48,14 +48,14 @@ impl Plan {
         plan
     }
 
-    /// Of the rows of a TDI sensor: no stage, no run-up.
+    /// Returns the plan for the rows of a TDI sensor, without stage and run-up.
     pub(in super::super) fn of_rows(asked: &Asked, setup: &Setup) -> Result<Self, Reason> {
         let motion = setup.camera.motion(&asked.exposure)?;
         let (opening_mm, travel_mm) = (motion.opening_offset_mm, motion.travel_mm);
         Ok(Self::new(asked, setup, opening_mm, travel_mm))
     }
 
-    /// Without compensation for the reason of a fault: the stage stays at its place, mm.
+    /// Returns a plan without compensation because of a fault: the stage stays at its place, mm.
     pub(in super::super) fn standing(
         asked: &Asked,
         setup: &Setup,
@@ -71,7 +71,7 @@ impl Plan {
         Ok(plan)
     }
 
-    /// Of a shutter that opens a latency after the next round.
+    /// Returns a plan in which the shutter opens a latency after the next round.
     fn new(asked: &Asked, setup: &Setup, opening_mm: f32, travel_mm: f32) -> Self {
         let mut flags = Flags::NONE;
         if asked.vh.is_some_and(|vh| vh.extrapolated) {

@@ -9,7 +9,7 @@ use crate::flight::exposure::{CorrectionModel, Exposure};
 use crate::flight::frame_record::{ExposedFrame, Flag, Flags, FrameRecord, Outcome, Reason};
 
 impl FrameMachine {
-    /// Records the exposure in flight, and ends it. Its number; `None` before last light.
+    /// Records the exposure in flight, and ends it. Returns its number; `None` before last light.
     pub(in super::super) fn record(
         &mut self,
         setup: &Setup,
@@ -27,7 +27,7 @@ impl FrameMachine {
         if light.is_end_assumed {
             flags.insert(Flag::LastLightAssumed);
             if let Some(last) = stage.track().last() {
-                // It may have been open until now: the centroid may lie half as far on.
+                // The shutter may have been open until now: the centroid may lie half as far on.
                 let closing_mm = measured.motion.opening_offset_mm + measured.motion.travel_mm;
                 sigma_mm = sigma_mm.max(0.5 * libm::fabsf(last.offset_mm - closing_mm));
             }

@@ -1,4 +1,4 @@
-//! The shutter of a frame: its command, its edges, and what the time asks of both.
+//! Shutter of a frame: its command, its edges, and their time limits.
 
 use super::{FrameMachine, InFlight, Light, Phase};
 use crate::flight::controller::setup::Setup;
@@ -11,12 +11,13 @@ use crate::flight::fault::Fault;
 use crate::flight::frame_record::Reason;
 use crate::flight::time::Time;
 
-/// What the time asks of the frame in flight.
+/// Action that is due for the frame in flight.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(in super::super) enum Due {
-    /// Nothing, or nothing of the other machines.
+    /// Nothing is due, or nothing that concerns the other machines.
     Nothing,
-    /// The shutter is to open at a time, for an exposure, s; rows of a TDI sensor move, mm/s.
+    /// The shutter is to open at a time, for an exposure, s; the rows of a TDI sensor move at
+    /// `rows_mm_s`, mm/s.
     Open {
         at: Time,
         exposure_s: f32,
@@ -24,15 +25,15 @@ pub(in super::super) enum Due {
     },
     /// The frame is to be called off: the stage is not at speed, or first light has not come.
     CallOff(Reason),
-    /// The shutter is open for too long: it is to be told to close.
+    /// The shutter has been open for too long and is to be told to close.
     Close,
-    /// The shutter has not closed all the same: the exposure is to be recorded, and is a fault.
+    /// The shutter did not close when told to: the exposure is to be recorded, with a fault.
     GivenUp,
     /// The exposure is to be recorded.
     Record,
 }
 
-/// What an edge of the shutter shows.
+/// Findings of an edge of the shutter.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub(in super::super) struct Edge {
     pub(in super::super) is_first_light: bool,
@@ -42,7 +43,7 @@ pub(in super::super) struct Edge {
 }
 
 impl FrameMachine {
-    /// An edge of the shutter's sensor; a fault that it shows goes into the record.
+    /// Takes an edge of the shutter's sensor. A fault that it shows goes into the record.
     pub(in super::super) fn see_edge(
         &mut self,
         time: Time,
@@ -58,7 +59,7 @@ impl FrameMachine {
             self.kept.count_unexpected_edge();
             Edge {
                 fault: Some(Fault::ShutterUnexpected),
-                // Not that of the exposure that goes on.
+                // A second opening edge must not close the shutter of the exposure under way.
                 is_to_close: edge == ShutterEdge::Opened && !self.is_exposing(),
                 ..Edge::default()
             }
@@ -69,7 +70,7 @@ impl FrameMachine {
         seen
     }
 
-    /// A round comes: what it asks of the frame in flight.
+    /// Returns the action that is due for the frame in flight in this round.
     pub(in super::super) fn look(&mut self, now: Time, setup: &Setup, stage: &StageMachine) -> Due {
         let Some(frame) = &mut self.in_flight else {
             return Due::Nothing;
@@ -93,7 +94,7 @@ impl FrameMachine {
                     || !setup.camera.has_stage()
                     || now.seconds_since(closed) > READING_WITHIN_S
                 {
-                    // What follows from it takes as long again, and is left to the next round.
+                    // Recording takes as long again and is left to the next round.
                     frame.measure(setup, stage);
                 }
                 Due::Nothing
@@ -104,8 +105,8 @@ impl FrameMachine {
 }
 
 impl InFlight {
-    /// Tells the shutter to open in the last round before it is time, if the stage is at speed by then; a little later
-    /// if it is by then; or gives up.
+    /// Tells the shutter to open in the last round before it is time, if the stage is at speed;
+    /// tells it a little later if the stage is at speed by then; or gives up.
     fn tell(&mut self, now: Time, first_light: Time, setup: &Setup, stage: &StageMachine) -> Due {
         let latency_s = setup.settings.shutter_latency_s;
         let planned = first_light.plus_s(-latency_s);
@@ -134,7 +135,7 @@ impl InFlight {
         }
     }
 
-    /// First light; `None` where it has come before.
+    /// Takes first light; `None` if it has come before.
     fn open(&mut self, opened: Time, tolerance_s: f32) -> Option<Edge> {
         let expected = match self.phase {
             Phase::Triggered { .. } | Phase::RunUp { .. } => None,
@@ -153,12 +154,12 @@ impl InFlight {
         Some(Edge {
             is_first_light: true,
             fault,
-            // Its command may not have left yet: it is not to open once more.
+            // The command may not have left yet; closing prevents a second opening.
             is_to_close: expected.is_some() && fault == Some(Fault::ShutterUnexpected),
         })
     }
 
-    /// A shutter that is open for too long is told to close, and given up where that does not help.
+    /// Tells a shutter that is open for too long to close, and gives up if that does not help.
     fn await_end(&mut self, now: Time, opened: Time, told: Option<Time>, tolerance_s: f32) -> Due {
         let planned = opened.plus_s(self.asked.exposure.exposure_s);
         match told {
@@ -178,7 +179,7 @@ impl InFlight {
         }
     }
 
-    /// Last light; `None` where it is no end of an exposure.
+    /// Takes last light; `None` if it does not end an exposure.
     fn close(&mut self, closed: Time, tolerance_s: f32) -> Option<Edge> {
         let Phase::Exposing { opened, .. } = self.phase else {
             return None;
@@ -202,7 +203,7 @@ impl InFlight {
         })
     }
 
-    /// Nobody has seen last light: it is taken to have come when it should.
+    /// Assumes last light at its planned time, since its edge was not seen.
     pub(super) fn assume_last_light(&mut self, opened: Time) {
         self.phase = Phase::Closed(Light {
             opened,

@@ -1,4 +1,4 @@
-//! The machine of readiness: whether a trigger is obeyed, and how.
+//! The machine of readiness: it decides if a trigger is obeyed, and with or without compensation.
 
 mod rounds;
 
@@ -20,7 +20,7 @@ const CLOCK_JUMP_US: u64 = whole_us(CLOCK_JUMP_S);
 pub(super) struct Readiness {
     mode: Mode,
     is_supply_good: bool,
-    /// A disarm waits for the exposure or the stage's way to end.
+    /// A disarm waits until the exposure or the stage's way has ended.
     is_disarming: bool,
     last_event: Option<Time>,
     rounds: Rounds,
@@ -28,12 +28,13 @@ pub(super) struct Readiness {
     lost_events: u32,
 }
 
-/// What it is, but for a frame in flight, which begins in [`Self::Armed`] or [`Self::Degraded`].
+/// State of readiness, except for a frame in flight, which begins in [`Self::Armed`] or
+/// [`Self::Degraded`].
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) enum Mode {
     /// Triggers are refused; the stage is left alone.
     Standby,
-    /// The stage goes to and fro: so many ways are left, and then the one to the waiting place.
+    /// The stage goes to and fro: `ways_left` ways are left, and then the one to the waiting place.
     Arming { ways_left: u8 },
     /// The stage returns after a frame.
     FlyBack,
@@ -45,30 +46,30 @@ pub(super) enum Mode {
     Fault(Fault),
 }
 
-/// What follows when the stage has arrived.
+/// Next step after the stage has arrived.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) enum Arrival {
-    /// To standby.
+    /// Go to standby.
     StandBy,
-    /// Another way of the exercise.
+    /// Make another way of the exercise.
     NextWay,
-    /// Ready.
+    /// Become ready.
     Ready,
 }
 
-/// What follows from the wish to disarm.
+/// Consequence of a command to disarm.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) enum Disarming {
     /// Nothing, or nothing yet.
     Later,
-    /// To standby.
+    /// Go to standby.
     Now,
-    /// The frame in flight is called off.
+    /// Call off the frame in flight.
     CallOff,
 }
 
 impl Readiness {
-    /// In standby, or with the fault of a start after the watchdog.
+    /// Returns the machine in standby, or with the fault of a start after the watchdog.
     pub(super) const fn new(mode: Mode) -> Self {
         Self {
             mode,
@@ -81,7 +82,7 @@ impl Readiness {
         }
     }
 
-    /// What it is, frames in flight left out.
+    /// The mode, frames in flight left out.
     pub(super) const fn mode(&self) -> Mode {
         self.mode
     }
@@ -90,7 +91,7 @@ impl Readiness {
         self.mode = mode;
     }
 
-    /// The state that is told, with that of a frame in flight.
+    /// Returns the state that is reported, given that of a frame in flight.
     pub(super) const fn state(&self, in_flight: Option<State>) -> State {
         match (self.mode, in_flight) {
             (Mode::Fault(fault), _) => State::Fault(fault),
@@ -102,10 +103,10 @@ impl Readiness {
         }
     }
 
-    /// How a trigger is obeyed: with compensation, or without because of a fault.
+    /// Decides how a trigger is obeyed: `None` is with compensation, a fault is without it.
     ///
     /// # Errors
-    /// Why it is refused.
+    /// The reason why the trigger is refused.
     pub(super) const fn admit(&self, is_in_flight: bool) -> Result<Option<Fault>, Reason> {
         match self.mode {
             Mode::Fault(fault) => Err(Reason::Fault(fault)),
@@ -117,8 +118,8 @@ impl Readiness {
         }
     }
 
-    /// An event of a time has come. Whether the clock has jumped: events come in order of time, or
-    /// nearly so, and one at least with every round.
+    /// Takes the time of an event. Returns `true` if the clock has jumped: events come in order of
+    /// time, or nearly so, and at least one with every round.
     pub(super) fn has_jumped(&mut self, time: Time) -> bool {
         let Some(last) = self.last_event else {
             self.last_event = Some(time);
@@ -134,19 +135,19 @@ impl Readiness {
         last.us_since(time) > LATE_EVENT_US
     }
 
-    /// The clock has jumped to a time.
+    /// Restarts the times after a jump of the clock to a time.
     pub(super) const fn restart_clock(&mut self, time: Time) {
         self.last_event = Some(time);
         self.rounds.restart();
     }
 
-    /// Whether no round has come yet.
+    /// Returns `true` before the first round.
     pub(super) const fn is_before_first_round(&self) -> bool {
         self.rounds.last().is_none()
     }
 
-    /// A round comes. Those that are late count; in standby, where a request may last longer than a
-    /// round, nothing follows from them.
+    /// Takes a round. Late rounds are counted; in standby, where a request may last longer than a
+    /// round, they have no other consequence.
     pub(super) fn come_round(&mut self, now: Time) -> Round {
         let round = self.rounds.look(now, self.mode != Mode::Standby);
         if let Round::Idle | Round::Late | Round::Overload = round {
@@ -155,16 +156,16 @@ impl Readiness {
         round
     }
 
-    /// So many events were lost.
+    /// Counts events that were lost.
     pub(super) const fn lose(&mut self, events: u32) {
         self.lost_events = self.lost_events.saturating_add(events);
     }
 
-    /// Somebody wants it armed. Whether it begins to be; in standby alone, elsewhere a disarm is
-    /// taken back.
+    /// Takes the command to arm. Returns `true` if arming begins, which it does in standby alone;
+    /// in any other state the command takes a disarm back.
     ///
     /// # Errors
-    /// Why it cannot be.
+    /// The fault that prevents arming.
     pub(super) const fn arm(&mut self) -> Result<bool, Fault> {
         match self.mode {
             Mode::Standby if !self.is_supply_good => Err(Fault::BrownOut),
@@ -176,7 +177,7 @@ impl Readiness {
         }
     }
 
-    /// Somebody wants it disarmed; the state is the one that is told.
+    /// Takes the command to disarm; `state` is the reported one.
     pub(super) const fn disarm(&mut self, state: State) -> Disarming {
         match state {
             State::Standby => Disarming::Later,
@@ -192,12 +193,12 @@ impl Readiness {
         }
     }
 
-    /// Whether a disarm has waited until now.
+    /// Returns `true` if a disarm has waited until now, and forgets it.
     pub(super) const fn take_disarm(&mut self) -> bool {
         core::mem::replace(&mut self.is_disarming, false)
     }
 
-    /// Somebody has looked at the fault. Whether it ends with that.
+    /// Acknowledges the fault. Returns `true` if it ends with that.
     pub(super) const fn clear_fault(&mut self) -> bool {
         let is_over = matches!(
             self.mode,
@@ -210,26 +211,26 @@ impl Readiness {
         is_over
     }
 
-    /// The supply is good, or too low to move the stage.
+    /// Notes that the supply is good, or too low to move the stage.
     pub(super) const fn set_supply(&mut self, is_good: bool) {
         self.is_supply_good = is_good;
     }
 
-    /// The stage begins its exercise.
+    /// Notes that the stage begins its exercise.
     pub(super) const fn start_exercise(&mut self) {
         self.mode = Mode::Arming {
             ways_left: EXERCISE_WAYS,
         };
     }
 
-    /// The stage begins a way back: of the exercise, or after a frame.
+    /// Notes that the stage begins a way back: of the exercise, or after a frame.
     pub(super) const fn go_back(&mut self) {
         if !matches!(self.mode, Mode::Arming { .. }) {
             self.mode = Mode::FlyBack;
         }
     }
 
-    /// The stage has arrived.
+    /// Notes that the stage has arrived.
     pub(super) const fn arrive(&mut self) -> Arrival {
         if self.take_disarm() {
             return Arrival::StandBy;
@@ -245,7 +246,7 @@ impl Readiness {
         }
     }
 
-    /// Ready for a trigger, with compensation or, for want of stage, time or V/H, without.
+    /// Becomes ready for a trigger, with compensation or, for want of stage, time or V/H, without.
     pub(super) fn become_ready(
         &mut self,
         now: Time,
@@ -265,7 +266,8 @@ impl Readiness {
         self.mode = why_not.map_or(Mode::Armed, Mode::Degraded);
     }
 
-    /// A fault ends whatever it is doing; in standby and in a fault, nothing. Whether it has.
+    /// Takes a fault, which ends every mode except standby and a fault. Returns `true` if it has
+    /// ended one.
     pub(super) const fn fail(&mut self, fault: Fault) -> bool {
         if let Mode::Standby | Mode::Fault(_) = self.mode {
             return false;
@@ -274,18 +276,18 @@ impl Readiness {
         true
     }
 
-    /// Whether a fault is over without anybody's help; those for which the stage must stand ask for
-    /// that.
+    /// Returns `true` if a fault has ended without a command; for most faults the stage must have
+    /// stood still.
     pub(super) fn is_over(&self, fault: Fault, has_stood: impl FnOnce() -> bool) -> bool {
         match fault {
             Fault::BrownOut => self.is_supply_good,
-            // Somebody must look at these.
+            // The operator has to clear these.
             Fault::Clock | Fault::Watchdog | Fault::ShutterLong => false,
             _ => has_stood(),
         }
     }
 
-    /// How far the stage is expected to do as it is told.
+    /// Degree to which the stage is expected to follow.
     pub(super) const fn obedience(&self) -> Obedience {
         match self.mode {
             Mode::Standby | Mode::Fault(_) => Obedience::None,

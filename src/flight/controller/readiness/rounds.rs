@@ -1,4 +1,4 @@
-//! Whether the control loop comes round in time.
+//! Timing of the control loop's rounds.
 
 use crate::flight::controller::timing::{LATE_TICK_S, OVERLOAD_ROUNDS, OVERLOAD_WINDOW_S};
 use crate::flight::time::Time;
@@ -8,28 +8,28 @@ use crate::flight::time::Time;
 pub(super) struct Rounds {
     last: Option<Time>,
     late_lately: u8,
-    /// The first of them, and the last.
+    /// The first and the last of the late rounds.
     late_first: Time,
     late_last: Time,
     is_overloaded: bool,
 }
 
-/// What a round shows.
+/// Finding of a round.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(in super::super) enum Round {
     Punctual,
-    /// Later than it should.
+    /// Later than it should be.
     Late,
     /// As late, but nothing depends on it.
     Idle,
-    /// Late, and too many others lately as well, for the first time.
+    /// Late, and for the first time too many others were late recently.
     Overload,
-    /// Before the one before.
+    /// Earlier than the round before.
     Backwards,
 }
 
 impl Rounds {
-    /// Before the first.
+    /// Returns the state before the first round.
     pub(super) const fn new() -> Self {
         Self {
             last: None,
@@ -40,7 +40,7 @@ impl Rounds {
         }
     }
 
-    /// The loop comes round; whether anything depends on that.
+    /// Judges a round; `is_needed` is `true` if anything depends on its time.
     pub(super) fn look(&mut self, now: Time, is_needed: bool) -> Round {
         let Some(last) = self.last.replace(now) else {
             return Round::Punctual;
@@ -68,7 +68,7 @@ impl Rounds {
         }
     }
 
-    /// Whether there have been too many late ones; over after a while of punctual ones.
+    /// Returns `true` after too many late rounds, until rounds have been punctual for a while.
     pub(super) fn is_overloaded(&mut self, now: Time) -> bool {
         if self.is_overloaded && now.seconds_since(self.late_last) > OVERLOAD_WINDOW_S {
             self.forget_overload();
@@ -76,18 +76,18 @@ impl Rounds {
         self.is_overloaded
     }
 
-    /// Somebody has looked at it.
+    /// Ends the overload, which the operator has acknowledged.
     pub(super) const fn forget_overload(&mut self) {
         self.is_overloaded = false;
         self.late_lately = 0;
     }
 
-    /// The clock has jumped: the next round is the first.
+    /// Restarts after a jump of the clock: the next round is the first.
     pub(super) const fn restart(&mut self) {
         self.last = None;
     }
 
-    /// The last one.
+    /// Time of the last round.
     pub(super) const fn last(&self) -> Option<Time> {
         self.last
     }

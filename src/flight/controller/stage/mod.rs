@@ -1,4 +1,4 @@
-//! The machine of the stage: the force on it, its readings, and what is wrong with it.
+//! The machine of the stage: the force on it, its readings, and its faults.
 
 mod exposure_motion;
 mod motion;
@@ -18,50 +18,50 @@ use crate::flight::stage_track::StageTrack;
 use crate::flight::stage_watch::{ReadingVerdict, StageWatch};
 use crate::flight::time::Time;
 
-/// The machine of the stage. It is released, waits at the start of a profile, or moves along one; a
-/// fault that nobody has cleared keeps it released.
+/// The machine of the stage. The stage is released, waits at the start of a profile, or moves along
+/// one; a fault that has not been cleared keeps it released.
 #[derive(Debug, Clone)]
 pub(super) struct StageMachine {
     /// `None`: no force on the stage.
     motion: Option<Motion>,
     track: StageTrack,
     watch: StageWatch,
-    /// Following error; without force, the place.
+    /// Following error; of a released stage, its position.
     following_slope: Slope,
     following_error: FollowingErrorRms,
-    /// What went wrong, until it is cleared: the stage is left alone.
+    /// Fault of the stage, until it is cleared; the stage stays released.
     fault: Option<Fault>,
-    /// The encoder has lost its place, until somebody has found it again.
+    /// The encoder has lost its place, until the operator has referred it again.
     is_place_lost: bool,
-    /// When the stage was read last, or the readings began to be waited for.
+    /// Time of the last reading, or the time from which readings are awaited.
     last_reading: Time,
-    /// Where it stands without force, and since when.
+    /// Position at which the released stage stands, and the time since when.
     standing_since: Option<(Time, f32)>,
     /// Wrong readings that were left out.
     glitches: u32,
 }
 
-/// How far the stage is expected to do as it is told.
+/// Degree to which the stage is expected to follow its set point.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) enum Obedience {
-    /// It may be moved by hand, or coast.
+    /// The stage may be moved by hand, or coast.
     None,
     /// The velocity loop is still learning.
     Unlearned,
-    /// It follows.
+    /// The stage follows.
     Full,
 }
 
-/// What a reading shows.
+/// Verdict on a reading.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) struct Seen {
     pub(super) verdict: ReadingVerdict,
-    /// Reading less set point, mm; without force, the place.
+    /// Reading less set point, mm; of a released stage, its position.
     error_mm: f32,
 }
 
 impl StageMachine {
-    /// A stage without force.
+    /// Returns a stage without force.
     #[inline]
     pub(super) const fn new(is_place_lost: bool) -> Self {
         Self {
@@ -82,10 +82,11 @@ impl StageMachine {
         }
     }
 
-    /// Judges a reading that came with an event of a time. `None`: it is left out, or the next will
-    /// tell.
+    /// Judges a reading that came with an event of a time. Returns `None` if the reading is left
+    /// out, or if the next one has to decide.
     ///
-    /// Where it is to be kept, [`Self::keep`] follows, after what the verdict leads to.
+    /// If the reading is to be kept, the caller calls [`Self::keep`] after it has acted on the
+    /// verdict.
     pub(super) fn look(
         &mut self,
         setup: &Setup,
@@ -98,7 +99,7 @@ impl StageMachine {
         }
         let older_s = time.seconds_since(reading.time);
         if !(-TICK_S..=LATE_EVENT_S).contains(&older_s) || reading.time < self.last_reading {
-            // No reading of now: where none comes, the encoder has failed.
+            // The reading is out of date; if no current one comes, the encoder has failed.
             return None;
         }
         let mut tolerance = setup.settings.stage_tolerance();
@@ -121,7 +122,7 @@ impl StageMachine {
         })
     }
 
-    /// Keeps a reading that is believed.
+    /// Keeps a reading that is trusted.
     pub(super) fn keep(&mut self, reading: StageReading, seen: Seen) {
         self.last_reading = reading.time;
         self.track.push(reading);
@@ -131,7 +132,7 @@ impl StageMachine {
         }
     }
 
-    /// The stage is to stand at the start of a profile until [`Self::begin`].
+    /// Lets the stage stand at the start of a profile until [`Self::begin`].
     pub(super) fn wait_for(&mut self, profile: Profile) {
         self.motion = Some(Motion {
             profile,
@@ -139,7 +140,7 @@ impl StageMachine {
         });
     }
 
-    /// The profile that has been waited for begins at a time; where there is none, nothing does.
+    /// Begins the profile that waits, if there is one, at a time.
     pub(super) fn begin(&mut self, began: Time) {
         if let Some(motion) = &mut self.motion
             && motion.began.is_none()
@@ -148,8 +149,8 @@ impl StageMachine {
         }
     }
 
-    /// From wherever it is the stage goes to a place, mm. False where there is no such way: a
-    /// number is none.
+    /// Sends the stage from its present position to a place, mm. Returns `false` if there is no
+    /// such way, as when a number is not finite.
     #[inline(never)]
     pub(super) fn go_to(&mut self, setup: &Setup, now: Time, place_mm: f32) -> bool {
         let from = self.setpoint(now).unwrap_or_else(|| Setpoint {
@@ -166,14 +167,14 @@ impl StageMachine {
         true
     }
 
-    /// Readings are waited for from now on, to be compared with nothing from before.
+    /// Awaits readings from now on, which are not compared with earlier ones.
     pub(super) fn expect_readings(&mut self, now: Time) {
         self.following_slope.clear();
         self.watch = StageWatch::new();
         self.last_reading = now;
     }
 
-    /// No force on the stage. Whether there was any.
+    /// Releases the stage. Returns `true` if there was force on it.
     pub(super) fn release(&mut self) -> bool {
         self.following_slope.clear();
         self.watch = StageWatch::new();
@@ -181,13 +182,13 @@ impl StageMachine {
         self.motion.take().is_some()
     }
 
-    /// Something is wrong, and where it is the stage, stays so until it is cleared.
+    /// Takes a fault; one of the stage stays until it is cleared.
     pub(super) fn fail(&mut self, fault: Fault) {
         if !is_of_the_stage(fault) {
             return;
         }
-        // Where it is the encoder that is the wrong way round, it has counted to a place where the
-        // stage is not: at a standstill that looks like a stage that runs away.
+        // A reversed encoder has counted to a place at which the stage is not. At a standstill such
+        // a stage looks like one that runs away.
         self.is_place_lost |= matches!(
             fault,
             Fault::Encoder | Fault::WrongDirection | Fault::Runaway
@@ -198,13 +199,13 @@ impl StageMachine {
         };
     }
 
-    /// The encoder has not counted for a while.
+    /// Notes that the encoder has not counted for a while.
     pub(super) const fn lose_place(&mut self) {
         self.is_place_lost = true;
         self.fault = Some(Fault::Encoder);
     }
 
-    /// The encoder counts from the calibrated position again.
+    /// Notes that the encoder counts from the calibrated position again.
     pub(super) fn refer(&mut self) {
         self.is_place_lost = false;
         self.track.clear();
@@ -212,37 +213,37 @@ impl StageMachine {
         self.fault = self.fault.filter(|fault| *fault != Fault::Encoder);
     }
 
-    /// Somebody has looked at the fault. A place that is lost stays so.
+    /// Clears the fault. A place that is lost stays lost.
     pub(super) fn clear_fault(&mut self) {
         self.fault = self.is_place_lost.then_some(Fault::Encoder);
     }
 
-    /// The clock has jumped: what was read so far has nothing to do with the times to come.
+    /// Forgets the readings after a jump of the clock: they cannot be compared with later times.
     pub(super) fn forget_readings(&mut self) {
         self.track.clear();
         self.following_slope.clear();
         self.standing_since = None;
     }
 
-    /// The clock has jumped to a time.
+    /// Restarts the time of the last reading after a jump of the clock.
     pub(super) const fn restart_clock(&mut self, now: Time) {
         self.last_reading = now;
     }
 
-    /// Whether the stage under force has not been read for too long.
+    /// Returns `true` if the stage under force has not been read for too long.
     pub(super) fn is_unread(&self, now: Time) -> bool {
         self.motion.is_some() && now.seconds_since(self.last_reading) > READINGS_CEASE_S
     }
 
-    /// Whether it stands at the end of its way, or has none.
+    /// Returns `true` if the stage stands at the end of its way, or has none.
     pub(super) fn has_arrived(&self, now: Time) -> bool {
         self.motion
             .as_ref()
             .is_none_or(|motion| motion.is_over(now))
     }
 
-    /// Whether the following error changes by no more than so much in an exposure, mm; where nobody
-    /// can know, it counts as if.
+    /// Returns `true` if the following error changes by at most `allowed_mm` in an exposure, mm, or
+    /// if that cannot be known.
     pub(super) fn is_steady(
         &self,
         setup: &Setup,
@@ -260,7 +261,7 @@ impl StageMachine {
                 .is_some_and(|error_mm_s| libm::fabsf(error_mm_s) * exposure_s <= allowed_mm)
     }
 
-    /// Whether the stage has not moved for [`STANDING_S`], as far as can be seen.
+    /// Returns `true` if the stage has not moved for [`STANDING_S`], as far as its readings show.
     pub(super) fn has_stood(&mut self, setup: &Setup, now: Time) -> bool {
         let offset_mm = self.last_place_mm();
         let tolerance_mm = setup.settings.stage_tolerance().following_mm;
@@ -275,12 +276,12 @@ impl StageMachine {
         }
     }
 
-    /// Where it should be at a time; `None` where it is released.
+    /// Returns the set point of a time; `None` if the stage is released.
     pub(super) fn setpoint(&self, now: Time) -> Option<Setpoint> {
         self.motion.as_ref().map(|motion| motion.setpoint(now))
     }
 
-    /// Where it should be at a time, mm; released, where it was read last.
+    /// Returns the set point's position, mm; of a released stage, its last reading.
     pub(super) fn place_mm(&self, now: Time) -> f32 {
         match self.setpoint(now) {
             Some(setpoint) => setpoint.offset_mm,
@@ -288,7 +289,7 @@ impl StageMachine {
         }
     }
 
-    /// Where it was read last, mm; 0 where it never was.
+    /// Returns the position of the last reading, mm; 0 before the first.
     fn last_place_mm(&self) -> f32 {
         self.track.last().map_or(0.0, |reading| reading.offset_mm)
     }
@@ -322,7 +323,7 @@ impl StageMachine {
     }
 }
 
-/// Faults after which the stage is left alone until they are cleared.
+/// Returns `true` for faults after which the stage stays released until they are cleared.
 const fn is_of_the_stage(fault: Fault) -> bool {
     matches!(
         fault,

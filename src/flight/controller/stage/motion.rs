@@ -1,18 +1,18 @@
-//! The motion that the stage has been told.
+//! Motion that the stage has been commanded to make.
 
 use crate::flight::stage::{Profile, Setpoint};
 use crate::flight::time::Time;
 
-/// A profile, and when it began; after its end, to stand.
+/// A profile, and the time at which it began; after its end the stage stands.
 #[derive(Debug, Clone)]
 pub(super) struct Motion {
     pub(super) profile: Profile,
-    /// `None`: it waits at its start.
+    /// `None` while the stage waits at the start of the profile.
     pub(super) began: Option<Time>,
 }
 
 impl Motion {
-    /// Where the stage should be.
+    /// Returns the set point.
     #[inline(never)]
     pub(super) fn setpoint(&self, now: Time) -> Setpoint {
         match self.began {
@@ -21,7 +21,7 @@ impl Motion {
         }
     }
 
-    /// Whether it should stand by now, at the end.
+    /// Returns `true` if the stage should stand at the end by now.
     pub(super) fn is_over(&self, now: Time) -> bool {
         self.began
             .is_some_and(|began| now.seconds_since(began) >= self.profile.duration_s())

@@ -19,7 +19,8 @@ fn ways_are_taken_in_order_as_they_are_lost() {
     assert_eq!(monitor.observe(at(4.0), VhSample::Direct(0.0602)), None);
     let source = |seconds| monitor.estimate(at(seconds)).map(|found| found.source);
     assert_eq!(source(4.1), Some(VhSource::Direct));
-    // Direct and radar are valid for 5 s; the terrain's height for 60 s, speed and altitude for 10 s.
+    // Direct and radar are valid for 5 s; the terrain's height for 60 s, speed and altitude for
+    // 10 s.
     assert_eq!(source(9.1), Some(VhSource::Terrain));
     assert_eq!(source(14.1), None);
     let direct_lost = flying(&GOOD);
@@ -62,7 +63,7 @@ fn inertial_speed_and_laser_take_over_and_their_differences_are_in_sigma() {
 #[test]
 fn silence_extrapolates_with_growing_sigma_in_pixels_until_its_validity_ends() {
     let monitor = flying(&GOOD[..2]);
-    // f·t/p of 150 mm, 1/200 s and 8.75 µm: what one σ of V/H smears.
+    // f·t/p of 150 mm, 1/200 s and 8.75 µm: smear per σ of V/H.
     let smear_px_s = 1000.0 * 150.0 * 0.005 / 8.75;
     let smear = |age: f32| {
         let estimate = monitor.estimate(at(4.0 + age)).unwrap();

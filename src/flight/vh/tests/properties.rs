@@ -1,4 +1,4 @@
-//! What holds whatever the sensors say.
+//! Properties that hold for all samples of the sensors.
 
 use super::*;
 
@@ -28,7 +28,7 @@ fn sample() -> impl Strategy<Value = VhSample> {
     })
 }
 
-/// σ of V/H from fresh samples of this source at the least.
+/// Returns the least σ of V/H, that of fresh samples of this source.
 fn base_sigma(settings: &VhSettings, estimate: &VhEstimate) -> f32 {
     let [_, highest] = settings.height_above_ground.range;
     match estimate.source {
@@ -72,7 +72,7 @@ proptest! {
         let mut now_us = 0;
         for (step_us, sample) in samples {
             now_us += step_us;
-            // One sensor of each quantity: another that takes over is fresher.
+            // One sensor of each quantity is used, since another that takes over is fresher.
             let sample = match sample {
                 VhSample::InertialSpeed(value) => VhSample::GroundSpeed(value),
                 VhSample::LaserHeight(value) => VhSample::HeightAboveGround(value),
@@ -100,7 +100,7 @@ proptest! {
     fn change_from_one_sample_to_the_next_is_bounded_by_slew_and_noise(
         heights in prop::collection::vec(number(), 1..60),
     ) {
-        // Fewer in a row than a jump needs to be believed, then a good one.
+        // Fewer samples in a row than a jump needs to be trusted, then a good one.
         let mut monitor = flying(&GOOD[..2]);
         // 100 m/s, and six σ of 3 m; single precision leaves a centimetre.
         let reach_m = |seconds: f32| 100.0 * seconds + 18.0 + 0.01;
@@ -118,7 +118,7 @@ proptest! {
             let believed = speed / found.vh_per_s;
             let (since, last) = before;
             let moved = (believed - last).abs();
-            // Five that agree with one another have a good one among them.
+            // Five samples that agree with one another have a good one among them.
             let is_jump_to_the_good = (believed - 1000.0).abs() <= 4.0 * reach_m(0.1);
             prop_assert!(
                 moved <= reach_m(seconds - since) || is_jump_to_the_good,

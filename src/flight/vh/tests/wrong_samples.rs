@@ -1,4 +1,4 @@
-//! Samples that are wrong, and what of them is used.
+//! Tests of wrong samples, and of their use.
 
 use super::*;
 
@@ -37,7 +37,7 @@ fn zero_and_negative_speed_and_height_never_give_vh() {
         monitor.observe(at(0.0), VhSample::HeightAboveGround(height));
         monitor.observe(at(0.0), VhSample::Direct(-0.06));
     }
-    // One good speed and one good height came separately: their quotient is good.
+    // One good speed and one good height came separately, so their quotient is good.
     assert!(error(&monitor, 0.0).unwrap() < 1e-6);
     let mut below_ground = VhMonitor::default();
     for sample in [
@@ -154,14 +154,14 @@ fn unit_that_changes_in_flight_is_named_and_not_used() {
         (VhSample::Altitude(1200.0 / 0.3048), WrongUnit::Feet),
         (VhSample::TerrainHeight(200.0 / 0.3048), WrongUnit::Feet),
     ] {
-        // Alone with its past, without another way.
+        // The source is alone with its past, without another way.
         let (channel, _) = VhChannel::of(sample);
         let alone: Vec<_> = GOOD
             .into_iter()
             .filter(|good| VhChannel::of(*good).0 == channel)
             .collect();
         let mut monitor = flying(&alone);
-        // However long it stays.
+        // It stays barred, however long the unit stays wrong.
         for step in 1..600_u16 {
             let now = at(4.0 + 0.1 * f32::from(step));
             let found = monitor.observe(now, noisy(sample, step)).unwrap();
@@ -193,7 +193,7 @@ fn unit_that_is_wrong_from_the_first_sample_is_found_against_another_way() {
         (&[inertial, GOOD[1]], VhSample::GroundSpeed(116.63)),
     ];
     for (others, wrong) in cases {
-        // In whatever order they come.
+        // The samples may come in any order.
         for wrong_first in [false, true] {
             let mut monitor = VhMonitor::default();
             let before = wrong_first.then_some(wrong);
@@ -217,7 +217,8 @@ fn unit_that_is_wrong_from_the_first_sample_is_found_against_another_way() {
 
 #[test]
 fn unit_wrong_from_the_first_sample_without_another_way_is_bounded_by_the_range() {
-    // Nothing to compare with: V/H is wrong by the factor, and says so to nobody. A range of the mission finds it.
+    // Without another source V/H is wrong by the factor, and no finding reports it. A range set for
+    // the mission finds it.
     let mut monitor = VhMonitor::default();
     monitor.observe(at(0.0), VhSample::GroundSpeed(60.0));
     monitor.observe(at(0.0), VhSample::HeightAboveGround(3280.84));

@@ -7,7 +7,7 @@ use cortex_m_rt::exception;
 
 use super::registers::{COUNTER, PRESCALER};
 
-/// Of the processor and of the counter.
+/// Cycles of the processor and of the counter per microsecond.
 pub(super) const CYCLES_PER_US: u32 = 25;
 const TICK_US: u32 = 1000;
 

@@ -4,7 +4,7 @@ use cortex_m::asm;
 
 use super::{clock, uart::LOG};
 
-/// What a byte asks for.
+/// Carries out the request of a byte, if there is one.
 pub(super) fn run() {
     match LOG.take() {
         Some(b'f') => asm::udf(),

@@ -1,4 +1,4 @@
-//! Ends of the firmware that it did not choose.
+//! Handlers of faults, panics and the watchdog.
 
 use core::sync::atomic::{AtomicBool, Ordering};
 
@@ -10,7 +10,7 @@ use super::super::cause;
 use super::{link, watchdog};
 use fmc_camera::io::link::message::ResetCause;
 
-/// Ends QEMU with failure: whoever waits for the camera learns at once.
+/// Ends QEMU with failure, so that the process that waits for the camera learns of it at once.
 fn stop(start: ResetCause) -> ! {
     cause::note(start);
     loop {
@@ -18,7 +18,7 @@ fn stop(start: ResetCause) -> ! {
     }
 }
 
-/// Follows the log of a panic.
+/// Stops after the log of a panic.
 #[allow(dead_code, reason = "the link check's panic handler does without")]
 pub(in super::super) fn stop_after_panic() -> ! {
     stop(ResetCause::Fault)
@@ -33,8 +33,8 @@ unsafe fn HardFault(frame: &ExceptionFrame) -> ! {
 /// One expiry has been forgiven since the main loop fed the watchdog last.
 pub(super) static FORGIVEN: AtomicBool = AtomicBool::new(false);
 
-/// The watchdog's expiry. Where it finds the main loop asleep, time may have jumped: that is forgiven once, and a main
-/// loop that is well wakes within a millisecond.
+/// Handles the watchdog's expiry. If the main loop is asleep, time may have jumped: that is
+/// forgiven once, and a main loop that works wakes within a millisecond.
 #[exception]
 unsafe fn NonMaskableInt() {
     if link::is_asleep() && !FORGIVEN.swap(true, Ordering::Relaxed) {
@@ -46,7 +46,7 @@ unsafe fn NonMaskableInt() {
     SCB::sys_reset()
 }
 
-/// All interrupts, of which one is switched on.
+/// Handles all interrupts, of which one is switched on.
 #[exception]
 unsafe fn DefaultHandler(number: i16) {
     if number == link::Receive::NUMBER.cast_signed() {

@@ -7,7 +7,7 @@ use cortex_m::{asm, interrupt::InterruptNumber, peripheral::NVIC};
 use super::super::receive_ring::ReceiveRing;
 use super::uart::LINK;
 
-/// How long the last byte may take to leave before a reset, in looks at the transmitter.
+/// Number of looks at the transmitter within which the last byte may leave before a reset.
 const LOOKS_AT_THE_END: u32 = 100_000;
 
 static RECEIVED: ReceiveRing = ReceiveRing::new();
@@ -21,7 +21,8 @@ impl Receive {
     pub(super) const NUMBER: u16 = 0;
 }
 
-// SAFETY: the number is that of the first UART's receive interrupt on this machine, and never changes.
+// SAFETY: the number is that of the first UART's receive interrupt on this machine, and never
+// changes.
 unsafe impl InterruptNumber for Receive {
     fn number(self) -> u16 {
         Self::NUMBER
@@ -31,13 +32,14 @@ unsafe impl InterruptNumber for Receive {
 /// Switches UART and interrupt on.
 pub(super) fn start(_: &mut NVIC) {
     LINK.start_with_interrupt();
-    // SAFETY: what the interrupt shares with the main loop is the ring, and who writes to it has interrupts masked.
+    // SAFETY: the interrupt shares the ring with the main loop, and every writer has interrupts
+    // masked.
     unsafe { NVIC::unmask(Receive) }
 }
 
-/// Moves what the UART holds into the ring; the interrupt. Where the ring is full, the byte stays in the UART, which
-/// counts as lost what comes on top of it; QEMU keeps back what the UART has no room for, so that nothing is lost
-/// there.
+/// Moves the UART's bytes into the ring; called by the interrupt. If the ring is full, the byte
+/// stays in the UART, which counts the bytes that overwrite it as lost. QEMU holds back bytes for
+/// which the UART has no room, so that none is lost there.
 pub(super) fn collect() {
     LINK.clear_interrupt();
     if LINK.take_overrun() {
@@ -50,33 +52,34 @@ pub(super) fn collect() {
     }
 }
 
-/// The next byte.
+/// Takes the next byte.
 pub(super) fn receive() -> Option<u8> {
     if RECEIVED.is_empty() {
-        // A byte that came before the interrupt was switched on, or stayed in the UART, makes no request any more, and
-        // would keep out all others.
+        // A byte that came before the interrupt was switched on, or stayed in the UART, makes no
+        // further request, and would keep out all others.
         cortex_m::interrupt::free(|_| collect());
     }
     RECEIVED.pop()
 }
 
-/// Bytes lost since asked last.
+/// Returns the number of bytes lost since the last call.
 pub(super) fn overruns() -> u32 {
     RECEIVED.take_lost()
 }
 
-/// Transmits from the start of `bytes` what the UART takes now, and says how many that were.
+/// Transmits bytes from the start of `bytes` as far as the UART takes them now, and returns their
+/// number.
 pub(super) fn send(bytes: &[u8]) -> usize {
     bytes.iter().take_while(|byte| LINK.put(**byte)).count()
 }
 
-/// Sleeps until an interrupt. Interrupts are masked from the look at the ring to the sleep, which ends by a masked
-/// one as well: none is slept through.
+/// Sleeps until an interrupt. Interrupts are masked from the look at the ring to the sleep, which a
+/// masked interrupt ends as well, so that none is missed.
 pub(super) fn wait() {
     cortex_m::interrupt::free(|_| {
         if RECEIVED.is_empty() && !LINK.holds_byte() {
             ASLEEP.store(true, Ordering::Relaxed);
-            // The compiler does not know that an exception looks at the flag while this sleeps.
+            // The compiler does not know that an exception reads the flag during the sleep.
             compiler_fence(Ordering::SeqCst);
             asm::wfi();
             compiler_fence(Ordering::SeqCst);
@@ -85,7 +88,7 @@ pub(super) fn wait() {
     });
 }
 
-/// Whether the main loop sleeps, as seen from an exception that is not masked.
+/// Returns `true` if the main loop sleeps, as seen from an exception that is not masked.
 pub(super) fn is_asleep() -> bool {
     ASLEEP.load(Ordering::Relaxed)
 }

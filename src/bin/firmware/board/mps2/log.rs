@@ -1,11 +1,12 @@
-//! Where the log goes: the second UART.
+//! Transport of the log: the second UART.
 
 use core::sync::atomic::{AtomicBool, Ordering};
 
 use super::uart::LOG;
 
-/// How long a byte may wait for the transmitter, in looks at it. A reader that is missing costs this once; then bytes
-/// are dropped until the transmitter is free again, and the decoder goes on with the next whole frame.
+/// Number of looks at the transmitter for which a byte may wait. A missing reader costs this wait
+/// once; then bytes are dropped until the transmitter is free again, and the decoder goes on with
+/// the next whole frame.
 const LOOKS: u32 = 10_000;
 
 static STALLED: AtomicBool = AtomicBool::new(false);

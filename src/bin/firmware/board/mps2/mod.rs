@@ -1,7 +1,7 @@
 //! QEMU's `mps2-an386` (Cortex-M4F) and `mps2-an500` (Cortex-M7): one image runs on both.
 //!
-//! The first UART is the link, the second the log. Arm's application notes AN386 and AN500 describe the peripherals and
-//! their addresses; QEMU's `hw/arm/mps2.c` says which of them it has.
+//! The first UART is the link, the second the log. Arm's application notes AN386 and AN500 describe
+//! the peripherals and their addresses; QEMU's `hw/arm/mps2.c` shows which of them it has.
 
 mod clock;
 #[cfg(drills)]
@@ -24,12 +24,12 @@ use super::cause;
 
 pub(super) use self::{clock::now_us, fault::stop_after_panic, log::carry_log};
 
-/// What the link flies.
+/// The camera of the link.
 pub(crate) type Deck = RigDeck;
 
 /// The board, started.
 pub(crate) struct Board {
-    /// The tick at which the watchdog was fed last.
+    /// The tick at which the watchdog was last fed.
     fed: u32,
 }
 
@@ -60,12 +60,12 @@ impl Board {
         ))
     }
 
-    /// A test rig.
+    /// Returns a test rig.
     pub(crate) const fn deck(start: ResetCause) -> Deck {
         RigDeck::after(start)
     }
 
-    /// Nothing: rounds come over the link.
+    /// Does nothing: rounds come over the link.
     #[inline]
     pub(crate) const fn fly(&mut self, _: &mut Deck) {}
 
@@ -81,7 +81,8 @@ impl Board {
         link::send(bytes)
     }
 
-    /// Once per tick: the loop runs once per byte, and the emulator takes long over a peripheral's register.
+    /// Feeds the watchdog once per tick: the loop runs once per byte, and the emulator takes long
+    /// over a peripheral's register.
     pub(crate) fn feed_watchdog(&mut self) {
         let now = clock::ticks();
         if now != self.fed {

@@ -1,18 +1,19 @@
-//! Where the peripherals' registers are: the only place that makes addresses, so that every access is to one of these.
+//! Registers of the peripherals: only this module makes addresses, so that every access is to one
+//! of these.
 
 /// A 32-bit register of a peripheral.
 #[derive(Clone, Copy)]
 pub(super) struct Register(usize);
 
 impl Register {
-    /// Reads it, with whatever that causes in the peripheral.
+    /// Reads it, with its side effects in the peripheral.
     pub(super) fn read(self) -> u32 {
-        // SAFETY: the address is one of those below: an aligned register of this machine, which Rust does not use as
-        // memory.
+        // SAFETY: the address is one of those below: an aligned register of this machine, which
+        // Rust does not use as memory.
         unsafe { (self.0 as *const u32).read_volatile() }
     }
 
-    /// Writes it, with whatever that causes in the peripheral.
+    /// Writes it, with its side effects in the peripheral.
     pub(super) fn write(self, value: u32) {
         // SAFETY: as for `read`; no peripheral of this machine writes to memory.
         unsafe { (self.0 as *mut u32).write_volatile(value) }
@@ -25,7 +26,7 @@ pub(super) struct UartRegisters {
     pub(super) data: Register,
     pub(super) state: Register,
     pub(super) control: Register,
-    /// Status when read, clears where ones are written.
+    /// Status when read; writing ones clears its bits.
     pub(super) interrupts: Register,
     pub(super) baud_divisor: Register,
 }

@@ -35,7 +35,7 @@ impl Uart {
             .write(ENABLE_BOTH_WAYS | ENABLE_RECEIVE_INTERRUPT);
     }
 
-    /// The byte received, if there is one.
+    /// Takes the byte received, if there is one.
     pub(super) fn take(self) -> Option<u8> {
         let [byte, ..] = self
             .holds_byte()
@@ -43,12 +43,13 @@ impl Uart {
         Some(byte)
     }
 
-    /// Whether a byte has been received.
+    /// Returns `true` if a byte has been received.
     pub(super) fn holds_byte(self) -> bool {
         self.0.state.read() & RECEIVER_FULL != 0
     }
 
-    /// Whether a byte was lost because the one before it had not been taken; asked once per loss.
+    /// Returns `true` if a byte was lost because the one before it had not been taken, once per
+    /// loss.
     pub(super) fn take_overrun(self) -> bool {
         let overrun = self.0.state.read() & RECEIVER_OVERRUN != 0;
         if overrun {
@@ -62,12 +63,12 @@ impl Uart {
         self.0.interrupts.write(RECEIVE_INTERRUPT);
     }
 
-    /// Whether the transmitter takes a byte now.
+    /// Returns `true` if the transmitter takes a byte now.
     pub(super) fn is_ready(self) -> bool {
         self.0.state.read() & TRANSMITTER_FULL == 0
     }
 
-    /// Transmits a byte; false where the transmitter is still busy with the one before.
+    /// Transmits a byte; returns `false` if the transmitter is still busy with the one before.
     pub(super) fn put(self, byte: u8) -> bool {
         let ready = self.is_ready();
         if ready {

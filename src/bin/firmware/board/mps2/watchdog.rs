@@ -1,7 +1,9 @@
-//! The watchdog: an NMI where the main loop has not come round for a quarter of a second; [`super::fault`] resets then.
+//! The watchdog: an NMI if the main loop has not come round for a quarter of a second;
+//! [`super::fault`] resets then.
 //!
-//! It could reset by itself at the second expiry, and on a board would. Here time can jump: while the processor sleeps,
-//! QEMU's follows the PC's, and a QEMU that was stopped for a second would find both expiries behind it.
+//! It could reset by itself at the second expiry, and on a board would. In QEMU time can jump:
+//! while the processor sleeps, QEMU's time follows the PC's, and after a stop of a second both
+//! expiries would have passed.
 
 use super::clock::CYCLES_PER_US;
 use super::registers::{WATCHDOG_CLEAR, WATCHDOG_CONTROL, WATCHDOG_LOAD, WATCHDOG_LOCK};
@@ -23,7 +25,8 @@ pub(super) fn feed() {
     unlocked(|| WATCHDOG_CLEAR.write(0));
 }
 
-/// Locked between accesses, so that code that runs wild is unlikely to feed it.
+/// Unlocks the registers for `act` alone: they are locked between accesses, so that code that runs
+/// wild is unlikely to feed the watchdog.
 fn unlocked(act: impl FnOnce()) {
     WATCHDOG_LOCK.write(KEY);
     act();

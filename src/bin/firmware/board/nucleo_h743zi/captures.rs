@@ -1,4 +1,5 @@
-//! The edges of trigger, time pulse and shutter sensor: stamped by TIM2, the clock itself, kept by its interrupt.
+//! Capture inputs of trigger, time pulse and shutter sensor: TIM2, the clock itself, stamps their
+//! edges, and its interrupt keeps them.
 
 use embassy_stm32::{
     Peri, bind_interrupts,
@@ -22,10 +23,10 @@ use fmc_camera::flight::{
     time::Clock,
 };
 
-/// Edges of one line that are kept from one round to the next.
+/// Number of edges of one line that are kept from one round to the next.
 const PLACES: usize = 8;
 
-/// What an edge of each channel is.
+/// Events of the edges, by channel.
 const EVENTS: [Event; 4] = [
     Event::Trigger,
     Event::TimePulse,
@@ -47,13 +48,14 @@ pub(super) struct CapturePins {
     pub(super) shutter_closed: Peri<'static, PB11>,
 }
 
-/// The inputs, at work.
+/// The inputs in operation.
 pub(super) struct Captures {
     _pins: [Flex<'static>; 4],
 }
 
 impl Captures {
-    /// Begins to stamp rising edges, where the clock runs. 8 samples at 200 MHz keep out what is shorter than 40 ns.
+    /// Begins to stamp rising edges, once the clock runs. 8 samples at 200 MHz reject pulses
+    /// shorter than 40 ns.
     pub(super) fn start(pins: CapturePins) -> Self {
         let input = AfType::input(Pull::Down);
         let pins = [
@@ -76,11 +78,11 @@ impl Captures {
                 w.set_cce(channel, true);
             }
         });
-        // What the set-up itself may have stamped.
+        // Stamps of the set-up itself are dropped.
         timer.sr().write_value(SrGp16(0));
         listen();
-        // SAFETY: the handler shares nothing with other code but atomics, and registers of which main loop and handler
-        // use the same one with interrupts masked alone.
+        // SAFETY: the handler shares with other code only atomics, and registers of which main loop
+        // and handler use the same one with interrupts masked alone.
         unsafe { typelevel::TIM2::enable() };
         Self { _pins: pins }
     }
@@ -105,10 +107,10 @@ fn listen() {
     });
 }
 
-/// Hands over what has been stamped.
+/// Hands over the stamped edges.
 pub(super) fn hand_over<Drive: FlownDrive>(clock: &mut Clock, deck: &mut FlownDeck<Drive>) {
     for (edges, event) in EDGES.iter().zip(EVENTS) {
-        // No more than were there at first, however fast they come.
+        // No more are taken than were there at first, however fast they come.
         for stamp in (0..PLACES).map_while(|_| edges.pop()) {
             deck.capture(clock.extend(stamp), event);
         }
@@ -117,11 +119,11 @@ pub(super) fn hand_over<Drive: FlownDrive>(clock: &mut Clock, deck: &mut FlownDe
             deck.count_lost(lost);
         }
     }
-    // A line that had filled its ring was not listened to any more.
+    // A line that had filled its ring was disabled until now.
     listen();
 }
 
-/// The interrupt of every edge.
+/// Interrupt of every edge.
 struct Capture;
 
 impl typelevel::Handler<typelevel::TIM2> for Capture {
@@ -134,14 +136,14 @@ impl typelevel::Handler<typelevel::TIM2> for Capture {
             if was_overwritten {
                 overrun.set_ccof(channel, false);
             }
-            // Reading it is what clears the interrupt.
+            // Reading the register clears the interrupt.
             let stamp = status.ccif(channel).then(|| timer.ccr(channel).read());
             if !edges.capture(stamp, was_overwritten) {
-                // Not before the next round.
+                // The line stays disabled until the next round.
                 timer.dier().modify(|w| w.set_ccie(channel, false));
             }
         }
-        // Zeros clear, ones leave.
+        // Zeros clear bits, ones leave them.
         timer.sr().write_value(overrun);
     }
 }

@@ -20,8 +20,8 @@ pub(super) const PERIPHERAL_HZ: u32 = 100_000_000;
 /// Clock of the timers, twice that of other peripherals.
 pub(super) const TIMER_MHZ: u16 = 200;
 
-/// The 8 MHz that the ST-LINK feeds in, multiplied to 800 MHz and halved. Buses run at their limits in this voltage
-/// range: 200 MHz, peripherals 100 MHz.
+/// Returns the clock tree: the 8 MHz that the ST-LINK feeds in are multiplied to 800 MHz and
+/// halved. Buses run at their limits in this voltage range: 200 MHz, peripherals 100 MHz.
 pub(super) fn configuration() -> Config {
     let mut config = Config::default();
     let rcc = &mut config.rcc;
@@ -48,8 +48,8 @@ pub(super) fn configuration() -> Config {
     config
 }
 
-/// Free-running 32-bit count of microseconds. It is the timer whose capture inputs receive trigger, time pulse and
-/// shutter, so that their time stamps are on this clock.
+/// Free-running 32-bit count of microseconds. Its timer has the capture inputs of trigger, time
+/// pulse and shutter, so that their time stamps are on this clock.
 pub(super) struct Microseconds {
     _timer: Timer<'static, TIM2>,
 }
@@ -66,7 +66,7 @@ impl Microseconds {
     }
 }
 
-/// The count, also before it has started.
+/// Returns the count, also before it has started.
 pub(in super::super) fn now_us() -> u32 {
     pac::TIM2.cnt().read()
 }

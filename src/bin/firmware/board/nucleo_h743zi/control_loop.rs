@@ -1,4 +1,4 @@
-//! The control loop: a round every millisecond, and no force where rounds fail to come.
+//! The control loop: a round every millisecond, and no force when rounds fail to come.
 
 use core::sync::atomic::{AtomicBool, Ordering};
 
@@ -11,13 +11,13 @@ use crate::journal;
 
 use super::{captures, clock, inputs, motor, shutter};
 
-/// From one round to the next.
+/// Time from one round to the next, µs.
 const ROUND_US: u32 = 1000;
 
 static IS_DUE: AtomicBool = AtomicBool::new(false);
 static GUARD: RoundGuard = RoundGuard::new();
 
-/// Begins to ask for rounds.
+/// Begins to request rounds.
 pub(super) fn start(timer: &mut SYST) {
     timer.set_clock_source(SystClkSource::Core);
     timer.set_reload(clock::CORE_MHZ * ROUND_US - 1);
@@ -26,17 +26,17 @@ pub(super) fn start(timer: &mut SYST) {
     timer.enable_counter();
 }
 
-/// Whether a round is waited for.
+/// Returns `true` if a round is due.
 pub(super) fn is_due() -> bool {
     IS_DUE.load(Ordering::Relaxed)
 }
 
-/// Whether rounds have failed to come.
+/// Returns `true` if rounds have failed to come.
 pub(super) fn is_overdue() -> bool {
     GUARD.is_overdue(clock::now_us())
 }
 
-/// Says what time it is, and makes a round where one is due.
+/// Sets the deck's time, and makes a round if one is due.
 pub(super) fn turn(time: &mut Clock, deck: &mut FlownDeck<motor::Drive>) {
     deck.set_now(time.extend(clock::now_us()));
     if !IS_DUE.swap(false, Ordering::Relaxed) {
@@ -51,7 +51,8 @@ pub(super) fn turn(time: &mut Clock, deck: &mut FlownDeck<motor::Drive>) {
             Action::OpenShutter { at, exposure_s } => shutter::open(at, exposure_s),
             Action::CloseShutter => shutter::close(),
             Action::Fault(fault) => journal::note_fault(fault),
-            // The stage's have been done; a camera whose rows are to be clocked is not prepared.
+            // The deck has carried out the stage's actions, and does not prepare a camera whose
+            // rows are to be clocked.
             Action::MoveStage(_)
             | Action::ReleaseStage
             | Action::ClockRows { .. }
@@ -60,13 +61,13 @@ pub(super) fn turn(time: &mut Clock, deck: &mut FlownDeck<motor::Drive>) {
     }
 }
 
-/// Nothing moves and nothing is exposed any more.
+/// Takes the force off the motor, and closes the shutter.
 pub(super) fn stop() {
     motor::off();
     shutter::close();
 }
 
-/// Asks for a round. It comes whether the main loop goes round or not.
+/// Requests a round, also if the main loop does not come round.
 #[exception]
 fn SysTick() {
     IS_DUE.store(true, Ordering::Relaxed);

@@ -1,5 +1,5 @@
-//! What follows a panic, a hard fault or an exception that nobody asked for: time for the log, a mark for the next
-//! start, a reset.
+//! Handlers of a panic, a hard fault or an unexpected exception: they leave time for the log, set a
+//! mark for the next start, and reset.
 
 use cortex_m::peripheral::SCB;
 use cortex_m_rt::exception;
@@ -11,7 +11,7 @@ use super::{clock::CORE_MHZ, control_loop};
 /// Time for the debugger to collect the log.
 const LOG_US: u32 = 20_000;
 
-/// Logs by `log`, unless that is what failed, and restarts.
+/// Logs by `log`, unless the log itself failed, and restarts.
 fn restart(log: impl FnOnce()) -> ! {
     control_loop::stop();
     if cause::noted() != ResetCause::Fault {
@@ -22,12 +22,12 @@ fn restart(log: impl FnOnce()) -> ! {
     SCB::sys_reset()
 }
 
-/// Follows the log of a panic.
+/// Restarts after the log of a panic.
 pub(in super::super) fn stop_after_panic() -> ! {
     restart(|| ())
 }
 
-/// Logs what the processor says of the fault.
+/// Logs the processor's registers of the fault.
 #[exception(trampoline = false)]
 unsafe fn HardFault() -> ! {
     // SAFETY: reading these registers has no effect.
@@ -44,7 +44,8 @@ unsafe fn HardFault() -> ! {
     })
 }
 
-/// Waiting here would keep out `SysTick`, which guards the motor, and the shutter's compare.
+/// Restarts at once: to wait here would keep out `SysTick`, which guards the motor, and the
+/// shutter's compare.
 #[exception]
 unsafe fn DefaultHandler(number: i16) -> ! {
     restart(|| defmt::error!("unexpected exception {=i16}", number))

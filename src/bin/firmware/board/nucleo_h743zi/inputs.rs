@@ -1,4 +1,5 @@
-//! Lines that the control loop looks at: limit switches, and the processor's own monitor of its supply.
+//! Lines that the control loop reads: limit switches, and the processor's own monitor of its
+//! supply.
 
 use embassy_stm32::{
     Peri,
@@ -10,14 +11,15 @@ use fmc_camera::flight::input_levels::InputLevels;
 
 use super::line::Line;
 
-/// Switches that open at the ends of the travel, between line and ground: a wire that breaks is an end, too.
+/// Switches that open at the ends of the travel, between line and ground: a broken wire also counts
+/// as an end.
 const LIMIT_LOW: Line = Line::new(pac::GPIOC, 8);
 const LIMIT_HIGH: Line = Line::new(pac::GPIOC, 9);
 
 /// The monitor's threshold, PLS of the manual RM0433: 2.85 V of the 3.3 V.
 const THRESHOLD: u8 = 0b110;
 
-/// The lines, ready to be read.
+/// The lines in operation.
 pub(super) struct Inputs {
     _switches: [Input<'static>; 2],
 }
@@ -38,7 +40,7 @@ impl Inputs {
     }
 }
 
-/// What they say now.
+/// Returns the present levels.
 pub(super) fn levels() -> InputLevels {
     InputLevels {
         limit_low: LIMIT_LOW.is_high(),

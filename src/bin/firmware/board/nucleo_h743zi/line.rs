@@ -1,4 +1,4 @@
-//! Single lines of the ports, worked from interrupts as well as from the main loop.
+//! Single lines of the ports, operated from interrupts as well as from the main loop.
 
 use core::convert::Infallible;
 
@@ -18,12 +18,12 @@ pub(crate) struct Line {
 }
 
 impl Line {
-    /// The line of a port with this number, below 16.
+    /// Returns the line of a port with this number, below 16.
     pub(super) const fn new(port: Gpio, number: u8) -> Self {
         Self { port, number }
     }
 
-    /// Sets an output: one store, so that nobody comes between.
+    /// Sets an output by one store, which no interrupt can divide.
     pub(super) fn set(self, is_high: bool) {
         let half = if is_high { 0 } else { 16 };
         self.port

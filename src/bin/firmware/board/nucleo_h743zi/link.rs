@@ -13,11 +13,11 @@ use embassy_stm32::{
 use super::super::receive_ring::ReceiveRing;
 use super::clock;
 
-/// Speed of the link. The divider of 100 MHz nearest to it errs by 0.5 %, a small part of what a receiver tolerates,
-/// and every operating system offers it by name.
+/// Speed of the link. The nearest divider of 100 MHz errs by 0.5 %, a small part of a receiver's
+/// tolerance, and every operating system offers this speed by name.
 const BAUD: u32 = 921_600;
 
-/// How long the last byte may take to leave before a reset, in looks at the transmitter.
+/// Number of looks at the transmitter within which the last byte may leave before a reset.
 const LOOKS_AT_THE_END: u32 = 100_000;
 
 /// The nearest divider.
@@ -34,7 +34,7 @@ bind_interrupts!(struct Interrupts {
     USART3 => Receiver;
 });
 
-/// The link, ready.
+/// The link in operation.
 pub(super) struct Link {
     _pins: [Flex<'static>; 2],
     registers: Usart,
@@ -69,7 +69,8 @@ impl Link {
             w.set_rxneie(true);
             w.set_ue(true);
         });
-        // SAFETY: the handler shares nothing with other code but atomics and registers that it alone uses.
+        // SAFETY: the handler shares with other code only atomics, and registers that it alone
+        // uses.
         unsafe { typelevel::USART3::enable() };
         Self {
             _pins: pins,
@@ -78,7 +79,8 @@ impl Link {
         }
     }
 
-    /// Waits until the last byte has left, or a while: the transmitter holds 16 bytes, which take 0.2 ms.
+    /// Waits until the last byte has left, or a while: the transmitter holds 16 bytes, which take
+    /// 0.2 ms.
     pub(super) fn finish(&self) {
         let mut looks = 0..LOOKS_AT_THE_END;
         while !self.registers.isr().read().tc() && looks.next().is_some() {}

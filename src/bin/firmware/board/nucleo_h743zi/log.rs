@@ -1,6 +1,7 @@
-//! Where the log goes: a buffer that the debugger reads while the processor runs (RTT).
+//! Transport of the log: a buffer that the debugger reads while the processor runs (RTT).
 //!
-//! Where nobody reads, or the buffer is full, bytes are dropped: logging never waits, and nothing in it can panic.
+//! If the buffer is not read, or is full, bytes are dropped: logging never waits, and nothing in it
+//! can panic.
 
 use core::sync::atomic::{AtomicU8, AtomicU32, Ordering};
 
@@ -8,7 +9,8 @@ const SIZE: u32 = 2048;
 
 static BUFFER: [AtomicU8; SIZE as usize] = [const { AtomicU8::new(0) }; SIZE as usize];
 
-/// What the debugger looks for: the layout is SEGGER's, with one channel to the PC and none back.
+/// Structure that the debugger looks for: the layout is SEGGER's, with one channel to the PC and
+/// none back.
 #[repr(C)]
 struct ControlBlock {
     id: [u8; 16],
@@ -20,7 +22,7 @@ struct ControlBlock {
     write: AtomicU32,
     /// Written by the debugger.
     read: AtomicU32,
-    /// Written by the debugger. It may ask to be waited for; it is not.
+    /// Written by the debugger. Its request to wait is ignored.
     flags: AtomicU32,
 }
 
@@ -37,7 +39,7 @@ static _SEGGER_RTT: ControlBlock = ControlBlock {
     flags: AtomicU32::new(0),
 };
 
-/// Appends to the buffer what fits.
+/// Appends bytes to the buffer as far as they fit.
 pub(in super::super) fn carry_log(bytes: &[u8]) {
     let channel = &_SEGGER_RTT;
     let mut write = channel.write.load(Ordering::Relaxed);

@@ -1,8 +1,9 @@
 //! ST NUCLEO-H743ZI2: STM32H743ZI, Cortex-M7 at 400 MHz.
 //!
-//! The link is USART3, which the board's ST-LINK shows to the PC as a serial port; logs leave through the debugger
-//! (RTT). A motor with an encoder moves the stage; edges of trigger, time pulse and shutter are stamped by the clock's
-//! own timer. `docs/board.md` has pins, connectors and instructions.
+//! The link is USART3, which the board's ST-LINK shows to the PC as a serial port; logs leave
+//! through the debugger (RTT). A motor with an encoder moves the stage; the clock's own timer
+//! stamps edges of trigger, time pulse and shutter. `docs/board.md` has pins, connectors and
+//! instructions.
 
 mod captures;
 mod clock;
@@ -37,12 +38,12 @@ use super::cause;
 
 pub(super) use self::{clock::now_us, fault::stop_after_panic, log::carry_log};
 
-/// The board with everything that the firmware uses of it.
+/// The board with all parts that the firmware uses.
 pub(crate) struct Board {
     link: Link,
     /// LD1, green: blinks while the main loop runs.
     alive: Output<'static>,
-    /// LD3, red: lit where this start follows a fault or the watchdog.
+    /// LD3, red: lit if this start follows a fault or the watchdog.
     _restarted: Output<'static>,
     time: Clock,
     _clock: Microseconds,
@@ -54,16 +55,16 @@ pub(crate) struct Board {
     _stepper: StepPins,
 }
 
-/// What the link flies: the camera on this board's pins.
+/// Type of the link's camera: that on this board's pins.
 pub(crate) type Deck = FlownDeck<motor::Drive>;
 
 impl Board {
     /// Name of this board.
     pub(crate) const NAME: &'static str = "nucleo-h743zi";
-    /// Whether [`Board::power_off`] switches the power off.
+    /// `true` if [`Board::power_off`] switches the power off.
     pub(crate) const CAN_POWER_OFF: bool = false;
 
-    /// Starts clocks, link and watchdog, once; `None` where that fails.
+    /// Starts clocks, link and watchdog, once; `None` if that fails.
     pub(crate) fn start() -> Option<(Self, ResetCause)> {
         start_watchdog();
         let start = reason_of_start();
@@ -88,7 +89,7 @@ impl Board {
                     encoder_b: p.PD13,
                 },
             ),
-            // Before what counts with it.
+            // The clock starts before the timers that count with it.
             _clock: Microseconds::start(p.TIM2),
             _captures: Captures::start(CapturePins {
                 trigger: p.PA0,
@@ -107,22 +108,23 @@ impl Board {
         Some((board, start))
     }
 
-    /// The camera on this board's pins, not prepared.
+    /// Returns the camera on this board's pins, not prepared.
     pub(crate) fn deck(start: ResetCause) -> Deck {
         FlownDeck::new(motor::drive(), start.unreferenced())
     }
 
-    /// A round of the control loop, where one is due.
+    /// Makes a round of the control loop, if one is due.
     pub(crate) fn fly(&mut self, deck: &mut Deck) {
         control_loop::turn(&mut self.time, deck);
     }
 
-    /// Oldest byte received, in order.
+    /// Takes the oldest byte received.
     pub(crate) fn receive(&mut self) -> Option<u8> {
         self.link.received.pop()
     }
 
-    /// Bytes lost since this was asked last; at least, where the receiver itself overran.
+    /// Returns the number of bytes lost since the last call; a lower bound if the receiver itself
+    /// overran.
     pub(crate) fn overruns(&mut self) -> u32 {
         self.link.received.take_lost()
     }
@@ -132,19 +134,19 @@ impl Board {
         self.link.send(bytes)
     }
 
-    /// Keeps the watchdog from resetting the board for 0.5 s, where rounds come, and blinks.
+    /// Keeps the watchdog from resetting the board for 0.5 s, if rounds come, and blinks.
     pub(crate) fn feed_watchdog(&mut self) {
-        // What asks for rounds also guards the motor: without it nobody would take the force off.
+        // The source of rounds also guards the motor: without it the force would stay on.
         if !control_loop::is_overdue() {
             pac::IWDG1.kr().write(|w| w.set_key(Key::RESET));
         }
-        // About once per second.
+        // The light blinks about once per second.
         let lit = clock::now_us() & (1 << 19) == 0;
         self.alive.set_level(lit.into());
     }
 
-    /// Sleeps until the next interrupt: a byte, or 1 ms at the latest. A byte or a round that has come just before is
-    /// not missed, since an interrupt that waits to be served also ends the sleep.
+    /// Sleeps until the next interrupt: a byte, or 1 ms at the latest. A byte or a round that has
+    /// come just before is not missed, since a pending interrupt also ends the sleep.
     pub(crate) fn idle(&mut self) {
         cortex_m::interrupt::free(|_| {
             if self.link.received.is_empty() && !control_loop::is_due() {
@@ -153,7 +155,7 @@ impl Board {
         });
     }
 
-    /// Most of the stack that has been used since the start, by what is left of the paint.
+    /// Largest part of the stack used since the start, from the rest of the paint.
     pub(crate) fn stack_used_bytes() -> u32 {
         super::stack::used_bytes()
     }
@@ -171,20 +173,21 @@ impl Board {
     }
 }
 
-/// Starts the watchdog before anything that could wait for ever, with the interval that it has after a reset: 0.5 s.
-/// It stands still while a debugger holds the processor.
+/// Starts the watchdog before any step that could wait for ever, with the interval that it has
+/// after a reset: 0.5 s. It stands still while a debugger holds the processor.
 fn start_watchdog() {
     pac::DBGMCU.apb4fzr1().modify(|w| w.set_iwdg1(true));
     pac::IWDG1.kr().write(|w| w.set_key(Key::START));
 }
 
-/// Why the processor started, from the flags of the reset controller, which it clears.
+/// Returns the cause of the processor's start, from the flags of the reset controller, which it
+/// clears.
 fn reason_of_start() -> ResetCause {
     let flags = pac::RCC.rsr().read();
     pac::RCC.rsr().modify(|w| w.set_rmvf(true));
-    // A brown-out leaves memory no more reliable than power coming on.
+    // After a brown-out memory is no more reliable than after power on.
     if flags.porrstf() || flags.borrstf() {
-        // Nor has the mark any content yet; reading it could fail the memory's error correction.
+        // The mark has no content yet; reading it could fail the memory's error correction.
         cause::forget();
         ResetCause::PowerOn
     } else if cause::take() == ResetCause::Fault {

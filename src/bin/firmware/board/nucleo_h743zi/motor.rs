@@ -1,4 +1,5 @@
-//! The motor: pulse width by TIM1, direction and enable by lines, its encoder counted by TIM4.
+//! The motor: TIM1 makes the pulse width, lines set direction and enable, and TIM4 counts the
+//! encoder.
 
 use core::convert::Infallible;
 
@@ -22,19 +23,19 @@ use fmc_camera::flight::drive::{
 
 use super::line::{Line, attach};
 
-/// Steps of the pulse width: 200 MHz over 20 kHz, above what can be heard.
+/// Steps of the pulse width: 200 MHz over 20 kHz, which is inaudible.
 const FULL_DUTY: u16 = 10_000;
 
 /// Low is positive duty.
 const DIRECTION: Line = Line::new(pac::GPIOE, 10);
 
-/// High lets the power stage on.
+/// High enables the power stage.
 const ENABLE: Line = Line::new(pac::GPIOE, 12);
 
-/// The drive that the library flies.
+/// The drive of the library's camera.
 pub(crate) type Drive = EnabledDrive<PwmEncoder<MotorPwm, Line, Encoder>, Line>;
 
-/// The drive, without force, with the settings of no flight yet.
+/// Returns the drive, without force, with the default settings.
 pub(super) fn drive() -> Drive {
     let pins = Pins {
         pwm: MotorPwm,
@@ -46,7 +47,7 @@ pub(super) fn drive() -> Drive {
     EnabledDrive::new(PwmEncoder::unprepared(pins), ENABLE)
 }
 
-/// Takes the force off, from wherever: the next set point puts it on again.
+/// Takes the force off, from any context: the next set point puts it on again.
 pub(super) fn off() {
     ENABLE.set(false);
     pac::TIM1.ccr(0).write(|w| w.set_ccr(0));
@@ -61,7 +62,7 @@ pub(super) struct MotorPins {
     pub(super) encoder_b: Peri<'static, PD13>,
 }
 
-/// Pins and timers, at work.
+/// Pins and timers in operation.
 pub(super) struct Motor {
     _outputs: [Output<'static>; 2],
     _timed: [Flex<'static>; 3],
@@ -94,7 +95,8 @@ impl Motor {
     }
 }
 
-/// Edge-aligned, from duty 0. The timer stops, and its output is low, while a debugger holds the processor.
+/// Starts the pulses, edge-aligned, from duty 0. The timer stops, and its output is low, while a
+/// debugger holds the processor.
 fn start_pulses() {
     let timer = pac::TIM1;
     pac::DBGMCU.apb2fzr1().modify(|w| w.set_tim1(true));
@@ -104,7 +106,7 @@ fn start_pulses() {
     timer.ccmr_output(0).modify(|w| {
         w.set_ccs(0, CcmrOutputCcs::OUTPUT);
         w.set_ocm(0, OcmGp::PWM_MODE1);
-        // A new width counts at once: 0 is to end the pulse before the direction turns.
+        // A new width acts at once: 0 must end the pulse before the direction changes.
         w.set_ocpe(0, false);
     });
     timer.ccer().modify(|w| w.set_cce(0, true));
@@ -116,7 +118,7 @@ fn start_pulses() {
     timer.cr1().modify(|w| w.set_cen(true));
 }
 
-/// Every edge of both tracks; 8 samples at 200 MHz keep out what is shorter than 40 ns.
+/// Counts every edge of both tracks; 8 samples at 200 MHz reject pulses shorter than 40 ns.
 fn start_encoder() {
     let timer = pac::TIM4;
     timer.arr().write(|w| w.set_arr(u16::MAX));

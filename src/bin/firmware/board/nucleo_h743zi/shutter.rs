@@ -1,4 +1,4 @@
-//! The shutter's command: a line that the compare interrupt of TIM5 works, beside the clock.
+//! The shutter's command: a line that the compare interrupt of TIM5 sets, in step with the clock.
 
 use core::cell::Cell;
 
@@ -21,10 +21,10 @@ use super::{clock, line::Line};
 /// High opens, low closes.
 const COMMAND: Line = Line::new(pac::GPIOC, 10);
 
-/// Tries to set the counter beside the clock: an interrupt may come between.
+/// Number of tries to set the counter equal to the clock: an interrupt may come between.
 const TRIES: usize = 16;
 
-/// Most changes of the wire at one time: it opens, it closes, and it stays.
+/// Largest number of changes of the wire at one time: it opens, it closes, and it stays.
 const CHANGES: usize = 4;
 
 static SHUTTER: Mutex<Cell<ShutterOutput>> = Mutex::new(Cell::new(ShutterOutput::new()));
@@ -33,15 +33,15 @@ bind_interrupts!(struct Interrupts {
     TIM5 => Compare;
 });
 
-/// Line and timer, at work.
+/// Line and timer in operation.
 pub(super) struct Shutter {
     _command: Output<'static>,
     _timer: Timer<'static, TIM5>,
 }
 
 impl Shutter {
-    /// Starts the timer so that it counts with the clock, which runs already, to within a microsecond; the shutter is
-    /// told to be closed.
+    /// Starts the timer so that it counts with the clock, which runs already, to within a
+    /// microsecond; the shutter is told to be closed.
     pub(super) fn start(timer: Peri<'static, TIM5>, command: Peri<'static, PC10>) -> Self {
         let command = Output::new(command, Level::Low, Speed::Medium);
         let timer = Timer::new(timer);
@@ -58,7 +58,8 @@ impl Shutter {
             }
         }
         counter.sr().write_value(SrGp16(0));
-        // SAFETY: what the handler shares with other code is reached with interrupts masked alone.
+        // SAFETY: the handler shares with other code only state that is reached with interrupts
+        // masked.
         unsafe { typelevel::TIM5::enable() };
         Self {
             _command: command,
@@ -67,12 +68,12 @@ impl Shutter {
     }
 }
 
-/// The command leaves at a time, for an exposure.
+/// Sets the command that leaves at a time, for an exposure, s.
 pub(super) fn open(at: Time, exposure_s: f32) {
     change(|shutter| shutter.open(at, exposure_s));
 }
 
-/// The shutter closes at once, or stays closed.
+/// Closes the shutter at once, or keeps it closed.
 pub(super) fn close() {
     change(ShutterOutput::close);
 }
@@ -87,7 +88,8 @@ fn change(change: impl FnOnce(&mut ShutterOutput)) {
     });
 }
 
-/// Sets the wire, and the next compare; with interrupts masked. All times are of one counter, so that none is missed.
+/// Sets the wire, and the next compare; with interrupts masked. All times are of one counter, so
+/// that none is missed.
 fn work(shutter: &mut ShutterOutput) {
     let timer = pac::TIM5;
     for _ in 0..CHANGES {
@@ -105,7 +107,7 @@ fn work(shutter: &mut ShutterOutput) {
             return;
         }
     }
-    // More than can be: the interrupt looks again.
+    // More changes cannot be due at once; the interrupt looks again.
     timer.egr().write(|w| w.set_ccg(0, true));
 }
 

@@ -1,4 +1,4 @@
-//! Pins of a motor that is driven by steps: named and reserved, not driven yet.
+//! Pins of a stepper: named and reserved, not driven yet.
 
 use embassy_stm32::{
     Peri,
@@ -6,7 +6,7 @@ use embassy_stm32::{
     timer::{Ch1, GeneralInstance4Channel, TimerChannel, TimerPin},
 };
 
-/// One pin for each signal; `docs/board.md` says where each comes out.
+/// One pin for each signal; `docs/board.md` has their connectors.
 #[expect(dead_code, reason = "reserved for a stepper")]
 pub(super) struct StepPins {
     /// Steps.
