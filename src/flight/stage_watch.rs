@@ -38,6 +38,7 @@ pub(crate) enum ReadingVerdict {
 /// # Model
 /// A reading whose step from the last differs from its set point's by more than `jump_mm` is
 /// suspicious. With the next it turns out to be
+/// - a glitch, where that one steps back by as much;
 /// - lost or added counts, [`Fault::Encoder`], where that one follows again from the new place;
 /// - motion of the stage otherwise.
 ///
