@@ -83,7 +83,7 @@ pub(crate) fn flight() -> Result<String, Box<dyn Error>> {
         while let Some(record) = unit.controller().record(0) {
             if let Outcome::Exposed(frame) = &record.outcome {
                 let place_um = 1e3 * frame.interior.motion.centroid_mm;
-                let sigma_um = 1e3 * frame.principal_point_sigma_mm;
+                let sigma_um = 1e3 * frame.principal_point_sigma.total_mm();
                 writeln!(log, "principal point {place_um:.2} µm, σ {sigma_um:.2} µm")?;
                 writeln!(log, "at {}, smear {:.2} px", frame.centroid, frame.smear_px)?;
             }

@@ -7,6 +7,7 @@ use super::camera::FrameError;
 use super::fault::{Fault, Faults};
 pub use super::flag::{Flag, Flags};
 use super::interior_orientation::InteriorOrientation;
+use super::principal_point_sigma::PrincipalPointSigma;
 use super::time::Time;
 use super::utc::UtcTime;
 use super::vh::VhEstimate;
@@ -62,8 +63,8 @@ pub struct ExposedFrame {
     pub planned_travel_mm: f32,
     /// Interior orientation from the measured motion.
     pub interior: InteriorOrientation,
-    /// σ of the centroid principal point along the FMC axis, mm.
-    pub principal_point_sigma_mm: f32,
+    /// σ of the centroid principal point along the FMC axis.
+    pub principal_point_sigma: PrincipalPointSigma,
     /// Predicted residual smear, the largest on the sensor with one σ of V/H, µm.
     pub smear_um: f32,
     /// The same in pixels.

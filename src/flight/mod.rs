@@ -16,6 +16,8 @@ mod following_error_rms;
 pub mod frame_record;
 pub mod input_levels;
 pub mod interior_orientation;
+mod play;
+pub mod principal_point_sigma;
 pub mod record_log;
 pub mod rig;
 pub mod ring;

@@ -140,6 +140,10 @@ quantities! {
     HomingOffsetMm = "homing_offset_mm", -100.0, 100.0;
     HomingSpeedMmS = "homing_speed_mm_s", 1e-3, 1e5;
     HomingTravelMm = "homing_travel_mm", 0.0, 200.0;
+    PlayUm = "play_um", 0.0, 1000.0;
+    EncoderScalePpm = "encoder_scale_ppm", 0.0, 10_000.0;
+    ZeroSigmaUm = "zero_sigma_um", 0.0, 1000.0;
+    ReadingAgeSigmaS = "reading_age_sigma_s", 0.0, 0.01;
 }
 
 impl Quantity {

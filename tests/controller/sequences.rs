@@ -95,5 +95,5 @@ fn closes(bench: &Bench) -> usize {
 fn is_unflagged(record: &FrameRecord) -> bool {
     record.flags == Flags::NONE
         && record.faults == Faults::NONE
-        && exposed(record).principal_point_sigma_mm < 1e-3
+        && exposed(record).principal_point_sigma.total_mm() < 1e-3
 }

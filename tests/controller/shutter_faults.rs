@@ -93,7 +93,7 @@ fn shutter_that_does_not_close_is_given_up_with_a_record() {
     assert!(record.flags.contains(Flag::LastLightAssumed));
     let frame = exposed(&record);
     assert!((frame.interior.exposure_s - 1.0 / 300.0).abs() < 1e-6);
-    assert!(frame.principal_point_sigma_mm > 0.03);
+    assert!(frame.principal_point_sigma.total_mm() > 0.03);
 }
 
 #[test]

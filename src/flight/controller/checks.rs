@@ -43,7 +43,7 @@ impl Controller {
             ReadingVerdict::Fault(fault) => self.fail(fault, actions),
         }
         if seen.verdict != ReadingVerdict::Fault(Fault::Encoder) {
-            self.stage.keep(reading, seen);
+            self.stage.keep(&self.setup, reading, seen);
         }
     }
 }

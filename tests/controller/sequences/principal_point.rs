@@ -33,11 +33,11 @@ fn closing_edge_never_seen_is_not_a_measured_centroid() {
     // The planned and true centroid is 0.
     let off_mm = frame.interior.motion.centroid_mm;
     assert!(
-        off_mm.abs() <= 3.0 * frame.principal_point_sigma_mm
+        off_mm.abs() <= 3.0 * frame.principal_point_sigma.total_mm()
             || record.flags.contains(Flag::StaticCorrection)
             || record.flags.contains(Flag::ExtrapolatedMotion),
         "{off_mm} mm off, σ {} mm, flags {:?}",
-        frame.principal_point_sigma_mm,
+        frame.principal_point_sigma.total_mm(),
         record.flags.iter().collect::<Vec<_>>()
     );
 }

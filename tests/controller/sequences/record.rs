@@ -42,7 +42,7 @@ fn exposure_cut_by_a_clock_jump_is_not_measured() {
     assert!(
         record.flags.contains(Flag::StaticCorrection),
         "σ {} mm, flags {:?}",
-        exposed(&record).principal_point_sigma_mm,
+        exposed(&record).principal_point_sigma.total_mm(),
         record.flags.iter().collect::<Vec<_>>()
     );
 }

@@ -51,7 +51,7 @@ fn fields_of_a_record_are_those_of_the_code() {
         planned_opening_mm,
         planned_travel_mm,
         interior,
-        principal_point_sigma_mm,
+        principal_point_sigma,
         smear_um,
         smear_px,
     });

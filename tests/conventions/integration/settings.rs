@@ -20,7 +20,7 @@ macro_rules! settings {
     };
 }
 
-const SETTINGS: [(&str, Field); 23] = settings![
+const SETTINGS: [(&str, Field); 27] = settings![
     exposure_s,
     smear_budget_px,
     speed_tolerance_percent,
@@ -32,6 +32,10 @@ const SETTINGS: [(&str, Field); 23] = settings![
     time_pulse_sigma_s,
     vh.disagreement_percent,
     drive.encoder_step_um,
+    drive.play_um,
+    drive.encoder_scale_ppm,
+    drive.zero_sigma_um,
+    drive.reading_age_sigma_s,
     drive.velocity_loop.position_gain_per_s,
     drive.velocity_loop.speed_gain_per_mm_s,
     drive.velocity_loop.integral_rate_per_s,
@@ -94,6 +98,11 @@ fn settings_without_a_range_are_named() {
             DriveSettings {
                 encoder_step_um: _,
                 encoder_reversed: _,
+                encoder_side: _,
+                play_um: _,
+                encoder_scale_ppm: _,
+                zero_sigma_um: _,
+                reading_age_sigma_s: _,
                 motor_reversed: _,
                 velocity_loop:
                     LoopSettings {
@@ -116,6 +125,7 @@ fn settings_without_a_range_are_named() {
         "`direction`",
         "`encoder_survives_brown_out`",
         "`drive.encoder_reversed`",
+        "`drive.encoder_side`",
         "`drive.motor_reversed`",
     ] {
         assert!(DOCUMENT.contains(name), "{name}");

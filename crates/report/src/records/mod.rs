@@ -82,6 +82,7 @@ mod tests {
     use fmc_camera::flight::exposure::Exposure;
     use fmc_camera::flight::fault::{Fault, Faults};
     use fmc_camera::flight::frame_record::{ExposedFrame, Flag, Flags, Outcome, Reason};
+    use fmc_camera::flight::principal_point_sigma::PrincipalPointSigma;
     use fmc_camera::flight::time::Time;
     use fmc_camera_file::CameraFile;
 
@@ -112,7 +113,10 @@ mod tests {
                 planned_opening_mm: -0.02,
                 planned_travel_mm: 0.04,
                 interior: frame.interior,
-                principal_point_sigma_mm: 1e-4,
+                principal_point_sigma: PrincipalPointSigma {
+                    frame_mm: 6e-5,
+                    common_mm: 8e-5,
+                },
                 smear_um: 0.5,
                 smear_px: 0.06,
             }),

@@ -9,7 +9,7 @@ use fmc_camera::geometry::frame_correction::Terms;
 use serde::Serialize;
 
 /// Names of the columns, as the fields of [`Row`].
-pub(super) const NAMES: [&str; 41] = [
+pub(super) const NAMES: [&str; 43] = [
     "sequence",
     "trigger_us",
     "outcome",
@@ -51,6 +51,8 @@ pub(super) const NAMES: [&str; 41] = [
     "fault_codes",
     "flags",
     "calibration_crc32",
+    "principal_point_frame_sigma_mm",
+    "principal_point_common_sigma_mm",
 ];
 
 /// A list of names: several in one cell, or an array.
@@ -114,6 +116,8 @@ pub(super) struct Row<L> {
     fault_codes: String,
     flags: L,
     calibration_crc32: String,
+    principal_point_frame_sigma_mm: Option<f32>,
+    principal_point_common_sigma_mm: Option<f32>,
 }
 
 impl<L: Names> Row<L> {
@@ -147,7 +151,7 @@ impl<L: Names> Row<L> {
             exposure_s: frame(|frame| frame.interior.exposure_s),
             principal_point_x_mm: frame(|frame| frame.interior.principal_point.x_mm),
             principal_point_y_mm: frame(|frame| frame.interior.principal_point.y_mm),
-            principal_point_sigma_mm: frame(|frame| frame.principal_point_sigma_mm),
+            principal_point_sigma_mm: frame(|frame| frame.principal_point_sigma.total_mm()),
             principal_distance_mm: frame(|frame| frame.interior.principal_distance_mm),
             focus_shift_mm: frame(|frame| frame.interior.focus_shift_mm),
             enlargement: frame(|frame| frame.interior.enlargement),
@@ -185,6 +189,8 @@ impl<L: Names> Row<L> {
             fault_codes: codes.join("; "),
             flags: L::of(record.flags.iter().map(Flag::name).collect()),
             calibration_crc32: format!("{:08x}", record.calibration_crc),
+            principal_point_frame_sigma_mm: frame(|frame| frame.principal_point_sigma.frame_mm),
+            principal_point_common_sigma_mm: frame(|frame| frame.principal_point_sigma.common_mm),
         }
     }
 }

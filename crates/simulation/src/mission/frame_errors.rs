@@ -45,7 +45,7 @@ impl FrameErrors {
         Some(Self {
             pp_error_px: (reported_offset_mm(camera, exposed) - truth.centroid_offset_mm)
                 / pixel_mm,
-            sigma_px: f64::from(exposed.principal_point_sigma_mm) / pixel_mm,
+            sigma_px: f64::from(exposed.principal_point_sigma.total_mm()) / pixel_mm,
             smear_px: truth.smear_mm / pixel_mm,
             compensation_px: truth.compensation_smear_mm / pixel_mm,
             predicted_px: f64::from(exposed.smear_px),

@@ -1,19 +1,19 @@
 //! Settings of the camera for the aircraft, the shutter and the stage.
 
 use fmc_camera::flight::drive::loop_settings::{LoopSettings, Plant};
-use fmc_camera::flight::drive::settings::DriveSettings;
+use fmc_camera::flight::drive::settings::{DriveSettings, EncoderSide};
 use fmc_camera::flight::settings::FlightSettings;
 use fmc_camera::flight::vh::{ChannelSettings, VhSettings};
 use fmc_camera_file::number::single;
 
 use super::file::{MissionFile, VhSourceName};
-use crate::mechanics::MechanicsSettings;
+use crate::mechanics::{self, MechanicsSettings};
 
 /// Factor of a source's period after which the source counts as silent.
 const PERIODS: f64 = 1.5;
 
 /// Returns the settings of a scenario's camera: everything that its engineer knows of the simulated
-/// hardware, and nothing that only the simulation knows (jitter, play, noise).
+/// hardware, its play included, and nothing that only the simulation knows (jitter, phase, noise).
 #[must_use]
 pub fn flight_settings(written: &MissionFile, interval_s: f64) -> FlightSettings {
     let mut settings = FlightSettings {
@@ -23,6 +23,14 @@ pub fn flight_settings(written: &MissionFile, interval_s: f64) -> FlightSettings
         trigger_interval_s: single(interval_s),
         drive: DriveSettings {
             encoder_step_um: single(written.mechanics.encoder_step_um),
+            encoder_side: match written.mechanics.encoder_side {
+                mechanics::EncoderSide::Screw => EncoderSide::Screw,
+                mechanics::EncoderSide::Stage => EncoderSide::Stage,
+            },
+            play_um: single(written.mechanics.backlash_um),
+            encoder_scale_ppm: 0.0,
+            zero_sigma_um: 0.0,
+            reading_age_sigma_s: 0.0,
             velocity_loop: velocity_loop(&written.mechanics),
             ..DriveSettings::default()
         },

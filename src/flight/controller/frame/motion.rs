@@ -5,6 +5,7 @@ use crate::flight::controller::setup::Setup;
 use crate::flight::controller::stage::{ExposureMotion, StageMachine};
 use crate::flight::controller::timing::STAMP_SIGMA_S;
 use crate::flight::frame_record::Flag;
+use crate::flight::principal_point_sigma::PrincipalPointSigma;
 use crate::geometry::principal_point::{PrincipalPointMotion, UniformTravel};
 
 impl InFlight {
@@ -34,7 +35,10 @@ impl InFlight {
         let planned = self.planned_travel(light);
         ExposureMotion {
             motion: setup.camera.rows(planned),
-            sigma_mm: libm::fabsf(planned.speed_mm_s) * STAMP_SIGMA_S,
+            sigma: PrincipalPointSigma {
+                frame_mm: libm::fabsf(planned.speed_mm_s) * STAMP_SIGMA_S,
+                common_mm: 0.0,
+            },
             wander_mm: 0.0,
         }
     }
@@ -47,7 +51,10 @@ impl InFlight {
         let (planned, shutter) = (self.planned_travel(light), setup.camera.shutter());
         ExposureMotion {
             motion: PrincipalPointMotion::from_plan(planned, shutter),
-            sigma_mm: setup.half_stroke_mm(),
+            sigma: PrincipalPointSigma {
+                frame_mm: setup.half_stroke_mm(),
+                common_mm: 0.0,
+            },
             wander_mm: if self.flags.contains(Flag::NoCompensation) {
                 0.0
             } else {

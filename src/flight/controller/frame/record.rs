@@ -23,13 +23,15 @@ impl FrameMachine {
         };
         let sequence = frame.asked.sequence;
         let mut flags = frame.flags;
-        let mut sigma_mm = measured.sigma_mm;
+        let mut sigma = measured.sigma;
         if light.is_end_assumed {
             flags.insert(Flag::LastLightAssumed);
             if let Some(last) = stage.track().last() {
                 // The shutter may have been open until now: the centroid may lie half as far on.
                 let closing_mm = measured.motion.opening_offset_mm + measured.motion.travel_mm;
-                sigma_mm = sigma_mm.max(0.5 * libm::fabsf(last.offset_mm - closing_mm));
+                sigma.frame_mm = sigma
+                    .frame_mm
+                    .max(0.5 * libm::fabsf(last.offset_mm - closing_mm));
             }
         }
         let exposure = Exposure {
@@ -43,17 +45,14 @@ impl FrameMachine {
         };
         let predicted = setup.camera.frame_of(&exposure, &measured.motion).ok();
         let predicted = predicted.or_else(|| {
-            sigma_mm = setup.half_stroke_mm();
+            sigma.frame_mm = setup.half_stroke_mm();
             flags.insert(Flag::PlannedMotion);
             flags.insert(Flag::StaticCorrection);
             setup.standing_frame(&exposure)
         });
         let outcome = if let Some(predicted) = predicted {
             self.kept.set_latest(sequence, predicted);
-            let measured = ExposureMotion {
-                sigma_mm,
-                ..measured
-            };
+            let measured = ExposureMotion { sigma, ..measured };
             Outcome::Exposed(
                 frame.exposed(light, &predicted, &measured, setup, aircraft, &mut flags),
             )
@@ -107,7 +106,7 @@ impl InFlight {
             planned_opening_mm: self.planned_opening_mm,
             planned_travel_mm: self.planned_travel_mm,
             interior,
-            principal_point_sigma_mm: measured.sigma_mm,
+            principal_point_sigma: measured.sigma,
             smear_um,
             smear_px,
         }

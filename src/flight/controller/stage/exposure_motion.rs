@@ -3,8 +3,10 @@
 use super::StageMachine;
 use crate::flight::controller::setup::Setup;
 use crate::flight::controller::timing::{
-    LONGEST_GAP, READING_GAP_PART, READING_GAP_S, STAMP_SIGMA_S,
+    LONGEST_GAP, READING_GAP_PART, READING_GAP_S, STAMP_SIGMA_S, TICK_S,
 };
+use crate::flight::drive::settings::DriveSettings;
+use crate::flight::principal_point_sigma::PrincipalPointSigma;
 use crate::flight::time::Time;
 use crate::geometry::principal_point::PrincipalPointMotion;
 
@@ -12,8 +14,8 @@ use crate::geometry::principal_point::PrincipalPointMotion;
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(in super::super) struct ExposureMotion {
     pub(in super::super) motion: PrincipalPointMotion,
-    /// σ of the motion's centroid, mm.
-    pub(in super::super) sigma_mm: f32,
+    /// σ of the motion's centroid.
+    pub(in super::super) sigma: PrincipalPointSigma,
     /// Departure of the stage from a straight line in time, mm.
     pub(in super::super) wander_mm: f32,
 }
@@ -31,33 +33,70 @@ impl StageMachine {
         }
         let exposure_s = closed.seconds_since(opened);
         let gap_s = READING_GAP_S.max(READING_GAP_PART * exposure_s);
-        let path = self.track.path(opened, closed);
+        let mut path = self.track.path(opened, closed);
         let longest_gap_s = path.longest_gap_s;
         if !(path.is_covered && longest_gap_s <= LONGEST_GAP * gap_s) {
             return None;
         }
+        let drive = &setup.settings.drive;
+        let play = self.play.offset(drive.unseen_play_mm());
+        for sample in &mut path.samples {
+            sample.offset_mm += play.offset_mm;
+        }
         let shutter = setup.camera.shutter();
         let motion = PrincipalPointMotion::from_samples(&path.samples, exposure_s, shutter).ok()?;
-        let step_mm = 1e-3 * setup.settings.drive.encoder_step_um;
-        let stamp_mm = motion.travel_mm / exposure_s * STAMP_SIGMA_S;
+        let step_mm = 1e-3 * drive.encoder_step_um;
         // The encoder's own steps do not count as wander.
         let wander_mm = (path.wander_mm - step_mm).max(0.0);
         // A parabola leaves its chord between two readings by the square of their share of the
         // exposure, relative to its departure over the whole exposure.
         let share = (longest_gap_s / exposure_s).min(1.0);
-        let bend_mm = wander_mm * share * share;
-        let mut sigma_mm =
-            libm::sqrtf(step_mm * step_mm / 12.0 + stamp_mm * stamp_mm + bend_mm * bend_mm);
+        let mut sigma = sigma_of_readings(drive, &motion, exposure_s, play.sigma_mm);
+        sigma.frame_mm = libm::hypotf(sigma.frame_mm, wander_mm * share * share);
         let is_whole = !path.is_continued && longest_gap_s <= gap_s;
         if !is_whole {
             // A stage that follows may be off by this much between readings.
-            sigma_mm = sigma_mm.max(1e-3 * setup.settings.following_tolerance_um);
+            let following_mm = setup.settings.stage_tolerance().following_mm;
+            sigma.frame_mm = sigma.frame_mm.max(following_mm);
         }
         let motion = ExposureMotion {
             motion,
-            sigma_mm,
+            sigma,
             wander_mm,
         };
         Some((motion, is_whole))
+    }
+}
+
+/// Returns σ of a motion's centroid from the encoder's readings.
+///
+/// # Model
+/// With q the encoder's step, v the speed and c̄ the centroid's offset: of the frame
+/// `q²/(12·n) + (v·σ_t)²`, common to the flight `q²/12 + σ_0² + (s·c̄)² + (v·σ_a)² + σ_p²`. A
+/// reading is wrong by up to half a step; n readings of a stage that moves on by a step or more
+/// from one to the next are wrong independently. The phase of the steps to the calibrated position
+/// is the same for all frames, as are σ of the zero `σ_0`, of the scale s, of the readings' age
+/// `σ_a` and of the play `σ_p`. `σ_t` is [`STAMP_SIGMA_S`].
+fn sigma_of_readings(
+    drive: &DriveSettings,
+    motion: &PrincipalPointMotion,
+    exposure_s: f32,
+    play_sigma_mm: f32,
+) -> PrincipalPointSigma {
+    let square = |value: f32| value * value;
+    let step_mm = 1e-3 * drive.encoder_step_um;
+    let speed_mm_s = motion.travel_mm / exposure_s;
+    let moved_steps = libm::fabsf(motion.travel_mm) / step_mm;
+    let readings = 1.0 + (exposure_s / TICK_S).min(moved_steps);
+    let step_variance = square(step_mm) / 12.0;
+    let frame_variance = step_variance / readings + square(speed_mm_s * STAMP_SIGMA_S);
+    let common_variance = step_variance
+        + square(1e-3 * drive.zero_sigma_um)
+        + square(1e-6 * drive.encoder_scale_ppm * motion.centroid_mm)
+        + square(speed_mm_s * drive.reading_age_sigma_s)
+        + square(play_sigma_mm);
+    PrincipalPointSigma {
+        frame_mm: libm::sqrtf(frame_variance),
+        common_mm: libm::sqrtf(common_variance),
     }
 }

@@ -12,6 +12,7 @@ use super::timing::{
 use crate::flight::drive::StageReading;
 use crate::flight::fault::Fault;
 use crate::flight::following_error_rms::FollowingErrorRms;
+use crate::flight::play::Play;
 use crate::flight::slope::Slope;
 use crate::flight::stage::{Profile, Setpoint};
 use crate::flight::stage_track::StageTrack;
@@ -28,6 +29,7 @@ pub(super) struct StageMachine {
     watch: StageWatch,
     /// Following error; of a released stage, its position.
     following_slope: Slope,
+    play: Play,
     following_error: FollowingErrorRms,
     /// Fault of the stage, until it is cleared; the stage stays released.
     fault: Option<Fault>,
@@ -69,6 +71,7 @@ impl StageMachine {
             track: StageTrack::new(),
             watch: StageWatch::new(),
             following_slope: Slope::new(),
+            play: Play::UNKNOWN,
             following_error: FollowingErrorRms::new(),
             fault: if is_place_lost {
                 Some(Fault::Encoder)
@@ -123,8 +126,15 @@ impl StageMachine {
     }
 
     /// Keeps a reading that is trusted.
-    pub(super) fn keep(&mut self, reading: StageReading, seen: Seen) {
+    pub(super) fn keep(&mut self, setup: &Setup, reading: StageReading, seen: Seen) {
         self.last_reading = reading.time;
+        self.play = match self.track.last() {
+            Some(last) if self.motion.is_some() => self.play.after(
+                reading.offset_mm - last.offset_mm,
+                setup.settings.drive.unseen_play_mm(),
+            ),
+            _ => Play::UNKNOWN,
+        };
         self.track.push(reading);
         self.following_slope.push(reading.time, seen.error_mm);
         if self.motion.is_some() {

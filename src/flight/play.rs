@@ -1,0 +1,110 @@
+//! Play between the screw, on which the encoder sits, and the stage.
+
+/// Part of the play by which it may differ from its setting: wear, temperature and load, as σ.
+pub(crate) const PLAY_SIGMA_PART: f32 = 0.1;
+
+/// Offset of the stage from its screw, which the encoder does not see, with its uncertainty.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(crate) struct PlayOffset {
+    /// Most probable offset of the stage from the screw, mm along the FMC axis.
+    pub(crate) offset_mm: f32,
+    /// σ of that offset, mm.
+    pub(crate) sigma_mm: f32,
+}
+
+/// The offsets of the stage from the screw that its motion so far leaves possible.
+///
+/// # Model
+/// The play operator: a screw that moves along the FMC axis by d pushes the stage once it has taken
+/// up the play, so the offset b of the stage, between 0 and the play p, becomes
+/// `b' = min(max(b - d, 0), p)` (Visintin, Differential Models of Hysteresis, 1994, section III.2).
+/// Both ends of the interval of possible offsets move so. b = 0 while the screw pushes along the
+/// axis, which is how the encoder's zero is set; b = p while it pushes against the axis.
+///
+/// Without force, vibration may move the stage from one flank to the other: both ends of the play
+/// are possible. An interval from lo to hi counts as two points, the flanks on which friction keeps
+/// the stage: mean (lo + hi)/2, `σ² = ((hi - lo)/2)² + (PLAY_SIGMA_PART·(lo + hi)/2)²`.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(crate) struct Play {
+    /// Distances of the least and of the largest possible offset from 0, as moved so far, mm.
+    low_mm: f32,
+    high_mm: f32,
+}
+
+impl Play {
+    /// The stage may be anywhere within the play.
+    pub(crate) const UNKNOWN: Self = Self {
+        low_mm: 0.0,
+        high_mm: f32::INFINITY,
+    };
+
+    /// Returns the play after the screw has moved along the FMC axis by so much, mm.
+    pub(crate) fn after(self, moved_mm: f32, play_mm: f32) -> Self {
+        let taken_up = |offset_mm: f32| (offset_mm.min(play_mm) - moved_mm).max(0.0).min(play_mm);
+        Self {
+            low_mm: taken_up(self.low_mm),
+            high_mm: taken_up(self.high_mm),
+        }
+    }
+
+    /// Returns the offset of the stage from its screw.
+    pub(crate) fn offset(&self, play_mm: f32) -> PlayOffset {
+        let (low_mm, high_mm) = (self.low_mm.min(play_mm), self.high_mm.min(play_mm));
+        let (offset_mm, half_mm) = (0.5 * (low_mm + high_mm), 0.5 * (high_mm - low_mm));
+        let of_play_mm = PLAY_SIGMA_PART * offset_mm;
+        PlayOffset {
+            offset_mm,
+            sigma_mm: libm::sqrtf(half_mm * half_mm + of_play_mm * of_play_mm),
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    const PLAY_MM: f32 = 0.02;
+    const NONE: PlayOffset = PlayOffset {
+        offset_mm: 0.0,
+        sigma_mm: 0.0,
+    };
+
+    fn after(moves_mm: &[f32]) -> PlayOffset {
+        let mut play = Play::UNKNOWN;
+        for moved_mm in moves_mm {
+            play = play.after(*moved_mm, PLAY_MM);
+        }
+        play.offset(PLAY_MM)
+    }
+
+    #[test]
+    fn stage_is_on_its_flank_once_the_play_is_taken_up() {
+        assert_eq!(after(&[0.03]), NONE);
+        assert!(after(&[-0.03, 0.01, 0.01]).offset_mm < 1e-8);
+        let against = after(&[0.5, -0.021]);
+        assert!((against.offset_mm - PLAY_MM).abs() < 1e-8);
+        assert!((against.sigma_mm - PLAY_SIGMA_PART * PLAY_MM).abs() < 1e-8);
+    }
+
+    #[test]
+    fn half_taken_up_play_is_half_known() {
+        let unknown = after(&[]);
+        assert!((unknown.offset_mm - 0.5 * PLAY_MM).abs() < 1e-8);
+        assert!((0.5..0.51).contains(&(unknown.sigma_mm / PLAY_MM)));
+        // From a known flank the way back tells the offset, too.
+        let on_the_way = after(&[0.5, -0.005]);
+        assert!((on_the_way.offset_mm - 0.005).abs() < 1e-8);
+        assert!(on_the_way.sigma_mm < 0.1 * PLAY_MM);
+        let half = after(&[-0.5, 0.5, 0.0, -0.5, 0.012]);
+        assert!((half.offset_mm - 0.008).abs() < 1e-7);
+        let from_nowhere = after(&[0.012]);
+        assert!((from_nowhere.offset_mm - 0.004).abs() < 1e-7);
+        assert!((0.2..0.21).contains(&(from_nowhere.sigma_mm / PLAY_MM)));
+    }
+
+    #[test]
+    fn without_play_there_is_no_offset() {
+        assert_eq!(Play::UNKNOWN.after(-1.0, 0.0).offset(0.0), NONE);
+        assert_eq!(Play::UNKNOWN.offset(0.0), NONE);
+    }
+}
