@@ -1,5 +1,5 @@
-//! A user's own mechanism, a voice coil whose amplifier follows a set point; all but the library is
-//! imaginary, time included. `cargo run --example imaginary_mechanism`
+//! A user's own mechanism: a voice coil whose amplifier follows a set point. Coil, shutter, V/H and
+//! time are imaginary, the rest is as in firmware. `cargo run --example imaginary_mechanism`
 
 use fmc_camera::flight::control_loop::{ControlLoop, Events};
 use fmc_camera::flight::controller::{Controller, Start};

@@ -92,7 +92,7 @@ impl<Drive: FlownDrive> FlownDeck<Drive> {
     /// that is still closed becomes an event again.
     ///
     /// A switch counts as closed, or open, after two rounds in a row say so, so that a spike on its
-    /// line does not end a flight. In the second round the stage moves 50 µm farther at 50 mm/s.
+    /// line does not end a flight. By the second round the stage is 50 µm farther at 50 mm/s.
     pub fn see(&mut self, levels: InputLevels) {
         let before = core::mem::replace(&mut self.seen, levels);
         if self.controller.is_none() {
@@ -261,7 +261,7 @@ pub enum NotTaken {
     NotPrepared,
     /// The camera takes such an event from its own inputs alone ([`Event::is_told`]).
     NotTold,
-    /// The queue of the control loop is full.
+    /// The queue of the control loop has no place for another event of this kind.
     QueueFull,
 }
 

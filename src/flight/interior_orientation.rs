@@ -42,6 +42,6 @@ pub struct InteriorOrientation {
     pub model: CorrectionModel,
     /// Terms that are evaluated.
     pub terms: Terms,
-    /// Upper bound of the error of model fold and kernel, per axis, nm.
+    /// Upper bound of the terms that model fold and kernel leave out, per axis, nm.
     pub left_out_nm: f32,
 }

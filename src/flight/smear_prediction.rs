@@ -151,8 +151,8 @@ impl SmearPrediction {
         let motion = with_attitude.or_else(|| ImageMotion::new(&view, &level).ok());
         let motion_um = match motion {
             Some(motion) => motion.largest_on_grid(exposure_s).1.length_um(),
-            // A level camera without image motion has a V/H out of its range; the whole motion is
-            // left.
+            // If even a level camera has no image motion, V/H is out of its range: all of the
+            // motion is left.
             None => 1000.0 * focal_mm * exposure_s * libm::fabsf(vh.vh_per_s - compensated),
         };
         let largest_um = motion_um

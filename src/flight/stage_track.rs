@@ -125,7 +125,7 @@ impl StageTrack {
         self.is_last_passing = false;
     }
 
-    /// Forgets everything, if the readings to come cannot be compared with those so far.
+    /// Forgets everything: the readings to come cannot be compared with those so far.
     pub fn clear(&mut self) {
         self.readings.clear();
         self.keep_latest();
@@ -209,7 +209,7 @@ impl ExposurePath {
     }
 }
 
-/// Extrapolates the straight line through two samples to a time.
+/// Extrapolates the straight line through two samples to a time beyond the second.
 fn continued(first: StageSample, second: StageSample, time_s: f32) -> StageSample {
     let slope = (second.offset_mm - first.offset_mm) / (second.time_s - first.time_s);
     StageSample {

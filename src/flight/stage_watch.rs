@@ -13,10 +13,10 @@ const ACCELERATING: f32 = 4.0;
 /// Tolerances of the stage.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(crate) struct StageTolerance {
-    /// Between set point and reading, mm.
+    /// Largest difference between set point and reading, mm.
     pub(crate) following_mm: f32,
-    /// Between the steps of a reading and of its set point since the last ones, at constant speed,
-    /// mm.
+    /// Largest difference between the steps of a reading and of its set point since the last ones,
+    /// at constant speed, mm.
     pub(crate) jump_mm: f32,
 }
 

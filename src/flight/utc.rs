@@ -23,7 +23,7 @@ pub const HOLDOVER_S: f32 = 600.0;
 pub const WORST_PULSE_SIGMA_S: f32 = 1e-3;
 
 /// Number of times in a row that must name pulses alike before there is absolute time, and before
-/// it replaces the count of pulses.
+/// they replace the count of pulses.
 pub const CONSISTENT_TIMES: u8 = 3;
 
 /// Number of pulses in a row, a second apart, that must contradict the earlier ones to replace

@@ -261,8 +261,8 @@ fn exposure_slope(lens: &Brown, region: Region, stroke_mm: f32) -> f32 {
 mod tests {
     use super::*;
 
-    /// Returns the parameters of a camera of 80 mm x 40 mm and f = 100 mm, whose K1 folds the image at
-    /// `radius` mm from the principal point: 3·K1·r² = 1.
+    /// Returns the parameters of a camera of 80 mm x 40 mm and f = 100 mm, whose K1 folds the image
+    /// at `radius` mm from the principal point: 3·K1·r² = 1.
     fn folding_at(radius: f32) -> CalibrationParameters {
         let mut parameters = CalibrationParameters::new(100.0, [8000, 4000], 10.0);
         parameters.stroke_mm = 0.1;

@@ -39,7 +39,7 @@ impl FrameCorrection {
     /// # Accuracy
     /// That of [`Self::correct`]. It takes 24.1 instructions per point with the short kernel and
     /// 28.4 with the full one on Cortex-M4F and M7, and 7.1 and 9.9 on a Cortex-M55 compiled for
-    /// its vectors, in slices of 1024 points; about 100 of them per call (`docs/instructions.csv`).
+    /// its vectors, in slices of 1024 points; a call takes about 100 (`docs/instructions.csv`).
     ///
     /// # Examples
     /// ```

@@ -171,8 +171,8 @@ impl Sensor {
     /// # Model
     /// `x = (col - (W-1)/2)·p`, `y = ((H-1)/2 - row)·p`.
     ///
+    /// # Units and frames
     /// Takes pixels (first pixel centre = (0, 0), row downwards), returns mm of the sensor frame.
-    /// Pixels in (first pixel centre = (0, 0), row downwards), mm of the sensor frame out.
     ///
     /// # Examples
     /// ```

@@ -163,7 +163,7 @@ fn a_million_random_triggers_are_all_answered() {
     while triggers < TRIGGERS {
         let burst = match next() % 8 {
             0 => 0,
-            // These are more than the queue has room for.
+            // These are more than the record log has room for.
             1 if next() % 64 == 0 => 100,
             few => few,
         };

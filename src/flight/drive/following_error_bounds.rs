@@ -2,8 +2,8 @@
 
 use super::loop_settings::LoopSettings;
 
-/// Bounds of the following error with the gains of [`LoopSettings::tuned`], µm: the largest true
-/// one.
+/// Bounds that a stage keeps to with the gains of [`LoopSettings::tuned`], µm: its largest true
+/// following error.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct FollowingErrorBounds {
     /// In cruise, 5 ms after the run-up.
@@ -84,8 +84,8 @@ impl LoopSettings {
     /// Following error, µm, that no healthy motion shows once the loop has learned. Every stage
     /// that jams or reverses shows it within 5 ms, at 5 mm/s and more, at its start and in cruise.
     ///
-    /// The table gives the following error, µm, that the camera has measured by each time after a
-    /// jam, or after motor or encoder is reversed:
+    /// The table gives the least following error, µm, that the camera has measured by each time
+    /// after a jam, or after motor or encoder is reversed:
     ///
     /// | fault | at | 2 ms | 3 ms | 4 ms | 5 ms | 6 ms |
     /// |---|---|---|---|---|---|---|

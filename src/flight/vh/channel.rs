@@ -47,7 +47,7 @@ struct Stamped {
     value: f32,
 }
 
-/// A source with a wrong unit: its last value, and the ratio to the right one.
+/// A source with a wrong unit: its last value, and the ratio of that value to the right one.
 #[derive(Debug, Clone, Copy, PartialEq)]
 struct Barred {
     unit: WrongUnit,

@@ -104,7 +104,8 @@ pub enum VhFindingKind {
     OutOfRange,
     /// The value is right with the other sign; not used.
     WrongSign,
-    /// The source has changed its unit, or never had the right one; not used until it has.
+    /// The source has changed its unit, or never had the right one; not used until it has the right
+    /// one.
     WrongUnit(WrongUnit),
     /// Farther from the last value than the source can have gone; not used until it has stayed
     /// there.

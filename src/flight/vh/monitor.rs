@@ -224,7 +224,8 @@ impl VhMonitor {
             .find(|[used, other]| self.differ(*used, *other))
     }
 
-    /// Returns the largest difference of a way beyond the limit; 0 if there is none.
+    /// Returns the difference of the way farthest from the value in use, if it exceeds the limit;
+    /// else 0.
     fn farthest(&self, ways: &Ways, used: f32) -> f32 {
         ways.iter()
             .filter_map(|(_, way)| *way)

@@ -3,13 +3,14 @@
 use super::finding::VhChannel;
 use crate::geometry::range::{OutOfRange, Quantity};
 
-/// Smallest least V/H that a source's range may have, 1/s: an aircraft that stands has none.
+/// Smallest value at which a source's range of V/H may begin, 1/s: an aircraft that stands has no
+/// V/H.
 pub const LEAST_VH_PER_S: f32 = 1e-4;
 
-/// Smallest least ground speed that a source's range may have, m/s.
+/// Smallest value at which a source's range of ground speed may begin, m/s.
 pub const LEAST_SPEED_M_S: f32 = 0.1;
 
-/// Smallest least height above ground that a source's range may have, m.
+/// Smallest value at which a source's range of height above ground may begin, m.
 pub const LEAST_HEIGHT_M: f32 = 1.0;
 
 /// Settings of one source, in its own unit.

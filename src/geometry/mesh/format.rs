@@ -5,7 +5,7 @@
 //! | [`s16q3`] | displacement | -4096 to 4095.875 px | 1/8 px | TI LDC |
 //! | [`uq12_4`] | source | 0 to 4095.9375 px | 1/16 px | `DeWarp` DW100 of NXP i.MX 8M Plus |
 //! | [`q12_20`] | source | -2048 to 2048 px | 2⁻²⁰ px | `ap_fixed<32, 12>` of Vitis Vision |
-//! | [`single`] | source | all of an image | 2⁻²⁴ of it | VPI, `remap` of `OpenCV`, Vitis Vision |
+//! | [`single`] | source | any image | 2⁻²⁴ of it | NVIDIA VPI, `remap` of `OpenCV`, Vitis Vision |
 //!
 //! Columns come before rows, and all are little endian. Pixels are those of the project: the
 //! centre of the first one is (0, 0).

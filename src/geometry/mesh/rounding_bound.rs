@@ -112,7 +112,7 @@ impl RoundingBound {
                 + 2.0 * (at_reach.by_degree - first.by_degree)
         };
         let [half_unit_x, half_unit_y] = self.half_unit;
-        // The mean |X| of the way bounds |Dx|, which rises with |X|.
+        // Along the way |Dx| rises with |X|, so that the mean |X| bounds its mean.
         let middle = self.reach - 0.5 * span;
         let half_unit_x = half_unit_x.min(middle * self.gain + self.beside_x);
         let [start_x, start_y] = self.start;

@@ -51,7 +51,7 @@ pub struct Header {
 }
 
 /// A request of the PC to the camera.
-// The batch is the largest message by purpose: a box would need a heap.
+// Batches are the link's purpose, and determine the size of this type; a box would need a heap.
 #[allow(clippy::large_enum_variant, reason = "no heap")]
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub enum Request {
@@ -159,7 +159,8 @@ pub enum Answer {
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub enum Refusal {
-    /// The request is of another version of this protocol; the answer's first byte is this one.
+    /// The request is of another version of this protocol; the answer's first byte is the camera's
+    /// version.
     OtherProtocol,
     /// The bytes are not a request of this version.
     Unknown,
@@ -222,7 +223,7 @@ pub enum Refusal {
     OnRig,
     /// The camera takes such an event from its own inputs alone, not from a message.
     NotTold,
-    /// The queue of the control loop is full.
+    /// The queue of the control loop has no place for another event of this kind.
     QueueFull,
     /// The camera has no output that clocks the rows of a TDI sensor.
     NoRowClock,

@@ -162,7 +162,8 @@ struct Responder<Deck> {
     deck: Deck,
     fitting: Fitting,
     answer: Packet,
-    /// A refusal outside the session: the answer stays, and can be asked for again.
+    /// The refusal of a message that is not the next of the session: the answer stays meanwhile,
+    /// and can be asked for again.
     aside: Packet,
     to_send: Which,
     sent: usize,

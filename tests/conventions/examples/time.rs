@@ -1,4 +1,4 @@
-//! Section 5: time, and why principal point and time are a pair.
+//! Section 5: time, and its pairing with the principal point.
 
 use super::{Example, Given, Results};
 use crate::conventions::camera;

@@ -51,7 +51,7 @@ struct InFlight {
 /// Progress of a frame, with the data known by then.
 #[derive(Debug, Clone, Copy, PartialEq)]
 enum Phase {
-    /// The stage starts `wait_s` after the next round, s; first light is `opening_s` after that, s.
+    /// The stage starts `wait_s` after the next round; first light is `opening_s` after that.
     Triggered { wait_s: f32, opening_s: f32 },
     /// The stage accelerates and settles until first light of the plan.
     RunUp { first_light: Time },
@@ -106,7 +106,7 @@ impl FrameMachine {
         });
     }
 
-    /// Starts the run-up in the first round after the trigger. The stage moves from the same delay
+    /// Starts the run-up in the first round after the trigger. The stage starts at the same time
     /// after every trigger unless the round is late. Returns the time at which it starts.
     pub(super) fn start(&mut self, now: Time) -> Option<Time> {
         let frame = self.in_flight.as_mut()?;

@@ -44,7 +44,7 @@ impl InFlight {
     }
 
     /// Returns the planned motion, for an exposure without usable readings. Its σ is half the
-    /// stroke, since the stage may have been anywhere.
+    /// stroke; so is its wander if the stage was to move, since it may have gone anywhere.
     fn planned_motion(&mut self, light: Light, setup: &Setup) -> ExposureMotion {
         self.flags.insert(Flag::PlannedMotion);
         self.flags.insert(Flag::StaticCorrection);

@@ -291,7 +291,7 @@ impl StageMachine {
         self.motion.as_ref().map(|motion| motion.setpoint(now))
     }
 
-    /// Returns the set point's position, mm; of a released stage, its last reading.
+    /// Returns the set point's position at a time, mm; of a released stage, its last reading.
     pub(super) fn place_mm(&self, now: Time) -> f32 {
         match self.setpoint(now) {
             Some(setpoint) => setpoint.offset_mm,
