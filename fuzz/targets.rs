@@ -22,7 +22,7 @@ use fmc_camera::io::link::{LONGEST_PACKET, PROTOCOL_VERSION};
 use wire_format::{frame_of, payload_of};
 
 /// Feeds any bytes to the wire: a payload is accepted exactly where a slow and simple reading of
-/// the same bytes accepts one, and a whole frame after them is received.
+/// the same bytes accepts one, and a whole packet after them is received.
 pub(crate) fn wire(bytes: &[u8]) {
     let mut receiver = PacketReceiver::new();
     let mut accepted = Vec::new();
@@ -34,7 +34,7 @@ pub(crate) fn wire(bytes: &[u8]) {
             let _ = Request::read(payload);
         }
     }
-    // The bytes behind the last zero do not form a complete frame.
+    // The bytes behind the last zero do not form a complete packet.
     let ended = bytes.iter().rposition(|byte| *byte == 0).unwrap_or(0);
     let expected: Vec<_> = bytes[..ended]
         .split(|byte| *byte == 0)
@@ -42,16 +42,16 @@ pub(crate) fn wire(bytes: &[u8]) {
         .collect();
     assert_eq!(accepted, expected);
 
-    let mut frame = Packet::EMPTY;
+    let mut packet = Packet::EMPTY;
     let header = Header {
         session: 1,
         sequence: 2,
     };
     Request::InteriorOrientation
-        .write(header, &mut frame)
+        .write(header, &mut packet)
         .unwrap();
     let last = std::iter::once(&0)
-        .chain(frame.bytes())
+        .chain(packet.bytes())
         .filter_map(|byte| receiver.receive(*byte)?.ok().map(<[u8]>::to_vec))
         .last();
     let read = Request::read(&last.unwrap()).unwrap();
@@ -101,7 +101,7 @@ fn station_of<Deck: FlightDeck>(deck: Deck, bytes: &[u8], mut then: impl FnMut(&
                 let after = station.counters();
                 let whole = piece
                     .split(|byte| *byte == 0)
-                    .any(|frame| payload_of(frame).is_some());
+                    .any(|packet| payload_of(packet).is_some());
                 assert!(whole || after.done + after.refused == before.done + before.refused);
             }
             // The piece is the body of the next request.
@@ -159,9 +159,9 @@ fn send<Deck: FlightDeck>(station: &mut Station<Deck>, bytes: &[u8]) -> Vec<Opti
         let answer = station.to_send().to_vec();
         station.sent(answer.len());
         assert!(station.to_send().is_empty());
-        if let [0, frame @ .., 0] = &answer[..] {
+        if let [0, packet @ .., 0] = &answer[..] {
             assert!(answer.len() <= LONGEST_PACKET);
-            let (_, answer) = Answer::read(&payload_of(frame).unwrap()).unwrap();
+            let (_, answer) = Answer::read(&payload_of(packet).unwrap()).unwrap();
             assert!(answer.is_some());
             answers.push(answer);
         } else {
@@ -171,15 +171,15 @@ fn send<Deck: FlightDeck>(station: &mut Station<Deck>, bytes: &[u8]) -> Vec<Opti
     answers
 }
 
-/// Returns a frame with a request of session 5.
+/// Returns a packet with a request of session 5.
 fn framed(request: &Request, sequence: u16) -> Vec<u8> {
-    let mut frame = Packet::EMPTY;
+    let mut packet = Packet::EMPTY;
     let header = Header {
         session: 5,
         sequence,
     };
-    request.write(header, &mut frame).unwrap();
-    frame.bytes().to_vec()
+    request.write(header, &mut packet).unwrap();
+    packet.bytes().to_vec()
 }
 
 /// Writes a number as `postcard` does: 7 bits a byte, the lowest first, followed by another byte

@@ -1,4 +1,4 @@
-//! Frames on a bad wire.
+//! Packets on a bad wire.
 
 use fmc_camera::flight::exposure::Exposure;
 use fmc_camera::io::link::message::{Answer, Header, Refusal, Request, Unreadable};
@@ -6,7 +6,7 @@ use fmc_camera::io::link::packet::Damage;
 use fmc_camera::io::link::station::{LinkEvent, NOBODY};
 use fmc_camera::io::link::{LONGEST_PACKET, PROTOCOL_VERSION};
 
-use crate::link::pc::{Pc, SESSION, frame};
+use crate::link::pc::{Pc, SESSION, packet};
 use crate::link::targets::wire_format::{between_zeros, frame_of};
 
 fn header(sequence: u16) -> Header {
@@ -19,7 +19,7 @@ fn header(sequence: u16) -> Header {
 #[test]
 fn damaged_frame_is_counted_and_dropped_and_the_next_one_taken() {
     let mut pc = Pc::connected();
-    let request = frame(header(pc.next), &Request::Counters);
+    let request = packet(header(pc.next), &Request::Counters);
     let wire = request.bytes();
 
     let mut wrong = wire.to_vec();
@@ -32,7 +32,7 @@ fn damaged_frame_is_counted_and_dropped_and_the_next_one_taken() {
     assert!(pc.send(&[0]).is_empty());
     assert_eq!(pc.event, Some(LinkEvent::Lost(Damage::Truncated)));
     // The first is shorter than its CRC; the second has a block of COBS that is longer than the
-    // frame.
+    // packet.
     for short in [&[3, 1, 1, 0], &between_zeros(&[9, 1, 2])[..]] {
         assert!(pc.send(short).is_empty());
         assert_eq!(pc.event, Some(LinkEvent::Lost(Damage::Truncated)));
@@ -57,7 +57,7 @@ fn zeros_between_frames_mean_nothing() {
     let mut pc = Pc::unconnected();
     assert!(pc.send(&[0; 100]).is_empty());
     assert_eq!(pc.event, None);
-    let answers = pc.send(frame(header(0), &Request::Connect).bytes());
+    let answers = pc.send(packet(header(0), &Request::Connect).bytes());
     assert_eq!(answers.len(), 1);
     assert_eq!(pc.station.counters().truncated, 0);
 }
@@ -66,7 +66,7 @@ fn zeros_between_frames_mean_nothing() {
 fn host_that_died_in_the_middle_of_a_frame_does_not_spoil_the_next_session() {
     for cut in 1..20 {
         let mut pc = Pc::loaded();
-        let half = frame(header(pc.next), &Request::Expose(Exposure::new(0.1, 0.005)));
+        let half = packet(header(pc.next), &Request::Expose(Exposure::new(0.1, 0.005)));
         pc.send(&half.bytes()[..cut]);
         // The next host begins with a zero.
         let other = Header {
@@ -74,7 +74,7 @@ fn host_that_died_in_the_middle_of_a_frame_does_not_spoil_the_next_session() {
             sequence: 0,
         };
         let mut wire = vec![0];
-        wire.extend(frame(other, &Request::Connect).bytes());
+        wire.extend(packet(other, &Request::Connect).bytes());
         let answers = pc.send(&wire);
         assert!(
             matches!(answers[..], [(header, Answer::Connected(_))] if header == other),

@@ -21,7 +21,7 @@ use fmc_camera::io::link::{
     LONGEST_PACKET, LONGEST_PAYLOAD, MAX_OBSERVATIONS, MAX_POINTS, PROTOCOL_VERSION,
 };
 
-use crate::link::pc::{camera_parameters, frame};
+use crate::link::pc::{camera_parameters, packet};
 
 /// Header whose numbers take the most bytes.
 const LONGEST_HEADER: Header = Header {
@@ -38,9 +38,9 @@ const LONGEST_MESH_ROW: VertexRow = VertexRow {
     origin_px: [u32::MAX; 2],
 };
 
-fn payload_of(frame: &Packet) -> Vec<u8> {
+fn payload_of(packet: &Packet) -> Vec<u8> {
     let mut receiver = PacketReceiver::new();
-    let (last, bytes) = frame.bytes().split_last().unwrap();
+    let (last, bytes) = packet.bytes().split_last().unwrap();
     for byte in bytes {
         assert!(receiver.receive(*byte).is_none());
     }
@@ -96,7 +96,7 @@ fn longest_messages_fit_and_come_back_as_they_went() {
             ..Exposure::new(0.1, 0.01)
         }),
     ] {
-        let payload = payload_of(&frame(LONGEST_HEADER, &request));
+        let payload = payload_of(&packet(LONGEST_HEADER, &request));
         let (header, read) = Request::read(&payload).unwrap();
         assert_eq!((header, read), (LONGEST_HEADER, Some(request)));
     }
@@ -126,17 +126,17 @@ fn longest_messages_fit_and_come_back_as_they_went() {
         Answer::Corrections(std::iter::repeat_n(far_correction, MAX_POINTS).collect()),
         Answer::Connected(Identity::new(&long, &long[..24], true, ResetCause::Fault)),
     ] {
-        let mut frame = Packet::EMPTY;
-        answer.write(LONGEST_HEADER, &mut frame).unwrap();
-        assert!(frame.bytes().len() <= LONGEST_PACKET);
-        let (header, read) = Answer::read(&payload_of(&frame)).unwrap();
+        let mut packet = Packet::EMPTY;
+        answer.write(LONGEST_HEADER, &mut packet).unwrap();
+        assert!(packet.bytes().len() <= LONGEST_PACKET);
+        let (header, read) = Answer::read(&payload_of(&packet)).unwrap();
         assert_eq!((header, read), (LONGEST_HEADER, Some(answer)));
     }
-    let mut frame = Packet::EMPTY;
+    let mut packet = Packet::EMPTY;
     let answer = Answer::Points(std::iter::repeat_n(corrected, MAX_POINTS).collect());
-    answer.write(LONGEST_HEADER, &mut frame).unwrap();
+    answer.write(LONGEST_HEADER, &mut packet).unwrap();
     // The buffers are 5 bytes longer than the longest payload.
-    assert_eq!(payload_of(&frame).len(), LONGEST_PAYLOAD - 5);
+    assert_eq!(payload_of(&packet).len(), LONGEST_PAYLOAD - 5);
 }
 
 #[test]
@@ -145,7 +145,7 @@ fn bytes_on_the_wire_are_those_of_the_description() {
         session: 0x0102,
         sequence: 3,
     };
-    let request = frame(header, &Request::Connect);
+    let request = packet(header, &Request::Connect);
     // Version 4; session 0x0102, seven bits a byte; number 3; request 0. The zero at the end is
     // COBS's second block.
     let encoded = [5, 4, 0x82, 2, 3, 1];
@@ -168,12 +168,12 @@ fn quantities_keep_the_numbers_they_were_given() {
         (Quantity::DutyDelayS, 78),
     ] {
         assert_eq!(Quantity::ALL.get(number), Some(&quantity));
-        let mut frame = Packet::EMPTY;
+        let mut packet = Packet::EMPTY;
         let error = quantity.check(f32::NAN).unwrap_err();
         Answer::Refused(Refusal::Settings(error))
-            .write(LONGEST_HEADER, &mut frame)
+            .write(LONGEST_HEADER, &mut packet)
             .unwrap();
-        let payload = payload_of(&frame);
+        let payload = payload_of(&packet);
         // The number comes first, then value and range.
         assert_eq!(
             usize::from(payload[payload.len() - 13]),
@@ -209,7 +209,7 @@ fn requests_and_answers_keep_the_numbers_they_were_given() {
         (Request::Mesh(LONGEST_MESH_ROW, MeshFormat::Single), 21),
         (Request::Corrections(LONGEST_MESH_ROW), 22),
     ] {
-        let payload = payload_of(&frame(header, &request));
+        let payload = payload_of(&packet(header, &request));
         assert_eq!(payload[3], number, "{request:?}");
         assert_eq!(Request::read(&payload), Ok((header, Some(request))));
     }
@@ -221,19 +221,19 @@ fn requests_and_answers_keep_the_numbers_they_were_given() {
         (Answer::Mesh([1, 2, 3, 4].into_iter().collect()), 18),
         (Answer::Corrections(corrections.into_iter().collect()), 19),
     ] {
-        let mut frame = Packet::EMPTY;
-        answer.write(header, &mut frame).unwrap();
-        let payload = payload_of(&frame);
+        let mut packet = Packet::EMPTY;
+        answer.write(header, &mut packet).unwrap();
+        let payload = payload_of(&packet);
         assert_eq!(payload[3], number, "{answer:?}");
         assert_eq!(Answer::read(&payload), Ok((header, Some(answer))));
     }
     // The number of corrections comes first, then columns and rows in little endian.
-    let mut frame = Packet::EMPTY;
+    let mut packet = Packet::EMPTY;
     let answer = Answer::Corrections(corrections.into_iter().collect());
-    answer.write(header, &mut frame).unwrap();
+    answer.write(header, &mut packet).unwrap();
     let numbers = [1.5_f32, -0.25].map(f32::to_le_bytes);
     assert_eq!(
-        payload_of(&frame)[4..],
+        payload_of(&packet)[4..],
         [&[1], numbers.as_flattened()].concat()
     );
 }
@@ -244,7 +244,7 @@ fn what_follows_the_header_is_one_message_to_the_last_byte() {
         session: 5,
         sequence: 6,
     };
-    let whole = payload_of(&frame(header, &Request::Expose(Exposure::new(0.1, 0.01))));
+    let whole = payload_of(&packet(header, &Request::Expose(Exposure::new(0.1, 0.01))));
     for length in 0..whole.len() {
         let read = Request::read(&whole[..length]);
         assert!(!matches!(read, Ok((_, Some(_)))), "cut to {length}");

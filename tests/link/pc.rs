@@ -64,7 +64,7 @@ impl<Deck: FlightDeck> Pc<Deck> {
 
     /// Asks a request under any header.
     pub(crate) fn ask_as(&mut self, header: Header, request: &Request) -> Answer {
-        let answers = self.send(frame(header, request).bytes());
+        let answers = self.send(packet(header, request).bytes());
         let [(answered, answer)] = &answers[..] else {
             panic!("{answers:?}");
         };
@@ -98,10 +98,10 @@ impl<Deck: FlightDeck> Pc<Deck> {
     }
 }
 
-pub(crate) fn frame(header: Header, request: &Request) -> Packet {
-    let mut frame = Packet::EMPTY;
-    request.write(header, &mut frame).unwrap();
-    frame
+pub(crate) fn packet(header: Header, request: &Request) -> Packet {
+    let mut packet = Packet::EMPTY;
+    request.write(header, &mut packet).unwrap();
+    packet
 }
 
 /// Returns every answer in bytes from the camera, all of them whole.

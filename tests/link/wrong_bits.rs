@@ -1,4 +1,4 @@
-//! Wrong bits on the wire: every error of one, two or three of them, in short frames and in the
+//! Wrong bits on the wire: every error of one, two or three of them, in short packets and in the
 //! longest.
 
 use std::collections::HashMap;
@@ -10,7 +10,7 @@ use fmc_camera::geometry::sensor::SensorPoint;
 use fmc_camera::io::link::message::{Answer, Header, Request};
 use fmc_camera::io::link::packet::{Packet, PacketReceiver};
 
-use crate::link::pc::{SESSION, frame};
+use crate::link::pc::{SESSION, packet};
 use crate::link::targets::wire_format::{frame_of, wire_from_crc, wire_from_length};
 
 /// Largest number of wrong bits.
@@ -23,7 +23,7 @@ fn header(sequence: u16) -> Header {
     }
 }
 
-/// Returns true if any frame is accepted in these bytes, or in the rest of them with a zero after
+/// Returns true if any packet is accepted in these bytes, or in the rest of them with a zero after
 /// it.
 fn accepts(bytes: impl Iterator<Item = u8>) -> bool {
     let mut receiver = PacketReceiver::new();
@@ -34,7 +34,7 @@ fn accepts(bytes: impl Iterator<Item = u8>) -> bool {
 
 #[test]
 fn all_errors_of_a_short_frame_are_found_by_trying() {
-    let request = frame(header(3), &Request::InteriorOrientation);
+    let request = packet(header(3), &Request::InteriorOrientation);
     let wire = request.bytes();
     assert!(accepts(wire.iter().copied()));
     let bits = 8 * wire.len();
@@ -61,7 +61,7 @@ fn all_errors_of_a_short_frame_are_found_by_trying() {
     }
     let (n, all) = (bits, |n| n + n * (n - 1) / 2 + n * (n - 1) * (n - 2) / 6);
     assert_eq!(tried, all(n));
-    assert!(n > 120, "a frame of some length");
+    assert!(n > 120, "a packet of some length");
 }
 
 #[test]
@@ -78,19 +78,19 @@ fn all_errors_of_long_frames_are_found_by_the_linearity_of_the_crc() {
         .unwrap();
     let expose = Request::Expose(Exposure::new(0.1, 0.005));
     for long in [
-        frame(header(12), &Request::Correct((0..64).map(point).collect())),
-        frame(
+        packet(header(12), &Request::Correct((0..64).map(point).collect())),
+        packet(
             header(13),
             &Request::Distort((64..128).map(point).collect()),
         ),
-        frame(header(14), &expose),
+        packet(header(14), &expose),
         answer,
     ] {
         let wire = long.bytes();
         assert!(accepts(wire.iter().copied()));
         let between = &wire[1..wire.len() - 1];
         assert_eq!(errors.first_undetected(between, between.len(), WRONG), None);
-        // A wrong bit in the final zero joins the first byte of the next frame to this one.
+        // A wrong bit in the final zero joins the first byte of the next packet to this one.
         for last in 0..8 {
             let mut longer = between.to_vec();
             longer.push(1 << last);
@@ -100,7 +100,7 @@ fn all_errors_of_long_frames_are_found_by_the_linearity_of_the_crc() {
     }
 }
 
-/// Checks the search on frames that it must find: one behind a byte of one bit, also with two wrong
+/// Checks the search on packets that it must find: one behind a byte of one bit, also with two wrong
 /// bits in it.
 #[test]
 fn search_finds_a_frame_inside_a_frame() {
@@ -148,7 +148,7 @@ struct Errors {
 const LOW: u32 = 0xf_ffff;
 
 impl Errors {
-    /// Computes the effects for frames up to this length.
+    /// Computes the effects for packets up to this length.
     fn up_to(length: usize) -> Self {
         let crc = crc::Crc::<u32>::new(&crc::CRC_32_ISO_HDLC);
         let mut errors = Self {
@@ -175,11 +175,11 @@ impl Errors {
     }
 
     /// Returns the first piece of the bytes between two zeros that an error of up to `wrong` bits
-    /// turns into a frame.
+    /// turns into a packet.
     ///
     /// A piece begins at the start, or after a byte that the error turns into a zero, and ends
     /// likewise; the bits that this takes are not available within the piece. The first `sent`
-    /// bytes without a wrong bit are the frame that was sent.
+    /// bytes without a wrong bit are the packet that was sent.
     fn first_undetected(&self, between: &[u8], sent: usize, wrong: usize) -> Option<Range<usize>> {
         let ones = |index: usize| between[index].count_ones() as usize;
         let length = between.len();

@@ -11,24 +11,24 @@ use fmc_camera::io::link::station::{LinkEvent, Station};
 
 use super::port::Port;
 
-/// Fault of a frame on its way, in either direction.
+/// Fault of a packet on its way, in either direction.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) enum Fault {
     /// No fault.
     None,
-    /// The frame is lost.
+    /// The packet is lost.
     Lost,
-    /// The byte at this index, modulo the length of the frame, has these bits inverted.
+    /// The byte at this index, modulo the length of the packet, has these bits inverted.
     Corrupted { at: usize, bits: u8 },
     /// Only the first bytes arrive: this share of 256.
     Truncated(u8),
-    /// The frame arrives twice.
+    /// The packet arrives twice.
     Duplicated,
-    /// The frame arrives after so many time limits.
+    /// The packet arrives after so many time limits.
     Delayed(u8),
-    /// The frame arrives twice, the second time after so many time limits.
+    /// The packet arrives twice, the second time after so many time limits.
     Echoed(u8),
-    /// The camera restarts before the frame arrives.
+    /// The camera restarts before the packet arrives.
     Restart,
 }
 
@@ -57,8 +57,8 @@ fn station(start: ResetCause) -> Station {
 }
 
 impl FaultyPort {
-    /// Returns a port to a camera that has just been switched on. The faults apply to one frame
-    /// each; all later frames are undisturbed.
+    /// Returns a port to a camera that has just been switched on. The faults apply to one packet
+    /// each; all later packets are undisturbed.
     pub(super) fn new(faults: impl IntoIterator<Item = Fault>) -> Self {
         let wire = Wire {
             station: station(ResetCause::PowerOn),
@@ -86,7 +86,7 @@ impl FaultyPort {
         }
     }
 
-    /// Replaces the faults of the frames to come.
+    /// Replaces the faults of the packets to come.
     pub(super) fn set_faults(&self, faults: impl IntoIterator<Item = Fault>) {
         self.wire.lock().unwrap().faults = faults.into_iter().collect();
     }
@@ -101,7 +101,7 @@ impl FaultyPort {
         self.wire.lock().unwrap().station = station(ResetCause::Watchdog);
     }
 
-    /// Applies this change to the camera's answers before they are put into frames.
+    /// Applies this change to the camera's answers before they are put into packets.
     pub(super) fn tamper(&self, change: fn(&mut Answer)) {
         self.wire.lock().unwrap().change = change;
     }
@@ -113,7 +113,7 @@ impl FaultyPort {
 }
 
 impl Wire {
-    /// Puts a frame on its way; returns what arrives, and when.
+    /// Puts a packet on its way; returns what arrives, and when.
     fn on_the_way(&mut self, mut bytes: Vec<u8>) -> Vec<(u32, Vec<u8>)> {
         let now = self.now;
         match self.faults.pop_front().unwrap_or(Fault::None) {
@@ -173,20 +173,20 @@ impl Wire {
     }
 }
 
-/// Returns a frame whose answer has been changed.
-fn changed(frame: &[u8], change: fn(&mut Answer)) -> Vec<u8> {
+/// Returns a packet whose answer has been changed.
+fn changed(packet: &[u8], change: fn(&mut Answer)) -> Vec<u8> {
     let mut receiver = PacketReceiver::new();
-    for byte in frame {
+    for byte in packet {
         if let Some(payload) = receiver.receive(*byte) {
             let (header, answer) = Answer::read(payload.unwrap()).unwrap();
             let mut answer = answer.unwrap();
             change(&mut answer);
-            let mut frame = Packet::EMPTY;
-            answer.write(header, &mut frame).unwrap();
-            return frame.bytes().to_vec();
+            let mut packet = Packet::EMPTY;
+            answer.write(header, &mut packet).unwrap();
+            return packet.bytes().to_vec();
         }
     }
-    panic!("the camera sent no frame");
+    panic!("the camera sent no packet");
 }
 
 impl Port for FaultyPort {

@@ -61,7 +61,7 @@ pub enum Request {
     Load(CameraParameters),
     /// Predicts a frame; the points that follow belong to it.
     Expose(Exposure),
-    /// Reads the record of the current frame.
+    /// Reads the interior orientation of the current frame.
     InteriorOrientation,
     /// Corrects measured points.
     Correct(Points),
@@ -426,7 +426,7 @@ pub struct Counters {
     pub refused: u32,
     /// Requests answered again from memory.
     pub repeated: u32,
-    /// Frames that ended too early.
+    /// Packets that ended too early.
     pub truncated: u32,
     /// Frames too long.
     pub oversized: u32,
@@ -434,7 +434,7 @@ pub struct Counters {
     pub wrong_crc: u32,
     /// Frames of another protocol version.
     pub other_protocol: u32,
-    /// Whole frames that hold no request.
+    /// Whole packets that hold no request.
     pub unknown: u32,
     /// Requests of a session that is not open.
     pub other_session: u32,

@@ -1,9 +1,9 @@
-//! The serial link between camera and PC: messages, frames, and the camera's end of it.
+//! The serial link between camera and PC: messages, packets, and the camera's end of it.
 //!
 //! # On the wire
-//! A message is one *frame*: `0x00 ‖ length ‖ COBS(payload) ‖ CRC ‖ 0x00`. COBS keeps the zero byte
-//! out of the payload, so that a zero always ends a frame and a receiver that joins in the middle
-//! finds the next. Empty frames have no meaning, and the zero in front ends a frame that was left
+//! A message is one *packet*: `0x00 ‖ length ‖ COBS(payload) ‖ CRC ‖ 0x00`. COBS keeps the zero byte
+//! out of the payload, so that a zero always ends a packet and a receiver that joins in the middle
+//! finds the next. Empty packets have no meaning, and the zero in front ends a packet that was left
 //! half-sent.
 //!
 //! Length and CRC are in bytes of seven bits, the lowest first, bit 7 set, so that they hold no
@@ -11,8 +11,8 @@
 //! length and encoded payload, the bytes *as they are on the wire*. A CRC of the payload would not
 //! suffice: one wrong bit in a block length of COBS turns other block lengths into data, so that
 //! three wrong bits on the wire may become dozens in the payload, which its CRC then passes by
-//! chance. Over the wire's bytes CRC-32 finds every error of up to three bits in frames of this
-//! length; the frame's length detects errors that make a zero and so cut the frame in two
+//! chance. Over the wire's bytes CRC-32 finds every error of up to three bits in packets of this
+//! length; the packet's length detects errors that make a zero and so cut the packet in two
 //! (`tests/link/wrong_bits.rs` tries all of them).
 //!
 //! The payload is [`PROTOCOL_VERSION`] as one byte, then a [`message::Header`] and a
@@ -26,7 +26,7 @@
 //! the other: a repeated request is answered again, from memory and without being acted on twice,
 //! so that the PC may repeat a request that was not answered; any other number is refused.
 //!
-//! The camera acts only on a whole frame with the right CRC, of this version, that decodes to its
+//! The camera acts only on a whole packet with the right CRC, of this version, that decodes to its
 //! last byte, from the open session and in order. Everything else is counted
 //! ([`message::Counters`]).
 
@@ -38,7 +38,7 @@ pub mod message;
 pub mod packet;
 pub mod station;
 
-/// Version of frames and messages. It changes whenever a message does.
+/// Version of packets and messages. It changes whenever a message does.
 pub const PROTOCOL_VERSION: u8 = 4;
 
 /// Number of points in one message; every buffer's size follows from it.
@@ -60,5 +60,5 @@ pub(crate) const LENGTH_BYTES: usize = 2;
 pub(crate) const LONGEST_CHECKED: usize =
     LENGTH_BYTES + cobs::max_encoding_length(LONGEST_PAYLOAD) + CRC_BYTES;
 
-/// Longest frame, bytes, with a zero at either end.
+/// Longest packet, bytes, with a zero at either end.
 pub const LONGEST_PACKET: usize = LONGEST_CHECKED + 2;

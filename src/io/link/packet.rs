@@ -1,4 +1,4 @@
-//! Frames: payloads on the wire, with length and CRC.
+//! Packets: payloads on the wire, with length and CRC.
 
 use cobs::{DecodeResult, DecoderState};
 use crc::{CRC_32_ISO_HDLC, Crc, Table};
@@ -6,13 +6,13 @@ use heapless::Vec;
 
 use super::{CRC_BYTES, LENGTH_BYTES, LONGEST_CHECKED, LONGEST_PACKET, LONGEST_PAYLOAD};
 
-/// CRC-32 (ISO-HDLC) of frames, calibrations and grids.
+/// CRC-32 (ISO-HDLC) of packets, calibrations and grids.
 pub(super) const CRC: Crc<u32, Table<1>> = Crc::<u32, Table<1>>::new(&CRC_32_ISO_HDLC);
 
-/// Byte that ends a frame.
+/// Byte that ends a packet.
 pub(crate) const DELIMITER: u8 = 0;
 
-/// A frame as it goes over the wire, with a zero at either end.
+/// A packet as it goes over the wire, with a zero at either end.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Packet {
     bytes: [u8; LONGEST_PACKET],
@@ -20,15 +20,15 @@ pub struct Packet {
 }
 
 impl Packet {
-    /// A frame of no bytes.
+    /// A packet of no bytes.
     pub const EMPTY: Self = Self {
         bytes: [DELIMITER; LONGEST_PACKET],
         length: 0,
     };
 
-    /// Replaces the frame by that of a payload which `write` puts into a buffer of
+    /// Replaces the packet by that of a payload which `write` puts into a buffer of
     /// [`LONGEST_PAYLOAD`] bytes and whose length it returns. Returns `None`, and leaves an empty
-    /// frame, if `write` returns `None` or more bytes than fit.
+    /// packet, if `write` returns `None` or more bytes than fit.
     pub(super) fn fill(&mut self, write: impl FnOnce(&mut [u8]) -> Option<usize>) -> Option<()> {
         self.length = 0;
         let mut payload = [0; LONGEST_PAYLOAD];
@@ -65,7 +65,7 @@ fn wire_from_number<const N: usize>(number: u32) -> [u8; N] {
     })
 }
 
-/// The reason why a frame was discarded.
+/// The reason why a packet was discarded.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub enum Damage {
@@ -77,13 +77,13 @@ pub enum Damage {
     Crc,
 }
 
-/// Cuts the bytes of a wire into frames.
+/// Cuts the bytes of a wire into packets.
 #[derive(Debug, Default)]
 pub struct PacketReceiver {
-    /// The frame under way, as it came.
+    /// The packet under way, as it came.
     received: Vec<u8, LONGEST_CHECKED>,
     oversized: bool,
-    /// The last frame has ended: the next byte begins another.
+    /// The last packet has ended: the next byte begins another.
     ended: bool,
 }
 
@@ -98,7 +98,7 @@ impl PacketReceiver {
         }
     }
 
-    /// Takes one byte. If it ends a frame, returns the payload, or the reason why it is lost.
+    /// Takes one byte. If it ends a packet, returns the payload, or the reason why it is lost.
     pub fn receive(&mut self, byte: u8) -> Option<Result<&[u8], Damage>> {
         if self.ended {
             self.received.clear();
@@ -157,16 +157,16 @@ mod tests {
 
     #[test]
     fn payload_that_does_not_fit_leaves_an_empty_frame() {
-        let mut frame = Packet::EMPTY;
+        let mut packet = Packet::EMPTY;
         let full = |buffer: &mut [u8]| {
             buffer.fill(7);
             Some(buffer.len())
         };
-        assert_eq!(frame.fill(full), Some(()));
-        assert_eq!(frame.bytes().len(), LONGEST_PACKET);
+        assert_eq!(packet.fill(full), Some(()));
+        assert_eq!(packet.bytes().len(), LONGEST_PACKET);
         for refused in [None, Some(LONGEST_PAYLOAD + 1)] {
-            assert_eq!(frame.fill(|_| refused), None);
-            assert!(frame.bytes().is_empty());
+            assert_eq!(packet.fill(|_| refused), None);
+            assert!(packet.bytes().is_empty());
         }
     }
 }

@@ -96,7 +96,7 @@ impl<Deck: FlightDeck> Station<Deck> {
         }
     }
 
-    /// Takes a byte from the wire. Returns an event if the byte ends a frame.
+    /// Takes a byte from the wire. Returns an event if the byte ends a packet.
     pub fn receive(&mut self, byte: u8) -> Option<LinkEvent> {
         let event = match self.receiver.receive(byte)? {
             Ok(payload) => self.responder.answer(payload),
@@ -108,11 +108,11 @@ impl<Deck: FlightDeck> Station<Deck> {
     /// The part of the answer that is left to be sent.
     #[must_use]
     pub fn to_send(&self) -> &[u8] {
-        let frame = match self.responder.to_send {
+        let packet = match self.responder.to_send {
             Which::Answer => &self.responder.answer,
             Which::Aside => &self.responder.aside,
         };
-        frame.bytes().get(self.responder.sent..).unwrap_or_default()
+        packet.bytes().get(self.responder.sent..).unwrap_or_default()
     }
 
     /// Notes that a number of bytes of [`Self::to_send`] are on their way.
@@ -137,7 +137,7 @@ impl<Deck: FlightDeck> Station<Deck> {
     }
 }
 
-/// The frame that is on its way, of two.
+/// The packet that is on its way, of two.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 enum Which {
     /// The answer to the last request of the session.
@@ -371,7 +371,7 @@ impl<Deck: FlightDeck> Responder<Deck> {
     fn refuse_aside(&mut self, header: Header, refusal: Refusal) {
         self.to_send = Which::Aside;
         self.sent = 0;
-        // A refusal fits a frame.
+        // A refusal fits a packet.
         let _ = Answer::Refused(refusal).write(header, &mut self.aside);
     }
 
