@@ -428,11 +428,11 @@ pub struct Counters {
     pub repeated: u32,
     /// Packets that ended too early.
     pub truncated: u32,
-    /// Frames too long.
+    /// Packets too long.
     pub oversized: u32,
-    /// Frames with a wrong CRC.
+    /// Packets with a wrong CRC.
     pub wrong_crc: u32,
-    /// Frames of another protocol version.
+    /// Packets of another protocol version.
     pub other_protocol: u32,
     /// Whole packets that hold no request.
     pub unknown: u32,
