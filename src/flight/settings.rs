@@ -6,6 +6,12 @@ use super::stage_watch::StageTolerance;
 use super::vh::settings::VhSettings;
 use crate::geometry::range::{OutOfRange, Quantity};
 
+/// Steps of the encoder by which a stage that follows may be off its set point.
+pub const FOLLOWING_STEPS: f32 = 5.0;
+
+/// Steps of the encoder by which a reading of a stage that follows may step beyond its set point.
+pub const JUMP_STEPS: f32 = 3.0;
+
 /// Settings of a flight.
 #[derive(Debug, Clone, Copy, PartialEq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
@@ -71,9 +77,14 @@ impl FlightSettings {
     }
 
     pub(super) fn stage_tolerance(&self) -> StageTolerance {
+        let drive = &self.drive;
+        let step_um = drive.encoder_step_um;
+        // An encoder on the stage stands still while its screw takes up the play.
+        let play_mm = drive.seen_play_mm();
         StageTolerance {
-            following_mm: 1e-3 * self.following_tolerance_um,
-            jump_mm: 1e-3 * self.jump_tolerance_um,
+            following_mm: 1e-3 * self.following_tolerance_um.max(FOLLOWING_STEPS * step_um)
+                + play_mm,
+            jump_mm: 1e-3 * self.jump_tolerance_um.max(JUMP_STEPS * step_um) + play_mm,
         }
     }
 }

@@ -7,6 +7,13 @@ use super::time::Time;
 /// Number of values by which the slope is measured.
 pub(crate) const VALUES: usize = 4;
 
+/// Slope that rounding to steps makes of a straight line through [`VALUES`] values at equal
+/// intervals, in steps per interval, as 3 σ.
+///
+/// A rounded value has the variance 1/12; the line of least squares through n values has that of
+/// the slope `12/(n(n² - 1))` times as large, 1/5 for four.
+pub(crate) const SLOPE_STEPS: f32 = 0.388;
+
 /// The slope of the latest values.
 #[derive(Debug, Clone, Default)]
 pub(crate) struct Slope {
@@ -81,6 +88,8 @@ mod tests {
             );
         }
         assert!((slope.per_s().unwrap() + 20.0).abs() < 1e-2);
+        let variance_of_slope = 1.0 / 12.0 / 5.0_f32;
+        assert!((SLOPE_STEPS - 3.0 * variance_of_slope.sqrt()).abs() < 1e-3);
         slope.clear();
         assert_eq!(slope.per_s(), None);
         for _ in 0..VALUES {

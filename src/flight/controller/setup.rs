@@ -7,6 +7,7 @@ use crate::flight::event::AttitudeSample;
 use crate::flight::exposure::{CorrectionModel, Exposure, FlightDirection};
 use crate::flight::interior_orientation::InteriorOrientation;
 use crate::flight::settings::FlightSettings;
+use crate::flight::slope::SLOPE_STEPS;
 use crate::flight::smear_prediction::{Compensation, PredictedSmear, SmearPrediction};
 use crate::flight::stage::PlanError;
 use crate::flight::vh::{VhEstimate, VhSource};
@@ -81,12 +82,15 @@ impl Setup {
         self.smear.of(&vh, attitude, &compensation)
     }
 
-    /// Returns the largest change of the following error in an exposure with a travel, mm: the
-    /// speed is right to within 1 % or the smear budget.
-    pub(super) fn allowed_change_mm(&self, travel_mm: f32) -> f32 {
+    /// Returns the largest change of the following error, as its slope shows it, in an exposure
+    /// with a travel, mm: the speed is right to within its tolerance or the smear budget, and the
+    /// slope to within what the encoder's steps make of it.
+    pub(super) fn allowed_change_mm(&self, travel_mm: f32, exposure_s: f32) -> f32 {
         let pixel_mm = self.camera.calibration().sensor().pixel_mm();
         let of_speed = 0.01 * self.settings.speed_tolerance_percent * libm::fabsf(travel_mm);
-        of_speed.max(self.settings.smear_budget_px * pixel_mm)
+        let of_steps =
+            1e-3 * self.settings.drive.encoder_step_um * SLOPE_STEPS * exposure_s / TICK_S;
+        of_speed.max(self.settings.smear_budget_px * pixel_mm) + of_steps
     }
 
     /// Returns the position at which the stage waits for the next trigger, mm: that for the present

@@ -58,6 +58,14 @@ impl Default for DriveSettings {
 }
 
 impl DriveSettings {
+    /// Returns the play in which an encoder on the stage stands still while the screw moves, mm.
+    pub(crate) fn seen_play_mm(&self) -> f32 {
+        match self.encoder_side {
+            EncoderSide::Screw => 0.0,
+            EncoderSide::Stage => 1e-3 * self.play_um,
+        }
+    }
+
     /// Returns the play that the encoder does not see, mm.
     pub(crate) fn unseen_play_mm(&self) -> f32 {
         match self.encoder_side {

@@ -112,7 +112,10 @@ impl<Deck: FlightDeck> Station<Deck> {
             Which::Answer => &self.responder.answer,
             Which::Aside => &self.responder.aside,
         };
-        packet.bytes().get(self.responder.sent..).unwrap_or_default()
+        packet
+            .bytes()
+            .get(self.responder.sent..)
+            .unwrap_or_default()
     }
 
     /// Notes that a number of bytes of [`Self::to_send`] are on their way.

@@ -121,7 +121,12 @@ impl InFlight {
             });
         }
         let (exposure_s, travel_mm) = (self.asked.exposure.exposure_s, self.planned_travel_mm);
-        if !stage.is_steady(setup, now, exposure_s, setup.allowed_change_mm(travel_mm)) {
+        if !stage.is_steady(
+            setup,
+            now,
+            exposure_s,
+            setup.allowed_change_mm(travel_mm, exposure_s),
+        ) {
             return Due::Nothing;
         }
         let at = planned.max(now);
