@@ -6,8 +6,6 @@ mod command_line;
 #[cfg(test)]
 mod firmware;
 #[cfg(test)]
-mod flight;
-#[cfg(test)]
 mod frame_timing;
 #[cfg(test)]
 mod mechanics;
@@ -17,3 +15,5 @@ mod mission;
 mod reference;
 #[cfg(test)]
 mod scene;
+#[cfg(test)]
+mod strip;

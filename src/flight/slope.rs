@@ -89,7 +89,7 @@ mod tests {
         }
         assert!((slope.per_s().unwrap() + 20.0).abs() < 1e-2);
         let variance_of_slope = 1.0 / 12.0 / 5.0_f32;
-        assert!((SLOPE_STEPS - 3.0 * variance_of_slope.sqrt()).abs() < 1e-3);
+        assert!((SLOPE_STEPS - 3.0 * libm::sqrtf(variance_of_slope)).abs() < 1e-3);
         slope.clear();
         assert_eq!(slope.per_s(), None);
         for _ in 0..VALUES {

@@ -33,33 +33,33 @@ const FEATURES: [&str; 7] = [
 /// One step; its name is that of `--only`.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
 pub(crate) enum Step {
-    /// Formatting
+    /// Check the formatting
     Format,
-    /// Lints for the host, each feature of the library by itself, then everything
+    /// Lint for the host: the library with each feature by itself, then everything
     HostLints,
-    /// Lints of the tests on a real board, which nothing else builds
+    /// Lint the tests for a real board, which no other step builds
     HilLints,
-    /// Documentation
+    /// Build the documentation
     Docs,
-    /// Tests on the host
+    /// Run the tests on the host
     HostTests,
-    /// Verification against the strict solver, camera in-process
+    /// Verify every coordinate against the strict solver, with the camera in this process
     Verify,
-    /// Lints for the target: library, firmware, programs of the checks
+    /// Lint for the target: library, firmware, and the programs that check them
     TargetLints,
-    /// Library built for the firmware's target, and for Cortex-M55
+    /// Build the library for the firmware's target and for a Cortex-M55
     TargetBuild,
-    /// Link check that no panic is reachable, and its negative control
+    /// Link the library's public functions so that a reachable panic is an error, and show that the check finds one
     NoPanic,
-    /// Lints of the firmware with accidents on request
+    /// Lint the firmware with drills: faults that a test triggers
     FirmwareLints,
-    /// Link check that the firmware cannot panic, and its negative control
+    /// Link the firmware so that a reachable panic is an error, and show that the check finds one
     FirmwareNoPanic,
-    /// Point kernel and firmware built, and tested in QEMU
+    /// Build the point kernel and the firmware, and test them in QEMU
     Firmware,
-    /// Lints and image for the board, and what in it can panic
+    /// Lint and build the image for the board, and check which functions in it can panic
     Board,
-    /// Instructions, image sizes and stack against the tables in docs
+    /// Compare instructions, image sizes and stack with the tables in docs
     Costs,
 }
 

@@ -51,24 +51,28 @@ enum Command {
     },
     /// Build the firmware for QEMU and print where it is
     Firmware,
-    /// What a point, frame or message costs: instructions on the emulated cores, modelled cycles, time on this PC, beside
-    /// other software (CSV); image sizes and stack
+    /// Count what a point, a frame and a message cost
+    ///
+    /// Prints, as CSV, the instructions on the emulated cores, the modelled cycles, and the time on this PC beside that
+    /// of other software, and on the error stream the sizes of the images and their stack.
     ///
     /// Cycles need LLVM's llvm-mca and llvm-objdump, of 19 or later; where they are not on the search path, Debian's
     /// package llvm-19 is fetched into the target directory.
     /// `OpenCV` is timed where `python3` has it. The comparison goes to performance.csv and performance.svg in target/bench.
     Bench {
-        /// Write the tables and the figure in docs instead
+        /// Write the tables and the figure to docs instead of target/bench
         #[arg(long)]
         update: bool,
     },
-    /// Formatting, lints, documentation and tests on the host; lints, builds and no-panic checks for the target; the
-    /// firmware's tests in QEMU
+    /// Check formatting, lints, documentation and tests
+    ///
+    /// On the host: formatting, lints, documentation and tests. For the target: lints, builds, and checks that no panic
+    /// can be reached. In QEMU: the tests of the firmware.
     Test {
         /// Run this step alone
         #[arg(long, value_enum)]
         only: Option<Step>,
-        /// A step among others, which have said what they use
+        /// Run the step as one of several: the tools in use have been printed already
         #[arg(long, hide = true, requires = "only")]
         among_others: bool,
     },

@@ -3,38 +3,20 @@
 
 use std::hint::black_box;
 
-use fmc_camera_kernel::{Coefficients, portable};
+use fmc_camera_kernel::portable;
 use fmc_camera_kernel::{
     Terms,
     host::{Batch, Level},
 };
 use opencv_ros_camera::{Distortion, RosOpenCvIntrinsics};
 
+use crate::form::FORM;
 use crate::points::Points;
 use crate::timing::Contender;
 
 /// Names of the copies of separate x and y, and of pairs.
 const COPY_XY: &str = "memcpy x, y";
 const COPY_PAIRS: &str = "memcpy pairs";
-
-/// Coefficients of a frame with all terms, whose f32 products neither vanish nor overflow on the
-/// sensor.
-const FORM: Coefficients = Coefficients {
-    cx: 0.0123,
-    cy: -0.0711,
-    k0: 3.1e-5,
-    k1: -2.3e-7,
-    k2: 4.7e-11,
-    k3: -6.1e-15,
-    hx: 1.3e-7,
-    hy: -2.9e-7,
-    gx: 5.3e-7,
-    gy: 7.1e-8,
-    b1: -1.1e-5,
-    b2: 2.3e-5,
-    tx: 3.7e-6,
-    ty: -4.1e-6,
-};
 
 /// Returns all contenders, on the same points.
 pub(crate) fn all(points: &Points) -> Vec<Contender<'_>> {

@@ -7,6 +7,8 @@
 
 mod contenders;
 mod cpu_time;
+#[path = "../../../crates/kernel/tests/host/form.rs"]
+mod form;
 mod points;
 mod stream;
 mod table;
@@ -112,7 +114,7 @@ fn call(calls: u32, kernel: &str, sizes: &[usize]) -> Result<(), String> {
     let Some(contender) = contenders.iter_mut().find(|one| one.name == kernel) else {
         let names: Vec<_> = contenders.iter().map(|one| one.name.as_str()).collect();
         return Err(format!(
-            "--kernel {kernel} is none of\n{}",
+            "--kernel {kernel} is not one of\n{}",
             names.join("\n")
         ));
     };

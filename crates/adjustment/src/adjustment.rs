@@ -3,8 +3,9 @@
 use nalgebra::{Matrix2, Vector2};
 
 use crate::collinearity::{Projection, projection};
-use crate::correction::{COEFFICIENTS, CorrectedPoint};
+use crate::correction::COEFFICIENTS;
 use crate::exterior_orientation::{ELEMENTS, ExteriorOrientation};
+use crate::frame_observation::{ControlObservation, FrameObservations, PointSigmas};
 use crate::normal_equations::{FrameBlock, FrameVector, NormalEquations, SharedVector};
 use crate::separability::{self, Inseparable};
 
@@ -18,43 +19,6 @@ const SMALLEST_STEP: f64 = 1e-7;
 /// Damping after the first step that raises the cost, as a fraction of the diagonal.
 const FIRST_DAMPING: f64 = 1e-3;
 
-/// Position and attitude observed on board; for an element without σ the observation is only an
-/// initial value.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct PosObservation {
-    /// Observed exterior orientation at the centroid of the exposure.
-    pub orientation: ExteriorOrientation,
-    /// σ of each element, m and rad; `None`: free.
-    pub sigmas: [Option<f64>; ELEMENTS],
-}
-
-/// A control point in one frame.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct ControlObservation {
-    /// Corrected image point.
-    pub corrected: CorrectedPoint,
-    /// Surveyed position, ground frame, m.
-    pub ground_m: [f64; 3],
-}
-
-/// Observations of one frame.
-#[derive(Debug, Clone, PartialEq)]
-pub struct FrameObservations {
-    /// Observation of the position and orientation system.
-    pub pos: PosObservation,
-    /// Control points.
-    pub control: Vec<ControlObservation>,
-}
-
-/// Standard deviations of the observations on the image and on the ground.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct PointSigmas {
-    /// σ of an image coordinate, mm.
-    pub image_mm: f64,
-    /// σ of a coordinate of a control point, m.
-    pub ground_m: f64,
-}
-
 /// An adjustment problem.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Adjustment {
@@ -64,8 +28,8 @@ pub struct Adjustment {
     pub sigmas: PointSigmas,
     /// `true` for the coefficients that are estimated.
     pub estimated: [bool; COEFFICIENTS],
-    /// Initial values of the coefficients, as [`CorrectedPoint`] counts them; those not estimated
-    /// keep them.
+    /// Initial values of the coefficients, as [`CorrectedPoint`](crate::correction::CorrectedPoint)
+    /// counts them; those not estimated keep them.
     pub initial: [f64; COEFFICIENTS],
     /// Observations of the frames.
     pub frames: Vec<FrameObservations>,
@@ -78,7 +42,7 @@ pub struct Adjusted {
     pub orientations: Vec<ExteriorOrientation>,
     /// Standard deviations of the elements of the orientations, m and rad, for σ0 = 1.
     pub orientation_sigmas: Vec<[f64; ELEMENTS]>,
-    /// Coefficients, as [`CorrectedPoint`] counts them.
+    /// Coefficients, as [`CorrectedPoint`](crate::correction::CorrectedPoint) counts them.
     pub coefficients: [f64; COEFFICIENTS],
     /// Standard deviations of the coefficients for σ0 = 1; zero for one that is not estimated.
     pub coefficient_sigmas: [f64; COEFFICIENTS],
@@ -353,31 +317,6 @@ impl Adjustment {
 /// Returns corrected less projected image point, mm.
 fn residual(point: &ControlObservation, projection: &Projection, state: &State) -> Vector2<f64> {
     Vector2::from(point.corrected.ideal(&state.coefficients)) - projection.image_mm
-}
-
-impl PosObservation {
-    /// Returns observed less adjusted elements, angles in (-π, π].
-    fn residuals(&self, orientation: &ExteriorOrientation) -> FrameVector {
-        let mut residuals = self.orientation.elements() - orientation.elements();
-        for angle in residuals.iter_mut().skip(3) {
-            *angle = angle.sin().atan2(angle.cos());
-        }
-        residuals
-    }
-
-    fn add_to(&self, block: &mut FrameBlock, orientation: &ExteriorOrientation) {
-        let residuals = self.residuals(orientation);
-        for (index, (residual, sigma)) in residuals.iter().zip(self.sigmas).enumerate() {
-            let Some(sigma) = sigma else { continue };
-            let weight = sigma.powi(-2);
-            if let Some(element) = block.matrix.get_mut((index, index)) {
-                *element += weight;
-            }
-            if let Some(element) = block.right.get_mut(index) {
-                *element += weight * residual;
-            }
-        }
-    }
 }
 
 impl State {

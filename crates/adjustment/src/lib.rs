@@ -13,6 +13,7 @@ pub mod calibration;
 pub mod collinearity;
 pub mod correction;
 pub mod exterior_orientation;
+pub mod frame_observation;
 pub mod interior_orientation;
 pub mod model;
 pub mod normal_equations;

@@ -8,6 +8,11 @@ use fmc_camera::flight::fault::Fault;
 use fmc_camera::io::link::message::Status;
 use serde::Serialize;
 
+use crate::terminal;
+
+/// Columns of the names in the block of lines.
+const NAMES: u16 = 17;
+
 /// Writes the status as a block of lines.
 ///
 /// # Errors
@@ -15,32 +20,14 @@ use serde::Serialize;
 pub fn write_text(status: &Status, sink: &mut dyn Write) -> io::Result<()> {
     let counts = status.counts;
     let place = if status.is_place_lost {
-        "lost: say where the stage stands, in standby, with `host-sim camera referenced`"
+        "lost: in standby, say with `host-sim camera referenced` where the stage stands"
     } else {
         "known"
     };
-    writeln!(sink, "state            {}", status.state)?;
-    writeln!(sink, "place of stage   {place}")?;
-    match status.offset_mm {
-        Some(offset_mm) => writeln!(sink, "encoder          {offset_mm:.4} mm from its zero")?,
-        None => writeln!(sink, "encoder          not read")?,
-    }
-    writeln!(
-        sink,
-        "following error  {:.2} µm RMS",
-        status.following_rms_um
-    )?;
-    writeln!(
-        sink,
-        "triggers         {}: {} exposed, {} refused",
-        counts.triggers, counts.exposed, counts.refused
-    )?;
-    writeln!(sink, "records          {} to be fetched", status.kept)?;
-    writeln!(
-        sink,
-        "irregular        {} late rounds, {} encoder glitches, {} unexpected edges of the shutter, {} events lost",
-        counts.late_ticks, counts.glitches, counts.unexpected_edges, counts.lost_events
-    )?;
+    let offset = status.offset_mm.map_or_else(
+        || "not read".to_owned(),
+        |offset_mm| format!("{offset_mm:.4} mm from its zero"),
+    );
     let found: Vec<String> = status
         .findings
         .iter()
@@ -48,11 +35,36 @@ pub fn write_text(status: &Status, sink: &mut dyn Write) -> io::Result<()> {
         .map(|(flag, count)| format!("{} {}", count, flag.name()))
         .collect();
     let found = if found.is_empty() {
-        "nothing of the instruments".to_owned()
+        "nothing about the instruments".to_owned()
     } else {
         found.join(", ")
     };
-    writeln!(sink, "found            {found}")
+    let pairs = [
+        ("state", status.state.to_string()),
+        ("place of stage", place.to_owned()),
+        ("encoder", offset),
+        (
+            "following error",
+            format!("{:.2} µm RMS", status.following_rms_um),
+        ),
+        (
+            "triggers",
+            format!(
+                "{}: {} exposed, {} refused",
+                counts.triggers, counts.exposed, counts.refused
+            ),
+        ),
+        ("records", format!("{} to be fetched", status.kept)),
+        (
+            "irregular",
+            format!(
+                "{} late rounds, {} encoder glitches, {} unexpected edges of the shutter, {} events lost",
+                counts.late_ticks, counts.glitches, counts.unexpected_edges, counts.lost_events
+            ),
+        ),
+        ("found", found),
+    ];
+    writeln!(sink, "{}", terminal::pairs(NAMES, pairs))
 }
 
 /// Writes the status as JSON.

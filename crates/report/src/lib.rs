@@ -19,5 +19,6 @@ pub mod records;
 pub mod smear;
 pub mod strip_experiment;
 pub mod sweep;
+pub mod terminal;
 pub mod verification;
 pub mod wording;

@@ -2,7 +2,6 @@
 
 use std::io::Write;
 
-use comfy_table::{CellAlignment, Table, presets::UTF8_FULL_CONDENSED};
 use fmc_camera_file::CameraFile;
 use fmc_simulation::smear::field::{PointSmear, SmearField, SmearRequest};
 use fmc_simulation::smear::term::Term;
@@ -11,6 +10,7 @@ use serde::Serialize;
 use crate::arrow::Arrow;
 use crate::arrow_field::ArrowField;
 use crate::figure::FigureError;
+use crate::terminal::{self, numbers, words};
 use crate::{length, wording};
 
 /// Name of all terms together in files.
@@ -59,21 +59,19 @@ impl SmearReport<'_> {
     /// Writes the table for a terminal or a pipe.
     #[must_use]
     pub fn text(&self) -> String {
-        let mut table = Table::new();
-        table.load_style(UTF8_FULL_CONDENSED);
-        table.set_header([
-            "term",
-            "max\nµm",
-            "max\npx",
-            "at x, y\nmm",
-            "mean\nµm",
-            "mean\npx",
-            "simulated max\nµm",
-        ]);
-        for field in self.fields {
+        let columns = [
+            words("term"),
+            numbers("max\nµm"),
+            numbers("max\npx"),
+            numbers("at x, y\nmm"),
+            numbers("mean\nµm"),
+            numbers("mean\npx"),
+            numbers("simulated\nmax, µm"),
+        ];
+        let rows = self.fields.iter().map(|field| {
             let row = self.row(field);
             let [x, y] = row.max_at_mm;
-            table.add_row([
+            [
                 self.label(field.term),
                 format!("{:.3}", row.max_um),
                 format!("{:.3}", row.max_px),
@@ -85,15 +83,12 @@ impl SmearReport<'_> {
                 format!("{:.3}", row.mean_um),
                 format!("{:.3}", row.mean_px),
                 format!("{:.3}", row.simulated_max_um),
-            ]);
-        }
-        for column in table.column_iter_mut().skip(1) {
-            column.set_cell_alignment(CellAlignment::Right);
-        }
+            ]
+        });
         [
             format!("camera: {}", self.camera.name),
             self.exposure(),
-            table.trim_fmt(),
+            terminal::table(columns, rows),
             format!(
                 "length of the smear vector from first light to last, over 21 x 21 points of the sensor; px of {} µm",
                 self.camera.sensor.pixel_um

@@ -84,6 +84,61 @@ impl fmt::Display for Range {
     }
 }
 
+/// A value of the scenario that has an allowed range.
+pub(crate) trait Ranged {
+    fn check(&self, range: Range, text: &TomlText, path: &[&str]) -> Result<(), InputError>;
+}
+
+impl Ranged for f64 {
+    fn check(&self, range: Range, text: &TomlText, path: &[&str]) -> Result<(), InputError> {
+        range.check(*self, text, path)
+    }
+}
+
+impl Ranged for i64 {
+    fn check(&self, range: Range, text: &TomlText, path: &[&str]) -> Result<(), InputError> {
+        range.check(whole(*self), text, path)
+    }
+}
+
+impl<const COUNT: usize> Ranged for [f64; COUNT] {
+    fn check(&self, range: Range, text: &TomlText, path: &[&str]) -> Result<(), InputError> {
+        range.check_each(self, text, path)
+    }
+}
+
+impl<T: Ranged> Ranged for Option<T> {
+    fn check(&self, range: Range, text: &TomlText, path: &[&str]) -> Result<(), InputError> {
+        self.as_ref()
+            .map_or(Ok(()), |value| value.check(range, text, path))
+    }
+}
+
+/// Checks `table.key`, where the Rust names are those of the file.
+macro_rules! check {
+    ($text:ident: $($table:ident.$key:ident $range:ident),+ $(,)?) => {
+        $($table.$key.check($range, $text, &[stringify!($table), stringify!($key)])?;)+
+    };
+}
+
+pub(crate) use check;
+
+/// Refuses terrain that reaches the aircraft.
+pub(crate) fn check_clearance(
+    text: &TomlText,
+    flying_height_m: f64,
+    terrain_m: f64,
+    relief_m: f64,
+) -> Result<(), InputError> {
+    if flying_height_m <= terrain_m + relief_m {
+        return Err(text.invalid(
+            &["terrain", "height_m"],
+            &format!("with relief_m = {relief_m} reaches the aircraft at {flying_height_m} m"),
+        ));
+    }
+    Ok(())
+}
+
 /// Converts a count into a number.
 pub(crate) fn whole(count: i64) -> f64 {
     i32::try_from(count).map_or(f64::INFINITY, f64::from)

@@ -15,7 +15,7 @@ pub use calibration::{CalibrateArgs, CalibrationMethod, FiveArgs, RegressOn, Sta
 pub use camera::{CameraAction, CameraArgs, ExposureTimeArgs, PrepareArgs, StatusArgs, VhArgs};
 pub use mesh::{ImagePart, MeshArgs, MeshFormatName};
 pub use mission::{MissionArgs, RecordsArgs};
-pub use simulation::{BudgetArgs, FlightArgs, SmearArgs, StrategyName, SweepArgs};
+pub use simulation::{BudgetArgs, SmearArgs, StrategyName, StripArgs, SweepArgs};
 
 use fmc_camera_file::number::finite;
 
@@ -103,19 +103,20 @@ pub enum Command {
     /// relief, drift, encoder, clock and attitude rates. In micrometres and pixels on the sensor
     /// and in centimetres on the ground, the largest first, with a sentence of advice.
     Budget(BudgetArgs),
-    /// Simulate a flight over ground control: Yuan et al. 2012, section 4.2, and beyond.
+    /// Simulate a strip of frames over ground control: Yuan et al. 2012, section 4.2, and beyond.
     ///
     /// The experiment shows which correction puts points at their places on the ground. A strip of
     /// frames is recorded with the true exposure mean of the lens; image points, position and
     /// attitude on board and surveyed control points get seeded errors; every frame is oriented by
     /// space resection, the five coefficients are calibrated from all frames; and the ground errors
     /// of no correction, the static, the printed, the five-coefficient and the exact model are
-    /// compared at the control points and at check points that took no part, over many flights,
-    /// with confidence intervals.
+    /// compared at the control points and at check points that took no part, over many repetitions
+    /// with other errors, with confidence intervals.
     ///
     /// To repeat the paper's 0.29 m and 0.18 m:
-    /// host-sim flight --scenario host-sim/scenarios/yuan-2012.toml --out flight
-    Flight(FlightArgs),
+    /// host-sim strip --scenario host-sim/scenarios/yuan-2012.toml --out strip
+    #[command(visible_alias = "flight")]
+    Strip(StripArgs),
     /// Fly a mission in simulated time with the camera in the loop.
     ///
     /// Aircraft, V/H sensors, shutter and the mechanics of the stage are simulated; the camera's

@@ -142,16 +142,16 @@ pub struct BudgetArgs {
     pub out: Option<PathBuf>,
 }
 
-/// Arguments of `flight`.
+/// Arguments of `strip`.
 #[derive(Debug, Args)]
-pub struct FlightArgs {
+pub struct StripArgs {
     /// Scenario (TOML); host-sim/scenarios holds two, with every key explained.
     #[arg(long, value_name = "FILE")]
     pub scenario: PathBuf,
     /// Seed of the noise, a whole number: the same seed gives the same files.
     #[arg(long, value_name = "N", default_value = "1")]
     pub seed: u64,
-    /// Number of flights of the scenario, each with other errors, 2 to 10000.
+    /// Number of repetitions of the experiment, each with other errors, 2 to 10000.
     #[arg(long, value_name = "N", default_value = "100", value_parser = clap::value_parser!(u32).range(2..=10_000))]
     pub repetitions: u32,
     /// Folder for report.html, summary.json, repetitions.csv and figures; made if it does not exist.

@@ -40,10 +40,7 @@ fn write_report(folder: &OutputFolder, budget: &Budget) -> Result<(), Failure> {
     let failed = |what: &str, error: &dyn std::fmt::Display| {
         Failure::device_or_io(format!("{what}: {error}"))
     };
-    folder.write("summary.json", |sink| {
-        serde_json::to_writer_pretty(&mut *sink, &summary::Summary::of(budget))?;
-        writeln!(sink)
-    })?;
+    folder.write_json("summary.json", &summary::Summary::of(budget))?;
     let svg = bars::svg(budget).map_err(|error| failed("budget.svg", &error))?;
     let png = bars::png(budget).map_err(|error| failed("budget.png", &error))?;
     folder.write("budget.svg", |sink| sink.write_all(svg.as_bytes()))?;

@@ -6,11 +6,15 @@ use fmc_camera::flight::exposure::CorrectionModel;
 use fmc_camera::flight::interior_orientation::{FocusConvention, InteriorOrientation};
 use fmc_camera::geometry::frame_correction::Terms;
 use fmc_camera_file::CameraFile;
+use fmc_report::terminal;
 use serde::Serialize;
 
 use crate::cli::{ExposureArgs, FrameArgs};
 use crate::failure::Failure;
 use crate::formats::output;
+
+/// Columns of the names in the answer.
+const NAMES: u16 = 25;
 
 pub(super) fn run(args: &FrameArgs) -> Result<(), Failure> {
     let request = &args.exposure;
@@ -90,46 +94,48 @@ impl FrameReport {
 
     fn print(&self, sink: &mut dyn Write) -> std::io::Result<()> {
         let [x0, y0] = self.principal_point_mm;
-        writeln!(sink, "camera                   {}", self.camera)?;
-        writeln!(sink, "model                    {}", self.model)?;
-        writeln!(sink, "V/H                      {} 1/s", self.vh_per_s)?;
-        writeln!(sink, "exposure t               {} s", self.exposure_s)?;
-        writeln!(
-            sink,
-            "FMC axis                 {}, flight {}",
-            self.fmc_axis, self.direction
-        )?;
-        writeln!(
-            sink,
-            "opening offset Δδ        {:.6} mm",
-            self.opening_offset_mm
-        )?;
-        writeln!(sink, "travel while open δ      {:.6} mm", self.travel_mm)?;
-        writeln!(
-            sink,
-            "centroid offset          {:.6} mm",
-            self.centroid_offset_mm
-        )?;
-        writeln!(
-            sink,
-            "centroid time            opening + {:.7} s",
-            self.centroid_time_s
-        )?;
-        writeln!(sink, "centroid principal point ({x0:.6}, {y0:.6}) mm")?;
-        writeln!(
-            sink,
-            "principal distance       {:.5} mm",
-            self.principal_distance_mm
-        )?;
-        writeln!(
-            sink,
-            "focus shift Δz           {:.3} µm, enlargement {:.3e}, convention ({}): principal distance unchanged",
-            self.focus_shift_um, self.enlargement, self.focus_convention
-        )?;
-        writeln!(
-            sink,
-            "left out of the model    at most {:.3} nm ({} kernel)",
-            self.left_out_nm, self.kernel
-        )
+        let pairs = [
+            ("camera", self.camera.clone()),
+            ("model", self.model.to_owned()),
+            ("V/H", format!("{} 1/s", self.vh_per_s)),
+            ("exposure t", format!("{} s", self.exposure_s)),
+            (
+                "FMC axis",
+                format!("{}, flight {}", self.fmc_axis, self.direction),
+            ),
+            (
+                "opening offset Δδ",
+                format!("{:.6} mm", self.opening_offset_mm),
+            ),
+            ("travel while open δ", format!("{:.6} mm", self.travel_mm)),
+            (
+                "centroid offset",
+                format!("{:.6} mm", self.centroid_offset_mm),
+            ),
+            (
+                "centroid time",
+                format!("opening + {:.7} s", self.centroid_time_s),
+            ),
+            ("centroid principal point", format!("({x0:.6}, {y0:.6}) mm")),
+            (
+                "principal distance",
+                format!("{:.5} mm", self.principal_distance_mm),
+            ),
+            (
+                "focus shift Δz",
+                format!(
+                    "{:.3} µm, enlargement {:.3e}, convention ({}): principal distance unchanged",
+                    self.focus_shift_um, self.enlargement, self.focus_convention
+                ),
+            ),
+            (
+                "left out of the model",
+                format!(
+                    "at most {:.3} nm ({} kernel)",
+                    self.left_out_nm, self.kernel
+                ),
+            ),
+        ];
+        writeln!(sink, "{}", terminal::pairs(NAMES, pairs))
     }
 }

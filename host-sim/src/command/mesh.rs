@@ -45,10 +45,7 @@ pub(super) fn run(args: &MeshArgs) -> Result<(), Failure> {
         folder.write(name, |sink| sink.write_all(bytes))?;
     }
     // The header is written last: if it exists, the mesh is complete.
-    folder.write("mesh.json", |sink| {
-        serde_json::to_writer_pretty(&mut *sink, &header)?;
-        writeln!(sink)
-    })
+    folder.write_json("mesh.json", &header)
 }
 
 /// Checks that the engine supports the spacing.

@@ -5,7 +5,6 @@ mod calibrate;
 mod camera;
 mod device;
 mod exposure;
-mod flight;
 mod frame;
 mod mesh;
 mod mission;
@@ -14,6 +13,7 @@ mod points;
 mod records;
 mod reference;
 mod smear;
+mod strip;
 mod sweep;
 mod verify;
 
@@ -38,7 +38,7 @@ pub fn run(cli: Cli) -> Result<(), Failure> {
         },
         Command::Smear(args) => smear::run(&args),
         Command::Sweep(args) => sweep::run(&args),
-        Command::Flight(args) => flight::run(&args),
+        Command::Strip(args) => strip::run(&args),
         Command::Mission(args) => mission::run(&args),
         Command::Records(args) => records::run(&args),
         Command::Camera(args) => camera::run(&args),

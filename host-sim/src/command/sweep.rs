@@ -115,10 +115,7 @@ fn write_report(folder: &OutputFolder, sweep: &Sweep) -> Result<(), Failure> {
     let failed = |what: &str, error: &dyn std::fmt::Display| {
         Failure::device_or_io(format!("{what}: {error}"))
     };
-    folder.write("summary.json", |sink| {
-        serde_json::to_writer_pretty(&mut *sink, &summary::Summary::of(sweep))?;
-        writeln!(sink)
-    })?;
+    folder.write_json("summary.json", &summary::Summary::of(sweep))?;
     folder.write("coefficients.csv", |sink| {
         coefficients_csv::write(sweep, sink).map_err(io::Error::other)
     })?;

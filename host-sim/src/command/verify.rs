@@ -91,10 +91,7 @@ fn verify(
 /// Writes report.html, summary.json, frames.csv, and each camera's figures.
 fn write_report(folder: &OutputFolder, verification: &Verification) -> Result<(), Failure> {
     let drawing = |error: FigureError| Failure::device_or_io(format!("figure: {error}"));
-    folder.write("summary.json", |sink| {
-        serde_json::to_writer_pretty(&mut *sink, &Summary::of(verification))?;
-        writeln!(sink)
-    })?;
+    folder.write_json("summary.json", &Summary::of(verification))?;
     folder.write("frames.csv", |sink| {
         frames_csv::write(verification, sink).map_err(io::Error::other)
     })?;

@@ -76,7 +76,7 @@ impl Image {
         let elf = fs::read(path).map_err(|error| wrong(format!("cannot be read: {error}")))?;
         if !is_elf_for_arm(&elf) {
             return Err(wrong(
-                "is not a firmware: no ELF file for 32-bit ARM".to_owned(),
+                "is not a firmware: it is not an ELF file for 32-bit ARM".to_owned(),
             ));
         }
         Ok(Self {

@@ -56,7 +56,7 @@ pub enum LinkError {
     #[error("the port fails: {0}")]
     Port(io::ErrorKind),
     /// The request itself was received back.
-    #[error("what is sent comes back: an echo, not a camera")]
+    #[error("everything that is sent comes back: an echo, not a camera")]
     Echo,
     /// The answer is to something else.
     #[error("the answer to \"{request}\" is none")]

@@ -1,5 +1,6 @@
 //! The firmware's log, decoded while it arrives.
 
+mod argument;
 mod line;
 mod table;
 

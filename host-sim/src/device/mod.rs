@@ -3,6 +3,7 @@
 mod batch;
 pub mod client;
 mod client_flight;
+mod client_frame;
 pub mod error;
 pub mod flown_camera;
 mod flying;

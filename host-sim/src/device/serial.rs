@@ -115,7 +115,7 @@ pub fn connect(path: &Path) -> Result<Remote<SerialPort>, OpenError> {
         {
             OpenError::Port {
                 path: path.to_owned(),
-                what: format!("what is on it does not answer as a camera: {error}"),
+                what: format!("the device on it does not answer as a camera: {error}"),
                 help: Some(HINTS),
             }
         }

@@ -50,7 +50,7 @@ pub enum NpyHeaderError {
     #[error("its header has {0} bytes, more than {LONGEST}")]
     TooLong(u32),
     /// The text of a header of version 3.0 is not UTF-8.
-    #[error("its header is no UTF-8")]
+    #[error("its header is not UTF-8 text")]
     NoUtf8,
     /// The dictionary in the header is wrong.
     #[error("its header is wrong: {0}")]
@@ -261,7 +261,7 @@ mod tests {
         }
         assert_eq!(
             read(&file([3, 0], b"{'\xe4': 1}")).unwrap_err(),
-            "its header is no UTF-8"
+            "its header is not UTF-8 text"
         );
     }
 

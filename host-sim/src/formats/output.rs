@@ -4,6 +4,7 @@ use std::fs::{self, File};
 use std::io::{self, BufWriter, Write};
 use std::path::{Path, PathBuf};
 
+use serde::Serialize;
 use tempfile::NamedTempFile;
 
 use crate::failure::Failure;
@@ -199,5 +200,16 @@ impl OutputFolder {
         body: impl FnOnce(&mut dyn Write) -> io::Result<()>,
     ) -> Result<(), Failure> {
         write(Some(&self.path.join(name)), body)
+    }
+
+    /// Writes a value as one file of the folder, in JSON.
+    ///
+    /// # Errors
+    /// [`Failure`] naming the file.
+    pub fn write_json(&self, name: &str, value: &impl Serialize) -> Result<(), Failure> {
+        self.write(name, |sink| {
+            serde_json::to_writer_pretty(&mut *sink, value)?;
+            writeln!(sink)
+        })
     }
 }

@@ -96,10 +96,11 @@ fn camera_on_a_board_is_flown_by_commands_and_its_records_are_fetched() {
     board.says(&["prepare", "--camera", "camera.toml"], "standby");
     let status = board.run(&["status"]).ok().stdout;
     let encoder = "encoder          0.0000 mm from its zero";
+    assert!(status.lines().all(|line| line.chars().count() <= 80));
     for part in [
         "standby",
         "lost",
-        "camera referenced",
+        "`host-sim camera referenced`",
         "0 to be fetched",
         encoder,
     ] {

@@ -21,11 +21,16 @@ mod camera;
 #[cfg(unix)]
 mod fake_camera;
 #[cfg(test)]
-mod flight;
+#[cfg(unix)]
+mod fake_qemu;
+#[cfg(test)]
+mod gpu_mesh;
 #[cfg(test)]
 mod mesh;
 #[cfg(test)]
 mod mission;
+#[cfg(test)]
+mod mission_refused;
 #[cfg(test)]
 mod npy;
 #[cfg(test)]
@@ -49,9 +54,13 @@ mod smear;
 #[cfg(test)]
 mod streaming;
 #[cfg(test)]
+mod strip;
+#[cfg(test)]
 mod support;
 #[cfg(test)]
 mod sweep;
+#[cfg(test)]
+mod table_width;
 #[cfg(test)]
 #[cfg(unix)]
 mod terminal;

@@ -211,8 +211,8 @@ fn arrays_that_are_no_points_are_refused_with_what_they_are() {
         &array(&[3, 2], Order::C, &[1_i32; 6]),
         &["i4", "<f4 or <f8"],
     );
-    refused(b"id,x_mm,y_mm\na,1,2\n", &["no array of NumPy"]);
-    refused(b"", &["no array of NumPy"]);
+    refused(b"id,x_mm,y_mm\na,1,2\n", &["not an array of NumPy"]);
+    refused(b"", &["not an array of NumPy"]);
     refused(
         &array(&[3, 2], Order::C, &[1.0, 2.0, 3.0, f64::NAN, 5.0, 6.0]),
         &["row 1", "NaN"],
@@ -295,7 +295,7 @@ fn damaged_headers_are_refused_with_the_file_and_what_is_wrong() {
         (with("}", ""), "a string is missing"),
     ] {
         let answer = on_array(&bench, "correct", &array, &["--out", "out.npy"]);
-        answer.refused(&["points.npy", "no array of NumPy", words]);
+        answer.refused(&["points.npy", "not an array of NumPy", words]);
         assert!(!bench.path("out.npy").exists());
     }
 }

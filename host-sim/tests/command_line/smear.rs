@@ -38,14 +38,10 @@ fn every_term_alone_and_all_together_are_tabled() {
     let bench = Bench::with(SQUARE, b"");
     for (option, value, expected) in TERMS {
         let answer = smear(&bench, &[option, value]).ok();
-        let rows: Vec<&str> = answer
-            .stdout
-            .lines()
-            .filter(|line| line.contains("┆"))
-            .collect();
-        // The rows are two of headings, the term, and all together.
-        assert_eq!(rows.len(), 4, "{}", answer.stdout);
-        for row in &rows[2..] {
+        let tables = answer.tables();
+        // Two lines of headings, a rule, the term, and all together.
+        assert_eq!([tables.len(), tables[0].len()], [1, 5], "{}", answer.stdout);
+        for row in &tables[0][3..] {
             // The value appears as predicted and as simulated.
             assert_eq!(
                 row.matches(expected).count(),

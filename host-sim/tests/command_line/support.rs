@@ -172,6 +172,17 @@ impl Answer {
         }
     }
 
+    /// Returns the tables of the answer, line by line: headings, a double rule, rows.
+    pub(crate) fn tables(&self) -> Vec<Vec<&str>> {
+        let mut tables = Vec::new();
+        let mut lines = self.stdout.lines();
+        while let Some(rule) = lines.find(|line| line.starts_with('─')) {
+            let inside = lines.by_ref().take_while(|line| *line != rule);
+            tables.push(inside.collect());
+        }
+        tables
+    }
+
     /// Returns the rows of the answer: id and the four numbers.
     pub(crate) fn rows(&self) -> Vec<(String, [f64; 4])> {
         let mut reader = csv::Reader::from_reader(self.stdout.as_bytes());

@@ -61,7 +61,9 @@ impl<'a> Apt<'a> {
         let installed = fs::read_to_string(status).with_context(|| status.to_owned())?;
         let architecture = value(&machine, "APT::Architecture");
         let architecture = architecture.context("apt-config names no architecture")?;
-        let own = directory.to_str().context("a path that is no text")?;
+        let own = directory
+            .to_str()
+            .context("a path that is not UTF-8 text")?;
         let settings = settings(&machine, own);
         for (name, text) in [("apt.conf", settings.as_str()), ("status", "")] {
             let path = directory.join(name);

@@ -6,26 +6,10 @@ use fmc_camera_kernel::{
     host::{Batch, Level},
 };
 
+pub(crate) use crate::form::FORM;
+
 /// Both forms.
 pub(crate) const TERMS: [Terms; 2] = [Terms::Short, Terms::Full];
-
-/// Coefficients of a wide-angle camera, with every term.
-pub(crate) const FORM: Coefficients = Coefficients {
-    cx: 0.0123,
-    cy: -0.0711,
-    k0: 3.1e-5,
-    k1: -2.3e-7,
-    k2: 4.7e-11,
-    k3: -6.1e-15,
-    hx: 1.3e-7,
-    hy: -2.9e-7,
-    gx: 5.3e-7,
-    gy: 7.1e-8,
-    b1: -1.1e-5,
-    b2: 2.3e-5,
-    tx: 3.7e-6,
-    ty: -4.1e-6,
-};
 
 /// Returns x and y of the ideal points by the portable kernel.
 pub(crate) fn portable(

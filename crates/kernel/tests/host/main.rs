@@ -18,6 +18,8 @@ mod call;
 #[cfg(test)]
 mod corners;
 #[cfg(test)]
+mod form;
+#[cfg(test)]
 mod places;
 #[cfg(test)]
 mod random;

@@ -1,67 +1,80 @@
 //! A five-coefficient calibration for a terminal or a pipe.
 
-use comfy_table::{CellAlignment, Table, presets::UTF8_FULL_CONDENSED};
 use fmc_adjustment::calibration::five::FiveCalibration;
 use fmc_camera::geometry::estimation::options::StaticDecentring;
 use fmc_camera::geometry::estimation::parameter::Parameter;
 
 use super::five_summary::{FiveSummary, estimated, is_along_x, name};
+use crate::terminal::{self, numbers, words};
 use crate::wording;
 
 /// Number of rejected observations that are printed; `residuals.csv` has all.
 const MOST_REJECTED: usize = 50;
 
+/// Columns of the names before and after the tables.
+const NAMES: u16 = 14;
+
 /// Writes coefficients with σ, correlations, residuals and rejected observations.
 #[must_use]
 pub fn text(calibration: &FiveCalibration) -> String {
     let summary = FiveSummary::of(calibration);
-    let mut lines = vec![
-        format!("camera        {}", summary.camera),
-        format!(
-            "observations  {}: {} of {}, {} in the fit, {} rejected",
-            summary.observations,
-            wording::counted(summary.points, "point"),
-            wording::counted(summary.exposures, "exposure"),
-            wording::count(summary.accepted.into()),
-            wording::count(summary.rejected.len() as u64),
-        ),
-        format!(
-            "model         K_d1 and P_m1 per mm of {}{}; static decentring {}",
-            match summary.regress_on {
-                "centroid" => "centroid offset c̄",
-                _ => "travel δ",
-            },
-            if summary.tied { ", K_d1 = 2 P_m1" } else { "" },
-            match calibration.fit.options.decentring {
-                StaticDecentring::Hold => "held",
-                StaticDecentring::Estimate => "estimated",
-                StaticDecentring::Known => "held, believed without error",
-            }
-        ),
-        coefficients(calibration).trim_fmt(),
-        "correlations".to_owned(),
-        correlations(calibration).trim_fmt(),
-        sigma0(&summary),
+    let head = [
+        ("camera", summary.camera.clone()),
+        ("observations", observations(&summary)),
+        ("model", model(&summary, calibration.fit.options.decentring)),
     ];
+    let mut found = vec![("σ0", sigma0(&summary))];
     for (statistics, component) in summary.residuals.iter().zip(["dx", "dy"]) {
-        lines.push(format!(
-            "residuals     {component}: mean {:+.4} µm, rms {:.4} µm, largest {:.4} µm",
+        let residuals = format!(
+            "{component}: mean {:+.4} µm, rms {:.4} µm, largest {:.4} µm",
             statistics.mean_um, statistics.rms_um, statistics.max_um
-        ));
-    }
-    lines.push(format!(
-        "condition     {:.1} (normalised design)",
-        summary.condition
-    ));
-    if calibration.centred {
-        lines.push(
-            "note          the centroid offset is zero in every exposure: K_d1 and P_m1 are zero within their σ, \
-             and per mm of centroid offset they do not exist"
-                .to_owned(),
         );
+        found.push(("residuals", residuals));
     }
+    let condition = format!("{:.1} (normalised design)", summary.condition);
+    found.push(("condition", condition));
+    if calibration.centred {
+        let note = "the centroid offset is zero in every exposure: K_d1 and P_m1 are zero within \
+                    their σ, and per mm of centroid offset they do not exist";
+        found.push(("note", note.to_owned()));
+    }
+    let mut lines = vec![
+        terminal::pairs(NAMES, head),
+        coefficients(calibration),
+        "correlations".to_owned(),
+        correlations(calibration),
+        terminal::pairs(NAMES, found),
+    ];
+    // A rejected observation has one line, however long, which other programs can look for.
     lines.extend(rejected(&summary));
     lines.join("\n") + "\n"
+}
+
+fn observations(summary: &FiveSummary) -> String {
+    format!(
+        "{}: {} of {}, {} in the fit, {} rejected",
+        summary.observations,
+        wording::counted(summary.points, "point"),
+        wording::counted(summary.exposures, "exposure"),
+        wording::count(summary.accepted.into()),
+        wording::count(summary.rejected.len() as u64),
+    )
+}
+
+fn model(summary: &FiveSummary, decentring: StaticDecentring) -> String {
+    format!(
+        "K_d1 and P_m1 per mm of {}{}; static decentring {}",
+        match summary.regress_on {
+            "centroid" => "centroid offset c̄",
+            _ => "travel δ",
+        },
+        if summary.tied { ", K_d1 = 2 P_m1" } else { "" },
+        match decentring {
+            StaticDecentring::Hold => "held",
+            StaticDecentring::Estimate => "estimated",
+            StaticDecentring::Known => "held, believed without error",
+        }
+    )
 }
 
 fn sigma0(summary: &FiveSummary) -> String {
@@ -77,7 +90,7 @@ fn sigma0(summary: &FiveSummary) -> String {
         )
     });
     format!(
-        "σ0            {:.4}{unit}, 2n - {} = {} degrees of freedom{printed}",
+        "{:.4}{unit}, 2n - {} = {} degrees of freedom{printed}",
         summary.sigma0, summary.unknowns, summary.redundancy
     )
 }
@@ -91,50 +104,34 @@ const fn unit(parameter: Parameter) -> &'static str {
     }
 }
 
-fn coefficients(calibration: &FiveCalibration) -> Table {
-    let mut table = Table::new();
-    table.load_style(UTF8_FULL_CONDENSED);
-    table.set_header(["", "value", "σ", "unit"]);
+fn coefficients(calibration: &FiveCalibration) -> String {
     let along_x = is_along_x(calibration);
-    for parameter in estimated(calibration) {
-        table.add_row([
+    let columns = [words(""), numbers("value"), numbers("σ"), words("unit")];
+    let rows = estimated(calibration).into_iter().map(|parameter| {
+        [
             name(parameter, along_x).to_owned(),
             format!("{:.7e}", calibration.fit.value(parameter)),
             format!("{:.2e}", calibration.fit.standard_deviation(parameter)),
             unit(parameter).to_owned(),
-        ]);
-    }
-    for column in table.column_iter_mut().skip(1).take(2) {
-        column.set_cell_alignment(CellAlignment::Right);
-    }
-    table
+        ]
+    });
+    terminal::table(columns, rows)
 }
 
-fn correlations(calibration: &FiveCalibration) -> Table {
-    let mut table = Table::new();
-    table.load_style(UTF8_FULL_CONDENSED);
+fn correlations(calibration: &FiveCalibration) -> String {
     let along_x = is_along_x(calibration);
     let parameters = estimated(calibration);
-    let mut header = vec![String::new()];
-    header.extend(
-        parameters
+    let names = parameters.iter().map(|parameter| name(*parameter, along_x));
+    let columns = std::iter::once(words("")).chain(names.map(numbers));
+    let rows = parameters.iter().map(|parameter| {
+        let correlations = parameters
             .iter()
-            .map(|parameter| name(*parameter, along_x).to_owned()),
-    );
-    table.set_header(header);
-    for parameter in &parameters {
-        let mut row = vec![name(*parameter, along_x).to_owned()];
-        row.extend(
-            parameters
-                .iter()
-                .map(|other| format!("{:+.3}", calibration.fit.correlation(*parameter, *other))),
-        );
-        table.add_row(row);
-    }
-    for column in table.column_iter_mut().skip(1) {
-        column.set_cell_alignment(CellAlignment::Right);
-    }
-    table
+            .map(|other| format!("{:+.3}", calibration.fit.correlation(*parameter, *other)));
+        std::iter::once(name(*parameter, along_x).to_owned())
+            .chain(correlations)
+            .collect()
+    });
+    terminal::lines(columns, rows)
 }
 
 fn rejected(summary: &FiveSummary) -> Vec<String> {

@@ -7,7 +7,7 @@ use fmc_camera::flight::frame_record::{Flag, Outcome};
 use fmc_simulation::mission::flown::Flown;
 
 use super::summary::{Count, Summary};
-use super::{MissionReport, frames_plot, histogram, text, timeline};
+use super::{MissionReport, flags, frames_plot, histogram, text, timeline};
 use crate::page::{PageError, inline};
 use crate::wording;
 
@@ -27,6 +27,15 @@ struct Page {
     noted: Vec<Noted>,
     left_out: usize,
     counts: Vec<(&'static str, Vec<Count>)>,
+    flags: Vec<FlagRow>,
+}
+
+/// A flag that some frame has.
+struct FlagRow {
+    name: &'static str,
+    told_of: &'static str,
+    frames: usize,
+    meaning: &'static str,
 }
 
 /// One frame, round by round.
@@ -86,11 +95,23 @@ pub fn page(report: &MissionReport<'_>) -> Result<String, PageError> {
         counts: vec![
             ("refused", summary.refusals.clone()),
             ("fault", summary.faults.clone()),
-            ("flag", summary.flags.clone()),
         ],
+        flags: flag_rows(report),
         summary,
     };
     Ok(page.render()?)
+}
+
+fn flag_rows(report: &MissionReport<'_>) -> Vec<FlagRow> {
+    let rows = flags::counts(report)
+        .into_iter()
+        .map(|(flag, frames)| FlagRow {
+            name: flag.name(),
+            told_of: flags::told_of(flag),
+            frames,
+            meaning: flags::meaning(flag),
+        });
+    rows.collect()
 }
 
 /// Returns the reason why this frame is shown.

@@ -1,5 +1,6 @@
 //! Report of a mission.
 
+mod flags;
 pub mod frames_plot;
 pub mod histogram;
 pub mod html;

@@ -1,9 +1,9 @@
 //! The mission for programs: `summary.json`.
 
-use fmc_camera::flight::frame_record::{Flag, Outcome};
+use fmc_camera::flight::frame_record::Outcome;
 use serde::Serialize;
 
-use super::MissionReport;
+use super::{MissionReport, flags};
 use crate::records;
 
 /// The numbers of a mission. Keys are only ever added.
@@ -174,14 +174,13 @@ impl Summary {
     }
 
     fn flags(report: &MissionReport<'_>) -> Vec<Count> {
-        let frames = || report.flown.frames.iter();
-        let counts = Flag::ALL.into_iter().map(|flag| Count {
-            name: flag.name().to_owned(),
-            frames: frames()
-                .filter(|frame| frame.record.flags.contains(flag))
-                .count(),
-        });
-        counts.filter(|count| count.frames > 0).collect()
+        let counts = flags::counts(report)
+            .into_iter()
+            .map(|(flag, frames)| Count {
+                name: flag.name().to_owned(),
+                frames,
+            });
+        counts.collect()
     }
 
     fn faults(report: &MissionReport<'_>) -> Vec<Count> {

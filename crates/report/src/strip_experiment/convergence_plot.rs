@@ -19,7 +19,7 @@ const PAPERS_ITERATIONS: usize = 20;
 /// Width of the column of names.
 const NAMES: u32 = 400;
 
-/// Draws the mean image RMS over the flights against the iterations, for all models, in SVG.
+/// Draws the mean image RMS over the repetitions against the iterations, for all models, in SVG.
 ///
 /// # Errors
 /// [`FigureError`] if the drawing fails.
@@ -32,7 +32,7 @@ pub fn convergence(experiment: &Experiment) -> Result<String, FigureError> {
         return Err(FigureError::NothingToDraw);
     }
     figure::svg(SIZE, |canvas| {
-        let title = "RMS of the image residuals at the control points, mean over all flights";
+        let title = "RMS of the image residuals at the control points, mean over all repetitions";
         canvas.draw(&Text::new(title, (20, 34), text(FONT + 4)))?;
         let axes = Axes {
             margins: Margins {
@@ -95,8 +95,8 @@ pub fn convergence(experiment: &Experiment) -> Result<String, FigureError> {
     })
 }
 
-/// Returns the mean RMS before and after each iteration, µm; a flight that has converged keeps its
-/// value.
+/// Returns the mean RMS before and after each iteration, µm; a repetition that has converged
+/// keeps its value.
 fn curve(experiment: &Experiment, model: Model) -> Vec<f64> {
     (0..=PAPERS_ITERATIONS)
         .map(|iteration| {

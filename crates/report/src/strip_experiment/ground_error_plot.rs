@@ -18,7 +18,7 @@ const FONT: u32 = 24;
 /// Width of the column of names.
 const NAMES: u32 = 350;
 
-/// Draws means, their intervals and the spread of the flights, for all models, in SVG.
+/// Draws means, their intervals and the spread of the repetitions, for all models, in SVG.
 ///
 /// # Errors
 /// [`FigureError`] if the drawing fails.
@@ -55,9 +55,9 @@ pub fn ground_errors(experiment: &Experiment) -> Result<String, FigureError> {
         for (row, model) in (0..7).map(f64::from).zip(Model::ALL) {
             let ink = colour(model);
             for (points, y) in [(Points::Control, -row - 0.32), (Points::Check, -row - 0.68)] {
-                let flights = experiment.ground_m(model, points);
-                let mean = Estimate::of_mean(&flights);
-                let [low, high] = middle_90_percent(flights);
+                let repetitions = experiment.ground_m(model, points);
+                let mean = Estimate::of_mean(&repetitions);
+                let [low, high] = middle_90_percent(repetitions);
                 if mean.value > most {
                     let (x, y) = chart.backend_coord(&(1.11 * most, y));
                     let number = format!("{:.3} m, beyond the axis →", mean.value);
@@ -81,7 +81,7 @@ pub fn ground_errors(experiment: &Experiment) -> Result<String, FigureError> {
             let (_, y) = chart.backend_coord(&(least, -row - 0.5));
             canvas.draw(&Text::new(model.label(), (24, y), text(FONT).color(&ink)))?;
         }
-        let legend = "hollow: control points, upper line; filled: check points, lower line; bar: 95 % interval of the mean; thin line: 90 % of the flights";
+        let legend = "hollow: control points, upper line; filled: check points, lower line; bar: 95 % interval of the mean; thin line: 90 % of the repetitions";
         canvas.draw(&Text::new(legend, (24, 930), text(FONT - 4)))?;
         Ok(())
     })
@@ -105,13 +105,13 @@ fn range(experiment: &Experiment) -> (f64, f64) {
         })
 }
 
-/// Returns the range without a twentieth of the flights on either side.
-fn middle_90_percent(mut flights: Vec<f64>) -> [f64; 2] {
-    flights.sort_by(f64::total_cmp);
-    let twentieth = flights.len() / 20;
-    let at = |index: usize| flights.get(index).copied().unwrap_or(f64::NAN);
+/// Returns the range without a twentieth of the repetitions on either side.
+fn middle_90_percent(mut repetitions: Vec<f64>) -> [f64; 2] {
+    repetitions.sort_by(f64::total_cmp);
+    let twentieth = repetitions.len() / 20;
+    let at = |index: usize| repetitions.get(index).copied().unwrap_or(f64::NAN);
     [
         at(twentieth),
-        at(flights.len().saturating_sub(1 + twentieth)),
+        at(repetitions.len().saturating_sub(1 + twentieth)),
     ]
 }

@@ -1,4 +1,4 @@
-//! The flight as a self-contained page: `report.html`.
+//! The strip experiment as a self-contained page: `report.html`.
 
 use askama::Template;
 use fmc_simulation::strip_experiment::experiment::Experiment;
@@ -9,7 +9,7 @@ use super::{convergence_plot, ground_error_plot, plan, text};
 use crate::page::{PageError, inline};
 
 #[derive(Template)]
-#[template(path = "flight.html")]
+#[template(path = "strip.html")]
 struct Page {
     scenario: String,
     camera: String,
@@ -26,7 +26,7 @@ struct Page {
     plan: String,
 }
 
-/// Writes the whole flight as one HTML page, with the figures in it.
+/// Writes the whole experiment as one HTML page, with the figures in it.
 ///
 /// # Errors
 /// [`PageError`] if a figure cannot be drawn.

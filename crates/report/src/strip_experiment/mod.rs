@@ -1,4 +1,4 @@
-//! Report of a flight over ground control: a table, verdicts, machine-readable files, figures and a
+//! Report of a strip over ground control: a table, verdicts, machine-readable files, figures and a
 //! page.
 
 pub mod convergence_plot;

@@ -1,4 +1,4 @@
-//! Table of every flight and model: `repetitions.csv`.
+//! Table of every repetition and model: `repetitions.csv`.
 
 use std::io::Write;
 

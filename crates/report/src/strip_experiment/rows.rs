@@ -8,13 +8,38 @@ use fmc_simulation::strip_experiment::experiment::{Experiment, Points};
 #[derive(Debug, Clone, PartialEq)]
 pub(super) struct Row {
     pub(super) label: &'static str,
-    pub(super) control_m: String,
-    pub(super) check_m: String,
-    pub(super) control_ratio: String,
-    pub(super) check_ratio: String,
+    pub(super) control_m: Number,
+    pub(super) check_m: Number,
+    pub(super) control_ratio: Number,
+    pub(super) check_ratio: Number,
     pub(super) image_um: String,
     pub(super) iterations: String,
     pub(super) sigma0: String,
+}
+
+/// An estimate with its 95 % interval.
+#[derive(Debug, Clone, PartialEq)]
+pub(super) struct Number {
+    /// With half of the interval, `0.248 ± 0.005`.
+    pub(super) short: String,
+    /// With both ends, `0.248 (0.243 to 0.252)`.
+    pub(super) whole: String,
+}
+
+impl Number {
+    fn of(estimate: &Estimate, decimals: usize) -> Self {
+        let half = (estimate.upper - estimate.lower) / 2.0;
+        Self {
+            short: format!("{:.decimals$} ± {half:.decimals$}", estimate.value),
+            whole: interval(estimate, decimals),
+        }
+    }
+
+    /// Returns the ratio of an error to itself.
+    fn one() -> Self {
+        let [short, whole] = ["1"; 2].map(str::to_owned);
+        Self { short, whole }
+    }
 }
 
 pub(super) fn rows(experiment: &Experiment) -> Vec<Row> {
@@ -22,8 +47,8 @@ pub(super) fn rows(experiment: &Experiment) -> Vec<Row> {
         .into_iter()
         .map(|model| {
             let ratio = |points| match model {
-                Model::Static => "1".to_owned(),
-                _ => interval(&experiment.ratio_to_static(model, points), 3),
+                Model::Static => Number::one(),
+                _ => Number::of(&experiment.ratio_to_static(model, points), 3),
             };
             let image_um = Estimate::of_mean(&experiment.each(model, |outcome| {
                 1e3 * outcome.rms_mm.last().copied().unwrap_or(f64::NAN)
@@ -43,7 +68,7 @@ pub(super) fn rows(experiment: &Experiment) -> Vec<Row> {
         .collect()
 }
 
-/// Returns the number of iterations of the flight that needed most.
+/// Returns the number of iterations of the repetition that needed most.
 pub(super) fn most_iterations(experiment: &Experiment, model: Model) -> usize {
     experiment
         .repetitions
@@ -59,8 +84,8 @@ pub(super) const fn decimals_of(metres: f64) -> usize {
     if metres < 0.1 { 4 } else { 3 }
 }
 
-fn metres(estimate: &Estimate) -> String {
-    interval(estimate, decimals_of(estimate.value))
+fn metres(estimate: &Estimate) -> Number {
+    Number::of(estimate, decimals_of(estimate.value))
 }
 
 /// Writes value and interval, `0.248 (0.243 to 0.252)`.

@@ -1,4 +1,4 @@
-//! The flight for programs: `summary.json`.
+//! The strip experiment for programs: `summary.json`.
 
 use fmc_adjustment::correction::COEFFICIENT_NAMES;
 use fmc_adjustment::model::Model;
@@ -9,7 +9,7 @@ use serde::Serialize;
 use super::rows::most_iterations;
 use super::verdict::{self, Verdict};
 
-/// The numbers of a flight. Keys are only ever added.
+/// The numbers of a strip experiment. Keys are only ever added.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct Summary {
     /// Name of the scenario.
@@ -18,7 +18,7 @@ pub struct Summary {
     pub camera: String,
     /// Seed of the noise.
     pub seed: u64,
-    /// Number of flights.
+    /// Number of repetitions.
     pub repetitions: usize,
     /// Number of frames of each flight.
     pub frames: usize,
@@ -51,18 +51,18 @@ pub struct Summary {
 pub struct ModelSummary {
     /// Key of the model.
     pub model: &'static str,
-    /// Planimetric RMS at control points, mean over the flights, m.
+    /// Planimetric RMS at control points, mean over the repetitions, m.
     pub control_m: Estimate,
     /// Planimetric RMS at check points, m.
     pub check_m: Estimate,
-    /// Ratio to the static model at control points, flight by flight.
+    /// Ratio to the static model at control points, repetition by repetition.
     pub control_ratio: Estimate,
     /// Ratio to the static model at check points.
     pub check_ratio: Estimate,
     /// Image RMS, Yuan et al. 2012, eq. 29, µm.
     pub image_rms_um: Estimate,
-    /// Number of iterations until the RMS stays within 0.1 % of its last value, in the flight that
-    /// needed most.
+    /// Number of iterations until the RMS stays within 0.1 % of its last value, in the repetition
+    /// that needed most.
     pub most_iterations: usize,
     /// σ0.
     pub sigma0: Estimate,
@@ -77,7 +77,7 @@ pub struct ModelSummary {
 pub struct CoefficientSummary {
     /// Symbol.
     pub name: &'static str,
-    /// Mean over the flights.
+    /// Mean over the repetitions.
     pub mean: Estimate,
     /// Mean of the standard deviations that the adjustments give.
     pub standard_deviation: f64,

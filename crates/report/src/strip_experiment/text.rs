@@ -1,10 +1,10 @@
-//! The flight as text for a terminal or a pipe.
+//! The strip experiment as text for a terminal or a pipe.
 
-use comfy_table::{CellAlignment, Table, presets::UTF8_FULL_CONDENSED};
 use fmc_simulation::strip_experiment::experiment::Experiment;
 
 use super::rows::{Row, rows};
 use super::verdict;
+use crate::terminal::{self, numbers, words};
 
 /// Writes the scenario, a row per model, and the conclusions from the intervals.
 #[must_use]
@@ -12,8 +12,8 @@ pub fn text(experiment: &Experiment) -> String {
     let mut lines = vec![
         format!("scenario: {}", experiment.scenario.written.name),
         setting(experiment),
-        table(&rows(experiment)).trim_fmt(),
-        "ground errors: planimetric RMS (X and Y together), mean over the flights with its 95 % interval; ratio flight by flight".to_owned(),
+        table(rows(experiment)),
+        "ground errors: planimetric RMS (X and Y together), mean over the repetitions ± half of its 95 % interval; ratio repetition by repetition".to_owned(),
     ];
     lines.extend(
         verdict::verdicts(experiment)
@@ -27,12 +27,12 @@ pub fn text(experiment: &Experiment) -> String {
     lines.join("\n") + "\n"
 }
 
-/// Describes the flight and its camera.
+/// Describes the strip and its camera.
 pub(super) fn setting(experiment: &Experiment) -> String {
     let flight = &experiment.scenario.written.flight;
     let interior = experiment.strip.corrections.interior();
     format!(
-        "{} flights of {} frames, seed {}; {} control and {} check points in each; V/H {:.4} 1/s, exposure {} s, travel of the principal point {:.1} µm, its offset at the centroid {:.1} µm; focus shift {} µm, of which the camera is told {} µm",
+        "{} repetitions of {} frames, seed {}; {} control and {} check points in each; V/H {:.4} 1/s, exposure {} s, travel of the principal point {:.1} µm, its offset at the centroid {:.1} µm; focus shift {} µm, of which the camera is told {} µm",
         experiment.repetitions.len(),
         experiment.strip.frames.len(),
         experiment.seed,
@@ -47,33 +47,25 @@ pub(super) fn setting(experiment: &Experiment) -> String {
     )
 }
 
-fn table(rows: &[Row]) -> Table {
-    let mut table = Table::new();
-    table.load_style(UTF8_FULL_CONDENSED);
-    table.set_header([
-        "model",
-        "control points\nm",
-        "check points\nm",
-        "control\nratio to static",
-        "check\nratio to static",
-        "image RMS\nµm",
-        "iterations\nat most",
-        "σ0",
-    ]);
-    for row in rows {
-        table.add_row([
-            row.label,
-            &row.control_m,
-            &row.check_m,
-            &row.control_ratio,
-            &row.check_ratio,
-            &row.image_um,
-            &row.iterations,
-            &row.sigma0,
-        ]);
-    }
-    for column in table.column_iter_mut().skip(1) {
-        column.set_cell_alignment(CellAlignment::Right);
-    }
-    table
+/// Writes a row per model: errors and image residuals, below the errors their ratios.
+fn table(rows: Vec<Row>) -> String {
+    let columns = [
+        words("model"),
+        numbers("control points\nm\nratio to static"),
+        numbers("check points\nm\nratio to static"),
+        numbers("image\nRMS\nµm"),
+        numbers("iterations\nat most"),
+        numbers("σ0"),
+    ];
+    let rows = rows.into_iter().map(|row| {
+        [
+            row.label.to_owned(),
+            format!("{}\n{}", row.control_m.short, row.control_ratio.short),
+            format!("{}\n{}", row.check_m.short, row.check_ratio.short),
+            row.image_um,
+            row.iterations,
+            row.sigma0,
+        ]
+    });
+    terminal::table(columns, rows)
 }

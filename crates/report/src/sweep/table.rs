@@ -1,15 +1,15 @@
 //! The sweep as a table for a terminal or a pipe.
 
-use comfy_table::{CellAlignment, Table, presets::UTF8_FULL_CONDENSED};
 use fmc_simulation::sweep::result::Sweep;
 
 use super::results::SweepResults;
+use crate::terminal::{self, numbers, words};
 
 /// Writes the simulation, σ of every case and model, the coefficients, and the results.
 #[must_use]
 pub fn text(sweep: &Sweep) -> String {
     let results = SweepResults::of(sweep);
-    let mut lines = vec![results.simulated.clone(), table(&results).trim_fmt()];
+    let mut lines = vec![results.simulated.clone(), table(&results)];
     lines.push(
         "σ: 2n - u, per coordinate; n - 5: the divisor of eq. 28; all in µm, over all exposures"
             .to_owned(),
@@ -25,30 +25,19 @@ pub fn text(sweep: &Sweep) -> String {
     lines.join("\n") + "\n"
 }
 
-fn table(results: &SweepResults) -> Table {
-    let mut table = Table::new();
-    table.load_style(UTF8_FULL_CONDENSED);
-    table.set_header([
-        "simulated",
-        "static\nσ / n - 5",
-        "without\nnoise",
-        "five coefficients\nσ / n - 5",
-        "without\nnoise",
-        "exact\nσ / n - 5",
-        "without\nnoise",
-    ]);
-    for row in &results.rows {
-        let mut cells = vec![row.case.to_owned()];
-        for cell in &row.cells {
-            cells.push(format!("{} / {}", cell.sigma, cell.as_printed));
-            cells.push(cell.noise_free.clone());
-        }
-        table.add_row(cells);
-    }
-    for column in table.column_iter_mut().skip(1) {
-        column.set_cell_alignment(CellAlignment::Right);
-    }
-    table
+/// Writes a row per case: of every model σ and n - 5, below them the same without noise.
+fn table(results: &SweepResults) -> String {
+    let models = ["static", "five coefficients", "exact"];
+    let columns = std::iter::once(words("simulated"))
+        .chain(models.map(|model| numbers(format!("{model}\nσ / n - 5\nwithout noise"))));
+    let rows = results.rows.iter().map(|row| {
+        let cells = row.cells.iter().map(|cell| {
+            let simulated = format!("{} / {}", cell.sigma, cell.as_printed);
+            format!("{simulated}\n{}", cell.noise_free)
+        });
+        std::iter::once(row.case.to_owned()).chain(cells).collect()
+    });
+    terminal::lines(columns, rows)
 }
 
 #[cfg(test)]

@@ -20,7 +20,8 @@ pub(super) struct Row {
     pub(super) points: u64,
     pub(super) travel_um: String,
     pub(super) distortion_um: String,
-    pub(super) errors: Vec<ErrorCell>,
+    /// Errors of every treatment.
+    pub(super) errors: [ErrorCell; 4],
     pub(super) coordinate_max_nm: String,
     pub(super) passed: bool,
 }
@@ -29,24 +30,21 @@ pub(super) struct Row {
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub(super) struct Comparison {
     /// Label and unit of every treatment.
-    pub(super) treatments: Vec<(&'static str, &'static str)>,
+    pub(super) treatments: [(&'static str, &'static str); 4],
     pub(super) rows: Vec<Row>,
 }
 
 impl Comparison {
     pub(super) fn of(verification: &Verification) -> Self {
         let scales = Treatment::ALL.map(|treatment| {
-            Scale::fitting(verification.cameras.iter().flat_map(|camera| {
+            let scale = Scale::fitting(verification.cameras.iter().flat_map(|camera| {
                 let errors = camera.errors(treatment);
                 [errors.max_mm(), errors.rms_mm()]
-            }))
+            }));
+            (treatment, scale)
         });
         Self {
-            treatments: Treatment::ALL
-                .iter()
-                .zip(scales)
-                .map(|(treatment, scale)| (treatment.label(), scale.unit.symbol()))
-                .collect(),
+            treatments: scales.map(|(treatment, scale)| (treatment.label(), scale.unit.symbol())),
             rows: verification
                 .cameras
                 .iter()
@@ -56,7 +54,7 @@ impl Comparison {
     }
 }
 
-fn row(camera: &CameraResult, scales: [Scale; 4]) -> Row {
+fn row(camera: &CameraResult, scales: [(Treatment, Scale); 4]) -> Row {
     let cell = |(treatment, scale): (Treatment, Scale)| {
         let errors = camera.errors(treatment);
         ErrorCell {
@@ -71,7 +69,7 @@ fn row(camera: &CameraResult, scales: [Scale; 4]) -> Row {
         points: camera.points,
         travel_um: length::range_um(camera.travel_mm()),
         distortion_um: length::range_um(camera.distortion_mm),
-        errors: Treatment::ALL.into_iter().zip(scales).map(cell).collect(),
+        errors: scales.map(cell),
         coordinate_max_nm: format!("{:.2}", 1e6 * camera.coordinate_errors().max_mm()),
         passed: camera.passed(),
     }

@@ -1,10 +1,10 @@
 //! The verification as a table for a terminal or a pipe.
 
-use comfy_table::{Cell, CellAlignment, Table, presets::UTF8_FULL_CONDENSED};
 use fmc_reference::verification::result::Verification;
 
-use super::comparison::{Comparison, Row};
+use super::comparison::{Comparison, ErrorCell};
 use super::verdict::{self, Verdict};
+use crate::terminal::{self, numbers, words};
 use crate::wording;
 
 /// Writes the whole verification: the device, a row per camera, the worst case, the verdict, and
@@ -21,10 +21,12 @@ pub fn text(verification: &Verification) -> String {
             .link
             .map(|link| format!("link: {}", wording::link(&link))),
     );
+    let comparison = Comparison::of(verification);
     lines.extend([
-        table(&Comparison::of(verification)).trim_fmt(),
+        conditions(&comparison),
         "errors of dx and of dy (per axis) against the strict solver, over all points and exposures"
             .to_owned(),
+        errors(&comparison),
     ]);
     lines.extend(verdict.worst.map(|worst| format!("worst case: {worst}")));
     lines.extend(verdict.failures);
@@ -35,43 +37,55 @@ pub fn text(verification: &Verification) -> String {
     lines.join("\n") + "\n"
 }
 
-fn table(comparison: &Comparison) -> Table {
-    let mut table = Table::new();
-    table.load_style(UTF8_FULL_CONDENSED);
-    let mut header = vec![
-        "camera".to_owned(),
-        "points".to_owned(),
-        "δ\nµm".to_owned(),
-        "distortion\nµm".to_owned(),
+/// Writes what was verified: points, travel, distortion, and the errors if nothing is corrected.
+fn conditions(comparison: &Comparison) -> String {
+    let [(label, unit), ..] = comparison.treatments;
+    let columns = [
+        words("camera"),
+        numbers("points"),
+        numbers("δ\nµm"),
+        numbers("distortion\nµm"),
+        numbers(format!("{label}\nmax / rms, {unit}")),
     ];
-    for (label, unit) in &comparison.treatments {
-        header.push(format!("{label}\nmax / rms, {unit}"));
-    }
-    header.push("coordinate\nmax, nm".to_owned());
-    header.push("verdict".to_owned());
-    table.set_header(header);
-    for row in &comparison.rows {
-        table.add_row(cells(row));
-    }
-    for column in table.column_iter_mut().skip(1) {
-        column.set_cell_alignment(CellAlignment::Right);
-    }
-    table
+    let rows = comparison.rows.iter().map(|row| {
+        let [uncorrected, ..] = &row.errors;
+        [
+            row.camera.clone(),
+            row.points.to_string(),
+            row.travel_um.clone(),
+            row.distortion_um.clone(),
+            format!("{} / {}", uncorrected.max, uncorrected.rms),
+        ]
+    });
+    terminal::table(columns, rows)
 }
 
-fn cells(row: &Row) -> Vec<Cell> {
-    let mut cells = vec![
-        Cell::new(&row.camera),
-        Cell::new(row.points),
-        Cell::new(&row.travel_um),
-        Cell::new(&row.distortion_um),
+/// Writes the errors of the corrections, largest and root mean square, and the verdicts.
+fn errors(comparison: &Comparison) -> String {
+    let [_, fixed, printed, camera] = comparison.treatments.map(|(_, unit)| unit);
+    let columns = [
+        words("camera"),
+        words(""),
+        numbers(format!("static\n\n\n{fixed}")),
+        numbers(format!("static +\nprinted\n(20)-(21)\n{printed}")),
+        numbers(format!("this\ncamera\n\n{camera}")),
+        numbers("coordinate\n\n\nnm"),
+        numbers("verdict"),
     ];
-    for errors in &row.errors {
-        cells.push(Cell::new(format!("{} / {}", errors.max, errors.rms)));
-    }
-    cells.push(Cell::new(&row.coordinate_max_nm));
-    cells.push(Cell::new(if row.passed { "pass" } else { "FAIL" }));
-    cells
+    let rows = comparison.rows.iter().map(|row| {
+        let [_, fixed, printed, camera] = &row.errors;
+        let cell = |errors: &ErrorCell| format!("{}\n{}", errors.max, errors.rms);
+        [
+            row.camera.clone(),
+            "max\nrms".to_owned(),
+            cell(fixed),
+            cell(printed),
+            cell(camera),
+            row.coordinate_max_nm.clone(),
+            if row.passed { "pass" } else { "FAIL" }.to_owned(),
+        ]
+    });
+    terminal::table(columns, rows)
 }
 
 #[cfg(test)]
@@ -112,9 +126,11 @@ mod tests {
     }
 
     #[test]
-    fn table_fits_200_columns() {
-        let text = text(&fixture::passing());
-        assert!(text.lines().all(|line| line.chars().count() <= 200));
+    fn tables_fit_80_columns() {
+        let comparison = Comparison::of(&fixture::passing());
+        for table in [conditions(&comparison), errors(&comparison)] {
+            assert!(table.lines().all(|line| line.chars().count() <= 80));
+        }
     }
 
     #[test]

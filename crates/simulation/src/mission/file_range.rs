@@ -5,7 +5,8 @@ use fmc_camera_file::toml_text::TomlText;
 
 use super::file::MissionFile;
 use crate::range::{
-    EXPOSURE, FLYING_HEIGHT, RELIEF, Range, SPEED, TERRAIN_HEIGHT, WAVELENGTH, range, whole,
+    EXPOSURE, FLYING_HEIGHT, RELIEF, Range, Ranged as _, SPEED, TERRAIN_HEIGHT, WAVELENGTH, check,
+    check_clearance, range,
 };
 
 const EXPOSURES: Range = range(1.0, 100_000.0, "exposures");
@@ -27,43 +28,6 @@ const SHUTTER_LATENCY: Range = range(0.0, 100.0, "ms");
 const SHUTTER_JITTER: Range = range(0.0, 1000.0, "µs");
 const UNIX_S: Range = range(0.0, 2_147_483_647.0, "s since 1970");
 const PIXELS: Range = range(0.001, 100.0, "px");
-
-/// A value of the scenario that has an allowed range.
-trait Ranged {
-    fn check(&self, range: Range, text: &TomlText, path: &[&str]) -> Result<(), InputError>;
-}
-
-impl Ranged for f64 {
-    fn check(&self, range: Range, text: &TomlText, path: &[&str]) -> Result<(), InputError> {
-        range.check(*self, text, path)
-    }
-}
-
-impl Ranged for i64 {
-    fn check(&self, range: Range, text: &TomlText, path: &[&str]) -> Result<(), InputError> {
-        range.check(whole(*self), text, path)
-    }
-}
-
-impl Ranged for [f64; 3] {
-    fn check(&self, range: Range, text: &TomlText, path: &[&str]) -> Result<(), InputError> {
-        range.check_each(self, text, path)
-    }
-}
-
-impl<T: Ranged> Ranged for Option<T> {
-    fn check(&self, range: Range, text: &TomlText, path: &[&str]) -> Result<(), InputError> {
-        self.as_ref()
-            .map_or(Ok(()), |value| value.check(range, text, path))
-    }
-}
-
-/// Checks `table.key`, where the Rust names are those of the file.
-macro_rules! check {
-    ($text:ident: $($table:ident.$key:ident $range:ident),+ $(,)?) => {
-        $($table.$key.check($range, $text, &[stringify!($table), stringify!($key)])?;)+
-    };
-}
 
 /// Refuses the first number of the mission that is out of its range; faults and mechanics are
 /// checked elsewhere.
@@ -117,14 +81,5 @@ pub(super) fn check_numbers(mission: &MissionFile, text: &TomlText) -> Result<()
     if let Some(gnss) = &mission.gnss {
         check!(text: gnss.first_pulse_unix_s UNIX_S);
     }
-    if flight.height_m <= terrain.height_m + terrain.relief_m {
-        return Err(text.invalid(
-            &["terrain", "height_m"],
-            &format!(
-                "with relief_m = {} reaches the aircraft at {} m",
-                terrain.relief_m, flight.height_m
-            ),
-        ));
-    }
-    Ok(())
+    check_clearance(text, flight.height_m, terrain.height_m, terrain.relief_m)
 }

@@ -55,7 +55,7 @@ impl Entry<'_> {
         let name = &self.table.name;
         let Some(fault) = InjectedFault::named(name) else {
             let known = InjectedFault::ALL.map(InjectedFault::name).join(", ");
-            return Err(self.invalid("name", &format!("is no fault; there are {known}")));
+            return Err(self.invalid("name", &format!("is not a fault; there are {known}")));
         };
         let size = self.table.size.unwrap_or(fault.default_size());
         let [least, most] = fault.range();

@@ -42,7 +42,7 @@ pub struct FieldNode {
 #[derive(Debug, Clone, Copy, PartialEq, thiserror::Error)]
 pub enum FieldTableError {
     /// A number of a node is not finite.
-    #[error("node ({0}, {1}) mm holds what is not a finite number")]
+    #[error("node ({0}, {1}) mm holds a number that is not finite")]
     NotFinite(f64, f64),
     /// An axis has too few different coordinates.
     #[error("{0} different {1}, at least {WINDOW} are needed")]

@@ -1,4 +1,5 @@
-//! Experiment: many flights of one scenario, each with its own errors, adjusted with every model.
+//! Experiment: many repetitions of one scenario, each with its own errors, adjusted with every
+//! model.
 
 use fmc_adjustment::adjustment::AdjustmentError;
 use fmc_adjustment::exterior_orientation::ELEMENTS;
@@ -12,19 +13,19 @@ use super::strip::Strip;
 use super::survey::{Errors, observe};
 use crate::noise::Noise;
 
-/// One flight: an outcome for each of [`Model::ALL`].
+/// One repetition: an outcome for each of [`Model::ALL`].
 pub type Repetition = Vec<Outcome>;
 
-/// All flights.
+/// All repetitions.
 #[derive(Debug, Clone)]
 pub struct Experiment {
-    /// Scenario that was flown.
+    /// Scenario of the strip.
     pub scenario: Scenario,
     /// Seed of all noise.
     pub seed: u64,
     /// The strip without errors.
     pub strip: Strip,
-    /// Flights, one after the other.
+    /// Repetitions, one after the other.
     pub repetitions: Vec<Repetition>,
 }
 
@@ -40,16 +41,16 @@ pub enum Points {
 /// Error of an experiment.
 #[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
 pub enum ExperimentError {
-    /// The scenario cannot be flown, or its observations do not determine the unknowns.
+    /// The scenario cannot be recorded, or its observations do not determine the unknowns.
     #[error(transparent)]
     Scenario(#[from] InputError),
-    /// The adjustment of a flight does not converge; names scenario and model.
+    /// The adjustment of a repetition does not converge; names scenario and model.
     #[error("{0}")]
     NotConverged(String),
 }
 
 impl Experiment {
-    /// Flies a scenario; `flown` is called after every repetition.
+    /// Repeats a scenario; `done` is called after every repetition.
     ///
     /// # Errors
     /// [`ExperimentError`] of [`Strip::new`], and of an adjustment that cannot separate its
@@ -58,11 +59,11 @@ impl Experiment {
         scenario: Scenario,
         seed: u64,
         repetitions: u32,
-        mut flown: impl FnMut(),
+        mut done: impl FnMut(),
     ) -> Result<Self, ExperimentError> {
         let strip = Strip::new(&scenario, seed)?;
         let errors = Errors::of(&scenario);
-        let mut flights = Vec::new();
+        let mut all = Vec::new();
         for repetition in 1..=u64::from(repetitions) {
             // Stream 0 holds the attitudes of the strip.
             let observed = observe(&strip, &errors, Noise::new(seed, repetition));
@@ -73,14 +74,14 @@ impl Experiment {
                         .map_err(|error| refused(&scenario, model, &error))
                 })
                 .collect::<Result<_, _>>()?;
-            flights.push(outcomes);
-            flown();
+            all.push(outcomes);
+            done();
         }
         Ok(Self {
             scenario,
             seed,
             strip,
-            repetitions: flights,
+            repetitions: all,
         })
     }
 
@@ -108,8 +109,8 @@ impl Experiment {
         Estimate::of_mean(&self.ground_m(model, points))
     }
 
-    /// Returns the planimetric RMS as a multiple of that of the static calibration, flight by
-    /// flight.
+    /// Returns the planimetric RMS as a multiple of that of the static calibration, repetition by
+    /// repetition.
     #[must_use]
     pub fn ratio_to_static(&self, model: Model, points: Points) -> Estimate {
         Estimate::of_ratio(
@@ -119,7 +120,7 @@ impl Experiment {
     }
 
     /// Returns how often an element of the exterior orientation is within one σ of the truth. The
-    /// elements of one flight depend on each other; flights do not.
+    /// elements of one repetition depend on each other; repetitions do not.
     #[must_use]
     pub fn coverage(&self, model: Model) -> Estimate {
         let elements = ELEMENTS * self.strip.frames.len();

@@ -15,7 +15,7 @@ const CLOSE_ENOUGH_MM: f64 = 1e-11;
 /// polynomial is meaningless there.
 const FARTHEST: f64 = 1.5;
 
-/// Source of the true image points of a simulated flight.
+/// Source of the true image points of a simulated strip.
 ///
 /// Any distortion can implement this trait: the strict solver, or a model with known coefficients.
 /// A simulation that knows better than collinearity where a ground point is recorded replaces

@@ -1,4 +1,4 @@
-//! Simulated flight over ground control: Yuan et al. 2012, section 4.2, and beyond it.
+//! Simulated strip over ground control: Yuan et al. 2012, section 4.2, and beyond it.
 //!
 //! Ground and camera frames are those of [`fmc_adjustment`].
 

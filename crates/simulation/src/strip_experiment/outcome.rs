@@ -1,10 +1,9 @@
-//! Outcome of one observed flight, adjusted with one model.
+//! Outcome of one observed repetition, adjusted with one model.
 
-use fmc_adjustment::adjustment::{
-    Adjusted, Adjustment, AdjustmentError, ControlObservation, FrameObservations,
-};
+use fmc_adjustment::adjustment::{Adjusted, Adjustment, AdjustmentError};
 use fmc_adjustment::correction::COEFFICIENTS;
 use fmc_adjustment::exterior_orientation::ELEMENTS;
+use fmc_adjustment::frame_observation::{ControlObservation, FrameObservations};
 use fmc_adjustment::model::Model;
 
 use super::ground_error::GroundError;

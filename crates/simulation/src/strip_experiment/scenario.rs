@@ -1,4 +1,4 @@
-//! Validated scenario of a flight over ground control, with its camera.
+//! Validated scenario of a strip over ground control, with its camera.
 
 use std::collections::BTreeSet;
 use std::path::Path;

@@ -1,4 +1,4 @@
-//! Scenario file of a flight over ground control, in TOML.
+//! Scenario file of a strip over ground control, in TOML.
 
 use std::path::PathBuf;
 

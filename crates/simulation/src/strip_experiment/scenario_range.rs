@@ -5,7 +5,8 @@ use fmc_camera_file::toml_text::TomlText;
 
 use super::scenario_file::{ScenarioFile, Sigma};
 use crate::range::{
-    EXPOSURE, FLYING_HEIGHT, RELIEF, Range, SPEED, TERRAIN_HEIGHT, WAVELENGTH, range, whole,
+    EXPOSURE, FLYING_HEIGHT, RELIEF, Range, Ranged as _, SPEED, TERRAIN_HEIGHT, WAVELENGTH, check,
+    check_clearance, range,
 };
 
 /// Coordinate in the ground frame.
@@ -37,35 +38,26 @@ pub(super) fn check_numbers(scenario: &ScenarioFile, text: &TomlText) -> Result<
         check,
         ..
     } = scenario;
-    let known_um = correction.focus_shift_um.unwrap_or(0.0);
-    for (range, value, table, key) in [
-        (FLYING_HEIGHT, flight.height_m, "flight", "height_m"),
-        (SPEED, flight.speed_m_s, "flight", "speed_m_s"),
-        (EXPOSURE, flight.exposure_s, "flight", "exposure_s"),
-        (HEADING, flight.heading_deg, "flight", "heading_deg"),
-        (FRAMES, whole(flight.frames), "flight", "frames"),
-        (BASE, flight.base_m, "flight", "base_m"),
-        (TERRAIN_HEIGHT, terrain.height_m, "terrain", "height_m"),
-        (RELIEF, terrain.relief_m, "terrain", "relief_m"),
-        (WAVELENGTH, terrain.wavelength_m, "terrain", "wavelength_m"),
-        (FOCUS_SHIFT, truth.focus_shift_um, "truth", "focus_shift_um"),
-        (FOCUS_SHIFT, known_um, "correction", "focus_shift_um"),
-        (IMAGE_SIGMA, image.sigma_um, "image", "sigma_um"),
-        (CONTROL_SIGMA, control.sigma_m, "control", "sigma_m"),
-        (
-            CHECK_POINTS,
-            whole(check.points_per_side),
-            "check",
-            "points_per_side",
-        ),
-    ] {
-        range.check(value, text, &[table, key])?;
-    }
-    PLACE.check_each(&flight.start_m, text, &["flight", "start_m"])?;
-    let spread = ["flight", "attitude_spread_deg"];
-    ATTITUDE_SPREAD.check_each(&flight.attitude_spread_deg, text, &spread)?;
-    POSITION_BIAS.check_each(&pos.position_bias_m, text, &["pos", "position_bias_m"])?;
-    ATTITUDE_BIAS.check_each(&pos.attitude_bias_deg, text, &["pos", "attitude_bias_deg"])?;
+    check!(text:
+        flight.height_m FLYING_HEIGHT,
+        flight.speed_m_s SPEED,
+        flight.exposure_s EXPOSURE,
+        flight.heading_deg HEADING,
+        flight.frames FRAMES,
+        flight.base_m BASE,
+        terrain.height_m TERRAIN_HEIGHT,
+        terrain.relief_m RELIEF,
+        terrain.wavelength_m WAVELENGTH,
+        truth.focus_shift_um FOCUS_SHIFT,
+        correction.focus_shift_um FOCUS_SHIFT,
+        image.sigma_um IMAGE_SIGMA,
+        control.sigma_m CONTROL_SIGMA,
+        check.points_per_side CHECK_POINTS,
+        flight.start_m PLACE,
+        flight.attitude_spread_deg ATTITUDE_SPREAD,
+        pos.position_bias_m POSITION_BIAS,
+        pos.attitude_bias_deg ATTITUDE_BIAS,
+    );
     for (range, sigma, key) in [
         (POSITION_SIGMA, &pos.position_sigma_m, "position_sigma_m"),
         (
@@ -78,14 +70,5 @@ pub(super) fn check_numbers(scenario: &ScenarioFile, text: &TomlText) -> Result<
             range.check_each(sigmas, text, &["pos", key])?;
         }
     }
-    if flight.height_m <= terrain.height_m + terrain.relief_m {
-        return Err(text.invalid(
-            &["terrain", "height_m"],
-            &format!(
-                "with relief_m = {} reaches the aircraft at {} m",
-                terrain.relief_m, flight.height_m
-            ),
-        ));
-    }
-    Ok(())
+    check_clearance(text, flight.height_m, terrain.height_m, terrain.relief_m)
 }

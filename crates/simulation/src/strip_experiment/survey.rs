@@ -1,7 +1,7 @@
-//! Observations of one flight of the strip, each with its error.
+//! Observations of one repetition of the strip, each with its error.
 
-use fmc_adjustment::adjustment::{PointSigmas, PosObservation};
 use fmc_adjustment::exterior_orientation::{ELEMENTS, ExteriorOrientation};
+use fmc_adjustment::frame_observation::{PointSigmas, PosObservation};
 use nalgebra::SVector;
 
 use super::scenario::Scenario;

@@ -117,18 +117,18 @@ impl Drawing {
         let calibration = camera.parameters().calibration;
         let [width, height] = [calibration.width_px, calibration.height_px];
         Self {
-            place: "vertex i of the file, from 0: col = origin_px[0] + (i mod columns) spacing_px, row = origin_px[1] + (i div columns) spacing_px; its numbers are dcol and drow",
+            place: "vertex i of the file, counted from 0, stands at col = origin_px[0] + (i mod columns) spacing_px, row = origin_px[1] + (i div columns) spacing_px; its two numbers are dcol and drow",
             texture: format!(
-                "u = (col + 0.5)/{width}, v = (row + 0.5)/{height}: the whole recorded image, its first row first in memory; one level, linear filter, clamped to the edge; fragments with u or v below 0 or above 1 are no image: discard them"
+                "u = (col + 0.5)/{width}, v = (row + 0.5)/{height}: the texture is the whole recorded image with its first row first in memory, one mipmap level, linear filter, clamped to the edge; discard fragments with u or v below 0 or above 1, which lie outside the image"
             ),
             target: format!(
-                "the whole corrected image, a viewport of {width} x {height} px; for a part of it subtract its first column and row from col and row in position, and put its width and height in place of {width} and {height}"
+                "the whole corrected image, a viewport of {width} x {height} px; to draw a part of it, subtract its first column and row from col and row in position, and replace {width} and {height} by its width and height"
             ),
             position: format!(
                 "x = 2 (col + 0.5)/{width} - 1 + 2 dcol/{width}, y = 2 (row + 0.5)/{height} - 1 + 2 drow/{height}"
             ),
-            orientation: "Vulkan, viewport of positive height: the first row is at the top and first in memory; OpenGL: it is first when read back, and at the bottom of a window, where y is to be negated",
-            cells: "vertices i, i + 1, i + columns and i + columns + 1, for i below columns (rows - 1) where i + 1 is no multiple of columns: two triangles along either diagonal, depth and face culling off; they begin at the centre of the first pixel, so that the outer half of the first column and row is not drawn",
+            orientation: "with Vulkan and a viewport of positive height, the first row is at the top and first in memory; with OpenGL it is first when the image is read back, but at the bottom of a window: negate y there",
+            cells: "each i below columns (rows - 1), except where i + 1 is a multiple of columns, has a cell with the vertices i, i + 1, i + columns and i + columns + 1; draw it as two triangles, along either diagonal, with depth test and face culling off; the cells begin at the centre of the first pixel, so that the outer half of the first column and row is not drawn",
         }
     }
 }
@@ -170,19 +170,19 @@ impl Header {
 const fn numbers(format: MeshFormatName) -> &'static str {
     match format {
         MeshFormatName::TiLdc => {
-            "row by row, little endian: signed 16 bits of columns, then of rows, in 1/8 px"
+            "row by row, little endian: signed 16 bits for columns, then signed 16 bits for rows, in 1/8 px"
         }
         MeshFormatName::Dw100 => {
-            "row by row, little endian: 32 bits, the source column in the low half, its row in the high half, unsigned in 1/16 px"
+            "row by row, little endian: 32 bits for each vertex, the source column in the low half, the source row in the high half, both unsigned in 1/16 px"
         }
         MeshFormatName::Vitis => {
-            "row by row, little endian: signed 32 bits of the source column, then of its row, in 2^-20 px"
+            "row by row, little endian: signed 32 bits for the source column, then signed 32 bits for the source row, in 2^-20 px"
         }
         MeshFormatName::Vpi => {
-            "row by row, little endian: single-precision source column, then row, px"
+            "row by row, little endian: single-precision source column, then source row, px"
         }
         MeshFormatName::Opencv => {
-            "a file for source columns and one for source rows, each row by row, little endian, single precision, px"
+            "one file has the source columns, the other the source rows; each is row by row, little endian, single precision, px"
         }
         MeshFormatName::Gpu => {
             "row by row from the top, little endian, 8 bytes a vertex: single-precision columns to the right, then rows downwards, px (VK_FORMAT_R32G32_SFLOAT; two of GL_FLOAT)"
@@ -194,16 +194,16 @@ const fn numbers(format: MeshFormatName) -> &'static str {
 const fn meaning(format: MeshFormatName) -> &'static str {
     match format {
         MeshFormatName::TiLdc => {
-            "source minus output pixel at output pixels; the centre of the first pixel is (0, 0)"
+            "source pixel minus output pixel, for the output pixels at the vertices; the centre of the first pixel is (0, 0)"
         }
         MeshFormatName::Gpu => {
-            "corrected minus recorded place at pixels of the recorded image, which are drawn at their corrected places; the centre of the first pixel is (0, 0)"
+            "corrected minus recorded place, for the pixels of the recorded image at the vertices, which are drawn at their corrected places; the centre of the first pixel is (0, 0)"
         }
         MeshFormatName::Dw100
         | MeshFormatName::Vitis
         | MeshFormatName::Vpi
         | MeshFormatName::Opencv => {
-            "place in the source image of output pixels; the centre of the first pixel is (0, 0)"
+            "place in the source image, for the output pixels at the vertices; the centre of the first pixel is (0, 0)"
         }
     }
 }

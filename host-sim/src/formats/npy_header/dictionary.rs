@@ -14,7 +14,7 @@ pub enum DictionaryError {
         at: usize,
     },
     /// The key is not one of an array.
-    #[error("key \"{0}\" is none of descr, fortran_order, shape")]
+    #[error("key \"{0}\" is not one of descr, fortran_order, shape")]
     UnknownKey(String),
     /// The key is given twice.
     #[error("key {0:?} stands there twice")]
@@ -293,7 +293,7 @@ mod tests {
             ),
             (
                 "{'descr': '<f8', 'units': 'mm'}".to_owned(),
-                "key \"units\" is none of descr, fortran_order, shape",
+                "key \"units\" is not one of descr, fortran_order, shape",
             ),
             (
                 "{'descr': '<f8', \"descr\": '<f8'}".to_owned(),

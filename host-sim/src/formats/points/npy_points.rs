@@ -26,7 +26,7 @@ impl<R: Read> NpyPoints<R> {
     pub(super) fn new(file: &str, mut source: R) -> Result<Self, Failure> {
         let header = NpyHeader::read(&mut source).map_err(|error| match error {
             NpyHeaderError::Reading(error) => Failure::reading(Path::new(file), &error),
-            error => Failure::bad_input(format!("{file} is no array of NumPy (.npy): {error}")),
+            error => Failure::bad_input(format!("{file} is not an array of NumPy (.npy): {error}")),
         })?;
         let refused = |found: String| {
             Failure::bad_input(format!(

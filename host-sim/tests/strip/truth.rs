@@ -9,7 +9,7 @@ use fmc_reference::lens::Lens;
 use fmc_simulation::strip_experiment::image_truth::ImageTruth;
 use fmc_simulation::strip_experiment::strip::Strip;
 
-use crate::flight::support::{SHIPPED, flown, parsed, scenario, text};
+use crate::strip::support::{SHIPPED, parsed, scenario, solved, text};
 
 /// Checks position to 1e-6 of the height and attitude to 1e-6 rad: 0.1 µm in the image.
 fn assert_same(found: &ExteriorOrientation, truth: &ExteriorOrientation) {
@@ -50,7 +50,7 @@ fn exact_model_gives_the_orientations_back_from_any_observed_orientation() {
             .collect();
         let scenario = parsed(&lines.join("\n"));
         let strip = Strip::new(&scenario, 1).unwrap();
-        let adjusted = flown(&scenario, &strip, Model::Exact, 0.0).unwrap();
+        let adjusted = solved(&scenario, &strip, Model::Exact, 0.0).unwrap();
         for (found, frame) in adjusted.orientations.iter().zip(&strip.frames) {
             assert_same(found, &frame.orientation);
         }
@@ -93,7 +93,7 @@ fn coefficients_of_the_five_coefficient_model_come_back() {
         };
         let truth = five(&scenario.camera, &path, &table);
         let strip = Strip::recorded_by(&truth, &scenario, 1).unwrap();
-        let adjusted = flown(&scenario, &strip, Model::FiveCoefficient, 0.0).unwrap();
+        let adjusted = solved(&scenario, &strip, Model::FiveCoefficient, 0.0).unwrap();
         for (found, frame) in adjusted.orientations.iter().zip(&strip.frames) {
             assert_same(found, &frame.orientation);
         }
@@ -114,7 +114,7 @@ fn adjustment_arrives_in_six_iterations_where_the_paper_needs_twenty() {
         let scenario = scenario(name);
         let strip = Strip::new(&scenario, 1).unwrap();
         for model in Model::ALL {
-            let adjusted = flown(&scenario, &strip, model, 1.0).unwrap();
+            let adjusted = solved(&scenario, &strip, model, 1.0).unwrap();
             assert!(adjusted.rms_mm.len() <= 1 + 6, "{name} {model:?}");
             assert!(adjusted.iterations_to(1e-3) <= 3);
         }

@@ -3,7 +3,7 @@
 use fmc_adjustment::model::Model;
 use fmc_simulation::strip_experiment::experiment::{Experiment, Points};
 
-use crate::flight::support::scenario;
+use crate::strip::support::scenario;
 
 #[test]
 fn papers_scenario_is_of_the_papers_order_and_its_gain_shrinks_at_check_points() {

@@ -1,4 +1,4 @@
-//! The shipped scenarios, and flights of them.
+//! The shipped scenarios, and strips recorded in them.
 
 use std::path::Path;
 
@@ -28,8 +28,8 @@ pub(crate) fn parsed(text: &str) -> Scenario {
     Scenario::parse("scenario.toml", text, folder()).unwrap()
 }
 
-/// Flies the strip once with the share `noise` of the scenario's errors.
-pub(crate) fn flown(
+/// Adjusts the strip once with the share `noise` of the scenario's errors.
+pub(crate) fn solved(
     scenario: &Scenario,
     strip: &Strip,
     model: Model,

@@ -1,4 +1,4 @@
-//! The flight over ground control: true values are found again, standard deviations hold, gains are
+//! The strip over ground control: true values are found again, standard deviations hold, gains are
 //! as stated.
 
 #[cfg(test)]

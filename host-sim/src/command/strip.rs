@@ -1,4 +1,4 @@
-//! `flight`: a simulated flight over ground control.
+//! `strip`: a simulated strip of frames over ground control.
 
 use std::io;
 
@@ -11,20 +11,20 @@ use fmc_simulation::strip_experiment::experiment::Experiment;
 use fmc_simulation::strip_experiment::scenario::Scenario;
 use indicatif::{ProgressBar, ProgressStyle};
 
-use crate::cli::FlightArgs;
+use crate::cli::StripArgs;
 use crate::failure::Failure;
 use crate::formats::output::{self, OutputFolder};
 
-pub(super) fn run(args: &FlightArgs) -> Result<(), Failure> {
+pub(super) fn run(args: &StripArgs) -> Result<(), Failure> {
     let scenario = Scenario::read(&args.scenario)?;
     let folder = OutputFolder::create(&args.out)?;
     let bar = ProgressBar::new(u64::from(args.repetitions));
-    if let Ok(style) = ProgressStyle::with_template("{bar:40} {pos}/{len} flights, {eta}") {
+    if let Ok(style) = ProgressStyle::with_template("{bar:40} {pos}/{len} repetitions, {eta}") {
         bar.set_style(style);
     }
-    let flown = Experiment::run(scenario, args.seed, args.repetitions, || bar.inc(1));
+    let run = Experiment::run(scenario, args.seed, args.repetitions, || bar.inc(1));
     bar.finish_and_clear();
-    let experiment = flown?;
+    let experiment = run?;
     write_report(&folder, &experiment)?;
     output::write(None, |sink| {
         sink.write_all(text::text(&experiment).as_bytes())
@@ -53,8 +53,5 @@ fn write_report(folder: &OutputFolder, experiment: &Experiment) -> Result<(), Fa
     folder.write("repetitions.csv", |sink| {
         repetitions_csv::write(experiment, sink).map_err(io::Error::other)
     })?;
-    folder.write("summary.json", |sink| {
-        serde_json::to_writer_pretty(&mut *sink, &Summary::of(experiment))?;
-        writeln!(sink)
-    })
+    folder.write_json("summary.json", &Summary::of(experiment))
 }

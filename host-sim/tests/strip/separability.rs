@@ -6,11 +6,11 @@ use fmc_simulation::strip_experiment::scenario::Scenario;
 use fmc_simulation::strip_experiment::scenario_file::{Free, Sigma};
 use fmc_simulation::strip_experiment::strip::Strip;
 
-use crate::flight::support::{SHIPPED, flown, scenario};
+use crate::strip::support::{SHIPPED, scenario, solved};
 
 fn unseparated(scenario: &Scenario, model: Model) -> Vec<&'static str> {
     let strip = Strip::new(scenario, 1).unwrap();
-    match flown(scenario, &strip, model, 1.0) {
+    match solved(scenario, &strip, model, 1.0) {
         Err(AdjustmentError::Inseparable(error)) => error.unknowns,
         other => panic!("{other:?}"),
     }
@@ -62,7 +62,7 @@ fn tilt_is_named_where_the_height_is_observed() {
     scenario.written.pos.attitude_sigma_deg = Sigma::Word(Free::Free);
     scenario.written.pos.position_sigma_m = Sigma::Each([1000.0, 1000.0, 0.05]);
     let strip = Strip::new(&scenario, 1).unwrap();
-    match flown(&scenario, &strip, Model::FiveCoefficient, 0.0) {
+    match solved(&scenario, &strip, Model::FiveCoefficient, 0.0) {
         Err(AdjustmentError::Inseparable(error)) => {
             assert_eq!(error.unknowns, ["K_d1", "Y_S", "pitch"]);
         }
@@ -75,7 +75,7 @@ fn observed_orientations_make_both_scenarios_regular_on_flat_ground() {
     for name in SHIPPED {
         let scenario = flat(name);
         let strip = Strip::new(&scenario, 1).unwrap();
-        flown(&scenario, &strip, Model::FiveCoefficient, 1.0).unwrap();
+        solved(&scenario, &strip, Model::FiveCoefficient, 1.0).unwrap();
     }
 }
 
@@ -84,6 +84,6 @@ fn free_orientations_alone_are_no_obstacle_without_coefficients() {
     for name in SHIPPED {
         let scenario = free(scenario(name));
         let strip = Strip::new(&scenario, 1).unwrap();
-        flown(&scenario, &strip, Model::Exact, 1.0).unwrap();
+        solved(&scenario, &strip, Model::Exact, 1.0).unwrap();
     }
 }

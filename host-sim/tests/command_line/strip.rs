@@ -1,4 +1,4 @@
-//! `flight`: a simulated flight over ground control.
+//! `strip`: a simulated strip of frames over ground control.
 
 use std::fs;
 
@@ -17,14 +17,8 @@ fn bench(scenario: &str) -> Bench {
     bench
 }
 
-fn fly(bench: &Bench, more: &[&str]) -> Answer {
-    let mut arguments = vec![
-        "flight",
-        "--scenario",
-        "scenario.toml",
-        "--repetitions",
-        "3",
-    ];
+fn repeat(bench: &Bench, more: &[&str]) -> Answer {
+    let mut arguments = vec!["strip", "--scenario", "scenario.toml", "--repetitions", "3"];
     arguments.extend(more);
     if !more.contains(&"--out") {
         arguments.extend(["--out", "report"]);
@@ -55,7 +49,7 @@ fn with(table: &str, key: &str, value: &str) -> String {
 
 fn refused(scenario: &str, words: &[&str]) {
     let bench = bench(scenario);
-    let answer = fly(&bench, &[]);
+    let answer = repeat(&bench, &[]);
     answer.refused(words);
     answer.refused(&["scenario.toml"]);
 }
@@ -63,7 +57,7 @@ fn refused(scenario: &str, words: &[&str]) {
 #[test]
 fn papers_scenario_has_a_complete_report_that_says_what_survives() {
     let bench = bench(PAPER);
-    let answer = fly(&bench, &[]).ok();
+    let answer = repeat(&bench, &[]).ok();
     for words in ["ground error", "check points", "exact", "0.87"] {
         assert!(answer.stdout.contains(words), "{words}:\n{}", answer.stdout);
     }
@@ -103,7 +97,7 @@ fn papers_scenario_has_a_complete_report_that_says_what_survives() {
 fn same_seed_gives_the_same_bytes_and_another_seed_others() {
     let bench = bench(PAPER);
     for (folder, seed) in [("one", "7"), ("two", "7"), ("three", "8")] {
-        fly(&bench, &["--seed", seed, "--out", folder]).ok();
+        repeat(&bench, &["--seed", seed, "--out", folder]).ok();
     }
     for file in [
         "report.html",
@@ -324,7 +318,7 @@ fn unknown_keys_and_missing_cameras_are_refused() {
     );
     let bench = bench(PAPER);
     bench
-        .run(&["flight", "--scenario", "nowhere.toml", "--out", "report"])
+        .run(&["strip", "--scenario", "nowhere.toml", "--out", "report"])
         .refused(&["nowhere.toml"]);
     assert!(!bench.path("report").exists());
 }
@@ -350,17 +344,31 @@ fn free_orientations_are_an_error_that_names_the_pair() {
 fn folder_that_cannot_be_written_is_an_io_failure() {
     let bench = bench(PAPER);
     fs::write(bench.path("report"), "a file").unwrap();
-    fly(&bench, &[]).failed(3, &["report"]);
+    repeat(&bench, &[]).failed(3, &["report"]);
 }
 
 #[test]
-fn strip_flies_with_any_seed() {
+fn former_name_of_the_command_gives_the_same_bytes() {
+    let bench = bench(PAPER);
+    let answers = ["strip", "flight"].map(|command| {
+        let options = ["--scenario", "scenario.toml", "--repetitions", "2", "--out"];
+        let answer = bench.run(&[&[command], &options[..], &[command]].concat());
+        let summary = fs::read(bench.path(&format!("{command}/summary.json"))).unwrap();
+        (answer.ok().stdout, summary)
+    });
+    assert_eq!(answers[0], answers[1]);
+    let help = bench.run(&["--help"]).ok().stdout;
+    assert!(help.contains("[alias: flight]"), "{help}");
+}
+
+#[test]
+fn strip_is_adjusted_with_any_seed() {
     let camera = concat!(
         env!("CARGO_MANIFEST_DIR"),
         "/cameras/phase-one-ixm-rs150f-50.toml"
     );
     let bench = bench(&STRIP.replace("../cameras/phase-one-ixm-rs150f-50.toml", camera));
     for seed in ["1", "2", "3", "18446744073709551615"] {
-        fly(&bench, &["--seed", seed]).ok();
+        repeat(&bench, &["--seed", seed]).ok();
     }
 }

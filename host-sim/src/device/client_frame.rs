@@ -1,0 +1,172 @@
+//! Requests for a frame: calibration, exposure, points, meshes, and the fit of coefficients.
+
+use fmc_camera::flight::camera::CameraParameters;
+use fmc_camera::flight::exposure::Exposure;
+use fmc_camera::flight::interior_orientation::InteriorOrientation;
+use fmc_camera::geometry::estimation::fit::Fit;
+use fmc_camera::geometry::estimation::options::FitOptions;
+use fmc_camera::geometry::evaluation_form::Displacement;
+use fmc_camera::geometry::frame_correction::Corrected;
+use fmc_camera::geometry::mesh::MeshRow;
+use fmc_camera::geometry::mesh::format::MeshFormat;
+use fmc_camera::geometry::mesh::pixel_correction::PixelCorrection;
+use fmc_camera::geometry::mesh::vertex::VertexRow;
+use fmc_camera::io::link::message::{
+    Answer, CalibrationIdentity, Grid, Observations, Points, Request,
+};
+
+use super::client::Client;
+use super::link_error::LinkError;
+use super::port::Port;
+
+impl<P: Port> Client<P> {
+    /// Replaces the camera's calibration, mechanism, shutter and limits.
+    ///
+    /// # Errors
+    /// [`LinkError::Refused`] where the calibration is not usable.
+    pub fn load(&mut self, record: &CameraParameters) -> Result<CalibrationIdentity, LinkError> {
+        let request = Request::Load(*record);
+        match self.ask(&request)? {
+            Answer::Loaded(calibration) => Ok(calibration),
+            _ => Err(self.unexpected(&request)),
+        }
+    }
+
+    /// Predicts a frame.
+    ///
+    /// # Errors
+    /// [`LinkError::Refused`] where the exposure cannot be taken.
+    pub fn expose(&mut self, exposure: &Exposure) -> Result<InteriorOrientation, LinkError> {
+        self.predicted(&Request::Expose(*exposure))
+    }
+
+    /// Returns the interior orientation of the current frame.
+    ///
+    /// # Errors
+    /// [`LinkError::Refused`] where there is none.
+    pub fn interior_orientation(&mut self) -> Result<InteriorOrientation, LinkError> {
+        self.predicted(&Request::InteriorOrientation)
+    }
+
+    fn predicted(&mut self, request: &Request) -> Result<InteriorOrientation, LinkError> {
+        match self.ask(request)? {
+            Answer::InteriorOrientation(interior) => Ok(interior),
+            _ => Err(self.unexpected(request)),
+        }
+    }
+
+    /// Corrects a batch of measured points.
+    ///
+    /// # Errors
+    /// [`LinkError::Refused`] for a point off the sensor.
+    pub fn correct(&mut self, measured: Points) -> Result<Vec<Corrected>, LinkError> {
+        let asked = measured.len();
+        self.points(&Request::Correct(measured), asked)
+    }
+
+    /// Distorts a batch of ideal points.
+    ///
+    /// # Errors
+    /// [`LinkError::Refused`] for a point that has no measured one.
+    pub fn distort(&mut self, ideal: Points) -> Result<Vec<Corrected>, LinkError> {
+        let asked = ideal.len();
+        self.points(&Request::Distort(ideal), asked)
+    }
+
+    fn points(&mut self, request: &Request, asked: usize) -> Result<Vec<Corrected>, LinkError> {
+        match self.ask(request)? {
+            Answer::Points(points) if points.len() == asked => Ok(points.to_vec()),
+            _ => Err(self.unexpected(request)),
+        }
+    }
+
+    /// Returns the distortion along a row of the sensor.
+    ///
+    /// # Errors
+    /// [`LinkError::Refused`] for a row that leaves the sensor.
+    pub fn row(&mut self, row: MeshRow) -> Result<Vec<Displacement>, LinkError> {
+        let request = Request::Row(row);
+        match self.ask(&request)? {
+            Answer::Row(row_answered) if row_answered.len() == usize::from(row.count) => {
+                Ok(row_answered.to_vec())
+            }
+            _ => Err(self.unexpected(&request)),
+        }
+    }
+
+    /// Returns the digest of a grid of corrected points.
+    ///
+    /// # Errors
+    /// [`LinkError::Refused`] for a grid that leaves the sensor.
+    pub fn digest(&mut self, grid: &Grid) -> Result<u32, LinkError> {
+        let request = Request::Digest(grid.clone());
+        match self.ask(&request)? {
+            Answer::Digest(digest) => Ok(digest),
+            _ => Err(self.unexpected(&request)),
+        }
+    }
+
+    /// Starts an adjustment of the five coefficients.
+    ///
+    /// # Errors
+    /// [`LinkError::Refused`] without a calibration.
+    pub fn start_fit(&mut self, options: FitOptions) -> Result<(), LinkError> {
+        let request = Request::StartFit(options);
+        match self.ask(&request)? {
+            Answer::Observed(0) => Ok(()),
+            _ => Err(self.unexpected(&request)),
+        }
+    }
+
+    /// Adds observations to the adjustment and returns its number of points.
+    ///
+    /// # Errors
+    /// [`LinkError::Refused`] for an observation that is not believable.
+    pub fn observe(&mut self, observations: Observations) -> Result<u32, LinkError> {
+        let request = Request::Observe(observations);
+        match self.ask(&request)? {
+            Answer::Observed(points) => Ok(points),
+            _ => Err(self.unexpected(&request)),
+        }
+    }
+
+    /// Returns the coefficients of all observations so far.
+    ///
+    /// # Errors
+    /// [`LinkError::Refused`] where they do not determine them.
+    pub fn fit(&mut self) -> Result<Fit<f32>, LinkError> {
+        match self.ask(&Request::Fit)? {
+            Answer::Fitted(fit) => Ok(fit),
+            _ => Err(self.unexpected(&Request::Fit)),
+        }
+    }
+
+    /// Returns a row of a warp engine's mesh, as the engine stores it.
+    ///
+    /// # Errors
+    /// [`LinkError::Refused`] for a vertex without a source, or with one that the format does not hold.
+    pub fn mesh(&mut self, row: VertexRow, format: MeshFormat) -> Result<Vec<u8>, LinkError> {
+        let request = Request::Mesh(row, format);
+        match self.ask(&request)? {
+            Answer::Mesh(bytes) if bytes.len() == usize::from(row.count) * format.bytes() => {
+                Ok(bytes.to_vec())
+            }
+            _ => Err(self.unexpected(&request)),
+        }
+    }
+
+    /// Returns the displacements with which the vertices of a row of the recorded image are to be
+    /// drawn, corrected - recorded.
+    ///
+    /// # Errors
+    /// [`LinkError::Refused`] for a vertex off the image.
+    pub fn corrections(&mut self, row: VertexRow) -> Result<Vec<PixelCorrection>, LinkError> {
+        let request = Request::Corrections(row);
+        match self.ask(&request)? {
+            Answer::Corrections(corrections) if corrections.len() == usize::from(row.count) => {
+                Ok(corrections.to_vec())
+            }
+            _ => Err(self.unexpected(&request)),
+        }
+    }
+}
