@@ -30,6 +30,13 @@ pub const CONSISTENT_TIMES: u8 = 3;
 /// them.
 pub const CONSISTENT_PULSES: u8 = 3;
 
+/// Number of intervals from which on the clock's drift counts as measured: a pulse that comes far
+/// from where the drift puts it is then not used.
+pub const MEASURED_DRIFTS: u8 = 8;
+
+/// Number of σ by which a pulse may miss its place by the measured drift.
+const PULSE_SIGMAS: f32 = 6.0;
+
 /// Time by which a message may seem to come before the time it names, s: jitter of its own stamp.
 const EARLY_S: f32 = 0.02;
 
@@ -62,13 +69,13 @@ pub enum UtcFinding {
     /// A pulse that fits no second; not used.
     ExtraPulse,
     /// Pulses have come at another place in the second for long enough: they replace the earlier
-    /// ones, and are not named yet.
+    /// ones, and are not named yet. σ covers the move until the doubt is cleared.
     PulsesMoved,
     /// Number of seconds by which the receiver's time differs from the count of pulses; not used
     /// yet, and σ covers it.
     WrongSecond(i64),
-    /// The same difference has lasted long enough to be trusted: a leap second, or a receiver that
-    /// was wrong before.
+    /// The same difference has lasted long enough to replace the count: a leap second, or a
+    /// receiver that is wrong now or was before. σ covers it until the doubt is cleared.
     Stepped(i64),
     /// A pulse or a time that comes from before the last one; not used.
     FromThePast,
@@ -103,7 +110,9 @@ struct Doubt {
 /// `N + (t - T)/(1 + d)`. With `age = |t - T|`: `σ² = σ_pulse² + ((σ_d + w·age)·age)² + σ_q²`,
 /// where `σ_d` is 1.25 times the mean deviation of the measured drifts, w
 /// [`DRIFT_WANDER_PPM_PER_S`] and `σ_q` the rounding to microseconds. While the receiver's times
-/// contradict the count of pulses, the contradiction is added to σ.
+/// contradict the count of pulses, the contradiction is added to σ. So is what seconds have stepped
+/// and named pulses have moved since they were first trusted, as it is not known which of the two
+/// is right, until they step and move back or [`Self::clear_doubt`] is called.
 #[derive(Debug, Clone)]
 pub struct UtcClock {
     pulse_sigma_s: f32,
@@ -112,6 +121,9 @@ pub struct UtcClock {
     /// another.
     stray: Option<(Time, u8)>,
     doubt: Option<Doubt>,
+    /// Seconds by which trusted times have stepped, and time by which named pulses have moved, s.
+    stepped_s: i64,
+    moved_s: f32,
     drift_ppm: f32,
     drift_sigma_ppm: f32,
     drifts: u8,
@@ -132,6 +144,8 @@ impl UtcClock {
             pulse: None,
             stray: None,
             doubt: None,
+            stepped_s: 0,
+            moved_s: 0.0,
             drift_ppm: 0.0,
             drift_sigma_ppm: UNMEASURED_DRIFT_PPM,
             drifts: 0,
@@ -147,8 +161,11 @@ impl UtcClock {
         if time <= last.time {
             return Some(UtcFinding::FromThePast);
         }
-        let Some((seconds, drift_ppm)) = self.whole_seconds(last.time, time) else {
-            return Some(self.take_stray(time));
+        let Some((seconds, drift_ppm)) = self
+            .whole_seconds(last.time, time)
+            .filter(|(seconds, drift_ppm)| self.is_in_place(*seconds, *drift_ppm))
+        else {
+            return Some(self.take_stray(last, time));
         };
         self.stray = None;
         self.measure(drift_ppm);
@@ -223,12 +240,26 @@ impl UtcClock {
         })
     }
 
-    /// Returns the time by which the receiver contradicts the count, s.
+    /// Returns `true` if seconds have stepped, and if pulses have moved, so that σ covers it.
+    #[must_use]
+    pub fn has_stepped(&self) -> [bool; 2] {
+        [self.stepped_s != 0, self.moved_s != 0.0]
+    }
+
+    /// Trusts the present pulses and seconds, for the operator.
+    pub const fn clear_doubt(&mut self) {
+        self.stepped_s = 0;
+        self.moved_s = 0.0;
+    }
+
+    /// Returns the time by which the receiver contradicts the count, or has stepped or moved, s.
     fn doubt_s(&self) -> f32 {
         let difference_s = self
             .doubt
-            .map_or(0, |doubt| doubt.difference_s.unsigned_abs());
-        Time::from_us(difference_s.saturating_mul(US_PER_S)).seconds_since(Time::START)
+            .map_or(0, |doubt| doubt.difference_s.unsigned_abs())
+            .saturating_add(self.stepped_s.unsigned_abs());
+        let seconds = Time::from_us(difference_s.saturating_mul(US_PER_S));
+        seconds.seconds_since(Time::START) + libm::fabsf(self.moved_s)
     }
 
     fn start(&mut self, time: Time) {
@@ -258,7 +289,22 @@ impl UtcClock {
             .then(|| (seconds, excess_s / elapsed_s * 1e6))
     }
 
-    fn take_stray(&mut self, time: Time) -> UtcFinding {
+    /// Returns `true` if a pulse so many seconds after the last is where the measured drift puts
+    /// it, or as long as the drift is not measured.
+    fn is_in_place(&self, seconds: u32, drift_ppm: f32) -> bool {
+        if self.drifts < MEASURED_DRIFTS {
+            return true;
+        }
+        #[expect(clippy::cast_precision_loss, reason = "at most 600")]
+        let elapsed_s = seconds as f32;
+        let off_s = 1e-6 * (drift_ppm - self.drift_ppm) * elapsed_s;
+        // Both pulses have their jitter.
+        let of_pulses_s = 2.0 * (self.pulse_sigma_s + QUANTISATION_S);
+        let of_drift_ppm = self.drift_sigma_ppm + DRIFT_WANDER_PPM_PER_S * elapsed_s;
+        libm::fabsf(off_s) <= PULSE_SIGMAS * (of_pulses_s + 1e-6 * of_drift_ppm * elapsed_s)
+    }
+
+    fn take_stray(&mut self, last: Pulse, time: Time) -> UtcFinding {
         let before = self
             .stray
             .filter(|(before, _)| self.whole_seconds(*before, time).is_some())
@@ -267,6 +313,18 @@ impl UtcClock {
         if pulses < CONSISTENT_PULSES {
             self.stray = Some((time, pulses));
             return UtcFinding::ExtraPulse;
+        }
+        if last.named >= CONSISTENT_TIMES {
+            let elapsed_us = time.us_since(last.time);
+            let second_us =
+                (elapsed_us.saturating_add(US_PER_S / 2) / US_PER_S).saturating_mul(US_PER_S);
+            let moved_s = Time::from_us(elapsed_us).seconds_since(Time::from_us(second_us));
+            let drifted_s = 1e-6 * self.drift_ppm * time.seconds_since(last.time);
+            self.moved_s += moved_s - drifted_s;
+            // What is left of a move back is within the pulses' jitter.
+            if libm::fabsf(self.moved_s) <= PULSE_SIGMAS * (self.pulse_sigma_s + QUANTISATION_S) {
+                self.moved_s = 0.0;
+            }
         }
         self.start(time);
         UtcFinding::PulsesMoved
@@ -320,6 +378,7 @@ impl UtcClock {
         };
         if times >= CONSISTENT_TIMES {
             self.doubt = None;
+            self.stepped_s = self.stepped_s.saturating_add(difference_s);
             self.pulse = Some(Pulse {
                 second: Some(second),
                 ..pulse

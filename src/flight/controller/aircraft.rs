@@ -109,6 +109,11 @@ impl Aircraft {
         told
     }
 
+    /// Trusts the instruments as they are now, for the operator.
+    pub(super) const fn clear_doubt(&mut self) {
+        self.utc.clear_doubt();
+    }
+
     /// Counts of the findings.
     pub(super) const fn findings(&self) -> &Findings {
         &self.findings
@@ -135,6 +140,13 @@ impl Aircraft {
         }
         if self.vh.has_disagreed() {
             found.insert(Flag::VhDisagreement);
+        }
+        let [stepped, moved] = self.utc.has_stepped();
+        if stepped {
+            found.insert(Flag::UtcStepped);
+        }
+        if moved {
+            found.insert(Flag::UtcPulsesMoved);
         }
         found
     }

@@ -19,7 +19,10 @@ impl Controller {
                 Disarming::Now => self.stand_by(actions),
                 Disarming::CallOff => self.call_off(now, Reason::Disarmed, actions),
             },
-            Command::ClearFault => self.clear_fault(actions),
+            Command::ClearFault => {
+                self.aircraft.clear_doubt();
+                self.clear_fault(actions);
+            }
             Command::Referenced => self.referenced(),
             // An exposure time outside the camera's limits leads to the refusal of every trigger.
             Command::Exposure(exposure_s) => self.setup.exposure_s = exposure_s,

@@ -145,6 +145,60 @@ fn leap_second_and_backward_jump_are_believed_at_the_third_pulse() {
 }
 
 #[test]
+fn sigma_covers_a_second_that_stepped_until_it_steps_back_or_is_cleared() {
+    let mut clock = running(5);
+    let named = |clock: &mut UtcClock, from: u64, wrong: i64| {
+        for s in from..from + 3 {
+            clock.pulse(pulse_at(s));
+            let time = (NEW_YEAR_S + s).saturating_add_signed(wrong) * US_PER_S;
+            clock.receiver_time(message_at(s), time);
+        }
+        clock.utc(pulse_at(from + 2)).unwrap().sigma_s
+    };
+    assert!(named(&mut clock, 5, 1) > 1.0);
+    // However long the receiver goes on to say so.
+    assert!(named(&mut clock, 8, 1) > 1.0);
+    assert_eq!(clock.has_stepped(), [true, false]);
+    assert!(named(&mut clock, 11, 0) < 1e-5);
+    assert_eq!(clock.has_stepped(), [false; 2]);
+    assert!(named(&mut clock, 14, -2) > 2.0);
+    clock.clear_doubt();
+    assert!(clock.utc(pulse_at(16)).unwrap().sigma_s < 1e-5);
+}
+
+#[test]
+fn pulses_that_move_within_the_tolerance_of_any_crystal_are_not_believed_at_once() {
+    for moved_s in [30e-6, -150e-6, 0.01, -0.3] {
+        let mut clock = running(20);
+        let found = [20, 21, 22].map(|s| clock.pulse(pulse_at(s).plus_s(moved_s)));
+        let extra = Some(UtcFinding::ExtraPulse);
+        assert_eq!(
+            found,
+            [extra, extra, Some(UtcFinding::PulsesMoved)],
+            "{moved_s}"
+        );
+        for s in 22..26 {
+            let time = pulse_at(s).plus_s(moved_s);
+            if s > 22 {
+                assert_eq!(clock.pulse(time), None);
+            }
+            clock.receiver_time(time.plus_s(0.15), (NEW_YEAR_S + s) * US_PER_S);
+        }
+        let utc = clock.utc(pulse_at(25)).unwrap();
+        let error_s = 1e-6
+            * (utc.unix_us.cast_signed() - ((NEW_YEAR_S + 25) * US_PER_S).cast_signed()) as f32;
+        assert!(error_s.abs() <= 1.01 * utc.sigma_s, "{error_s}, {utc:?}");
+        assert!(utc.sigma_s <= 1.1 * moved_s.abs() + 1e-5, "{utc:?}");
+        assert_eq!(clock.has_stepped(), [false, true]);
+        // Back again, the doubt is over.
+        for s in 26..32 {
+            second(&mut clock, s);
+        }
+        assert!(clock.utc(pulse_at(31)).unwrap().sigma_s < 1e-5, "{moved_s}");
+    }
+}
+
+#[test]
 fn time_with_a_fraction_names_the_second_its_pulse_began() {
     let mut clock = running(5);
     clock.pulse(pulse_at(5));
