@@ -240,12 +240,12 @@ fn control_loop() -> Vec<String> {
 fn of_sources() -> impl Iterator<Item = Quote> {
     let rows = vec![
         format!(
-            "{:.0} instructions per point on a Cortex-M4F, {:.0} with K3",
+            "A point costs {:.0} instructions on a Cortex-M4F, {:.0} with K3",
             m4f("mesh_row"),
             m4f("mesh_row_k3")
         ),
         format!(
-            "{:.0} per row and {:.0} per frame",
+            "a row costs {:.0} and a frame {:.0}",
             m4f("mesh_row_setup"),
             nearest(100.0, m4f("mesh_rows_setup"))
         ),
@@ -255,7 +255,7 @@ fn of_sources() -> impl Iterator<Item = Quote> {
         ),
     ];
     let point_kernel = vec![format!(
-        "On Cortex-M4F and M7 {:.1} instructions to a point with the short kernel and {:.1} with the full one, on a Cortex-M55 compiled for its vectors {:.1} and {:.1}, of slices of 1024 points; about {:.0} of them to a call",
+        "It takes {:.1} instructions per point with the short kernel and {:.1} with the full one on Cortex-M4F and M7, and {:.1} and {:.1} on a Cortex-M55 compiled for its vectors, in slices of 1024 points; a call takes about {:.0}",
         m4f("correct_slice"),
         m4f("correct_slice_full"),
         count(M55, "correct_slice"),
@@ -289,7 +289,7 @@ fn of_sources() -> impl Iterator<Item = Quote> {
         limit("mesh_row_k3_128px_104mm")
     )];
     let mesh = vec![format!(
-        "By differences, {:.0} instructions per point",
+        "It is computed by differences, in {:.0} instructions per point",
         m4f("mesh_row")
     )];
     of(ROWS, rows)
