@@ -2,16 +2,15 @@
 //! time are imaginary, the rest is as in firmware. `cargo run --example imaginary_mechanism`
 
 use fmc_camera::flight::control_loop::{ControlLoop, Events};
-use fmc_camera::flight::controller::{Controller, Start};
+use fmc_camera::flight::controller::Start;
 use fmc_camera::flight::drive::{FmcDrive, StageReading};
 use fmc_camera::flight::event::{Action, Command, Event, ShutterEdge};
-use fmc_camera::flight::fault::Fault;
-use fmc_camera::flight::frame_record::Outcome;
+use fmc_camera::flight::prepared_camera::PreparedCamera;
 use fmc_camera::flight::settings::FlightSettings;
 use fmc_camera::flight::stage::Setpoint;
-use fmc_camera::flight::time::Time;
-use fmc_camera::flight::vh::VhSample;
-use fmc_camera::{CalibrationParameters, CameraParameters};
+use fmc_camera::flight::{fault::Fault, frame_record::Outcome};
+use fmc_camera::flight::{time::Time, vh::VhSample};
+use fmc_camera::{CalibrationParameters, Camera, CameraParameters};
 use std::{error::Error, fmt::Write};
 
 /// Part of the way to its set point that the stage goes in a round: it lags by a millisecond.
@@ -48,9 +47,10 @@ impl FmcDrive for VoiceCoil {
 
 /// Flies a second and a half with one trigger, and returns the events.
 pub(crate) fn flight() -> Result<String, Box<dyn Error>> {
-    let camera = CameraParameters::new(CalibrationParameters::new(100.0, [9216, 9216], 8.75));
-    let controller = Controller::new(&camera, 0, &FlightSettings::default(), Start::Orderly)?;
-    let mut unit = ControlLoop::new(controller, VoiceCoil::default());
+    let lens = CalibrationParameters::new(100.0, [9216, 9216], 8.75);
+    let camera = Camera::new(CameraParameters::new(lens))?;
+    let camera = PreparedCamera::new(camera, &FlightSettings::default(), Start::Orderly)?;
+    let mut unit = ControlLoop::new(camera, VoiceCoil::default());
     let (mut edges, mut log) = (Vec::new(), String::new());
     for round in 1..=1500 {
         let now = Time::from_us(1000 * round);
@@ -68,7 +68,7 @@ pub(crate) fn flight() -> Result<String, Box<dyn Error>> {
             match action {
                 Action::OpenShutter { at, exposure_s } => {
                     // The blade comes 30 µs late and stays open 5 µs too long.
-                    let opened = at.plus_s(unit.controller().settings().shutter_latency_s + 30e-6);
+                    let opened = at.plus_s(unit.settings().shutter_latency_s + 30e-6);
                     let closed = opened.plus_s(exposure_s + 5e-6);
                     edges.push((opened, Event::Shutter(ShutterEdge::Opened)));
                     edges.push((closed, Event::Shutter(ShutterEdge::Closed)));

@@ -14,6 +14,7 @@ use fmc_camera::geometry::calibration::CalibrationParameters;
 use fmc_camera::geometry::frame_correction::Corrected;
 use fmc_camera::geometry::sensor::SensorPoint;
 use fmc_camera::io::link::deck::{FlightDeck, RigDeck};
+use fmc_camera::io::link::loading::Upload;
 use fmc_camera::io::link::message::{Answer, Header, Identity, Request, ResetCause};
 use fmc_camera::io::link::packet::{Packet, PacketReceiver};
 use fmc_camera::io::link::station::Station;
@@ -135,15 +136,13 @@ fn works_for_the_next_host<Deck: FlightDeck>(station: &mut Station<Deck>) {
         .correct(point);
     send(station, &[0]);
     let mut answers = Vec::new();
-    for (request, sequence) in [
-        Request::Connect,
-        Request::Load(parameters),
-        Request::Expose(exposure),
-        Request::Correct(std::iter::once(point).collect()),
-    ]
-    .iter()
-    .zip(65_000..)
-    {
+    let mut requests = vec![Request::Connect];
+    // Unacknowledged records of a flight keep a camera from being loaded.
+    requests.extend([Request::Acknowledge(u32::MAX)]);
+    requests.extend(Upload::of(&parameters).unwrap().requests());
+    requests.push(Request::Expose(exposure));
+    requests.push(Request::Correct(std::iter::once(point).collect()));
+    for (request, sequence) in requests.iter().zip(65_000..) {
         answers = send(station, &framed(request, sequence));
         assert_eq!(answers.len(), 1);
     }

@@ -4,8 +4,9 @@ mod travel;
 
 use core::fmt;
 
+use super::calibration_id::{CalibrationId, SerialNumber, Storage};
 use super::exposure::{CorrectionModel, Exposure, Limits};
-use super::interior_orientation::{FocusConvention, InteriorOrientation};
+use super::interior_orientation::InteriorOrientation;
 use super::stage::{MechanismLimits, PlanError, RunUp, Stage, StagePlan, StrokeTooShort, Tracking};
 use crate::geometry::calibration::{Calibration, CalibrationError, CalibrationParameters};
 use crate::geometry::frame_correction::FrameCorrection;
@@ -50,12 +51,16 @@ pub struct CameraParameters {
     pub shutter: ShutterProfile,
     /// Exposures that the camera accepts.
     pub limits: Limits,
+    /// Serial number of the camera, as its certificate states it; empty where none is given.
+    pub serial: SerialNumber,
+    /// Version of the calibration; 0 where none is given.
+    pub version: u32,
 }
 
 impl CameraParameters {
-    /// Returns a camera of this calibration with the defaults of a camera file for mechanism,
-    /// shutter and limits: a stage with 1000 mm/s², without limit of jerk and speed, 5 ms of
-    /// settling, centred run-up, uniform shutter, V/H 0.05 to 0.17 1/s, exposures of 1 to 20 ms.
+    /// A camera of this calibration without serial number and version, with the mechanism, shutter and limits of a camera file that
+    /// names none: a stage with 1000 mm/s², without limit of jerk and speed, 5 ms of settling,
+    /// centred run-up, uniform shutter, V/H 0.05 to 0.17 1/s, exposures of 1 to 20 ms.
     #[must_use]
     pub const fn new(calibration: CalibrationParameters) -> Self {
         Self {
@@ -72,13 +77,18 @@ impl CameraParameters {
                 vh_per_s: [0.05, 0.17],
                 exposure_s: [0.001, 0.02],
             },
+            serial: SerialNumber::EMPTY,
+            version: 0,
         }
     }
 }
 
 /// A validated camera.
-#[derive(Debug, Clone, Copy, PartialEq)]
+///
+/// It is not [`Copy`]: whoever uses it borrows it from the one who holds it.
+#[derive(Debug, Clone, PartialEq)]
 pub struct Camera {
+    id: Option<CalibrationId>,
     calibration: Calibration,
     mechanism: Mechanism,
     stage: Stage,
@@ -220,12 +230,38 @@ impl Camera {
             }
         };
         Ok(Self {
+            id: None,
             calibration,
             mechanism: parameters.mechanism,
             stage,
             shutter: Shutter::new(parameters.shutter)?,
             limits: parameters.limits.checked()?,
         })
+    }
+
+    /// Validates a parameters whose CRC-32 is known, and gives the camera its identity.
+    ///
+    /// # Errors
+    /// As [`Self::new`].
+    pub fn identified(
+        parameters: CameraParameters,
+        crc: u32,
+        storage: Storage,
+    ) -> Result<Self, CalibrationError> {
+        let mut camera = Self::new(parameters)?;
+        camera.id = Some(CalibrationId {
+            serial: parameters.serial,
+            version: parameters.version,
+            crc,
+            storage,
+        });
+        Ok(camera)
+    }
+
+    /// Which calibration this is; `None` where nobody has said.
+    #[must_use]
+    pub const fn id(&self) -> Option<CalibrationId> {
+        self.id
     }
 
     /// The validated calibration.
@@ -360,7 +396,6 @@ impl Camera {
                 principal_distance_mm: parameters.principal_distance_mm,
                 focus_shift_mm: focus.shift_mm,
                 enlargement,
-                focus_convention: FocusConvention::FixedPrincipalDistance,
                 model: exposure.model,
                 terms: correction.terms(),
                 left_out_nm: correction.left_out_nm(),

@@ -2,10 +2,12 @@
 
 use heapless::Vec;
 
-use super::controller::{Actions, Controller, MAX_ACTIONS};
+use super::controller::{Actions, Controller, MAX_ACTIONS, Setup};
 use super::drive::{FmcDrive, StageReading};
 use super::event::{Action, Event};
 use super::fault::Fault;
+use super::prepared_camera::PreparedCamera;
+use super::settings::FlightSettings;
 use super::time::Time;
 
 /// Largest number of events in one round.
@@ -24,15 +26,15 @@ pub type RoundActions = Vec<Action, MAX_ROUND_ACTIONS>;
 /// A camera that moves a stage.
 #[derive(Debug)]
 pub struct ControlLoop<Drive> {
-    controller: Controller,
+    camera: PreparedCamera,
     drive: Drive,
 }
 
 impl<Drive: FmcDrive> ControlLoop<Drive> {
     /// Returns a camera with its drive, which is released.
     #[must_use]
-    pub const fn new(controller: Controller, drive: Drive) -> Self {
-        Self { controller, drive }
+    pub const fn new(camera: PreparedCamera, drive: Drive) -> Self {
+        Self { camera, drive }
     }
 
     /// Runs one round of the control loop with the events since the last. The stage is read first,
@@ -42,18 +44,25 @@ impl<Drive: FmcDrive> ControlLoop<Drive> {
     /// carries out the others.
     pub fn round(&mut self, now: Time, events: &Events) -> RoundActions {
         let reading = self.drive.position(now);
-        round(&mut self.controller, &mut self.drive, now, reading, events)
+        let (setup, controller) = self.camera.flown();
+        round((&setup, controller), &mut self.drive, now, reading, events)
+    }
+
+    /// The settings.
+    #[must_use]
+    pub const fn settings(&self) -> &FlightSettings {
+        self.camera.settings()
     }
 
     /// The state machine.
     #[must_use]
     pub const fn controller(&self) -> &Controller {
-        &self.controller
+        self.camera.controller()
     }
 
     /// The state machine, for the acknowledgement of its records.
     pub const fn controller_mut(&mut self) -> &mut Controller {
-        &mut self.controller
+        self.camera.controller_mut()
     }
 
     /// The drive.
@@ -70,8 +79,8 @@ impl<Drive: FmcDrive> ControlLoop<Drive> {
 
 /// Runs a round of the control loop as [`ControlLoop::round`], after the stage has been read, so
 /// that the time spent on the events does not make the reading late.
-pub(crate) fn round(
-    controller: &mut Controller,
+pub(super) fn round(
+    (setup, controller): (&Setup, &mut Controller),
     drive: &mut impl FmcDrive,
     now: Time,
     reading: Result<StageReading, Fault>,
@@ -83,18 +92,18 @@ pub(crate) fn round(
         Err(fault) => Event::Drive(fault),
     };
     for (time, event) in events {
-        let actions = controller.handle(*time, *event);
-        take(controller, drive, now, &actions, &mut outside);
+        let actions = controller.handle(setup, *time, *event);
+        take((setup, controller), drive, now, &actions, &mut outside);
     }
-    let actions = controller.handle(now, reading);
-    take(controller, drive, now, &actions, &mut outside);
-    let actions = controller.handle(now, Event::Tick);
-    take(controller, drive, now, &actions, &mut outside);
+    let actions = controller.handle(setup, now, reading);
+    take((setup, controller), drive, now, &actions, &mut outside);
+    let actions = controller.handle(setup, now, Event::Tick);
+    take((setup, controller), drive, now, &actions, &mut outside);
     outside
 }
 
 fn take(
-    controller: &mut Controller,
+    (setup, controller): (&Setup, &mut Controller),
     drive: &mut impl FmcDrive,
     now: Time,
     actions: &Actions,
@@ -112,7 +121,7 @@ fn take(
         }
     }
     if let Some(fault) = failed {
-        for action in &controller.handle(now, Event::Drive(fault)) {
+        for action in &controller.handle(setup, now, Event::Drive(fault)) {
             if *action == Action::ReleaseStage {
                 drive.release();
             } else {

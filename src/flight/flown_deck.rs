@@ -2,10 +2,12 @@
 
 use core::fmt;
 
-use super::camera::{CameraParameters, Mechanism};
+use super::camera::Camera;
+use super::camera_slot::CameraSlot;
+pub use super::camera_slot::NotFlyable;
 use super::control_loop::{self, RoundActions};
 use super::controller::state::State;
-use super::controller::{Controller, ControllerError, Start};
+use super::controller::{Controller, Start};
 use super::drive::flown_drive::FlownDrive;
 use super::event::{Command, Event, Supply};
 use super::event_queue::EventQueue;
@@ -13,7 +15,7 @@ use super::input_levels::InputLevels;
 use super::settings::FlightSettings;
 use super::time::Time;
 
-/// A camera that moves a stage, with one drive for all the flights it is prepared for.
+/// A camera that moves a stage, with one drive for all cameras that are loaded and all flights they are prepared for.
 ///
 /// It has no clock: the board sets the time, with every round and before [`Self::tell`], so that an
 /// event that it is told gets the time of its arrival.
@@ -23,9 +25,8 @@ use super::time::Time;
 /// prepared it only reads the stage, and drops all events.
 #[derive(Debug)]
 pub struct FlownDeck<Drive> {
-    start: Start,
     drive: Drive,
-    controller: Option<Controller>,
+    camera: CameraSlot,
     events: EventQueue,
     /// Levels of the lines that the controller knows of.
     known: InputLevels,
@@ -38,15 +39,13 @@ pub struct FlownDeck<Drive> {
 }
 
 impl<Drive: FlownDrive> FlownDeck<Drive> {
-    /// Returns a camera that has not been prepared. After [`Start::Unreferenced`] its encoder
-    /// counts from the stage's present position: before it compensates, the operator has to refer
-    /// that position ([`Command::Referenced`]).
+    /// A board without a camera. After [`Start::Unreferenced`] its encoder counts from wherever the stage
+    /// stands: before it compensates somebody has to say where that is ([`Command::Referenced`]).
     #[must_use]
     pub const fn new(drive: Drive, start: Start) -> Self {
         Self {
-            start,
             drive,
-            controller: None,
+            camera: CameraSlot::new(start),
             events: EventQueue::new(),
             known: InputLevels::GOOD,
             seen: InputLevels::GOOD,
@@ -75,14 +74,14 @@ impl<Drive: FlownDrive> FlownDeck<Drive> {
     /// Adds an event of a wire, at a time that may be somewhat before now. If there is no place for
     /// it, it is counted ([`EventQueue`]).
     pub fn capture(&mut self, time: Time, event: Event) {
-        if self.controller.is_some() {
+        if self.controller().is_some() {
             self.events.push(time, event);
         }
     }
 
     /// Counts edges that were lost before they could be handed over.
-    pub const fn count_lost(&mut self, edges: u32) {
-        if self.controller.is_some() {
+    pub fn count_lost(&mut self, edges: u32) {
+        if self.controller().is_some() {
             self.events.count_lost(edges);
         }
     }
@@ -95,7 +94,7 @@ impl<Drive: FlownDrive> FlownDeck<Drive> {
     /// line does not end a flight. By the second round the stage is 50 µm farther at 50 mm/s.
     pub fn see(&mut self, levels: InputLevels) {
         let before = core::mem::replace(&mut self.seen, levels);
-        if self.controller.is_none() {
+        if self.controller().is_none() {
             return;
         }
         let levels = levels.with_steady_limits(&before, &self.known);
@@ -127,7 +126,7 @@ impl<Drive: FlownDrive> FlownDeck<Drive> {
     /// left to the board.
     pub fn round(&mut self, now: Time) -> RoundActions {
         self.set_now(now);
-        let Some(controller) = &mut self.controller else {
+        let Some((setup, controller)) = self.camera.flown() else {
             // The position is for display, and a counter of 16 bits must be read regularly.
             let reading = self.drive.position(now);
             self.offset_mm = reading.ok().map(|reading| reading.offset_mm);
@@ -152,7 +151,7 @@ impl<Drive: FlownDrive> FlownDeck<Drive> {
         }
         let reading = self.drive.position(now);
         self.offset_mm = reading.ok().map(|reading| reading.offset_mm);
-        control_loop::round(controller, &mut self.drive, now, reading, &events)
+        control_loop::round((&setup, controller), &mut self.drive, now, reading, &events)
     }
 
     /// The drive.
@@ -165,31 +164,32 @@ impl<Drive: FlownDrive> FlownDeck<Drive> {
         &mut self.drive
     }
 
-    /// Prepares a camera for flight, in place of the one before.
+    /// Puts a camera in place of the one before, with the force off the stage. It has to be prepared before it flies;
+    /// a flight before has ended, and its records are gone.
+    pub fn load(&mut self, camera: Camera) {
+        self.camera.load(camera);
+        self.drive.release();
+        self.events.clear();
+    }
+
+    /// The camera; `None` before one is loaded.
+    #[must_use]
+    pub fn camera(&self) -> Option<&Camera> {
+        self.camera.camera()
+    }
+
+    /// Makes the camera that is loaded ready to be flown. A flight before ends, and its records are gone.
     ///
     /// # Errors
-    /// [`NotFlyable`]; the previous camera stays as it was.
-    pub fn prepare(
-        &mut self,
-        camera: &CameraParameters,
-        calibration_crc: u32,
-        settings: &FlightSettings,
-    ) -> Result<(), NotFlyable> {
-        if let Mechanism::Tdi { .. } = camera.mechanism
-            && !self.has_row_clock
-        {
+    /// [`NotFlyable`]; a flight before goes on then.
+    pub fn prepare(&mut self, settings: &FlightSettings) -> Result<(), NotFlyable> {
+        let has_rows = |camera: &Camera| !camera.has_stage();
+        if !self.has_row_clock && self.camera().is_some_and(has_rows) {
             return Err(NotFlyable::NoRowClock);
         }
-        // A fault that has not been cleared is kept.
-        if let Some(controller) = &self.controller {
-            self.start = controller.next_start();
-        }
-        let controller = Controller::new(camera, calibration_crc, settings, self.start)
-            .map_err(NotFlyable::Controller)?;
-        self.drive
-            .set_settings(settings.drive)
-            .map_err(|error| NotFlyable::Controller(ControllerError::Settings(error)))?;
-        self.controller = Some(controller);
+        let drive = &mut self.drive;
+        self.camera
+            .prepare(settings, |settings| drive.set_settings(settings))?;
         self.events.clear();
         self.known = InputLevels::GOOD;
         Ok(())
@@ -197,13 +197,13 @@ impl<Drive: FlownDrive> FlownDeck<Drive> {
 
     /// The camera's controller; `None` before it is prepared.
     #[must_use]
-    pub const fn controller(&self) -> Option<&Controller> {
-        self.controller.as_ref()
+    pub fn controller(&self) -> Option<&Controller> {
+        self.camera.controller()
     }
 
     /// The camera's controller, for the acknowledgement of records.
-    pub const fn controller_mut(&mut self) -> Option<&mut Controller> {
-        self.controller.as_mut()
+    pub fn controller_mut(&mut self) -> Option<&mut Controller> {
+        self.camera.controller_mut()
     }
 
     /// Position of the stage in the last round, mm along the FMC axis from the encoder's zero;
@@ -218,7 +218,7 @@ impl<Drive: FlownDrive> FlownDeck<Drive> {
     /// # Errors
     /// [`NotTaken`]; the event is dropped then.
     pub fn tell(&mut self, event: Event) -> Result<(), NotTaken> {
-        if self.controller.is_none() {
+        if self.controller().is_none() {
             return Err(NotTaken::NotPrepared);
         }
         if !event.is_told() {
@@ -229,29 +229,6 @@ impl<Drive: FlownDrive> FlownDeck<Drive> {
             .map_err(|_| NotTaken::QueueFull)
     }
 }
-
-/// The reason why a board cannot fly a camera.
-#[derive(Debug, Clone, Copy, PartialEq)]
-#[cfg_attr(feature = "defmt", derive(defmt::Format))]
-pub enum NotFlyable {
-    /// The controller refuses calibration or settings, or the drive refuses its settings.
-    Controller(ControllerError),
-    /// The sensor is TDI, and the board has no output that clocks its rows.
-    NoRowClock,
-}
-
-impl fmt::Display for NotFlyable {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        match self {
-            Self::Controller(error) => error.fmt(f),
-            Self::NoRowClock => {
-                f.write_str("the board has no output that clocks the rows of a TDI sensor")
-            }
-        }
-    }
-}
-
-impl core::error::Error for NotFlyable {}
 
 /// The reason why a camera does not take an event from a message.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]

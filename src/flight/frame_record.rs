@@ -3,6 +3,9 @@
 
 use core::fmt;
 
+use super::calibration_id::CalibrationId;
+#[cfg(doc)]
+use super::camera::Camera;
 use super::camera::FrameError;
 use super::fault::{Fault, Faults};
 pub use super::flag::{Flag, Flags};
@@ -27,8 +30,8 @@ pub struct FrameRecord {
     pub faults: Faults,
     /// Properties of the frame that its user should know.
     pub flags: Flags,
-    /// CRC-32 of the calibration in use, as the link names it; 0 if there is none.
-    pub calibration_crc: u32,
+    /// The calibration in use; `None` where nobody has said which it is ([`Camera::identified`]).
+    pub calibration: Option<CalibrationId>,
 }
 
 /// Outcome of a trigger.

@@ -5,15 +5,6 @@ use crate::geometry::frame_correction::Terms;
 use crate::geometry::principal_point::PrincipalPointMotion;
 use crate::geometry::sensor::SensorPoint;
 
-/// Convention by which a focus shift is reported.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
-pub enum FocusConvention {
-    /// (A): the principal distance is reported unchanged and the corrected coordinates contain the
-    /// enlargement.
-    FixedPrincipalDistance,
-}
-
 /// The interior orientation of one frame.
 ///
 /// Principal point and time belong together: both are means over the exposure, and only as a pair
@@ -29,15 +20,14 @@ pub struct InteriorOrientation {
     pub motion: PrincipalPointMotion,
     /// Principal point at the exposure centroid, sensor frame, mm.
     pub principal_point: SensorPoint,
-    /// Principal distance that goes with the corrected coordinates, mm.
+    /// Principal distance that goes with the corrected coordinates, mm. It is the calibrated one whatever Δz is: the
+    /// corrected coordinates contain the enlargement (convention (A) of `docs/conventions.md`, section 6).
     pub principal_distance_mm: f32,
     /// Δz: run-out and focus shift of this frame, mm.
     pub focus_shift_mm: f32,
     /// κ: relative enlargement of the image that Δz causes, by the formula asked for; 0 for models
     /// that have none.
     pub enlargement: f32,
-    /// Convention by which Δz is reported.
-    pub focus_convention: FocusConvention,
     /// Model that corrects the coordinates of this frame.
     pub model: CorrectionModel,
     /// Terms that are evaluated.

@@ -1,7 +1,9 @@
 //! The camera in flight: events in, actions out.
 
 pub mod attitude;
+pub mod calibration_id;
 pub mod camera;
+mod camera_slot;
 pub mod control_loop;
 pub mod controller;
 pub mod drive;
@@ -17,6 +19,7 @@ pub mod frame_record;
 pub mod input_levels;
 pub mod interior_orientation;
 mod play;
+pub mod prepared_camera;
 pub mod principal_point_sigma;
 pub mod record_log;
 pub mod rig;

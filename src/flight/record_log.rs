@@ -2,6 +2,7 @@
 
 use heapless::Deque;
 
+use super::calibration_id::CalibrationId;
 use super::fault::Faults;
 use super::frame_record::{Flags, FrameRecord, Outcome, Reason};
 use super::time::Time;
@@ -19,13 +20,48 @@ pub(crate) struct RecordLog {
     whole: Deque<Place, CAPACITY>,
     refused: Option<Range>,
     last_sequence: u32,
-    calibration_crc: u32,
+}
+
+/// A record without what all records of a log have in common: the calibration, which is the controller's for all its
+/// life.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(crate) struct Entry {
+    pub(crate) sequence: u32,
+    pub(crate) trigger: Time,
+    pub(crate) outcome: Outcome,
+    pub(crate) faults: Faults,
+    pub(crate) flags: Flags,
+}
+
+impl Entry {
+    /// A trigger that is refused for want of room, or has not been decided upon.
+    const fn without_room(sequence: u32, trigger: Time) -> Self {
+        Self {
+            sequence,
+            trigger,
+            outcome: Outcome::Refused(Reason::RecordsFull),
+            faults: Faults::NONE,
+            flags: Flags::NONE,
+        }
+    }
+
+    /// The record, of a camera with this calibration.
+    pub(crate) const fn record(&self, calibration: Option<CalibrationId>) -> FrameRecord {
+        FrameRecord {
+            sequence: self.sequence,
+            trigger: self.trigger,
+            outcome: self.outcome,
+            faults: self.faults,
+            flags: self.flags,
+            calibration,
+        }
+    }
 }
 
 /// A record, or the place of a pending one.
 #[derive(Debug, Clone, Copy)]
 struct Place {
-    record: FrameRecord,
+    record: Entry,
     is_pending: bool,
 }
 
@@ -50,19 +86,13 @@ struct Range {
 impl Range {
     /// Returns the record of one of them. Between the first and the last, the time is that of the
     /// first.
-    fn record(&self, sequence: u32, calibration_crc: u32) -> FrameRecord {
-        FrameRecord {
-            sequence,
-            trigger: if sequence == self.last_sequence {
-                self.last
-            } else {
-                self.first
-            },
-            outcome: Outcome::Refused(Reason::RecordsFull),
-            faults: Faults::NONE,
-            flags: Flags::NONE,
-            calibration_crc,
-        }
+    fn record(&self, sequence: u32) -> Entry {
+        let trigger = if sequence == self.last_sequence {
+            self.last
+        } else {
+            self.first
+        };
+        Entry::without_room(sequence, trigger)
     }
 }
 
@@ -74,36 +104,33 @@ impl RecordLog {
             whole: Deque::new(),
             refused: None,
             last_sequence: 0,
-            calibration_crc: 0,
         }
+    }
+
+    /// Forgets all records, and counts from 1 again.
+    pub(crate) fn restart(&mut self) {
+        self.whole.clear();
+        self.refused = None;
+        self.last_sequence = 0;
     }
 
     /// Numbers a trigger. Its record is pending until [`Self::finish`], and no later one can be
     /// fetched before. Without room, its record is made at once: refused.
-    pub(crate) fn number(&mut self, trigger: Time, calibration_crc: u32) -> Numbered {
+    pub(crate) fn number(&mut self, trigger: Time) -> Numbered {
         self.last_sequence = self.last_sequence.saturating_add(1);
         let sequence = self.last_sequence;
-        let record = FrameRecord {
-            sequence,
-            trigger,
-            outcome: Outcome::Refused(Reason::RecordsFull),
-            faults: Faults::NONE,
-            flags: Flags::NONE,
-            calibration_crc,
-        };
         if let Some(range) = &mut self.refused {
             range.last_sequence = sequence;
             range.last = trigger;
             return Numbered::Full(sequence);
         }
         let place = Place {
-            record,
+            record: Entry::without_room(sequence, trigger),
             is_pending: true,
         };
         if self.whole.push_back(place).is_ok() {
             return Numbered::Pending(sequence);
         }
-        self.calibration_crc = calibration_crc;
         self.refused = Some(Range {
             first_sequence: sequence,
             last_sequence: sequence,
@@ -114,7 +141,7 @@ impl RecordLog {
     }
 
     /// Finishes the record of a pending trigger. Returns `false` if none has that number.
-    pub(crate) fn finish(&mut self, record: FrameRecord) -> bool {
+    pub(crate) fn finish(&mut self, record: Entry) -> bool {
         let place = self
             .whole
             .iter_mut()
@@ -135,7 +162,7 @@ impl RecordLog {
     ///
     /// It returns `None` also if a pending one comes first.
     #[must_use]
-    pub(crate) fn from(&self, sequence: u32) -> Option<FrameRecord> {
+    pub(crate) fn from(&self, sequence: u32) -> Option<Entry> {
         let mut pending = false;
         for place in &self.whole {
             pending |= place.is_pending;
@@ -144,8 +171,7 @@ impl RecordLog {
             }
         }
         let range = self.refused.as_ref().filter(|_| !pending)?;
-        (sequence <= range.last_sequence)
-            .then(|| range.record(sequence.max(range.first_sequence), self.calibration_crc))
+        (sequence <= range.last_sequence).then(|| range.record(sequence.max(range.first_sequence)))
     }
 
     /// Forgets the records up to this number, which the PC has, except pending ones and those after
@@ -187,20 +213,19 @@ mod tests {
     use super::*;
 
     fn finish(log: &mut RecordLog, sequence: u32) {
-        let record = FrameRecord {
+        let record = Entry {
             sequence,
             trigger: Time::from_us(u64::from(sequence)),
             outcome: Outcome::Refused(Reason::Overlap),
             faults: Faults::NONE,
             flags: Flags::NONE,
-            calibration_crc: 7,
         };
         assert!(log.finish(record));
     }
 
     fn number(log: &mut RecordLog) -> Numbered {
         let next = u64::from(log.last_sequence) + 1;
-        log.number(Time::from_us(next), 7)
+        log.number(Time::from_us(next))
     }
 
     #[test]

@@ -1,10 +1,12 @@
 //! The camera on a test rig: the wires of its drive, shutter and sensors are numbers, and its time
 //! is given.
 
-use super::camera::CameraParameters;
-use super::control_loop::{ControlLoop, Events, RoundActions};
+use super::camera::Camera;
+use super::camera_slot::{CameraSlot, NotFlyable};
+use super::control_loop::{self, Events, RoundActions};
 use super::controller::state::State;
-use super::controller::{Controller, ControllerError, Start};
+use super::controller::{Controller, Start};
+use super::drive::FmcDrive as _;
 use super::drive::rig::RigDrive;
 use super::settings::FlightSettings;
 use super::time::Time;
@@ -35,55 +37,78 @@ pub struct RigAnswer {
     pub state: State,
 }
 
-/// A camera on a test rig.
+/// A camera on a test rig, with a new drive for every flight.
 #[derive(Debug)]
 pub struct Rig {
-    control: ControlLoop<RigDrive>,
+    camera: CameraSlot,
+    drive: Option<RigDrive>,
 }
 
 impl Rig {
-    /// Returns a camera in standby, its stage at the calibrated position where the encoder counts
-    /// 0.
+    /// A rig without a camera.
+    #[must_use]
+    pub const fn new(start: Start) -> Self {
+        Self {
+            camera: CameraSlot::new(start),
+            drive: None,
+        }
+    }
+
+    /// Puts a camera in place of the one before. It has to be prepared before it flies; a flight before has ended, and
+    /// its records are gone.
+    pub fn load(&mut self, camera: Camera) {
+        self.camera.load(camera);
+    }
+
+    /// The camera; `None` before one is loaded.
+    #[must_use]
+    pub fn camera(&self) -> Option<&Camera> {
+        self.camera.camera()
+    }
+
+    /// Makes the camera that is loaded ready to be flown, in standby, its stage at the calibrated position where the
+    /// encoder counts 0. A flight before ends, and its records are gone.
     ///
     /// # Errors
-    /// As [`Controller::new`].
-    #[inline]
-    pub fn new(
-        record: &CameraParameters,
-        calibration_crc: u32,
-        settings: &FlightSettings,
-        start: Start,
-    ) -> Result<Self, ControllerError> {
-        let drive = RigDrive::new(settings.drive).map_err(ControllerError::Settings)?;
-        // The controller is large: one copy of it is made, and no more.
-        match Controller::new(record, calibration_crc, settings, start) {
-            Ok(controller) => Ok(Self {
-                control: ControlLoop::new(controller, drive),
-            }),
-            Err(error) => Err(error),
-        }
+    /// [`NotFlyable`]; a flight before goes on then.
+    pub fn prepare(&mut self, settings: &FlightSettings) -> Result<(), NotFlyable> {
+        let drive = &mut self.drive;
+        let set_drive = |settings| {
+            *drive = Some(RigDrive::new(settings)?);
+            Ok(())
+        };
+        self.camera.prepare(settings, set_drive)
     }
 
-    /// Runs one round of the control loop.
-    pub fn step(&mut self, step: &RigStep) -> RigAnswer {
-        self.control.drive_mut().set_count(step.encoder_count);
-        let actions = self.control.round(step.time, &step.events);
-        RigAnswer {
-            duty: self.control.drive().duty(),
-            powered: self.control.drive().powered(),
+    /// One round of the control loop; `None` before the camera is prepared.
+    pub fn step(&mut self, step: &RigStep) -> Option<RigAnswer> {
+        let (setup, controller) = self.camera.flown()?;
+        let drive = self.drive.as_mut()?;
+        drive.set_count(step.encoder_count);
+        let reading = drive.position(step.time);
+        let actions = control_loop::round(
+            (&setup, controller),
+            drive,
+            step.time,
+            reading,
+            &step.events,
+        );
+        Some(RigAnswer {
+            duty: drive.duty(),
+            powered: drive.powered(),
             actions,
-            state: self.control.controller().state(),
-        }
+            state: controller.state(),
+        })
     }
 
-    /// The state machine.
+    /// The state machine; `None` before the camera is prepared.
     #[must_use]
-    pub const fn controller(&self) -> &Controller {
-        self.control.controller()
+    pub fn controller(&self) -> Option<&Controller> {
+        self.camera.controller()
     }
 
     /// The state machine, for the acknowledgement of its records.
-    pub const fn controller_mut(&mut self) -> &mut Controller {
-        self.control.controller_mut()
+    pub fn controller_mut(&mut self) -> Option<&mut Controller> {
+        self.camera.controller_mut()
     }
 }

@@ -16,30 +16,3 @@ mod rounding_bound;
 mod row_polynomial;
 pub mod source_row;
 pub mod vertex;
-
-use super::sensor::SensorPoint;
-
-/// Equidistant points of the sensor frame from a first one on, along +x.
-#[derive(Debug, Clone, Copy, PartialEq)]
-#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
-pub struct MeshRow {
-    /// The first point.
-    pub first: SensorPoint,
-    /// Distance from one point to the next along +x, mm.
-    pub step_mm: f32,
-    /// Number of points.
-    pub count: u16,
-}
-
-impl MeshRow {
-    /// Returns the points in order: `x = first + index·step`.
-    pub fn points(&self) -> impl Iterator<Item = SensorPoint> + use<> {
-        let Self {
-            first,
-            step_mm,
-            count,
-        } = *self;
-        (0..count)
-            .map(move |index| SensorPoint::new(first.x_mm + f32::from(index) * step_mm, first.y_mm))
-    }
-}

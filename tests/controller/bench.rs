@@ -1,24 +1,31 @@
 //! A controller with an ideal stage and a shutter that follows its commands.
 
+use fmc_camera::flight::calibration_id::Storage;
+use fmc_camera::flight::controller::Start;
 use fmc_camera::flight::controller::state::State;
-use fmc_camera::flight::controller::{Controller, Start};
 use fmc_camera::flight::drive::StageReading;
 use fmc_camera::flight::event::{Action, Command, Event, ShutterEdge};
 use fmc_camera::flight::frame_record::{ExposedFrame, FrameRecord, Outcome};
+use fmc_camera::flight::prepared_camera::PreparedCamera;
 use fmc_camera::flight::settings::FlightSettings;
 use fmc_camera::flight::stage::Setpoint;
 use fmc_camera::flight::time::Time;
 use fmc_camera::flight::vh::VhSample;
-use fmc_camera::{CalibrationParameters, CameraParameters};
+use fmc_camera::{CalibrationParameters, Camera, CameraParameters};
 
 /// Returns a camera of 100 mm, with 9216 x 9216 pixels of 8.75 µm and a stage of 4 mm.
 pub(crate) fn camera() -> CameraParameters {
     CameraParameters::new(CalibrationParameters::new(100.0, [9216, 9216], 8.75))
 }
 
+/// The same, validated, with an identity.
+pub(crate) fn identified(camera: &CameraParameters) -> Camera {
+    Camera::identified(*camera, 0xca1, Storage::Volatile).unwrap()
+}
+
 /// Controller with the devices around it.
 pub(crate) struct Bench {
-    pub(crate) controller: Controller,
+    pub(crate) camera: PreparedCamera,
     pub(crate) now: Time,
     /// Set point that the stage has reached.
     pub(crate) stage: Setpoint,
@@ -43,7 +50,7 @@ impl Bench {
 
     pub(crate) fn with(camera: &CameraParameters, settings: FlightSettings, start: Start) -> Self {
         Self {
-            controller: Controller::new(camera, 0xca1, &settings, start).unwrap(),
+            camera: PreparedCamera::new(identified(camera), &settings, start).unwrap(),
             now: Time::from_us(1_000_000),
             stage: Setpoint::default(),
             stage_follows: true,
@@ -76,7 +83,7 @@ impl Bench {
 
     pub(crate) fn send_at(&mut self, time: Time, event: Event) {
         let before = self.actions.len();
-        let actions = self.controller.handle(time, event);
+        let actions = self.camera.handle(time, event);
         for action in actions {
             match action {
                 Action::MoveStage(setpoint) if self.stage_follows => self.stage = setpoint,
@@ -88,7 +95,7 @@ impl Bench {
         for (_, action) in new {
             match action {
                 Action::OpenShutter { at, exposure_s } if self.shutter_obeys => {
-                    let latency_s = self.controller.settings().shutter_latency_s;
+                    let latency_s = self.camera.settings().shutter_latency_s;
                     let opened = at.plus_s(latency_s + self.shutter_late_s);
                     self.edges.push((opened, ShutterEdge::Opened));
                     self.edges
@@ -136,7 +143,8 @@ impl Bench {
     /// Returns the stage's present place, which follows from the last set point and its speed.
     pub(crate) fn place_mm(&self) -> f32 {
         if self.stage_follows {
-            self.controller
+            self.camera
+                .controller()
                 .setpoint(self.now)
                 .unwrap_or(self.stage)
                 .offset_mm
@@ -154,19 +162,22 @@ impl Bench {
     /// Runs until a state is reached, and returns the number of rounds.
     pub(crate) fn run_until(&mut self, most: u32, reached: impl Fn(State) -> bool) -> u32 {
         for rounds in 0..most {
-            if reached(self.controller.state()) {
+            if reached(self.camera.controller().state()) {
                 return rounds;
             }
             self.round();
         }
-        panic!("still {} after {most} rounds", self.controller.state());
+        panic!(
+            "still {} after {most} rounds",
+            self.camera.controller().state()
+        );
     }
 
     /// Returns the records from a number on.
     pub(crate) fn records(&self) -> Vec<FrameRecord> {
         let mut records: Vec<FrameRecord> = Vec::new();
         let mut next = 0;
-        while let Some(record) = self.controller.record(next) {
+        while let Some(record) = self.camera.controller().record(next) {
             next = record.sequence + 1;
             records.push(record);
         }

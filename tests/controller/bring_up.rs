@@ -18,9 +18,13 @@ fn edges_by_hand_in_standby_are_counted_and_every_trigger_has_its_record() {
         bench.send(Event::Shutter(edge));
         bench.run(10);
     }
-    assert_eq!(bench.controller.state(), State::Standby);
-    assert_eq!(bench.controller.setpoint(bench.now), None, "no force");
-    assert_eq!(bench.controller.counts().unexpected_edges, 2);
+    assert_eq!(bench.camera.controller().state(), State::Standby);
+    assert_eq!(
+        bench.camera.controller().setpoint(bench.now),
+        None,
+        "no force"
+    );
+    assert_eq!(bench.camera.controller().counts().unexpected_edges, 2);
     let outcomes: Vec<_> = bench.records().iter().map(|it| it.outcome).collect();
     assert_eq!(outcomes, [Outcome::Refused(Reason::NotArmed); 2]);
 }
@@ -35,7 +39,7 @@ fn first_exposure_needs_no_vh_and_the_next_is_compensated() {
     bench.send(Event::Trigger);
     bench.run_until(2000, |it| it == State::Degraded(Fault::VhLost));
     assert!(
-        bench.controller.setpoint(bench.now).is_some(),
+        bench.camera.controller().setpoint(bench.now).is_some(),
         "under force"
     );
     bench.send(Event::Trigger);
@@ -64,7 +68,7 @@ fn vh_is_stamped_on_arrival_and_not_when_it_was_measured() {
         let mut bench = Bench::armed();
         let stamp = bench.now.plus_s(-age_s);
         bench.send_at(stamp, Event::Vh(VhSample::GroundSpeed(60.0)));
-        assert_eq!(bench.controller.state(), state, "{age_s}");
+        assert_eq!(bench.camera.controller().state(), state, "{age_s}");
     }
 }
 
@@ -81,6 +85,6 @@ fn altimeter_that_repeats_itself_on_the_bench_is_lost() {
             bench.send(Event::Vh(VhSample::HeightAboveGround(height_m)));
             bench.run(100);
         }
-        assert_eq!(bench.controller.state(), state, "{step_m}");
+        assert_eq!(bench.camera.controller().state(), state, "{step_m}");
     }
 }

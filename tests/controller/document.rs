@@ -46,7 +46,7 @@ fn moving_by(factor: f32) -> Bench {
             offset_mm: place_mm + factor * (bench.place_mm() - place_mm),
         };
         bench.send(Event::Stage(reading));
-        if let State::Fault(_) = bench.controller.state() {
+        if let State::Fault(_) = bench.camera.controller().state() {
             break;
         }
     }
@@ -131,7 +131,7 @@ fn with(fault: Fault) -> Bench {
 fn leads_to(bench: &mut Bench, fault: Fault) -> String {
     let mut found: Vec<&str> = Vec::new();
     for _ in 0..8000 {
-        let state = bench.controller.state();
+        let state = bench.camera.controller().state();
         if let State::Fault(it) | State::Degraded(it) = state {
             assert_eq!(it, fault);
             if found.last() != Some(&state.name()) {
@@ -157,23 +157,30 @@ fn ends(bench: &mut Bench) -> &'static str {
     bench.is_read = true;
     bench.stage_follows = true;
     bench.vh_per_s = Some(0.1);
-    if let State::Fault(Fault::BrownOut) = bench.controller.state() {
+    if let State::Fault(Fault::BrownOut) = bench.camera.controller().state() {
         bench.send(Event::Supply(Supply::Good));
     }
     bench.run(3000);
-    if bench.controller.state() == State::Armed {
+    if bench.camera.controller().state() == State::Armed {
         return "by itself";
     }
     bench.send(Event::Command(Command::Arm));
     bench.run(2000);
-    assert_ne!(bench.controller.state(), State::Armed, "not cleared");
+    assert_ne!(
+        bench.camera.controller().state(),
+        State::Armed,
+        "not cleared"
+    );
     bench.send(Event::Command(Command::ClearFault));
     bench.send(Event::Command(Command::Arm));
     bench.run(2000);
-    if bench.controller.state() == State::Armed {
+    if bench.camera.controller().state() == State::Armed {
         return "clear, arm";
     }
-    assert_eq!(bench.controller.state(), State::Degraded(Fault::Encoder));
+    assert_eq!(
+        bench.camera.controller().state(),
+        State::Degraded(Fault::Encoder)
+    );
     bench.send(Event::Command(Command::ClearFault));
     bench.send(Event::Command(Command::Referenced));
     bench.arm();

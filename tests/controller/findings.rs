@@ -121,7 +121,7 @@ fn of_instruments() -> impl Iterator<Item = Flag> {
 }
 
 fn count(bench: &Bench, flag: Flag) -> u32 {
-    bench.controller.findings().of(flag).unwrap()
+    bench.camera.controller().findings().of(flag).unwrap()
 }
 
 fn next_record(bench: &mut Bench) -> FrameRecord {
@@ -162,7 +162,7 @@ fn nothing_is_found_where_nothing_is_wrong() {
     let record = next_record(&mut bench);
     let found: Vec<_> = record.flags.iter().map(Flag::name).collect();
     assert_eq!(found, ["with attitude"]);
-    assert_eq!(*bench.controller.findings(), Findings::NONE);
+    assert_eq!(*bench.camera.controller().findings(), Findings::NONE);
 }
 
 #[test]

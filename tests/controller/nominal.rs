@@ -1,26 +1,27 @@
 //! Frames without faults.
 
 use fmc_camera::flight::camera::Mechanism;
+use fmc_camera::flight::controller::Start;
 use fmc_camera::flight::controller::state::State;
-use fmc_camera::flight::controller::{Controller, Start};
 use fmc_camera::flight::drive::settings::{DriveSettings, EncoderSide};
 use fmc_camera::flight::event::{Action, Event};
 use fmc_camera::flight::exposure::FlightDirection;
 use fmc_camera::flight::fault::Faults;
 use fmc_camera::flight::frame_record::{ExposedFrame, Flags, Outcome};
+use fmc_camera::flight::prepared_camera::PreparedCamera;
 use fmc_camera::flight::settings::FlightSettings;
 
-use crate::controller::bench::{Bench, camera};
+use crate::controller::bench::{Bench, camera, identified};
 
 #[test]
 fn trigger_leads_through_all_states_to_a_measured_record() {
     let mut bench = Bench::armed();
     bench.send(Event::Trigger);
-    let mut states = vec![bench.controller.state()];
+    let mut states = vec![bench.camera.controller().state()];
     for _ in 0..200 {
         bench.round();
-        if states.last() != Some(&bench.controller.state()) {
-            states.push(bench.controller.state());
+        if states.last() != Some(&bench.camera.controller().state()) {
+            states.push(bench.camera.controller().state());
         }
     }
     assert_eq!(
@@ -56,7 +57,7 @@ fn trigger_leads_through_all_states_to_a_measured_record() {
 #[test]
 fn settings_that_cannot_be_flown_are_refused_with_their_numbers() {
     let refused = |settings| {
-        Controller::new(&camera(), 0, &settings, Start::Orderly)
+        PreparedCamera::new(identified(&camera()), &settings, Start::Orderly)
             .unwrap_err()
             .to_string()
     };
@@ -91,7 +92,7 @@ fn settings_that_cannot_be_flown_are_refused_with_their_numbers() {
         trigger_interval_s: 0.5,
         ..nominal
     };
-    assert!(Controller::new(&camera(), 0, &slow, Start::Orderly).is_ok());
+    assert!(PreparedCamera::new(identified(&camera()), &slow, Start::Orderly).is_ok());
 }
 
 /// Returns the exposure of a flight in a direction, with an encoder on a part of the mechanism.

@@ -14,9 +14,15 @@ use crate::controller::bench::{Bench, acted, camera, exposed, in_state, only};
 fn low_supply_releases_the_stage_until_it_is_good() {
     let mut bench = in_state(State::RunUp);
     bench.send(Event::Supply(Supply::Low));
-    assert_eq!(bench.controller.state(), State::Fault(Fault::BrownOut));
+    assert_eq!(
+        bench.camera.controller().state(),
+        State::Fault(Fault::BrownOut)
+    );
     bench.run(200);
-    assert_eq!(bench.controller.state(), State::Fault(Fault::BrownOut));
+    assert_eq!(
+        bench.camera.controller().state(),
+        State::Fault(Fault::BrownOut)
+    );
     bench.send(Event::Supply(Supply::Good));
     bench.run_until(500, |state| state == State::Armed);
 }
@@ -31,8 +37,11 @@ fn encoder_that_does_not_survive_low_supply_is_referenced_before_the_stage_moves
     bench.send(Event::Supply(Supply::Low));
     bench.send(Event::Supply(Supply::Good));
     bench.run(500);
-    assert_eq!(bench.controller.state(), State::Degraded(Fault::Encoder));
-    assert_eq!(bench.controller.setpoint(bench.now), None, "force");
+    assert_eq!(
+        bench.camera.controller().state(),
+        State::Degraded(Fault::Encoder)
+    );
+    assert_eq!(bench.camera.controller().setpoint(bench.now), None, "force");
     bench.send(Event::Trigger);
     bench.run(100);
     assert!(only(&bench).flags.contains(Flag::StaticCorrection));
@@ -44,7 +53,10 @@ fn encoder_that_does_not_survive_low_supply_is_referenced_before_the_stage_moves
 #[test]
 fn watchdog_begins_in_its_fault_and_is_in_the_next_record() {
     let mut bench = Bench::with(&camera(), FlightSettings::default(), Start::AfterWatchdog);
-    assert_eq!(bench.controller.state(), State::Fault(Fault::Watchdog));
+    assert_eq!(
+        bench.camera.controller().state(),
+        State::Fault(Fault::Watchdog)
+    );
     bench.send(Event::Trigger);
     assert_eq!(
         only(&bench).outcome,
@@ -56,7 +68,10 @@ fn watchdog_begins_in_its_fault_and_is_in_the_next_record() {
     // The encoder's count is lost, and without a reference there is no compensation.
     bench.send(Event::Command(Command::ClearFault));
     bench.send(Event::Command(Command::Arm));
-    assert_eq!(bench.controller.state(), State::Degraded(Fault::Encoder));
+    assert_eq!(
+        bench.camera.controller().state(),
+        State::Degraded(Fault::Encoder)
+    );
     bench.send(Event::Command(Command::Disarm));
     bench.send(Event::Command(Command::Referenced));
     bench.arm();
@@ -100,13 +115,16 @@ fn late_rounds_are_counted_and_too_many_lead_to_no_compensation() {
     let mut bench = Bench::armed();
     bench.now = bench.now.plus_s(0.004);
     bench.run(10);
-    assert_eq!(bench.controller.counts().late_ticks, 1);
-    assert_eq!(bench.controller.state(), State::Armed);
+    assert_eq!(bench.camera.controller().counts().late_ticks, 1);
+    assert_eq!(bench.camera.controller().state(), State::Armed);
     for _ in 0..3 {
         bench.now = bench.now.plus_s(0.004);
         bench.round();
     }
-    assert_eq!(bench.controller.state(), State::Degraded(Fault::Overload));
+    assert_eq!(
+        bench.camera.controller().state(),
+        State::Degraded(Fault::Overload)
+    );
     bench.send(Event::Trigger);
     bench.run(100);
     let record = only(&bench);
@@ -125,7 +143,7 @@ fn late_rounds_of_standby_are_counted_and_nothing_follows_from_them() {
     }
     bench.send(Event::Command(Command::Arm));
     bench.run_until(2000, |state| state == State::Armed);
-    assert_eq!(bench.controller.counts().late_ticks, 5);
+    assert_eq!(bench.camera.controller().counts().late_ticks, 5);
     assert!(!acted(&bench, Action::Fault(Fault::Overload)));
     bench.send(Event::Trigger);
     bench.run(100);
@@ -138,7 +156,10 @@ fn late_rounds_of_standby_are_counted_and_nothing_follows_from_them() {
         bench.now = bench.now.plus_s(0.004);
         bench.round();
     }
-    assert_eq!(bench.controller.state(), State::Degraded(Fault::Overload));
+    assert_eq!(
+        bench.camera.controller().state(),
+        State::Degraded(Fault::Overload)
+    );
 }
 
 #[test]
@@ -149,7 +170,10 @@ fn clock_that_jumps_ends_the_frame_and_is_a_fault() {
             bench.edges.clear();
             bench.now = now;
             bench.run(5);
-            assert_eq!(bench.controller.state(), State::Fault(Fault::Clock));
+            assert_eq!(
+                bench.camera.controller().state(),
+                State::Fault(Fault::Clock)
+            );
             let record = only(&bench);
             match state {
                 State::Exposing => assert!(record.flags.contains(Flag::StaticCorrection)),
@@ -168,11 +192,17 @@ fn supply_that_comes_back_does_not_move_a_stage_that_has_failed() {
     bench.send(Event::Drive(Fault::Drive));
     bench.run_until(100, |state| state == State::Degraded(Fault::Drive));
     bench.send(Event::Supply(Supply::Low));
-    assert_eq!(bench.controller.state(), State::Fault(Fault::BrownOut));
+    assert_eq!(
+        bench.camera.controller().state(),
+        State::Fault(Fault::BrownOut)
+    );
     bench.send(Event::Supply(Supply::Good));
     bench.run(500);
-    assert_eq!(bench.controller.state(), State::Degraded(Fault::Drive));
-    assert_eq!(bench.controller.setpoint(bench.now), None, "force");
+    assert_eq!(
+        bench.camera.controller().state(),
+        State::Degraded(Fault::Drive)
+    );
+    assert_eq!(bench.camera.controller().setpoint(bench.now), None, "force");
 }
 
 #[test]
@@ -185,9 +215,12 @@ fn overload_during_a_frame_does_not_hide_a_stage_that_has_failed() {
         bench.now = bench.now.plus_s(0.004);
         bench.round();
     }
-    assert_eq!(bench.controller.counts().late_ticks, 3);
+    assert_eq!(bench.camera.controller().counts().late_ticks, 3);
     bench.run(100);
     bench.send(Event::Trigger);
     bench.run(3000);
-    assert_eq!(bench.controller.state(), State::Degraded(Fault::Drive));
+    assert_eq!(
+        bench.camera.controller().state(),
+        State::Degraded(Fault::Drive)
+    );
 }

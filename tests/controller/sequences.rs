@@ -19,7 +19,7 @@ use fmc_camera::flight::settings::FlightSettings;
 use fmc_camera::flight::time::Time;
 use fmc_camera::flight::vh::VhSample;
 
-use crate::controller::bench::{Bench, camera};
+use crate::controller::bench::{Bench, camera, identified};
 
 /// Runs a round of a given length, with a reading of a stage that is off its set point, or with
 /// none.

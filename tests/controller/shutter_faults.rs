@@ -37,12 +37,12 @@ fn missing_edge_refuses_the_frame_and_one_that_comes_after_all_is_reported() {
     let record = only(&bench);
     assert_eq!(record.outcome, Outcome::Refused(Reason::ShutterMissing));
     assert!(record.faults.contains(Fault::ShutterMissing));
-    assert_eq!(bench.controller.state(), State::Armed);
+    assert_eq!(bench.camera.controller().state(), State::Armed);
     bench.actions.clear();
     bench.send(Event::Shutter(ShutterEdge::Opened));
     assert!(acted(&bench, Action::Fault(Fault::ShutterUnexpected)));
     assert!(acted(&bench, Action::CloseShutter));
-    assert_eq!(bench.controller.counts().unexpected_edges, 1);
+    assert_eq!(bench.camera.controller().counts().unexpected_edges, 1);
     // The fault is in the next record.
     bench.shutter_obeys = true;
     bench.send(Event::Trigger);

@@ -43,7 +43,7 @@ fn stall_before_the_shutter_refuses_the_frame_and_goes_on_without_compensation()
     // Once the fault is cleared and the camera armed, there is compensation again.
     bench.stage_follows = true;
     bench.send(Event::Command(Command::ClearFault));
-    assert_eq!(bench.controller.state(), State::Standby);
+    assert_eq!(bench.camera.controller().state(), State::Standby);
     bench.arm();
 }
 
@@ -83,7 +83,7 @@ fn limit_switch_and_drive_release_the_stage() {
     ] {
         let mut bench = in_state(State::RunUp);
         bench.send(event);
-        assert_eq!(bench.controller.state(), State::Fault(fault));
+        assert_eq!(bench.camera.controller().state(), State::Fault(fault));
         assert!(acted(&bench, Action::ReleaseStage) && acted(&bench, Action::Fault(fault)));
         assert_eq!(only(&bench).outcome, Outcome::Refused(Reason::Fault(fault)));
         bench.send(Event::Trigger);
@@ -103,7 +103,10 @@ fn lost_place_leads_to_static_correction_with_a_sigma_that_says_so() {
     assert!(record.flags.contains(Flag::PlannedMotion));
     assert!(record.flags.contains(Flag::StaticCorrection));
     assert!((exposed(&record).principal_point_sigma.total_mm() - 2.0).abs() < 1e-6);
-    assert_eq!(bench.controller.state(), State::Degraded(Fault::Encoder));
+    assert_eq!(
+        bench.camera.controller().state(),
+        State::Degraded(Fault::Encoder)
+    );
 }
 
 #[test]
@@ -118,13 +121,16 @@ fn encoder_that_may_be_the_wrong_way_round_has_lost_the_place() {
     assert!((exposed(&record).principal_point_sigma.total_mm() - 2.0).abs() < 1e-6);
     assert!(exposed(&record).smear_um > 2000.0);
     assert_eq!(
-        bench.controller.state(),
+        bench.camera.controller().state(),
         State::Degraded(Fault::WrongDirection)
     );
     bench.send(Event::Command(Command::ClearFault));
     bench.send(Event::Command(Command::Arm));
     bench.run(100);
-    assert_eq!(bench.controller.state(), State::Degraded(Fault::Encoder));
+    assert_eq!(
+        bench.camera.controller().state(),
+        State::Degraded(Fault::Encoder)
+    );
     bench.send(Event::Trigger);
     bench.run(100);
     let standing = *bench.records().last().unwrap();
@@ -152,14 +158,14 @@ fn stage_that_fails_without_force_is_not_moved_until_it_is_cleared() {
         standby.run(2);
         standby.send(event);
         standby.send(event);
-        assert_eq!(standby.controller.state(), State::Standby);
+        assert_eq!(standby.camera.controller().state(), State::Standby);
         standby.send(Event::Command(Command::Arm));
         let stays = |mut bench: Bench| {
             for _ in 0..500 {
                 bench.round();
-                assert_eq!(bench.controller.setpoint(bench.now), None, "force");
+                assert_eq!(bench.camera.controller().setpoint(bench.now), None, "force");
             }
-            assert_eq!(bench.controller.state(), State::Degraded(fault));
+            assert_eq!(bench.camera.controller().state(), State::Degraded(fault));
             let announced = bench.actions.iter();
             let announced = announced.filter(|(_, it)| *it == Action::Fault(fault));
             assert_eq!(announced.count(), 1);
@@ -168,8 +174,8 @@ fn stage_that_fails_without_force_is_not_moved_until_it_is_cleared() {
                 // The place of the stage is still lost.
                 bench.send(Event::Command(Command::Arm));
                 bench.run(500);
-                assert_eq!(bench.controller.state(), State::Degraded(fault));
-                assert_eq!(bench.controller.setpoint(bench.now), None, "force");
+                assert_eq!(bench.camera.controller().state(), State::Degraded(fault));
+                assert_eq!(bench.camera.controller().setpoint(bench.now), None, "force");
                 bench.send(Event::Command(Command::Disarm));
                 bench.send(Event::Command(Command::Referenced));
             }

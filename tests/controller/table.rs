@@ -112,19 +112,19 @@ fn name(state: State) -> String {
 fn every_event_in_every_state_does_what_the_table_says() {
     let mut found = String::from("state,event,next state,records\n");
     for (index, bench) in states().iter().enumerate() {
-        let before = bench.controller.state();
+        let before = bench.camera.controller().state();
         for (event_name, event) in events(bench) {
             let mut bench = states().swap_remove(index);
             let kept = bench.records().len();
-            let triggers = bench.controller.counts().triggers;
+            let triggers = bench.camera.controller().counts().triggers;
             bench.now = bench.now.plus_s(1e-4);
             bench.send(event);
-            let next = bench.controller.state();
+            let next = bench.camera.controller().state();
             let made = bench.records().len() - kept;
             writeln!(found, "{},{event_name},{},{made}", name(before), name(next)).unwrap();
             // After any event, every trigger gets its record within a second.
             bench.run(1000);
-            let counts = bench.controller.counts();
+            let counts = bench.camera.controller().counts();
             assert_eq!(
                 counts.triggers,
                 counts.exposed + counts.refused,
@@ -174,7 +174,7 @@ fn a_million_random_triggers_are_all_answered() {
         }
         bench.actions.clear();
         bench.run(1 + u32::try_from(next() % 4).unwrap());
-        while let Some(record) = bench.controller.record(expected) {
+        while let Some(record) = bench.camera.controller().record(expected) {
             assert_eq!(record.sequence, expected);
             expected += 1;
             match record.outcome {
@@ -182,10 +182,10 @@ fn a_million_random_triggers_are_all_answered() {
                 Outcome::Refused(_) => refused += 1,
             }
         }
-        bench.controller.acknowledge(expected - 1);
+        bench.camera.controller_mut().acknowledge(expected - 1);
     }
     bench.run(1000);
-    while let Some(record) = bench.controller.record(expected) {
+    while let Some(record) = bench.camera.controller().record(expected) {
         expected += 1;
         match record.outcome {
             Outcome::Exposed(_) => exposed += 1,
@@ -193,7 +193,7 @@ fn a_million_random_triggers_are_all_answered() {
         }
     }
     assert_eq!(exposed + refused, triggers);
-    let counts = bench.controller.counts();
+    let counts = bench.camera.controller().counts();
     assert_eq!(
         (counts.triggers, counts.exposed, counts.refused),
         (triggers, exposed, refused)

@@ -1,5 +1,6 @@
 //! The camera of the tests: 100 mm, 9216 x 9216 pixels of 8.75 µm, ± 2 mm of stroke along +y.
 
+use fmc_camera::flight::calibration_id::SerialNumber;
 use fmc_camera::flight::camera::{CameraParameters, Mechanism};
 use fmc_camera::flight::exposure::Limits;
 use fmc_camera::flight::stage::RunUp;
@@ -36,5 +37,7 @@ pub(crate) fn record() -> CameraParameters {
             vh_per_s: [0.0, 1.0],
             exposure_s: [1e-4, 0.1],
         },
+        serial: SerialNumber::EMPTY,
+        version: 0,
     }
 }

@@ -105,6 +105,8 @@ fn documented_names_are_those_of_the_code() {
         field!(InteriorOrientation.enlargement),
         path!(ShutterProfile::Trapezoid {}),
         field!(CameraParameters.mechanism),
+        field!(CameraParameters.serial),
+        field!(CameraParameters.version),
         path!(RunUp::Centred),
         path!(RunUp::FromRest),
         path!(Mechanism::Stage {}),

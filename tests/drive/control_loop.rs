@@ -1,14 +1,15 @@
 //! Drive and controller in one round.
 
 use fmc_camera::flight::control_loop::{ControlLoop, Events};
-use fmc_camera::flight::controller::{Controller, Start};
+use fmc_camera::flight::controller::Start;
 use fmc_camera::flight::drive::{FmcDrive, StageReading};
 use fmc_camera::flight::event::{Command, Event};
 use fmc_camera::flight::fault::Fault;
+use fmc_camera::flight::prepared_camera::PreparedCamera;
 use fmc_camera::flight::settings::FlightSettings;
 use fmc_camera::flight::stage::Setpoint;
 use fmc_camera::flight::time::Time;
-use fmc_camera::{CalibrationParameters, CameraParameters};
+use fmc_camera::{CalibrationParameters, Camera, CameraParameters};
 
 /// Names of the calls to the drive in a round.
 #[derive(Debug, Default)]
@@ -36,9 +37,9 @@ impl FmcDrive for Asked {
 #[test]
 fn stage_is_read_when_the_round_begins_and_not_after_its_events() {
     let camera = CameraParameters::new(CalibrationParameters::new(100.0, [9216, 9216], 8.75));
-    let controller =
-        Controller::new(&camera, 0, &FlightSettings::default(), Start::Orderly).unwrap();
-    let mut control = ControlLoop::new(controller, Asked::default());
+    let camera = Camera::new(camera).unwrap();
+    let camera = PreparedCamera::new(camera, &FlightSettings::default(), Start::Orderly).unwrap();
+    let mut control = ControlLoop::new(camera, Asked::default());
     let mut round = |at_us, event| {
         let now = Time::from_us(at_us);
         control.round(now, &Events::from_iter([(now, event)]));

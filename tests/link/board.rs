@@ -40,7 +40,7 @@ impl Board {
     /// Returns a board that is connected, loaded and prepared, with its counter at a number.
     pub(crate) fn prepared_at(counter_us: u32) -> Self {
         let mut board = Self::connected(ResetCause::PowerOn, counter_us);
-        let loaded = board.pc.ask(&Request::Load(camera_parameters()));
+        let loaded = board.pc.load(&camera_parameters());
         assert!(matches!(loaded, Answer::Loaded(_)), "{loaded:?}");
         assert_eq!(board.prepare(), Answer::Prepared);
         board

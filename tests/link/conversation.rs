@@ -1,17 +1,15 @@
 //! Conversation of a PC and a camera without errors.
 
-use fmc_camera::flight::camera::Camera;
+use fmc_camera::flight::calibration_id::{CalibrationId, SerialNumber, Storage};
+use fmc_camera::flight::camera::{Camera, CameraParameters};
 use fmc_camera::flight::exposure::Exposure;
 use fmc_camera::geometry::five_coefficient::FiveCoefficients;
-use fmc_camera::geometry::mesh::MeshRow;
 use fmc_camera::geometry::mesh::format::MeshFormat;
 use fmc_camera::geometry::mesh::pixel_correction::{CorrectionMesh, PixelCorrection};
 use fmc_camera::geometry::mesh::vertex::VertexRow;
 use fmc_camera::geometry::sensor::SensorPoint;
 use fmc_camera::io::link::digest;
-use fmc_camera::io::link::message::{
-    Answer, CalibrationIdentity, Grid, Header, Points, Request, ResetCause, Storage,
-};
+use fmc_camera::io::link::message::{Answer, Grid, Header, Points, Request, ResetCause};
 use fmc_camera::io::link::station::LinkEvent;
 
 use crate::link::pc::{Pc, SESSION, STACK_USED, camera_parameters};
@@ -58,22 +56,6 @@ fn answers_are_those_of_the_library_bit_by_bit() {
         .map(|point| frame.correction.distort(*point).unwrap())
         .collect();
     assert_eq!(pc.ask(&Request::Distort(measured)), Answer::Points(again));
-
-    for count in [0, 1, 64] {
-        let row = MeshRow {
-            first: SensorPoint::new(-26.0, 7.5),
-            step_mm: 0.8125,
-            count,
-        };
-        let Answer::Row(along) = pc.ask(&Request::Row(row)) else {
-            panic!("no row");
-        };
-        assert_eq!(along.len(), usize::from(count));
-        for (index, displacement) in (0_u16..).zip(along) {
-            let point = SensorPoint::new(-26.0 + f32::from(index) * 0.8125, 7.5);
-            assert_eq!(displacement, frame.correction.distortion(point));
-        }
-    }
 }
 
 #[test]
@@ -181,14 +163,18 @@ fn connecting_tells_who_answers_and_which_calibration_it_holds() {
     assert_eq!(identity.calibration, None);
     assert_eq!(pc.event, Some(LinkEvent::Connected(SESSION)));
 
-    let calibration = CalibrationIdentity {
-        crc: digest::of_camera(&camera_parameters()).unwrap(),
+    let record = CameraParameters {
+        serial: SerialNumber::new("RC30-5282").unwrap(),
+        version: 7,
+        ..camera_parameters()
+    };
+    let calibration = CalibrationId {
+        serial: record.serial,
+        version: 7,
+        crc: digest::of_camera(&record).unwrap(),
         storage: Storage::Volatile,
     };
-    assert_eq!(
-        pc.ask(&Request::Load(camera_parameters())),
-        Answer::Loaded(calibration)
-    );
+    assert_eq!(pc.load(&record), Answer::Loaded(calibration));
     assert_eq!(pc.event, Some(LinkEvent::Loaded(calibration)));
     let other = Header {
         session: 7,
@@ -215,6 +201,8 @@ fn digest_of_a_calibration_tells_every_field_of_it() {
         of(|record| {
             record.calibration.fitted = Some(FiveCoefficients::default());
         }),
+        of(|record| record.version = 1),
+        of(|record| record.serial = SerialNumber::new("1").unwrap()),
     ];
     for (index, digest) in digests.iter().enumerate() {
         assert!(!digests[..index].contains(digest), "{index}");

@@ -116,13 +116,15 @@ fn adjustment_belongs_to_its_calibration_and_its_session() {
         Answer::Refused(Refusal::NoCalibration),
         "without a calibration there is no lens"
     );
-    pc.ask(&Request::Load(camera_parameters()));
+    pc.load(&camera_parameters());
     assert_eq!(pc.ask(&batch), no_fit);
     assert_eq!(pc.ask(&Request::Fit), no_fit);
-    for ending in [Request::Load(camera_parameters()), Request::Connect] {
+    let load = |pc: &mut Pc| pc.load(&camera_parameters());
+    let connect = |pc: &mut Pc| pc.ask(&Request::Connect);
+    for end in [load, connect] {
         assert_eq!(pc.ask(&start), Answer::Observed(0));
         assert_eq!(pc.ask(&batch), Answer::Observed(2));
-        pc.ask(&ending);
+        end(&mut pc);
         assert_eq!(pc.ask(&batch), no_fit);
     }
     assert_eq!(pc.ask(&start), Answer::Observed(0));

@@ -288,7 +288,7 @@ fn switch_that_is_still_closed_when_faults_are_cleared_keeps_the_stage_without_f
 #[test]
 fn after_the_watchdog_the_shutter_is_closed_and_somebody_must_look() {
     let mut board = Board::connected(ResetCause::Watchdog, 0);
-    board.pc.ask(&Request::Load(camera_parameters()));
+    board.pc.load(&camera_parameters());
     assert_eq!(board.prepare(), Answer::Prepared);
     board.shutter.open(Time::from_us(500), 1.0);
     board.round();

@@ -1,13 +1,13 @@
 //! Requests to a camera on a board, and its refusals.
 
-use fmc_camera::flight::camera::Mechanism;
+use fmc_camera::flight::camera::{Camera, Mechanism};
 use fmc_camera::flight::controller::state::State;
 use fmc_camera::flight::drive::FmcDrive;
 use fmc_camera::flight::drive::rig::RigDrive;
 use fmc_camera::flight::drive::settings::DriveSettings;
 use fmc_camera::flight::event::{Command, Event, ShutterEdge};
 use fmc_camera::flight::fault::Fault;
-use fmc_camera::flight::flown_deck::FlownDeck;
+use fmc_camera::flight::flown_deck::{FlownDeck, NotFlyable};
 use fmc_camera::flight::rig::RigStep;
 use fmc_camera::flight::settings::FlightSettings;
 use fmc_camera::flight::time::Time;
@@ -16,7 +16,7 @@ use fmc_camera::geometry::estimation::options::FitOptions;
 use fmc_camera::io::link::message::{Answer, Grid, Observations, Refusal, Request, ResetCause};
 
 use crate::link::board::{Board, COUNT_AT_START};
-use crate::link::pc::{Pc, camera_parameters};
+use crate::link::pc::{Pc, begin_load, camera_parameters};
 #[test]
 fn only_what_is_told_may_be_told_and_what_finds_no_place_is_refused() {
     let mut board = Board::connected(ResetCause::PowerOn, 0);
@@ -28,7 +28,7 @@ fn only_what_is_told_may_be_told_and_what_finds_no_place_is_refused() {
     assert_eq!(refused(board.tell(arm)), Refusal::NotPrepared);
     // This trigger is not counted as lost, because there is no camera.
     board.deck().capture(Time::START, Event::Trigger);
-    board.pc.ask(&Request::Load(camera_parameters()));
+    board.pc.load(&camera_parameters());
     board.prepare();
     for wired in [
         Event::Trigger,
@@ -72,7 +72,7 @@ fn nothing_that_lasts_longer_than_a_round_is_begun_while_the_stage_has_force_on_
         Request::StartFit(FitOptions::default()),
         Request::Observe(Observations::new()),
         Request::Fit,
-        Request::Load(camera_parameters()),
+        begin_load(&camera_parameters()),
         Request::Prepare(FlightSettings::default()),
     ];
     board.trigger(0);
@@ -97,7 +97,7 @@ fn nothing_that_lasts_longer_than_a_round_is_begun_while_the_stage_has_force_on_
 fn nothing_is_loaded_or_prepared_while_it_flies_without_force_on_the_stage() {
     let mut board = Board::prepared_at(0);
     let long = [
-        Request::Load(camera_parameters()),
+        begin_load(&camera_parameters()),
         Request::Prepare(FlightSettings::default()),
         Request::StartFit(FitOptions::default()),
     ];
@@ -129,8 +129,8 @@ fn armed_tdi_camera_is_busy_without_a_stage() {
     };
     let drive = RigDrive::new(DriveSettings::default()).unwrap();
     let mut deck = FlownDeck::new(drive, ResetCause::PowerOn.unreferenced()).with_row_clock();
-    deck.prepare(&camera, 0, &FlightSettings::default())
-        .unwrap();
+    deck.load(Camera::new(camera).unwrap());
+    deck.prepare(&FlightSettings::default()).unwrap();
     let mut round = |number: u64, event| {
         let now = Time::from_us(1000 * number);
         deck.set_now(now);
@@ -150,7 +150,7 @@ fn armed_tdi_camera_is_busy_without_a_stage() {
 #[test]
 fn encoder_is_seen_in_the_status_before_anybody_has_said_where_the_stage_stands() {
     let mut board = Board::connected(ResetCause::PowerOn, 0);
-    board.pc.ask(&Request::Load(camera_parameters()));
+    board.pc.load(&camera_parameters());
     let offset_mm = |board: &mut Board| board.deck().offset_mm();
     assert_eq!(offset_mm(&mut board), None, "before the first round");
     board.round();
@@ -216,14 +216,14 @@ fn tdi_camera_needs_an_output_that_clocks_its_rows() {
     camera.mechanism = Mechanism::Tdi {
         first_transfer: 0.5,
     };
-    let loaded = board.pc.ask(&Request::Load(camera));
+    let loaded = board.pc.load(&camera);
     assert!(matches!(loaded, Answer::Loaded(_)), "{loaded:?}");
     assert_eq!(board.prepare(), Answer::Refused(Refusal::NoRowClock));
 
     let drive = RigDrive::new(DriveSettings::default()).unwrap();
     let mut clocking = FlownDeck::new(drive, ResetCause::PowerOn.unreferenced()).with_row_clock();
-    assert_eq!(
-        clocking.prepare(&camera, 0, &FlightSettings::default()),
-        Ok(())
-    );
+    let settings = FlightSettings::default();
+    assert_eq!(clocking.prepare(&settings), Err(NotFlyable::NoCamera));
+    clocking.load(Camera::new(camera).unwrap());
+    assert_eq!(clocking.prepare(&settings), Ok(()));
 }

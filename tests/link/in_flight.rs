@@ -2,13 +2,14 @@
 
 use fmc_camera::flight::controller::state::State;
 use fmc_camera::flight::event::{Action, Command, Event, ShutterEdge};
+use fmc_camera::flight::fault::Fault;
 use fmc_camera::flight::frame_record::Outcome;
 use fmc_camera::flight::rig::{RigAnswer, RigStep};
 use fmc_camera::flight::settings::FlightSettings;
 use fmc_camera::flight::time::Time;
 use fmc_camera::flight::vh::VhSample;
 use fmc_camera::io::link::deck::FlightDeck;
-use fmc_camera::io::link::message::{Answer, CalibrationIdentity, Refusal, Request};
+use fmc_camera::io::link::message::{Answer, Refusal, Request};
 
 use crate::link::pc::{Pc, camera_parameters};
 
@@ -63,7 +64,7 @@ impl Flight {
     fn load(&mut self, pixel_um: f32) -> Answer {
         let mut camera = camera_parameters();
         camera.calibration.pixel_um = pixel_um;
-        self.pc.ask(&Request::Load(camera))
+        self.pc.load(&camera)
     }
 
     fn prepare(&mut self) -> Answer {
@@ -72,13 +73,13 @@ impl Flight {
 }
 
 #[test]
-fn calibration_waits_for_the_exposure_and_the_flight_keeps_the_one_it_was_prepared_with() {
+fn calibration_waits_for_the_exposure_and_for_the_records_and_ends_the_flight() {
     let mut flight = Flight {
         pc: Pc::connected(),
         now: Time::START,
         edges: Vec::new(),
     };
-    let Answer::Loaded(CalibrationIdentity { crc: first_crc, .. }) = flight.load(3.76) else {
+    let Answer::Loaded(first) = flight.load(3.76) else {
         panic!("not loaded");
     };
     assert_eq!(flight.prepare(), Answer::Prepared);
@@ -93,11 +94,10 @@ fn calibration_waits_for_the_exposure_and_the_flight_keeps_the_one_it_was_prepar
     flight.run_until(State::Armed);
     assert_eq!(flight.load(3.9), Answer::Refused(Refusal::FrameInFlight));
 
+    // Idle, but the record would be lost with the flight, which goes on.
     flight.round(Some(Event::Command(Command::Disarm)));
-    let Answer::Loaded(CalibrationIdentity { crc, .. }) = flight.load(3.9) else {
-        panic!("not loaded");
-    };
-    assert_ne!(crc, first_crc);
+    let kept = |count| Answer::Refused(Refusal::RecordsKept(count));
+    assert_eq!(flight.load(3.9), kept(1));
     flight.round(Some(Event::Command(Command::Arm)));
     flight.run_until(State::Armed);
     flight.round(Some(Event::Trigger));
@@ -109,19 +109,64 @@ fn calibration_waits_for_the_exposure_and_the_flight_keeps_the_one_it_was_prepar
             panic!("no record");
         };
         assert_eq!(
-            (record.sequence, record.calibration_crc),
-            (sequence, first_crc)
+            (record.sequence, record.calibration),
+            (sequence, Some(first))
         );
         assert!(matches!(record.outcome, Outcome::Exposed(_)), "{record:?}");
     }
 
-    assert_eq!(flight.prepare(), Answer::Refused(Refusal::RecordsKept(2)));
+    assert_eq!(flight.prepare(), kept(2));
+    assert_eq!(flight.load(3.9), kept(2));
     assert_eq!(flight.pc.ask(&Request::Acknowledge(2)), Answer::Kept(0));
+    let Answer::Loaded(second) = flight.load(3.9) else {
+        panic!("not loaded");
+    };
+    assert_ne!(second.crc, first.crc);
+    // The flight has ended with the calibration that it was prepared with.
+    let not_prepared = Answer::Refused(Refusal::NotPrepared);
+    for request in [
+        Request::Rig(RigStep::default()),
+        Request::Status,
+        Request::FrameRecord(0),
+        Request::Acknowledge(2),
+    ] {
+        assert_eq!(flight.pc.ask(&request), not_prepared, "{request:?}");
+    }
     assert_eq!(flight.prepare(), Answer::Prepared);
+    let Answer::Status(status) = flight.pc.ask(&Request::Status) else {
+        panic!("no status");
+    };
+    assert_eq!(status.calibration, Some(second));
     // The camera is in standby, under the new calibration, and counts from 1.
     flight.round(Some(Event::Trigger));
     let Answer::FrameRecord(Some((record, _))) = flight.pc.ask(&Request::FrameRecord(0)) else {
         panic!("no record");
     };
-    assert_eq!((record.sequence, record.calibration_crc), (1, crc));
+    assert_eq!((record.sequence, record.calibration), (1, Some(second)));
+}
+
+#[test]
+fn what_nobody_has_cleared_outlasts_another_calibration() {
+    let mut flight = Flight {
+        // After a bite of the watchdog.
+        pc: Pc::loaded(),
+        now: Time::START,
+        edges: Vec::new(),
+    };
+    assert_eq!(flight.prepare(), Answer::Prepared);
+    let watchdog = State::Fault(Fault::Watchdog);
+    assert_eq!(flight.round(None).state, watchdog);
+    for _ in 0..2 {
+        assert!(matches!(flight.load(3.9), Answer::Loaded(_)));
+    }
+    assert_eq!(flight.prepare(), Answer::Prepared);
+    assert_eq!(flight.round(None).state, watchdog);
+    flight.round(Some(Event::Command(Command::ClearFault)));
+    // The place of the stage is still lost.
+    assert!(matches!(flight.load(3.76), Answer::Loaded(_)));
+    assert_eq!(flight.prepare(), Answer::Prepared);
+    let Answer::Status(status) = flight.pc.ask(&Request::Status) else {
+        panic!("no status");
+    };
+    assert_eq!((status.state, status.is_place_lost), (State::Standby, true));
 }

@@ -1,5 +1,6 @@
 //! Messages as bytes.
 
+use fmc_camera::flight::calibration_id::SerialNumber;
 use fmc_camera::flight::camera::{CameraParameters, Mechanism};
 use fmc_camera::flight::event::{AttitudeSample, Event};
 use fmc_camera::flight::exposure::Exposure;
@@ -15,10 +16,14 @@ use fmc_camera::geometry::mesh::vertex::VertexRow;
 use fmc_camera::geometry::range::Quantity;
 use fmc_camera::geometry::sensor::SensorPoint;
 use fmc_camera::geometry::shutter::ShutterProfile;
-use fmc_camera::io::link::message::{Answer, Grid, Header, Identity, Refusal, Request, ResetCause};
+use fmc_camera::io::link::loading::Upload;
+use fmc_camera::io::link::message::{
+    Answer, Grid, Header, Identity, Part, Refusal, Request, ResetCause,
+};
 use fmc_camera::io::link::packet::{Packet, PacketReceiver};
 use fmc_camera::io::link::{
-    LONGEST_PACKET, LONGEST_PAYLOAD, MAX_OBSERVATIONS, MAX_POINTS, PROTOCOL_VERSION,
+    CALIBRATION_CAPACITY, LONGEST_PACKET, LONGEST_PAYLOAD, MAX_OBSERVATIONS, MAX_PART, MAX_POINTS,
+    PROTOCOL_VERSION,
 };
 
 use crate::link::pc::{camera_parameters, packet};
@@ -62,6 +67,8 @@ fn longest_record() -> CameraParameters {
         opening_fraction: 0.1,
         closing_fraction: 0.1,
     };
+    record.serial = SerialNumber::new("0123456789abcdef").unwrap();
+    record.version = u32::MAX;
     record
 }
 
@@ -83,7 +90,15 @@ fn longest_messages_fit_and_come_back_as_they_went() {
     for request in [
         Request::Correct(full()),
         Request::Distort(full()),
-        Request::Load(longest_record()),
+        Request::BeginLoad {
+            length: u32::MAX,
+            crc: u32::MAX,
+        },
+        Request::LoadPart(Part {
+            crc: u32::MAX,
+            offset: u32::MAX,
+            bytes: std::iter::repeat_n(u8::MAX, MAX_PART).collect(),
+        }),
         Request::Observe(std::iter::repeat_n(far_observation(), MAX_OBSERVATIONS).collect()),
         Request::Digest(Grid {
             x_mm: std::iter::repeat_n(f32::MAX, MAX_POINTS).collect(),
@@ -140,20 +155,27 @@ fn longest_messages_fit_and_come_back_as_they_went() {
 }
 
 #[test]
+fn longest_record_of_a_camera_is_kept_until_it_is_complete_with_room_to_spare() {
+    let upload = Upload::of(&longest_record()).unwrap();
+    let bytes: usize = upload.parts(MAX_PART).map(|part| part.bytes.len()).sum();
+    assert!(bytes > MAX_PART && bytes <= CALIBRATION_CAPACITY, "{bytes}");
+}
+
+#[test]
 fn bytes_on_the_wire_are_those_of_the_description() {
     let header = Header {
         session: 0x0102,
         sequence: 3,
     };
     let request = packet(header, &Request::Connect);
-    // Version 4; session 0x0102, seven bits a byte; number 3; request 0. The zero at the end is
+    // Version 5; session 0x0102, seven bits a byte; number 3; request 0. The zero at the end is
     // COBS's second block.
-    let encoded = [5, 4, 0x82, 2, 3, 1];
+    let encoded = [5, 5, 0x82, 2, 3, 1];
     let checked = [&[0x86, 0x80], &encoded[..]].concat();
     let crc = crc::Crc::<u32>::new(&crc::CRC_32_ISO_HDLC).checksum(&checked);
     let crc = [0, 7, 14, 21, 28].map(|shift| ((crc >> shift) & 127 | 128).to_le_bytes()[0]);
     assert_eq!(request.bytes(), [&[0], &checked[..], &crc, &[0]].concat());
-    assert_eq!(PROTOCOL_VERSION, 4);
+    assert_eq!(PROTOCOL_VERSION, 5);
     let latest = format!("|---|---|\n| {PROTOCOL_VERSION} |");
     assert!(include_str!("../../CHANGELOG.md").contains(&latest));
 }
@@ -199,9 +221,16 @@ fn requests_and_answers_keep_the_numbers_they_were_given() {
         cols_px: 1.5,
         rows_px: -0.25,
     }];
+    let part = Part {
+        crc: 1,
+        offset: 2,
+        bytes: [3, 4].into_iter().collect(),
+    };
     // The number of a request follows version, session and number of the message.
     for (request, number) in [
         (Request::Connect, 0),
+        (Request::BeginLoad { length: 1, crc: 2 }, 1),
+        (Request::LoadPart(part), 6),
         (Request::Reset, 9),
         (Request::Fit, 13),
         (Request::Flown, 19),
@@ -214,6 +243,7 @@ fn requests_and_answers_keep_the_numbers_they_were_given() {
         assert_eq!(Request::read(&payload), Ok((header, Some(request))));
     }
     for (answer, number) in [
+        (Answer::Loading(200), 4),
         (Answer::Ending, 7),
         (Answer::Refused(Refusal::OnRig), 8),
         (Answer::Prepared, 11),

@@ -17,6 +17,7 @@ mod flown;
 mod flown_requests;
 mod fuzzed;
 mod in_flight;
+mod loading;
 mod messages;
 mod pc;
 mod refusals;

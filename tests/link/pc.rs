@@ -4,6 +4,7 @@ use fmc_camera::flight::camera::CameraParameters;
 use fmc_camera::geometry::brown::Brown;
 use fmc_camera::geometry::calibration::CalibrationParameters;
 use fmc_camera::io::link::deck::{FlightDeck, RigDeck};
+use fmc_camera::io::link::loading::Upload;
 use fmc_camera::io::link::message::{Answer, Header, Identity, Request, ResetCause};
 use fmc_camera::io::link::packet::{Packet, PacketReceiver};
 use fmc_camera::io::link::station::{LinkEvent, Station};
@@ -36,7 +37,7 @@ impl Pc {
     /// Returns a PC whose camera has a calibration.
     pub(crate) fn loaded() -> Self {
         let mut pc = Self::connected();
-        let answer = pc.ask(&Request::Load(camera_parameters()));
+        let answer = pc.load(&camera_parameters());
         assert!(matches!(answer, Answer::Loaded(_)), "{answer:?}");
         pc
     }
@@ -50,6 +51,20 @@ impl<Deck: FlightDeck> Pc<Deck> {
             next: 0,
             event: None,
         }
+    }
+
+    /// Loads a calibration in all its parts: the answer to the last, or the first refusal.
+    pub(crate) fn load(&mut self, record: &CameraParameters) -> Answer {
+        let upload = Upload::of(record).unwrap();
+        let mut last = None;
+        for request in upload.requests() {
+            let answer = self.ask(&request);
+            if let Answer::Refused(_) = answer {
+                return answer;
+            }
+            last = Some(answer);
+        }
+        last.unwrap()
     }
 
     /// Asks the next request of the session.
@@ -115,6 +130,11 @@ fn answers_in(bytes: &[u8]) -> Vec<(Header, Answer)> {
         }
     }
     answers
+}
+
+/// The request that announces the calibration of a record.
+pub(crate) fn begin_load(record: &CameraParameters) -> Request {
+    Upload::of(record).unwrap().requests().next().unwrap()
 }
 
 /// Returns the 50 mm camera of the README.

@@ -5,7 +5,6 @@ use fmc_camera::flight::exposure::Exposure;
 use fmc_camera::flight::settings::FlightSettings;
 use fmc_camera::geometry::calibration::CalibrationError;
 use fmc_camera::geometry::inverse::DistortError;
-use fmc_camera::geometry::mesh::MeshRow;
 use fmc_camera::geometry::mesh::format::MeshFormat;
 use fmc_camera::geometry::mesh::vertex::{MeshError, VertexRow};
 use fmc_camera::geometry::range::Quantity;
@@ -15,9 +14,12 @@ use fmc_camera::io::link::message::{
 };
 use fmc_camera::io::link::station::{LinkEvent, Station};
 
-use crate::link::pc::{Pc, SESSION, camera_parameters};
+use crate::link::pc::{Pc, SESSION, begin_load, camera_parameters};
 
 const EXPOSURE: Exposure = Exposure::new(0.1, 0.005);
+
+/// What ends a frame.
+type End = fn(&mut Pc) -> Answer;
 
 fn batch(points: &[(f32, f32)]) -> Points {
     points
@@ -31,7 +33,7 @@ fn nothing_is_done_before_what_it_needs() {
     let mut pc = Pc::connected();
     let no_calibration = Answer::Refused(Refusal::NoCalibration);
     assert_eq!(pc.ask(&Request::Expose(EXPOSURE)), no_calibration);
-    pc.ask(&Request::Load(camera_parameters()));
+    pc.load(&camera_parameters());
     let grid = Grid {
         x_mm: heapless::Vec::new(),
         y_mm: heapless::Vec::new(),
@@ -50,15 +52,19 @@ fn nothing_is_done_before_what_it_needs() {
 #[test]
 fn frame_ends_with_its_session_and_with_a_refused_exposure_or_a_new_calibration() {
     let point = Request::Correct(batch(&[(0.0, 0.0)]));
-    for (what, request) in [
-        ("connect", Request::Connect),
-        ("calibration", Request::Load(camera_parameters())),
-        ("exposure", Request::Expose(Exposure::new(5.0, 0.005))),
-    ] {
+    let connect = |pc: &mut Pc| pc.ask(&Request::Connect);
+    let load = |pc: &mut Pc| pc.load(&camera_parameters());
+    let expose = |pc: &mut Pc| pc.ask(&Request::Expose(Exposure::new(5.0, 0.005)));
+    let ends: [(&str, End); 3] = [
+        ("connect", connect),
+        ("calibration", load),
+        ("exposure", expose),
+    ];
+    for (what, end) in ends {
         let mut pc = Pc::loaded();
         pc.ask(&Request::Expose(EXPOSURE));
         assert!(matches!(pc.ask(&point), Answer::Points(_)));
-        pc.ask(&request);
+        end(&mut pc);
         assert_eq!(pc.ask(&point), Answer::Refused(Refusal::NoFrame), "{what}");
     }
 }
@@ -68,8 +74,7 @@ fn calibration_that_is_not_usable_is_named_and_the_one_before_stays() {
     let mut pc = Pc::loaded();
     let mut bad = camera_parameters();
     bad.calibration.pixel_um = f32::NAN;
-    let Answer::Refused(Refusal::Calibration(CalibrationError::OutOfRange(error))) =
-        pc.ask(&Request::Load(bad))
+    let Answer::Refused(Refusal::Calibration(CalibrationError::OutOfRange(error))) = pc.load(&bad)
     else {
         panic!("not refused");
     };
@@ -77,7 +82,7 @@ fn calibration_that_is_not_usable_is_named_and_the_one_before_stays() {
     let mut folding = camera_parameters();
     folding.calibration.distortion.k1 = 1e-3;
     assert!(matches!(
-        pc.ask(&Request::Load(folding)),
+        pc.load(&folding),
         Answer::Refused(Refusal::Calibration(CalibrationError::Folds { .. }))
     ));
     assert!(matches!(
@@ -134,22 +139,6 @@ fn measured_points_off_the_sensor_are_not_corrected() {
         let index = u16::from(off.1.abs() < 1.0);
         assert_eq!(pc.ask(&Request::Digest(grid)), refused(index), "{off:?}");
     }
-    let row = MeshRow {
-        first: SensorPoint::new(0.0, 0.0),
-        step_mm: 9.0,
-        count: 4,
-    };
-    let off = Answer::Refused(Refusal::OffSensor { index: 3 });
-    assert_eq!(pc.ask(&Request::Row(row)), off);
-    let row = MeshRow {
-        step_mm: 0.0,
-        count: 65,
-        ..row
-    };
-    assert_eq!(
-        pc.ask(&Request::Row(row)),
-        Answer::Refused(Refusal::TooMany)
-    );
 }
 
 #[test]
@@ -268,7 +257,7 @@ fn request_out_of_order_is_refused_with_the_number_expected() {
         };
         let expected = pc.next;
         assert_eq!(
-            pc.ask_as(header, &Request::Load(camera_parameters())),
+            pc.ask_as(header, &begin_load(&camera_parameters())),
             Answer::Refused(Refusal::OutOfOrder { expected })
         );
     }

@@ -2,13 +2,15 @@
 
 use core::hint::black_box;
 
+use fmc_camera::flight::calibration_id::Storage;
 use fmc_camera::flight::control_loop::{ControlLoop, Events};
-use fmc_camera::flight::controller::{Controller, Start, state::State};
+use fmc_camera::flight::controller::{Start, state::State};
 use fmc_camera::flight::drive::StageReading;
 use fmc_camera::flight::drive::rig::RigDrive;
 use fmc_camera::flight::drive::velocity_loop::VelocityLoop;
 use fmc_camera::flight::event::{Action, Command, Event, ShutterEdge};
 use fmc_camera::flight::exposure::FlightDirection;
+use fmc_camera::flight::prepared_camera::PreparedCamera;
 use fmc_camera::flight::settings::FlightSettings;
 use fmc_camera::flight::smear_prediction::{Compensation, SmearPrediction};
 use fmc_camera::flight::stage_track::StageTrack;
@@ -76,16 +78,16 @@ fn parts(counter: &mut Counter) -> Option<()> {
         Some(())
     })?;
     record_parts(counter, &camera)?;
-    let mut controller = controller()?;
+    let mut camera = prepared()?;
     let mut now = Time::from_us(1000);
     for index in 0..70 {
         now = now.plus_s(0.014);
-        controller.handle(now, Event::Vh(sensors::sample(index)));
+        camera.handle(now, Event::Vh(sensors::sample(index)));
     }
-    controller.vh().estimate(now)?;
+    camera.controller().vh().estimate(now)?;
     counter.count("vh_estimate", (REPETITIONS, "estimate"), || {
         for _ in 0..REPETITIONS {
-            black_box(black_box(controller.vh()).estimate(black_box(now)));
+            black_box(black_box(camera.controller().vh()).estimate(black_box(now)));
         }
         Some(())
     })
@@ -137,8 +139,13 @@ fn settings() -> FlightSettings {
     }
 }
 
-fn controller() -> Option<Controller> {
-    Controller::new(&flown(), CALIBRATION_CRC, &settings(), Start::Orderly).ok()
+/// Returns a camera with an identity.
+fn camera(record: CameraParameters) -> Option<Camera> {
+    Camera::identified(record, CALIBRATION_CRC, Storage::Volatile).ok()
+}
+
+fn prepared() -> Option<PreparedCamera> {
+    PreparedCamera::new(camera(flown())?, &settings(), Start::Orderly).ok()
 }
 
 /// Kind of an event; the most expensive event of a kind is printed.
@@ -218,7 +225,7 @@ fn happening(round: u32, now: Time, events: &mut Events) {
 
 /// Counts every event of a flight with all sensors, in which the stage follows exactly.
 fn events(counter: &mut Counter) -> Option<()> {
-    let mut controller = controller()?;
+    let mut camera = prepared()?;
     let mut dearest: heapless::Vec<(Kind, u32), 24> = heapless::Vec::new();
     let mut now = Time::from_us(1_000_000);
     let mut shutter = Shutter {
@@ -230,29 +237,32 @@ fn events(counter: &mut Counter) -> Option<()> {
         now = now.plus_s(1e-3);
         let mut events: Events = shutter.until(now).collect();
         happening(round, now, &mut events);
-        let offset_mm = controller.setpoint(now).map_or(0.0, |it| it.offset_mm);
+        let offset_mm = camera
+            .controller()
+            .setpoint(now)
+            .map_or(0.0, |it| it.offset_mm);
         let stage = Event::Stage(StageReading {
             time: now,
             offset_mm,
         });
         for (time, event) in events.into_iter().chain([(now, stage), (now, Event::Tick)]) {
-            let before = controller.state();
+            let before = camera.controller().state();
             let (instructions, actions) =
-                counter.measure(|| controller.handle(black_box(time), black_box(event)))?;
+                counter.measure(|| camera.handle(black_box(time), black_box(event)))?;
             for action in actions {
                 shutter.obey(action);
             }
-            if let Some(kind) = kind(event, [before, controller.state()]) {
+            if let Some(kind) = kind(event, [before, camera.controller().state()]) {
                 match dearest.iter_mut().find(|(known, _)| *known == kind) {
                     Some((_, most)) => *most = instructions.max(*most),
                     None => dearest.push((kind, instructions)).ok()?,
                 }
             }
         }
-        controller.acknowledge(u32::MAX);
+        camera.controller_mut().acknowledge(u32::MAX);
     }
     // Every frame was recorded, and every kind of event occurred.
-    if controller.counts().exposed != FRAMES || dearest.len() != 16 {
+    if camera.controller().counts().exposed != FRAMES || dearest.len() != 16 {
         return None;
     }
     for (Kind(name), instructions) in dearest {
@@ -286,9 +296,9 @@ fn fly(counter: &mut Counter, open_s: &[f32], record: CameraParameters) -> Optio
         exposure_s: open_s.first()?.min(LONGEST_EXPOSURE_S),
         ..settings()
     };
-    let controller = Controller::new(&record, CALIBRATION_CRC, &settings, Start::Orderly).ok()?;
+    let camera = PreparedCamera::new(camera(record)?, &settings, Start::Orderly).ok()?;
     let drive = RigDrive::new(settings.drive).ok()?;
-    let mut control = ControlLoop::new(controller, drive);
+    let mut control = ControlLoop::new(camera, drive);
     let mut open_s = open_s.iter().cycle();
     let mut shutter = Shutter {
         latency_s: settings.shutter_latency_s,

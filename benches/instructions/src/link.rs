@@ -1,9 +1,8 @@
 //! Link: a message from its first byte to the last byte of its answer.
 
-use fmc_camera::geometry::mesh::MeshRow;
 use fmc_camera::geometry::mesh::format::MeshFormat;
 use fmc_camera::geometry::mesh::vertex::VertexRow;
-use fmc_camera::geometry::sensor::SensorPoint;
+use fmc_camera::io::link::loading::Upload;
 use fmc_camera::io::link::message::{Grid, Header, Identity, Points, Request, ResetCause};
 use fmc_camera::io::link::packet::Frame;
 use fmc_camera::io::link::station::{LinkEvent, Station};
@@ -23,11 +22,6 @@ pub(crate) fn count(counter: &mut Counter) -> Option<()> {
             .map(|point| point.x_mm)
             .collect()
     };
-    let row = MeshRow {
-        first: SensorPoint::new(-25.0, 7.0),
-        step_mm: 0.75,
-        count: 64,
-    };
     let vertices = VertexRow {
         first_col_px: 4800,
         row_px: 800,
@@ -39,17 +33,23 @@ pub(crate) fn count(counter: &mut Counter) -> Option<()> {
         x_mm: side(),
         y_mm: heapless::Vec::from_slice(&[-10.0, 10.0]).ok()?,
     };
+    // The last part of a calibration takes longest: with it the whole is read and validated.
+    let [begin, first, last] = upload()?;
     let requests = [
-        ("link_connect", Request::Connect),
-        ("link_load", Request::Load(short())),
-        ("link_expose", Request::Expose(EXPOSURE)),
-        ("link_correct_64", Request::Correct(batch.clone())),
-        ("link_distort_64", Request::Distort(batch)),
-        ("link_row_64", Request::Row(row)),
-        ("link_digest_64", Request::Digest(grid)),
-        ("link_mesh_64", Request::Mesh(vertices, MeshFormat::S16Q3)),
-        ("link_corrections_64", Request::Corrections(vertices)),
-        ("link_counters", Request::Counters),
+        (Some("link_connect"), Request::Connect),
+        (None, begin),
+        (None, first),
+        (Some("link_load"), last),
+        (Some("link_expose"), Request::Expose(EXPOSURE)),
+        (Some("link_correct_64"), Request::Correct(batch.clone())),
+        (Some("link_distort_64"), Request::Distort(batch)),
+        (Some("link_digest_64"), Request::Digest(grid)),
+        (
+            Some("link_mesh_64"),
+            Request::Mesh(vertices, MeshFormat::S16Q3),
+        ),
+        (Some("link_corrections_64"), Request::Corrections(vertices)),
+        (Some("link_counters"), Request::Counters),
     ];
     let mut frame = Packet::EMPTY;
     for (sequence, (kernel, request)) in (0..).zip(requests) {
@@ -58,9 +58,24 @@ pub(crate) fn count(counter: &mut Counter) -> Option<()> {
             sequence,
         };
         request.write(header, &mut frame)?;
-        counter.count(kernel, (1, "message"), || exchange(&mut station, &frame))?;
+        match kernel {
+            Some(kernel) => {
+                counter.count(kernel, (1, "message"), || exchange(&mut station, &frame))?;
+            }
+            None => {
+                exchange(&mut station, &frame)?;
+            }
+        }
     }
     Some(())
+}
+
+/// Returns the requests that load a calibration; `None` unless it comes in two parts.
+fn upload() -> Option<[Request; 3]> {
+    let upload = Upload::of(&short())?;
+    let mut requests = upload.requests();
+    let loading = [requests.next()?, requests.next()?, requests.next()?];
+    requests.next().is_none().then_some(loading)
 }
 
 /// Receives all bytes of a request and takes the answer away; `None` unless the request was

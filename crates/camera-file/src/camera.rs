@@ -2,6 +2,7 @@
 
 use std::path::Path;
 
+use fmc_camera::flight::calibration_id::SerialNumber;
 use fmc_camera::flight::camera::{Camera, CameraParameters, Mechanism};
 use fmc_camera::flight::exposure::Limits;
 use fmc_camera::geometry::brown::Brown;
@@ -31,6 +32,10 @@ use crate::toml_text::TomlText;
 )]
 pub struct CameraFile {
     pub name: String,
+    #[serde(default)]
+    pub serial: String,
+    #[serde(default)]
+    pub version: i64,
     pub principal_distance_mm: f64,
     pub exit_pupil_mm: Option<f64>,
     #[serde(default, deserialize_with = "pair")]
@@ -81,6 +86,13 @@ impl CameraFile {
         }
         if self.name.contains(char::is_control) {
             return Err(text.invalid(&["name"], "holds a control character"));
+        }
+        if let Err(error) = SerialNumber::new(&self.serial) {
+            return Err(text.invalid(&["serial"], &error.to_string()));
+        }
+        if u32::try_from(self.version).is_err() {
+            let fault = format!("is outside 0 to {}", u32::MAX);
+            return Err(text.invalid(&["version"], &fault));
         }
         // The numbers of stage and TDI are both checked, although only one of the two is in use.
         for (quantity, value) in [
@@ -221,6 +233,9 @@ impl CameraFile {
                 vh_per_s: self.limits.vh_per_s.map(single),
                 exposure_s: self.limits.exposure_s.map(single),
             },
+            // Both are checked when the file is read.
+            serial: SerialNumber::new(&self.serial).unwrap_or_default(),
+            version: u32::try_from(self.version).unwrap_or_default(),
         }
     }
 }

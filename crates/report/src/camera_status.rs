@@ -8,6 +8,7 @@ use fmc_camera::flight::fault::Fault;
 use fmc_camera::io::link::message::Status;
 use serde::Serialize;
 
+use crate::calibration_identity::CalibrationIdentity;
 use crate::terminal;
 
 /// Columns of the names in the block of lines.
@@ -24,6 +25,10 @@ pub fn write_text(status: &Status, sink: &mut dyn Write) -> io::Result<()> {
     } else {
         "known"
     };
+    let calibration = status.calibration.map_or_else(
+        || "not named".to_owned(),
+        |calibration| calibration.to_string(),
+    );
     let offset = status.offset_mm.map_or_else(
         || "not read".to_owned(),
         |offset_mm| format!("{offset_mm:.4} mm from its zero"),
@@ -42,6 +47,7 @@ pub fn write_text(status: &Status, sink: &mut dyn Write) -> io::Result<()> {
     let pairs = [
         ("state", status.state.to_string()),
         ("place of stage", place.to_owned()),
+        ("calibration", calibration),
         ("encoder", offset),
         (
             "following error",
@@ -95,6 +101,8 @@ struct StatusReport {
     lost_events: u32,
     /// How often each was found of the aircraft's instruments, by the name of its flag.
     findings: BTreeMap<&'static str, u32>,
+    /// The calibration it was prepared with.
+    calibration: Option<CalibrationIdentity>,
 }
 
 impl StatusReport {
@@ -124,6 +132,7 @@ impl StatusReport {
                 .iter()
                 .map(|(flag, count)| (flag.name(), count))
                 .collect(),
+            calibration: status.calibration.as_ref().map(CalibrationIdentity::of),
         }
     }
 }

@@ -8,6 +8,7 @@ mod arrow_field;
 mod arrow_scale;
 pub mod budget;
 pub mod calibration;
+pub mod calibration_identity;
 pub mod camera_status;
 mod chart;
 pub mod figure;

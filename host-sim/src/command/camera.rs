@@ -4,10 +4,11 @@ use std::thread::sleep;
 use std::time::{Duration, Instant};
 
 use fmc_camera::flight::camera::CameraParameters;
+use fmc_camera::flight::controller::Start;
 use fmc_camera::flight::controller::state::State;
-use fmc_camera::flight::controller::{Controller, Start};
 use fmc_camera::flight::event::{Command, Event};
 use fmc_camera::flight::exposure::FlightDirection;
+use fmc_camera::flight::prepared_camera::PreparedCamera;
 use fmc_camera::flight::settings::FlightSettings;
 use fmc_camera::flight::vh::{VhSample, VhSettings};
 use fmc_camera::io::link::message::{Refusal, Status};
@@ -81,8 +82,7 @@ pub(super) fn run(args: &CameraArgs) -> Result<(), Failure> {
 
 /// Reads calibration and settings, and checks on this PC that the camera can fly with them.
 fn read(args: &PrepareArgs) -> Result<(CameraParameters, FlightSettings), Failure> {
-    let (file, _) = CameraFile::read(&args.camera)?;
-    let camera = file.parameters();
+    let (file, camera) = CameraFile::read(&args.camera)?;
     let mut settings = match &args.settings {
         Some(path) => flight_settings::read(path)?,
         None => FlightSettings::default(),
@@ -92,9 +92,9 @@ fn read(args: &PrepareArgs) -> Result<(CameraParameters, FlightSettings), Failur
         Some(DirectionName::Reverse) => settings.direction = FlightDirection::Reverse,
         None => {}
     }
-    Controller::new(&camera, 0, &settings, Start::Orderly)
+    PreparedCamera::new(camera, &settings, Start::Orderly)
         .map_err(|error| Failure::bad_input(format!("{}: {error}", args.camera.display())))?;
-    Ok((camera, settings))
+    Ok((file.parameters(), settings))
 }
 
 fn tell(args: &CameraArgs, event: Event) -> Result<(), Failure> {

@@ -3,10 +3,11 @@
 use std::io::Write;
 
 use fmc_camera::flight::exposure::CorrectionModel;
-use fmc_camera::flight::interior_orientation::{FocusConvention, InteriorOrientation};
+use fmc_camera::flight::interior_orientation::InteriorOrientation;
 use fmc_camera::geometry::frame_correction::Terms;
 use fmc_camera_file::CameraFile;
 use fmc_report::terminal;
+use fmc_report::wording::FOCUS_CONVENTION;
 use serde::Serialize;
 
 use crate::cli::{ExposureArgs, FrameArgs};
@@ -81,9 +82,7 @@ impl FrameReport {
             principal_distance_mm: record.principal_distance_mm,
             focus_shift_um: record.focus_shift_mm * 1000.0,
             enlargement: record.enlargement,
-            focus_convention: match record.focus_convention {
-                FocusConvention::FixedPrincipalDistance => "A",
-            },
+            focus_convention: FOCUS_CONVENTION,
             kernel: match record.terms {
                 Terms::Short => "short",
                 Terms::Full => "full",

@@ -231,16 +231,18 @@ fn is_echo(payload: &[u8], frame: &[u8]) -> bool {
         .any(|byte| matches!(receiver.receive(*byte), Some(Ok(sent)) if sent == payload))
 }
 
+/// Name of the requests that load a calibration.
+pub(super) const LOAD: &str = "load calibration";
+
 /// Name of a request in messages.
 const fn name(request: &Request) -> &'static str {
     match request {
         Request::Connect => "connect",
-        Request::Load(_) => "load calibration",
+        Request::BeginLoad { .. } | Request::LoadPart(_) => LOAD,
         Request::Expose(_) => "expose",
         Request::InteriorOrientation => "frame record",
         Request::Correct(_) => "correct",
         Request::Distort(_) => "distort",
-        Request::Row(_) => "row",
         Request::Digest(_) => "digest",
         Request::Counters => "counters",
         Request::Reset => "reset",

@@ -1,35 +1,43 @@
 //! Requests for a frame: calibration, exposure, points, meshes, and the fit of coefficients.
 
+use fmc_camera::flight::calibration_id::CalibrationId;
 use fmc_camera::flight::camera::CameraParameters;
 use fmc_camera::flight::exposure::Exposure;
 use fmc_camera::flight::interior_orientation::InteriorOrientation;
 use fmc_camera::geometry::estimation::fit::Fit;
 use fmc_camera::geometry::estimation::options::FitOptions;
-use fmc_camera::geometry::evaluation_form::Displacement;
 use fmc_camera::geometry::frame_correction::Corrected;
-use fmc_camera::geometry::mesh::MeshRow;
 use fmc_camera::geometry::mesh::format::MeshFormat;
 use fmc_camera::geometry::mesh::pixel_correction::PixelCorrection;
 use fmc_camera::geometry::mesh::vertex::VertexRow;
-use fmc_camera::io::link::message::{
-    Answer, CalibrationIdentity, Grid, Observations, Points, Request,
-};
+use fmc_camera::io::link::loading::Upload;
+use fmc_camera::io::link::message::{Answer, Grid, Observations, Points, Request};
 
-use super::client::Client;
+use super::client::{Client, LOAD};
 use super::link_error::LinkError;
 use super::port::Port;
 
 impl<P: Port> Client<P> {
-    /// Replaces the camera's calibration, mechanism, shutter and limits.
+    /// Replaces the camera's calibration, mechanism, shutter and limits, in parts; the one before
+    /// stays until the last part has come.
     ///
     /// # Errors
     /// [`LinkError::Refused`] where the calibration is not usable.
-    pub fn load(&mut self, record: &CameraParameters) -> Result<CalibrationIdentity, LinkError> {
-        let request = Request::Load(*record);
-        match self.ask(&request)? {
-            Answer::Loaded(calibration) => Ok(calibration),
-            _ => Err(self.unexpected(&request)),
+    pub fn load(&mut self, parameters: &CameraParameters) -> Result<CalibrationId, LinkError> {
+        let too_long = LinkError::Unexpected { request: LOAD };
+        let upload = Upload::of(parameters).ok_or(too_long)?;
+        for request in upload.requests() {
+            match self.ask(&request)? {
+                Answer::Loading(_) => {}
+                Answer::Loaded(calibration) => return Ok(calibration),
+                _ => return Err(self.unexpected(&request)),
+            }
         }
+        // All parts have been taken, and the camera waits for more.
+        Err(self.unexpected(&Request::BeginLoad {
+            length: 0,
+            crc: upload.crc(),
+        }))
     }
 
     /// Predicts a frame.
@@ -77,20 +85,6 @@ impl<P: Port> Client<P> {
         match self.ask(request)? {
             Answer::Points(points) if points.len() == asked => Ok(points.to_vec()),
             _ => Err(self.unexpected(request)),
-        }
-    }
-
-    /// Returns the distortion along a row of the sensor.
-    ///
-    /// # Errors
-    /// [`LinkError::Refused`] for a row that leaves the sensor.
-    pub fn row(&mut self, row: MeshRow) -> Result<Vec<Displacement>, LinkError> {
-        let request = Request::Row(row);
-        match self.ask(&request)? {
-            Answer::Row(row_answered) if row_answered.len() == usize::from(row.count) => {
-                Ok(row_answered.to_vec())
-            }
-            _ => Err(self.unexpected(&request)),
         }
     }
 

@@ -2,6 +2,7 @@
 
 use std::fmt;
 
+use fmc_camera::flight::calibration_id::CalibrationId;
 use fmc_camera::flight::camera::FrameError;
 use fmc_camera::flight::exposure::Exposure;
 use fmc_camera::flight::interior_orientation::InteriorOrientation;
@@ -115,12 +116,12 @@ pub struct Difference {
 /// Two results, the camera's and its twin's, that should have the same bits.
 #[derive(Debug, Clone, PartialEq)]
 pub enum DifferentResult {
-    /// Digests of the calibration in use.
+    /// Identities of the calibration in use.
     Calibration {
-        /// Digest in use at the camera.
-        camera: u32,
-        /// Digest of the calibration that was sent.
-        twin: u32,
+        /// Identity of the one in use at the camera.
+        camera: CalibrationId,
+        /// Identity of the one that was sent.
+        twin: CalibrationId,
     },
     /// Refusals: one side refuses what the other accepts, or for another reason; `None` where it
     /// accepts.
@@ -185,7 +186,7 @@ impl fmt::Display for Difference {
         match &self.result {
             DifferentResult::Calibration { camera, twin } => write!(
                 f,
-                "calibration {camera:08x} is in use where {twin:08x} was sent"
+                "the calibration in use ({camera}) is not the one that was sent ({twin})"
             ),
             DifferentResult::Refusal { camera, twin } => {
                 let outcome = |reason: &Option<String>| match reason {

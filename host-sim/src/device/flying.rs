@@ -1,15 +1,15 @@
 //! The camera in this process, in a simulated flight.
 
-use fmc_camera::flight::camera::{Camera, CameraParameters};
-use fmc_camera::flight::controller::{ControllerError, Start};
+use fmc_camera::flight::camera::CameraParameters;
+use fmc_camera::flight::controller::{Controller, ControllerError, Start};
+use fmc_camera::flight::flown_deck::NotFlyable;
 use fmc_camera::flight::frame_record::FrameRecord;
 use fmc_camera::flight::rig::{Rig, RigAnswer, RigStep};
 use fmc_camera::flight::settings::FlightSettings;
 use fmc_camera::flight::stage::Setpoint;
 use fmc_camera::flight::time::Time;
-use fmc_camera::io::link::digest;
 
-use super::{DeviceError, FlyingDevice, InProcess};
+use super::{CorrectingDevice as _, DeviceError, FlyingDevice, InProcess};
 
 impl InProcess {
     /// Prepares the camera as [`FlyingDevice::prepare`] does, after a given kind of start.
@@ -19,28 +19,24 @@ impl InProcess {
         camera: &CameraParameters,
         settings: &FlightSettings,
     ) -> Result<(), DeviceError> {
-        Camera::new(*camera).map_err(DeviceError::Calibration)?;
-        let kept = self.rig.as_ref().map_or(0, |rig| rig.controller().kept());
-        if kept > 0 {
-            return Err(DeviceError::RecordsKept(kept));
+        self.load(camera)?;
+        if start != Start::Orderly {
+            // What the camera has lost with its processor, its twin has lost, too.
+            self.rig = Rig::new(start);
+            self.load(camera)?;
         }
-        let start = match &self.rig {
-            Some(rig) if start == Start::Orderly => rig.controller().next_start(),
-            _ => start,
-        };
-        let crc = digest::of_camera(camera).unwrap_or_default();
-        let rig = Rig::new(camera, crc, settings, start).map_err(|error| match error {
-            ControllerError::Calibration(error) => DeviceError::Calibration(error),
-            ControllerError::Settings(error) => DeviceError::Settings(error),
-            ControllerError::Travel(error) => DeviceError::Frame(error),
-        })?;
-        self.rig = Some(rig);
-        Ok(())
+        self.rig.prepare(settings).map_err(|error| match error {
+            NotFlyable::Controller(ControllerError::Settings(error)) => {
+                DeviceError::Settings(error)
+            }
+            NotFlyable::Controller(ControllerError::Travel(error)) => DeviceError::Frame(error),
+            NotFlyable::NoCamera | NotFlyable::NoRowClock => DeviceError::NotPrepared,
+        })
     }
 
-    /// The camera that has been prepared.
-    fn rig(&mut self) -> Result<&mut Rig, DeviceError> {
-        self.rig.as_mut().ok_or(DeviceError::NotPrepared)
+    /// The controller of the camera that has been prepared.
+    fn controller(&self) -> Result<&Controller, DeviceError> {
+        self.rig.controller().ok_or(DeviceError::NotPrepared)
     }
 }
 
@@ -60,18 +56,19 @@ impl FlyingDevice for InProcess {
     }
 
     fn setpoint(&self, now: Time) -> Option<Setpoint> {
-        self.rig.as_ref()?.controller().setpoint(now)
+        self.rig.controller()?.setpoint(now)
     }
 
     fn step(&mut self, step: &RigStep) -> Result<RigAnswer, DeviceError> {
-        Ok(self.rig()?.step(step))
+        self.rig.step(step).ok_or(DeviceError::NotPrepared)
     }
 
     fn frame_record(&mut self, from_sequence: u32) -> Result<Option<FrameRecord>, DeviceError> {
-        Ok(self.rig()?.controller().record(from_sequence))
+        Ok(self.controller()?.record(from_sequence))
     }
 
     fn acknowledge(&mut self, through: u32) -> Result<u32, DeviceError> {
-        Ok(self.rig()?.controller_mut().acknowledge(through))
+        let controller = self.rig.controller_mut().ok_or(DeviceError::NotPrepared)?;
+        Ok(controller.acknowledge(through))
     }
 }

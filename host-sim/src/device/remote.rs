@@ -3,15 +3,12 @@
 use fmc_camera::flight::camera::CameraParameters;
 use fmc_camera::flight::exposure::Exposure;
 use fmc_camera::flight::interior_orientation::InteriorOrientation;
-use fmc_camera::geometry::evaluation_form::Displacement;
 use fmc_camera::geometry::frame_correction::Corrected;
-use fmc_camera::geometry::mesh::MeshRow;
 use fmc_camera::geometry::mesh::format::MeshFormat;
 use fmc_camera::geometry::mesh::pixel_correction::PixelCorrection;
 use fmc_camera::geometry::mesh::vertex::VertexRow;
 use fmc_camera::geometry::sensor::SensorPoint;
 use fmc_camera::io::link::MAX_POINTS;
-use fmc_camera::io::link::digest;
 use fmc_camera::io::link::message::{Counters, Grid, Identity, Points, Refusal, ResetCause};
 use serde::Serialize;
 
@@ -83,15 +80,6 @@ impl<P: Port> Remote<P> {
         self.client
             .interior_orientation()
             .map_err(|error| self.failed(error, 0))
-    }
-
-    /// Returns the distortion along a row of the sensor.
-    ///
-    /// # Errors
-    /// [`DeviceError::NoFrame`] before the first exposure; [`DeviceError::OffSensor`] for a row
-    /// that leaves the sensor.
-    pub fn row(&mut self, row: MeshRow) -> Result<Vec<Displacement>, DeviceError> {
-        self.client.row(row).map_err(|error| self.failed(error, 0))
     }
 
     /// Starts the camera again and connects to it; calibration and frame are gone.
@@ -265,21 +253,21 @@ impl<P: Port> CorrectingDevice for Remote<P> {
             .client
             .load(camera)
             .map_err(|error| self.failed(error, 0));
+        if let Err(error) = &loaded
+            && !matches!(error, DeviceError::Calibration(_))
+        {
+            // The camera goes on with the calibration it has, and so does its twin.
+            return loaded.map(drop);
+        }
         let twin = self.twin.load(camera);
         let (loaded, ()) = self.same_outcome(loaded, twin)?;
-        let sent = digest::of_camera(camera).ok_or(DeviceError::Link {
-            device: self.name.clone(),
-            error: LinkError::Unexpected {
-                request: "load calibration",
-            },
-        })?;
-        if loaded.crc != sent {
-            return Err(self.different(DifferentResult::Calibration {
-                camera: loaded.crc,
-                twin: sent,
-            }));
+        match self.twin.calibration() {
+            Some(twin) if twin != loaded => Err(self.different(DifferentResult::Calibration {
+                camera: loaded,
+                twin,
+            })),
+            _ => Ok(()),
         }
-        Ok(())
     }
 
     fn expose(&mut self, exposure: &Exposure) -> Result<InteriorOrientation, DeviceError> {

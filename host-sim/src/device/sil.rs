@@ -1,6 +1,8 @@
 //! The camera's own code in this process.
 
+use fmc_camera::flight::calibration_id::{CalibrationId, Storage};
 use fmc_camera::flight::camera::{Camera, CameraParameters};
+use fmc_camera::flight::controller::{Controller, Start};
 use fmc_camera::flight::exposure::Exposure;
 use fmc_camera::flight::interior_orientation::InteriorOrientation;
 use fmc_camera::flight::rig::Rig;
@@ -16,12 +18,22 @@ use super::batch::PointBatch;
 use super::{CorrectingDevice, Device, DeviceError, Evidence};
 
 /// The camera in this process: the library that the firmware runs, called directly.
-#[derive(Debug, Default)]
+#[derive(Debug)]
 pub struct InProcess {
-    camera: Option<Camera>,
+    /// The camera, in flight or not.
+    pub(super) rig: Rig,
     correction: Option<FrameCorrection>,
     evidence: Evidence,
-    pub(super) rig: Option<Rig>,
+}
+
+impl Default for InProcess {
+    fn default() -> Self {
+        Self {
+            rig: Rig::new(Start::Orderly),
+            correction: None,
+            evidence: Evidence::default(),
+        }
+    }
 }
 
 impl InProcess {
@@ -34,6 +46,11 @@ impl InProcess {
         let correction = self.correction()?;
         on_sensor(correction, grid.points())?;
         Ok(digest::of_grid(correction, grid))
+    }
+
+    /// Returns the identity of the camera that is loaded.
+    pub(super) fn calibration(&self) -> Option<CalibrationId> {
+        self.rig.camera().and_then(Camera::id)
     }
 
     fn correction(&self) -> Result<&FrameCorrection, DeviceError> {
@@ -49,14 +66,20 @@ impl CorrectingDevice for InProcess {
     }
 
     fn load(&mut self, camera: &CameraParameters) -> Result<(), DeviceError> {
-        let camera = Camera::new(*camera).map_err(DeviceError::Calibration)?;
-        self.camera = Some(camera);
+        let crc = digest::of_camera(camera).unwrap_or_default();
+        let camera = Camera::identified(*camera, crc, Storage::Volatile)
+            .map_err(DeviceError::Calibration)?;
+        match self.rig.controller().map_or(0, Controller::kept) {
+            0 => {}
+            kept => return Err(DeviceError::RecordsKept(kept)),
+        }
+        self.rig.load(camera);
         self.correction = None;
         Ok(())
     }
 
     fn expose(&mut self, exposure: &Exposure) -> Result<InteriorOrientation, DeviceError> {
-        let camera = self.camera.as_ref().ok_or(DeviceError::NoFrame)?;
+        let camera = self.rig.camera().ok_or(DeviceError::NoFrame)?;
         // Points that follow a refused exposure must not be corrected with the frame before it.
         self.correction = None;
         let frame = camera.frame(exposure).map_err(DeviceError::Frame)?;

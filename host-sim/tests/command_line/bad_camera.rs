@@ -39,6 +39,40 @@ fn unknown_and_missing_keys_are_named() {
 }
 
 #[test]
+fn identity_of_the_calibration_is_checked_and_named() {
+    let name = "name = \"Test camera\"";
+    for (line, words) in [
+        (
+            "serial = \"0123456789abcdefg\"",
+            &[
+                "line 2: serial = \"0123456789abcdefg\" has 17 characters",
+                "up to 16",
+            ][..],
+        ),
+        (
+            "serial = \"Nº 7\"",
+            &[
+                "line 2: serial = \"Nº 7\" holds",
+                "printable ASCII",
+                "' ' to '~'",
+            ],
+        ),
+        ("serial = 5282", &["line 2: serial", "expected a string"]),
+        (
+            "version = -1",
+            &["line 2: version = -1 is outside 0 to 4294967295"],
+        ),
+        (
+            "version = 4294967296",
+            &["line 2: version = 4294967296 is outside 0 to 4294967295"],
+        ),
+        ("version = 1.5", &["line 2: version"]),
+    ] {
+        refused(name, &format!("{name}\n{line}"), words);
+    }
+}
+
+#[test]
 fn wrong_types_and_syntax_are_named_with_their_line() {
     refused(
         "k1 = -1.0e-6",

@@ -13,7 +13,7 @@ use fmc_camera::io::link::message::ResetCause;
 
 use crate::command_line::fake_camera::FakeCamera;
 use crate::command_line::serial::Port;
-use crate::command_line::support::{Answer, Bench};
+use crate::command_line::support::{Answer, Bench, CAMERA};
 
 /// Rounds of the control loop from one message to the next.
 const ROUNDS: u64 = 60;
@@ -161,6 +161,42 @@ fn camera_on_a_board_is_flown_by_commands_and_its_records_are_fetched() {
         "standby",
     );
     assert_eq!(board.status()["triggers"], 0);
+}
+
+#[test]
+fn identity_of_the_calibration_is_in_the_status_and_in_the_records() {
+    let board = Board::new();
+    let camera = format!("serial = \"SN 5282\"\nversion = 3\n{CAMERA}");
+    fs::write(board.bench.path("numbered.toml"), camera).unwrap();
+    board.says(&["prepare", "--camera", "camera.toml"], "standby");
+    let plain = board.status()["calibration"].clone();
+    assert_eq!(plain["serial"], serde_json::Value::Null);
+    assert_eq!(plain["version"], serde_json::Value::Null);
+    assert_eq!(plain["storage"], "volatile");
+    board.says(&["prepare", "--camera", "numbered.toml"], "standby");
+    let numbered = board.status()["calibration"].clone();
+    assert_eq!(numbered["serial"], "SN 5282");
+    assert_eq!(numbered["version"], 3);
+    let crc = numbered["crc32"].as_str().unwrap();
+    assert_ne!(crc, plain["crc32"], "it covers both");
+    let line = format!("calibration      serial SN 5282, version 3, CRC-32 {crc}, volatile\n");
+    let text = board.run(&["status"]).ok().stdout;
+    assert!(text.contains(&line), "{text}");
+
+    // A trigger in standby is refused, and recorded.
+    board.triggers.store(1, Ordering::SeqCst);
+    board.says(&["vh", "0.1"], "standby");
+    let device = board.port.device();
+    board
+        .bench
+        .run(&["records", "--device", &device, "--out", "kept"])
+        .ok();
+    let csv = fs::read_to_string(board.bench.path("kept/records.csv")).unwrap();
+    let mut lines = csv.lines();
+    let names = "calibration_crc32,calibration_serial,calibration_version,calibration_storage";
+    assert!(lines.next().unwrap().ends_with(names), "{csv}");
+    let identity = format!(",{crc},SN 5282,3,volatile");
+    assert!(lines.next().unwrap().ends_with(&identity), "{csv}");
 }
 
 #[test]

@@ -60,6 +60,13 @@ fn short_mission_has_a_complete_report() {
     let records: serde_json::Value =
         serde_json::from_slice(&fs::read(bench.path("report/records.json")).unwrap()).unwrap();
     assert_eq!(records["records_crc32"], summary["records_crc32"]);
+    let record = &records["records"][0];
+    assert_eq!(record["calibration_crc32"], summary["calibration"]["crc32"]);
+    let calibration = format!(
+        "calibration CRC-32 {}, volatile\n",
+        record["calibration_crc32"].as_str().unwrap()
+    );
+    assert!(answer.stdout.contains(&calibration), "{}", answer.stdout);
     assert!(records["records"][0]["principal_point_y_mm"].is_number());
 }
 

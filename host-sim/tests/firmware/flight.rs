@@ -222,14 +222,23 @@ fn calibration_in_the_middle_of_an_exposure_is_refused_and_changes_nothing() {
         panic!("{record:?}");
     };
     assert!((frame.interior.principal_distance_mm - 100.0).abs() < 1e-6);
-    // An armed stage has force on it, so the calibration is refused. In standby it is accepted, but
-    // the flight goes on with the old one until it is prepared again.
+    // An armed stage has force on it, so the calibration is refused. In standby it is refused while
+    // the record would be lost, and the flight goes on with the old one.
     assert!(refused(flight.device.load(&other)));
     flight.round(Some(Event::Command(Command::Disarm)));
-    flight.device.load(&other).unwrap();
+    let kept = Err(DeviceError::RecordsKept(1));
+    assert_eq!(flight.device.load(&other), kept);
     flight.arm();
     assert_eq!(flight.expose(), 2);
-    assert_eq!(flight.fetched(2).calibration_crc, record.calibration_crc);
+    assert_eq!(flight.fetched(2).calibration, record.calibration);
+    flight.round(Some(Event::Command(Command::Disarm)));
+    assert_eq!(flight.device.acknowledge(2), Ok(0));
+    // Then it ends the flight.
+    flight.device.load(&other).unwrap();
+    assert_eq!(
+        FlyingDevice::frame_record(&mut flight.device, 0),
+        Err(DeviceError::NotPrepared)
+    );
 }
 
 #[test]

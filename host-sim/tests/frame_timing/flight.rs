@@ -1,13 +1,14 @@
 //! The frame: default camera and settings, an ideal stage, and a shutter that obeys.
 
+use fmc_camera::flight::controller::Start;
 use fmc_camera::flight::controller::state::State;
-use fmc_camera::flight::controller::{Controller, Start};
 use fmc_camera::flight::drive::StageReading;
 use fmc_camera::flight::event::{Action, Command, Event, ShutterEdge};
+use fmc_camera::flight::prepared_camera::PreparedCamera;
 use fmc_camera::flight::settings::FlightSettings;
 use fmc_camera::flight::time::Time;
 use fmc_camera::flight::vh::VhSample;
-use fmc_camera::{CalibrationParameters, CameraParameters};
+use fmc_camera::{CalibrationParameters, Camera, CameraParameters};
 
 /// Time of the trigger, between the rounds of 1.000 s and 1.001 s.
 const TRIGGER: Time = Time::from_us(1_000_600);
@@ -41,18 +42,18 @@ pub(crate) struct Flight {
 
 /// The simulated surroundings of the controller.
 struct Bench {
-    controller: Controller,
+    camera: PreparedCamera,
     edges: Vec<(Time, ShutterEdge)>,
     flight: Flight,
 }
 
 impl Bench {
     fn send(&mut self, time: Time, event: Event) {
-        let before = self.controller.state();
-        for action in self.controller.handle(time, event) {
+        let before = self.camera.controller().state();
+        for action in self.camera.handle(time, event) {
             match action {
                 Action::OpenShutter { at, exposure_s } => {
-                    let opened = at.plus_s(self.controller.settings().shutter_latency_s);
+                    let opened = at.plus_s(self.camera.settings().shutter_latency_s);
                     let closed = opened.plus_s(exposure_s);
                     self.edges = vec![(opened, ShutterEdge::Opened), (closed, ShutterEdge::Closed)];
                     self.flight.handed_over_ms = after_trigger_ms(time);
@@ -65,7 +66,7 @@ impl Bench {
                 other => panic!("{other:?}"),
             }
         }
-        let state = self.controller.state();
+        let state = self.camera.controller().state();
         if state != before && time >= TRIGGER {
             self.flight.states.push((after_trigger_ms(time), state));
             if state == State::Armed {
@@ -83,7 +84,7 @@ impl Bench {
             self.send(time, Event::Shutter(edge));
         }
         self.send(now, Event::Vh(VhSample::Direct(0.1)));
-        let setpoint = self.controller.setpoint(now).unwrap_or_default();
+        let setpoint = self.camera.controller().setpoint(now).unwrap_or_default();
         let reading = StageReading {
             time: now,
             offset_mm: setpoint.offset_mm,
@@ -98,7 +99,8 @@ pub(crate) fn fly() -> Flight {
     let camera = CameraParameters::new(CalibrationParameters::new(100.0, [9216, 9216], 8.75));
     let settings = FlightSettings::default();
     let mut bench = Bench {
-        controller: Controller::new(&camera, 0, &settings, Start::Orderly).unwrap(),
+        camera: PreparedCamera::new(Camera::new(camera).unwrap(), &settings, Start::Orderly)
+            .unwrap(),
         edges: Vec::new(),
         flight: Flight::default(),
     };
@@ -111,7 +113,7 @@ pub(crate) fn fly() -> Flight {
         if us % ROUND_US == 0 {
             bench.round(now);
         }
-        if let Some(setpoint) = bench.controller.setpoint(now)
+        if let Some(setpoint) = bench.camera.controller().setpoint(now)
             && us + 2 * ROUND_US >= TRIGGER.us()
         {
             bench.flight.stage.push(Instant {

@@ -4,10 +4,9 @@ use super::timing::ATTITUDE_WITHIN_S;
 use crate::flight::event::AttitudeSample;
 use crate::flight::findings::Findings;
 use crate::flight::flag::{Flag, Flags};
-use crate::flight::settings::FlightSettings;
 use crate::flight::time::Time;
 use crate::flight::utc::{UtcClock, UtcFinding};
-use crate::flight::vh::{VhChannel, VhFinding, VhFindingKind, VhMonitor, VhSample};
+use crate::flight::vh::{VhChannel, VhFinding, VhFindingKind, VhMonitor, VhSample, VhSettings};
 
 /// Samples and findings of the aircraft's instruments.
 #[derive(Debug, Clone)]
@@ -41,10 +40,10 @@ pub(super) enum Said {
 impl Aircraft {
     /// Returns the state before the first sample.
     #[inline]
-    pub(super) const fn new(settings: &FlightSettings) -> Self {
+    pub(super) const fn new(vh: VhSettings, time_pulse_sigma_s: f32) -> Self {
         Self {
-            vh: VhMonitor::new(settings.vh),
-            utc: UtcClock::new(settings.time_pulse_sigma_s),
+            vh: VhMonitor::new(vh),
+            utc: UtcClock::new(time_pulse_sigma_s),
             attitude: None,
             findings: Findings::NONE,
             found: Flags::NONE,

@@ -1,23 +1,30 @@
 //! Commands to the camera.
 
 use super::readiness::{Disarming, Mode};
+use super::setup::Setup;
 use super::{Actions, Controller, act};
 use crate::flight::event::{Action, Command};
 use crate::flight::frame_record::Reason;
 use crate::flight::time::Time;
 
 impl Controller {
-    pub(super) fn obey(&mut self, now: Time, command: Command, actions: &mut Actions) {
+    pub(super) fn obey(
+        &mut self,
+        setup: &Setup,
+        now: Time,
+        command: Command,
+        actions: &mut Actions,
+    ) {
         match command {
             Command::Arm => match self.readiness.arm() {
-                Ok(true) => self.resume(now, actions),
+                Ok(true) => self.resume(setup, now, actions),
                 Ok(false) => {}
                 Err(fault) => act(actions, Action::Fault(fault)),
             },
             Command::Disarm => match self.readiness.disarm(self.state()) {
                 Disarming::Later => {}
                 Disarming::Now => self.stand_by(actions),
-                Disarming::CallOff => self.call_off(now, Reason::Disarmed, actions),
+                Disarming::CallOff => self.call_off(setup, now, Reason::Disarmed, actions),
             },
             Command::ClearFault => {
                 self.aircraft.clear_doubt();
@@ -25,7 +32,7 @@ impl Controller {
             }
             Command::Referenced => self.referenced(),
             // An exposure time outside the camera's limits leads to the refusal of every trigger.
-            Command::Exposure(exposure_s) => self.setup.exposure_s = exposure_s,
+            Command::Exposure(exposure_s) => self.exposure_s = exposure_s,
         }
     }
 

@@ -3,15 +3,12 @@
 use core::fmt;
 
 use crate::flight::camera::FrameError;
-use crate::geometry::calibration::CalibrationError;
 use crate::geometry::range::OutOfRange;
 
 /// The reason why a camera cannot be flown.
 #[derive(Debug, Clone, Copy, PartialEq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub enum ControllerError {
-    /// The calibration is not usable.
-    Calibration(CalibrationError),
     /// A setting is outside its range.
     Settings(OutOfRange),
     /// The mechanism cannot make any travel within the camera's limits, or not between two
@@ -22,7 +19,6 @@ pub enum ControllerError {
 impl fmt::Display for ControllerError {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
-            Self::Calibration(error) => error.fmt(f),
             Self::Settings(error) => error.fmt(f),
             Self::Travel(error) => error.fmt(f),
         }

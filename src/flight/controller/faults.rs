@@ -1,5 +1,6 @@
 //! Faults, and their consequences.
 
+use super::setup::Setup;
 use super::{Actions, Controller, act};
 use crate::flight::event::{Action, Supply};
 use crate::flight::fault::Fault;
@@ -9,7 +10,7 @@ use crate::flight::time::Time;
 impl Controller {
     /// Takes a fault that ends whatever the camera is doing: the stage is released, and an exposure
     /// that has not begun is called off. One that has begun is recorded when it ends.
-    pub(super) fn fail(&mut self, fault: Fault, actions: &mut Actions) {
+    pub(super) fn fail(&mut self, setup: &Setup, fault: Fault, actions: &mut Actions) {
         if self.stage.fault() == Some(fault) && self.stage.is_released() {
             // The same fault has released the stage before, and nothing has been asked of it since.
             if self.frame.is_in_flight() {
@@ -18,12 +19,12 @@ impl Controller {
             return;
         }
         self.frame.note(fault);
-        self.stop(fault, actions);
+        self.stop(setup, fault, actions);
     }
 
     /// Acts as [`Self::fail`], for a fault that is in a record already.
-    pub(super) fn stop(&mut self, fault: Fault, actions: &mut Actions) {
-        if self.setup.camera.has_stage() {
+    pub(super) fn stop(&mut self, setup: &Setup, fault: Fault, actions: &mut Actions) {
+        if setup.camera.has_stage() {
             self.stage.fail(fault);
         }
         act(actions, Action::Fault(fault));
@@ -41,27 +42,27 @@ impl Controller {
 
     /// Restarts after a jump of the clock to a time: earlier measurements cannot be compared with
     /// later times.
-    pub(super) fn restart_clock(&mut self, time: Time, actions: &mut Actions) {
+    pub(super) fn restart_clock(&mut self, setup: &Setup, time: Time, actions: &mut Actions) {
         self.readiness.restart_clock(time);
         self.stage.restart_clock(time);
         self.frame.note(Fault::Clock);
         if self.frame.end_with_clock() {
-            self.record_exposure(time, actions);
+            self.record_exposure(setup, time, actions);
         }
         self.stage.forget_readings();
-        self.stop(Fault::Clock, actions);
+        self.stop(setup, Fault::Clock, actions);
     }
 
     /// Takes a change of the supply: too low to move the stage, or good again.
-    pub(super) fn supply(&mut self, supply: Supply, actions: &mut Actions) {
+    pub(super) fn supply(&mut self, setup: &Setup, supply: Supply, actions: &mut Actions) {
         let is_good = supply == Supply::Good;
         self.readiness.set_supply(is_good);
         if is_good {
             return;
         }
-        if !self.setup.settings.encoder_survives_brown_out && self.setup.camera.has_stage() {
+        if !setup.settings.encoder_survives_brown_out && setup.camera.has_stage() {
             self.stage.lose_place();
         }
-        self.fail(Fault::BrownOut, actions);
+        self.fail(setup, Fault::BrownOut, actions);
     }
 }

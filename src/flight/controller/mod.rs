@@ -41,11 +41,12 @@ use self::aircraft::{Aircraft, Said};
 pub use self::error::ControllerError;
 use self::frame::FrameMachine;
 use self::readiness::{Mode, Readiness};
-use self::setup::Setup;
+pub(super) use self::setup::{Preparation, Setup, checked};
 use self::stage::StageMachine;
 pub use self::start::Start;
 use self::state::State;
 pub use self::status::Counts;
+use super::calibration_id::CalibrationId;
 use super::event::{Action, Event};
 use super::fault::Fault;
 use super::time::Time;
@@ -56,38 +57,42 @@ pub const MAX_ACTIONS: usize = 6;
 /// Actions that follow from an event, in order.
 pub type Actions = Vec<Action, MAX_ACTIONS>;
 
-/// The camera's state machine.
+/// The camera's state machine. It has no camera of its own: [`PreparedCamera`](super::prepared_camera::PreparedCamera)
+/// and the decks hand it the one they hold, with every event.
 #[derive(Debug, Clone)]
 pub struct Controller {
-    setup: Setup,
     aircraft: Aircraft,
     stage: StageMachine,
     frame: FrameMachine,
     readiness: Readiness,
+    /// Exposure time of the frames to come, s.
+    exposure_s: f32,
+    /// That of the camera, for the records.
+    calibration: Option<CalibrationId>,
 }
 
 impl Controller {
     /// Takes an event and returns the actions that follow from it. Events come in order of their
     /// times; one that is older than the one before by more than [`timing::LATE_EVENT_S`], or later
     /// by more than [`timing::CLOCK_JUMP_S`], is a [`Fault::Clock`].
-    pub fn handle(&mut self, time: Time, event: Event) -> Actions {
+    pub(super) fn handle(&mut self, setup: &Setup, time: Time, event: Event) -> Actions {
         let mut actions = Actions::new();
         if self.readiness.has_jumped(time) {
-            self.restart_clock(time, &mut actions);
+            self.restart_clock(setup, time, &mut actions);
         }
         match event {
-            Event::Command(command) => self.obey(time, command, &mut actions),
+            Event::Command(command) => self.obey(setup, time, command, &mut actions),
             Event::Vh(sample) => self.aircraft.hear(time, Said::Vh(sample)),
             Event::Attitude(sample) => self.aircraft.hear(time, Said::Attitude(sample)),
             Event::TimePulse => self.aircraft.hear(time, Said::TimePulse),
             Event::GnssTime(unix_us) => self.aircraft.hear(time, Said::GnssTime(unix_us)),
-            Event::Trigger => self.trigger(time, &mut actions),
-            Event::Shutter(edge) => self.shutter_edge(time, edge, &mut actions),
-            Event::Stage(reading) => self.stage_reading(time, reading, &mut actions),
-            Event::LimitSwitch => self.fail(Fault::LimitSwitch, &mut actions),
-            Event::Drive(fault) => self.fail(fault, &mut actions),
-            Event::Supply(supply) => self.supply(supply, &mut actions),
-            Event::Tick => self.tick(time, &mut actions),
+            Event::Trigger => self.trigger(setup, time, &mut actions),
+            Event::Shutter(edge) => self.shutter_edge(setup, time, edge, &mut actions),
+            Event::Stage(reading) => self.stage_reading(setup, time, reading, &mut actions),
+            Event::LimitSwitch => self.fail(setup, Fault::LimitSwitch, &mut actions),
+            Event::Drive(fault) => self.fail(setup, fault, &mut actions),
+            Event::Supply(supply) => self.supply(setup, supply, &mut actions),
+            Event::Tick => self.tick(setup, time, &mut actions),
             Event::Lost(events) => {
                 self.readiness.lose(events);
                 self.report(Fault::Overload, &mut actions);
@@ -103,25 +108,25 @@ impl Controller {
     }
 
     /// Runs a round of the control loop.
-    fn tick(&mut self, now: Time, actions: &mut Actions) {
+    fn tick(&mut self, setup: &Setup, now: Time, actions: &mut Actions) {
         if self.readiness.is_before_first_round()
             && self.readiness.mode() == Mode::Fault(Fault::Watchdog)
         {
             // The shutter may still hold a command from before the reset.
             act(actions, Action::CloseShutter);
         }
-        self.come_round(now, actions);
+        self.come_round(setup, now, actions);
         if let Some(began) = self.frame.start(now) {
             self.stage.begin(began);
         }
         if self.stage.is_unread(now) {
-            self.fail(Fault::Encoder, actions);
+            self.fail(setup, Fault::Encoder, actions);
         }
         if self.frame.is_in_flight() {
-            self.look_after_frame(now, actions);
+            self.look_after_frame(setup, now, actions);
         }
         if !self.frame.is_in_flight() {
-            self.look_after_readiness(now, actions);
+            self.look_after_readiness(setup, now, actions);
         }
         if let Some(setpoint) = self.stage.setpoint(now) {
             act(actions, Action::MoveStage(setpoint));

@@ -1,6 +1,7 @@
 //! The passage of a frame's events from machine to machine: trigger, edges, rounds.
 
 use super::frame::{Asked, Due, Plan};
+use super::setup::Setup;
 use super::{Actions, Controller, act};
 use crate::flight::event::{Action, ShutterEdge};
 use crate::flight::fault::{Fault, Faults};
@@ -10,32 +11,36 @@ use crate::flight::time::Time;
 
 impl Controller {
     /// Begins a frame, or refuses it; every trigger gets its record.
-    pub(super) fn trigger(&mut self, trigger: Time, actions: &mut Actions) {
-        let crc = self.setup.calibration_crc;
-        let numbered = self.frame.kept.number(trigger, crc);
+    pub(super) fn trigger(&mut self, setup: &Setup, trigger: Time, actions: &mut Actions) {
+        let numbered = self.frame.kept.number(trigger);
         if let Numbered::Pending(sequence) = numbered {
             let admitted = self.readiness.admit(self.frame.is_in_flight());
-            let begun = admitted.and_then(|fault| self.begin(sequence, trigger, fault));
+            let begun = admitted.and_then(|fault| self.begin(setup, sequence, trigger, fault));
             let Err(reason) = begun else {
                 return;
             };
             let kept = &mut self.frame.kept;
-            kept.refuse(sequence, trigger, reason, Faults::NONE, crc);
+            kept.refuse(sequence, trigger, reason, Faults::NONE);
         }
         let (Numbered::Pending(sequence) | Numbered::Full(sequence)) = numbered;
         act(actions, Action::FrameReady(sequence));
     }
 
     /// Begins a frame with compensation, or without it because of a fault or for want of V/H.
-    fn begin(&mut self, sequence: u32, trigger: Time, fault: Option<Fault>) -> Result<(), Reason> {
+    fn begin(
+        &mut self,
+        setup: &Setup,
+        sequence: u32,
+        trigger: Time,
+        fault: Option<Fault>,
+    ) -> Result<(), Reason> {
         let vh = self.aircraft.vh.estimate(trigger);
         let asked = Asked {
             sequence,
             trigger,
             vh,
-            exposure: self.setup.exposure(vh.map_or(0.0, |vh| vh.vh_per_s)),
+            exposure: setup.exposure(vh.map_or(0.0, |vh| vh.vh_per_s), self.exposure_s),
         };
-        let setup = &self.setup;
         let plan = match fault.or(vh.is_none().then_some(Fault::VhLost)) {
             None if setup.camera.has_stage() => {
                 let standing = self.stage.setpoint(trigger).ok_or(Reason::NotArmed)?;
@@ -53,8 +58,14 @@ impl Controller {
     }
 
     /// Takes an edge of the shutter's sensor.
-    pub(super) fn shutter_edge(&mut self, time: Time, edge: ShutterEdge, actions: &mut Actions) {
-        let tolerance_s = self.setup.settings.shutter_tolerance_s;
+    pub(super) fn shutter_edge(
+        &mut self,
+        setup: &Setup,
+        time: Time,
+        edge: ShutterEdge,
+        actions: &mut Actions,
+    ) {
+        let tolerance_s = setup.settings.shutter_tolerance_s;
         let seen = self.frame.see_edge(time, edge, tolerance_s);
         if seen.is_first_light {
             self.stage.track_mut().keep_from(time);
@@ -68,15 +79,15 @@ impl Controller {
     }
 
     /// Carries out the action that is due for the frame in flight.
-    pub(super) fn look_after_frame(&mut self, now: Time, actions: &mut Actions) {
-        match self.frame.look(now, &self.setup, &self.stage) {
+    pub(super) fn look_after_frame(&mut self, setup: &Setup, now: Time, actions: &mut Actions) {
+        match self.frame.look(now, setup, &self.stage) {
             Due::Nothing => {}
             Due::Open {
                 at,
                 exposure_s,
                 rows_mm_s,
             } => {
-                if !self.setup.camera.has_stage() {
+                if !setup.camera.has_stage() {
                     let speed_mm_s = rows_mm_s;
                     act(actions, Action::ClockRows { at, speed_mm_s });
                 }
@@ -86,42 +97,45 @@ impl Controller {
                 if reason == Reason::ShutterMissing {
                     self.report(Fault::ShutterMissing, actions);
                 }
-                self.call_off(now, reason, actions);
+                self.call_off(setup, now, reason, actions);
             }
             Due::Close => {
                 act(actions, Action::Fault(Fault::ShutterLong));
                 act(actions, Action::CloseShutter);
             }
             Due::GivenUp => {
-                self.record_exposure(now, actions);
-                self.stop(Fault::ShutterLong, actions);
+                self.record_exposure(setup, now, actions);
+                self.stop(setup, Fault::ShutterLong, actions);
             }
-            Due::Record => self.record_exposure(now, actions),
+            Due::Record => self.record_exposure(setup, now, actions),
         }
     }
 
     /// Records the exposure in flight, and ends it; the stage returns.
-    pub(super) fn record_exposure(&mut self, now: Time, actions: &mut Actions) {
-        let recorded = self
-            .frame
-            .record(&self.setup, &self.stage, &mut self.aircraft);
+    pub(super) fn record_exposure(&mut self, setup: &Setup, now: Time, actions: &mut Actions) {
+        let recorded = self.frame.record(setup, &self.stage, &mut self.aircraft);
         if let Some(sequence) = recorded {
             act(actions, Action::FrameReady(sequence));
             self.stage.track_mut().keep_latest();
-            self.go_back(now, actions);
+            self.go_back(setup, now, actions);
         }
     }
 
     /// Ends the frame in flight before first light; the stage returns.
-    pub(super) fn call_off(&mut self, now: Time, reason: Reason, actions: &mut Actions) {
+    pub(super) fn call_off(
+        &mut self,
+        setup: &Setup,
+        now: Time,
+        reason: Reason,
+        actions: &mut Actions,
+    ) {
         self.refuse_frame(reason, actions);
-        self.go_back(now, actions);
+        self.go_back(setup, now, actions);
     }
 
     /// Ends the frame in flight, if it is before first light.
     pub(super) fn refuse_frame(&mut self, reason: Reason, actions: &mut Actions) {
-        let crc = self.setup.calibration_crc;
-        if let Some((sequence, is_told)) = self.frame.call_off(reason, crc) {
+        if let Some((sequence, is_told)) = self.frame.call_off(reason) {
             if is_told {
                 act(actions, Action::CloseShutter);
             }

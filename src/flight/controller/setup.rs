@@ -13,26 +13,53 @@ use crate::flight::stage::PlanError;
 use crate::flight::vh::{VhEstimate, VhSource};
 use crate::geometry::principal_point::{PrincipalPointMotion, UniformTravel};
 
-/// The camera and its settings; the exposure time alone changes in flight.
+/// What the preparation of a flight has settled about its camera.
 #[derive(Debug, Clone)]
-pub(super) struct Setup {
-    pub(super) camera: Camera,
-    pub(super) calibration_crc: u32,
-    pub(super) settings: FlightSettings,
-    pub(super) smear: SmearPrediction,
-    /// Exposure time of the frames to come, s.
-    pub(super) exposure_s: f32,
+pub(in crate::flight) struct Preparation {
+    settings: FlightSettings,
+    smear: SmearPrediction,
 }
 
-impl Setup {
-    /// Returns the exposure for a V/H, 1/s.
-    pub(super) fn exposure(&self, vh_per_s: f32) -> Exposure {
-        exposure(&self.settings, vh_per_s, self.exposure_s)
+impl Preparation {
+    /// Of a camera, with settings that are [`checked`].
+    pub(in crate::flight) fn new(camera: &Camera, settings: &FlightSettings) -> Self {
+        Self {
+            smear: SmearPrediction::new(camera.calibration(), settings.direction),
+            settings: *settings,
+        }
+    }
+
+    /// The same, with its camera.
+    pub(in crate::flight) const fn of<'a>(&'a self, camera: &'a Camera) -> Setup<'a> {
+        Setup {
+            camera,
+            settings: &self.settings,
+            smear: &self.smear,
+        }
+    }
+
+    pub(in crate::flight) const fn settings(&self) -> &FlightSettings {
+        &self.settings
+    }
+}
+
+/// The camera and its settings, which stay in flight; the controller borrows them with every event.
+#[derive(Debug, Clone, Copy)]
+pub(in crate::flight) struct Setup<'a> {
+    pub(super) camera: &'a Camera,
+    pub(super) settings: &'a FlightSettings,
+    pub(super) smear: &'a SmearPrediction,
+}
+
+impl Setup<'_> {
+    /// The exposure that a V/H asks for, 1/s, with an exposure time, s.
+    pub(super) fn exposure(&self, vh_per_s: f32, exposure_s: f32) -> Exposure {
+        exposure(self.settings, vh_per_s, exposure_s)
     }
 
     /// Time for which the stage stays at speed beyond the exposure, s.
     pub(super) fn margin_s(&self) -> f32 {
-        margin_s(&self.settings)
+        margin_s(self.settings)
     }
 
     /// Half of the stage's stroke, mm.
@@ -95,11 +122,15 @@ impl Setup {
 
     /// Returns the position at which the stage waits for the next trigger, mm: that for the present
     /// V/H or, without V/H, for the largest of the camera's limits.
-    pub(super) fn waiting_place_mm(&self, vh: Option<VhEstimate>) -> Result<f32, FrameError> {
+    pub(super) fn waiting_place_mm(
+        &self,
+        vh: Option<VhEstimate>,
+        exposure_s: f32,
+    ) -> Result<f32, FrameError> {
         let [_, most] = self.camera.limits().vh_per_s;
         let at = |vh_per_s| {
             self.camera
-                .waiting_place_mm(&self.exposure(vh_per_s), self.margin_s())
+                .waiting_place_mm(&self.exposure(vh_per_s, exposure_s), self.margin_s())
         };
         match vh {
             Some(vh) => at(vh.vh_per_s).or_else(|_| at(most)),
@@ -108,12 +139,21 @@ impl Setup {
     }
 }
 
-/// Checks that the mechanism is back before the next trigger, at the largest V/H of the camera's
-/// limits.
-pub(super) fn check_interval(
+/// The settings, if the camera can be flown with them.
+pub(in crate::flight) fn checked(
     camera: &Camera,
     settings: &FlightSettings,
-) -> Result<(), ControllerError> {
+) -> Result<FlightSettings, ControllerError> {
+    let settings = settings.checked().map_err(ControllerError::Settings)?;
+    camera
+        .check_exposure_time(settings.exposure_s)
+        .map_err(|error| ControllerError::Travel(error.into()))?;
+    check_interval(camera, &settings)?;
+    Ok(settings)
+}
+
+/// Whether the mechanism is back before the next trigger, at the largest V/H of the camera's limits.
+fn check_interval(camera: &Camera, settings: &FlightSettings) -> Result<(), ControllerError> {
     let available_s = settings.trigger_interval_s;
     if available_s == 0.0 || !camera.has_stage() {
         return Ok(());

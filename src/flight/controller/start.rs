@@ -2,15 +2,12 @@
 
 use super::Controller;
 use super::aircraft::Aircraft;
-use super::error::ControllerError;
 use super::frame::FrameMachine;
 use super::readiness::{Mode, Readiness};
-use super::setup::{Setup, check_interval};
+use super::setup::Setup;
 use super::stage::StageMachine;
-use crate::flight::camera::{Camera, CameraParameters};
 use crate::flight::fault::{Fault, Faults};
-use crate::flight::settings::FlightSettings;
-use crate::flight::smear_prediction::SmearPrediction;
+use crate::flight::vh::VhSettings;
 
 /// Manner in which the camera came to run.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -25,47 +22,45 @@ pub enum Start {
 }
 
 impl Controller {
-    /// Returns the controller of a camera, in standby, or after a bite of the watchdog with that
-    /// fault.
-    ///
-    /// # Errors
-    /// [`ControllerError`] naming the quantity that is refused.
-    pub fn new(
-        record: &CameraParameters,
-        calibration_crc: u32,
-        settings: &FlightSettings,
-        start: Start,
-    ) -> Result<Self, ControllerError> {
-        let camera = Camera::new(*record).map_err(ControllerError::Calibration)?;
-        let settings = settings.checked().map_err(ControllerError::Settings)?;
-        camera
-            .check_exposure_time(settings.exposure_s)
-            .map_err(|error| ControllerError::Travel(error.into()))?;
-        check_interval(&camera, &settings)?;
-        let mut faults = Faults::NONE;
-        let mode = match start {
-            Start::Orderly | Start::Unreferenced => Mode::Standby,
+    /// A controller that waits for its first flight.
+    #[inline]
+    pub(in crate::flight) const fn new() -> Self {
+        Self {
+            aircraft: Aircraft::new(VhSettings::DEFAULT, 0.0),
+            stage: StageMachine::new(false),
+            frame: FrameMachine::new(),
+            readiness: Readiness::new(Mode::Standby),
+            exposure_s: 0.0,
+            calibration: None,
+        }
+    }
+
+    /// Begins a flight, in standby. After a bite of the watchdog it begins with that fault. What is known of the flight
+    /// before is forgotten where it is: a controller is large, and a copy on the way would take as much of the stack.
+    pub(in crate::flight) fn restart(&mut self, setup: &Setup, start: Start) {
+        let (mode, faults) = match start {
+            Start::Orderly | Start::Unreferenced => (Mode::Standby, Faults::NONE),
             Start::AfterWatchdog => {
+                let mut faults = Faults::NONE;
                 faults.insert(Fault::Watchdog);
-                Mode::Fault(Fault::Watchdog)
+                (Mode::Fault(Fault::Watchdog), faults)
             }
         };
-        // The controller is made in its final place: it is large, and a copy would take as much of
-        // the stack.
-        Ok(Self {
-            aircraft: Aircraft::new(&settings),
-            // The encoder's count is lost with the processor.
-            stage: StageMachine::new(start != Start::Orderly && camera.has_stage()),
-            frame: FrameMachine::new(faults),
-            readiness: Readiness::new(mode),
-            setup: Setup {
-                smear: SmearPrediction::new(camera.calibration(), settings.direction),
-                exposure_s: settings.exposure_s,
-                camera,
-                calibration_crc,
-                settings,
-            },
-        })
+        let Self {
+            aircraft,
+            stage,
+            frame,
+            readiness,
+            exposure_s,
+            calibration,
+        } = self;
+        *aircraft = Aircraft::new(setup.settings.vh, setup.settings.time_pulse_sigma_s);
+        // The encoder's count is lost with the processor.
+        *stage = StageMachine::new(start != Start::Orderly && setup.camera.has_stage());
+        frame.restart(faults);
+        *readiness = Readiness::new(mode);
+        *exposure_s = setup.settings.exposure_s;
+        *calibration = setup.camera.id();
     }
 
     /// Returns the start of the controller that replaces this one; faults that have not been

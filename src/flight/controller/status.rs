@@ -2,10 +2,10 @@
 
 use super::Controller;
 use super::readiness::Mode;
-use crate::flight::camera::{self, Camera};
+use crate::flight::calibration_id::CalibrationId;
+use crate::flight::camera;
 use crate::flight::findings::Findings;
 use crate::flight::frame_record::FrameRecord;
-use crate::flight::settings::FlightSettings;
 use crate::flight::stage::Setpoint;
 use crate::flight::time::Time;
 use crate::flight::vh::VhMonitor;
@@ -32,18 +32,6 @@ pub struct Counts {
 }
 
 impl Controller {
-    /// The validated camera.
-    #[must_use]
-    pub const fn camera(&self) -> &Camera {
-        &self.setup.camera
-    }
-
-    /// The settings.
-    #[must_use]
-    pub const fn settings(&self) -> &FlightSettings {
-        &self.setup.settings
-    }
-
     /// The sources of V/H.
     #[must_use]
     pub const fn vh(&self) -> &VhMonitor {
@@ -100,7 +88,14 @@ impl Controller {
     /// The oldest record with this number or a higher one.
     #[must_use]
     pub fn record(&self, from_sequence: u32) -> Option<FrameRecord> {
-        self.frame.kept.records().from(from_sequence)
+        let entry = self.frame.kept.records().from(from_sequence)?;
+        Some(entry.record(self.calibration))
+    }
+
+    /// The calibration of the flight; `None` where nobody has said which it is.
+    #[must_use]
+    pub const fn calibration(&self) -> Option<CalibrationId> {
+        self.calibration
     }
 
     /// Records that have not been acknowledged.

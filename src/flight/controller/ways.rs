@@ -1,6 +1,7 @@
 //! Ways of the stage between frames, and the readiness that follows at their end.
 
 use super::readiness::{Arrival, Mode};
+use super::setup::Setup;
 use super::timing::{EXERCISE_REACH, EXERCISE_WAYS};
 use super::{Actions, Controller, act};
 use crate::flight::event::Action;
@@ -10,23 +11,23 @@ use crate::flight::time::Time;
 impl Controller {
     /// Sends the stage to and fro, and to its waiting place. Without a stage, or with a fault of
     /// it, the camera becomes ready without it.
-    pub(super) fn resume(&mut self, now: Time, actions: &mut Actions) {
-        if !self.setup.camera.has_stage() || self.stage.fault().is_some() {
+    pub(super) fn resume(&mut self, setup: &Setup, now: Time, actions: &mut Actions) {
+        if !setup.camera.has_stage() || self.stage.fault().is_some() {
             self.become_ready(now);
             return;
         }
         self.stage.expect_readings(now);
-        let place_mm = self.destination_mm(now, EXERCISE_WAYS);
-        if self.stage.go_to(&self.setup, now, place_mm) {
+        let place_mm = self.destination_mm(setup, now, EXERCISE_WAYS);
+        if self.stage.go_to(setup, now, place_mm) {
             self.readiness.start_exercise();
         } else {
             // The reading is not finite, or the stage's end is not.
-            self.fail(Fault::Encoder, actions);
+            self.fail(setup, Fault::Encoder, actions);
         }
     }
 
     /// Sends a stage under force to its next place, after a frame or a way.
-    pub(super) fn go_back(&mut self, now: Time, actions: &mut Actions) {
+    pub(super) fn go_back(&mut self, setup: &Setup, now: Time, actions: &mut Actions) {
         let ways_left = match self.readiness.mode() {
             Mode::Fault(_) => return,
             Mode::Arming { ways_left } => ways_left,
@@ -40,26 +41,26 @@ impl Controller {
             }
             return;
         }
-        let place_mm = self.destination_mm(now, ways_left);
-        if self.stage.go_to(&self.setup, now, place_mm) {
+        let place_mm = self.destination_mm(setup, now, ways_left);
+        if self.stage.go_to(setup, now, place_mm) {
             self.readiness.go_back();
         } else {
             // The set point is not finite.
-            self.fail(Fault::Drive, actions);
+            self.fail(setup, Fault::Drive, actions);
         }
     }
 
     /// Carries out what is due in a round while no frame is in flight.
-    pub(super) fn look_after_readiness(&mut self, now: Time, actions: &mut Actions) {
+    pub(super) fn look_after_readiness(&mut self, setup: &Setup, now: Time, actions: &mut Actions) {
         match self.readiness.mode() {
             Mode::Standby => {}
             Mode::Armed | Mode::Degraded(_) => self.keep_ready(now, actions),
             Mode::Arming { .. } | Mode::FlyBack => {
                 if self.stage.has_arrived(now) {
-                    self.arrive(now, actions);
+                    self.arrive(setup, now, actions);
                 }
             }
-            Mode::Fault(fault) => self.recover(now, fault, actions),
+            Mode::Fault(fault) => self.recover(setup, now, fault, actions),
         }
     }
 
@@ -77,10 +78,10 @@ impl Controller {
     }
 
     /// Acts on the arrival of the stage.
-    fn arrive(&mut self, now: Time, actions: &mut Actions) {
+    fn arrive(&mut self, setup: &Setup, now: Time, actions: &mut Actions) {
         match self.readiness.arrive() {
             Arrival::StandBy => self.stand_by(actions),
-            Arrival::NextWay => self.go_back(now, actions),
+            Arrival::NextWay => self.go_back(setup, now, actions),
             Arrival::Ready => self.become_ready(now),
         }
     }
@@ -104,26 +105,26 @@ impl Controller {
     }
 
     /// Leaves a fault that ends without a command.
-    fn recover(&mut self, now: Time, fault: Fault, actions: &mut Actions) {
-        let has_stood = || self.stage.has_stood(&self.setup, now);
+    fn recover(&mut self, setup: &Setup, now: Time, fault: Fault, actions: &mut Actions) {
+        let has_stood = || self.stage.has_stood(setup, now);
         if !self.readiness.is_over(fault, has_stood) {
             return;
         }
         if self.readiness.take_disarm() {
             self.stand_by(actions);
         } else {
-            self.resume(now, actions);
+            self.resume(setup, now, actions);
         }
     }
 
     /// Returns the stage's next position, mm: an end of the exercise or, after its last way, the
     /// waiting place.
-    fn destination_mm(&self, now: Time, ways_left: u8) -> f32 {
-        let stroke_mm = self.setup.camera.calibration().parameters().stroke_mm;
+    fn destination_mm(&self, setup: &Setup, now: Time, ways_left: u8) -> f32 {
+        let stroke_mm = setup.camera.calibration().parameters().stroke_mm;
         let reach_mm = EXERCISE_REACH * stroke_mm;
         if ways_left == 0 {
             let vh = self.aircraft.vh.estimate(now);
-            self.setup.waiting_place_mm(vh).unwrap_or(0.0)
+            setup.waiting_place_mm(vh, self.exposure_s).unwrap_or(0.0)
         } else if ways_left.is_multiple_of(2) {
             -reach_mm
         } else {

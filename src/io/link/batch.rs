@@ -4,9 +4,7 @@ use heapless::Vec;
 
 use super::MAX_POINTS;
 use super::message::{MeshBytes, Points, Refusal};
-use crate::geometry::evaluation_form::Displacement;
 use crate::geometry::frame_correction::{Corrected, FrameCorrection};
-use crate::geometry::mesh::MeshRow;
 use crate::geometry::mesh::format::MeshFormat;
 use crate::geometry::mesh::pixel_correction::{CorrectionMesh, PixelCorrection};
 use crate::geometry::mesh::vertex::VertexRow;
@@ -35,19 +33,6 @@ pub(super) fn distort(
         let _ = measured.push(point);
     }
     Ok(measured)
-}
-
-pub(super) fn row(
-    correction: &FrameCorrection,
-    row: &MeshRow,
-) -> Result<Vec<Displacement, MAX_POINTS>, Refusal> {
-    if usize::from(row.count) > MAX_POINTS {
-        return Err(Refusal::TooMany);
-    }
-    on_sensor(correction, row.points())?;
-    Ok(batch(
-        row.points().map(|point| correction.distortion(point)),
-    ))
 }
 
 pub(super) fn mesh(

@@ -1,7 +1,7 @@
 //! Deck of the link: a camera on a test rig, or that of a board ([`FlownDeck`]).
 
 use super::message::{self, Refusal, Status};
-use crate::flight::camera::{self, CameraParameters};
+use crate::flight::camera::{self, Camera};
 use crate::flight::controller::{Controller, ControllerError, Start};
 use crate::flight::drive::flown_drive::FlownDrive;
 use crate::flight::event::Event;
@@ -12,16 +12,18 @@ use crate::flight::settings::FlightSettings;
 
 /// A camera that can be prepared for flight.
 pub trait FlightDeck {
-    /// Prepares a camera for flight, in place of the one before.
+    /// Puts a camera in place of the one before. It has to be prepared before it flies; a flight before has ended, and
+    /// its records are gone.
+    fn load(&mut self, camera: Camera);
+
+    /// The camera, for everybody who uses it; `None` before one is loaded.
+    fn camera(&self) -> Option<&Camera>;
+
+    /// Makes the camera that is loaded ready to be flown. A flight before ends, and its records are gone.
     ///
     /// # Errors
-    /// Errors of [`Controller::new`], and requests that the deck itself cannot carry out.
-    fn prepare(
-        &mut self,
-        camera: &CameraParameters,
-        calibration_crc: u32,
-        settings: &FlightSettings,
-    ) -> Result<(), Refusal>;
+    /// [`Refusal::NoCalibration`], [`Refusal::Settings`], [`Refusal::Travel`], and what the deck itself cannot do.
+    fn prepare(&mut self, settings: &FlightSettings) -> Result<(), Refusal>;
 
     /// The camera's controller; `None` before it is prepared.
     fn controller(&self) -> Option<&Controller>;
@@ -47,15 +49,16 @@ pub trait FlightDeck {
 /// A test rig, with a camera or without.
 #[derive(Debug)]
 pub struct RigDeck {
-    start: Start,
-    rig: Option<Rig>,
+    rig: Rig,
 }
 
 impl RigDeck {
     /// Returns a rig without a camera.
     #[must_use]
     pub const fn new(start: Start) -> Self {
-        Self { start, rig: None }
+        Self {
+            rig: Rig::new(start),
+        }
     }
 
     /// Returns a rig without a camera, whose encoder counts on through an orderly start.
@@ -66,29 +69,24 @@ impl RigDeck {
 }
 
 impl FlightDeck for RigDeck {
-    fn prepare(
-        &mut self,
-        camera: &CameraParameters,
-        calibration_crc: u32,
-        settings: &FlightSettings,
-    ) -> Result<(), Refusal> {
-        // A fault that has not been cleared is kept.
-        if let Some(rig) = &self.rig {
-            self.start = rig.controller().next_start();
-        }
-        match Rig::new(camera, calibration_crc, settings, self.start) {
-            Ok(rig) => self.rig = Some(rig),
-            Err(error) => return Err(error.into()),
-        }
-        Ok(())
+    fn load(&mut self, camera: Camera) {
+        self.rig.load(camera);
+    }
+
+    fn camera(&self) -> Option<&Camera> {
+        self.rig.camera()
+    }
+
+    fn prepare(&mut self, settings: &FlightSettings) -> Result<(), Refusal> {
+        Ok(self.rig.prepare(settings)?)
     }
 
     fn controller(&self) -> Option<&Controller> {
-        self.rig.as_ref().map(Rig::controller)
+        self.rig.controller()
     }
 
     fn controller_mut(&mut self) -> Option<&mut Controller> {
-        self.rig.as_mut().map(Rig::controller_mut)
+        self.rig.controller_mut()
     }
 
     fn offset_mm(&self) -> Option<f32> {
@@ -96,8 +94,7 @@ impl FlightDeck for RigDeck {
     }
 
     fn step(&mut self, step: &RigStep) -> Option<Result<RigAnswer, Refusal>> {
-        let answer = self.rig.as_mut().map(|rig| rig.step(step));
-        Some(answer.ok_or(Refusal::NotPrepared))
+        Some(self.rig.step(step).ok_or(Refusal::NotPrepared))
     }
 
     fn tell(&mut self, _: Event) -> Result<(), Refusal> {
@@ -106,16 +103,16 @@ impl FlightDeck for RigDeck {
 }
 
 impl<Drive: FlownDrive> FlightDeck for FlownDeck<Drive> {
-    fn prepare(
-        &mut self,
-        camera: &CameraParameters,
-        calibration_crc: u32,
-        settings: &FlightSettings,
-    ) -> Result<(), Refusal> {
-        Self::prepare(self, camera, calibration_crc, settings).map_err(|error| match error {
-            NotFlyable::Controller(error) => error.into(),
-            NotFlyable::NoRowClock => Refusal::NoRowClock,
-        })
+    fn load(&mut self, camera: Camera) {
+        Self::load(self, camera);
+    }
+
+    fn camera(&self) -> Option<&Camera> {
+        self.camera()
+    }
+
+    fn prepare(&mut self, settings: &FlightSettings) -> Result<(), Refusal> {
+        Ok(Self::prepare(self, settings)?)
     }
 
     fn controller(&self) -> Option<&Controller> {
@@ -144,12 +141,13 @@ impl<Drive: FlownDrive> FlightDeck for FlownDeck<Drive> {
     }
 }
 
-impl From<ControllerError> for Refusal {
-    fn from(error: ControllerError) -> Self {
+impl From<NotFlyable> for Refusal {
+    fn from(error: NotFlyable) -> Self {
         match error {
-            ControllerError::Calibration(error) => Self::Calibration(error),
-            ControllerError::Settings(error) => Self::Settings(error),
-            ControllerError::Travel(error) => Self::Travel(error),
+            NotFlyable::NoCamera => Self::NoCalibration,
+            NotFlyable::Controller(ControllerError::Settings(error)) => Self::Settings(error),
+            NotFlyable::Controller(ControllerError::Travel(error)) => Self::Travel(error),
+            NotFlyable::NoRowClock => Self::NoRowClock,
         }
     }
 }
@@ -157,16 +155,19 @@ impl From<ControllerError> for Refusal {
 /// Prepares a deck, with its errors as refusals.
 pub(super) fn prepare(
     deck: &mut impl FlightDeck,
-    camera: &CameraParameters,
-    calibration_crc: u32,
     settings: &FlightSettings,
 ) -> Result<(), Refusal> {
+    check_over(deck)?;
+    deck.prepare(settings)
+}
+
+/// A flight may end: it is idle, and no record of it is lost.
+pub(super) fn check_over(deck: &impl FlightDeck) -> Result<(), Refusal> {
     check_idle(deck)?;
     match deck.controller().map_or(0, Controller::kept) {
-        0 => {}
-        kept => return Err(Refusal::RecordsKept(kept)),
+        0 => Ok(()),
+        kept => Err(Refusal::RecordsKept(kept)),
     }
-    deck.prepare(camera, calibration_crc, settings)
 }
 
 /// Checks that no frame is in flight and the camera is not armed: otherwise calibration and
@@ -198,6 +199,7 @@ pub(super) fn status(deck: &impl FlightDeck) -> Result<Status, Refusal> {
         offset_mm: deck.offset_mm(),
         following_rms_um: controller.following_rms_um(),
         findings: *controller.findings(),
+        calibration: controller.calibration(),
     })
 }
 

@@ -1,13 +1,13 @@
 //! Digests by which camera and PC show each other that they have the same bits.
 
-use super::LONGEST_PAYLOAD;
+use super::loading::Upload;
 use super::message::Grid;
 use super::packet::CRC;
 use crate::flight::camera::CameraParameters;
 use crate::flight::frame_record::FrameRecord;
 use crate::geometry::frame_correction::{Corrected, FrameCorrection};
 
-/// Longest camera or frame record as `postcard` writes it, bytes.
+/// Longest frame records as `postcard` writes it, bytes.
 const LONGEST_RECORD: usize = 256;
 
 /// Returns the CRC-32 over the bits of every corrected point of a grid: x', y', dx, dy,
@@ -24,19 +24,11 @@ pub fn of_grid(correction: &FrameCorrection, grid: &Grid) -> u32 {
     digest.finalize()
 }
 
-/// Returns the CRC-32 over a camera record as the link carries it; `None` only if it were longer
+/// CRC-32 over a camera record as the link carries it: that of the calibration's identity. `None` only if it were longer
 /// than the record's type allows.
 #[must_use]
 pub fn of_camera(record: &CameraParameters) -> Option<u32> {
-    const {
-        assert!(
-            LONGEST_RECORD <= LONGEST_PAYLOAD,
-            "a calibration fits a message"
-        );
-    }
-    let mut buffer = [0; LONGEST_RECORD];
-    let bytes = postcard::to_slice(record, &mut buffer).ok()?;
-    Some(CRC.checksum(bytes))
+    Upload::of(record).map(|upload| upload.crc())
 }
 
 /// Returns the CRC-32 over a frame record as the link carries it; `None` only if it were longer

@@ -6,8 +6,9 @@ use heapless::{String, Vec};
 use serde::{Deserialize, Serialize};
 
 use super::packet::Packet;
-use super::{MAX_OBSERVATIONS, MAX_POINTS, PROTOCOL_VERSION};
-use crate::flight::camera::{CameraParameters, FrameError};
+use super::{CALIBRATION_CAPACITY, MAX_OBSERVATIONS, MAX_PART, MAX_POINTS, PROTOCOL_VERSION};
+use crate::flight::calibration_id::CalibrationId;
+use crate::flight::camera::FrameError;
 use crate::flight::controller::state::State;
 use crate::flight::controller::{self, Counts};
 use crate::flight::event::Event;
@@ -21,10 +22,8 @@ use crate::geometry::calibration::CalibrationError;
 use crate::geometry::estimation::fit::{Fit, FitError};
 use crate::geometry::estimation::observation::Observation;
 use crate::geometry::estimation::options::FitOptions;
-use crate::geometry::evaluation_form::Displacement;
 use crate::geometry::frame_correction::Corrected;
 use crate::geometry::inverse::DistortError;
-use crate::geometry::mesh::MeshRow;
 use crate::geometry::mesh::format::{MAX_WORD_BYTES, MeshFormat};
 use crate::geometry::mesh::pixel_correction::PixelCorrection;
 use crate::geometry::mesh::vertex::{MeshError, VertexRow};
@@ -57,8 +56,14 @@ pub struct Header {
 pub enum Request {
     /// Starts a session; ends another that is open, and the current frame with it.
     Connect,
-    /// Replaces the camera's calibration, mechanism, shutter and limits.
-    Load(CameraParameters),
+    /// Announces the parameters of a camera, which replace calibration, mechanism, shutter and limits once they are
+    /// complete ([`super::loading`]). Ends a load that is under way.
+    BeginLoad {
+        /// How many bytes there are, 1 to [`CALIBRATION_CAPACITY`].
+        length: u32,
+        /// Their CRC-32.
+        crc: u32,
+    },
     /// Predicts a frame; the points that follow belong to it.
     Expose(Exposure),
     /// Reads the interior orientation of the current frame.
@@ -67,8 +72,8 @@ pub enum Request {
     Correct(Points),
     /// Distorts ideal points.
     Distort(Points),
-    /// Reads the distortion along a row of the sensor.
-    Row(MeshRow),
+    /// The next part of the parameters announced.
+    LoadPart(Part),
     /// Reads the digest of a grid of corrected points.
     Digest(Grid),
     /// Reads the counts of the link since the camera started.
@@ -113,14 +118,14 @@ pub enum Request {
 pub enum Answer {
     /// The session is open.
     Connected(Identity),
-    /// The calibration is in use.
-    Loaded(CalibrationIdentity),
+    /// The parameters are complete: the calibration is in use. A camera that was prepared is to be prepared again.
+    Loaded(CalibrationId),
     /// The frame, predicted or read again.
     InteriorOrientation(InteriorOrientation),
     /// The points, in order, with the distortion as evaluated before the subtraction.
     Points(Vec<Corrected, MAX_POINTS>),
-    /// The distortion, measured - ideal, along the row.
-    Row(Vec<Displacement, MAX_POINTS>),
+    /// So many bytes of the parameters have come; the calibration before is in use.
+    Loading(u32),
     /// The digest, by [`super::digest::of_grid`].
     Digest(u32),
     /// The counts of the link.
@@ -154,8 +159,9 @@ pub enum Answer {
     Corrections(Vec<PixelCorrection, MAX_POINTS>),
 }
 
-/// The reason why the camera refuses a request. Nothing has changed, except that after an
-/// [`Refusal::Exposure`] there is no frame.
+/// Why the camera does not do what it is asked for. Nothing has changed, except that after an
+/// [`Refusal::Exposure`] there is no frame, and that a load is over whose last part is refused with
+/// [`Refusal::LoadCrc`], [`Refusal::NoRecord`] or [`Refusal::Calibration`].
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub enum Refusal {
@@ -232,6 +238,29 @@ pub enum Refusal {
     Mesh(MeshError),
     /// The firmware was built without the adjustment of the five coefficients.
     NoEstimation,
+    /// No camera's parameters have such a length.
+    LoadLength {
+        /// The length announced, bytes.
+        length: u32,
+    },
+    /// No load is under way.
+    NoLoad,
+    /// The part is of other parameters than those announced last.
+    OtherLoad,
+    /// The part is not the next one.
+    PartOutOfOrder {
+        /// The offset of the next, bytes.
+        expected: u32,
+    },
+    /// The part goes beyond the length announced.
+    PartTooLong,
+    /// The parameters are complete, and their CRC-32 is not the one announced.
+    LoadCrc {
+        /// That of the bytes that have come.
+        computed: u32,
+    },
+    /// The parameters are complete, and no record of a camera.
+    NoRecord,
 }
 
 impl fmt::Display for Refusal {
@@ -279,6 +308,24 @@ impl fmt::Display for Refusal {
             Self::NoEstimation => {
                 f.write_str("its firmware was built without the adjustment of coefficients")
             }
+            Self::LoadLength { length } => write!(
+                f,
+                "parameters of {length} bytes are not among 1 to {CALIBRATION_CAPACITY}"
+            ),
+            Self::NoLoad => f.write_str("no load of a calibration is under way"),
+            Self::OtherLoad => f.write_str("the part is of another calibration than announced"),
+            Self::PartOutOfOrder { expected } => {
+                write!(
+                    f,
+                    "the part is not the next, which begins at byte {expected}"
+                )
+            }
+            Self::PartTooLong => f.write_str("the part goes beyond the length announced"),
+            Self::LoadCrc { computed } => write!(
+                f,
+                "the parameters have CRC-32 {computed:08x}, not the one announced"
+            ),
+            Self::NoRecord => f.write_str("the parameters are not a camera's of this version"),
         }
     }
 }
@@ -337,7 +384,7 @@ pub struct Identity {
     /// Points in one message.
     pub max_points: u16,
     /// The calibration in use.
-    pub calibration: Option<CalibrationIdentity>,
+    pub calibration: Option<CalibrationId>,
 }
 
 impl Identity {
@@ -377,24 +424,19 @@ pub struct Status {
     pub following_rms_um: f32,
     /// Counts of the findings of the aircraft's instruments since it was prepared.
     pub findings: Findings,
+    /// The calibration it was prepared with; `None` where nobody has said which that is.
+    pub calibration: Option<CalibrationId>,
 }
 
-/// Digest and storage of a calibration.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
-#[cfg_attr(feature = "defmt", derive(defmt::Format))]
-pub struct CalibrationIdentity {
-    /// Digest by [`super::digest::of_camera`].
+/// A part of a camera's parameters.
+#[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
+pub struct Part {
+    /// CRC-32 of the whole, as announced.
     pub crc: u32,
-    /// Storage of the calibration.
-    pub storage: Storage,
-}
-
-/// Storage of a calibration.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
-#[cfg_attr(feature = "defmt", derive(defmt::Format))]
-pub enum Storage {
-    /// In memory alone: the calibration is lost at the next restart.
-    Volatile,
+    /// Where the part begins, bytes.
+    pub offset: u32,
+    /// Its bytes.
+    pub bytes: Vec<u8, MAX_PART>,
 }
 
 /// The crossings of columns and rows, row by row.

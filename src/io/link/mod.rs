@@ -34,18 +34,27 @@ mod batch;
 pub mod deck;
 pub mod digest;
 mod fitting;
+pub mod loading;
 pub mod message;
 pub mod packet;
 pub mod station;
 
 /// Version of packets and messages. It changes whenever a message does.
-pub const PROTOCOL_VERSION: u8 = 4;
+pub const PROTOCOL_VERSION: u8 = 5;
 
 /// Number of points in one message; every buffer's size follows from it.
 pub const MAX_POINTS: usize = 64;
 
 /// Number of observations in one message: as many as fit the payload of [`MAX_POINTS`] answers.
 pub const MAX_OBSERVATIONS: usize = 40;
+
+/// Most bytes of a camera's parameters, as `postcard` writes a [`CameraParameters`](crate::flight::camera::CameraParameters):
+/// the camera keeps them until they are complete.
+pub const CALIBRATION_CAPACITY: usize = 256;
+
+/// Most bytes of a camera's parameters in one message. A calibration comes in two or three, so that every one that is
+/// loaded shows that parts are put together.
+pub const MAX_PART: usize = 64;
 
 /// Longest payload, bytes: [`MAX_POINTS`] answers of four numbers, and the fields around them.
 pub const LONGEST_PAYLOAD: usize = 16 * MAX_POINTS + 16;

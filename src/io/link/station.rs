@@ -2,11 +2,11 @@
 
 use super::deck::{self, FlightDeck, RigDeck};
 use super::fitting::Fitting;
-use super::message::{
-    Answer, CalibrationIdentity, Counters, Header, Identity, Refusal, Request, Storage, Unreadable,
-};
+use super::loading::Loading;
+use super::message::{Answer, Counters, Header, Identity, Part, Refusal, Request, Unreadable};
 use super::packet::{Damage, Packet, PacketReceiver};
 use super::{batch, digest};
+use crate::flight::calibration_id::{CalibrationId, Storage};
 use crate::flight::camera::{self, Camera, CameraParameters};
 use crate::flight::exposure::Exposure;
 use crate::flight::frame_record::FrameRecord;
@@ -23,7 +23,7 @@ pub enum LinkEvent {
     /// A session was opened under this number.
     Connected(u32),
     /// A calibration is in use.
-    Loaded(CalibrationIdentity),
+    Loaded(CalibrationId),
     /// A frame was predicted.
     Exposed,
     /// Another request was answered.
@@ -70,8 +70,7 @@ impl<Deck: FlightDeck> Station<Deck> {
                 deck,
                 last: None,
                 kept: None,
-                camera: None,
-                loaded: None,
+                loading: Loading::NONE,
                 frame: None,
                 fitting: Fitting::NONE,
                 answer: Packet::EMPTY,
@@ -94,6 +93,20 @@ impl<Deck: FlightDeck> Station<Deck> {
                 },
             },
         }
+    }
+
+    /// Puts a calibration into use that the board has in its own store, or was built with, as a load over the link does.
+    ///
+    /// # Errors
+    /// [`Refusal`] as of the last part of a load.
+    pub fn load(
+        &mut self,
+        record: &CameraParameters,
+        storage: Storage,
+    ) -> Result<CalibrationId, Refusal> {
+        deck::check_over(&self.responder.deck)?;
+        let crc = digest::of_camera(record).ok_or(Refusal::NoRecord)?;
+        self.responder.load(*record, crc, storage)
     }
 
     /// Takes a byte from the wire. Returns an event if the byte ends a packet.
@@ -158,10 +171,9 @@ struct Responder<Deck> {
     last: Option<Header>,
     /// The request to which the kept answer belongs.
     kept: Option<Header>,
-    camera: Option<Camera>,
-    /// The loaded camera record, and its digest.
-    loaded: Option<(CameraParameters, u32)>,
+    loading: Loading,
     frame: Option<camera::Frame>,
+    /// The camera, in flight or not: everybody borrows it from here.
     deck: Deck,
     fitting: Fitting,
     answer: Packet,
@@ -254,13 +266,25 @@ impl<Deck: FlightDeck> Responder<Deck> {
             Request::Connect => {
                 self.frame = None;
                 self.fitting.end();
-                let answer = Answer::Connected(self.identity.clone());
-                return Ok((answer, LinkEvent::Connected(header.session)));
+                self.loading.end();
+                let identity = Identity {
+                    calibration: self.deck.camera().and_then(Camera::id),
+                    ..self.identity.clone()
+                };
+                return Ok((
+                    Answer::Connected(identity),
+                    LinkEvent::Connected(header.session),
+                ));
             }
-            Request::Load(record) => {
-                let calibration = self.load(record)?;
-                return Ok((Answer::Loaded(calibration), LinkEvent::Loaded(calibration)));
+            Request::BeginLoad { length, crc } => {
+                deck::check_over(&self.deck)?;
+                self.loading.begin(*length, *crc)?;
+                Answer::Loading(0)
             }
+            Request::LoadPart(part) => match self.load_part(part)? {
+                Some(id) => return Ok((Answer::Loaded(id), LinkEvent::Loaded(id))),
+                None => Answer::Loading(self.loading.received()),
+            },
             Request::Expose(exposure) => {
                 return Ok((
                     Answer::InteriorOrientation(self.expose(exposure)?),
@@ -274,7 +298,6 @@ impl<Deck: FlightDeck> Responder<Deck> {
             Request::Distort(ideal) => {
                 Answer::Points(batch::distort(&self.frame()?.correction, ideal)?)
             }
-            Request::Row(row) => Answer::Row(batch::row(&self.frame()?.correction, row)?),
             Request::Digest(grid) => {
                 deck::check_idle(&self.deck)?;
                 let correction = &self.frame()?.correction;
@@ -289,19 +312,18 @@ impl<Deck: FlightDeck> Responder<Deck> {
             Request::PowerOff => return Err(Refusal::NoPowerSwitch),
             Request::StartFit(options) => {
                 deck::check_idle(&self.deck)?;
-                Answer::Observed(self.fitting.start(self.camera.as_ref(), *options)?)
+                Answer::Observed(self.fitting.start(self.deck.camera(), *options)?)
             }
             Request::Observe(observations) => {
                 deck::check_idle(&self.deck)?;
-                Answer::Observed(self.fitting.observe(self.camera.as_ref(), observations)?)
+                Answer::Observed(self.fitting.observe(self.deck.camera(), observations)?)
             }
             Request::Fit => {
                 deck::check_idle(&self.deck)?;
                 Answer::Fitted(self.fitting.fit()?)
             }
             Request::Prepare(settings) => {
-                let (record, crc) = self.loaded.as_ref().ok_or(Refusal::NoCalibration)?;
-                deck::prepare(&mut self.deck, record, *crc, settings)?;
+                deck::prepare(&mut self.deck, settings)?;
                 Answer::Prepared
             }
             Request::Rig(step) => Answer::Rig(self.deck.step(step).ok_or(Refusal::NoRig)??),
@@ -335,23 +357,38 @@ impl<Deck: FlightDeck> Responder<Deck> {
         Ok(record.and_then(|record| Some((record, digest::of_frame_record(&record)?))))
     }
 
-    fn load(&mut self, record: &CameraParameters) -> Result<CalibrationIdentity, Refusal> {
-        deck::check_idle(&self.deck)?;
-        let camera = Camera::new(*record).map_err(Refusal::Calibration)?;
-        let calibration = CalibrationIdentity {
-            crc: digest::of_camera(record).ok_or(Refusal::Unknown)?,
-            storage: Storage::Volatile,
-        };
-        self.camera = Some(camera);
-        self.loaded = Some((*record, calibration.crc));
+    /// Takes a part; the last puts the calibration into use. Apart, so that reading any request does not need the stack
+    /// of this one.
+    #[inline(never)]
+    fn load_part(&mut self, part: &Part) -> Result<Option<CalibrationId>, Refusal> {
+        deck::check_over(&self.deck)?;
+        if !self.loading.add(part)? {
+            return Ok(None);
+        }
+        let (record, crc) = self.loading.finish()?;
+        self.load(record, crc, Storage::Volatile).map(Some)
+    }
+
+    fn load(
+        &mut self,
+        record: CameraParameters,
+        crc: u32,
+        storage: Storage,
+    ) -> Result<CalibrationId, Refusal> {
+        let camera = Camera::identified(record, crc, storage).map_err(Refusal::Calibration)?;
+        self.deck.load(camera);
         self.frame = None;
         self.fitting.end();
-        self.identity.calibration = Some(calibration);
-        Ok(calibration)
+        Ok(CalibrationId {
+            serial: record.serial,
+            version: record.version,
+            crc,
+            storage,
+        })
     }
 
     fn expose(&mut self, exposure: &Exposure) -> Result<InteriorOrientation, Refusal> {
-        let camera = self.camera.as_ref().ok_or(Refusal::NoCalibration)?;
+        let camera = self.deck.camera().ok_or(Refusal::NoCalibration)?;
         // Points that follow a refused exposure must not meet the previous frame.
         self.frame = None;
         let frame = camera.frame(exposure).map_err(Refusal::Exposure)?;

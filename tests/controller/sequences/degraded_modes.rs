@@ -19,7 +19,7 @@ fn dead_encoder_leaves_static_correction() {
         bench.send(Event::Trigger);
         dead(&mut bench, 97);
     }
-    let counts = bench.controller.counts();
+    let counts = bench.camera.controller().counts();
     assert!(counts.exposed > 5, "{counts:?}");
 }
 
@@ -46,7 +46,10 @@ fn late_round_with_a_trigger_is_no_lost_place() {
         bench.send(Event::Tick);
         bench.now = bench.now.plus_s(0.001);
     }
-    assert_ne!(bench.controller.state(), State::Fault(Fault::Encoder));
+    assert_ne!(
+        bench.camera.controller().state(),
+        State::Fault(Fault::Encoder)
+    );
 }
 
 #[test]
@@ -74,8 +77,8 @@ fn stage_of_a_camera_disarmed_in_a_brown_out_stays() {
     bench.run(5);
     bench.send(Event::Supply(Supply::Good));
     bench.round();
-    assert_eq!(bench.controller.state(), State::Standby);
-    assert!(bench.controller.setpoint(bench.now).is_none());
+    assert_eq!(bench.camera.controller().state(), State::Standby);
+    assert!(bench.camera.controller().setpoint(bench.now).is_none());
 }
 
 #[test]
@@ -91,7 +94,10 @@ fn tdi_camera_overloaded_in_its_run_up_is_degraded() {
         bench.records()[0].outcome,
         Outcome::Refused(Reason::Fault(Fault::Overload))
     );
-    assert_eq!(bench.controller.state(), State::Degraded(Fault::Overload));
+    assert_eq!(
+        bench.camera.controller().state(),
+        State::Degraded(Fault::Overload)
+    );
 }
 
 #[test]
@@ -103,5 +109,5 @@ fn three_late_rounds_in_two_seconds_are_no_overload() {
         bench.run(900);
     }
     bench.run(1);
-    assert_eq!(bench.controller.state(), State::Armed);
+    assert_eq!(bench.camera.controller().state(), State::Armed);
 }

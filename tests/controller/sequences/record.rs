@@ -53,7 +53,10 @@ fn round_before_the_one_before_is_a_jump_of_the_clock() {
     let mut bench = Bench::armed();
     bench.now = bench.now.plus_s(-0.006);
     bench.round();
-    assert_eq!(bench.controller.state(), State::Fault(Fault::Clock));
+    assert_eq!(
+        bench.camera.controller().state(),
+        State::Fault(Fault::Clock)
+    );
 }
 
 #[test]
@@ -97,10 +100,9 @@ mod link {
         // `RigDeck::prepare` passed its start to the first controller only; the second did not know
         // of it, and neither did any record.
         let mut deck = RigDeck::new(Start::AfterWatchdog);
-        deck.prepare(&camera(), 1, &FlightSettings::default())
-            .unwrap();
-        deck.prepare(&camera(), 1, &FlightSettings::default())
-            .unwrap();
+        deck.load(identified(&camera()));
+        deck.prepare(&FlightSettings::default()).unwrap();
+        deck.prepare(&FlightSettings::default()).unwrap();
         assert_eq!(
             deck.controller().unwrap().state(),
             State::Fault(Fault::Watchdog)

@@ -53,7 +53,7 @@ fn stage_not_at_speed_is_seen_with_rounds_of_1_4_ms() {
     // No round falls into the last millisecond before the command (1.4 ms do not even count as
     // late): the speed was not checked.
     let bench = slow_stage(&[-0.001_05, 0.000_35, 0.0015]);
-    assert_eq!(bench.controller.counts().late_ticks, 0);
+    assert_eq!(bench.camera.controller().counts().late_ticks, 0);
     assert_eq!(
         bench.records()[0].outcome,
         Outcome::Refused(Reason::NotAtSpeed)

@@ -13,9 +13,9 @@ fn stall_outlives_a_brown_out() {
     for _ in 0..20 {
         bench.round();
         assert!(
-            bench.controller.setpoint(bench.now).is_none(),
+            bench.camera.controller().setpoint(bench.now).is_none(),
             "driven in {}",
-            bench.controller.state()
+            bench.camera.controller().state()
         );
     }
 }
@@ -34,9 +34,9 @@ fn place_lost_in_standby_is_not_driven_blind() {
         round(&mut bench, 1e-3, Some(-0.5));
     }
     assert!(
-        bench.controller.setpoint(bench.now).is_none(),
+        bench.camera.controller().setpoint(bench.now).is_none(),
         "still driven, {}",
-        bench.controller.state()
+        bench.camera.controller().state()
     );
 }
 
@@ -51,9 +51,9 @@ fn stall_outlives_an_overload() {
         late_round(&mut bench);
     }
     bench.run(1500);
-    let state = bench.controller.state();
+    let state = bench.camera.controller().state();
     bench.send(Event::Trigger);
-    let driven_to = bench.controller.setpoint(bench.now);
+    let driven_to = bench.camera.controller().setpoint(bench.now);
     assert_eq!(
         (state, driven_to),
         (State::Degraded(Fault::Stall), None),

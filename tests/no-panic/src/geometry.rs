@@ -13,7 +13,6 @@ use fmc_camera::geometry::{
     image_motion::{ImageMotion, Smear, View},
     invertibility::{self, Region},
     mesh::{
-        MeshRow,
         displacement_rows::{DisplacementRow, DisplacementRows},
         format::{MeshFormat, q12_20, s16q3, single, uq12_4},
         pixel_correction::CorrectionMesh,
@@ -87,7 +86,6 @@ pub(crate) fn keep() {
         ImageMotion::largest_smear,
         Region::radius_mm,
         invertibility::least_scale,
-        MeshRow::points,
         DisplacementRows::new,
         DisplacementRows::with_margin,
         DisplacementRows::restart_interval,

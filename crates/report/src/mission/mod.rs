@@ -10,6 +10,7 @@ pub mod text;
 pub mod timeline;
 pub mod truth_csv;
 
+use fmc_camera::flight::calibration_id::CalibrationId;
 use fmc_camera::flight::frame_record::FrameRecord;
 use fmc_simulation::mission::flown::Flown;
 use fmc_simulation::mission::judgement::Judgement;
@@ -29,6 +30,11 @@ pub struct MissionReport<'a> {
 }
 
 impl MissionReport<'_> {
+    /// Returns the calibration of the first record; a flight has one.
+    fn calibration(&self) -> Option<CalibrationId> {
+        self.flown.frames.first()?.record.calibration
+    }
+
     /// Returns the records, in order.
     #[must_use]
     pub fn records(&self) -> Vec<FrameRecord> {

@@ -4,6 +4,7 @@ use fmc_camera::flight::frame_record::Outcome;
 use serde::Serialize;
 
 use super::{MissionReport, flags};
+use crate::calibration_identity::CalibrationIdentity;
 use crate::records;
 
 /// The numbers of a mission. Keys are only ever added.
@@ -55,6 +56,8 @@ pub struct Summary {
     pub faults: Vec<Count>,
     /// Number of refused triggers for each reason.
     pub refusals: Vec<Count>,
+    /// Calibration of the records.
+    pub calibration: Option<CalibrationIdentity>,
 }
 
 /// Root mean square, mean and largest value.
@@ -170,6 +173,7 @@ impl Summary {
             flags: Self::flags(report),
             faults: Self::faults(report),
             refusals: Self::refusals(report),
+            calibration: report.calibration().as_ref().map(CalibrationIdentity::of),
         }
     }
 

@@ -37,6 +37,9 @@ pub fn text(report: &MissionReport<'_>) -> String {
     if !flags.is_empty() {
         line(format!("flags: {}", flags.join(", ")));
     }
+    if let Some(calibration) = report.calibration() {
+        line(format!("calibration {calibration}"));
+    }
     line(format!("CRC-32 of the records {}", summary.records_crc32));
     out
 }

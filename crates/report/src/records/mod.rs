@@ -78,6 +78,7 @@ pub fn crc32(records: &[FrameRecord]) -> u32 {
 
 #[cfg(test)]
 mod tests {
+    use fmc_camera::flight::calibration_id::{CalibrationId, SerialNumber, Storage};
     use fmc_camera::flight::camera::{Camera, CameraParameters};
     use fmc_camera::flight::exposure::Exposure;
     use fmc_camera::flight::fault::{Fault, Faults};
@@ -93,6 +94,15 @@ mod tests {
                     [sensor]\nwidth_px = 9216\nheight_px = 9216\npixel_um = 8.75\n";
         let (file, camera) = CameraFile::parse("bare.toml", text).unwrap();
         (file.parameters(), camera)
+    }
+
+    fn calibration() -> CalibrationId {
+        CalibrationId {
+            serial: SerialNumber::new("5282").unwrap(),
+            version: 3,
+            crc: 0xdead_beef,
+            storage: Storage::Stored,
+        }
     }
 
     fn records() -> Vec<FrameRecord> {
@@ -122,7 +132,7 @@ mod tests {
             }),
             faults: Faults::NONE,
             flags,
-            calibration_crc: 0xdead_beef,
+            calibration: Some(calibration()),
         };
         let mut faults = Faults::NONE;
         faults.insert(Fault::Stall);
@@ -132,7 +142,7 @@ mod tests {
             outcome: Outcome::Refused(Reason::Fault(Fault::Stall)),
             faults,
             flags: Flags::NONE,
-            calibration_crc: 0xdead_beef,
+            calibration: Some(calibration()),
         };
         vec![exposed, refused]
     }
@@ -151,6 +161,14 @@ mod tests {
         assert_eq!(field(0, "outcome"), "exposed");
         assert_eq!(field(0, "flags"), "last good V/H; off centre");
         assert_eq!(field(0, "calibration_crc32"), "deadbeef");
+        assert_eq!(field(0, "calibration_serial"), "5282");
+        assert_eq!(field(0, "calibration_version"), "3");
+        assert_eq!(field(1, "calibration_storage"), "stored");
+        assert_eq!(
+            names[40..41],
+            ["calibration_crc32"],
+            "columns are added at the end"
+        );
         // With a centred run-up the principal point is the calibrated one, to a rounding of 20 µm
         // in single precision.
         let y: f64 = field(0, "principal_point_y_mm").parse().unwrap();
@@ -175,6 +193,23 @@ mod tests {
         assert_eq!(value["records"][1]["faults"][0], "stall");
         assert_eq!(value["records"][0]["flags"][1], "off centre");
         assert!(value["records"][1]["opened_us"].is_null());
+    }
+
+    #[test]
+    fn what_is_not_known_of_a_calibration_is_left_empty() {
+        let mut records = records();
+        records[0].calibration = Some(CalibrationId {
+            serial: SerialNumber::EMPTY,
+            version: 0,
+            ..calibration()
+        });
+        records[1].calibration = None;
+        let mut csv = Vec::new();
+        write_csv(&records, &mut csv).unwrap();
+        let text = String::from_utf8(csv).unwrap();
+        let rows: Vec<&str> = text.lines().collect();
+        assert!(rows[1].ends_with(",deadbeef,,,stored"), "{}", rows[1]);
+        assert!(rows[2].ends_with(",00000000,,,"), "{}", rows[2]);
     }
 
     #[test]

@@ -3,13 +3,15 @@
 use fmc_camera::flight::exposure::CorrectionModel;
 use fmc_camera::flight::fault::Fault;
 use fmc_camera::flight::frame_record::{ExposedFrame, Flag, FrameRecord, Outcome};
-use fmc_camera::flight::interior_orientation::FocusConvention;
 use fmc_camera::flight::vh::VhSource;
 use fmc_camera::geometry::frame_correction::Terms;
 use serde::Serialize;
 
+use crate::calibration_identity::CalibrationIdentity;
+use crate::wording::FOCUS_CONVENTION;
+
 /// Names of the columns, as the fields of [`Row`].
-pub(super) const NAMES: [&str; 43] = [
+pub(super) const NAMES: [&str; 46] = [
     "sequence",
     "trigger_us",
     "outcome",
@@ -53,6 +55,9 @@ pub(super) const NAMES: [&str; 43] = [
     "calibration_crc32",
     "principal_point_frame_sigma_mm",
     "principal_point_common_sigma_mm",
+    "calibration_serial",
+    "calibration_version",
+    "calibration_storage",
 ];
 
 /// A list of names: several in one cell, or an array.
@@ -118,6 +123,9 @@ pub(super) struct Row<L> {
     calibration_crc32: String,
     principal_point_frame_sigma_mm: Option<f32>,
     principal_point_common_sigma_mm: Option<f32>,
+    calibration_serial: Option<String>,
+    calibration_version: Option<u32>,
+    calibration_storage: Option<&'static str>,
 }
 
 impl<L: Names> Row<L> {
@@ -129,6 +137,7 @@ impl<L: Names> Row<L> {
         let frame = |value: fn(&ExposedFrame) -> f32| exposed.map(value);
         let vh = exposed.and_then(|exposed| exposed.vh.as_ref());
         let utc = exposed.and_then(|exposed| exposed.centroid_utc.as_ref());
+        let calibration = record.calibration.as_ref().map(CalibrationIdentity::of);
         let codes: Vec<String> = record
             .faults
             .iter()
@@ -155,9 +164,7 @@ impl<L: Names> Row<L> {
             principal_distance_mm: frame(|frame| frame.interior.principal_distance_mm),
             focus_shift_mm: frame(|frame| frame.interior.focus_shift_mm),
             enlargement: frame(|frame| frame.interior.enlargement),
-            focus_convention: exposed.map(|exposed| match exposed.interior.focus_convention {
-                FocusConvention::FixedPrincipalDistance => "A",
-            }),
+            focus_convention: exposed.map(|_| FOCUS_CONVENTION),
             model: exposed.map(|exposed| match exposed.interior.model {
                 CorrectionModel::Exact => "exact",
                 CorrectionModel::Fitted => "fitted",
@@ -188,9 +195,14 @@ impl<L: Names> Row<L> {
             faults: L::of(record.faults.iter().map(Fault::name).collect()),
             fault_codes: codes.join("; "),
             flags: L::of(record.flags.iter().map(Flag::name).collect()),
-            calibration_crc32: format!("{:08x}", record.calibration_crc),
+            calibration_crc32: calibration
+                .as_ref()
+                .map_or_else(|| "00000000".to_owned(), |it| it.crc32.clone()),
             principal_point_frame_sigma_mm: frame(|frame| frame.principal_point_sigma.frame_mm),
             principal_point_common_sigma_mm: frame(|frame| frame.principal_point_sigma.common_mm),
+            calibration_version: calibration.as_ref().and_then(|it| it.version),
+            calibration_storage: calibration.as_ref().map(|it| it.storage),
+            calibration_serial: calibration.and_then(|it| it.serial),
         }
     }
 }

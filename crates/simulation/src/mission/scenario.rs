@@ -3,8 +3,9 @@
 use std::path::Path;
 
 use fmc_camera::flight::camera::{Camera, FrameError};
-use fmc_camera::flight::controller::{Controller, ControllerError, Start};
+use fmc_camera::flight::controller::{ControllerError, Start};
 use fmc_camera::flight::exposure::Exposure;
+use fmc_camera::flight::prepared_camera::PreparedCamera;
 use fmc_camera::geometry::range::Quantity;
 use fmc_camera_file::number::single;
 use fmc_camera_file::toml_text::TomlText;
@@ -110,7 +111,7 @@ impl MissionScenario {
         let (camera, checked) = camera_of(&written.camera)?;
         let interval_s = interval_s(&written, &camera, &text)?;
         check_exposure(&written, &camera, &checked, &text)?;
-        check_settings(&written, &camera, interval_s, &text)?;
+        check_settings(&written, checked.clone(), interval_s, &text)?;
         let faults = planned_fault::planned(&written, interval_s, &text)?;
         Ok(Self {
             file: file.to_owned(),
@@ -294,12 +295,12 @@ fn check_exposure(
 /// Checks that the camera accepts its settings and has enough time between triggers.
 fn check_settings(
     written: &MissionFile,
-    camera: &CameraFile,
+    camera: Camera,
     interval_s: f64,
     text: &TomlText,
 ) -> Result<(), InputError> {
     let settings = flight_settings(written, interval_s);
-    let Err(refused) = Controller::new(&camera.parameters(), 0, &settings, Start::Orderly) else {
+    let Err(refused) = PreparedCamera::new(camera, &settings, Start::Orderly) else {
         return Ok(());
     };
     let (path, fault): (&[&str], String) = match refused {
@@ -325,7 +326,6 @@ fn check_settings(
             &["camera"],
             format!("cannot be flown at the largest V/H of its limits: {error}"),
         ),
-        ControllerError::Calibration(error) => (&["camera"], error.to_string()),
         ControllerError::Settings(error) => (setting_path(error.quantity), error.to_string()),
     };
     Err(text.invalid(path, &format!("is refused by the camera: {fault}")))

@@ -2,10 +2,8 @@
 
 use fmc_camera::flight::camera::FrameError;
 use fmc_camera::flight::exposure::Exposure;
-use fmc_camera::geometry::mesh::MeshRow;
 use fmc_camera::geometry::mesh::format::MeshFormat;
 use fmc_camera::geometry::mesh::vertex::VertexRow;
-use fmc_camera::geometry::sensor::SensorPoint;
 use fmc_camera::io::link::MAX_POINTS;
 use fmc_camera::io::link::message::{Answer, Grid, Refusal};
 
@@ -29,15 +27,6 @@ fn remote_camera_answers_what_the_one_in_process_does() {
         assert_eq!(remote.distort(&points), twin.distort(&points));
     }
     assert_eq!(remote.correct_grid(&grid()), twin.correct_grid(&grid()));
-    let row = MeshRow {
-        first: SensorPoint::new(-40.0, 10.0),
-        step_mm: 1.25,
-        count: 64,
-    };
-    let on_row: Vec<_> = row.points().collect();
-    let expected: Vec<_> = twin.correct(&on_row).unwrap();
-    let expected: Vec<_> = expected.iter().map(|point| point.distortion).collect();
-    assert_eq!(remote.row(row).unwrap(), expected);
     for format in MeshFormat::ALL {
         assert_eq!(remote.mesh(&VERTICES, format), twin.mesh(&VERTICES, format));
     }
@@ -88,13 +77,12 @@ fn refusals_arrive_with_their_reason_and_place() {
         remote.distort(&off),
         Err(DeviceError::Distort { index: 70, .. })
     ));
-    let row = MeshRow {
-        first: SensorPoint::new(0.0, 0.0),
-        step_mm: 0.1,
+    let row = VertexRow {
         count: 65,
+        ..VERTICES
     };
     assert!(matches!(
-        link_error(remote.row(row)),
+        link_error(remote.corrections(&row)),
         LinkError::Refused {
             refusal: Refusal::TooMany,
             ..

@@ -6,11 +6,7 @@ use crate::flight::frame_record::{Flag, Reason};
 impl FrameMachine {
     /// Ends the frame in flight before first light. Returns its number, and `true` if the shutter
     /// had been told to open; `None` if no frame is in flight, or light has come.
-    pub(in super::super) fn call_off(
-        &mut self,
-        reason: Reason,
-        calibration_crc: u32,
-    ) -> Option<(u32, bool)> {
+    pub(in super::super) fn call_off(&mut self, reason: Reason) -> Option<(u32, bool)> {
         let frame = self.in_flight.as_ref()?;
         let is_told = match frame.phase {
             Phase::Triggered { .. } | Phase::RunUp { .. } => false,
@@ -22,8 +18,7 @@ impl FrameMachine {
         } = frame.asked;
         let faults = frame.faults;
         self.in_flight = None;
-        self.kept
-            .refuse(sequence, trigger, reason, faults, calibration_crc);
+        self.kept.refuse(sequence, trigger, reason, faults);
         Some((sequence, is_told))
     }
 

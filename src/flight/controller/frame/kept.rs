@@ -2,8 +2,8 @@
 
 use crate::flight::camera;
 use crate::flight::fault::Faults;
-use crate::flight::frame_record::{Flags, FrameRecord, Outcome, Reason};
-use crate::flight::record_log::{Numbered, RecordLog};
+use crate::flight::frame_record::{Flags, Outcome, Reason};
+use crate::flight::record_log::{Entry, Numbered, RecordLog};
 use crate::flight::time::Time;
 
 /// Records and counts of the frames.
@@ -31,11 +31,28 @@ impl Kept {
         }
     }
 
+    /// Forgets all that is kept, where it is: it is the largest part of a controller.
+    pub(super) fn restart(&mut self) {
+        let Self {
+            latest,
+            records,
+            triggers,
+            exposed,
+            refused,
+            unexpected_edges,
+        } = self;
+        *latest = None;
+        records.restart();
+        for count in [triggers, exposed, refused, unexpected_edges] {
+            *count = 0;
+        }
+    }
+
     /// Numbers a trigger. Every trigger gets a number and a record; one without room for its record
     /// is refused at once.
-    pub(in super::super) fn number(&mut self, trigger: Time, calibration_crc: u32) -> Numbered {
+    pub(in super::super) fn number(&mut self, trigger: Time) -> Numbered {
         self.triggers = self.triggers.saturating_add(1);
-        let numbered = self.records.number(trigger, calibration_crc);
+        let numbered = self.records.number(trigger);
         if let Numbered::Full(_) = numbered {
             self.refused = self.refused.saturating_add(1);
         }
@@ -49,20 +66,18 @@ impl Kept {
         trigger: Time,
         reason: Reason,
         faults: Faults,
-        calibration_crc: u32,
     ) {
-        self.finish(FrameRecord {
+        self.finish(Entry {
             sequence,
             trigger,
             outcome: Outcome::Refused(reason),
             faults,
             flags: Flags::NONE,
-            calibration_crc,
         });
     }
 
     /// Finishes the record of a trigger.
-    pub(super) fn finish(&mut self, record: FrameRecord) {
+    pub(super) fn finish(&mut self, record: Entry) {
         let count = match record.outcome {
             Outcome::Exposed(_) => &mut self.exposed,
             Outcome::Refused(_) => &mut self.refused,

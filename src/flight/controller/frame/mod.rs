@@ -79,14 +79,21 @@ struct Light {
 }
 
 impl FrameMachine {
-    /// Returns the machine before the first trigger; `faults` go into the first record.
+    /// Before the first trigger.
     #[inline]
-    pub(super) const fn new(faults: Faults) -> Self {
+    pub(super) const fn new() -> Self {
         Self {
             in_flight: None,
-            faults,
+            faults: Faults::NONE,
             kept: Kept::new(),
         }
+    }
+
+    /// To before the first trigger, as [`Self::new`]; what goes into the first record.
+    pub(super) fn restart(&mut self, faults: Faults) {
+        self.in_flight = None;
+        self.faults = faults;
+        self.kept.restart();
     }
 
     /// Begins a frame.

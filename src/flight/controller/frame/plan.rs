@@ -62,7 +62,7 @@ impl Plan {
         place_mm: f32,
         fault: Fault,
     ) -> Result<Self, Reason> {
-        let checked = setup.camera.check_exposure_time(setup.exposure_s);
+        let checked = setup.camera.check_exposure_time(asked.exposure.exposure_s);
         checked.map_err(|_| Reason::OutsideLimits)?;
         let mut plan = Self::new(asked, setup, place_mm, 0.0);
         plan.flags = Flags::NONE;

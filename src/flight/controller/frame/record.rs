@@ -6,7 +6,8 @@ use crate::flight::controller::aircraft::Aircraft;
 use crate::flight::controller::setup::Setup;
 use crate::flight::controller::stage::{ExposureMotion, StageMachine};
 use crate::flight::exposure::{CorrectionModel, Exposure};
-use crate::flight::frame_record::{ExposedFrame, Flag, Flags, FrameRecord, Outcome, Reason};
+use crate::flight::frame_record::{ExposedFrame, Flag, Flags, Outcome, Reason};
+use crate::flight::record_log::Entry;
 
 impl FrameMachine {
     /// Records the exposure in flight, and ends it. Returns its number; `None` before last light.
@@ -59,13 +60,12 @@ impl FrameMachine {
         } else {
             Outcome::Refused(Reason::Unusable)
         };
-        self.kept.finish(FrameRecord {
+        self.kept.finish(Entry {
             sequence,
             trigger: frame.asked.trigger,
             outcome,
             faults: frame.faults,
             flags,
-            calibration_crc: setup.calibration_crc,
         });
         self.in_flight = None;
         Some(sequence)

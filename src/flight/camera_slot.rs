@@ -1,0 +1,121 @@
+//! The place of the one camera that a deck flies: loaded, and prepared for flight or not.
+
+use core::fmt;
+
+use super::camera::Camera;
+use super::controller::{Controller, ControllerError, Preparation, Setup, Start, checked};
+use super::drive::settings::DriveSettings;
+use super::settings::FlightSettings;
+use crate::geometry::range::OutOfRange;
+
+/// The camera that is loaded, and the controller that flies it once it is prepared.
+///
+/// There is one copy of the camera. It stays where it is when it is prepared, and everybody borrows it from here, so
+/// that correction, adjustment and flight cannot use different calibrations.
+#[derive(Debug)]
+pub(crate) struct CameraSlot {
+    /// How the next flight begins.
+    start: Start,
+    camera: Option<Camera>,
+    /// What the camera is prepared with; `None` before.
+    preparation: Option<Preparation>,
+    /// Made in its place at the first flight: a board without a flight is moved without it.
+    controller: Option<Controller>,
+}
+
+impl CameraSlot {
+    /// No camera.
+    pub(crate) const fn new(start: Start) -> Self {
+        Self {
+            start,
+            camera: None,
+            preparation: None,
+            controller: None,
+        }
+    }
+
+    /// Puts a camera in place of the one before. It has to be prepared anew; the records of the flight before are gone.
+    pub(crate) fn load(&mut self, camera: Camera) {
+        self.start = self.next_start();
+        self.preparation = None;
+        self.camera = Some(camera);
+    }
+
+    /// The camera; `None` before one is loaded.
+    pub(crate) const fn camera(&self) -> Option<&Camera> {
+        self.camera.as_ref()
+    }
+
+    /// Makes the camera ready to be flown: a flight before ends, and its records are gone. The drive takes its settings
+    /// once nothing has been found wrong.
+    ///
+    /// # Errors
+    /// [`NotFlyable`]; nothing has changed then.
+    pub(crate) fn prepare(
+        &mut self,
+        settings: &FlightSettings,
+        set_drive: impl FnOnce(DriveSettings) -> Result<(), OutOfRange>,
+    ) -> Result<(), NotFlyable> {
+        let start = self.next_start();
+        let camera = self.camera.as_ref().ok_or(NotFlyable::NoCamera)?;
+        let settings = checked(camera, settings).map_err(NotFlyable::Controller)?;
+        set_drive(settings.drive)
+            .map_err(|error| NotFlyable::Controller(ControllerError::Settings(error)))?;
+        let preparation = self.preparation.insert(Preparation::new(camera, &settings));
+        let controller = self.controller.get_or_insert_with(Controller::new);
+        controller.restart(&preparation.of(camera), start);
+        self.start = start;
+        Ok(())
+    }
+
+    /// How a flight begins after what is in the slot now: a fault that nobody has cleared is not forgotten.
+    fn next_start(&self) -> Start {
+        self.controller().map_or(self.start, Controller::next_start)
+    }
+
+    /// The controller; `None` before the camera is prepared.
+    pub(crate) fn controller(&self) -> Option<&Controller> {
+        self.controller
+            .as_ref()
+            .filter(|_| self.preparation.is_some())
+    }
+
+    /// The same, to acknowledge records.
+    pub(crate) fn controller_mut(&mut self) -> Option<&mut Controller> {
+        self.controller
+            .as_mut()
+            .filter(|_| self.preparation.is_some())
+    }
+
+    /// The camera with the controller that flies it, for events; `None` before it is prepared.
+    pub(crate) fn flown(&mut self) -> Option<(Setup<'_>, &mut Controller)> {
+        let setup = self.preparation.as_ref()?.of(self.camera.as_ref()?);
+        Some((setup, self.controller.as_mut()?))
+    }
+}
+
+/// A camera cannot be flown so.
+#[derive(Debug, Clone, Copy, PartialEq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
+pub enum NotFlyable {
+    /// No camera is loaded.
+    NoCamera,
+    /// The controller refuses the settings, or the drive its own.
+    Controller(ControllerError),
+    /// The sensor is TDI, and the board has no output that clocks its rows.
+    NoRowClock,
+}
+
+impl fmt::Display for NotFlyable {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::NoCamera => f.write_str("no camera is loaded"),
+            Self::Controller(error) => error.fmt(f),
+            Self::NoRowClock => {
+                f.write_str("the board has no output that clocks the rows of a TDI sensor")
+            }
+        }
+    }
+}
+
+impl core::error::Error for NotFlyable {}
