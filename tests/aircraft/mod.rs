@@ -11,5 +11,6 @@
 mod fuzzed;
 mod mavlink;
 mod nmea;
+mod other_readers;
 #[path = "../../fuzz/aircraft.rs"]
 mod targets;

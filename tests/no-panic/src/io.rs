@@ -9,6 +9,8 @@ use fmc_camera::io::link::{
     packet::{Packet, PacketReceiver},
     station::Station,
 };
+use fmc_camera::io::mavlink::MavlinkReceiver;
+use fmc_camera::io::nmea::NmeaReceiver;
 
 type Deck = FlownDeck<RigDrive>;
 
@@ -41,25 +43,14 @@ pub(crate) fn keep() {
         Station::<RigDeck>::count_overrun,
         Station::<RigDeck>::counters,
         Station::<RigDeck>::deck_mut,
-    ];
-    #[cfg(feature = "mavlink")]
-    keep_mavlink();
-    #[cfg(feature = "nmea")]
-    keep_nmea();
-}
-
-#[cfg(feature = "mavlink")]
-fn keep_mavlink() {
-    use fmc_camera::io::mavlink::MavlinkReceiver;
-    keep![
         MavlinkReceiver::new,
         MavlinkReceiver::receive,
         MavlinkReceiver::buffered,
+        MavlinkReceiver::is_under_way,
+        MavlinkReceiver::take_unexplained,
+        NmeaReceiver::new,
+        NmeaReceiver::receive,
+        NmeaReceiver::is_under_way,
+        NmeaReceiver::take_unexplained,
     ];
-}
-
-#[cfg(feature = "nmea")]
-fn keep_nmea() {
-    use fmc_camera::io::nmea::NmeaReceiver;
-    keep![NmeaReceiver::new, NmeaReceiver::receive];
 }
