@@ -9,9 +9,8 @@
 
 mod message;
 mod payload;
+mod reading;
 mod unexplained;
-
-use core::fmt;
 
 use crc::{CRC_16_MCRF4XX, Crc, Table};
 use heapless::Vec;
@@ -19,77 +18,27 @@ use heapless::Vec;
 use self::message::{Memory, Message};
 use self::payload::Payload;
 use self::unexplained::Unexplained;
-use crate::flight::event::AttitudeSample;
-use crate::flight::vh::VhSample;
-use crate::geometry::range::OutOfRange;
 
 pub use self::message::{ALTITUDE_PREFERRED, TRACK_WITHIN_MS};
-
-/// Longest payload of a message that is read, with room for fields that newer senders add, bytes.
-pub const LONGEST_PAYLOAD: usize = 64;
+pub use self::payload::LONGEST_PAYLOAD;
+pub use self::reading::{MAX_SAMPLES, MavlinkError, MavlinkReading};
 
 /// Longest frame that is read: version 2 with that payload and a signature, bytes.
 pub const LONGEST_PACKET: usize = 10 + LONGEST_PAYLOAD + CHECKSUM_BYTES + SIGNATURE_BYTES;
-
-/// Samples of one message.
-pub const MAX_SAMPLES: usize = 3;
 
 /// First byte of a frame of version 1, and of version 2.
 const BEGINNINGS: [u8; 2] = [0xfe, 0xfd];
 
 const CRC: Crc<u16, Table<1>> = Crc::<u16, Table<1>>::new(&CRC_16_MCRF4XX);
 
-/// Flag of version 2: the frame ends with a signature.
+/// In version 2: the frame ends with a signature.
 const SIGNED: u8 = 1;
 
 const SIGNATURE_BYTES: usize = 13;
 
 const CHECKSUM_BYTES: usize = 2;
 
-/// What a message says.
-#[derive(Debug, Clone, PartialEq)]
-pub struct MavlinkReading {
-    /// Who sends it: the number of the aircraft's system.
-    pub system: u8,
-    /// Speed and heights.
-    pub samples: Vec<VhSample, MAX_SAMPLES>,
-    /// The autopilot's time, µs since 1970-01-01T00:00:00 UTC.
-    pub unix_us: Option<u64>,
-    /// Attitude and its rates; its drift is the last track less the heading.
-    pub attitude: Option<AttitudeSample>,
-}
-
-/// Why a message is not used.
-#[derive(Debug, Clone, Copy, PartialEq)]
-#[cfg_attr(feature = "defmt", derive(defmt::Format))]
-pub enum MavlinkError {
-    /// The checksum of a message that is read is wrong, or its beginning was none.
-    Checksum,
-    /// A field has a value that the protocol does not know.
-    Malformed,
-    /// The autopilot does not know position or time.
-    NoFix,
-    /// The distance is beyond what its sensor can measure, or the sensor says itself that it is none.
-    NoDistance,
-    /// A number outside its range.
-    OutOfRange(OutOfRange),
-}
-
-impl fmt::Display for MavlinkError {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        match self {
-            Self::Checksum => f.write_str("checksum of a message is wrong"),
-            Self::Malformed => f.write_str("field of a message has a value that does not exist"),
-            Self::NoFix => f.write_str("autopilot does not know position or time"),
-            Self::NoDistance => f.write_str("distance sensor has not measured"),
-            Self::OutOfRange(error) => error.fmt(f),
-        }
-    }
-}
-
-impl core::error::Error for MavlinkError {}
-
-/// Layout of a frame.
+/// Where the parts of a frame lie.
 #[derive(Debug, Clone, Copy)]
 struct Layout {
     system: u8,
@@ -107,7 +56,7 @@ enum Beginning {
     PassedOver(usize),
     /// There are too few bytes to tell.
     Incomplete,
-    /// The bytes begin no frame.
+    /// No frame.
     None,
 }
 
@@ -120,7 +69,7 @@ pub struct MavlinkReceiver {
 }
 
 impl MavlinkReceiver {
-    /// Returns a receiver before the first byte.
+    /// A receiver before the first byte.
     #[must_use]
     pub const fn new() -> Self {
         Self {
@@ -130,23 +79,23 @@ impl MavlinkReceiver {
         }
     }
 
-    /// Takes one byte. If it ends a message, returns a reading, or the reason why there is none.
+    /// Takes one byte; a reading, or the reason why there is none, where the byte ends a message.
     ///
-    /// Behind a false beginning several messages may end with one byte: [`Self::buffered`] returns
-    /// the others, or each of the next bytes returns one of them.
+    /// Behind a false beginning several messages may end with one byte: [`Self::buffered`] gives the others, or each of
+    /// the next bytes one of them.
     ///
     /// # Errors
-    /// [`MavlinkError`]; a whole frame that follows is read after any bytes before it, at most
-    /// [`LONGEST_PACKET`] bytes late.
+    /// [`MavlinkError`]; a whole frame that follows is read whatever came before it, at most [`LONGEST_PACKET`] bytes
+    /// late.
     pub fn receive(&mut self, byte: u8) -> Option<Result<MavlinkReading, MavlinkError>> {
         if self.received.push(byte).is_err() {
-            // A full buffer would have been a whole frame, and was cut.
+            // A full buffer is a whole frame, and was cut.
             self.received.clear();
         }
         self.buffered()
     }
 
-    /// Returns the next message among the bytes that have come.
+    /// The next message among the bytes that have come.
     ///
     /// # Errors
     /// As [`Self::receive`].
@@ -180,15 +129,14 @@ impl MavlinkReceiver {
         }
     }
 
-    /// Returns true if a message has begun and not ended.
+    /// Whether a message has begun and not ended.
     #[must_use]
     pub fn is_under_way(&self) -> bool {
         !self.received.is_empty()
     }
 
-    /// Returns the number of bytes that belong to no frame since the last call. Many of them
-    /// indicate a wrong baud rate. A frame that is ignored counts as a frame if another one follows
-    /// it.
+    /// Bytes that belong to no frame since this was asked last: many of them mean a wrong baud rate. Frames that are not
+    /// read count as frames where another one follows them.
     pub const fn take_unexplained(&mut self) -> u32 {
         self.unexplained.take()
     }
@@ -243,7 +191,7 @@ fn beginning(bytes: &[u8]) -> Beginning {
     }
 }
 
-/// Returns the payload, if the checksum is right.
+/// The payload, if the checksum is right.
 fn checked_payload(bytes: &[u8], layout: Layout, message: Message) -> Option<Payload> {
     let (frame, rest) = bytes.split_at_checked(layout.payload_at + layout.payload_bytes)?;
     let (checksum, _) = rest.split_first_chunk::<CHECKSUM_BYTES>()?;

@@ -9,6 +9,7 @@
 )]
 
 mod fuzzed;
+mod instruments;
 mod mavlink;
 mod nmea;
 mod other_readers;

@@ -6,7 +6,7 @@ use core::f32::consts::PI;
 use heapless::Vec;
 
 use super::payload::Payload;
-use super::{MAX_SAMPLES, MavlinkError, MavlinkReading};
+use super::reading::{MAX_SAMPLES, MavlinkError, MavlinkReading};
 use crate::flight::event::AttitudeSample;
 use crate::flight::vh::VhSample;
 use crate::geometry::range::Quantity;

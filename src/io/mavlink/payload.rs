@@ -1,6 +1,7 @@
 //! Payload of a message: numbers at their places, the low byte first.
 
-use super::LONGEST_PAYLOAD;
+/// Longest payload of a message that is read, with room for fields that newer senders add, bytes.
+pub const LONGEST_PAYLOAD: usize = 64;
 
 /// A payload in its full length: version 2 leaves out zeros at the end, and newer senders may add fields.
 #[derive(Debug, Clone, Copy)]

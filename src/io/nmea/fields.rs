@@ -1,7 +1,7 @@
 //! Fields of the sentences that are read.
 
 use super::number::{fraction, single, whole};
-use super::{M_PER_S_PER_KNOT, NmeaError, NmeaPosition, NmeaReading};
+use super::reading::{M_PER_S_PER_KNOT, NmeaError, NmeaPosition, NmeaReading};
 use crate::flight::vh::VhSample;
 use crate::geometry::range::Quantity;
 
@@ -242,7 +242,7 @@ mod tests {
     use std::format;
 
     use super::unix_day;
-    use crate::io::nmea::NmeaError;
+    use crate::io::nmea::reading::NmeaError;
 
     #[test]
     fn days_are_counted_without_gap_from_2000_to_2079() {
