@@ -1,13 +1,15 @@
 //! Instruments of the aircraft on two wires: a satellite receiver (NMEA 0183) and an autopilot (`MAVLink`).
 //!
-//! Bytes go in as they come, and a round of the control loop takes the events that they lead to: samples of V/H, times
-//! and attitudes. Whatever comes on one wire, a round reads [`BYTES_PER_ROUND`] of its bytes and no more, so that a flood
-//! costs as much as the line's own rate does; bytes beyond [`WAITING_BYTES`] are dropped and counted. Neither wire
-//! changes what the other says, but for this: while the receiver gives ground speed, altitude or time, the autopilot's
-//! own speed counts as that of its inertial unit, and its altitude and time are left out.
+//! [`Instruments`] takes bytes as they come; a round of the control loop takes the events that they
+//! make: samples of V/H, times and attitudes. A round reads at most [`BYTES_PER_ROUND`] bytes of
+//! each wire, so that a flood costs no more than the line at its own rate; bytes beyond
+//! [`WAITING_BYTES`] are dropped and counted. The wires affect each other in one way only: while the
+//! receiver gives ground speed, altitude or time, the autopilot's speed counts as that of its
+//! inertial unit, and its altitude or time is ignored.
 //!
-//! One talker is listened to on the receiver's wire, and one system on the autopilot's: the first that speaks, until it
-//! has been silent for [`ALIVE_US`]. Everything that is not used is counted ([`InstrumentCounters`]).
+//! On the receiver's wire one talker is used, and on the autopilot's one system: the first that
+//! speaks, until it has been silent for [`ALIVE_US`]. Everything that is not used is counted
+//! ([`InstrumentCounters`]).
 
 mod arrivals;
 mod autopilot;
@@ -39,11 +41,11 @@ pub enum Wire {
 }
 
 impl Wire {
-    /// Both.
+    /// Both wires.
     pub const ALL: [Self; 2] = [Self::Receiver, Self::Autopilot];
 }
 
-/// Bytes that have come on each wire since the camera was prepared, modulo 2³².
+/// Numbers of bytes on each wire since the camera was prepared, modulo 2³².
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
@@ -54,22 +56,23 @@ pub struct WireBytes {
     pub autopilot: u32,
 }
 
-/// Both wires with their decoders.
+/// The two wires with their decoders.
 #[derive(Debug, Clone, Default)]
 pub struct Instruments {
     receiver: ReceiverWire,
     autopilot: AutopilotWire,
     received: WireBytes,
+    crowded_out: u32,
 }
 
 impl Instruments {
-    /// Silent wires; the first autopilot that speaks is listened to.
+    /// Returns silent wires, which use the first autopilot that speaks.
     #[must_use]
     pub const fn new() -> Self {
         Self::listening_to(None)
     }
 
-    /// Silent wires; the autopilot of this system number alone is listened to.
+    /// Returns silent wires, which use no autopilot but that of this system number.
     #[must_use]
     pub const fn of_system(system: u8) -> Self {
         Self::listening_to(Some(system))
@@ -83,15 +86,16 @@ impl Instruments {
                 receiver: 0,
                 autopilot: 0,
             },
+            crowded_out: 0,
         }
     }
 
-    /// Forgets what has come.
+    /// Discards everything that has come.
     pub fn clear(&mut self) {
         *self = Self::listening_to(self.autopilot.wanted());
     }
 
-    /// Takes a byte of a wire; where there is no room it is dropped and counted.
+    /// Takes a byte of a wire. Without room for it, drops and counts it.
     pub fn push(&mut self, wire: Wire, byte: u8) {
         let (intake, bytes, flooded, received) = match wire {
             Wire::Receiver => (
@@ -114,7 +118,7 @@ impl Instruments {
         }
     }
 
-    /// Bytes of a wire were lost before they could be taken.
+    /// Counts bytes of a wire that were lost before they could be taken.
     pub const fn count_lost(&mut self, wire: Wire, bytes: u32) {
         let (come, lost) = match wire {
             Wire::Receiver => (
@@ -130,19 +134,27 @@ impl Instruments {
         count(lost, bytes);
     }
 
-    /// Bytes that have been taken of each wire, those without room included.
+    /// Counts an event that found no place among those that wait for the control loop.
+    pub const fn count_crowded_out(&mut self) {
+        count(&mut self.crowded_out, 1);
+    }
+
+    /// Returns the number of bytes taken of each wire, those without room included.
     #[must_use]
     pub const fn received(&self) -> WireBytes {
         self.received
     }
 
-    /// A round begins: what the bytes that have come say, in order of time, as far as there is room for so many events.
-    /// The others wait. A byte has come at the time of the round that reads it; samples and attitudes have the time at
-    /// which the first byte of their message came, up to [`HEARD_WITHIN_US`] before the round, times that of the last.
+    /// Returns the events of a round, in order of time: those of the bytes that have come, as far
+    /// as there is room for so many events. Other bytes wait for the next round.
+    ///
+    /// A byte counts as come at the time of the round that reads it. A sample or an attitude has
+    /// the time of the first byte of its message, at most [`HEARD_WITHIN_US`] before the round, and
+    /// a time that of the last byte.
     ///
     /// # Accuracy
-    /// Of [`BYTES_PER_ROUND`] bytes of each wire: `instruments_round_worst` of `docs/instructions.csv` is what the
-    /// dearest of them cost.
+    /// `instruments_round_worst` in `docs/instructions.csv` is the cost of the most expensive
+    /// [`BYTES_PER_ROUND`] bytes of both wires.
     pub fn round(&mut self, now: Time, room: usize) -> Events {
         let mut arrivals = Arrivals::new(now, room);
         self.receiver.round(&mut arrivals);
@@ -150,27 +162,25 @@ impl Instruments {
         arrivals.events
     }
 
-    /// The round of a test rig whose receiver and autopilot speak on wires: the step's own events, and those of the
-    /// bytes.
+    /// Returns a round of a test rig with the events of the wires added to its own.
     #[must_use]
     pub fn wired(&mut self, step: &RigStep) -> RigStep {
         let room = MAX_EVENTS.saturating_sub(step.events.len());
         let mut wired = step.clone();
-        for (time, event) in self.round(step.time, room) {
-            let later = wired.events.iter().position(|(other, _)| *other > time);
-            let place = later.unwrap_or(wired.events.len());
+        for &(time, event) in &self.round(step.time, room) {
             // There is room.
-            let _ = wired.events.insert(place, (time, event));
+            arrivals::insert(&mut wired.events, time, event);
         }
         wired
     }
 
-    /// What has come, and what of it was not used.
+    /// Returns the counts of what has come, and of what was not used.
     #[must_use]
     pub const fn counters(&self) -> InstrumentCounters {
         InstrumentCounters {
             receiver: self.receiver.counters,
             autopilot: self.autopilot.counters,
+            crowded_out: self.crowded_out,
         }
     }
 }

@@ -1,11 +1,13 @@
 //! Messages of an autopilot (`MAVLink` 1 and 2): speed, heights, attitude and time, byte by byte.
 //!
-//! Read are the messages of [`message`]; every other message is passed over, its payload looked through for the
-//! beginning of one that is read. A candidate whose checksum is wrong is given up from its second byte, so that no
-//! frame is lost behind a false beginning, and a byte leads to one checksum at most. Signatures are not verified.
+//! The receiver reads `GLOBAL_POSITION_INT`, `DISTANCE_SENSOR`, `ALTITUDE`, `ATTITUDE` and
+//! `SYSTEM_TIME` of the common dialect, and ignores every other message: it searches the bytes of
+//! such a message for the beginning of one that it reads. After a candidate whose checksum is wrong
+//! the search goes on from its second byte, so that no frame is lost behind a false beginning. One
+//! byte computes one checksum of a wrong candidate at most. Signatures are not verified.
 //!
-//! The link check of `tests/no-panic` has this module, and the flight images use it. A test compares what it reads with
-//! the crate `mavlink`.
+//! The link check of `tests/no-panic` covers this module, and the flight images contain it. A test
+//! compares it with the crate `mavlink`.
 
 mod message;
 mod payload;

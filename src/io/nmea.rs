@@ -1,12 +1,13 @@
 //! Sentences of a satellite receiver (NMEA 0183): speed, altitude, position and time, byte by byte.
 //!
-//! Read are GGA, RMC and VTG of any talker; every other sentence is passed over. A sentence is read only when it is
-//! printable ASCII, no longer than [`LONGEST_SENTENCE`] and its checksum is right. Of its fields those are read that
-//! the camera uses; numbers are digits with one point, so that "nan" and "1e3" are none. A field that is read and is
-//! not what the standard says refuses the whole sentence.
+//! The receiver reads GGA, RMC and VTG of any talker, and ignores every other sentence. A sentence is
+//! read only if it is printable ASCII, no longer than [`LONGEST_SENTENCE`], and its checksum is
+//! right. Only the fields that the camera uses are read. A number is digits with at most one point,
+//! so that "nan" and "1e3" are not numbers. A sentence is refused if one of those fields does not
+//! follow the standard.
 //!
-//! The link check of `tests/no-panic` has this module, and the flight images use it. A test compares what it reads with
-//! the crate `nmea`.
+//! The link check of `tests/no-panic` covers this module, and the flight images contain it. A test
+//! compares it with the crate `nmea`.
 
 mod fields;
 mod number;

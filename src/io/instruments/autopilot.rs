@@ -17,7 +17,7 @@ pub(super) struct AutopilotWire {
     /// When the message under way began.
     began: Time,
     pub(super) counters: AutopilotCounters,
-    /// The only system to be listened to; without it the first that is heard, as long as it speaks.
+    /// The only system to be used; without it the first that speaks.
     wanted: Option<u8>,
     heard: Option<Time>,
 }
@@ -41,8 +41,8 @@ impl AutopilotWire {
         self.wanted
     }
 
-    /// Reads the bytes that this round may take. What the receiver says itself counts before what the autopilot makes
-    /// of it.
+    /// Reads the bytes that this round may take. Values of the receiver itself take precedence over
+    /// those that the autopilot derives from it.
     pub(super) fn round(&mut self, receiver: &ReceiverWire, arrivals: &mut Arrivals) {
         self.intake.begin_round();
         // A message behind a false beginning.
@@ -86,7 +86,7 @@ impl AutopilotWire {
         }
         for sample in &reading.samples {
             let sample = match *sample {
-                // Two speeds of one source would be mixed; so they are compared.
+                // As ground speed it would mix with the receiver's; so the two are compared.
                 VhSample::GroundSpeed(speed_m_s) if receiver.has_speed(now) => {
                     VhSample::InertialSpeed(speed_m_s)
                 }

@@ -1,6 +1,7 @@
-//! What has come on the wires of the aircraft's instruments, and what of it was not used.
+//! Counts of the bytes, sentences and messages on the wires of the aircraft's instruments.
 
-/// What the wire of the satellite receiver has brought since the camera was prepared. Counts that are full stay so.
+/// Counts of the satellite receiver's wire since the camera was prepared. A count stops at its
+/// largest value.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
@@ -27,12 +28,12 @@ pub struct ReceiverCounters {
     pub before_year_2000: u32,
     /// Sentences with a number outside its range.
     pub out_of_range: u32,
-    /// Sentences of another talker than the one that is listened to: there are two receivers on the wire.
+    /// Sentences of another talker than the one in use: two receivers are on the wire.
     pub other_talker: u32,
-    /// Sentences with another position than the receiver's can be, and those that follow them: there are two receivers
-    /// on the wire.
+    /// Sentences with a position that the receiver in use cannot have, and those that follow them:
+    /// two receivers are on the wire.
     pub other_position: u32,
-    /// Bytes that belong to no sentence; many of them mean a wrong baud rate.
+    /// Bytes that belong to no sentence; many of them indicate a wrong baud rate.
     pub unexplained_bytes: u32,
     /// Bytes dropped because more came than the line can carry.
     pub flooded_bytes: u32,
@@ -61,21 +62,22 @@ impl ReceiverCounters {
         lost_bytes: 0,
     };
 
-    /// Whether two receivers have spoken on the wire.
+    /// Returns true if two receivers have spoken on the wire.
     #[must_use]
     pub const fn has_two_receivers(&self) -> bool {
         self.other_talker > 0 || self.other_position > 0
     }
 }
 
-/// What the wire of the autopilot has brought since the camera was prepared. Counts that are full stay so.
+/// Counts of the autopilot's wire since the camera was prepared. A count stops at its largest
+/// value.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct AutopilotCounters {
     /// Bytes that have come, those dropped or lost included.
     pub bytes: u32,
-    /// The system that is listened to.
+    /// Number of the system in use.
     pub system: Option<u8>,
     /// Messages that were read.
     pub read: u32,
@@ -89,9 +91,9 @@ pub struct AutopilotCounters {
     pub no_distance: u32,
     /// Messages with a number outside its range.
     pub out_of_range: u32,
-    /// Messages of another system than the one that is listened to.
+    /// Messages of another system than the one in use.
     pub other_system: u32,
-    /// Bytes that belong to no message; many of them mean a wrong baud rate.
+    /// Bytes that belong to no message; many of them indicate a wrong baud rate.
     pub unexplained_bytes: u32,
     /// Bytes dropped because more came than the line can carry.
     pub flooded_bytes: u32,
@@ -117,7 +119,7 @@ impl AutopilotCounters {
     };
 }
 
-/// What both wires have brought.
+/// Counts of both wires.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
@@ -126,9 +128,11 @@ pub struct InstrumentCounters {
     pub receiver: ReceiverCounters,
     /// The autopilot's.
     pub autopilot: AutopilotCounters,
+    /// Events that found no place among those that wait for the control loop.
+    pub crowded_out: u32,
 }
 
-/// Counts more; a count that is full stays so.
+/// Adds to a count, which stops at its largest value.
 pub(super) const fn count(counter: &mut u32, by: u32) {
     *counter = counter.saturating_add(by);
 }

@@ -6,8 +6,8 @@ use heapless::Deque;
 /// fastest that a wire may have.
 pub const BYTES_PER_ROUND: usize = 16;
 
-/// Bytes that may wait on one wire: four rounds' worth, for a loop that comes round late. What comes on top of them is
-/// dropped and counted.
+/// Bytes that may wait on one wire: those of four rounds, for a loop that comes round late. Further
+/// bytes are dropped and counted.
 pub const WAITING_BYTES: usize = 4 * BYTES_PER_ROUND;
 
 /// Bytes of one wire, in order.
@@ -25,17 +25,17 @@ impl Intake {
         }
     }
 
-    /// Keeps a byte; false where there is no room.
+    /// Keeps a byte; returns false without room for it.
     pub(super) fn keep(&mut self, byte: u8) -> bool {
         self.waiting.push_back(byte).is_ok()
     }
 
-    /// A round begins, which may take [`BYTES_PER_ROUND`].
+    /// Begins a round, which may take [`BYTES_PER_ROUND`].
     pub(super) const fn begin_round(&mut self) {
         self.taken = 0;
     }
 
-    /// The oldest byte, if the round may take another.
+    /// Returns the oldest byte, if the round may take another.
     pub(super) fn take(&mut self) -> Option<u8> {
         if self.taken >= BYTES_PER_ROUND {
             return None;

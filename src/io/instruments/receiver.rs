@@ -8,13 +8,14 @@ use crate::flight::time::Time;
 use crate::flight::vh::VhSample;
 use crate::io::nmea::{NmeaError, NmeaPosition, NmeaReading, NmeaReceiver};
 
-/// How long after its last sentence a receiver, or an autopilot, is still the one that is listened to, µs.
+/// Silence after which another receiver, or another autopilot, may take the place of the one in use,
+/// µs.
 pub const ALIVE_US: u64 = 3_000_000;
 
 /// Speed beyond which no aircraft of this camera moves, m/s.
 const FASTEST_M_S: f32 = 400.0;
 
-/// By how much positions may differ beyond that, m: noise, and jitter of the arrival.
+/// Difference of positions beyond that which noise and jitter of the arrival may cause, m.
 const POSITION_TOLERANCE_M: f32 = 100.0;
 
 /// Metres on the ground of the unit of a position, a ten-thousandth of a minute of latitude.
@@ -26,7 +27,7 @@ const TURN: i32 = 360 * 600_000;
 /// Radians in a unit.
 const RAD_PER_UNIT: f32 = core::f32::consts::TAU / 216_000_000.0;
 
-/// When it was that something came last.
+/// Time at which something came last.
 #[derive(Debug, Clone, Copy, Default)]
 struct Heard(Option<Time>);
 
@@ -44,10 +45,10 @@ pub(super) struct ReceiverWire {
     /// When the sentence under way began.
     began: Time,
     pub(super) counters: ReceiverCounters,
-    /// Who is listened to, and when it spoke last.
+    /// The talker in use, and when it spoke last.
     talker: Option<([u8; 2], Time)>,
     place: Option<(NmeaPosition, Time)>,
-    /// The last position was another receiver's.
+    /// True if the last position was another receiver's.
     is_elsewhere: bool,
     speed: Heard,
     altitude: Heard,
@@ -89,17 +90,17 @@ impl ReceiverWire {
         count(&mut self.counters.unexplained_bytes, unexplained);
     }
 
-    /// Whether the receiver gives ground speeds.
+    /// Returns true if the receiver gives ground speeds.
     pub(super) fn has_speed(&self, now: Time) -> bool {
         self.speed.is_alive(now)
     }
 
-    /// Whether the receiver gives altitudes.
+    /// Returns true if the receiver gives altitudes.
     pub(super) fn has_altitude(&self, now: Time) -> bool {
         self.altitude.is_alive(now)
     }
 
-    /// Whether the receiver gives times.
+    /// Returns true if the receiver gives times.
     pub(super) fn has_utc(&self, now: Time) -> bool {
         self.utc.is_alive(now)
     }
@@ -123,7 +124,7 @@ impl ReceiverWire {
         }
     }
 
-    /// Whether a sentence is the receiver's that spoke first, as long as that speaks.
+    /// Returns true if a sentence comes from the receiver in use.
     fn is_listened_to(&mut self, reading: &NmeaReading, now: Time) -> bool {
         let is_other = self.talker.is_some_and(|(talker, heard)| {
             talker != reading.talker && Heard(Some(heard)).is_alive(now)
@@ -165,8 +166,9 @@ impl ReceiverWire {
     }
 }
 
-/// Whether no aircraft gets from one place to the other in a time, s. The distance is that of a sphere where both lie
-/// near each other; a parallel is taken for shorter than it is, so that nobody is refused for it.
+/// Returns true if no aircraft gets from one place to the other in a time, s. The distance holds for
+/// places near each other on a sphere; the length of a parallel is underestimated, so that no
+/// sentence is refused for it.
 #[expect(
     clippy::cast_precision_loss,
     reason = "thousandths of metres do not matter"

@@ -9,6 +9,7 @@ use crate::flight::flown_deck::{FlownDeck, NotFlyable, NotTaken};
 use crate::flight::frame_record::FrameRecord;
 use crate::flight::rig::{Rig, RigAnswer, RigStep};
 use crate::flight::settings::FlightSettings;
+use crate::io::instruments::{Instruments, Wire, WireBytes};
 
 /// A camera that can be prepared for flight.
 pub trait FlightDeck {
@@ -36,6 +37,21 @@ pub trait FlightDeck {
     /// Runs one round of the control loop; `None` for a camera that is not on a test rig.
     fn step(&mut self, step: &RigStep) -> Option<Result<RigAnswer, Refusal>>;
 
+    /// Runs one round with the bytes on the wires of receiver and autopilot, on which `sent` bytes
+    /// have been sent since the camera was prepared; `None` as for [`Self::step`].
+    ///
+    /// # Errors
+    /// [`Refusal::OtherBytes`] if another number of them has come; nothing changes then.
+    fn wired(&mut self, step: &RigStep, sent: WireBytes) -> Option<Result<RigAnswer, Refusal>> {
+        let _ = (step, sent);
+        None
+    }
+
+    /// The wires of receiver and autopilot; `None` for a camera without them.
+    fn instruments(&self) -> Option<&Instruments> {
+        None
+    }
+
     /// Takes an event from a message, now.
     ///
     /// # Errors
@@ -49,19 +65,34 @@ pub trait FlightDeck {
 pub struct RigDeck {
     start: Start,
     rig: Option<Rig>,
+    instruments: Instruments,
 }
 
 impl RigDeck {
     /// Returns a rig without a camera.
     #[must_use]
     pub const fn new(start: Start) -> Self {
-        Self { start, rig: None }
+        Self {
+            start,
+            rig: None,
+            instruments: Instruments::new(),
+        }
     }
 
     /// Returns a rig without a camera, whose encoder counts on through an orderly start.
     #[must_use]
     pub const fn after(start: message::ResetCause) -> Self {
         Self::new(start.counting_on())
+    }
+
+    /// Takes a byte that has come on a wire of the aircraft.
+    pub fn hear(&mut self, wire: Wire, byte: u8) {
+        self.instruments.push(wire, byte);
+    }
+
+    /// Counts bytes of a wire that were lost before they could be handed over.
+    pub const fn count_lost(&mut self, wire: Wire, bytes: u32) {
+        self.instruments.count_lost(wire, bytes);
     }
 }
 
@@ -80,6 +111,7 @@ impl FlightDeck for RigDeck {
             Ok(rig) => self.rig = Some(rig),
             Err(error) => return Err(error.into()),
         }
+        self.instruments.clear();
         Ok(())
     }
 
@@ -98,6 +130,21 @@ impl FlightDeck for RigDeck {
     fn step(&mut self, step: &RigStep) -> Option<Result<RigAnswer, Refusal>> {
         let answer = self.rig.as_mut().map(|rig| rig.step(step));
         Some(answer.ok_or(Refusal::NotPrepared))
+    }
+
+    fn wired(&mut self, step: &RigStep, sent: WireBytes) -> Option<Result<RigAnswer, Refusal>> {
+        let Some(rig) = &mut self.rig else {
+            return Some(Err(Refusal::NotPrepared));
+        };
+        let received = self.instruments.received();
+        if received != sent {
+            return Some(Err(Refusal::OtherBytes(received)));
+        }
+        Some(Ok(rig.step(&self.instruments.wired(step))))
+    }
+
+    fn instruments(&self) -> Option<&Instruments> {
+        Some(&self.instruments)
     }
 
     fn tell(&mut self, _: Event) -> Result<(), Refusal> {

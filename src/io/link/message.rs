@@ -30,6 +30,8 @@ use crate::geometry::mesh::pixel_correction::PixelCorrection;
 use crate::geometry::mesh::vertex::{MeshError, VertexRow};
 use crate::geometry::range::OutOfRange;
 use crate::geometry::sensor::SensorPoint;
+use crate::io::instruments::WireBytes;
+use crate::io::instruments::counters::InstrumentCounters;
 
 /// A batch of points.
 pub type Points = Vec<SensorPoint, MAX_POINTS>;
@@ -105,6 +107,11 @@ pub enum Request {
     /// Computes the positions at which the vertices of a row of the recorded image are to be drawn,
     /// for the current frame, up to [`MAX_POINTS`].
     Corrections(VertexRow),
+    /// Runs one round of the control loop on a test rig whose receiver and autopilot have wires of
+    /// their own, on which so many bytes have been sent since the camera was prepared.
+    Wired(RigStep, WireBytes),
+    /// Asks for the counters of the wires of receiver and autopilot.
+    Instruments,
 }
 
 /// An answer of the camera.
@@ -152,6 +159,8 @@ pub enum Answer {
     Mesh(MeshBytes),
     /// The corrections of the row's vertices, corrected - recorded, in order.
     Corrections(Vec<PixelCorrection, MAX_POINTS>),
+    /// The counters of the wires of receiver and autopilot.
+    Instruments(InstrumentCounters),
 }
 
 /// The reason why the camera refuses a request. Nothing has changed, except that after an
@@ -232,6 +241,11 @@ pub enum Refusal {
     Mesh(MeshError),
     /// The firmware was built without the adjustment of the five coefficients.
     NoEstimation,
+    /// Only so many bytes have come on the wires, or more than were sent. Missing bytes may still
+    /// be on their way: the request may be made again.
+    OtherBytes(WireBytes),
+    /// The camera has no wires of receiver and autopilot.
+    NoInstruments,
 }
 
 impl fmt::Display for Refusal {
@@ -279,6 +293,14 @@ impl fmt::Display for Refusal {
             Self::NoEstimation => {
                 f.write_str("its firmware was built without the adjustment of coefficients")
             }
+            Self::OtherBytes(WireBytes {
+                receiver,
+                autopilot,
+            }) => write!(
+                f,
+                "{receiver} bytes of the receiver and {autopilot} of the autopilot have come, not as many as were sent"
+            ),
+            Self::NoInstruments => f.write_str("it has no wires of receiver and autopilot"),
         }
     }
 }

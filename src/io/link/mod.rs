@@ -37,6 +37,7 @@ mod fitting;
 pub mod message;
 pub mod packet;
 pub mod station;
+pub mod wired_deck;
 
 /// Version of packets and messages. It changes whenever a message does.
 pub const PROTOCOL_VERSION: u8 = 4;

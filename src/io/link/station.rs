@@ -112,7 +112,10 @@ impl<Deck: FlightDeck> Station<Deck> {
             Which::Answer => &self.responder.answer,
             Which::Aside => &self.responder.aside,
         };
-        packet.bytes().get(self.responder.sent..).unwrap_or_default()
+        packet
+            .bytes()
+            .get(self.responder.sent..)
+            .unwrap_or_default()
     }
 
     /// Notes that a number of bytes of [`Self::to_send`] are on their way.
@@ -302,6 +305,15 @@ impl<Deck: FlightDeck> Responder<Deck> {
                 Answer::Prepared
             }
             Request::Rig(step) => Answer::Rig(self.deck.step(step).ok_or(Refusal::NoRig)??),
+            Request::Wired(step, sent) => {
+                Answer::Rig(self.deck.wired(step, *sent).ok_or(Refusal::NoRig)??)
+            }
+            Request::Instruments => Answer::Instruments(
+                self.deck
+                    .instruments()
+                    .ok_or(Refusal::NoInstruments)?
+                    .counters(),
+            ),
             Request::FrameRecord(from) => Answer::FrameRecord(self.frame_record(*from)?),
             Request::Acknowledge(through) => {
                 Answer::Kept(deck::acknowledge(&mut self.deck, *through)?)

@@ -11,17 +11,17 @@ use crate::flight::event::AttitudeSample;
 use crate::flight::vh::VhSample;
 use crate::geometry::range::Quantity;
 
-/// `GLOBAL_POSITION_INT` after an `ALTITUDE` whose altitude is passed over: the two may differ by tens of metres, and
-/// `ALTITUDE` has the terrain's height that goes with its own.
+/// Number of `GLOBAL_POSITION_INT` after an `ALTITUDE` whose altitude is ignored: the two may
+/// differ by tens of metres, and `ALTITUDE` has the terrain's height that goes with its own.
 pub const ALTITUDE_PREFERRED: u8 = 50;
 
-/// Age of the last track beyond which an `ATTITUDE` has no drift, and is passed over, ms.
+/// Age of the last track beyond which an `ATTITUDE` has no drift, and is ignored, ms.
 pub const TRACK_WITHIN_MS: u32 = 1000;
 
 /// Ground speed below which there is no track, m/s.
 const LEAST_TRACK_SPEED_M_S: f32 = 5.0;
 
-/// Quality a distance sensor gives a measurement that is none.
+/// Quality by which a distance sensor marks a measurement as invalid.
 const INVALID_SIGNAL: u8 = 1;
 
 /// `MAV_SENSOR_ROTATION_PITCH_270`: the sensor looks down.
@@ -31,10 +31,11 @@ const DOWN: u8 = 25;
 const LASER: u8 = 0;
 const UNKNOWN_KIND: u8 = 4;
 
-/// Height above the terrain from which on `ALTITUDE` means it, m.
+/// Least height above the terrain that is a known one in `ALTITUDE`, m.
 const LEAST_ABOVE_TERRAIN_M: f32 = -1000.0;
 
-/// 2000-01-01 and 2200-01-01, µs since 1970: an autopilot that knows the time knows one between them.
+/// 2000-01-01 and 2200-01-01, µs since 1970: the time of an autopilot that knows it lies between
+/// them.
 const POSSIBLE_UNIX_US: [u64; 2] = [946_684_800_000_000, 7_258_118_400_000_000];
 
 const DEG_PER_RAD: f32 = 180.0 / PI;
@@ -83,10 +84,10 @@ struct Track {
     heading_rad: f32,
 }
 
-/// What one message says of those that follow.
+/// Content of earlier messages that later ones need.
 #[derive(Debug, Clone, Copy, Default)]
 pub(super) struct Memory {
-    /// Altitudes of `GLOBAL_POSITION_INT` still to be passed over.
+    /// Number of altitudes of `GLOBAL_POSITION_INT` still to be ignored.
     passed_over: u8,
     track: Option<Track>,
 }
@@ -98,7 +99,7 @@ impl Memory {
     };
 }
 
-/// Reads a payload; `None` where it says nothing of speed, height, attitude or time.
+/// Reads a payload; `None` if it holds no speed, height, attitude or time.
 pub(super) fn read(
     system: u8,
     message: Message,
@@ -132,7 +133,7 @@ fn push(
     sample: fn(f32) -> VhSample,
 ) -> Result<(), MavlinkError> {
     let value = quantity.check(value).map_err(MavlinkError::OutOfRange)?;
-    // No message has more than fit.
+    // No message has more samples than fit.
     let _ = samples.push(sample(value));
     Ok(())
 }
@@ -147,8 +148,8 @@ fn system_time(payload: &Payload) -> Result<u64, MavlinkError> {
     }
 }
 
-/// Roll to the right, pitch up and yaw to the right are positive, rates about forward, right and down; the camera counts
-/// the rate about the axis upwards.
+/// Reads an `ATTITUDE`: roll to the right, pitch up and yaw to the right are positive, and rates are
+/// about the axes forward, right and down; the camera counts the rate about the axis upwards.
 fn attitude(payload: &Payload, track: Option<Track>) -> Option<AttitudeSample> {
     let boot_ms = payload.u32(0);
     let track = track.filter(|track| boot_ms.abs_diff(track.boot_ms) <= TRACK_WITHIN_MS)?;
@@ -163,7 +164,7 @@ fn attitude(payload: &Payload, track: Option<Track>) -> Option<AttitudeSample> {
     })
 }
 
-/// The same direction between -180 and 180°, for differences of two that are.
+/// Returns the same direction between -180 and 180°, for the difference of two such directions.
 fn within_half_turn(angle_deg: f32) -> f32 {
     if angle_deg > 180.0 {
         angle_deg - 360.0
@@ -182,7 +183,7 @@ fn global_position(
     let with_altitude = memory.passed_over == 0;
     memory.passed_over = memory.passed_over.saturating_sub(1);
     let (latitude, longitude) = (payload.i32(4), payload.i32(8));
-    // Without a fix, autopilots send the gulf of Guinea.
+    // Without a fix, autopilots send latitude and longitude 0.
     if latitude == 0 && longitude == 0 {
         memory.track = None;
         return Err(MavlinkError::NoFix);
@@ -229,7 +230,7 @@ fn distance(payload: &Payload, samples: &mut Samples) -> Result<(), MavlinkError
     push(samples, Quantity::HeightAboveGroundM, height_m, sample)
 }
 
-/// A NaN is a height that the autopilot does not know.
+/// Reads an `ALTITUDE`; a NaN is a height that the autopilot does not know.
 fn altitude(
     payload: &Payload,
     memory: &mut Memory,

@@ -3,7 +3,8 @@
 /// Longest payload of a message that is read, with room for fields that newer senders add, bytes.
 pub const LONGEST_PAYLOAD: usize = 64;
 
-/// A payload in its full length: version 2 leaves out zeros at the end, and newer senders may add fields.
+/// A payload in its full length: version 2 leaves out zeros at the end, and newer senders may add
+/// fields.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Payload([u8; LONGEST_PAYLOAD]);
 

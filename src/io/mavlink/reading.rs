@@ -1,4 +1,4 @@
-//! What a message says, or why it is not used.
+//! Content of a message, or the reason why it is not used.
 
 use core::fmt;
 
@@ -11,10 +11,10 @@ use crate::geometry::range::OutOfRange;
 /// Samples of one message.
 pub const MAX_SAMPLES: usize = 3;
 
-/// What a message says.
+/// Content of a message.
 #[derive(Debug, Clone, PartialEq)]
 pub struct MavlinkReading {
-    /// Who sends it: the number of the aircraft's system.
+    /// Number of the system that sends it.
     pub system: u8,
     /// Speed and heights.
     pub samples: Vec<VhSample, MAX_SAMPLES>,
@@ -24,19 +24,19 @@ pub struct MavlinkReading {
     pub attitude: Option<AttitudeSample>,
 }
 
-/// Why a message is not used.
+/// The reason why a message is not used.
 #[derive(Debug, Clone, Copy, PartialEq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub enum MavlinkError {
-    /// The checksum of a message that is read is wrong, or its beginning was none.
+    /// The checksum of a message that is read is wrong, or its beginning was a false one.
     Checksum,
     /// A field has a value that the protocol does not know.
     Malformed,
     /// The autopilot does not know position or time.
     NoFix,
-    /// The distance is beyond what its sensor can measure, or the sensor says itself that it is none.
+    /// The distance is beyond the range of its sensor, or the sensor marks it as invalid.
     NoDistance,
-    /// A number outside its range.
+    /// A number is outside its range.
     OutOfRange(OutOfRange),
 }
 

@@ -1,11 +1,11 @@
 //! Bytes that belong to no frame.
 
-/// Counts bytes that belong to no frame. What is not read cannot be checked, so a frame that is passed over counts as
-/// one where another frame begins behind it.
+/// Counts bytes that belong to no frame. A frame that is ignored cannot be checked, and counts as a
+/// frame if another one begins behind it.
 #[derive(Debug, Clone, Copy, Default)]
 pub(super) struct Unexplained {
     bytes: u32,
-    /// Bytes still to come of the frame that is passed over.
+    /// Bytes still to come of an ignored frame.
     to_come: u32,
     /// Bytes of it that have been dropped.
     passed: u32,
@@ -18,11 +18,11 @@ impl Unexplained {
         passed: 0,
     };
 
-    /// Bytes have been dropped that begin a frame of so many bytes which is not read, or none.
+    /// Notes dropped bytes, which begin an ignored frame of so many bytes, or no frame.
     pub(super) fn pass(&mut self, count: usize, frame_bytes: Option<usize>) {
         let number = |bytes| u32::try_from(bytes).unwrap_or(u32::MAX);
         if self.to_come == 0 {
-            // The frame before ends here, and was one if another begins.
+            // The frame before ends here; it was a frame if another one begins.
             if frame_bytes.is_none() {
                 self.bytes = self.bytes.saturating_add(self.passed);
             }
@@ -40,7 +40,8 @@ impl Unexplained {
         }
     }
 
-    /// A frame has been read: one that should not have ended yet was none.
+    /// Notes that a frame has been read: an ignored one that should not have ended yet was not a
+    /// frame.
     pub(super) const fn read_frame(&mut self) {
         if self.to_come > 0 {
             self.bytes = self.bytes.saturating_add(self.passed);

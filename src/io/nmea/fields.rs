@@ -16,7 +16,8 @@ const US_PER_S: u64 = 1_000_000;
 /// Ten-thousandths of a minute in a degree.
 const UNITS_PER_DEGREE: i32 = 600_000;
 
-/// Sentence of a name of three letters, its fields without the name; `None` where it is none of those that are read.
+/// Reads the fields of a sentence with a name of three letters; `None` for a sentence that is
+/// ignored.
 pub(super) fn read(
     name: &[u8],
     talker: [u8; 2],
@@ -32,11 +33,11 @@ pub(super) fn read(
     Ok(Some(reading))
 }
 
-/// What follows the name, cut at the commas.
+/// The text behind the name, split at the commas.
 struct Fields<'a>(&'a [u8]);
 
 impl<'a> Fields<'a> {
-    /// The next field; empty behind the last, as receivers leave out what they do not have.
+    /// Returns the next field; empty behind the last, since receivers leave out fields at the end.
     fn next(&mut self) -> &'a [u8] {
         let comma = self.0.iter().position(|byte| *byte == b',');
         let (field, rest) = comma
@@ -52,7 +53,7 @@ impl<'a> Fields<'a> {
         }
     }
 
-    /// Latitude and longitude with their hemispheres; `None` where they are empty.
+    /// Reads latitude and longitude with their hemispheres; `None` if they are empty.
     fn position(&mut self) -> Result<Option<NmeaPosition>, NmeaError> {
         let (latitude, north, longitude, east) =
             (self.next(), self.next(), self.next(), self.next());
@@ -141,12 +142,12 @@ fn of_vtg(talker: [u8; 2], mut fields: Fields<'_>) -> Result<NmeaReading, NmeaEr
     })
 }
 
-/// A field that has been sent.
+/// Returns a field that is not empty.
 fn present(field: &[u8]) -> Option<&[u8]> {
     (!field.is_empty()).then_some(field)
 }
 
-/// How the receiver says that it came to its numbers (since version 2.3 of the standard).
+/// Checks the mode in which the receiver computed its numbers (since version 2.3 of the standard).
 fn check_mode(mode: &[u8]) -> Result<(), NmeaError> {
     match mode {
         b"" | b"A" | b"D" | b"P" | b"R" | b"F" => Ok(()),
@@ -174,7 +175,7 @@ fn time_of_day_us(field: &[u8]) -> Result<u64, NmeaError> {
         Some((hour, minute, second, microseconds))
     };
     let (hour, minute, second, microseconds) = read().ok_or(NmeaError::Malformed)?;
-    // A leap second is a second that the count of days has no place for.
+    // Unix time has no place for a leap second.
     if hour > 23 || minute > 59 || second > 59 {
         return Err(NmeaError::InvalidTime);
     }

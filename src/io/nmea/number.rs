@@ -1,6 +1,7 @@
 //! Numbers in the fields of a sentence, read without a float parser: digits, at most one point.
 
-/// Digits that are kept of a number; what follows them behind the point is left out, below 1e-8 of the number.
+/// Digits of a number that are read; further digits behind the point are ignored, below 1e-8 of the
+/// number.
 const MAX_DIGITS: u32 = 9;
 
 /// Powers of ten, each exact in single precision.
@@ -20,17 +21,18 @@ const POWERS: [(u32, f32); 10] = [
 /// Whole numbers up to here are exact in single precision.
 const EXACT: u32 = 1 << 24;
 
-/// Binary places by which a number of more digits is scaled before it is divided: enough for 26 bits of any quotient.
+/// Binary places by which a number with more digits is scaled before the division: enough for 26
+/// bits of any quotient.
 const SCALE_BITS: u32 = 31;
 
-/// Takes the scale away again, exactly.
+/// Factor that removes the scale, exactly.
 const UNSCALE: f32 = 1.0 / (65_536.0 * 32_768.0);
 
-/// Returns the number of a field, rounded to nearest; `None` where the field is empty or holds anything but digits, a
-/// leading minus and one point.
+/// Returns the number of a field, rounded to nearest; `None` if the field is empty or holds anything
+/// but digits, a leading minus and one point.
 ///
 /// # Accuracy
-/// The nearest `f32` of the first nine digits, as the core library's parser has it.
+/// The nearest `f32` of the first nine digits, as the core library's parser gives it.
 pub(super) fn single(field: &[u8]) -> Option<f32> {
     let (is_negative, digits) = match field.split_first() {
         Some((b'-', rest)) => (true, rest),
@@ -79,7 +81,7 @@ fn decimal(field: &[u8]) -> Option<(u32, usize)> {
     has_digit.then_some((whole, places))
 }
 
-/// Returns the whole number of a field of digits alone; `None` where it is empty or has more than nine.
+/// Returns the whole number of a field of digits; `None` if it is empty or has more than nine.
 pub(super) fn whole(field: &[u8]) -> Option<u32> {
     if field.is_empty() || field.len() > MAX_DIGITS as usize {
         return None;
@@ -90,8 +92,8 @@ pub(super) fn whole(field: &[u8]) -> Option<u32> {
     })
 }
 
-/// Returns the digits behind a field's point as a whole number of that many places, 0 where the field is empty;
-/// further digits are left out. The field begins with the point.
+/// Returns the digits behind the point as a whole number of so many places, 0 for an empty field.
+/// The field begins with the point; further digits are ignored.
 pub(super) fn fraction(field: &[u8], places: u32) -> Option<u32> {
     let Some((point, digits)) = field.split_first() else {
         return Some(0);

@@ -1,11 +1,12 @@
-//! What a sentence says, or why it is not used.
+//! Content of a sentence, or the reason why it is not used.
 
 use core::fmt;
 
 use crate::flight::vh::VhSample;
 use crate::geometry::range::OutOfRange;
 
-/// Longest sentence from `$` to the checksum, bytes: 80 by the standard, and what receivers are known to exceed it by.
+/// Longest sentence from `$` to the checksum, bytes: 80 by the standard, and the known excess of
+/// receivers.
 pub const LONGEST_SENTENCE: usize = 100;
 
 /// Metres per second in a knot: 1852 m per hour.
@@ -21,10 +22,10 @@ pub struct NmeaPosition {
     pub longitude: i32,
 }
 
-/// What a sentence says.
+/// Content of a sentence.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct NmeaReading {
-    /// Two letters that say who speaks: `GP`, `GN` and others.
+    /// Two letters that name the talker: `GP`, `GN` and others.
     pub talker: [u8; 2],
     /// Ground speed (RMC, VTG) or altitude above sea level (GGA).
     pub sample: Option<VhSample>,
@@ -34,11 +35,11 @@ pub struct NmeaReading {
     pub position: Option<NmeaPosition>,
 }
 
-/// Why a sentence is not used.
+/// The reason why a sentence is not used.
 #[derive(Debug, Clone, Copy, PartialEq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub enum NmeaError {
-    /// Another sentence begins, or a byte that is no text comes, before its end.
+    /// Another sentence begins, or a byte that is not text comes, before its end.
     Truncated,
     /// It is longer than [`LONGEST_SENTENCE`].
     Oversized,
@@ -46,17 +47,17 @@ pub enum NmeaError {
     Checksum,
     /// Its fields are not those of its name.
     Malformed,
-    /// The receiver says itself that it has no fix, or an estimated one.
+    /// The receiver itself reports that it has no fix, or an estimated one.
     NoFix,
-    /// The receiver says itself that its fix is simulated, or was entered by hand.
+    /// The receiver itself reports that its fix is simulated, or was entered by hand.
     SimulatedFix,
-    /// Its date does not exist, as the 30th of February.
+    /// Its date does not exist, such as the 30th of February.
     InvalidDate,
-    /// Its time of day does not exist; leap seconds are none.
+    /// Its time of day does not exist; a leap second is refused, too.
     InvalidTime,
     /// Its year is before 2000: the receiver's count of weeks has begun again, or it has not found the time yet.
     BeforeYear2000,
-    /// A number outside its range.
+    /// A number is outside its range.
     OutOfRange(OutOfRange),
 }
 

@@ -2,17 +2,20 @@
 
 use fmc_camera::flight::drive::rig::RigDrive;
 use fmc_camera::flight::flown_deck::FlownDeck;
+use fmc_camera::io::instruments::{Instruments, counters::ReceiverCounters};
 use fmc_camera::io::link::{
     deck::{FlightDeck, RigDeck},
     digest,
     message::{Answer, Grid, Identity, Request, ResetCause},
     packet::{Packet, PacketReceiver},
     station::Station,
+    wired_deck::WiredDeck,
 };
 use fmc_camera::io::mavlink::MavlinkReceiver;
 use fmc_camera::io::nmea::NmeaReceiver;
 
 type Deck = FlownDeck<RigDrive>;
+type Wired = WiredDeck<RigDrive>;
 
 /// Keeps the public functions of `fmc_camera::io`.
 pub(crate) fn keep() {
@@ -31,6 +34,26 @@ pub(crate) fn keep() {
         digest::of_frame_record,
         RigDeck::new,
         RigDeck::after,
+        RigDeck::hear,
+        RigDeck::count_lost,
+        RigDeck::wired,
+        Wired::new,
+        Wired::flown_mut,
+        Wired::hear,
+        Wired::count_lost,
+        Wired::round,
+        Station::<Wired>::receive,
+        Instruments::new,
+        Instruments::of_system,
+        Instruments::clear,
+        Instruments::push,
+        Instruments::count_lost,
+        Instruments::count_crowded_out,
+        Instruments::received,
+        Instruments::round,
+        Instruments::wired,
+        Instruments::counters,
+        ReceiverCounters::has_two_receivers,
         Deck::step,
         ResetCause::counting_on,
         ResetCause::unreferenced,
