@@ -7,7 +7,10 @@ use fmc_camera::flight::rig::{Rig, RigAnswer, RigStep};
 use fmc_camera::flight::settings::FlightSettings;
 use fmc_camera::flight::stage::Setpoint;
 use fmc_camera::flight::time::Time;
+use fmc_camera::io::instruments::Wire;
+use fmc_camera::io::instruments::counters::InstrumentCounters;
 use fmc_camera::io::link::digest;
+use fmc_simulation::mission::wire::WireTraffic;
 
 use super::{DeviceError, FlyingDevice, InProcess};
 
@@ -35,6 +38,7 @@ impl InProcess {
             ControllerError::Travel(error) => DeviceError::Frame(error),
         })?;
         self.rig = Some(rig);
+        self.instruments.clear();
         Ok(())
     }
 
@@ -65,6 +69,25 @@ impl FlyingDevice for InProcess {
 
     fn step(&mut self, step: &RigStep) -> Result<RigAnswer, DeviceError> {
         Ok(self.rig()?.step(step))
+    }
+
+    fn step_with_wires(
+        &mut self,
+        step: &RigStep,
+        traffic: &WireTraffic,
+    ) -> Result<RigAnswer, DeviceError> {
+        for byte in &traffic.receiver {
+            self.instruments.push(Wire::Receiver, *byte);
+        }
+        for byte in &traffic.autopilot {
+            self.instruments.push(Wire::Autopilot, *byte);
+        }
+        let step = self.instruments.wired(step);
+        Ok(self.rig()?.step(&step))
+    }
+
+    fn instruments(&mut self) -> Result<InstrumentCounters, DeviceError> {
+        Ok(self.instruments.counters())
     }
 
     fn frame_record(&mut self, from_sequence: u32) -> Result<Option<FrameRecord>, DeviceError> {

@@ -9,6 +9,7 @@ use fmc_camera::geometry::mesh::format::MeshFormat;
 use fmc_camera::geometry::mesh::pixel_correction::{CorrectionMesh, PixelCorrection};
 use fmc_camera::geometry::mesh::vertex::VertexRow;
 use fmc_camera::geometry::sensor::SensorPoint;
+use fmc_camera::io::instruments::Instruments;
 use fmc_camera::io::link::digest;
 use fmc_camera::io::link::message::Grid;
 
@@ -22,6 +23,7 @@ pub struct InProcess {
     correction: Option<FrameCorrection>,
     evidence: Evidence,
     pub(super) rig: Option<Rig>,
+    pub(super) instruments: Instruments,
 }
 
 impl InProcess {

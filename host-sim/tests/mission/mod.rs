@@ -12,3 +12,4 @@ mod stall;
 mod support;
 #[cfg(test)]
 mod sweep;
+mod wires;
