@@ -13,7 +13,7 @@ use fmc_camera::io::nmea::{LONGEST_SENTENCE, NmeaError, NmeaReading, NmeaReceive
 /// The input is sent as it is, then as fields of the sentences that are read, with a right
 /// checksum.
 pub(crate) fn nmea(bytes: &[u8]) {
-    const { assert!(size_of::<NmeaReceiver>() <= LONGEST_SENTENCE + 16) };
+    const { assert!(size_of::<NmeaReceiver>() <= LONGEST_SENTENCE + 24) };
     let mut receiver = NmeaReceiver::new();
     let answers = received(&mut receiver, bytes);
     let begun = bytes.split(|byte| *byte == b'$').count() - 1;
@@ -35,17 +35,17 @@ pub(crate) fn nmea(bytes: &[u8]) {
         }
     }
 
-    // 100 knots; 1994-11-19T22:54:46.
+    // 100 knots; 2026-11-19T22:54:46.
     let last = sentence(
         "GPRMC",
-        b"225446.00,A,4916.45,N,12311.12,W,100.0,054.7,191194,020.3,E",
+        b"225446.00,A,4916.45,N,12311.12,W,100.0,054.7,191126,020.3,E",
     );
     let reading = received(&mut receiver, &last).pop().unwrap().unwrap();
     assert_eq!(
         reading.sample,
         Some(VhSample::GroundSpeed(100.0 * (1852.0 / 3600.0)))
     );
-    assert_eq!(reading.unix_us, Some(785_285_686_000_000));
+    assert_eq!(reading.unix_us, Some(1_795_128_886_000_000));
 }
 
 /// Returns a sentence with its checksum.
@@ -72,8 +72,8 @@ pub(crate) fn received(
 }
 
 fn believable_sentence(reading: &NmeaReading) -> bool {
-    // Years of two digits mean 1983 to 2082.
-    let possible = 410_227_200_000_000..3_566_000_000_000_000;
+    // Years of two digits mean 2000 to 2079.
+    let possible = 946_684_800_000_000..3_471_292_800_000_000;
     reading.sample.iter().all(believable)
         && reading.unix_us.is_none_or(|time| possible.contains(&time))
 }
@@ -91,8 +91,9 @@ fn believable(sample: &VhSample) -> bool {
 }
 
 /// Numbers of messages, with the byte that the common dialect adds to the checksum. These are read:
-/// `SYSTEM_TIME`, `GLOBAL_POSITION_INT`, `DISTANCE_SENSOR`, `ALTITUDE`; this is not: `HEARTBEAT`.
-const MESSAGES: [(u32, u8); 5] = [(2, 137), (33, 104), (132, 85), (141, 47), (0, 50)];
+/// `SYSTEM_TIME`, `ATTITUDE`, `GLOBAL_POSITION_INT`, `DISTANCE_SENSOR`, `ALTITUDE`; this is not:
+/// `HEARTBEAT`.
+const MESSAGES: [(u32, u8); 6] = [(2, 137), (30, 39), (33, 104), (132, 85), (141, 47), (0, 50)];
 
 /// Feeds any bytes to the receiver of autopilot messages: every reading is in its range, and a
 /// message after them is read.
@@ -100,7 +101,7 @@ const MESSAGES: [(u32, u8); 5] = [(2, 137), (33, 104), (132, 85), (141, 47), (0,
 /// The input is sent as it is, then as the payload of every message that is read, with a right
 /// checksum.
 pub(crate) fn mavlink(bytes: &[u8]) {
-    const { assert!(size_of::<MavlinkReceiver>() <= LONGEST_PACKET + 16) };
+    const { assert!(size_of::<MavlinkReceiver>() <= LONGEST_PACKET + 48) };
     let mut receiver = MavlinkReceiver::new();
     let mut readings = messages(&mut receiver, bytes);
     for piece in bytes.chunks(60) {

@@ -218,6 +218,14 @@ impl<Drive: FlownDrive> FlownDeck<Drive> {
     /// # Errors
     /// [`NotTaken`]; the event is dropped then.
     pub fn tell(&mut self, event: Event) -> Result<(), NotTaken> {
+        self.tell_at(self.now, event)
+    }
+
+    /// Takes an event that an instrument has measured shortly before now.
+    ///
+    /// # Errors
+    /// As [`Self::tell`].
+    pub fn tell_at(&mut self, time: Time, event: Event) -> Result<(), NotTaken> {
         if self.controller().is_none() {
             return Err(NotTaken::NotPrepared);
         }
@@ -225,7 +233,7 @@ impl<Drive: FlownDrive> FlownDeck<Drive> {
             return Err(NotTaken::NotTold);
         }
         self.events
-            .offer(self.now, event)
+            .offer(time, event)
             .map_err(|_| NotTaken::QueueFull)
     }
 }

@@ -1,5 +1,7 @@
 //! Inputs and outputs of the camera: the link, and messages of other instruments.
 
+#[cfg(all(feature = "mavlink", feature = "nmea"))]
+pub mod instruments;
 #[cfg(feature = "link")]
 pub mod link;
 #[cfg(feature = "mavlink")]

@@ -142,6 +142,63 @@ fn altitude_comes_from_the_message_that_has_the_terrain_too() {
     assert_eq!(of_position(&mut receiver), 2);
 }
 
+/// Roll 0.1, pitch -0.05 and yaw in rad, rates of 0.01, 0.02 and 0.03 rad/s.
+fn attitude(boot_ms: u32, yaw_rad: f32) -> Vec<u8> {
+    let mut payload = boot_ms.to_le_bytes().to_vec();
+    for number in [0.1, -0.05, yaw_rad, 0.01, 0.02, 0.03_f32] {
+        payload.extend(number.to_le_bytes());
+    }
+    frame(Kind::Two, 30, 39, &payload)
+}
+
+#[test]
+fn attitude_has_its_drift_from_the_track_of_the_last_second() {
+    let mut receiver = MavlinkReceiver::new();
+    assert_eq!(messages(&mut receiver, &attitude(1000, 0.9)), []);
+    messages(&mut receiver, &position_frame(Kind::Two));
+    let read = messages(&mut receiver, &attitude(1500, 0.9));
+    let attitude_of = |read: &[MavlinkReading]| read[0].attitude.unwrap();
+    let sample = attitude_of(&read);
+    // The track is 36 m/s north and 48 m/s east: atan(4/3) = 53.1301°.
+    let found = [sample.pitch_deg, sample.roll_deg, sample.drift_deg];
+    let degrees = |radians: f32| radians.to_degrees();
+    for (found, expected) in
+        found
+            .into_iter()
+            .zip([degrees(-0.05), degrees(0.1), 53.130_1 - degrees(0.9)])
+    {
+        assert!((found - expected).abs() < 1e-4, "{found} {expected}");
+    }
+    // About right, forward and up.
+    for (found, expected) in sample.rates_deg_s.into_iter().zip([0.02, 0.01, -0.03]) {
+        assert!((found - degrees(expected)).abs() < 1e-5, "{found}");
+    }
+    let behind = attitude_of(&messages(&mut receiver, &attitude(1500, -2.9)));
+    assert!((behind.drift_deg - (53.130_1 + degrees(2.9) - 360.0)).abs() < 1e-4);
+    assert_eq!(messages(&mut receiver, &attitude(2001, 0.9)), []);
+}
+
+#[test]
+fn reading_names_its_system_and_bytes_of_no_frame_are_counted() {
+    let mut receiver = MavlinkReceiver::new();
+    let heartbeat = frame(Kind::Two, 0, 50, &[0; 9]);
+    let stream = [
+        &position_frame(Kind::One)[..],
+        &heartbeat,
+        &heartbeat,
+        &position_frame(Kind::Signed),
+    ];
+    let read = messages(&mut receiver, &stream.concat());
+    assert!(read.iter().all(|reading| reading.system == 1));
+    assert_eq!((read.len(), receiver.take_unexplained()), (2, 0));
+    // Another baud rate: bits of half a byte each, taken for bytes.
+    let noise: Vec<u8> = stream.concat().iter().map(|byte| byte ^ 0xa6).collect();
+    assert_eq!(messages(&mut receiver, &noise), []);
+    messages(&mut receiver, &[0; 280]);
+    let unexplained = usize::try_from(receiver.take_unexplained()).unwrap();
+    assert!(unexplained > noise.len() / 2, "{unexplained}");
+}
+
 #[test]
 fn damaged_frame_is_not_read_and_the_next_is() {
     let next = altitude_frame(&altitude(1200.0, 1000.0, 990.0));

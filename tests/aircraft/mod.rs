@@ -9,7 +9,9 @@
 )]
 
 mod fuzzed;
+mod instruments;
 mod mavlink;
 mod nmea;
+mod other_readers;
 #[path = "../../fuzz/aircraft.rs"]
 mod targets;

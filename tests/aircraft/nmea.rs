@@ -18,7 +18,10 @@ fn answer(name: &str, fields: &str) -> Result<NmeaReading, NmeaError> {
 }
 
 /// Published examples, with their checksums as printed.
-const RMC: &[u8] = b"$GPRMC,225446.33,A,4916.45,N,12311.12,W,000.5,054.7,191194,020.3,E,A*2B\r\n";
+const RMC_OF_1994: &[u8] =
+    b"$GPRMC,225446.33,A,4916.45,N,12311.12,W,000.5,054.7,191194,020.3,E,A*2B\r\n";
+/// The same of 2026.
+const RMC: &[u8] = b"$GPRMC,225446.33,A,4916.45,N,12311.12,W,000.5,054.7,191126,020.3,E,A*22\r\n";
 const GGA: &[u8] = b"$GPGGA,123519,4807.038,N,01131.000,E,1,08,0.9,545.4,M,46.9,M,,*47\r\n";
 
 #[test]
@@ -29,8 +32,14 @@ fn published_sentences_are_read() {
     };
     // 0.5 knots.
     assert!((speed - 0.257_222).abs() < 1e-6);
-    // date -u -d 1994-11-19T22:54:46.33 +%s%6N
-    assert_eq!(rmc.unix_us, Some(785_285_686_330_000));
+    // date -u -d 2026-11-19T22:54:46.33 +%s%6N
+    assert_eq!(rmc.unix_us, Some(1_795_128_886_330_000));
+    assert_eq!(rmc.talker, *b"GP");
+    let position = rmc.position.unwrap();
+    // 49° 16.45' north, 123° 11.12' west.
+    assert_eq!(position.latitude, (49 * 60 + 16) * 10_000 + 4500);
+    assert_eq!(position.longitude, -((123 * 60 + 11) * 10_000 + 1200));
+    assert_eq!(answers(RMC_OF_1994), [Err(NmeaError::BeforeYear2000)]);
     let gga = answers(GGA)[0].unwrap();
     assert_eq!(gga.sample, Some(VhSample::Altitude(545.4)));
     assert_eq!(gga.unix_us, None);
@@ -47,14 +56,10 @@ fn damaged_sentence_is_refused_and_the_next_is_read() {
         for bit in 0..8 {
             let mut bytes = RMC.to_vec();
             bytes[damage] ^= 1 << bit;
-            if bytes.ends_with(b"*2b\r\n") {
-                // This damage leaves the checksum as it is.
-                continue;
-            }
             bytes.extend(GGA);
             let answers = answers(&bytes);
             let readings: Vec<_> = answers.iter().flatten().collect();
-            // A damaged name or an end in the middle may hide the sentence, but it is never read.
+            // Another name or an end in its middle may silence it; never is it read.
             assert_eq!(readings.len(), 1, "byte {damage} bit {bit}: {answers:?}");
             assert_eq!(readings[0].sample, Some(VhSample::Altitude(545.4)));
         }
@@ -98,7 +103,7 @@ fn what_is_no_number_or_beyond_its_range_is_refused() {
         let answer = answer("GPRMC", &fields);
         assert!(answer.is_err(), "{speed}: {answer:?}");
     }
-    for altitude in ["nan", "inf", "-5000", "2e5"] {
+    for altitude in ["-5000", "200000"] {
         let fields = format!("123519,4807.038,N,01131.0,E,1,08,0.9,{altitude},M,46.9,M,,");
         let answer = answer("GPGGA", &fields);
         assert!(
@@ -106,7 +111,11 @@ fn what_is_no_number_or_beyond_its_range_is_refused() {
             "{altitude}: {answer:?}"
         );
     }
-    // The sentence gives the altitude as if it were in feet.
+    for altitude in ["nan", "inf", "2e5", "-", "1.2.3", "0x1"] {
+        let fields = format!("123519,4807.038,N,01131.0,E,1,08,0.9,{altitude},M,46.9,M,,");
+        assert_eq!(answer("GPGGA", &fields), Err(NmeaError::Malformed));
+    }
+    // Altitude in feet, were it said so.
     let feet = answer(
         "GPGGA",
         "123519,4807.038,N,01131.0,E,1,08,0.9,1789.4,F,46.9,M,,",
@@ -117,15 +126,66 @@ fn what_is_no_number_or_beyond_its_range_is_refused() {
 #[test]
 fn receiver_without_fix_or_in_simulation_gives_nothing() {
     assert_eq!(answer("GPRMC", ",V,,,,,,,,,,N"), Err(NmeaError::NoFix));
-    for mode in ["E", "M", "N", "S"] {
-        let fields = format!("225446,A,4916.45,N,12311.12,W,100.0,054.7,191194,020.3,E,{mode}");
-        assert_eq!(answer("GPRMC", &fields), Err(NmeaError::NoFix), "{mode}");
+    let of_mode = |mode| format!("225446,A,4916.45,N,12311.12,W,100.0,054.7,191126,020.3,E,{mode}");
+    let of_quality =
+        |quality| format!("123519,4807.038,N,01131.0,E,{quality},08,0.9,545.4,M,46.9,M,,");
+    for (modes, error) in [
+        (["E", "N"], NmeaError::NoFix),
+        (["M", "S"], NmeaError::SimulatedFix),
+    ] {
+        for mode in modes {
+            assert_eq!(answer("GPRMC", &of_mode(mode)), Err(error), "{mode}");
+            let vtg = format!("054.7,T,034.4,M,100.0,N,185.2,K,{mode}");
+            assert_eq!(answer("GPVTG", &vtg), Err(error), "{mode}");
+        }
     }
-    for quality in [0, 6, 7, 8] {
-        let fields = format!("123519,4807.038,N,01131.0,E,{quality},08,0.9,545.4,M,46.9,M,,");
-        assert_eq!(answer("GPGGA", &fields), Err(NmeaError::NoFix));
+    for (qualities, error) in [
+        ([0, 6], NmeaError::NoFix),
+        ([7, 8], NmeaError::SimulatedFix),
+    ] {
+        for quality in qualities {
+            assert_eq!(answer("GPGGA", &of_quality(quality)), Err(error));
+        }
     }
     assert_eq!(answer("GPVTG", ",T,,M,,N,,K"), Err(NmeaError::NoFix));
+}
+
+#[test]
+fn date_or_time_that_does_not_exist_is_refused_by_name() {
+    let of = |time: &str, date: &str| {
+        answer(
+            "GPRMC",
+            &format!("{time},A,4916.45,N,12311.12,W,100.0,054.7,{date},,"),
+        )
+    };
+    assert_eq!(of("120000", "300226"), Err(NmeaError::InvalidDate));
+    assert_eq!(of("120000", "290226"), Err(NmeaError::InvalidDate));
+    assert_eq!(of("120000", "010180"), Err(NmeaError::BeforeYear2000));
+    assert_eq!(of("120000", "220899"), Err(NmeaError::BeforeYear2000));
+    assert_eq!(of("240000", "010126"), Err(NmeaError::InvalidTime));
+    assert_eq!(of("235960", "311216"), Err(NmeaError::InvalidTime));
+    assert_eq!(of("12:00:00", "010126"), Err(NmeaError::Malformed));
+    // date -u -d 2024-02-29T23:59:59.999999 +%s%6N
+    let leap_day = of("235959.999999", "290224").unwrap();
+    assert_eq!(leap_day.unix_us, Some(1_709_251_199_999_999));
+    // A receiver that does not know the time yet gives its speed.
+    assert_eq!(of("", "").unwrap().unix_us, None);
+}
+
+#[test]
+fn bytes_of_another_baud_rate_are_counted_as_unexplained() {
+    let mut receiver = NmeaReceiver::new();
+    let read = received(&mut receiver, &[RMC, GGA].concat());
+    assert_eq!((read.len(), receiver.take_unexplained()), (2, 0));
+    // Bits of half a byte each, taken for bytes.
+    let noise: Vec<u8> = RMC
+        .iter()
+        .flat_map(|byte| [byte | 0x80, byte ^ 0xf0])
+        .collect();
+    let read = received(&mut receiver, &noise);
+    assert!(read.iter().all(Result::is_err), "{read:?}");
+    let unexplained = usize::try_from(receiver.take_unexplained()).unwrap();
+    assert!(unexplained > noise.len() / 2, "{unexplained}");
 }
 
 #[test]

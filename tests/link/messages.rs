@@ -2,9 +2,12 @@
 
 use fmc_camera::flight::calibration_id::SerialNumber;
 use fmc_camera::flight::camera::{CameraParameters, Mechanism};
+use fmc_camera::flight::control_loop::MAX_EVENTS;
 use fmc_camera::flight::event::{AttitudeSample, Event};
 use fmc_camera::flight::exposure::Exposure;
+use fmc_camera::flight::rig::RigStep;
 use fmc_camera::flight::stage::RunUp;
+use fmc_camera::flight::time::Time;
 use fmc_camera::geometry::estimation::fit::Fit;
 use fmc_camera::geometry::estimation::observation::Observation;
 use fmc_camera::geometry::estimation::options::FitOptions;
@@ -16,6 +19,10 @@ use fmc_camera::geometry::mesh::vertex::VertexRow;
 use fmc_camera::geometry::range::Quantity;
 use fmc_camera::geometry::sensor::SensorPoint;
 use fmc_camera::geometry::shutter::ShutterProfile;
+use fmc_camera::io::instruments::WireBytes;
+use fmc_camera::io::instruments::counters::{
+    AutopilotCounters, InstrumentCounters, ReceiverCounters,
+};
 use fmc_camera::io::link::loading::Upload;
 use fmc_camera::io::link::message::{
     Answer, Grid, Header, Identity, Part, Refusal, Request, ResetCause,
@@ -42,6 +49,40 @@ const LONGEST_MESH_ROW: VertexRow = VertexRow {
     count: u16::MAX,
     origin_px: [u32::MAX; 2],
 };
+
+const FAR_BYTES: WireBytes = WireBytes {
+    receiver: u32::MAX,
+    autopilot: u32::MAX,
+};
+
+const FAR_COUNTERS: InstrumentCounters = InstrumentCounters {
+    receiver: ReceiverCounters {
+        bytes: u32::MAX,
+        other_position: u32::MAX,
+        ..ReceiverCounters::NONE
+    },
+    autopilot: AutopilotCounters {
+        system: Some(u8::MAX),
+        ..AutopilotCounters::NONE
+    },
+    crowded_out: u32::MAX,
+};
+
+/// A round with as many events as there can be, each of them long.
+fn longest_step() -> RigStep {
+    let attitude = AttitudeSample {
+        pitch_deg: f32::MIN,
+        roll_deg: f32::MAX,
+        drift_deg: f32::MIN,
+        rates_deg_s: [f32::MAX; 3],
+    };
+    let event = (Time::from_us(u64::MAX), Event::Attitude(attitude));
+    RigStep {
+        time: Time::from_us(u64::MAX),
+        encoder_count: i32::MIN,
+        events: std::iter::repeat_n(event, MAX_EVENTS).collect(),
+    }
+}
 
 fn payload_of(packet: &Packet) -> Vec<u8> {
     let mut receiver = PacketReceiver::new();
@@ -106,6 +147,8 @@ fn longest_messages_fit_and_come_back_as_they_went() {
         }),
         Request::Mesh(LONGEST_MESH_ROW, MeshFormat::Single),
         Request::Corrections(LONGEST_MESH_ROW),
+        Request::Wired(longest_step(), FAR_BYTES),
+        Request::Instruments,
         Request::Expose(Exposure {
             opening_offset_mm: Some(-0.1),
             ..Exposure::new(0.1, 0.01)
@@ -139,6 +182,8 @@ fn longest_messages_fit_and_come_back_as_they_went() {
         }),
         Answer::Mesh(std::iter::repeat_n(u8::MAX, MAX_POINTS * MAX_WORD_BYTES).collect()),
         Answer::Corrections(std::iter::repeat_n(far_correction, MAX_POINTS).collect()),
+        Answer::Instruments(FAR_COUNTERS),
+        Answer::Refused(Refusal::OtherBytes(FAR_BYTES)),
         Answer::Connected(Identity::new(&long, &long[..24], true, ResetCause::Fault)),
     ] {
         let mut packet = Packet::EMPTY;

@@ -10,7 +10,7 @@ use crate::counter::Counter;
 const SENTENCES: [(&str, &[u8]); 3] = [
     (
         "nmea_rmc",
-        b"$GPRMC,225446.33,A,4916.45,N,12311.12,W,000.5,054.7,191194,020.3,E,A*2B\r",
+        b"$GPRMC,225446.33,A,4916.45,N,12311.12,W,000.5,054.7,191126,020.3,E,A*22\r",
     ),
     (
         "nmea_gga",
@@ -36,19 +36,22 @@ const MESSAGES: [(&str, &[u8]); 3] = [
     ),
 ];
 
-/// Bytes of MAVLink that are nested as deep as possible: 43 false beginnings, whose frames all end
-/// with the same byte, where each is checked without success.
-const NESTED: [u8; 262] = {
-    let mut bytes = [0; 262];
+/// Bytes of MAVLink that are nested as deep as possible: eleven false beginnings of
+/// `GLOBAL_POSITION_INT`, whose frames all end with the same byte.
+const NESTED: [u8; 68] = {
+    let mut bytes = [0; 68];
     let mut at = 0;
-    let mut payload_bytes = 254;
-    while payload_bytes >= 6 {
+    let mut payload_bytes = 60;
+    loop {
         bytes[at] = 0xfe;
         bytes[at + 1] = payload_bytes;
+        bytes[at + 5] = 33;
+        if payload_bytes == 0 {
+            break bytes;
+        }
         at += 6;
         payload_bytes -= 6;
     }
-    bytes
 };
 
 pub(crate) fn count(counter: &mut Counter) -> Option<()> {

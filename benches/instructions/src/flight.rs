@@ -315,12 +315,12 @@ fn fly(counter: &mut Counter, open_s: &[f32], record: CameraParameters) -> Optio
         let mut events: Events = shutter.until(now).collect();
         happening(round, now, &mut events);
         let read = now.plus_s(-settings.drive.velocity_loop.reading_age_s);
-        let place = unit.controller().setpoint(read);
+        let place = control.controller().setpoint(read);
         let place_um = 1000.0 * place.map_or(0.0, |it| it.offset_mm);
         #[expect(clippy::cast_possible_truncation, reason = "20,000 counts at most")]
         let count = (place_um / settings.drive.encoder_step_um) as i32;
-        unit.drive_mut().set_count(count);
-        let (instructions, actions) = counter.measure(|| unit.round(now, black_box(&events)))?;
+        control.drive_mut().set_count(count);
+        let (instructions, actions) = counter.measure(|| control.round(now, black_box(&events)))?;
         for action in &actions {
             shutter.obey(*action);
         }
@@ -328,7 +328,7 @@ fn fly(counter: &mut Counter, open_s: &[f32], record: CameraParameters) -> Optio
             sum += instructions;
         }
         most = instructions.max(most);
-        unit.controller_mut().acknowledge(u32::MAX);
+        control.controller_mut().acknowledge(u32::MAX);
     }
-    (unit.controller().counts().exposed == FRAMES).then_some((sum, most))
+    (control.controller().counts().exposed == FRAMES).then_some((sum, most))
 }

@@ -4,7 +4,7 @@ use fmc_camera::geometry::mesh::format::MeshFormat;
 use fmc_camera::geometry::mesh::vertex::VertexRow;
 use fmc_camera::io::link::loading::Upload;
 use fmc_camera::io::link::message::{Grid, Header, Identity, Points, Request, ResetCause};
-use fmc_camera::io::link::packet::Frame;
+use fmc_camera::io::link::packet::Packet;
 use fmc_camera::io::link::station::{LinkEvent, Station};
 
 use crate::counter::Counter;

@@ -5,6 +5,9 @@ use std::io::{self, Write};
 
 use fmc_camera::flight::controller::state::State;
 use fmc_camera::flight::fault::Fault;
+use fmc_camera::io::instruments::counters::{
+    AutopilotCounters, InstrumentCounters, ReceiverCounters,
+};
 use fmc_camera::io::link::message::Status;
 use serde::Serialize;
 
@@ -18,7 +21,11 @@ const NAMES: u16 = 17;
 ///
 /// # Errors
 /// Those of the sink.
-pub fn write_text(status: &Status, sink: &mut dyn Write) -> io::Result<()> {
+pub fn write_text(
+    status: &Status,
+    instruments: Option<&InstrumentCounters>,
+    sink: &mut dyn Write,
+) -> io::Result<()> {
     let counts = status.counts;
     let place = if status.is_place_lost {
         "lost: in standby, say with `host-sim camera referenced` where the stage stands"
@@ -44,7 +51,7 @@ pub fn write_text(status: &Status, sink: &mut dyn Write) -> io::Result<()> {
     } else {
         found.join(", ")
     };
-    let pairs = [
+    let mut pairs = vec![
         ("state", status.state.to_string()),
         ("place of stage", place.to_owned()),
         ("calibration", calibration),
@@ -70,15 +77,100 @@ pub fn write_text(status: &Status, sink: &mut dyn Write) -> io::Result<()> {
         ),
         ("found", found),
     ];
+    if let Some(counters) = instruments {
+        pairs.push(("receiver", receiver_line(&counters.receiver)));
+        pairs.push(("autopilot", autopilot_line(&counters.autopilot)));
+        if counters.crowded_out > 0 {
+            let crowded_out = format!("{} of both without a place", counters.crowded_out);
+            pairs.push(("events", crowded_out));
+        }
+    }
     writeln!(sink, "{}", terminal::pairs(NAMES, pairs))
+}
+
+/// Describes the receiver's wire.
+fn receiver_line(counters: &ReceiverCounters) -> String {
+    let refused = [
+        (counters.truncated, "truncated"),
+        (counters.oversized, "oversized"),
+        (counters.checksum, "with a wrong checksum"),
+        (counters.malformed, "malformed"),
+        (counters.no_fix, "without a fix"),
+        (counters.simulated_fix, "simulated"),
+        (counters.invalid_time, "with an invalid date or time"),
+        (counters.before_year_2000, "before the year 2000"),
+        (counters.out_of_range, "out of range"),
+        (counters.other_talker, "of another talker"),
+        (counters.other_position, "of another position"),
+    ];
+    let bytes = [
+        (counters.unexplained_bytes, "in no sentence"),
+        (counters.flooded_bytes, "in a flood"),
+        (counters.lost_bytes, "lost"),
+    ];
+    let two = if counters.has_two_receivers() {
+        "; two receivers are on the wire"
+    } else {
+        ""
+    };
+    format!(
+        "{} bytes{}; {} sentences read{}{two}",
+        counters.bytes,
+        listed(&bytes),
+        counters.read,
+        listed(&refused)
+    )
+}
+
+/// Describes the autopilot's wire.
+fn autopilot_line(counters: &AutopilotCounters) -> String {
+    let refused = [
+        (counters.checksum, "with a wrong checksum"),
+        (counters.malformed, "malformed"),
+        (counters.no_fix, "without a fix"),
+        (counters.no_distance, "without a distance"),
+        (counters.out_of_range, "out of range"),
+        (counters.other_system, "of another system"),
+    ];
+    let bytes = [
+        (counters.unexplained_bytes, "in no message"),
+        (counters.flooded_bytes, "in a flood"),
+        (counters.lost_bytes, "lost"),
+    ];
+    let system = counters
+        .system
+        .map_or(String::new(), |system| format!("; system {system} in use"));
+    format!(
+        "{} bytes{}; {} messages read{}{system}",
+        counters.bytes,
+        listed(&bytes),
+        counters.read,
+        listed(&refused)
+    )
+}
+
+/// Lists the counts that are not 0, each behind a comma.
+fn listed(counts: &[(u32, &str)]) -> String {
+    let counts = counts.iter().filter(|(count, _)| *count > 0);
+    counts.fold(String::new(), |listed, (count, what)| {
+        format!("{listed}, {count} {what}")
+    })
 }
 
 /// Writes the status as JSON.
 ///
 /// # Errors
 /// Those of the sink.
-pub fn write_json(status: &Status, sink: &mut dyn Write) -> io::Result<()> {
-    serde_json::to_writer_pretty(&mut *sink, &StatusReport::of(status))?;
+pub fn write_json(
+    status: &Status,
+    instruments: Option<&InstrumentCounters>,
+    sink: &mut dyn Write,
+) -> io::Result<()> {
+    let report = StatusReport {
+        instruments: instruments.copied(),
+        ..StatusReport::of(status)
+    };
+    serde_json::to_writer_pretty(&mut *sink, &report)?;
     writeln!(sink)
 }
 
@@ -103,6 +195,8 @@ struct StatusReport {
     findings: BTreeMap<&'static str, u32>,
     /// The calibration it was prepared with.
     calibration: Option<CalibrationIdentity>,
+    /// Counts of the wires of receiver and autopilot; null for a camera without them.
+    instruments: Option<InstrumentCounters>,
 }
 
 impl StatusReport {
@@ -133,6 +227,7 @@ impl StatusReport {
                 .map(|(flag, count)| (flag.name(), count))
                 .collect(),
             calibration: status.calibration.as_ref().map(CalibrationIdentity::of),
+            instruments: None,
         }
     }
 }

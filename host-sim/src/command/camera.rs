@@ -68,12 +68,14 @@ pub(super) fn run(args: &CameraArgs) -> Result<(), Failure> {
         }
         CameraAction::Vh(vh) => tell_vh(args, vh),
         CameraAction::Status(StatusArgs { json }) => {
-            let status = args.device.open_flown()?.status().map_err(failed)?;
+            let mut device = args.device.open_flown()?;
+            let status = device.status().map_err(failed)?;
+            let instruments = device.instruments().map_err(failed)?;
             output::write(None, |sink| {
                 if *json {
-                    camera_status::write_json(&status, sink)
+                    camera_status::write_json(&status, instruments.as_ref(), sink)
                 } else {
-                    camera_status::write_text(&status, sink)
+                    camera_status::write_text(&status, instruments.as_ref(), sink)
                 }
             })
         }

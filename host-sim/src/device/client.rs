@@ -259,5 +259,7 @@ const fn name(request: &Request) -> &'static str {
         Request::Tell(_) => "tell",
         Request::Mesh(..) => "mesh",
         Request::Corrections(_) => "corrections",
+        Request::Wired(..) => "wired",
+        Request::Instruments => "instruments",
     }
 }

@@ -5,6 +5,8 @@ use fmc_camera::flight::frame_record::FrameRecord;
 use fmc_camera::flight::interior_orientation::InteriorOrientation;
 use fmc_camera::flight::rig::{RigAnswer, RigStep};
 use fmc_camera::flight::settings::FlightSettings;
+use fmc_camera::io::instruments::WireBytes;
+use fmc_camera::io::instruments::counters::InstrumentCounters;
 use fmc_camera::io::link::message::{Answer, Request, Status};
 
 use super::client::Client;
@@ -32,6 +34,30 @@ impl<P: Port> Client<P> {
         let request = Request::Rig(step.clone());
         match self.ask(&request)? {
             Answer::Rig(answer) => Ok(answer),
+            _ => Err(self.unexpected(&request)),
+        }
+    }
+
+    /// Runs one round of the control loop on a test rig on whose wires so many bytes have been sent.
+    ///
+    /// # Errors
+    /// As [`Self::rig`], and if the camera has not got as many bytes.
+    pub fn wired(&mut self, step: &RigStep, sent: WireBytes) -> Result<RigAnswer, LinkError> {
+        let request = Request::Wired(step.clone(), sent);
+        match self.ask(&request)? {
+            Answer::Rig(answer) => Ok(answer),
+            _ => Err(self.unexpected(&request)),
+        }
+    }
+
+    /// Returns the counts of the camera's wires of receiver and autopilot.
+    ///
+    /// # Errors
+    /// [`LinkError::Refused`] for a camera without such wires.
+    pub fn instruments(&mut self) -> Result<InstrumentCounters, LinkError> {
+        let request = Request::Instruments;
+        match self.ask(&request)? {
+            Answer::Instruments(counters) => Ok(counters),
             _ => Err(self.unexpected(&request)),
         }
     }

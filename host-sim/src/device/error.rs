@@ -64,6 +64,11 @@ pub enum DeviceError {
         "the camera still has {0} records of an earlier flight; fetch them with `host-sim records`"
     )]
     RecordsKept(u32),
+    /// No wires of receiver and autopilot lead to the device.
+    #[error(
+        "the scenario has a receiver or an autopilot on a wire, and no wires lead to the device: fly it in this process or in QEMU"
+    )]
+    NoWires,
     /// The link to the device has failed.
     #[error("{device}: {error}")]
     Link {

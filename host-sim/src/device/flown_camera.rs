@@ -3,8 +3,10 @@
 use fmc_camera::flight::camera::CameraParameters;
 use fmc_camera::flight::event::Event;
 use fmc_camera::flight::settings::FlightSettings;
-use fmc_camera::io::link::message::Status;
+use fmc_camera::io::instruments::counters::InstrumentCounters;
+use fmc_camera::io::link::message::{Refusal, Status};
 
+use super::link_error::LinkError;
 use super::port::Port;
 use super::remote::Remote;
 use super::{CorrectingDevice, DeviceError};
@@ -32,6 +34,13 @@ pub trait FlownCamera {
     /// # Errors
     /// [`DeviceError::NotPrepared`] before the camera is prepared.
     fn status(&mut self) -> Result<Status, DeviceError>;
+
+    /// Returns the counts of the camera's wires of receiver and autopilot; `None` for a camera
+    /// without them.
+    ///
+    /// # Errors
+    /// [`DeviceError`] if the link fails.
+    fn instruments(&mut self) -> Result<Option<InstrumentCounters>, DeviceError>;
 }
 
 impl<P: Port> FlownCamera for Remote<P> {
@@ -54,5 +63,17 @@ impl<P: Port> FlownCamera for Remote<P> {
 
     fn status(&mut self) -> Result<Status, DeviceError> {
         self.client.status().map_err(|error| self.failed(error, 0))
+    }
+
+    fn instruments(&mut self) -> Result<Option<InstrumentCounters>, DeviceError> {
+        match self.client.instruments() {
+            Ok(counters) => Ok(Some(counters)),
+            // Unknown: its firmware is older than the request.
+            Err(LinkError::Refused {
+                refusal: Refusal::NoInstruments | Refusal::Unknown,
+                ..
+            }) => Ok(None),
+            Err(error) => Err(self.failed(error, 0)),
+        }
     }
 }

@@ -8,6 +8,9 @@ use fmc_camera::flight::rig::{Rig, RigAnswer, RigStep};
 use fmc_camera::flight::settings::FlightSettings;
 use fmc_camera::flight::stage::Setpoint;
 use fmc_camera::flight::time::Time;
+use fmc_camera::io::instruments::Wire;
+use fmc_camera::io::instruments::counters::InstrumentCounters;
+use fmc_simulation::mission::wire::WireTraffic;
 
 use super::{CorrectingDevice as _, DeviceError, FlyingDevice, InProcess};
 
@@ -31,7 +34,9 @@ impl InProcess {
             }
             NotFlyable::Controller(ControllerError::Travel(error)) => DeviceError::Frame(error),
             NotFlyable::NoCamera | NotFlyable::NoRowClock => DeviceError::NotPrepared,
-        })
+        })?;
+        self.instruments.clear();
+        Ok(())
     }
 
     /// The controller of the camera that has been prepared.
@@ -61,6 +66,25 @@ impl FlyingDevice for InProcess {
 
     fn step(&mut self, step: &RigStep) -> Result<RigAnswer, DeviceError> {
         self.rig.step(step).ok_or(DeviceError::NotPrepared)
+    }
+
+    fn step_with_wires(
+        &mut self,
+        step: &RigStep,
+        traffic: &WireTraffic,
+    ) -> Result<RigAnswer, DeviceError> {
+        for byte in &traffic.receiver {
+            self.instruments.push(Wire::Receiver, *byte);
+        }
+        for byte in &traffic.autopilot {
+            self.instruments.push(Wire::Autopilot, *byte);
+        }
+        let step = self.instruments.wired(step);
+        self.rig.step(&step).ok_or(DeviceError::NotPrepared)
+    }
+
+    fn instruments(&mut self) -> Result<InstrumentCounters, DeviceError> {
+        Ok(self.instruments.counters())
     }
 
     fn frame_record(&mut self, from_sequence: u32) -> Result<Option<FrameRecord>, DeviceError> {

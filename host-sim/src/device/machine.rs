@@ -36,7 +36,7 @@ pub struct Process {
     stderr_thread: Option<JoinHandle<()>>,
 }
 
-/// QEMU and its two wires: the link, and the log.
+/// QEMU and its wires: the link, the log, and those of receiver and autopilot.
 #[derive(Debug)]
 pub struct Started {
     /// The process.
@@ -45,6 +45,8 @@ pub struct Started {
     pub link: TcpStream,
     /// The second UART.
     pub log: TcpStream,
+    /// The third UART and the fourth: the wires of satellite receiver and autopilot.
+    pub wires: [TcpStream; 2],
 }
 
 /// Returns the program on the search path, or else the one that `cargo xtask` has fetched into this
@@ -68,6 +70,8 @@ pub fn start(program: &Path, machine: Machine, image: &Path) -> Result<Started, 
     let system = |error: io::Error| format!("QEMU cannot be started: {error}");
     let link = listener().map_err(system)?;
     let log = listener().map_err(system)?;
+    let receiver = listener().map_err(system)?;
+    let autopilot = listener().map_err(system)?;
     let mut command = command(program);
     command
         .args(["-M", machine.qemu_name()])
@@ -77,6 +81,8 @@ pub fn start(program: &Path, machine: Machine, image: &Path) -> Result<Started, 
         .args(["-semihosting-config", "enable=on,target=native"])
         .args(uart("link", &link).map_err(system)?)
         .args(uart("log", &log).map_err(system)?)
+        .args(uart("receiver", &receiver).map_err(system)?)
+        .args(uart("autopilot", &autopilot).map_err(system)?)
         .arg("-kernel")
         .arg(image)
         .stdin(Stdio::null())
@@ -102,7 +108,14 @@ pub fn start(program: &Path, machine: Machine, image: &Path) -> Result<Started, 
     let deadline = Instant::now() + UP_WITHIN;
     let link = process.accept(&link, deadline)?;
     let log = process.accept(&log, deadline)?;
-    Ok(Started { process, link, log })
+    let receiver = process.accept(&receiver, deadline)?;
+    let autopilot = process.accept(&autopilot, deadline)?;
+    Ok(Started {
+        process,
+        link,
+        log,
+        wires: [receiver, autopilot],
+    })
 }
 
 /// Returns the command that runs `program` so that it does not outlive this process.

@@ -20,6 +20,7 @@ pub mod remote;
 mod remote_flight;
 pub mod serial;
 mod sil;
+mod wires;
 
 #[cfg(test)]
 mod faulty_port;

@@ -18,7 +18,9 @@ use fmc_camera::geometry::mesh::format::MeshFormat;
 use fmc_camera::geometry::mesh::pixel_correction::PixelCorrection;
 use fmc_camera::geometry::mesh::vertex::VertexRow;
 use fmc_camera::geometry::sensor::SensorPoint;
+use fmc_camera::io::instruments::counters::InstrumentCounters;
 use fmc_camera::io::link::message::{Counters, Grid};
+use fmc_simulation::mission::wire::WireTraffic;
 
 use super::image::Image;
 use super::link_error::LinkError;
@@ -83,8 +85,12 @@ impl Qemu {
             log_thread: Some(log_thread),
         };
         let port = TcpPort::new(started.link).map_err(|error| connection(&error))?;
+        let [receiver, autopilot] = started.wires.map(TcpPort::new);
+        let receiver = receiver.map_err(|error| connection(&error))?;
+        let autopilot = autopilot.map_err(|error| connection(&error))?;
         let name = format!("qemu:{machine}");
         let remote = Remote::connect(&name, port).map_err(|error| watch.explain(error))?;
+        let remote = remote.with_wires(receiver, autopilot);
         Ok(Self {
             remote,
             machine,
@@ -236,6 +242,20 @@ impl FlyingDevice for Qemu {
 
     fn step(&mut self, step: &RigStep) -> Result<RigAnswer, DeviceError> {
         let answer = self.remote.step(step);
+        answer.map_err(|error| self.watch.explain(error))
+    }
+
+    fn step_with_wires(
+        &mut self,
+        step: &RigStep,
+        traffic: &WireTraffic,
+    ) -> Result<RigAnswer, DeviceError> {
+        let answer = self.remote.step_with_wires(step, traffic);
+        answer.map_err(|error| self.watch.explain(error))
+    }
+
+    fn instruments(&mut self) -> Result<InstrumentCounters, DeviceError> {
+        let answer = FlyingDevice::instruments(&mut self.remote);
         answer.map_err(|error| self.watch.explain(error))
     }
 

@@ -16,6 +16,7 @@ use super::client::Client;
 use super::error::{DeviceError, Difference, DifferentResult};
 use super::link_error::LinkError;
 use super::port::Port;
+use super::wires::Wires;
 use super::{CorrectingDevice, Device, Evidence, InProcess};
 
 /// Step from one point of a grid that is compared by value to the next.
@@ -29,11 +30,21 @@ pub struct Remote<P> {
     pub(super) client: Client<P>,
     identity: Identity,
     pub(super) twin: InProcess,
+    pub(super) wires: Option<Wires<P>>,
     exposure: Option<Exposure>,
     evidence: Evidence,
 }
 
 impl<P: Port> Remote<P> {
+    /// Adds the far ends of the camera's wires of receiver and autopilot.
+    #[must_use]
+    pub(super) fn with_wires(self, receiver: P, autopilot: P) -> Self {
+        Self {
+            wires: Some(Wires::new(receiver, autopilot)),
+            ..self
+        }
+    }
+
     /// Connects to a camera; errors call it `name`.
     ///
     /// # Errors
@@ -49,6 +60,7 @@ impl<P: Port> Remote<P> {
             client,
             identity,
             twin: InProcess::default(),
+            wires: None,
             exposure: None,
             evidence: Evidence::default(),
         })

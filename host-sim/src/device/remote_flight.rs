@@ -1,5 +1,7 @@
 //! A camera at the other end of a link in a simulated flight, round by round beside its twin.
 
+use std::time::{Duration, Instant};
+
 use fmc_camera::flight::camera::CameraParameters;
 use fmc_camera::flight::controller::Start;
 use fmc_camera::flight::controller::state::State;
@@ -9,14 +11,20 @@ use fmc_camera::flight::rig::{RigAnswer, RigStep};
 use fmc_camera::flight::settings::FlightSettings;
 use fmc_camera::flight::stage::Setpoint;
 use fmc_camera::flight::time::Time;
+use fmc_camera::io::instruments::counters::InstrumentCounters;
 use fmc_camera::io::link::digest;
 use fmc_camera::io::link::message;
+use fmc_camera::io::link::message::Refusal;
+use fmc_simulation::mission::wire::WireTraffic;
 
 use super::error::DifferentResult;
 use super::link_error::LinkError;
 use super::port::Port;
 use super::remote::{Remote, same_bits};
 use super::{CorrectingDevice, DeviceError, FlyingDevice};
+
+/// Longest time for which bytes may be on their way to the camera.
+const ARRIVED_WITHIN: Duration = Duration::from_secs(2);
 
 impl<P: Port> Remote<P> {
     /// Returns the oldest record with at least that number, of a flight that this program or
@@ -71,6 +79,33 @@ impl<P: Port> Remote<P> {
         )
     }
 
+    /// Sends the bytes and asks for the round until the camera has got them, which may be on their
+    /// way for a moment: at most [`ARRIVED_WITHIN`].
+    fn wired(&mut self, step: &RigStep, traffic: &WireTraffic) -> Result<RigAnswer, DeviceError> {
+        let sent = match &mut self.wires {
+            Some(wires) => wires.send(traffic).map_err(|error| error.kind()),
+            None => return Err(DeviceError::NoWires),
+        };
+        let sent = sent.map_err(|error| self.failed(LinkError::Port(error), 0))?;
+        let deadline = Instant::now() + ARRIVED_WITHIN;
+        loop {
+            match self.client.wired(step, sent) {
+                Err(LinkError::Refused {
+                    refusal: Refusal::OtherBytes(_),
+                    ..
+                }) if Instant::now() < deadline => {}
+                answer => return answer.map_err(|error| self.failed(error, 0)),
+            }
+        }
+    }
+
+    /// Returns the counts of the camera's wires.
+    pub(super) fn counters_of_wires(&mut self) -> Result<InstrumentCounters, DeviceError> {
+        self.client
+            .instruments()
+            .map_err(|error| self.failed(error, 0))
+    }
+
     fn other_round(&self, camera: &RigAnswer, twin: &RigAnswer) -> DeviceError {
         self.different(DifferentResult::Round {
             camera: format!("{camera:?}"),
@@ -96,6 +131,9 @@ impl<P: Port> FlyingDevice for Remote<P> {
             .client
             .prepare(settings)
             .map_err(|error| self.failed(error, 0));
+        if let (Ok(()), Some(wires)) = (&prepared, &mut self.wires) {
+            wires.restart();
+        }
         let start = match &prepared {
             Ok(()) => self.start_of_flight()?,
             Err(_) => Start::Orderly,
@@ -125,6 +163,33 @@ impl<P: Port> FlyingDevice for Remote<P> {
             Ok(camera)
         } else {
             Err(self.other_round(&camera, &twin))
+        }
+    }
+
+    fn step_with_wires(
+        &mut self,
+        step: &RigStep,
+        traffic: &WireTraffic,
+    ) -> Result<RigAnswer, DeviceError> {
+        let camera = self.wired(step, traffic)?;
+        let twin = self.twin.step_with_wires(step, traffic)?;
+        if same_bits(&camera, &twin) {
+            Ok(camera)
+        } else {
+            Err(self.other_round(&camera, &twin))
+        }
+    }
+
+    fn instruments(&mut self) -> Result<InstrumentCounters, DeviceError> {
+        let camera = self.counters_of_wires()?;
+        let twin = FlyingDevice::instruments(&mut self.twin)?;
+        if camera == twin {
+            Ok(camera)
+        } else {
+            Err(self.different(DifferentResult::Round {
+                camera: format!("{camera:?}"),
+                twin: format!("{twin:?}"),
+            }))
         }
     }
 

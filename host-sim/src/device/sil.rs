@@ -11,6 +11,7 @@ use fmc_camera::geometry::mesh::format::MeshFormat;
 use fmc_camera::geometry::mesh::pixel_correction::{CorrectionMesh, PixelCorrection};
 use fmc_camera::geometry::mesh::vertex::VertexRow;
 use fmc_camera::geometry::sensor::SensorPoint;
+use fmc_camera::io::instruments::Instruments;
 use fmc_camera::io::link::digest;
 use fmc_camera::io::link::message::Grid;
 
@@ -24,6 +25,7 @@ pub struct InProcess {
     pub(super) rig: Rig,
     correction: Option<FrameCorrection>,
     evidence: Evidence,
+    pub(super) instruments: Instruments,
 }
 
 impl Default for InProcess {
@@ -32,6 +34,7 @@ impl Default for InProcess {
             rig: Rig::new(Start::Orderly),
             correction: None,
             evidence: Evidence::default(),
+            instruments: Instruments::new(),
         }
     }
 }

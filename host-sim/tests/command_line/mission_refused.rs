@@ -114,7 +114,7 @@ fn line_that_carries_what_there_is_not_is_refused() {
     refused(
         "baud = 38400 ",
         "baud = 12 ",
-        &["line.baud = 12", "1200 to 921600"],
+        &["line.baud = 12", "1200 to 115200"],
     );
     refused(
         "receiver = \"whole\"",

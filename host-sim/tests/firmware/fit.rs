@@ -77,6 +77,7 @@ fn fit_of_the_camera_is_that_of_the_pc_bit_by_bit() {
             process: _process,
             link,
             log: _log,
+            wires: _wires,
         } = machine::start(&machine::find().unwrap(), machine, &image).unwrap();
         let mut client = Client::new(TcpPort::new(link).unwrap());
         client.connect().unwrap();

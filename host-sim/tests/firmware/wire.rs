@@ -39,6 +39,7 @@ fn camera_answers_after_100_kb_of_garbage_and_has_counted_it() {
             process: _process,
             mut link,
             log: _log,
+            wires: _wires,
         } = start(machine);
         link.write_all(&garbage(100_000)).unwrap();
         let mut client = Client::new(TcpPort::new(link).unwrap());
@@ -61,6 +62,7 @@ fn power_off_ends_qemu_with_success_after_the_answer() {
             mut process,
             link,
             log: _log,
+            wires: _wires,
         } = start(machine);
         let mut client = Client::new(TcpPort::new(link).unwrap());
         client.connect().unwrap();
@@ -78,6 +80,7 @@ fn image_as_it_flies_has_no_accidents_on_request() {
             process: _process,
             link,
             mut log,
+            wires: _wires,
         } = start(MACHINES[0]);
         let mut client = Client::new(TcpPort::new(link).unwrap());
         client.connect().unwrap();
@@ -95,6 +98,7 @@ fn firmware_goes_on_after_the_pc_has_slept() {
         process,
         link,
         log: _log,
+        wires: _wires,
     } = start(MACHINES[0]);
     let mut client = Client::new(TcpPort::new(link).unwrap());
     client.connect().unwrap();
@@ -122,6 +126,7 @@ fn log_names_board_build_and_cause_of_the_start() {
             process: _process,
             link,
             mut log,
+            wires: _wires,
         } = start(machine);
         let mut client = Client::new(TcpPort::new(link).unwrap());
         let identity = client.connect().unwrap();

@@ -13,3 +13,4 @@ mod stall;
 mod support;
 #[cfg(test)]
 mod sweep;
+mod wires;

@@ -22,7 +22,7 @@ mod journal;
 use {
     board::Board,
     fmc_camera::io::link::{
-        message::{Identity, Start},
+        message::{Identity, ResetCause},
         station::{LinkEvent, Station},
     },
 };
@@ -44,7 +44,7 @@ fn main() {
 
 /// Runs the main loop, once the board has started.
 #[cfg(board)]
-fn run(mut board: Board, start: Start) -> ! {
+fn run(mut board: Board, start: ResetCause) -> ! {
     journal::note_start(Board::NAME, BUILD, start);
     let identity = Identity::new(BUILD, Board::NAME, Board::CAN_POWER_OFF, start);
     let mut station = Station::with(identity, Board::stack_used_bytes, Board::deck(start));

@@ -9,6 +9,7 @@ use crate::flight::flown_deck::{FlownDeck, NotFlyable, NotTaken};
 use crate::flight::frame_record::FrameRecord;
 use crate::flight::rig::{Rig, RigAnswer, RigStep};
 use crate::flight::settings::FlightSettings;
+use crate::io::instruments::{Instruments, Wire, WireBytes};
 
 /// A camera that can be prepared for flight.
 pub trait FlightDeck {
@@ -38,6 +39,21 @@ pub trait FlightDeck {
     /// Runs one round of the control loop; `None` for a camera that is not on a test rig.
     fn step(&mut self, step: &RigStep) -> Option<Result<RigAnswer, Refusal>>;
 
+    /// Runs one round with the bytes on the wires of receiver and autopilot, on which `sent` bytes
+    /// have been sent since the camera was prepared; `None` as for [`Self::step`].
+    ///
+    /// # Errors
+    /// [`Refusal::OtherBytes`] if another number of them has come; nothing changes then.
+    fn wired(&mut self, step: &RigStep, sent: WireBytes) -> Option<Result<RigAnswer, Refusal>> {
+        let _ = (step, sent);
+        None
+    }
+
+    /// The wires of receiver and autopilot; `None` for a camera without them.
+    fn instruments(&self) -> Option<&Instruments> {
+        None
+    }
+
     /// Takes an event from a message, now.
     ///
     /// # Errors
@@ -50,6 +66,7 @@ pub trait FlightDeck {
 #[derive(Debug)]
 pub struct RigDeck {
     rig: Rig,
+    instruments: Instruments,
 }
 
 impl RigDeck {
@@ -58,6 +75,7 @@ impl RigDeck {
     pub const fn new(start: Start) -> Self {
         Self {
             rig: Rig::new(start),
+            instruments: Instruments::new(),
         }
     }
 
@@ -65,6 +83,16 @@ impl RigDeck {
     #[must_use]
     pub const fn after(start: message::ResetCause) -> Self {
         Self::new(start.counting_on())
+    }
+
+    /// Takes a byte that has come on a wire of the aircraft.
+    pub fn hear(&mut self, wire: Wire, byte: u8) {
+        self.instruments.push(wire, byte);
+    }
+
+    /// Counts bytes of a wire that were lost before they could be handed over.
+    pub const fn count_lost(&mut self, wire: Wire, bytes: u32) {
+        self.instruments.count_lost(wire, bytes);
     }
 }
 
@@ -78,7 +106,9 @@ impl FlightDeck for RigDeck {
     }
 
     fn prepare(&mut self, settings: &FlightSettings) -> Result<(), Refusal> {
-        Ok(self.rig.prepare(settings)?)
+        self.rig.prepare(settings)?;
+        self.instruments.clear();
+        Ok(())
     }
 
     fn controller(&self) -> Option<&Controller> {
@@ -95,6 +125,22 @@ impl FlightDeck for RigDeck {
 
     fn step(&mut self, step: &RigStep) -> Option<Result<RigAnswer, Refusal>> {
         Some(self.rig.step(step).ok_or(Refusal::NotPrepared))
+    }
+
+    fn wired(&mut self, step: &RigStep, sent: WireBytes) -> Option<Result<RigAnswer, Refusal>> {
+        if self.rig.controller().is_none() {
+            return Some(Err(Refusal::NotPrepared));
+        }
+        let received = self.instruments.received();
+        if received != sent {
+            return Some(Err(Refusal::OtherBytes(received)));
+        }
+        let wired = self.instruments.wired(step);
+        Some(self.rig.step(&wired).ok_or(Refusal::NotPrepared))
+    }
+
+    fn instruments(&self) -> Option<&Instruments> {
+        Some(&self.instruments)
     }
 
     fn tell(&mut self, _: Event) -> Result<(), Refusal> {

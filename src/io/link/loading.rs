@@ -7,8 +7,8 @@
 
 use heapless::Vec;
 
-use super::packet::CRC;
 use super::message::{Part, Refusal, Request};
+use super::packet::CRC;
 use super::{CALIBRATION_CAPACITY, MAX_PART};
 use crate::flight::camera::CameraParameters;
 

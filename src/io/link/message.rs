@@ -29,6 +29,8 @@ use crate::geometry::mesh::pixel_correction::PixelCorrection;
 use crate::geometry::mesh::vertex::{MeshError, VertexRow};
 use crate::geometry::range::OutOfRange;
 use crate::geometry::sensor::SensorPoint;
+use crate::io::instruments::WireBytes;
+use crate::io::instruments::counters::InstrumentCounters;
 
 /// A batch of points.
 pub type Points = Vec<SensorPoint, MAX_POINTS>;
@@ -110,6 +112,11 @@ pub enum Request {
     /// Computes the positions at which the vertices of a row of the recorded image are to be drawn,
     /// for the current frame, up to [`MAX_POINTS`].
     Corrections(VertexRow),
+    /// Runs one round of the control loop on a test rig whose receiver and autopilot have wires of
+    /// their own, on which so many bytes have been sent since the camera was prepared.
+    Wired(RigStep, WireBytes),
+    /// Asks for the counters of the wires of receiver and autopilot.
+    Instruments,
 }
 
 /// An answer of the camera.
@@ -157,6 +164,8 @@ pub enum Answer {
     Mesh(MeshBytes),
     /// The corrections of the row's vertices, corrected - recorded, in order.
     Corrections(Vec<PixelCorrection, MAX_POINTS>),
+    /// The counters of the wires of receiver and autopilot.
+    Instruments(InstrumentCounters),
 }
 
 /// Why the camera does not do what it is asked for. Nothing has changed, except that after an
@@ -261,6 +270,11 @@ pub enum Refusal {
     },
     /// The parameters are complete, and no record of a camera.
     NoRecord,
+    /// Only so many bytes have come on the wires, or more than were sent. Missing bytes may still
+    /// be on their way: the request may be made again.
+    OtherBytes(WireBytes),
+    /// The camera has no wires of receiver and autopilot.
+    NoInstruments,
 }
 
 impl fmt::Display for Refusal {
@@ -326,6 +340,14 @@ impl fmt::Display for Refusal {
                 "the parameters have CRC-32 {computed:08x}, not the one announced"
             ),
             Self::NoRecord => f.write_str("the parameters are not a camera's of this version"),
+            Self::OtherBytes(WireBytes {
+                receiver,
+                autopilot,
+            }) => write!(
+                f,
+                "{receiver} bytes of the receiver and {autopilot} of the autopilot have come, not as many as were sent"
+            ),
+            Self::NoInstruments => f.write_str("it has no wires of receiver and autopilot"),
         }
     }
 }

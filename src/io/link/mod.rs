@@ -38,6 +38,7 @@ pub mod loading;
 pub mod message;
 pub mod packet;
 pub mod station;
+pub mod wired_deck;
 
 /// Version of packets and messages. It changes whenever a message does.
 pub const PROTOCOL_VERSION: u8 = 5;

@@ -327,6 +327,15 @@ impl<Deck: FlightDeck> Responder<Deck> {
                 Answer::Prepared
             }
             Request::Rig(step) => Answer::Rig(self.deck.step(step).ok_or(Refusal::NoRig)??),
+            Request::Wired(step, sent) => {
+                Answer::Rig(self.deck.wired(step, *sent).ok_or(Refusal::NoRig)??)
+            }
+            Request::Instruments => Answer::Instruments(
+                self.deck
+                    .instruments()
+                    .ok_or(Refusal::NoInstruments)?
+                    .counters(),
+            ),
             Request::FrameRecord(from) => Answer::FrameRecord(self.frame_record(*from)?),
             Request::Acknowledge(through) => {
                 Answer::Kept(deck::acknowledge(&mut self.deck, *through)?)

@@ -150,6 +150,7 @@ pub(crate) fn keep() {
         Deck::controller_mut,
         Deck::offset_mm,
         Deck::tell,
+        Deck::tell_at,
         Bytes::new,
         Bytes::push,
         Bytes::pop,

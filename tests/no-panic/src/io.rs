@@ -2,6 +2,7 @@
 
 use fmc_camera::flight::drive::rig::RigDrive;
 use fmc_camera::flight::flown_deck::FlownDeck;
+use fmc_camera::io::instruments::{Instruments, counters::ReceiverCounters};
 use fmc_camera::io::link::{
     deck::{FlightDeck, RigDeck},
     digest,
@@ -9,9 +10,13 @@ use fmc_camera::io::link::{
     message::{Answer, Grid, Identity, Request, ResetCause},
     packet::{Packet, PacketReceiver},
     station::Station,
+    wired_deck::WiredDeck,
 };
+use fmc_camera::io::mavlink::MavlinkReceiver;
+use fmc_camera::io::nmea::NmeaReceiver;
 
 type Deck = FlownDeck<RigDrive>;
+type Wired = WiredDeck<RigDrive>;
 
 /// Keeps the public functions of `fmc_camera::io`.
 pub(crate) fn keep() {
@@ -34,6 +39,26 @@ pub(crate) fn keep() {
         Upload::requests,
         RigDeck::new,
         RigDeck::after,
+        RigDeck::hear,
+        RigDeck::count_lost,
+        RigDeck::wired,
+        Wired::new,
+        Wired::flown_mut,
+        Wired::hear,
+        Wired::count_lost,
+        Wired::round,
+        Station::<Wired>::receive,
+        Instruments::new,
+        Instruments::of_system,
+        Instruments::clear,
+        Instruments::push,
+        Instruments::count_lost,
+        Instruments::count_crowded_out,
+        Instruments::received,
+        Instruments::round,
+        Instruments::wired,
+        Instruments::counters,
+        ReceiverCounters::has_two_receivers,
         Deck::step,
         ResetCause::counting_on,
         ResetCause::unreferenced,
@@ -47,25 +72,14 @@ pub(crate) fn keep() {
         Station::<RigDeck>::count_overrun,
         Station::<RigDeck>::counters,
         Station::<RigDeck>::deck_mut,
-    ];
-    #[cfg(feature = "mavlink")]
-    keep_mavlink();
-    #[cfg(feature = "nmea")]
-    keep_nmea();
-}
-
-#[cfg(feature = "mavlink")]
-fn keep_mavlink() {
-    use fmc_camera::io::mavlink::MavlinkReceiver;
-    keep![
         MavlinkReceiver::new,
         MavlinkReceiver::receive,
         MavlinkReceiver::buffered,
+        MavlinkReceiver::is_under_way,
+        MavlinkReceiver::take_unexplained,
+        NmeaReceiver::new,
+        NmeaReceiver::receive,
+        NmeaReceiver::is_under_way,
+        NmeaReceiver::take_unexplained,
     ];
-}
-
-#[cfg(feature = "nmea")]
-fn keep_nmea() {
-    use fmc_camera::io::nmea::NmeaReceiver;
-    keep![NmeaReceiver::new, NmeaReceiver::receive];
 }

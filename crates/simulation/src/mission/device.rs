@@ -6,6 +6,9 @@ use fmc_camera::flight::rig::{RigAnswer, RigStep};
 use fmc_camera::flight::settings::FlightSettings;
 use fmc_camera::flight::stage::Setpoint;
 use fmc_camera::flight::time::Time;
+use fmc_camera::io::instruments::counters::InstrumentCounters;
+
+use super::wire::WireTraffic;
 
 /// A camera whose drive, shutter and sensors are simulated, one round of its control loop at a
 /// time.
@@ -34,6 +37,23 @@ pub trait FlyingDevice {
     /// # Errors
     /// An error if the connection to the camera fails.
     fn step(&mut self, step: &RigStep) -> Result<RigAnswer, Self::Error>;
+
+    /// Performs one round of the control loop with the bytes that have come on the wires of
+    /// receiver and autopilot since the round before.
+    ///
+    /// # Errors
+    /// An error if the connection to the camera or one of its wires fails.
+    fn step_with_wires(
+        &mut self,
+        step: &RigStep,
+        traffic: &WireTraffic,
+    ) -> Result<RigAnswer, Self::Error>;
+
+    /// Returns the counts of the wires of receiver and autopilot.
+    ///
+    /// # Errors
+    /// An error if the connection to the camera fails.
+    fn instruments(&mut self) -> Result<InstrumentCounters, Self::Error>;
 
     /// Returns the oldest record that has at least this number and was not acknowledged.
     ///

@@ -172,6 +172,8 @@ pub struct LineTable {
     pub carries: Option<Vec<String>>,
     pub receiver: ReceiverFormat,
     pub baud: i64,
+    pub autopilot: AutopilotFormat,
+    pub autopilot_baud: i64,
 }
 
 impl Default for LineTable {
@@ -180,6 +182,8 @@ impl Default for LineTable {
             carries: None,
             receiver: ReceiverFormat::Whole,
             baud: 38_400,
+            autopilot: AutopilotFormat::Whole,
+            autopilot_baud: 57_600,
         }
     }
 }
@@ -192,6 +196,16 @@ pub enum ReceiverFormat {
     Whole,
     /// Sentences of NMEA 0183, byte after byte.
     Nmea,
+}
+
+/// Form in which the autopilot reports attitude and the height of the radar altimeter.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Deserialize)]
+#[serde(rename_all = "lowercase")]
+pub enum AutopilotFormat {
+    /// Messages that arrive whole or not at all.
+    Whole,
+    /// Messages of `MAVLink`, byte after byte.
+    Mavlink,
 }
 
 /// Source of V/H.

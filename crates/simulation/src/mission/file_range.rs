@@ -23,7 +23,7 @@ const REPORTED: Range = range(0.0, 200.0, "Hz");
 const SENSOR_RATE: Range = range(0.1, 200.0, "Hz");
 const SENSOR_SIGMA: Range = range(0.0, 20.0, "%");
 const SENSOR_LATENCY: Range = range(0.0, 2000.0, "ms");
-const BAUD: Range = range(1200.0, 921_600.0, "bits per second");
+const BAUD: Range = range(1200.0, 115_200.0, "bits per second");
 const SHUTTER_LATENCY: Range = range(0.0, 100.0, "ms");
 const SHUTTER_JITTER: Range = range(0.0, 1000.0, "µs");
 const UNIX_S: Range = range(0.0, 2_147_483_647.0, "s since 1970");
@@ -63,6 +63,7 @@ pub(super) fn check_numbers(mission: &MissionFile, text: &TomlText) -> Result<()
         terrain.relief_m RELIEF,
         terrain.wavelength_m WAVELENGTH,
         line.baud BAUD,
+        line.autopilot_baud BAUD,
         shutter.latency_ms SHUTTER_LATENCY,
         shutter.jitter_us SHUTTER_JITTER,
         limits.pp_error_px PIXELS,

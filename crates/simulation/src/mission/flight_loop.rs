@@ -91,6 +91,7 @@ struct Flight<'a, D: ?Sized> {
     setpoint: Option<Setpoint>,
     next_sequence: u32,
     record_waits: bool,
+    has_wires: bool,
     flown: Flown,
 }
 
@@ -132,6 +133,7 @@ impl<'a, D: FlyingDevice + ?Sized> Flight<'a, D> {
             setpoint: None,
             next_sequence: 1,
             record_waits: false,
+            has_wires: false,
             flown: Flown::before(triggers_us, injections.len()),
             injections,
             device,
@@ -160,6 +162,9 @@ impl<'a, D: FlyingDevice + ?Sized> Flight<'a, D> {
         self.flown.trace = self.tracer.into_trace(&self.aircraft);
         self.flown.unrecorded = self.light.into_rest();
         self.flown.sentences = self.sensors.sentence_counts();
+        if self.has_wires {
+            self.flown.instruments = Some(self.device.instruments()?);
+        }
         self.flown.duration_s = seconds(now_us);
         self.flown.device = description;
         Ok(self.flown)
@@ -174,7 +179,13 @@ impl<'a, D: FlyingDevice + ?Sized> Flight<'a, D> {
                 .advance(0.0, false, seconds(now_us) - self.mechanics.time_s());
         }
         let step = self.step(now_us);
-        let answer = self.device.step(&step)?;
+        let answer = match self.sensors.traffic() {
+            Some(traffic) => {
+                self.has_wires = true;
+                self.device.step_with_wires(&step, &traffic)?
+            }
+            None => self.device.step(&step)?,
+        };
         self.setpoint = self.device.setpoint(Time::from_us(now_us));
         self.obey(now_us, &answer);
         self.feel(now_us, &answer);

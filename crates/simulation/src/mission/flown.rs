@@ -3,6 +3,7 @@
 use fmc_camera::flight::controller::state::State;
 use fmc_camera::flight::fault::Fault;
 use fmc_camera::flight::frame_record::FrameRecord;
+use fmc_camera::io::instruments::counters::InstrumentCounters;
 
 use super::oracle::FrameTruth;
 use super::receiver::SentenceCounts;
@@ -40,6 +41,8 @@ pub struct Flown {
     pub lost_requests: u32,
     /// Counts of the receiver's sentences, if it sends any.
     pub sentences: SentenceCounts,
+    /// Counts of the camera's wires of receiver and autopilot, if there are any.
+    pub instruments: Option<InstrumentCounters>,
     /// Greatest true distance of the stage from the calibrated position, mm.
     pub farthest_mm: f64,
     /// Rounds around one frame.
@@ -61,6 +64,7 @@ impl Flown {
             felt_us: vec![None; faults],
             lost_requests: 0,
             sentences: SentenceCounts::default(),
+            instruments: None,
             farthest_mm: 0.0,
             trace: None,
             duration_s: 0.0,

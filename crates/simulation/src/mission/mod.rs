@@ -5,6 +5,7 @@
 //! report of every frame is compared with the physical exposure.
 
 pub mod aircraft;
+mod autopilot;
 pub mod check;
 pub mod clock;
 pub mod device;
@@ -29,3 +30,5 @@ pub mod shutter;
 mod source;
 pub mod trace;
 mod tracer;
+pub mod wire;
+mod wires;

@@ -7,7 +7,9 @@ use fmc_camera_file::toml_text::TomlText;
 
 use super::expectation::{Expectation, REASON_NAMES, STATE_NAMES, VH_WAYS, way_name};
 use super::fault::{InjectedFault, Injection};
-use super::file::{ExpectTable, FaultTable, MissionFile, VhQuantity, VhSourceName};
+use super::file::{
+    AutopilotFormat, ExpectTable, FaultTable, MissionFile, ReceiverFormat, VhQuantity, VhSourceName,
+};
 use crate::range::{Range, range, whole};
 
 const WITHIN: Range = range(0.0, 1e6, "ms");
@@ -65,6 +67,7 @@ impl Entry<'_> {
             unit: fault.unit(),
         };
         sizes.check(size, self.text, &self.path("size"))?;
+        self.check_wire(fault, written)?;
         if fault.is_counted() && size.fract() != 0.0 {
             return Err(self.invalid("size", "is not a whole number"));
         }
@@ -87,6 +90,17 @@ impl Entry<'_> {
             injection,
             expectation,
         })
+    }
+
+    /// Checks that the wire is there on which the fault is.
+    fn check_wire(&self, fault: InjectedFault, written: &MissionFile) -> Result<(), InputError> {
+        if fault.is_of_receiver() && written.line.receiver != ReceiverFormat::Nmea {
+            return Err(self.invalid("name", "needs [line] receiver = \"nmea\""));
+        }
+        if fault.is_of_autopilot() && written.line.autopilot != AutopilotFormat::Mavlink {
+            return Err(self.invalid("name", "needs [line] autopilot = \"mavlink\""));
+        }
+        Ok(())
     }
 
     /// Returns the source of V/H that the fault affects, which has to be one of the scenario's.

@@ -1,15 +1,10 @@
-//! Satellite receiver that reports speed and altitude in sentences (NMEA 0183), byte after byte on
-//! the serial line.
+//! Satellite receiver: speed, altitude and time in sentences (NMEA 0183).
 
-use std::collections::VecDeque;
+use fmc_camera::io::instruments::counters::ReceiverCounters;
+use fmc_camera::io::nmea::M_PER_S_PER_KNOT;
 
-use fmc_camera::flight::vh::VhSample;
-use fmc_camera::io::nmea::{M_PER_S_PER_KNOT, NmeaReceiver};
-
-use super::fault::line::{SerialLine, Traffic};
-
-/// Bits of a byte on the line: start, eight, stop.
-const BITS: u64 = 10;
+/// Seconds of a day.
+const DAY_S: u64 = 86_400;
 
 /// Counts of the receiver's sentences.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
@@ -24,161 +19,119 @@ pub struct SentenceCounts {
     pub lost_bytes: u32,
 }
 
-/// Receiver, line and the camera's decoder.
-#[derive(Debug, Clone)]
-pub(super) struct SentenceLine {
-    traffic: Traffic,
-    baud: u64,
-    /// Bytes on the line with their times of arrival, µs.
-    bytes: VecDeque<(u64, u8)>,
-    free_at_us: u64,
-    decoder: NmeaReceiver,
-    counts: SentenceCounts,
-}
-
-impl SentenceLine {
-    /// Creates an idle line.
-    pub(super) fn new(traffic: Traffic, baud: u64) -> Self {
+impl SentenceCounts {
+    /// Combines the counts of both ends of the wire.
+    pub(super) const fn of(sent: u32, lost_bytes: u32, camera: &ReceiverCounters) -> Self {
         Self {
-            traffic,
-            baud: baud.max(1),
-            bytes: VecDeque::new(),
-            free_at_us: 0,
-            decoder: NmeaReceiver::new(),
-            counts: SentenceCounts::default(),
+            sent,
+            read: camera.read,
+            refused: camera.truncated
+                + camera.oversized
+                + camera.checksum
+                + camera.malformed
+                + camera.no_fix
+                + camera.simulated_fix
+                + camera.invalid_time
+                + camera.before_year_2000
+                + camera.out_of_range,
+            lost_bytes,
         }
-    }
-
-    /// Sends a sample, after the bytes that were sent before. Returns `false` for a sample that
-    /// receivers do not report.
-    pub(super) fn send(&mut self, at_us: u64, sample: VhSample) -> bool {
-        let Some(sentence) = sentence(sample) else {
-            return false;
-        };
-        let mut at_us = at_us.max(self.free_at_us);
-        for byte in sentence.bytes() {
-            at_us += 1_000_000 * BITS / self.baud;
-            self.bytes.push_back((at_us, byte));
-        }
-        self.free_at_us = at_us;
-        self.counts.sent += 1;
-        true
-    }
-
-    /// Decodes the bytes that have arrived by a time, µs.
-    pub(super) fn read(&mut self, line: &SerialLine, to_us: u64) -> Vec<(u64, VhSample)> {
-        let mut samples = Vec::new();
-        while let Some((at_us, byte)) = self.bytes.pop_front_if(|(at_us, _)| *at_us <= to_us) {
-            if line.loses(self.traffic, at_us) {
-                self.counts.lost_bytes += 1;
-                continue;
-            }
-            match self.decoder.receive(byte) {
-                Some(Ok(reading)) => {
-                    self.counts.read += 1;
-                    samples.extend(reading.sample.map(|sample| (at_us, sample)));
-                }
-                Some(Err(_)) => self.counts.refused += 1,
-                None => {}
-            }
-        }
-        samples
-    }
-
-    /// Returns the time at which the next byte arrives, µs.
-    pub(super) fn due_us(&self) -> Option<u64> {
-        self.bytes.front().map(|(at_us, _)| *at_us)
-    }
-
-    pub(super) const fn counts(&self) -> SentenceCounts {
-        self.counts
     }
 }
 
-/// Formats the sentence of a sample; position and time of day, which the camera does not read from
-/// it, are 0.
-fn sentence(sample: VhSample) -> Option<String> {
-    let fields = match sample {
-        VhSample::GroundSpeed(speed_m_s) => format!(
-            "GPVTG,0.0,T,,M,{:.3},N,{:.3},K,A",
-            speed_m_s / M_PER_S_PER_KNOT,
-            3.6 * speed_m_s
-        ),
-        VhSample::Altitude(altitude_m) => format!(
-            "GPGGA,000000.00,0000.00000,N,00000.00000,E,4,12,0.8,{altitude_m:.2},M,0.0,M,1.0,0000"
-        ),
-        _ => return None,
-    };
+/// Formats ground speed as the sentence VTG; without a number, the field is empty.
+pub(super) fn speed(speed_m_s: f32) -> String {
+    sentence(&format!(
+        "GPVTG,0.0,T,,M,{},N,{},K,A",
+        number(speed_m_s / M_PER_S_PER_KNOT, 3),
+        number(3.6 * speed_m_s, 3)
+    ))
+}
+
+/// Formats altitude as the sentence GGA; position and time of day are left empty.
+pub(super) fn altitude(altitude_m: f32) -> String {
+    sentence(&format!(
+        "GPGGA,,,,,,4,12,0.8,{},M,0.0,M,1.0,0000",
+        number(altitude_m, 2)
+    ))
+}
+
+/// Formats a time, s since 1970, as the sentence RMC, with the last speed measured.
+pub(super) fn time(unix_s: u64, speed_m_s: Option<f32>) -> String {
+    let (day, second) = (unix_s / DAY_S, unix_s % DAY_S);
+    let (hour, minute, second) = (second / 3600, second / 60 % 60, second % 60);
+    let knots = speed_m_s.map_or(String::new(), |speed| number(speed / M_PER_S_PER_KNOT, 3));
+    sentence(&format!(
+        "GPRMC,{hour:02}{minute:02}{second:02}.00,A,,,,,{knots},0.0,{},,,A",
+        date(day)
+    ))
+}
+
+/// Formats the date of a day since 1970 as `ddmmyy`.
+fn date(day: u64) -> String {
+    // Hinnant, chrono-compatible low-level date algorithms: years begin on the first of March.
+    let day = day + 719_468;
+    let (era, day) = (day / 146_097, day % 146_097);
+    let year = (day - day / 1460 + day / 36_524 - day / 146_096) / 365;
+    let day = day - (365 * year + year / 4 - year / 100);
+    let month = (5 * day + 2) / 153;
+    let day = day - (153 * month + 2) / 5 + 1;
+    let month = if month < 10 { month + 3 } else { month - 9 };
+    let year = 400 * era + year + u64::from(month <= 2);
+    format!("{day:02}{month:02}{:02}", year % 100)
+}
+
+fn number(value: f32, places: usize) -> String {
+    if value.is_finite() {
+        format!("{value:.places$}")
+    } else {
+        String::new()
+    }
+}
+
+fn sentence(fields: &str) -> String {
     let checksum = fields.bytes().fold(0, |sum, byte| sum ^ byte);
-    Some(format!("${fields}*{checksum:02X}\r\n"))
+    format!("${fields}*{checksum:02X}\r\n")
 }
 
 #[cfg(test)]
 mod tests {
+    use fmc_camera::flight::vh::VhSample;
+    use fmc_camera::io::nmea::{NmeaError, NmeaReading, NmeaReceiver};
+
     use super::*;
-    use crate::mission::fault::line::Carried;
-    use crate::mission::fault::{InjectedFault, Injection};
-    use crate::mission::file::VhSourceName;
 
-    const SOURCE: Traffic = Traffic::Vh(VhSourceName::Altimeter);
-
-    fn flown(cut_at_s: f64, lasting_s: f64) -> (Vec<(u64, VhSample)>, SentenceCounts) {
-        let cut = Injection::new(InjectedFault::UartCut, cut_at_s).of_size(lasting_s);
-        let line = SerialLine::new(Carried::everything(), &[cut]);
-        let mut receiver = SentenceLine::new(SOURCE, 9600);
-        for (at_us, speed_m_s) in [(0_u64, 90.0), (100_000, 91.0), (200_000, 92.0)] {
-            assert!(receiver.send(at_us, VhSample::GroundSpeed(speed_m_s)));
-        }
-        (receiver.read(&line, 1_000_000), receiver.counts())
-    }
-
-    /// Speeds to the millimetre per second; one digit of the sentence is half of that.
-    fn speeds_m_s(samples: &[(u64, VhSample)]) -> Vec<String> {
-        samples
-            .iter()
-            .map(|(_, sample)| match sample {
-                VhSample::GroundSpeed(speed_m_s) => format!("{speed_m_s:.3}"),
-                other => format!("{other:?}"),
-            })
-            .collect()
+    fn read(sentence: &str) -> Result<NmeaReading, NmeaError> {
+        let mut receiver = NmeaReceiver::new();
+        let mut answers = sentence.bytes().filter_map(|byte| receiver.receive(byte));
+        answers.next().unwrap()
     }
 
     #[test]
-    fn speed_and_altitude_come_through_when_their_last_byte_is_there() {
-        let line = SerialLine::new(Carried::everything(), &[]);
-        let mut receiver = SentenceLine::new(SOURCE, 38_400);
-        assert!(receiver.send(1000, VhSample::GroundSpeed(96.123)));
-        assert!(receiver.send(1000, VhSample::Altitude(901.25)));
-        assert!(!receiver.send(1000, VhSample::TerrainHeight(100.0)));
-        let [(first_us, speed), (second_us, altitude)] = receiver.read(&line, 1_000_000)[..] else {
-            panic!("two samples")
+    fn speed_and_altitude_come_through_to_half_of_their_last_digit() {
+        let Some(VhSample::GroundSpeed(speed_m_s)) = read(&speed(96.123)).unwrap().sample else {
+            panic!()
         };
-        // A byte takes 260 µs: one sentence of 40 bytes and one of 77.
-        assert!((10_000..15_000).contains(&first_us), "{first_us}");
-        assert!((28_000..36_000).contains(&second_us), "{second_us}");
-        let VhSample::GroundSpeed(speed_m_s) = speed else {
-            panic!("{speed:?}")
-        };
-        // Half of the last digit, 0.0005 knots.
         assert!((speed_m_s - 96.123).abs() < 3e-4, "{speed_m_s}");
-        assert_eq!(altitude, VhSample::Altitude(901.25));
+        let sample = read(&altitude(901.25)).unwrap().sample;
+        assert_eq!(sample, Some(VhSample::Altitude(901.25)));
+        assert_eq!(read(&speed(f32::NAN)), Err(NmeaError::NoFix));
     }
 
     #[test]
-    fn sentence_that_is_cut_short_is_refused_and_the_next_whole_one_is_read() {
-        // The cut begins 20 ms into the second sentence, which takes 40 ms, and ends in the pause
-        // after it.
-        let (samples, counts) = flown(0.12, 0.05);
-        assert_eq!(speeds_m_s(&samples), ["90.000", "92.000"]);
-        assert_eq!((counts.sent, counts.read, counts.refused), (3, 2, 1));
-        assert!(counts.lost_bytes > 10);
-    }
-
-    #[test]
-    fn end_of_one_sentence_behind_the_beginning_of_another_is_no_sentence() {
-        // The cut lasts from the middle of the first sentence to the middle of the second.
-        let (samples, counts) = flown(0.02, 0.1);
-        assert_eq!(speeds_m_s(&samples), ["92.000"]);
-        assert_eq!((counts.read, counts.refused), (1, 1));
+    fn time_of_every_month_is_that_of_the_second() {
+        for month in 0..1200 {
+            // A month and some hours, from 2000-01-01 to 2079.
+            let unix_s = 946_684_800 + 2_100_007 * month;
+            let reading = read(&time(unix_s, None)).unwrap();
+            assert_eq!(reading.unix_us, Some(1_000_000 * unix_s));
+            assert_eq!(reading.sample, None);
+        }
+        assert!(
+            read(&time(1_790_000_000, Some(96.0)))
+                .unwrap()
+                .sample
+                .is_some()
+        );
     }
 }

@@ -7,10 +7,11 @@ use super::aircraft::Aircraft;
 use super::clock::{Clocked, microseconds, seconds};
 use super::fault::Injection;
 use super::fault::line::{SerialLine, Traffic};
-use super::file::ReceiverFormat;
-use super::receiver::{SentenceCounts, SentenceLine};
+use super::receiver::SentenceCounts;
 use super::scenario::MissionScenario;
 use super::source::{Source, ToldVh};
+use super::wire::WireTraffic;
+use super::wires::Wires;
 
 /// Time of the receiver's first time pulse, µs.
 const FIRST_PULSE_US: u64 = 300_250;
@@ -23,8 +24,7 @@ const NAMED_AFTER_US: u64 = 120_000;
 #[derive(Debug, Clone)]
 pub struct Sensors {
     sources: Vec<Source>,
-    /// Speed and altitude of the receiver, as sentences.
-    sentences: Option<SentenceLine>,
+    wires: Wires,
     line: SerialLine,
     attitude: Option<Clocked>,
     /// The time pulse, and the second that begins with the first one.
@@ -55,16 +55,9 @@ impl Sensors {
             Source::new(table, number, injections, is_speed_known, seed)
         });
         let reported_hz = scenario.written.attitude.reported_hz;
-        let receiver = tables.iter().find(|table| table.source.has_receiver());
-        let sentences = receiver
-            .filter(|_| scenario.written.line.receiver == ReceiverFormat::Nmea)
-            .map(|table| {
-                let baud = u64::try_from(scenario.written.line.baud).unwrap_or(0);
-                SentenceLine::new(Traffic::Vh(table.source), baud)
-            });
         Self {
             sources: sources.collect(),
-            sentences,
+            wires: Wires::of(scenario, injections),
             line: line.clone(),
             attitude: (reported_hz > 0.0).then(|| Clocked {
                 period_us: microseconds(1.0 / reported_hz),
@@ -90,7 +83,7 @@ impl Sensors {
         }
         let mut due_us = u64::MAX;
         for source in &mut self.sources {
-            source.measure(aircraft, &mut self.sentences, to_us);
+            source.measure(aircraft, &mut self.wires, to_us);
             while let Some((at_us, sample)) = source.arrived(to_us) {
                 if !self.line.loses(source.traffic(), at_us) {
                     arrived.push((Time::from_us(at_us), Event::Vh(sample)));
@@ -98,15 +91,10 @@ impl Sensors {
             }
             due_us = due_us.min(source.due_us());
         }
-        if let Some(sentences) = &mut self.sentences {
-            for (at_us, sample) in sentences.read(&self.line, to_us) {
-                arrived.push((Time::from_us(at_us), Event::Vh(sample)));
-            }
-            due_us = due_us.min(sentences.due_us().unwrap_or(u64::MAX));
-        }
         if let Some(clock) = &mut self.attitude {
             while clock.next_us <= to_us {
-                if !self.line.loses(Traffic::Attitude, clock.next_us) {
+                let is_sent = self.wires.send_attitude(clock.next_us, aircraft);
+                if !is_sent && !self.line.loses(Traffic::Attitude, clock.next_us) {
                     let sample = aircraft.attitude_sample(seconds(clock.next_us));
                     arrived.push((Time::from_us(clock.next_us), Event::Attitude(sample)));
                 }
@@ -124,23 +112,31 @@ impl Sensors {
                     arrived.push((time, Event::TimePulse));
                     clock.next_us += NAMED_AFTER_US;
                 } else {
-                    let unix_us = (*first_unix_s + second) * SECOND_US;
-                    if !self.line.loses(Traffic::Time, clock.next_us) {
-                        arrived.push((time, Event::GnssTime(unix_us)));
+                    let unix_s = *first_unix_s + second;
+                    let is_sent = self.wires.send_time(clock.next_us, unix_s);
+                    if !is_sent && !self.line.loses(Traffic::Time, clock.next_us) {
+                        arrived.push((time, Event::GnssTime(unix_s * SECOND_US)));
                     }
                     clock.next_us += clock.period_us - NAMED_AFTER_US;
                 }
             }
             due_us = due_us.min(clock.next_us);
         }
-        self.due_us = due_us;
+        self.wires.carry(&self.line, to_us);
+        self.due_us = due_us.min(self.wires.due_us());
         arrived.sort_by_key(|(time, _)| *time);
         if let Some(told) = &mut self.told {
-            for (_, event) in &arrived {
+            let on_wires = self.wires.read(to_us);
+            for (_, event) in arrived.iter().chain(&on_wires) {
                 told.hear(event);
             }
         }
         arrived
+    }
+
+    /// Returns the bytes that have arrived on the wires since the last call; `None` without wires.
+    pub fn traffic(&mut self) -> Option<WireTraffic> {
+        self.wires.traffic()
     }
 
     /// V/H according to the first source, 1/s; 0 before its first value.
@@ -151,9 +147,7 @@ impl Sensors {
 
     /// Counts of the receiver's sentences.
     #[must_use]
-    pub fn sentence_counts(&self) -> SentenceCounts {
-        self.sentences
-            .as_ref()
-            .map_or_else(SentenceCounts::default, SentenceLine::counts)
+    pub const fn sentence_counts(&self) -> SentenceCounts {
+        self.wires.sentence_counts()
     }
 }

@@ -13,7 +13,7 @@ use super::fault::Injection;
 use super::fault::line::Traffic;
 use super::fault::vh::VhFaults;
 use super::file::{VhQuantity, VhSourceName, VhTable};
-use super::receiver::SentenceLine;
+use super::wires::Wires;
 use crate::noise::Noise;
 
 /// A source of V/H.
@@ -70,25 +70,17 @@ impl Source {
         Traffic::Vh(self.name)
     }
 
-    /// Measures the samples due up to a time and sends them, over the receiver's line if there is
-    /// one.
-    pub(super) fn measure(
-        &mut self,
-        aircraft: &Aircraft,
-        sentences: &mut Option<SentenceLine>,
-        to_us: u64,
-    ) {
+    /// Measures the samples due up to a time and sends them, on the wires of receiver and autopilot
+    /// if there are any.
+    pub(super) fn measure(&mut self, aircraft: &Aircraft, wires: &mut Wires, to_us: u64) {
         while self.clock.next_us <= to_us {
             let time_us = self.clock.next_us;
             self.clock.next_us += self.clock.period_us.max(1);
             let truth = aircraft.speed_and_height(seconds(time_us));
             let at_us = time_us + self.latency_us;
             for sample in self.samples(seconds(time_us), &truth) {
-                let is_sentence = self.name.has_receiver()
-                    && sentences
-                        .as_mut()
-                        .is_some_and(|line| line.send(at_us, sample));
-                if !is_sentence {
+                let is_sent = self.name.has_receiver() && wires.send(at_us, sample);
+                if !is_sent {
                     self.under_way.push_back((at_us, sample));
                 }
             }

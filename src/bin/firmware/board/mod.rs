@@ -23,6 +23,7 @@ mod log;
 mod panic;
 mod receive_ring;
 mod stack;
+mod wire_ring;
 
 #[cfg(feature = "board-mps2")]
 mod mps2;

@@ -56,11 +56,23 @@ pub enum InjectedFault {
     TriggerOverlap,
     /// The serial line is cut, with all of its traffic.
     UartCut,
+    /// The satellite receiver's wire is cut.
+    ReceiverCut,
+    /// The satellite receiver's wire brings bytes without a pause.
+    ReceiverFlood,
+    /// The satellite receiver sends at another baud rate than the camera expects.
+    ReceiverBaud,
+    /// The autopilot's wire is cut.
+    AutopilotCut,
+    /// The autopilot's wire brings bytes without a pause.
+    AutopilotFlood,
+    /// The autopilot sends at another baud rate than the camera expects.
+    AutopilotBaud,
 }
 
 impl InjectedFault {
     /// All of them.
-    pub const ALL: [Self; 16] = [
+    pub const ALL: [Self; 22] = [
         Self::VhDropOut,
         Self::VhJump,
         Self::VhNan,
@@ -77,6 +89,12 @@ impl InjectedFault {
         Self::ShutterDouble,
         Self::TriggerOverlap,
         Self::UartCut,
+        Self::ReceiverCut,
+        Self::ReceiverFlood,
+        Self::ReceiverBaud,
+        Self::AutopilotCut,
+        Self::AutopilotFlood,
+        Self::AutopilotBaud,
     ];
 
     /// Returns the name used in a scenario.
@@ -99,6 +117,12 @@ impl InjectedFault {
             Self::ShutterDouble => "shutter-double",
             Self::TriggerOverlap => "trigger-overlap",
             Self::UartCut => "uart-cut",
+            Self::ReceiverCut => "receiver-cut",
+            Self::ReceiverFlood => "receiver-flood",
+            Self::ReceiverBaud => "receiver-baud",
+            Self::AutopilotCut => "autopilot-cut",
+            Self::AutopilotFlood => "autopilot-flood",
+            Self::AutopilotBaud => "autopilot-baud",
         }
     }
 
@@ -127,7 +151,9 @@ impl InjectedFault {
             }
             Self::ShutterDouble => "ms after the first edge",
             Self::TriggerOverlap => "ms after the trigger",
-            Self::UartCut => "s",
+            Self::UartCut | Self::ReceiverCut | Self::AutopilotCut => "s",
+            Self::ReceiverFlood | Self::AutopilotFlood => "bytes per ms",
+            Self::ReceiverBaud | Self::AutopilotBaud => "times the baud rate",
         }
     }
 
@@ -147,7 +173,11 @@ impl InjectedFault {
             Self::ShutterLate => [0.01, 100.0],
             Self::ShutterMissing => [0.0, 2.0],
             Self::ShutterDouble => [0.01, 50.0],
-            Self::TriggerOverlap | Self::UartCut => [0.001, 1000.0],
+            Self::TriggerOverlap | Self::UartCut | Self::ReceiverCut | Self::AutopilotCut => {
+                [0.001, 1000.0]
+            }
+            Self::ReceiverFlood | Self::AutopilotFlood => [1.0, 1000.0],
+            Self::ReceiverBaud | Self::AutopilotBaud => [0.1, 10.0],
         }
     }
 
@@ -164,7 +194,9 @@ impl InjectedFault {
             Self::ShutterDouble => 0.5,
             Self::TriggerOverlap => 20.0,
             Self::Stall => 50.0,
-            Self::UartCut => 6.0,
+            Self::UartCut | Self::ReceiverCut | Self::AutopilotCut => 6.0,
+            Self::ReceiverFlood | Self::AutopilotFlood => 100.0,
+            Self::ReceiverBaud | Self::AutopilotBaud => 0.5,
             Self::VhDropOut
             | Self::VhNan
             | Self::VhWrongSign
@@ -183,7 +215,7 @@ impl InjectedFault {
     /// Returns true if the size is the duration, s.
     #[must_use]
     pub const fn is_sized_by_its_duration(self) -> bool {
-        matches!(self, Self::UartCut)
+        matches!(self, Self::UartCut | Self::ReceiverCut | Self::AutopilotCut)
     }
 
     /// Returns true if the fault is one of a V/H source.
@@ -200,12 +232,35 @@ impl InjectedFault {
         )
     }
 
+    /// Returns true if the fault is one of the receiver's wire.
+    #[must_use]
+    pub const fn is_of_receiver(self) -> bool {
+        matches!(
+            self,
+            Self::ReceiverCut | Self::ReceiverFlood | Self::ReceiverBaud
+        )
+    }
+
+    /// Returns true if the fault is one of the autopilot's wire.
+    #[must_use]
+    pub const fn is_of_autopilot(self) -> bool {
+        matches!(
+            self,
+            Self::AutopilotCut | Self::AutopilotFlood | Self::AutopilotBaud
+        )
+    }
+
     /// Returns true if its sizes are whole numbers.
     #[must_use]
     pub const fn is_counted(self) -> bool {
         matches!(
             self,
-            Self::SignError | Self::EncoderGlitch | Self::LimitSwitch | Self::ShutterMissing
+            Self::SignError
+                | Self::EncoderGlitch
+                | Self::LimitSwitch
+                | Self::ShutterMissing
+                | Self::ReceiverFlood
+                | Self::AutopilotFlood
         )
     }
 }

@@ -7,7 +7,7 @@ use cortex_m_rt::{ExceptionFrame, exception};
 use cortex_m_semihosting::debug;
 
 use super::super::cause;
-use super::{link, watchdog};
+use super::{link, watchdog, wires};
 use fmc_camera::io::link::message::ResetCause;
 
 /// Ends QEMU with failure, so that the process that waits for the camera learns of it at once.
@@ -46,11 +46,13 @@ unsafe fn NonMaskableInt() {
     SCB::sys_reset()
 }
 
-/// Handles all interrupts, of which one is switched on.
+/// Handles all interrupts; those of the link and of the wires are enabled.
 #[exception]
 unsafe fn DefaultHandler(number: i16) {
     if number == link::Receive::NUMBER.cast_signed() {
         link::collect();
+    } else if let Some(wire) = wires::of_interrupt(number) {
+        wires::collect(wire);
     } else {
         defmt::error!("unexpected exception {=i16}", number);
         stop(ResetCause::Fault)

@@ -6,6 +6,7 @@ use cortex_m::{asm, interrupt::InterruptNumber, peripheral::NVIC};
 
 use super::super::receive_ring::ReceiveRing;
 use super::uart::LINK;
+use super::wires;
 
 /// Number of looks at the transmitter within which the last byte may leave before a reset.
 const LOOKS_AT_THE_END: u32 = 100_000;
@@ -73,11 +74,11 @@ pub(super) fn send(bytes: &[u8]) -> usize {
     bytes.iter().take_while(|byte| LINK.put(**byte)).count()
 }
 
-/// Sleeps until an interrupt. Interrupts are masked from the look at the ring to the sleep, which a
+/// Sleeps until an interrupt. Interrupts are masked from the look at the rings to the sleep, which a
 /// masked interrupt ends as well, so that none is missed.
 pub(super) fn wait() {
     cortex_m::interrupt::free(|_| {
-        if RECEIVED.is_empty() && !LINK.holds_byte() {
+        if RECEIVED.is_empty() && !LINK.holds_byte() && wires::are_silent() {
             ASLEEP.store(true, Ordering::Relaxed);
             // The compiler does not know that an exception reads the flag during the sleep.
             compiler_fence(Ordering::SeqCst);

@@ -1,6 +1,7 @@
 //! QEMU's `mps2-an386` (Cortex-M4F) and `mps2-an500` (Cortex-M7): one image runs on both.
 //!
-//! The first UART is the link, the second the log. Arm's application notes AN386 and AN500 describe
+//! The first UART is the link, the second the log, the third the satellite receiver's wire and the
+//! fourth the autopilot's. Arm's application notes AN386 and AN500 describe
 //! the peripherals and their addresses; QEMU's `hw/arm/mps2.c` shows which of them it has.
 
 mod clock;
@@ -12,6 +13,7 @@ mod log;
 mod registers;
 mod uart;
 mod watchdog;
+mod wires;
 
 use core::sync::atomic::Ordering;
 
@@ -49,6 +51,7 @@ impl Board {
         clock::start(&mut core.SYST);
         log::start();
         link::start(&mut core.NVIC);
+        wires::start(&mut core.NVIC);
         watchdog::start();
         #[cfg(negative_control)]
         super::panic::can_panic();
@@ -65,9 +68,11 @@ impl Board {
         RigDeck::after(start)
     }
 
-    /// Does nothing: rounds come over the link.
+    /// Hands over the bytes of receiver and autopilot; rounds come over the link.
     #[inline]
-    pub(crate) const fn fly(&mut self, _: &mut Deck) {}
+    pub(crate) fn fly(&mut self, deck: &mut Deck) {
+        wires::hand_over(deck);
+    }
 
     pub(crate) fn receive(&mut self) -> Option<u8> {
         link::receive()

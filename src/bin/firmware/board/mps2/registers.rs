@@ -48,6 +48,11 @@ pub(super) const LINK_UART: UartRegisters = UartRegisters::at(0x4000_4000);
 /// UART 1.
 pub(super) const LOG_UART: UartRegisters = UartRegisters::at(0x4000_5000);
 
+/// UART 2.
+pub(super) const RECEIVER_UART: UartRegisters = UartRegisters::at(0x4000_6000);
+/// UART 3.
+pub(super) const AUTOPILOT_UART: UartRegisters = UartRegisters::at(0x4000_7000);
+
 /// Watchdog: the value it counts down from.
 pub(super) const WATCHDOG_LOAD: Register = Register(0x4000_8000);
 /// Watchdog: bit 0 interrupt (NMI) at the first expiry, bit 1 reset at the second.

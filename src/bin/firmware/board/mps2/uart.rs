@@ -1,6 +1,6 @@
 //! A CMSDK APB UART: one byte each way, no FIFO.
 
-use super::registers::{LINK_UART, LOG_UART, UartRegisters};
+use super::registers::{AUTOPILOT_UART, LINK_UART, LOG_UART, RECEIVER_UART, UartRegisters};
 
 const TRANSMITTER_FULL: u32 = 1;
 const RECEIVER_FULL: u32 = 1 << 1;
@@ -15,6 +15,10 @@ const BAUD_DIVISOR: u32 = 16;
 pub(super) const LINK: Uart = Uart(LINK_UART);
 /// Carries the log.
 pub(super) const LOG: Uart = Uart(LOG_UART);
+/// Carries the satellite receiver's sentences.
+pub(super) const RECEIVER: Uart = Uart(RECEIVER_UART);
+/// Carries the autopilot's messages.
+pub(super) const AUTOPILOT: Uart = Uart(AUTOPILOT_UART);
 
 /// A UART.
 #[derive(Clone, Copy)]

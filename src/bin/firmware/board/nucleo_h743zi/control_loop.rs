@@ -4,12 +4,11 @@ use core::sync::atomic::{AtomicBool, Ordering};
 
 use cortex_m::peripheral::{SYST, syst::SystClkSource};
 use cortex_m_rt::exception;
-use fmc_camera::flight::flown_deck::FlownDeck;
 use fmc_camera::flight::{event::Action, round_guard::RoundGuard, time::Clock};
 
 use crate::journal;
 
-use super::{captures, clock, inputs, motor, shutter};
+use super::{Deck, captures, clock, inputs, motor, shutter, wires};
 
 /// Time from one round to the next, µs.
 const ROUND_US: u32 = 1000;
@@ -37,13 +36,14 @@ pub(super) fn is_overdue() -> bool {
 }
 
 /// Sets the deck's time, and makes a round if one is due.
-pub(super) fn turn(time: &mut Clock, deck: &mut FlownDeck<motor::Drive>) {
-    deck.set_now(time.extend(clock::now_us()));
+pub(super) fn turn(time: &mut Clock, deck: &mut Deck) {
+    deck.flown_mut().set_now(time.extend(clock::now_us()));
     if !IS_DUE.swap(false, Ordering::Relaxed) {
         return;
     }
-    captures::hand_over(time, deck);
-    deck.see(inputs::levels());
+    captures::hand_over(time, deck.flown_mut());
+    deck.flown_mut().see(inputs::levels());
+    wires::hand_over(deck);
     let now_us = clock::now_us();
     GUARD.come_round(now_us);
     for action in &deck.round(time.extend(now_us)) {

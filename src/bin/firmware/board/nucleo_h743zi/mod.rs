@@ -1,7 +1,7 @@
 //! ST NUCLEO-H743ZI2: STM32H743ZI, Cortex-M7 at 400 MHz.
 //!
 //! The link is USART3, which the board's ST-LINK shows to the PC as a serial port; logs leave
-//! through the debugger (RTT). A motor with an encoder moves the stage; the clock's own timer
+//! through the debugger (RTT). USART2 and UART7 receive from satellite receiver and autopilot. A motor with an encoder moves the stage; the clock's own timer
 //! stamps edges of trigger, time pulse and shutter. `docs/board.md` has pins, connectors and
 //! instructions.
 
@@ -16,6 +16,7 @@ mod log;
 mod motor;
 mod shutter;
 mod step_pins;
+mod wires;
 
 use embassy_stm32::{
     gpio::{Level, Output, Speed},
@@ -30,9 +31,11 @@ use self::{
     motor::{Motor, MotorPins},
     shutter::Shutter,
     step_pins::StepPins,
+    wires::Wires,
 };
 use fmc_camera::flight::{flown_deck::FlownDeck, time::Clock};
-use fmc_camera::io::link::message::ResetCause;
+use fmc_camera::io::instruments::Instruments;
+use fmc_camera::io::link::{message::ResetCause, wired_deck::WiredDeck};
 
 use super::cause;
 
@@ -51,12 +54,13 @@ pub(crate) struct Board {
     _captures: Captures,
     _shutter: Shutter,
     _inputs: Inputs,
+    _wires: Wires,
     /// Reserved.
     _stepper: StepPins,
 }
 
 /// Type of the link's camera: that on this board's pins.
-pub(crate) type Deck = FlownDeck<motor::Drive>;
+pub(crate) type Deck = WiredDeck<motor::Drive>;
 
 impl Board {
     /// Name of this board.
@@ -99,6 +103,7 @@ impl Board {
             }),
             _shutter: Shutter::start(p.TIM5, p.PC10),
             _inputs: Inputs::start(p.PC8, p.PC9),
+            _wires: Wires::start((p.USART2, p.UART7), p.PD6, p.PE7),
             _stepper: StepPins {
                 step: p.PC6,
                 step_direction: p.PB15,
@@ -110,7 +115,8 @@ impl Board {
 
     /// Returns the camera on this board's pins, not prepared.
     pub(crate) fn deck(start: ResetCause) -> Deck {
-        FlownDeck::new(motor::drive(), start.unreferenced())
+        let flown = FlownDeck::new(motor::drive(), start.unreferenced());
+        WiredDeck::new(flown, Instruments::new())
     }
 
     /// Makes a round of the control loop, if one is due.
