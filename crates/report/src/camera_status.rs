@@ -139,9 +139,9 @@ fn autopilot_line(counters: &AutopilotCounters) -> String {
 /// Lists the counts that are not 0, each behind a comma.
 fn listed(counts: &[(u32, &str)]) -> String {
     let counts = counts.iter().filter(|(count, _)| *count > 0);
-    counts
-        .map(|(count, what)| format!(", {count} {what}"))
-        .collect()
+    counts.fold(String::new(), |list, (count, what)| {
+        list + &format!(", {count} {what}")
+    })
 }
 
 /// Writes the status as JSON.
