@@ -91,6 +91,7 @@ impl Instruments {
     }
 
     /// Discards everything that has come.
+    #[inline(never)]
     pub fn clear(&mut self) {
         *self = Self::listening_to(self.autopilot.wanted());
     }
@@ -164,6 +165,7 @@ impl Instruments {
 
     /// Returns a round of a test rig with the events of the wires added to its own.
     #[must_use]
+    #[inline(never)]
     pub fn wired(&mut self, step: &RigStep) -> RigStep {
         let room = MAX_EVENTS.saturating_sub(step.events.len());
         let mut wired = step.clone();

@@ -2,6 +2,9 @@
 
 use core::hint::black_box;
 
+use fmc_camera::flight::control_loop::MAX_EVENTS;
+use fmc_camera::flight::time::Time;
+use fmc_camera::io::instruments::{BYTES_PER_ROUND, Instruments, Wire};
 use fmc_camera::io::mavlink::MavlinkReceiver;
 use fmc_camera::io::nmea::NmeaReceiver;
 
@@ -54,6 +57,10 @@ const NESTED: [u8; 68] = {
     }
 };
 
+/// Rounds among which the most expensive is looked for: every phase of sentences and messages to one
+/// another comes up.
+const ROUNDS: u16 = 400;
+
 pub(crate) fn count(counter: &mut Counter) -> Option<()> {
     for (name, sentence) in SENTENCES {
         let mut receiver = NmeaReceiver::new();
@@ -81,7 +88,32 @@ pub(crate) fn count(counter: &mut Counter) -> Option<()> {
     let mut receiver = MavlinkReceiver::new();
     dearest(counter, "mavlink_byte_worst", &NESTED, |byte| {
         black_box(receiver.receive(byte));
-    })
+    })?;
+    rounds(counter)
+}
+
+/// Prints the cost of a round without bytes, and of the most expensive round with as many bytes on
+/// both wires as it may take: whole sentences on one, nested false beginnings on the other.
+fn rounds(counter: &mut Counter) -> Option<()> {
+    let mut instruments = Instruments::new();
+    let (_, rmc) = SENTENCES.first()?;
+    let mut sentences = rmc.iter().cycle();
+    let mut messages = NESTED.iter().cycle();
+    let mut most = 0;
+    let mut now = Time::START;
+    for _ in 0..ROUNDS {
+        now = now.plus_s(1e-3);
+        for _ in 0..BYTES_PER_ROUND {
+            instruments.push(Wire::Receiver, *sentences.next()?);
+            instruments.push(Wire::Autopilot, *messages.next()?);
+        }
+        let (instructions, _) = counter.measure(|| instruments.round(now, MAX_EVENTS))?;
+        most = instructions.max(most);
+    }
+    let (least, _) = counter.measure(|| instruments.round(now, MAX_EVENTS))?;
+    Counter::print("instruments_round_silent", (1, "round"), least);
+    Counter::print("instruments_round_worst", (1, "round"), most);
+    Some(())
 }
 
 /// Prints the cost of the most expensive of these bytes.

@@ -152,8 +152,8 @@ fn autopilot_line(counters: &AutopilotCounters) -> String {
 /// Lists the counts that are not 0, each behind a comma.
 fn listed(counts: &[(u32, &str)]) -> String {
     let counts = counts.iter().filter(|(count, _)| *count > 0);
-    counts.fold(String::new(), |listed, (count, what)| {
-        format!("{listed}, {count} {what}")
+    counts.fold(String::new(), |list, (count, what)| {
+        list + &format!(", {count} {what}")
     })
 }
 

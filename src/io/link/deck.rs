@@ -36,18 +36,17 @@ pub trait FlightDeck {
     /// also while its place is lost; `None` on a test rig, or without a reading.
     fn offset_mm(&self) -> Option<f32>;
 
-    /// Runs one round of the control loop; `None` for a camera that is not on a test rig.
-    fn step(&mut self, step: &RigStep) -> Option<Result<RigAnswer, Refusal>>;
-
-    /// Runs one round with the bytes on the wires of receiver and autopilot, on which `sent` bytes
-    /// have been sent since the camera was prepared; `None` as for [`Self::step`].
+    /// Runs one round of the control loop, with the bytes on the wires of receiver and autopilot if
+    /// `sent` is the number of bytes sent on them since the camera was prepared; `None` for a camera
+    /// that is not on a test rig.
     ///
     /// # Errors
-    /// [`Refusal::OtherBytes`] if another number of them has come; nothing changes then.
-    fn wired(&mut self, step: &RigStep, sent: WireBytes) -> Option<Result<RigAnswer, Refusal>> {
-        let _ = (step, sent);
-        None
-    }
+    /// [`Refusal::OtherBytes`] if another number of bytes has come; nothing changes then.
+    fn step(
+        &mut self,
+        step: &RigStep,
+        sent: Option<WireBytes>,
+    ) -> Option<Result<RigAnswer, Refusal>>;
 
     /// The wires of receiver and autopilot; `None` for a camera without them.
     fn instruments(&self) -> Option<&Instruments> {
@@ -123,20 +122,26 @@ impl FlightDeck for RigDeck {
         None
     }
 
-    fn step(&mut self, step: &RigStep) -> Option<Result<RigAnswer, Refusal>> {
-        Some(self.rig.step(step).ok_or(Refusal::NotPrepared))
-    }
-
-    fn wired(&mut self, step: &RigStep, sent: WireBytes) -> Option<Result<RigAnswer, Refusal>> {
+    fn step(
+        &mut self,
+        step: &RigStep,
+        sent: Option<WireBytes>,
+    ) -> Option<Result<RigAnswer, Refusal>> {
         if self.rig.controller().is_none() {
             return Some(Err(Refusal::NotPrepared));
         }
-        let received = self.instruments.received();
-        if received != sent {
-            return Some(Err(Refusal::OtherBytes(received)));
-        }
-        let wired = self.instruments.wired(step);
-        Some(self.rig.step(&wired).ok_or(Refusal::NotPrepared))
+        let wired;
+        let step = if let Some(sent) = sent {
+            let received = self.instruments.received();
+            if received != sent {
+                return Some(Err(Refusal::OtherBytes(received)));
+            }
+            wired = self.instruments.wired(step);
+            &wired
+        } else {
+            step
+        };
+        Some(self.rig.step(step).ok_or(Refusal::NotPrepared))
     }
 
     fn instruments(&self) -> Option<&Instruments> {
@@ -174,7 +179,7 @@ impl<Drive: FlownDrive> FlightDeck for FlownDeck<Drive> {
     }
 
     /// Returns `None`: the board has the time.
-    fn step(&mut self, _: &RigStep) -> Option<Result<RigAnswer, Refusal>> {
+    fn step(&mut self, _: &RigStep, _: Option<WireBytes>) -> Option<Result<RigAnswer, Refusal>> {
         None
     }
 

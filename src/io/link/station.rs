@@ -11,6 +11,8 @@ use crate::flight::camera::{self, Camera, CameraParameters};
 use crate::flight::exposure::Exposure;
 use crate::flight::frame_record::FrameRecord;
 use crate::flight::interior_orientation::InteriorOrientation;
+use crate::flight::rig::RigStep;
+use crate::io::instruments::WireBytes;
 
 /// Result of a byte, for the log, and for actions that only the board can carry out.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -326,10 +328,8 @@ impl<Deck: FlightDeck> Responder<Deck> {
                 deck::prepare(&mut self.deck, settings)?;
                 Answer::Prepared
             }
-            Request::Rig(step) => Answer::Rig(self.deck.step(step).ok_or(Refusal::NoRig)??),
-            Request::Wired(step, sent) => {
-                Answer::Rig(self.deck.wired(step, *sent).ok_or(Refusal::NoRig)??)
-            }
+            Request::Rig(step) => self.step(step, None)?,
+            Request::Wired(step, sent) => self.step(step, Some(*sent))?,
             Request::Instruments => Answer::Instruments(
                 self.deck
                     .instruments()
@@ -358,6 +358,13 @@ impl<Deck: FlightDeck> Responder<Deck> {
             }
         };
         Ok((answer, LinkEvent::Answered))
+    }
+
+    /// Runs a round of a test rig. It is not inlined: two copies of the controller would take twice the stack.
+    #[inline(never)]
+    fn step(&mut self, step: &RigStep, sent: Option<WireBytes>) -> Result<Answer, Refusal> {
+        let answer = self.deck.step(step, sent).ok_or(Refusal::NoRig)??;
+        Ok(Answer::Rig(answer))
     }
 
     fn frame_record(&self, from: u32) -> Result<Option<(FrameRecord, u32)>, Refusal> {

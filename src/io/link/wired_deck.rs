@@ -11,7 +11,7 @@ use crate::flight::flown_deck::FlownDeck;
 use crate::flight::rig::{RigAnswer, RigStep};
 use crate::flight::settings::FlightSettings;
 use crate::flight::time::Time;
-use crate::io::instruments::{Instruments, Wire};
+use crate::io::instruments::{Instruments, Wire, WireBytes};
 
 /// Events of the instruments in one round, as many as the queue of events keeps samples of V/H.
 const EVENTS_OF_A_ROUND: usize = 4;
@@ -84,7 +84,7 @@ impl<Drive: FlownDrive> FlightDeck for WiredDeck<Drive> {
     }
 
     /// Returns `None`: the camera has its own time.
-    fn step(&mut self, _: &RigStep) -> Option<Result<RigAnswer, Refusal>> {
+    fn step(&mut self, _: &RigStep, _: Option<WireBytes>) -> Option<Result<RigAnswer, Refusal>> {
         None
     }
 

@@ -41,7 +41,6 @@ pub(crate) fn keep() {
         RigDeck::after,
         RigDeck::hear,
         RigDeck::count_lost,
-        RigDeck::wired,
         Wired::new,
         Wired::flown_mut,
         Wired::hear,
