@@ -3,7 +3,9 @@
 use std::path::Path;
 
 use fmc_camera::flight::camera::{Camera, CameraParameters, Mechanism};
+use fmc_camera::flight::controller::Controller;
 use fmc_camera::flight::exposure::Limits;
+use fmc_camera::flight::settings::FlightSettings;
 use fmc_camera::geometry::brown::Brown;
 use fmc_camera::geometry::calibration::CalibrationParameters;
 use fmc_camera::geometry::five_coefficient::FiveCoefficients;
@@ -15,10 +17,10 @@ use serde::Deserialize;
 
 use crate::calibration_error::invalid_calibration;
 use crate::input_error::InputError;
+use crate::limits_table::LimitsTable;
 use crate::number::single;
 use crate::tables::{
-    DistortionTable, FittedTable, FmcTable, LimitsTable, MechanismName, Profile, SensorTable,
-    ShutterTable, pair,
+    DistortionTable, FittedTable, FmcTable, MechanismName, Profile, SensorTable, ShutterTable, pair,
 };
 use crate::toml_text::TomlText;
 
@@ -156,6 +158,18 @@ impl CameraFile {
 
     fn centre_px(&self) -> [f64; 2] {
         [self.sensor.width_px, self.sensor.height_px].map(|side| (count(side) - 1.0) / 2.0)
+    }
+
+    /// Returns the record that the camera is given for a flight: limits that the file states as they
+    /// are, a default largest V/H as far as the mechanism can fly it with these settings.
+    #[must_use]
+    pub fn flown(&self, settings: &FlightSettings) -> CameraParameters {
+        let parameters = self.parameters();
+        if self.limits.is_vh_default() {
+            Controller::flyable(&parameters, settings)
+        } else {
+            parameters
+        }
     }
 
     /// Returns the record that the camera is given: the numbers of the file in single precision.

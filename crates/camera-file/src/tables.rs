@@ -225,29 +225,6 @@ pub enum Profile {
     Trapezoid,
 }
 
-/// `[limits]`.
-#[derive(Debug, Clone, PartialEq, Deserialize)]
-#[serde(deny_unknown_fields, default)]
-#[expect(
-    missing_docs,
-    reason = "each field is the key of the same name in the camera file"
-)]
-pub struct LimitsTable {
-    #[serde(deserialize_with = "pair")]
-    pub vh_per_s: [f64; 2],
-    #[serde(deserialize_with = "pair")]
-    pub exposure_s: [f64; 2],
-}
-
-impl Default for LimitsTable {
-    fn default() -> Self {
-        Self {
-            vh_per_s: [0.05, 0.17],
-            exposure_s: [0.001, 0.02],
-        }
-    }
-}
-
 /// `[fitted]`.
 #[derive(Debug, Clone, PartialEq, Default, Deserialize)]
 #[serde(deny_unknown_fields, default)]

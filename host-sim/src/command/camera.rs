@@ -82,7 +82,6 @@ pub(super) fn run(args: &CameraArgs) -> Result<(), Failure> {
 /// Reads calibration and settings, and checks on this PC that the camera can fly with them.
 fn read(args: &PrepareArgs) -> Result<(CameraParameters, FlightSettings), Failure> {
     let (file, _) = CameraFile::read(&args.camera)?;
-    let camera = file.parameters();
     let mut settings = match &args.settings {
         Some(path) => flight_settings::read(path)?,
         None => FlightSettings::default(),
@@ -91,6 +90,19 @@ fn read(args: &PrepareArgs) -> Result<(CameraParameters, FlightSettings), Failur
         Some(DirectionName::Forward) => settings.direction = FlightDirection::Forward,
         Some(DirectionName::Reverse) => settings.direction = FlightDirection::Reverse,
         None => {}
+    }
+    let camera = file.flown(&settings);
+    let ([_, allowed], [_, flown]) = (file.limits.vh_per_s, camera.limits.vh_per_s);
+    if flown < single(allowed) {
+        eprintln!(
+            "note: {}: with exposures of {} s{} the mechanism can fly V/H up to {flown:.3} 1/s, less than the default limits, {allowed} 1/s",
+            args.camera.display(),
+            settings.exposure_s,
+            match settings.trigger_interval_s {
+                0.0 => String::new(),
+                interval_s => format!(" every {interval_s} s"),
+            }
+        );
     }
     Controller::new(&camera, 0, &settings, Start::Orderly)
         .map_err(|error| Failure::bad_input(format!("{}: {error}", args.camera.display())))?;
@@ -168,7 +180,7 @@ fn not_done(command: Command, state: State) -> Failure {
 }
 
 fn tell_vh(args: &CameraArgs, vh: &VhArgs) -> Result<(), Failure> {
-    let vh_per_s = single(vh.vh);
+    let vh_per_s = single(vh.vh.per_s());
     let [least, most] = VhSettings::DEFAULT.direct.range;
     if !(least..=most).contains(&vh_per_s) {
         return Err(Failure::bad_input(format!(

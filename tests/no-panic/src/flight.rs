@@ -91,6 +91,7 @@ pub(crate) fn keep() {
         ControlLoop::<RigDrive>::drive,
         ControlLoop::<RigDrive>::drive_mut,
         Controller::new,
+        Controller::flyable,
         Controller::handle,
         Controller::state,
         Controller::camera,
