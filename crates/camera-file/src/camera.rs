@@ -7,7 +7,7 @@ use fmc_camera::flight::controller::Controller;
 use fmc_camera::flight::exposure::Limits;
 use fmc_camera::flight::settings::FlightSettings;
 use fmc_camera::geometry::brown::Brown;
-use fmc_camera::geometry::calibration::CalibrationParameters;
+use fmc_camera::geometry::calibration::{CalibrationError, CalibrationParameters, Polynomial};
 use fmc_camera::geometry::five_coefficient::FiveCoefficients;
 use fmc_camera::geometry::principal_distance::{FLATNESS_TERMS, Flatness};
 use fmc_camera::geometry::range::Quantity;
@@ -73,8 +73,23 @@ impl CameraFile {
         let camera_file: Self = text.deserialize()?;
         camera_file.check_what_only_the_file_knows(&text)?;
         let camera = Camera::new(camera_file.parameters())
-            .map_err(|error| invalid_calibration(&text, &error))?;
+            .map_err(|error| camera_file.refused(&text, &error))?;
         Ok((camera_file, camera))
+    }
+
+    /// Returns the error of a camera that is not valid, with advice where there is some.
+    fn refused(&self, text: &TomlText, error: &CalibrationError) -> InputError {
+        let refusal = invalid_calibration(text, error);
+        match error {
+            CalibrationError::Folds {
+                polynomial: Polynomial::Static,
+                ..
+            } => match self.folding_advice() {
+                Some(advice) => refusal.with_help(advice),
+                None => refusal,
+            },
+            _ => refusal,
+        }
     }
 
     fn check_what_only_the_file_knows(&self, text: &TomlText) -> Result<(), InputError> {

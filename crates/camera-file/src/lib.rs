@@ -27,6 +27,7 @@ mod input_error;
 mod limits_table;
 pub mod number;
 pub mod published;
+mod strong_distortion;
 mod tables;
 pub mod toml_text;
 

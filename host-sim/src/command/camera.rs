@@ -11,7 +11,6 @@ use fmc_camera::flight::exposure::FlightDirection;
 use fmc_camera::flight::settings::FlightSettings;
 use fmc_camera::flight::vh::{VhSample, VhSettings};
 use fmc_camera::io::link::message::{Refusal, Status};
-use fmc_camera_file::CameraFile;
 use fmc_camera_file::number::single;
 use fmc_report::camera_status;
 
@@ -81,7 +80,7 @@ pub(super) fn run(args: &CameraArgs) -> Result<(), Failure> {
 
 /// Reads calibration and settings, and checks on this PC that the camera can fly with them.
 fn read(args: &PrepareArgs) -> Result<(CameraParameters, FlightSettings), Failure> {
-    let (file, _) = CameraFile::read(&args.camera)?;
+    let (file, _) = super::read_camera(&args.camera)?;
     let mut settings = match &args.settings {
         Some(path) => flight_settings::read(path)?,
         None => FlightSettings::default(),

@@ -18,7 +18,7 @@ impl ExposureArgs {
     /// # Errors
     /// [`Failure`] of the camera file, or for the fitted model of a camera without one.
     pub(super) fn read_camera(&self) -> Result<CameraFile, Failure> {
-        let (camera, _) = CameraFile::read(&self.camera)?;
+        let (camera, _) = super::read_camera(&self.camera)?;
         if self.model == ModelName::Fitted && camera.fitted.is_none() {
             return Err(Failure::bad_input(format!(
                 "{}: --model fitted needs a [fitted] table, and there is none",

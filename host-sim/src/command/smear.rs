@@ -3,7 +3,6 @@
 use std::io;
 
 use fmc_camera::geometry::image_motion::{ImageMotionError, View};
-use fmc_camera_file::CameraFile;
 use fmc_report::smear::SmearReport;
 use fmc_simulation::smear::field::SmearRequest;
 use fmc_simulation::smear::term::{Disturbances, Term};
@@ -17,7 +16,7 @@ pub(super) fn run(args: &SmearArgs) -> Result<(), Failure> {
     let disturbances = args
         .disturbances()
         .map_err(|error| Failure::bad_input(error.to_string()))?;
-    let (camera, checked) = CameraFile::read(&args.camera)?;
+    let (camera, checked) = super::read_camera(&args.camera)?;
     let exposure = args.exposure_args(&disturbances);
     let record = checked
         .frame(&exposure.exposure())

@@ -233,6 +233,45 @@ fn polynomial_that_folds_the_image_is_refused_with_place_and_least_scale() {
 }
 
 #[test]
+fn coefficients_without_a_unit_are_named_where_they_fold_the_image() {
+    // The help is broken into lines.
+    let camera = CAMERA.replace("k1 = -1.0e-6", "k1 = -0.12");
+    let bench = Bench::with(&camera, POINTS.as_bytes());
+    let answer = bench.points("frame", &[]);
+    answer.refused(&["[distortion]", "folds", "k1 = -0.12", "-1.2e-5"]);
+    let words: Vec<&str> = answer.stderr.split_whitespace().collect();
+    assert!(
+        words.join(" ").contains("looks like a dimensionless"),
+        "{}",
+        answer.stderr
+    );
+}
+
+#[test]
+fn strong_distortion_is_warned_of_in_every_command_that_reads_a_camera() {
+    let camera = CAMERA.replace("k1 = -1.0e-6", "k1 = -6.0e-5");
+    let bench = Bench::with(&camera, POINTS.as_bytes());
+    let mut answers = Vec::new();
+    for command in ["correct", "distort", "reference", "frame"] {
+        answers.push(bench.points(command, &[]));
+    }
+    answers.push(bench.run(&["budget", "--camera", "camera.toml"]));
+    for answer in answers {
+        let answer = answer.ok();
+        for part in [
+            "warning: camera.toml: [distortion] is ",
+            "k1 = -6e-5 mm⁻²",
+            "k1·f² = -0.6 ",
+        ] {
+            assert!(answer.stderr.contains(part), "{part}: {}", answer.stderr);
+        }
+        assert!(!answer.stdout.contains("warning"), "{}", answer.stdout);
+    }
+    let quiet = Bench::new().points("correct", &[]).ok();
+    assert_eq!(quiet.stderr, "");
+}
+
+#[test]
 fn camera_file_that_is_no_text_or_not_there_is_refused() {
     let bench = Bench::new();
     std::fs::write(bench.path("camera.toml"), [0xff, 0xfe, 0, 1]).unwrap();
