@@ -212,6 +212,29 @@ fn ramps_of_a_uniform_shutter_are_a_contradiction() {
 }
 
 #[test]
+fn shutters_that_expose_row_after_row_are_refused_with_the_reason() {
+    for shutter in ["focal-plane", "focal_plane", "rolling", "Rolling shutter"] {
+        refused(
+            "profile = \"trapezoid\"",
+            &format!("profile = \"{shutter}\""),
+            &[
+                "shutter.profile",
+                shutter,
+                "row after row",
+                "expected `uniform` or `trapezoid`",
+                "leaf or global shutter",
+                "docs/conventions.md, section 5",
+            ],
+        );
+    }
+    refused(
+        "profile = \"trapezoid\"",
+        "profile = \"box\"",
+        &["unknown variant `box`", "`uniform` or `trapezoid`"],
+    );
+}
+
+#[test]
 fn polynomial_that_folds_the_image_is_refused_with_place_and_least_scale() {
     // 1 + 3·K1·r² vanishes at r = 40 mm, inside the corner at 57 mm.
     refused(
