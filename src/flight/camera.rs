@@ -58,9 +58,9 @@ pub struct CameraParameters {
 }
 
 impl CameraParameters {
-    /// A camera of this calibration without serial number and version, with the mechanism, shutter and limits of a camera file that
-    /// names none: a stage with 1000 mm/s², without limit of jerk and speed, 5 ms of settling,
-    /// centred run-up, uniform shutter, V/H 0.05 to 0.17 1/s, exposures of 1 to 20 ms.
+    /// Returns a camera of this calibration, without serial number and version, with the defaults of
+    /// a camera file for mechanism, shutter and limits: a stage with 1000 mm/s², without limit of
+    /// jerk and speed, 5 ms of settling, centred run-up, uniform shutter, and [`Limits::DEFAULT`].
     #[must_use]
     pub const fn new(calibration: CalibrationParameters) -> Self {
         Self {
@@ -73,10 +73,7 @@ impl CameraParameters {
                 max_speed_mm_s: None,
             },
             shutter: ShutterProfile::Uniform,
-            limits: Limits {
-                vh_per_s: [0.05, 0.17],
-                exposure_s: [0.001, 0.02],
-            },
+            limits: Limits::DEFAULT,
             serial: SerialNumber::EMPTY,
             version: 0,
         }

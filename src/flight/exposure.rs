@@ -88,6 +88,17 @@ pub struct Limits {
 }
 
 impl Limits {
+    /// Limits of a camera that states none: V/H 0.01 to 0.3 1/s, exposures of 1/5000 to 1/30 s.
+    ///
+    /// They are not those of the mechanism: an exposure within them that the stage cannot take is
+    /// refused for its stroke or speed, and
+    /// [`Controller::flyable`](crate::flight::controller::Controller::flyable) makes them fit a
+    /// flight.
+    pub const DEFAULT: Self = Self {
+        vh_per_s: [0.01, 0.3],
+        exposure_s: [1.0 / 5000.0, 1.0 / 30.0],
+    };
+
     /// Returns the limits, if both pairs are in order and in range.
     ///
     /// # Errors

@@ -13,6 +13,7 @@ mod bench;
 mod bring_up;
 mod document;
 mod findings;
+mod flyable;
 mod nominal;
 mod processor_faults;
 mod sequences;

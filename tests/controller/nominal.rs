@@ -68,7 +68,7 @@ fn settings_that_cannot_be_flown_are_refused_with_their_numbers() {
                 exposure_s: 0.5,
                 ..nominal
             },
-            "exposure_s = 0.5 is outside 0.001 to 0.02",
+            "exposure_s = 0.5 is outside 0.0002 to 0.033333335",
         ),
         (
             FlightSettings {

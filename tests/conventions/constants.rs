@@ -1,6 +1,7 @@
 //! The constants of section 11.
 
-use crate::conventions::document::{names, rows};
+use crate::conventions::document::{names, rows, running_text};
+use fmc_camera::flight::exposure::Limits;
 use fmc_camera::flight::stage::{POSITION_NM, RUN_UP_RESERVE};
 use fmc_camera::flight::utc::{
     CLOCK_TOLERANCE_PPM, CONSISTENT_PULSES, CONSISTENT_TIMES, DRIFT_WANDER_PPM_PER_S, HOLDOVER_S,
@@ -64,4 +65,16 @@ fn documented_constants_are_those_of_the_code() {
         .map(|row| (names(row[0])[0], row[1].to_owned()))
         .collect();
     assert_eq!(documented, constants);
+}
+
+#[test]
+fn documented_default_limits_are_those_of_the_code() {
+    let Limits {
+        vh_per_s: [least, most],
+        exposure_s: [shortest, longest],
+    } = Limits::DEFAULT;
+    let [shortest, longest] = [shortest, longest].map(|seconds| seconds.recip().round());
+    let sentence =
+        format!("V/H {least} to {most} 1/s and exposures of 1/{shortest} to 1/{longest} s");
+    assert!(running_text().contains(&sentence), "{sentence}");
 }

@@ -20,6 +20,11 @@ pub(crate) fn rows_of(document: &'static str, heading: &str) -> Vec<Vec<&'static
     rows
 }
 
+/// Returns the whole text on one line.
+pub(crate) fn running_text() -> String {
+    DOCUMENT.split_whitespace().collect::<Vec<_>>().join(" ")
+}
+
 /// Returns the text in backquotes in a cell.
 pub(crate) fn names(cell: &str) -> Vec<&str> {
     cell.split('`').skip(1).step_by(2).collect()

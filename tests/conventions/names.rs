@@ -20,8 +20,9 @@ use fmc_camera::geometry::principal_point::{PrincipalPointMotion, StageSample, U
 use fmc_camera::geometry::sensor::{FmcAxis, PixelPoint, SensorPoint};
 use fmc_camera::geometry::shutter::ShutterProfile;
 
-const CAMERA_FILE: [&str; 2] = [
+const CAMERA_FILE: [&str; 3] = [
     include_str!("../../crates/camera-file/src/camera.rs"),
+    include_str!("../../crates/camera-file/src/limits_table.rs"),
     include_str!("../../crates/camera-file/src/tables.rs"),
 ];
 

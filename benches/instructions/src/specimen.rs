@@ -1,6 +1,7 @@
 //! Cameras whose work is counted, and their points.
 
 use fmc_camera::flight::camera::Mechanism;
+use fmc_camera::flight::exposure::Limits;
 use fmc_camera::flight::stage::RunUp;
 use fmc_camera::geometry::calibration::CalibrationParameters;
 use fmc_camera::geometry::sensor::SensorPoint;
@@ -46,6 +47,10 @@ pub(crate) fn flown() -> CameraParameters {
         shutter: ShutterProfile::Trapezoid {
             opening_fraction: 0.2,
             closing_fraction: 0.25,
+        },
+        limits: Limits {
+            vh_per_s: [0.05, 0.17],
+            exposure_s: [0.001, 0.02],
         },
         ..full()
     }

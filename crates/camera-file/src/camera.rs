@@ -4,9 +4,11 @@ use std::path::Path;
 
 use fmc_camera::flight::calibration_id::SerialNumber;
 use fmc_camera::flight::camera::{Camera, CameraParameters, Mechanism};
+use fmc_camera::flight::controller::Controller;
 use fmc_camera::flight::exposure::Limits;
+use fmc_camera::flight::settings::FlightSettings;
 use fmc_camera::geometry::brown::Brown;
-use fmc_camera::geometry::calibration::CalibrationParameters;
+use fmc_camera::geometry::calibration::{CalibrationError, CalibrationParameters, Polynomial};
 use fmc_camera::geometry::five_coefficient::FiveCoefficients;
 use fmc_camera::geometry::principal_distance::{FLATNESS_TERMS, Flatness};
 use fmc_camera::geometry::range::Quantity;
@@ -16,10 +18,10 @@ use serde::Deserialize;
 
 use crate::calibration_error::invalid_calibration;
 use crate::input_error::InputError;
+use crate::limits_table::LimitsTable;
 use crate::number::single;
 use crate::tables::{
-    DistortionTable, FittedTable, FmcTable, LimitsTable, MechanismName, Profile, SensorTable,
-    ShutterTable, pair,
+    DistortionTable, FittedTable, FmcTable, MechanismName, Profile, SensorTable, ShutterTable, pair,
 };
 use crate::toml_text::TomlText;
 
@@ -76,8 +78,23 @@ impl CameraFile {
         let camera_file: Self = text.deserialize()?;
         camera_file.check_what_only_the_file_knows(&text)?;
         let camera = Camera::new(camera_file.parameters())
-            .map_err(|error| invalid_calibration(&text, &error))?;
+            .map_err(|error| camera_file.refused(&text, &error))?;
         Ok((camera_file, camera))
+    }
+
+    /// Returns the error of a camera that is not valid, with advice where there is some.
+    fn refused(&self, text: &TomlText, error: &CalibrationError) -> InputError {
+        let refusal = invalid_calibration(text, error);
+        match error {
+            CalibrationError::Folds {
+                polynomial: Polynomial::Static,
+                ..
+            } => match self.folding_advice() {
+                Some(advice) => refusal.with_help(advice),
+                None => refusal,
+            },
+            _ => refusal,
+        }
     }
 
     fn check_what_only_the_file_knows(&self, text: &TomlText) -> Result<(), InputError> {
@@ -168,6 +185,18 @@ impl CameraFile {
 
     fn centre_px(&self) -> [f64; 2] {
         [self.sensor.width_px, self.sensor.height_px].map(|side| (count(side) - 1.0) / 2.0)
+    }
+
+    /// Returns the record that the camera is given for a flight: limits that the file states as they
+    /// are, a default largest V/H as far as the mechanism can fly it with these settings.
+    #[must_use]
+    pub fn flown(&self, settings: &FlightSettings) -> CameraParameters {
+        let parameters = self.parameters();
+        if self.limits.is_vh_default() {
+            Controller::flyable(&parameters, settings)
+        } else {
+            parameters
+        }
     }
 
     /// Returns the record that the camera is given: the numbers of the file in single precision.

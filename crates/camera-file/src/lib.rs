@@ -24,14 +24,17 @@ mod calibration_error;
 mod camera;
 pub mod fitted_block;
 mod input_error;
+mod limits_table;
 pub mod number;
 pub mod published;
+mod strong_distortion;
 mod tables;
 pub mod toml_text;
 
 pub use camera::CameraFile;
 pub use input_error::{InputError, InputErrorKind, Place};
+pub use limits_table::LimitsTable;
 pub use tables::{
-    Axis, DistortionTable, FittedTable, FmcTable, LimitsTable, MechanismName, Per, Profile,
-    SensorTable, ShutterTable, Sign, Strategy,
+    Axis, DistortionTable, FittedTable, FmcTable, MechanismName, Per, Profile, SensorTable,
+    ShutterTable, Sign, Strategy,
 };

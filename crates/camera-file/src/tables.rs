@@ -6,6 +6,8 @@ use fmc_camera::geometry::sensor::FmcAxis;
 use serde::de::Error as _;
 use serde::{Deserialize, Deserializer};
 
+use crate::number::clipped;
+
 /// `[sensor]`.
 #[derive(Debug, Clone, PartialEq, Deserialize)]
 #[serde(deny_unknown_fields)]
@@ -215,9 +217,9 @@ pub struct ShutterTable {
     pub closing_fraction: f64,
 }
 
-/// Shape of the transmission.
+/// Shape of the transmission, of a leaf shutter or of a detector with a global shutter.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Deserialize)]
-#[serde(rename_all = "lowercase")]
+#[serde(try_from = "String")]
 #[expect(missing_docs, reason = "each variant is spelt in the camera file")]
 pub enum Profile {
     #[default]
@@ -225,25 +227,22 @@ pub enum Profile {
     Trapezoid,
 }
 
-/// `[limits]`.
-#[derive(Debug, Clone, PartialEq, Deserialize)]
-#[serde(deny_unknown_fields, default)]
-#[expect(
-    missing_docs,
-    reason = "each field is the key of the same name in the camera file"
-)]
-pub struct LimitsTable {
-    #[serde(deserialize_with = "pair")]
-    pub vh_per_s: [f64; 2],
-    #[serde(deserialize_with = "pair")]
-    pub exposure_s: [f64; 2],
-}
+impl TryFrom<String> for Profile {
+    type Error = String;
 
-impl Default for LimitsTable {
-    fn default() -> Self {
-        Self {
-            vh_per_s: [0.05, 0.17],
-            exposure_s: [0.001, 0.02],
+    fn try_from(name: String) -> Result<Self, String> {
+        const ALLOWED: &str = "expected `uniform` or `trapezoid`";
+        let named = |words: &[&str]| words.iter().any(|word| name.to_lowercase().contains(word));
+        match name.as_str() {
+            "uniform" => Ok(Self::Uniform),
+            "trapezoid" => Ok(Self::Trapezoid),
+            _ if named(&["focal", "rolling", "curtain", "slit"]) => Err(format!(
+                "`{}` exposes row after row, and every row has a principal point of its own, which \
+                 is not modelled; {ALLOWED}, for a leaf or global shutter (docs/conventions.md, \
+                 section 5, has the reason)",
+                clipped(&name)
+            )),
+            _ => Err(format!("unknown variant `{}`, {ALLOWED}", clipped(&name))),
         }
     }
 }

@@ -3,10 +3,9 @@
 use std::path::PathBuf;
 
 use clap::{Args, Subcommand};
-use fmc_camera_file::number::finite;
 
 use super::number::{between, exposure_time};
-use super::{DeviceArgs, DirectionName};
+use super::{DeviceArgs, DirectionName, VhArgument};
 
 /// Arguments of `camera`.
 #[derive(Debug, Args)]
@@ -73,9 +72,9 @@ pub struct ExposureTimeArgs {
 /// Arguments of `camera vh`.
 #[derive(Debug, Args)]
 pub struct VhArgs {
-    /// V/H, 1/s.
-    #[arg(value_name = "PER_S", value_parser = finite, allow_negative_numbers = true)]
-    pub vh: f64,
+    /// V/H, or ground speed and height.
+    #[command(flatten)]
+    pub vh: VhArgument,
     /// Time for which V/H is told, s; without it once.
     #[arg(long = "for", value_name = "S", value_parser = between(0.0, 86_400.0), default_value = "0", allow_negative_numbers = true)]
     pub for_s: f64,

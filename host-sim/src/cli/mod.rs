@@ -10,12 +10,14 @@ mod mesh;
 mod mission;
 mod number;
 mod simulation;
+mod vh;
 
 pub use calibration::{CalibrateArgs, CalibrationMethod, FiveArgs, RegressOn, StaticP2};
 pub use camera::{CameraAction, CameraArgs, ExposureTimeArgs, PrepareArgs, StatusArgs, VhArgs};
 pub use mesh::{ImagePart, MeshArgs, MeshFormatName};
 pub use mission::{MissionArgs, RecordsArgs};
 pub use simulation::{BudgetArgs, SmearArgs, StrategyName, StripArgs, SweepArgs};
+pub use vh::{VhArgument, VhOption};
 
 use fmc_camera_file::number::finite;
 
@@ -80,7 +82,7 @@ pub enum Command {
     ///
     /// Each disturbance alone and all together: the largest smear over the sensor, where it is, and
     /// the mean, in µm and pixels, as the camera predicts it; beside it the largest of a simulated
-    /// exposure. All angles are right-handed: pitch nose up, roll right side down, yaw nose to the
+    /// exposure. V/H is the true one, over the reference plane. All angles are right-handed: pitch nose up, roll right side down, yaw nose to the
     /// left, at the exposure's centroid.
     Smear(SmearArgs),
     /// Simulate a calibration of the five-coefficient model: Yuan et al. 2012, section 4.1.
@@ -186,9 +188,9 @@ pub struct ExposureArgs {
     /// Camera file (TOML).
     #[arg(long, value_name = "FILE")]
     pub camera: PathBuf,
-    /// V/H, ground speed over height above ground, 1/s.
-    #[arg(long, value_name = "PER_S", value_parser = finite, allow_negative_numbers = true)]
-    pub vh: f64,
+    /// V/H, or ground speed and height.
+    #[command(flatten)]
+    pub vh: VhOption,
     /// Direction of flight; V/H is positive either way.
     #[arg(long, value_name = "DIRECTION", default_value = "forward")]
     pub direction: DirectionName,

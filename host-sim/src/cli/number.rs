@@ -7,14 +7,39 @@ use fmc_camera_file::number::finite;
 /// # Errors
 /// A sentence for the user; times must be positive.
 pub(super) fn exposure_time(text: &str) -> Result<f64, String> {
-    let seconds = match text.split_once('/') {
-        Some((numerator, denominator)) => finite(numerator)? / finite(denominator)?,
-        None => finite(text)?,
-    };
-    if seconds > 0.0 && seconds.is_finite() {
-        Ok(seconds)
-    } else {
-        Err("not a positive time in seconds".to_owned())
+    match quotient(text)? {
+        seconds if seconds > 0.0 && seconds.is_finite() => Ok(seconds),
+        _ => Err("not a positive time in seconds".to_owned()),
+    }
+}
+
+/// Reads a number, or a fraction such as 70/700.
+///
+/// # Errors
+/// A sentence for the user; the number must be finite.
+pub(super) fn number_or_fraction(text: &str) -> Result<f64, String> {
+    match quotient(text)? {
+        number if number.is_finite() => Ok(number),
+        _ => Err("a fraction over zero".to_owned()),
+    }
+}
+
+/// Reads a positive number.
+///
+/// # Errors
+/// A sentence for the user.
+pub(super) fn positive(text: &str) -> Result<f64, String> {
+    match finite(text)? {
+        number if number > 0.0 => Ok(number),
+        _ => Err("not a positive number".to_owned()),
+    }
+}
+
+/// Reads a number, or one over another.
+fn quotient(text: &str) -> Result<f64, String> {
+    match text.split_once('/') {
+        Some((numerator, denominator)) => Ok(finite(numerator)? / finite(denominator)?),
+        None => finite(text),
     }
 }
 
@@ -39,6 +64,20 @@ mod tests {
         assert_eq!(exposure_time("1/200"), Ok(0.005));
         assert_eq!(exposure_time(" 1 / 200 "), Ok(0.005));
         assert_eq!(exposure_time("5e-3"), Ok(0.005));
+    }
+
+    #[test]
+    fn numbers_and_fractions_of_either_sign_are_numbers() {
+        assert_eq!(number_or_fraction("0.1"), Ok(0.1));
+        assert_eq!(number_or_fraction("70/700"), Ok(0.1));
+        assert_eq!(number_or_fraction("-70 / 700"), Ok(-0.1));
+        for text in ["", "1/0", "0/0", "nan", "inf", "70/", "/700", "7/7/7"] {
+            assert!(number_or_fraction(text).is_err(), "{text}");
+        }
+        assert_eq!(positive("700"), Ok(700.0));
+        for text in ["0", "-1", "nan", "inf", ""] {
+            assert!(positive(text).is_err(), "{text}");
+        }
     }
 
     #[test]

@@ -7,7 +7,7 @@ use fmc_camera_file::number::finite;
 
 use super::calibration::RegressOn;
 use super::number::{between, exposure_time};
-use super::{FocusSignName, ReadingName, WeightName};
+use super::{FocusSignName, ReadingName, VhOption, WeightName};
 
 /// Arguments of `smear`.
 #[derive(Debug, Args)]
@@ -15,9 +15,9 @@ pub struct SmearArgs {
     /// Camera file (TOML).
     #[arg(long, value_name = "FILE")]
     pub camera: PathBuf,
-    /// True V/H, ground speed over height above the reference plane, 1/s.
-    #[arg(long, value_name = "PER_S", value_parser = finite, allow_negative_numbers = true)]
-    pub vh: f64,
+    /// True V/H over the reference plane, or ground speed and height.
+    #[command(flatten)]
+    pub vh: VhOption,
     /// Exposure time, first light to last: seconds or a fraction such as 1/200.
     #[arg(long, value_name = "S", value_parser = exposure_time, allow_hyphen_values = true)]
     pub exposure: f64,

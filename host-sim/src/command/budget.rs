@@ -1,6 +1,5 @@
 //! `budget`: the cost of each source of error for a camera.
 
-use fmc_camera_file::CameraFile;
 use fmc_report::budget::{bars, page, summary, table};
 use fmc_simulation::budget::assumptions::Assumptions;
 use fmc_simulation::budget::result::Budget;
@@ -11,7 +10,7 @@ use crate::failure::Failure;
 use crate::formats::output::{self, OutputFolder};
 
 pub(super) fn run(args: &BudgetArgs) -> Result<(), Failure> {
-    let (camera, _) = CameraFile::read(&args.camera)?;
+    let (camera, _) = super::read_camera(&args.camera)?;
     let budget = run::budget(&camera, assumptions(args))
         .map_err(|error| Failure::bad_input(format!("{}: {error}", args.camera.display())))?;
     if let Some(out) = &args.out {

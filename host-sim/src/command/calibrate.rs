@@ -6,7 +6,6 @@ use std::path::Path;
 use fmc_adjustment::calibration::five::FiveCalibration;
 use fmc_camera::geometry::estimation::options::{FitOptions, StaticDecentring};
 use fmc_camera::geometry::five_coefficient::Regressor;
-use fmc_camera_file::CameraFile;
 use fmc_camera_file::fitted_block;
 use fmc_report::calibration::{
     five_summary, five_table, residual_field, residual_plot, residuals_csv,
@@ -20,7 +19,7 @@ use crate::formats::output::{self, OutputFolder};
 
 /// Runs `calibrate five`.
 pub(super) fn five(args: &FiveArgs) -> Result<(), Failure> {
-    let (camera, validated) = CameraFile::read(&args.camera)?;
+    let (camera, validated) = super::read_camera(&args.camera)?;
     let camera_name = args
         .camera
         .file_name()

@@ -3,7 +3,7 @@
 use std::thread::sleep;
 use std::time::{Duration, Instant};
 
-use fmc_camera::flight::camera::CameraParameters;
+use fmc_camera::flight::camera::{Camera, CameraParameters};
 use fmc_camera::flight::controller::Start;
 use fmc_camera::flight::controller::state::State;
 use fmc_camera::flight::event::{Command, Event};
@@ -12,7 +12,6 @@ use fmc_camera::flight::prepared_camera::PreparedCamera;
 use fmc_camera::flight::settings::FlightSettings;
 use fmc_camera::flight::vh::{VhSample, VhSettings};
 use fmc_camera::io::link::message::{Refusal, Status};
-use fmc_camera_file::CameraFile;
 use fmc_camera_file::number::single;
 use fmc_report::camera_status;
 
@@ -84,7 +83,7 @@ pub(super) fn run(args: &CameraArgs) -> Result<(), Failure> {
 
 /// Reads calibration and settings, and checks on this PC that the camera can fly with them.
 fn read(args: &PrepareArgs) -> Result<(CameraParameters, FlightSettings), Failure> {
-    let (file, camera) = CameraFile::read(&args.camera)?;
+    let (file, _) = super::read_camera(&args.camera)?;
     let mut settings = match &args.settings {
         Some(path) => flight_settings::read(path)?,
         None => FlightSettings::default(),
@@ -94,9 +93,24 @@ fn read(args: &PrepareArgs) -> Result<(CameraParameters, FlightSettings), Failur
         Some(DirectionName::Reverse) => settings.direction = FlightDirection::Reverse,
         None => {}
     }
-    PreparedCamera::new(camera, &settings, Start::Orderly)
+    let camera = file.flown(&settings);
+    let ([_, allowed], [_, flown]) = (file.limits.vh_per_s, camera.limits.vh_per_s);
+    if flown < single(allowed) {
+        eprintln!(
+            "note: {}: with exposures of {} s{} the mechanism can fly V/H up to {flown:.3} 1/s, less than the default limits, {allowed} 1/s",
+            args.camera.display(),
+            settings.exposure_s,
+            match settings.trigger_interval_s {
+                0.0 => String::new(),
+                interval_s => format!(" every {interval_s} s"),
+            }
+        );
+    }
+    let flown = Camera::new(camera)
         .map_err(|error| Failure::bad_input(format!("{}: {error}", args.camera.display())))?;
-    Ok((file.parameters(), settings))
+    PreparedCamera::new(flown, &settings, Start::Orderly)
+        .map_err(|error| Failure::bad_input(format!("{}: {error}", args.camera.display())))?;
+    Ok((camera, settings))
 }
 
 fn tell(args: &CameraArgs, event: Event) -> Result<(), Failure> {
@@ -170,7 +184,7 @@ fn not_done(command: Command, state: State) -> Failure {
 }
 
 fn tell_vh(args: &CameraArgs, vh: &VhArgs) -> Result<(), Failure> {
-    let vh_per_s = single(vh.vh);
+    let vh_per_s = single(vh.vh.per_s());
     let [least, most] = VhSettings::DEFAULT.direct.range;
     if !(least..=most).contains(&vh_per_s) {
         return Err(Failure::bad_input(format!(

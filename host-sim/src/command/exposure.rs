@@ -3,7 +3,7 @@
 use fmc_camera::flight::camera::FrameError;
 use fmc_camera::flight::exposure::{CorrectionModel, Exposure, FlightDirection};
 use fmc_camera::geometry::principal_distance::FocusSign;
-use fmc_camera::geometry::range::Quantity;
+use fmc_camera::geometry::range::{OutOfRange, Quantity};
 use fmc_camera_file::number::single;
 use fmc_camera_file::{CameraFile, MechanismName};
 use fmc_reference::exposure::{ExposureRequest, FocusFormula};
@@ -18,7 +18,7 @@ impl ExposureArgs {
     /// # Errors
     /// [`Failure`] of the camera file, or for the fitted model of a camera without one.
     pub(super) fn read_camera(&self) -> Result<CameraFile, Failure> {
-        let (camera, _) = CameraFile::read(&self.camera)?;
+        let (camera, _) = super::read_camera(&self.camera)?;
         if self.model == ModelName::Fitted && camera.fitted.is_none() {
             return Err(Failure::bad_input(format!(
                 "{}: --model fitted needs a [fitted] table, and there is none",
@@ -42,7 +42,7 @@ impl ExposureArgs {
     /// Exposure that the camera is asked for.
     pub(super) fn exposure(&self) -> Exposure {
         Exposure {
-            vh_per_s: single(self.vh),
+            vh_per_s: single(self.vh.per_s()),
             exposure_s: single(self.exposure),
             opening_offset_mm: self.opening_offset_mm.map(single),
             focus_shift_um: single(self.focus_shift_um),
@@ -70,7 +70,7 @@ impl ExposureArgs {
     /// Exposure that the reference is asked for.
     pub(super) fn request(&self) -> ExposureRequest {
         ExposureRequest {
-            vh_per_s: self.vh,
+            vh_per_s: self.vh.per_s(),
             exposure_s: self.exposure,
             opening_offset_mm: self.opening_offset_mm,
             focus_shift_mm: self.focus_shift_um / 1000.0,
@@ -83,31 +83,30 @@ impl ExposureArgs {
     }
 
     /// Turns a refusal of the camera into a failure, with the option or the key that caused it.
-    pub(super) fn refused(&self, error: &DeviceError) -> Failure {
+    pub(super) fn refused(&self, camera: &CameraFile, error: &DeviceError) -> Failure {
         let file = self.camera.display();
         match error {
             DeviceError::Frame(FrameError::OutOfRange(range)) => {
                 let (option, origin) = match range.quantity {
-                    Quantity::VhPerS => ("--vh: ", format!(" ([limits] of {file})")),
-                    Quantity::ExposureS => ("--exposure: ", format!(" ([limits] of {file})")),
-                    Quantity::OpeningOffsetMm => {
-                        ("--opening-offset-mm: ", format!(" (stroke_mm of {file})"))
+                    Quantity::VhPerS | Quantity::ExposureS => {
+                        return self.outside_limits(camera, range);
                     }
-                    Quantity::TdiRows => ("--vh and --exposure: ", format!(" ({file})")),
+                    Quantity::OpeningOffsetMm => ("--opening-offset-mm", "stroke_mm of "),
+                    Quantity::TdiRows => ("--vh and --exposure", ""),
                     Quantity::FocusShiftUm => (
-                        "--focus-shift-um with the run-out: ",
-                        format!(" (1 % of the distances of {file})"),
+                        "--focus-shift-um with the run-out",
+                        "1 % of the distances of ",
                     ),
-                    _ => ("", format!(" ({file})")),
+                    _ => return Failure::bad_input(format!("{range} ({file})")),
                 };
-                Failure::bad_input(format!("{option}{range}{origin}"))
+                Failure::bad_input(format!("{option}: {range} ({origin}{file})"))
             }
             DeviceError::Frame(error @ FrameError::Stroke(_)) => Failure::bad_input(format!(
-                "{file}: [fmc] stroke_mm is too short for --vh {} --exposure {}: {error}",
+                "{file}: [fmc] stroke_mm is too short for {} --exposure {}: {error}",
                 self.vh, self.exposure
             )),
             DeviceError::Frame(error @ FrameError::Speed { .. }) => Failure::bad_input(format!(
-                "{file}: [fmc] max_speed_mm_s is too small for --vh {}: {error}",
+                "{file}: [fmc] max_speed_mm_s is too small for {}: {error}",
                 self.vh
             )),
             DeviceError::Frame(_) | DeviceError::Calibration(_) => {
@@ -115,5 +114,31 @@ impl ExposureArgs {
             }
             _ => error.clone().into(),
         }
+    }
+
+    /// Returns the failure of a V/H or an exposure time outside the camera's limits.
+    fn outside_limits(&self, camera: &CameraFile, range: &OutOfRange) -> Failure {
+        let OutOfRange {
+            quantity,
+            value,
+            min,
+            max,
+        } = range;
+        let origin = camera.limits.origin(*quantity, &self.camera.display());
+        let fault = match quantity {
+            Quantity::VhPerS => {
+                format!(
+                    "{}: V/H {value} is outside {min} to {max} 1/s",
+                    self.vh.names()
+                )
+            }
+            _ if camera.limits.is_exposure_default() => format!(
+                "--exposure: {value} s is outside 1/{} to 1/{} s",
+                min.recip().round(),
+                max.recip().round()
+            ),
+            _ => format!("--exposure: {value} s is outside {min} to {max} s"),
+        };
+        Failure::bad_input(format!("{fault} ({origin})"))
     }
 }

@@ -25,7 +25,7 @@ pub(super) fn run(args: &FrameArgs) -> Result<(), Failure> {
     let record = device
         .load(&camera.parameters())
         .and_then(|()| device.expose(&request.exposure()))
-        .map_err(|error| request.refused(&error))?;
+        .map_err(|error| request.refused(&camera, &error))?;
     let report = FrameReport::new(&camera, request, &record);
     output::write(args.out.as_deref(), |sink| {
         if args.json {

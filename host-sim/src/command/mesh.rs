@@ -32,10 +32,10 @@ pub(super) fn run(args: &MeshArgs) -> Result<(), Failure> {
     let record = device
         .load(&camera.parameters())
         .and_then(|()| device.expose(&request.exposure()))
-        .map_err(|error| request.refused(&error))?;
+        .map_err(|error| request.refused(&camera, &error))?;
     let mesh = fetch(&mut *device, &layout).map_err(|error| match error {
         DeviceError::Mesh(error) => refused(error, args),
-        error => request.refused(&error),
+        error => request.refused(&camera, &error),
     })?;
     let accuracy = Accuracy::of(args, &camera, &layout, &mesh)?;
     let files = files(args.format, mesh);

@@ -22,6 +22,7 @@ pub(super) fn run(args: &MissionArgs) -> Result<(), Failure> {
         Some(path) => MissionScenario::read(path, args.exposures)?,
         None => MissionScenario::nominal(args.exposures)?,
     };
+    super::warn_of_distortion(&scenario.written.camera, &scenario.camera);
     if let Some(frame) = args.frame
         && frame > scenario.exposures()
     {

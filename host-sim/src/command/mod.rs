@@ -17,6 +17,11 @@ mod strip;
 mod sweep;
 mod verify;
 
+use std::path::Path;
+
+use fmc_camera::flight::camera::Camera;
+use fmc_camera_file::CameraFile;
+
 use crate::cli::{CalibrationMethod, Cli, Command};
 use crate::failure::Failure;
 
@@ -42,5 +47,22 @@ pub fn run(cli: Cli) -> Result<(), Failure> {
         Command::Mission(args) => mission::run(&args),
         Command::Records(args) => records::run(&args),
         Command::Camera(args) => camera::run(&args),
+    }
+}
+
+/// Reads a camera file, and prints a warning if its distortion is hardly believable.
+///
+/// # Errors
+/// [`Failure`] of the camera file.
+fn read_camera(path: &Path) -> Result<(CameraFile, Camera), Failure> {
+    let (file, camera) = CameraFile::read(path)?;
+    warn_of_distortion(path, &file);
+    Ok((file, camera))
+}
+
+/// Prints a warning if the distortion of a camera file is hardly believable.
+fn warn_of_distortion(path: &Path, file: &CameraFile) {
+    if let Some(warning) = file.distortion_warning() {
+        eprintln!("warning: {}: {warning}", path.display());
     }
 }

@@ -38,7 +38,7 @@ pub(super) fn run(args: &PointsArgs, direction: Direction) -> Result<(), Failure
     device
         .load(&camera.parameters())
         .and_then(|()| device.expose(&request.exposure()))
-        .map_err(|error| request.refused(&error))?;
+        .map_err(|error| request.refused(&camera, &error))?;
     let mut batch = Vec::with_capacity(BATCH);
     points.answer(|source, block, answers| {
         for points_mm in block.points_mm.chunks(BATCH) {
@@ -97,7 +97,7 @@ fn point_failure(
     args: &PointsArgs,
 ) -> Failure {
     let (DeviceError::Distort { index, .. } | DeviceError::OffSensor { index }) = error else {
-        return args.exposure.refused(error);
+        return args.exposure.refused(camera, error);
     };
     let index = done + index;
     let Some(point_mm) = block.points_mm.get(index) else {

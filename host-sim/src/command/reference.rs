@@ -25,7 +25,7 @@ pub(super) fn run(args: &ReferenceArgs) -> Result<(), Failure> {
                 .frame(&request.exposure())
                 .map_err(DeviceError::Frame)
         })
-        .map_err(|error| request.refused(&error))?;
+        .map_err(|error| request.refused(&camera, &error))?;
 
     let weight = match args.weight {
         WeightName::Exposure => Weight::Exposure,

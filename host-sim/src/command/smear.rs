@@ -3,12 +3,11 @@
 use std::io;
 
 use fmc_camera::geometry::image_motion::{ImageMotionError, View};
-use fmc_camera_file::CameraFile;
 use fmc_report::smear::SmearReport;
 use fmc_simulation::smear::field::SmearRequest;
 use fmc_simulation::smear::term::{Disturbances, Term};
 
-use crate::cli::{DirectionName, ExposureArgs, FocusSignName, ModelName, SmearArgs};
+use crate::cli::{DirectionName, ExposureArgs, FocusSignName, ModelName, SmearArgs, VhOption};
 use crate::device::DeviceError;
 use crate::failure::Failure;
 use crate::formats::output::{self, OutputFolder};
@@ -17,18 +16,18 @@ pub(super) fn run(args: &SmearArgs) -> Result<(), Failure> {
     let disturbances = args
         .disturbances()
         .map_err(|error| Failure::bad_input(error.to_string()))?;
-    let (camera, checked) = CameraFile::read(&args.camera)?;
-    let exposure = args.exposure_args(disturbances.told_vh_per_s(args.vh));
+    let (camera, checked) = super::read_camera(&args.camera)?;
+    let exposure = args.exposure_args(&disturbances);
     let record = checked
         .frame(&exposure.exposure())
-        .map_err(|error| exposure.refused(&DeviceError::Frame(error)))?
+        .map_err(|error| exposure.refused(&camera, &DeviceError::Frame(error)))?
         .interior;
     let view = View {
         principal_point: record.principal_point,
         ..View::calibrated(checked.calibration())
     };
     let request = SmearRequest {
-        vh_per_s: args.vh,
+        vh_per_s: args.vh.per_s(),
         exposure_s: args.exposure,
         disturbances,
     };
@@ -78,10 +77,16 @@ impl SmearArgs {
 
     /// Returns the exposure for the V/H that the camera is told, in the form of the other commands,
     /// so that it is refused in the same words.
-    fn exposure_args(&self, told_vh_per_s: f64) -> ExposureArgs {
+    fn exposure_args(&self, disturbances: &Disturbances) -> ExposureArgs {
+        let vh_per_s = self.vh.per_s();
+        let told_per_s = disturbances.told_vh_per_s(vh_per_s);
         ExposureArgs {
             camera: self.camera.clone(),
-            vh: told_vh_per_s,
+            vh: if told_per_s.to_bits() == vh_per_s.to_bits() {
+                self.vh
+            } else {
+                VhOption::of(told_per_s)
+            },
             exposure: self.exposure,
             opening_offset_mm: None,
             focus_shift_um: 0.0,

@@ -17,6 +17,7 @@ use crate::formats::output::{self, OutputFolder};
 
 pub(super) fn run(args: &StripArgs) -> Result<(), Failure> {
     let scenario = Scenario::read(&args.scenario)?;
+    super::warn_of_distortion(&scenario.written.camera, &scenario.camera);
     let folder = OutputFolder::create(&args.out)?;
     let bar = ProgressBar::new(u64::from(args.repetitions));
     if let Ok(style) = ProgressStyle::with_template("{bar:40} {pos}/{len} repetitions, {eta}") {

@@ -4,7 +4,7 @@ use std::io;
 
 use fmc_camera::flight::camera::FrameError;
 use fmc_camera::geometry::range::Quantity;
-use fmc_camera_file::{CameraFile, MechanismName, Per, Strategy};
+use fmc_camera_file::{MechanismName, Per, Strategy};
 use fmc_reference::exposure::FocusFormula;
 use fmc_reference::strict::{Reading, Weight};
 use fmc_report::sweep::{coefficient_plot, coefficients_csv, page, summary, table};
@@ -19,7 +19,7 @@ use crate::failure::Failure;
 use crate::formats::output::{self, OutputFolder};
 
 pub(super) fn run(args: &SweepArgs) -> Result<(), Failure> {
-    let (mut camera, _) = CameraFile::read(&args.camera)?;
+    let (mut camera, _) = super::read_camera(&args.camera)?;
     if let Some(strategy) = args.strategy {
         if camera.fmc.mechanism == MechanismName::Tdi {
             return Err(Failure::bad_input(format!(

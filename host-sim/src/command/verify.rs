@@ -50,7 +50,7 @@ pub(super) fn run(args: &VerifyArgs) -> Result<(), Failure> {
 
 fn cameras(given: Option<&Path>) -> Result<Vec<CameraFile>, Failure> {
     if let Some(path) = given {
-        return Ok(vec![CameraFile::read(path)?.0]);
+        return Ok(vec![super::read_camera(path)?.0]);
     }
     CAMERA_FILES
         .iter()

@@ -246,6 +246,29 @@ fn ramps_of_a_uniform_shutter_are_a_contradiction() {
 }
 
 #[test]
+fn shutters_that_expose_row_after_row_are_refused_with_the_reason() {
+    for shutter in ["focal-plane", "focal_plane", "rolling", "Rolling shutter"] {
+        refused(
+            "profile = \"trapezoid\"",
+            &format!("profile = \"{shutter}\""),
+            &[
+                "shutter.profile",
+                shutter,
+                "row after row",
+                "expected `uniform` or `trapezoid`",
+                "leaf or global shutter",
+                "docs/conventions.md, section 5",
+            ],
+        );
+    }
+    refused(
+        "profile = \"trapezoid\"",
+        "profile = \"box\"",
+        &["unknown variant `box`", "`uniform` or `trapezoid`"],
+    );
+}
+
+#[test]
 fn polynomial_that_folds_the_image_is_refused_with_place_and_least_scale() {
     // 1 + 3·K1·r² vanishes at r = 40 mm, inside the corner at 57 mm.
     refused(
@@ -264,6 +287,45 @@ fn polynomial_that_folds_the_image_is_refused_with_place_and_least_scale() {
     Bench::with(&strong, POINTS.as_bytes())
         .points("frame", &[])
         .ok();
+}
+
+#[test]
+fn coefficients_without_a_unit_are_named_where_they_fold_the_image() {
+    // The help is broken into lines.
+    let camera = CAMERA.replace("k1 = -1.0e-6", "k1 = -0.12");
+    let bench = Bench::with(&camera, POINTS.as_bytes());
+    let answer = bench.points("frame", &[]);
+    answer.refused(&["[distortion]", "folds", "k1 = -0.12", "-1.2e-5"]);
+    let words: Vec<&str> = answer.stderr.split_whitespace().collect();
+    assert!(
+        words.join(" ").contains("looks like a dimensionless"),
+        "{}",
+        answer.stderr
+    );
+}
+
+#[test]
+fn strong_distortion_is_warned_of_in_every_command_that_reads_a_camera() {
+    let camera = CAMERA.replace("k1 = -1.0e-6", "k1 = -6.0e-5");
+    let bench = Bench::with(&camera, POINTS.as_bytes());
+    let mut answers = Vec::new();
+    for command in ["correct", "distort", "reference", "frame"] {
+        answers.push(bench.points(command, &[]));
+    }
+    answers.push(bench.run(&["budget", "--camera", "camera.toml"]));
+    for answer in answers {
+        let answer = answer.ok();
+        for part in [
+            "warning: camera.toml: [distortion] is ",
+            "k1 = -6e-5 mm⁻²",
+            "k1·f² = -0.6 ",
+        ] {
+            assert!(answer.stderr.contains(part), "{part}: {}", answer.stderr);
+        }
+        assert!(!answer.stdout.contains("warning"), "{}", answer.stdout);
+    }
+    let quiet = Bench::new().points("correct", &[]).ok();
+    assert_eq!(quiet.stderr, "");
 }
 
 #[test]

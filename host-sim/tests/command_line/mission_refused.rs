@@ -196,7 +196,10 @@ fn what_contradicts_the_camera_file_is_refused() {
     refused(
         "speed_m_s = 96.0",
         "speed_m_s = 240.0",
-        &["V/H = 0.3000 1/s", "0.05 to 0.17 1/s"],
+        &[
+            "V/H = 0.3000 1/s",
+            "0.05 to 0.17 1/s ([limits] of cameras/mission.toml)",
+        ],
     );
     refused(
         "exposure_s = 0.003333333",

@@ -18,6 +18,8 @@ mod calibrate_five_refused;
 #[cfg(unix)]
 mod camera;
 #[cfg(test)]
+mod default_limits;
+#[cfg(test)]
 #[cfg(unix)]
 mod fake_camera;
 #[cfg(test)]
@@ -66,6 +68,8 @@ mod table_width;
 mod terminal;
 #[cfg(test)]
 mod verify;
+#[cfg(test)]
+mod vh;
 #[cfg(test)]
 #[cfg(unix)]
 #[path = "../../../fuzz/wire_format.rs"]

@@ -161,9 +161,19 @@ fn what_is_not_believable_is_refused_with_option_value_and_range() {
             exposure,
         ])
     };
-    exposure("0.18", "1/300").refused(&["--vh", "0.18", "0.05 to 0.17", "camera.toml"]);
-    exposure("-0.1", "1/300").refused(&["--vh", "-0.1", "0.05 to 0.17"]);
-    exposure("0.1", "1/10").refused(&["--exposure", "0.1", "0.001 to 0.02", "camera.toml"]);
+    exposure("0.31", "1/300").refused(&[
+        "--vh",
+        "0.31",
+        "0.01 to 0.3",
+        "default limits; camera.toml",
+    ]);
+    exposure("-0.1", "1/300").refused(&["--vh", "-0.1", "0.01 to 0.3"]);
+    exposure("0.1", "1/10").refused(&[
+        "--exposure",
+        "0.1",
+        "1/5000 to 1/30",
+        "default limits; camera.toml",
+    ]);
     exposure("0.1", "0").refused(&["--exposure"]);
     bench
         .run(&[

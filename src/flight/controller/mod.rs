@@ -24,6 +24,7 @@ mod checks;
 mod commands;
 mod error;
 mod faults;
+mod flyable;
 mod frame;
 mod passing;
 mod readiness;

@@ -159,16 +159,7 @@ fn check_interval(camera: &Camera, settings: &FlightSettings) -> Result<(), Cont
         return Ok(());
     }
     let [_, most] = camera.limits().vh_per_s;
-    let exposure = exposure(settings, most, settings.exposure_s);
-    let margin_s = margin_s(settings);
-    let needed = || {
-        let place_mm = camera.waiting_place_mm(&exposure, margin_s)?;
-        let travel = camera.travel(place_mm, &exposure, margin_s)?;
-        let cycle_s = camera.stage().cycle_s(&travel, place_mm)?;
-        let before_s = TICK_S + (settings.shutter_latency_s + LEAD_S - travel.opening_s).max(0.0);
-        Ok(before_s + cycle_s)
-    };
-    let needed_s = needed().map_err(ControllerError::Travel)?;
+    let needed_s = needed_s(camera, settings, most).map_err(ControllerError::Travel)?;
     if needed_s <= available_s {
         Ok(())
     } else {
@@ -182,7 +173,22 @@ fn check_interval(camera: &Camera, settings: &FlightSettings) -> Result<(), Cont
     }
 }
 
-fn exposure(settings: &FlightSettings, vh_per_s: f32, exposure_s: f32) -> Exposure {
+/// Returns the time from a trigger until the stage waits for the next one, at a V/H, s.
+pub(super) fn needed_s(
+    camera: &Camera,
+    settings: &FlightSettings,
+    vh_per_s: f32,
+) -> Result<f32, FrameError> {
+    let exposure = exposure(settings, vh_per_s, settings.exposure_s);
+    let margin_s = margin_s(settings);
+    let place_mm = camera.waiting_place_mm(&exposure, margin_s)?;
+    let travel = camera.travel(place_mm, &exposure, margin_s)?;
+    let cycle_s = camera.stage().cycle_s(&travel, place_mm)?;
+    let before_s = TICK_S + (settings.shutter_latency_s + LEAD_S - travel.opening_s).max(0.0);
+    Ok(before_s + cycle_s)
+}
+
+pub(super) fn exposure(settings: &FlightSettings, vh_per_s: f32, exposure_s: f32) -> Exposure {
     Exposure {
         direction: settings.direction,
         ..Exposure::new(vh_per_s, exposure_s)

@@ -100,6 +100,7 @@ pub(crate) fn keep() {
         ControlLoop::<RigDrive>::controller_mut,
         ControlLoop::<RigDrive>::drive,
         ControlLoop::<RigDrive>::drive_mut,
+        Controller::flyable,
         PreparedCamera::new,
         PreparedCamera::handle,
         Controller::state,

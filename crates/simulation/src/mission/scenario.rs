@@ -108,9 +108,17 @@ impl MissionScenario {
         check_sources(&written, &text)?;
         check_line(&written, &text)?;
         check_mechanics(&written, &text)?;
-        let (camera, checked) = camera_of(&written.camera)?;
+        let (mut camera, mut checked) = camera_of(&written.camera)?;
         let interval_s = interval_s(&written, &camera, &text)?;
         check_exposure(&written, &camera, &checked, &text)?;
+        if camera.limits.is_vh_default() {
+            // The mission's own V/H must be flown, whatever the mechanism says to it.
+            let flown = camera.flown(&flight_settings(&written, interval_s));
+            let most = f64::from(flown.limits.vh_per_s[1]).max(vh_per_s(&written));
+            camera.limits.vh_per_s[1] = most;
+            checked = Camera::new(camera.parameters())
+                .map_err(|error| text.invalid(&["camera"], &error.to_string()))?;
+        }
         check_settings(&written, checked.clone(), interval_s, &text)?;
         let faults = planned_fault::planned(&written, interval_s, &text)?;
         Ok(Self {
@@ -269,8 +277,9 @@ fn check_exposure(
         return Err(text.invalid(
             &["flight", "speed_m_s"],
             &format!(
-                "over {} m of height is V/H = {vh_per_s:.4} 1/s; the camera file allows {least} to {most} 1/s",
-                written.flight.height_m - written.terrain.height_m
+                "over {} m of height is V/H = {vh_per_s:.4} 1/s; the camera file allows {least} to {most} 1/s ({})",
+                written.flight.height_m - written.terrain.height_m,
+                camera.limits.origin(Quantity::VhPerS, &written.camera.display())
             ),
         ));
     }
@@ -278,7 +287,12 @@ fn check_exposure(
     if !(least..=most).contains(&written.flight.exposure_s) {
         return Err(text.invalid(
             &["flight", "exposure_s"],
-            &format!("is out of range: the camera file allows {least} to {most} s"),
+            &format!(
+                "is out of range: the camera file allows {least} to {most} s ({})",
+                camera
+                    .limits
+                    .origin(Quantity::ExposureS, &written.camera.display())
+            ),
         ));
     }
     let exposure = Exposure::new(single(vh_per_s), single(written.flight.exposure_s));

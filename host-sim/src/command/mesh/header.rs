@@ -49,12 +49,12 @@ impl Accuracy {
                 let request = &args.exposure;
                 let frame = Camera::new(camera.parameters())
                     .map_err(DeviceError::Calibration)
-                    .and_then(|camera| {
-                        camera
+                    .and_then(|checked| {
+                        checked
                             .frame(&request.exposure())
                             .map_err(DeviceError::Frame)
                     })
-                    .map_err(|error| request.refused(&error))?;
+                    .map_err(|error| request.refused(camera, &error))?;
                 let (numbers, _) = mesh.as_chunks::<4>();
                 let largest_px = numbers
                     .iter()
