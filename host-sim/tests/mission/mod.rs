@@ -13,3 +13,5 @@ mod stall;
 mod support;
 #[cfg(test)]
 mod sweep;
+#[cfg(test)]
+mod vh_statistics;

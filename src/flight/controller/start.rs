@@ -53,7 +53,7 @@ impl Controller {
         // The controller is made in its final place: it is large, and a copy would take as much of
         // the stack.
         Ok(Self {
-            aircraft: Aircraft::new(&settings),
+            aircraft: Aircraft::new(&settings, camera.limits().vh_per_s),
             // The encoder's count is lost with the processor.
             stage: StageMachine::new(start != Start::Orderly && camera.has_stage()),
             frame: FrameMachine::new(faults),

@@ -1,13 +1,17 @@
 //! V/H: from the aircraft's samples of speed and height, or given directly.
 
+pub mod agreement;
 pub mod channel;
 mod estimate;
 pub mod finding;
 pub mod monitor;
 mod sample;
 pub mod settings;
+mod spread;
 #[cfg(test)]
 mod tests;
+mod values;
+mod variability;
 
 pub use channel::CONSISTENT_SAMPLES;
 pub use estimate::{VhEstimate, VhSource};
