@@ -9,9 +9,10 @@ use fmc_camera::flight::utc::{
 };
 use fmc_camera::flight::vh::agreement::{CONTRADICTION_SIGMAS, SHARE_OF_EXCESS, TRUSTED_S};
 use fmc_camera::flight::vh::channel::{
-    CONFIRMED_WITHIN, CONSISTENT_SAMPLES, GUST_SIGMAS, NOISE_SIGMAS, UNIT_RELEASE, UNIT_TOLERANCE,
+    CONFIRMED_WITHIN, CONSISTENT_SAMPLES, GUST_SIGMAS, NOISE_SIGMAS,
 };
 use fmc_camera::flight::vh::settings::{LEAST_HEIGHT_M, LEAST_SPEED_M_S, LEAST_VH_PER_S};
+use fmc_camera::flight::vh::unit_watch::{UNIT_RELEASE, UNIT_TOLERANCE};
 use fmc_camera::geometry::estimation::adjustment::{MIN_POINTS, MIN_REGRESSOR_MM, MIN_SPREAD};
 use fmc_camera::geometry::estimation::design::MIN_SEPARATION;
 use fmc_camera::geometry::frame_correction::SHORT_KERNEL_NM;

@@ -154,6 +154,7 @@ impl Aircraft {
     /// Trusts the instruments as they are now, for the operator.
     pub(super) const fn clear_doubt(&mut self) {
         self.utc.clear_doubt();
+        self.vh.clear_doubt();
     }
 
     /// Counts of the findings.

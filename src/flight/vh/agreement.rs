@@ -1,6 +1,7 @@
 //! Agreement of several ways to one number, and the choice of one of them.
 
-use super::channel::{CONSISTENT_SAMPLES, Held, Stamped};
+use super::channel::CONSISTENT_SAMPLES;
+use super::held::{Held, Stamped};
 use crate::flight::time::Time;
 
 /// Time for which the value that was trusted last makes one near it more plausible, s.
@@ -23,6 +24,8 @@ const AVERAGED_DIFFERENCES: f32 = 16.0;
 /// Limits by which values are compared.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Limits {
+    /// Time of the comparison.
+    pub(super) now: Time,
     /// Largest difference of two values that agree, as a part of the one in use.
     pub(super) difference: f32,
     /// Least and largest plausible value.
@@ -74,12 +77,7 @@ impl Agreement {
     };
 
     /// Returns the way to use, if there is one.
-    pub(super) fn choose(
-        &self,
-        ways: &[Option<Held>],
-        limits: &Limits,
-        now: Time,
-    ) -> Option<Choice> {
+    pub(super) fn choose(&self, ways: &[Option<Held>], limits: &Limits) -> Option<Choice> {
         let present = || {
             let numbered = ways.iter().enumerate();
             numbered.filter_map(|(index, way)| Some((index, way.as_ref()?)))
@@ -87,7 +85,7 @@ impl Agreement {
         let (mut index, mut best) = present().next()?;
         for (other_index, other) in present().skip(1) {
             let gives_way = if contradict(best, other, limits) {
-                let implausible = |held| self.implausibility(held, ways, limits, now);
+                let implausible = |held| self.implausibility(held, ways, limits);
                 let [best_is, other_is] = [best, other].map(implausible);
                 other_is < best_is || other_is == best_is && is_fresher(other, best)
             } else {
@@ -115,13 +113,7 @@ impl Agreement {
     }
 
     /// Learns from the values at a sample and the choice among them.
-    pub(super) fn learn(
-        &mut self,
-        ways: &[Option<Held>],
-        choice: &Choice,
-        limits: &Limits,
-        now: Time,
-    ) {
+    pub(super) fn learn(&mut self, ways: &[Option<Held>], choice: &Choice, limits: &Limits) {
         let value = choice.held.value;
         self.last_excess = 0.0;
         if let Some(used) = ways.get(choice.index).copied().flatten() {
@@ -137,20 +129,23 @@ impl Agreement {
         }
         let is_trusted = match choice.against {
             None => choice.held.doubt == 0.0,
-            Some(_) => self.is_near_trusted(value, limits, now) == Some(true),
+            Some(_) => self.is_near_trusted(value, limits) == Some(true),
         };
         if is_trusted {
             let follows = |trusted: Stamped| {
-                let part = now.seconds_since(trusted.time) / FOLLOWS_IN_S;
+                let part = limits.now.seconds_since(trusted.time) / FOLLOWS_IN_S;
                 trusted.value + part.clamp(0.0, 1.0) * (value - trusted.value)
             };
             let value = self.trusted.map_or(value, follows);
-            self.trusted = Some(Stamped { time: now, value });
+            self.trusted = Some(Stamped {
+                time: limits.now,
+                value,
+            });
             self.trusted_values = self.trusted_values.saturating_add(1);
         }
     }
 
-    fn implausibility(&self, held: &Held, ways: &[Option<Held>], limits: &Limits, now: Time) -> u8 {
+    fn implausibility(&self, held: &Held, ways: &[Option<Held>], limits: &Limits) -> u8 {
         let [least, most] = limits.plausible;
         let opponents = ways
             .iter()
@@ -159,16 +154,16 @@ impl Agreement {
             .count();
         8 * u8::from(held.doubt != 0.0)
             + 4 * u8::from(!(held.value >= least && held.value <= most))
-            + 2 * u8::from(self.is_near_trusted(held.value, limits, now) == Some(false))
+            + 2 * u8::from(self.is_near_trusted(held.value, limits) == Some(false))
             + u8::from(opponents > 1)
     }
 
     /// Returns whether a value is near the one that was trusted last; `None` if that is too old.
-    fn is_near_trusted(&self, value: f32, limits: &Limits, now: Time) -> Option<bool> {
+    fn is_near_trusted(&self, value: f32, limits: &Limits) -> Option<bool> {
         let trusted = self
             .trusted
             .filter(|_| self.trusted_values >= CONSISTENT_SAMPLES)?;
-        (now.seconds_since(trusted.time) <= TRUSTED_S)
+        (limits.now.seconds_since(trusted.time) <= TRUSTED_S)
             .then(|| (value - trusted.value).abs() <= limits.difference * trusted.value.abs())
     }
 }

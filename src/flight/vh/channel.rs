@@ -1,7 +1,9 @@
 //! One source of V/H: its checks, and its value while it is silent.
 
 use super::finding::{VhFindingKind, WrongUnit};
+use super::held::{Held, Stamped};
 use super::settings::ChannelSettings;
+use super::unit_watch::{Comparison, UnitWatch};
 use super::variability::Variability;
 use crate::flight::time::Time;
 
@@ -15,70 +17,9 @@ pub const NOISE_SIGMAS: f32 = 6.0;
 /// last one beyond slew and noise: gusts are faster than an aircraft slews.
 pub const GUST_SIGMAS: f32 = 3.0;
 
-/// Largest difference of a ratio from a unit's factor, as a part of it, at which the unit counts as
-/// wrong.
-pub const UNIT_TOLERANCE: f32 = 0.03;
-
-/// Largest difference from another way to the same number, as a part of it, at which a source that
-/// had the wrong unit is trusted again.
-pub const UNIT_RELEASE: f32 = 0.1;
-
 /// Largest difference from another way to the same number, as a part of it, at which a value that
 /// has jumped is confirmed.
 pub const CONFIRMED_WITHIN: f32 = 0.05;
-
-/// Present value and its uncertainty.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub(super) struct Held {
-    pub(super) value: f32,
-    /// σ², without the doubt.
-    pub(super) variance: f32,
-    /// Difference from the value before a jump that nothing has confirmed; 0 without one.
-    pub(super) doubt: f32,
-    /// Age of the measurement.
-    pub(super) age_s: f32,
-    /// `true` if it is older than the period of its source.
-    pub(super) silent: bool,
-}
-
-impl Held {
-    /// Returns a value made of two, with its variance and its doubt; its age is that of the older.
-    pub(super) const fn of_two(
-        value: f32,
-        uncertainty: [f32; 2],
-        one: &Self,
-        other: &Self,
-    ) -> Self {
-        let [variance, doubt] = uncertainty;
-        Self {
-            value,
-            variance,
-            doubt,
-            age_s: one.age_s.max(other.age_s),
-            silent: one.silent || other.silent,
-        }
-    }
-
-    /// σ, with the doubt.
-    pub(super) fn sigma(&self) -> f32 {
-        libm::sqrtf(self.variance + self.doubt * self.doubt)
-    }
-}
-
-/// A sample at its time.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub(super) struct Stamped {
-    pub(super) time: Time,
-    pub(super) value: f32,
-}
-
-/// A source with a wrong unit: its last value, and the ratio of that value to the right one.
-#[derive(Debug, Clone, Copy, PartialEq)]
-struct Barred {
-    unit: WrongUnit,
-    value: f32,
-    ratio: f32,
-}
 
 /// Finding for which a sample is not used, and the value it was compared with.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -105,7 +46,7 @@ pub(super) struct Channel {
     heard: Time,
     /// The last sample at a new level, and the number of samples there.
     candidate: Option<(Stamped, u8)>,
-    barred: Option<Barred>,
+    unit: UnitWatch,
     /// `true` if the last sample was refused.
     refused: bool,
     /// The value before a jump that nothing has confirmed.
@@ -121,7 +62,7 @@ impl Channel {
         repeated: None,
         heard: Time::START,
         candidate: None,
-        barred: None,
+        unit: UnitWatch::NEW,
         refused: false,
         doubt: None,
         confirmed: false,
@@ -169,6 +110,11 @@ impl Channel {
     pub(super) fn undoubted(&self, settings: &ChannelSettings, now: Time) -> Option<f32> {
         let last = self.last.filter(|_| self.doubt.is_none())?;
         (now.seconds_since(last.time) < settings.validity_s).then_some(last.value)
+    }
+
+    /// Trusts the last value, for the operator.
+    pub(super) const fn clear_doubt(&mut self) {
+        self.doubt = None;
     }
 
     /// Returns `true` if another way has agreed with the value since it jumped last.
@@ -244,11 +190,7 @@ impl Channel {
     /// Bars the source, after the others have shown that its trusted value is in the wrong unit.
     pub(super) fn bar(&mut self, unit: WrongUnit) {
         if let Some(last) = self.last {
-            self.barred = Some(Barred {
-                unit,
-                value: last.value,
-                ratio: unit.factor(),
-            });
+            self.unit.bar(unit, last.value);
             // No earlier value can be compared with later ones.
             self.last = None;
             self.candidate = None;
@@ -275,7 +217,10 @@ impl Channel {
         }
         self.heard = time;
         let repeated_since = self.repeated_since(sample);
-        self.check_unit(settings, unit, sample, expected)?;
+        if let Some(unit) = unit {
+            let comparison = self.comparison(settings, unit, sample, expected);
+            self.unit.check(unit, value, &comparison)?;
+        }
         let [min, max] = settings.range;
         if !(value >= min && value <= max) {
             return if -value >= min && -value <= max {
@@ -308,66 +253,23 @@ impl Channel {
         }
     }
 
-    /// Checks the unit of a value against its own past, against the others, and against a unit that
-    /// was wrong before.
-    fn check_unit(
-        &mut self,
+    /// Returns the numbers that show whether a sample's unit is right.
+    fn comparison(
+        &self,
         settings: &ChannelSettings,
-        unit: Option<WrongUnit>,
+        unit: WrongUnit,
         sample: Stamped,
         expected: Option<f32>,
-    ) -> Result<(), Refusal> {
-        let Some(unit) = unit else {
-            return Ok(());
-        };
-        let value = sample.value;
-        if let Some(barred) = self.barred {
-            let confirmed = expected
-                .is_some_and(|expected| (value - expected).abs() <= UNIT_RELEASE * expected.abs());
-            // The value is nearer to the right one than to the wrong one.
-            let back = if barred.ratio > 1.0 {
-                value * value * barred.ratio < barred.value * barred.value
-            } else {
-                value * value * barred.ratio > barred.value * barred.value
-            };
-            if !(confirmed || back && value > 0.0) {
-                // The barred value follows while the aircraft climbs.
-                if value > 0.0 {
-                    self.barred = Some(Barred { value, ..barred });
-                }
-                return Err(Refusal {
-                    kind: VhFindingKind::WrongUnit(barred.unit),
-                    expected,
-                });
-            }
-            self.barred = None;
-        }
-        let factor = unit.factor();
+    ) -> Comparison {
         let is_continuous = self
             .last
             .is_some_and(|last| self.reaches(settings, last, sample, Some(unit)));
-        let from_past = self.last.filter(|_| !is_continuous).map(|last| last.value);
-        // A source that was right and has not jumped has not changed its unit.
-        let from_others = expected.filter(|_| !(is_continuous && self.confirmed));
-        let found = [
-            (from_others, factor),
-            (from_past, factor),
-            (from_past, 1.0 / factor),
-        ]
-        .into_iter()
-        .find_map(|(right, ratio)| {
-            right
-                .filter(|right| is_times(value, *right, ratio))
-                .map(|right| (right, ratio))
-        });
-        let Some((right, ratio)) = found else {
-            return Ok(());
-        };
-        self.barred = Some(Barred { unit, value, ratio });
-        Err(Refusal {
-            kind: VhFindingKind::WrongUnit(unit),
-            expected: Some(right),
-        })
+        Comparison {
+            expected,
+            // A source that was right and has not jumped has not changed its unit.
+            from_others: expected.filter(|_| !(is_continuous && self.confirmed)),
+            from_past: self.last.filter(|_| !is_continuous).map(|last| last.value),
+        }
     }
 
     /// Checks that the source can have reached this value from its last one, or has stayed there
@@ -432,10 +334,4 @@ impl Channel {
 /// Returns `true` if a source repeats itself.
 const fn is_same(before: f32, value: f32) -> bool {
     before.to_bits() == value.to_bits()
-}
-
-/// Returns `true` if a value is about `ratio` times the right one.
-pub(super) fn is_times(value: f32, right: f32, ratio: f32) -> bool {
-    let expected = ratio * right;
-    right > 0.0 && (value - expected).abs() <= UNIT_TOLERANCE * expected
 }

@@ -4,12 +4,15 @@ pub mod agreement;
 pub mod channel;
 mod estimate;
 pub mod finding;
+mod held;
 pub mod monitor;
 mod sample;
 pub mod settings;
 mod spread;
+mod survey;
 #[cfg(test)]
 mod tests;
+pub mod unit_watch;
 mod values;
 mod variability;
 

@@ -1,12 +1,14 @@
 //! Monitor of the sources of V/H.
 
-use super::agreement::{Agreement, Choice, Limits};
-use super::channel::{Accepted, Channel, Held, is_times};
+use super::agreement::{Choice, Limits};
+use super::channel::{Accepted, Channel};
 use super::estimate::{VhEstimate, VhSource};
 use super::finding::{VhChannel, VhCounters, VhFinding, VhFindingKind};
 use super::sample::VhSample;
-use super::settings::{ChannelSettings, VhSettings};
+use super::settings::VhSettings;
 use super::spread::Spread;
+use super::survey::{Agreements, Survey, SurveyLimits};
+use super::unit_watch::is_times;
 use super::values::Values;
 use crate::flight::time::Time;
 
@@ -42,7 +44,7 @@ use crate::flight::time::Time;
 ///
 /// A source that is alone and jumps is used once it has stayed at its new value; from then on
 /// [`Self::is_unconfirmed`], and σ covers the value before, until another way confirms it, it
-/// returns, or [`Self::clear`].
+/// returns, or [`Self::clear_doubt`].
 #[derive(Debug, Clone)]
 pub struct VhMonitor {
     settings: VhSettings,
@@ -53,8 +55,7 @@ pub struct VhMonitor {
     laser_height: Channel,
     altitude: Channel,
     terrain_height: Channel,
-    /// Agreement of the two speeds, of the two altimeters, and of the three ways.
-    agreements: [Agreement; 3],
+    agreements: Agreements,
     /// Limits of the camera, 1/s.
     limits_per_s: [f32; 2],
     spread: Spread,
@@ -83,7 +84,7 @@ impl VhMonitor {
             laser_height: Channel::NEW,
             altitude: Channel::NEW,
             terrain_height: Channel::NEW,
-            agreements: [Agreement::NEW; 3],
+            agreements: Agreements::NEW,
             limits_per_s: settings.direct.range,
             spread: Spread::NEW,
             disagree: false,
@@ -127,6 +128,18 @@ impl VhMonitor {
         let counters = self.counters;
         *self = Self::new(self.settings).with_limits(self.limits_per_s);
         self.counters = counters;
+    }
+
+    /// Trusts a source that has jumped as it is now, for the operator.
+    pub const fn clear_doubt(&mut self) {
+        self.direct.clear_doubt();
+        self.ground_speed.clear_doubt();
+        self.inertial_speed.clear_doubt();
+        self.height_above_ground.clear_doubt();
+        self.laser_height.clear_doubt();
+        self.altitude.clear_doubt();
+        self.terrain_height.clear_doubt();
+        self.unconfirmed = false;
     }
 
     /// Takes a sample, and returns its finding if there is one.
@@ -267,19 +280,7 @@ impl VhMonitor {
     /// another that contradicts it.
     fn learn(&mut self, now: Time) -> Option<[f32; 2]> {
         let survey = self.survey(now, 0.0);
-        let limits = self.limits();
-        let parts: [(&[Option<Held>], Option<Choice>); 3] = [
-            (&survey.speeds, survey.speed),
-            (&survey.heights, survey.height),
-            (&survey.ways, survey.way),
-        ];
-        for ((agreement, limits), (ways, choice)) in
-            self.agreements.iter_mut().zip(&limits).zip(parts)
-        {
-            if let Some(choice) = choice {
-                agreement.learn(ways, &choice, limits, now);
-            }
-        }
+        self.agreements.learn(&survey, &self.limits(now));
         self.unconfirmed = false;
         if let Some(way) = survey.way {
             self.unconfirmed = way.held.doubt != 0.0;
@@ -290,30 +291,6 @@ impl VhMonitor {
         survey.against()
     }
 
-    /// Limits by which speeds, heights and ways are compared.
-    const fn limits(&self) -> [Limits; 3] {
-        let difference = 0.01 * self.settings.disagreement_percent;
-        let [speeds, heights, ways] = [
-            self.settings.ground_speed.range,
-            self.settings.height_above_ground.range,
-            self.limits_per_s,
-        ];
-        [
-            Limits {
-                difference,
-                plausible: speeds,
-            },
-            Limits {
-                difference,
-                plausible: heights,
-            },
-            Limits {
-                difference,
-                plausible: ways,
-            },
-        ]
-    }
-
     /// Returns the values of all sensors and ways that are not lost, and the choice among them, with
     /// their uncertainty a time ahead, s.
     pub(super) fn survey(&self, now: Time, ahead_s: f32) -> Survey {
@@ -321,44 +298,27 @@ impl VhMonitor {
             let settings = self.settings.of(channel);
             self.channel(channel).held(settings, now, ahead_s)
         };
-        let [of_speeds, of_heights, of_ways] = self.limits();
-        let [speed_agreement, height_agreement, way_agreement] = &self.agreements;
-        let speeds = [VhChannel::GroundSpeed, VhChannel::InertialSpeed].map(held);
-        let heights = [VhChannel::LaserHeight, VhChannel::HeightAboveGround].map(held);
-        let speed = speed_agreement.choose(&speeds, &of_speeds, now);
-        let height = height_agreement.choose(&heights, &of_heights, now);
-        let over_terrain = held(VhChannel::Altitude)
-            .zip(held(VhChannel::TerrainHeight))
-            .map(|(altitude, terrain)| {
-                let variance = altitude.variance + terrain.variance;
-                let doubt = altitude.doubt.abs() + terrain.doubt.abs();
-                let height = altitude.value - terrain.value;
-                Held::of_two(height, [variance, doubt], &altitude, &terrain)
-            })
-            .filter(|height| within(&self.settings.height_above_ground, height.value));
-        let quotient = |height: Option<Held>| {
-            let (speed, height) = (speed?.held, height?);
-            let per_height = 1.0 / height.value;
-            let vh_per_s = speed.value * per_height;
-            let of_speed = per_height * per_height;
-            let of_height = vh_per_s * vh_per_s * of_speed;
-            let variance = speed.variance * of_speed + height.variance * of_height;
-            let doubt = per_height * (speed.doubt.abs() + vh_per_s * height.doubt.abs());
-            Some(Held::of_two(vh_per_s, [variance, doubt], &speed, &height))
+        self.agreements
+            .survey(&self.settings, &self.limits(now), held)
+    }
+
+    /// Limits by which speeds, heights and ways are compared.
+    const fn limits(&self, now: Time) -> SurveyLimits {
+        let speeds = Limits {
+            now,
+            difference: 0.01 * self.settings.disagreement_percent,
+            plausible: self.settings.ground_speed.range,
         };
-        let ways = [
-            held(VhChannel::Direct),
-            quotient(height.map(|height| height.held)),
-            quotient(over_terrain),
-        ]
-        .map(|way| way.filter(|way| within(&self.settings.direct, way.value)));
-        Survey {
-            way: way_agreement.choose(&ways, &of_ways, now),
+        SurveyLimits {
             speeds,
-            heights,
-            ways,
-            speed,
-            height,
+            heights: Limits {
+                plausible: self.settings.height_above_ground.range,
+                ..speeds
+            },
+            ways: Limits {
+                plausible: self.limits_per_s,
+                ..speeds
+            },
         }
     }
 
@@ -389,28 +349,3 @@ impl VhMonitor {
 
 /// The ways, the best first.
 const WAYS: [VhSource; 3] = [VhSource::Direct, VhSource::Altimeter, VhSource::Terrain];
-
-/// Values of sensors and ways at an instant, the best first, and those in use.
-pub(super) struct Survey {
-    speeds: [Option<Held>; 2],
-    heights: [Option<Held>; 2],
-    ways: [Option<Held>; 3],
-    speed: Option<Choice>,
-    height: Option<Choice>,
-    way: Option<Choice>,
-}
-
-impl Survey {
-    /// Returns the quantity or V/H in use and another that contradicts it.
-    pub(super) fn against(&self) -> Option<[f32; 2]> {
-        [self.speed, self.height, self.way]
-            .into_iter()
-            .flatten()
-            .find_map(|choice| Some([choice.held.value, choice.against?]))
-    }
-}
-
-fn within(settings: &ChannelSettings, value: f32) -> bool {
-    let [min, max] = settings.range;
-    value >= min && value <= max
-}

@@ -1,6 +1,6 @@
 //! Noise of a source's value and its change in time, measured by its own samples.
 
-use super::channel::Stamped;
+use super::held::Stamped;
 use super::settings::ChannelSettings;
 
 /// Least time between two samples by whose difference the change in time is measured, s: about the

@@ -207,6 +207,7 @@ pub(crate) fn keep() {
         VhMonitor::settings,
         VhMonitor::counters,
         VhMonitor::clear,
+        VhMonitor::clear_doubt,
         VhMonitor::observe,
         VhMonitor::has_disagreed,
         VhMonitor::estimate,

@@ -139,8 +139,8 @@ fn source_that_is_alone_and_jumps_is_unconfirmed_until_another_agrees_or_it_retu
     assert!(!returned.is_unconfirmed());
     assert!(error(&returned, 35.0).unwrap() < 1e-3 && found(&returned, 35.0).1 < 0.01);
     let mut cleared = after_jump();
-    cleared.clear();
-    assert!(!cleared.is_unconfirmed());
+    cleared.clear_doubt();
+    assert!(!cleared.is_unconfirmed() && found(&cleared, 34.0).1 < 0.01);
     // Another jump away does not end the doubt.
     let mut again = after_jump();
     let other = VhSample::HeightAboveGround(700.0);
