@@ -69,11 +69,14 @@ pub enum Flag {
     AttitudeOutOfRange,
     /// No attitude has come near the exposure ([`AttitudeFinding::Silent`]).
     AttitudeSilent,
+    /// V/H comes from a source that has jumped and that nothing has confirmed
+    /// ([`VhMonitor::is_unconfirmed`](super::vh::VhMonitor::is_unconfirmed)).
+    VhUnconfirmed,
 }
 
 impl Flag {
     /// All flags.
-    pub const ALL: [Self; 29] = [
+    pub const ALL: [Self; 30] = [
         Self::NoCompensation,
         Self::LastGoodVh,
         Self::OffCentre,
@@ -103,6 +106,7 @@ impl Flag {
         Self::AttitudeNotANumber,
         Self::AttitudeOutOfRange,
         Self::AttitudeSilent,
+        Self::VhUnconfirmed,
     ];
 
     /// The name in documents and tables.
@@ -138,6 +142,7 @@ impl Flag {
             Self::AttitudeNotANumber => "attitude not a number",
             Self::AttitudeOutOfRange => "attitude out of range",
             Self::AttitudeSilent => "attitude silent",
+            Self::VhUnconfirmed => "V/H unconfirmed",
         }
     }
 

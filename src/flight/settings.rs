@@ -40,6 +40,10 @@ pub struct FlightSettings {
     pub time_pulse_sigma_s: f32,
     /// `true` if the encoder counts on while the supply is too low for the motor.
     pub encoder_survives_brown_out: bool,
+    /// σ of pitch, roll and drift while no attitude is reported, °.
+    pub attitude_sigma_deg: f32,
+    /// σ of each attitude rate while no attitude is reported, °/s.
+    pub rate_sigma_deg_s: f32,
     /// Sources of V/H.
     pub vh: VhSettings,
     /// Motor, encoder and velocity loop.
@@ -65,6 +69,8 @@ impl FlightSettings {
             (Quantity::ShutterToleranceS, self.shutter_tolerance_s),
             (Quantity::TimePulseSigmaS, self.time_pulse_sigma_s),
             (Quantity::TriggerIntervalS, self.trigger_interval_s),
+            (Quantity::AttitudeSigmaDeg, self.attitude_sigma_deg),
+            (Quantity::RateSigmaDegS, self.rate_sigma_deg_s),
         ];
         for (quantity, value) in fields {
             quantity.check(value)?;
@@ -105,6 +111,8 @@ impl Default for FlightSettings {
             trigger_interval_s: 0.0,
             time_pulse_sigma_s: 1e-6,
             encoder_survives_brown_out: true,
+            attitude_sigma_deg: 0.5,
+            rate_sigma_deg_s: 0.02,
             vh: VhSettings::default(),
             drive: DriveSettings::default(),
         }

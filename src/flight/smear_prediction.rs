@@ -7,6 +7,10 @@ use crate::geometry::calibration::Calibration;
 use crate::geometry::image_motion::{Attitude, FlightState, GroundMotion, ImageMotion, View};
 use crate::geometry::sensor::{FmcAxis, SensorPoint};
 
+/// Number of standard deviations by which the uncertain part of the image motion enters the
+/// prediction: 95 % of a normal error in two dimensions lie within √(2·ln 20) = 2.45 σ.
+pub const COVERAGE: f32 = 2.45;
+
 /// Points along each side of the grid on which the largest gradient of the lens distortion is
 /// sought.
 const GRID_POINTS: u8 = 9;
@@ -18,6 +22,9 @@ pub struct SmearPrediction {
     direction: FlightDirection,
     /// max |∂D/∂e| over the sensor.
     lens_gradient: f32,
+    /// Squared distance of the projection centre from a corner of the sensor, as a multiple of the
+    /// square of the principal distance: `1 + R²/f²`.
+    corner: f32,
 }
 
 /// Compensation of one exposure.
@@ -29,8 +36,24 @@ pub struct Compensation {
     pub travel_mm: f32,
     /// Departure of the stage from a straight line in time meanwhile, to both sides together, mm.
     pub wander_mm: f32,
+    /// σ of δ, mm.
+    pub travel_sigma_mm: f32,
     /// Principal point at the centroid, mm.
     pub principal_point: SensorPoint,
+}
+
+/// Motion of the aircraft, as far as it is known.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct AircraftMotion {
+    /// Attitude and rates; `None` if they are not reported.
+    pub attitude: Option<AttitudeSample>,
+    /// σ of pitch, roll and drift, °.
+    pub attitude_sigma_deg: f32,
+    /// σ of all three attitude rates together, °/s.
+    pub rate_sigma_deg_s: f32,
+    /// Squared standard deviation of V/H over the track, as a part of the square of V/H
+    /// ([`VhMonitor::relative_variance`](super::vh::VhMonitor::relative_variance)).
+    pub vh_relative_variance: f32,
 }
 
 /// Predicted smear of an exposure.
@@ -58,6 +81,8 @@ impl SmearPrediction {
             ..calibrated
         };
         let parameters = calibration.parameters();
+        let (focal_mm, sensor) = (view.principal_distance_mm, &view.sensor);
+        let radius = libm::hypotf(sensor.half_width_mm(), sensor.half_height_mm()) / focal_mm;
         let origin = parameters.principal_point;
         let (half_width, half_height) = (view.sensor.half_width_mm(), view.sensor.half_height_mm());
         let place = |index: u8| 2.0 * f32::from(index) / f32::from(GRID_POINTS - 1) - 1.0;
@@ -80,17 +105,25 @@ impl SmearPrediction {
             view,
             direction,
             lens_gradient,
+            corner: 1.0 + radius * radius,
         }
     }
 
-    /// Returns the largest residual smear on the sensor.
+    /// Returns the residual smear on the sensor that 95 % of the frames do not exceed.
     ///
     /// # Model
     /// The largest length of the residual image motion over a grid of the sensor
     /// ([`ImageMotion::largest_smear`]), with attitude, rates and drift if they are given; to that
-    /// are added `f·σ_η·t` for one σ of V/H, the stage's departure from its straight line, and
-    /// `|δ|·max|∂D/∂e|`, by which the lens distortion changes along the travel. The terrain is
-    /// taken as level at the height that V/H refers to.
+    /// are added the stage's departure from its straight line, `|δ|·max|∂D/∂e|`, by which the lens
+    /// distortion changes along the travel, and [`COVERAGE`] times
+    ///
+    /// ```text
+    /// σ² = (f·t)²·(σ_η² + c·η²·(s² + α²) + c²·ω²) + σ_δ²      c = 1 + R²/f²
+    /// ```
+    ///
+    /// with the spread s of V/H over the track for the relief elsewhere in the picture and the wind
+    /// across the track, the uncertain angles α, the uncertain rates ω and the sensor's
+    /// half-diagonal R. The terrain is taken as level at the height that V/H refers to.
     ///
     /// Attitudes for which no image motion can be given (see [`ImageMotion::new`]) count as not
     /// given.
@@ -102,7 +135,7 @@ impl SmearPrediction {
     pub fn of(
         &self,
         vh: &VhEstimate,
-        attitude: Option<&AttitudeSample>,
+        aircraft: &AircraftMotion,
         compensation: &Compensation,
     ) -> PredictedSmear {
         let focal_mm = self.view.principal_distance_mm;
@@ -110,6 +143,7 @@ impl SmearPrediction {
             exposure_s,
             travel_mm,
             wander_mm,
+            travel_sigma_mm,
             principal_point,
         } = *compensation;
         // Flown backwards, the camera's right and front are the flight's left and rear.
@@ -129,7 +163,7 @@ impl SmearPrediction {
         };
         // A stage that has moved against the flight adds to the smear.
         let against_um = 1000.0 * (-travel_mm).max(0.0);
-        let with_attitude = attitude.map(|sample| {
+        let with_attitude = aircraft.attitude.map(|sample| {
             let [pitch_rate_deg_s, roll_rate_deg_s, yaw_rate_deg_s] = sample.rates_deg_s;
             FlightState {
                 motion: GroundMotion {
@@ -155,9 +189,18 @@ impl SmearPrediction {
             // motion is left.
             None => 1000.0 * focal_mm * exposure_s * libm::fabsf(vh.vh_per_s - compensated),
         };
+        let angle = aircraft.attitude_sigma_deg.to_radians();
+        let rate_per_s = self.corner * aircraft.rate_sigma_deg_s.to_radians();
+        let elsewhere = aircraft.vh_relative_variance + angle * angle;
+        let variance_per_s2 = vh.sigma_per_s * vh.sigma_per_s
+            + self.corner * elsewhere * vh.vh_per_s * vh.vh_per_s
+            + rate_per_s * rate_per_s;
+        let track_mm = focal_mm * exposure_s;
+        let variance_mm2 =
+            track_mm * track_mm * variance_per_s2 + travel_sigma_mm * travel_sigma_mm;
         let largest_um = motion_um
             + against_um
-            + 1000.0 * focal_mm * vh.sigma_per_s * exposure_s
+            + 1000.0 * COVERAGE * libm::sqrtf(variance_mm2)
             + 1000.0 * wander_mm
             + 1000.0 * libm::fabsf(travel_mm) * self.lens_gradient;
         PredictedSmear {
@@ -200,11 +243,19 @@ mod tests {
         )
     }
 
+    const KNOWN: AircraftMotion = AircraftMotion {
+        attitude: None,
+        attitude_sigma_deg: 0.0,
+        rate_sigma_deg_s: 0.0,
+        vh_relative_variance: 0.0,
+    };
+
     fn compensation(travel_mm: f32) -> Compensation {
         Compensation {
             exposure_s: 1.0 / 300.0,
             travel_mm,
             wander_mm: 0.0,
+            travel_sigma_mm: 0.0,
             principal_point: SensorPoint::default(),
         }
     }
@@ -215,7 +266,7 @@ mod tests {
     #[test]
     fn compensation_leaves_its_error_and_nothing_leaves_everything() {
         let level = prediction(0.0);
-        let left = |travel_mm| level.of(&VH, None, &compensation(travel_mm)).largest_um;
+        let left = |travel_mm| level.of(&VH, &KNOWN, &compensation(travel_mm)).largest_um;
         assert!(left(DELTA_MM) < 1e-3);
         assert!((left(1.01 * DELTA_MM) - 0.3333).abs() < 1e-3);
         assert!((left(0.0) - 33.333).abs() < 1e-2);
@@ -230,12 +281,13 @@ mod tests {
             ..VH
         };
         let found = prediction(0.0)
-            .of(&uncertain, None, &compensation(DELTA_MM))
+            .of(&uncertain, &KNOWN, &compensation(DELTA_MM))
             .largest_um;
-        assert!((found - 0.3333).abs() < 1e-3, "1 % of 33.3 µm: {found}");
+        let expected = 0.3333 * COVERAGE;
+        assert!((found - expected).abs() < 1e-3, "1 % of 33.3 µm: {found}");
         // A scale error of 1e-3 over 33.3 µm.
         let lens = prediction(1e-3)
-            .of(&VH, None, &compensation(DELTA_MM))
+            .of(&VH, &KNOWN, &compensation(DELTA_MM))
             .largest_um;
         assert!((lens - 0.0333).abs() < 1e-3, "{lens}");
         let rate = AttitudeSample {
@@ -244,8 +296,12 @@ mod tests {
             drift_deg: 0.0,
             rates_deg_s: [1.0, 0.0, 0.0],
         };
+        let with = |sample| AircraftMotion {
+            attitude: Some(sample),
+            ..KNOWN
+        };
         let found = prediction(0.0)
-            .of(&VH, Some(&rate), &compensation(DELTA_MM))
+            .of(&VH, &with(rate), &compensation(DELTA_MM))
             .largest_um;
         assert!((found - 6.8).abs() < 0.1, "pitch rate 1 °/s: {found}");
         let absurd = AttitudeSample {
@@ -254,9 +310,56 @@ mod tests {
         };
         assert!(
             prediction(0.0)
-                .of(&VH, Some(&absurd), &compensation(DELTA_MM))
+                .of(&VH, &with(absurd), &compensation(DELTA_MM))
                 .largest_um
                 < 1e-3
         );
+    }
+
+    #[test]
+    fn spread_angles_rates_and_travel_add_what_the_model_says() {
+        let level = prediction(0.0);
+        let found = |aircraft: AircraftMotion, travel_sigma_mm| {
+            let compensation = Compensation {
+                travel_sigma_mm,
+                ..compensation(DELTA_MM)
+            };
+            level.of(&VH, &aircraft, &compensation).largest_um / COVERAGE
+        };
+        // R = 57.02 mm: c = 1 + R²/f² = 1.3251.
+        let corner: f32 = 1.3251;
+        let spread = found(
+            AircraftMotion {
+                vh_relative_variance: 1e-4,
+                ..KNOWN
+            },
+            0.0,
+        );
+        assert!(
+            (spread - 0.3333 * libm::sqrtf(corner)).abs() < 1e-3,
+            "{spread}"
+        );
+        let angle = found(
+            AircraftMotion {
+                attitude_sigma_deg: 1.0,
+                ..KNOWN
+            },
+            0.0,
+        );
+        assert!(
+            (angle - 0.5818 * libm::sqrtf(corner)).abs() < 1e-3,
+            "{angle}"
+        );
+        // 100 mm over 1/300 s at 0.1 °/s: 0.5818 µm.
+        let rate = found(
+            AircraftMotion {
+                rate_sigma_deg_s: 0.1,
+                ..KNOWN
+            },
+            0.0,
+        );
+        assert!((rate - 0.5818 * corner).abs() < 1e-3, "{rate}");
+        let travel = found(KNOWN, 0.0005);
+        assert!((travel - 0.5).abs() < 1e-3, "{travel}");
     }
 }

@@ -144,6 +144,10 @@ quantities! {
     EncoderScalePpm = "encoder_scale_ppm", 0.0, 10_000.0;
     ZeroSigmaUm = "zero_sigma_um", 0.0, 1000.0;
     ReadingAgeSigmaS = "reading_age_sigma_s", 0.0, 0.01;
+    SourceLatencyS = "source_latency_s", 0.0, 5.0;
+    SourceChange = "source_change", 1e-6, 1e6;
+    AttitudeSigmaDeg = "attitude_sigma_deg", 0.0, 45.0;
+    RateSigmaDegS = "rate_sigma_deg_s", 0.0, 60.0;
 }
 
 impl Quantity {

@@ -3,7 +3,7 @@
 use fmc_camera::flight::event::{AttitudeSample, Event};
 use fmc_camera::flight::findings::Findings;
 use fmc_camera::flight::frame_record::{Flag, FrameRecord, Outcome};
-use fmc_camera::flight::vh::VhSample;
+use fmc_camera::flight::vh::{CONSISTENT_SAMPLES, VhSample};
 
 use crate::controller::bench::Bench;
 
@@ -78,6 +78,10 @@ fn inject(bench: &mut Bench, flag: Flag) {
             bench,
             &[VhSample::GroundSpeed(60.0), VhSample::InertialSpeed(66.0)],
         ),
+        Flag::VhUnconfirmed => {
+            bench.vh_per_s = Some(0.15);
+            bench.run(u32::from(CONSISTENT_SAMPLES) + 1);
+        }
         Flag::UtcMissingPulses => {
             pulses(bench, &[0]);
             bench.run(2000);
@@ -132,7 +136,7 @@ fn next_record(bench: &mut Bench) -> FrameRecord {
 
 #[test]
 fn every_finding_is_in_the_next_record_and_counted() {
-    assert_eq!(of_instruments().count(), 19);
+    assert_eq!(of_instruments().count(), 20);
     for flag in of_instruments() {
         let mut bench = Bench::armed();
         let before = next_record(&mut bench);

@@ -10,6 +10,8 @@ use fmc_camera::flight::fault::Faults;
 use fmc_camera::flight::frame_record::{ExposedFrame, Flags, Outcome};
 use fmc_camera::flight::prepared_camera::PreparedCamera;
 use fmc_camera::flight::settings::FlightSettings;
+use fmc_camera::flight::smear_prediction::COVERAGE;
+use fmc_camera::flight::time::Time;
 
 use crate::controller::bench::{Bench, camera, identified};
 
@@ -17,8 +19,12 @@ use crate::controller::bench::{Bench, camera, identified};
 fn trigger_leads_through_all_states_to_a_measured_record() {
     let mut bench = Bench::armed();
     bench.send(Event::Trigger);
+    let mut spread = 0.0;
     let mut states = vec![bench.camera.controller().state()];
     for _ in 0..200 {
+        if bench.camera.controller().state() == State::Exposing {
+            spread = bench.camera.controller().vh().relative_variance();
+        }
         bench.round();
         if states.last() != Some(&bench.camera.controller().state()) {
             states.push(bench.camera.controller().state());
@@ -46,8 +52,24 @@ fn trigger_leads_through_all_states_to_a_measured_record() {
     let motion = frame.interior.motion;
     assert!((motion.travel_mm - 0.0333).abs() < 2e-4, "{motion:?}");
     assert!(motion.centroid_mm.abs() < 2e-5, "{motion:?}");
-    // σ of V/H given directly: 0.0005 1/s of 0.1 1/s, 0.5 % of 33.3 µm.
-    assert!((frame.smear_px - 0.019).abs() < 0.002, "{}", frame.smear_px);
+    // σ of V/H given directly, which repeats itself: 0.0005 1/s, and 0.003 1/s per √s for the latency
+    // of 0.1 s and the 0.019 s from trigger to centroid.
+    let vh = frame.vh.unwrap();
+    assert!((vh.age_s - 0.119).abs() < 0.002, "{vh:?}");
+    assert!((vh.sigma_per_s - 0.00115).abs() < 1e-5, "{vh:?}");
+    // With the spread of V/H over the track, 0.5 ° of attitude and 0.02 °/s about three axes, in
+    // parts of V/H; R²/f² = 0.3251.
+    let (corner, angle) = (1.3251, 0.5_f32.to_radians());
+    let rate = corner * 0.02_f32.to_radians() / 0.1;
+    let relative = vh.sigma_per_s / 0.1;
+    let elsewhere = spread + angle * angle;
+    let variance = relative * relative + corner * elsewhere + 3.0 * rate * rate;
+    let expected_px = COVERAGE * 33.333 / 8.75 * libm::sqrtf(variance);
+    assert!(
+        (frame.smear_px - expected_px).abs() < 0.002,
+        "{}",
+        frame.smear_px
+    );
     // A step of 0.1 µm has σ of 0.029 µm; the zero adds 0.05 µm to what all frames have in common.
     let sigma = frame.principal_point_sigma;
     assert!((0.01e-3..0.03e-3).contains(&sigma.frame_mm), "{sigma:?}");
@@ -106,6 +128,10 @@ fn fly(direction: FlightDirection, encoder_side: EncoderSide) -> ExposedFrame {
         ..FlightSettings::default()
     });
     bench.arm();
+    // The strokes take as long either way to within a few rounds; σ of V/H counts its samples.
+    while bench.now < Time::from_us(3_000_000) {
+        bench.round();
+    }
     bench.send(Event::Trigger);
     bench.run(200);
     let [record] = bench.records()[..] else {

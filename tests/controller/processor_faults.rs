@@ -91,8 +91,9 @@ fn lost_vh_leads_to_frames_without_compensation_and_recovers() {
     assert!(record.flags.contains(Flag::NoCompensation) && record.faults.contains(Fault::VhLost));
     let frame = exposed(&record);
     assert_eq!(frame.vh, None);
-    // The smear is bounded by the largest V/H at which the camera may fly: 30 mm/s for 1/300 s.
-    assert!((frame.smear_um - 100.0).abs() < 1.0, "{}", frame.smear_um);
+    // The smear is bounded by the largest V/H at which the camera may fly, 30 mm/s for 1/300 s, and
+    // 2.6 µm for the relief and the attitude, which are not known.
+    assert!((frame.smear_um - 102.6).abs() < 2.0, "{}", frame.smear_um);
     bench.vh_per_s = Some(0.1);
     bench.run_until(50, |state| state == State::Armed);
 }
@@ -107,7 +108,8 @@ fn silent_source_is_bridged_with_the_last_good_vh() {
     let record = only(&bench);
     assert!(record.flags.contains(Flag::LastGoodVh));
     let vh = exposed(&record).vh.unwrap();
-    assert!((vh.age_s - 2.0).abs() < 0.01 && vh.sigma_per_s > 0.001);
+    // 2 s since its arrival, 0.1 s of latency, 0.019 s from trigger to centroid.
+    assert!((vh.age_s - 2.119).abs() < 0.01 && vh.sigma_per_s > 0.001);
 }
 
 #[test]

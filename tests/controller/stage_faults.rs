@@ -29,7 +29,8 @@ fn stall_before_the_shutter_refuses_the_frame_and_goes_on_without_compensation()
     assert!(record.flags.contains(Flag::NoCompensation) && record.faults.contains(Fault::Stall));
     let frame = exposed(&record);
     assert!(record.flags.contains(Flag::SmearOverBudget));
-    assert!((frame.smear_um - 33.3).abs() < 1.0, "{}", frame.smear_um);
+    // 33.3 µm, and 1.8 µm for V/H, relief and attitude, which are uncertain.
+    assert!((frame.smear_um - 35.1).abs() < 1.0, "{}", frame.smear_um);
     assert!(frame.interior.motion.travel_mm.abs() < 1e-6);
     let place = frame.interior.motion.centroid_mm;
     // The released stage is on one of the flanks of its play.

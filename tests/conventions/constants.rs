@@ -2,15 +2,18 @@
 
 use crate::conventions::document::{names, rows, running_text};
 use fmc_camera::flight::exposure::Limits;
+use fmc_camera::flight::smear_prediction::COVERAGE;
 use fmc_camera::flight::stage::{POSITION_NM, RUN_UP_RESERVE};
 use fmc_camera::flight::utc::{
     CLOCK_TOLERANCE_PPM, CONSISTENT_PULSES, CONSISTENT_TIMES, DRIFT_WANDER_PPM_PER_S, HOLDOVER_S,
     UNMEASURED_DRIFT_PPM, WORST_PULSE_SIGMA_S,
 };
+use fmc_camera::flight::vh::agreement::{CONTRADICTION_SIGMAS, SHARE_OF_EXCESS, TRUSTED_S};
 use fmc_camera::flight::vh::channel::{
-    CONSISTENT_SAMPLES, NOISE_SIGMAS, UNIT_RELEASE, UNIT_TOLERANCE,
+    CONFIRMED_WITHIN, CONSISTENT_SAMPLES, GUST_SIGMAS, NOISE_SIGMAS,
 };
 use fmc_camera::flight::vh::settings::{LEAST_HEIGHT_M, LEAST_SPEED_M_S, LEAST_VH_PER_S};
+use fmc_camera::flight::vh::unit_watch::{UNIT_RELEASE, UNIT_TOLERANCE};
 use fmc_camera::geometry::estimation::adjustment::{MIN_POINTS, MIN_REGRESSOR_MM, MIN_SPREAD};
 use fmc_camera::geometry::estimation::design::MIN_SEPARATION;
 use fmc_camera::geometry::frame_correction::SHORT_KERNEL_NM;
@@ -49,9 +52,15 @@ fn documented_constants_are_those_of_the_code() {
         ("LEAST_SPEED_M_S", LEAST_SPEED_M_S.to_string()),
         ("LEAST_HEIGHT_M", LEAST_HEIGHT_M.to_string()),
         ("NOISE_SIGMAS", NOISE_SIGMAS.to_string()),
+        ("GUST_SIGMAS", GUST_SIGMAS.to_string()),
         ("CONSISTENT_SAMPLES", CONSISTENT_SAMPLES.to_string()),
         ("UNIT_TOLERANCE", UNIT_TOLERANCE.to_string()),
         ("UNIT_RELEASE", UNIT_RELEASE.to_string()),
+        ("CONFIRMED_WITHIN", CONFIRMED_WITHIN.to_string()),
+        ("CONTRADICTION_SIGMAS", CONTRADICTION_SIGMAS.to_string()),
+        ("TRUSTED_S", TRUSTED_S.to_string()),
+        ("SHARE_OF_EXCESS", SHARE_OF_EXCESS.to_string()),
+        ("COVERAGE", COVERAGE.to_string()),
         ("CLOCK_TOLERANCE_PPM", CLOCK_TOLERANCE_PPM.to_string()),
         ("UNMEASURED_DRIFT_PPM", UNMEASURED_DRIFT_PPM.to_string()),
         ("DRIFT_WANDER_PPM_PER_S", DRIFT_WANDER_PPM_PER_S.to_string()),

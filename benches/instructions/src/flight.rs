@@ -12,7 +12,7 @@ use fmc_camera::flight::event::{Action, Command, Event, ShutterEdge};
 use fmc_camera::flight::exposure::FlightDirection;
 use fmc_camera::flight::prepared_camera::PreparedCamera;
 use fmc_camera::flight::settings::FlightSettings;
-use fmc_camera::flight::smear_prediction::{Compensation, SmearPrediction};
+use fmc_camera::flight::smear_prediction::{AircraftMotion, Compensation, SmearPrediction};
 use fmc_camera::flight::stage_track::StageTrack;
 use fmc_camera::flight::time::{Clock, Time};
 use fmc_camera::flight::vh::{VhEstimate, VhSource};
@@ -123,12 +123,19 @@ fn record_parts(counter: &mut Counter, camera: &Camera) -> Option<()> {
     };
     let compensation = Compensation {
         wander_mm: 1e-4,
+        travel_sigma_mm: 4e-5,
         exposure_s,
         travel_mm: 0.1 * 51.3712 * exposure_s,
         principal_point: SensorPoint::default(),
     };
+    let aircraft = AircraftMotion {
+        attitude: Some(sensors::ATTITUDE),
+        attitude_sigma_deg: 0.0,
+        rate_sigma_deg_s: 0.02,
+        vh_relative_variance: 1e-4,
+    };
     counter.count("smear_prediction", PER_FRAME, || {
-        Some(black_box(&smear).of(&vh, Some(&sensors::ATTITUDE), &compensation))
+        Some(black_box(&smear).of(&vh, &aircraft, &compensation))
     })
 }
 

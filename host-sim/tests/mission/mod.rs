@@ -13,4 +13,6 @@ mod stall;
 mod support;
 #[cfg(test)]
 mod sweep;
+#[cfg(test)]
+mod vh_statistics;
 mod wires;

@@ -4,6 +4,8 @@ use super::timing::ATTITUDE_WITHIN_S;
 use crate::flight::event::AttitudeSample;
 use crate::flight::findings::Findings;
 use crate::flight::flag::{Flag, Flags};
+use crate::flight::settings::FlightSettings;
+use crate::flight::smear_prediction::AircraftMotion;
 use crate::flight::time::Time;
 use crate::flight::utc::{UtcClock, UtcFinding};
 use crate::flight::vh::{VhChannel, VhFinding, VhFindingKind, VhMonitor, VhSample, VhSettings};
@@ -14,6 +16,8 @@ pub(super) struct Aircraft {
     pub(super) vh: VhMonitor,
     pub(super) utc: UtcClock,
     attitude: Option<(Time, AttitudeSample)>,
+    /// Mean square of the change of all three attitude rates from sample to sample, (°/s)².
+    rate_change: f32,
     findings: Findings,
     /// Findings since the last record, or of the last sample of a source.
     found: Flags,
@@ -26,6 +30,9 @@ const PULSE: usize = VhChannel::ALL.len();
 const TIME: usize = PULSE + 1;
 const ATTITUDE: usize = TIME + 1;
 const SOURCES: usize = ATTITUDE + 1;
+
+/// Number of attitudes over which the change of the rates is averaged.
+const AVERAGED_ATTITUDES: f32 = 16.0;
 
 /// A sample of an instrument.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -40,11 +47,17 @@ pub(super) enum Said {
 impl Aircraft {
     /// Returns the state before the first sample.
     #[inline]
-    pub(super) const fn new(vh: VhSettings, time_pulse_sigma_s: f32) -> Self {
+    pub(super) const fn new(
+        vh: VhSettings,
+        time_pulse_sigma_s: f32,
+        rate_sigma_deg_s: f32,
+        limits_per_s: [f32; 2],
+    ) -> Self {
         Self {
-            vh: VhMonitor::new(vh),
+            vh: VhMonitor::new(vh).with_limits(limits_per_s),
             utc: UtcClock::new(time_pulse_sigma_s),
             attitude: None,
+            rate_change: 3.0 * rate_sigma_deg_s * rate_sigma_deg_s,
             findings: Findings::NONE,
             found: Flags::NONE,
             last: [Flags::NONE; SOURCES],
@@ -56,6 +69,7 @@ impl Aircraft {
         match said {
             Said::Vh(sample) => {
                 let (channel, _) = VhChannel::of(sample);
+                let was_unconfirmed = self.vh.is_unconfirmed();
                 let finding = self.vh.observe(time, sample);
                 self.find(channel as usize, None, 0);
                 if let Some(VhFinding { channel, kind, .. }) = finding {
@@ -67,10 +81,22 @@ impl Aircraft {
                         self.find(channel as usize, None, 0);
                     }
                 }
+                if self.vh.is_unconfirmed() && !was_unconfirmed {
+                    self.found.insert(Flag::VhUnconfirmed);
+                    self.findings.count(Flag::VhUnconfirmed, 1);
+                }
             }
             Said::Attitude(sample) => {
+                let finding = sample.finding();
+                if let Some((_, before)) = self.attitude
+                    && finding.is_none()
+                    && before.finding().is_none()
+                {
+                    let change = change_of_rates(&before, &sample);
+                    self.rate_change += (change - self.rate_change) / AVERAGED_ATTITUDES;
+                }
                 self.attitude = Some((time, sample));
-                self.find(ATTITUDE, sample.finding().map(Flag::of_attitude), 1);
+                self.find(ATTITUDE, finding.map(Flag::of_attitude), 1);
             }
             Said::TimePulse => {
                 let finding = self.utc.pulse(time);
@@ -87,8 +113,29 @@ impl Aircraft {
         }
     }
 
+    /// Returns the aircraft's motion at a time, as far as it is known.
+    ///
+    /// # Model
+    /// The rates of the last attitude are as uncertain as the next attitude's differ from them.
+    /// Without an attitude the settings state what the mount leaves.
+    pub(super) fn motion_at(&mut self, time: Time, settings: &FlightSettings) -> AircraftMotion {
+        let attitude = self.attitude_at(time);
+        let [attitude_sigma_deg, rate_variance] = if attitude.is_some() {
+            [0.0, self.rate_change]
+        } else {
+            let rate = settings.rate_sigma_deg_s;
+            [settings.attitude_sigma_deg, 3.0 * rate * rate]
+        };
+        AircraftMotion {
+            attitude,
+            attitude_sigma_deg,
+            rate_sigma_deg_s: libm::sqrtf(rate_variance),
+            vh_relative_variance: self.vh.relative_variance(),
+        }
+    }
+
     /// Returns the attitude at a time; `None`, and a finding, if the last one is too far from it.
-    pub(super) fn attitude_at(&mut self, time: Time) -> Option<AttitudeSample> {
+    fn attitude_at(&mut self, time: Time) -> Option<AttitudeSample> {
         let (heard, sample) = self.attitude?;
         if libm::fabsf(time.seconds_since(heard)) <= ATTITUDE_WITHIN_S {
             return Some(sample);
@@ -111,6 +158,7 @@ impl Aircraft {
     /// Trusts the instruments as they are now, for the operator.
     pub(super) const fn clear_doubt(&mut self) {
         self.utc.clear_doubt();
+        self.vh.clear_doubt();
     }
 
     /// Counts of the findings.
@@ -140,6 +188,9 @@ impl Aircraft {
         if self.vh.has_disagreed() {
             found.insert(Flag::VhDisagreement);
         }
+        if self.vh.is_unconfirmed() {
+            found.insert(Flag::VhUnconfirmed);
+        }
         let [stepped, moved] = self.utc.has_stepped();
         if stepped {
             found.insert(Flag::UtcStepped);
@@ -149,4 +200,14 @@ impl Aircraft {
         }
         found
     }
+}
+
+/// Returns the squared change of all three rates between two attitudes, (°/s)².
+fn change_of_rates(before: &AttitudeSample, after: &AttitudeSample) -> f32 {
+    before
+        .rates_deg_s
+        .iter()
+        .zip(after.rates_deg_s)
+        .map(|(before, after)| (after - before) * (after - before))
+        .sum()
 }

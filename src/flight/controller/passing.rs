@@ -35,7 +35,7 @@ impl Controller {
         fault: Option<Fault>,
     ) -> Result<(), Reason> {
         let vh = self.aircraft.vh.estimate(trigger);
-        let asked = Asked {
+        let mut asked = Asked {
             sequence,
             trigger,
             vh,
@@ -53,6 +53,15 @@ impl Controller {
             None => Plan::of_rows(&asked, setup)?,
             Some(fault) => Plan::standing(&asked, setup, self.stage.place_mm(trigger), fault)?,
         };
+        // The record states σ and age at the middle of the exposure, where V/H is in use.
+        let ahead_s = plan.first_light_s() + 0.5 * asked.exposure.exposure_s;
+        if let (Some(vh), Some(at_use)) = (
+            &mut asked.vh,
+            self.aircraft.vh.estimate_ahead(trigger, ahead_s),
+        ) {
+            vh.sigma_per_s = at_use.sigma_per_s;
+            vh.age_s = at_use.age_s;
+        }
         self.frame.begin(asked, &plan);
         Ok(())
     }

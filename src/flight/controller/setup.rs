@@ -3,12 +3,13 @@
 use super::error::ControllerError;
 use super::timing::{LEAD_S, TICK_S};
 use crate::flight::camera::{self, Camera, FrameError};
-use crate::flight::event::AttitudeSample;
 use crate::flight::exposure::{CorrectionModel, Exposure, FlightDirection};
 use crate::flight::interior_orientation::InteriorOrientation;
 use crate::flight::settings::FlightSettings;
 use crate::flight::slope::SLOPE_STEPS;
-use crate::flight::smear_prediction::{Compensation, PredictedSmear, SmearPrediction};
+use crate::flight::smear_prediction::{
+    AircraftMotion, Compensation, PredictedSmear, SmearPrediction,
+};
 use crate::flight::stage::PlanError;
 use crate::flight::vh::{VhEstimate, VhSource};
 use crate::geometry::principal_point::{PrincipalPointMotion, UniformTravel};
@@ -91,7 +92,7 @@ impl Setup<'_> {
         direction: FlightDirection,
         interior: &InteriorOrientation,
         wander_mm: f32,
-        attitude: Option<&AttitudeSample>,
+        aircraft: &AircraftMotion,
     ) -> PredictedSmear {
         let vh = vh.unwrap_or_else(|| VhEstimate {
             vh_per_s: self.camera.limits().vh_per_s[1],
@@ -104,9 +105,11 @@ impl Setup<'_> {
             exposure_s: interior.exposure_s,
             travel_mm: direction.sign() * interior.motion.travel_mm,
             wander_mm,
+            // Two readings, each rounded to a step of the encoder.
+            travel_sigma_mm: 1e-3 * self.settings.drive.encoder_step_um / libm::sqrtf(6.0),
             principal_point: interior.principal_point,
         };
-        self.smear.of(&vh, attitude, &compensation)
+        self.smear.of(&vh, aircraft, &compensation)
     }
 
     /// Returns the largest change of the following error, as its slope shows it, in an exposure

@@ -6,6 +6,7 @@ use super::frame::FrameMachine;
 use super::readiness::{Mode, Readiness};
 use super::setup::Setup;
 use super::stage::StageMachine;
+use crate::flight::exposure::Limits;
 use crate::flight::fault::{Fault, Faults};
 use crate::flight::vh::VhSettings;
 
@@ -26,7 +27,7 @@ impl Controller {
     #[inline]
     pub(in crate::flight) const fn new() -> Self {
         Self {
-            aircraft: Aircraft::new(VhSettings::DEFAULT, 0.0),
+            aircraft: Aircraft::new(VhSettings::DEFAULT, 0.0, 0.0, Limits::DEFAULT.vh_per_s),
             stage: StageMachine::new(false),
             frame: FrameMachine::new(),
             readiness: Readiness::new(Mode::Standby),
@@ -54,7 +55,13 @@ impl Controller {
             exposure_s,
             calibration,
         } = self;
-        *aircraft = Aircraft::new(setup.settings.vh, setup.settings.time_pulse_sigma_s);
+        let settings = setup.settings;
+        *aircraft = Aircraft::new(
+            settings.vh,
+            settings.time_pulse_sigma_s,
+            settings.rate_sigma_deg_s,
+            setup.camera.limits().vh_per_s,
+        );
         // The encoder's count is lost with the processor.
         *stage = StageMachine::new(start != Start::Orderly && setup.camera.has_stage());
         frame.restart(faults);

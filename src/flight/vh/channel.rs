@@ -1,7 +1,11 @@
 //! One source of V/H: its checks, and its value while it is silent.
 
 use super::finding::{VhFindingKind, WrongUnit};
+use super::held::{Held, Stamped};
+use super::refusal::Refusal;
 use super::settings::ChannelSettings;
+use super::unit_watch::{Comparison, UnitWatch};
+use super::variability::Variability;
 use crate::flight::time::Time;
 
 /// Number of samples near each other after which a source that has jumped is trusted again.
@@ -10,57 +14,13 @@ pub const CONSISTENT_SAMPLES: u8 = 5;
 /// Number of σ by which a sample may differ from the last beyond the slew limit.
 pub const NOISE_SIGMAS: f32 = 6.0;
 
-/// Largest difference of a ratio from a unit's factor, as a part of it, at which the unit counts as
-/// wrong.
-pub const UNIT_TOLERANCE: f32 = 0.03;
+/// Number of σ of the change that its samples have shown by which a speed or V/H may differ from the
+/// last one beyond slew and noise: gusts are faster than an aircraft slews.
+pub const GUST_SIGMAS: f32 = 3.0;
 
-/// Largest difference from another way to the same number, as a part of it, at which a source that
-/// had the wrong unit is trusted again.
-pub const UNIT_RELEASE: f32 = 0.1;
-
-/// Present value and its uncertainty.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub(super) struct Held {
-    pub(super) value: f32,
-    pub(super) sigma: f32,
-    pub(super) age_s: f32,
-    /// `true` if it is older than the period of its source.
-    pub(super) silent: bool,
-}
-
-impl Held {
-    /// Returns a value made of two; its age is that of the older.
-    pub(super) const fn of_two(value: f32, sigma: f32, one: Self, other: Self) -> Self {
-        Self {
-            value,
-            sigma,
-            age_s: one.age_s.max(other.age_s),
-            silent: one.silent || other.silent,
-        }
-    }
-}
-
-/// A sample at its time.
-#[derive(Debug, Clone, Copy, PartialEq)]
-struct Stamped {
-    time: Time,
-    value: f32,
-}
-
-/// A source with a wrong unit: its last value, and the ratio of that value to the right one.
-#[derive(Debug, Clone, Copy, PartialEq)]
-struct Barred {
-    unit: WrongUnit,
-    value: f32,
-    ratio: f32,
-}
-
-/// Finding for which a sample is not used, and the value it was compared with.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub(super) struct Refusal {
-    pub(super) kind: VhFindingKind,
-    pub(super) expected: Option<f32>,
-}
+/// Largest difference from another way to the same number, as a part of it, at which a value that
+/// has jumped is confirmed.
+pub const CONFIRMED_WITHIN: f32 = 0.05;
 
 /// Effect of a sample that is used: it may end a silence or a fault.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -80,9 +40,14 @@ pub(super) struct Channel {
     heard: Time,
     /// The last sample at a new level, and the number of samples there.
     candidate: Option<(Stamped, u8)>,
-    barred: Option<Barred>,
+    unit: UnitWatch,
     /// `true` if the last sample was refused.
     refused: bool,
+    /// The value before a jump that nothing has confirmed.
+    doubt: Option<f32>,
+    /// `true` if another way has agreed with the value since it jumped last.
+    confirmed: bool,
+    variability: Variability,
 }
 
 impl Channel {
@@ -91,29 +56,64 @@ impl Channel {
         repeated: None,
         heard: Time::START,
         candidate: None,
-        barred: None,
+        unit: UnitWatch::NEW,
         refused: false,
+        doubt: None,
+        confirmed: false,
+        variability: Variability::NEW,
     };
 
-    /// Returns the last value, with its uncertainty now, as long as it is valid.
+    /// Returns the last value, as long as it is valid, with its uncertainty a time ahead, s.
     ///
     /// # Model
-    /// The value is held. It changes by its slew limit at most, so after an age T it lies
-    /// within ± slew·T of the sample, a uniform error of standard deviation slew·T/√3:
-    /// `σ² = σ₀² + (slew·T)²/3`.
-    pub(super) fn held(&self, settings: &ChannelSettings, now: Time) -> Option<Held> {
+    /// The value is held. While its source is heard its variance is that of [`Variability`], at the
+    /// age of the measurement: time since its arrival and latency of the source; of a value that
+    /// repeats, since it came first. From the period of a silent source on the value changes by its slew limit at most, a uniform error of standard
+    /// deviation slew·T/√3 after T: `σ² = r + q·age + (slew·T)²/3`.
+    pub(super) fn held(&self, settings: &ChannelSettings, now: Time, ahead_s: f32) -> Option<Held> {
         let last = self.last?;
-        let age_s = now.seconds_since(last.time).max(0.0);
-        if age_s >= settings.validity_s {
+        let since_s = now.seconds_since(last.time).max(0.0);
+        if since_s >= settings.validity_s {
             return None;
         }
-        let drift = settings.slew_per_s * age_s;
+        let before_s = settings.latency_s + ahead_s;
+        let drift = settings.slew_per_s * (since_s - settings.period_s).max(0.0);
         Some(Held {
             value: last.value,
-            sigma: libm::sqrtf(settings.sigma * settings.sigma + drift * drift / 3.0),
-            age_s,
-            silent: age_s >= settings.period_s,
+            variance: self
+                .variability
+                .variance(settings, before_s + self.unchanged_s(settings, last, now))
+                + drift * drift / 3.0,
+            doubt: self.doubt.map_or(0.0, |before| last.value - before),
+            age_s: before_s + since_s,
+            silent: since_s >= settings.period_s,
         })
+    }
+
+    /// Returns the time since the last value came first, s: the true value is unknown since then if
+    /// the source never gives the same one for long.
+    fn unchanged_s(&self, settings: &ChannelSettings, last: Stamped, now: Time) -> f32 {
+        let first = self
+            .repeated
+            .filter(|first| settings.frozen_s > 0.0 && is_same(first.value, last.value))
+            .map_or(last.time, |first| first.time.min(last.time));
+        now.seconds_since(first).max(0.0)
+    }
+
+    /// Returns the last value, as long as it is valid and not in doubt.
+    pub(super) fn undoubted(&self, settings: &ChannelSettings, now: Time) -> Option<f32> {
+        let last = self.last.filter(|_| self.doubt.is_none())?;
+        (now.seconds_since(last.time) < settings.validity_s).then_some(last.value)
+    }
+
+    /// Trusts the last value, for the operator.
+    pub(super) const fn clear_doubt(&mut self) {
+        self.doubt = None;
+    }
+
+    /// Returns `true` if another way has agreed with the value since it jumped last.
+    pub(super) const fn is_confirmed(&self) -> bool {
+        self.confirmed
     }
 
     /// Takes a sample; `expected` is the value that follows from all other sources.
@@ -126,47 +126,81 @@ impl Channel {
         expected: Option<f32>,
     ) -> Result<Accepted, Refusal> {
         let sample = Stamped { time, value };
-        let verdict = self.judge(settings, unit, sample, expected);
-        if verdict.is_ok() {
-            let lost = self
-                .last
-                .is_some_and(|last| time.seconds_since(last.time) >= settings.validity_s);
-            let recovered = self.refused || lost;
-            self.refused = false;
-            self.candidate = None;
-            self.last = Some(sample);
-            return Ok(if recovered {
-                Accepted::Recovered
-            } else {
-                Accepted::AsBefore
-            });
+        let has_jumped = match self.judge(settings, unit, sample, expected) {
+            Ok(has_jumped) => has_jumped,
+            Err(refusal) => {
+                self.refused = true;
+                return Err(refusal);
+            }
+        };
+        let lost = self
+            .last
+            .is_some_and(|last| time.seconds_since(last.time) >= settings.validity_s);
+        let recovered = self.refused || lost;
+        self.settle(settings, sample, has_jumped, expected);
+        self.refused = false;
+        self.candidate = None;
+        self.last = Some(sample);
+        Ok(if recovered {
+            Accepted::Recovered
+        } else {
+            Accepted::AsBefore
+        })
+    }
+
+    /// Notes whether a sample that is used is confirmed by the others or in doubt, and measures the
+    /// source's noise.
+    ///
+    /// A value that has jumped is in doubt until another way agrees with it or it is back at the
+    /// value before the jump.
+    fn settle(
+        &mut self,
+        settings: &ChannelSettings,
+        sample: Stamped,
+        has_jumped: bool,
+        expected: Option<f32>,
+    ) {
+        let is_near = |other: f32| {
+            let noise = NOISE_SIGMAS * settings.sigma;
+            (sample.value - other).abs() <= CONFIRMED_WITHIN * other.abs() + noise
+        };
+        if has_jumped {
+            self.variability.interrupt();
+            self.confirmed = false;
+            self.doubt = match self.doubt {
+                Some(before) if is_near(before) => None,
+                Some(before) => Some(before),
+                None => self.last.map(|last| last.value),
+            };
+        } else if let Some(last) = self.last.filter(|last| !is_same(last.value, sample.value)) {
+            self.variability.take(settings, last, sample);
         }
-        self.refused = true;
-        verdict.map(|()| Accepted::AsBefore)
+        if expected.is_some_and(is_near) {
+            self.confirmed = true;
+            self.doubt = None;
+        }
     }
 
     /// Bars the source, after the others have shown that its trusted value is in the wrong unit.
     pub(super) fn bar(&mut self, unit: WrongUnit) {
         if let Some(last) = self.last {
-            self.barred = Some(Barred {
-                unit,
-                value: last.value,
-                ratio: unit.factor(),
-            });
+            self.unit.bar(unit, last.value);
             // No earlier value can be compared with later ones.
             self.last = None;
             self.candidate = None;
+            self.doubt = None;
             self.refused = true;
         }
     }
 
+    /// Returns whether a sample that can be used has jumped.
     fn judge(
         &mut self,
         settings: &ChannelSettings,
         unit: Option<WrongUnit>,
         sample: Stamped,
         expected: Option<f32>,
-    ) -> Result<(), Refusal> {
+    ) -> Result<bool, Refusal> {
         let Stamped { time, value } = sample;
         let refuse = |kind, expected| Err(Refusal { kind, expected });
         if !value.is_finite() {
@@ -177,7 +211,10 @@ impl Channel {
         }
         self.heard = time;
         let repeated_since = self.repeated_since(sample);
-        self.check_unit(settings, unit, sample, expected)?;
+        if let Some(unit) = unit {
+            let comparison = self.comparison(settings, unit, sample, expected);
+            self.unit.check(unit, value, &comparison)?;
+        }
         let [min, max] = settings.range;
         if !(value >= min && value <= max) {
             return if -value >= min && -value <= max {
@@ -196,13 +233,13 @@ impl Channel {
             }
             return refuse(VhFindingKind::Frozen, None);
         }
-        self.check_jump(settings, sample)
+        self.check_jump(settings, unit, sample)
     }
 
     /// Returns the time since which the value has been exactly this.
     fn repeated_since(&mut self, sample: Stamped) -> Time {
         match self.repeated {
-            Some(before) if before.value.to_bits() == sample.value.to_bits() => before.time,
+            Some(before) if is_same(before.value, sample.value) => before.time,
             _ => {
                 self.repeated = Some(sample);
                 sample.time
@@ -210,110 +247,85 @@ impl Channel {
         }
     }
 
-    /// Checks the unit of a value against its own past, against the others, and against a unit that
-    /// was wrong before.
-    fn check_unit(
+    /// Returns the numbers that show whether a sample's unit is right.
+    fn comparison(
+        &self,
+        settings: &ChannelSettings,
+        unit: WrongUnit,
+        sample: Stamped,
+        expected: Option<f32>,
+    ) -> Comparison {
+        let is_continuous = self
+            .last
+            .is_some_and(|last| self.reaches(settings, last, sample, Some(unit)));
+        Comparison {
+            expected,
+            // A source that was right and has not jumped has not changed its unit.
+            from_others: expected.filter(|_| !(is_continuous && self.confirmed)),
+            from_past: self.last.filter(|_| !is_continuous).map(|last| last.value),
+        }
+    }
+
+    /// Checks that the source can have reached this value from its last one, or has stayed there
+    /// long enough. Returns whether it has jumped.
+    fn check_jump(
         &mut self,
         settings: &ChannelSettings,
         unit: Option<WrongUnit>,
         sample: Stamped,
-        expected: Option<f32>,
-    ) -> Result<(), Refusal> {
-        let Some(unit) = unit else {
-            return Ok(());
-        };
-        let value = sample.value;
-        if let Some(barred) = self.barred {
-            let confirmed = expected
-                .is_some_and(|expected| (value - expected).abs() <= UNIT_RELEASE * expected.abs());
-            // The value is nearer to the right one than to the wrong one.
-            let back = if barred.ratio > 1.0 {
-                value * value * barred.ratio < barred.value * barred.value
-            } else {
-                value * value * barred.ratio > barred.value * barred.value
-            };
-            if !(confirmed || back && value > 0.0) {
-                // The barred value follows while the aircraft climbs.
-                if value > 0.0 {
-                    self.barred = Some(Barred { value, ..barred });
-                }
-                return Err(Refusal {
-                    kind: VhFindingKind::WrongUnit(barred.unit),
-                    expected,
-                });
-            }
-            self.barred = None;
-        }
-        let factor = unit.factor();
-        let from_past = self
-            .last
-            .filter(|last| !reaches(settings, *last, sample))
-            .map(|last| last.value);
-        let found = [
-            (expected, factor),
-            (from_past, factor),
-            (from_past, 1.0 / factor),
-        ]
-        .into_iter()
-        .find_map(|(right, ratio)| {
-            right
-                .filter(|right| is_times(value, *right, ratio))
-                .map(|right| (right, ratio))
-        });
-        let Some((right, ratio)) = found else {
-            return Ok(());
-        };
-        self.barred = Some(Barred { unit, value, ratio });
-        Err(Refusal {
-            kind: VhFindingKind::WrongUnit(unit),
-            expected: Some(right),
-        })
-    }
-
-    /// Checks that the source can have reached this value from its last one, or has stayed there
-    /// long enough.
-    fn check_jump(&mut self, settings: &ChannelSettings, sample: Stamped) -> Result<(), Refusal> {
+    ) -> Result<bool, Refusal> {
         let Some(last) = self.last else {
-            return Ok(());
+            return Ok(false);
         };
-        if reaches(settings, last, sample) {
-            return Ok(());
+        if self.reaches(settings, last, sample, unit) {
+            return Ok(false);
         }
         let negated = Stamped {
             value: -sample.value,
             ..sample
         };
         let kind = if last.value.abs() > NOISE_SIGMAS * settings.sigma
-            && reaches(settings, last, negated)
+            && self.reaches(settings, last, negated, unit)
         {
             VhFindingKind::WrongSign
         } else {
             VhFindingKind::Jump
         };
         let before = match self.candidate {
-            Some((candidate, samples)) if reaches(settings, candidate, sample) => samples,
+            Some((candidate, samples)) if self.reaches(settings, candidate, sample, unit) => {
+                samples
+            }
             _ => 0,
         };
         let samples = before.saturating_add(1);
         self.candidate = Some((sample, samples));
         if kind == VhFindingKind::Jump && samples >= CONSISTENT_SAMPLES {
-            return Ok(());
+            return Ok(true);
         }
         Err(Refusal {
             kind,
             expected: Some(last.value),
         })
     }
+
+    /// Returns `true` if the source can have come from one sample to the other.
+    fn reaches(
+        &self,
+        settings: &ChannelSettings,
+        from: Stamped,
+        to: Stamped,
+        unit: Option<WrongUnit>,
+    ) -> bool {
+        let elapsed_s = to.time.seconds_since(from.time).max(0.0);
+        let within = settings.slew_per_s * elapsed_s + NOISE_SIGMAS * settings.sigma;
+        let beyond = (to.value - from.value).abs() - within;
+        let has_gusts = unit != Some(WrongUnit::Feet);
+        let change = self.variability.shown_change_per_s(settings) * elapsed_s;
+        beyond <= 0.0 || has_gusts && beyond * beyond <= GUST_SIGMAS * GUST_SIGMAS * change
+    }
 }
 
-/// Returns `true` if a source can have come from one sample to the other.
-fn reaches(settings: &ChannelSettings, from: Stamped, to: Stamped) -> bool {
-    let elapsed_s = to.time.seconds_since(from.time).max(0.0);
-    (to.value - from.value).abs() <= settings.slew_per_s * elapsed_s + NOISE_SIGMAS * settings.sigma
-}
-
-/// Returns `true` if a value is about `ratio` times the right one.
-pub(super) fn is_times(value: f32, right: f32, ratio: f32) -> bool {
-    let expected = ratio * right;
-    right > 0.0 && (value - expected).abs() <= UNIT_TOLERANCE * expected
+/// Returns `true` if a source repeats itself.
+const fn is_same(before: f32, value: f32) -> bool {
+    before.to_bits() == value.to_bits()
 }

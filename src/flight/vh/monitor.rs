@@ -1,30 +1,50 @@
 //! Monitor of the sources of V/H.
 
-use super::channel::{Accepted, Channel, Held, is_times};
+use super::agreement::{Choice, Limits};
+use super::channel::{Accepted, Channel};
 use super::estimate::{VhEstimate, VhSource};
 use super::finding::{VhChannel, VhCounters, VhFinding, VhFindingKind};
 use super::sample::VhSample;
-use super::settings::{ChannelSettings, VhSettings};
+use super::settings::VhSettings;
+use super::spread::Spread;
+use super::survey::{Agreements, Survey, SurveyLimits};
+use super::unit_watch::is_times;
+use super::values::Values;
 use crate::flight::time::Time;
 
 /// Keeps the samples of all sources and derives V/H from them.
 ///
 /// # Model
-/// Of three ways the first that is not lost is used: V/H as given; ground speed over the height of
+/// There are three ways, in the order of their rank: V/H as given; ground speed over the height of
 /// an altimeter; ground speed over altitude less terrain height. Of two sensors of one quantity the
 /// satellite receiver goes before the inertial unit, the laser before the radar. Every sample
 /// passes the checks of its own source first (range, sign, unit, jump, frozen), see
 /// [`VhFindingKind`].
 ///
-/// `σ² = (σ_V/H)² + (V·σ_H/H²)²`, each with its age; see [`ChannelSettings`]. If another sensor or
-/// way that is not lost differs by more than the limit, σ² grows by the square of the difference:
-/// the wrong one of the two is not known, so V/H is still given, and the smear budget decides on
-/// its use.
+/// The first way or sensor is used that is heard. Where two contradict each other, the less
+/// plausible gives way: one that has jumped and that nothing has confirmed, one outside the
+/// camera's limits, one far from what was trusted in the last minute
+/// ([`TRUSTED_S`](super::agreement::TRUSTED_S)), one that two
+/// others contradict. Rank decides only between equals.
+///
+/// `σ² = (σ_V/H)² + (V·σ_H/H²)²`, each with the noise of its source and its change since the
+/// measurement, both of which are measured in flight. To that are added the square of the
+/// difference from a way that contradicts it, half of the part of the squared differences from
+/// other ways that their variances do not explain, and the square of the jump of a value that
+/// nothing has confirmed.
 ///
 /// # Undetected errors
-/// A value that drifts no faster than the slew limit cannot be told from a real change; it is
-/// bounded by the ranges, and by the disagreement limit if there is a second way. A first sample
-/// has no past: alone, it is bounded by its range.
+///
+/// | error | bound |
+/// |---|---|
+/// | of a source that is alone: a value that drifts no faster than its slew limit | its range |
+/// | of a source that is alone: wrong from the first sample | its range |
+/// | of the better of two ways: a drift in which the trusted value follows it | the other way: flag, σ covers both |
+/// | of both ways at once: the speed or the terrain's height that they share | the range of V/H |
+///
+/// A source that is alone and jumps is used once it has stayed at its new value; from then on
+/// [`Self::is_unconfirmed`], and σ covers the value before, until another way confirms it, it
+/// returns, or [`Self::clear_doubt`].
 #[derive(Debug, Clone)]
 pub struct VhMonitor {
     settings: VhSettings,
@@ -35,7 +55,12 @@ pub struct VhMonitor {
     laser_height: Channel,
     altitude: Channel,
     terrain_height: Channel,
+    agreements: Agreements,
+    /// Limits of the camera, 1/s.
+    limits_per_s: [f32; 2],
+    spread: Spread,
     disagree: bool,
+    unconfirmed: bool,
     counters: VhCounters,
 }
 
@@ -59,7 +84,11 @@ impl VhMonitor {
             laser_height: Channel::NEW,
             altitude: Channel::NEW,
             terrain_height: Channel::NEW,
+            agreements: Agreements::NEW,
+            limits_per_s: settings.direct.range,
+            spread: Spread::NEW,
             disagree: false,
+            unconfirmed: false,
             counters: VhCounters {
                 not_a_number: 0,
                 out_of_range: 0,
@@ -72,6 +101,14 @@ impl VhMonitor {
                 recovered: 0,
             },
         }
+    }
+
+    /// Returns the monitor of a camera whose V/H has these limits, 1/s: of two ways that contradict
+    /// each other, one outside them is less plausible.
+    #[must_use]
+    pub const fn with_limits(mut self, limits_per_s: [f32; 2]) -> Self {
+        self.limits_per_s = limits_per_s;
+        self
     }
 
     /// The settings.
@@ -89,8 +126,20 @@ impl VhMonitor {
     /// Forgets samples and suspicions, for the operator. The counts stay.
     pub const fn clear(&mut self) {
         let counters = self.counters;
-        *self = Self::new(self.settings);
+        *self = Self::new(self.settings).with_limits(self.limits_per_s);
         self.counters = counters;
+    }
+
+    /// Trusts a source that has jumped as it is now, for the operator.
+    pub const fn clear_doubt(&mut self) {
+        self.direct.clear_doubt();
+        self.ground_speed.clear_doubt();
+        self.inertial_speed.clear_doubt();
+        self.height_above_ground.clear_doubt();
+        self.laser_height.clear_doubt();
+        self.altitude.clear_doubt();
+        self.terrain_height.clear_doubt();
+        self.unconfirmed = false;
     }
 
     /// Takes a sample, and returns its finding if there is one.
@@ -105,23 +154,43 @@ impl VhMonitor {
     /// Returns V/H now; `None` if there is none within its validity and the range of V/H.
     #[must_use]
     pub fn estimate(&self, now: Time) -> Option<VhEstimate> {
-        let ways = self.ways(now);
-        let (source, way) = first(&ways)?;
-        let difference = self.farthest(&ways, way.value);
+        self.estimate_ahead(now, 0.0)
+    }
+
+    /// Returns the V/H of [`Self::estimate`], with σ and age at its use a time later, s.
+    #[must_use]
+    pub fn estimate_ahead(&self, now: Time, ahead_s: f32) -> Option<VhEstimate> {
+        let survey = self.survey(now, ahead_s);
+        let Choice { index, held, .. } = survey.way?;
         Some(VhEstimate {
-            vh_per_s: way.value,
-            sigma_per_s: libm::sqrtf(way.sigma * way.sigma + difference * difference),
-            age_s: way.age_s,
-            source,
-            extrapolated: way.silent,
+            vh_per_s: held.value,
+            sigma_per_s: held.sigma(),
+            age_s: held.age_s,
+            source: *WAYS.get(index)?,
+            extrapolated: held.silent,
         })
     }
 
-    /// Returns `true` if two sensors or ways differed by more than the limit at the last sample
-    /// that was used.
+    /// Squared standard deviation of V/H about its mean in the last half minute, as a part of the
+    /// square of V/H: by so much differs the image motion across the track and elsewhere in the
+    /// picture.
+    #[must_use]
+    pub fn relative_variance(&self) -> f32 {
+        self.spread.relative_variance()
+    }
+
+    /// Returns `true` if two sensors or ways contradicted each other at the last sample that was
+    /// used.
     #[must_use]
     pub const fn has_disagreed(&self) -> bool {
         self.disagree
+    }
+
+    /// Returns `true` if V/H, at the last sample that was used, came from a source that has jumped
+    /// and that nothing has confirmed.
+    #[must_use]
+    pub const fn is_unconfirmed(&self) -> bool {
+        self.unconfirmed
     }
 
     fn finding(&mut self, time: Time, sample: VhSample) -> Option<VhFinding> {
@@ -147,7 +216,7 @@ impl VhMonitor {
         if let Some(found) = self.bar_another(channel, time) {
             return Some(found);
         }
-        let against = self.disagreement(time);
+        let against = self.learn(time);
         self.disagree = against.is_some();
         let (kind, value, expected) = match (against, disagreed, accepted) {
             (Some([used, other]), false, _) => (VhFindingKind::Disagreement, used, Some(other)),
@@ -177,7 +246,8 @@ impl VhMonitor {
             else {
                 continue;
             };
-            if channel != accepted && is_times(value, expected, unit.factor()) {
+            let is_right = self.channel(channel).is_confirmed();
+            if channel != accepted && !is_right && is_times(value, expected, unit.factor()) {
                 self.channel_mut(channel).bar(unit);
                 return Some(VhFinding {
                     channel,
@@ -191,7 +261,10 @@ impl VhMonitor {
     }
 
     fn values(&self, now: Time) -> Values {
-        let value = |channel| self.held(channel, now).map(|held| held.value);
+        let value = |channel| {
+            let settings = self.settings.of(channel);
+            self.channel(channel).undoubted(settings, now)
+        };
         Values {
             direct: value(VhChannel::Direct),
             ground_speed: value(VhChannel::GroundSpeed),
@@ -203,90 +276,50 @@ impl VhMonitor {
         }
     }
 
-    /// Returns the V/H or speed in use and another that differs from it by more than the limit.
-    pub(super) fn disagreement(&self, now: Time) -> Option<[f32; 2]> {
-        let sensors = [
-            [VhChannel::GroundSpeed, VhChannel::InertialSpeed],
-            [VhChannel::LaserHeight, VhChannel::HeightAboveGround],
-        ]
-        .into_iter()
-        .filter_map(|[one, other]| {
-            let used = self.held(one, now)?.value;
-            Some([used, self.held(other, now)?.value])
-        });
-        let ways = self.ways(now);
-        let used = first(&ways).map(|(_, way)| way.value);
-        let others = ways
-            .iter()
-            .filter_map(|(_, way)| Some([used?, (*way)?.value]));
-        sensors
-            .chain(others)
-            .find(|[used, other]| self.differ(*used, *other))
+    /// Learns from the values at a sample that is used. Returns the V/H or quantity in use and
+    /// another that contradicts it.
+    fn learn(&mut self, now: Time) -> Option<[f32; 2]> {
+        let survey = self.survey(now, 0.0);
+        self.agreements.learn(&survey, &self.limits(now));
+        self.unconfirmed = false;
+        if let Some(way) = survey.way {
+            self.unconfirmed = way.held.doubt != 0.0;
+            if !self.unconfirmed {
+                self.spread.take(now, way.held.value);
+            }
+        }
+        survey.against()
     }
 
-    /// Returns the difference of the way farthest from the value in use, if it exceeds the limit;
-    /// else 0.
-    fn farthest(&self, ways: &Ways, used: f32) -> f32 {
-        ways.iter()
-            .filter_map(|(_, way)| *way)
-            .filter(|way| self.differ(used, way.value))
-            .fold(0.0, |farthest, way| (way.value - used).abs().max(farthest))
-    }
-
-    fn differ(&self, used: f32, other: f32) -> bool {
-        (used - other).abs() > 0.01 * self.settings.disagreement_percent * used
-    }
-
-    /// Returns V/H by each way that is not lost, the best first.
-    fn ways(&self, now: Time) -> Ways {
-        let speed = self.of_two(VhChannel::GroundSpeed, VhChannel::InertialSpeed, now);
-        let altimeter = self.of_two(VhChannel::LaserHeight, VhChannel::HeightAboveGround, now);
-        let over_terrain = self
-            .held(VhChannel::Altitude, now)
-            .zip(self.held(VhChannel::TerrainHeight, now))
-            .map(|(altitude, terrain)| {
-                let variance = altitude.sigma * altitude.sigma + terrain.sigma * terrain.sigma;
-                let height = altitude.value - terrain.value;
-                Held::of_two(height, libm::sqrtf(variance), altitude, terrain)
-            })
-            .filter(|height| within(&self.settings.height_above_ground, height.value));
-        let quotient = |height: Option<Held>| {
-            let (speed, height) = (speed?, height?);
-            let vh_per_s = speed.value / height.value;
-            let of_speed = speed.sigma / height.value;
-            let of_height = vh_per_s * height.sigma / height.value;
-            let sigma = libm::sqrtf(of_speed * of_speed + of_height * of_height);
-            Some(Held::of_two(vh_per_s, sigma, speed, height))
+    /// Returns the values of all sensors and ways that are not lost, and the choice among them, with
+    /// their uncertainty a time ahead, s.
+    pub(super) fn survey(&self, now: Time, ahead_s: f32) -> Survey {
+        let held = |channel| {
+            let settings = self.settings.of(channel);
+            self.channel(channel).held(settings, now, ahead_s)
         };
-        [
-            (VhSource::Direct, self.held(VhChannel::Direct, now)),
-            (VhSource::Altimeter, quotient(altimeter)),
-            (VhSource::Terrain, quotient(over_terrain)),
-        ]
-        .map(|(source, way)| {
-            let way = way.filter(|way| within(&self.settings.direct, way.value));
-            (source, way)
-        })
+        self.agreements
+            .survey(&self.settings, &self.limits(now), held)
     }
 
-    /// Returns the better of two sensors of one quantity that are not lost, with their difference
-    /// in its σ if they disagree.
-    fn of_two(&self, better: VhChannel, other: VhChannel, now: Time) -> Option<Held> {
-        let other = self.held(other, now);
-        let Some(better) = self.held(better, now) else {
-            return other;
+    /// Limits by which speeds, heights and ways are compared.
+    const fn limits(&self, now: Time) -> SurveyLimits {
+        let speeds = Limits {
+            now,
+            difference: 0.01 * self.settings.disagreement_percent,
+            plausible: self.settings.ground_speed.range,
         };
-        let difference = other
-            .filter(|other| self.differ(better.value, other.value))
-            .map_or(0.0, |other| better.value - other.value);
-        Some(Held {
-            sigma: libm::sqrtf(better.sigma * better.sigma + difference * difference),
-            ..better
-        })
-    }
-
-    fn held(&self, channel: VhChannel, now: Time) -> Option<Held> {
-        self.channel(channel).held(self.settings.of(channel), now)
+        SurveyLimits {
+            speeds,
+            heights: Limits {
+                plausible: self.settings.height_above_ground.range,
+                ..speeds
+            },
+            ways: Limits {
+                plausible: self.limits_per_s,
+                ..speeds
+            },
+        }
     }
 
     const fn channel(&self, channel: VhChannel) -> &Channel {
@@ -314,70 +347,5 @@ impl VhMonitor {
     }
 }
 
-/// Values of the sources that are not lost.
-#[derive(Debug, Clone, Copy)]
-struct Values {
-    direct: Option<f32>,
-    ground_speed: Option<f32>,
-    inertial_speed: Option<f32>,
-    radar: Option<f32>,
-    laser: Option<f32>,
-    altitude: Option<f32>,
-    terrain: Option<f32>,
-}
-
-impl Values {
-    const fn of(&self, channel: VhChannel) -> Option<f32> {
-        match channel {
-            VhChannel::Direct => self.direct,
-            VhChannel::GroundSpeed => self.ground_speed,
-            VhChannel::InertialSpeed => self.inertial_speed,
-            VhChannel::HeightAboveGround => self.radar,
-            VhChannel::LaserHeight => self.laser,
-            VhChannel::Altitude => self.altitude,
-            VhChannel::TerrainHeight => self.terrain,
-        }
-    }
-
-    /// Returns the value of one source that follows from all the others.
-    fn expected(&self, channel: VhChannel) -> Option<f32> {
-        let Self {
-            direct,
-            ground_speed,
-            inertial_speed,
-            radar,
-            laser,
-            altitude,
-            terrain,
-        } = *self;
-        let speed = ground_speed.or(inertial_speed);
-        let over_terrain = altitude
-            .zip(terrain)
-            .map(|(altitude, terrain)| altitude - terrain);
-        let altimeter = laser.or(radar);
-        let from_direct = || Some(speed? / direct?);
-        let from_height = || Some(direct? * altimeter.or(over_terrain)?);
-        match channel {
-            VhChannel::Direct => None,
-            VhChannel::GroundSpeed => inertial_speed.or_else(from_height),
-            VhChannel::InertialSpeed => ground_speed.or_else(from_height),
-            VhChannel::HeightAboveGround => laser.or(over_terrain).or_else(from_direct),
-            VhChannel::LaserHeight => radar.or(over_terrain).or_else(from_direct),
-            VhChannel::Altitude => Some(terrain? + altimeter.or_else(from_direct)?),
-            VhChannel::TerrainHeight => Some(altitude? - altimeter.or_else(from_direct)?),
-        }
-    }
-}
-
-/// V/H by each way, the best first.
-type Ways = [(VhSource, Option<Held>); 3];
-
-fn first(ways: &Ways) -> Option<(VhSource, Held)> {
-    ways.iter()
-        .find_map(|(source, way)| Some((*source, (*way)?)))
-}
-
-fn within(settings: &ChannelSettings, value: f32) -> bool {
-    let [min, max] = settings.range;
-    value >= min && value <= max
-}
+/// The ways, the best first.
+const WAYS: [VhSource; 3] = [VhSource::Direct, VhSource::Altimeter, VhSource::Terrain];

@@ -26,8 +26,13 @@ pub struct ChannelSettings {
     pub validity_s: f32,
     /// Largest rate of change of its value, per second.
     pub slew_per_s: f32,
-    /// σ of a fresh value.
+    /// σ of a value at its measurement.
     pub sigma: f32,
+    /// Time from measurement to arrival, s.
+    pub latency_s: f32,
+    /// σ by which the true value changes in the first second after a measurement, and by its square
+    /// root in another time; measured in flight from the samples, of which this is the first guess.
+    pub change_per_sqrt_s: f32,
     /// Time for which exactly the same value may repeat, s; 0: for ever.
     pub frozen_s: f32,
 }
@@ -41,6 +46,8 @@ impl ChannelSettings {
             validity_s,
             slew_per_s,
             sigma,
+            latency_s,
+            change_per_sqrt_s,
             frozen_s,
         } = self;
         let (_, most) = quantity.range();
@@ -54,6 +61,8 @@ impl ChannelSettings {
             Quantity::SourceValidityS.check_within(validity_s, period_s, longest_s),
             Quantity::SourceSlew.check(slew_per_s),
             Quantity::SourceSigma.check(sigma),
+            Quantity::SourceLatencyS.check(latency_s),
+            Quantity::SourceChange.check(change_per_sqrt_s),
             Quantity::SourceFrozenS.check(frozen_s),
         ];
         let mut rest = checks.as_slice();
@@ -101,6 +110,8 @@ impl VhSettings {
             validity_s: 5.0,
             slew_per_s: 0.01,
             sigma: 0.0005,
+            latency_s: 0.1,
+            change_per_sqrt_s: 0.003,
             frozen_s: 0.0,
         },
         ground_speed: ChannelSettings {
@@ -109,6 +120,8 @@ impl VhSettings {
             validity_s: 10.0,
             slew_per_s: 5.0,
             sigma: 0.1,
+            latency_s: 0.2,
+            change_per_sqrt_s: 3.0,
             frozen_s: 10.0,
         },
         inertial_speed: ChannelSettings {
@@ -117,6 +130,8 @@ impl VhSettings {
             validity_s: 10.0,
             slew_per_s: 5.0,
             sigma: 0.3,
+            latency_s: 0.02,
+            change_per_sqrt_s: 3.0,
             frozen_s: 2.0,
         },
         height_above_ground: ChannelSettings {
@@ -125,6 +140,8 @@ impl VhSettings {
             validity_s: 5.0,
             slew_per_s: 100.0,
             sigma: 3.0,
+            latency_s: 0.1,
+            change_per_sqrt_s: 6.0,
             frozen_s: 5.0,
         },
         laser_height: ChannelSettings {
@@ -133,6 +150,8 @@ impl VhSettings {
             validity_s: 5.0,
             slew_per_s: 100.0,
             sigma: 0.5,
+            latency_s: 0.02,
+            change_per_sqrt_s: 6.0,
             frozen_s: 5.0,
         },
         altitude: ChannelSettings {
@@ -141,6 +160,8 @@ impl VhSettings {
             validity_s: 10.0,
             slew_per_s: 20.0,
             sigma: 3.0,
+            latency_s: 0.2,
+            change_per_sqrt_s: 3.0,
             frozen_s: 30.0,
         },
         terrain_height: ChannelSettings {
@@ -149,6 +170,8 @@ impl VhSettings {
             validity_s: 60.0,
             slew_per_s: 100.0,
             sigma: 10.0,
+            latency_s: 0.2,
+            change_per_sqrt_s: 6.0,
             frozen_s: 0.0,
         },
         disagreement_percent: 5.0,

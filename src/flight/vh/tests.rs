@@ -1,5 +1,6 @@
 //! Tests with bad inputs by name: each is found, or bounded to a stated error.
 
+mod contradictions;
 mod estimate;
 mod properties;
 mod wrong_samples;
@@ -32,6 +33,7 @@ fn noisy(sample: VhSample, step: u16) -> VhSample {
         VhSample::GroundSpeed(value) => VhSample::GroundSpeed(value + noise),
         VhSample::HeightAboveGround(value) => VhSample::HeightAboveGround(value + noise),
         VhSample::Altitude(value) => VhSample::Altitude(value + noise),
+        VhSample::InertialSpeed(value) => VhSample::InertialSpeed(value + noise),
         other => other,
     }
 }
@@ -39,7 +41,30 @@ fn noisy(sample: VhSample, step: u16) -> VhSample {
 /// Returns a monitor that has had good samples of these sources every 0.2 s for 4 s; the last at
 /// 4 s.
 fn flying(sources: &[VhSample]) -> VhMonitor {
-    let mut monitor = VhMonitor::new(VhSettings::DEFAULT.checked().unwrap());
+    flying_with(VhSettings::DEFAULT, sources)
+}
+
+/// Returns default settings of instruments without latency, in still air over level ground.
+fn calm() -> VhSettings {
+    let mut settings = VhSettings::DEFAULT;
+    for source in [
+        &mut settings.direct,
+        &mut settings.ground_speed,
+        &mut settings.inertial_speed,
+        &mut settings.height_above_ground,
+        &mut settings.laser_height,
+        &mut settings.altitude,
+        &mut settings.terrain_height,
+    ] {
+        source.latency_s = 0.0;
+        source.change_per_sqrt_s = 1e-6;
+    }
+    settings
+}
+
+/// Returns a monitor as [`flying`] does, with these settings.
+fn flying_with(settings: VhSettings, sources: &[VhSample]) -> VhMonitor {
+    let mut monitor = VhMonitor::new(settings.checked().unwrap());
     for step in 0..=20_u16 {
         for sample in sources {
             let found = monitor.observe(at(0.2 * f32::from(step)), noisy(*sample, step));

@@ -20,7 +20,7 @@ macro_rules! settings {
     };
 }
 
-const SETTINGS: [(&str, Field); 27] = settings![
+const SETTINGS: [(&str, Field); 29] = settings![
     exposure_s,
     smear_budget_px,
     speed_tolerance_percent,
@@ -30,6 +30,8 @@ const SETTINGS: [(&str, Field); 27] = settings![
     shutter_tolerance_s,
     trigger_interval_s,
     time_pulse_sigma_s,
+    attitude_sigma_deg,
+    rate_sigma_deg_s,
     vh.disagreement_percent,
     drive.encoder_step_um,
     drive.play_um,
@@ -93,6 +95,8 @@ fn settings_without_a_range_are_named() {
         trigger_interval_s: _,
         time_pulse_sigma_s: _,
         encoder_survives_brown_out: _,
+        attitude_sigma_deg: _,
+        rate_sigma_deg_s: _,
         vh: _,
         drive:
             DriveSettings {
@@ -153,6 +157,8 @@ fn sources_are_believed_as_documented() {
             source.validity_s.to_string(),
             source.slew_per_s.to_string(),
             source.sigma.to_string(),
+            source.latency_s.to_string(),
+            source.change_per_sqrt_s.to_string(),
             source.frozen_s.to_string(),
         ]
     };
@@ -176,6 +182,8 @@ fn sources_are_believed_as_documented() {
                 row[5],
                 row[6],
                 row[7],
+                row[8],
+                row[9],
             ]
         })
         .collect();

@@ -52,7 +52,9 @@ pub(super) const fn meaning(flag: Flag) -> &'static str {
         Flag::VhJump => "a source of V/H went farther than slew_per_s allows",
         Flag::VhFrozen => "a source of V/H gave the same number for longer than frozen_s",
         Flag::VhFromThePast => "a sample of V/H was older than the last of its source",
-        Flag::VhDisagreement => "two ways to V/H differ by more than vh.disagreement_percent",
+        Flag::VhDisagreement => {
+            "two ways to V/H differ by more than vh.disagreement_percent and by more than their σ explain"
+        }
         Flag::UtcMissingPulses => "time pulses did not come",
         Flag::UtcExtraPulse => "a time pulse belonged to no second",
         Flag::UtcPulsesMoved => {
@@ -68,6 +70,9 @@ pub(super) const fn meaning(flag: Flag) -> &'static str {
         Flag::AttitudeOutOfRange => "an angle or a rate was outside its range",
         Flag::AttitudeSilent => {
             "attitudes have come, but none within ATTITUDE_WITHIN_S of the exposure"
+        }
+        Flag::VhUnconfirmed => {
+            "V/H comes from a source that has jumped and that no other has confirmed"
         }
     }
 }

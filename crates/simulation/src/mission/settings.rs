@@ -37,6 +37,11 @@ pub fn flight_settings(written: &MissionFile, interval_s: f64) -> FlightSettings
         ..FlightSettings::default()
     };
     settings.vh = vh_settings(written);
+    let attitude = &written.attitude;
+    let largest = |parts: [f64; 3]| single(parts.map(f64::abs).into_iter().fold(0.0, f64::max));
+    settings.attitude_sigma_deg =
+        largest([attitude.pitch_deg, attitude.roll_deg, attitude.drift_deg]);
+    settings.rate_sigma_deg_s = largest(attitude.rate_rms_deg_s);
     settings
 }
 
@@ -59,29 +64,33 @@ fn vh_settings(written: &MissionFile) -> VhSettings {
     let mut settings = VhSettings::DEFAULT;
     let height_m = written.flight.height_m - written.terrain.height_m;
     let speed_m_s = written.flight.speed_m_s;
+    let mut is_receiver_told = false;
     for sensor in &written.vh {
         let relative = sensor.sigma_percent / 100.0;
         let part = relative / 2.0_f64.sqrt();
-        let period_s = PERIODS / sensor.rate_hz + sensor.latency_ms / 1000.0;
+        let period_s = PERIODS / sensor.rate_hz;
         let told = |channel: &mut ChannelSettings, sigma: f64| {
-            channel.sigma = channel.sigma.min(single(sigma.max(1e-6)));
+            channel.sigma = single(sigma.max(1e-6));
+            channel.latency_s = single(sensor.latency_ms / 1000.0);
             channel.period_s = single(period_s);
             channel.validity_s = channel.validity_s.max(channel.period_s);
         };
+        // All sources share the one receiver of the aircraft, which reports with the first of them.
+        if sensor.source.has_receiver() && !is_receiver_told {
+            is_receiver_told = true;
+            told(&mut settings.ground_speed, part * speed_m_s);
+        }
         match sensor.source {
             VhSourceName::Direct => told(&mut settings.direct, relative * speed_m_s / height_m),
-            VhSourceName::Altimeter => {
-                told(&mut settings.ground_speed, part * speed_m_s);
-                told(&mut settings.height_above_ground, part * height_m);
-            }
+            VhSourceName::Altimeter => told(&mut settings.height_above_ground, part * height_m),
             VhSourceName::Laser => {
                 told(&mut settings.inertial_speed, part * speed_m_s);
                 told(&mut settings.laser_height, part * height_m);
             }
             VhSourceName::Terrain => {
-                told(&mut settings.ground_speed, part * speed_m_s);
                 told(&mut settings.altitude, part * height_m);
-                told(&mut settings.terrain_height, part * height_m);
+                // The elevation model is that of the simulated ground.
+                told(&mut settings.terrain_height, 0.0);
             }
         }
     }

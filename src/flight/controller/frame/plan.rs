@@ -1,7 +1,7 @@
 //! The plan of a frame, made at its trigger.
 
 use crate::flight::controller::setup::Setup;
-use crate::flight::controller::timing::LEAD_S;
+use crate::flight::controller::timing::{LEAD_S, TICK_S};
 use crate::flight::exposure::Exposure;
 use crate::flight::fault::{Fault, Faults};
 use crate::flight::frame_record::{Flag, Flags, Reason};
@@ -69,6 +69,11 @@ impl Plan {
         plan.flags.insert(Flag::NoCompensation);
         plan.faults.insert(fault);
         Ok(plan)
+    }
+
+    /// Time from the trigger to first light, s, if the next round is punctual.
+    pub(in super::super) fn first_light_s(&self) -> f32 {
+        TICK_S + self.wait_s + self.opening_s
     }
 
     /// Returns a plan in which the shutter opens a latency after the next round.

@@ -84,10 +84,10 @@ impl InFlight {
     ) -> ExposedFrame {
         let interior = predicted.interior;
         let centroid = light.opened.plus_s(interior.motion.centroid_time_s);
-        let attitude = aircraft.attitude_at(centroid);
+        let motion = aircraft.motion_at(centroid, setup.settings);
         let wander_mm = measured.wander_mm;
         let (vh, direction) = (self.asked.vh, self.asked.exposure.direction);
-        let smear = setup.predict_smear(vh, direction, &interior, wander_mm, attitude.as_ref());
+        let smear = setup.predict_smear(vh, direction, &interior, wander_mm, &motion);
         if smear.is_with_attitude {
             flags.insert(Flag::WithAttitude);
         }

@@ -4,13 +4,65 @@ use super::*;
 
 #[test]
 fn vh_is_speed_over_height_with_its_sigma() {
-    let estimate = flying(&GOOD).estimate(at(4.0)).unwrap();
+    let estimate = flying_with(calm(), &GOOD).estimate(at(4.0)).unwrap();
     assert_eq!(estimate.source, VhSource::Altimeter);
     assert!(!estimate.extrapolated && estimate.age_s < 1e-6);
     assert!((estimate.vh_per_s - VH).abs() < 1e-4);
     // 0.1 m/s of 60 m/s and 3 m of 1000 m: 1/600 and 3/1000 of 0.06.
     let expected = VH * libm::sqrtf(1.0 / (600.0 * 600.0) + 9e-6);
     assert!((estimate.sigma_per_s - expected).abs() < 0.001 * expected);
+}
+
+#[test]
+fn age_counts_from_the_measurement_to_the_use_and_sigma_grows_with_it() {
+    let mut settings = calm();
+    settings.direct.latency_s = 0.3;
+    settings.direct.change_per_sqrt_s = 0.004;
+    let mut monitor = VhMonitor::new(settings.checked().unwrap());
+    monitor.observe(at(1.0), VhSample::Direct(VH));
+    for (now, ahead_s, age_s) in [(1.0, 0.0, 0.3), (1.5, 0.0, 0.8), (1.5, 0.05, 0.85)] {
+        let found = monitor.estimate_ahead(at(now), ahead_s).unwrap();
+        assert!((found.age_s - age_s).abs() < 1e-6, "{found:?}");
+        // A noise of 0.0005 1/s and a random walk of 0.004 1/s per √s.
+        let expected = libm::sqrtf(0.0005 * 0.0005 + 0.004 * 0.004 * age_s);
+        assert!((found.sigma_per_s - expected).abs() < 1e-3 * expected);
+    }
+}
+
+#[test]
+fn noise_and_change_are_those_of_the_samples() {
+    // Every 0.1 s, a noise of ±0.3 m/s and, on the right, steps of ±1 m/s every 0.4 s.
+    let sigma = |step_m_s: f32| {
+        let mut monitor = VhMonitor::new(calm().checked().unwrap());
+        let mut speed_m_s = 60.0;
+        for step in 0..600_u16 {
+            let now = at(0.1 * f32::from(step));
+            let sign = |bit: u32| {
+                if (0x9e37_79b9_u32 >> bit) & 1 == 0 {
+                    1.0
+                } else {
+                    -1.0
+                }
+            };
+            if step % 4 == 0 {
+                speed_m_s += step_m_s * sign(u32::from(step / 4) % 32);
+            }
+            let noise_m_s = 0.3 * sign(u32::from(7 * step) % 32);
+            monitor.observe(now, VhSample::GroundSpeed(speed_m_s + noise_m_s));
+            monitor.observe(now, VhSample::HeightAboveGround(1000.0 + noise_m_s));
+        }
+        let estimate = monitor.estimate_ahead(at(59.9), 0.4).unwrap();
+        // Less the 3 m of the altimeter.
+        let of_height = estimate.vh_per_s * 0.003;
+        let sigma = estimate.sigma_per_s;
+        1000.0 * libm::sqrtf(sigma * sigma - of_height * of_height)
+    };
+    // The noise alone, where the settings state 0.1 m/s.
+    let noise = sigma(0.0);
+    assert!((0.2..0.45).contains(&noise), "{noise}");
+    // Within 0.4 s the speed changes by 1 m/s.
+    let change = sigma(1.0);
+    assert!((0.7..1.6).contains(&change), "{change}");
 }
 
 #[test]
@@ -62,7 +114,7 @@ fn inertial_speed_and_laser_take_over_and_their_differences_are_in_sigma() {
 
 #[test]
 fn silence_extrapolates_with_growing_sigma_in_pixels_until_its_validity_ends() {
-    let monitor = flying(&GOOD[..2]);
+    let monitor = flying_with(calm(), &GOOD[..2]);
     // f·t/p of 150 mm, 1/200 s and 8.75 µm: smear per σ of V/H.
     let smear_px_s = 1000.0 * 150.0 * 0.005 / 8.75;
     let smear = |age: f32| {
@@ -74,8 +126,9 @@ fn silence_extrapolates_with_growing_sigma_in_pixels_until_its_validity_ends() {
     let grown = [0.0, 0.4, 1.0, 2.0, 4.0, 4.9].map(smear);
     assert!(grown.is_sorted(), "{grown:?}");
     assert!(grown[0] < 0.02);
-    // After 1 s: 100 m/√3 of 1000 m and 5 m/s/√3 of 60 m/s, 7.5 % of 0.06 1/s over 85.7 px·s.
-    assert!((grown[2] - 0.386).abs() < 0.01, "{grown:?}");
+    // After 1 s the altimeter has been silent for 0.5 s more than its period: 50 m/√3 of 1000 m, and
+    // 3 m; 2.9 % of 0.06 1/s over 85.7 px·s.
+    assert!((grown[2] - 0.150).abs() < 0.01, "{grown:?}");
     assert!(monitor.estimate(at(9.01)).is_none());
 }
 

@@ -1,0 +1,128 @@
+//! Noise of a source's value and its change in time, measured by its own samples.
+
+use super::held::Stamped;
+use super::settings::ChannelSettings;
+
+/// Least time between two samples by whose difference the change in time is measured, s: about the
+/// age at which a value is used.
+const CHANGE_OVER_S: f32 = 0.4;
+
+/// Longest time between two samples that are compared, s; the source was silent between others.
+const COMPARED_WITHIN_S: f32 = 3.0;
+
+/// Number of differences that the settings count as.
+const PRIOR_DIFFERENCES: f32 = 3.0;
+
+/// Number of differences over which noise and change are averaged.
+const AVERAGED_DIFFERENCES: f32 = 24.0;
+
+/// Number of differences from which on the settings count no less.
+const MOST_DIFFERENCES: f32 = 400.0;
+
+/// Number of differences from which on the measured change shows how far a value may go.
+const SHOWN_BY: f32 = 4.0;
+
+/// Least change in time, as a part of that of the settings.
+const LEAST_CHANGE: f32 = 0.05;
+
+/// Noise and change in time of one source.
+///
+/// # Model
+/// A sample is the true value with a noise of variance r; the true value is a random walk, whose
+/// variance grows by q per second, as gusts change a speed and the ground changes a height. The
+/// difference of two samples that are T apart has the variance `2r + q·T`. Differences of
+/// neighbouring samples measure r, those of samples [`CHANGE_OVER_S`] apart measure q. Each is a
+/// mean over [`AVERAGED_DIFFERENCES`], which begins with the settings. r is at least the square of
+/// the setting `sigma`, since differences do not show a constant error.
+#[derive(Debug, Clone, Copy, Default)]
+pub(super) struct Variability {
+    /// Sample with which the next one after [`CHANGE_OVER_S`] is compared.
+    reference: Option<Stamped>,
+    /// q, and the number of differences in it.
+    change_per_s: f32,
+    changes: f32,
+    /// r, and the number of differences in it.
+    noise: f32,
+    noises: f32,
+}
+
+impl Variability {
+    pub(super) const NEW: Self = Self {
+        reference: None,
+        change_per_s: 0.0,
+        changes: 0.0,
+        noise: 0.0,
+        noises: 0.0,
+    };
+
+    /// Variance of the value at an age, s.
+    pub(super) fn variance(&self, settings: &ChannelSettings, age_s: f32) -> f32 {
+        self.noise(settings) + self.change_per_s(settings) * age_s
+    }
+
+    /// Takes a sample that follows the last one without a jump.
+    pub(super) fn take(&mut self, settings: &ChannelSettings, last: Stamped, sample: Stamped) {
+        let elapsed_s = sample.time.seconds_since(last.time);
+        if !(elapsed_s > 0.0 && elapsed_s <= COMPARED_WITHIN_S) {
+            self.reference = Some(sample);
+            return;
+        }
+        if elapsed_s < 0.5 * CHANGE_OVER_S {
+            let expected = self.change_per_s(settings) * elapsed_s;
+            let found = 0.5 * (square(sample.value - last.value) - expected);
+            average(&mut self.noise, found, &mut self.noises);
+        }
+        let reference = *self.reference.get_or_insert(last);
+        let elapsed_s = sample.time.seconds_since(reference.time);
+        if elapsed_s < CHANGE_OVER_S {
+            return;
+        }
+        self.reference = Some(sample);
+        if elapsed_s <= COMPARED_WITHIN_S {
+            let difference = square(sample.value - reference.value);
+            let found = (difference - 2.0 * self.noise(settings)) / elapsed_s;
+            average(&mut self.change_per_s, found, &mut self.changes);
+        }
+    }
+
+    /// Forgets the sample that the next one would be compared with: the value has jumped.
+    pub(super) const fn interrupt(&mut self) {
+        self.reference = None;
+    }
+
+    /// Variance by which the value changes in a second, that of the settings until the samples have
+    /// shown another.
+    pub(super) fn shown_change_per_s(&self, settings: &ChannelSettings) -> f32 {
+        if self.changes < SHOWN_BY {
+            square(settings.change_per_sqrt_s)
+        } else {
+            self.change_per_s.max(0.0)
+        }
+    }
+
+    fn noise(&self, settings: &ChannelSettings) -> f32 {
+        let stated = square(settings.sigma);
+        stated.max(with_prior(stated, self.noise, self.noises))
+    }
+
+    fn change_per_s(&self, settings: &ChannelSettings) -> f32 {
+        let stated = square(settings.change_per_sqrt_s);
+        let least = LEAST_CHANGE * LEAST_CHANGE * stated;
+        least.max(with_prior(stated, self.change_per_s, self.changes))
+    }
+}
+
+/// Takes another number into a mean.
+fn average(mean: &mut f32, found: f32, count: &mut f32) {
+    *count = (*count + 1.0).min(MOST_DIFFERENCES);
+    *mean += (found - *mean) / count.min(AVERAGED_DIFFERENCES);
+}
+
+/// Returns the mean of what was stated and what was measured.
+fn with_prior(stated: f32, measured: f32, count: f32) -> f32 {
+    (PRIOR_DIFFERENCES * stated + count * measured) / (PRIOR_DIFFERENCES + count)
+}
+
+fn square(value: f32) -> f32 {
+    value * value
+}
