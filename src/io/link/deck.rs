@@ -65,7 +65,8 @@ pub trait FlightDeck {
 #[derive(Debug)]
 pub struct RigDeck {
     rig: Rig,
-    instruments: Instruments,
+    /// `None` until the first preparation: a deck without contents costs no copy when it is moved.
+    instruments: Option<Instruments>,
 }
 
 impl RigDeck {
@@ -74,7 +75,7 @@ impl RigDeck {
     pub const fn new(start: Start) -> Self {
         Self {
             rig: Rig::new(start),
-            instruments: Instruments::new(),
+            instruments: None,
         }
     }
 
@@ -84,14 +85,18 @@ impl RigDeck {
         Self::new(start.counting_on())
     }
 
-    /// Takes a byte that has come on a wire of the aircraft.
+    /// Takes a byte that has come on a wire of the aircraft; ignored until the camera is prepared.
     pub fn hear(&mut self, wire: Wire, byte: u8) {
-        self.instruments.push(wire, byte);
+        if let Some(instruments) = &mut self.instruments {
+            instruments.push(wire, byte);
+        }
     }
 
     /// Counts bytes of a wire that were lost before they could be handed over.
     pub const fn count_lost(&mut self, wire: Wire, bytes: u32) {
-        self.instruments.count_lost(wire, bytes);
+        if let Some(instruments) = &mut self.instruments {
+            instruments.count_lost(wire, bytes);
+        }
     }
 }
 
@@ -106,7 +111,7 @@ impl FlightDeck for RigDeck {
 
     fn prepare(&mut self, settings: &FlightSettings) -> Result<(), Refusal> {
         self.rig.prepare(settings)?;
-        self.instruments.clear();
+        self.instruments.get_or_insert_default().clear();
         Ok(())
     }
 
@@ -127,16 +132,16 @@ impl FlightDeck for RigDeck {
         step: &RigStep,
         sent: Option<WireBytes>,
     ) -> Option<Result<RigAnswer, Refusal>> {
-        if self.rig.controller().is_none() {
+        let (Some(_), Some(instruments)) = (self.rig.controller(), &mut self.instruments) else {
             return Some(Err(Refusal::NotPrepared));
-        }
+        };
         let wired;
         let step = if let Some(sent) = sent {
-            let received = self.instruments.received();
+            let received = instruments.received();
             if received != sent {
                 return Some(Err(Refusal::OtherBytes(received)));
             }
-            wired = self.instruments.wired(step);
+            wired = instruments.wired(step);
             &wired
         } else {
             step
@@ -145,7 +150,7 @@ impl FlightDeck for RigDeck {
     }
 
     fn instruments(&self) -> Option<&Instruments> {
-        Some(&self.instruments)
+        self.instruments.as_ref()
     }
 
     fn tell(&mut self, _: Event) -> Result<(), Refusal> {
