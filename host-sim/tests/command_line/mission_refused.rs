@@ -105,6 +105,20 @@ fn cut_has_its_duration_as_its_size_and_nothing_else() {
 }
 
 #[test]
+fn fault_of_a_wire_that_there_is_not_is_refused() {
+    for (fault, needed) in [
+        ("receiver-cut", "receiver = \"nmea\""),
+        ("autopilot-flood", "autopilot = \"mavlink\""),
+    ] {
+        refused_fault(
+            "name = \"stall\"\n",
+            &format!("name = \"{fault}\"\n"),
+            &["fault.0.name", needed],
+        );
+    }
+}
+
+#[test]
 fn line_that_carries_what_there_is_not_is_refused() {
     refused(
         "carries = [\"vh\", ",
@@ -117,9 +131,19 @@ fn line_that_carries_what_there_is_not_is_refused() {
         &["line.baud = 12", "1200 to 115200"],
     );
     refused(
-        "receiver = \"whole\"",
+        "receiver = \"nmea\"",
         "receiver = \"morse\"",
         &["morse", "nmea"],
+    );
+    refused(
+        "autopilot = \"mavlink\"",
+        "autopilot = \"morse\"",
+        &["morse", "mavlink"],
+    );
+    refused(
+        "autopilot_baud = 57600 ",
+        "autopilot_baud = 230400 ",
+        &["line.autopilot_baud = 230400", "1200 to 115200"],
     );
 }
 

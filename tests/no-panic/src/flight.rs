@@ -216,6 +216,8 @@ pub(crate) fn keep() {
         UtcClock::pulse,
         UtcClock::receiver_time,
         UtcClock::utc,
+        UtcClock::clear_doubt,
+        UtcClock::has_stepped,
         VhChannel::of,
         VhChannel::name,
         WrongUnit::factor,
