@@ -34,7 +34,8 @@ impl Controller {
         trigger: Time,
         fault: Option<Fault>,
     ) -> Result<(), Reason> {
-        let vh = self.aircraft.vh.estimate(trigger);
+        let held = self.aircraft.vh.held(trigger);
+        let vh = held.map(|held| held.estimate(0.0));
         let mut asked = Asked {
             sequence,
             trigger,
@@ -55,13 +56,7 @@ impl Controller {
         };
         // The record states σ and age at the middle of the exposure, where V/H is in use.
         let ahead_s = plan.first_light_s() + 0.5 * asked.exposure.exposure_s;
-        if let (Some(vh), Some(at_use)) = (
-            &mut asked.vh,
-            self.aircraft.vh.estimate_ahead(trigger, ahead_s),
-        ) {
-            vh.sigma_per_s = at_use.sigma_per_s;
-            vh.age_s = at_use.age_s;
-        }
+        asked.vh = held.map(|held| held.estimate(ahead_s));
         self.frame.begin(asked, &plan);
         Ok(())
     }

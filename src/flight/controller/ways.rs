@@ -101,7 +101,7 @@ impl Controller {
     fn become_ready(&mut self, now: Time) {
         let vh = &self.aircraft.vh;
         self.readiness
-            .become_ready(now, self.stage.fault(), || vh.estimate(now).is_some());
+            .become_ready(now, self.stage.fault(), || vh.is_known(now));
     }
 
     /// Leaves a fault that ends without a command.

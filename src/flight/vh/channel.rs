@@ -63,29 +63,28 @@ impl Channel {
         variability: Variability::NEW,
     };
 
-    /// Returns the last value, as long as it is valid, with its uncertainty a time ahead, s.
+    /// Returns the last value, as long as it is valid, with its uncertainty.
     ///
     /// # Model
     /// The value is held. While its source is heard its variance is that of [`Variability`], at the
     /// age of the measurement: time since its arrival and latency of the source; of a value that
     /// repeats, since it came first. From the period of a silent source on the value changes by its slew limit at most, a uniform error of standard
     /// deviation slew·T/√3 after T: `σ² = r + q·age + (slew·T)²/3`.
-    pub(super) fn held(&self, settings: &ChannelSettings, now: Time, ahead_s: f32) -> Option<Held> {
+    pub(super) fn held(&self, settings: &ChannelSettings, now: Time) -> Option<Held> {
         let last = self.last?;
         let since_s = now.seconds_since(last.time).max(0.0);
         if since_s >= settings.validity_s {
             return None;
         }
-        let before_s = settings.latency_s + ahead_s;
+        let [noise, change_per_s] = self.variability.variances();
+        let unknown_s = settings.latency_s + self.unchanged_s(settings, last, now);
         let drift = settings.slew_per_s * (since_s - settings.period_s).max(0.0);
         Some(Held {
             value: last.value,
-            variance: self
-                .variability
-                .variance(settings, before_s + self.unchanged_s(settings, last, now))
-                + drift * drift / 3.0,
+            variance: noise + change_per_s * unknown_s + drift * drift / 3.0,
+            change_per_s,
             doubt: self.doubt.map_or(0.0, |before| last.value - before),
-            age_s: before_s + since_s,
+            age_s: settings.latency_s + since_s,
             silent: since_s >= settings.period_s,
         })
     }
@@ -100,10 +99,15 @@ impl Channel {
         now.seconds_since(first).max(0.0)
     }
 
+    /// Returns the last value, as long as it is valid.
+    pub(super) fn valid(&self, settings: &ChannelSettings, now: Time) -> Option<f32> {
+        let last = self.last?;
+        (now.seconds_since(last.time) < settings.validity_s).then_some(last.value)
+    }
+
     /// Returns the last value, as long as it is valid and not in doubt.
     pub(super) fn undoubted(&self, settings: &ChannelSettings, now: Time) -> Option<f32> {
-        let last = self.last.filter(|_| self.doubt.is_none())?;
-        (now.seconds_since(last.time) < settings.validity_s).then_some(last.value)
+        self.valid(settings, now).filter(|_| self.doubt.is_none())
     }
 
     /// Trusts the last value, for the operator.
@@ -164,6 +168,7 @@ impl Channel {
             let noise = NOISE_SIGMAS * settings.sigma;
             (sample.value - other).abs() <= CONFIRMED_WITHIN * other.abs() + noise
         };
+        self.variability.begin(settings);
         if has_jumped {
             self.variability.interrupt();
             self.confirmed = false;

@@ -4,10 +4,11 @@ use super::agreement::{Choice, Limits};
 use super::channel::{Accepted, Channel};
 use super::estimate::{VhEstimate, VhSource};
 use super::finding::{VhChannel, VhCounters, VhFinding, VhFindingKind};
+use super::held::HeldVh;
 use super::sample::VhSample;
 use super::settings::VhSettings;
 use super::spread::Spread;
-use super::survey::{Agreements, Survey, SurveyLimits};
+use super::survey::{Agreements, Survey, SurveyLimits, is_within};
 use super::unit_watch::is_times;
 use super::values::Values;
 use crate::flight::time::Time;
@@ -157,17 +158,42 @@ impl VhMonitor {
         self.estimate_ahead(now, 0.0)
     }
 
+    /// Returns `true` if there is a V/H now: a way whose sources are not lost, in the range of V/H.
+    #[must_use]
+    pub fn is_known(&self, now: Time) -> bool {
+        let last = |channel| self.channel(channel).valid(self.settings.of(channel), now);
+        let is_vh = |vh_per_s: f32| is_within(self.settings.direct.range, vh_per_s);
+        if last(VhChannel::Direct).is_some_and(is_vh) {
+            return true;
+        }
+        let speed = last(VhChannel::GroundSpeed).or_else(|| last(VhChannel::InertialSpeed));
+        let Some(speed_m_s) = speed else {
+            return false;
+        };
+        let is_height = |height_m: &f32| is_vh(speed_m_s / height_m);
+        let over_terrain = || {
+            let height_m = last(VhChannel::Altitude)? - last(VhChannel::TerrainHeight)?;
+            Some(height_m).filter(|it| is_within(self.settings.height_above_ground.range, *it))
+        };
+        [VhChannel::LaserHeight, VhChannel::HeightAboveGround]
+            .into_iter()
+            .find_map(|channel| last(channel).filter(is_height))
+            .or_else(|| over_terrain().filter(is_height))
+            .is_some()
+    }
+
     /// Returns the V/H of [`Self::estimate`], with σ and age at its use a time later, s.
     #[must_use]
     pub fn estimate_ahead(&self, now: Time, ahead_s: f32) -> Option<VhEstimate> {
-        let survey = self.survey(now, ahead_s);
-        let Choice { index, held, .. } = survey.way?;
-        Some(VhEstimate {
-            vh_per_s: held.value,
-            sigma_per_s: held.sigma(),
-            age_s: held.age_s,
+        Some(self.held(now)?.estimate(ahead_s))
+    }
+
+    /// Returns the V/H in use now, whose σ and age at a later time can be given.
+    pub(crate) fn held(&self, now: Time) -> Option<HeldVh> {
+        let Choice { index, held, .. } = self.survey(now).way?;
+        Some(HeldVh {
             source: *WAYS.get(index)?,
-            extrapolated: held.silent,
+            held,
         })
     }
 
@@ -279,7 +305,7 @@ impl VhMonitor {
     /// Learns from the values at a sample that is used. Returns the V/H or quantity in use and
     /// another that contradicts it.
     fn learn(&mut self, now: Time) -> Option<[f32; 2]> {
-        let survey = self.survey(now, 0.0);
+        let survey = self.survey(now);
         self.agreements.learn(&survey, &self.limits(now));
         self.unconfirmed = false;
         if let Some(way) = survey.way {
@@ -291,12 +317,11 @@ impl VhMonitor {
         survey.against()
     }
 
-    /// Returns the values of all sensors and ways that are not lost, and the choice among them, with
-    /// their uncertainty a time ahead, s.
-    pub(super) fn survey(&self, now: Time, ahead_s: f32) -> Survey {
+    /// Returns the values of all sensors and ways that are not lost, and the choice among them.
+    pub(super) fn survey(&self, now: Time) -> Survey {
         let held = |channel| {
             let settings = self.settings.of(channel);
-            self.channel(channel).held(settings, now, ahead_s)
+            self.channel(channel).held(settings, now)
         };
         self.agreements
             .survey(&self.settings, &self.limits(now), held)

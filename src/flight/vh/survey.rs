@@ -98,6 +98,7 @@ impl Agreements {
     }
 }
 
-fn is_within([least, most]: [f32; 2], value: f32) -> bool {
+/// Returns `true` if a value lies in a range.
+pub(super) fn is_within([least, most]: [f32; 2], value: f32) -> bool {
     value >= least && value <= most
 }

@@ -44,6 +44,8 @@ pub(super) struct Variability {
     /// r, and the number of differences in it.
     noise: f32,
     noises: f32,
+    /// r and q with the settings in them.
+    variances: [f32; 2],
 }
 
 impl Variability {
@@ -53,11 +55,19 @@ impl Variability {
         changes: 0.0,
         noise: 0.0,
         noises: 0.0,
+        variances: [0.0; 2],
     };
 
-    /// Variance of the value at an age, s.
-    pub(super) fn variance(&self, settings: &ChannelSettings, age_s: f32) -> f32 {
-        self.noise(settings) + self.change_per_s(settings) * age_s
+    /// r and q.
+    pub(super) const fn variances(&self) -> [f32; 2] {
+        self.variances
+    }
+
+    /// Begins with the settings, at a first sample.
+    pub(super) fn begin(&mut self, settings: &ChannelSettings) {
+        if self.changes == 0.0 && self.noises == 0.0 {
+            self.variances = [self.noise(settings), self.change_per_s(settings)];
+        }
     }
 
     /// Takes a sample that follows the last one without a jump.
@@ -68,9 +78,11 @@ impl Variability {
             return;
         }
         if elapsed_s < 0.5 * CHANGE_OVER_S {
-            let expected = self.change_per_s(settings) * elapsed_s;
+            let [_, change_per_s] = self.variances;
+            let expected = change_per_s * elapsed_s;
             let found = 0.5 * (square(sample.value - last.value) - expected);
             average(&mut self.noise, found, &mut self.noises);
+            self.variances = [self.noise(settings), self.change_per_s(settings)];
         }
         let reference = *self.reference.get_or_insert(last);
         let elapsed_s = sample.time.seconds_since(reference.time);
@@ -80,8 +92,10 @@ impl Variability {
         self.reference = Some(sample);
         if elapsed_s <= COMPARED_WITHIN_S {
             let difference = square(sample.value - reference.value);
-            let found = (difference - 2.0 * self.noise(settings)) / elapsed_s;
+            let [noise, _] = self.variances;
+            let found = (difference - 2.0 * noise) / elapsed_s;
             average(&mut self.change_per_s, found, &mut self.changes);
+            self.variances = [self.noise(settings), self.change_per_s(settings)];
         }
     }
 

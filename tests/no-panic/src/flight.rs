@@ -237,6 +237,7 @@ pub(crate) fn keep() {
         VhMonitor::with_limits,
         VhMonitor::relative_variance,
         VhMonitor::is_unconfirmed,
+        VhMonitor::is_known,
         Plant::checked,
         LoopSettings::tuned,
         LoopSettings::checked,

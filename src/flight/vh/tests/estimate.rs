@@ -176,3 +176,19 @@ fn loss_and_return_are_told() {
     );
     assert!((monitor.estimate(at(20.0)).unwrap().vh_per_s - 60.0 / 1400.0).abs() < 1e-4);
 }
+
+#[test]
+fn vh_is_known_as_long_as_there_is_an_estimate() {
+    for sources in [
+        &GOOD[..],
+        &GOOD[..2],
+        &[GOOD[0], GOOD[2], GOOD[3]],
+        &GOOD[..1],
+    ] {
+        let monitor = flying(sources);
+        for tenths in 40..700_u16 {
+            let now = at(0.1 * f32::from(tenths));
+            assert_eq!(monitor.is_known(now), monitor.estimate(now).is_some());
+        }
+    }
+}
