@@ -77,7 +77,7 @@ impl Channel {
             return None;
         }
         let [noise, change_per_s] = self.variability.variances();
-        let unknown_s = settings.latency_s + self.unchanged_s(settings, last, now);
+        let unknown_s = settings.latency_s + since_s + self.unchanged_s(settings, last);
         let drift = settings.slew_per_s * (since_s - settings.period_s).max(0.0);
         Some(Held {
             value: last.value,
@@ -89,14 +89,19 @@ impl Channel {
         })
     }
 
-    /// Returns the time since the last value came first, s: the true value is unknown since then if
-    /// the source never gives the same one for long.
-    fn unchanged_s(&self, settings: &ChannelSettings, last: Stamped, now: Time) -> f32 {
-        let first = self
-            .repeated
-            .filter(|first| settings.frozen_s > 0.0 && is_same(first.value, last.value))
-            .map_or(last.time, |first| first.time.min(last.time));
-        now.seconds_since(first).max(0.0)
+    /// Returns the time for which the last value has repeated, s: the true value is unknown since
+    /// then if the source never gives the same one for long.
+    fn unchanged_s(&self, settings: &ChannelSettings, last: Stamped) -> f32 {
+        match self.repeated {
+            Some(first)
+                if first.time < last.time
+                    && settings.frozen_s > 0.0
+                    && is_same(first.value, last.value) =>
+            {
+                last.time.seconds_since(first.time)
+            }
+            _ => 0.0,
+        }
     }
 
     /// Returns the last value, as long as it is valid.
