@@ -84,6 +84,6 @@ fn documented_default_limits_are_those_of_the_code() {
     } = Limits::DEFAULT;
     let [shortest, longest] = [shortest, longest].map(|seconds| seconds.recip().round());
     let sentence =
-        format!("V/H {least} to {most} 1/s and exposures of 1/{shortest} to 1/{longest} s");
+        format!("V/H (1/s) {least} to {most} and exposures (s) 1/{shortest} to 1/{longest}");
     assert!(running_text().contains(&sentence), "{sentence}");
 }

@@ -75,7 +75,8 @@ impl FakeQemu {
         let (started, die) = (self.path("started"), self.path("die"));
         thread::spawn(move || {
             let arguments = wait_for(&started);
-            let [link, _log] = ["link", "log"].map(|name| connect(&arguments, name));
+            let uarts = ["link", "log", "receiver", "autopilot"];
+            let [link, _log, _receiver, _autopilot] = uarts.map(|name| connect(&arguments, name));
             serve(link.try_clone().unwrap());
             fs::write(die, "").unwrap();
             // The link stays open until the process has ended, as a real one does.

@@ -18,6 +18,7 @@ fn records_of_a_flight_whose_link_was_cut_are_fetched_later_and_once() {
     fs::write(bench.path("cameras/mission.toml"), CAMERA).unwrap();
     // The link is cut from the second frame to the end.
     let cut = MISSION
+        .replace("receiver = \"nmea\"", "receiver = \"whole\"")
         .replace("at_frame = 9", "at_frame = 2")
         .replace("onset_s = 0.04 ", "onset_s = 0.0 ")
         .replace("size = 14.01 ", "size = 900.0 ");
