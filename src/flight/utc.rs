@@ -3,6 +3,9 @@
 //! The pulse marks exactly the beginning of a second, but does not name it; the receiver's messages
 //! name it, but come late. The camera's clock carries the time from one pulse to the next.
 
+mod reading;
+
+pub use self::reading::{UtcFinding, UtcTime};
 use super::time::Time;
 
 /// Largest distance of a pulse from a whole number of seconds after the last, per second, beyond
@@ -47,41 +50,6 @@ const DRIFT_GAIN: f32 = 0.125;
 const QUANTISATION_S: f32 = 0.289e-6;
 
 const US_PER_S: u64 = 1_000_000;
-
-/// An instant of UTC.
-#[derive(Debug, Clone, Copy, PartialEq)]
-#[cfg_attr(feature = "defmt", derive(defmt::Format))]
-#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
-pub struct UtcTime {
-    /// Microseconds since 1970-01-01T00:00:00 UTC, leap seconds not counted.
-    pub unix_us: u64,
-    /// σ, s.
-    pub sigma_s: f32,
-}
-
-/// Finding of a pulse or a time.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-#[cfg_attr(feature = "defmt", derive(defmt::Format))]
-#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
-pub enum UtcFinding {
-    /// Number of pulses that did not come.
-    MissingPulses(u32),
-    /// A pulse that fits no second; not used.
-    ExtraPulse,
-    /// Pulses have come at another place in the second for long enough: they replace the earlier
-    /// ones, and are not named yet. σ covers the move until the doubt is cleared.
-    PulsesMoved,
-    /// Number of seconds by which the receiver's time differs from the count of pulses; not used
-    /// yet, and σ covers it.
-    WrongSecond(i64),
-    /// The same difference has lasted long enough to replace the count: a leap second, or a
-    /// receiver that is wrong now or was before. σ covers it until the doubt is cleared.
-    Stepped(i64),
-    /// A pulse or a time that comes from before the last one; not used.
-    FromThePast,
-    /// A time without a pulse in the second before it; it names nothing.
-    NoPulse,
-}
 
 /// The last pulse.
 #[derive(Debug, Clone, Copy, PartialEq)]

@@ -1,14 +1,12 @@
 //! Messages of the link.
 
-use core::fmt;
-
 use heapless::{String, Vec};
 use serde::{Deserialize, Serialize};
 
 use super::packet::Packet;
-use super::{CALIBRATION_CAPACITY, MAX_OBSERVATIONS, MAX_PART, MAX_POINTS, PROTOCOL_VERSION};
+pub use super::refusal::Refusal;
+use super::{MAX_OBSERVATIONS, MAX_PART, MAX_POINTS, PROTOCOL_VERSION};
 use crate::flight::calibration_id::CalibrationId;
-use crate::flight::camera::FrameError;
 use crate::flight::controller::state::State;
 use crate::flight::controller::{self, Counts};
 use crate::flight::event::Event;
@@ -18,16 +16,13 @@ use crate::flight::frame_record::FrameRecord;
 use crate::flight::interior_orientation::InteriorOrientation;
 use crate::flight::rig::{RigAnswer, RigStep};
 use crate::flight::settings::FlightSettings;
-use crate::geometry::calibration::CalibrationError;
-use crate::geometry::estimation::fit::{Fit, FitError};
+use crate::geometry::estimation::fit::Fit;
 use crate::geometry::estimation::observation::Observation;
 use crate::geometry::estimation::options::FitOptions;
 use crate::geometry::frame_correction::Corrected;
-use crate::geometry::inverse::DistortError;
 use crate::geometry::mesh::format::{MAX_WORD_BYTES, MeshFormat};
 use crate::geometry::mesh::pixel_correction::PixelCorrection;
-use crate::geometry::mesh::vertex::{MeshError, VertexRow};
-use crate::geometry::range::OutOfRange;
+use crate::geometry::mesh::vertex::VertexRow;
 use crate::geometry::sensor::SensorPoint;
 use crate::io::instruments::WireBytes;
 use crate::io::instruments::counters::InstrumentCounters;
@@ -167,192 +162,6 @@ pub enum Answer {
     /// The counters of the wires of receiver and autopilot.
     Instruments(InstrumentCounters),
 }
-
-/// Why the camera does not do what it is asked for. Nothing has changed, except that after an
-/// [`Refusal::Exposure`] there is no frame, and that a load is over whose last part is refused with
-/// [`Refusal::LoadCrc`], [`Refusal::NoRecord`] or [`Refusal::Calibration`].
-#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
-#[cfg_attr(feature = "defmt", derive(defmt::Format))]
-pub enum Refusal {
-    /// The request is of another version of this protocol; the answer's first byte is the camera's
-    /// version.
-    OtherProtocol,
-    /// The bytes are not a request of this version.
-    Unknown,
-    /// The session is not open: another took its place, or the camera has started again.
-    OtherSession,
-    /// The request is not the next one of the session.
-    OutOfOrder {
-        /// The sequence number of the next request.
-        expected: u16,
-    },
-    /// The calibration is not usable; the previous one stays.
-    Calibration(CalibrationError),
-    /// There is no calibration yet.
-    NoCalibration,
-    /// The exposure cannot be taken.
-    Exposure(FrameError),
-    /// There is no frame yet.
-    NoFrame,
-    /// A measured point, or that of an observation, is not on the sensor.
-    OffSensor {
-        /// Its index in the batch, row or grid.
-        index: u16,
-    },
-    /// An ideal point has no measured one.
-    Distort {
-        /// Its index in the batch.
-        index: u16,
-        /// The reason.
-        error: DistortError,
-    },
-    /// There are more points than fit an answer.
-    TooMany,
-    /// This camera cannot switch itself off.
-    NoPowerSwitch,
-    /// No adjustment has been started.
-    NoFit,
-    /// An observation is out of range.
-    Observation {
-        /// Its index in the batch.
-        index: u16,
-        /// The number that is out of range.
-        error: OutOfRange,
-    },
-    /// The observations do not determine the coefficients.
-    Fit(FitError),
-    /// The camera has not been prepared for flight.
-    NotPrepared,
-    /// A setting of the flight is out of its range.
-    Settings(OutOfRange),
-    /// The mechanism cannot make the travel, or not in the time between triggers.
-    Travel(FrameError),
-    /// A frame is in flight, or the camera is armed, with compensation or without: calibration and
-    /// settings stay, and nothing is begun that lasts longer than a round of the control loop.
-    FrameInFlight,
-    /// This number of frame records has not been acknowledged, and would be lost.
-    RecordsKept(u32),
-    /// The camera is not on a test rig: its board has the time.
-    NoRig,
-    /// The camera is on a test rig: events come with the rig's rounds.
-    OnRig,
-    /// The camera takes such an event from its own inputs alone, not from a message.
-    NotTold,
-    /// The queue of the control loop has no place for another event of this kind.
-    QueueFull,
-    /// The camera has no output that clocks the rows of a TDI sensor.
-    NoRowClock,
-    /// A vertex of the mesh is off the image, has no source, or has a source that the format cannot
-    /// hold.
-    Mesh(MeshError),
-    /// The firmware was built without the adjustment of the five coefficients.
-    NoEstimation,
-    /// No camera's parameters have such a length.
-    LoadLength {
-        /// The length announced, bytes.
-        length: u32,
-    },
-    /// No load is under way.
-    NoLoad,
-    /// The part is of other parameters than those announced last.
-    OtherLoad,
-    /// The part is not the next one.
-    PartOutOfOrder {
-        /// The offset of the next, bytes.
-        expected: u32,
-    },
-    /// The part goes beyond the length announced.
-    PartTooLong,
-    /// The parameters are complete, and their CRC-32 is not the one announced.
-    LoadCrc {
-        /// That of the bytes that have come.
-        computed: u32,
-    },
-    /// The parameters are complete, and no record of a camera.
-    NoRecord,
-    /// Only so many bytes have come on the wires, or more than were sent. Missing bytes may still
-    /// be on their way: the request may be made again.
-    OtherBytes(WireBytes),
-    /// The camera has no wires of receiver and autopilot.
-    NoInstruments,
-}
-
-impl fmt::Display for Refusal {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        match self {
-            Self::OtherProtocol => f.write_str("it speaks another version of the protocol"),
-            Self::Unknown => f.write_str("it does not know the request"),
-            Self::OtherSession => f.write_str(
-                "the session has ended: another host has connected, or the camera has restarted",
-            ),
-            Self::OutOfOrder { expected } => {
-                write!(
-                    f,
-                    "the request is out of order: number {expected} is the next"
-                )
-            }
-            Self::Calibration(error) => write!(f, "the calibration is not usable: {error}"),
-            Self::NoCalibration => f.write_str("no calibration is loaded"),
-            Self::Exposure(error) => error.fmt(f),
-            Self::NoFrame => f.write_str("there has been no exposure"),
-            Self::OffSensor { index } => write!(f, "point {index} of the batch is off the sensor"),
-            Self::Distort { index, error } => write!(f, "point {index} of the batch: {error}"),
-            Self::TooMany => write!(f, "more than {MAX_POINTS} points"),
-            Self::NoPowerSwitch => f.write_str("it cannot switch itself off"),
-            Self::NoFit => f.write_str("no adjustment has been started"),
-            Self::Observation { index, error } => {
-                write!(f, "observation {index} of the batch: {error}")
-            }
-            Self::Fit(error) => error.fmt(f),
-            Self::NotPrepared => f.write_str("it has not been prepared for flight"),
-            Self::Settings(error) => write!(f, "a setting of the flight is refused: {error}"),
-            Self::Travel(error) => error.fmt(f),
-            Self::FrameInFlight => f.write_str("it is armed or in flight"),
-            Self::RecordsKept(count) => {
-                write!(f, "{count} frame records have not been acknowledged")
-            }
-            Self::NoRig => f.write_str("it is not on a test rig"),
-            Self::OnRig => f.write_str("it is on a test rig: events come with the rig's rounds"),
-            Self::NotTold => f.write_str("it takes such an event from its own inputs alone"),
-            Self::QueueFull => f.write_str("too many events wait for its control loop"),
-            Self::NoRowClock => {
-                f.write_str("it has no output that clocks the rows of a TDI sensor")
-            }
-            Self::Mesh(error) => error.fmt(f),
-            Self::NoEstimation => {
-                f.write_str("its firmware was built without the adjustment of coefficients")
-            }
-            Self::LoadLength { length } => write!(
-                f,
-                "parameters of {length} bytes are not among 1 to {CALIBRATION_CAPACITY}"
-            ),
-            Self::NoLoad => f.write_str("no load of a calibration is under way"),
-            Self::OtherLoad => f.write_str("the part is of another calibration than announced"),
-            Self::PartOutOfOrder { expected } => {
-                write!(
-                    f,
-                    "the part is not the next, which begins at byte {expected}"
-                )
-            }
-            Self::PartTooLong => f.write_str("the part goes beyond the length announced"),
-            Self::LoadCrc { computed } => write!(
-                f,
-                "the parameters have CRC-32 {computed:08x}, not the one announced"
-            ),
-            Self::NoRecord => f.write_str("the parameters are not a camera's of this version"),
-            Self::OtherBytes(WireBytes {
-                receiver,
-                autopilot,
-            }) => write!(
-                f,
-                "{receiver} bytes of the receiver and {autopilot} of the autopilot have come, not as many as were sent"
-            ),
-            Self::NoInstruments => f.write_str("it has no wires of receiver and autopilot"),
-        }
-    }
-}
-
-impl core::error::Error for Refusal {}
 
 /// The reason why the camera runs.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]

@@ -34,9 +34,12 @@ mod batch;
 pub mod deck;
 pub mod digest;
 mod fitting;
+pub mod link_event;
 pub mod loading;
 pub mod message;
 pub mod packet;
+pub mod refusal;
+mod responder;
 pub mod station;
 pub mod wired_deck;
 

@@ -1,0 +1,314 @@
+//! The camera's answers to the requests of a session.
+
+use super::deck::{self, FlightDeck};
+use super::fitting::Fitting;
+use super::link_event::LinkEvent;
+use super::loading::Loading;
+use super::message::{Answer, Counters, Header, Identity, Part, Refusal, Request, Unreadable};
+use super::packet::{Damage, Packet};
+use super::{batch, digest};
+use crate::flight::calibration_id::{CalibrationId, Storage};
+use crate::flight::camera::{self, Camera, CameraParameters};
+use crate::flight::exposure::Exposure;
+use crate::flight::frame_record::FrameRecord;
+use crate::flight::interior_orientation::InteriorOrientation;
+use crate::flight::rig::RigStep;
+use crate::io::instruments::WireBytes;
+
+/// The packet that is on its way, of two.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(super) enum Which {
+    /// The answer to the last request of the session.
+    Answer,
+    /// The refusal of a message that is not the next of the session.
+    Aside,
+}
+
+/// The part that reads requests and writes answers.
+#[derive(Debug)]
+pub(super) struct Responder<Deck> {
+    pub(super) identity: Identity,
+    pub(super) stack_used_bytes: fn() -> u32,
+    /// The last request of the session that was answered.
+    pub(super) last: Option<Header>,
+    /// The request to which the kept answer belongs.
+    pub(super) kept: Option<Header>,
+    pub(super) loading: Loading,
+    pub(super) frame: Option<camera::Frame>,
+    /// The camera, in flight or not: everybody borrows it from here.
+    pub(super) deck: Deck,
+    pub(super) fitting: Fitting,
+    pub(super) answer: Packet,
+    /// The refusal of a message that is not the next of the session: the answer stays meanwhile,
+    /// and can be asked for again.
+    pub(super) aside: Packet,
+    pub(super) to_send: Which,
+    pub(super) sent: usize,
+    pub(super) counters: Counters,
+}
+
+impl<Deck: FlightDeck> Responder<Deck> {
+    pub(super) fn lost(&mut self, damage: Damage) -> LinkEvent {
+        count(match damage {
+            Damage::Truncated => &mut self.counters.truncated,
+            Damage::Oversized => &mut self.counters.oversized,
+            Damage::Crc => &mut self.counters.wrong_crc,
+        });
+        LinkEvent::Lost(damage)
+    }
+
+    pub(super) fn answer(&mut self, payload: &[u8]) -> LinkEvent {
+        let (header, request) = match Request::read(payload) {
+            Ok(message) => message,
+            Err(unreadable) => {
+                count(match unreadable {
+                    Unreadable::OtherProtocol(_) => &mut self.counters.other_protocol,
+                    Unreadable::NoHeader => &mut self.counters.unknown,
+                });
+                if let Unreadable::OtherProtocol(_) = unreadable {
+                    // The first byte of the answer tells the sender the version of this protocol.
+                    self.refuse_aside(NOBODY, Refusal::OtherProtocol);
+                }
+                return LinkEvent::Unreadable(unreadable);
+            }
+        };
+        if self.kept == Some(header) {
+            self.to_send = Which::Answer;
+            self.sent = 0;
+            count(&mut self.counters.repeated);
+            return LinkEvent::Repeated;
+        }
+        let connects = matches!(request, Some(Request::Connect));
+        if !connects && let Err(refusal) = self.in_order(header) {
+            count(match refusal {
+                Refusal::OtherSession => &mut self.counters.other_session,
+                _ => &mut self.counters.out_of_order,
+            });
+            self.refuse_aside(header, refusal);
+            return LinkEvent::Refused(refusal);
+        }
+        self.last = Some(header);
+        let done = match request {
+            Some(request) => self.act(header, &request),
+            None => Err(Refusal::Unknown),
+        };
+        match done {
+            Ok((answer, event)) => {
+                count(&mut self.counters.done);
+                self.send(header, &answer);
+                event
+            }
+            Err(refusal) => {
+                count(match refusal {
+                    Refusal::Unknown => &mut self.counters.unknown,
+                    _ => &mut self.counters.refused,
+                });
+                self.send(header, &Answer::Refused(refusal));
+                LinkEvent::Refused(refusal)
+            }
+        }
+    }
+
+    /// Checks that a request is the next of the open session.
+    fn in_order(&self, header: Header) -> Result<(), Refusal> {
+        let last = self
+            .last
+            .filter(|last| last.session == header.session)
+            .ok_or(Refusal::OtherSession)?;
+        let expected = last.sequence.wrapping_add(1);
+        if header.sequence == expected {
+            Ok(())
+        } else {
+            Err(Refusal::OutOfOrder { expected })
+        }
+    }
+
+    fn act(&mut self, header: Header, request: &Request) -> Result<(Answer, LinkEvent), Refusal> {
+        let answer = match request {
+            Request::Connect => {
+                self.frame = None;
+                self.fitting.end();
+                self.loading.end();
+                let identity = Identity {
+                    calibration: self.deck.camera().and_then(Camera::id),
+                    ..self.identity.clone()
+                };
+                return Ok((
+                    Answer::Connected(identity),
+                    LinkEvent::Connected(header.session),
+                ));
+            }
+            Request::BeginLoad { length, crc } => {
+                deck::check_over(&self.deck)?;
+                self.loading.begin(*length, *crc)?;
+                Answer::Loading(0)
+            }
+            Request::LoadPart(part) => match self.load_part(part)? {
+                Some(id) => return Ok((Answer::Loaded(id), LinkEvent::Loaded(id))),
+                None => Answer::Loading(self.loading.received()),
+            },
+            Request::Expose(exposure) => {
+                return Ok((
+                    Answer::InteriorOrientation(self.expose(exposure)?),
+                    LinkEvent::Exposed,
+                ));
+            }
+            Request::InteriorOrientation => Answer::InteriorOrientation(self.frame()?.interior),
+            Request::Correct(measured) => {
+                Answer::Points(batch::correct(&self.frame()?.correction, measured)?)
+            }
+            Request::Distort(ideal) => {
+                Answer::Points(batch::distort(&self.frame()?.correction, ideal)?)
+            }
+            Request::Digest(grid) => {
+                deck::check_idle(&self.deck)?;
+                let correction = &self.frame()?.correction;
+                batch::on_sensor(correction, grid.points())?;
+                Answer::Digest(digest::of_grid(correction, grid))
+            }
+            Request::Counters => Answer::Counters(self.counters()),
+            Request::Reset => return Ok((Answer::Ending, LinkEvent::Reset)),
+            Request::PowerOff if self.identity.power_switch => {
+                return Ok((Answer::Ending, LinkEvent::PowerOff));
+            }
+            Request::PowerOff => return Err(Refusal::NoPowerSwitch),
+            Request::StartFit(options) => {
+                deck::check_idle(&self.deck)?;
+                Answer::Observed(self.fitting.start(self.deck.camera(), *options)?)
+            }
+            Request::Observe(observations) => {
+                deck::check_idle(&self.deck)?;
+                Answer::Observed(self.fitting.observe(self.deck.camera(), observations)?)
+            }
+            Request::Fit => {
+                deck::check_idle(&self.deck)?;
+                Answer::Fitted(self.fitting.fit()?)
+            }
+            Request::Prepare(settings) => {
+                deck::prepare(&mut self.deck, settings)?;
+                Answer::Prepared
+            }
+            Request::Rig(step) => self.step(step, None)?,
+            Request::Wired(step, sent) => self.step(step, Some(*sent))?,
+            Request::Instruments => Answer::Instruments(
+                self.deck
+                    .instruments()
+                    .ok_or(Refusal::NoInstruments)?
+                    .counters(),
+            ),
+            Request::FrameRecord(from) => Answer::FrameRecord(self.frame_record(*from)?),
+            Request::Acknowledge(through) => {
+                Answer::Kept(deck::acknowledge(&mut self.deck, *through)?)
+            }
+            Request::Status => Answer::Status(deck::status(&self.deck)?),
+            Request::Flown => {
+                let (sequence, frame) = deck::latest(&self.deck).ok_or(Refusal::NoFrame)?;
+                self.frame = Some(frame);
+                Answer::Flown(sequence, frame.interior)
+            }
+            Request::Tell(event) => {
+                self.deck.tell(*event)?;
+                Answer::Told
+            }
+            Request::Mesh(row, format) => {
+                Answer::Mesh(batch::mesh(&self.frame()?.correction, row, *format)?)
+            }
+            Request::Corrections(row) => {
+                Answer::Corrections(batch::corrections(&self.frame()?.correction, row)?)
+            }
+        };
+        Ok((answer, LinkEvent::Answered))
+    }
+
+    /// Runs a round of a test rig. It is not inlined: two copies of the controller would take twice the stack.
+    #[inline(never)]
+    fn step(&mut self, step: &RigStep, sent: Option<WireBytes>) -> Result<Answer, Refusal> {
+        let answer = self.deck.step(step, sent).ok_or(Refusal::NoRig)??;
+        Ok(Answer::Rig(answer))
+    }
+
+    fn frame_record(&self, from: u32) -> Result<Option<(FrameRecord, u32)>, Refusal> {
+        let record = deck::record(&self.deck, from)?;
+        // Every record fits its digest's buffer.
+        Ok(record.and_then(|record| Some((record, digest::of_frame_record(&record)?))))
+    }
+
+    /// Takes a part; the last puts the calibration into use. Apart, so that reading any request does not need the stack
+    /// of this one.
+    #[inline(never)]
+    fn load_part(&mut self, part: &Part) -> Result<Option<CalibrationId>, Refusal> {
+        deck::check_over(&self.deck)?;
+        if !self.loading.add(part)? {
+            return Ok(None);
+        }
+        let (record, crc) = self.loading.finish()?;
+        self.load(record, crc, Storage::Volatile).map(Some)
+    }
+
+    pub(super) fn load(
+        &mut self,
+        record: CameraParameters,
+        crc: u32,
+        storage: Storage,
+    ) -> Result<CalibrationId, Refusal> {
+        let camera = Camera::identified(record, crc, storage).map_err(Refusal::Calibration)?;
+        self.deck.load(camera);
+        self.frame = None;
+        self.fitting.end();
+        Ok(CalibrationId {
+            serial: record.serial,
+            version: record.version,
+            crc,
+            storage,
+        })
+    }
+
+    fn expose(&mut self, exposure: &Exposure) -> Result<InteriorOrientation, Refusal> {
+        let camera = self.deck.camera().ok_or(Refusal::NoCalibration)?;
+        // Points that follow a refused exposure must not meet the previous frame.
+        self.frame = None;
+        let frame = camera.frame(exposure).map_err(Refusal::Exposure)?;
+        self.frame = Some(frame);
+        Ok(frame.interior)
+    }
+
+    fn frame(&self) -> Result<&camera::Frame, Refusal> {
+        self.frame.as_ref().ok_or(Refusal::NoFrame)
+    }
+
+    pub(super) fn counters(&self) -> Counters {
+        Counters {
+            stack_used_bytes: (self.stack_used_bytes)(),
+            ..self.counters
+        }
+    }
+
+    /// Sends a refusal that is not an answer within the session.
+    fn refuse_aside(&mut self, header: Header, refusal: Refusal) {
+        self.to_send = Which::Aside;
+        self.sent = 0;
+        // A refusal fits a packet.
+        let _ = Answer::Refused(refusal).write(header, &mut self.aside);
+    }
+
+    fn send(&mut self, header: Header, answer: &Answer) {
+        self.to_send = Which::Answer;
+        self.sent = 0;
+        self.kept = answer.write(header, &mut self.answer).map(|()| header);
+    }
+}
+
+/// The header of an answer to a request whose own cannot be read.
+pub const NOBODY: Header = Header {
+    session: 0,
+    sequence: 0,
+};
+
+pub(super) fn count(counter: &mut u32) {
+    count_more(counter, 1);
+}
+
+/// Adds to a counter, which stops at its largest value.
+pub(super) fn count_more(counter: &mut u32, by: u32) {
+    *counter = counter.saturating_add(by);
+}
