@@ -90,7 +90,7 @@ impl<P: Port> Client<P> {
         }
     }
 
-    /// Starts the camera again; the session ends. If the answer was lost, [`Identity::start`] of
+    /// Starts the camera again; the session ends. If the answer was lost, [`Identity::reset_cause`] of
     /// the next connection tells whether the reset was done.
     ///
     /// # Errors

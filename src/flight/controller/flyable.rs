@@ -12,10 +12,11 @@ impl Controller {
     /// Returns the same camera with the largest V/H that its mechanism can fly with these settings,
     /// if it can fly less than the limits say.
     ///
-    /// [`Controller::new`] refuses a camera whose mechanism cannot fly the largest V/H of its
-    /// limits. Limits that somebody has chosen should be refused; those of a camera that states
-    /// none ([`Limits::DEFAULT`](crate::flight::exposure::Limits::DEFAULT)) are made to fit here,
-    /// once, before the camera is given to the controller.
+    /// [`PreparedCamera::new`](crate::flight::prepared_camera::PreparedCamera::new) refuses a
+    /// camera whose mechanism cannot fly the largest V/H of its limits. Limits that somebody has
+    /// chosen should be refused; those of a camera that states none
+    /// ([`Limits::DEFAULT`](crate::flight::exposure::Limits::DEFAULT)) are made to fit here, once,
+    /// before the camera is given to the controller.
     ///
     /// # Model
     /// The V/H of 257 that are evenly spread over the limits, the largest first, at which the

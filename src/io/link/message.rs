@@ -56,7 +56,7 @@ pub enum Request {
     /// Announces the parameters of a camera, which replace calibration, mechanism, shutter and limits once they are
     /// complete ([`super::loading`]). Ends a load that is under way.
     BeginLoad {
-        /// How many bytes there are, 1 to [`CALIBRATION_CAPACITY`].
+        /// How many bytes there are, 1 to [`CALIBRATION_CAPACITY`](super::CALIBRATION_CAPACITY).
         length: u32,
         /// Their CRC-32.
         crc: u32,
