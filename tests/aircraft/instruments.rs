@@ -6,36 +6,36 @@ use fmc_camera::flight::rig::RigStep;
 use fmc_camera::flight::time::Time;
 use fmc_camera::flight::vh::{VhFindingKind, VhMonitor, VhSample, WrongUnit};
 use fmc_camera::io::instruments::{
-    ALIVE_US, BYTES_PER_ROUND, HEARD_WITHIN_US, Instruments, WAITING_BYTES, Wire,
+    BYTES_PER_ROUND, HEARD_WITHIN_US, Instruments, WAITING_BYTES, Wire,
 };
 use fmc_camera::io::nmea::M_PER_S_PER_KNOT;
 
 use crate::aircraft::targets::{Kind, frame, sentence};
 
 /// Bytes of a wire in a round, at 38,400 baud.
-const BYTES_OF_A_ROUND: usize = 4;
+pub(super) const BYTES_OF_A_ROUND: usize = 4;
 
 /// Both wires in simulated time.
 #[derive(Default)]
-struct Wires {
-    instruments: Instruments,
-    now_ms: u64,
-    events: Vec<(Time, Event)>,
+pub(super) struct Wires {
+    pub(super) instruments: Instruments,
+    pub(super) now_ms: u64,
+    pub(super) events: Vec<(Time, Event)>,
 }
 
 impl Wires {
-    fn now(&self) -> Time {
+    pub(super) fn now(&self) -> Time {
         Time::from_us(1000 * self.now_ms)
     }
 
-    fn round(&mut self) {
+    pub(super) fn round(&mut self) {
         self.now_ms += 1;
         let events = self.instruments.round(self.now(), MAX_EVENTS);
         self.events.extend(events);
     }
 
     /// Sends bytes as fast as the line does, on both wires at once.
-    fn send(&mut self, receiver: &[u8], autopilot: &[u8]) {
+    pub(super) fn send(&mut self, receiver: &[u8], autopilot: &[u8]) {
         let mut receiver = receiver.chunks(BYTES_OF_A_ROUND);
         let mut autopilot = autopilot.chunks(BYTES_OF_A_ROUND);
         loop {
@@ -53,18 +53,18 @@ impl Wires {
         }
     }
 
-    fn wait_ms(&mut self, ms: u64) {
+    pub(super) fn wait_ms(&mut self, ms: u64) {
         for _ in 0..ms {
             self.round();
         }
     }
 
-    fn taken(&mut self) -> Vec<Event> {
+    pub(super) fn taken(&mut self) -> Vec<Event> {
         self.events.drain(..).map(|(_, event)| event).collect()
     }
 }
 
-fn speed_of(talker: &str, knots: f32) -> Vec<u8> {
+pub(super) fn speed_of(talker: &str, knots: f32) -> Vec<u8> {
     sentence(
         &format!("{talker}VTG"),
         format!("054.7,T,,M,{knots:.1},N,,K,A").as_bytes(),
@@ -72,13 +72,13 @@ fn speed_of(talker: &str, knots: f32) -> Vec<u8> {
 }
 
 /// Altitude at 48° north, so many minutes north of it.
-fn altitude_of(talker: &str, minutes: f32, altitude_m: f32) -> Vec<u8> {
+pub(super) fn altitude_of(talker: &str, minutes: f32, altitude_m: f32) -> Vec<u8> {
     let fields = format!("120000,48{minutes:07.4},N,01131.0,E,1,08,0.9,{altitude_m:.1},M,46.9,M,,");
     sentence(&format!("{talker}GGA"), fields.as_bytes())
 }
 
 /// Height above ground, from a system.
-fn height(system: u8, height_m: f32) -> Vec<u8> {
+pub(super) fn height(system: u8, height_m: f32) -> Vec<u8> {
     let mut payload = 1000_u64.to_le_bytes().to_vec();
     for number in [f32::NAN, f32::NAN, 0.0, 0.0, -2000.0, height_m] {
         payload.extend(number.to_le_bytes());
@@ -96,7 +96,7 @@ fn height(system: u8, height_m: f32) -> Vec<u8> {
 }
 
 /// 36 m/s north and 48 m/s east, 1200.5 m above the sea.
-fn position() -> Vec<u8> {
+pub(super) fn position() -> Vec<u8> {
     let mut payload = 1000_u32.to_le_bytes().to_vec();
     for number in [481_234_567, 115_678_901, 1_200_500, 1_000_000_i32] {
         payload.extend(number.to_le_bytes());
@@ -107,11 +107,11 @@ fn position() -> Vec<u8> {
     frame(Kind::One, 33, 104, &payload)
 }
 
-fn knots(knots: f32) -> Event {
+pub(super) fn knots(knots: f32) -> Event {
     Event::Vh(VhSample::GroundSpeed(knots * M_PER_S_PER_KNOT))
 }
 
-fn above_ground(height_m: f32) -> Event {
+pub(super) fn above_ground(height_m: f32) -> Event {
     Event::Vh(VhSample::HeightAboveGround(height_m))
 }
 
@@ -261,113 +261,6 @@ fn cut_and_wrong_baud_rate_of_a_wire_leave_the_other_as_it_is() {
     }
     assert_eq!(wires.taken(), [knots(100.0); 20]);
     assert!(wires.instruments.counters().autopilot.unexplained_bytes > 300);
-}
-
-#[test]
-fn second_talker_is_refused_as_long_as_the_first_speaks() {
-    let mut wires = Wires::default();
-    for _ in 0..10 {
-        wires.send(&speed_of("GP", 100.0), &[]);
-        wires.send(&speed_of("GN", 60.0), &[]);
-        wires.wait_ms(80);
-    }
-    assert_eq!(wires.taken(), [knots(100.0); 10]);
-    let counters = wires.instruments.counters().receiver;
-    assert_eq!((counters.read, counters.other_talker), (20, 10));
-    assert!(counters.has_two_receivers());
-    // The first has fallen silent.
-    let until = wires.now_ms + ALIVE_US / 1000;
-    while wires.now_ms < until {
-        wires.send(&speed_of("GN", 60.0), &[]);
-    }
-    assert!(!wires.taken().is_empty());
-    wires.send(&speed_of("GN", 60.0), &[]);
-    assert_eq!(wires.taken(), [knots(60.0)]);
-}
-
-#[test]
-fn second_position_is_refused_with_the_speeds_that_follow_it() {
-    let mut wires = Wires::default();
-    for index in 0..10_u8 {
-        let minutes = 0.005 * f32::from(index);
-        // 9 m per 0.005', and a receiver 18 km away.
-        wires.send(&altitude_of("GP", minutes, 1200.0), &[]);
-        wires.send(&speed_of("GP", 100.0), &[]);
-        wires.send(&altitude_of("GP", minutes + 10.0, 500.0), &[]);
-        wires.send(&speed_of("GP", 60.0), &[]);
-        wires.wait_ms(50);
-    }
-    let first = [Event::Vh(VhSample::Altitude(1200.0)), knots(100.0)];
-    assert_eq!(wires.taken(), first.repeat(10));
-    let counters = wires.instruments.counters().receiver;
-    assert_eq!((counters.other_position, counters.other_talker), (20, 0));
-    assert!(counters.has_two_receivers());
-}
-
-#[test]
-fn one_receiver_in_flight_is_one_receiver() {
-    let mut wires = Wires::default();
-    // 350 m/s to the north, with noise of 5 m, across a gap of 2.5 s.
-    let from_ms = wires.now_ms;
-    for index in 0..100_u32 {
-        wires.wait_ms(if index == 50 { 2500 } else { 20 });
-        #[expect(clippy::cast_precision_loss, reason = "seconds")]
-        let elapsed_s = (wires.now_ms - from_ms) as f32 / 1000.0;
-        let noise_m = if index % 2 == 0 { 5.0 } else { -5.0 };
-        wires.send(
-            &altitude_of("GP", 1.0 + (350.0 * elapsed_s + noise_m) / 1852.0, 1200.0),
-            &[],
-        );
-    }
-    assert_eq!(wires.taken().len(), 100);
-    assert!(!wires.instruments.counters().receiver.has_two_receivers());
-}
-
-#[test]
-fn other_system_is_refused_and_counted() {
-    let mut wires = Wires::default();
-    for _ in 0..5 {
-        wires.send(&[], &[height(7, 800.0), height(9, 300.0)].concat());
-    }
-    assert_eq!(wires.taken(), [above_ground(800.0); 5]);
-    let counters = wires.instruments.counters().autopilot;
-    assert_eq!(
-        (counters.system, counters.read, counters.other_system),
-        (Some(7), 10, 5)
-    );
-    wires.wait_ms(ALIVE_US / 1000);
-    wires.send(&[], &height(9, 300.0));
-    assert_eq!(wires.taken(), [above_ground(300.0)]);
-    let mut wires = Wires {
-        instruments: Instruments::of_system(9),
-        ..Wires::default()
-    };
-    wires.send(&[], &[height(7, 800.0), height(9, 300.0)].concat());
-    wires.wait_ms(2 * ALIVE_US / 1000);
-    wires.send(&[], &height(7, 800.0));
-    assert_eq!(wires.taken(), [above_ground(300.0)]);
-    assert_eq!(wires.instruments.counters().autopilot.other_system, 2);
-    wires.instruments.clear();
-    assert_eq!(wires.instruments.counters().autopilot.system, Some(9));
-}
-
-#[test]
-fn receiver_counts_before_what_the_autopilot_makes_of_it() {
-    let mut wires = Wires::default();
-    let alone = [VhSample::GroundSpeed(60.0), VhSample::Altitude(1200.5)].map(Event::Vh);
-    wires.send(&[], &position());
-    assert_eq!(wires.taken(), alone);
-    wires.send(&speed_of("GP", 100.0), &[]);
-    wires.send(&[], &position());
-    let beside = [VhSample::InertialSpeed(60.0), VhSample::Altitude(1200.5)].map(Event::Vh);
-    assert_eq!(wires.taken()[1..], beside);
-    wires.send(&altitude_of("GP", 1.0, 1150.0), &position());
-    assert!(!wires.taken().is_empty());
-    wires.send(&[], &position());
-    assert_eq!(wires.taken(), [Event::Vh(VhSample::InertialSpeed(60.0))]);
-    wires.wait_ms(ALIVE_US / 1000);
-    wires.send(&[], &position());
-    assert_eq!(wires.taken(), alone);
 }
 
 /// A receiver that has been set to metres per second puts them where knots belong.

@@ -13,5 +13,6 @@ mod instruments;
 mod mavlink;
 mod nmea;
 mod other_readers;
+mod strangers;
 #[path = "../../fuzz/aircraft.rs"]
 mod targets;
