@@ -1,11 +1,11 @@
-//! The identity of a calibration: which camera it is of, which version, and which numbers.
+//! Identity of a calibration: its camera, its version and its numbers.
 
 use core::fmt;
 
-/// Which calibration a camera uses.
+/// Identity of a calibration.
 ///
 /// Two calibrations with the same [`Self::crc`] have the same numbers, serial number and version;
-/// where they are kept is not among what the CRC covers.
+/// the CRC does not cover the place in which they are kept.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
@@ -17,7 +17,7 @@ pub struct CalibrationId {
     /// CRC-32 (ISO-HDLC) of the camera's parameters as `postcard` writes them, serial number and
     /// version among them.
     pub crc: u32,
-    /// Where it is kept.
+    /// Place in which it is kept.
     pub storage: Storage,
 }
 
@@ -34,7 +34,7 @@ impl fmt::Display for CalibrationId {
     }
 }
 
-/// Where a calibration is kept.
+/// Place in which a calibration is kept.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
@@ -109,7 +109,7 @@ impl SerialNumber {
         core::str::from_utf8(characters.unwrap_or_default()).unwrap_or_default()
     }
 
-    /// Whether no serial number is given.
+    /// Returns `true` if no serial number is given.
     #[must_use]
     pub const fn is_empty(&self) -> bool {
         matches!(self.ascii, [0, ..])
@@ -135,7 +135,8 @@ impl defmt::Format for SerialNumber {
     }
 }
 
-/// A text for people; for `postcard` all places, so that the camera needs nothing that reads texts.
+/// Written as a text for people, and as all its bytes for `postcard`, so that the camera needs no
+/// code that reads texts.
 #[cfg(feature = "serde")]
 impl serde::Serialize for SerialNumber {
     fn serialize<S: serde::Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
@@ -166,18 +167,18 @@ impl<'de> serde::Deserialize<'de> for SerialNumber {
     }
 }
 
-/// Whether a byte is a character of a serial number.
+/// Returns `true` if a byte is a character of a serial number.
 const fn is_printable(byte: u8) -> bool {
     matches!(byte, b' '..=b'~')
 }
 
-/// A text is not a serial number.
+/// The reason why a text is not a serial number.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub enum SerialError {
     /// It has more characters than [`SerialNumber::CAPACITY`].
     TooLong {
-        /// How many.
+        /// Number of them.
         length: usize,
     },
     /// A character is not printable ASCII.

@@ -58,9 +58,10 @@ pub struct CameraParameters {
 }
 
 impl CameraParameters {
-    /// Returns a camera of this calibration, without serial number and version, with the defaults of
-    /// a camera file for mechanism, shutter and limits: a stage with 1000 mm/s², without limit of
-    /// jerk and speed, 5 ms of settling, centred run-up, uniform shutter, and [`Limits::DEFAULT`].
+    /// Returns a camera of this calibration, without serial number and version, with the defaults
+    /// of a camera file for mechanism, shutter and limits: a stage with 1000 mm/s², without limit
+    /// of jerk and speed, 5 ms of settling, centred run-up, uniform shutter, and
+    /// [`Limits::DEFAULT`].
     #[must_use]
     pub const fn new(calibration: CalibrationParameters) -> Self {
         Self {
@@ -82,7 +83,7 @@ impl CameraParameters {
 
 /// A validated camera.
 ///
-/// It is not [`Copy`]: whoever uses it borrows it from the one who holds it.
+/// It is not [`Copy`]: its users borrow it from its owner.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Camera {
     id: Option<CalibrationId>,
@@ -165,7 +166,7 @@ impl Camera {
         Ok(camera)
     }
 
-    /// Which calibration this is; `None` where nobody has said.
+    /// Identity of the calibration; `None` if none was given.
     #[must_use]
     pub const fn id(&self) -> Option<CalibrationId> {
         self.id

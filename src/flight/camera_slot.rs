@@ -10,21 +10,22 @@ use crate::geometry::range::OutOfRange;
 
 /// The camera that is loaded, and the controller that flies it once it is prepared.
 ///
-/// There is one copy of the camera. It stays where it is when it is prepared, and everybody borrows it from here, so
-/// that correction, adjustment and flight cannot use different calibrations.
+/// There is one copy of the camera. It stays where it is when it is prepared, and all users borrow
+/// it from here, so that correction, adjustment and flight cannot use different calibrations.
 #[derive(Debug)]
 pub(crate) struct CameraSlot {
-    /// How the next flight begins.
+    /// Start of the next flight.
     start: Start,
     camera: Option<Camera>,
-    /// What the camera is prepared with; `None` before.
+    /// Preparation of the camera; `None` before it is prepared.
     preparation: Option<Preparation>,
-    /// Made in its place at the first flight: a board without a flight is moved without it.
+    /// Controller, made in its place at the first flight, so that a deck without one is moved
+    /// without it.
     controller: Option<Controller>,
 }
 
 impl CameraSlot {
-    /// No camera.
+    /// Returns a slot without a camera.
     pub(crate) const fn new(start: Start) -> Self {
         Self {
             start,
@@ -34,7 +35,8 @@ impl CameraSlot {
         }
     }
 
-    /// Puts a camera in place of the one before. It has to be prepared anew; the records of the flight before are gone.
+    /// Puts a camera in place of the one before. It has to be prepared anew; the records of the
+    /// flight before are gone.
     pub(crate) fn load(&mut self, camera: Camera) {
         self.start = self.next_start();
         self.preparation = None;
@@ -46,8 +48,8 @@ impl CameraSlot {
         self.camera.as_ref()
     }
 
-    /// Makes the camera ready to be flown: a flight before ends, and its records are gone. The drive takes its settings
-    /// once nothing has been found wrong.
+    /// Prepares the camera for flight; an earlier flight ends, and its records are gone. The drive
+    /// takes its settings after all others have been accepted.
     ///
     /// # Errors
     /// [`NotFlyable`]; nothing has changed then.
@@ -68,7 +70,8 @@ impl CameraSlot {
         Ok(())
     }
 
-    /// How a flight begins after what is in the slot now: a fault that nobody has cleared is not forgotten.
+    /// Returns the start of a flight after the one in the slot; faults that have not been cleared
+    /// are kept.
     fn next_start(&self) -> Start {
         self.controller().map_or(self.start, Controller::next_start)
     }
@@ -94,7 +97,7 @@ impl CameraSlot {
     }
 }
 
-/// A camera cannot be flown so.
+/// The reason why a camera cannot be flown.
 #[derive(Debug, Clone, Copy, PartialEq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub enum NotFlyable {

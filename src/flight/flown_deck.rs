@@ -15,7 +15,8 @@ use super::input_levels::InputLevels;
 use super::settings::FlightSettings;
 use super::time::Time;
 
-/// A camera that moves a stage, with one drive for all cameras that are loaded and all flights they are prepared for.
+/// A camera that moves a stage, with one drive for all cameras that are loaded and all flights they
+/// are prepared for.
 ///
 /// It has no clock: the board sets the time, with every round and before [`Self::tell`], so that an
 /// event that it is told gets the time of its arrival.
@@ -39,8 +40,9 @@ pub struct FlownDeck<Drive> {
 }
 
 impl<Drive: FlownDrive> FlownDeck<Drive> {
-    /// A board without a camera. After [`Start::Unreferenced`] its encoder counts from wherever the stage
-    /// stands: before it compensates somebody has to say where that is ([`Command::Referenced`]).
+    /// A board without a camera. After [`Start::Unreferenced`] its encoder counts from wherever the
+    /// stage stands: before it compensates the operator has to refer it
+    /// ([`Command::Referenced`]).
     #[must_use]
     pub const fn new(drive: Drive, start: Start) -> Self {
         Self {
@@ -164,8 +166,8 @@ impl<Drive: FlownDrive> FlownDeck<Drive> {
         &mut self.drive
     }
 
-    /// Puts a camera in place of the one before, with the force off the stage. It has to be prepared before it flies;
-    /// a flight before has ended, and its records are gone.
+    /// Puts a camera in place of the one before, with the force off the stage. It has to be
+    /// prepared before it flies; an earlier flight has ended, and its records are gone.
     pub fn load(&mut self, camera: Camera) {
         self.camera.load(camera);
         self.drive.release();
@@ -178,10 +180,10 @@ impl<Drive: FlownDrive> FlownDeck<Drive> {
         self.camera.camera()
     }
 
-    /// Makes the camera that is loaded ready to be flown. A flight before ends, and its records are gone.
+    /// Prepares the loaded camera for flight. An earlier flight ends, and its records are gone.
     ///
     /// # Errors
-    /// [`NotFlyable`]; a flight before goes on then.
+    /// [`NotFlyable`]; an earlier flight goes on then.
     pub fn prepare(&mut self, settings: &FlightSettings) -> Result<(), NotFlyable> {
         let has_rows = |camera: &Camera| !camera.has_stage();
         if !self.has_row_clock && self.camera().is_some_and(has_rows) {

@@ -30,7 +30,7 @@ pub struct FrameRecord {
     pub faults: Faults,
     /// Properties of the frame that its user should know.
     pub flags: Flags,
-    /// The calibration in use; `None` where nobody has said which it is ([`Camera::identified`]).
+    /// The calibration in use; `None` if it has no identity ([`Camera::identified`]).
     pub calibration: Option<CalibrationId>,
 }
 

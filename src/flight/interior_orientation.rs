@@ -20,8 +20,9 @@ pub struct InteriorOrientation {
     pub motion: PrincipalPointMotion,
     /// Principal point at the exposure centroid, sensor frame, mm.
     pub principal_point: SensorPoint,
-    /// Principal distance that goes with the corrected coordinates, mm. It is the calibrated one whatever Δz is: the
-    /// corrected coordinates contain the enlargement (convention (A) of `docs/conventions.md`, section 6).
+    /// Principal distance that goes with the corrected coordinates, mm. It is the calibrated one
+    /// whatever Δz is: the corrected coordinates contain the enlargement (convention (A) of
+    /// `docs/conventions.md`, section 6).
     pub principal_distance_mm: f32,
     /// Δz: run-out and focus shift of this frame, mm.
     pub focus_shift_mm: f32,

@@ -6,10 +6,11 @@ use super::event::Event;
 use super::settings::FlightSettings;
 use super::time::Time;
 
-/// A camera with the state machine that flies it, for those who make the rounds of the control loop themselves.
+/// A camera with the state machine that flies it, for callers that make the rounds of the control
+/// loop themselves.
 ///
-/// It holds the one copy of the camera, and hands it to the machine with every event, so that nobody can hand it
-/// another.
+/// It holds the one copy of the camera, and hands it to the machine with every event, so that
+/// no caller can hand it another.
 #[derive(Debug, Clone)]
 pub struct PreparedCamera {
     camera: Camera,
@@ -18,7 +19,7 @@ pub struct PreparedCamera {
 }
 
 impl PreparedCamera {
-    /// A camera in standby. After a bite of the watchdog it begins with that fault.
+    /// Returns a camera in standby. After a bite of the watchdog it begins with that fault.
     ///
     /// # Errors
     /// [`ControllerError`] naming what is not believable.
@@ -38,9 +39,11 @@ impl PreparedCamera {
         Ok(prepared)
     }
 
-    /// What happens, and what is to be done about it. Events come in order of their times; one that is older than the
-    /// one before by more than [`LATE_EVENT_S`](super::controller::timing::LATE_EVENT_S), or later by more than
-    /// [`CLOCK_JUMP_S`](super::controller::timing::CLOCK_JUMP_S), is a [`Fault::Clock`](super::fault::Fault::Clock).
+    /// Takes an event, and returns the actions that follow from it. Events come in order of their
+    /// times; one that is older than the one before by more than
+    /// [`LATE_EVENT_S`](super::controller::timing::LATE_EVENT_S), or later by more than
+    /// [`CLOCK_JUMP_S`](super::controller::timing::CLOCK_JUMP_S), is a
+    /// [`Fault::Clock`](super::fault::Fault::Clock).
     pub fn handle(&mut self, time: Time, event: Event) -> Actions {
         let (setup, controller) = self.flown();
         controller.handle(&setup, time, event)

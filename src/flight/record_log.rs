@@ -22,8 +22,8 @@ pub(crate) struct RecordLog {
     last_sequence: u32,
 }
 
-/// A record without what all records of a log have in common: the calibration, which is the controller's for all its
-/// life.
+/// A record without what all records of a log have in common: the calibration, which is the
+/// controller's for all its life.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(crate) struct Entry {
     pub(crate) sequence: u32,

@@ -54,8 +54,8 @@ impl Rig {
         }
     }
 
-    /// Puts a camera in place of the one before. It has to be prepared before it flies; a flight before has ended, and
-    /// its records are gone.
+    /// Puts a camera in place of the one before. It has to be prepared before it flies; an earlier
+    /// flight has ended, and its records are gone.
     pub fn load(&mut self, camera: Camera) {
         self.camera.load(camera);
     }
@@ -66,11 +66,11 @@ impl Rig {
         self.camera.camera()
     }
 
-    /// Makes the camera that is loaded ready to be flown, in standby, its stage at the calibrated position where the
-    /// encoder counts 0. A flight before ends, and its records are gone.
+    /// Prepares the loaded camera for flight, in standby, its stage at the calibrated
+    /// position where the encoder counts 0. An earlier flight ends, and its records are gone.
     ///
     /// # Errors
-    /// [`NotFlyable`]; a flight before goes on then.
+    /// [`NotFlyable`]; an earlier flight goes on then.
     pub fn prepare(&mut self, settings: &FlightSettings) -> Result<(), NotFlyable> {
         let drive = &mut self.drive;
         let set_drive = |settings| {
@@ -80,7 +80,7 @@ impl Rig {
         self.camera.prepare(settings, set_drive)
     }
 
-    /// One round of the control loop; `None` before the camera is prepared.
+    /// Runs one round of the control loop; `None` before the camera is prepared.
     pub fn step(&mut self, step: &RigStep) -> Option<RigAnswer> {
         let (setup, controller) = self.camera.flown()?;
         let drive = self.drive.as_mut()?;

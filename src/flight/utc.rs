@@ -289,7 +289,7 @@ impl UtcClock {
             let moved_s = Time::from_us(elapsed_us).seconds_since(Time::from_us(second_us));
             let drifted_s = 1e-6 * self.drift_ppm * time.seconds_since(last.time);
             self.moved_s += moved_s - drifted_s;
-            // What is left of a move back is within the pulses' jitter.
+            // After a move back the rest is within the pulses' jitter.
             if libm::fabsf(self.moved_s) <= PULSE_SIGMAS * (self.pulse_sigma_s + QUANTISATION_S) {
                 self.moved_s = 0.0;
             }

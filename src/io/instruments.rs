@@ -1,10 +1,11 @@
-//! Instruments of the aircraft on two wires: a satellite receiver (NMEA 0183) and an autopilot (`MAVLink`).
+//! Instruments of the aircraft on two wires: a satellite receiver (NMEA 0183) and an autopilot
+//! (`MAVLink`).
 //!
 //! [`Instruments`] takes bytes as they come; a round of the control loop takes the events that they
 //! make: samples of V/H, times and attitudes. A round reads at most [`BYTES_PER_ROUND`] bytes of
 //! each wire, so that a flood costs no more than the line at its own rate; bytes beyond
-//! [`WAITING_BYTES`] are dropped and counted. The wires affect each other in one way only: while the
-//! receiver gives ground speed, altitude or time, the autopilot's speed counts as that of its
+//! [`WAITING_BYTES`] are dropped and counted. The wires affect each other in one way only: while
+//! the receiver gives ground speed, altitude or time, the autopilot's speed counts as that of its
 //! inertial unit, and its altitude or time is ignored.
 //!
 //! On the receiver's wire one talker is used, and on the autopilot's one system: the first that

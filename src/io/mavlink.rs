@@ -40,7 +40,7 @@ const SIGNATURE_BYTES: usize = 13;
 
 const CHECKSUM_BYTES: usize = 2;
 
-/// Where the parts of a frame lie.
+/// Offsets of the parts of a frame.
 #[derive(Debug, Clone, Copy)]
 struct Layout {
     system: u8,
@@ -83,12 +83,12 @@ impl MavlinkReceiver {
 
     /// Takes one byte; a reading, or the reason why there is none, where the byte ends a message.
     ///
-    /// Behind a false beginning several messages may end with one byte: [`Self::buffered`] gives the others, or each of
-    /// the next bytes one of them.
+    /// Behind a false beginning several messages may end with one byte: [`Self::buffered`] gives
+    /// the others, or each of the next bytes one of them.
     ///
     /// # Errors
-    /// [`MavlinkError`]; a whole frame that follows is read whatever came before it, at most [`LONGEST_PACKET`] bytes
-    /// late.
+    /// [`MavlinkError`]; a whole frame that follows is read whatever came before it, at most
+    /// [`LONGEST_PACKET`] bytes late.
     pub fn receive(&mut self, byte: u8) -> Option<Result<MavlinkReading, MavlinkError>> {
         if self.received.push(byte).is_err() {
             // A full buffer is a whole frame, and was cut.
@@ -131,20 +131,20 @@ impl MavlinkReceiver {
         }
     }
 
-    /// Whether a message has begun and not ended.
+    /// Returns `true` if a message has begun and not ended.
     #[must_use]
     pub fn is_under_way(&self) -> bool {
         !self.received.is_empty()
     }
 
-    /// Bytes that belong to no frame since this was asked last: many of them mean a wrong baud rate. Frames that are not
-    /// read count as frames where another one follows them.
+    /// Bytes that belong to no frame since this was asked last: many of them mean a wrong baud
+    /// rate. Frames that are not read count as frames where another one follows them.
     pub const fn take_unexplained(&mut self) -> u32 {
         self.unexplained.take()
     }
 
-    /// Drops bytes up to the next that may begin a frame; those dropped are the beginning of a frame of so many bytes
-    /// that is not read, or of none.
+    /// Drops bytes up to the next that may begin a frame; those dropped are the beginning of a
+    /// frame of so many bytes that is not read, or of none.
     fn give_up_beginning(&mut self, frame_bytes: Option<usize>) {
         let begins = |byte: &u8| BEGINNINGS.contains(byte);
         let next = self.received.iter().skip(1).position(begins);

@@ -1,7 +1,7 @@
 //! Sentences of a satellite receiver (NMEA 0183): speed, altitude, position and time, byte by byte.
 //!
-//! The receiver reads GGA, RMC and VTG of any talker, and ignores every other sentence. A sentence is
-//! read only if it is printable ASCII, no longer than [`LONGEST_SENTENCE`], and its checksum is
+//! The receiver reads GGA, RMC and VTG of any talker, and ignores every other sentence. A sentence
+//! is read only if it is printable ASCII, no longer than [`LONGEST_SENTENCE`], and its checksum is
 //! right. Only the fields that the camera uses are read. A number is digits with at most one point,
 //! so that "nan" and "1e3" are not numbers. A sentence is refused if one of those fields does not
 //! follow the standard.
@@ -100,7 +100,7 @@ fn read(sentence: &[u8]) -> Result<Option<NmeaReading>, NmeaError> {
     let Some((name, fields)) = rest.split_first_chunk::<3>() else {
         return Ok(None);
     };
-    // What follows the name begins with a comma, behind which are the fields.
+    // A comma follows the name, and the fields follow the comma.
     let fields = match fields.split_first() {
         Some((b',', fields)) => fields,
         _ => &[],

@@ -136,8 +136,8 @@ fn bytes_of_both_wires_become_events_in_order_of_time() {
             .collect::<Vec<_>>(),
         [above_ground(800.0), knots(100.0), Event::GnssTime(unix_us)]
     );
-    // The message of 44 bytes takes 11 rounds and the sentence 17: both ages count from the first byte as far as the
-    // controller lets them, the time from the last.
+    // The message of 44 bytes takes 11 rounds and the sentence 17: both ages count from the first
+    // byte as far as the controller lets them, the time from the last.
     assert_eq!(times[0].us(), 1000 * (began + 10) - HEARD_WITHIN_US);
     assert_eq!(times[1].us(), 1000 * wires.now_ms - HEARD_WITHIN_US);
     assert_eq!(times[2].us(), 1000 * wires.now_ms);

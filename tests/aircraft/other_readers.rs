@@ -1,4 +1,4 @@
-//! What is read beside what the crates `nmea` and `mavlink` read.
+//! Readings of both decoders beside those of the crates `nmea` and `mavlink`.
 
 use fmc_camera::flight::vh::VhSample;
 use fmc_camera::io::mavlink::MavlinkReceiver;
@@ -78,7 +78,8 @@ proptest! {
         let other = by_the_crate(&text);
         match answer {
             Ok(reading) => prop_assert_eq!(Some((reading.sample, reading.unix_us)), other),
-            // What the crate cannot read is refused; what it reads is refused for what it says.
+            // A sentence that the crate cannot read is refused; one that it reads is refused for
+            // its contents.
             Err(NmeaError::Malformed | NmeaError::InvalidTime | NmeaError::InvalidDate) => {
                 prop_assert!(other.is_none(), "{}: {:?} {:?}", text, answer, other);
             }

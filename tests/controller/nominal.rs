@@ -52,8 +52,8 @@ fn trigger_leads_through_all_states_to_a_measured_record() {
     let motion = frame.interior.motion;
     assert!((motion.travel_mm - 0.0333).abs() < 2e-4, "{motion:?}");
     assert!(motion.centroid_mm.abs() < 2e-5, "{motion:?}");
-    // σ of V/H given directly, which repeats itself: 0.0005 1/s, and 0.003 1/s per √s for the latency
-    // of 0.1 s and the 0.019 s from trigger to centroid.
+    // σ of V/H given directly, which repeats itself: 0.0005 1/s, and 0.003 1/s per √s for the
+    // latency of 0.1 s and the 0.019 s from trigger to centroid.
     let vh = frame.vh.unwrap();
     assert!((vh.age_s - 0.119).abs() < 0.002, "{vh:?}");
     assert!((vh.sigma_per_s - 0.00115).abs() < 1e-5, "{vh:?}");

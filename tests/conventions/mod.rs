@@ -9,6 +9,8 @@ mod bounds;
 #[cfg(test)]
 mod camera;
 #[cfg(test)]
+mod comments;
+#[cfg(test)]
 mod constants;
 #[cfg(test)]
 mod document;

@@ -18,7 +18,7 @@ use crate::link::pc::{Pc, SESSION, begin_load, camera_parameters};
 
 const EXPOSURE: Exposure = Exposure::new(0.1, 0.005);
 
-/// What ends a frame.
+/// Byte that ends a packet.
 type End = fn(&mut Pc) -> Answer;
 
 fn batch(points: &[(f32, f32)]) -> Points {

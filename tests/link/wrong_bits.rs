@@ -100,8 +100,8 @@ fn all_errors_of_long_frames_are_found_by_the_linearity_of_the_crc() {
     }
 }
 
-/// Checks the search on packets that it must find: one behind a byte of one bit, also with two wrong
-/// bits in it.
+/// Checks the search on packets that it must find: one behind a byte of one bit, also with two
+/// wrong bits in it.
 #[test]
 fn search_finds_a_frame_inside_a_frame() {
     let errors = Errors::up_to(200);

@@ -49,7 +49,8 @@ pub(crate) enum Step {
     TargetLints,
     /// Build the library for the firmware's target and for a Cortex-M55
     TargetBuild,
-    /// Link the library's public functions so that a reachable panic is an error, and show that the check finds one
+    /// Link the library's public functions so that a reachable panic is an error, and show that the
+    /// check finds one
     NoPanic,
     /// Lint the firmware with drills: faults that a test triggers
     FirmwareLints,

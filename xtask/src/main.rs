@@ -42,7 +42,8 @@ struct Arguments {
 
 #[derive(Debug, Subcommand)]
 enum Command {
-    /// Verify every coordinate against the strict solver; arguments go on to `host-sim verify`, `--help` too
+    /// Verify every coordinate against the strict solver; arguments go on to `host-sim verify`,
+    /// `--help` too
     #[command(disable_help_flag = true)]
     Verify {
         /// Arguments of `host-sim verify`; without `--out` the report goes to target/verify
@@ -53,12 +54,14 @@ enum Command {
     Firmware,
     /// Count what a point, a frame and a message cost
     ///
-    /// Prints, as CSV, the instructions on the emulated cores, the modelled cycles, and the time on this PC beside that
-    /// of other software, and on the error stream the sizes of the images and their stack.
+    /// Prints, as CSV, the instructions on the emulated cores, the modelled cycles, and the time on
+    /// this PC beside that of other software, and on the error stream the sizes of the images and
+    /// their stack.
     ///
-    /// Cycles need LLVM's llvm-mca and llvm-objdump, of 19 or later; where they are not on the search path, Debian's
-    /// package llvm-19 is fetched into the target directory.
-    /// `OpenCV` is timed where `python3` has it. The comparison goes to performance.csv and performance.svg in target/bench.
+    /// Cycles need LLVM's llvm-mca and llvm-objdump, of 19 or later; where they are not on the
+    /// search path, Debian's package llvm-19 is fetched into the target directory. `OpenCV` is
+    /// timed where `python3` has it. The comparison goes to performance.csv and performance.svg in
+    /// target/bench.
     Bench {
         /// Write the tables and the figure to docs instead of target/bench
         #[arg(long)]
@@ -66,8 +69,8 @@ enum Command {
     },
     /// Check formatting, lints, documentation and tests
     ///
-    /// On the host: formatting, lints, documentation and tests. For the target: lints, builds, and checks that no panic
-    /// can be reached. In QEMU: the tests of the firmware.
+    /// On the host: formatting, lints, documentation and tests. For the target: lints, builds, and
+    /// checks that no panic can be reached. In QEMU: the tests of the firmware.
     Test {
         /// Run this step alone
         #[arg(long, value_enum)]

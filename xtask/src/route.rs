@@ -2,7 +2,8 @@
 //! about the machine.
 //!
 //! A target needs a compiled core library. In order of preference it comes
-//! 1. ready-made with the active toolchain (`rustup target add`, or `rust-toolchain.toml`, has installed it),
+//! 1. ready-made with the active toolchain (`rustup target add`, or `rust-toolchain.toml`, has
+//!    installed it),
 //! 2. from the library sources of the active toolchain,
 //! 3. from the library sources of the distribution's toolchain, if that is installed,
 //! 4. from the same sources of the distribution's packages, unpacked by [`crate::tools`].

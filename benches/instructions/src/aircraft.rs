@@ -57,8 +57,8 @@ const NESTED: [u8; 68] = {
     }
 };
 
-/// Rounds among which the most expensive is looked for: every phase of sentences and messages to one
-/// another comes up.
+/// Rounds among which the most expensive is looked for: every phase of sentences and messages to
+/// one another comes up.
 const ROUNDS: u16 = 400;
 
 pub(crate) fn count(counter: &mut Counter) -> Option<()> {

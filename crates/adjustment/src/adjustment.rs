@@ -46,8 +46,8 @@ pub struct Adjusted {
     pub coefficients: [f64; COEFFICIENTS],
     /// Standard deviations of the coefficients for σ0 = 1; zero for one that is not estimated.
     pub coefficient_sigmas: [f64; COEFFICIENTS],
-    /// Root mean square of the image residuals, Yuan et al. 2012, eq. 29, before the first and after
-    /// every iteration, mm.
+    /// Root mean square of the image residuals, Yuan et al. 2012, eq. 29, before the first and
+    /// after every iteration, mm.
     pub rms_mm: Vec<f64>,
     /// σ0² = ΣPvv/redundancy.
     pub variance_of_unit_weight: f64,

@@ -15,8 +15,9 @@ pub const ELEMENT_NAMES: [&str; ELEMENTS] = ["X_S", "Y_S", "Z_S", "pitch", "roll
 /// the right, then roll about the forward axis; each right-handed.
 ///
 /// # Units and frames
-/// Metres and radians. Pitch > 0 tilts the optical axis forward, roll > 0 to the left, yaw > 0 turns the nose to the
-/// left. All zero: the camera looks straight down with its y axis to the north.
+/// Metres and radians. Pitch > 0 tilts the optical axis forward, roll > 0 to the left, yaw > 0
+/// turns the nose to the left. All zero: the camera looks straight down with its y axis to the
+/// north.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct ExteriorOrientation {
     /// Projection centre in the ground frame, m.

@@ -3,8 +3,8 @@
 //!
 //! # Frames
 //! Ground frame: X east, Y north, Z up, metres. Camera frame: x right, y forward, optical axis -z,
-//! origin in the projection centre. Angles in radians unless a name says otherwise. The order of the
-//! rotations is stated at [`ExteriorOrientation`](exterior_orientation::ExteriorOrientation).
+//! origin in the projection centre. Angles in radians unless a name says otherwise. The order of
+//! the rotations is stated at [`ExteriorOrientation`](exterior_orientation::ExteriorOrientation).
 
 #![forbid(unsafe_code)]
 

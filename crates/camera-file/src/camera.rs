@@ -187,8 +187,8 @@ impl CameraFile {
         [self.sensor.width_px, self.sensor.height_px].map(|side| (count(side) - 1.0) / 2.0)
     }
 
-    /// Returns the record that the camera is given for a flight: limits that the file states as they
-    /// are, a default largest V/H as far as the mechanism can fly it with these settings.
+    /// Returns the record that the camera is given for a flight: limits that the file states as
+    /// they are, a default largest V/H as far as the mechanism can fly it with these settings.
     #[must_use]
     pub fn flown(&self, settings: &FlightSettings) -> CameraParameters {
         let parameters = self.parameters();

@@ -12,7 +12,7 @@ pub struct CalibrationIdentity {
     pub version: Option<u32>,
     /// CRC-32 of its numbers, in hexadecimal digits.
     pub crc32: String,
-    /// Where the camera keeps it.
+    /// Place in which the camera keeps it.
     pub storage: &'static str,
 }
 

@@ -191,7 +191,8 @@ struct StatusReport {
     encoder_glitches: u32,
     unexpected_edges: u32,
     lost_events: u32,
-    /// How often each was found of the aircraft's instruments, by the name of its flag.
+    /// Number of times each finding was made of the aircraft's instruments, by the name of its
+    /// flag.
     findings: BTreeMap<&'static str, u32>,
     /// The calibration it was prepared with.
     calibration: Option<CalibrationIdentity>,

@@ -44,7 +44,7 @@ pub(crate) fn numbers(heading: impl Into<String>) -> Column {
 
 /// Writes a table, without a line feed at its end.
 ///
-/// Where it would be wider than 80 columns the cells of the first column go on in a second line;
+/// If it would be wider than 80 columns, the cells of the first column go on in a second line;
 /// no other cell is broken.
 pub(crate) fn table<const N: usize>(
     columns: impl IntoIterator<Item = Column>,

@@ -4,8 +4,8 @@ use fmc_camera::io::link::message::Counters;
 use fmc_reference::verification::device::Evidence;
 pub(crate) use fmc_simulation::wording::{count, counted, grouped};
 
-/// How a focus shift is reported, by the letter of `docs/conventions.md`, section 6: the principal distance stays, the
-/// corrected coordinates contain the enlargement.
+/// Convention by which a focus shift is reported, by the letter of `docs/conventions.md`, section
+/// 6: the principal distance stays, the corrected coordinates contain the enlargement.
 pub const FOCUS_CONVENTION: &str = "A";
 
 /// Describes how points are known to be the camera's.

@@ -30,8 +30,8 @@ pub struct FiveArgs {
     /// Camera file (TOML): its K3, P, B, principal point and axis are taken as known.
     #[arg(long, value_name = "FILE")]
     pub camera: PathBuf,
-    /// Folder for the camera file with its table `fitted`, residuals.csv, summary.json and figures; made if
-    /// it does not exist.
+    /// Folder for the camera file with its table `fitted`, residuals.csv, summary.json and figures;
+    /// made if it does not exist.
     #[arg(long, value_name = "DIR")]
     pub out: Option<PathBuf>,
     /// Impose `K_d1` = 2 `P_m1`.

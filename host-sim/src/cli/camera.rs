@@ -64,7 +64,8 @@ pub struct PrepareArgs {
 /// Arguments of `camera exposure`.
 #[derive(Debug, Args)]
 pub struct ExposureTimeArgs {
-    /// First light to last: seconds or a fraction such as 1/200, within the limits of the camera file.
+    /// First light to last: seconds or a fraction such as 1/200, within the limits of the camera
+    /// file.
     #[arg(value_name = "S", value_parser = exposure_time, allow_hyphen_values = true)]
     pub exposure: f64,
 }

@@ -18,8 +18,8 @@ pub struct MeshArgs {
     /// Reader of the mesh.
     #[arg(long, value_name = "FORMAT")]
     pub format: MeshFormatName,
-    /// Pixels from one vertex to the next, both ways; 1 has a vertex at every pixel. 1 to 1024; dw100 has 16, ti-ldc
-    /// and vpi a power of two, for ti-ldc of at most 128.
+    /// Pixels from one vertex to the next, both ways; 1 has a vertex at every pixel. 1 to 1024;
+    /// dw100 has 16, ti-ldc and vpi a power of two, for ti-ldc of at most 128.
     #[arg(long, value_name = "PX", default_value = "16", value_parser = clap::value_parser!(u16).range(1..=1024))]
     pub spacing: u16,
     /// Part of the corrected image that the engine makes, for gpu the part of the recorded image
@@ -36,7 +36,8 @@ pub struct MeshArgs {
     /// depend on it.
     #[arg(long, value_name = "COL,ROW", value_parser = image_pixel)]
     pub source: Option<[u32; 2]>,
-    /// Folder for mesh.json and the mesh, mesh.bin or map-x.bin and map-y.bin; made if it does not exist.
+    /// Folder for mesh.json and the mesh, mesh.bin or map-x.bin and map-y.bin; made if it does not
+    /// exist.
     #[arg(long, value_name = "DIR")]
     pub out: PathBuf,
 }
@@ -81,13 +82,14 @@ fn image_part(text: &str) -> Result<ImagePart, String> {
 /// Readers of a mesh.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
 pub enum MeshFormatName {
-    /// Lens distortion correction (LDC) of TI's TDA and AM6 processors: displacements in 1/8 px, S16Q3, at most 4096
-    /// px.
+    /// Lens distortion correction (LDC) of TI's TDA and AM6 processors: displacements in 1/8 px,
+    /// S16Q3, at most 4096 px.
     TiLdc,
-    /// Dewarp engine DW100 of NXP's i.MX 8M Plus: sources in 1/16 px, UQ12.4, from 0 to below 4096 px.
+    /// Dewarp engine DW100 of NXP's i.MX 8M Plus: sources in 1/16 px, UQ12.4, from 0 to below 4096
+    /// px.
     Dw100,
-    /// Q12.20, the type `ap_fixed<32, 12>` of Vitis Vision: sources in 2^-20 px, below 2048 px. The `remap` of Vitis
-    /// Vision itself reads what `opencv` writes.
+    /// Q12.20, the type `ap_fixed<32, 12>` of Vitis Vision: sources in 2^-20 px, below 2048 px. The
+    /// `remap` of Vitis Vision itself reads what `opencv` writes.
     Vitis,
     /// Control points of NVIDIA VPI: sources in single precision, x and y interleaved.
     Vpi,

@@ -27,8 +27,8 @@ pub struct MissionArgs {
     /// or else the one with the largest smear.
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..))]
     pub frame: Option<u32>,
-    /// Folder for report.html, records.csv, records.json, truth.csv, summary.json and figures; made if it does not
-    /// exist.
+    /// Folder for report.html, records.csv, records.json, truth.csv, summary.json and figures; made
+    /// if it does not exist.
     #[arg(long, value_name = "DIR")]
     pub out: PathBuf,
 }
@@ -39,8 +39,8 @@ pub struct RecordsArgs {
     /// Device on which the camera runs.
     #[command(flatten)]
     pub device: DeviceArgs,
-    /// Folder for records.csv and records.json; made if it does not exist. Records that are there already are not
-    /// replaced.
+    /// Folder for records.csv and records.json; made if it does not exist. Records that are there
+    /// already are not replaced.
     #[arg(long, value_name = "DIR")]
     pub out: PathBuf,
 }

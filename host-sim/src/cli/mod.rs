@@ -73,8 +73,8 @@ pub enum Command {
     /// camera computes the rows, and the files have the same bytes on every device. mesh.json
     /// describes the numbers.
     ///
-    /// For example: host-sim mesh --camera host-sim/cameras/rc30-5324.toml --vh 0.1 --exposure 1/200 --format ti-ldc
-    /// --out mesh
+    /// For example: host-sim mesh --camera host-sim/cameras/rc30-5324.toml --vh 0.1 --exposure
+    /// 1/200 --format ti-ldc --out mesh
     Mesh(MeshArgs),
     /// Determine coefficients from observations.
     Calibrate(CalibrateArgs),
@@ -82,8 +82,8 @@ pub enum Command {
     ///
     /// Each disturbance alone and all together: the largest smear over the sensor, where it is, and
     /// the mean, in µm and pixels, as the camera predicts it; beside it the largest of a simulated
-    /// exposure. V/H is the true one, over the reference plane. All angles are right-handed: pitch nose up, roll right side down, yaw nose to the
-    /// left, at the exposure's centroid.
+    /// exposure. V/H is the true one, over the reference plane. All angles are right-handed: pitch
+    /// nose up, roll right side down, yaw nose to the left, at the exposure's centroid.
     Smear(SmearArgs),
     /// Simulate a calibration of the five-coefficient model: Yuan et al. 2012, section 4.1.
     ///
@@ -287,7 +287,8 @@ pub struct FrameArgs {
 pub enum DirectionName {
     /// Along the FMC axis.
     Forward,
-    /// Against the FMC axis: a strip flown back, the camera not turned; travel and speed of the stage are negative.
+    /// Against the FMC axis: a strip flown back, the camera not turned; travel and speed of the
+    /// stage are negative.
     Reverse,
 }
 

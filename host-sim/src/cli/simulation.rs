@@ -154,7 +154,8 @@ pub struct StripArgs {
     /// Number of repetitions of the experiment, each with other errors, 2 to 10000.
     #[arg(long, value_name = "N", default_value = "100", value_parser = clap::value_parser!(u32).range(2..=10_000))]
     pub repetitions: u32,
-    /// Folder for report.html, summary.json, repetitions.csv and figures; made if it does not exist.
+    /// Folder for report.html, summary.json, repetitions.csv and figures; made if it does not
+    /// exist.
     #[arg(long, value_name = "DIR")]
     pub out: PathBuf,
 }

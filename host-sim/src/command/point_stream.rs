@@ -68,7 +68,7 @@ impl<'a> PointStream<'a> {
             loop {
                 answers.clear();
                 answer(&source, &block, &mut answers)?;
-                // Where the first block is refused, nothing is written.
+                // If the first block is refused, nothing is written.
                 if !begun {
                     writer.begin(sink)?;
                     begun = true;

@@ -8,7 +8,8 @@ use fmc_camera_kernel::host::Batch;
 /// Points that go through the kernel together: their numbers fit the first-level cache.
 const POINTS: usize = 512;
 
-/// The correction of a frame, evaluated for many points with the bits of [`FrameCorrection::correct`].
+/// The correction of a frame, evaluated for many points with the bits of
+/// [`FrameCorrection::correct`].
 #[derive(Debug, Clone, Copy)]
 pub(super) struct PointBatch(Batch);
 

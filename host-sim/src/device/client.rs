@@ -90,8 +90,8 @@ impl<P: Port> Client<P> {
         }
     }
 
-    /// Starts the camera again; the session ends. If the answer was lost, [`Identity::reset_cause`] of
-    /// the next connection tells whether the reset was done.
+    /// Starts the camera again; the session ends. If the answer was lost, [`Identity::reset_cause`]
+    /// of the next connection tells whether the reset was done.
     ///
     /// # Errors
     /// [`LinkError`], as for every request.

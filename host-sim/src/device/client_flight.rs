@@ -38,7 +38,8 @@ impl<P: Port> Client<P> {
         }
     }
 
-    /// Runs one round of the control loop on a test rig on whose wires so many bytes have been sent.
+    /// Runs one round of the control loop on a test rig on whose wires so many bytes have been
+    /// sent.
     ///
     /// # Errors
     /// As [`Self::rig`], and if the camera has not got as many bytes.

@@ -138,7 +138,8 @@ impl<P: Port> Client<P> {
     /// Returns a row of a warp engine's mesh, as the engine stores it.
     ///
     /// # Errors
-    /// [`LinkError::Refused`] for a vertex without a source, or with one that the format does not hold.
+    /// [`LinkError::Refused`] for a vertex without a source, or with one that the format does not
+    /// hold.
     pub fn mesh(&mut self, row: VertexRow, format: MeshFormat) -> Result<Vec<u8>, LinkError> {
         let request = Request::Mesh(row, format);
         match self.ask(&request)? {

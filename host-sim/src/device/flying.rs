@@ -24,7 +24,7 @@ impl InProcess {
     ) -> Result<(), DeviceError> {
         self.load(camera)?;
         if start != Start::Orderly {
-            // What the camera has lost with its processor, its twin has lost, too.
+            // The twin loses all that the camera has lost with its processor.
             self.rig = Rig::new(start);
             self.load(camera)?;
         }

@@ -57,8 +57,8 @@ pub trait Device: CorrectingDevice<Error = DeviceError> {
     /// most [`MAX_POINTS`](fmc_camera::io::link::MAX_POINTS) vertices.
     ///
     /// # Errors
-    /// [`DeviceError::NoFrame`] before the first exposure; [`DeviceError::Mesh`] for the first vertex without a
-    /// source, or with one that the format does not hold.
+    /// [`DeviceError::NoFrame`] before the first exposure; [`DeviceError::Mesh`] for the first
+    /// vertex without a source, or with one that the format does not hold.
     fn mesh(&mut self, row: &VertexRow, format: MeshFormat) -> Result<Vec<u8>, DeviceError>;
 
     /// Returns the displacements with which the vertices of a row of the recorded image are to be
@@ -66,6 +66,7 @@ pub trait Device: CorrectingDevice<Error = DeviceError> {
     /// [`MAX_POINTS`](fmc_camera::io::link::MAX_POINTS).
     ///
     /// # Errors
-    /// [`DeviceError::NoFrame`] before the first exposure; [`DeviceError::Mesh`] for the first vertex off the image.
+    /// [`DeviceError::NoFrame`] before the first exposure; [`DeviceError::Mesh`] for the first
+    /// vertex off the image.
     fn corrections(&mut self, row: &VertexRow) -> Result<Vec<PixelCorrection>, DeviceError>;
 }

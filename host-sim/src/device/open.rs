@@ -21,7 +21,7 @@ pub enum OpenError {
     /// This machine has no QEMU, or no image of the firmware.
     #[error("{reason}")]
     NotHere {
-        /// What is missing.
+        /// Missing part.
         reason: String,
         /// Way to get it.
         help: String,
@@ -116,7 +116,8 @@ impl Opener {
         })
     }
 
-    /// Opens a device that may have records of a flight; `None` for the camera in this process, which has not flown.
+    /// Opens a device that may have records of a flight; `None` for the camera in this process,
+    /// which has not flown.
     ///
     /// # Errors
     /// As [`Self::open`].

@@ -1,5 +1,5 @@
-//! The header of an array of NumPy (`.npy`): type, order and shape, in the versions 1.0, 2.0 and 3.0
-//! of the format.
+//! The header of an array of NumPy (`.npy`): type, order and shape, in the versions 1.0, 2.0 and
+//! 3.0 of the format.
 //!
 //! <https://numpy.org/doc/stable/reference/generated/numpy.lib.format.html>
 

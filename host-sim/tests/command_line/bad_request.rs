@@ -93,7 +93,8 @@ fn speed_beyond_the_stages_is_refused_in_both_directions() {
             .points(command, &["--direction", "sideways"])
             .refused(&["--direction", "forward", "reverse"]);
     }
-    // Jerk makes the run-up longer: 17 mm/s over 17√(17/10⁴) = 0.7009 mm of ramp instead of 0.1445 mm.
+    // Jerk makes the run-up longer: 17 mm/s over 17√(17/10⁴) = 0.7009 mm of ramp instead of 0.1445
+    // mm.
     let jerk = CAMERA.replace(
         "strategy = \"centred\"",
         "strategy = \"from-rest\"\njerk_mm_s3 = 1.0e4",

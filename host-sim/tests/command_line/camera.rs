@@ -129,7 +129,7 @@ fn camera_on_a_board_is_flown_by_commands_and_its_records_are_fetched() {
     assert_eq!(status["findings"]["V/H jump"], 0);
     let text = board.run(&["status"]).ok().stdout;
     assert!(text.contains("found            nothing"), "{text}");
-    // What is found is counted under its name.
+    // Each finding is counted under its name.
     board.says(&["vh", "1.5"], "armed");
     let text = board.run(&["status"]).ok().stdout;
     assert!(text.contains("found            1 V/H jump\n"), "{text}");

@@ -1,5 +1,6 @@
-//! Flights of the camera in QEMU: its stage, shutter and sensors are simulated, round by round of its control loop. The
-//! device compares every round and every record with its twin on this PC, bit by bit.
+//! Flights of the camera in QEMU: its stage, shutter and sensors are simulated, round by round of
+//! its control loop. The device compares every round and every record with its twin on this PC, bit
+//! by bit.
 
 use std::env;
 

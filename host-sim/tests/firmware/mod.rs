@@ -1,5 +1,5 @@
-//! The firmware's image in QEMU. `cargo xtask test` builds the images and names them in `FMC_FIRMWARE` and
-//! `FMC_FIRMWARE_WITH_DRILLS`.
+//! The firmware's image in QEMU. `cargo xtask test` builds the images and names them in
+//! `FMC_FIRMWARE` and `FMC_FIRMWARE_WITH_DRILLS`.
 
 #[cfg(test)]
 mod camera;

@@ -13,8 +13,9 @@ use crate::mechanics::support::TICK_S;
 /// Returns the open loop's gain at a frequency.
 ///
 /// # Model
-/// Plant `F/(s·(m·s + b))`, zero-order hold and latencies as `sin(ωT/2)/(ωT/2)·exp(-jω(T/2 + t_r + t_d))`, controller
-/// with `z = exp(jωT)`; aliases above half the tick rate are 40 dB down and left out.
+/// Plant `F/(s·(m·s + b))`, zero-order hold and latencies as
+/// `sin(ωT/2)/(ωT/2)·exp(-jω(T/2 + t_r + t_d))`, controller with `z = exp(jωT)`; aliases above half
+/// the tick rate are 40 dB down and left out.
 fn open_loop(settings: &LoopSettings, plant: &Plant, frequency_hz: f64) -> Complex<f64> {
     let omega = 2.0 * PI * frequency_hz;
     let s = Complex::new(0.0, omega);

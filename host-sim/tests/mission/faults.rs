@@ -62,7 +62,7 @@ fn told(scenario: &MissionScenario, (flown, judgement): &(Flown, Judgement), fla
 
 #[test]
 fn what_is_found_of_the_instruments_is_in_the_records_and_counted_in_the_report() {
-    // Whether it holds from the first frame on.
+    // `true` if it holds from the first frame on.
     for (name, flag, is_always) in [
         ("vh-jump", Flag::VhJump, false),
         ("vh-nan", Flag::VhNotANumber, false),

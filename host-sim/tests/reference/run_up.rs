@@ -1,4 +1,5 @@
-//! Run-up with limited jerk and flight in both directions: the camera's plan against the reference's own formula.
+//! Run-up with limited jerk and flight in both directions: the camera's plan against the
+//! reference's own formula.
 
 use fmc_camera::flight::camera::Camera;
 use fmc_camera::flight::exposure::{Exposure, FlightDirection};

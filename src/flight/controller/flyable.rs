@@ -13,7 +13,7 @@ impl Controller {
     /// if it can fly less than the limits say.
     ///
     /// [`PreparedCamera::new`](crate::flight::prepared_camera::PreparedCamera::new) refuses a
-    /// camera whose mechanism cannot fly the largest V/H of its limits. Limits that somebody has
+    /// camera whose mechanism cannot fly the largest V/H of its limits. Limits that were
     /// chosen should be refused; those of a camera that states none
     /// ([`Limits::DEFAULT`](crate::flight::exposure::Limits::DEFAULT)) are made to fit here, once,
     /// before the camera is given to the controller.

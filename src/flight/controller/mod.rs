@@ -58,8 +58,9 @@ pub const MAX_ACTIONS: usize = 6;
 /// Actions that follow from an event, in order.
 pub type Actions = Vec<Action, MAX_ACTIONS>;
 
-/// The camera's state machine. It has no camera of its own: [`PreparedCamera`](super::prepared_camera::PreparedCamera)
-/// and the decks hand it the one they hold, with every event.
+/// The camera's state machine. It has no camera of its own:
+/// [`PreparedCamera`](super::prepared_camera::PreparedCamera) and the decks hand it the one they
+/// hold, with every event.
 #[derive(Debug, Clone)]
 pub struct Controller {
     aircraft: Aircraft,

@@ -14,7 +14,7 @@ use crate::flight::stage::PlanError;
 use crate::flight::vh::{VhEstimate, VhSource};
 use crate::geometry::principal_point::{PrincipalPointMotion, UniformTravel};
 
-/// What the preparation of a flight has settled about its camera.
+/// Results of the preparation of a flight, for one camera.
 #[derive(Debug, Clone)]
 pub(in crate::flight) struct Preparation {
     settings: FlightSettings,
@@ -22,7 +22,7 @@ pub(in crate::flight) struct Preparation {
 }
 
 impl Preparation {
-    /// Of a camera, with settings that are [`checked`].
+    /// Returns the preparation of a camera with settings that are [`checked`].
     pub(in crate::flight) fn new(camera: &Camera, settings: &FlightSettings) -> Self {
         Self {
             smear: SmearPrediction::new(camera.calibration(), settings.direction),
@@ -30,7 +30,7 @@ impl Preparation {
         }
     }
 
-    /// The same, with its camera.
+    /// Returns the setup of a flight with this camera.
     pub(in crate::flight) const fn of<'a>(&'a self, camera: &'a Camera) -> Setup<'a> {
         Setup {
             camera,
@@ -142,7 +142,7 @@ impl Setup<'_> {
     }
 }
 
-/// The settings, if the camera can be flown with them.
+/// Returns the settings, if the camera can be flown with them.
 pub(in crate::flight) fn checked(
     camera: &Camera,
     settings: &FlightSettings,
@@ -155,7 +155,8 @@ pub(in crate::flight) fn checked(
     Ok(settings)
 }
 
-/// Whether the mechanism is back before the next trigger, at the largest V/H of the camera's limits.
+/// Checks that the mechanism is back before the next trigger, at the largest V/H of the camera's
+/// limits.
 fn check_interval(camera: &Camera, settings: &FlightSettings) -> Result<(), ControllerError> {
     let available_s = settings.trigger_interval_s;
     if available_s == 0.0 || !camera.has_stage() {

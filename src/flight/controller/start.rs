@@ -23,7 +23,7 @@ pub enum Start {
 }
 
 impl Controller {
-    /// A controller that waits for its first flight.
+    /// Returns a controller that waits for its first flight.
     #[inline]
     pub(in crate::flight) const fn new() -> Self {
         Self {
@@ -36,8 +36,9 @@ impl Controller {
         }
     }
 
-    /// Begins a flight, in standby. After a bite of the watchdog it begins with that fault. What is known of the flight
-    /// before is forgotten where it is: a controller is large, and a copy on the way would take as much of the stack.
+    /// Begins a flight, in standby. After a bite of the watchdog it begins with that fault. The
+    /// state of an earlier flight is overwritten in place: a controller is large, and a copy would
+    /// take as much of the stack.
     pub(in crate::flight) fn restart(&mut self, setup: &Setup, start: Start) {
         let (mode, faults) = match start {
             Start::Orderly | Start::Unreferenced => (Mode::Standby, Faults::NONE),

@@ -92,7 +92,7 @@ impl Controller {
         Some(entry.record(self.calibration))
     }
 
-    /// The calibration of the flight; `None` where nobody has said which it is.
+    /// The calibration of the flight; `None` if it has no identity.
     #[must_use]
     pub const fn calibration(&self) -> Option<CalibrationId> {
         self.calibration

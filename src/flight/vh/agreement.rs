@@ -54,8 +54,8 @@ pub(super) struct Choice {
 ///
 /// The variance of the value in use grows by the square of the largest contradiction; without a
 /// contradiction by [`SHARE_OF_EXCESS`] of the part of the squared differences that both variances
-/// do not explain, at the last sample or in the mean of the last ones. A latency or a constant error that
-/// the settings do not state shows there.
+/// do not explain, at the last sample or in the mean of the last ones. A latency or a constant
+/// error that the settings do not state shows there.
 #[derive(Debug, Clone, Copy, Default)]
 pub(super) struct Agreement {
     /// Mean of the last values that no way contradicted, continued by the value in use.

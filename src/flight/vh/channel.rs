@@ -14,8 +14,8 @@ pub const CONSISTENT_SAMPLES: u8 = 5;
 /// Number of σ by which a sample may differ from the last beyond the slew limit.
 pub const NOISE_SIGMAS: f32 = 6.0;
 
-/// Number of σ of the change that its samples have shown by which a speed or V/H may differ from the
-/// last one beyond slew and noise: gusts are faster than an aircraft slews.
+/// Number of σ of the change that its samples have shown by which a speed or V/H may differ from
+/// the last one beyond slew and noise: gusts are faster than an aircraft slews.
 pub const GUST_SIGMAS: f32 = 3.0;
 
 /// Largest difference from another way to the same number, as a part of it, at which a value that
@@ -68,8 +68,9 @@ impl Channel {
     /// # Model
     /// The value is held. While its source is heard its variance is that of [`Variability`], at the
     /// age of the measurement: time since its arrival and latency of the source; of a value that
-    /// repeats, since it came first. From the period of a silent source on the value changes by its slew limit at most, a uniform error of standard
-    /// deviation slew·T/√3 after T: `σ² = r + q·age + (slew·T)²/3`.
+    /// repeats, since it came first. From the period of a silent source on the value changes by its
+    /// slew limit at most, a uniform error of standard deviation slew·T/√3 after T:
+    /// `σ² = r + q·age + (slew·T)²/3`.
     pub(super) fn held(&self, settings: &ChannelSettings, now: Time) -> Option<Held> {
         let last = self.last?;
         let since_s = now.seconds_since(last.time).max(0.0);

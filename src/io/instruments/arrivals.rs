@@ -5,7 +5,8 @@ use crate::flight::event::Event;
 use crate::flight::time::Time;
 
 /// Longest time by which an event may be earlier than its round, µs: half of the controller's limit
-/// ([`LATE_EVENT_S`](crate::flight::controller::timing::LATE_EVENT_S)), so that it may wait for a round.
+/// ([`LATE_EVENT_S`](crate::flight::controller::timing::LATE_EVENT_S)), so that it may wait for a
+/// round.
 pub const HEARD_WITHIN_US: u64 = 5000;
 
 /// Events of one byte at most.
@@ -38,8 +39,8 @@ impl Arrivals {
         self.events.len() + EVENTS_OF_A_BYTE <= self.room.min(MAX_EVENTS)
     }
 
-    /// Adds an event of a message whose first byte came at a time. Its age counts from there, as far
-    /// as the controller's limit allows.
+    /// Adds an event of a message whose first byte came at a time. Its age counts from there, as
+    /// far as the controller's limit allows.
     pub(super) fn push_begun(&mut self, began: Time, event: Event) {
         let earliest = Time::from_us(self.now.us().saturating_sub(HEARD_WITHIN_US));
         self.push_at(began.max(earliest), event);
@@ -50,7 +51,7 @@ impl Arrivals {
         self.push_at(self.now, event);
     }
 
-    /// Where there was room for a byte there is for its events.
+    /// If there was room for a byte, there is room for its events.
     fn push_at(&mut self, time: Time, event: Event) {
         insert(&mut self.events, time, event);
     }

@@ -2,8 +2,8 @@
 
 use heapless::Deque;
 
-/// Bytes of one wire that a round of the control loop takes at most: a round of 1 ms carries 11.5 at 115,200 baud, the
-/// fastest that a wire may have.
+/// Bytes of one wire that a round of the control loop takes at most: a round of 1 ms carries 11.5
+/// at 115,200 baud, the fastest that a wire may have.
 pub const BYTES_PER_ROUND: usize = 16;
 
 /// Bytes that may wait on one wire: those of four rounds, for a loop that comes round late. Further

@@ -8,8 +8,8 @@ use crate::flight::time::Time;
 use crate::flight::vh::VhSample;
 use crate::io::nmea::{NmeaError, NmeaPosition, NmeaReading, NmeaReceiver};
 
-/// Silence after which another receiver, or another autopilot, may take the place of the one in use,
-/// µs.
+/// Silence after which another receiver, or another autopilot, may take the place of the one in
+/// use, µs.
 pub const ALIVE_US: u64 = 3_000_000;
 
 /// Speed beyond which no aircraft of this camera moves, m/s.
@@ -166,8 +166,8 @@ impl ReceiverWire {
     }
 }
 
-/// Returns true if no aircraft gets from one place to the other in a time, s. The distance holds for
-/// places near each other on a sphere; the length of a parallel is underestimated, so that no
+/// Returns true if no aircraft gets from one place to the other in a time, s. The distance holds
+/// for places near each other on a sphere; the length of a parallel is underestimated, so that no
 /// sentence is refused for it.
 #[expect(
     clippy::cast_precision_loss,

@@ -13,17 +13,18 @@ use crate::io::instruments::{Instruments, Wire, WireBytes};
 
 /// A camera that can be prepared for flight.
 pub trait FlightDeck {
-    /// Puts a camera in place of the one before. It has to be prepared before it flies; a flight before has ended, and
-    /// its records are gone.
+    /// Puts a camera in place of the one before. It has to be prepared before it flies; an earlier
+    /// flight has ended, and its records are gone.
     fn load(&mut self, camera: Camera);
 
-    /// The camera, for everybody who uses it; `None` before one is loaded.
+    /// The camera, for all its users; `None` before one is loaded.
     fn camera(&self) -> Option<&Camera>;
 
-    /// Makes the camera that is loaded ready to be flown. A flight before ends, and its records are gone.
+    /// Prepares the loaded camera for flight. An earlier flight ends, and its records are gone.
     ///
     /// # Errors
-    /// [`Refusal::NoCalibration`], [`Refusal::Settings`], [`Refusal::Travel`], and what the deck itself cannot do.
+    /// [`Refusal::NoCalibration`], [`Refusal::Settings`], [`Refusal::Travel`], and what the deck
+    /// itself cannot do.
     fn prepare(&mut self, settings: &FlightSettings) -> Result<(), Refusal>;
 
     /// The camera's controller; `None` before it is prepared.
@@ -37,8 +38,8 @@ pub trait FlightDeck {
     fn offset_mm(&self) -> Option<f32>;
 
     /// Runs one round of the control loop, with the bytes on the wires of receiver and autopilot if
-    /// `sent` is the number of bytes sent on them since the camera was prepared; `None` for a camera
-    /// that is not on a test rig.
+    /// `sent` is the number of bytes sent on them since the camera was prepared; `None` for a
+    /// camera that is not on a test rig.
     ///
     /// # Errors
     /// [`Refusal::OtherBytes`] if another number of bytes has come; nothing changes then.
@@ -217,7 +218,7 @@ pub(super) fn prepare(
     deck.prepare(settings)
 }
 
-/// A flight may end: it is idle, and no record of it is lost.
+/// Checks that a flight may end: it is idle, and none of its records would be lost.
 pub(super) fn check_over(deck: &impl FlightDeck) -> Result<(), Refusal> {
     check_idle(deck)?;
     match deck.controller().map_or(0, Controller::kept) {

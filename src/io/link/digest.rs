@@ -24,8 +24,8 @@ pub fn of_grid(correction: &FrameCorrection, grid: &Grid) -> u32 {
     digest.finalize()
 }
 
-/// CRC-32 over a camera record as the link carries it: that of the calibration's identity. `None` only if it were longer
-/// than the record's type allows.
+/// CRC-32 over a camera record as the link carries it: that of the calibration's identity. `None`
+/// only if it were longer than the record's type allows.
 #[must_use]
 pub fn of_camera(record: &CameraParameters) -> Option<u32> {
     Upload::of(record).map(|upload| upload.crc())

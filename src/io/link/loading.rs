@@ -1,9 +1,9 @@
-//! The way of a calibration over the link, in parts.
+//! Calibrations that come over the link in parts.
 //!
-//! [`Request::BeginLoad`] announces length and CRC-32 of the bytes that `postcard` makes of a [`CameraParameters`],
-//! [`Request::LoadPart`] brings them, in order, and the last part puts the calibration into use. Until then, and where
-//! the whole is refused, the camera uses the one before. A load begins anew with another announcement, and is abandoned
-//! when a session is opened.
+//! [`Request::BeginLoad`] announces length and CRC-32 of the bytes that `postcard` makes of a
+//! [`CameraParameters`], [`Request::LoadPart`] brings them, in order, and the last part puts the
+//! calibration into use. Until then, and after a refusal of the whole, the camera uses the one
+//! before. A load begins anew with another announcement, and is abandoned when a session is opened.
 
 use heapless::Vec;
 
@@ -20,7 +20,8 @@ pub struct Upload {
 }
 
 impl Upload {
-    /// The parameters of a record; `None` only if they were longer than [`CALIBRATION_CAPACITY`].
+    /// Returns the upload of a camera; `None` only if they were longer than
+    /// [`CALIBRATION_CAPACITY`].
     #[must_use]
     pub fn of(record: &CameraParameters) -> Option<Self> {
         let mut buffer = [0; CALIBRATION_CAPACITY];
@@ -46,7 +47,8 @@ impl Upload {
         core::iter::once(begin).chain(self.parts(MAX_PART).map(Request::LoadPart))
     }
 
-    /// All parts, in order, of so many bytes, which must not be 0 nor more than [`MAX_PART`]; the last may be shorter.
+    /// All parts, in order, of so many bytes, which must not be 0 nor more than [`MAX_PART`]; the
+    /// last may be shorter.
     pub fn parts(&self, length: usize) -> impl Iterator<Item = Part> {
         let length = length.clamp(1, MAX_PART);
         let offsets = (0..).step_by(length);
@@ -60,7 +62,7 @@ impl Upload {
     }
 }
 
-/// The calibration that is on its way.
+/// A calibration of which parts have come.
 #[derive(Debug)]
 pub(super) struct Loading {
     /// Length and CRC-32, as announced.
@@ -95,7 +97,7 @@ impl Loading {
         number(self.bytes.len())
     }
 
-    /// Takes the next part, and says whether the bytes are complete now.
+    /// Takes the next part; returns `true` if the bytes are complete now.
     pub(super) fn add(&mut self, part: &Part) -> Result<bool, Refusal> {
         let (length, crc) = self.announced.ok_or(Refusal::NoLoad)?;
         if part.crc != crc {
@@ -114,7 +116,7 @@ impl Loading {
         Ok(received == length)
     }
 
-    /// The record of the bytes that are complete, and their CRC-32. The load ends.
+    /// Returns the parameters that the complete bytes make, and their CRC-32. The load ends.
     pub(super) fn finish(&mut self) -> Result<(CameraParameters, u32), Refusal> {
         let record = self.read();
         self.end();

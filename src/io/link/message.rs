@@ -53,10 +53,10 @@ pub struct Header {
 pub enum Request {
     /// Starts a session; ends another that is open, and the current frame with it.
     Connect,
-    /// Announces the parameters of a camera, which replace calibration, mechanism, shutter and limits once they are
-    /// complete ([`super::loading`]). Ends a load that is under way.
+    /// Announces the parameters of a camera, which replace calibration, mechanism, shutter and
+    /// limits once they are complete ([`super::loading`]). Ends a load that is under way.
     BeginLoad {
-        /// How many bytes there are, 1 to [`CALIBRATION_CAPACITY`](super::CALIBRATION_CAPACITY).
+        /// Number of bytes, 1 to [`CALIBRATION_CAPACITY`](super::CALIBRATION_CAPACITY).
         length: u32,
         /// Their CRC-32.
         crc: u32,
@@ -120,7 +120,8 @@ pub enum Request {
 pub enum Answer {
     /// The session is open.
     Connected(Identity),
-    /// The parameters are complete: the calibration is in use. A camera that was prepared is to be prepared again.
+    /// The parameters are complete: the calibration is in use. A camera that was prepared is to be
+    /// prepared again.
     Loaded(CalibrationId),
     /// The frame, predicted or read again.
     InteriorOrientation(InteriorOrientation),
@@ -255,7 +256,7 @@ pub struct Status {
     pub following_rms_um: f32,
     /// Counts of the findings of the aircraft's instruments since it was prepared.
     pub findings: Findings,
-    /// The calibration it was prepared with; `None` where nobody has said which that is.
+    /// The calibration it was prepared with; `None` if it has no identity.
     pub calibration: Option<CalibrationId>,
 }
 
@@ -264,7 +265,7 @@ pub struct Status {
 pub struct Part {
     /// CRC-32 of the whole, as announced.
     pub crc: u32,
-    /// Where the part begins, bytes.
+    /// Offset of the part, bytes.
     pub offset: u32,
     /// Its bytes.
     pub bytes: Vec<u8, MAX_PART>,

@@ -1,10 +1,10 @@
 //! The serial link between camera and PC: messages, packets, and the camera's end of it.
 //!
 //! # On the wire
-//! A message is one *packet*: `0x00 ‖ length ‖ COBS(payload) ‖ CRC ‖ 0x00`. COBS keeps the zero byte
-//! out of the payload, so that a zero always ends a packet and a receiver that joins in the middle
-//! finds the next. Empty packets have no meaning, and the zero in front ends a packet that was left
-//! half-sent.
+//! A message is one *packet*: `0x00 ‖ length ‖ COBS(payload) ‖ CRC ‖ 0x00`. COBS keeps the zero
+//! byte out of the payload, so that a zero always ends a packet and a receiver that joins in the
+//! middle finds the next. Empty packets have no meaning, and the zero in front ends a packet that
+//! was left half-sent.
 //!
 //! Length and CRC are in bytes of seven bits, the lowest first, bit 7 set, so that they hold no
 //! zero either: two bytes for the number of bytes that COBS made, five for the CRC-32 (ISO-HDLC) of
@@ -52,12 +52,13 @@ pub const MAX_POINTS: usize = 64;
 /// Number of observations in one message: as many as fit the payload of [`MAX_POINTS`] answers.
 pub const MAX_OBSERVATIONS: usize = 40;
 
-/// Most bytes of a camera's parameters, as `postcard` writes a [`CameraParameters`](crate::flight::camera::CameraParameters):
-/// the camera keeps them until they are complete.
+/// Most bytes of a camera's parameters, as `postcard` writes a
+/// [`CameraParameters`](crate::flight::camera::CameraParameters): the camera keeps them until they
+/// are complete.
 pub const CALIBRATION_CAPACITY: usize = 256;
 
-/// Most bytes of a camera's parameters in one message. A calibration comes in two or three, so that every one that is
-/// loaded shows that parts are put together.
+/// Most bytes of a camera's parameters in one message. A calibration comes in two or three, so that
+/// every one that is loaded shows that parts are put together.
 pub const MAX_PART: usize = 64;
 
 /// Longest payload, bytes: [`MAX_POINTS`] answers of four numbers, and the fields around them.

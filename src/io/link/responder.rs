@@ -35,7 +35,7 @@ pub(super) struct Responder<Deck> {
     pub(super) kept: Option<Header>,
     pub(super) loading: Loading,
     pub(super) frame: Option<camera::Frame>,
-    /// The camera, in flight or not: everybody borrows it from here.
+    /// The deck, which owns the camera, in flight or not.
     pub(super) deck: Deck,
     pub(super) fitting: Fitting,
     pub(super) answer: Packet,
@@ -220,7 +220,8 @@ impl<Deck: FlightDeck> Responder<Deck> {
         Ok((answer, LinkEvent::Answered))
     }
 
-    /// Runs a round of a test rig. It is not inlined: two copies of the controller would take twice the stack.
+    /// Runs a round of a test rig. It is not inlined: two copies of the controller would take twice
+    /// the stack.
     #[inline(never)]
     fn step(&mut self, step: &RigStep, sent: Option<WireBytes>) -> Result<Answer, Refusal> {
         let answer = self.deck.step(step, sent).ok_or(Refusal::NoRig)??;
@@ -233,8 +234,8 @@ impl<Deck: FlightDeck> Responder<Deck> {
         Ok(record.and_then(|record| Some((record, digest::of_frame_record(&record)?))))
     }
 
-    /// Takes a part; the last puts the calibration into use. Apart, so that reading any request does not need the stack
-    /// of this one.
+    /// Takes a part; the last puts the calibration into use. Apart, so that reading any request
+    /// does not need the stack of this one.
     #[inline(never)]
     fn load_part(&mut self, part: &Part) -> Result<Option<CalibrationId>, Refusal> {
         deck::check_over(&self.deck)?;

@@ -69,7 +69,8 @@ impl<Deck: FlightDeck> Station<Deck> {
         }
     }
 
-    /// Puts a calibration into use that the board has in its own store, or was built with, as a load over the link does.
+    /// Puts a calibration into use that the board has in its own store, or was built with, as a
+    /// load over the link does.
     ///
     /// # Errors
     /// [`Refusal`] as of the last part of a load.

@@ -1,5 +1,5 @@
-//! Messages that are read, of the common dialect: `SYSTEM_TIME`, `ATTITUDE`, `GLOBAL_POSITION_INT`, `DISTANCE_SENSOR`
-//! and `ALTITUDE`.
+//! Messages that are read, of the common dialect: `SYSTEM_TIME`, `ATTITUDE`, `GLOBAL_POSITION_INT`,
+//! `DISTANCE_SENSOR` and `ALTITUDE`.
 
 use core::f32::consts::PI;
 
@@ -27,7 +27,8 @@ const INVALID_SIGNAL: u8 = 1;
 /// `MAV_SENSOR_ROTATION_PITCH_270`: the sensor looks down.
 const DOWN: u8 = 25;
 
-/// `MAV_DISTANCE_SENSOR`: the kinds of distance sensor are numbered from the laser up to the unknown one.
+/// `MAV_DISTANCE_SENSOR`: the kinds of distance sensor are numbered from the laser up to the
+/// unknown one.
 const LASER: u8 = 0;
 const UNKNOWN_KIND: u8 = 4;
 
@@ -63,7 +64,8 @@ impl Message {
         })
     }
 
-    /// `CRC_EXTRA`: the byte that stands for the message's definition at the end of what is checked.
+    /// `CRC_EXTRA`: the byte that stands for the message's definition at the end of what is
+    /// checked.
     pub(super) const fn extra_of_checksum(self) -> u8 {
         match self {
             Self::SystemTime => 137,
@@ -148,8 +150,8 @@ fn system_time(payload: &Payload) -> Result<u64, MavlinkError> {
     }
 }
 
-/// Reads an `ATTITUDE`: roll to the right, pitch up and yaw to the right are positive, and rates are
-/// about the axes forward, right and down; the camera counts the rate about the axis upwards.
+/// Reads an `ATTITUDE`: roll to the right, pitch up and yaw to the right are positive, and rates
+/// are about the axes forward, right and down; the camera counts the rate about the axis upwards.
 fn attitude(payload: &Payload, track: Option<Track>) -> Option<AttitudeSample> {
     let boot_ms = payload.u32(0);
     let track = track.filter(|track| boot_ms.abs_diff(track.boot_ms) <= TRACK_WITHIN_MS)?;

@@ -215,7 +215,8 @@ fn unix_day(field: &[u8]) -> Result<u32, NmeaError> {
     Ok(DAYS_TO_2000 + 365 * year + leap_days + before + day - 1)
 }
 
-/// Ten-thousandths of a minute of `ddmm.mmmm` or `dddmm.mmmm`; positive in the first hemisphere of the two.
+/// Ten-thousandths of a minute of `ddmm.mmmm` or `dddmm.mmmm`; positive in the first hemisphere of
+/// the two.
 fn angle(
     field: &[u8],
     degree_digits: usize,

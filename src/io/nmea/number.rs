@@ -28,8 +28,8 @@ const SCALE_BITS: u32 = 31;
 /// Factor that removes the scale, exactly.
 const UNSCALE: f32 = 1.0 / (65_536.0 * 32_768.0);
 
-/// Returns the number of a field, rounded to nearest; `None` if the field is empty or holds anything
-/// but digits, a leading minus and one point.
+/// Returns the number of a field, rounded to nearest; `None` if the field is empty or holds
+/// anything but digits, a leading minus and one point.
 ///
 /// # Accuracy
 /// The nearest `f32` of the first nine digits, as the core library's parser gives it.

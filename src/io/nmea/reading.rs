@@ -12,7 +12,7 @@ pub const LONGEST_SENTENCE: usize = 100;
 /// Metres per second in a knot: 1852 m per hour.
 pub const M_PER_S_PER_KNOT: f32 = 1852.0 / 3600.0;
 
-/// Where the receiver's antenna is.
+/// Position of the receiver's antenna.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct NmeaPosition {
@@ -55,7 +55,8 @@ pub enum NmeaError {
     InvalidDate,
     /// Its time of day does not exist; a leap second is refused, too.
     InvalidTime,
-    /// Its year is before 2000: the receiver's count of weeks has begun again, or it has not found the time yet.
+    /// Its year is before 2000: the receiver's count of weeks has begun again, or it has not found
+    /// the time yet.
     BeforeYear2000,
     /// A number is outside its range.
     OutOfRange(OutOfRange),

@@ -128,9 +128,9 @@ fn of_loop(
 /// Returns the cycles of a round on a Cortex-M4F.
 ///
 /// # Source
-/// Arm, Cortex-M4 Technical Reference Manual (DDI 0439), tables of processor and floating-point instructions: arithmetic
-/// 1, VMLA 3, VLDM and VSTM 1 and one per register, a taken branch 1 and 1 to 3; arithmetic takes one more where the next
-/// instruction uses its result.
+/// Arm, Cortex-M4 Technical Reference Manual (DDI 0439), tables of processor and floating-point
+/// instructions: arithmetic 1, VMLA 3, VLDM and VSTM 1 and one per register, a taken branch 1 and 1
+/// to 3; arithmetic takes one more where the next instruction uses its result.
 fn by_manual(round: &[Instruction]) -> Result<u32> {
     let mut cycles = 0;
     for (index, one) in round.iter().enumerate() {

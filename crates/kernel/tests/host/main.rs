@@ -10,8 +10,9 @@
 //! cargo test --release --target aarch64-unknown-linux-gnu -p fmc-camera-kernel --features host --test host
 //! ```
 //!
-//! Without rustup, `RUSTC_BOOTSTRAP=1 cargo test -Zbuild-std` with the same arguments builds the standard library from
-//! its sources. The emulated ten million points take some minutes; `-- --skip ten_million` leaves them out.
+//! Without rustup, `RUSTC_BOOTSTRAP=1 cargo test -Zbuild-std` with the same arguments builds the
+//! standard library from its sources. The emulated ten million points take some minutes;
+//! `-- --skip ten_million` leaves them out.
 
 #[cfg(test)]
 mod call;

@@ -28,8 +28,8 @@ pub struct VerificationError<E> {
 /// difference and ends there; it leaves out the cameras after that one.
 ///
 /// # Errors
-/// [`VerificationError`] of the first camera that a device refuses or fails with. Without a device no
-/// camera is checked.
+/// [`VerificationError`] of the first camera that a device refuses or fails with. Without a device
+/// no camera is checked.
 pub fn cameras<D: CorrectingDevice + ?Sized>(
     devices: &mut [Box<D>],
     cameras: &[CameraFile],

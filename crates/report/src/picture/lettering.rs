@@ -168,8 +168,8 @@ mod tests {
                 0.5 * (ends[0] + ends[1]) - 100.0
             })
         };
-        // The baseline is 0.76 em below the point, or 0.25 em above it; the middle of capitals of 20 pixels per em is
-        // 7.3 pixels above the baseline.
+        // The baseline is 0.76 em below the point, or 0.25 em above it; the middle of capitals of
+        // 20 pixels per em is 7.3 pixels above the baseline.
         for (vertical, expected) in [(VPos::Top, 15.2 - 7.3), (VPos::Bottom, -5.0 - 7.3)] {
             let [_, down] = middle(vertical, FontTransform::None);
             assert!((down - expected).abs() < 1.1, "{down} {expected}");

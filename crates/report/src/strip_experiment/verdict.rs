@@ -67,7 +67,7 @@ pub fn verdicts(experiment: &Experiment) -> Vec<Verdict> {
 
 fn sentence(label: &str, control: &Estimate, check: &Estimate) -> String {
     let fate = match (Change::of(control), Change::of(check)) {
-        // Where the intervals do not overlap, the gain at check points is smaller.
+        // If the intervals do not overlap, the gain at check points is smaller.
         (Change::Gain, Change::Gain) if control.upper < check.lower => {
             "the gain survives on check points, but smaller".to_owned()
         }

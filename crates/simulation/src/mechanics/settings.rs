@@ -2,7 +2,8 @@
 
 use serde::Deserialize;
 
-/// A stage with its motor, screw, encoder and end stops; masses and forces are reduced to the moving stage.
+/// A stage with its motor, screw, encoder and end stops; masses and forces are reduced to the
+/// moving stage.
 #[derive(Debug, Clone, Copy, PartialEq, Deserialize)]
 #[serde(default, deny_unknown_fields)]
 pub struct MechanicsSettings {

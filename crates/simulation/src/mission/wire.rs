@@ -1,4 +1,5 @@
-//! Wires of satellite receiver and autopilot: bytes at their baud rate, and the faults of each wire.
+//! Wires of satellite receiver and autopilot: bytes at their baud rate, and the faults of each
+//! wire.
 
 use std::collections::VecDeque;
 

@@ -103,7 +103,8 @@ impl<'a> Reader<'a> {
         Some(text)
     }
 
-    /// Of the format of an enum that of its variant, which the next byte names; else the format itself.
+    /// Of the format of an enum that of its variant, which the next byte names; else the format
+    /// itself.
     fn variant<'format>(&mut self, format: &'format str) -> Option<&'format str> {
         // An enum of one variant has no byte.
         if !format.contains('|') {

@@ -21,7 +21,7 @@ pub(super) struct Table {
 pub(super) struct Entry {
     /// `None` for a line that is printed without a level, and for a part of a line.
     pub(super) level: Option<&'static str>,
-    /// Whether it is the format of a value that formats itself.
+    /// `true` if it is the format of a value that formats itself.
     pub(super) is_value: bool,
     /// The format string, or the interned string.
     pub(super) text: String,

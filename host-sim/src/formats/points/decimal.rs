@@ -11,7 +11,8 @@ const LONGEST: usize = 1 + 8 + 1 + 9;
 /// Bits that turn eight digits into text.
 const ASCII: u64 = u64::from_le_bytes([b'0'; 8]);
 
-/// Appends `value` with `DECIMALS` decimals, at most 9, rounded half to even from its exact binary value.
+/// Appends `value` with `DECIMALS` decimals, at most 9, rounded half to even from its exact binary
+/// value.
 #[inline]
 pub(super) fn push<const DECIMALS: u32>(text: &mut Vec<u8>, value: f64) {
     const { assert!(DECIMALS > 0 && DECIMALS <= 9) };

@@ -126,8 +126,8 @@ fn silence_extrapolates_with_growing_sigma_in_pixels_until_its_validity_ends() {
     let grown = [0.0, 0.4, 1.0, 2.0, 4.0, 4.9].map(smear);
     assert!(grown.is_sorted(), "{grown:?}");
     assert!(grown[0] < 0.02);
-    // After 1 s the altimeter has been silent for 0.5 s more than its period: 50 m/√3 of 1000 m, and
-    // 3 m; 2.9 % of 0.06 1/s over 85.7 px·s.
+    // After 1 s the altimeter has been silent for 0.5 s more than its period: 50 m/√3 of 1000 m,
+    // and 3 m; 2.9 % of 0.06 1/s over 85.7 px·s.
     assert!((grown[2] - 0.150).abs() < 0.01, "{grown:?}");
     assert!(monitor.estimate(at(9.01)).is_none());
 }

@@ -74,8 +74,8 @@ pub(super) fn send(bytes: &[u8]) -> usize {
     bytes.iter().take_while(|byte| LINK.put(**byte)).count()
 }
 
-/// Sleeps until an interrupt. Interrupts are masked from the look at the rings to the sleep, which a
-/// masked interrupt ends as well, so that none is missed.
+/// Sleeps until an interrupt. Interrupts are masked from the look at the rings to the sleep, which
+/// a masked interrupt ends as well, so that none is missed.
 pub(super) fn wait() {
     cortex_m::interrupt::free(|_| {
         if RECEIVED.is_empty() && !LINK.holds_byte() && wires::are_silent() {

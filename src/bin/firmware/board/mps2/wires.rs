@@ -1,5 +1,5 @@
-//! Wires of the satellite receiver and of the autopilot: the third UART and the fourth, received by interrupt into
-//! rings.
+//! Wires of the satellite receiver and of the autopilot: the third UART and the fourth, received by
+//! interrupt into rings.
 
 use cortex_m::{interrupt::InterruptNumber, peripheral::NVIC};
 use fmc_camera::io::instruments::Wire;
@@ -36,13 +36,14 @@ pub(super) fn of_interrupt(number: i16) -> Option<Wire> {
 pub(super) fn start(_: &mut NVIC) {
     for wire in Wire::ALL {
         uart(wire).start_with_interrupt();
-        // SAFETY: what the interrupt shares with the main loop is the ring, and who writes to it has interrupts masked.
+        // SAFETY: what the interrupt shares with the main loop is the ring, and who writes to it
+        // has interrupts masked.
         unsafe { NVIC::unmask(Receive(wire)) }
     }
 }
 
-/// Moves what a wire's UART holds into its ring; the interrupt. As for the link, a byte for which there is no room
-/// stays in the UART.
+/// Moves what a wire's UART holds into its ring; the interrupt. As for the link, a byte for which
+/// there is no room stays in the UART.
 pub(super) fn collect(wire: Wire) {
     let (uart, ring) = (uart(wire), ring(wire));
     uart.clear_interrupt();
@@ -75,7 +76,7 @@ pub(super) fn hand_over(deck: &mut RigDeck) {
     }
 }
 
-/// Whether nothing waits to be handed over.
+/// Returns `true` if nothing waits to be handed over.
 pub(super) fn are_silent() -> bool {
     Wire::ALL.into_iter().all(|wire| ring(wire).is_empty())
 }

@@ -1,9 +1,9 @@
 //! ST NUCLEO-H743ZI2: STM32H743ZI, Cortex-M7 at 400 MHz.
 //!
 //! The link is USART3, which the board's ST-LINK shows to the PC as a serial port; logs leave
-//! through the debugger (RTT). USART2 and UART7 receive from satellite receiver and autopilot. A motor with an encoder moves the stage; the clock's own timer
-//! stamps edges of trigger, time pulse and shutter. `docs/board.md` has pins, connectors and
-//! instructions.
+//! through the debugger (RTT). USART2 and UART7 receive from satellite receiver and autopilot. A
+//! motor with an encoder moves the stage; the clock's own timer stamps edges of trigger, time pulse
+//! and shutter. `docs/board.md` has pins, connectors and instructions.
 
 mod captures;
 mod clock;

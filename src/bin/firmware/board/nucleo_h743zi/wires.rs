@@ -1,5 +1,5 @@
-//! Wires of the satellite receiver and of the autopilot: USART2 and UART7, 8 data bits, no parity, interrupt on
-//! reception. Nothing is sent on them.
+//! Wires of the satellite receiver and of the autopilot: USART2 and UART7, 8 data bits, no parity,
+//! interrupt on reception. Nothing is sent on them.
 
 use embassy_stm32::{
     Peri, bind_interrupts,
@@ -53,7 +53,8 @@ impl Wires {
         rcc::enable_and_reset::<UART7>();
         listen(pac::USART2, const { divider(RECEIVER_BAUD) });
         listen(pac::UART7, const { divider(AUTOPILOT_BAUD) });
-        // SAFETY: the handlers share nothing with other code but atomics and registers that they alone use.
+        // SAFETY: the handlers share nothing with other code but atomics and registers that they
+        // alone use.
         unsafe {
             typelevel::USART2::enable();
             typelevel::UART7::enable();
@@ -94,7 +95,8 @@ fn listen(registers: Usart, divider: u16) {
     });
 }
 
-/// Moves what a wire has brought into its ring, up to what the ring holds: what comes on top of it is lost and counted.
+/// Moves what a wire has brought into its ring, up to what the ring holds: what comes on top of it
+/// is lost and counted.
 fn collect(wire: Usart, ring: &WireRing) {
     loop {
         let status = wire.isr().read();
