@@ -4,6 +4,7 @@ use fmc_camera::flight::frame_record::{ExposedFrame, Flag, FrameRecord, Outcome}
 use fmc_camera_file::CameraFile;
 
 use super::flown::FlownFrame;
+use crate::judge::frame::principal_point_sigma_mm;
 
 /// Flags that do not affect the coordinates of a frame.
 const HARMLESS: [Flag; 6] = [
@@ -45,7 +46,7 @@ impl FrameErrors {
         Some(Self {
             pp_error_px: (reported_offset_mm(camera, exposed) - truth.centroid_offset_mm)
                 / pixel_mm,
-            sigma_px: f64::from(exposed.principal_point_sigma_mm) / pixel_mm,
+            sigma_px: principal_point_sigma_mm(exposed) / pixel_mm,
             smear_px: truth.smear_mm / pixel_mm,
             compensation_px: truth.compensation_smear_mm / pixel_mm,
             predicted_px: f64::from(exposed.smear_px),

@@ -13,7 +13,7 @@ use super::scenario::MissionScenario;
 use super::source::{Source, ToldVh};
 
 /// Time of the receiver's first time pulse, µs.
-const FIRST_PULSE_US: u64 = 300_250;
+pub(super) const FIRST_PULSE_US: u64 = 300_250;
 /// One second, µs.
 const SECOND_US: u64 = 1_000_000;
 /// Time from a pulse to the message that names it, µs.
