@@ -125,6 +125,13 @@ pub enum Command {
     /// of the image. Fails (exit 1) when a trigger has no record, a limit of the scenario is
     /// exceeded, or a fault does not lead to what the scenario expects of it.
     ///
+    /// Not simulated: a shutter that exposes the rows one after the other; vibration of the camera
+    /// beyond its attitude rates; changes of temperature during a flight; noise and dead pixels of
+    /// the detector; terrain between the heights that V/H is measured over other than waves; a
+    /// supply that fails; errors of the calibration. Camera time, V/H and attitude reach the camera as
+    /// values with noise, latency and faults, those of a satellite receiver as its sentences where the
+    /// scenario says so.
+    ///
     /// The nominal mission of 1000 exposures: host-sim mission --out mission
     Mission(MissionArgs),
     /// Fetch the records of a camera: records.csv and records.json.

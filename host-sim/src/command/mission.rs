@@ -2,6 +2,7 @@
 
 use std::io::{self, Write};
 
+use fmc_camera_file::flight_settings::FlightSettingsFile;
 use fmc_report::figure::FigureError;
 use fmc_report::mission::summary::Summary;
 use fmc_report::mission::{MissionReport, frames_plot, histogram, html, text, timeline, truth_csv};
@@ -10,7 +11,6 @@ use fmc_simulation::mechanics::Mechanics;
 use fmc_simulation::mission::flight_loop::{FlightOptions, Status, fly};
 use fmc_simulation::mission::judgement::Judgement;
 use fmc_simulation::mission::scenario::MissionScenario;
-use fmc_simulation::mission::settings::flight_settings;
 use indicatif::{ProgressBar, ProgressStyle};
 
 use crate::cli::MissionArgs;
@@ -18,10 +18,16 @@ use crate::failure::Failure;
 use crate::formats::output::{self, OutputFolder};
 
 pub(super) fn run(args: &MissionArgs) -> Result<(), Failure> {
+    let settings = args
+        .settings
+        .as_deref()
+        .map(FlightSettingsFile::read)
+        .transpose()?;
     let scenario = match &args.scenario {
-        Some(path) => MissionScenario::read(path, args.exposures)?,
-        None => MissionScenario::nominal(args.exposures)?,
+        Some(path) => MissionScenario::read_with(path, args.exposures, settings)?,
+        None => MissionScenario::nominal_with(args.exposures, settings)?,
     };
+    let seed = args.seed.unwrap_or(scenario.seed());
     if let Some(frame) = args.frame
         && frame > scenario.exposures()
     {
@@ -30,15 +36,12 @@ pub(super) fn run(args: &MissionArgs) -> Result<(), Failure> {
             scenario.exposures()
         )));
     }
-    let mechanics = Mechanics::new(scenario.written.mechanics)
+    let mechanics = Mechanics::seeded(scenario.written.mechanics, seed)
         .map_err(|fault| scenario.fault("mechanics", fault))?;
     let mut device = args.device.open_flying()?;
-    device.prepare(
-        &scenario.camera.parameters(),
-        &flight_settings(&scenario.written, scenario.interval_s),
-    )?;
+    device.prepare(&scenario.camera.parameters(), &scenario.flight_settings())?;
     let options = FlightOptions {
-        seed: args.seed,
+        seed,
         frame: args.frame,
     };
     let line = StatusLine::new(&scenario);
@@ -50,7 +53,7 @@ pub(super) fn run(args: &MissionArgs) -> Result<(), Failure> {
     let judgement = Judgement::of(&scenario, &flown);
     let report = MissionReport {
         scenario: &scenario,
-        seed: args.seed,
+        seed,
         flown: &flown,
         judgement: &judgement,
     };

@@ -343,19 +343,48 @@ fn what_contradicts_the_camera_file_is_refused() {
 
 #[test]
 fn stage_that_cannot_make_the_travel_is_refused() {
-    for (from, to, words) in [
-        ("stroke_mm = 4.0", "stroke_mm = 0.05", "stroke"),
-        ("strategy = \"centred\"", "mechanism = \"tdi\"", "tdi"),
+    let bench = bench(MISSION);
+    let short = changed(CAMERA, "stroke_mm = 4.0", "stroke_mm = 0.05");
+    fs::write(bench.path("cameras/mission.toml"), short).unwrap();
+    let answer = fly(&bench, &[]);
+    answer.refused(&["scenario.toml, line ", "stroke"]);
+}
+
+#[test]
+fn camera_without_a_stage_is_flown_and_its_steps_are_more_than_the_limit_of_smear() {
+    let bench = bench(MISSION);
+    let tdi = changed(CAMERA, "strategy = \"centred\"", "mechanism = \"tdi\"");
+    fs::write(bench.path("cameras/mission.toml"), tdi).unwrap();
+    let answer = fly(&bench, &["--exposures", "6"]);
+    assert_eq!(answer.code, 1, "{}", answer.stderr);
+    for words in [
+        "6 exposed",
+        "largest error 0.0000 px",
+        "FAILED: smear of all frames",
     ] {
-        let bench = bench(MISSION);
-        fs::write(
-            bench.path("cameras/mission.toml"),
-            changed(CAMERA, from, to),
-        )
-        .unwrap();
-        let answer = fly(&bench, &[]);
-        answer.refused(&["scenario.toml, line ", words]);
+        assert!(answer.stdout.contains(words), "{words}: {}", answer.stdout);
     }
+}
+
+#[test]
+fn settings_of_camera_prepare_are_flown_and_contradictions_name_both() {
+    let bench = bench(MISSION);
+    fs::write(
+        bench.path("settings.toml"),
+        "[drive]\nencoder_step_um = 0.5\n",
+    )
+    .unwrap();
+    let with = ["--exposures", "4", "--settings", "settings.toml"];
+    fly(&bench, &with).refused(&[
+        "mechanics.encoder_step_um = 0.1",
+        "drive.encoder_step_um = 0.5 of settings.toml",
+    ]);
+    fs::write(bench.path("settings.toml"), "speed_tolerance_percent = 2\n").unwrap();
+    let answer = fly(&bench, &with);
+    assert!(answer.stdout.contains("4 exposed"), "{}", answer.stderr);
+    fs::write(bench.path("settings.toml"), "speed_tolerance = 2\n").unwrap();
+    fly(&bench, &with).refused(&["settings.toml", "no setting speed_tolerance"]);
+    fly(&bench, &["--settings", "nowhere.toml"]).refused(&["nowhere.toml"]);
 }
 
 #[test]

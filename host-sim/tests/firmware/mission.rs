@@ -4,7 +4,6 @@ use fmc_report::records::crc32;
 use fmc_simulation::mechanics::Mechanics;
 use fmc_simulation::mission::flight_loop::{FlightOptions, fly};
 use fmc_simulation::mission::scenario::MissionScenario;
-use fmc_simulation::mission::settings::flight_settings;
 use host_sim::device::qemu::{Qemu, QemuOptions};
 use host_sim::device::{DeviceError, FlyingDevice, InProcess, Machine};
 
@@ -12,9 +11,8 @@ fn records_crc(
     scenario: &MissionScenario,
     device: &mut dyn FlyingDevice<Error = DeviceError>,
 ) -> (usize, u32) {
-    let settings = flight_settings(&scenario.written, scenario.interval_s);
     device
-        .prepare(&scenario.camera.parameters(), &settings)
+        .prepare(&scenario.camera.parameters(), &scenario.flight_settings())
         .unwrap();
     let mechanics = Mechanics::new(scenario.written.mechanics).unwrap();
     let options = FlightOptions {

@@ -5,6 +5,8 @@ mod determinism;
 #[cfg(test)]
 mod faults;
 #[cfg(test)]
+mod hardware;
+#[cfg(test)]
 mod nominal;
 #[cfg(test)]
 mod stall;

@@ -15,6 +15,8 @@ pub use settings::{EncoderSide, LONGEST_SUBSTEP_S, MechanicsSettings};
 use history::History;
 use motion::{Forces, Motion};
 
+use crate::noise::Noise;
+
 /// Command to the bridge.
 #[derive(Debug, Clone, Copy, PartialEq)]
 struct Order {
@@ -45,7 +47,17 @@ pub struct Mechanics {
     pivot: Option<i64>,
     /// Lasting offset of the count after a reversal.
     shift: i64,
+    /// Position of the middle of count 0, µm.
+    phase_um: f64,
+    /// Source of the encoder's jitter.
+    noise: Noise,
 }
+
+/// Stream of a seed from which the mechanics draw.
+const STREAM: u64 = 200;
+
+/// Position of the middle of count 0 of a stage without a seed, µm.
+const PHASE_UM: f64 = 0.03;
 
 impl Mechanics {
     /// Creates a stage at rest at the calibrated position.
@@ -53,6 +65,22 @@ impl Mechanics {
     /// # Errors
     /// A message that names the field, its value and what is allowed.
     pub fn new(settings: MechanicsSettings) -> Result<Self, String> {
+        Self::with(settings, PHASE_UM, Noise::new(0, STREAM))
+    }
+
+    /// Creates a stage whose encoder has its phase, unless the settings give it, and its jitter
+    /// from a seed.
+    ///
+    /// # Errors
+    /// As [`Self::new`].
+    pub fn seeded(settings: MechanicsSettings, seed: u64) -> Result<Self, String> {
+        let mut noise = Noise::new(seed, STREAM);
+        let half_um = 0.5 * settings.encoder_step_um;
+        let phase_um = noise.between(-half_um, half_um);
+        Self::with(settings, phase_um, noise)
+    }
+
+    fn with(settings: MechanicsSettings, phase_um: f64, noise: Noise) -> Result<Self, String> {
         let settings = settings.checked()?;
         let start = Instant {
             time_s: 0.0,
@@ -74,6 +102,8 @@ impl Mechanics {
             history: History::new(start, settings.history_s),
             pivot: None,
             shift: 0,
+            phase_um: settings.encoder_phase_um.unwrap_or(phase_um),
+            noise,
         })
     }
 
@@ -242,13 +272,16 @@ impl Mechanics {
     }
 
     #[expect(clippy::cast_possible_truncation, reason = "some thousands of counts")]
-    fn raw_count(&self) -> i64 {
+    fn raw_count(&mut self) -> i64 {
         let settings = &self.settings;
-        let read = self.history.at(self.time_s - settings.encoder_latency_s);
+        let [jitter_s] = self.noise.next([settings.encoder_jitter_s]);
+        let age_s = settings.encoder_latency_s + settings.encoder_latency_error_s + jitter_s;
+        let read = self.history.at(self.time_s - age_s);
         let offset_mm = read.map_or(0.0, |instant| match settings.encoder_side {
             EncoderSide::Screw => instant.screw_mm,
             EncoderSide::Stage => instant.stage_mm,
         });
-        ((1e3 * offset_mm - settings.encoder_phase_um) / settings.encoder_step_um).round() as i64
+        let step_um = settings.encoder_step_um * (1.0 + 1e-6 * settings.encoder_scale_ppm);
+        ((1e3 * offset_mm - self.phase_um) / step_um).round() as i64
     }
 }

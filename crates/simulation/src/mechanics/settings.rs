@@ -26,16 +26,25 @@ pub struct MechanicsSettings {
     pub encoder_side: EncoderSide,
     /// Travel per count of the encoder, µm.
     pub encoder_step_um: f64,
-    /// Position at which a count ends, µm.
-    pub encoder_phase_um: f64,
-    /// Age of the encoder's reading, s.
+    /// Position of the middle of count 0, µm; `None` leaves it to the seed.
+    pub encoder_phase_um: Option<f64>,
+    /// Excess of the true travel per count, ppm.
+    pub encoder_scale_ppm: f64,
+    /// Age of the encoder's reading that is known, s.
     pub encoder_latency_s: f64,
+    /// Age of the encoder's reading beyond the known one, s.
+    pub encoder_latency_error_s: f64,
+    /// σ of the instant at which the encoder is read, s.
+    pub encoder_jitter_s: f64,
     /// Time from the command of a duty to its force, s.
     pub duty_latency_s: f64,
     /// Offsets of the end stops, mm.
     pub end_stops_mm: [f64; 2],
     /// Offsets beyond which the limit switches are closed, mm.
     pub limits_mm: [f64; 2],
+    /// Run-out of the detector that nobody has measured, away from the lens, µm: a polynomial of
+    /// the offset in mm, lowest power first.
+    pub run_out_um: [f64; 4],
     /// Longest integration step, s.
     pub substep_s: f64,
     /// Time for which the motion is remembered, s.
@@ -66,11 +75,15 @@ impl Default for MechanicsSettings {
             backlash_um: 1.0,
             encoder_side: EncoderSide::Screw,
             encoder_step_um: 0.1,
-            encoder_phase_um: 0.03,
+            encoder_phase_um: None,
+            encoder_scale_ppm: 0.0,
             encoder_latency_s: 1e-4,
+            encoder_latency_error_s: 0.0,
+            encoder_jitter_s: 0.0,
             duty_latency_s: 1e-4,
             end_stops_mm: [-2.5, 2.5],
             limits_mm: [-2.2, 2.2],
+            run_out_um: [0.0; 4],
             substep_s: 2e-5,
             history_s: 2.0,
         }
@@ -96,8 +109,21 @@ impl MechanicsSettings {
             ("stribeck_mm_s", self.stribeck_mm_s, 1e-3, 1e3),
             ("backlash_um", self.backlash_um, 0.0, 1e3),
             ("encoder_step_um", self.encoder_step_um, 1e-3, 100.0),
-            ("encoder_phase_um", self.encoder_phase_um, -100.0, 100.0),
+            (
+                "encoder_phase_um",
+                self.encoder_phase_um.unwrap_or(0.0),
+                -100.0,
+                100.0,
+            ),
+            ("encoder_scale_ppm", self.encoder_scale_ppm, -1e4, 1e4),
             ("encoder_latency_s", self.encoder_latency_s, 0.0, 0.01),
+            (
+                "encoder_latency_error_s",
+                self.encoder_latency_error_s,
+                -self.encoder_latency_s,
+                0.01,
+            ),
+            ("encoder_jitter_s", self.encoder_jitter_s, 0.0, 1e-3),
             ("duty_latency_s", self.duty_latency_s, 0.0, 0.01),
             ("end_stops_mm[0]", self.end_stops_mm[0], -100.0, 0.0),
             ("end_stops_mm[1]", self.end_stops_mm[1], 0.0, 100.0),
@@ -106,7 +132,10 @@ impl MechanicsSettings {
             ("substep_s", self.substep_s, 1e-7, LONGEST_SUBSTEP_S),
             ("history_s", self.history_s, 0.02, 60.0),
         ];
-        for (name, value, least, most) in ranges {
+        let run_outs = self
+            .run_out_um
+            .map(|value| ("run_out_um", value, -1000.0, 1000.0));
+        for (name, value, least, most) in ranges.into_iter().chain(run_outs) {
             if !(value >= least && value <= most) {
                 return Err(format!("{name} = {value} is outside {least} to {most}"));
             }

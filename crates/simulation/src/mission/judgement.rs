@@ -36,7 +36,7 @@ impl Judgement {
             .iter()
             .map(|frame| FrameErrors::of(&scenario.camera, frame))
             .collect();
-        let world = TrueWorld::of(scenario);
+        let world = TrueWorld::of(scenario, &flown.clock);
         let verdicts: Vec<Option<FrameVerdict>> = flown
             .frames
             .iter()

@@ -5,6 +5,7 @@
 //! report of every frame is compared with the physical exposure.
 
 pub mod aircraft;
+pub mod camera_clock;
 pub mod check;
 pub mod clock;
 pub mod device;
@@ -15,6 +16,7 @@ mod file_range;
 pub mod flight_loop;
 pub mod flown;
 pub mod frame_errors;
+mod hardware;
 pub mod judgement;
 mod light;
 mod operator;
@@ -23,6 +25,7 @@ mod outcome;
 mod physical_truth;
 pub mod planned_fault;
 pub mod receiver;
+mod row_clock;
 pub mod scenario;
 pub mod sensors;
 pub mod settings;
@@ -31,3 +34,4 @@ mod sigma_checks;
 mod source;
 pub mod trace;
 mod tracer;
+mod wiring;

@@ -2,6 +2,7 @@
 
 use fmc_camera_file::CameraFile;
 
+use super::camera_clock::CameraClock;
 use super::clock::seconds;
 use super::oracle::FrameTruth;
 use super::scenario::MissionScenario;
@@ -12,16 +13,18 @@ use crate::judge::truth::PhysicalTruth;
 #[derive(Debug, Clone, Copy)]
 pub(super) struct TrueWorld<'a> {
     camera: &'a CameraFile,
+    clock: &'a CameraClock,
     /// Second that the receiver's first pulse begins, since 1970.
     first_pulse_unix_s: Option<i64>,
 }
 
 impl<'a> TrueWorld<'a> {
-    /// Creates the world of a scenario.
-    pub(super) fn of(scenario: &'a MissionScenario) -> Self {
+    /// Creates the world of a scenario, in which the camera had this clock.
+    pub(super) fn of(scenario: &'a MissionScenario, clock: &'a CameraClock) -> Self {
         let gnss = scenario.written.gnss.as_ref();
         Self {
             camera: &scenario.camera,
+            clock,
             first_pulse_unix_s: gnss.map(|gnss| gnss.first_pulse_unix_s),
         }
     }
@@ -34,7 +37,7 @@ impl<'a> TrueWorld<'a> {
         PhysicalTruth {
             principal_point_mm: [x0 + offset_mm * ex, y0 + offset_mm * ey],
             axis,
-            centroid_us: 1e6 * truth.centroid_s,
+            centroid_us: 1e6 * self.clock.shown_s(truth.centroid_s),
             centroid_unix_ns: self
                 .first_pulse_unix_s
                 .map(|first_s| 1_000_000_000 * first_s + nanoseconds(truth.centroid_s)),

@@ -5,15 +5,18 @@ use std::path::Path;
 use fmc_camera::flight::camera::{Camera, FrameError};
 use fmc_camera::flight::controller::{Controller, ControllerError, Start};
 use fmc_camera::flight::exposure::Exposure;
+use fmc_camera::flight::settings::FlightSettings;
 use fmc_camera::geometry::range::Quantity;
+use fmc_camera_file::flight_settings::FlightSettingsFile;
 use fmc_camera_file::number::single;
 use fmc_camera_file::toml_text::TomlText;
-use fmc_camera_file::{CameraFile, InputError, MechanismName};
+use fmc_camera_file::{CameraFile, InputError};
 
 use super::fault::Injection;
 use super::fault::line::Carried;
 use super::file::{MissionFile, ReceiverFormat, VhSourceName};
 use super::file_range;
+use super::hardware;
 use super::planned_fault::{self, PlannedFault};
 use super::settings::flight_settings;
 
@@ -32,6 +35,8 @@ pub struct MissionScenario {
     pub camera: CameraFile,
     /// Validated camera of the camera file.
     pub checked: Camera,
+    /// Settings of the camera; `None` for those that follow from the scenario's hardware.
+    pub settings: Option<FlightSettings>,
     /// Interval between triggers, s.
     pub interval_s: f64,
     /// Faults with their expected outcomes.
@@ -45,7 +50,18 @@ impl MissionScenario {
     /// # Errors
     /// [`InputError`] if it cannot be flown with so many exposures.
     pub fn nominal(exposures: Option<u32>) -> Result<Self, InputError> {
-        Self::parse_with("mission.toml", NOMINAL, exposures, |_| {
+        Self::nominal_with(exposures, None)
+    }
+
+    /// Returns the nominal mission of a camera with these settings.
+    ///
+    /// # Errors
+    /// [`InputError`] if it cannot be flown so, or if settings and scenario contradict each other.
+    pub fn nominal_with(
+        exposures: Option<u32>,
+        settings: Option<FlightSettingsFile>,
+    ) -> Result<Self, InputError> {
+        Self::parse_with("mission.toml", NOMINAL, exposures, settings, |_| {
             CameraFile::parse("cameras/mission.toml", NOMINAL_CAMERA)
         })
     }
@@ -55,17 +71,36 @@ impl MissionScenario {
     /// # Errors
     /// [`InputError`] naming file, line, field, value and allowed range.
     pub fn read(path: &Path, exposures: Option<u32>) -> Result<Self, InputError> {
+        Self::read_with(path, exposures, None)
+    }
+
+    /// Reads and validates a scenario whose camera has these settings, in place of those that
+    /// follow from the scenario's hardware.
+    ///
+    /// # Errors
+    /// As [`Self::read`], and if settings and scenario contradict each other.
+    pub fn read_with(
+        path: &Path,
+        exposures: Option<u32>,
+        settings: Option<FlightSettingsFile>,
+    ) -> Result<Self, InputError> {
         let bytes = std::fs::read(path).map_err(|error| InputError::reading(path, &error))?;
         let text = String::from_utf8(bytes).map_err(|_| {
             InputError::invalid(format!("{}: not a text file (UTF-8)", path.display()))
         })?;
         let folder = path.parent().unwrap_or(Path::new(""));
-        Self::parse(&path.display().to_string(), &text, folder, exposures)
+        Self::parse(
+            &path.display().to_string(),
+            &text,
+            folder,
+            exposures,
+            settings,
+        )
     }
 
     /// Parses and validates a scenario. `file` is the name that messages use for the text, `folder`
     /// the one in which a relative camera file is looked for; `exposures` replaces the number in
-    /// the scenario.
+    /// the scenario, `settings` its table of that name.
     ///
     /// # Errors
     /// As [`Self::read`].
@@ -74,8 +109,9 @@ impl MissionScenario {
         text: &str,
         folder: &Path,
         exposures: Option<u32>,
+        settings: Option<FlightSettingsFile>,
     ) -> Result<Self, InputError> {
-        Self::parse_with(file, text, exposures, |camera| {
+        Self::parse_with(file, text, exposures, settings, |camera| {
             let path = folder.join(camera);
             if path.is_file() {
                 Ok(CameraFile::read(&path)?)
@@ -93,6 +129,7 @@ impl MissionScenario {
         file: &str,
         text: &str,
         exposures: Option<u32>,
+        settings: Option<FlightSettingsFile>,
         camera_of: impl FnOnce(&Path) -> Result<(CameraFile, Camera), InputError>,
     ) -> Result<Self, InputError> {
         let text = TomlText::new(file, text);
@@ -108,18 +145,44 @@ impl MissionScenario {
         check_line(&written, &text)?;
         check_mechanics(&written, &text)?;
         let (camera, checked) = camera_of(&written.camera)?;
+        let given = settings_of(&written, settings, &text)?;
+        let settings = match &given {
+            Some(file) => Some(hardware::agree(&mut written, file, &text)?),
+            None => None,
+        };
         let interval_s = interval_s(&written, &camera, &text)?;
+        if let (Some(file), Some(settings)) = (&given, &settings) {
+            hardware::check_interval(interval_s, settings, file, &text)?;
+        }
         check_exposure(&written, &camera, &checked, &text)?;
-        check_settings(&written, &camera, interval_s, &text)?;
+        let flown = settings.unwrap_or_else(|| flight_settings(&written, interval_s));
+        check_settings(&written, &camera, &flown, &text)?;
         let faults = planned_fault::planned(&written, interval_s, &text)?;
         Ok(Self {
             file: file.to_owned(),
             written,
             camera,
             checked,
+            settings,
             interval_s,
             faults,
         })
+    }
+
+    /// Returns the settings of the camera.
+    #[must_use]
+    pub fn flight_settings(&self) -> FlightSettings {
+        self.settings
+            .unwrap_or_else(|| flight_settings(&self.written, self.interval_s))
+    }
+
+    /// Returns the scenario's own seed.
+    #[must_use]
+    pub fn seed(&self) -> u64 {
+        self.written
+            .seed
+            .and_then(|seed| u64::try_from(seed).ok())
+            .unwrap_or(1)
     }
 
     /// Creates the error of a field: file, field and fault.
@@ -164,6 +227,27 @@ impl MissionScenario {
 
 fn vh_per_s(written: &MissionFile) -> f64 {
     written.flight.speed_m_s / (written.flight.height_m - written.terrain.height_m)
+}
+
+/// Returns the settings that the command or the scenario gives; not both may.
+fn settings_of(
+    written: &MissionFile,
+    given: Option<FlightSettingsFile>,
+    text: &TomlText,
+) -> Result<Option<FlightSettingsFile>, InputError> {
+    match (given, &written.settings) {
+        (Some(given), Some(_)) => Err(text.invalid_table(
+            "settings",
+            &format!(
+                "the scenario has settings of its own, beside {}",
+                given.name
+            ),
+        )),
+        (given, None) => Ok(given),
+        (None, Some(table)) => FlightSettingsFile::of_table("[settings]".to_owned(), table.clone())
+            .map(Some)
+            .map_err(|what| text.invalid_table("settings", &what)),
+    }
 }
 
 fn check_sources(written: &MissionFile, text: &TomlText) -> Result<(), InputError> {
@@ -256,12 +340,6 @@ fn check_exposure(
     checked: &Camera,
     text: &TomlText,
 ) -> Result<(), InputError> {
-    if camera.fmc.mechanism != MechanismName::Stage {
-        return Err(text.invalid(
-            &["camera"],
-            "moves charge (mechanism = \"tdi\"); a mission simulates a stage",
-        ));
-    }
     let vh_per_s = vh_per_s(written);
     let [least, most] = camera.limits.vh_per_s;
     if !(least..=most).contains(&vh_per_s) {
@@ -280,7 +358,10 @@ fn check_exposure(
             &format!("is out of range: the camera file allows {least} to {most} s"),
         ));
     }
-    let exposure = Exposure::new(single(vh_per_s), single(written.flight.exposure_s));
+    let mut exposure = Exposure::new(single(vh_per_s), single(written.flight.exposure_s));
+    if let Some(direction) = written.flight.direction {
+        exposure.direction = direction.direction();
+    }
     match checked.plan(&exposure) {
         Ok(_) => Ok(()),
         Err(error @ FrameError::Stroke(_)) => Err(text.invalid(
@@ -295,11 +376,10 @@ fn check_exposure(
 fn check_settings(
     written: &MissionFile,
     camera: &CameraFile,
-    interval_s: f64,
+    settings: &FlightSettings,
     text: &TomlText,
 ) -> Result<(), InputError> {
-    let settings = flight_settings(written, interval_s);
-    let Err(refused) = Controller::new(&camera.parameters(), 0, &settings, Start::Orderly) else {
+    let Err(refused) = Controller::new(&camera.parameters(), 0, settings, Start::Orderly) else {
         return Ok(());
     };
     let (path, fault): (&[&str], String) = match refused {

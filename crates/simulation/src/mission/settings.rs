@@ -2,11 +2,12 @@
 
 use fmc_camera::flight::drive::loop_settings::{LoopSettings, Plant};
 use fmc_camera::flight::drive::settings::DriveSettings;
+use fmc_camera::flight::exposure::FlightDirection;
 use fmc_camera::flight::settings::FlightSettings;
 use fmc_camera::flight::vh::{ChannelSettings, VhSettings};
 use fmc_camera_file::number::single;
 
-use super::file::{MissionFile, VhSourceName};
+use super::file::{DirectionName, MissionFile, VhSourceName};
 use crate::mechanics::MechanicsSettings;
 
 /// Factor of a source's period after which the source counts as silent.
@@ -18,6 +19,10 @@ const PERIODS: f64 = 1.5;
 pub fn flight_settings(written: &MissionFile, interval_s: f64) -> FlightSettings {
     let mut settings = FlightSettings {
         exposure_s: single(written.flight.exposure_s),
+        direction: written
+            .flight
+            .direction
+            .map_or(FlightDirection::Forward, DirectionName::direction),
         smear_budget_px: single(written.limits.smear_px),
         shutter_latency_s: single(written.shutter.latency_ms / 1000.0),
         trigger_interval_s: single(interval_s),
