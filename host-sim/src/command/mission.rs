@@ -5,7 +5,9 @@ use std::io::{self, Write};
 use fmc_camera_file::flight_settings::FlightSettingsFile;
 use fmc_report::figure::FigureError;
 use fmc_report::mission::summary::Summary;
-use fmc_report::mission::{MissionReport, frames_plot, histogram, html, text, timeline, truth_csv};
+use fmc_report::mission::{
+    MissionReport, frames_plot, histogram, html, sigma_figures, text, timeline, truth_csv,
+};
 use fmc_report::records;
 use fmc_simulation::mechanics::Mechanics;
 use fmc_simulation::mission::flight_loop::{FlightOptions, Status, fly};
@@ -112,6 +114,9 @@ fn write(out: &std::path::Path, report: &MissionReport<'_>) -> Result<(), Failur
     if report.flown.trace.is_some() {
         let figure = timeline::timeline(report).map_err(drawing)?;
         files.push(("timeline.svg", figure.into_bytes()));
+    }
+    for (name, figure) in sigma_figures::of(report).map_err(drawing)? {
+        files.push((name, figure.into_bytes()));
     }
     let folder = OutputFolder::create(out)?;
     for (name, bytes) in files {

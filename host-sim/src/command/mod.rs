@@ -14,6 +14,7 @@ mod points;
 mod records;
 mod reference;
 mod smear;
+mod statistics;
 mod sweep;
 mod verify;
 
@@ -40,6 +41,7 @@ pub fn run(cli: Cli) -> Result<(), Failure> {
         Command::Sweep(args) => sweep::run(&args),
         Command::Flight(args) => flight::run(&args),
         Command::Mission(args) => mission::run(&args),
+        Command::Statistics(args) => statistics::run(&args),
         Command::Records(args) => records::run(&args),
         Command::Camera(args) => camera::run(&args),
     }

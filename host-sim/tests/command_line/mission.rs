@@ -94,7 +94,8 @@ fn short_mission_has_a_complete_report() {
         assert!(!rows.contains("NaN"));
     }
     let page = fs::read_to_string(bench.path("report/report.html")).unwrap();
-    assert_eq!(page.matches("<svg").count(), 3);
+    // Frames, histograms and rounds; error/σ of three quantities, and the smear.
+    assert_eq!(page.matches("<svg").count(), 7);
     assert!(!page.contains("NaN"));
     let records: serde_json::Value =
         serde_json::from_slice(&fs::read(bench.path("report/records.json")).unwrap()).unwrap();

@@ -47,6 +47,8 @@ mod serial;
 #[cfg(test)]
 mod smear;
 #[cfg(test)]
+mod statistics;
+#[cfg(test)]
 mod streaming;
 #[cfg(test)]
 mod support;

@@ -225,7 +225,10 @@ fn settings_of_a_camera_are_flown_with_the_hardware_that_they_describe() {
     assert!((scenario.written.shutter.latency_ms - 4.0).abs() < 1e-9);
     assert!((scenario.written.mechanics.encoder_step_um - 0.2).abs() < 1e-9);
     for verdict in verdicts(&scenario, 1) {
-        assert!(verdict.smear_px < 0.3 && !verdict.is_standing, "{verdict:?}");
+        assert!(
+            verdict.smear_px < 0.3 && !verdict.is_standing,
+            "{verdict:?}"
+        );
     }
 }
 

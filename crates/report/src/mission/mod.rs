@@ -3,7 +3,8 @@
 pub mod frames_plot;
 pub mod histogram;
 pub mod html;
-mod style;
+pub mod sigma_figures;
+pub(crate) mod style;
 pub mod summary;
 pub mod text;
 pub mod timeline;

@@ -28,6 +28,16 @@ impl Quantity {
         }
     }
 
+    /// Returns the name of the file of its figure.
+    #[must_use]
+    pub const fn file_name(self) -> &'static str {
+        match self {
+            Self::PrincipalPoint => "principal-point.svg",
+            Self::Vh => "vh.svg",
+            Self::Utc => "utc.svg",
+        }
+    }
+
     /// Returns the largest root mean square of error/σ that a right σ may have.
     #[must_use]
     pub const fn largest_rms(self) -> f64 {

@@ -18,7 +18,7 @@ pub(super) struct Clocked {
     clippy::cast_sign_loss,
     reason = "the cast saturates; times of a flight are not negative"
 )]
-pub(super) fn microseconds(seconds: f64) -> u64 {
+pub(crate) fn microseconds(seconds: f64) -> u64 {
     (1e6 * seconds).round() as u64
 }
 

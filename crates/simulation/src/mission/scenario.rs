@@ -125,6 +125,18 @@ impl MissionScenario {
         })
     }
 
+    /// Parses and validates a scenario whose camera file need not be on the disk.
+    ///
+    /// # Errors
+    /// As [`Self::read`].
+    pub fn parse_of_texts(
+        file: &str,
+        text: &str,
+        camera_of: impl FnOnce(&Path) -> Result<(CameraFile, Camera), InputError>,
+    ) -> Result<Self, InputError> {
+        Self::parse_with(file, text, None, None, camera_of)
+    }
+
     fn parse_with(
         file: &str,
         text: &str,
