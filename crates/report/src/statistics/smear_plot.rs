@@ -10,32 +10,26 @@ use crate::mission::style::{ALARM, FONT, OUTLINE_LINE, TRUTH, tick};
 const SIZE: (u32, u32) = (800, 440);
 /// Factor of the largest true smear up to which predictions are drawn.
 const LARGEST_PREDICTED: f64 = 2.0;
-/// Share of the frames that the axes hold; the rest is drawn at their ends.
-const DRAWN_SHARE: f64 = 0.995;
+/// Factor of the median up to which smear is drawn; frames without compensation, which have more
+/// of it, are at the end of the axis.
+const DRAWN_MEDIANS: f64 = 6.0;
+/// Least length of an axis, px.
+const LEAST_PX: f64 = 0.05;
 
 /// Draws pairs of predicted and true smear, px, in SVG.
 ///
 /// # Errors
 /// [`FigureError`] if the drawing fails, or if there is no frame to draw.
 pub fn smear(smears: &[(f64, f64)]) -> Result<String, FigureError> {
-    let largest = |values: &mut dyn Iterator<Item = f64>| {
-        let mut sorted: Vec<f64> = values.filter(|value| value.is_finite()).collect();
-        sorted.sort_by(f64::total_cmp);
-        let drawn = |count: usize| DRAWN_SHARE * f64::from(u32::try_from(count).unwrap_or(0));
-        let last = drawn(sorted.len());
-        let beyond = sorted
-            .iter()
-            .zip(0_u32..)
-            .find(|(_, index)| f64::from(*index) >= last - 1.0);
-        beyond.map(|(value, _)| *value)
-    };
-    let most_true = largest(&mut smears.iter().map(|(_, smear)| *smear))
-        .ok_or(FigureError::NothingToDraw)?
-        .max(0.05);
-    let most_predicted = largest(&mut smears.iter().map(|(predicted, _)| *predicted))
-        .unwrap_or(most_true)
-        .clamp(most_true, LARGEST_PREDICTED * most_true);
+    let [most_predicted, most_true] = [
+        most_drawn(smears.iter().map(|(predicted, _)| *predicted)),
+        most_drawn(smears.iter().map(|(_, smear)| *smear)),
+    ];
+    let most_predicted = most_predicted.clamp(most_true, LARGEST_PREDICTED * most_true);
     let (most_x, most_y) = (1.05 * most_predicted, 1.05 * most_true);
+    if smears.is_empty() {
+        return Err(FigureError::NothingToDraw);
+    }
     figure::svg(SIZE, |canvas| {
         let title = "Smear: true against predicted; above the diagonal in red";
         canvas.draw(&Text::new(title, (20, 26), text(FONT)))?;
@@ -72,6 +66,15 @@ pub fn smear(smears: &[(f64, f64)]) -> Result<String, FigureError> {
         chart.draw_series([PathElement::new(diagonal, OUTLINE_LINE.stroke_width(2))])?;
         Ok(())
     })
+}
+
+/// Returns the largest value that is drawn, px.
+fn most_drawn(values: impl Iterator<Item = f64>) -> f64 {
+    let mut sorted: Vec<f64> = values.filter(|value| value.is_finite()).collect();
+    sorted.sort_by(f64::total_cmp);
+    let median = sorted.get(sorted.len() / 2).copied().unwrap_or(0.0);
+    let largest = sorted.last().copied().unwrap_or(0.0);
+    largest.min(DRAWN_MEDIANS * median).max(LEAST_PX)
 }
 
 #[cfg(test)]
