@@ -16,6 +16,7 @@ use fmc_simulation::mission::scenario::MissionScenario;
 use indicatif::{ProgressBar, ProgressStyle};
 
 use crate::cli::MissionArgs;
+use crate::device::StepperCamera;
 use crate::failure::Failure;
 use crate::formats::output::{self, OutputFolder};
 
@@ -40,7 +41,18 @@ pub(super) fn run(args: &MissionArgs) -> Result<(), Failure> {
     }
     let mechanics = Mechanics::seeded(scenario.written.mechanics, seed)
         .map_err(|fault| scenario.fault("mechanics", fault))?;
-    let mut device = args.device.open_flying()?;
+    let mut device = match StepperCamera::of(&scenario)? {
+        None => args.device.open_flying()?,
+        Some(_) if !args.device.is_in_process() => {
+            return Err(scenario
+                .fault(
+                    "mechanics.stepper",
+                    "is flown in this program alone: --device sil",
+                )
+                .into());
+        }
+        Some(camera) => Box::new(camera),
+    };
     device.prepare(&scenario.camera.parameters(), &scenario.flight_settings())?;
     let options = FlightOptions {
         seed,

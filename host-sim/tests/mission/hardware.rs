@@ -4,11 +4,15 @@ use std::path::Path;
 
 use fmc_camera::flight::exposure::FlightDirection;
 use fmc_camera::flight::frame_record::Outcome;
+use fmc_camera_file::CameraFile;
 use fmc_camera_file::flight_settings::FlightSettingsFile;
 use fmc_simulation::judge::frame::FrameVerdict;
+use fmc_simulation::mechanics::Mechanics;
 use fmc_simulation::mission::file::DirectionName;
+use fmc_simulation::mission::flight_loop::{FlightOptions, fly};
 use fmc_simulation::mission::judgement::Judgement;
 use fmc_simulation::mission::scenario::MissionScenario;
+use host_sim::device::{FlyingDevice as _, StepperCamera};
 
 use crate::mission::support::{flown, folder};
 
@@ -287,4 +291,60 @@ fn scenario_may_have_the_settings_and_the_seed_in_it() {
             .to_string()
             .contains("no setting speed_tolerance")
     );
+}
+
+/// Returns the nominal mission with a stepper, whose camera has this line in its table `fmc`.
+fn with_stepper(line: &str) -> Result<MissionScenario, String> {
+    let stepper =
+        "[mechanics]\nstepper = { pulse_rate_hz = 200000.0, max_step_rate_hz = 100000.0 }";
+    let scenario = NOMINAL.replace("[mechanics] ", &format!("{stepper} #"));
+    let camera = include_str!("../../scenarios/cameras/mission.toml")
+        .replace("[fmc]", &format!("[fmc]\n{line}"));
+    let scenario = MissionScenario::parse_of_texts("mission.toml", &scenario, |path| {
+        CameraFile::parse(&path.display().to_string(), &camera)
+    });
+    scenario.map_err(|error| error.to_string())
+}
+
+#[test]
+fn stage_of_a_stepper_is_flown_by_its_steps() {
+    let mut scenario = with_stepper("max_speed_mm_s = 25.0").unwrap();
+    scenario.written.flight.exposures = 10;
+    scenario.written.mechanics.backlash_um = 0.0;
+    let mut device = StepperCamera::of(&scenario).unwrap().unwrap();
+    let (camera, settings) = (scenario.camera.parameters(), scenario.flight_settings());
+    device.prepare(&camera, &settings).unwrap();
+    let mechanics = Mechanics::seeded(scenario.written.mechanics, 1).unwrap();
+    let options = FlightOptions {
+        seed: 1,
+        frame: None,
+    };
+    let flown = fly(&scenario, options, mechanics, &mut device, |_| {}).unwrap();
+    let judgement = Judgement::of(&scenario, &flown);
+    assert!(flown.announced.is_empty(), "{:?}", flown.announced);
+    for verdict in &judgement.verdicts {
+        let verdict = verdict.unwrap();
+        // 12 mm/s against 302 N·s/m and 0.25 N on a spring of 200 N/mm: the stage is 19 µm behind
+        // its steps, which the drive counts as its position.
+        let error_um = 1e3 * verdict.principal_point_mm.error;
+        assert!((15.0..23.0).contains(&error_um), "{verdict:?}");
+        assert!(verdict.smear_px < 0.3, "{verdict:?}");
+    }
+    // The motor with its encoder is another camera.
+    scenario.written.mechanics.stepper = None;
+    assert!(StepperCamera::of(&scenario).unwrap().is_none());
+}
+
+#[test]
+fn stepper_that_is_slower_than_the_camera_allows_is_refused_with_both() {
+    for (line, words) in [
+        ("max_speed_mm_s = 40.0", "max_speed_mm_s = 40"),
+        ("", "no max_speed_mm_s"),
+    ] {
+        let error = with_stepper(line).unwrap_err();
+        assert!(
+            error.contains("31.25 mm/s") && error.contains(words),
+            "{error}"
+        );
+    }
 }

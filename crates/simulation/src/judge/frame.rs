@@ -69,7 +69,7 @@ impl FrameVerdict {
         Some(Self {
             sequence: record.sequence,
             principal_point_mm: StatedError {
-                error: dx_mm * ex + dy_mm * ey,
+                error: beyond_rounding(dx_mm * ex + dy_mm * ey, x_mm.abs().max(y_mm.abs())),
                 sigma: principal_point_sigma_mm(exposed),
             },
             across_mm: dy_mm * ex - dx_mm * ey,
@@ -105,6 +105,15 @@ pub fn principal_point_sigma_mm(exposed: &ExposedFrame) -> f64 {
     f64::from(exposed.principal_point_sigma_mm)
 }
 
+/// Returns an error, or 0 where it is not more than the rounding of a number of f32.
+fn beyond_rounding(error: f64, value: f64) -> f64 {
+    if error.abs() <= f64::from(f32::EPSILON) * value {
+        0.0
+    } else {
+        error
+    }
+}
+
 fn utc_s(exposed: &ExposedFrame, truth: &PhysicalTruth) -> Option<StatedError> {
     let stated = exposed.centroid_utc?;
     let true_ns = truth.centroid_unix_ns?;
@@ -134,6 +143,13 @@ fn whole_us(us: u64) -> f64 {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn rounding_of_the_record_is_no_error() {
+        let error = f64::from(0.1478_f32) - 0.1478;
+        assert!(error != 0.0 && beyond_rounding(error, 0.1478).abs() < f64::MIN_POSITIVE);
+        assert!((beyond_rounding(1e-6, 0.1478) - 1e-6).abs() < 1e-18);
+    }
 
     #[test]
     fn sigma_of_zero_covers_no_error_but_none() {

@@ -10,7 +10,7 @@ use std::collections::VecDeque;
 
 pub use fault::{Injection, MechanicalFault};
 pub use history::Instant;
-pub use settings::{EncoderSide, LONGEST_SUBSTEP_S, MechanicsSettings};
+pub use settings::{EncoderSide, LONGEST_SUBSTEP_S, MechanicsSettings, Stepper};
 
 use history::History;
 use motion::{Forces, Motion};
@@ -42,6 +42,10 @@ pub struct Mechanics {
     order: Order,
     /// Commands on their way to the bridge.
     orders: VecDeque<Order>,
+    /// Steps to come: times, s, and directions.
+    steps: VecDeque<(f64, i8)>,
+    /// Steps that a stepper's field has made.
+    field_steps: i64,
     history: History,
     /// The count about which a reversed encoder counts backwards.
     pivot: Option<i64>,
@@ -99,6 +103,8 @@ impl Mechanics {
                 powered: false,
             },
             orders: VecDeque::new(),
+            steps: VecDeque::new(),
+            field_steps: 0,
             history: History::new(start, settings.history_s),
             pivot: None,
             shift: 0,
@@ -161,8 +167,17 @@ impl Mechanics {
             if let Some(order) = self.orders.front() {
                 next_s = next_s.min(order.at_s);
             }
+            while let Some((_, step)) = self.steps.pop_front_if(|(at_s, _)| *at_s <= self.time_s) {
+                self.field_steps += i64::from(step);
+            }
             self.substep(next_s);
         }
+    }
+
+    /// Adds steps of a stepper, in order of their times since the start, s: 1 along the FMC axis, -1
+    /// against it.
+    pub fn add_steps(&mut self, steps: impl IntoIterator<Item = (f64, i8)>) {
+        self.steps.extend(steps);
     }
 
     /// Returns the encoder's count as the camera would read it now.
@@ -241,6 +256,9 @@ impl Mechanics {
             }
         }
         let settings = &self.settings;
+        if let Some(stepper) = &settings.stepper {
+            return self.forces_of_stepper(stepper, jam_n);
+        }
         Forces {
             motor_n: if powered {
                 sign * duty * settings.force_n
@@ -253,6 +271,21 @@ impl Mechanics {
                 } else {
                     0.0
                 },
+            jam_n,
+        }
+    }
+
+    /// Returns the forces of a stepper, whose field holds the rotor, and of friction.
+    #[expect(
+        clippy::cast_precision_loss,
+        reason = "a stroke has less than 2^53 steps"
+    )]
+    fn forces_of_stepper(&self, stepper: &Stepper, jam_n: f64) -> Forces {
+        let field_mm = self.field_steps as f64 / stepper.steps_per_mm;
+        let pull_n = stepper.stiffness_n_mm * (field_mm - self.motion.position_mm);
+        Forces {
+            motor_n: pull_n.clamp(-self.settings.force_n, self.settings.force_n),
+            damping_n_s_m: self.settings.viscous_n_s_m + stepper.damping_n_s_m,
             jam_n,
         }
     }

@@ -45,10 +45,41 @@ pub struct MechanicsSettings {
     /// Run-out of the detector that nobody has measured, away from the lens, µm: a polynomial of
     /// the offset in mm, lowest power first.
     pub run_out_um: [f64; 4],
+    /// Stepper in place of the motor; its largest force is `force_n`.
+    pub stepper: Option<Stepper>,
     /// Longest integration step, s.
     pub substep_s: f64,
     /// Time for which the motion is remembered, s.
     pub history_s: f64,
+}
+
+/// A stepper: its field turns by steps, and its rotor follows the field as on a spring.
+#[derive(Debug, Clone, Copy, PartialEq, Deserialize)]
+#[serde(default, deny_unknown_fields)]
+pub struct Stepper {
+    /// Steps per millimetre of the stage, micro-steps counted.
+    pub steps_per_mm: f64,
+    /// Pulses of the drive's timer per second, Hz.
+    pub pulse_rate_hz: f64,
+    /// Most steps per second, Hz.
+    pub max_step_rate_hz: f64,
+    /// Force per distance of the rotor from the field, reduced to the stage, N/mm.
+    pub stiffness_n_mm: f64,
+    /// Damping of the rotor, N per m/s.
+    pub damping_n_s_m: f64,
+}
+
+impl Default for Stepper {
+    /// 1 mm of pitch, 200 steps, 16 micro-steps; 40 kHz.
+    fn default() -> Self {
+        Self {
+            steps_per_mm: 3200.0,
+            pulse_rate_hz: 40_000.0,
+            max_step_rate_hz: 20_000.0,
+            stiffness_n_mm: 200.0,
+            damping_n_s_m: 300.0,
+        }
+    }
 }
 
 /// Part that the encoder sits on.
@@ -84,6 +115,7 @@ impl Default for MechanicsSettings {
             end_stops_mm: [-2.5, 2.5],
             limits_mm: [-2.2, 2.2],
             run_out_um: [0.0; 4],
+            stepper: None,
             substep_s: 2e-5,
             history_s: 2.0,
         }
@@ -135,7 +167,28 @@ impl MechanicsSettings {
         let run_outs = self
             .run_out_um
             .map(|value| ("run_out_um", value, -1000.0, 1000.0));
-        for (name, value, least, most) in ranges.into_iter().chain(run_outs) {
+        let of_stepper = self.stepper.map(|stepper| {
+            [
+                ("stepper.steps_per_mm", stepper.steps_per_mm, 1.0, 1e6),
+                ("stepper.pulse_rate_hz", stepper.pulse_rate_hz, 1000.0, 1e6),
+                (
+                    "stepper.max_step_rate_hz",
+                    stepper.max_step_rate_hz,
+                    1.0,
+                    0.5 * stepper.pulse_rate_hz,
+                ),
+                (
+                    "stepper.stiffness_n_mm",
+                    stepper.stiffness_n_mm,
+                    1.0,
+                    1000.0,
+                ),
+                ("stepper.damping_n_s_m", stepper.damping_n_s_m, 0.0, 2000.0),
+            ]
+        });
+        let of_stepper = of_stepper.into_iter().flatten();
+        let all = ranges.into_iter().chain(run_outs).chain(of_stepper);
+        for (name, value, least, most) in all {
             if !(value >= least && value <= most) {
                 return Err(format!("{name} = {value} is outside {least} to {most}"));
             }

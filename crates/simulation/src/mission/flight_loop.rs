@@ -197,6 +197,10 @@ impl<'a, D: FlyingDevice + ?Sized> Flight<'a, D> {
         }
         let step = self.step(now_us);
         let answer = self.device.step(&step)?;
+        let round_s = self.mechanics.time_s();
+        let steps = self.device.steps().into_iter();
+        self.mechanics
+            .add_steps(steps.map(|(after_s, step)| (round_s + after_s, step)));
         self.setpoint = self.device.setpoint(Time::from_us(now_us));
         self.obey(now_us, &answer);
         self.feel(now_us, &answer);

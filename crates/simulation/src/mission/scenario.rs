@@ -162,6 +162,7 @@ impl MissionScenario {
             Some(file) => Some(hardware::agree(&mut written, file, &text)?),
             None => None,
         };
+        check_stepper(&written, &camera, &text)?;
         let interval_s = interval_s(&written, &camera, &text)?;
         if let (Some(file), Some(settings)) = (&given, &settings) {
             hardware::check_interval(interval_s, settings, file, &text)?;
@@ -313,6 +314,31 @@ fn check_mechanics(written: &MissionFile, text: &TomlText) -> Result<(), InputEr
         Ok(_) => Ok(()),
         Err(fault) => Err(text.invalid(&["mechanics"], &format!("cannot be built: {fault}"))),
     }
+}
+
+/// Checks that the camera asks no more speed of a stepper than it has.
+fn check_stepper(
+    written: &MissionFile,
+    camera: &CameraFile,
+    text: &TomlText,
+) -> Result<(), InputError> {
+    let Some(stepper) = &written.mechanics.stepper else {
+        return Ok(());
+    };
+    let fastest_mm_s = stepper.max_step_rate_hz / stepper.steps_per_mm;
+    let allowed_mm_s = camera.fmc.max_speed_mm_s;
+    if allowed_mm_s > 0.0 && allowed_mm_s <= fastest_mm_s {
+        return Ok(());
+    }
+    let allowed = if allowed_mm_s > 0.0 {
+        format!("max_speed_mm_s = {allowed_mm_s}")
+    } else {
+        "no max_speed_mm_s".to_owned()
+    };
+    Err(text.invalid(
+        &["mechanics", "stepper"],
+        &format!("makes at most {fastest_mm_s} mm/s; the camera file has {allowed}"),
+    ))
 }
 
 /// Returns the interval between triggers: as written, or from the overlap of the images along the

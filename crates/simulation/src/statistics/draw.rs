@@ -13,6 +13,9 @@ use crate::mission::scenario::MissionScenario;
 /// Number of draws after which a mission is given up.
 const MOST_DRAWS: u32 = 200;
 
+/// Greatest height at which a laser altimeter is drawn, m: its default range ends at 5000 m.
+const HIGHEST_LASER_M: f64 = 4500.0;
+
 /// Fastest stage, mm/s.
 const FASTEST_MM_S: f64 = 40.0;
 
@@ -249,12 +252,18 @@ fn world(
         random.between(0.0, 0.02 * height_m),
         random.scaled(2000.0, 20_000.0),
     );
+    let is_low = height_m < HIGHEST_LASER_M;
     let mut sources: Vec<VhSourceName> = VhSourceName::ALL
         .into_iter()
-        .filter(|_| random.chance(0.4))
+        .filter(|source| random.chance(0.4) && (is_low || *source != VhSourceName::Laser))
         .collect();
     if sources.is_empty() {
-        sources.push(random.of(&VhSourceName::ALL, VhSourceName::Altimeter));
+        let others = [
+            VhSourceName::Direct,
+            VhSourceName::Altimeter,
+            VhSourceName::Terrain,
+        ];
+        sources.push(random.of(&others, VhSourceName::Altimeter));
     }
     for source in &sources {
         let _ = write!(
