@@ -1,8 +1,10 @@
 //! `statistics`: the coverage of σ over random missions.
 
+use std::io;
+
 use fmc_report::figure::FigureError;
 use fmc_report::statistics::summary::Summary;
-use fmc_report::statistics::{coverage_plot, html, smear_plot, text};
+use fmc_report::statistics::{coverage_plot, html, missions_csv, smear_plot, text};
 use fmc_simulation::judge::quantity::Quantity;
 use fmc_simulation::mechanics::Mechanics;
 use fmc_simulation::mission::flight_loop::{FlightOptions, fly};
@@ -93,6 +95,9 @@ fn write(folder: &OutputFolder, statistics: &Statistics, summary: &Summary) -> R
     folder.write("summary.json", |sink| {
         serde_json::to_writer_pretty(&mut *sink, summary)?;
         writeln!(sink)
+    })?;
+    folder.write("missions.csv", |sink| {
+        missions_csv::write(statistics, sink).map_err(io::Error::other)
     })?;
     for mission in &statistics.files {
         let number = mission.number;

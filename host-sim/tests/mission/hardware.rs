@@ -172,7 +172,7 @@ fn run_out_that_is_not_known_smears_the_corners() {
     let smear = |run_out_um: [f64; 4]| {
         let mut scenario = calm(6);
         scenario.written.attitude.rate_rms_deg_s = [0.0; 3];
-        scenario.written.mechanics.run_out_um = run_out_um;
+        scenario.written.detector.run_out_um = run_out_um;
         mean(
             verdicts(&scenario, 1)
                 .iter()

@@ -2,6 +2,7 @@
 
 pub mod coverage_plot;
 pub mod html;
+pub mod missions_csv;
 pub mod smear_plot;
 pub mod summary;
 pub mod text;

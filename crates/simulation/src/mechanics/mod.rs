@@ -69,7 +69,7 @@ impl Mechanics {
     /// # Errors
     /// A message that names the field, its value and what is allowed.
     pub fn new(settings: MechanicsSettings) -> Result<Self, String> {
-        Self::with(settings, PHASE_UM, Noise::new(0, STREAM))
+        Self::with(&settings, PHASE_UM, Noise::new(0, STREAM))
     }
 
     /// Creates a stage whose encoder has its phase, unless the settings give it, and its jitter
@@ -81,10 +81,10 @@ impl Mechanics {
         let mut noise = Noise::new(seed, STREAM);
         let half_um = 0.5 * settings.encoder_step_um;
         let phase_um = noise.between(-half_um, half_um);
-        Self::with(settings, phase_um, noise)
+        Self::with(&settings, phase_um, noise)
     }
 
-    fn with(settings: MechanicsSettings, phase_um: f64, noise: Noise) -> Result<Self, String> {
+    fn with(settings: &MechanicsSettings, phase_um: f64, noise: Noise) -> Result<Self, String> {
         let settings = settings.checked()?;
         let start = Instant {
             time_s: 0.0,

@@ -42,9 +42,6 @@ pub struct MechanicsSettings {
     pub end_stops_mm: [f64; 2],
     /// Offsets beyond which the limit switches are closed, mm.
     pub limits_mm: [f64; 2],
-    /// Run-out of the detector that nobody has measured, away from the lens, µm: a polynomial of
-    /// the offset in mm, lowest power first.
-    pub run_out_um: [f64; 4],
     /// Stepper in place of the motor; its largest force is `force_n`.
     pub stepper: Option<Stepper>,
     /// Longest integration step, s.
@@ -114,7 +111,6 @@ impl Default for MechanicsSettings {
             duty_latency_s: 1e-4,
             end_stops_mm: [-2.5, 2.5],
             limits_mm: [-2.2, 2.2],
-            run_out_um: [0.0; 4],
             stepper: None,
             substep_s: 2e-5,
             history_s: 2.0,
@@ -164,9 +160,6 @@ impl MechanicsSettings {
             ("substep_s", self.substep_s, 1e-7, LONGEST_SUBSTEP_S),
             ("history_s", self.history_s, 0.02, 60.0),
         ];
-        let run_outs = self
-            .run_out_um
-            .map(|value| ("run_out_um", value, -1000.0, 1000.0));
         let of_stepper = self.stepper.map(|stepper| {
             [
                 ("stepper.steps_per_mm", stepper.steps_per_mm, 1.0, 1e6),
@@ -187,7 +180,7 @@ impl MechanicsSettings {
             ]
         });
         let of_stepper = of_stepper.into_iter().flatten();
-        let all = ranges.into_iter().chain(run_outs).chain(of_stepper);
+        let all = ranges.into_iter().chain(of_stepper);
         for (name, value, least, most) in all {
             if !(value >= least && value <= most) {
                 return Err(format!("{name} = {value} is outside {least} to {most}"));

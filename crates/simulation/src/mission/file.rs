@@ -37,6 +37,8 @@ pub struct MissionFile {
     #[serde(default)]
     pub mechanics: MechanicsSettings,
     #[serde(default)]
+    pub detector: DetectorTable,
+    #[serde(default)]
     pub limits: MissionLimitsTable,
     #[serde(default)]
     pub fault: Vec<FaultTable>,
@@ -308,6 +310,17 @@ impl Default for MissionShutterTable {
             stamp_jitter_us: 0.0,
         }
     }
+}
+
+/// `[detector]`.
+#[derive(Debug, Clone, PartialEq, Default, Deserialize)]
+#[serde(deny_unknown_fields, default)]
+#[expect(
+    missing_docs,
+    reason = "each field is the key of the same name in the scenario"
+)]
+pub struct DetectorTable {
+    pub run_out_um: [f64; 4],
 }
 
 /// `[limits]`.

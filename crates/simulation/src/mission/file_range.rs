@@ -31,6 +31,7 @@ const CLOCK_WANDER: Range = range(0.0, 20.0, "ppm");
 const CLOCK_CORNER: Range = range(0.0001, 1.0, "Hz");
 const SEED: Range = range(0.0, 2_147_483_647.0, "");
 const UNIX_S: Range = range(0.0, 2_147_483_647.0, "s since 1970");
+const RUN_OUT: Range = range(-1000.0, 1000.0, "µm");
 const PIXELS: Range = range(0.001, 100.0, "px");
 
 /// A value of the scenario that has an allowed range.
@@ -50,7 +51,7 @@ impl Ranged for i64 {
     }
 }
 
-impl Ranged for [f64; 3] {
+impl<const N: usize> Ranged for [f64; N] {
     fn check(&self, range: Range, text: &TomlText, path: &[&str]) -> Result<(), InputError> {
         range.check_each(self, text, path)
     }
@@ -81,6 +82,7 @@ pub(super) fn check_numbers(mission: &MissionFile, text: &TomlText) -> Result<()
         line,
         clock,
         shutter,
+        detector,
         limits,
         ..
     } = mission;
@@ -111,6 +113,7 @@ pub(super) fn check_numbers(mission: &MissionFile, text: &TomlText) -> Result<()
         clock.drift_ppm CLOCK_DRIFT,
         clock.wander_ppm CLOCK_WANDER,
         clock.wander_corner_hz CLOCK_CORNER,
+        detector.run_out_um RUN_OUT,
         limits.pp_error_px PIXELS,
         limits.smear_px PIXELS,
     );

@@ -137,7 +137,7 @@ impl<'a, D: FlyingDevice + ?Sized> Flight<'a, D> {
                 Oracle::new(
                     &scenario.camera,
                     &aircraft,
-                    &scenario.written.mechanics.run_out_um,
+                    &scenario.written.detector.run_out_um,
                 ),
                 RowClock::of(&scenario.camera),
             ),

@@ -299,8 +299,8 @@ fn hardware(random: &mut Random, text: &mut String, flight: &Flight) {
          breakaway_n = {:.4}\nbacklash_um = {:.3}\nencoder_side = \"{side}\"\n\
          encoder_step_um = {:.4}\nencoder_scale_ppm = {:.2}\nencoder_latency_s = {:.7}\n\
          encoder_latency_error_s = {:.8}\nencoder_jitter_s = {:.8}\nduty_latency_s = {:.7}\n\
-         end_stops_mm = [{:.3}, {:.3}]\nlimits_mm = [{:.3}, {:.3}]\n\
-         run_out_um = [0.0, {:.3}, 0.0, 0.0]\n",
+         end_stops_mm = [{:.3}, {:.3}]\nlimits_mm = [{:.3}, {:.3}]\n\n\
+         [detector]\nrun_out_um = [0.0, {:.3}, 0.0, 0.0]\n",
         random.between(-30.0, 30.0),
         random.between(0.0, 0.1),
         random.scaled(1.0, 20.0),

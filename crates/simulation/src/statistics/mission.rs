@@ -1,22 +1,42 @@
 //! What is found in one random mission.
 
 use fmc_camera::flight::controller::state::State;
+use fmc_camera::flight::exposure::FlightDirection;
 use fmc_camera::flight::frame_record::Outcome;
+use fmc_camera_file::MechanismName;
 
 use super::draw::DrawnMission;
 use crate::judge::answers::Answers;
 use crate::judge::frame::FrameVerdict;
 use crate::judge::quantity::Quantity;
 use crate::judge::silence::is_silent;
+use crate::mechanics::EncoderSide;
 use crate::mission::clock::microseconds;
 use crate::mission::flown::Flown;
 use crate::mission::judgement::Judgement;
+
+/// Hardware on which the error of the principal point depends.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Setup {
+    /// Step of the encoder, µm.
+    pub encoder_step_um: f64,
+    /// Play between screw and stage, µm.
+    pub play_um: f64,
+    /// Part that the encoder sits on.
+    pub encoder_side: EncoderSide,
+    /// `true` if the camera flies against its FMC axis.
+    pub is_reversed: bool,
+    /// `true` if charge moves in place of a stage.
+    pub is_tdi: bool,
+}
 
 /// The findings of a mission.
 #[derive(Debug, Clone, PartialEq)]
 pub struct MissionFindings {
     /// Number of the mission.
     pub number: u32,
+    /// Its hardware.
+    pub setup: Setup,
     /// Number of triggers.
     pub triggers: usize,
     /// Errors of the exposed frames.
@@ -67,8 +87,16 @@ impl MissionFindings {
         spurious.sort();
         spurious.dedup();
         let vacuous = judgement.checks.iter().filter(|check| check.is_vacuous);
+        let mechanics = &scenario.written.mechanics;
         Self {
             number: mission.number,
+            setup: Setup {
+                encoder_step_um: mechanics.encoder_step_um,
+                play_um: mechanics.backlash_um,
+                encoder_side: mechanics.encoder_side,
+                is_reversed: scenario.flight_settings().direction == FlightDirection::Reverse,
+                is_tdi: scenario.camera.fmc.mechanism == MechanismName::Tdi,
+            },
             triggers: flown.triggers_us.len(),
             spurious,
             unanswered: Answers::of(&flown.triggers_us, records).missing(),
