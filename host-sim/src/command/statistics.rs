@@ -3,8 +3,9 @@
 use std::io;
 
 use fmc_report::figure::FigureError;
+use fmc_report::mission::{coverage_plot, smear_plot};
 use fmc_report::statistics::summary::Summary;
-use fmc_report::statistics::{coverage_plot, html, missions_csv, smear_plot, text};
+use fmc_report::statistics::{html, missions_csv, text};
 use fmc_simulation::judge::quantity::Quantity;
 use fmc_simulation::mechanics::Mechanics;
 use fmc_simulation::mission::flight_loop::{FlightOptions, fly};

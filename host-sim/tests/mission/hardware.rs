@@ -6,7 +6,7 @@ use fmc_camera::flight::exposure::FlightDirection;
 use fmc_camera::flight::frame_record::Outcome;
 use fmc_camera_file::CameraFile;
 use fmc_camera_file::flight_settings::FlightSettingsFile;
-use fmc_simulation::judge::frame::FrameVerdict;
+use fmc_simulation::judge::verdict::Verdict;
 use fmc_simulation::mechanics::Mechanics;
 use fmc_simulation::mission::file::DirectionName;
 use fmc_simulation::mission::flight_loop::{FlightOptions, fly};
@@ -25,7 +25,7 @@ fn calm(exposures: u32) -> MissionScenario {
     scenario
 }
 
-fn verdicts(scenario: &MissionScenario, seed: u64) -> Vec<FrameVerdict> {
+fn verdicts(scenario: &MissionScenario, seed: u64) -> Vec<Verdict> {
     let flown = flown(scenario, seed);
     let verdicts = Judgement::of(scenario, &flown).verdicts;
     assert_eq!(
@@ -40,7 +40,7 @@ fn mean(values: impl Iterator<Item = f64>) -> f64 {
     values.iter().sum::<f64>() / f64::from(u32::try_from(values.len()).unwrap())
 }
 
-fn point_um(verdicts: &[FrameVerdict]) -> f64 {
+fn point_um(verdicts: &[Verdict]) -> f64 {
     1e3 * mean(
         verdicts
             .iter()
@@ -73,7 +73,7 @@ fn flight_against_the_axis_is_compensated_with_drift_as_the_one_along_it() {
             "{verdict:?}"
         );
     }
-    let excess = |verdicts: &[FrameVerdict]| {
+    let excess = |verdicts: &[Verdict]| {
         mean(
             verdicts
                 .iter()

@@ -2,9 +2,8 @@
 
 use fmc_simulation::judge::quantity::Quantity;
 
-use super::MissionReport;
+use super::{MissionReport, coverage_plot, smear_plot};
 use crate::figure::FigureError;
-use crate::statistics::{coverage_plot, smear_plot};
 
 /// Draws the figures of a mission, in SVG, each with the name of its file; none without an exposed
 /// frame.

@@ -5,22 +5,22 @@ use plotters::prelude::RGBColor;
 use crate::wording;
 
 /// Colour of the camera's values.
-pub(crate) const CAMERA: RGBColor = RGBColor(0, 114, 178);
+pub(super) const CAMERA: RGBColor = RGBColor(0, 114, 178);
 /// Colour of true values.
-pub(crate) const TRUTH: RGBColor = RGBColor(0, 140, 100);
+pub(super) const TRUTH: RGBColor = RGBColor(0, 140, 100);
 /// Colour of limits, faults and refusals.
-pub(crate) const ALARM: RGBColor = RGBColor(205, 60, 40);
+pub(super) const ALARM: RGBColor = RGBColor(205, 60, 40);
 /// Colour of set points.
-pub(crate) const WANTED: RGBColor = RGBColor(190, 130, 0);
+pub(super) const WANTED: RGBColor = RGBColor(190, 130, 0);
 /// Colour of the line of equal values.
-pub(crate) const OUTLINE_LINE: RGBColor = RGBColor(110, 118, 130);
+pub(super) const OUTLINE_LINE: RGBColor = RGBColor(110, 118, 130);
 /// Height of text.
-pub(crate) const FONT: u32 = 22;
+pub(super) const FONT: u32 = 22;
 /// Width of the column of labels left of a chart.
-pub(crate) const LABELS: u32 = 120;
+pub(super) const LABELS: u32 = 120;
 
 /// Returns a range around values, larger than theirs by a part of its width and never empty.
-pub(crate) fn around(values: impl Iterator<Item = f64>, least_width: f64) -> [f64; 2] {
+pub(super) fn around(values: impl Iterator<Item = f64>, least_width: f64) -> [f64; 2] {
     let (low, high) = values
         .filter(|value| value.is_finite())
         .fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), value| {
@@ -35,7 +35,7 @@ pub(crate) fn around(values: impl Iterator<Item = f64>, least_width: f64) -> [f6
 }
 
 /// Writes a number at an axis; a number that rounds to zero has no sign.
-pub(crate) fn tick(value: f64, decimals: usize) -> String {
+pub(super) fn tick(value: f64, decimals: usize) -> String {
     let text = wording::decimals(value, decimals);
     if text == "-0" { "0".to_owned() } else { text }
 }

@@ -7,7 +7,8 @@
 
 pub mod answers;
 pub mod coverage;
-pub mod frame;
+
 pub mod quantity;
 pub mod silence;
 pub mod truth;
+pub mod verdict;

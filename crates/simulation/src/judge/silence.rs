@@ -1,7 +1,7 @@
 //! Silent frames: wrong beyond what the record admits, and without a flag.
 
-use super::frame::FrameVerdict;
 use super::quantity::Quantity;
+use super::verdict::Verdict;
 
 /// Error in units of its σ beyond which a frame without a flag is silent.
 pub const SILENT_SIGMAS: f64 = 5.0;
@@ -13,7 +13,7 @@ pub const SILENT_SMEAR_PX: f64 = 0.3;
 /// than [`SILENT_SIGMAS`], or smear [`SILENT_SMEAR_PX`] above the predicted one, in which an error
 /// of V/H shows.
 #[must_use]
-pub fn is_silent(frame: &FrameVerdict) -> bool {
+pub fn is_silent(frame: &Verdict) -> bool {
     let is_wrong = [Quantity::PrincipalPoint, Quantity::Utc]
         .into_iter()
         .any(|quantity| {

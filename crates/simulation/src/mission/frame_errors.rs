@@ -4,7 +4,7 @@ use fmc_camera::flight::frame_record::{ExposedFrame, Flag, FrameRecord, Outcome}
 use fmc_camera_file::CameraFile;
 
 use super::flown::FlownFrame;
-use crate::judge::frame::principal_point_sigma_mm;
+use crate::judge::verdict::principal_point_sigma_mm;
 
 /// Flags that do not affect the coordinates of a frame.
 const HARMLESS: [Flag; 6] = [

@@ -10,7 +10,7 @@ use super::physical_truth::TrueWorld;
 use super::scenario::MissionScenario;
 use super::sigma_checks;
 use crate::judge::answers::Answers;
-use crate::judge::frame::FrameVerdict;
+use crate::judge::verdict::Verdict;
 use crate::wording;
 
 /// Largest error of a principal point, in units of its stated σ.
@@ -22,7 +22,7 @@ pub struct Judgement {
     /// Errors of each frame, in the order of the frames.
     pub errors: Vec<Option<FrameErrors>>,
     /// Errors of each frame with the σ that its record states, in the order of the frames.
-    pub verdicts: Vec<Option<FrameVerdict>>,
+    pub verdicts: Vec<Option<Verdict>>,
     /// Findings of the judgement.
     pub checks: Vec<Check>,
 }
@@ -37,10 +37,10 @@ impl Judgement {
             .map(|frame| FrameErrors::of(&scenario.camera, frame))
             .collect();
         let world = TrueWorld::of(scenario, &flown.clock);
-        let verdicts: Vec<Option<FrameVerdict>> = flown
+        let verdicts: Vec<Option<Verdict>> = flown
             .frames
             .iter()
-            .map(|frame| FrameVerdict::of(&frame.record, &world.truth(frame.truth.as_ref()?)))
+            .map(|frame| Verdict::of(&frame.record, &world.truth(frame.truth.as_ref()?)))
             .collect();
         let mut checks = vec![unanswered(flown), coordinates(scenario, flown, &errors)];
         checks.extend(sigma_checks::of(scenario, &verdicts));

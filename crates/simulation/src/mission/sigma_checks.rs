@@ -3,8 +3,8 @@
 use super::check::Check;
 use super::scenario::MissionScenario;
 use crate::judge::coverage::{Coverage, can_be_chance, independent};
-use crate::judge::frame::FrameVerdict;
 use crate::judge::quantity::Quantity;
+use crate::judge::verdict::Verdict;
 use crate::wording;
 
 /// Largest share of frames whose true smear is above the predicted one.
@@ -16,8 +16,8 @@ const LARGEST_ACROSS_MM: f64 = 4e-5;
 
 /// Judges a flight. Principal point and UTC are judged in all flights, over frames with flags and
 /// faults, too; V/H and smear where no fault is injected.
-pub(super) fn of(scenario: &MissionScenario, verdicts: &[Option<FrameVerdict>]) -> Vec<Check> {
-    let verdicts: Vec<&FrameVerdict> = verdicts.iter().flatten().collect();
+pub(super) fn of(scenario: &MissionScenario, verdicts: &[Option<Verdict>]) -> Vec<Check> {
+    let verdicts: Vec<&Verdict> = verdicts.iter().flatten().collect();
     let mut checks = vec![
         stated(Quantity::PrincipalPoint, &verdicts),
         across(&verdicts),
@@ -33,7 +33,7 @@ pub(super) fn of(scenario: &MissionScenario, verdicts: &[Option<FrameVerdict>]) 
 }
 
 /// Checks the distribution of a quantity's errors in units of the σ that the records state.
-fn stated(quantity: Quantity, verdicts: &[&FrameVerdict]) -> Check {
+fn stated(quantity: Quantity, verdicts: &[&Verdict]) -> Check {
     let ratios: Vec<f64> = verdicts
         .iter()
         .filter_map(|verdict| Some(verdict.of_quantity(quantity)?.ratio()))
@@ -63,7 +63,7 @@ fn stated(quantity: Quantity, verdicts: &[&FrameVerdict]) -> Check {
 }
 
 /// Checks the principal point across the FMC axis.
-fn across(verdicts: &[&FrameVerdict]) -> Check {
+fn across(verdicts: &[&Verdict]) -> Check {
     let largest_mm = verdicts
         .iter()
         .map(|verdict| verdict.across_mm.abs())
@@ -77,7 +77,7 @@ fn across(verdicts: &[&FrameVerdict]) -> Check {
 }
 
 /// Checks that the true smear is seldom above the predicted one.
-fn predicted(verdicts: &[&FrameVerdict]) -> Check {
+fn predicted(verdicts: &[&Verdict]) -> Check {
     let excess: Vec<f64> = verdicts
         .iter()
         .map(|verdict| verdict.smear_px - verdict.predicted_px)

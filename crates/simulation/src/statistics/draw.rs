@@ -305,7 +305,7 @@ fn hardware(random: &mut Random, text: &mut String, flight: &Flight) {
         random.between(0.0, 0.1),
         random.scaled(1.0, 20.0),
         random.between(0.0, 60.0),
-        random.between(0.0, 2.0),
+        random.between(0.0, 0.5),
         random.between(0.2, 0.5),
         random.between(5.0, 10.0),
         coulomb_n * random.between(1.05, 1.4),

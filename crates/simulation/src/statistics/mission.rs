@@ -7,9 +7,9 @@ use fmc_camera_file::MechanismName;
 
 use super::draw::DrawnMission;
 use crate::judge::answers::Answers;
-use crate::judge::frame::FrameVerdict;
 use crate::judge::quantity::Quantity;
 use crate::judge::silence::is_silent;
+use crate::judge::verdict::Verdict;
 use crate::mechanics::EncoderSide;
 use crate::mission::clock::microseconds;
 use crate::mission::flown::Flown;
@@ -30,9 +30,9 @@ pub struct Setup {
     pub is_tdi: bool,
 }
 
-/// The findings of a mission.
+/// A mission that was flown, and what was found wrong with it.
 #[derive(Debug, Clone, PartialEq)]
-pub struct MissionFindings {
+pub struct FlownMission {
     /// Number of the mission.
     pub number: u32,
     /// Its hardware.
@@ -40,7 +40,7 @@ pub struct MissionFindings {
     /// Number of triggers.
     pub triggers: usize,
     /// Errors of the exposed frames.
-    pub verdicts: Vec<FrameVerdict>,
+    pub verdicts: Vec<Verdict>,
     /// Faults that came before any that was injected.
     pub spurious: Vec<String>,
     /// Number of triggers without their record.
@@ -53,13 +53,13 @@ pub struct MissionFindings {
     pub refused: usize,
 }
 
-impl MissionFindings {
-    /// Collects the findings of a flight.
+impl FlownMission {
+    /// Judges a flight.
     #[must_use]
     pub fn of(mission: &DrawnMission, flown: &Flown) -> Self {
         let scenario = &mission.scenario;
         let judgement = Judgement::of(scenario, flown);
-        let verdicts: Vec<FrameVerdict> = judgement.verdicts.iter().flatten().copied().collect();
+        let verdicts: Vec<Verdict> = judgement.verdicts.iter().flatten().copied().collect();
         let records = flown.frames.iter().map(|frame| &frame.record);
         let first_onset_us = scenario
             .faults

@@ -5,7 +5,7 @@ use rayon::prelude::*;
 use serde::Serialize;
 
 use super::draw::{DrawOptions, DrawnMission};
-use super::mission::MissionFindings;
+use super::mission::FlownMission;
 use crate::judge::coverage::Coverage;
 use crate::judge::quantity::Quantity;
 use crate::mission::flown::Flown;
@@ -33,7 +33,7 @@ pub struct Statistics {
     /// What was asked for.
     pub request: Request,
     /// Findings of every mission, in order.
-    pub missions: Vec<MissionFindings>,
+    pub missions: Vec<FlownMission>,
     /// Number of draws of which no mission came.
     pub refused_draws: u32,
     /// Cases worth a look, with the files that repeat them.
@@ -96,18 +96,18 @@ impl Statistics {
             DrawnMission::draw(options, number)
                 .map_err(|error| StatisticsError::Draw { number, error })
         };
-        let found: Vec<(MissionFindings, u32)> = (1..=request.missions)
+        let found: Vec<(FlownMission, u32)> = (1..=request.missions)
             .into_par_iter()
             .map(|number| {
                 let mission = draw(number)?;
                 let flown =
                     fly(&mission).map_err(|error| StatisticsError::Flight { number, error })?;
                 done();
-                Ok((MissionFindings::of(&mission, &flown), mission.refused))
+                Ok((FlownMission::of(&mission, &flown), mission.refused))
             })
             .collect::<Result<_, StatisticsError<E>>>()?;
         let refused_draws = found.iter().map(|(_, refused)| refused).sum();
-        let missions: Vec<MissionFindings> = found.into_iter().map(|(found, _)| found).collect();
+        let missions: Vec<FlownMission> = found.into_iter().map(|(found, _)| found).collect();
         let cases = cases(&missions);
         let mut numbers: Vec<u32> = cases.iter().map(|case| case.mission).collect();
         numbers.sort_unstable();
@@ -147,13 +147,13 @@ impl Statistics {
     }
 
     /// Sums a count over all missions.
-    pub fn sum(&self, count: impl Fn(&MissionFindings) -> usize) -> usize {
+    pub fn sum(&self, count: impl Fn(&FlownMission) -> usize) -> usize {
         self.missions.iter().map(count).sum()
     }
 }
 
 /// Collects the worst frames of every quantity, and the missions in which something is wrong.
-fn cases(missions: &[MissionFindings]) -> Vec<Case> {
+fn cases(missions: &[FlownMission]) -> Vec<Case> {
     let mut cases = Vec::new();
     for quantity in Quantity::ALL {
         let what = format!("{}, error/σ", quantity.name());
@@ -165,9 +165,9 @@ fn cases(missions: &[MissionFindings]) -> Vec<Case> {
         &mut cases,
         missions,
         "smear, px above the predicted one",
-        MissionFindings::worst_smear,
+        FlownMission::worst_smear,
     );
-    let whole = |what: String, mission: &MissionFindings, trigger: Option<u32>| Case {
+    let whole = |what: String, mission: &FlownMission, trigger: Option<u32>| Case {
         what,
         mission: mission.number,
         trigger,
@@ -208,9 +208,9 @@ fn cases(missions: &[MissionFindings]) -> Vec<Case> {
 /// Appends the missions with the largest sizes.
 fn worst(
     cases: &mut Vec<Case>,
-    missions: &[MissionFindings],
+    missions: &[FlownMission],
     what: &str,
-    of: impl Fn(&MissionFindings) -> Option<(u32, f64)>,
+    of: impl Fn(&FlownMission) -> Option<(u32, f64)>,
 ) {
     let mut found: Vec<(u32, u32, f64)> = missions
         .iter()

@@ -29,7 +29,7 @@ impl StatedError {
 
 /// The errors of an exposed frame.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct FrameVerdict {
+pub struct Verdict {
     /// Number of the record.
     pub sequence: u32,
     /// Error of the centroid principal point along the FMC axis, mm.
@@ -54,7 +54,7 @@ pub struct FrameVerdict {
     pub vh_source: Option<VhSource>,
 }
 
-impl FrameVerdict {
+impl Verdict {
     /// Compares a record with the truth; `None` if it states no exposure.
     #[must_use]
     pub fn of(record: &FrameRecord, truth: &PhysicalTruth) -> Option<Self> {

@@ -3,9 +3,9 @@
 use plotters::element::{PathElement, Rectangle, Text};
 use plotters::prelude::Color;
 
+use super::style::{ALARM, FONT, TRUTH, WANTED, tick};
 use crate::chart::{Axes, Axis, Margins};
 use crate::figure::{self, FigureError, text};
-use crate::mission::style::{ALARM, FONT, TRUTH, WANTED, tick};
 
 const SIZE: (u32, u32) = (800, 440);
 /// Largest error/σ of the axis; what is beyond is counted in the last bins.

@@ -3,9 +3,9 @@
 use plotters::element::{Circle, PathElement, Text};
 use plotters::prelude::Color;
 
+use super::style::{ALARM, FONT, OUTLINE_LINE, TRUTH, tick};
 use crate::chart::{Axes, Axis, Margins};
 use crate::figure::{self, FigureError, text};
-use crate::mission::style::{ALARM, FONT, OUTLINE_LINE, TRUTH, tick};
 
 const SIZE: (u32, u32) = (800, 440);
 /// Factor of the largest true smear up to which predictions are drawn.
