@@ -9,7 +9,7 @@ use fmc_camera::flight::time::Time;
 
 use super::aircraft::Aircraft;
 use super::camera_clock::CameraClock;
-use super::clock::{ROUND_US, microseconds, seconds};
+use super::clock::{ROUND_US, jittered, microseconds, seconds};
 use super::device::FlyingDevice;
 use super::fault::line::{SerialLine, Traffic};
 use super::fault::stage::mechanical;
@@ -397,11 +397,4 @@ impl<'a, D: FlyingDevice + ?Sized> Flight<'a, D> {
                 .and_then(|frame| frame.truth.map(|truth| truth.smear_mm)),
         }
     }
-}
-
-/// Adds the error of a stamp, which is never before 0, µs.
-fn jittered(time_us: u64, jitter_us: f64) -> u64 {
-    let late_us = microseconds(1e-6 * jitter_us.max(0.0));
-    let early_us = microseconds(1e-6 * (-jitter_us).max(0.0));
-    (time_us + late_us).saturating_sub(early_us)
 }

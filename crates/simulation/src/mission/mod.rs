@@ -27,6 +27,7 @@ pub mod planned_fault;
 pub mod receiver;
 mod row_clock;
 pub mod scenario;
+mod scenario_checks;
 pub mod sensors;
 pub mod settings;
 pub mod shutter;
