@@ -44,6 +44,14 @@ pub struct MissionFile {
     pub fault: Vec<FaultTable>,
 }
 
+impl MissionFile {
+    /// η: ground speed over the height above the mean terrain, 1/s.
+    #[must_use]
+    pub fn vh_per_s(&self) -> f64 {
+        self.flight.speed_m_s / (self.flight.height_m - self.terrain.height_m)
+    }
+}
+
 /// `[flight]`.
 #[derive(Debug, Clone, PartialEq, Deserialize)]
 #[serde(deny_unknown_fields)]

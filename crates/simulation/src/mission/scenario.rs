@@ -210,7 +210,7 @@ impl MissionScenario {
     /// η: ground speed over the height above the mean terrain, 1/s.
     #[must_use]
     pub fn vh_per_s(&self) -> f64 {
-        vh_per_s(&self.written)
+        self.written.vh_per_s()
     }
 
     /// Returns the traffic of the serial line.
@@ -233,10 +233,6 @@ impl MissionScenario {
         let (first, interval) = (self.written.flight.first_trigger_s, self.interval_s);
         (0..self.exposures()).map(move |frame| first + f64::from(frame) * interval)
     }
-}
-
-pub(super) fn vh_per_s(written: &MissionFile) -> f64 {
-    written.flight.speed_m_s / (written.flight.height_m - written.terrain.height_m)
 }
 
 /// Returns the settings that the command or the scenario gives; not both may.
@@ -276,7 +272,7 @@ fn interval_s(
             let [half_x, half_y] = camera.half_format_mm();
             let [ex, _] = camera.fmc.axis.unit();
             let along_mm = 2.0 * if ex.abs() > 0.5 { half_x } else { half_y };
-            let covered_s = along_mm / camera.principal_distance_mm / vh_per_s(written);
+            let covered_s = along_mm / camera.principal_distance_mm / written.vh_per_s();
             Ok(covered_s * (1.0 - overlap / 100.0))
         }
         (Some(_), Some(_)) => Err(text.invalid(

@@ -11,7 +11,6 @@ use fmc_camera_file::{CameraFile, InputError};
 
 use super::fault::line::Carried;
 use super::file::{MissionFile, ReceiverFormat, VhSourceName};
-use super::scenario::vh_per_s;
 
 /// Checks that there is a source of V/H, and each once.
 pub(super) fn check_sources(written: &MissionFile, text: &TomlText) -> Result<(), InputError> {
@@ -99,7 +98,7 @@ pub(super) fn check_exposure(
     checked: &Camera,
     text: &TomlText,
 ) -> Result<(), InputError> {
-    let vh_per_s = vh_per_s(written);
+    let vh_per_s = written.vh_per_s();
     let [least, most] = camera.limits.vh_per_s;
     if !(least..=most).contains(&vh_per_s) {
         return Err(text.invalid(
