@@ -23,6 +23,7 @@
 mod calibration_error;
 mod camera;
 pub mod fitted_block;
+pub mod flight_settings;
 mod input_error;
 mod limits_table;
 pub mod number;

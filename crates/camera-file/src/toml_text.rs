@@ -56,6 +56,12 @@ impl<'a> TomlText<'a> {
         self.error(span, &format!("{key}{value} {fault}"))
     }
 
+    /// Returns true if the text has a value at a path.
+    #[must_use]
+    pub fn has(&self, path: &[&str]) -> bool {
+        self.value_span(path).is_some()
+    }
+
     /// Creates the error of a table whose values are not valid together.
     #[must_use]
     pub fn invalid_table(&self, table: &str, fault: &str) -> InputError {

@@ -18,6 +18,7 @@ pub mod page;
 mod picture;
 pub mod records;
 pub mod smear;
+pub mod statistics;
 pub mod strip_experiment;
 pub mod sweep;
 pub mod terminal;

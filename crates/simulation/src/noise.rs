@@ -2,7 +2,7 @@
 
 use rand_chacha::ChaCha8Rng;
 use rand_chacha::rand_core::SeedableRng;
-use rand_distr::{Distribution, StandardNormal};
+use rand_distr::{Distribution, StandardNormal, StandardUniform};
 
 /// Source of normal deviates.
 ///
@@ -26,6 +26,12 @@ impl Noise {
             let deviate: f64 = StandardNormal.sample(&mut self.0);
             sigma * deviate
         })
+    }
+
+    /// Returns the next number that is evenly distributed from `least` to `most`.
+    pub fn between(&mut self, least: f64, most: f64) -> f64 {
+        let part: f64 = StandardUniform.sample(&mut self.0);
+        least + (most - least) * part
     }
 }
 

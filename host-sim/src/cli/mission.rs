@@ -14,15 +14,20 @@ pub struct MissionArgs {
     /// exposures.
     #[arg(long, value_name = "FILE")]
     pub scenario: Option<PathBuf>,
+    /// Settings of the camera (TOML), the file of `camera prepare`, in place of those that follow from the
+    /// scenario's hardware; what the scenario says of its hardware may not contradict them.
+    #[arg(long, value_name = "FILE")]
+    pub settings: Option<PathBuf>,
     /// Device on which the camera runs.
     #[command(flatten)]
     pub device: DeviceArgs,
     /// Number of exposures in place of the scenario's, 1 to 100000.
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=100_000))]
     pub exposures: Option<u32>,
-    /// Seed of air, noise and jitter, a whole number: the same seed gives the same files.
-    #[arg(long, value_name = "N", default_value = "1")]
-    pub seed: u64,
+    /// Seed of air, noise, jitter and encoder phase, a whole number: the same seed gives the same
+    /// files. Without it the scenario's, or 1.
+    #[arg(long, value_name = "N")]
+    pub seed: Option<u64>,
     /// Trigger whose frame is shown millisecond by millisecond; without it the first with a fault,
     /// or else the one with the largest smear.
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..))]

@@ -12,6 +12,7 @@ use fmc_camera::flight::prepared_camera::PreparedCamera;
 use fmc_camera::flight::settings::FlightSettings;
 use fmc_camera::flight::vh::{VhSample, VhSettings};
 use fmc_camera::io::link::message::{Refusal, Status};
+use fmc_camera_file::flight_settings::FlightSettingsFile;
 use fmc_camera_file::number::single;
 use fmc_report::camera_status;
 
@@ -19,7 +20,7 @@ use crate::cli::{CameraAction, CameraArgs, DirectionName, PrepareArgs, StatusArg
 use crate::device::DeviceError;
 use crate::device::link_error::LinkError;
 use crate::failure::Failure;
-use crate::formats::{flight_settings, output};
+use crate::formats::output;
 
 /// Longest time until the camera has obeyed a command.
 const DONE_WITHIN: Duration = Duration::from_secs(5);
@@ -85,7 +86,7 @@ pub(super) fn run(args: &CameraArgs) -> Result<(), Failure> {
 fn read(args: &PrepareArgs) -> Result<(CameraParameters, FlightSettings), Failure> {
     let (file, _) = super::read_camera(&args.camera)?;
     let mut settings = match &args.settings {
-        Some(path) => flight_settings::read(path)?,
+        Some(path) => FlightSettingsFile::read(path)?.settings,
         None => FlightSettings::default(),
     };
     match args.direction {

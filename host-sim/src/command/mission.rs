@@ -2,27 +2,36 @@
 
 use std::io::{self, Write};
 
+use fmc_camera_file::flight_settings::FlightSettingsFile;
 use fmc_report::figure::FigureError;
 use fmc_report::mission::summary::Summary;
-use fmc_report::mission::{MissionReport, frames_plot, histogram, html, text, timeline, truth_csv};
+use fmc_report::mission::{
+    MissionReport, frames_plot, histogram, html, sigma_figures, text, timeline, truth_csv,
+};
 use fmc_report::records;
 use fmc_simulation::mechanics::Mechanics;
 use fmc_simulation::mission::flight_loop::{FlightOptions, Status, fly};
 use fmc_simulation::mission::judgement::Judgement;
 use fmc_simulation::mission::scenario::MissionScenario;
-use fmc_simulation::mission::settings::flight_settings;
 use indicatif::{ProgressBar, ProgressStyle};
 
 use crate::cli::MissionArgs;
+use crate::device::StepperCamera;
 use crate::failure::Failure;
 use crate::formats::output::{self, OutputFolder};
 
 pub(super) fn run(args: &MissionArgs) -> Result<(), Failure> {
+    let settings = args
+        .settings
+        .as_deref()
+        .map(FlightSettingsFile::read)
+        .transpose()?;
     let scenario = match &args.scenario {
-        Some(path) => MissionScenario::read(path, args.exposures)?,
-        None => MissionScenario::nominal(args.exposures)?,
+        Some(path) => MissionScenario::read_with(path, args.exposures, settings)?,
+        None => MissionScenario::nominal_with(args.exposures, settings)?,
     };
     super::warn_of_distortion(&scenario.written.camera, &scenario.camera);
+    let seed = args.seed.unwrap_or(scenario.seed());
     if let Some(frame) = args.frame
         && frame > scenario.exposures()
     {
@@ -31,15 +40,23 @@ pub(super) fn run(args: &MissionArgs) -> Result<(), Failure> {
             scenario.exposures()
         )));
     }
-    let mechanics = Mechanics::new(scenario.written.mechanics)
+    let mechanics = Mechanics::seeded(scenario.written.mechanics, seed)
         .map_err(|fault| scenario.fault("mechanics", fault))?;
-    let mut device = args.device.open_flying()?;
-    device.prepare(
-        &scenario.camera.parameters(),
-        &flight_settings(&scenario.written, scenario.interval_s),
-    )?;
+    let mut device = match StepperCamera::of(&scenario)? {
+        None => args.device.open_flying()?,
+        Some(_) if !args.device.is_in_process() => {
+            return Err(scenario
+                .fault(
+                    "mechanics.stepper",
+                    "is flown in this program alone: --device sil",
+                )
+                .into());
+        }
+        Some(camera) => Box::new(camera),
+    };
+    device.prepare(&scenario.camera.parameters(), &scenario.flight_settings())?;
     let options = FlightOptions {
-        seed: args.seed,
+        seed,
         frame: args.frame,
     };
     let line = StatusLine::new(&scenario);
@@ -51,7 +68,7 @@ pub(super) fn run(args: &MissionArgs) -> Result<(), Failure> {
     let judgement = Judgement::of(&scenario, &flown);
     let report = MissionReport {
         scenario: &scenario,
-        seed: args.seed,
+        seed,
         flown: &flown,
         judgement: &judgement,
     };
@@ -110,6 +127,9 @@ fn write(out: &std::path::Path, report: &MissionReport<'_>) -> Result<(), Failur
     if report.flown.trace.is_some() {
         let figure = timeline::timeline(report).map_err(drawing)?;
         files.push(("timeline.svg", figure.into_bytes()));
+    }
+    for (name, figure) in sigma_figures::of(report).map_err(drawing)? {
+        files.push((name, figure.into_bytes()));
     }
     let folder = OutputFolder::create(out)?;
     for (name, bytes) in files {

@@ -13,6 +13,7 @@ mod points;
 mod records;
 mod reference;
 mod smear;
+mod statistics;
 mod strip;
 mod sweep;
 mod verify;
@@ -45,6 +46,7 @@ pub fn run(cli: Cli) -> Result<(), Failure> {
         Command::Sweep(args) => sweep::run(&args),
         Command::Strip(args) => strip::run(&args),
         Command::Mission(args) => mission::run(&args),
+        Command::Statistics(args) => statistics::run(&args),
         Command::Records(args) => records::run(&args),
         Command::Camera(args) => camera::run(&args),
     }

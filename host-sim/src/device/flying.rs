@@ -8,8 +8,8 @@ use fmc_camera::flight::rig::{Rig, RigAnswer, RigStep};
 use fmc_camera::flight::settings::FlightSettings;
 use fmc_camera::flight::stage::Setpoint;
 use fmc_camera::flight::time::Time;
-use fmc_camera::io::instruments::Wire;
 use fmc_camera::io::instruments::counters::InstrumentCounters;
+use fmc_camera::io::instruments::{Instruments, Wire};
 use fmc_simulation::mission::wire::WireTraffic;
 
 use super::{CorrectingDevice as _, DeviceError, FlyingDevice, InProcess};
@@ -29,10 +29,7 @@ impl InProcess {
             self.load(camera)?;
         }
         self.rig.prepare(settings).map_err(|error| match error {
-            NotFlyable::Controller(ControllerError::Settings(error)) => {
-                DeviceError::Settings(error)
-            }
-            NotFlyable::Controller(ControllerError::Travel(error)) => DeviceError::Frame(error),
+            NotFlyable::Controller(error) => not_prepared(error),
             NotFlyable::NoCamera | NotFlyable::NoRowClock => DeviceError::NotPrepared,
         })?;
         self.instruments.clear();
@@ -43,6 +40,29 @@ impl InProcess {
     fn controller(&self) -> Result<&Controller, DeviceError> {
         self.rig.controller().ok_or(DeviceError::NotPrepared)
     }
+}
+
+/// Returns the error of a camera that refuses calibration or settings.
+pub(super) const fn not_prepared(error: ControllerError) -> DeviceError {
+    match error {
+        ControllerError::Settings(error) => DeviceError::Settings(error),
+        ControllerError::Travel(error) => DeviceError::Frame(error),
+    }
+}
+
+/// Returns the round with the events that the bytes on the wires lead to.
+pub(super) fn wired(
+    instruments: &mut Instruments,
+    step: &RigStep,
+    traffic: &WireTraffic,
+) -> RigStep {
+    for byte in &traffic.receiver {
+        instruments.push(Wire::Receiver, *byte);
+    }
+    for byte in &traffic.autopilot {
+        instruments.push(Wire::Autopilot, *byte);
+    }
+    instruments.wired(step)
 }
 
 impl FlyingDevice for InProcess {
@@ -73,13 +93,7 @@ impl FlyingDevice for InProcess {
         step: &RigStep,
         traffic: &WireTraffic,
     ) -> Result<RigAnswer, DeviceError> {
-        for byte in &traffic.receiver {
-            self.instruments.push(Wire::Receiver, *byte);
-        }
-        for byte in &traffic.autopilot {
-            self.instruments.push(Wire::Autopilot, *byte);
-        }
-        let step = self.instruments.wired(step);
+        let step = wired(&mut self.instruments, step, traffic);
         self.rig.step(&step).ok_or(DeviceError::NotPrepared)
     }
 

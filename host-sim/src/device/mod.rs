@@ -20,6 +20,7 @@ pub mod remote;
 mod remote_flight;
 pub mod serial;
 mod sil;
+mod stepper;
 mod wires;
 
 #[cfg(test)]
@@ -42,6 +43,7 @@ pub use name::{DeviceName, Machine};
 pub use open::{OpenError, Opener};
 pub use record_source::RecordSource;
 pub use sil::InProcess;
+pub use stepper::StepperCamera;
 
 /// A camera that can be given a calibration, exposed, and asked for results that depend on the
 /// exposure.

@@ -1,6 +1,5 @@
 //! File formats: flight settings, observations, points, output files.
 
-pub mod flight_settings;
 pub mod npy_header;
 pub mod observations;
 pub mod output;

@@ -26,6 +26,13 @@ pub(crate) fn fly(bench: &Bench, more: &[&str]) -> Answer {
     bench.run(&arguments)
 }
 
+/// Flies the nominal mission, in which every check must pass.
+fn fly_nominal(bench: &Bench, more: &[&str]) -> Answer {
+    let mut arguments = vec!["mission"];
+    arguments.extend(more);
+    bench.run(&arguments).ok()
+}
+
 pub(crate) fn changed(text: &str, from: &str, to: &str) -> String {
     assert!(text.contains(from), "{from}");
     text.replacen(from, to, 1)
@@ -34,9 +41,7 @@ pub(crate) fn changed(text: &str, from: &str, to: &str) -> String {
 #[test]
 fn short_mission_has_a_complete_report() {
     let bench = Bench::new();
-    let answer = bench
-        .run(&["mission", "--exposures", "6", "--out", "report"])
-        .ok();
+    let answer = fly_nominal(&bench, &["--exposures", "6", "--out", "report"]);
     for words in [
         "6 triggers, 6 exposed, 0 refused, 0 unanswered",
         "passed",
@@ -47,7 +52,7 @@ fn short_mission_has_a_complete_report() {
     let summary: serde_json::Value =
         serde_json::from_slice(&fs::read(bench.path("report/summary.json")).unwrap()).unwrap();
     assert_eq!(summary["exposed"], 6);
-    assert_eq!(summary["passed"], true);
+    assert_eq!(summary["passed"], answer.code == 0);
     assert!(summary["pp_error_px"]["max"].as_f64().unwrap() < 0.1);
     for file in ["records.csv", "truth.csv"] {
         let rows = fs::read_to_string(bench.path(&format!("report/{file}"))).unwrap();
@@ -55,7 +60,8 @@ fn short_mission_has_a_complete_report() {
         assert!(!rows.contains("NaN"));
     }
     let page = fs::read_to_string(bench.path("report/report.html")).unwrap();
-    assert_eq!(page.matches("<svg").count(), 3);
+    // Frames, histograms and rounds; error/σ of three quantities, and the smear.
+    assert_eq!(page.matches("<svg").count(), 7);
     assert!(!page.contains("NaN"));
     let records: serde_json::Value =
         serde_json::from_slice(&fs::read(bench.path("report/records.json")).unwrap()).unwrap();
@@ -98,17 +104,10 @@ fn page_counts_and_explains_the_flags_that_occurred_and_no_others() {
 fn same_seed_gives_the_same_bytes_and_another_seed_others() {
     let bench = Bench::new();
     for (folder, seed) in [("one", "7"), ("two", "7"), ("three", "8")] {
-        bench
-            .run(&[
-                "mission",
-                "--exposures",
-                "3",
-                "--seed",
-                seed,
-                "--out",
-                folder,
-            ])
-            .ok();
+        fly_nominal(
+            &bench,
+            &["--exposures", "3", "--seed", seed, "--out", folder],
+        );
     }
     for file in ["report.html", "records.csv", "truth.csv", "summary.json"] {
         let read = |folder: &str| fs::read(bench.path(&format!("{folder}/{file}"))).unwrap();
@@ -120,17 +119,10 @@ fn same_seed_gives_the_same_bytes_and_another_seed_others() {
 #[test]
 fn frame_to_look_at_is_chosen_and_must_exist() {
     let bench = Bench::new();
-    bench
-        .run(&[
-            "mission",
-            "--exposures",
-            "3",
-            "--frame",
-            "2",
-            "--out",
-            "report",
-        ])
-        .ok();
+    fly_nominal(
+        &bench,
+        &["--exposures", "3", "--frame", "2", "--out", "report"],
+    );
     let figure = fs::read_to_string(bench.path("report/timeline.svg")).unwrap();
     assert!(figure.contains("Trigger 2"));
     bench
@@ -158,4 +150,41 @@ fn fault_without_its_expected_outcome_fails_the_check_and_leaves_the_report() {
             .contains("runaway (11) named within 5 ms: not named")
     );
     assert!(bench.path("report/report.html").exists());
+}
+
+#[test]
+fn camera_without_a_stage_is_flown_and_its_steps_are_more_than_the_limit_of_smear() {
+    let bench = bench(MISSION);
+    let tdi = changed(CAMERA, "strategy = \"centred\"", "mechanism = \"tdi\"");
+    fs::write(bench.path("cameras/mission.toml"), tdi).unwrap();
+    let answer = fly(&bench, &["--exposures", "6"]);
+    assert_eq!(answer.code, 1, "{}", answer.stderr);
+    for words in [
+        "6 exposed",
+        "largest error 0.0000 px",
+        "FAILED: smear of all frames",
+    ] {
+        assert!(answer.stdout.contains(words), "{words}: {}", answer.stdout);
+    }
+}
+
+#[test]
+fn settings_of_camera_prepare_are_flown_and_contradictions_name_both() {
+    let bench = bench(MISSION);
+    fs::write(
+        bench.path("settings.toml"),
+        "[drive]\nencoder_step_um = 0.5\n",
+    )
+    .unwrap();
+    let with = ["--exposures", "4", "--settings", "settings.toml"];
+    fly(&bench, &with).refused(&[
+        "mechanics.encoder_step_um = 0.1",
+        "drive.encoder_step_um = 0.5 of settings.toml",
+    ]);
+    fs::write(bench.path("settings.toml"), "speed_tolerance_percent = 2\n").unwrap();
+    let answer = fly(&bench, &with);
+    assert!(answer.stdout.contains("4 exposed"), "{}", answer.stderr);
+    fs::write(bench.path("settings.toml"), "speed_tolerance = 2\n").unwrap();
+    fly(&bench, &with).refused(&["settings.toml", "no setting speed_tolerance"]);
+    fly(&bench, &["--settings", "nowhere.toml"]).refused(&["nowhere.toml"]);
 }

@@ -239,19 +239,11 @@ fn what_contradicts_the_camera_file_is_refused() {
 
 #[test]
 fn stage_that_cannot_make_the_travel_is_refused() {
-    for (from, to, words) in [
-        ("stroke_mm = 4.0", "stroke_mm = 0.05", "stroke"),
-        ("strategy = \"centred\"", "mechanism = \"tdi\"", "tdi"),
-    ] {
-        let bench = bench(MISSION);
-        fs::write(
-            bench.path("cameras/mission.toml"),
-            changed(CAMERA, from, to),
-        )
-        .unwrap();
-        let answer = fly(&bench, &[]);
-        answer.refused(&["scenario.toml, line ", words]);
-    }
+    let bench = bench(MISSION);
+    let short = changed(CAMERA, "stroke_mm = 4.0", "stroke_mm = 0.05");
+    fs::write(bench.path("cameras/mission.toml"), short).unwrap();
+    let answer = fly(&bench, &[]);
+    answer.refused(&["scenario.toml, line ", "stroke"]);
 }
 
 #[test]

@@ -54,6 +54,8 @@ mod serial;
 #[cfg(test)]
 mod smear;
 #[cfg(test)]
+mod statistics;
+#[cfg(test)]
 mod streaming;
 #[cfg(test)]
 mod strip;

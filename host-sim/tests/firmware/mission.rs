@@ -8,7 +8,6 @@ use fmc_simulation::mission::fault::{InjectedFault, Injection};
 use fmc_simulation::mission::flight_loop::{FlightOptions, fly};
 use fmc_simulation::mission::planned_fault::PlannedFault;
 use fmc_simulation::mission::scenario::MissionScenario;
-use fmc_simulation::mission::settings::flight_settings;
 use host_sim::device::qemu::{Qemu, QemuOptions};
 use host_sim::device::{CorrectingDevice, DeviceError, FlyingDevice, InProcess, Machine};
 
@@ -19,9 +18,8 @@ fn records_crc(
     scenario: &MissionScenario,
     device: &mut dyn FlyingDevice<Error = DeviceError>,
 ) -> Outcome {
-    let settings = flight_settings(&scenario.written, scenario.interval_s);
     device
-        .prepare(&scenario.camera.parameters(), &settings)
+        .prepare(&scenario.camera.parameters(), &scenario.flight_settings())
         .unwrap();
     let mechanics = Mechanics::new(scenario.written.mechanics).unwrap();
     let options = FlightOptions {

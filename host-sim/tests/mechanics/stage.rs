@@ -48,7 +48,7 @@ fn play_is_between_screw_and_stage_and_the_encoder_is_on_either_side() {
         let settings = MechanicsSettings {
             backlash_um: 10.0,
             encoder_side: side,
-            encoder_phase_um: 0.0,
+            encoder_phase_um: Some(0.0),
             ..MechanicsSettings::default()
         };
         let mut stage = mechanics(settings);
@@ -88,7 +88,7 @@ fn encoder_reads_the_past_in_whole_steps() {
     let settings = MechanicsSettings {
         encoder_latency_s: 1e-3,
         encoder_step_um: 0.5,
-        encoder_phase_um: 0.1,
+        encoder_phase_um: Some(0.1),
         ..MechanicsSettings::default()
     };
     let mut stage = mechanics(settings);

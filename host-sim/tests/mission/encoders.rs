@@ -47,7 +47,7 @@ fn no_step_phase_side_or_play_of_an_encoder_leads_to_a_fault_or_out_of_its_sigma
                         |scenario| {
                             let mechanics = &mut scenario.written.mechanics;
                             mechanics.encoder_step_um = step_um;
-                            mechanics.encoder_phase_um = phase * step_um;
+                            mechanics.encoder_phase_um = Some(phase * step_um);
                             mechanics.encoder_side = side;
                             mechanics.backlash_um = play_um;
                         },

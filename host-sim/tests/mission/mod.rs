@@ -6,6 +6,8 @@ mod encoders;
 #[cfg(test)]
 mod faults;
 #[cfg(test)]
+mod hardware;
+#[cfg(test)]
 mod nominal;
 #[cfg(test)]
 mod stall;

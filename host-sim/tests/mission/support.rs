@@ -7,7 +7,6 @@ use fmc_simulation::mission::flight_loop::{FlightOptions, fly};
 use fmc_simulation::mission::flown::Flown;
 use fmc_simulation::mission::judgement::Judgement;
 use fmc_simulation::mission::scenario::MissionScenario;
-use fmc_simulation::mission::settings::flight_settings;
 use host_sim::device::{FlyingDevice, InProcess};
 
 pub(crate) fn folder() -> PathBuf {
@@ -28,11 +27,10 @@ pub(crate) fn flown(scenario: &MissionScenario, seed: u64) -> Flown {
 /// Flies a scenario in this process, with the rounds of a frame.
 pub(crate) fn flown_with(scenario: &MissionScenario, seed: u64, frame: Option<u32>) -> Flown {
     let mut device = InProcess::default();
-    let settings = flight_settings(&scenario.written, scenario.interval_s);
     device
-        .prepare(&scenario.camera.parameters(), &settings)
+        .prepare(&scenario.camera.parameters(), &scenario.flight_settings())
         .unwrap();
-    let mechanics = Mechanics::new(scenario.written.mechanics).unwrap();
+    let mechanics = Mechanics::seeded(scenario.written.mechanics, seed).unwrap();
     let options = FlightOptions { seed, frame };
     fly(scenario, options, mechanics, &mut device, |_| {}).unwrap()
 }

@@ -7,7 +7,7 @@ use fmc_camera::flight::frame_record::{Flag, Outcome};
 use fmc_simulation::mission::flown::Flown;
 
 use super::summary::{Count, Summary};
-use super::{MissionReport, flags, frames_plot, histogram, text, timeline};
+use super::{MissionReport, flags, frames_plot, histogram, sigma_figures, text, timeline};
 use crate::page::{PageError, inline};
 use crate::wording;
 
@@ -22,6 +22,7 @@ struct Page {
     setting: String,
     frames: String,
     histograms: String,
+    sigma: Vec<String>,
     timeline: Option<Timeline>,
     injected: Vec<Injected>,
     noted: Vec<Noted>,
@@ -88,6 +89,10 @@ pub fn page(report: &MissionReport<'_>) -> Result<String, PageError> {
         setting: text::setting(report, &summary),
         frames: inline(frames_plot::frames(report)?),
         histograms: inline(histogram::histograms(report)?),
+        sigma: sigma_figures::of(report)?
+            .into_iter()
+            .map(|(_, figure)| inline(figure))
+            .collect(),
         timeline,
         injected: injected(report),
         noted,

@@ -1,9 +1,12 @@
 //! Report of a mission.
 
+pub mod coverage_plot;
 mod flags;
 pub mod frames_plot;
 pub mod histogram;
 pub mod html;
+pub mod sigma_figures;
+pub mod smear_plot;
 mod style;
 pub mod summary;
 pub mod text;

@@ -12,6 +12,8 @@ pub(super) const TRUTH: RGBColor = RGBColor(0, 140, 100);
 pub(super) const ALARM: RGBColor = RGBColor(205, 60, 40);
 /// Colour of set points.
 pub(super) const WANTED: RGBColor = RGBColor(190, 130, 0);
+/// Colour of the line of equal values.
+pub(super) const OUTLINE_LINE: RGBColor = RGBColor(110, 118, 130);
 /// Height of text.
 pub(super) const FONT: u32 = 22;
 /// Width of the column of labels left of a chart.

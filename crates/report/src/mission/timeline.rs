@@ -42,7 +42,9 @@ pub fn timeline(report: &MissionReport<'_>) -> Result<String, FigureError> {
         .as_ref()
         .filter(|trace| !trace.rounds.is_empty())
         .ok_or(FigureError::NothingToDraw)?;
-    let view = View::of(trace);
+    let settings = report.scenario.flight_settings();
+    let age_s = f64::from(settings.drive.velocity_loop.reading_age_s);
+    let view = View::of(trace, age_s);
     figure::svg(SIZE, |canvas| {
         let title = format!("Trigger {}", trace.sequence);
         canvas.draw(&Text::new(title, (20, 28), text(FONT + 4)))?;
@@ -63,10 +65,12 @@ struct View<'a> {
     rounds: Vec<(f64, &'a Round, f64)>,
     from_ms: f64,
     to_ms: f64,
+    /// Age of the encoder's readings, s: its curve is drawn at their own times.
+    age_s: f64,
 }
 
 impl<'a> View<'a> {
-    fn of(trace: &'a Trace) -> Self {
+    fn of(trace: &'a Trace, age_s: f64) -> Self {
         let rounds: Vec<(f64, &Round, f64)> = trace
             .rounds
             .iter()
@@ -78,6 +82,7 @@ impl<'a> View<'a> {
         Self {
             from_ms: time(rounds.first()),
             to_ms: time(rounds.last()) + 1.0,
+            age_s,
             rounds,
         }
     }
@@ -102,6 +107,28 @@ impl<'a> View<'a> {
         }
     }
 
+    /// Returns a curve of the encoder, each value at the time at which the stage was there.
+    fn encoder(&self, value: impl Fn(&Round) -> Option<f64>) -> Curve {
+        let mut curve = self.curve(CAMERA, 2, "encoder", |round, _| value(round));
+        for (ms, _) in &mut curve.places {
+            *ms = (*ms - 1e3 * self.age_s).max(self.from_ms);
+        }
+        curve
+    }
+
+    /// Returns the set point at the time of a reading, mm.
+    fn wanted_at_reading(&self, round: &Round) -> Option<f64> {
+        let setpoint = round.setpoint?;
+        let [offset_mm, speed_mm_s, acceleration_mm_s2] = [
+            setpoint.offset_mm,
+            setpoint.speed_mm_s,
+            setpoint.acceleration_mm_s2,
+        ]
+        .map(f64::from);
+        let age_s = self.age_s;
+        Some(offset_mm - speed_mm_s * age_s + 0.5 * acceleration_mm_s2 * age_s * age_s)
+    }
+
     fn panels(&self) -> Vec<Panel<'static>> {
         let wanted = |round: &Round| round.setpoint.map(|setpoint| f64::from(setpoint.offset_mm));
         vec![
@@ -113,7 +140,7 @@ impl<'a> View<'a> {
                 curves: vec![
                     self.curve(WANTED, 7, "set point", move |round, _| wanted(round)),
                     self.curve(TRUTH, 4, "true", |round, _| Some(round.true_mm)),
-                    self.curve(CAMERA, 2, "encoder", |round, _| Some(round.encoder_mm)),
+                    self.encoder(|round| Some(round.encoder_mm)),
                 ],
             },
             Panel {
@@ -125,8 +152,8 @@ impl<'a> View<'a> {
                     self.curve(TRUTH, 3, "true", move |round, _| {
                         Some(1e3 * (round.true_mm - wanted(round)?))
                     }),
-                    self.curve(CAMERA, 2, "encoder", move |round, _| {
-                        Some(1e3 * (round.encoder_mm - wanted(round)?))
+                    self.encoder(|round| {
+                        Some(1e3 * (round.encoder_mm - self.wanted_at_reading(round)?))
                     }),
                 ],
             },

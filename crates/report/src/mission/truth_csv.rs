@@ -2,6 +2,8 @@
 
 use std::io::Write;
 
+use fmc_simulation::judge::quantity::Quantity;
+
 use super::MissionReport;
 
 /// Writes the table: one row per record.
@@ -24,8 +26,14 @@ pub fn write(report: &MissionReport<'_>, sink: impl Write) -> csv::Result<()> {
         "compensation_smear_px",
         "predicted_smear_px",
         "without_fault_or_flag",
+        "principal_point_error_per_sigma",
+        "vh_error_per_sigma",
+        "utc_error_per_sigma",
+        "centroid_error_us",
     ])?;
-    for (frame, errors) in report.flown.frames.iter().zip(&report.judgement.errors) {
+    let judgement = report.judgement;
+    let judged = judgement.errors.iter().zip(&judgement.verdicts);
+    for (frame, (errors, verdict)) in report.flown.frames.iter().zip(judged) {
         let mut row = vec![frame.record.sequence.to_string()];
         match &frame.truth {
             None => row.extend(std::iter::repeat_n(String::new(), 7)),
@@ -49,6 +57,14 @@ pub fn write(report: &MissionReport<'_>, sink: impl Write) -> csv::Result<()> {
                 errors.is_clean.to_string(),
             ]),
         }
+        let ratio = |quantity| {
+            let stated = verdict.as_ref()?.of_quantity(quantity)?;
+            Some(format!("{:.4}", stated.ratio()))
+        };
+        row.extend(Quantity::ALL.map(|quantity| ratio(quantity).unwrap_or_default()));
+        row.push(verdict.map_or(String::new(), |verdict| {
+            format!("{:.3}", verdict.centroid_us)
+        }));
         writer.write_record(row)?;
     }
     writer.flush()?;

@@ -10,10 +10,12 @@ use std::collections::VecDeque;
 
 pub use fault::{Injection, MechanicalFault};
 pub use history::Instant;
-pub use settings::{EncoderSide, LONGEST_SUBSTEP_S, MechanicsSettings};
+pub use settings::{EncoderSide, LONGEST_SUBSTEP_S, MechanicsSettings, Stepper};
 
 use history::History;
 use motion::{Forces, Motion};
+
+use crate::noise::Noise;
 
 /// Command to the bridge.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -40,12 +42,26 @@ pub struct Mechanics {
     order: Order,
     /// Commands on their way to the bridge.
     orders: VecDeque<Order>,
+    /// Steps to come: times, s, and directions.
+    steps: VecDeque<(f64, i8)>,
+    /// Steps that a stepper's field has made.
+    field_steps: i64,
     history: History,
     /// The count about which a reversed encoder counts backwards.
     pivot: Option<i64>,
     /// Lasting offset of the count after a reversal.
     shift: i64,
+    /// Position of the middle of count 0, µm.
+    phase_um: f64,
+    /// Source of the encoder's jitter.
+    noise: Noise,
 }
+
+/// Stream of a seed from which the mechanics draw.
+const STREAM: u64 = 200;
+
+/// Position of the middle of count 0 of a stage without a seed, µm.
+const PHASE_UM: f64 = 0.03;
 
 impl Mechanics {
     /// Creates a stage at rest at the calibrated position.
@@ -53,6 +69,22 @@ impl Mechanics {
     /// # Errors
     /// A message that names the field, its value and what is allowed.
     pub fn new(settings: MechanicsSettings) -> Result<Self, String> {
+        Self::with(&settings, PHASE_UM, Noise::new(0, STREAM))
+    }
+
+    /// Creates a stage whose encoder has its phase, unless the settings give it, and its jitter
+    /// from a seed.
+    ///
+    /// # Errors
+    /// As [`Self::new`].
+    pub fn seeded(settings: MechanicsSettings, seed: u64) -> Result<Self, String> {
+        let mut noise = Noise::new(seed, STREAM);
+        let half_um = 0.5 * settings.encoder_step_um;
+        let phase_um = noise.between(-half_um, half_um);
+        Self::with(&settings, phase_um, noise)
+    }
+
+    fn with(settings: &MechanicsSettings, phase_um: f64, noise: Noise) -> Result<Self, String> {
         let settings = settings.checked()?;
         let start = Instant {
             time_s: 0.0,
@@ -71,9 +103,13 @@ impl Mechanics {
                 powered: false,
             },
             orders: VecDeque::new(),
+            steps: VecDeque::new(),
+            field_steps: 0,
             history: History::new(start, settings.history_s),
             pivot: None,
             shift: 0,
+            phase_um: settings.encoder_phase_um.unwrap_or(phase_um),
+            noise,
         })
     }
 
@@ -131,8 +167,17 @@ impl Mechanics {
             if let Some(order) = self.orders.front() {
                 next_s = next_s.min(order.at_s);
             }
+            while let Some((_, step)) = self.steps.pop_front_if(|(at_s, _)| *at_s <= self.time_s) {
+                self.field_steps += i64::from(step);
+            }
             self.substep(next_s);
         }
+    }
+
+    /// Adds steps of a stepper, in order of their times since the start, s: 1 along the FMC axis, -1
+    /// against it.
+    pub fn add_steps(&mut self, steps: impl IntoIterator<Item = (f64, i8)>) {
+        self.steps.extend(steps);
     }
 
     /// Returns the encoder's count as the camera would read it now.
@@ -211,6 +256,9 @@ impl Mechanics {
             }
         }
         let settings = &self.settings;
+        if let Some(stepper) = &settings.stepper {
+            return self.forces_of_stepper(stepper, jam_n);
+        }
         Forces {
             motor_n: if powered {
                 sign * duty * settings.force_n
@@ -223,6 +271,21 @@ impl Mechanics {
                 } else {
                     0.0
                 },
+            jam_n,
+        }
+    }
+
+    /// Returns the forces of a stepper, whose field holds the rotor, and of friction.
+    #[expect(
+        clippy::cast_precision_loss,
+        reason = "a stroke has less than 2^53 steps"
+    )]
+    fn forces_of_stepper(&self, stepper: &Stepper, jam_n: f64) -> Forces {
+        let field_mm = self.field_steps as f64 / stepper.steps_per_mm;
+        let pull_n = stepper.stiffness_n_mm * (field_mm - self.motion.position_mm);
+        Forces {
+            motor_n: pull_n.clamp(-self.settings.force_n, self.settings.force_n),
+            damping_n_s_m: self.settings.viscous_n_s_m + stepper.damping_n_s_m,
             jam_n,
         }
     }
@@ -242,13 +305,16 @@ impl Mechanics {
     }
 
     #[expect(clippy::cast_possible_truncation, reason = "some thousands of counts")]
-    fn raw_count(&self) -> i64 {
+    fn raw_count(&mut self) -> i64 {
         let settings = &self.settings;
-        let read = self.history.at(self.time_s - settings.encoder_latency_s);
+        let [jitter_s] = self.noise.next([settings.encoder_jitter_s]);
+        let age_s = settings.encoder_latency_s + settings.encoder_latency_error_s + jitter_s;
+        let read = self.history.at(self.time_s - age_s);
         let offset_mm = read.map_or(0.0, |instant| match settings.encoder_side {
             EncoderSide::Screw => instant.screw_mm,
             EncoderSide::Stage => instant.stage_mm,
         });
-        ((1e3 * offset_mm - settings.encoder_phase_um) / settings.encoder_step_um).round() as i64
+        let step_um = settings.encoder_step_um * (1.0 + 1e-6 * settings.encoder_scale_ppm);
+        ((1e3 * offset_mm - self.phase_um) / step_um).round() as i64
     }
 }

@@ -27,20 +27,57 @@ pub struct MechanicsSettings {
     pub encoder_side: EncoderSide,
     /// Travel per count of the encoder, µm.
     pub encoder_step_um: f64,
-    /// Position at which a count ends, µm.
-    pub encoder_phase_um: f64,
-    /// Age of the encoder's reading, s.
+    /// Position of the middle of count 0, µm; `None` leaves it to the seed.
+    pub encoder_phase_um: Option<f64>,
+    /// Excess of the true travel per count, ppm.
+    pub encoder_scale_ppm: f64,
+    /// Age of the encoder's reading that is known, s.
     pub encoder_latency_s: f64,
+    /// Age of the encoder's reading beyond the known one, s.
+    pub encoder_latency_error_s: f64,
+    /// σ of the instant at which the encoder is read, s.
+    pub encoder_jitter_s: f64,
     /// Time from the command of a duty to its force, s.
     pub duty_latency_s: f64,
     /// Offsets of the end stops, mm.
     pub end_stops_mm: [f64; 2],
     /// Offsets beyond which the limit switches are closed, mm.
     pub limits_mm: [f64; 2],
+    /// Stepper in place of the motor; its largest force is `force_n`.
+    pub stepper: Option<Stepper>,
     /// Longest integration step, s.
     pub substep_s: f64,
     /// Time for which the motion is remembered, s.
     pub history_s: f64,
+}
+
+/// A stepper: its field turns by steps, and its rotor follows the field as on a spring.
+#[derive(Debug, Clone, Copy, PartialEq, Deserialize)]
+#[serde(default, deny_unknown_fields)]
+pub struct Stepper {
+    /// Steps per millimetre of the stage, micro-steps counted.
+    pub steps_per_mm: f64,
+    /// Pulses of the drive's timer per second, Hz.
+    pub pulse_rate_hz: f64,
+    /// Most steps per second, Hz.
+    pub max_step_rate_hz: f64,
+    /// Force per distance of the rotor from the field, reduced to the stage, N/mm.
+    pub stiffness_n_mm: f64,
+    /// Damping of the rotor, N per m/s.
+    pub damping_n_s_m: f64,
+}
+
+impl Default for Stepper {
+    /// 1 mm of pitch, 200 steps, 16 micro-steps; 40 kHz.
+    fn default() -> Self {
+        Self {
+            steps_per_mm: 3200.0,
+            pulse_rate_hz: 40_000.0,
+            max_step_rate_hz: 20_000.0,
+            stiffness_n_mm: 200.0,
+            damping_n_s_m: 300.0,
+        }
+    }
 }
 
 /// Part that the encoder sits on.
@@ -67,11 +104,15 @@ impl Default for MechanicsSettings {
             backlash_um: 1.0,
             encoder_side: EncoderSide::Screw,
             encoder_step_um: 0.1,
-            encoder_phase_um: 0.03,
+            encoder_phase_um: None,
+            encoder_scale_ppm: 0.0,
             encoder_latency_s: 1e-4,
+            encoder_latency_error_s: 0.0,
+            encoder_jitter_s: 0.0,
             duty_latency_s: 1e-4,
             end_stops_mm: [-2.5, 2.5],
             limits_mm: [-2.2, 2.2],
+            stepper: None,
             substep_s: 2e-5,
             history_s: 2.0,
         }
@@ -97,8 +138,21 @@ impl MechanicsSettings {
             ("stribeck_mm_s", self.stribeck_mm_s, 1e-3, 1e3),
             ("backlash_um", self.backlash_um, 0.0, 1e3),
             ("encoder_step_um", self.encoder_step_um, 1e-3, 100.0),
-            ("encoder_phase_um", self.encoder_phase_um, -100.0, 100.0),
+            (
+                "encoder_phase_um",
+                self.encoder_phase_um.unwrap_or(0.0),
+                -100.0,
+                100.0,
+            ),
+            ("encoder_scale_ppm", self.encoder_scale_ppm, -1e4, 1e4),
             ("encoder_latency_s", self.encoder_latency_s, 0.0, 0.01),
+            (
+                "encoder_latency_error_s",
+                self.encoder_latency_error_s,
+                -self.encoder_latency_s,
+                0.01,
+            ),
+            ("encoder_jitter_s", self.encoder_jitter_s, 0.0, 1e-3),
             ("duty_latency_s", self.duty_latency_s, 0.0, 0.01),
             ("end_stops_mm[0]", self.end_stops_mm[0], -100.0, 0.0),
             ("end_stops_mm[1]", self.end_stops_mm[1], 0.0, 100.0),
@@ -107,7 +161,28 @@ impl MechanicsSettings {
             ("substep_s", self.substep_s, 1e-7, LONGEST_SUBSTEP_S),
             ("history_s", self.history_s, 0.02, 60.0),
         ];
-        for (name, value, least, most) in ranges {
+        let of_stepper = self.stepper.map(|stepper| {
+            [
+                ("stepper.steps_per_mm", stepper.steps_per_mm, 1.0, 1e6),
+                ("stepper.pulse_rate_hz", stepper.pulse_rate_hz, 1000.0, 1e6),
+                (
+                    "stepper.max_step_rate_hz",
+                    stepper.max_step_rate_hz,
+                    1.0,
+                    0.5 * stepper.pulse_rate_hz,
+                ),
+                (
+                    "stepper.stiffness_n_mm",
+                    stepper.stiffness_n_mm,
+                    1.0,
+                    1000.0,
+                ),
+                ("stepper.damping_n_s_m", stepper.damping_n_s_m, 0.0, 2000.0),
+            ]
+        });
+        let of_stepper = of_stepper.into_iter().flatten();
+        let all = ranges.into_iter().chain(of_stepper);
+        for (name, value, least, most) in all {
             if !(value >= least && value <= most) {
                 return Err(format!("{name} = {value} is outside {least} to {most}"));
             }

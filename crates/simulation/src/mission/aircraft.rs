@@ -3,6 +3,7 @@
 use fmc_camera::flight::event::AttitudeSample;
 use fmc_camera_file::number::single;
 
+use super::file::DirectionName;
 use super::scenario::MissionScenario;
 use crate::scene::attitude::Attitude;
 use crate::scene::terrain::Terrain;
@@ -50,8 +51,8 @@ impl SpeedAndHeight {
 }
 
 impl Aircraft {
-    /// Creates the aircraft of a scenario, which flies along the ground frame's y, over the crests
-    /// and troughs of the terrain.
+    /// Creates the aircraft of a scenario, which flies along the ground frame's y, or against it in
+    /// reverse, over the crests and troughs of the terrain.
     #[must_use]
     pub fn of(scenario: &MissionScenario, seed: u64) -> Self {
         let written = &scenario.written;
@@ -67,7 +68,11 @@ impl Aircraft {
         };
         let [cross, along, vertical] = air.gust_rms_m_s;
         let [pitch, roll, yaw] = turn.rate_rms_deg_s;
-        let mut trajectory = Trajectory::level(written.flight.height_m, written.flight.speed_m_s);
+        let speed_m_s = match written.flight.direction {
+            Some(DirectionName::Reverse) => -written.flight.speed_m_s,
+            Some(DirectionName::Forward) | None => written.flight.speed_m_s,
+        };
+        let mut trajectory = Trajectory::level(written.flight.height_m, speed_m_s);
         trajectory.position_m[0] = written.terrain.wavelength_m / 4.0;
         trajectory.gusts = [
             process(1, cross, air.gust_corner_hz),

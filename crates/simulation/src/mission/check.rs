@@ -14,6 +14,33 @@ pub struct Check {
     pub found: String,
     /// `true` if the result is as it should be.
     pub passed: bool,
+    /// `true` if there was nothing to judge, which is no pass.
+    pub is_vacuous: bool,
+}
+
+impl Check {
+    /// Creates a check of so many cases, which the noun names; over none it has failed.
+    pub(super) fn over(
+        (cases, noun): (usize, &str),
+        what: String,
+        found: String,
+        passed: bool,
+    ) -> Self {
+        if cases == 0 {
+            return Self {
+                what,
+                found: format!("0 {noun}s: nothing to judge"),
+                passed: false,
+                is_vacuous: true,
+            };
+        }
+        Self {
+            what,
+            found,
+            passed,
+            is_vacuous: false,
+        }
+    }
 }
 
 /// Judges the number of refused triggers, which is at most `most`.
@@ -30,5 +57,6 @@ pub(super) fn refused(flown: &Flown, most: usize) -> Check {
         },
         found: format!("{refused} refused"),
         passed: refused <= most,
+        is_vacuous: false,
     }
 }

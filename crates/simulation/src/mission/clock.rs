@@ -18,7 +18,7 @@ pub(super) struct Clocked {
     clippy::cast_sign_loss,
     reason = "the cast saturates; times of a flight are not negative"
 )]
-pub(super) fn microseconds(seconds: f64) -> u64 {
+pub(crate) fn microseconds(seconds: f64) -> u64 {
     (1e6 * seconds).round() as u64
 }
 
@@ -29,4 +29,11 @@ pub(super) fn microseconds(seconds: f64) -> u64 {
 )]
 pub(super) fn seconds(us: u64) -> f64 {
     us as f64 * 1e-6
+}
+
+/// Adds the error of a stamp, which is never before 0, µs.
+pub(super) fn jittered(time_us: u64, jitter_us: f64) -> u64 {
+    let late_us = microseconds(1e-6 * jitter_us.max(0.0));
+    let early_us = microseconds(1e-6 * (-jitter_us).max(0.0));
+    (time_us + late_us).saturating_sub(early_us)
 }

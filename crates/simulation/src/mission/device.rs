@@ -55,6 +55,12 @@ pub trait FlyingDevice {
     /// An error if the connection to the camera fails.
     fn instruments(&mut self) -> Result<InstrumentCounters, Self::Error>;
 
+    /// Removes and returns the steps that the drive of a stepper makes from the last round to the
+    /// next: times after the round, s, and directions, 1 along the FMC axis and -1 against it.
+    fn steps(&mut self) -> Vec<(f64, i8)> {
+        Vec::new()
+    }
+
     /// Returns the oldest record that has at least this number and was not acknowledged.
     ///
     /// # Errors

@@ -17,6 +17,8 @@ use crate::mechanics::MechanicsSettings;
 pub struct MissionFile {
     pub name: String,
     pub camera: PathBuf,
+    pub seed: Option<i64>,
+    pub settings: Option<toml::Table>,
     pub flight: MissionFlightTable,
     #[serde(default)]
     pub air: AirTable,
@@ -29,13 +31,25 @@ pub struct MissionFile {
     #[serde(default)]
     pub line: LineTable,
     #[serde(default)]
+    pub clock: ClockTable,
+    #[serde(default)]
     pub shutter: MissionShutterTable,
     #[serde(default)]
     pub mechanics: MechanicsSettings,
     #[serde(default)]
+    pub detector: DetectorTable,
+    #[serde(default)]
     pub limits: MissionLimitsTable,
     #[serde(default)]
     pub fault: Vec<FaultTable>,
+}
+
+impl MissionFile {
+    /// η: ground speed over the height above the mean terrain, 1/s.
+    #[must_use]
+    pub fn vh_per_s(&self) -> f64 {
+        self.flight.speed_m_s / (self.flight.height_m - self.terrain.height_m)
+    }
 }
 
 /// `[flight]`.
@@ -55,6 +69,17 @@ pub struct MissionFlightTable {
     #[serde(default = "two")]
     pub first_trigger_s: f64,
     pub clear_faults_after_s: Option<f64>,
+    pub direction: Option<DirectionName>,
+}
+
+/// Direction of flight.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Deserialize)]
+#[serde(rename_all = "lowercase")]
+pub enum DirectionName {
+    /// Along the FMC axis.
+    Forward,
+    /// Against the FMC axis; the camera is not turned.
+    Reverse,
 }
 
 const fn two() -> f64 {
@@ -151,7 +176,7 @@ pub struct VhTable {
 }
 
 /// `[gnss]`.
-#[derive(Debug, Clone, PartialEq, Eq, Deserialize)]
+#[derive(Debug, Clone, PartialEq, Deserialize)]
 #[serde(deny_unknown_fields)]
 #[expect(
     missing_docs,
@@ -159,6 +184,31 @@ pub struct VhTable {
 )]
 pub struct GnssTable {
     pub first_pulse_unix_s: i64,
+    #[serde(default)]
+    pub pulse_jitter_us: f64,
+}
+
+/// `[clock]`.
+#[derive(Debug, Clone, PartialEq, Deserialize)]
+#[serde(deny_unknown_fields, default)]
+#[expect(
+    missing_docs,
+    reason = "each field is the key of the same name in the scenario"
+)]
+pub struct ClockTable {
+    pub drift_ppm: f64,
+    pub wander_ppm: f64,
+    pub wander_corner_hz: f64,
+}
+
+impl Default for ClockTable {
+    fn default() -> Self {
+        Self {
+            drift_ppm: 0.0,
+            wander_ppm: 0.0,
+            wander_corner_hz: 0.001,
+        }
+    }
 }
 
 /// `[line]`.
@@ -271,6 +321,7 @@ pub enum VhQuantity {
 pub struct MissionShutterTable {
     pub latency_ms: f64,
     pub jitter_us: f64,
+    pub stamp_jitter_us: f64,
 }
 
 impl Default for MissionShutterTable {
@@ -278,8 +329,20 @@ impl Default for MissionShutterTable {
         Self {
             latency_ms: 2.0,
             jitter_us: 20.0,
+            stamp_jitter_us: 0.0,
         }
     }
+}
+
+/// `[detector]`.
+#[derive(Debug, Clone, PartialEq, Default, Deserialize)]
+#[serde(deny_unknown_fields, default)]
+#[expect(
+    missing_docs,
+    reason = "each field is the key of the same name in the scenario"
+)]
+pub struct DetectorTable {
+    pub run_out_um: [f64; 4],
 }
 
 /// `[limits]`.

@@ -26,7 +26,13 @@ const SENSOR_LATENCY: Range = range(0.0, 2000.0, "ms");
 const BAUD: Range = range(1200.0, 115_200.0, "bits per second");
 const SHUTTER_LATENCY: Range = range(0.0, 100.0, "ms");
 const SHUTTER_JITTER: Range = range(0.0, 1000.0, "µs");
+const STAMP_JITTER: Range = range(0.0, 1000.0, "µs");
+const CLOCK_DRIFT: Range = range(-150.0, 150.0, "ppm");
+const CLOCK_WANDER: Range = range(0.0, 20.0, "ppm");
+const CLOCK_CORNER: Range = range(0.0001, 1.0, "Hz");
+const SEED: Range = range(0.0, 2_147_483_647.0, "");
 const UNIX_S: Range = range(0.0, 2_147_483_647.0, "s since 1970");
+const RUN_OUT: Range = range(-1000.0, 1000.0, "µm");
 const PIXELS: Range = range(0.001, 100.0, "px");
 
 /// Refuses the first number of the mission that is out of its range; faults and mechanics are
@@ -38,7 +44,9 @@ pub(super) fn check_numbers(mission: &MissionFile, text: &TomlText) -> Result<()
         attitude,
         terrain,
         line,
+        clock,
         shutter,
+        detector,
         limits,
         ..
     } = mission;
@@ -66,6 +74,11 @@ pub(super) fn check_numbers(mission: &MissionFile, text: &TomlText) -> Result<()
         line.autopilot_baud BAUD,
         shutter.latency_ms SHUTTER_LATENCY,
         shutter.jitter_us SHUTTER_JITTER,
+        shutter.stamp_jitter_us STAMP_JITTER,
+        clock.drift_ppm CLOCK_DRIFT,
+        clock.wander_ppm CLOCK_WANDER,
+        clock.wander_corner_hz CLOCK_CORNER,
+        detector.run_out_um RUN_OUT,
         limits.pp_error_px PIXELS,
         limits.smear_px PIXELS,
     );
@@ -80,7 +93,8 @@ pub(super) fn check_numbers(mission: &MissionFile, text: &TomlText) -> Result<()
         }
     }
     if let Some(gnss) = &mission.gnss {
-        check!(text: gnss.first_pulse_unix_s UNIX_S);
+        check!(text: gnss.first_pulse_unix_s UNIX_S, gnss.pulse_jitter_us STAMP_JITTER);
     }
+    mission.seed.check(SEED, text, &["seed"])?;
     check_clearance(text, flight.height_m, terrain.height_m, terrain.relief_m)
 }

@@ -8,7 +8,8 @@ use fmc_camera::flight::stage::Setpoint;
 use fmc_camera::flight::time::Time;
 
 use super::aircraft::Aircraft;
-use super::clock::{ROUND_US, microseconds, seconds};
+use super::camera_clock::CameraClock;
+use super::clock::{ROUND_US, jittered, microseconds, seconds};
 use super::device::FlyingDevice;
 use super::fault::line::{SerialLine, Traffic};
 use super::fault::stage::mechanical;
@@ -18,12 +19,15 @@ use super::flown::{Flown, FlownFrame};
 use super::light::Light;
 use super::operator::Operator;
 use super::oracle::Oracle;
+use super::row_clock::RowClock;
 use super::scenario::MissionScenario;
 use super::sensors::Sensors;
 use super::shutter::{ShutterSimulator, ShutterTiming};
 use super::trace::Round;
 use super::tracer::Tracer;
+use super::wiring::Wiring;
 use crate::mechanics::Mechanics;
+use crate::noise::Noise;
 
 /// Time from the computer's request for records to its acknowledgement, µs.
 const ACKNOWLEDGED_AFTER_US: u64 = 500;
@@ -74,7 +78,11 @@ pub fn fly<D: FlyingDevice + ?Sized>(
 struct Flight<'a, D: ?Sized> {
     device: &'a mut D,
     injections: Vec<Injection>,
-    encoder_step_mm: f64,
+    wiring: Wiring,
+    clock: CameraClock,
+    /// σ of the stamps of the shutter's edges, µs.
+    stamp_jitter_us: f64,
+    stamp_noise: Noise,
     aircraft: Aircraft,
     sensors: Sensors,
     shutter: ShutterSimulator,
@@ -107,7 +115,11 @@ impl<'a, D: FlyingDevice + ?Sized> Flight<'a, D> {
             mechanics.inject(injection);
         }
         let regular: Vec<u64> = scenario.triggers_s().map(microseconds).collect();
-        let triggers_us = with_overlaps(&regular, &injections);
+        let clock = CameraClock::of(&scenario.written.clock, options.seed);
+        let triggers_us: Vec<u64> = with_overlaps(&regular, &injections)
+            .into_iter()
+            .map(|time_us| clock.stamp_us(time_us))
+            .collect();
         let aircraft = Aircraft::of(scenario, options.seed);
         let shutter = &scenario.written.shutter;
         let timing = ShutterTiming {
@@ -117,10 +129,19 @@ impl<'a, D: FlyingDevice + ?Sized> Flight<'a, D> {
         let line = SerialLine::new(scenario.carried(), &injections);
         let clear_after_us = scenario.written.flight.clear_faults_after_s;
         Self {
-            encoder_step_mm: scenario.written.mechanics.encoder_step_um / 1000.0,
+            wiring: Wiring::of(scenario),
+            stamp_jitter_us: shutter.stamp_jitter_us,
+            stamp_noise: Noise::new(options.seed, 101),
             sensors: Sensors::of(scenario, &line, &injections, options.seed),
             shutter: ShutterSimulator::new(timing, &injections, options.seed),
-            light: Light::new(Oracle::new(&scenario.camera, &aircraft)),
+            light: Light::new(
+                Oracle::new(
+                    &scenario.camera,
+                    &aircraft,
+                    &scenario.written.detector.run_out_um,
+                ),
+                RowClock::of(&scenario.camera),
+            ),
             line,
             operator: Operator::new(clear_after_us.map(microseconds)),
             aircraft,
@@ -134,7 +155,8 @@ impl<'a, D: FlyingDevice + ?Sized> Flight<'a, D> {
             next_sequence: 1,
             record_waits: false,
             has_wires: false,
-            flown: Flown::before(triggers_us, injections.len()),
+            flown: Flown::before(clock.clone(), triggers_us, injections.len()),
+            clock,
             injections,
             device,
         }
@@ -176,7 +198,7 @@ impl<'a, D: FlyingDevice + ?Sized> Flight<'a, D> {
         let idle = now_us == ROUND_US;
         if idle {
             self.mechanics
-                .advance(0.0, false, seconds(now_us) - self.mechanics.time_s());
+                .advance(0.0, false, self.true_s(now_us) - self.mechanics.time_s());
         }
         let step = self.step(now_us);
         let answer = match self.sensors.traffic() {
@@ -186,6 +208,10 @@ impl<'a, D: FlyingDevice + ?Sized> Flight<'a, D> {
             }
             None => self.device.step(&step)?,
         };
+        let round_s = self.mechanics.time_s();
+        let steps = self.device.steps().into_iter();
+        self.mechanics
+            .add_steps(steps.map(|(after_s, step)| (round_s + after_s, step)));
         self.setpoint = self.device.setpoint(Time::from_us(now_us));
         self.obey(now_us, &answer);
         self.feel(now_us, &answer);
@@ -195,21 +221,23 @@ impl<'a, D: FlyingDevice + ?Sized> Flight<'a, D> {
             time_us: now_us,
             setpoint: self.setpoint,
             true_mm,
-            encoder_mm: f64::from(step.encoder_count) * self.encoder_step_mm,
+            encoder_mm: self.wiring.encoder_mm(step.encoder_count),
             duty: if answer.powered {
                 f64::from(answer.duty)
             } else {
                 0.0
             },
             told_vh_per_s: self.sensors.told_vh_per_s(),
-            is_open: self.shutter.is_open(now_us),
+            is_open: self.shutter.is_open(self.clock.true_us(now_us)),
             state: answer.state,
         });
         let next_us = now_us + ROUND_US;
-        let until_next_s = seconds(next_us) - self.mechanics.time_s();
-        self.mechanics
-            .advance(f64::from(answer.duty), answer.powered, until_next_s);
-        self.light.take(&mut self.shutter, &self.mechanics, next_us);
+        let until_next_s = self.true_s(next_us) - self.mechanics.time_s();
+        let duty = self.wiring.duty(f64::from(answer.duty));
+        self.mechanics.advance(duty, answer.powered, until_next_s);
+        let next_true_us = self.clock.true_us(next_us);
+        self.light
+            .take(&mut self.shutter, &self.mechanics, next_true_us);
         self.fetch(now_us)?;
         self.tracer.look(now_us, &self.aircraft);
         Ok(answer)
@@ -217,9 +245,18 @@ impl<'a, D: FlyingDevice + ?Sized> Flight<'a, D> {
 
     /// Collects the events since the last round, in order of time.
     fn step(&mut self, now_us: u64) -> RigStep {
-        let mut events = self.sensors.arrivals(&self.aircraft, now_us);
-        for (time_us, edge) in self.shutter.edges(now_us) {
-            events.push((Time::from_us(time_us), Event::Shutter(edge)));
+        let true_us = self.clock.true_us(now_us);
+        let stamp = |time_us: u64| Time::from_us(self.clock.stamp_us(time_us).min(now_us));
+        let mut events: Vec<(Time, Event)> = self
+            .sensors
+            .arrivals(&self.aircraft, true_us)
+            .into_iter()
+            .map(|(time, event)| (stamp(time.us()), event))
+            .collect();
+        for (time_us, edge) in self.shutter.edges(true_us) {
+            let [jitter_us] = self.stamp_noise.next([self.stamp_jitter_us]);
+            let stamped_us = jittered(self.clock.stamp_us(time_us), jitter_us).min(now_us);
+            events.push((Time::from_us(stamped_us), Event::Shutter(edge)));
         }
         while let Some(trigger_us) = self.flown.triggers_us.get(self.next_trigger).copied()
             && trigger_us <= now_us
@@ -241,7 +278,7 @@ impl<'a, D: FlyingDevice + ?Sized> Flight<'a, D> {
         waiting.append(&mut events);
         let mut step = RigStep {
             time: Time::from_us(now_us),
-            encoder_count: self.mechanics.encoder_count(),
+            encoder_count: self.wiring.count(self.mechanics.encoder_count()),
             ..RigStep::default()
         };
         for event in waiting {
@@ -256,12 +293,15 @@ impl<'a, D: FlyingDevice + ?Sized> Flight<'a, D> {
         for action in &answer.actions {
             match action {
                 // The camera's drive has done this.
-                Action::MoveStage(_) | Action::ReleaseStage | Action::ClockRows { .. } => {}
-                Action::OpenShutter { at, exposure_s } => {
-                    self.shutter
-                        .open(at.us().max(now_us), f64::from(*exposure_s));
+                Action::MoveStage(_) | Action::ReleaseStage => {}
+                Action::ClockRows { speed_mm_s, .. } => {
+                    self.light.clock_rows(f64::from(*speed_mm_s));
                 }
-                Action::CloseShutter => self.shutter.close(now_us),
+                Action::OpenShutter { at, exposure_s } => {
+                    let at_us = self.clock.true_us(at.us().max(now_us));
+                    self.shutter.open(at_us, f64::from(*exposure_s));
+                }
+                Action::CloseShutter => self.shutter.close(self.clock.true_us(now_us)),
                 Action::FrameReady(_) => self.record_waits = true,
                 Action::Fault(fault) => self.flown.announced.push((now_us, *fault)),
             }
@@ -276,7 +316,7 @@ impl<'a, D: FlyingDevice + ?Sized> Flight<'a, D> {
     /// Notes when a fault can first be felt; some faults of the stage can only be felt while it is
     /// to move.
     fn feel(&mut self, now_us: u64, answer: &RigAnswer) {
-        let time_s = seconds(now_us);
+        let time_s = self.true_s(now_us);
         let moves = [
             State::RunUp,
             State::Tracking,
@@ -327,7 +367,10 @@ impl<'a, D: FlyingDevice + ?Sized> Flight<'a, D> {
 
     fn keep(&mut self, now_us: u64, record: FrameRecord) {
         let truth = match &record.outcome {
-            Outcome::Exposed(exposed) => self.light.truth_of(exposed.opened.us()),
+            Outcome::Exposed(exposed) => {
+                let opened_us = self.clock.true_us(exposed.opened.us());
+                self.light.truth_of(opened_us)
+            }
             Outcome::Refused(_) => None,
         };
         let frame = FlownFrame {
@@ -337,6 +380,11 @@ impl<'a, D: FlyingDevice + ?Sized> Flight<'a, D> {
         };
         self.tracer.consider(now_us, &frame, &self.aircraft);
         self.flown.frames.push(frame);
+    }
+
+    /// Returns the true time at which the camera's clock shows a time, s.
+    fn true_s(&self, shown_us: u64) -> f64 {
+        seconds(self.clock.true_us(shown_us))
     }
 
     fn is_over(&self, now_us: u64, state: State) -> bool {

@@ -5,6 +5,7 @@ use fmc_camera::flight::fault::Fault;
 use fmc_camera::flight::frame_record::FrameRecord;
 use fmc_camera::io::instruments::counters::InstrumentCounters;
 
+use super::camera_clock::CameraClock;
 use super::oracle::FrameTruth;
 use super::receiver::SentenceCounts;
 use super::trace::Trace;
@@ -25,7 +26,9 @@ pub struct FlownFrame {
 pub struct Flown {
     /// Description of the camera.
     pub device: String,
-    /// Times of the triggers, µs, in order.
+    /// The camera's clock.
+    pub clock: CameraClock,
+    /// Times of the triggers on the camera's clock, µs, in order.
     pub triggers_us: Vec<u64>,
     /// All records, in the order of the triggers.
     pub frames: Vec<FlownFrame>,
@@ -53,9 +56,10 @@ pub struct Flown {
 
 impl Flown {
     /// Creates the state before the first round.
-    pub(super) fn before(triggers_us: Vec<u64>, faults: usize) -> Self {
+    pub(super) fn before(clock: CameraClock, triggers_us: Vec<u64>, faults: usize) -> Self {
         Self {
             device: String::new(),
+            clock,
             triggers_us,
             frames: Vec::new(),
             unrecorded: Vec::new(),

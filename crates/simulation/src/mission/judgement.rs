@@ -1,12 +1,16 @@
 //! Judgement of a flight by its limits and by the expected outcomes of its faults.
 
-use fmc_camera::flight::frame_record::{Outcome, Reason};
+use fmc_camera::flight::frame_record::Outcome;
 
 use super::check::{Check, refused};
 use super::flown::Flown;
 use super::frame_errors::FrameErrors;
 use super::outcome::outcome;
+use super::physical_truth::TrueWorld;
 use super::scenario::MissionScenario;
+use super::sigma_checks;
+use crate::judge::answers::Answers;
+use crate::judge::verdict::Verdict;
 use crate::wording;
 
 /// Largest error of a principal point, in units of its stated σ.
@@ -17,6 +21,8 @@ const SIGMAS: f64 = 3.0;
 pub struct Judgement {
     /// Errors of each frame, in the order of the frames.
     pub errors: Vec<Option<FrameErrors>>,
+    /// Errors of each frame with the σ that its record states, in the order of the frames.
+    pub verdicts: Vec<Option<Verdict>>,
     /// Findings of the judgement.
     pub checks: Vec<Check>,
 }
@@ -30,7 +36,14 @@ impl Judgement {
             .iter()
             .map(|frame| FrameErrors::of(&scenario.camera, frame))
             .collect();
+        let world = TrueWorld::of(scenario, &flown.clock);
+        let verdicts: Vec<Option<Verdict>> = flown
+            .frames
+            .iter()
+            .map(|frame| Verdict::of(&frame.record, &world.truth(frame.truth.as_ref()?)))
+            .collect();
         let mut checks = vec![unanswered(flown), coordinates(scenario, flown, &errors)];
+        checks.extend(sigma_checks::of(scenario, &verdicts));
         if scenario.faults.is_empty() {
             checks.push(nominal_smear(scenario, &errors));
             checks.push(refused(flown, 0));
@@ -40,7 +53,11 @@ impl Judgement {
         for (fault, felt_us) in scenario.faults.iter().zip(&flown.felt_us) {
             checks.extend(outcome(scenario, flown, &errors, fault, *felt_us));
         }
-        Self { errors, checks }
+        Self {
+            errors,
+            verdicts,
+            checks,
+        }
     }
 
     /// Returns true if every check is as it should be.
@@ -50,33 +67,21 @@ impl Judgement {
     }
 }
 
-/// Checks that every trigger has its record at its own time, numbered without a gap. Of triggers
-/// refused because the camera's memory was full, all but the last may have the time of the first.
+/// Checks that every trigger has its record.
 fn unanswered(flown: &Flown) -> Check {
-    let answered = flown
-        .triggers_us
-        .iter()
-        .zip(&flown.frames)
-        .zip(1_u32..)
-        .filter(|((trigger_us, frame), number)| {
-            let record = &frame.record;
-            let is_full = record.outcome == Outcome::Refused(Reason::RecordsFull);
-            let is_its_time = record.trigger.us() == **trigger_us
-                || is_full && record.trigger.us() < **trigger_us;
-            record.sequence == *number && is_its_time
-        })
-        .count();
-    let missing = flown.triggers_us.len() - answered;
-    let extra = flown.frames.len().saturating_sub(flown.triggers_us.len());
-    Check {
-        what: "every trigger has its record".to_owned(),
-        found: format!(
-            "{answered} of {} answered in order, {} too many",
-            wording::counted(flown.triggers_us.len(), "trigger"),
-            wording::counted(extra, "record")
+    let records = flown.frames.iter().map(|frame| &frame.record);
+    let answers = Answers::of(&flown.triggers_us, records);
+    Check::over(
+        (answers.triggers, "trigger"),
+        "every trigger has its record".to_owned(),
+        format!(
+            "{} of {} answered in order, {} too many",
+            answers.answered,
+            wording::counted(answers.triggers, "trigger"),
+            wording::counted(answers.extra, "record")
         ),
-        passed: missing == 0 && extra == 0,
-    }
+        answers.are_complete(),
+    )
 }
 
 /// Checks the principal points of the frames that the camera vouches for: the error is at most the
@@ -97,17 +102,18 @@ fn coordinates(scenario: &MissionScenario, flown: &Flown, errors: &[Option<Frame
             matches!(frame.record.outcome, Outcome::Exposed(_)) && frame.truth.is_none()
         })
         .count();
-    Check {
-        what: format!(
+    Check::over(
+        (clean().count(), "frame"),
+        format!(
             "principal point within {limit_px} px of the truth, or {SIGMAS} σ where the record says more, in all frames without fault or flag"
         ),
-        found: format!(
+        format!(
             "{}, largest error {worst:.4} px, {} of light that did not pass",
             wording::counted(clean().count(), "frame"),
             wording::counted(invented, "record")
         ),
-        passed: are_right && invented == 0,
-    }
+        are_right && invented == 0,
+    )
 }
 
 /// Checks the smear of a flight in which nothing goes wrong.
@@ -118,11 +124,12 @@ fn nominal_smear(scenario: &MissionScenario, errors: &[Option<FrameErrors>]) -> 
         .flatten()
         .map(|errors| errors.smear_px)
         .fold(0.0, f64::max);
-    Check {
-        what: format!("smear of all frames at most {limit_px} px, attitude included"),
-        found: format!("largest {worst:.4} px"),
-        passed: worst <= limit_px,
-    }
+    Check::over(
+        (errors.iter().flatten().count(), "frame"),
+        format!("smear of all frames at most {limit_px} px, attitude included"),
+        format!("largest {worst:.4} px"),
+        worst <= limit_px,
+    )
 }
 
 /// Checks the smear of a flight with faults: the camera predicts the smear that it cannot prevent.
@@ -132,17 +139,21 @@ fn predicted_smear(
     errors: &[Option<FrameErrors>],
 ) -> Check {
     let limit_px = scenario.written.limits.smear_px;
-    let excess = flown
+    let without_fault: Vec<&FrameErrors> = flown
         .frames
         .iter()
         .zip(errors)
         .filter(|(frame, _)| frame.record.faults.is_empty())
         .filter_map(|(_, errors)| errors.as_ref())
+        .collect();
+    let excess = without_fault
+        .iter()
         .map(|errors| errors.smear_px - errors.predicted_px)
         .fold(f64::NEG_INFINITY, f64::max);
-    Check {
-        what: format!("no frame without fault smeared by {limit_px} px more than predicted"),
-        found: format!("at most {excess:.4} px more"),
-        passed: excess <= limit_px,
-    }
+    Check::over(
+        (without_fault.len(), "frame"),
+        format!("no frame without fault smeared by {limit_px} px more than predicted"),
+        format!("at most {excess:.4} px more"),
+        excess <= limit_px,
+    )
 }

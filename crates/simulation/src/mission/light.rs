@@ -3,6 +3,7 @@
 use super::clock::microseconds;
 use super::clock::seconds;
 use super::oracle::{FrameTruth, Oracle, TrueExposure};
+use super::row_clock::RowClock;
 use super::shutter::{Opening, ShutterSimulator};
 use crate::mechanics::Mechanics;
 use crate::scene::stage_path::StagePath;
@@ -16,17 +17,27 @@ const SAME_OPENING_US: u64 = 100_000;
 #[derive(Debug)]
 pub(super) struct Light {
     oracle: Oracle,
+    /// Row clock of a TDI sensor, in place of the stage.
+    rows: Option<RowClock>,
     /// Openings that have ended, while the path of the stage is not yet complete.
     finished: Vec<Opening>,
     truths: Vec<FrameTruth>,
 }
 
 impl Light {
-    pub(super) const fn new(oracle: Oracle) -> Self {
+    pub(super) const fn new(oracle: Oracle, rows: Option<RowClock>) -> Self {
         Self {
             oracle,
+            rows,
             finished: Vec::new(),
             truths: Vec::new(),
+        }
+    }
+
+    /// Takes the speed of the rows from the next opening on, mm/s.
+    pub(super) const fn clock_rows(&mut self, speed_mm_s: f64) {
+        if let Some(rows) = &mut self.rows {
+            rows.run_at(speed_mm_s);
         }
     }
 
@@ -45,15 +56,17 @@ impl Light {
             .partition(|opening| seconds(opening.closed_us) + PATH_MARGIN_S <= path_until_s);
         self.finished = rest;
         for opening in ready {
-            let opened_s = seconds(opening.opened_us);
-            let until_s = seconds(opening.closed_us) + PATH_MARGIN_S;
-            let knots = mechanics
-                .history(opened_s - PATH_MARGIN_S)
-                .take_while(|instant| instant.time_s <= until_s)
-                .map(|instant| (instant.time_s - opened_s, instant.stage_mm))
-                .collect();
-            if let Some(path) = StagePath::new(knots) {
-                let exposure = TrueExposure { opening, path };
+            let path = match &self.rows {
+                Some(rows) => rows.path(seconds(opening.closed_us - opening.opened_us)),
+                None => stage_path(mechanics, opening),
+            };
+            if let Some(path) = path {
+                let is_of_rows = self.rows.is_some();
+                let exposure = TrueExposure {
+                    opening,
+                    path,
+                    is_of_rows,
+                };
                 self.truths.push(self.oracle.truth(&exposure));
             }
         }
@@ -79,4 +92,16 @@ impl Light {
     pub(super) fn into_rest(self) -> Vec<FrameTruth> {
         self.truths
     }
+}
+
+/// Returns the path of the stage around an opening of the shutter; times from first light.
+fn stage_path(mechanics: &Mechanics, opening: Opening) -> Option<StagePath> {
+    let opened_s = seconds(opening.opened_us);
+    let until_s = seconds(opening.closed_us) + PATH_MARGIN_S;
+    let knots = mechanics
+        .history(opened_s - PATH_MARGIN_S)
+        .take_while(|instant| instant.time_s <= until_s)
+        .map(|instant| (instant.time_s - opened_s, instant.stage_mm))
+        .collect();
+    StagePath::new(knots)
 }

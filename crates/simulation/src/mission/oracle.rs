@@ -23,6 +23,8 @@ pub struct TrueExposure {
     pub opening: Opening,
     /// Positions of the stage; times from first light.
     pub path: StagePath,
+    /// `true` if the path is that of the charge of a TDI sensor, which moves in steps.
+    pub is_of_rows: bool,
 }
 
 /// True exposure of a frame.
@@ -43,7 +45,7 @@ pub struct FrameTruth {
     /// V/H over the ground below at the centroid, 1/s.
     pub vh_per_s: f64,
     /// Image motion along the FMC axis at the principal point that compensation leaves, without
-    /// attitude: f·η·t - δ, mm.
+    /// attitude: f·η·t - δ, mm; η is negative in reverse.
     pub compensation_smear_mm: f64,
     /// Distance that an image point moves on the detector, the largest of centre and corners, mm.
     pub smear_mm: f64,
@@ -58,15 +60,21 @@ pub struct Oracle {
 }
 
 impl Oracle {
-    /// Creates the oracle of a camera on an aircraft.
+    /// Creates the oracle of a camera on an aircraft. The run-out that the camera file does not
+    /// know of is a polynomial of the offset in mm, lowest power first, µm away from the lens.
     #[must_use]
-    pub fn new(camera: &CameraFile, aircraft: &Aircraft) -> Self {
+    pub fn new(camera: &CameraFile, aircraft: &Aircraft, run_out_um: &[f64]) -> Self {
         let request =
             ExposureRequest::planned(camera.limits.vh_per_s[0], camera.limits.exposure_s[0]);
         let mut scene = Scene::still(camera, &request, 1000.0);
         scene.trajectory = aircraft.trajectory.clone();
         scene.attitude = aircraft.attitude.clone();
         scene.terrain = aircraft.terrain.clone();
+        let known_um = &mut scene.stage.flatness_um;
+        known_um.resize(known_um.len().max(run_out_um.len()), 0.0);
+        for (known, more) in known_um.iter_mut().zip(run_out_um) {
+            *known += more;
+        }
         Self {
             scene,
             camera: camera.clone(),
@@ -93,9 +101,15 @@ impl Oracle {
         let travel_mm = path.offset_mm(exposure_s) - path.offset_mm(0.0);
         let centroid_s = opened_s + centroid_after_s;
         let vh_per_s = self.aircraft.speed_and_height(centroid_s).vh_per_s();
-        let track_mm = self.camera.principal_distance_mm * vh_per_s * exposure_s;
+        let [_, along_m_s, _] = self.aircraft.trajectory.velocity_m_s;
+        let track_mm =
+            self.camera.principal_distance_mm * vh_per_s.copysign(along_m_s) * exposure_s;
         self.scene.shutter = shutter;
-        self.scene.stage.path = Some(path.thinned(KNOT_SPACING_S));
+        self.scene.stage.path = Some(if exposure.is_of_rows {
+            path.clone()
+        } else {
+            path.thinned(KNOT_SPACING_S)
+        });
         let frame = self.scene.expose(opened_s);
         FrameTruth {
             opened_s,
@@ -196,7 +210,7 @@ mod tests {
             attitude: Attitude::level(),
             terrain: Terrain::Plane { height_m: 0.0 },
         };
-        Oracle::new(&camera(), &aircraft)
+        Oracle::new(&camera(), &aircraft, &[])
     }
 
     fn exposure(offset_mm: impl Fn(f64) -> f64) -> TrueExposure {
@@ -210,6 +224,7 @@ mod tests {
                 closed_us: 7_004_000,
             },
             path: StagePath::new(knots.collect()).unwrap(),
+            is_of_rows: false,
         }
     }
 

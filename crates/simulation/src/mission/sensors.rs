@@ -12,9 +12,10 @@ use super::scenario::MissionScenario;
 use super::source::{Source, ToldVh};
 use super::wire::WireTraffic;
 use super::wires::Wires;
+use crate::noise::Noise;
 
 /// Time of the receiver's first time pulse, µs.
-const FIRST_PULSE_US: u64 = 300_250;
+pub(super) const FIRST_PULSE_US: u64 = 300_250;
 /// One second, µs.
 const SECOND_US: u64 = 1_000_000;
 /// Time from a pulse to the message that names it, µs.
@@ -29,6 +30,9 @@ pub struct Sensors {
     attitude: Option<Clocked>,
     /// The time pulse, and the second that begins with the first one.
     pulses: Option<(Clocked, u64)>,
+    /// σ of the pulses' stamps, s, and its source.
+    pulse_jitter_s: f64,
+    pulse_noise: Noise,
     /// Time of the next event, µs.
     due_us: u64,
     /// V/H according to the first source.
@@ -70,6 +74,12 @@ impl Sensors {
                 };
                 (clock, u64::try_from(gnss.first_pulse_unix_s).unwrap_or(0))
             }),
+            pulse_jitter_s: scenario
+                .written
+                .gnss
+                .as_ref()
+                .map_or(0.0, |gnss| 1e-6 * gnss.pulse_jitter_us),
+            pulse_noise: Noise::new(seed, 102),
             due_us: 0,
             told: tables.first().map(|table| ToldVh::of(table.source)),
         }
@@ -109,7 +119,9 @@ impl Sensors {
                 let into_second_us = (clock.next_us - FIRST_PULSE_US) % SECOND_US;
                 let second = (clock.next_us - FIRST_PULSE_US) / SECOND_US;
                 if into_second_us == 0 {
-                    arrived.push((time, Event::TimePulse));
+                    let [jitter_s] = self.pulse_noise.next([self.pulse_jitter_s]);
+                    let at_us = microseconds(seconds(clock.next_us) + jitter_s);
+                    arrived.push((Time::from_us(at_us), Event::TimePulse));
                     clock.next_us += NAMED_AFTER_US;
                 } else {
                     let unix_s = *first_unix_s + second;

@@ -2,22 +2,28 @@
 
 use fmc_camera::flight::drive::loop_settings::{LoopSettings, Plant};
 use fmc_camera::flight::drive::settings::{DriveSettings, EncoderSide};
+use fmc_camera::flight::exposure::FlightDirection;
 use fmc_camera::flight::settings::FlightSettings;
 use fmc_camera::flight::vh::{ChannelSettings, VhSettings};
 use fmc_camera_file::number::single;
 
-use super::file::{MissionFile, VhSourceName};
+use super::file::{DirectionName, MissionFile, VhSourceName};
 use crate::mechanics::{self, MechanicsSettings};
 
 /// Factor of a source's period after which the source counts as silent.
 const PERIODS: f64 = 1.5;
 
 /// Returns the settings of a scenario's camera: everything that its engineer knows of the simulated
-/// hardware, its play included, and nothing that only the simulation knows (jitter, phase, noise).
+/// hardware, its play and the size of the encoder's errors included, and nothing that only the
+/// simulation knows (their signs, phase, noise).
 #[must_use]
 pub fn flight_settings(written: &MissionFile, interval_s: f64) -> FlightSettings {
     let mut settings = FlightSettings {
         exposure_s: single(written.flight.exposure_s),
+        direction: written
+            .flight
+            .direction
+            .map_or(FlightDirection::Forward, DirectionName::direction),
         smear_budget_px: single(written.limits.smear_px),
         shutter_latency_s: single(written.shutter.latency_ms / 1000.0),
         trigger_interval_s: single(interval_s),
@@ -28,9 +34,14 @@ pub fn flight_settings(written: &MissionFile, interval_s: f64) -> FlightSettings
                 mechanics::EncoderSide::Stage => EncoderSide::Stage,
             },
             play_um: single(written.mechanics.backlash_um),
-            encoder_scale_ppm: 0.0,
+            encoder_scale_ppm: single(written.mechanics.encoder_scale_ppm.abs()),
             zero_sigma_um: 0.0,
-            reading_age_sigma_s: 0.0,
+            reading_age_sigma_s: single(
+                written
+                    .mechanics
+                    .encoder_latency_error_s
+                    .hypot(written.mechanics.encoder_jitter_s),
+            ),
             velocity_loop: velocity_loop(&written.mechanics),
             ..DriveSettings::default()
         },

@@ -6,29 +6,64 @@ use std::path::Path;
 use fmc_camera::flight::settings::FlightSettings;
 use toml::{Table, Value};
 
-use crate::failure::Failure;
+use crate::InputError;
 
-/// Reads a file of settings, each under its name in the camera's own `FlightSettings`.
-///
-/// # Errors
-/// [`Failure`] naming the file and a setting that does not exist, is of another kind, or is outside
-/// its range.
-pub fn read(path: &Path) -> Result<FlightSettings, Failure> {
-    let text = fs::read_to_string(path).map_err(|error| Failure::reading(path, &error))?;
-    parse(&text).map_err(|what| Failure::bad_input(format!("{}: {what}", path.display())))
+/// Settings of a flight, and which of them were written.
+#[derive(Debug, Clone, PartialEq)]
+pub struct FlightSettingsFile {
+    /// Name that messages use.
+    pub name: String,
+    /// All settings: those that were written, and the defaults of the others.
+    pub settings: FlightSettings,
+    written: Table,
 }
 
-fn parse(text: &str) -> Result<FlightSettings, String> {
-    let written: Table = text
-        .parse()
-        .map_err(|error: toml::de::Error| error.to_string())?;
-    let mut settings =
-        Table::try_from(FlightSettings::default()).map_err(|error| error.to_string())?;
-    overlay(&mut settings, written, "")?;
-    let settings: FlightSettings = settings
-        .try_into()
-        .map_err(|error: toml::de::Error| error.to_string())?;
-    settings.checked().map_err(|error| error.to_string())
+impl FlightSettingsFile {
+    /// Reads a file of settings, each under its name in the camera's own `FlightSettings`.
+    ///
+    /// # Errors
+    /// [`InputError`] naming the file and a setting that does not exist, is of another kind, or is
+    /// outside its range.
+    pub fn read(path: &Path) -> Result<Self, InputError> {
+        let text = fs::read_to_string(path).map_err(|error| InputError::reading(path, &error))?;
+        let table = text
+            .parse()
+            .map_err(|error: toml::de::Error| error.to_string());
+        table
+            .and_then(|table| Self::of_table(path.display().to_string(), table))
+            .map_err(|what| InputError::invalid(format!("{}: {what}", path.display())))
+    }
+
+    /// Returns the settings of a table; `name` is the one that messages use for it.
+    ///
+    /// # Errors
+    /// The setting that does not exist, is of another kind, or is outside its range.
+    pub fn of_table(name: String, written: Table) -> Result<Self, String> {
+        let mut settings =
+            Table::try_from(FlightSettings::default()).map_err(|error| error.to_string())?;
+        overlay(&mut settings, written.clone(), "")?;
+        let settings: FlightSettings = settings
+            .try_into()
+            .map_err(|error: toml::de::Error| error.to_string())?;
+        Ok(Self {
+            name,
+            settings: settings.checked().map_err(|error| error.to_string())?,
+            written,
+        })
+    }
+
+    /// Returns true if a setting was written, not left at its default.
+    #[must_use]
+    pub fn has(&self, path: &[&str]) -> bool {
+        let Some((first, rest)) = path.split_first() else {
+            return false;
+        };
+        let mut value = self.written.get(*first);
+        for key in rest {
+            value = value.and_then(|value| value.get(*key));
+        }
+        value.is_some()
+    }
 }
 
 /// Replaces the settings that are written.
@@ -63,6 +98,22 @@ fn overlay(settings: &mut Table, written: Table, above: &str) -> Result<(), Stri
 mod tests {
     use super::*;
     use fmc_camera::flight::exposure::FlightDirection;
+
+    fn parse(text: &str) -> Result<FlightSettings, String> {
+        let table = text
+            .parse()
+            .map_err(|error: toml::de::Error| error.to_string())?;
+        FlightSettingsFile::of_table("settings.toml".to_owned(), table).map(|file| file.settings)
+    }
+
+    #[test]
+    fn written_settings_are_known_from_defaults() {
+        let table = "[drive]\nencoder_step_um = 0.1\n".parse().unwrap();
+        let file = FlightSettingsFile::of_table("settings.toml".to_owned(), table).unwrap();
+        assert!(file.has(&["drive", "encoder_step_um"]) && file.has(&["drive"]));
+        assert!(!file.has(&["drive", "motor_reversed"]) && !file.has(&["exposure_s"]));
+        assert_eq!(file.settings, FlightSettings::default());
+    }
 
     #[test]
     fn what_is_not_written_is_the_default_bit_by_bit() {
