@@ -3,6 +3,11 @@
 /// Part of the play by which it may differ from its setting: wear, temperature and load, as σ.
 pub(crate) const PLAY_SIGMA_PART: f32 = 0.1;
 
+/// Distance by which a screw may go beyond its readings where it turns round, in parts of the
+/// difference of the moves before and after: twice that of a turn at constant acceleration, since
+/// the motor's force changes from round to round.
+pub(crate) const TURNING_PART: f32 = 0.25;
+
 /// Offset of the stage from its screw, which the encoder does not see, with its uncertainty.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(crate) struct PlayOffset {
@@ -21,6 +26,10 @@ pub(crate) struct PlayOffset {
 /// Both ends of the interval of possible offsets move so. b = 0 while the screw pushes along the
 /// axis, which is how the encoder's zero is set; b = p while it pushes against the axis.
 ///
+/// The encoder is read now and then: where the screw turns round between two readings, it may have
+/// gone on by up to [`TURNING_PART`] of the difference of the two moves before it turned, which the
+/// readings do not show. One end of the interval moves as if it had.
+///
 /// Without force, vibration may move the stage from one flank to the other: both ends of the play
 /// are possible. An interval from lo to hi counts as two points, the flanks on which friction keeps
 /// the stage: mean (lo + hi)/2, `σ² = ((hi - lo)/2)² + (PLAY_SIGMA_PART·(lo + hi)/2)²`.
@@ -29,6 +38,8 @@ pub(crate) struct Play {
     /// Distances of the least and of the largest possible offset from 0, as moved so far, mm.
     low_mm: f32,
     high_mm: f32,
+    /// Last move of the screw, mm.
+    moved_mm: f32,
 }
 
 impl Play {
@@ -36,14 +47,26 @@ impl Play {
     pub(crate) const UNKNOWN: Self = Self {
         low_mm: 0.0,
         high_mm: f32::INFINITY,
+        moved_mm: 0.0,
     };
 
     /// Returns the play after the screw has moved along the FMC axis by so much, mm.
     pub(crate) fn after(self, moved_mm: f32, play_mm: f32) -> Self {
-        let taken_up = |offset_mm: f32| (offset_mm.min(play_mm) - moved_mm).max(0.0).min(play_mm);
+        let unseen_mm = if moved_mm * self.moved_mm < 0.0 {
+            TURNING_PART * (self.moved_mm - moved_mm)
+        } else {
+            0.0
+        };
+        let taken_up = |offset_mm: f32, moved_mm: f32| {
+            (offset_mm.min(play_mm) - moved_mm).max(0.0).min(play_mm)
+        };
+        let turned =
+            |offset_mm: f32| taken_up(taken_up(offset_mm, unseen_mm), moved_mm - unseen_mm);
+        let [low_mm, high_mm] = [self.low_mm, self.high_mm];
         Self {
-            low_mm: taken_up(self.low_mm),
-            high_mm: taken_up(self.high_mm),
+            low_mm: taken_up(low_mm, moved_mm).min(turned(low_mm)),
+            high_mm: taken_up(high_mm, moved_mm).max(turned(high_mm)),
+            moved_mm,
         }
     }
 
@@ -80,8 +103,8 @@ mod tests {
     #[test]
     fn stage_is_on_its_flank_once_the_play_is_taken_up() {
         assert_eq!(after(&[0.03]), NONE);
-        assert!(after(&[-0.03, 0.01, 0.01]).offset_mm < 1e-8);
-        let against = after(&[0.5, -0.021]);
+        assert!(after(&[-0.03, 0.0, 0.01, 0.01]).offset_mm < 1e-8);
+        let against = after(&[0.5, 0.0, -0.021]);
         assert!((against.offset_mm - PLAY_MM).abs() < 1e-8);
         assert!((against.sigma_mm - PLAY_SIGMA_PART * PLAY_MM).abs() < 1e-8);
     }
@@ -92,14 +115,29 @@ mod tests {
         assert!((unknown.offset_mm - 0.5 * PLAY_MM).abs() < 1e-8);
         assert!((0.5..0.51).contains(&(unknown.sigma_mm / PLAY_MM)));
         // From a known flank the way back tells the offset, too.
-        let on_the_way = after(&[0.5, -0.005]);
+        let on_the_way = after(&[0.5, 0.0, -0.005]);
         assert!((on_the_way.offset_mm - 0.005).abs() < 1e-8);
         assert!(on_the_way.sigma_mm < 0.1 * PLAY_MM);
-        let half = after(&[-0.5, 0.5, 0.0, -0.5, 0.012]);
+        let half = after(&[-0.5, 0.0, 0.5, 0.0, -0.5, 0.0, 0.012]);
         assert!((half.offset_mm - 0.008).abs() < 1e-7);
         let from_nowhere = after(&[0.012]);
         assert!((from_nowhere.offset_mm - 0.004).abs() < 1e-7);
         assert!((0.2..0.21).contains(&(from_nowhere.sigma_mm / PLAY_MM)));
+    }
+
+    #[test]
+    fn screw_that_turns_round_between_readings_may_have_gone_on() {
+        let before = after(&[0.05, 0.004]);
+        assert_eq!(before, NONE);
+        // 4 µm on and 4 µm back: the stage may have been pushed 2 µm beyond the readings.
+        let turned = after(&[0.05, 0.004, -0.004]);
+        assert!((turned.offset_mm - 0.005).abs() < 1e-7, "{turned:?}");
+        assert!((0.001..0.0012).contains(&turned.sigma_mm), "{turned:?}");
+        // Within the play a turn pushes nothing.
+        let within = after(&[0.05, 0.0, -0.004, -0.004, 0.001]);
+        assert!((within.offset_mm - 0.007).abs() < 1e-7, "{within:?}");
+        // Contact ends the doubt.
+        assert!(after(&[0.05, 0.004, -0.004, 0.02]).sigma_mm < 1e-7);
     }
 
     #[test]

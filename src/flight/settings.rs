@@ -1,5 +1,6 @@
 //! Settings of a flight: everything that the calibration does not contain.
 
+use super::controller::timing::TICK_S;
 use super::drive::settings::DriveSettings;
 use super::exposure::FlightDirection;
 use super::stage_watch::StageTolerance;
@@ -11,6 +12,11 @@ pub const FOLLOWING_STEPS: f32 = 5.0;
 
 /// Steps of the encoder by which a reading of a stage that follows may step beyond its set point.
 pub const JUMP_STEPS: f32 = 3.0;
+
+/// Distance by which a stage may step off its set point, in parts of that which friction moves it
+/// by in the first round: friction that turns round is twice the friction, more from rest, and the
+/// loop answers in the third round.
+pub const FRICTION_ROUNDS: f32 = 6.0;
 
 /// Settings of a flight.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -91,6 +97,7 @@ impl FlightSettings {
             following_mm: 1e-3 * self.following_tolerance_um.max(FOLLOWING_STEPS * step_um)
                 + play_mm,
             jump_mm: 1e-3 * self.jump_tolerance_um.max(JUMP_STEPS * step_um) + play_mm,
+            friction_mm: FRICTION_ROUNDS * drive.velocity_loop.friction_mm_s2() * TICK_S * TICK_S,
         }
     }
 }

@@ -1,8 +1,7 @@
-//! Recent readings of the stage, and its path in an exposure.
+//! Recent places of the stage, and its path in an exposure.
 
 use heapless::{Deque, Vec};
 
-use super::drive::StageReading;
 use super::time::Time;
 use crate::geometry::principal_point::StageSample;
 
@@ -12,12 +11,23 @@ pub const CAPACITY: usize = 64;
 /// Time by which the path is continued beyond its ends, s.
 const CONTINUED_S: f32 = 0.003;
 
-/// The latest readings, in order of time; from the opening of the shutter on, all of the exposure.
+/// Place of the stage at a reading of its encoder.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct StagePlace {
+    /// Time of the reading.
+    pub time: Time,
+    /// Offset of the stage, mm: that of the encoder, and of the stage from its screw.
+    pub offset_mm: f32,
+    /// σ of the stage's offset from its screw, mm.
+    pub play_sigma_mm: f32,
+}
+
+/// The latest places, in order of time; from the opening of the shutter on, all of the exposure.
 #[derive(Debug, Clone)]
 pub struct StageTrack {
-    readings: Deque<StageReading, CAPACITY>,
+    places: Deque<StagePlace, CAPACITY>,
     keep_from: Option<Time>,
-    /// Stride of the readings that are kept during an exposure.
+    /// Stride of the places that are kept during an exposure.
     stride: u32,
     since_kept: u32,
     /// `true` if the last reading makes room for the next.
@@ -44,6 +54,8 @@ pub struct ExposurePath {
     pub wander_mm: f32,
     /// `true` if the samples cover the exposure.
     pub is_covered: bool,
+    /// Largest σ of the stage's offset from its screw at a sample, mm.
+    pub play_sigma_mm: f32,
 }
 
 impl StageTrack {
@@ -51,7 +63,7 @@ impl StageTrack {
     #[must_use]
     pub const fn new() -> Self {
         Self {
-            readings: Deque::new(),
+            places: Deque::new(),
             keep_from: None,
             stride: 1,
             since_kept: 0,
@@ -59,23 +71,23 @@ impl StageTrack {
         }
     }
 
-    /// Takes a reading. One that is not later than the last is left out.
+    /// Takes a place. One that is not later than the last is left out.
     ///
     /// If there is no room, the oldest is forgotten; while an exposure is kept, every other one is,
     /// and from then on every other one is kept, so that an exposure of any length is covered
     /// evenly.
-    pub fn push(&mut self, reading: StageReading) {
+    pub fn push(&mut self, place: StagePlace) {
         if self
-            .readings
+            .places
             .back()
-            .is_some_and(|last| reading.time <= last.time)
+            .is_some_and(|last| place.time <= last.time)
         {
             return;
         }
         if self.is_last_passing {
-            self.readings.pop_back();
+            self.places.pop_back();
         }
-        if self.readings.is_full() {
+        if self.places.is_full() {
             self.make_room();
         }
         self.since_kept = self.since_kept.saturating_add(1);
@@ -84,30 +96,30 @@ impl StageTrack {
             self.since_kept = 0;
         }
         // There is room now.
-        let _ = self.readings.push_back(reading);
+        let _ = self.places.push_back(place);
     }
 
     fn make_room(&mut self) {
         let Some(keep_from) = self.keep_from else {
-            self.readings.pop_front();
+            self.places.pop_front();
             return;
         };
         let mut thinned = Deque::new();
         let mut keep = true;
-        for (reading, next) in self.readings.iter().zip(self.readings.iter().skip(1)) {
+        for (place, next) in self.places.iter().zip(self.places.iter().skip(1)) {
             if next.time <= keep_from {
-                // The reading lies before the exposure.
+                // The place lies before the exposure.
                 continue;
             }
             if keep {
-                let _ = thinned.push_back(*reading);
+                let _ = thinned.push_back(*place);
             }
             keep = !keep;
         }
-        if let Some(last) = self.readings.back() {
+        if let Some(last) = self.places.back() {
             let _ = thinned.push_back(*last);
         }
-        self.readings = thinned;
+        self.places = thinned;
         self.stride = self.stride.saturating_mul(2);
         self.since_kept = 0;
     }
@@ -125,16 +137,16 @@ impl StageTrack {
         self.is_last_passing = false;
     }
 
-    /// Forgets everything: the readings to come cannot be compared with those so far.
+    /// Forgets everything: the places to come cannot be compared with those so far.
     pub fn clear(&mut self) {
-        self.readings.clear();
+        self.places.clear();
         self.keep_latest();
     }
 
-    /// The last reading.
+    /// The last place.
     #[must_use]
-    pub fn last(&self) -> Option<StageReading> {
-        self.readings.back().copied()
+    pub fn last(&self) -> Option<StagePlace> {
+        self.places.back().copied()
     }
 
     /// Returns the path from first to last light.
@@ -147,29 +159,31 @@ impl StageTrack {
             longest_gap_s: 0.0,
             wander_mm: 0.0,
             is_covered: false,
+            play_sigma_mm: 0.0,
         };
-        let sample = |reading: &StageReading| StageSample {
-            time_s: reading.time.seconds_since(opened),
-            offset_mm: reading.offset_mm,
+        let sample = |place: &StagePlace| StageSample {
+            time_s: place.time.seconds_since(opened),
+            offset_mm: place.offset_mm,
         };
-        let samples = || self.readings.iter().map(sample);
-        let from_the_end = || self.readings.iter().rev().map(sample);
+        let samples = || self.places.iter().map(sample);
+        let from_the_end = || self.places.iter().rev().map(sample);
         let first_two = (samples().next(), samples().nth(1));
         let last_two = (from_the_end().nth(1), from_the_end().next());
         let ((Some(first), Some(second)), (Some(before), Some(last))) = (first_two, last_two)
         else {
             return path;
         };
-        // Of the readings up to the opening, only the last concerns the exposure.
-        let pairs = self.readings.iter().zip(self.readings.iter().skip(1));
+        // Of the places up to the opening, only the last concerns the exposure.
+        let pairs = self.places.iter().zip(self.places.iter().skip(1));
         let before_it = pairs.take_while(|(_, next)| next.time <= opened).count();
         // There is room for all and two more.
         if first.time_s > 0.0 && first.time_s <= CONTINUED_S {
             path.is_continued = true;
             let _ = path.samples.push(continued(second, first, 0.0));
         }
-        for sample in samples().skip(before_it) {
-            let _ = path.samples.push(sample);
+        for place in self.places.iter().skip(before_it) {
+            let _ = path.samples.push(sample(place));
+            path.play_sigma_mm = path.play_sigma_mm.max(place.play_sigma_mm);
         }
         if last.time_s < exposure_s && last.time_s + CONTINUED_S >= exposure_s {
             path.is_continued = true;
@@ -224,12 +238,13 @@ mod tests {
     use crate::geometry::principal_point::PrincipalPointMotion;
     use crate::geometry::shutter::{Shutter, ShutterProfile};
 
-    fn reading(us: u64) -> StageReading {
+    fn place(us: u64) -> StagePlace {
         #[expect(clippy::cast_precision_loss, reason = "small")]
         let offset_mm = 0.1 + 20.0e-6 * us as f32;
-        StageReading {
+        StagePlace {
             time: Time::from_us(us),
             offset_mm,
+            play_sigma_mm: 0.0,
         }
     }
 
@@ -239,13 +254,13 @@ mod tests {
         for length_ms in [1, 10, 63, 64, 65, 130, 1000, 3333, 10_000] {
             let mut track = StageTrack::new();
             for tick in 0..20 {
-                track.push(reading(1000 * tick));
+                track.push(place(1000 * tick));
             }
             let opened = Time::from_us(19_300);
             track.keep_from(opened);
             let closed = Time::from_us(19_300 + 1000 * length_ms);
             for tick in 20..=20 + length_ms {
-                track.push(reading(1000 * tick));
+                track.push(place(1000 * tick));
             }
             let path = track.path(opened, closed);
             assert!(path.is_covered && !path.is_continued, "{length_ms}");
@@ -264,9 +279,9 @@ mod tests {
     fn ends_are_continued_by_three_milliseconds_at_most() {
         let mut track = StageTrack::new();
         assert!(!track.path(Time::START, Time::from_us(1000)).is_covered);
-        track.push(reading(2000));
+        track.push(place(2000));
         assert!(!track.path(Time::START, Time::from_us(3000)).is_covered);
-        track.push(reading(3000));
+        track.push(place(3000));
         let path = track.path(Time::START, Time::from_us(5000));
         assert!(path.is_covered && path.is_continued);
         let [first, .., last] = path.samples[..] else {

@@ -13,7 +13,7 @@ use fmc_camera::flight::exposure::FlightDirection;
 use fmc_camera::flight::prepared_camera::PreparedCamera;
 use fmc_camera::flight::settings::FlightSettings;
 use fmc_camera::flight::smear_prediction::{AircraftMotion, Compensation, SmearPrediction};
-use fmc_camera::flight::stage_track::StageTrack;
+use fmc_camera::flight::stage_track::{StagePlace, StageTrack};
 use fmc_camera::flight::time::{Clock, Time};
 use fmc_camera::flight::vh::{VhEstimate, VhSource};
 use fmc_camera::geometry::principal_point::PrincipalPointMotion;
@@ -93,14 +93,15 @@ fn parts(counter: &mut Counter) -> Option<()> {
     })
 }
 
-/// Counts the parts of the record of an exposure: 64 readings of the stage during it, and the smear
+/// Counts the parts of the record of an exposure: 64 places of the stage during it, and the smear
 /// with an attitude.
 fn record_parts(counter: &mut Counter, camera: &Camera) -> Option<()> {
     let mut track = StageTrack::new();
     for tick in 0..64_u16 {
-        track.push(StageReading {
+        track.push(StagePlace {
             time: Time::from_us(1000 * u64::from(tick)),
             offset_mm: 0.01 * f32::from(tick),
+            play_sigma_mm: 0.0,
         });
     }
     let [opened, closed] = [500, 62_500].map(Time::from_us);

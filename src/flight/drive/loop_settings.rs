@@ -115,6 +115,16 @@ impl LoopSettings {
         }
     }
 
+    /// Returns the acceleration of a stage on which friction alone acts, mm/s²; 0 if friction or
+    /// mass are not known.
+    pub(crate) fn friction_mm_s2(&self) -> f32 {
+        if self.acceleration_feed_per_mm_s2 > 0.0 {
+            self.friction_feed / self.acceleration_feed_per_mm_s2
+        } else {
+            0.0
+        }
+    }
+
     /// Returns the settings, if each is in its range.
     ///
     /// # Errors

@@ -33,16 +33,12 @@ impl StageMachine {
         }
         let exposure_s = closed.seconds_since(opened);
         let gap_s = READING_GAP_S.max(READING_GAP_PART * exposure_s);
-        let mut path = self.track.path(opened, closed);
+        let path = self.track.path(opened, closed);
         let longest_gap_s = path.longest_gap_s;
         if !(path.is_covered && longest_gap_s <= LONGEST_GAP * gap_s) {
             return None;
         }
         let drive = &setup.settings.drive;
-        let play = self.play.offset(drive.unseen_play_mm());
-        for sample in &mut path.samples {
-            sample.offset_mm += play.offset_mm;
-        }
         let shutter = setup.camera.shutter();
         let motion = PrincipalPointMotion::from_samples(&path.samples, exposure_s, shutter).ok()?;
         let step_mm = 1e-3 * drive.encoder_step_um;
@@ -51,7 +47,7 @@ impl StageMachine {
         // A parabola leaves its chord between two readings by the square of their share of the
         // exposure, relative to its departure over the whole exposure.
         let share = (longest_gap_s / exposure_s).min(1.0);
-        let mut sigma = sigma_of_readings(drive, &motion, exposure_s, play.sigma_mm);
+        let mut sigma = sigma_of_readings(drive, &motion, exposure_s, path.play_sigma_mm);
         sigma.frame_mm = libm::hypotf(sigma.frame_mm, wander_mm * share * share);
         let is_whole = !path.is_continued && longest_gap_s <= gap_s;
         if !is_whole {

@@ -15,7 +15,7 @@ use crate::flight::following_error_rms::FollowingErrorRms;
 use crate::flight::play::Play;
 use crate::flight::slope::Slope;
 use crate::flight::stage::{Profile, Setpoint};
-use crate::flight::stage_track::StageTrack;
+use crate::flight::stage_track::{StagePlace, StageTrack};
 use crate::flight::stage_watch::{ReadingVerdict, StageWatch};
 use crate::flight::time::Time;
 
@@ -26,6 +26,8 @@ pub(super) struct StageMachine {
     /// `None`: no force on the stage.
     motion: Option<Motion>,
     track: StageTrack,
+    /// Last reading that was kept, mm.
+    read_mm: Option<f32>,
     watch: StageWatch,
     /// Following error; of a released stage, its position.
     following_slope: Slope,
@@ -69,6 +71,7 @@ impl StageMachine {
         Self {
             motion: None,
             track: StageTrack::new(),
+            read_mm: None,
             watch: StageWatch::new(),
             following_slope: Slope::new(),
             play: Play::UNKNOWN,
@@ -128,14 +131,19 @@ impl StageMachine {
     /// Keeps a reading that is trusted.
     pub(super) fn keep(&mut self, setup: &Setup, reading: StageReading, seen: Seen) {
         self.last_reading = reading.time;
-        self.play = match self.track.last() {
-            Some(last) if self.motion.is_some() => self.play.after(
-                reading.offset_mm - last.offset_mm,
-                setup.settings.drive.unseen_play_mm(),
-            ),
+        let play_mm = setup.settings.drive.unseen_play_mm();
+        self.play = match self.read_mm.replace(reading.offset_mm) {
+            Some(last_mm) if self.motion.is_some() => {
+                self.play.after(reading.offset_mm - last_mm, play_mm)
+            }
             _ => Play::UNKNOWN,
         };
-        self.track.push(reading);
+        let play = self.play.offset(play_mm);
+        self.track.push(StagePlace {
+            time: reading.time,
+            offset_mm: reading.offset_mm + play.offset_mm,
+            play_sigma_mm: play.sigma_mm,
+        });
         self.following_slope.push(reading.time, seen.error_mm);
         if self.motion.is_some() {
             self.following_error.push(seen.error_mm);
@@ -219,6 +227,7 @@ impl StageMachine {
     pub(super) fn refer(&mut self) {
         self.is_place_lost = false;
         self.track.clear();
+        self.read_mm = None;
         self.following_slope.clear();
         self.fault = self.fault.filter(|fault| *fault != Fault::Encoder);
     }
@@ -231,6 +240,7 @@ impl StageMachine {
     /// Forgets the readings after a jump of the clock: they cannot be compared with later times.
     pub(super) fn forget_readings(&mut self) {
         self.track.clear();
+        self.read_mm = None;
         self.following_slope.clear();
         self.standing_since = None;
     }
@@ -301,7 +311,7 @@ impl StageMachine {
 
     /// Returns the position of the last reading, mm; 0 before the first.
     fn last_place_mm(&self) -> f32 {
-        self.track.last().map_or(0.0, |reading| reading.offset_mm)
+        self.read_mm.unwrap_or(0.0)
     }
 
     pub(super) const fn is_released(&self) -> bool {
