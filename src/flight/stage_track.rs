@@ -52,6 +52,9 @@ pub struct ExposurePath {
     pub longest_gap_s: f32,
     /// Departure of the path from the straight line between its ends, to both sides together, mm.
     pub wander_mm: f32,
+    /// Largest difference of two moves that follow one another, at equal times, mm: what the stage
+    /// may have done between two readings.
+    pub bend_mm: f32,
     /// `true` if the samples cover the exposure.
     pub is_covered: bool,
     /// Largest σ of the stage's offset from its screw at a sample, mm.
@@ -104,20 +107,21 @@ impl StageTrack {
             self.places.pop_front();
             return;
         };
+        // The two before the exposure tell how the stage came into it.
+        let before = self.places.iter().take_while(|it| it.time <= keep_from);
+        let before = before.count();
+        let last = self.places.len().saturating_sub(1);
         let mut thinned = Deque::new();
-        let mut keep = true;
-        for (place, next) in self.places.iter().zip(self.places.iter().skip(1)) {
-            if next.time <= keep_from {
-                // The place lies before the exposure.
-                continue;
-            }
-            if keep {
+        for (index, place) in self
+            .places
+            .iter()
+            .enumerate()
+            .skip(before.saturating_sub(2))
+        {
+            let is_in_turn = index < before || (index - before) % 2 == 1;
+            if is_in_turn || index == last {
                 let _ = thinned.push_back(*place);
             }
-            keep = !keep;
-        }
-        if let Some(last) = self.places.back() {
-            let _ = thinned.push_back(*last);
         }
         self.places = thinned;
         self.stride = self.stride.saturating_mul(2);
@@ -158,6 +162,7 @@ impl StageTrack {
             is_continued: false,
             longest_gap_s: 0.0,
             wander_mm: 0.0,
+            bend_mm: 0.0,
             is_covered: false,
             play_sigma_mm: 0.0,
         };
@@ -191,7 +196,25 @@ impl StageTrack {
         }
         path.is_covered = first.time_s <= CONTINUED_S && last.time_s + CONTINUED_S >= exposure_s;
         path.look_over(exposure_s);
+        path.bend_mm = self.bend_mm(opened, closed);
         path
+    }
+
+    /// Returns the largest difference of a move in an exposure and of the move before it.
+    fn bend_mm(&self, opened: Time, closed: Time) -> f32 {
+        let places = || self.places.iter();
+        let threes = places().zip(places().skip(1)).zip(places().skip(2));
+        threes
+            .filter(|((_, from), to)| to.time > opened && from.time < closed)
+            .map(|((before, from), to)| {
+                let [earlier_s, later_s] = [
+                    from.time.seconds_since(before.time),
+                    to.time.seconds_since(from.time),
+                ];
+                let earlier_mm = (from.offset_mm - before.offset_mm) * later_s / earlier_s;
+                libm::fabsf(to.offset_mm - from.offset_mm - earlier_mm)
+            })
+            .fold(0.0, f32::max)
     }
 }
 

@@ -10,6 +10,14 @@ use crate::flight::principal_point_sigma::PrincipalPointSigma;
 use crate::flight::time::Time;
 use crate::geometry::principal_point::PrincipalPointMotion;
 
+/// Part of a bend of the path by which the stage may leave the straight line between two readings,
+/// as σ. A push at a time that nobody knows leaves the line by 0 to 1 of the bend that is seen.
+const BEND_PART: f32 = 0.5;
+
+/// Steps of the encoder that look like a bend: half a step each in two of its three readings, and
+/// one in the middle.
+const BEND_STEPS: f32 = 2.0;
+
 /// Motion of the stage in an exposure.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(in super::super) struct ExposureMotion {
@@ -44,11 +52,10 @@ impl StageMachine {
         let step_mm = 1e-3 * drive.encoder_step_um;
         // The encoder's own steps do not count as wander.
         let wander_mm = (path.wander_mm - step_mm).max(0.0);
-        // A parabola leaves its chord between two readings by the square of their share of the
-        // exposure, relative to its departure over the whole exposure.
         let share = (longest_gap_s / exposure_s).min(1.0);
         let mut sigma = sigma_of_readings(drive, &motion, exposure_s, path.play_sigma_mm);
-        sigma.frame_mm = libm::hypotf(sigma.frame_mm, wander_mm * share * share);
+        let bend_mm = (path.bend_mm - BEND_STEPS * step_mm).max(0.0);
+        sigma.frame_mm = libm::hypotf(sigma.frame_mm, BEND_PART * bend_mm * share);
         let is_whole = !path.is_continued && longest_gap_s <= gap_s;
         if !is_whole {
             // A stage that follows may be off by this much between readings.

@@ -29,6 +29,8 @@ pub(super) struct StageMachine {
     /// Last reading that was kept, mm.
     read_mm: Option<f32>,
     watch: StageWatch,
+    /// Reading on which the next one decides.
+    suspicious: Option<(StageReading, Seen)>,
     /// Following error; of a released stage, its position.
     following_slope: Slope,
     play: Play,
@@ -73,6 +75,7 @@ impl StageMachine {
             track: StageTrack::new(),
             read_mm: None,
             watch: StageWatch::new(),
+            suspicious: None,
             following_slope: Slope::new(),
             play: Play::UNKNOWN,
             following_error: FollowingErrorRms::new(),
@@ -110,22 +113,33 @@ impl StageMachine {
         }
         let mut tolerance = setup.settings.stage_tolerance();
         match obedience {
-            Obedience::None => self.watch = StageWatch::new(),
+            Obedience::None => self.forget_suspicion(),
             Obedience::Unlearned => tolerance.following_mm *= UNLEARNED_TOLERANCE,
             Obedience::Full => {}
         }
         let setpoint = self.setpoint(reading.time);
         let verdict = self.watch.look(reading, setpoint, &tolerance);
-        match verdict {
-            ReadingVerdict::Suspicious => return None,
-            ReadingVerdict::Glitch => self.glitches = self.glitches.saturating_add(1),
-            ReadingVerdict::Follows | ReadingVerdict::Fault(_) => {}
-        }
         let told_mm = setpoint.map_or(0.0, |setpoint| setpoint.offset_mm);
-        Some(Seen {
+        let seen = Seen {
             verdict,
             error_mm: reading.offset_mm - told_mm,
-        })
+        };
+        let suspicious = self.suspicious.take();
+        match verdict {
+            ReadingVerdict::Suspicious => {
+                self.suspicious = Some((reading, seen));
+                return None;
+            }
+            ReadingVerdict::Glitch => self.glitches = self.glitches.saturating_add(1),
+            ReadingVerdict::Fault(Fault::Encoder) => {}
+            ReadingVerdict::Follows | ReadingVerdict::Fault(_) => {
+                // The stage has moved so.
+                if let Some((reading, seen)) = suspicious {
+                    self.keep(setup, reading, seen);
+                }
+            }
+        }
+        Some(seen)
     }
 
     /// Keeps a reading that is trusted.
@@ -188,14 +202,20 @@ impl StageMachine {
     /// Awaits readings from now on, which are not compared with earlier ones.
     pub(super) fn expect_readings(&mut self, now: Time) {
         self.following_slope.clear();
-        self.watch = StageWatch::new();
+        self.forget_suspicion();
         self.last_reading = now;
+    }
+
+    /// Begins to watch anew.
+    const fn forget_suspicion(&mut self) {
+        self.watch = StageWatch::new();
+        self.suspicious = None;
     }
 
     /// Releases the stage. Returns `true` if there was force on it.
     pub(super) fn release(&mut self) -> bool {
         self.following_slope.clear();
-        self.watch = StageWatch::new();
+        self.forget_suspicion();
         self.standing_since = None;
         self.motion.take().is_some()
     }
