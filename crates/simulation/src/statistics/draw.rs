@@ -24,6 +24,9 @@ const LARGEST_AGE_ERROR_S: f64 = 1e-5;
 /// Largest standard deviation of the instant at which the encoder is read, s.
 const LARGEST_READING_JITTER_S: f64 = 2e-6;
 
+/// Part of the play by which it differs from its setting, as σ.
+const PLAY_CHANGE: f64 = 0.1;
+
 /// Fastest stage, mm/s.
 const FASTEST_MM_S: f64 = 40.0;
 
@@ -352,6 +355,11 @@ fn hardware(random: &mut Random, text: &mut String, flight: &Flight) {
 fn settings(random: &mut Random, mut settings: FlightSettings, flight: &Flight) -> String {
     settings.drive.encoder_reversed = random.chance(0.5);
     settings.drive.motor_reversed = random.chance(0.5);
+    // A play is measured when the screw is new; wear, temperature and load change it.
+    let change = random
+        .normal(PLAY_CHANGE)
+        .clamp(-3.0 * PLAY_CHANGE, 3.0 * PLAY_CHANGE);
+    settings.drive.play_um = single(f64::from(settings.drive.play_um) * (1.0 + change));
     // An engineer knows between which limits the errors of his encoders lie.
     let uniform = |largest: f64| largest / 3.0_f64.sqrt();
     settings.drive.encoder_scale_ppm = single(uniform(LARGEST_SCALE_PPM));
