@@ -32,12 +32,16 @@ pub(crate) struct PlayOffset {
 ///
 /// Without force, vibration may move the stage from one flank to the other: both ends of the play
 /// are possible. An interval from lo to hi counts as two points, the flanks on which friction keeps
-/// the stage: mean (lo + hi)/2, `σ² = ((hi - lo)/2)² + (PLAY_SIGMA_PART·(lo + hi)/2)²`.
+/// the stage. A third offset, w, moves as hi does with a play that is larger by
+/// [`PLAY_SIGMA_PART`]: it differs from hi as long as the stage is where the far flank has left it.
+/// Mean (lo + hi)/2, `σ² = ((hi - lo)/2)² + (w - hi)²`.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(crate) struct Play {
-    /// Distances of the least and of the largest possible offset from 0, as moved so far, mm.
+    /// Least and largest possible offset, mm.
     low_mm: f32,
     high_mm: f32,
+    /// Largest possible offset if the play is larger, mm.
+    worn_mm: f32,
     /// Last move of the screw, mm.
     moved_mm: f32,
 }
@@ -47,6 +51,7 @@ impl Play {
     pub(crate) const UNKNOWN: Self = Self {
         low_mm: 0.0,
         high_mm: f32::INFINITY,
+        worn_mm: f32::INFINITY,
         moved_mm: 0.0,
     };
 
@@ -57,15 +62,16 @@ impl Play {
         } else {
             0.0
         };
-        let taken_up = |offset_mm: f32, moved_mm: f32| {
-            (offset_mm.min(play_mm) - moved_mm).max(0.0).min(play_mm)
+        let worn_mm = (1.0 + PLAY_SIGMA_PART) * play_mm;
+        let turned = |offset_mm: f32, play_mm: f32| {
+            let at_turn_mm = taken_up(offset_mm, unseen_mm, play_mm);
+            taken_up(at_turn_mm, moved_mm - unseen_mm, play_mm)
         };
-        let turned =
-            |offset_mm: f32| taken_up(taken_up(offset_mm, unseen_mm), moved_mm - unseen_mm);
-        let [low_mm, high_mm] = [self.low_mm, self.high_mm];
+        let (low_mm, high_mm) = (self.low_mm, self.high_mm);
         Self {
-            low_mm: taken_up(low_mm, moved_mm).min(turned(low_mm)),
-            high_mm: taken_up(high_mm, moved_mm).max(turned(high_mm)),
+            low_mm: taken_up(low_mm, moved_mm, play_mm).min(turned(low_mm, play_mm)),
+            high_mm: taken_up(high_mm, moved_mm, play_mm).max(turned(high_mm, play_mm)),
+            worn_mm: taken_up(self.worn_mm, moved_mm, worn_mm).max(turned(self.worn_mm, worn_mm)),
             moved_mm,
         }
     }
@@ -74,12 +80,17 @@ impl Play {
     pub(crate) fn offset(&self, play_mm: f32) -> PlayOffset {
         let (low_mm, high_mm) = (self.low_mm.min(play_mm), self.high_mm.min(play_mm));
         let (offset_mm, half_mm) = (0.5 * (low_mm + high_mm), 0.5 * (high_mm - low_mm));
-        let of_play_mm = PLAY_SIGMA_PART * offset_mm;
+        let of_play_mm = self.worn_mm.min((1.0 + PLAY_SIGMA_PART) * play_mm) - high_mm;
         PlayOffset {
             offset_mm,
             sigma_mm: libm::sqrtf(half_mm * half_mm + of_play_mm * of_play_mm),
         }
     }
+}
+
+/// Returns the offset of a stage after its screw has moved, mm.
+fn taken_up(offset_mm: f32, moved_mm: f32, play_mm: f32) -> f32 {
+    (offset_mm.min(play_mm) - moved_mm).max(0.0).min(play_mm)
 }
 
 #[cfg(test)]
@@ -104,7 +115,7 @@ mod tests {
     fn stage_is_on_its_flank_once_the_play_is_taken_up() {
         assert_eq!(after(&[0.03]), NONE);
         assert!(after(&[-0.03, 0.0, 0.01, 0.01]).offset_mm < 1e-8);
-        let against = after(&[0.5, 0.0, -0.021]);
+        let against = after(&[0.5, 0.0, -0.03]);
         assert!((against.offset_mm - PLAY_MM).abs() < 1e-8);
         assert!((against.sigma_mm - PLAY_SIGMA_PART * PLAY_MM).abs() < 1e-8);
     }
@@ -117,12 +128,14 @@ mod tests {
         // From a known flank the way back tells the offset, too.
         let on_the_way = after(&[0.5, 0.0, -0.005]);
         assert!((on_the_way.offset_mm - 0.005).abs() < 1e-8);
-        assert!(on_the_way.sigma_mm < 0.1 * PLAY_MM);
+        assert!(on_the_way.sigma_mm < 1e-8);
         let half = after(&[-0.5, 0.0, 0.5, 0.0, -0.5, 0.0, 0.012]);
         assert!((half.offset_mm - 0.008).abs() < 1e-7);
+        // The far flank is where a play that may be larger has left it.
+        assert!((half.sigma_mm - PLAY_SIGMA_PART * PLAY_MM).abs() < 1e-7);
         let from_nowhere = after(&[0.012]);
         assert!((from_nowhere.offset_mm - 0.004).abs() < 1e-7);
-        assert!((0.2..0.21).contains(&(from_nowhere.sigma_mm / PLAY_MM)));
+        assert!((0.22..0.23).contains(&(from_nowhere.sigma_mm / PLAY_MM)));
     }
 
     #[test]
@@ -132,7 +145,7 @@ mod tests {
         // 4 µm on and 4 µm back: the stage may have been pushed 2 µm beyond the readings.
         let turned = after(&[0.05, 0.004, -0.004]);
         assert!((turned.offset_mm - 0.005).abs() < 1e-7, "{turned:?}");
-        assert!((0.001..0.0012).contains(&turned.sigma_mm), "{turned:?}");
+        assert!((0.00099..0.00101).contains(&turned.sigma_mm), "{turned:?}");
         // Within the play a turn pushes nothing.
         let within = after(&[0.05, 0.0, -0.004, -0.004, 0.001]);
         assert!((within.offset_mm - 0.007).abs() < 1e-7, "{within:?}");

@@ -8,6 +8,9 @@ use crate::geometry::principal_point::StageSample;
 /// Number of readings that are kept.
 pub const CAPACITY: usize = 64;
 
+/// Number of places before an exposure that are kept with it.
+const BEFORE: usize = 2;
+
 /// Time by which the path is continued beyond its ends, s.
 const CONTINUED_S: f32 = 0.003;
 
@@ -76,9 +79,10 @@ impl StageTrack {
 
     /// Takes a place. One that is not later than the last is left out.
     ///
-    /// If there is no room, the oldest is forgotten; while an exposure is kept, every other one is,
-    /// and from then on every other one is kept, so that an exposure of any length is covered
-    /// evenly.
+    /// If there is no room, the oldest is forgotten. In an exposure these are the places before it
+    /// but for the last [`BEFORE`]; once they are gone, every other place of the exposure is
+    /// forgotten, and from then on every other one is kept, so that an exposure of any length is
+    /// covered evenly.
     pub fn push(&mut self, place: StagePlace) {
         if self
             .places
@@ -110,6 +114,12 @@ impl StageTrack {
         // The two before the exposure tell how the stage came into it.
         let before = self.places.iter().take_while(|it| it.time <= keep_from);
         let before = before.count();
+        if before > BEFORE {
+            for _ in BEFORE..before {
+                self.places.pop_front();
+            }
+            return;
+        }
         let last = self.places.len().saturating_sub(1);
         let mut thinned = Deque::new();
         for (index, place) in self
@@ -296,6 +306,31 @@ mod tests {
             let expected = 0.1 + 20.0 * (0.0193 + 0.5 * exposure_s);
             assert!((motion.centroid_mm - expected).abs() < 2e-6 + 2e-6 * expected);
         }
+    }
+
+    #[test]
+    fn exposure_after_a_long_wait_has_all_of_its_places() {
+        let mut track = StageTrack::new();
+        for tick in 0..100 {
+            track.push(place(1000 * tick));
+        }
+        let [opened, closed] = [99_300, 104_200].map(Time::from_us);
+        track.keep_from(opened);
+        for tick in 100..=105 {
+            track.push(place(1000 * tick));
+        }
+        let path = track.path(opened, closed);
+        assert_eq!(path.samples.len(), 7);
+        assert!(
+            path.longest_gap_s < 1.01e-3 && path.bend_mm < 1e-6,
+            "{path:?}"
+        );
+        // Places before the exposure are compared with its first.
+        let mut jerk = place(106_000);
+        jerk.offset_mm += 0.004;
+        track.push(jerk);
+        let path = track.path(Time::from_us(105_100), Time::from_us(105_900));
+        assert!((path.bend_mm - 0.004).abs() < 1e-6, "{path:?}");
     }
 
     #[test]
