@@ -14,8 +14,9 @@ pub struct MissionArgs {
     /// exposures.
     #[arg(long, value_name = "FILE")]
     pub scenario: Option<PathBuf>,
-    /// Settings of the camera (TOML), the file of `camera prepare`, in place of those that follow from the
-    /// scenario's hardware; what the scenario says of its hardware may not contradict them.
+    /// Settings of the camera (TOML), the file of `camera prepare`, in place of those that follow
+    /// from the scenario's hardware; what the scenario says of its hardware may not contradict
+    /// them.
     #[arg(long, value_name = "FILE")]
     pub settings: Option<PathBuf>,
     /// Device on which the camera runs.

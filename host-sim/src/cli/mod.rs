@@ -133,20 +133,20 @@ pub enum Command {
     /// Not simulated: a shutter that exposes the rows one after the other; vibration of the camera
     /// beyond its attitude rates; changes of temperature during a flight; noise and dead pixels of
     /// the detector; terrain between the heights that V/H is measured over other than waves; a
-    /// supply that fails; errors of the calibration. Camera time, V/H and attitude reach the camera as
-    /// values with noise, latency and faults, those of a satellite receiver as its sentences where the
-    /// scenario says so.
+    /// supply that fails; errors of the calibration. Camera time, V/H and attitude reach the camera
+    /// as values with noise, latency and faults, those of a satellite receiver as its sentences
+    /// where the scenario says so.
     ///
     /// The nominal mission of 1000 exposures: host-sim mission --out mission
     Mission(MissionArgs),
     /// Fly random missions, and compare every error with the σ that the records state.
     ///
     /// Cameras, mechanisms, settings, sensors and flights are drawn from the seed and flown in this
-    /// program, on all cores. Over all of them error/σ of the principal point, of V/H and of UTC has
-    /// a root mean square of 1, the true smear is below the predicted one in 95 % of the frames, no
-    /// fault comes without a cause, every trigger has its record, and no frame is wrong without a
-    /// flag. Fails (exit 1) where a limit is exceeded. The folder holds the scenario of each of the
-    /// worst cases, for `host-sim mission --scenario`.
+    /// program, on all cores. Over all of them error/σ of the principal point, of V/H and of UTC
+    /// has a root mean square of 1, the true smear is below the predicted one in 95 % of the
+    /// frames, no fault comes without a cause, every trigger has its record, and no frame is wrong
+    /// without a flag. Fails (exit 1) where a limit is exceeded. The folder holds the scenario of
+    /// each of the worst cases, for `host-sim mission --scenario`.
     ///
     /// For example: host-sim statistics --missions 200 --seed 1 --out statistics
     Statistics(StatisticsArgs),

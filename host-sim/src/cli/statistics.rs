@@ -17,8 +17,8 @@ pub struct StatisticsArgs {
     /// Number of faults that each mission has, at random moments and in random sizes.
     #[arg(long, value_name = "NUMBER", default_value = "none")]
     pub faults: FaultNumber,
-    /// Folder for report.html, summary.json, missions.csv, the figures and the scenarios that repeat the worst
-    /// cases; made if it does not exist.
+    /// Folder for report.html, summary.json, missions.csv, the figures and the scenarios that
+    /// repeat the worst cases; made if it does not exist.
     #[arg(long, value_name = "DIR")]
     pub out: Option<PathBuf>,
 }

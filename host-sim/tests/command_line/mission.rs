@@ -181,7 +181,21 @@ fn settings_of_camera_prepare_are_flown_and_contradictions_name_both() {
         "mechanics.encoder_step_um = 0.1",
         "drive.encoder_step_um = 0.5 of settings.toml",
     ]);
-    fs::write(bench.path("settings.toml"), "speed_tolerance_percent = 2\n").unwrap();
+    fs::write(
+        bench.path("settings.toml"),
+        "[drive]\nencoder_side = \"Stage\"\n",
+    )
+    .unwrap();
+    fly(&bench, &with).refused(&[
+        "mechanics.encoder_side = \"screw\"",
+        "drive.encoder_side = Stage of settings.toml",
+    ]);
+    // The play of a screw may be another than its setting.
+    fs::write(
+        bench.path("settings.toml"),
+        "speed_tolerance_percent = 2\n[drive]\nplay_um = 1.1\n",
+    )
+    .unwrap();
     let answer = fly(&bench, &with);
     assert!(answer.stdout.contains("4 exposed"), "{}", answer.stderr);
     fs::write(bench.path("settings.toml"), "speed_tolerance = 2\n").unwrap();

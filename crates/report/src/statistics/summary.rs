@@ -15,7 +15,7 @@ const LARGEST_SMEAR_SHARE: f64 = 0.05;
 /// The numbers of the statistics. Keys are only ever added.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct Summary {
-    /// What was asked for.
+    /// The request.
     pub request: Request,
     /// `true` if no limit is exceeded.
     pub passed: bool,
@@ -41,7 +41,7 @@ pub struct Summary {
     pub silent_frames: usize,
     /// Number of checks that had nothing to judge.
     pub vacuous_checks: usize,
-    /// What is compared with a limit.
+    /// Quantity that is compared with a limit.
     pub checks: Vec<LimitCheck>,
     /// Worst cases, with the scenarios that repeat them.
     pub cases: Vec<Case>,
@@ -59,11 +59,11 @@ pub struct QuantitySummary {
 /// A number and its limit.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct LimitCheck {
-    /// What it is.
+    /// Name of the number.
     pub what: String,
     /// The number.
     pub found: String,
-    /// What it may be.
+    /// Limit, in words.
     pub limit: String,
     /// `true` if it is within its limit.
     pub passed: bool,

@@ -174,8 +174,8 @@ impl Mechanics {
         }
     }
 
-    /// Adds steps of a stepper, in order of their times since the start, s: 1 along the FMC axis, -1
-    /// against it.
+    /// Adds steps of a stepper, in order of their times since the start, s: 1 along the FMC axis,
+    /// -1 against it.
     pub fn add_steps(&mut self, steps: impl IntoIterator<Item = (f64, i8)>) {
         self.steps.extend(steps);
     }

@@ -1,5 +1,6 @@
 //! Hardware of a scenario, and what the camera's settings say of it.
 
+use fmc_camera::flight::drive::settings::EncoderSide;
 use fmc_camera::flight::exposure::FlightDirection;
 use fmc_camera::flight::settings::FlightSettings;
 use fmc_camera_file::InputError;
@@ -7,6 +8,7 @@ use fmc_camera_file::flight_settings::FlightSettingsFile;
 use fmc_camera_file::toml_text::TomlText;
 
 use super::file::{DirectionName, MissionFile};
+use crate::mechanics;
 
 /// Largest relative difference between two numbers that are the same.
 const SAME: f64 = 1e-6;
@@ -46,6 +48,24 @@ pub(super) fn agree(
         }
         Some(told) => settings.direction = told.direction(),
         None => written.flight.direction = Some(direction),
+    }
+    let side = match settings.drive.encoder_side {
+        EncoderSide::Screw => mechanics::EncoderSide::Screw,
+        EncoderSide::Stage => mechanics::EncoderSide::Stage,
+    };
+    if text.has(&["mechanics", "encoder_side"]) && written.mechanics.encoder_side != side {
+        let what = format!("drive.encoder_side = {:?}", settings.drive.encoder_side);
+        return Err(contradicts(
+            text,
+            &["mechanics", "encoder_side"],
+            &what,
+            file,
+        ));
+    }
+    written.mechanics.encoder_side = side;
+    // A screw may have another play than its setting: it wears.
+    if !text.has(&["mechanics", "backlash_um"]) {
+        written.mechanics.backlash_um = decimal(settings.drive.play_um);
     }
     let velocity_loop = &settings.drive.velocity_loop;
     let stated = [

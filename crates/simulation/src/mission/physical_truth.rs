@@ -9,7 +9,7 @@ use super::scenario::MissionScenario;
 use super::sensors::FIRST_PULSE_US;
 use crate::judge::truth::PhysicalTruth;
 
-/// What relates a mission's true exposures to the frames of a record.
+/// Relation of a mission's true exposures to the frames of a record.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct TrueWorld<'a> {
     camera: &'a CameraFile,

@@ -115,7 +115,7 @@ fn parse(
     })
 }
 
-/// What camera and scenario have in common.
+/// Values that camera and scenario have in common.
 #[derive(Debug, Clone, Copy)]
 struct Flight {
     principal_distance_mm: f64,

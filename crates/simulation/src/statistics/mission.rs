@@ -1,4 +1,4 @@
-//! What is found in one random mission.
+//! Findings in one random mission.
 
 use fmc_camera::flight::controller::state::State;
 use fmc_camera::flight::exposure::FlightDirection;

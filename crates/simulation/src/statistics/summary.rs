@@ -15,7 +15,7 @@ const WORST: usize = 3;
 /// Largest number of missions of a kind that repeat a finding.
 const MOST_REPEATED: usize = 10;
 
-/// What was asked for.
+/// Missions that are asked for.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
 pub struct Request {
     /// Number of missions.
@@ -30,7 +30,7 @@ pub struct Request {
 /// threads.
 #[derive(Debug, Clone)]
 pub struct Statistics {
-    /// What was asked for.
+    /// The request.
     pub request: Request,
     /// Findings of every mission, in order.
     pub missions: Vec<FlownMission>,
@@ -45,7 +45,7 @@ pub struct Statistics {
 /// A case worth a look.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct Case {
-    /// What is wrong.
+    /// Finding.
     pub what: String,
     /// Number of the mission.
     pub mission: u32,
