@@ -13,11 +13,13 @@ use fmc_simulation::mission::scenario::MissionScenario;
 use crate::mission::support::flown;
 
 /// Trigger of the third frame, s.
-const TRIGGER_S: f64 = 2.8;
+const TRIGGER_S: f64 = 3.8;
 
 /// Returns a short mission with a fault near its third frame.
 pub(crate) fn with(injection: Injection) -> MissionScenario {
     let mut scenario = MissionScenario::nominal(Some(5)).unwrap();
+    // The receiver has named its seconds before the first frame.
+    scenario.written.flight.first_trigger_s = TRIGGER_S - 0.8;
     scenario.interval_s = 0.4;
     scenario.faults = vec![PlannedFault {
         injection,
