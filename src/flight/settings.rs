@@ -13,9 +13,11 @@ pub const FOLLOWING_STEPS: f32 = 5.0;
 /// Steps of the encoder by which a reading of a stage that follows may step beyond its set point.
 pub const JUMP_STEPS: f32 = 3.0;
 
-/// Distance by which a stage may step off its set point, in parts of that which friction moves it
-/// by in the first round: friction that turns round is twice the friction, more from rest, and the
-/// loop answers in the third round.
+/// Distance by which friction moves a stage off its set point from one reading to the next, in
+/// parts of the distance of a round from rest under it, `F_c/m·T²`.
+///
+/// Friction that turns round acts with twice its size, and more where the stage breaks away; in the
+/// third round the loop has answered. A hundred random missions reach 4.5.
 pub const FRICTION_ROUNDS: f32 = 6.0;
 
 /// Settings of a flight.
