@@ -37,6 +37,9 @@ pub enum Event {
     Tick,
     /// Number of events that could not be kept until the round.
     Lost(u32),
+    /// The index mark was crossed since the last round, at this reading of the encoder, mm along
+    /// the FMC axis.
+    IndexMark(f32),
 }
 
 impl Event {
@@ -136,4 +139,8 @@ pub enum Action {
     FrameReady(u32),
     /// A fault has occurred.
     Fault(Fault),
+    /// The encoder has been found wrong at the index mark: the principal points of the exposures
+    /// from this sequence number on may be wrong by as much. Records that are still kept have
+    /// [`Flag::Unreferenced`](super::flag::Flag::Unreferenced).
+    InDoubt(u32),
 }

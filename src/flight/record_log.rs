@@ -3,8 +3,8 @@
 use heapless::Deque;
 
 use super::calibration_id::CalibrationId;
-use super::fault::Faults;
-use super::frame_record::{Flags, FrameRecord, Outcome, Reason};
+use super::fault::{Fault, Faults};
+use super::frame_record::{Flag, Flags, FrameRecord, Outcome, Reason};
 use super::time::Time;
 
 /// Number of whole records that are kept.
@@ -156,6 +156,22 @@ impl RecordLog {
             }
             None => false,
         }
+    }
+
+    /// Marks the exposures from this number on: the encoder has been found wrong.
+    pub(crate) fn doubt(&mut self, from: u32) {
+        for place in &mut self.whole {
+            let record = &mut place.record;
+            if record.sequence >= from && matches!(record.outcome, Outcome::Exposed(_)) {
+                record.flags.insert(Flag::Unreferenced);
+                record.faults.insert(Fault::Encoder);
+            }
+        }
+    }
+
+    /// Number of the last trigger.
+    pub(crate) const fn last_sequence(&self) -> u32 {
+        self.last_sequence
     }
 
     /// Returns the oldest record with this number or a higher one.

@@ -163,6 +163,15 @@ impl StageTrack {
         self.places.back().copied()
     }
 
+    /// Returns the mean speed of the stage between the last two readings, mm/s; `None` before the
+    /// second.
+    #[must_use]
+    pub(crate) fn speed_mm_s(&self) -> Option<f32> {
+        let mut latest = self.places.iter().rev();
+        let (last, before) = (latest.next()?, latest.next()?);
+        Some((last.offset_mm - before.offset_mm) / last.time.seconds_since(before.time))
+    }
+
     /// Returns the path from first to last light.
     #[must_use]
     pub fn path(&self, opened: Time, closed: Time) -> ExposurePath {

@@ -65,6 +65,20 @@ impl Controller {
         self.stage.is_place_lost()
     }
 
+    /// Place of the index mark by the last crossing along the FMC axis, mm from the calibrated
+    /// position; `None` before the first, or without a mark.
+    #[must_use]
+    pub const fn index_mm(&self) -> Option<f32> {
+        self.stage.index.last_mm()
+    }
+
+    /// Number of the first exposure whose principal point is in doubt, since the encoder was found
+    /// wrong at the index mark; `None` if it was not.
+    #[must_use]
+    pub const fn in_doubt_from(&self) -> Option<u32> {
+        self.stage.index.in_doubt_from()
+    }
+
     /// Root mean square of the stage's following error over about a second, µm, within 6 %.
     #[must_use]
     pub fn following_rms_um(&self) -> f32 {

@@ -258,6 +258,12 @@ pub struct Status {
     pub findings: Findings,
     /// The calibration it was prepared with; `None` if it has no identity.
     pub calibration: Option<CalibrationId>,
+    /// Place of the index mark by its last crossing, mm along the FMC axis from the calibrated
+    /// position; `None` before the first, or without a mark.
+    pub index_mm: Option<f32>,
+    /// Number of the first exposure whose principal point is in doubt, since the encoder was found
+    /// wrong at the index mark; `None` if it was not.
+    pub in_doubt_from: Option<u32>,
 }
 
 /// A part of a camera's parameters.

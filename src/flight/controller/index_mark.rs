@@ -1,0 +1,93 @@
+//! Crossings of the index mark, and the ways across it.
+
+use super::readiness::Mode;
+use super::setup::Setup;
+use super::stage::StageMachine;
+use super::{Actions, Controller, act};
+use crate::flight::event::Action;
+use crate::flight::fault::Fault;
+#[cfg(doc)]
+use crate::flight::index_watch::IndexWatch;
+use crate::flight::index_watch::{Crossing, IndexPlaces};
+
+impl Controller {
+    /// Takes the reading of the encoder at the index mark, mm. If it differs from that of the last
+    /// crossing, the encoder has failed since, and the exposures since then are in doubt.
+    pub(super) fn index_mark(&mut self, setup: &Setup, reading_mm: f32, actions: &mut Actions) {
+        let next_sequence = self.frame.next_sequence();
+        if self.stage.agrees_at_index(setup, reading_mm, next_sequence) {
+            return;
+        }
+        let first = self.stage.index.first_since();
+        let latest = self.frame.kept.latest();
+        if latest.is_some_and(|(sequence, _)| *sequence >= first) {
+            self.stage.index.doubt();
+            self.frame.kept.records_mut().doubt(first);
+            act(actions, Action::InDoubt(first));
+        }
+        self.fail(setup, Fault::Encoder, actions);
+    }
+
+    /// Returns the end of the stage's next way after a frame, mm.
+    pub(super) fn next_place_mm(
+        &mut self,
+        setup: &Setup,
+        from_mm: f32,
+        waiting_mm: f32,
+        actions: &mut Actions,
+    ) -> f32 {
+        let Some(sides) = setup.settings.index_sides() else {
+            return waiting_mm;
+        };
+        let places = IndexPlaces {
+            sides,
+            ends: setup.exercise_ends(),
+        };
+        let way = self.stage.index.next_way(from_mm, waiting_mm, &places);
+        if way.is_newly_missed {
+            self.report(Fault::IndexMark, actions);
+        }
+        way.to_mm
+    }
+
+    /// Judges the ways to and fro at arming. Returns `false` if the mark has not been found: the
+    /// camera does not get ready.
+    pub(super) fn has_found_index(&mut self, setup: &Setup, actions: &mut Actions) -> bool {
+        let is_arming = matches!(self.readiness.mode(), Mode::Arming { .. });
+        if !is_arming || setup.settings.drive.index_mm.is_none() {
+            return true;
+        }
+        let index = &mut self.stage.index;
+        if index.is_referenced(&setup.settings.drive) {
+            return true;
+        }
+        let is_found = index.is_found();
+        if index.miss() || !is_found {
+            self.report(Fault::IndexMark, actions);
+        }
+        is_found
+    }
+}
+
+impl StageMachine {
+    /// Takes the reading of the encoder at the index mark, mm. Returns `false` if it does not agree
+    /// with the crossing before.
+    ///
+    /// Only crossings count at which the screw pushes the stage along the FMC axis: see
+    /// [`IndexWatch`].
+    fn agrees_at_index(&mut self, setup: &Setup, reading_mm: f32, next_sequence: u32) -> bool {
+        let speed_mm_s = self.track().speed_mm_s().unwrap_or(0.0);
+        let counts = !self.is_released()
+            && !self.is_place_lost()
+            && self.is_pushed_along()
+            && speed_mm_s > 0.0
+            && setup.camera.has_stage();
+        let crossing = Crossing {
+            reading_mm,
+            speed_mm_s,
+            acceleration_mm_s2: setup.camera.stage().acceleration_mm_s2(),
+            next_sequence,
+        };
+        !counts || self.index.cross(&crossing, &setup.settings.drive)
+    }
+}

@@ -1,0 +1,278 @@
+//! The watch of the index mark: it compares the encoder's reading from crossing to crossing.
+
+use super::controller::timing::TICK_S;
+use super::drive::settings::DriveSettings;
+
+/// Number of σ by which two crossings may differ: one in a million does by chance alone.
+const AGREE_SIGMA: f32 = 5.0;
+
+/// Reading of the encoder at the index mark, and the records that depend on it.
+///
+/// # Model
+/// The mark sits on the stage. A crossing counts where the screw pushes the stage along the FMC
+/// axis, as it does where the encoder's zero is set: play and width of the mark do not enter. The
+/// first crossing after arming must agree with the mark's place in the settings, and becomes the
+/// reference of those that follow. Two readings of a place differ by up to a step q and by the
+/// mark's repeatability σ_i; the age t of a reading moves it by v·t, known to within `v·σ_t` and
+/// the change of speed a·T/2 since the last reading. The tolerances are
+///
+/// ```text
+/// from crossing to crossing   e = q + 5·σ_i + t·a·T/2
+/// against the settings        q + 5·√(σ_i² + σ_0² + (s·x)² + (v·σ_t)²) + t·a·T/2
+/// ```
+///
+/// with σ of the zero σ_0, of the scale s and the mark's place x. A crossing outside of them shows
+/// that counts were lost or added since the last one that agreed.
+///
+/// # σ of a record
+/// A record with a crossing since the one before is *referenced*: the counts that it may have lost
+/// unseen, e, are three of its σ. Without, as on a camera without a mark, each of the n records
+/// since the last crossing may have lost a step that the stage's watch lets pass, up to L either
+/// way and independent of the others: `σ² = n·L²/3`.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(crate) struct IndexWatch {
+    /// Reading at the first crossing since the camera was armed, mm.
+    reference_mm: Option<f32>,
+    /// Reading at the last crossing, mm, whether it agreed or not.
+    last_mm: Option<f32>,
+    /// Exposures since the last crossing that agreed; one more if there was none.
+    cycles: u16,
+    /// Number of the first record after that crossing.
+    first_since: u32,
+    /// First record that is in doubt, by the last crossing that did not agree.
+    in_doubt_from: Option<u32>,
+    /// The stage has been moved across the mark, and no crossing came.
+    is_missed: bool,
+    detour: Detour,
+    /// Place at which the stage waits, mm, after the first way back.
+    began_mm: f32,
+    /// The last way back has led across the mark, along the FMC axis.
+    is_expected: bool,
+}
+
+/// Ways across the mark before the way to the waiting place.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+enum Detour {
+    None,
+    /// To the place below the mark.
+    Down,
+    /// From there to the place above it.
+    Up,
+    /// To the lower end of the ways at arming, to search for the mark.
+    SearchDown,
+    /// From there to their upper end.
+    SearchUp,
+}
+
+/// A crossing of the mark with the screw pushing along the FMC axis.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(crate) struct Crossing {
+    /// Reading of the encoder, as latched, mm.
+    pub(crate) reading_mm: f32,
+    /// Speed, mm/s.
+    pub(crate) speed_mm_s: f32,
+    /// Largest acceleration of the stage, mm/s².
+    pub(crate) acceleration_mm_s2: f32,
+    /// Number of the first record whose exposure has not ended.
+    pub(crate) next_sequence: u32,
+}
+
+/// Places on both sides of the mark, mm, between which a way crosses it with the play taken up.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(crate) struct IndexSides {
+    pub(crate) low_mm: f32,
+    pub(crate) high_mm: f32,
+}
+
+impl IndexSides {
+    /// Returns `true` if a way between two places, there or back, crosses the mark.
+    pub(crate) fn are_between(&self, one_mm: f32, other_mm: f32) -> bool {
+        one_mm.min(other_mm) <= self.low_mm && one_mm.max(other_mm) >= self.high_mm
+    }
+}
+
+/// Ends of the ways across the mark.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(crate) struct IndexPlaces {
+    /// Of the shortest.
+    pub(crate) sides: IndexSides,
+    /// Of those at arming.
+    pub(crate) ends: IndexSides,
+}
+
+/// A way of the stage after a frame.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(crate) struct Way {
+    pub(crate) to_mm: f32,
+    /// The stage has been moved across the mark, and for the first time no crossing came.
+    pub(crate) is_newly_missed: bool,
+}
+
+impl IndexWatch {
+    /// Returns a watch before the first crossing.
+    pub(crate) const fn new() -> Self {
+        Self {
+            reference_mm: None,
+            last_mm: None,
+            cycles: 1,
+            first_since: 1,
+            in_doubt_from: None,
+            is_missed: false,
+            detour: Detour::None,
+            began_mm: f32::NAN,
+            is_expected: false,
+        }
+    }
+
+    /// Forgets the reference: the next crossing is compared with the settings.
+    pub(crate) fn arm(&mut self) {
+        self.reference_mm = None;
+        self.is_missed = false;
+    }
+
+    /// Takes a crossing. Returns `true` if it agrees with the one before, or with the settings.
+    pub(crate) fn cross(&mut self, crossing: &Crossing, drive: &DriveSettings) -> bool {
+        let age_s = drive.velocity_loop.reading_age_s;
+        let place_mm = crossing.reading_mm + crossing.speed_mm_s * age_s;
+        self.last_mm = Some(place_mm);
+        let Some(index_mm) = drive.index_mm else {
+            return true;
+        };
+        let of_age_mm = 0.5 * crossing.acceleration_mm_s2 * TICK_S * age_s;
+        let (expected_mm, tolerance_mm) = match self.reference_mm {
+            Some(reference_mm) => (reference_mm, repeat_tolerance_mm(drive)),
+            None => (
+                index_mm,
+                place_tolerance_mm(drive, index_mm, crossing.speed_mm_s),
+            ),
+        };
+        self.is_missed = false;
+        if libm::fabsf(place_mm - expected_mm) > tolerance_mm + of_age_mm {
+            return false;
+        }
+        self.reference_mm.get_or_insert(place_mm);
+        self.cycles = 0;
+        self.first_since = crossing.next_sequence;
+        true
+    }
+
+    /// Notes the record of an exposure.
+    pub(crate) const fn count_record(&mut self) {
+        self.cycles = self.cycles.saturating_add(1);
+    }
+
+    /// Returns σ of a principal point that is common to the flight, with the counts that may have
+    /// been lost unseen, mm; `unseen_mm` is the largest step that the stage's watch lets pass.
+    pub(crate) fn sigma_mm(&self, common_mm: f32, drive: &DriveSettings, unseen_mm: f32) -> f32 {
+        if self.is_referenced(drive) {
+            common_mm.max(repeat_tolerance_mm(drive) / 3.0)
+        } else {
+            let cycles = f32::from(self.cycles.max(1));
+            libm::hypotf(common_mm, unseen_mm * libm::sqrtf(cycles / 3.0))
+        }
+    }
+
+    /// Returns `true` if the mark has been crossed since the last record, and agreed.
+    pub(crate) const fn is_referenced(&self, drive: &DriveSettings) -> bool {
+        drive.index_mm.is_some() && self.cycles == 0
+    }
+
+    /// Returns `true` if the mark has been crossed since the camera was armed, and agreed.
+    pub(crate) const fn is_found(&self) -> bool {
+        self.reference_mm.is_some()
+    }
+
+    /// Returns the number of the first record after the last crossing that agreed.
+    pub(crate) const fn first_since(&self) -> u32 {
+        self.first_since
+    }
+
+    /// Notes that the records since the last crossing that agreed are in doubt.
+    pub(crate) const fn doubt(&mut self) {
+        self.in_doubt_from = Some(self.first_since);
+    }
+
+    /// Number of the first record that is in doubt; `None` if every crossing has agreed.
+    pub(crate) const fn in_doubt_from(&self) -> Option<u32> {
+        self.in_doubt_from
+    }
+
+    /// Returns the place of the mark by the last crossing, mm.
+    pub(crate) const fn last_mm(&self) -> Option<f32> {
+        self.last_mm
+    }
+
+    /// Asks for a crossing before the stage is ready again.
+    pub(crate) fn demand(&mut self) {
+        self.cycles = self.cycles.max(1);
+        self.detour = Detour::None;
+        self.began_mm = f32::NAN;
+        self.is_expected = false;
+    }
+
+    /// Returns the next way after a frame, from a place to the waiting place, mm: directly, or to a
+    /// place beside the mark if the way there and back does not cross it. If no crossing has come
+    /// where the stage has been moved across the mark, the mark is searched for once: many counts
+    /// may be lost.
+    pub(crate) fn next_way(&mut self, from_mm: f32, waiting_mm: f32, places: &IndexPlaces) -> Way {
+        let sides = &places.sides;
+        let is_up = |one_mm, other_mm| one_mm <= sides.low_mm && other_mm >= sides.high_mm;
+        // The record before the last was the last with a crossing.
+        let is_overdue = self.cycles > 1 && (self.is_expected || is_up(self.began_mm, from_mm));
+        let is_crossed = self.cycles == 0;
+        let is_searched_for = is_crossed || self.is_missed;
+        let next = match self.detour {
+            Detour::Down => Detour::Up,
+            Detour::SearchDown => Detour::SearchUp,
+            Detour::SearchUp => Detour::None,
+            Detour::Up if is_searched_for => Detour::None,
+            Detour::Up => Detour::SearchDown,
+            Detour::None if is_overdue && !is_searched_for => Detour::SearchDown,
+            Detour::None if is_crossed || sides.are_between(from_mm, waiting_mm) => Detour::None,
+            Detour::None if from_mm <= sides.low_mm => Detour::Up,
+            Detour::None => Detour::Down,
+        };
+        let is_missed = self.detour == Detour::SearchUp && !is_crossed;
+        self.detour = next;
+        let to_mm = match next {
+            Detour::None => waiting_mm,
+            Detour::Down => sides.low_mm,
+            Detour::Up => sides.high_mm,
+            Detour::SearchDown => places.ends.low_mm,
+            Detour::SearchUp => places.ends.high_mm,
+        };
+        if next == Detour::None {
+            self.began_mm = waiting_mm;
+            self.is_expected = is_up(from_mm, waiting_mm);
+        }
+        Way {
+            to_mm,
+            is_newly_missed: is_missed && self.miss(),
+        }
+    }
+
+    /// Returns `true` if another way follows before the waiting place is reached.
+    pub(crate) const fn is_on_detour(&self) -> bool {
+        !matches!(self.detour, Detour::None)
+    }
+
+    /// Notes that the stage has been moved across the mark and no crossing came. Returns `true` for
+    /// the first time since the last crossing.
+    pub(crate) const fn miss(&mut self) -> bool {
+        !core::mem::replace(&mut self.is_missed, true)
+    }
+}
+
+/// Largest difference of two readings at the mark that is no fault, mm; [`IndexWatch`].
+fn repeat_tolerance_mm(drive: &DriveSettings) -> f32 {
+    1e-3 * (drive.encoder_step_um + AGREE_SIGMA * drive.index_sigma_um)
+}
+
+/// Largest difference of a reading at the mark from its place in the settings, mm.
+fn place_tolerance_mm(drive: &DriveSettings, index_mm: f32, speed_mm_s: f32) -> f32 {
+    let of_zero_mm = 1e-3 * libm::hypotf(drive.zero_sigma_um, drive.index_sigma_um);
+    let of_scale_mm = 1e-6 * drive.encoder_scale_ppm * index_mm;
+    let of_age_mm = drive.reading_age_sigma_s * speed_mm_s;
+    let sigma_mm = libm::hypotf(of_zero_mm, libm::hypotf(of_scale_mm, of_age_mm));
+    1e-3 * drive.encoder_step_um + AGREE_SIGMA * sigma_mm
+}
