@@ -2,6 +2,7 @@
 
 use super::drive::StageReading;
 use super::fault::Fault;
+use super::in_doubt::InDoubt;
 use super::stage::Setpoint;
 use super::time::Time;
 use super::vh::VhSample;
@@ -139,8 +140,7 @@ pub enum Action {
     FrameReady(u32),
     /// A fault has occurred.
     Fault(Fault),
-    /// The encoder has been found wrong at the index mark: the principal points of the exposures
-    /// from this sequence number on may be wrong by as much. Records that are still kept have
-    /// [`Flag::Unreferenced`](super::flag::Flag::Unreferenced).
-    InDoubt(u32),
+    /// The encoder has been found wrong at the index mark, and with it the principal points since
+    /// the last crossing.
+    InDoubt(InDoubt),
 }

@@ -2,6 +2,7 @@
 
 use super::controller::timing::TICK_S;
 use super::drive::settings::DriveSettings;
+use super::in_doubt::InDoubt;
 
 /// Number of σ by which two crossings may differ: one in a million does by chance alone.
 const AGREE_SIGMA: f32 = 5.0;
@@ -13,7 +14,7 @@ const AGREE_SIGMA: f32 = 5.0;
 /// axis, as it does where the encoder's zero is set: play and width of the mark do not enter. The
 /// first crossing after arming must agree with the mark's place in the settings, and becomes the
 /// reference of those that follow. Two readings of a place differ by up to a step q and by the
-/// mark's repeatability σ_i; the age t of a reading moves it by v·t, known to within `v·σ_t` and
+/// repeatability of the mark `σ_i`; the age t of a reading moves it by v·t, known to `v·σ_t` and
 /// the change of speed a·T/2 since the last reading. The tolerances are
 ///
 /// ```text
@@ -21,7 +22,7 @@ const AGREE_SIGMA: f32 = 5.0;
 /// against the settings        q + 5·√(σ_i² + σ_0² + (s·x)² + (v·σ_t)²) + t·a·T/2
 /// ```
 ///
-/// with σ of the zero σ_0, of the scale s and the mark's place x. A crossing outside of them shows
+/// with σ of the zero `σ_0`, of the scale s and the place x of the mark. A crossing outside shows
 /// that counts were lost or added since the last one that agreed.
 ///
 /// # σ of a record
@@ -39,8 +40,8 @@ pub(crate) struct IndexWatch {
     cycles: u16,
     /// Number of the first record after that crossing.
     first_since: u32,
-    /// First record that is in doubt, by the last crossing that did not agree.
-    in_doubt_from: Option<u32>,
+    /// Exposures that the last crossing that did not agree has left in doubt.
+    in_doubt: Option<InDoubt>,
     /// The stage has been moved across the mark, and no crossing came.
     is_missed: bool,
     detour: Detour,
@@ -116,7 +117,7 @@ impl IndexWatch {
             last_mm: None,
             cycles: 1,
             first_since: 1,
-            in_doubt_from: None,
+            in_doubt: None,
             is_missed: false,
             detour: Detour::None,
             began_mm: f32::NAN,
@@ -130,14 +131,13 @@ impl IndexWatch {
         self.is_missed = false;
     }
 
-    /// Takes a crossing. Returns `true` if it agrees with the one before, or with the settings.
-    pub(crate) fn cross(&mut self, crossing: &Crossing, drive: &DriveSettings) -> bool {
+    /// Takes a crossing. Returns by how much it differs from the one before, or from the settings,
+    /// if it does not agree.
+    pub(crate) fn cross(&mut self, crossing: &Crossing, drive: &DriveSettings) -> Option<InDoubt> {
         let age_s = drive.velocity_loop.reading_age_s;
         let place_mm = crossing.reading_mm + crossing.speed_mm_s * age_s;
         self.last_mm = Some(place_mm);
-        let Some(index_mm) = drive.index_mm else {
-            return true;
-        };
+        let index_mm = drive.index_mm?;
         let of_age_mm = 0.5 * crossing.acceleration_mm_s2 * TICK_S * age_s;
         let (expected_mm, tolerance_mm) = match self.reference_mm {
             Some(reference_mm) => (reference_mm, repeat_tolerance_mm(drive)),
@@ -147,13 +147,17 @@ impl IndexWatch {
             ),
         };
         self.is_missed = false;
-        if libm::fabsf(place_mm - expected_mm) > tolerance_mm + of_age_mm {
-            return false;
+        let off_mm = place_mm - expected_mm;
+        if libm::fabsf(off_mm) > tolerance_mm + of_age_mm {
+            return Some(InDoubt {
+                from_sequence: self.first_since,
+                off_mm,
+            });
         }
         self.reference_mm.get_or_insert(place_mm);
         self.cycles = 0;
         self.first_since = crossing.next_sequence;
-        true
+        None
     }
 
     /// Notes the record of an exposure.
@@ -182,19 +186,14 @@ impl IndexWatch {
         self.reference_mm.is_some()
     }
 
-    /// Returns the number of the first record after the last crossing that agreed.
-    pub(crate) const fn first_since(&self) -> u32 {
-        self.first_since
+    /// Notes exposures that are in doubt.
+    pub(crate) const fn doubt(&mut self, exposures: InDoubt) {
+        self.in_doubt = Some(exposures);
     }
 
-    /// Notes that the records since the last crossing that agreed are in doubt.
-    pub(crate) const fn doubt(&mut self) {
-        self.in_doubt_from = Some(self.first_since);
-    }
-
-    /// Number of the first record that is in doubt; `None` if every crossing has agreed.
-    pub(crate) const fn in_doubt_from(&self) -> Option<u32> {
-        self.in_doubt_from
+    /// Exposures that are in doubt since the last crossing that did not agree.
+    pub(crate) const fn in_doubt(&self) -> Option<InDoubt> {
+        self.in_doubt
     }
 
     /// Returns the place of the mark by the last crossing, mm.

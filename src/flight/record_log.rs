@@ -5,6 +5,7 @@ use heapless::Deque;
 use super::calibration_id::CalibrationId;
 use super::fault::{Fault, Faults};
 use super::frame_record::{Flag, Flags, FrameRecord, Outcome, Reason};
+use super::in_doubt::InDoubt;
 use super::time::Time;
 
 /// Number of whole records that are kept.
@@ -158,11 +159,16 @@ impl RecordLog {
         }
     }
 
-    /// Marks the exposures from this number on: the encoder has been found wrong.
-    pub(crate) fn doubt(&mut self, from: u32) {
+    /// Marks exposures that are in doubt.
+    pub(crate) fn doubt(&mut self, exposures: InDoubt) {
         for place in &mut self.whole {
             let record = &mut place.record;
-            if record.sequence >= from && matches!(record.outcome, Outcome::Exposed(_)) {
+            if record.sequence < exposures.from_sequence {
+                continue;
+            }
+            if let Outcome::Exposed(frame) = &mut record.outcome {
+                let sigma_mm = &mut frame.principal_point_sigma.common_mm;
+                *sigma_mm = libm::hypotf(*sigma_mm, exposures.off_mm);
                 record.flags.insert(Flag::Unreferenced);
                 record.faults.insert(Fault::Encoder);
             }

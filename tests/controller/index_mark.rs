@@ -110,12 +110,16 @@ fn counts_that_are_added_are_a_fault_at_the_next_crossing_and_doubt_the_records_
         // Where many are lost, the run-up does not cross the mark, which is searched for then.
         bench.send(Event::Trigger);
         bench.run_until(1000, |state| state == State::Fault(Fault::Encoder));
-        assert!(acted(&bench, Action::InDoubt(3)), "{added_mm}");
-        assert_eq!(bench.camera.controller().in_doubt_from(), Some(3));
+        let exposures = bench.camera.controller().in_doubt().unwrap();
+        assert!(acted(&bench, Action::InDoubt(exposures)), "{added_mm}");
+        assert_eq!(exposures.from_sequence, 3, "{added_mm}");
+        assert!((exposures.off_mm - added_mm).abs() < 1e-4, "{exposures:?}");
         let records = bench.records();
         assert_eq!(flags_of(&bench)[..2], [false, true], "{added_mm}");
         assert!(!records[0].faults.contains(Fault::Encoder));
         assert!(records[1].faults.contains(Fault::Encoder));
+        let sigma = exposed(&records[1]).principal_point_sigma;
+        assert!(sigma.total_mm() > 0.9 * added_mm.abs(), "{sigma:?}");
         let is_refused = records[2].outcome == Outcome::Refused(Reason::Fault(Fault::Encoder));
         assert!(is_refused || flags_of(&bench)[2], "{added_mm}");
         assert!(bench.camera.controller().is_place_lost());
@@ -152,7 +156,7 @@ fn counts_that_are_lost_in_standby_are_found_at_arming() {
         bench.send(Event::Command(Command::Arm));
         bench.run_until(2000, |state| state == State::Fault(Fault::Encoder));
         bench.run_until(200, |state| state == State::Degraded(Fault::Encoder));
-        assert_eq!(bench.camera.controller().in_doubt_from(), None);
+        assert_eq!(bench.camera.controller().in_doubt(), None);
     }
 }
 

@@ -6,6 +6,7 @@ use super::stage::StageMachine;
 use super::{Actions, Controller, act};
 use crate::flight::event::Action;
 use crate::flight::fault::Fault;
+use crate::flight::in_doubt::InDoubt;
 #[cfg(doc)]
 use crate::flight::index_watch::IndexWatch;
 use crate::flight::index_watch::{Crossing, IndexPlaces};
@@ -15,15 +16,14 @@ impl Controller {
     /// crossing, the encoder has failed since, and the exposures since then are in doubt.
     pub(super) fn index_mark(&mut self, setup: &Setup, reading_mm: f32, actions: &mut Actions) {
         let next_sequence = self.frame.next_sequence();
-        if self.stage.agrees_at_index(setup, reading_mm, next_sequence) {
+        let Some(exposures) = self.stage.cross_index(setup, reading_mm, next_sequence) else {
             return;
-        }
-        let first = self.stage.index.first_since();
+        };
         let latest = self.frame.kept.latest();
-        if latest.is_some_and(|(sequence, _)| *sequence >= first) {
-            self.stage.index.doubt();
-            self.frame.kept.records_mut().doubt(first);
-            act(actions, Action::InDoubt(first));
+        if latest.is_some_and(|(sequence, _)| *sequence >= exposures.from_sequence) {
+            self.stage.index.doubt(exposures);
+            self.frame.kept.records_mut().doubt(exposures);
+            act(actions, Action::InDoubt(exposures));
         }
         self.fail(setup, Fault::Encoder, actions);
     }
@@ -70,24 +70,32 @@ impl Controller {
 }
 
 impl StageMachine {
-    /// Takes the reading of the encoder at the index mark, mm. Returns `false` if it does not agree
-    /// with the crossing before.
+    /// Takes the reading of the encoder at the index mark, mm. Returns the exposures that are in
+    /// doubt if it does not agree with the crossing before.
     ///
     /// Only crossings count at which the screw pushes the stage along the FMC axis: see
     /// [`IndexWatch`].
-    fn agrees_at_index(&mut self, setup: &Setup, reading_mm: f32, next_sequence: u32) -> bool {
+    fn cross_index(
+        &mut self,
+        setup: &Setup,
+        reading_mm: f32,
+        next_sequence: u32,
+    ) -> Option<InDoubt> {
         let speed_mm_s = self.track().speed_mm_s().unwrap_or(0.0);
         let counts = !self.is_released()
             && !self.is_place_lost()
             && self.is_pushed_along()
             && speed_mm_s > 0.0
             && setup.camera.has_stage();
+        if !counts {
+            return None;
+        }
         let crossing = Crossing {
             reading_mm,
             speed_mm_s,
             acceleration_mm_s2: setup.camera.stage().acceleration_mm_s2(),
             next_sequence,
         };
-        !counts || self.index.cross(&crossing, &setup.settings.drive)
+        self.index.cross(&crossing, &setup.settings.drive)
     }
 }

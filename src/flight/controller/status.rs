@@ -6,6 +6,7 @@ use crate::flight::calibration_id::CalibrationId;
 use crate::flight::camera;
 use crate::flight::findings::Findings;
 use crate::flight::frame_record::FrameRecord;
+use crate::flight::in_doubt::InDoubt;
 use crate::flight::stage::Setpoint;
 use crate::flight::time::Time;
 use crate::flight::vh::VhMonitor;
@@ -72,11 +73,11 @@ impl Controller {
         self.stage.index.last_mm()
     }
 
-    /// Number of the first exposure whose principal point is in doubt, since the encoder was found
-    /// wrong at the index mark; `None` if it was not.
+    /// Exposures whose principal points are in doubt, since the encoder was found wrong at the
+    /// index mark; `None` if it was not.
     #[must_use]
-    pub const fn in_doubt_from(&self) -> Option<u32> {
-        self.stage.index.in_doubt_from()
+    pub const fn in_doubt(&self) -> Option<InDoubt> {
+        self.stage.index.in_doubt()
     }
 
     /// Root mean square of the stage's following error over about a second, µm, within 6 %.

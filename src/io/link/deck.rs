@@ -258,7 +258,7 @@ pub(super) fn status(deck: &impl FlightDeck) -> Result<Status, Refusal> {
         findings: *controller.findings(),
         calibration: controller.calibration(),
         index_mm: controller.index_mm(),
-        in_doubt_from: controller.in_doubt_from(),
+        in_doubt: controller.in_doubt(),
     })
 }
 
