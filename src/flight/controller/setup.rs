@@ -173,6 +173,9 @@ fn check_index(camera: &Camera, settings: &FlightSettings) -> Result<(), Control
     let (Some(index_mm), Some(sides)) = (settings.drive.index_mm, settings.index_sides()) else {
         return Ok(());
     };
+    if !camera.has_stage() {
+        return Ok(());
+    }
     let stroke_mm = camera.calibration().parameters().stroke_mm;
     let most_mm = (0.5 * stroke_mm - (sides.high_mm - index_mm)).max(0.0);
     let checked = Quantity::IndexMm.check_within(index_mm, -most_mm, most_mm);
