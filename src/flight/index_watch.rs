@@ -12,13 +12,14 @@ const AGREE_SIGMA: f32 = 5.0;
 /// # Model
 /// The mark sits on the stage. A crossing counts where the screw pushes the stage along the FMC
 /// axis, as it does where the encoder's zero is set: play and width of the mark do not enter. The
-/// first crossing after arming must agree with the mark's place in the settings, and becomes the
-/// reference of those that follow. Two readings of a place differ by up to a step q and by the
-/// repeatability of the mark `σ_i`; the age t of a reading moves it by v·t, known to `v·σ_t` and
-/// the change of speed a·T/2 since the last reading. The tolerances are
+/// first crossing after arming must agree with the mark's place in the settings. Reference of the
+/// others is the slowest so far. Two readings of a place differ by up to a step q and by the
+/// repeatability of the mark `σ_i`. The age t of a reading moves it by v·t: with the error of t,
+/// which stays, by `σ_t` times the difference of the speeds v and u of both crossings, and with the
+/// change of speed a·T/2 since the last reading. The tolerances are
 ///
 /// ```text
-/// from crossing to crossing   e = q + 5·σ_i + t·a·T/2
+/// against the reference   e = q + 5·√(σ_i² + ((v - u)·σ_t)²) + t·a·T/2
 /// against the settings        q + 5·√(σ_i² + σ_0² + (s·x)² + (v·σ_t)²) + t·a·T/2
 /// ```
 ///
@@ -32,8 +33,10 @@ const AGREE_SIGMA: f32 = 5.0;
 /// way and independent of the others: `σ² = n·L²/3`.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(crate) struct IndexWatch {
-    /// Reading at the first crossing since the camera was armed, mm.
-    reference_mm: Option<f32>,
+    /// The slowest crossing since the camera was armed.
+    reference: Option<Reference>,
+    /// Tolerance of the last crossing that agreed, mm.
+    tolerance_mm: f32,
     /// Reading at the last crossing, mm, whether it agreed or not.
     last_mm: Option<f32>,
     /// Exposures since the last crossing that agreed; one more if there was none.
@@ -49,6 +52,13 @@ pub(crate) struct IndexWatch {
     began_mm: f32,
     /// The last way back has led across the mark, along the FMC axis.
     is_expected: bool,
+}
+
+/// A crossing with which others are compared.
+#[derive(Debug, Clone, Copy, PartialEq)]
+struct Reference {
+    place_mm: f32,
+    speed_mm_s: f32,
 }
 
 /// Ways across the mark before the way to the waiting place.
@@ -113,7 +123,8 @@ impl IndexWatch {
     /// Returns a watch before the first crossing.
     pub(crate) const fn new() -> Self {
         Self {
-            reference_mm: None,
+            reference: None,
+            tolerance_mm: 0.0,
             last_mm: None,
             cycles: 1,
             first_since: 1,
@@ -127,7 +138,7 @@ impl IndexWatch {
 
     /// Forgets the reference: the next crossing is compared with the settings.
     pub(crate) fn arm(&mut self) {
-        self.reference_mm = None;
+        self.reference = None;
         self.is_missed = false;
     }
 
@@ -138,23 +149,35 @@ impl IndexWatch {
         let place_mm = crossing.reading_mm + crossing.speed_mm_s * age_s;
         self.last_mm = Some(place_mm);
         let index_mm = drive.index_mm?;
-        let of_age_mm = 0.5 * crossing.acceleration_mm_s2 * TICK_S * age_s;
-        let (expected_mm, tolerance_mm) = match self.reference_mm {
-            Some(reference_mm) => (reference_mm, repeat_tolerance_mm(drive)),
-            None => (
-                index_mm,
-                place_tolerance_mm(drive, index_mm, crossing.speed_mm_s),
+        let speed_mm_s = crossing.speed_mm_s;
+        let (expected_mm, sigma_mm) = match self.reference {
+            Some(reference) => (
+                reference.place_mm,
+                repeat_sigma_mm(drive, speed_mm_s - reference.speed_mm_s),
             ),
+            None => (index_mm, place_sigma_mm(drive, index_mm, speed_mm_s)),
         };
+        let tolerance_mm = 1e-3 * drive.encoder_step_um
+            + AGREE_SIGMA * sigma_mm
+            + 0.5 * crossing.acceleration_mm_s2 * TICK_S * age_s;
         self.is_missed = false;
         let off_mm = place_mm - expected_mm;
-        if libm::fabsf(off_mm) > tolerance_mm + of_age_mm {
+        if libm::fabsf(off_mm) > tolerance_mm {
             return Some(InDoubt {
                 from_sequence: self.first_since,
                 off_mm,
             });
         }
-        self.reference_mm.get_or_insert(place_mm);
+        if self
+            .reference
+            .is_none_or(|reference| speed_mm_s < reference.speed_mm_s)
+        {
+            self.reference = Some(Reference {
+                place_mm,
+                speed_mm_s,
+            });
+        }
+        self.tolerance_mm = tolerance_mm;
         self.cycles = 0;
         self.first_since = crossing.next_sequence;
         None
@@ -169,7 +192,7 @@ impl IndexWatch {
     /// been lost unseen, mm; `unseen_mm` is the largest step that the stage's watch lets pass.
     pub(crate) fn sigma_mm(&self, common_mm: f32, drive: &DriveSettings, unseen_mm: f32) -> f32 {
         if self.is_referenced(drive) {
-            common_mm.max(repeat_tolerance_mm(drive) / 3.0)
+            common_mm.max(self.tolerance_mm / 3.0)
         } else {
             let cycles = f32::from(self.cycles.max(1));
             libm::hypotf(common_mm, unseen_mm * libm::sqrtf(cycles / 3.0))
@@ -183,7 +206,7 @@ impl IndexWatch {
 
     /// Returns `true` if the mark has been crossed since the camera was armed, and agreed.
     pub(crate) const fn is_found(&self) -> bool {
-        self.reference_mm.is_some()
+        self.reference.is_some()
     }
 
     /// Notes exposures that are in doubt.
@@ -262,16 +285,16 @@ impl IndexWatch {
     }
 }
 
-/// Largest difference of two readings at the mark that is no fault, mm; [`IndexWatch`].
-fn repeat_tolerance_mm(drive: &DriveSettings) -> f32 {
-    1e-3 * (drive.encoder_step_um + AGREE_SIGMA * drive.index_sigma_um)
+/// Returns σ of the difference of two readings at the mark with a difference in speed, mm.
+fn repeat_sigma_mm(drive: &DriveSettings, faster_mm_s: f32) -> f32 {
+    let of_age_mm = drive.reading_age_sigma_s * faster_mm_s;
+    libm::hypotf(1e-3 * drive.index_sigma_um, of_age_mm)
 }
 
-/// Largest difference of a reading at the mark from its place in the settings, mm.
-fn place_tolerance_mm(drive: &DriveSettings, index_mm: f32, speed_mm_s: f32) -> f32 {
-    let of_zero_mm = 1e-3 * libm::hypotf(drive.zero_sigma_um, drive.index_sigma_um);
+/// Returns σ of the difference of a reading at the mark from its place in the settings, mm.
+fn place_sigma_mm(drive: &DriveSettings, index_mm: f32, speed_mm_s: f32) -> f32 {
+    let of_zero_mm = 1e-3 * drive.zero_sigma_um;
     let of_scale_mm = 1e-6 * drive.encoder_scale_ppm * index_mm;
-    let of_age_mm = drive.reading_age_sigma_s * speed_mm_s;
-    let sigma_mm = libm::hypotf(of_zero_mm, libm::hypotf(of_scale_mm, of_age_mm));
-    1e-3 * drive.encoder_step_um + AGREE_SIGMA * sigma_mm
+    let of_mark_mm = repeat_sigma_mm(drive, speed_mm_s);
+    libm::hypotf(of_mark_mm, libm::hypotf(of_zero_mm, of_scale_mm))
 }

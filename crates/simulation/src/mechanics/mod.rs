@@ -189,7 +189,8 @@ impl Mechanics {
 
     /// Returns the encoder's count as the camera would read it now.
     pub fn encoder_count(&mut self) -> i32 {
-        self.count_at(self.time_s)
+        let [jitter_s] = self.noise.next([self.settings.encoder_jitter_s]);
+        self.count_at(self.time_s - jitter_s)
     }
 
     /// Returns the count that the index mark has latched since the last call, if the stage has come
@@ -341,15 +342,15 @@ impl Mechanics {
         if let Some(edge_s) = edge_s
             && !self.has(|fault| matches!(fault, MechanicalFault::IndexMissing))
         {
+            // A timer latches the count, without the jitter of a reading.
             self.latched = Some(self.count_at(edge_s));
         }
     }
 
     #[expect(clippy::cast_possible_truncation, reason = "some thousands of counts")]
-    fn raw_count(&mut self, time_s: f64) -> i64 {
+    fn raw_count(&self, time_s: f64) -> i64 {
         let settings = &self.settings;
-        let [jitter_s] = self.noise.next([settings.encoder_jitter_s]);
-        let age_s = settings.encoder_latency_s + settings.encoder_latency_error_s + jitter_s;
+        let age_s = settings.encoder_latency_s + settings.encoder_latency_error_s;
         let read = self.history.at(time_s - age_s);
         let offset_mm = read.map_or(0.0, |instant| match settings.encoder_side {
             EncoderSide::Screw => instant.screw_mm,
