@@ -1,6 +1,5 @@
 //! The watch of the index mark: it compares the encoder's reading from crossing to crossing.
 
-use super::controller::timing::TICK_S;
 use super::drive::settings::DriveSettings;
 use super::in_doubt::InDoubt;
 
@@ -16,27 +15,28 @@ const AGREE_SIGMA: f32 = 5.0;
 /// others is the slowest so far. Two readings of a place differ by up to a step q and by the
 /// repeatability of the mark `σ_i`. The age t of a reading moves it by v·t: with the error of t,
 /// which stays, by `σ_t` times the difference of the speeds v and u of both crossings, and with the
-/// change of speed a·T/2 since the last reading. The tolerances are
+/// speed, which is known to half of its change d between two readings. The tolerances are
 ///
 /// ```text
-/// against the reference   e = q + 5·√(σ_i² + ((v - u)·σ_t)²) + t·a·T/2
-/// against the settings        q + 5·√(σ_i² + σ_0² + (s·x)² + (v·σ_t)²) + t·a·T/2
+/// against the reference   e = q + 5·√(σ_i² + ((v - u)·σ_t)²) + t·d/2
+/// against the settings        q + 5·√(σ_i² + σ_0² + (s·x)² + (v·σ_t)²) + t·d/2
 /// ```
 ///
 /// with σ of the zero `σ_0`, of the scale s and the place x of the mark. A crossing outside shows
 /// that counts were lost or added since the last one that agreed.
 ///
 /// # σ of a record
-/// A record with a crossing since the one before is *referenced*: the counts that it may have lost
-/// unseen, e, are three of its σ. Without, as on a camera without a mark, each of the n records
+/// A record with a crossing since the one before is *referenced*: its σ is not below the difference
+/// of that crossing from the settings, nor below a third of `q + 5·σ_i`, which may be lost unseen.
+/// Without, as on a camera without a mark, each of the n records
 /// since the last crossing may have lost a step that the stage's watch lets pass, up to L either
 /// way and independent of the others: `σ² = n·L²/3`.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(crate) struct IndexWatch {
     /// The slowest crossing since the camera was armed.
     reference: Option<Reference>,
-    /// Tolerance of the last crossing that agreed, mm.
-    tolerance_mm: f32,
+    /// Difference of the last crossing from the settings, mm.
+    off_mm: f32,
     /// Reading at the last crossing, mm, whether it agreed or not.
     last_mm: Option<f32>,
     /// Exposures since the last crossing that agreed; one more if there was none.
@@ -82,8 +82,8 @@ pub(crate) struct Crossing {
     pub(crate) reading_mm: f32,
     /// Speed, mm/s.
     pub(crate) speed_mm_s: f32,
-    /// Largest acceleration of the stage, mm/s².
-    pub(crate) acceleration_mm_s2: f32,
+    /// Change of the speed between two readings, mm/s.
+    pub(crate) change_mm_s: f32,
     /// Number of the first record whose exposure has not ended.
     pub(crate) next_sequence: u32,
 }
@@ -124,7 +124,7 @@ impl IndexWatch {
     pub(crate) const fn new() -> Self {
         Self {
             reference: None,
-            tolerance_mm: 0.0,
+            off_mm: 0.0,
             last_mm: None,
             cycles: 1,
             first_since: 1,
@@ -159,7 +159,7 @@ impl IndexWatch {
         };
         let tolerance_mm = 1e-3 * drive.encoder_step_um
             + AGREE_SIGMA * sigma_mm
-            + 0.5 * crossing.acceleration_mm_s2 * TICK_S * age_s;
+            + 0.5 * libm::fabsf(crossing.change_mm_s) * age_s;
         self.is_missed = false;
         let off_mm = place_mm - expected_mm;
         if libm::fabsf(off_mm) > tolerance_mm {
@@ -177,7 +177,7 @@ impl IndexWatch {
                 speed_mm_s,
             });
         }
-        self.tolerance_mm = tolerance_mm;
+        self.off_mm = place_mm - index_mm;
         self.cycles = 0;
         self.first_since = crossing.next_sequence;
         None
@@ -192,7 +192,8 @@ impl IndexWatch {
     /// been lost unseen, mm; `unseen_mm` is the largest step that the stage's watch lets pass.
     pub(crate) fn sigma_mm(&self, common_mm: f32, drive: &DriveSettings, unseen_mm: f32) -> f32 {
         if self.is_referenced(drive) {
-            common_mm.max(self.tolerance_mm / 3.0)
+            let unseen_mm = 1e-3 * (drive.encoder_step_um + AGREE_SIGMA * drive.index_sigma_um);
+            common_mm.max(unseen_mm / 3.0).max(libm::fabsf(self.off_mm))
         } else {
             let cycles = f32::from(self.cycles.max(1));
             libm::hypotf(common_mm, unseen_mm * libm::sqrtf(cycles / 3.0))

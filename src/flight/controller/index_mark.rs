@@ -7,15 +7,23 @@ use super::{Actions, Controller, act};
 use crate::flight::event::Action;
 use crate::flight::fault::Fault;
 use crate::flight::in_doubt::InDoubt;
-#[cfg(doc)]
-use crate::flight::index_watch::IndexWatch;
 use crate::flight::index_watch::{Crossing, IndexPlaces};
+use crate::flight::time::Time;
 
 impl Controller {
     /// Takes the reading of the encoder at the index mark, mm. If it differs from that of the last
     /// crossing, the encoder has failed since, and the exposures since then are in doubt.
-    pub(super) fn index_mark(&mut self, setup: &Setup, reading_mm: f32, actions: &mut Actions) {
+    pub(super) fn index_mark(
+        &mut self,
+        setup: &Setup,
+        now: Time,
+        reading_mm: f32,
+        actions: &mut Actions,
+    ) {
         let next_sequence = self.frame.next_sequence();
+        if !self.stage.is_under_way(now) {
+            return;
+        }
         let Some(exposures) = self.stage.cross_index(setup, reading_mm, next_sequence) else {
             return;
         };
@@ -70,30 +78,31 @@ impl Controller {
 }
 
 impl StageMachine {
-    /// Takes the reading of the encoder at the index mark, mm. Returns the exposures that are in
-    /// doubt if it does not agree with the crossing before.
-    ///
-    /// Only crossings count at which the screw pushes the stage along the FMC axis: see
-    /// [`IndexWatch`].
+    /// Returns `true` if crossings of the index mark count: the stage has been told to move along
+    /// the FMC axis, and its screw pushes it. A stage that stands may slip to and fro over the mark.
+    fn is_under_way(&self, now: Time) -> bool {
+        let is_told = self
+            .setpoint(now)
+            .is_some_and(|setpoint| setpoint.speed_mm_s > 0.0);
+        is_told && !self.is_place_lost() && self.is_pushed_along()
+    }
+
+    /// Takes the reading of the encoder at the index mark, mm, of a stage that is under way. Returns
+    /// the exposures that are in doubt if it does not agree with the crossing before.
     fn cross_index(
         &mut self,
         setup: &Setup,
         reading_mm: f32,
         next_sequence: u32,
     ) -> Option<InDoubt> {
-        let speed_mm_s = self.track().speed_mm_s().unwrap_or(0.0);
-        let counts = !self.is_released()
-            && !self.is_place_lost()
-            && self.is_pushed_along()
-            && speed_mm_s > 0.0
-            && setup.camera.has_stage();
-        if !counts {
+        let (speed_mm_s, change_mm_s) = self.track().speed_at(reading_mm)?;
+        if speed_mm_s <= 0.0 {
             return None;
         }
         let crossing = Crossing {
             reading_mm,
             speed_mm_s,
-            acceleration_mm_s2: setup.camera.stage().acceleration_mm_s2(),
+            change_mm_s,
             next_sequence,
         };
         self.index.cross(&crossing, &setup.settings.drive)

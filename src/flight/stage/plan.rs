@@ -67,12 +67,6 @@ pub struct StagePlan {
 }
 
 impl Stage {
-    /// Largest acceleration, mm/s².
-    #[must_use]
-    pub(crate) const fn acceleration_mm_s2(&self) -> f32 {
-        self.acceleration_mm_s2
-    }
-
     /// Validates the limits of a stage.
     ///
     /// # Errors
