@@ -13,8 +13,8 @@ use super::time::Time;
 /// Largest number of events in one round.
 pub const MAX_EVENTS: usize = 6;
 
-/// Largest number of actions of one round: those of its events, of the stage's reading, of the
-/// tick, and of a drive that fails.
+/// Largest number of actions of one round: those of its events, of the stage's reading with the
+/// index mark (one of the two at most leads to a fault), of the tick, and of a drive that fails.
 pub const MAX_ROUND_ACTIONS: usize = MAX_ACTIONS * (MAX_EVENTS + 3);
 
 /// Events with their times, in order of time.
@@ -97,6 +97,10 @@ pub(super) fn round(
     }
     let actions = controller.handle(setup, now, reading);
     take((setup, controller), drive, now, &actions, &mut outside);
+    if let Some(index_mm) = drive.take_index() {
+        let actions = controller.handle(setup, now, Event::IndexMark(index_mm));
+        take((setup, controller), drive, now, &actions, &mut outside);
+    }
     let actions = controller.handle(setup, now, Event::Tick);
     take((setup, controller), drive, now, &actions, &mut outside);
     outside

@@ -2,6 +2,7 @@
 
 use super::drive::StageReading;
 use super::fault::Fault;
+use super::in_doubt::InDoubt;
 use super::stage::Setpoint;
 use super::time::Time;
 use super::vh::VhSample;
@@ -37,6 +38,9 @@ pub enum Event {
     Tick,
     /// Number of events that could not be kept until the round.
     Lost(u32),
+    /// The index mark was crossed since the last round, at this reading of the encoder, mm along
+    /// the FMC axis.
+    IndexMark(f32),
 }
 
 impl Event {
@@ -136,4 +140,7 @@ pub enum Action {
     FrameReady(u32),
     /// A fault has occurred.
     Fault(Fault),
+    /// The encoder has been found wrong at the index mark, and with it the principal points since
+    /// the last crossing.
+    InDoubt(InDoubt),
 }

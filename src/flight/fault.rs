@@ -16,10 +16,13 @@ pub enum Fault {
     WrongDirection,
     /// A limit switch has closed.
     LimitSwitch,
-    /// The encoder's readings jump by more than the stage can move, again and again, or fail.
+    /// The encoder's readings jump by more than the stage can move, again and again, fail, or
+    /// differ from those at the last crossing of the index mark.
     Encoder,
     /// The drive reports that it cannot move the stage.
     Drive,
+    /// The stage has been moved across its index mark, and no crossing came.
+    IndexMark,
     /// The shutter opened later than it should have.
     ShutterLate,
     /// The shutter did not open.
@@ -44,13 +47,14 @@ pub enum Fault {
 
 impl Fault {
     /// All faults, in the order of their codes.
-    pub const ALL: [Self; 16] = [
+    pub const ALL: [Self; 17] = [
         Self::Stall,
         Self::Runaway,
         Self::WrongDirection,
         Self::LimitSwitch,
         Self::Encoder,
         Self::Drive,
+        Self::IndexMark,
         Self::ShutterLate,
         Self::ShutterMissing,
         Self::ShutterUnexpected,
@@ -73,6 +77,7 @@ impl Fault {
             Self::LimitSwitch => 13,
             Self::Encoder => 14,
             Self::Drive => 15,
+            Self::IndexMark => 16,
             Self::ShutterLate => 20,
             Self::ShutterMissing => 21,
             Self::ShutterUnexpected => 22,
@@ -96,6 +101,7 @@ impl Fault {
             Self::LimitSwitch => "limit switch",
             Self::Encoder => "encoder",
             Self::Drive => "drive",
+            Self::IndexMark => "index mark",
             Self::ShutterLate => "shutter late",
             Self::ShutterMissing => "shutter missing",
             Self::ShutterUnexpected => "shutter unexpected",

@@ -31,6 +31,9 @@ pub enum Flag {
     WithAttitude,
     /// Last light was not seen: the exposure is taken to have lasted as planned.
     LastLightAssumed,
+    /// The encoder was not compared with the index mark since the last record, or has been found
+    /// wrong at the next crossing of it.
+    Unreferenced,
     /// A source of V/H gave a NaN or an infinity ([`VhFindingKind::NotANumber`]).
     VhNotANumber,
     /// A source of V/H was outside its range ([`VhFindingKind::OutOfRange`]).
@@ -76,7 +79,7 @@ pub enum Flag {
 
 impl Flag {
     /// All flags.
-    pub const ALL: [Self; 30] = [
+    pub const ALL: [Self; 31] = [
         Self::NoCompensation,
         Self::LastGoodVh,
         Self::OffCentre,
@@ -87,6 +90,7 @@ impl Flag {
         Self::ExtrapolatedMotion,
         Self::WithAttitude,
         Self::LastLightAssumed,
+        Self::Unreferenced,
         Self::VhNotANumber,
         Self::VhOutOfRange,
         Self::VhWrongSign,
@@ -123,6 +127,7 @@ impl Flag {
             Self::ExtrapolatedMotion => "extrapolated motion",
             Self::WithAttitude => "with attitude",
             Self::LastLightAssumed => "last light assumed",
+            Self::Unreferenced => "unreferenced",
             Self::VhNotANumber => "V/H not a number",
             Self::VhOutOfRange => "V/H out of range",
             Self::VhWrongSign => "V/H wrong sign",

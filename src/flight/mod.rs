@@ -16,6 +16,8 @@ pub mod flag;
 pub mod flown_deck;
 mod following_error_rms;
 pub mod frame_record;
+pub mod in_doubt;
+pub(crate) mod index_watch;
 pub mod input_levels;
 pub mod interior_orientation;
 mod play;

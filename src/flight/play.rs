@@ -76,6 +76,11 @@ impl Play {
         }
     }
 
+    /// Returns `true` if the screw pushes the stage along the FMC axis.
+    pub(crate) fn is_taken_up(&self) -> bool {
+        self.high_mm <= 0.0
+    }
+
     /// Returns the offset of the stage from its screw.
     pub(crate) fn offset(&self, play_mm: f32) -> PlayOffset {
         let (low_mm, high_mm) = (self.low_mm.min(play_mm), self.high_mm.min(play_mm));

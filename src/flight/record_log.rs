@@ -3,8 +3,9 @@
 use heapless::Deque;
 
 use super::calibration_id::CalibrationId;
-use super::fault::Faults;
-use super::frame_record::{Flags, FrameRecord, Outcome, Reason};
+use super::fault::{Fault, Faults};
+use super::frame_record::{Flag, Flags, FrameRecord, Outcome, Reason};
+use super::in_doubt::InDoubt;
 use super::time::Time;
 
 /// Number of whole records that are kept.
@@ -156,6 +157,27 @@ impl RecordLog {
             }
             None => false,
         }
+    }
+
+    /// Marks exposures that are in doubt.
+    pub(crate) fn doubt(&mut self, exposures: InDoubt) {
+        for place in &mut self.whole {
+            let record = &mut place.record;
+            if record.sequence < exposures.from_sequence {
+                continue;
+            }
+            if let Outcome::Exposed(frame) = &mut record.outcome {
+                let sigma_mm = &mut frame.principal_point_sigma.common_mm;
+                *sigma_mm = libm::hypotf(*sigma_mm, exposures.off_mm);
+                record.flags.insert(Flag::Unreferenced);
+                record.faults.insert(Fault::Encoder);
+            }
+        }
+    }
+
+    /// Number of the last trigger.
+    pub(crate) const fn last_sequence(&self) -> u32 {
+        self.last_sequence
     }
 
     /// Returns the oldest record with this number or a higher one.

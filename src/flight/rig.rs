@@ -21,6 +21,8 @@ pub struct RigStep {
     pub encoder_count: i32,
     /// Events since the last round, in order of time.
     pub events: Events,
+    /// Count of the encoder at the index mark, if the stage has crossed it since the last round.
+    pub index_count: Option<i32>,
 }
 
 /// Outputs of the camera in a round.
@@ -85,6 +87,7 @@ impl Rig {
         let (setup, controller) = self.camera.flown()?;
         let drive = self.drive.as_mut()?;
         drive.set_count(step.encoder_count);
+        drive.set_index(step.index_count);
         let reading = drive.position(step.time);
         let actions = control_loop::round(
             (&setup, controller),

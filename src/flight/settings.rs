@@ -3,6 +3,7 @@
 use super::controller::timing::TICK_S;
 use super::drive::settings::DriveSettings;
 use super::exposure::FlightDirection;
+use super::index_watch::IndexSides;
 use super::stage_watch::StageTolerance;
 use super::vh::settings::VhSettings;
 use crate::geometry::range::{OutOfRange, Quantity};
@@ -19,6 +20,10 @@ pub const JUMP_STEPS: f32 = 3.0;
 /// Friction that turns round acts with twice its size, and more where the stage breaks away; in the
 /// third round the loop has answered. A hundred random missions reach 4.5.
 pub const FRICTION_ROUNDS: f32 = 6.0;
+
+/// Distance from the index mark at which a way across it begins and ends, as a multiple of the
+/// following tolerance: the stage is under way when it passes the mark.
+pub const BESIDE_INDEX: f32 = 2.0;
 
 /// Settings of a flight.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -87,6 +92,18 @@ impl FlightSettings {
             vh: self.vh.checked()?,
             drive: self.drive.checked()?,
             ..self
+        })
+    }
+
+    /// Returns the places on both sides of the index mark between which a way crosses it with the
+    /// play taken up; `None` without a mark.
+    pub(super) fn index_sides(&self) -> Option<IndexSides> {
+        let index_mm = self.drive.index_mm?;
+        let beside_mm =
+            BESIDE_INDEX * self.stage_tolerance().following_mm + self.drive.unseen_play_mm();
+        Some(IndexSides {
+            low_mm: index_mm - beside_mm,
+            high_mm: index_mm + beside_mm,
         })
     }
 

@@ -163,6 +163,26 @@ impl StageTrack {
         self.places.back().copied()
     }
 
+    /// Returns the speed of the stage where it was at a place between the last two readings, mm/s,
+    /// and its change from one reading to the next; `None` before the third.
+    ///
+    /// # Model
+    /// The speed changes evenly: it has its mean between two readings in the middle of them.
+    #[must_use]
+    pub(crate) fn speed_at(&self, offset_mm: f32) -> Option<(f32, f32)> {
+        let mut latest = self.places.iter().rev();
+        let (last, middle, first) = (latest.next()?, latest.next()?, latest.next()?);
+        let moved_mm = last.offset_mm - middle.offset_mm;
+        let speed_mm_s = moved_mm / last.time.seconds_since(middle.time);
+        let before_mm_s =
+            (middle.offset_mm - first.offset_mm) / middle.time.seconds_since(first.time);
+        let change_mm_s = speed_mm_s - before_mm_s;
+        let part = ((offset_mm - middle.offset_mm) / moved_mm)
+            .max(0.0)
+            .min(1.0);
+        Some((speed_mm_s + (part - 0.5) * change_mm_s, change_mm_s))
+    }
+
     /// Returns the path from first to last light.
     #[must_use]
     pub fn path(&self, opened: Time, closed: Time) -> ExposurePath {

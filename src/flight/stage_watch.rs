@@ -22,6 +22,15 @@ pub(crate) struct StageTolerance {
     pub(crate) friction_mm: f32,
 }
 
+impl StageTolerance {
+    /// Returns the largest number of counts, mm, whose loss in one step may pass as motion of the
+    /// stage: the largest step while it accelerates, with what the drive makes good of it until the
+    /// next reading.
+    pub(crate) fn unseen_mm(&self) -> f32 {
+        (1.0 + MADE_GOOD) * (self.friction_mm + ACCELERATING * self.jump_mm)
+    }
+}
+
 /// Verdict on a reading.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(crate) enum ReadingVerdict {
@@ -49,7 +58,8 @@ pub(crate) enum ReadingVerdict {
 /// else [`Fault::Stall`]; if it should stand, [`Fault::Runaway`] if it moves, else
 /// [`Fault::Stall`], since it has not arrived. A released stage may move anywhere without a fault.
 ///
-/// Counts lost or added in a step of less than `jump_mm` stay undetected.
+/// Counts lost or added in a step of up to [`StageTolerance::unseen_mm`] may stay undetected, until
+/// the stage crosses its index mark ([`IndexWatch`](super::index_watch::IndexWatch)).
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub(crate) struct StageWatch {
     /// The last reading, and where the stage should have been, mm; released, 0.

@@ -148,6 +148,8 @@ quantities! {
     SourceChange = "source_change", 1e-6, 1e6;
     AttitudeSigmaDeg = "attitude_sigma_deg", 0.0, 45.0;
     RateSigmaDegS = "rate_sigma_deg_s", 0.0, 60.0;
+    IndexMm = "index_mm", -50.0, 50.0;
+    IndexSigmaUm = "index_sigma_um", 0.0, 1000.0;
 }
 
 impl Quantity {

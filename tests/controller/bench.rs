@@ -23,6 +23,13 @@ pub(crate) fn identified(camera: &CameraParameters) -> Camera {
     Camera::identified(*camera, 0xca1, Storage::Volatile).unwrap()
 }
 
+/// Returns the default settings, with an index mark at the calibrated position.
+pub(crate) fn settings() -> FlightSettings {
+    let mut settings = FlightSettings::default();
+    settings.drive.index_mm = Some(0.0);
+    settings
+}
+
 /// Controller with the devices around it.
 pub(crate) struct Bench {
     pub(crate) camera: PreparedCamera,
@@ -33,6 +40,12 @@ pub(crate) struct Bench {
     pub(crate) stage_follows: bool,
     /// `true` if the encoder is read.
     pub(crate) is_read: bool,
+    /// Counts that the encoder has added unseen, mm: the drive has moved the stage back by as much.
+    pub(crate) added_mm: f32,
+    /// Set point in the last round, mm.
+    set_mm: f32,
+    /// `true` if the index mark is seen.
+    pub(crate) index_is_seen: bool,
     /// `true` if the shutter obeys.
     pub(crate) shutter_obeys: bool,
     pub(crate) shutter_late_s: f32,
@@ -55,6 +68,9 @@ impl Bench {
             stage: Setpoint::default(),
             stage_follows: true,
             is_read: true,
+            added_mm: 0.0,
+            set_mm: 0.0,
+            index_is_seen: true,
             shutter_obeys: true,
             shutter_late_s: 0.0,
             vh_per_s: Some(0.1),
@@ -63,9 +79,9 @@ impl Bench {
         }
     }
 
-    /// Returns an armed camera, its stage at the waiting place.
+    /// Returns an armed camera with an index mark, its stage at the waiting place.
     pub(crate) fn armed() -> Self {
-        let mut bench = Self::new(FlightSettings::default());
+        let mut bench = Self::new(settings());
         bench.arm();
         bench
     }
@@ -137,7 +153,25 @@ impl Bench {
             };
             self.send(Event::Stage(reading));
         }
+        self.cross_index();
         self.send(Event::Tick);
+    }
+
+    /// Sends the crossing of the index mark, if the stage has crossed it along the axis since the
+    /// last round.
+    fn cross_index(&mut self) {
+        let set_mm = self.place_mm();
+        let before_mm = core::mem::replace(&mut self.set_mm, set_mm) - self.added_mm;
+        let after_mm = set_mm - self.added_mm;
+        let drive = self.camera.settings().drive;
+        let Some(index_mm) = drive.index_mm.filter(|_| self.index_is_seen) else {
+            return;
+        };
+        if before_mm < index_mm && index_mm <= after_mm {
+            // The latched reading is as old as all others.
+            let old_mm = (after_mm - before_mm) / 1e-3 * drive.velocity_loop.reading_age_s;
+            self.send(Event::IndexMark(index_mm + self.added_mm - old_mm));
+        }
     }
 
     /// Returns the stage's present place, which follows from the last set point and its speed.

@@ -7,7 +7,7 @@ use fmc_camera::flight::frame_record::{Flag, Flags, Outcome, Reason};
 use fmc_camera::flight::settings::FlightSettings;
 use fmc_camera::flight::vh::VhSample;
 
-use crate::controller::bench::Bench;
+use crate::controller::bench::{Bench, settings};
 
 #[test]
 fn edges_by_hand_in_standby_are_counted_and_every_trigger_has_its_record() {
@@ -31,7 +31,7 @@ fn edges_by_hand_in_standby_are_counted_and_every_trigger_has_its_record() {
 
 #[test]
 fn first_exposure_needs_no_vh_and_the_next_is_compensated() {
-    let mut bench = Bench::new(FlightSettings::default());
+    let mut bench = Bench::new(settings());
     bench.vh_per_s = None;
     bench.run(2);
     bench.send(Event::Command(Command::Arm));
@@ -43,7 +43,8 @@ fn first_exposure_needs_no_vh_and_the_next_is_compensated() {
         "under force"
     );
     bench.send(Event::Trigger);
-    bench.run(100);
+    // The stage has stood still: after the exposure it crosses its index mark.
+    bench.run(200);
     bench.vh_per_s = Some(0.1);
     bench.run_until(10, |it| it == State::Armed);
     bench.send(Event::Trigger);

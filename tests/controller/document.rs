@@ -73,6 +73,18 @@ fn with(fault: Fault) -> Bench {
             bench.send(Event::Drive(fault));
             bench
         }
+        Fault::IndexMark => {
+            let mut settings = FlightSettings::default();
+            settings.drive.index_mm = Some(0.0);
+            let mut bench = Bench::new(settings);
+            bench.arm();
+            bench.index_is_seen = false;
+            for _ in 0..3 {
+                bench.send(Event::Trigger);
+                bench.run(300);
+            }
+            bench
+        }
         Fault::ShutterLate => {
             let mut bench = Bench::armed();
             bench.shutter_late_s = 0.0025;

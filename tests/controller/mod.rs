@@ -14,6 +14,7 @@ mod bring_up;
 mod document;
 mod findings;
 mod flyable;
+mod index_mark;
 mod nominal;
 mod processor_faults;
 mod sequences;

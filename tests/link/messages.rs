@@ -81,6 +81,7 @@ fn longest_step() -> RigStep {
         time: Time::from_us(u64::MAX),
         encoder_count: i32::MIN,
         events: std::iter::repeat_n(event, MAX_EVENTS).collect(),
+        index_count: Some(i32::MAX),
     }
 }
 

@@ -8,6 +8,9 @@ use toml::{Table, Value};
 
 use crate::InputError;
 
+/// Numbers that have no default.
+const OPTIONAL: [&str; 1] = ["drive.index_mm"];
+
 /// Settings of a flight, and which of them were written.
 #[derive(Debug, Clone, PartialEq)]
 pub struct FlightSettingsFile {
@@ -71,6 +74,19 @@ fn overlay(settings: &mut Table, written: Table, above: &str) -> Result<(), Stri
     for (name, value) in written {
         let path = format!("{above}{name}");
         match (settings.get_mut(&name), value) {
+            (None, Value::Float(number)) if OPTIONAL.contains(&path.as_str()) => {
+                settings.insert(name, Value::Float(number));
+            }
+            #[expect(
+                clippy::cast_precision_loss,
+                reason = "whole numbers of settings are small"
+            )]
+            (None, Value::Integer(number)) if OPTIONAL.contains(&path.as_str()) => {
+                settings.insert(name, Value::Float(number as f64));
+            }
+            (None, value) if OPTIONAL.contains(&path.as_str()) => {
+                return Err(format!("{path} = {value} is not a float"));
+            }
             (None, _) => return Err(format!("there is no setting {path}")),
             (Some(Value::Table(settings)), Value::Table(written)) => {
                 overlay(settings, written, &format!("{path}."))?;

@@ -5,6 +5,7 @@ use std::io::{self, Write};
 
 use fmc_camera::flight::controller::state::State;
 use fmc_camera::flight::fault::Fault;
+use fmc_camera::flight::in_doubt::InDoubt;
 use fmc_camera::io::instruments::counters::{
     AutopilotCounters, InstrumentCounters, ReceiverCounters,
 };
@@ -60,6 +61,7 @@ pub fn write_text(
             "following error",
             format!("{:.2} µm RMS", status.following_rms_um),
         ),
+        ("index mark", index_line(status)),
         (
             "triggers",
             format!(
@@ -86,6 +88,22 @@ pub fn write_text(
         }
     }
     writeln!(sink, "{}", terminal::pairs(NAMES, pairs))
+}
+
+/// Describes the last crossing of the index mark.
+fn index_line(status: &Status) -> String {
+    let place = status.index_mm.map_or_else(
+        || "not crossed".to_owned(),
+        |index_mm| format!("last crossed at {index_mm:.4} mm"),
+    );
+    match status.in_doubt {
+        Some(exposures) => format!(
+            "{place}; the encoder was {:.2} µm off: principal points in doubt from record {} on",
+            1e3 * exposures.off_mm,
+            exposures.from_sequence
+        ),
+        None => place,
+    }
 }
 
 /// Describes the receiver's wire.
@@ -196,6 +214,10 @@ struct StatusReport {
     findings: BTreeMap<&'static str, u32>,
     /// The calibration it was prepared with.
     calibration: Option<CalibrationIdentity>,
+    /// Place of the index mark by its last crossing.
+    index_mm: Option<f32>,
+    /// Exposures in doubt, since the encoder was found wrong at the index mark.
+    in_doubt: Option<InDoubt>,
     /// Counts of the wires of receiver and autopilot; null for a camera without them.
     instruments: Option<InstrumentCounters>,
 }
@@ -228,6 +250,8 @@ impl StatusReport {
                 .map(|(flag, count)| (flag.name(), count))
                 .collect(),
             calibration: status.calibration.as_ref().map(CalibrationIdentity::of),
+            index_mm: status.index_mm,
+            in_doubt: status.in_doubt,
             instruments: None,
         }
     }

@@ -79,6 +79,7 @@ impl Flight {
         let mut step = RigStep {
             time,
             encoder_count: self.mechanics.encoder_count(),
+            index_count: self.mechanics.take_index(),
             events: self.edges.iter().copied().filter(is_past).collect(),
         };
         self.edges.retain(|edge| !is_past(edge));

@@ -1,7 +1,7 @@
 //! Log of the link's events and of faults.
 
 #[cfg(feature = "board-nucleo-h743zi")]
-use fmc_camera::flight::fault::Fault;
+use fmc_camera::flight::{fault::Fault, in_doubt::InDoubt};
 use fmc_camera::io::link::message::ResetCause;
 use fmc_camera::io::link::station::LinkEvent;
 
@@ -37,4 +37,10 @@ pub(crate) fn note(event: LinkEvent) {
 #[cfg(feature = "board-nucleo-h743zi")]
 pub(crate) fn note_fault(fault: Fault) {
     defmt::warn!("fault {=u8}: {}", fault.code(), fault);
+}
+
+/// Logs that the encoder was wrong in earlier exposures.
+#[cfg(feature = "board-nucleo-h743zi")]
+pub(crate) fn note_doubt(exposures: InDoubt) {
+    defmt::warn!("principal points are in doubt: {}", exposures);
 }

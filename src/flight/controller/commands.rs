@@ -17,7 +17,10 @@ impl Controller {
     ) {
         match command {
             Command::Arm => match self.readiness.arm() {
-                Ok(true) => self.resume(setup, now, actions),
+                Ok(true) => {
+                    self.stage.index.arm();
+                    self.resume(setup, now, actions);
+                }
                 Ok(false) => {}
                 Err(fault) => act(actions, Action::Fault(fault)),
             },

@@ -121,6 +121,7 @@ impl Controller {
         if let Some(sequence) = recorded {
             act(actions, Action::FrameReady(sequence));
             self.stage.track_mut().keep_latest();
+            self.stage.index.count_record();
             self.go_back(setup, now, actions);
         }
     }

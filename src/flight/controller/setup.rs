@@ -1,18 +1,20 @@
 //! The camera and its settings for one flight.
 
 use super::error::ControllerError;
-use super::timing::{LEAD_S, TICK_S};
+use super::timing::{EXERCISE_REACH, LEAD_S, TICK_S};
 use crate::flight::camera::{self, Camera, FrameError};
 use crate::flight::exposure::{CorrectionModel, Exposure, FlightDirection};
+use crate::flight::index_watch::IndexSides;
 use crate::flight::interior_orientation::InteriorOrientation;
 use crate::flight::settings::FlightSettings;
 use crate::flight::slope::SLOPE_STEPS;
 use crate::flight::smear_prediction::{
     AircraftMotion, Compensation, PredictedSmear, SmearPrediction,
 };
-use crate::flight::stage::PlanError;
+use crate::flight::stage::{PlanError, Setpoint, Travel};
 use crate::flight::vh::{VhEstimate, VhSource};
 use crate::geometry::principal_point::{PrincipalPointMotion, UniformTravel};
+use crate::geometry::range::Quantity;
 
 /// Results of the preparation of a flight, for one camera.
 #[derive(Debug, Clone)]
@@ -66,6 +68,16 @@ impl Setup<'_> {
     /// Half of the stage's stroke, mm.
     pub(super) fn half_stroke_mm(&self) -> f32 {
         0.5 * self.camera.calibration().parameters().stroke_mm
+    }
+
+    /// Returns the ends of the ways to and fro at arming, which cross the index mark.
+    pub(super) fn exercise_ends(&self) -> IndexSides {
+        let reach_mm = EXERCISE_REACH * self.camera.calibration().parameters().stroke_mm;
+        let sides = self.settings.index_sides();
+        IndexSides {
+            low_mm: sides.map_or(-reach_mm, |sides| sides.low_mm.min(-reach_mm)),
+            high_mm: sides.map_or(reach_mm, |sides| sides.high_mm.max(reach_mm)),
+        }
     }
 
     /// Returns the frame of a stage of which nothing is known: it counts as standing at its
@@ -151,8 +163,23 @@ pub(in crate::flight) fn checked(
     camera
         .check_exposure_time(settings.exposure_s)
         .map_err(|error| ControllerError::Travel(error.into()))?;
+    check_index(camera, &settings)?;
     check_interval(camera, &settings)?;
     Ok(settings)
+}
+
+/// Checks that the stage can be moved across its index mark.
+fn check_index(camera: &Camera, settings: &FlightSettings) -> Result<(), ControllerError> {
+    let (Some(index_mm), Some(sides)) = (settings.drive.index_mm, settings.index_sides()) else {
+        return Ok(());
+    };
+    if !camera.has_stage() {
+        return Ok(());
+    }
+    let stroke_mm = camera.calibration().parameters().stroke_mm;
+    let most_mm = (0.5 * stroke_mm - (sides.high_mm - index_mm)).max(0.0);
+    let checked = Quantity::IndexMm.check_within(index_mm, -most_mm, most_mm);
+    checked.map(|_| ()).map_err(ControllerError::Settings)
 }
 
 /// Checks that the mechanism is back before the next trigger, at the largest V/H of the camera's
@@ -162,8 +189,14 @@ fn check_interval(camera: &Camera, settings: &FlightSettings) -> Result<(), Cont
     if available_s == 0.0 || !camera.has_stage() {
         return Ok(());
     }
-    let [_, most] = camera.limits().vh_per_s;
-    let needed_s = needed_s(camera, settings, most).map_err(ControllerError::Travel)?;
+    let [least, most] = camera.limits().vh_per_s;
+    let mut longest_s = needed_s(camera, settings, most).map_err(ControllerError::Travel)?;
+    if settings.drive.index_mm.is_some() {
+        // A short cycle may need ways of its own across the index mark.
+        let shortest_s = needed_s(camera, settings, least).map_err(ControllerError::Travel)?;
+        longest_s = longest_s.max(shortest_s);
+    }
+    let needed_s = longest_s;
     if needed_s <= available_s {
         Ok(())
     } else {
@@ -187,9 +220,41 @@ pub(super) fn needed_s(
     let margin_s = margin_s(settings);
     let place_mm = camera.waiting_place_mm(&exposure, margin_s)?;
     let travel = camera.travel(place_mm, &exposure, margin_s)?;
-    let cycle_s = camera.stage().cycle_s(&travel, place_mm)?;
+    let cycle_s = cycle_s(camera, settings, &travel, place_mm)?;
     let before_s = TICK_S + (settings.shutter_latency_s + LEAD_S - travel.opening_s).max(0.0);
     Ok(before_s + cycle_s)
+}
+
+/// Returns the time from a trigger until the stage waits again, s, with the ways across the index
+/// mark if the cycle itself does not cross it.
+fn cycle_s(
+    camera: &Camera,
+    settings: &FlightSettings,
+    travel: &Travel,
+    waiting_mm: f32,
+) -> Result<f32, FrameError> {
+    let stage = camera.stage();
+    let end = travel.profile.end();
+    let from_mm = end.offset_mm;
+    let sides = settings
+        .index_sides()
+        .filter(|sides| !sides.are_between(from_mm, waiting_mm));
+    let Some(sides) = sides else {
+        return Ok(stage.cycle_s(travel, waiting_mm)?);
+    };
+    let at = |offset_mm| Setpoint {
+        offset_mm,
+        ..Setpoint::default()
+    };
+    let mut cycle_s = travel.stop_s;
+    let mut from = end;
+    if from_mm > sides.low_mm {
+        cycle_s += stage.reposition(from, sides.low_mm)?.duration_s();
+        from = at(sides.low_mm);
+    }
+    cycle_s += stage.reposition(from, sides.high_mm)?.duration_s();
+    let back = stage.reposition(at(sides.high_mm), waiting_mm)?;
+    Ok(cycle_s + back.duration_s())
 }
 
 pub(super) fn exposure(settings: &FlightSettings, vh_per_s: f32, exposure_s: f32) -> Exposure {

@@ -6,6 +6,7 @@ use crate::flight::calibration_id::CalibrationId;
 use crate::flight::camera;
 use crate::flight::findings::Findings;
 use crate::flight::frame_record::FrameRecord;
+use crate::flight::in_doubt::InDoubt;
 use crate::flight::stage::Setpoint;
 use crate::flight::time::Time;
 use crate::flight::vh::VhMonitor;
@@ -63,6 +64,20 @@ impl Controller {
     #[must_use]
     pub const fn is_place_lost(&self) -> bool {
         self.stage.is_place_lost()
+    }
+
+    /// Place of the index mark by the last crossing along the FMC axis, mm from the calibrated
+    /// position; `None` before the first, or without a mark.
+    #[must_use]
+    pub const fn index_mm(&self) -> Option<f32> {
+        self.stage.index.last_mm()
+    }
+
+    /// Exposures whose principal points are in doubt, since the encoder was found wrong at the
+    /// index mark; `None` if it was not.
+    #[must_use]
+    pub const fn in_doubt(&self) -> Option<InDoubt> {
+        self.stage.index.in_doubt()
     }
 
     /// Root mean square of the stage's following error over about a second, µm, within 6 %.

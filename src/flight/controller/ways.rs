@@ -2,7 +2,7 @@
 
 use super::readiness::{Arrival, Mode};
 use super::setup::Setup;
-use super::timing::{EXERCISE_REACH, EXERCISE_WAYS};
+use super::timing::EXERCISE_WAYS;
 use super::{Actions, Controller, act};
 use crate::flight::event::Action;
 use crate::flight::fault::Fault;
@@ -17,6 +17,7 @@ impl Controller {
             return;
         }
         self.stage.expect_readings(now);
+        self.stage.index.demand();
         let place_mm = self.destination_mm(setup, now, EXERCISE_WAYS);
         if self.stage.go_to(setup, now, place_mm) {
             self.readiness.start_exercise();
@@ -41,7 +42,11 @@ impl Controller {
             }
             return;
         }
-        let place_mm = self.destination_mm(setup, now, ways_left);
+        let mut place_mm = self.destination_mm(setup, now, ways_left);
+        if !matches!(self.readiness.mode(), Mode::Arming { .. }) {
+            let from_mm = self.stage.place_mm(now);
+            place_mm = self.next_place_mm(setup, from_mm, place_mm, actions);
+        }
         if self.stage.go_to(setup, now, place_mm) {
             self.readiness.go_back();
         } else {
@@ -82,7 +87,9 @@ impl Controller {
         match self.readiness.arrive() {
             Arrival::StandBy => self.stand_by(actions),
             Arrival::NextWay => self.go_back(setup, now, actions),
-            Arrival::Ready => self.become_ready(now),
+            Arrival::Ready if self.stage.index.is_on_detour() => self.go_back(setup, now, actions),
+            Arrival::Ready if self.has_found_index(setup, actions) => self.become_ready(now),
+            Arrival::Ready => self.stand_by(actions),
         }
     }
 
@@ -120,15 +127,13 @@ impl Controller {
     /// Returns the stage's next position, mm: an end of the exercise or, after its last way, the
     /// waiting place.
     fn destination_mm(&self, setup: &Setup, now: Time, ways_left: u8) -> f32 {
-        let stroke_mm = setup.camera.calibration().parameters().stroke_mm;
-        let reach_mm = EXERCISE_REACH * stroke_mm;
         if ways_left == 0 {
             let vh = self.aircraft.vh.estimate(now);
             setup.waiting_place_mm(vh, self.exposure_s).unwrap_or(0.0)
         } else if ways_left.is_multiple_of(2) {
-            -reach_mm
+            setup.exercise_ends().low_mm
         } else {
-            reach_mm
+            setup.exercise_ends().high_mm
         }
     }
 }

@@ -39,6 +39,10 @@ impl<Drive: FmcDrive, Enable: OutputPin> FmcDrive for EnabledDrive<Drive, Enable
         self.drive.position(now)
     }
 
+    fn take_index(&mut self) -> Option<f32> {
+        self.drive.take_index()
+    }
+
     fn follow(&mut self, now: Time, setpoint: Setpoint) -> Result<(), Fault> {
         if core::mem::take(&mut self.release_failed) {
             self.release();

@@ -124,6 +124,17 @@ pub trait FmcDrive {
     /// [`Fault::Encoder`] if there is no such reading.
     fn position(&mut self, now: Time) -> Result<StageReading, Fault>;
 
+    /// Returns the position that was latched when the stage last crossed its index mark, mm along
+    /// the FMC axis; `None` if it has not crossed it since the last call, or has none.
+    ///
+    /// The control loop asks once per tick, after [`position`](Self::position). The count must be
+    /// that of the crossing itself, from a timer's capture input or an interrupt at the mark's
+    /// edge, since the stage moves by tens of micrometres in a tick. Of a mark that is wider than a
+    /// step, the edge counts that comes first on the way along the FMC axis.
+    fn take_index(&mut self) -> Option<f32> {
+        None
+    }
+
     /// Follows a set point, until the next call.
     ///
     /// The set point is for `now`: the stage should then be at `offset_mm`, and go on with that

@@ -186,6 +186,11 @@ where
         })
     }
 
+    fn take_index(&mut self) -> Option<f32> {
+        let count = self.pins.counter.take_index()?;
+        Some(self.offset_mm(count))
+    }
+
     fn follow(&mut self, now: Time, setpoint: Setpoint) -> Result<(), Fault> {
         if core::mem::take(&mut self.release_failed) {
             self.release();

@@ -12,6 +12,12 @@ use crate::flight::fault::Fault;
 pub trait QuadratureCounter {
     /// Edges so far, one direction up and the other down.
     fn count(&mut self) -> i32;
+
+    /// Returns the count that was latched at the last crossing of the index mark; `None` if there
+    /// was none since the last call, or there is no mark.
+    fn take_index(&mut self) -> Option<i32> {
+        None
+    }
 }
 
 /// Extends a timer's count, which wraps at 16 bits, to one that wraps at 32 bits.
@@ -37,6 +43,14 @@ impl WideCount {
         self.last = timer;
         self.count = self.count.wrapping_add(i32::from(step));
         self.count
+    }
+
+    /// Returns the count at a reading of the timer shortly before or after the last one, which
+    /// stays.
+    #[must_use]
+    pub fn near(&self, timer: u16) -> i32 {
+        let step = timer.wrapping_sub(self.last).cast_signed();
+        self.count.wrapping_add(i32::from(step))
     }
 }
 

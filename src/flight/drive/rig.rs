@@ -59,11 +59,18 @@ impl OutputPin for Level {
 
 /// A counter that is set from outside.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
-struct Count(i32);
+struct Count {
+    count: i32,
+    index: Option<i32>,
+}
 
 impl QuadratureCounter for Count {
     fn count(&mut self) -> i32 {
-        self.0
+        self.count
+    }
+
+    fn take_index(&mut self) -> Option<i32> {
+        self.index.take()
     }
 }
 
@@ -91,7 +98,12 @@ impl RigDrive {
 
     /// Sets the encoder's present count.
     pub const fn set_count(&mut self, count: i32) {
-        self.drive.pins_mut().counter = Count(count);
+        self.drive.pins_mut().counter.count = count;
+    }
+
+    /// Sets the count that was latched at the index mark since the last round, if it was crossed.
+    pub const fn set_index(&mut self, index: Option<i32>) {
+        self.drive.pins_mut().counter.index = index;
     }
 
     /// Sets the present position of the stage, in counts of the encoder along the FMC axis from the
@@ -118,6 +130,10 @@ impl RigDrive {
 impl FmcDrive for RigDrive {
     fn position(&mut self, now: Time) -> Result<StageReading, Fault> {
         self.drive.position(now)
+    }
+
+    fn take_index(&mut self) -> Option<f32> {
+        self.drive.take_index()
     }
 
     fn follow(&mut self, now: Time, setpoint: Setpoint) -> Result<(), Fault> {

@@ -39,6 +39,11 @@ pub struct DriveSettings {
     pub motor_reversed: bool,
     /// Gains and limits.
     pub velocity_loop: LoopSettings,
+    /// Place of the index mark on the stage, mm along the FMC axis from the calibrated position;
+    /// `None` without a mark.
+    pub index_mm: Option<f32>,
+    /// σ by which crossings of the mark differ from each other, µm.
+    pub index_sigma_um: f32,
 }
 
 impl Default for DriveSettings {
@@ -53,6 +58,8 @@ impl Default for DriveSettings {
             reading_age_sigma_s: 2e-6,
             motor_reversed: false,
             velocity_loop: LoopSettings::default(),
+            index_mm: None,
+            index_sigma_um: 0.02,
         }
     }
 }
@@ -85,6 +92,10 @@ impl DriveSettings {
         Quantity::ZeroSigmaUm.check(self.zero_sigma_um)?;
         Quantity::ReadingAgeSigmaS.check(self.reading_age_sigma_s)?;
         self.velocity_loop.checked()?;
+        if let Some(index_mm) = self.index_mm {
+            Quantity::IndexMm.check(index_mm)?;
+        }
+        Quantity::IndexSigmaUm.check(self.index_sigma_um)?;
         Ok(self)
     }
 }

@@ -257,6 +257,8 @@ pub(super) fn status(deck: &impl FlightDeck) -> Result<Status, Refusal> {
         following_rms_um: controller.following_rms_um(),
         findings: *controller.findings(),
         calibration: controller.calibration(),
+        index_mm: controller.index_mm(),
+        in_doubt: controller.in_doubt(),
     })
 }
 

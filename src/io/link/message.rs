@@ -13,6 +13,7 @@ use crate::flight::event::Event;
 use crate::flight::exposure::Exposure;
 use crate::flight::findings::Findings;
 use crate::flight::frame_record::FrameRecord;
+use crate::flight::in_doubt::InDoubt;
 use crate::flight::interior_orientation::InteriorOrientation;
 use crate::flight::rig::{RigAnswer, RigStep};
 use crate::flight::settings::FlightSettings;
@@ -258,6 +259,12 @@ pub struct Status {
     pub findings: Findings,
     /// The calibration it was prepared with; `None` if it has no identity.
     pub calibration: Option<CalibrationId>,
+    /// Place of the index mark by its last crossing, mm along the FMC axis from the calibrated
+    /// position; `None` before the first, or without a mark.
+    pub index_mm: Option<f32>,
+    /// Exposures whose principal points are in doubt, since the encoder was found wrong at the
+    /// index mark; `None` if it was not.
+    pub in_doubt: Option<InDoubt>,
 }
 
 /// A part of a camera's parameters.

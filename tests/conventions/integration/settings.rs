@@ -20,7 +20,7 @@ macro_rules! settings {
     };
 }
 
-const SETTINGS: [(&str, Field); 29] = settings![
+const SETTINGS: [(&str, Field); 30] = settings![
     exposure_s,
     smear_budget_px,
     speed_tolerance_percent,
@@ -38,6 +38,7 @@ const SETTINGS: [(&str, Field); 29] = settings![
     drive.encoder_scale_ppm,
     drive.zero_sigma_um,
     drive.reading_age_sigma_s,
+    drive.index_sigma_um,
     drive.velocity_loop.position_gain_per_s,
     drive.velocity_loop.speed_gain_per_mm_s,
     drive.velocity_loop.integral_rate_per_s,
@@ -123,6 +124,8 @@ fn settings_without_a_range_are_named() {
                         reading_age_s: _,
                         duty_delay_s: _,
                     },
+                index_mm: _,
+                index_sigma_um: _,
             },
     } = FlightSettings::default();
     for name in [
@@ -131,6 +134,7 @@ fn settings_without_a_range_are_named() {
         "`drive.encoder_reversed`",
         "`drive.encoder_side`",
         "`drive.motor_reversed`",
+        "`drive.index_mm`",
     ] {
         assert!(DOCUMENT.contains(name), "{name}");
     }

@@ -16,6 +16,14 @@ pub enum MechanicalFault {
         /// Number of counts by which it is off.
         counts: i32,
     },
+    /// The encoder loses counts for good: evenly over the duration of the fault, or all at its
+    /// begin if it has no end.
+    CountsLost {
+        /// Sum of the counts, µm; negative counts are added.
+        um: f64,
+    },
+    /// The index mark is not seen.
+    IndexMissing,
     /// The motor turns against the commanded direction.
     MotorReversed,
     /// The encoder counts the other way.
@@ -55,6 +63,17 @@ impl Injection {
             fault,
             from_s,
             until_s: f64::INFINITY,
+        }
+    }
+
+    /// Returns the part of the fault's duration that is over at a time, 0 to 1.
+    pub(super) fn part(&self, time_s: f64) -> f64 {
+        if time_s < self.from_s {
+            0.0
+        } else if self.until_s.is_finite() && time_s < self.until_s {
+            (time_s - self.from_s) / (self.until_s - self.from_s)
+        } else {
+            1.0
         }
     }
 

@@ -3,6 +3,7 @@
 
 mod fault;
 mod history;
+mod index_mark;
 mod motion;
 mod settings;
 
@@ -13,6 +14,7 @@ pub use history::Instant;
 pub use settings::{EncoderSide, LONGEST_SUBSTEP_S, MechanicsSettings, Stepper};
 
 use history::History;
+use index_mark::IndexMark;
 use motion::{Forces, Motion};
 
 use crate::noise::Noise;
@@ -55,6 +57,9 @@ pub struct Mechanics {
     phase_um: f64,
     /// Source of the encoder's jitter.
     noise: Noise,
+    index: IndexMark,
+    /// Count that the last edge of the index mark has latched.
+    latched: Option<i32>,
 }
 
 /// Stream of a seed from which the mechanics draw.
@@ -110,6 +115,8 @@ impl Mechanics {
             shift: 0,
             phase_um: settings.encoder_phase_um.unwrap_or(phase_um),
             noise,
+            index: IndexMark::new(),
+            latched: None,
         })
     }
 
@@ -181,12 +188,24 @@ impl Mechanics {
     }
 
     /// Returns the encoder's count as the camera would read it now.
+    pub fn encoder_count(&mut self) -> i32 {
+        let [jitter_s] = self.noise.next([self.settings.encoder_jitter_s]);
+        self.count_at(self.time_s - jitter_s)
+    }
+
+    /// Returns the count that the index mark has latched since the last call, if the stage has come
+    /// to it.
+    pub const fn take_index(&mut self) -> Option<i32> {
+        self.latched.take()
+    }
+
+    /// Returns the count that a reading at a time gives.
     #[expect(
         clippy::cast_possible_truncation,
         reason = "a counter of 32 bits wraps"
     )]
-    pub fn encoder_count(&mut self) -> i32 {
-        let raw = self.raw_count();
+    fn count_at(&mut self, time_s: f64) -> i32 {
+        let raw = self.raw_count(time_s);
         let reversed = self.has(|fault| matches!(fault, MechanicalFault::EncoderReversed));
         match (reversed, self.pivot) {
             (true, None) => self.pivot = Some(raw),
@@ -205,7 +224,20 @@ impl Mechanics {
                 _ => None,
             })
             .sum();
-        (counted + glitch) as i32
+        (counted + glitch - self.lost_counts(time_s)) as i32
+    }
+
+    /// Returns the counts lost until a time.
+    #[expect(clippy::cast_possible_truncation, reason = "some millions of counts")]
+    fn lost_counts(&self, time_s: f64) -> i64 {
+        let lost_um = self
+            .injections
+            .iter()
+            .map(|injection| match injection.fault {
+                MechanicalFault::CountsLost { um } => um * injection.part(time_s),
+                _ => 0.0,
+            });
+        (lost_um.sum::<f64>() / self.settings.encoder_step_um).round() as i64
     }
 
     /// Returns the state of the low and of the high limit switch; `true` if closed.
@@ -251,6 +283,8 @@ impl Mechanics {
                 MechanicalFault::Runaway { duty: own } => (duty, powered) = (own, true),
                 MechanicalFault::BridgeOff => powered = false,
                 MechanicalFault::EncoderGlitch { .. }
+                | MechanicalFault::CountsLost { .. }
+                | MechanicalFault::IndexMissing
                 | MechanicalFault::EncoderReversed
                 | MechanicalFault::LimitStuck => {}
             }
@@ -295,6 +329,7 @@ impl Mechanics {
         self.motion = self.motion.after(&self.settings, self.forces(), step_s);
         let screw_mm = self.motion.position_mm;
         let ahead_mm = 1e-3 * self.settings.backlash_um;
+        let [from_s, from_mm] = [self.time_s, self.stage_mm];
         self.stage_mm = self.stage_mm.clamp(screw_mm, screw_mm + ahead_mm);
         self.time_s = until_s;
         self.history.push(Instant {
@@ -302,14 +337,21 @@ impl Mechanics {
             screw_mm,
             stage_mm: self.stage_mm,
         });
+        let way = [(from_s, from_mm), (until_s, self.stage_mm)];
+        let edge_s = self.index.edge_s(&self.settings, way);
+        if let Some(edge_s) = edge_s
+            && !self.has(|fault| matches!(fault, MechanicalFault::IndexMissing))
+        {
+            // A timer latches the count, without the jitter of a reading.
+            self.latched = Some(self.count_at(edge_s));
+        }
     }
 
     #[expect(clippy::cast_possible_truncation, reason = "some thousands of counts")]
-    fn raw_count(&mut self) -> i64 {
+    fn raw_count(&self, time_s: f64) -> i64 {
         let settings = &self.settings;
-        let [jitter_s] = self.noise.next([settings.encoder_jitter_s]);
-        let age_s = settings.encoder_latency_s + settings.encoder_latency_error_s + jitter_s;
-        let read = self.history.at(self.time_s - age_s);
+        let age_s = settings.encoder_latency_s + settings.encoder_latency_error_s;
+        let read = self.history.at(time_s - age_s);
         let offset_mm = read.map_or(0.0, |instant| match settings.encoder_side {
             EncoderSide::Screw => instant.screw_mm,
             EncoderSide::Stage => instant.stage_mm,

@@ -25,6 +25,14 @@ pub struct MechanicsSettings {
     pub backlash_um: f64,
     /// Part that the encoder sits on.
     pub encoder_side: EncoderSide,
+    /// The stage has an index mark.
+    pub has_index: bool,
+    /// Place of the index mark, mm: its edge on the way along the FMC axis.
+    pub index_mm: f64,
+    /// Width of the mark, µm: its edge on the way against the axis is as much farther on.
+    pub index_width_um: f64,
+    /// Standard deviation of the place at which a crossing is seen, µm.
+    pub index_noise_um: f64,
     /// Travel per count of the encoder, µm.
     pub encoder_step_um: f64,
     /// Position of the middle of count 0, µm; `None` leaves it to the seed.
@@ -103,6 +111,10 @@ impl Default for MechanicsSettings {
             stribeck_mm_s: 1.0,
             backlash_um: 1.0,
             encoder_side: EncoderSide::Screw,
+            has_index: true,
+            index_mm: 0.0,
+            index_width_um: 50.0,
+            index_noise_um: 0.01,
             encoder_step_um: 0.1,
             encoder_phase_um: None,
             encoder_scale_ppm: 0.0,
@@ -137,6 +149,9 @@ impl MechanicsSettings {
             ("breakaway_n", self.breakaway_n, self.coulomb_n, 1e3),
             ("stribeck_mm_s", self.stribeck_mm_s, 1e-3, 1e3),
             ("backlash_um", self.backlash_um, 0.0, 1e3),
+            ("index_mm", self.index_mm, -50.0, 50.0),
+            ("index_width_um", self.index_width_um, 0.0, 1e4),
+            ("index_noise_um", self.index_noise_um, 0.0, 100.0),
             ("encoder_step_um", self.encoder_step_um, 1e-3, 100.0),
             (
                 "encoder_phase_um",

@@ -279,6 +279,10 @@ impl<'a, D: FlyingDevice + ?Sized> Flight<'a, D> {
         let mut step = RigStep {
             time: Time::from_us(now_us),
             encoder_count: self.wiring.count(self.mechanics.encoder_count()),
+            index_count: self
+                .mechanics
+                .take_index()
+                .map(|along_axis| self.wiring.count(along_axis)),
             ..RigStep::default()
         };
         for event in waiting {
@@ -304,6 +308,7 @@ impl<'a, D: FlyingDevice + ?Sized> Flight<'a, D> {
                 Action::CloseShutter => self.shutter.close(self.clock.true_us(now_us)),
                 Action::FrameReady(_) => self.record_waits = true,
                 Action::Fault(fault) => self.flown.announced.push((now_us, *fault)),
+                Action::InDoubt(exposures) => self.flown.doubt(*exposures),
             }
         }
         let last = self.flown.states.last().map(|(_, state)| *state);

@@ -2,7 +2,8 @@
 
 use fmc_camera::flight::controller::state::State;
 use fmc_camera::flight::fault::Fault;
-use fmc_camera::flight::frame_record::FrameRecord;
+use fmc_camera::flight::frame_record::{Flag, FrameRecord, Outcome};
+use fmc_camera::flight::in_doubt::InDoubt;
 use fmc_camera::io::instruments::counters::InstrumentCounters;
 
 use super::camera_clock::CameraClock;
@@ -72,6 +73,22 @@ impl Flown {
             farthest_mm: 0.0,
             trace: None,
             duration_s: 0.0,
+        }
+    }
+
+    /// Marks the exposures whose records have been fetched and are in doubt, as the camera does with
+    /// those that it still has.
+    pub(super) fn doubt(&mut self, exposures: InDoubt) {
+        for frame in &mut self.frames {
+            let record = &mut frame.record;
+            if record.sequence >= exposures.from_sequence
+                && let Outcome::Exposed(exposed) = &mut record.outcome
+            {
+                let sigma_mm = &mut exposed.principal_point_sigma.common_mm;
+                *sigma_mm = sigma_mm.hypot(exposures.off_mm);
+                record.flags.insert(Flag::Unreferenced);
+                record.faults.insert(Fault::Encoder);
+            }
         }
     }
 

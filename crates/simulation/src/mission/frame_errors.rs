@@ -6,13 +6,14 @@ use fmc_camera_file::CameraFile;
 use super::flown::FlownFrame;
 
 /// Flags that do not affect the coordinates of a frame.
-const HARMLESS: [Flag; 6] = [
+const HARMLESS: [Flag; 7] = [
     Flag::NoCompensation,
     Flag::LastGoodVh,
     Flag::OffCentre,
     Flag::SmearOverBudget,
     Flag::WithAttitude,
     Flag::EncoderGlitch,
+    Flag::Unreferenced,
 ];
 
 /// Errors of one frame.

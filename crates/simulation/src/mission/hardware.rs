@@ -67,6 +67,7 @@ pub(super) fn agree(
     if !text.has(&["mechanics", "backlash_um"]) {
         written.mechanics.backlash_um = decimal(settings.drive.play_um);
     }
+    agree_on_index(written, &settings, file, text)?;
     let velocity_loop = &settings.drive.velocity_loop;
     let stated = [
         Stated {
@@ -117,6 +118,30 @@ pub(super) fn agree(
         }
     }
     Ok(settings)
+}
+
+/// Gives the scenario the index mark of the settings, where it does not describe its own.
+fn agree_on_index(
+    written: &mut MissionFile,
+    settings: &FlightSettings,
+    file: &FlightSettingsFile,
+    text: &TomlText,
+) -> Result<(), InputError> {
+    let path = ["mechanics", "index_mm"];
+    let mechanics = &mut written.mechanics;
+    match settings.drive.index_mm.map(decimal) {
+        Some(set_mm) => {
+            let is_same = (mechanics.index_mm - set_mm).abs() <= SAME * set_mm.abs();
+            if text.has(&path) && !is_same {
+                let what = format!("drive.index_mm = {set_mm}");
+                return Err(contradicts(text, &path, &what, file));
+            }
+            mechanics.index_mm = set_mm;
+        }
+        // A mark that the camera is not told of changes nothing.
+        None => mechanics.has_index &= text.has(&path),
+    }
+    Ok(())
 }
 
 /// Refuses a trigger interval that is shorter than the settings say.

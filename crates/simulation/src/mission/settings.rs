@@ -43,6 +43,10 @@ pub fn flight_settings(written: &MissionFile, interval_s: f64) -> FlightSettings
                     .hypot(written.mechanics.encoder_jitter_s),
             ),
             velocity_loop: velocity_loop(&written.mechanics),
+            // Steps of a stepper are counted where they are made: there is nothing to be latched.
+            index_mm: (written.mechanics.has_index && written.mechanics.stepper.is_none())
+                .then(|| single(written.mechanics.index_mm)),
+            index_sigma_um: single(written.mechanics.index_noise_um),
             ..DriveSettings::default()
         },
         ..FlightSettings::default()

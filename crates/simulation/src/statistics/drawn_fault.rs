@@ -81,7 +81,11 @@ fn size(fault: InjectedFault, random: &mut Random) -> String {
             let size = random.scaled(1.0, 10_000.0).round();
             signed(size, random)
         }
-        InjectedFault::LimitSwitch => 1.0,
+        InjectedFault::CountsLost => {
+            let size = random.scaled(0.01, 900.0);
+            signed(size, random)
+        }
+        InjectedFault::LimitSwitch | InjectedFault::IndexMissing => 1.0,
         InjectedFault::ShutterLate => random.scaled(0.05, 50.0),
         InjectedFault::ShutterMissing => f64::from(random.below(3)),
         InjectedFault::ShutterDouble => random.scaled(0.05, 30.0),

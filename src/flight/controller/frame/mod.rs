@@ -142,6 +142,14 @@ impl FrameMachine {
         }
     }
 
+    /// Number of the first record that is not finished: of the frame in flight, or else the next.
+    pub(super) fn next_sequence(&self) -> u32 {
+        match &self.in_flight {
+            Some(frame) => frame.asked.sequence,
+            None => self.kept.records().last_sequence().saturating_add(1),
+        }
+    }
+
     /// Returns the state of the frame in flight, as it is reported.
     pub(super) const fn state(&self) -> Option<State> {
         match &self.in_flight {

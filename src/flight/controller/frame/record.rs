@@ -25,6 +25,9 @@ impl FrameMachine {
         let sequence = frame.asked.sequence;
         let mut flags = frame.flags;
         let mut sigma = measured.sigma;
+        if setup.camera.has_stage() && !stage.index.is_referenced(&setup.settings.drive) {
+            flags.insert(Flag::Unreferenced);
+        }
         if light.is_end_assumed {
             flags.insert(Flag::LastLightAssumed);
             if let Some(last) = stage.track().last() {

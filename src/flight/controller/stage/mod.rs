@@ -12,6 +12,7 @@ use super::timing::{
 use crate::flight::drive::StageReading;
 use crate::flight::fault::Fault;
 use crate::flight::following_error_rms::FollowingErrorRms;
+use crate::flight::index_watch::IndexWatch;
 use crate::flight::play::Play;
 use crate::flight::slope::Slope;
 use crate::flight::stage::{Profile, Setpoint};
@@ -45,6 +46,7 @@ pub(super) struct StageMachine {
     standing_since: Option<(Time, f32)>,
     /// Wrong readings that were left out.
     glitches: u32,
+    pub(super) index: IndexWatch,
 }
 
 /// Degree to which the stage is expected to follow its set point.
@@ -88,6 +90,7 @@ impl StageMachine {
             last_reading: Time::START,
             standing_since: None,
             glitches: 0,
+            index: IndexWatch::new(),
         }
     }
 
@@ -217,6 +220,8 @@ impl StageMachine {
         self.following_slope.clear();
         self.forget_suspicion();
         self.standing_since = None;
+        // Without force the encoder is watched less.
+        self.index.demand();
         self.motion.take().is_some()
     }
 
@@ -246,6 +251,7 @@ impl StageMachine {
     /// Notes that the encoder counts from the calibrated position again.
     pub(super) fn refer(&mut self) {
         self.is_place_lost = false;
+        self.index.demand();
         self.track.clear();
         self.read_mm = None;
         self.following_slope.clear();
@@ -332,6 +338,11 @@ impl StageMachine {
     /// Returns the position of the last reading, mm; 0 before the first.
     fn last_place_mm(&self) -> f32 {
         self.read_mm.unwrap_or(0.0)
+    }
+
+    /// Returns `true` if the screw pushes the stage along the FMC axis.
+    pub(super) fn is_pushed_along(&self) -> bool {
+        self.play.is_taken_up()
     }
 
     pub(super) const fn is_released(&self) -> bool {

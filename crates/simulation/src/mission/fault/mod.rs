@@ -46,6 +46,10 @@ pub enum InjectedFault {
     Runaway,
     /// The encoder's count jumps.
     EncoderGlitch,
+    /// The encoder loses counts for good, evenly over the duration, or at once without one.
+    CountsLost,
+    /// The index mark is not seen.
+    IndexMissing,
     /// A limit switch closes.
     LimitSwitch,
     /// The shutter opens late.
@@ -74,7 +78,7 @@ pub enum InjectedFault {
 
 impl InjectedFault {
     /// All of them.
-    pub const ALL: [Self; 22] = [
+    pub const ALL: [Self; 24] = [
         Self::VhDropOut,
         Self::VhJump,
         Self::VhNan,
@@ -85,6 +89,8 @@ impl InjectedFault {
         Self::SignError,
         Self::Runaway,
         Self::EncoderGlitch,
+        Self::CountsLost,
+        Self::IndexMissing,
         Self::LimitSwitch,
         Self::ShutterLate,
         Self::ShutterMissing,
@@ -113,6 +119,8 @@ impl InjectedFault {
             Self::SignError => "sign-error",
             Self::Runaway => "runaway",
             Self::EncoderGlitch => "encoder-glitch",
+            Self::CountsLost => "counts-lost",
+            Self::IndexMissing => "index-missing",
             Self::LimitSwitch => "limit-switch",
             Self::ShutterLate => "shutter-late",
             Self::ShutterMissing => "shutter-missing",
@@ -146,6 +154,8 @@ impl InjectedFault {
             Self::SignError => "(1: motor, 2: encoder)",
             Self::Runaway => "of full pulse width",
             Self::EncoderGlitch => "counts",
+            Self::CountsLost => "µm lost in sum",
+            Self::IndexMissing => "(1: no edge)",
             Self::LimitSwitch => "(1: closed wherever the stage is)",
             Self::ShutterLate => "ms late",
             Self::ShutterMissing => {
@@ -171,7 +181,8 @@ impl InjectedFault {
             Self::SignError => [1.0, 2.0],
             Self::Runaway => [-1.0, 1.0],
             Self::EncoderGlitch => [-1e6, 1e6],
-            Self::LimitSwitch => [1.0, 1.0],
+            Self::CountsLost => [-1000.0, 1000.0],
+            Self::LimitSwitch | Self::IndexMissing => [1.0, 1.0],
             Self::ShutterLate => [0.01, 100.0],
             Self::ShutterMissing => [0.0, 2.0],
             Self::ShutterDouble => [0.01, 50.0],
@@ -194,7 +205,7 @@ impl InjectedFault {
             Self::EncoderGlitch => 1000.0,
             Self::ShutterLate => 5.0,
             Self::ShutterDouble => 0.5,
-            Self::TriggerOverlap => 20.0,
+            Self::TriggerOverlap | Self::CountsLost => 20.0,
             Self::Stall => 50.0,
             Self::UartCut | Self::ReceiverCut | Self::AutopilotCut => 6.0,
             Self::ReceiverFlood | Self::AutopilotFlood => 100.0,
@@ -204,6 +215,7 @@ impl InjectedFault {
             | Self::VhWrongSign
             | Self::SignError
             | Self::Runaway
+            | Self::IndexMissing
             | Self::LimitSwitch => 1.0,
         }
     }
@@ -259,6 +271,7 @@ impl InjectedFault {
             self,
             Self::SignError
                 | Self::EncoderGlitch
+                | Self::IndexMissing
                 | Self::LimitSwitch
                 | Self::ShutterMissing
                 | Self::ReceiverFlood

@@ -19,6 +19,8 @@ fn one(injection: &Injection) -> Option<mechanics::Injection> {
         InjectedFault::EncoderGlitch => MechanicalFault::EncoderGlitch {
             counts: counts(size),
         },
+        InjectedFault::CountsLost => MechanicalFault::CountsLost { um: size },
+        InjectedFault::IndexMissing => MechanicalFault::IndexMissing,
         InjectedFault::LimitSwitch => MechanicalFault::LimitStuck,
         _ => return None,
     };

@@ -51,6 +51,7 @@ pub(super) fn turn(time: &mut Clock, deck: &mut Deck) {
             Action::OpenShutter { at, exposure_s } => shutter::open(at, exposure_s),
             Action::CloseShutter => shutter::close(),
             Action::Fault(fault) => journal::note_fault(fault),
+            Action::InDoubt(exposures) => journal::note_doubt(exposures),
             // The deck has carried out the stage's actions, and does not prepare a camera whose
             // rows are to be clocked.
             Action::MoveStage(_)

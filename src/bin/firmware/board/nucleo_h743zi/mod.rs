@@ -91,6 +91,7 @@ impl Board {
                     enable: p.PE12,
                     encoder_a: p.PD12,
                     encoder_b: p.PD13,
+                    index: p.PD14,
                 },
             ),
             // The clock starts before the timers that count with it.

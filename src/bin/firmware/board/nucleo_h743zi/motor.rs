@@ -1,5 +1,5 @@
 //! The motor: TIM1 makes the pulse width, lines set direction and enable, and TIM4 counts the
-//! encoder.
+//! encoder and latches its count at the index mark.
 
 use core::convert::Infallible;
 
@@ -8,11 +8,14 @@ use embassy_stm32::{
     gpio::{AfType, Flex, Level, Output, OutputType, Pull, Speed},
     pac::{
         self,
-        timer::vals::{CcmrInputCcs, CcmrOutputCcs, FilterValue, OcmGp, Ossi, Sms},
+        timer::{
+            regs::SrGp16,
+            vals::{CcmrInputCcs, CcmrOutputCcs, FilterValue, OcmGp, Ossi, Sms},
+        },
     },
-    peripherals::{PD12, PD13, PE9, PE10, PE12, TIM1, TIM4},
+    peripherals::{PD12, PD13, PD14, PE9, PE10, PE12, TIM1, TIM4},
     rcc,
-    timer::{Ch1, Ch2},
+    timer::{Ch1, Ch2, Ch3},
 };
 use embedded_hal::pwm::{ErrorType, SetDutyCycle};
 use fmc_camera::flight::drive::{
@@ -60,12 +63,13 @@ pub(super) struct MotorPins {
     pub(super) enable: Peri<'static, PE12>,
     pub(super) encoder_a: Peri<'static, PD12>,
     pub(super) encoder_b: Peri<'static, PD13>,
+    pub(super) index: Peri<'static, PD14>,
 }
 
 /// Pins and timers in operation.
 pub(super) struct Motor {
     _outputs: [Output<'static>; 2],
-    _timed: [Flex<'static>; 3],
+    _timed: [Flex<'static>; 4],
 }
 
 impl Motor {
@@ -84,12 +88,14 @@ impl Motor {
         start_encoder();
         let pulses = AfType::output(OutputType::PushPull, Speed::Medium);
         let tracks = AfType::input(Pull::Up);
+        let mark = AfType::input(Pull::Down);
         Self {
             _outputs: outputs,
             _timed: [
                 attach::<_, TIM1, Ch1>(pins.pwm, pulses),
                 attach::<_, TIM4, Ch1>(pins.encoder_a, tracks),
                 attach::<_, TIM4, Ch2>(pins.encoder_b, tracks),
+                attach::<_, TIM4, Ch3>(pins.index, mark),
             ],
         }
     }
@@ -118,6 +124,9 @@ fn start_pulses() {
     timer.cr1().modify(|w| w.set_cen(true));
 }
 
+/// Channel of TIM4 that latches the count at the rising edge of the index mark.
+const INDEX: usize = 2;
+
 /// Counts every edge of both tracks; 8 samples at 200 MHz reject pulses shorter than 40 ns.
 fn start_encoder() {
     let timer = pac::TIM4;
@@ -128,6 +137,11 @@ fn start_encoder() {
             w.set_icf(track, FilterValue::FCK_INT_N8);
         }
     });
+    timer.ccmr_input(INDEX / 2).modify(|w| {
+        w.set_ccs(INDEX % 2, CcmrInputCcs::TI4);
+        w.set_icf(INDEX % 2, FilterValue::FCK_INT_N8);
+    });
+    timer.ccer().modify(|w| w.set_cce(INDEX, true));
     timer.smcr().modify(|w| w.set_sms(Sms::ENCODER_MODE_3));
     timer.cr1().modify(|w| w.set_cen(true));
 }
@@ -158,5 +172,22 @@ pub(crate) struct Encoder {
 impl QuadratureCounter for Encoder {
     fn count(&mut self) -> i32 {
         self.count.extend(pac::TIM4.cnt().read().cnt())
+    }
+
+    fn take_index(&mut self) -> Option<i32> {
+        let status = pac::TIM4.sr().read();
+        if !status.ccif(INDEX) {
+            return None;
+        }
+        // Reading the register clears its flag.
+        let latched = pac::TIM4.ccr(INDEX).read().ccr();
+        if status.ccof(INDEX) {
+            // A sensor that bounces has latched again: the first edge is lost.
+            let mut overrun = SrGp16(u32::MAX);
+            overrun.set_ccof(INDEX, false);
+            pac::TIM4.sr().write_value(overrun);
+            return None;
+        }
+        Some(self.count.near(latched))
     }
 }

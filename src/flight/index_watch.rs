@@ -1,0 +1,301 @@
+//! The watch of the index mark: it compares the encoder's reading from crossing to crossing.
+
+use super::drive::settings::DriveSettings;
+use super::in_doubt::InDoubt;
+
+/// Number of σ by which two crossings may differ: one in a million does by chance alone.
+const AGREE_SIGMA: f32 = 5.0;
+
+/// Reading of the encoder at the index mark, and the records that depend on it.
+///
+/// # Model
+/// The mark sits on the stage. A crossing counts where the screw pushes the stage along the FMC
+/// axis, as it does where the encoder's zero is set: play and width of the mark do not enter. The
+/// first crossing after arming must agree with the mark's place in the settings. Reference of the
+/// others is the slowest so far. Two readings of a place differ by up to a step q and by the
+/// repeatability of the mark `σ_i`. The age t of a reading moves it by v·t: with the error of t,
+/// which stays, by `σ_t` times the difference of the speeds v and u of both crossings, and with the
+/// speed, which is known to half of its change d between two readings. The tolerances are
+///
+/// ```text
+/// against the reference   e = q + 5·√(σ_i² + ((v - u)·σ_t)²) + t·d/2
+/// against the settings        q + 5·√(σ_i² + σ_0² + (s·x)² + (v·σ_t)²) + t·d/2
+/// ```
+///
+/// with σ of the zero `σ_0`, of the scale s and the place x of the mark. A crossing outside shows
+/// that counts were lost or added since the last one that agreed.
+///
+/// # σ of a record
+/// A record with a crossing since the one before is *referenced*: its σ is not below the difference
+/// of that crossing from the settings, nor below a third of `q + 5·σ_i`, which may be lost unseen.
+/// Without, as on a camera without a mark, each of the n records
+/// since the last crossing may have lost a step that the stage's watch lets pass, up to L either
+/// way and independent of the others: `σ² = n·L²/3`.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(crate) struct IndexWatch {
+    /// The slowest crossing since the camera was armed.
+    reference: Option<Reference>,
+    /// Difference of the last crossing from the settings, mm.
+    off_mm: f32,
+    /// Reading at the last crossing, mm, whether it agreed or not.
+    last_mm: Option<f32>,
+    /// Exposures since the last crossing that agreed; one more if there was none.
+    cycles: u16,
+    /// Number of the first record after that crossing.
+    first_since: u32,
+    /// Exposures that the last crossing that did not agree has left in doubt.
+    in_doubt: Option<InDoubt>,
+    /// The stage has been moved across the mark, and no crossing came.
+    is_missed: bool,
+    detour: Detour,
+    /// Place at which the stage waits, mm, after the first way back.
+    began_mm: f32,
+    /// The last way back has led across the mark, along the FMC axis.
+    is_expected: bool,
+}
+
+/// A crossing with which others are compared.
+#[derive(Debug, Clone, Copy, PartialEq)]
+struct Reference {
+    place_mm: f32,
+    speed_mm_s: f32,
+}
+
+/// Ways across the mark before the way to the waiting place.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+enum Detour {
+    None,
+    /// To the place below the mark.
+    Down,
+    /// From there to the place above it.
+    Up,
+    /// To the lower end of the ways at arming, to search for the mark.
+    SearchDown,
+    /// From there to their upper end.
+    SearchUp,
+}
+
+/// A crossing of the mark with the screw pushing along the FMC axis.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(crate) struct Crossing {
+    /// Reading of the encoder, as latched, mm.
+    pub(crate) reading_mm: f32,
+    /// Speed, mm/s.
+    pub(crate) speed_mm_s: f32,
+    /// Change of the speed between two readings, mm/s.
+    pub(crate) change_mm_s: f32,
+    /// Number of the first record whose exposure has not ended.
+    pub(crate) next_sequence: u32,
+}
+
+/// Places on both sides of the mark, mm, between which a way crosses it with the play taken up.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(crate) struct IndexSides {
+    pub(crate) low_mm: f32,
+    pub(crate) high_mm: f32,
+}
+
+impl IndexSides {
+    /// Returns `true` if a way between two places, there or back, crosses the mark.
+    pub(crate) fn are_between(&self, one_mm: f32, other_mm: f32) -> bool {
+        one_mm.min(other_mm) <= self.low_mm && one_mm.max(other_mm) >= self.high_mm
+    }
+}
+
+/// Ends of the ways across the mark.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(crate) struct IndexPlaces {
+    /// Of the shortest.
+    pub(crate) sides: IndexSides,
+    /// Of those at arming.
+    pub(crate) ends: IndexSides,
+}
+
+/// A way of the stage after a frame.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(crate) struct Way {
+    pub(crate) to_mm: f32,
+    /// The stage has been moved across the mark, and for the first time no crossing came.
+    pub(crate) is_newly_missed: bool,
+}
+
+impl IndexWatch {
+    /// Returns a watch before the first crossing.
+    pub(crate) const fn new() -> Self {
+        Self {
+            reference: None,
+            off_mm: 0.0,
+            last_mm: None,
+            cycles: 1,
+            first_since: 1,
+            in_doubt: None,
+            is_missed: false,
+            detour: Detour::None,
+            began_mm: f32::NAN,
+            is_expected: false,
+        }
+    }
+
+    /// Forgets the reference: the next crossing is compared with the settings.
+    pub(crate) fn arm(&mut self) {
+        self.reference = None;
+        self.is_missed = false;
+    }
+
+    /// Takes a crossing. Returns by how much it differs from the one before, or from the settings,
+    /// if it does not agree.
+    pub(crate) fn cross(&mut self, crossing: &Crossing, drive: &DriveSettings) -> Option<InDoubt> {
+        let age_s = drive.velocity_loop.reading_age_s;
+        let place_mm = crossing.reading_mm + crossing.speed_mm_s * age_s;
+        self.last_mm = Some(place_mm);
+        let index_mm = drive.index_mm?;
+        let speed_mm_s = crossing.speed_mm_s;
+        let (expected_mm, sigma_mm) = match self.reference {
+            Some(reference) => (
+                reference.place_mm,
+                repeat_sigma_mm(drive, speed_mm_s - reference.speed_mm_s),
+            ),
+            None => (index_mm, place_sigma_mm(drive, index_mm, speed_mm_s)),
+        };
+        let tolerance_mm = 1e-3 * drive.encoder_step_um
+            + AGREE_SIGMA * sigma_mm
+            + 0.5 * libm::fabsf(crossing.change_mm_s) * age_s;
+        self.is_missed = false;
+        let off_mm = place_mm - expected_mm;
+        if libm::fabsf(off_mm) > tolerance_mm {
+            return Some(InDoubt {
+                from_sequence: self.first_since,
+                off_mm,
+            });
+        }
+        if self
+            .reference
+            .is_none_or(|reference| speed_mm_s < reference.speed_mm_s)
+        {
+            self.reference = Some(Reference {
+                place_mm,
+                speed_mm_s,
+            });
+        }
+        self.off_mm = place_mm - index_mm;
+        self.cycles = 0;
+        self.first_since = crossing.next_sequence;
+        None
+    }
+
+    /// Notes the record of an exposure.
+    pub(crate) const fn count_record(&mut self) {
+        self.cycles = self.cycles.saturating_add(1);
+    }
+
+    /// Returns σ of a principal point that is common to the flight, with the counts that may have
+    /// been lost unseen, mm; `unseen_mm` is the largest step that the stage's watch lets pass.
+    pub(crate) fn sigma_mm(&self, common_mm: f32, drive: &DriveSettings, unseen_mm: f32) -> f32 {
+        if self.is_referenced(drive) {
+            let unseen_mm = 1e-3 * (drive.encoder_step_um + AGREE_SIGMA * drive.index_sigma_um);
+            common_mm.max(unseen_mm / 3.0).max(libm::fabsf(self.off_mm))
+        } else {
+            let cycles = f32::from(self.cycles.max(1));
+            libm::hypotf(common_mm, unseen_mm * libm::sqrtf(cycles / 3.0))
+        }
+    }
+
+    /// Returns `true` if the mark has been crossed since the last record, and agreed.
+    pub(crate) const fn is_referenced(&self, drive: &DriveSettings) -> bool {
+        drive.index_mm.is_some() && self.cycles == 0
+    }
+
+    /// Returns `true` if the mark has been crossed since the camera was armed, and agreed.
+    pub(crate) const fn is_found(&self) -> bool {
+        self.reference.is_some()
+    }
+
+    /// Notes exposures that are in doubt.
+    pub(crate) const fn doubt(&mut self, exposures: InDoubt) {
+        self.in_doubt = Some(exposures);
+    }
+
+    /// Exposures that are in doubt since the last crossing that did not agree.
+    pub(crate) const fn in_doubt(&self) -> Option<InDoubt> {
+        self.in_doubt
+    }
+
+    /// Returns the place of the mark by the last crossing, mm.
+    pub(crate) const fn last_mm(&self) -> Option<f32> {
+        self.last_mm
+    }
+
+    /// Asks for a crossing before the stage is ready again.
+    pub(crate) fn demand(&mut self) {
+        self.cycles = self.cycles.max(1);
+        self.detour = Detour::None;
+        self.began_mm = f32::NAN;
+        self.is_expected = false;
+    }
+
+    /// Returns the next way after a frame, from a place to the waiting place, mm: directly, or to a
+    /// place beside the mark if the way there and back does not cross it. If no crossing has come
+    /// where the stage has been moved across the mark, the mark is searched for once: many counts
+    /// may be lost.
+    pub(crate) fn next_way(&mut self, from_mm: f32, waiting_mm: f32, places: &IndexPlaces) -> Way {
+        let sides = &places.sides;
+        let is_up = |one_mm, other_mm| one_mm <= sides.low_mm && other_mm >= sides.high_mm;
+        // The record before the last was the last with a crossing.
+        let is_overdue = self.cycles > 1 && (self.is_expected || is_up(self.began_mm, from_mm));
+        let is_crossed = self.cycles == 0;
+        let is_searched_for = is_crossed || self.is_missed;
+        let next = match self.detour {
+            Detour::Down => Detour::Up,
+            Detour::SearchDown => Detour::SearchUp,
+            Detour::SearchUp => Detour::None,
+            Detour::Up if is_searched_for => Detour::None,
+            Detour::Up => Detour::SearchDown,
+            Detour::None if is_overdue && !is_searched_for => Detour::SearchDown,
+            Detour::None if is_crossed || sides.are_between(from_mm, waiting_mm) => Detour::None,
+            Detour::None if from_mm <= sides.low_mm => Detour::Up,
+            Detour::None => Detour::Down,
+        };
+        let is_missed = self.detour == Detour::SearchUp && !is_crossed;
+        self.detour = next;
+        let to_mm = match next {
+            Detour::None => waiting_mm,
+            Detour::Down => sides.low_mm,
+            Detour::Up => sides.high_mm,
+            Detour::SearchDown => places.ends.low_mm,
+            Detour::SearchUp => places.ends.high_mm,
+        };
+        if next == Detour::None {
+            self.began_mm = waiting_mm;
+            self.is_expected = is_up(from_mm, waiting_mm);
+        }
+        Way {
+            to_mm,
+            is_newly_missed: is_missed && self.miss(),
+        }
+    }
+
+    /// Returns `true` if another way follows before the waiting place is reached.
+    pub(crate) const fn is_on_detour(&self) -> bool {
+        !matches!(self.detour, Detour::None)
+    }
+
+    /// Notes that the stage has been moved across the mark and no crossing came. Returns `true` for
+    /// the first time since the last crossing.
+    pub(crate) const fn miss(&mut self) -> bool {
+        !core::mem::replace(&mut self.is_missed, true)
+    }
+}
+
+/// Returns σ of the difference of two readings at the mark with a difference in speed, mm.
+fn repeat_sigma_mm(drive: &DriveSettings, faster_mm_s: f32) -> f32 {
+    let of_age_mm = drive.reading_age_sigma_s * faster_mm_s;
+    libm::hypotf(1e-3 * drive.index_sigma_um, of_age_mm)
+}
+
+/// Returns σ of the difference of a reading at the mark from its place in the settings, mm.
+fn place_sigma_mm(drive: &DriveSettings, index_mm: f32, speed_mm_s: f32) -> f32 {
+    let of_zero_mm = 1e-3 * drive.zero_sigma_um;
+    let of_scale_mm = 1e-6 * drive.encoder_scale_ppm * index_mm;
+    let of_mark_mm = repeat_sigma_mm(drive, speed_mm_s);
+    libm::hypotf(of_mark_mm, libm::hypotf(of_zero_mm, of_scale_mm))
+}
