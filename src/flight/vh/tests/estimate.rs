@@ -77,9 +77,10 @@ fn guess_of_the_change_fades_with_the_differences_that_the_samples_show() {
         let mut monitor = VhMonitor::new(settings.checked().unwrap());
         for step in 0..=differences {
             let now = at(0.5 * f32::from(step));
-            let speed_m_s = 60.0 + 1e-5 * f32::from(step % 2);
-            monitor.observe(now, VhSample::GroundSpeed(speed_m_s));
-            monitor.observe(now, VhSample::HeightAboveGround(1000.0));
+            // No value repeats.
+            let little = 1e-4 * f32::from(step % 2);
+            monitor.observe(now, VhSample::GroundSpeed(60.0 + little));
+            monitor.observe(now, VhSample::HeightAboveGround(1000.0 + little));
         }
         let latest = at(0.5 * f32::from(differences));
         1000.0 * monitor.estimate_ahead(latest, 1.0).unwrap().sigma_per_s
