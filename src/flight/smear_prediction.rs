@@ -35,6 +35,8 @@ pub struct Compensation {
     /// δ: travel in the direction of flight, mm; 0: the stage stood still.
     pub travel_mm: f32,
     /// Departure of the stage from a straight line in time meanwhile, to both sides together, mm.
+    /// The charge of a TDI sensor moves in whole rows: one row, or the travel if it is shorter than
+    /// the first transfer takes.
     pub wander_mm: f32,
     /// σ of δ, mm.
     pub travel_sigma_mm: f32,
@@ -114,8 +116,8 @@ impl SmearPrediction {
     /// # Model
     /// The largest length of the residual image motion over a grid of the sensor
     /// ([`ImageMotion::largest_smear`]), with attitude, rates and drift if they are given; to that
-    /// are added the stage's departure from its straight line, `|δ|·max|∂D/∂e|`, by which the lens
-    /// distortion changes along the travel, and [`COVERAGE`] times
+    /// are added the departure of the stage or of the rows from its straight line, `|δ|·max|∂D/∂e|`,
+    /// by which the lens distortion changes along the travel, and [`COVERAGE`] times
     ///
     /// ```text
     /// σ² = (f·t)²·(σ_η² + c·η²·(s² + α²) + c²·ω²) + σ_δ²      c = 1 + R²/f²

@@ -48,6 +48,21 @@ pub fn mean_transfers(
     Ok(mean)
 }
 
+/// Returns the way of an image point to and fro on the charge in one exposure, rows.
+///
+/// # Model
+/// The image has moved on by u rows after u row periods, the charge by the staircase `⌊u - φ⌋ + 1`
+/// of [`mean_transfers`]. The image runs ahead by φ rows until each transfer and lies `1 - φ` behind
+/// after it: a whole row to both sides together, whatever the phase. Without a transfer it moves by
+/// all of its travel.
+///
+/// # Units and frames
+/// `rows` = |δ|/p, the travel of the image in rows; `first_transfer` φ in row periods, 0 to 1.
+#[must_use]
+pub(crate) fn largest_lag(rows: f32, first_transfer: f32) -> f32 {
+    if first_transfer < rows { 1.0 } else { rows }
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -72,6 +87,34 @@ mod tests {
     fn one_and_a_half_rows_lag_as_computed_independently() {
         assert!((lag(1.5, 1.0) - 0.416_667).abs() < 1e-5);
         assert!((lag(1.5, 0.5) - 0.083_333).abs() < 1e-5);
+    }
+
+    #[test]
+    fn image_moves_on_the_charge_by_a_row_or_by_its_travel_without_a_transfer() {
+        for rows in [0.0_f32, 0.2, 0.5, 0.9, 1.0, 1.7, 4.0, 33.3] {
+            for first_transfer in [0.0_f32, 0.25, 0.5, 1.0] {
+                // Places of the image on the charge, 1000 of them in a row period.
+                let (mut least, mut most) = (0.0_f32, 0.0_f32);
+                let images = (0..=u16::MAX).map(|step| f32::from(step) / 1000.0);
+                for image in images.take_while(|image| *image <= rows) {
+                    let transfers = if image > first_transfer {
+                        libm::floorf(image - first_transfer) + 1.0
+                    } else {
+                        0.0
+                    };
+                    least = least.min(image - transfers);
+                    most = most.max(image - transfers);
+                }
+                let found = largest_lag(rows, first_transfer);
+                let expected = most - least;
+                // At phase 0 the first transfer is that of an image that has not moved yet.
+                let is_at_once = first_transfer == 0.0 && rows < 1.0;
+                assert!(
+                    (found - expected).abs() < 0.003 || is_at_once && found >= expected,
+                    "{rows} rows, {first_transfer}: {found}, {expected}"
+                );
+            }
+        }
     }
 
     #[test]

@@ -140,3 +140,53 @@ fn sigma_of_vh_and_predicted_smear_cover_the_errors_of_random_flights() {
     // A prediction that is far too large covers everything, and says nothing.
     assert!(found.predicted_over_true <= 3.0, "{found:?}");
 }
+
+/// Flights with a TDI sensor, and frames of each.
+const TDI_FLIGHTS: u32 = 30;
+const TDI_FRAMES: u32 = 8;
+
+#[test]
+fn predicted_smear_of_a_tdi_sensor_has_the_row_by_which_the_image_moves_on_the_charge() {
+    let bench = tempfile::tempdir().unwrap();
+    std::fs::create_dir(bench.path().join("cameras")).unwrap();
+    let mut random = fastrand::Rng::with_seed(7);
+    let mut frames = Vec::new();
+    let (mut with_transfers, mut without) = (0, 0);
+    for seed in 0..TDI_FLIGHTS {
+        let first_transfer = random.f32();
+        let camera = include_str!("../../scenarios/cameras/mission.toml")
+            .replace(
+                "strategy = \"centred\"",
+                &format!("mechanism = \"tdi\"\nfirst_transfer = {first_transfer}"),
+            )
+            .replace("[0.001, 0.02]", "[0.0002, 0.02]");
+        std::fs::write(bench.path().join("cameras/mission.toml"), camera).unwrap();
+        let nominal = include_str!("../../scenarios/mission.toml");
+        let mut scenario =
+            MissionScenario::parse("tdi.toml", nominal, bench.path(), Some(TDI_FRAMES), None)
+                .unwrap();
+        // 12 mm/s: a row of 8.75 µm takes 0.73 ms.
+        scenario.written.flight.exposure_s = 0.0002 * (random.f64() * 50.0_f64.ln()).exp();
+        let flown = flown(&scenario, seed.into());
+        for frame in &flown.frames {
+            let Outcome::Exposed(exposed) = frame.record.outcome else {
+                panic!("{:?}", frame.record);
+            };
+            let rows = exposed.interior.motion.travel_mm / 0.00875;
+            let least_px = if rows > first_transfer {
+                with_transfers += 1;
+                1.0
+            } else {
+                without += 1;
+                rows
+            };
+            assert!(exposed.smear_px > 0.999 * least_px, "{rows}: {exposed:?}");
+        }
+        frames.extend(statistics(&flown));
+    }
+    let found = Coverage::of(&frames);
+    eprintln!("{found:?}, {with_transfers} with transfers, {without} without");
+    assert!(with_transfers > 100 && without > 30);
+    assert!(found.smear_above <= 0.05, "{found:?}");
+    assert!(found.predicted_over_true <= 2.0, "{found:?}");
+}

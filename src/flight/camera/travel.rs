@@ -5,6 +5,7 @@ use crate::flight::exposure::{Exposure, Limits};
 use crate::flight::stage::{Tracking, Travel};
 use crate::geometry::principal_point::{PrincipalPointMotion, UniformTravel};
 use crate::geometry::range::{OutOfRange, Quantity};
+use crate::geometry::tdi::largest_lag;
 
 impl Camera {
     /// Returns `true` if a stage moves the detector.
@@ -68,6 +69,19 @@ impl Camera {
                 let pixel_mm = self.calibration.sensor().pixel_mm();
                 PrincipalPointMotion::from_tdi(travel, pixel_mm, first_transfer, &self.shutter)
                     .unwrap_or(smooth)
+            }
+        }
+    }
+
+    /// Returns the way of an image point to and fro on the charge that rows carry which are clocked
+    /// at the speed of a travel, mm; 0 for a stage, which moves evenly.
+    pub(crate) fn steps_mm(&self, travel: UniformTravel) -> f32 {
+        match self.mechanism {
+            Mechanism::Stage { .. } => 0.0,
+            Mechanism::Tdi { first_transfer } => {
+                let pixel_mm = self.calibration.sensor().pixel_mm();
+                let travel_mm = libm::fabsf(travel.speed_mm_s * travel.exposure_s);
+                pixel_mm * largest_lag(travel_mm / pixel_mm, first_transfer)
             }
         }
     }

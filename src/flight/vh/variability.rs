@@ -10,8 +10,15 @@ const CHANGE_OVER_S: f32 = 0.4;
 /// Longest time between two samples that are compared, s; the source was silent between others.
 const COMPARED_WITHIN_S: f32 = 3.0;
 
-/// Number of differences that the settings count as.
+/// Number of differences that the noise of the settings counts as.
 const PRIOR_DIFFERENCES: f32 = 3.0;
+
+/// Number of measured differences by which the change of the settings counts half.
+const FADES_BY: f32 = 2.0;
+
+/// Student's n/(n - 2) is by how much the variance of a normal error is larger whose own variance n
+/// differences have measured: to first order in 1/n, the mean of n counts as n + 2.
+const STUDENT: f32 = 2.0;
 
 /// Number of differences over which noise and change are averaged.
 const AVERAGED_DIFFERENCES: f32 = 24.0;
@@ -32,8 +39,17 @@ const LEAST_CHANGE: f32 = 0.05;
 /// variance grows by q per second, as gusts change a speed and the ground changes a height. The
 /// difference of two samples that are T apart has the variance `2r + q·T`. Differences of
 /// neighbouring samples measure r, those of samples [`CHANGE_OVER_S`] apart measure q. Each is a
-/// mean over [`AVERAGED_DIFFERENCES`], which begins with the settings. r is at least the square of
-/// the setting `sigma`, since differences do not show a constant error.
+/// mean over [`AVERAGED_DIFFERENCES`], which begins with the settings.
+///
+/// The setting `sigma` is what a maker states; it counts as [`PRIOR_DIFFERENCES`] in r, and r is at
+/// least its square, since differences do not show a constant error. The change q₀ of the settings
+/// is a first guess of the air, which is a hundred times as calm on one day as on another. It
+/// counts as `w = 1/(1 + n/2)` differences beside n measured ones of the mean m, so that what is
+/// left of it falls with n²:
+///
+/// ```text
+/// q = (w·q₀ + (n + 2)·m) / (w + n)
+/// ```
 #[derive(Debug, Clone, Copy, Default)]
 pub(super) struct Variability {
     /// Sample with which the next one after [`CHANGE_OVER_S`] is compared.
@@ -116,13 +132,17 @@ impl Variability {
 
     fn noise(&self, settings: &ChannelSettings) -> f32 {
         let stated = square(settings.sigma);
-        stated.max(with_prior(stated, self.noise, self.noises))
+        let measured = PRIOR_DIFFERENCES * stated + self.noises * self.noise;
+        stated.max(measured / (PRIOR_DIFFERENCES + self.noises))
     }
 
     fn change_per_s(&self, settings: &ChannelSettings) -> f32 {
         let stated = square(settings.change_per_sqrt_s);
         let least = LEAST_CHANGE * LEAST_CHANGE * stated;
-        least.max(with_prior(stated, self.change_per_s, self.changes))
+        let count = self.changes;
+        let guess = FADES_BY / (FADES_BY + count);
+        let measured = (count + STUDENT) * self.change_per_s;
+        least.max((guess * stated + measured) / (guess + count))
     }
 }
 
@@ -130,11 +150,6 @@ impl Variability {
 fn average(mean: &mut f32, found: f32, count: &mut f32) {
     *count = (*count + 1.0).min(MOST_DIFFERENCES);
     *mean += (found - *mean) / count.min(AVERAGED_DIFFERENCES);
-}
-
-/// Returns the mean of what was stated and what was measured.
-fn with_prior(stated: f32, measured: f32, count: f32) -> f32 {
-    (PRIOR_DIFFERENCES * stated + count * measured) / (PRIOR_DIFFERENCES + count)
 }
 
 fn square(value: f32) -> f32 {

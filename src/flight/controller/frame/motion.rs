@@ -39,7 +39,7 @@ impl InFlight {
                 frame_mm: libm::fabsf(planned.speed_mm_s) * STAMP_SIGMA_S,
                 common_mm: 0.0,
             },
-            wander_mm: 0.0,
+            wander_mm: setup.camera.steps_mm(planned),
         }
     }
 

@@ -24,7 +24,8 @@ pub(in super::super) struct ExposureMotion {
     pub(in super::super) motion: PrincipalPointMotion,
     /// σ of the motion's centroid.
     pub(in super::super) sigma: PrincipalPointSigma,
-    /// Departure of the stage from a straight line in time, mm.
+    /// Departure of the stage from a straight line in time, to both sides together, or of the rows
+    /// of a TDI sensor, mm.
     pub(in super::super) wander_mm: f32,
 }
 

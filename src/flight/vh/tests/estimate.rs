@@ -66,6 +66,38 @@ fn noise_and_change_are_those_of_the_samples() {
 }
 
 #[test]
+fn guess_of_the_change_fades_with_the_differences_that_the_samples_show() {
+    // A speed that does not change, every half second, and V/H at the age of a second: after n
+    // differences σ² is `w/(w + n)` of the guess, w = 1/(1 + n/2).
+    let sigma = |differences: u16| {
+        let mut settings = calm();
+        settings.ground_speed.change_per_sqrt_s = 3.0;
+        settings.ground_speed.sigma = 1e-3;
+        settings.height_above_ground.sigma = 1e-6;
+        let mut monitor = VhMonitor::new(settings.checked().unwrap());
+        for step in 0..=differences {
+            let now = at(0.5 * f32::from(step));
+            // No value repeats.
+            let little = 1e-4 * f32::from(step % 2);
+            monitor.observe(now, VhSample::GroundSpeed(60.0 + little));
+            monitor.observe(now, VhSample::HeightAboveGround(1000.0 + little));
+        }
+        let latest = at(0.5 * f32::from(differences));
+        1000.0 * monitor.estimate_ahead(latest, 1.0).unwrap().sigma_per_s
+    };
+    for (differences, share) in [(0, 1.0), (2, 1.0 / 5.0), (4, 1.0 / 13.0), (10, 1.0 / 61.0)] {
+        let expected = 3.0 * libm::sqrtf(share);
+        let found = sigma(differences);
+        assert!(
+            (found - expected).abs() < 0.001 * expected,
+            "{differences}: {found}"
+        );
+    }
+    // A twentieth of the guess stays.
+    assert!((sigma(400) - 0.15).abs() < 0.001);
+}
+
+#[test]
 fn ways_are_taken_in_order_as_they_are_lost() {
     let mut monitor = flying(&GOOD);
     assert_eq!(monitor.observe(at(4.0), VhSample::Direct(0.0602)), None);
