@@ -11,7 +11,7 @@ impl Controller {
     /// Takes a fault that ends whatever the camera is doing: the stage is released, and an exposure
     /// that has not begun is called off. One that has begun is recorded when it ends.
     pub(super) fn fail(&mut self, setup: &Setup, fault: Fault, actions: &mut Actions) {
-        if self.stage.fault() == Some(fault) && self.stage.is_released() {
+        if self.stage_fault(setup) == Some(fault) && self.stage.is_released() {
             // The same fault has released the stage before, and nothing has been asked of it since.
             if self.frame.is_in_flight() {
                 self.frame.note(fault);
@@ -24,14 +24,18 @@ impl Controller {
 
     /// Acts as [`Self::fail`], for a fault that is in a record already.
     pub(super) fn stop(&mut self, setup: &Setup, fault: Fault, actions: &mut Actions) {
-        if setup.camera.has_stage() {
-            self.stage.fail(fault);
-        }
+        self.stage.fail(fault);
         act(actions, Action::Fault(fault));
         self.release(actions);
         if self.readiness.fail(fault) {
             self.refuse_frame(Reason::Fault(fault), actions);
         }
+    }
+
+    /// Returns the fault of the stage that has not been cleared; a camera without a stage has none,
+    /// even if its encoder has lost its place.
+    pub(super) fn stage_fault(&self, setup: &Setup) -> Option<Fault> {
+        self.stage.fault().filter(|_| setup.camera.has_stage())
     }
 
     /// Reports a fault that ends nothing.
@@ -60,7 +64,7 @@ impl Controller {
         if is_good {
             return;
         }
-        if !setup.settings.encoder_survives_brown_out && setup.camera.has_stage() {
+        if !setup.settings.encoder_survives_brown_out {
             self.stage.lose_place();
         }
         self.fail(setup, Fault::BrownOut, actions);
