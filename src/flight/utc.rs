@@ -229,6 +229,14 @@ impl UtcClock {
         self.moved_s = 0.0;
     }
 
+    /// Forgets the pulses after a jump of the clock: their times cannot be compared with later ones.
+    /// The drift and what has stepped and moved stay.
+    pub(crate) const fn forget_pulses(&mut self) {
+        self.pulse = None;
+        self.stray = None;
+        self.doubt = None;
+    }
+
     /// Returns the time by which the receiver contradicts the count, or has stepped or moved, s.
     fn doubt_s(&self) -> f32 {
         let difference_s = self

@@ -164,6 +164,14 @@ impl Aircraft {
     /// Counts of the findings.
     pub(super) const fn findings(&self) -> &Findings {
         &self.findings
+    /// Forgets samples and pulses after a jump of the clock: their times cannot be compared with
+    /// later ones. Findings and doubts about UTC stay.
+    pub(super) const fn restart_clock(&mut self) {
+        self.vh.clear();
+        self.utc.forget_pulses();
+        self.attitude = None;
+    }
+
     }
 
     /// Notes the findings of the last sample of a source: the flag and its count, or none.

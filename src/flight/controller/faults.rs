@@ -54,6 +54,7 @@ impl Controller {
             self.record_exposure(setup, time, actions);
         }
         self.stage.forget_readings();
+        self.aircraft.restart_clock();
         self.stop(setup, Fault::Clock, actions);
     }
 

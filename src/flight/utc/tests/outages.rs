@@ -97,3 +97,19 @@ fn contradiction_is_forgotten_when_the_doubt_is_cleared() {
     clock.clear_doubt();
     assert!(sigma_s(&clock, 5) < 1e-5);
 }
+
+#[test]
+fn pulses_from_before_a_jump_of_the_clock_are_not_counted_on() {
+    let mut clock = running(20);
+    clock.forget_pulses();
+    assert_eq!(clock.utc(pulse_at(20)), None);
+    // Another place in the second, and another second, of a clock that begins anew.
+    for s in 0..3 {
+        let time = pulse_at(s).plus_s(0.4);
+        assert_eq!(clock.pulse(time), None);
+        let named = (NEW_YEAR_S + 500 + s) * US_PER_S;
+        assert_eq!(clock.receiver_time(time.plus_s(0.15), named), None);
+    }
+    assert!(sigma_s(&clock, 3) < 1e-4);
+    assert_eq!(clock.has_stepped(), [false; 2]);
+}
