@@ -15,6 +15,7 @@ use crate::flight::vh::{VhChannel, VhFinding, VhFindingKind, VhMonitor, VhSample
 pub(super) struct Aircraft {
     pub(super) vh: VhMonitor,
     pub(super) utc: UtcClock,
+    /// The last attitude without a finding.
     attitude: Option<(Time, AttitudeSample)>,
     /// Mean square of the change of all three attitude rates from sample to sample, (°/s)².
     rate_change: f32,
@@ -90,12 +91,14 @@ impl Aircraft {
                 let finding = sample.finding();
                 if let Some((_, before)) = self.attitude
                     && finding.is_none()
-                    && before.finding().is_none()
                 {
                     let change = change_of_rates(&before, &sample);
                     self.rate_change += (change - self.rate_change) / AVERAGED_ATTITUDES;
                 }
-                self.attitude = Some((time, sample));
+                // One that cannot be used leaves the last good one in use, as long as that is valid.
+                if finding.is_none() {
+                    self.attitude = Some((time, sample));
+                }
                 self.find(ATTITUDE, finding.map(Flag::of_attitude), 1);
             }
             Said::TimePulse => {
@@ -161,9 +164,6 @@ impl Aircraft {
         self.vh.clear_doubt();
     }
 
-    /// Counts of the findings.
-    pub(super) const fn findings(&self) -> &Findings {
-        &self.findings
     /// Forgets samples and pulses after a jump of the clock: their times cannot be compared with
     /// later ones. Findings and doubts about UTC stay.
     pub(super) const fn restart_clock(&mut self) {
@@ -172,6 +172,9 @@ impl Aircraft {
         self.attitude = None;
     }
 
+    /// Counts of the findings.
+    pub(super) const fn findings(&self) -> &Findings {
+        &self.findings
     }
 
     /// Notes the findings of the last sample of a source: the flag and its count, or none.

@@ -18,6 +18,31 @@ fn attitude_that_cannot_be_used_is_not_in_the_smear() {
 }
 
 #[test]
+fn attitude_that_cannot_be_used_does_not_displace_the_last_good_one() {
+    // It displaced the good one, and neither that nor σ of an unknown attitude was in the smear.
+    let smear_um = |pitch_deg: &[f32]| {
+        let mut bench = Bench::armed();
+        bench.send(Event::Trigger);
+        bench.run(15);
+        for pitch_deg in pitch_deg {
+            bench.send(Event::Attitude(AttitudeSample {
+                pitch_deg: *pitch_deg,
+                roll_deg: 5.0,
+                drift_deg: 0.0,
+                rates_deg_s: [0.0, 2.0, 0.0],
+            }));
+        }
+        bench.run(100);
+        exposed(&bench.records()[0]).smear_um
+    };
+    let good_um = smear_um(&[3.0]);
+    assert!(good_um > 2.0 * smear_um(&[]), "{good_um} µm");
+    for bad_deg in [f32::NAN, f32::INFINITY, 91.0] {
+        assert!((smear_um(&[3.0, bad_deg]) - good_um).abs() < 1e-3);
+    }
+}
+
+#[test]
 fn shutter_that_opens_before_its_command_is_not_opened_again() {
     // The command waits at the board for another 1.7 ms; it was not withdrawn.
     let mut bench = Bench::armed();
