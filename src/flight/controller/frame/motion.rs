@@ -25,7 +25,7 @@ impl InFlight {
             }
             motion
         } else {
-            self.planned_motion(light, setup)
+            self.planned_motion(light, setup, stage)
         };
         self.phase = Phase::Measured(light, motion);
     }
@@ -45,16 +45,18 @@ impl InFlight {
 
     /// Returns the planned motion, for an exposure without usable readings. Its σ is half the
     /// stroke; so is its wander if the stage was to move, since it may have gone anywhere.
-    fn planned_motion(&mut self, light: Light, setup: &Setup) -> ExposureMotion {
+    fn planned_motion(
+        &mut self,
+        light: Light,
+        setup: &Setup,
+        stage: &StageMachine,
+    ) -> ExposureMotion {
         self.flags.insert(Flag::PlannedMotion);
         self.flags.insert(Flag::StaticCorrection);
         let (planned, shutter) = (self.planned_travel(light), setup.camera.shutter());
         ExposureMotion {
             motion: PrincipalPointMotion::from_plan(planned, shutter),
-            sigma: PrincipalPointSigma {
-                frame_mm: setup.half_stroke_mm(),
-                common_mm: 0.0,
-            },
+            sigma: sigma_of_unknown_place(setup, stage),
             wander_mm: if self.flags.contains(Flag::NoCompensation) {
                 0.0
             } else {
@@ -68,6 +70,24 @@ impl InFlight {
             opening_offset_mm: self.planned_opening_mm,
             speed_mm_s: self.planned_travel_mm / self.asked.exposure.exposure_s,
             exposure_s: light.closed.seconds_since(light.opened),
+        }
+    }
+}
+
+/// Returns σ of a principal point whose place is not known: half the stroke. A place that is lost
+/// is wrong by the same in all frames until it is found again; readings that are missing concern
+/// their own frame.
+pub(super) fn sigma_of_unknown_place(setup: &Setup, stage: &StageMachine) -> PrincipalPointSigma {
+    let half_stroke_mm = setup.half_stroke_mm();
+    if setup.camera.has_stage() && stage.is_place_lost() {
+        PrincipalPointSigma {
+            frame_mm: 0.0,
+            common_mm: half_stroke_mm,
+        }
+    } else {
+        PrincipalPointSigma {
+            frame_mm: half_stroke_mm,
+            common_mm: 0.0,
         }
     }
 }

@@ -1,5 +1,6 @@
 //! The record of an exposure.
 
+use super::motion::sigma_of_unknown_place;
 use super::{FrameMachine, InFlight, Light, Phase};
 use crate::flight::camera;
 use crate::flight::controller::aircraft::Aircraft;
@@ -46,7 +47,7 @@ impl FrameMachine {
         };
         let predicted = setup.camera.frame_of(&exposure, &measured.motion).ok();
         let predicted = predicted.or_else(|| {
-            sigma.frame_mm = setup.half_stroke_mm();
+            sigma = sigma_of_unknown_place(setup, stage);
             flags.insert(Flag::PlannedMotion);
             flags.insert(Flag::StaticCorrection);
             setup.standing_frame(&exposure)
