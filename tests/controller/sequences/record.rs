@@ -43,6 +43,23 @@ fn attitude_that_cannot_be_used_does_not_displace_the_last_good_one() {
 }
 
 #[test]
+fn motion_that_was_measured_before_the_clock_jumped_is_recorded() {
+    // The record had `planned motion` beside the measured one.
+    let mut bench = exposing_for(1.0 / 300.0);
+    while !bench.edges.is_empty() {
+        bench.round();
+    }
+    assert_eq!(bench.camera.controller().state(), State::Exposing);
+    bench.edges.clear();
+    bench.now = Time::from_us(3_600_000_000);
+    bench.run(5);
+    let record = bench.records()[0];
+    assert!(record.faults.contains(Fault::Clock));
+    assert_eq!(record.flags, Flags::NONE);
+    assert!(exposed(&record).principal_point_sigma.total_mm() < 1e-3);
+}
+
+#[test]
 fn shutter_that_opens_before_its_command_is_not_opened_again() {
     // The command waits at the board for another 1.7 ms; it was not withdrawn.
     let mut bench = Bench::armed();
