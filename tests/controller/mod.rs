@@ -16,6 +16,7 @@ mod findings;
 mod flyable;
 mod nominal;
 mod processor_faults;
+mod rows;
 mod sequences;
 mod shutter_faults;
 mod stage_faults;

@@ -19,11 +19,11 @@ impl Controller {
             return;
         }
         self.frame.note(fault);
-        self.stop(setup, fault, actions);
+        self.stop(fault, actions);
     }
 
     /// Acts as [`Self::fail`], for a fault that is in a record already.
-    pub(super) fn stop(&mut self, setup: &Setup, fault: Fault, actions: &mut Actions) {
+    pub(super) fn stop(&mut self, fault: Fault, actions: &mut Actions) {
         self.stage.fail(fault);
         act(actions, Action::Fault(fault));
         self.release(actions);
@@ -47,15 +47,16 @@ impl Controller {
     /// Restarts after a jump of the clock to a time: earlier measurements cannot be compared with
     /// later times.
     pub(super) fn restart_clock(&mut self, setup: &Setup, time: Time, actions: &mut Actions) {
+        let before = self.readiness.last_event().unwrap_or(time);
         self.readiness.restart_clock(time);
         self.stage.restart_clock(time);
         self.frame.note(Fault::Clock);
         if self.frame.end_with_clock() {
-            self.record_exposure(setup, time, actions);
+            self.record_exposure(setup, [before, time], actions);
         }
         self.stage.forget_readings();
         self.aircraft.restart_clock();
-        self.stop(setup, Fault::Clock, actions);
+        self.stop(Fault::Clock, actions);
     }
 
     /// Takes a change of the supply: too low to move the stage, or good again.

@@ -60,6 +60,31 @@ fn motion_that_was_measured_before_the_clock_jumped_is_recorded() {
 }
 
 #[test]
+fn utc_of_a_shutter_that_may_have_stayed_open_is_as_uncertain() {
+    // The centroid was that of the planned exposure, with the σ of a pulse.
+    let mut bench = Bench::armed();
+    for second in 0..4 {
+        bench.send(Event::TimePulse);
+        bench.run(100);
+        bench.send(Event::GnssTime(1_800_000_000_000_000 + 1_000_000 * second));
+        bench.run(900);
+    }
+    for (lost, least_s, most_s) in [(false, 0.0, 1e-5), (true, 0.025, 0.03)] {
+        bench.send(Event::Trigger);
+        bench.run_until(200, |it| it == State::Exposing);
+        if lost {
+            bench.edges.clear();
+        }
+        bench.run(100);
+        let record = *bench.records().last().unwrap();
+        assert_eq!(record.flags.contains(Flag::LastLightAssumed), lost);
+        let sigma_s = exposed(&record).centroid_utc.unwrap().sigma_s;
+        // Half of 1 ms of tolerance, 50 ms and two rounds.
+        assert!((least_s..most_s).contains(&sigma_s), "{sigma_s} s");
+    }
+}
+
+#[test]
 fn shutter_that_opens_before_its_command_is_not_opened_again() {
     // The command waits at the board for another 1.7 ms; it was not withdrawn.
     let mut bench = Bench::armed();

@@ -30,16 +30,28 @@ impl InFlight {
         self.phase = Phase::Measured(light, motion);
     }
 
-    /// Returns the motion of a TDI sensor's rows, which move as the clock drives them.
+    /// Returns the motion of a TDI sensor's rows, which move as the clock drives them from first
+    /// light on. Of a clock that had not been told to by then, nobody knows if it ran: σ and wander
+    /// hold the difference to rows that stand.
     fn motion_of_rows(&self, light: Light, setup: &Setup) -> ExposureMotion {
         let planned = self.planned_travel(light);
+        let motion = setup.camera.rows(planned);
+        let [stood_mm, wander_mm] = if self.flags.contains(Flag::StaticCorrection) {
+            [
+                libm::fabsf(motion.centroid_mm - motion.opening_offset_mm),
+                libm::fabsf(motion.travel_mm),
+            ]
+        } else {
+            [0.0; 2]
+        };
+        let stamped_mm = libm::fabsf(planned.speed_mm_s) * STAMP_SIGMA_S;
         ExposureMotion {
-            motion: setup.camera.rows(planned),
+            motion,
             sigma: PrincipalPointSigma {
-                frame_mm: libm::fabsf(planned.speed_mm_s) * STAMP_SIGMA_S,
+                frame_mm: libm::hypotf(stamped_mm, stood_mm),
                 common_mm: 0.0,
             },
-            wander_mm: 0.0,
+            wander_mm,
         }
     }
 
@@ -65,7 +77,7 @@ impl InFlight {
         }
     }
 
-    fn planned_travel(&self, light: Light) -> UniformTravel {
+    pub(super) fn planned_travel(&self, light: Light) -> UniformTravel {
         UniformTravel {
             opening_offset_mm: self.planned_opening_mm,
             speed_mm_s: self.planned_travel_mm / self.asked.exposure.exposure_s,
