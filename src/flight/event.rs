@@ -123,8 +123,8 @@ pub enum Action {
         /// Exposure time, s.
         exposure_s: f32,
     },
-    /// The rows of a TDI sensor are to be clocked in the next exposure. Their clock starts with first
-    /// light, from which the first transfer is counted
+    /// The rows of a TDI sensor are to be clocked in the next exposure. Their clock starts with
+    /// first light, from which the first transfer is counted
     /// ([`Mechanism::Tdi`](super::camera::Mechanism::Tdi)).
     ClockRows {
         /// Time at which the shutter's command leaves; planned first light is one latency later.

@@ -26,8 +26,8 @@ pub struct FrameRecord {
     pub trigger: Time,
     /// Outcome of the trigger.
     pub outcome: Outcome,
-    /// Faults from the end of the last frame to the end of this one; none if the trigger was refused
-    /// at once, since they go into the next record of a frame that was begun.
+    /// Faults from the end of the last frame to the end of this one; none if the trigger was
+    /// refused at once, since they go into the next record of a frame that was begun.
     pub faults: Faults,
     /// Properties of the frame that its user should know.
     pub flags: Flags,

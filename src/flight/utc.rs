@@ -3,10 +3,11 @@
 //! The pulse marks exactly the beginning of a second, but does not name it; the receiver's messages
 //! name it, but come late. The camera's clock carries the time from one pulse to the next.
 
-mod naming;
+mod pulse;
 mod reading;
 
-use self::naming::Doubt;
+pub use self::pulse::CONSISTENT_TIMES;
+use self::pulse::{Doubt, Pulse};
 pub use self::reading::{UtcFinding, UtcTime};
 use super::time::Time;
 
@@ -26,10 +27,6 @@ pub const HOLDOVER_S: f32 = 600.0;
 
 /// Largest σ of a pulse's time stamp, s.
 pub const WORST_PULSE_SIGMA_S: f32 = 1e-3;
-
-/// Number of pulses in a row that must be named alike before there is absolute time, and before the
-/// names replace the count of pulses.
-pub const CONSISTENT_TIMES: u8 = 3;
 
 /// Number of pulses in a row, a second apart, that must contradict the earlier ones to replace
 /// them.
@@ -52,28 +49,6 @@ const DRIFT_GAIN: f32 = 0.125;
 const QUANTISATION_S: f32 = 0.289e-6;
 
 const US_PER_S: u64 = 1_000_000;
-
-/// The last pulse.
-#[derive(Debug, Clone, Copy, PartialEq)]
-struct Pulse {
-    time: Time,
-    /// Second that begins with it, s since 1970.
-    second: Option<u64>,
-    /// Number of pulses in a row that have been named so.
-    named: u8,
-    /// The pulse itself is among them: several times of one pulse count once.
-    is_named: bool,
-    /// The count goes on from pulses that were trusted, even if it is not trusted yet itself: only
-    /// as many names as make a trusted one replace it.
-    is_counted_on: bool,
-}
-
-impl Pulse {
-    /// Returns `true` if the second of the pulse is trusted.
-    const fn is_trusted(&self) -> bool {
-        self.named >= CONSISTENT_TIMES
-    }
-}
 
 /// Converts the camera's time to UTC.
 ///
@@ -144,14 +119,7 @@ impl UtcClock {
         };
         self.stray = None;
         self.measure(drift_ppm);
-        self.pulse = Some(Pulse {
-            time,
-            is_named: false,
-            second: last
-                .second
-                .map(|second| second.saturating_add(u64::from(seconds))),
-            ..last
-        });
+        self.pulse = Some(last.later(time, seconds));
         (seconds > 1).then(|| UtcFinding::MissingPulses(seconds.saturating_sub(1)))
     }
 
@@ -229,8 +197,8 @@ impl UtcClock {
         self.moved_s = 0.0;
     }
 
-    /// Forgets the pulses after a jump of the clock: their times cannot be compared with later ones.
-    /// The drift and what has stepped and moved stay.
+    /// Forgets the pulses after a jump of the clock: their times cannot be compared with those to
+    /// come. The drift and what has stepped and moved stay.
     pub(crate) const fn forget_pulses(&mut self) {
         self.pulse = None;
         self.stray = None;
@@ -249,13 +217,7 @@ impl UtcClock {
 
     /// Begins anew with a pulse, and with its second if the count goes on.
     const fn start(&mut self, time: Time, second: Option<u64>) {
-        self.pulse = Some(Pulse {
-            time,
-            second,
-            named: 0,
-            is_named: false,
-            is_counted_on: second.is_some(),
-        });
+        self.pulse = Some(Pulse::new(time, second));
         self.stray = None;
         self.doubt = None;
     }
@@ -356,6 +318,38 @@ impl UtcClock {
         }
         self.drifts = self.drifts.saturating_add(1);
     }
+
+    /// Compares the second that a time gives to the last pulse with the count, or begins the count.
+    fn name(&mut self, pulse: Pulse, second: u64) -> Option<UtcFinding> {
+        match pulse.second {
+            Some(counted) if counted != second && pulse.is_counted_on => {
+                return Some(self.contradict(pulse, counted, second));
+            }
+            _ => {}
+        }
+        self.doubt = None;
+        self.pulse = Some(pulse.named(second));
+        None
+    }
+
+    fn contradict(&mut self, pulse: Pulse, counted: u64, second: u64) -> UtcFinding {
+        let difference_s = signed(second).saturating_sub(signed(counted));
+        let doubt = Doubt::after(self.doubt, difference_s, pulse.time);
+        if doubt.times >= CONSISTENT_TIMES {
+            self.doubt = None;
+            self.stepped_s = self.stepped_s.saturating_add(difference_s);
+            self.pulse = Some(pulse.replaced(second));
+            return UtcFinding::Stepped(difference_s);
+        }
+        self.doubt = Some(doubt);
+        self.pulse = Some(pulse.contradicted());
+        UtcFinding::WrongSecond(difference_s)
+    }
+}
+
+/// Converts seconds to a number that may be subtracted; no more occur in the life of the sun.
+fn signed(seconds: u64) -> i64 {
+    i64::try_from(seconds).unwrap_or(i64::MAX)
 }
 
 #[cfg(test)]

@@ -95,7 +95,7 @@ impl Aircraft {
                     let change = change_of_rates(&before, &sample);
                     self.rate_change += (change - self.rate_change) / AVERAGED_ATTITUDES;
                 }
-                // One that cannot be used leaves the last good one in use, as long as that is valid.
+                // One that cannot be used leaves the last good one in use while that is valid.
                 if finding.is_none() {
                     self.attitude = Some((time, sample));
                 }

@@ -120,8 +120,8 @@ impl Controller {
         }
     }
 
-    /// Records the exposure in flight, and ends it; the stage returns. The first time is the last by
-    /// the clock of the exposure, the second the present one.
+    /// Records the exposure in flight, and ends it; the stage returns. The first time is the last
+    /// by the clock of the exposure, the second the present one.
     pub(super) fn record_exposure(
         &mut self,
         setup: &Setup,

@@ -12,8 +12,8 @@ use crate::flight::record_log::Entry;
 use crate::flight::time::Time;
 
 impl FrameMachine {
-    /// Records the exposure in flight, and ends it. A shutter whose last light was not seen may have
-    /// been open until `until`. Returns the number of the record; `None` before last light.
+    /// Records the exposure in flight, and ends it. A shutter whose last light was not seen may
+    /// have been open until `until`. Returns the number of the record; `None` before last light.
     pub(in super::super) fn record(
         &mut self,
         setup: &Setup,
