@@ -321,11 +321,11 @@ impl UtcClock {
 
     /// Compares the second that a time gives to the last pulse with the count, or begins the count.
     fn name(&mut self, pulse: Pulse, second: u64) -> Option<UtcFinding> {
-        match pulse.second {
-            Some(counted) if counted != second && pulse.is_counted_on => {
-                return Some(self.contradict(pulse, counted, second));
-            }
-            _ => {}
+        if let Some(counted) = pulse.second
+            && counted != second
+            && pulse.is_counted_on
+        {
+            return Some(self.contradict(pulse, counted, second));
         }
         self.doubt = None;
         self.pulse = Some(pulse.named(second));
