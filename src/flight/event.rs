@@ -127,9 +127,11 @@ pub enum Action {
         /// Exposure time, s.
         exposure_s: f32,
     },
-    /// The rows of a TDI sensor are to be clocked from a time on.
+    /// The rows of a TDI sensor are to be clocked in the next exposure. Their clock starts with
+    /// first light, from which the first transfer is counted
+    /// ([`Mechanism::Tdi`](super::camera::Mechanism::Tdi)).
     ClockRows {
-        /// Time at which the shutter's command leaves.
+        /// Time at which the shutter's command leaves; planned first light is one latency later.
         at: Time,
         /// Speed of the charge along the FMC axis, mm/s.
         speed_mm_s: f32,

@@ -26,7 +26,8 @@ pub struct FrameRecord {
     pub trigger: Time,
     /// Outcome of the trigger.
     pub outcome: Outcome,
-    /// Faults from the end of the last frame to this record.
+    /// Faults from the end of the last frame to the end of this one; none if the trigger was
+    /// refused at once, since they go into the next record of a frame that was begun.
     pub faults: Faults,
     /// Properties of the frame that its user should know.
     pub flags: Flags,
@@ -68,7 +69,8 @@ pub struct ExposedFrame {
     pub interior: InteriorOrientation,
     /// σ of the centroid principal point along the FMC axis.
     pub principal_point_sigma: PrincipalPointSigma,
-    /// Predicted residual smear, the largest on the sensor with one σ of V/H, µm.
+    /// Predicted residual smear, the largest on the sensor, µm: with
+    /// [`COVERAGE`](super::smear_prediction::COVERAGE) σ of all its causes.
     pub smear_um: f32,
     /// The same in pixels.
     pub smear_px: f32,

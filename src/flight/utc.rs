@@ -3,8 +3,11 @@
 //! The pulse marks exactly the beginning of a second, but does not name it; the receiver's messages
 //! name it, but come late. The camera's clock carries the time from one pulse to the next.
 
+mod pulse;
 mod reading;
 
+pub use self::pulse::CONSISTENT_TIMES;
+use self::pulse::{Doubt, Pulse};
 pub use self::reading::{UtcFinding, UtcTime};
 use super::time::Time;
 
@@ -24,10 +27,6 @@ pub const HOLDOVER_S: f32 = 600.0;
 
 /// Largest σ of a pulse's time stamp, s.
 pub const WORST_PULSE_SIGMA_S: f32 = 1e-3;
-
-/// Number of times in a row that must name pulses alike before there is absolute time, and before
-/// they replace the count of pulses.
-pub const CONSISTENT_TIMES: u8 = 3;
 
 /// Number of pulses in a row, a second apart, that must contradict the earlier ones to replace
 /// them.
@@ -51,25 +50,6 @@ const QUANTISATION_S: f32 = 0.289e-6;
 
 const US_PER_S: u64 = 1_000_000;
 
-/// The last pulse.
-#[derive(Debug, Clone, Copy, PartialEq)]
-struct Pulse {
-    time: Time,
-    /// Second that begins with it, s since 1970.
-    second: Option<u64>,
-    /// Number of times in a row that have named it so.
-    named: u8,
-}
-
-/// Number of seconds by which the receiver contradicts the count of pulses, number of pulses in a
-/// row at which it does, and the last of them.
-#[derive(Debug, Clone, Copy, PartialEq)]
-struct Doubt {
-    difference_s: i64,
-    times: u8,
-    pulse: Time,
-}
-
 /// Converts the camera's time to UTC.
 ///
 /// # Model
@@ -80,7 +60,9 @@ struct Doubt {
 /// [`DRIFT_WANDER_PPM_PER_S`] and `σ_q` the rounding to microseconds. While the receiver's times
 /// contradict the count of pulses, the contradiction is added to σ. So is what seconds have stepped
 /// and named pulses have moved since they were first trusted, as it is not known which of the two
-/// is right, until they step and move back or [`Self::clear_doubt`] is called.
+/// is right, until they step and move back or [`Self::clear_doubt`] is called. Where pulses move,
+/// or come again after [`HOLDOVER_S`], the count goes on by the clock, as long as its drift leaves
+/// no doubt of the second: names that contradict it then are a step.
 #[derive(Debug, Clone)]
 pub struct UtcClock {
     pulse_sigma_s: f32,
@@ -123,7 +105,7 @@ impl UtcClock {
     /// Takes the edge of a pulse.
     pub fn pulse(&mut self, time: Time) -> Option<UtcFinding> {
         let Some(last) = self.pulse else {
-            self.start(time);
+            self.start(time, None);
             return None;
         };
         if time <= last.time {
@@ -137,13 +119,7 @@ impl UtcClock {
         };
         self.stray = None;
         self.measure(drift_ppm);
-        self.pulse = Some(Pulse {
-            time,
-            named: last.named,
-            second: last
-                .second
-                .map(|second| second.saturating_add(u64::from(seconds))),
-        });
+        self.pulse = Some(last.later(time, seconds));
         (seconds > 1).then(|| UtcFinding::MissingPulses(seconds.saturating_sub(1)))
     }
 
@@ -182,7 +158,7 @@ impl UtcClock {
     #[must_use]
     pub fn utc(&self, time: Time) -> Option<UtcTime> {
         let pulse = self.pulse?;
-        let second = pulse.second.filter(|_| pulse.named >= CONSISTENT_TIMES)?;
+        let second = pulse.second.filter(|_| pulse.is_trusted())?;
         let age_s = time.seconds_since(pulse.time);
         let distance_s = libm::fabsf(age_s);
         if distance_s > HOLDOVER_S {
@@ -216,8 +192,17 @@ impl UtcClock {
 
     /// Trusts the present pulses and seconds, for the operator.
     pub const fn clear_doubt(&mut self) {
+        self.doubt = None;
         self.stepped_s = 0;
         self.moved_s = 0.0;
+    }
+
+    /// Forgets the pulses after a jump of the clock: their times cannot be compared with those to
+    /// come. The drift and what has stepped and moved stay.
+    pub(crate) const fn forget_pulses(&mut self) {
+        self.pulse = None;
+        self.stray = None;
+        self.doubt = None;
     }
 
     /// Returns the time by which the receiver contradicts the count, or has stepped or moved, s.
@@ -230,12 +215,9 @@ impl UtcClock {
         seconds.seconds_since(Time::START) + libm::fabsf(self.moved_s)
     }
 
-    fn start(&mut self, time: Time) {
-        self.pulse = Some(Pulse {
-            time,
-            second: None,
-            named: 0,
-        });
+    /// Begins anew with a pulse, and with its second if the count goes on.
+    const fn start(&mut self, time: Time, second: Option<u64>) {
+        self.pulse = Some(Pulse::new(time, second));
         self.stray = None;
         self.doubt = None;
     }
@@ -266,10 +248,16 @@ impl UtcClock {
         #[expect(clippy::cast_precision_loss, reason = "at most 600")]
         let elapsed_s = seconds as f32;
         let off_s = 1e-6 * (drift_ppm - self.drift_ppm) * elapsed_s;
+        libm::fabsf(off_s) <= self.drifted_s(elapsed_s)
+    }
+
+    /// Returns the time by which a pulse may miss its place by the drift, an interval after another
+    /// pulse, s.
+    fn drifted_s(&self, elapsed_s: f32) -> f32 {
         // Both pulses have their jitter.
         let of_pulses_s = 2.0 * (self.pulse_sigma_s + QUANTISATION_S);
         let of_drift_ppm = self.drift_sigma_ppm + DRIFT_WANDER_PPM_PER_S * elapsed_s;
-        libm::fabsf(off_s) <= PULSE_SIGMAS * (of_pulses_s + 1e-6 * of_drift_ppm * elapsed_s)
+        PULSE_SIGMAS * (of_pulses_s + 1e-6 * of_drift_ppm * elapsed_s)
     }
 
     fn take_stray(&mut self, last: Pulse, time: Time) -> UtcFinding {
@@ -282,20 +270,36 @@ impl UtcClock {
             self.stray = Some((time, pulses));
             return UtcFinding::ExtraPulse;
         }
-        if last.named >= CONSISTENT_TIMES {
-            let elapsed_us = time.us_since(last.time);
-            let second_us =
-                (elapsed_us.saturating_add(US_PER_S / 2) / US_PER_S).saturating_mul(US_PER_S);
-            let moved_s = Time::from_us(elapsed_us).seconds_since(Time::from_us(second_us));
-            let drifted_s = 1e-6 * self.drift_ppm * time.seconds_since(last.time);
-            self.moved_s += moved_s - drifted_s;
-            // After a move back the rest is within the pulses' jitter.
-            if libm::fabsf(self.moved_s) <= PULSE_SIGMAS * (self.pulse_sigma_s + QUANTISATION_S) {
-                self.moved_s = 0.0;
-            }
+        let elapsed_s = time.seconds_since(last.time);
+        let elapsed = Time::from_us(time.us_since(last.time));
+        let elapsed = elapsed.plus_s(-1e-6 * self.drift_ppm * elapsed_s);
+        let seconds = elapsed.us().saturating_add(US_PER_S / 2) / US_PER_S;
+        let off_s = elapsed.seconds_since(Time::from_us(seconds.saturating_mul(US_PER_S)));
+        let drifted_s = self.drifted_s(elapsed_s);
+        // A pulse that comes sooner has been compared with its place, by the drift of that time.
+        let has_moved = elapsed_s <= HOLDOVER_S || libm::fabsf(off_s) > drifted_s;
+        let second = last
+            .second
+            .filter(|_| last.is_counted_on && drifted_s < 0.5)
+            .map(|second| second.saturating_add(seconds));
+        if has_moved && second.is_some() {
+            self.move_by(off_s, drifted_s);
         }
-        self.start(time);
-        UtcFinding::PulsesMoved
+        self.start(time, second);
+        if has_moved {
+            UtcFinding::PulsesMoved
+        } else {
+            let missing = seconds.saturating_sub(u64::from(CONSISTENT_PULSES));
+            UtcFinding::MissingPulses(u32::try_from(missing).unwrap_or(u32::MAX))
+        }
+    }
+
+    /// Adds a move of the pulses to those before. After a move back, nothing is left of them but
+    /// what the drift explains.
+    fn move_by(&mut self, off_s: f32, drifted_s: f32) {
+        let moved_s = self.moved_s + off_s;
+        let is_back = self.moved_s != 0.0 && libm::fabsf(moved_s) <= drifted_s;
+        self.moved_s = if is_back { 0.0 } else { moved_s };
     }
 
     fn measure(&mut self, drift_ppm: f32) {
@@ -317,47 +321,28 @@ impl UtcClock {
 
     /// Compares the second that a time gives to the last pulse with the count, or begins the count.
     fn name(&mut self, pulse: Pulse, second: u64) -> Option<UtcFinding> {
-        let named = match pulse.second {
-            Some(counted) if counted == second => pulse.named.saturating_add(1),
-            Some(counted) if pulse.named >= CONSISTENT_TIMES => {
-                return Some(self.contradict(pulse, counted, second));
-            }
-            // The count is not trusted yet and begins anew.
-            _ => 1,
-        };
+        if let Some(counted) = pulse.second
+            && counted != second
+            && pulse.is_counted_on
+        {
+            return Some(self.contradict(pulse, counted, second));
+        }
         self.doubt = None;
-        self.pulse = Some(Pulse {
-            second: Some(second),
-            named,
-            ..pulse
-        });
+        self.pulse = Some(pulse.named(second));
         None
     }
 
     fn contradict(&mut self, pulse: Pulse, counted: u64, second: u64) -> UtcFinding {
         let difference_s = signed(second).saturating_sub(signed(counted));
-        let times = match self.doubt {
-            Some(doubt) if doubt.difference_s == difference_s => {
-                // Several times of one pulse count once.
-                let more = u8::from(doubt.pulse != pulse.time);
-                doubt.times.saturating_add(more)
-            }
-            _ => 1,
-        };
-        if times >= CONSISTENT_TIMES {
+        let doubt = Doubt::after(self.doubt, difference_s, pulse.time);
+        if doubt.times >= CONSISTENT_TIMES {
             self.doubt = None;
             self.stepped_s = self.stepped_s.saturating_add(difference_s);
-            self.pulse = Some(Pulse {
-                second: Some(second),
-                ..pulse
-            });
+            self.pulse = Some(pulse.replaced(second));
             return UtcFinding::Stepped(difference_s);
         }
-        self.doubt = Some(Doubt {
-            difference_s,
-            times,
-            pulse: pulse.time,
-        });
+        self.doubt = Some(doubt);
+        self.pulse = Some(pulse.contradicted());
         UtcFinding::WrongSecond(difference_s)
     }
 }

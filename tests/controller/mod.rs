@@ -17,6 +17,7 @@ mod flyable;
 mod index_mark;
 mod nominal;
 mod processor_faults;
+mod rows;
 mod sequences;
 mod shutter_faults;
 mod stage_faults;

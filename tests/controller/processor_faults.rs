@@ -4,7 +4,7 @@ use fmc_camera::flight::controller::Start;
 use fmc_camera::flight::controller::state::State;
 use fmc_camera::flight::event::{Action, Command, Event, Supply};
 use fmc_camera::flight::fault::Fault;
-use fmc_camera::flight::frame_record::{Flag, Outcome, Reason};
+use fmc_camera::flight::frame_record::{Flag, Flags, Outcome, Reason};
 use fmc_camera::flight::settings::FlightSettings;
 use fmc_camera::flight::time::Time;
 
@@ -62,6 +62,8 @@ fn watchdog_begins_in_its_fault_and_is_in_the_next_record() {
         only(&bench).outcome,
         Outcome::Refused(Reason::Fault(Fault::Watchdog))
     );
+    // A trigger that is refused at once leaves the fault to the next frame.
+    assert!(only(&bench).faults.is_empty());
     bench.run(1);
     // The last command to the shutter is not known.
     assert!(acted(&bench, Action::CloseShutter));
@@ -186,6 +188,40 @@ fn clock_that_jumps_ends_the_frame_and_is_a_fault() {
             }
         }
     }
+}
+
+#[test]
+fn instruments_are_forgotten_when_the_clock_jumps() {
+    // V/H from before counted as fresh for 100 s, all samples after as from the past, and UTC was
+    // 100 s off with the σ of a pulse.
+    let mut bench = Bench::new(FlightSettings::default());
+    bench.now = Time::from_us(200_000_000);
+    bench.arm();
+    for second in 0..4 {
+        bench.send(Event::TimePulse);
+        bench.run(100);
+        bench.send(Event::GnssTime(1_800_000_000_000_000 + 1_000_000 * second));
+        bench.run(900);
+    }
+    let trigger = |bench: &mut Bench| {
+        bench.send(Event::Trigger);
+        bench.run(100);
+        *bench.records().last().unwrap()
+    };
+    assert!(exposed(&trigger(&mut bench)).centroid_utc.is_some());
+    bench.now = bench.now.plus_s(-100.0);
+    bench.vh_per_s = None;
+    bench.run(5);
+    bench.send(Event::Command(Command::ClearFault));
+    bench.send(Event::Command(Command::Arm));
+    bench.run_until(2000, |state| state == State::Degraded(Fault::VhLost));
+    bench.vh_per_s = Some(0.12);
+    bench.run_until(5, |state| state == State::Armed);
+    let record = trigger(&mut bench);
+    assert_eq!(record.flags, Flags::NONE);
+    let frame = exposed(&record);
+    assert!((frame.vh.unwrap().vh_per_s - 0.12).abs() < 1e-6);
+    assert_eq!(frame.centroid_utc, None);
 }
 
 #[test]

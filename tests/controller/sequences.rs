@@ -1,5 +1,6 @@
 //! Sequences of events that once led to wrong behaviour, which the comments describe.
 
+mod changed_camera;
 mod closing_shutter;
 mod degraded_modes;
 mod principal_point;

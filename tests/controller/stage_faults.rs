@@ -7,6 +7,7 @@ use fmc_camera::flight::event::{Action, Command, Event, Supply};
 use fmc_camera::flight::fault::Fault;
 use fmc_camera::flight::frame_record::{Flag, Outcome, Reason};
 use fmc_camera::flight::settings::FlightSettings;
+use fmc_camera::flight::time::Time;
 
 use crate::controller::bench::{Bench, acted, exposed, in_state, only};
 
@@ -105,11 +106,25 @@ fn lost_place_leads_to_static_correction_with_a_sigma_that_says_so() {
     let record = only(&bench);
     assert!(record.flags.contains(Flag::PlannedMotion));
     assert!(record.flags.contains(Flag::StaticCorrection));
-    assert!((exposed(&record).principal_point_sigma.total_mm() - 2.0).abs() < 1e-6);
+    // Half of the stroke, which is wrong by the same in all frames until the place is found again.
+    let sigma = exposed(&record).principal_point_sigma;
+    assert_eq!((sigma.frame_mm, sigma.common_mm), (0.0, 2.0));
     assert_eq!(
         bench.camera.controller().state(),
         State::Degraded(Fault::Encoder)
     );
+}
+
+#[test]
+fn readings_that_are_missing_concern_their_own_frame() {
+    let mut bench = in_state(State::Exposing);
+    bench.edges.clear();
+    bench.now = Time::from_us(3_600_000_000);
+    bench.run(5);
+    let record = only(&bench);
+    assert!(record.flags.contains(Flag::PlannedMotion));
+    let sigma = exposed(&record).principal_point_sigma;
+    assert_eq!((sigma.frame_mm, sigma.common_mm), (2.0, 0.0));
 }
 
 #[test]

@@ -15,6 +15,7 @@ use crate::flight::vh::{VhChannel, VhFinding, VhFindingKind, VhMonitor, VhSample
 pub(super) struct Aircraft {
     pub(super) vh: VhMonitor,
     pub(super) utc: UtcClock,
+    /// The last attitude without a finding.
     attitude: Option<(Time, AttitudeSample)>,
     /// Mean square of the change of all three attitude rates from sample to sample, (°/s)².
     rate_change: f32,
@@ -90,12 +91,14 @@ impl Aircraft {
                 let finding = sample.finding();
                 if let Some((_, before)) = self.attitude
                     && finding.is_none()
-                    && before.finding().is_none()
                 {
                     let change = change_of_rates(&before, &sample);
                     self.rate_change += (change - self.rate_change) / AVERAGED_ATTITUDES;
                 }
-                self.attitude = Some((time, sample));
+                // One that cannot be used leaves the last good one in use while that is valid.
+                if finding.is_none() {
+                    self.attitude = Some((time, sample));
+                }
                 self.find(ATTITUDE, finding.map(Flag::of_attitude), 1);
             }
             Said::TimePulse => {
@@ -159,6 +162,14 @@ impl Aircraft {
     pub(super) const fn clear_doubt(&mut self) {
         self.utc.clear_doubt();
         self.vh.clear_doubt();
+    }
+
+    /// Forgets samples and pulses after a jump of the clock: their times cannot be compared with
+    /// later ones. Findings and doubts about UTC stay.
+    pub(super) const fn restart_clock(&mut self) {
+        self.vh.clear();
+        self.utc.forget_pulses();
+        self.attitude = None;
     }
 
     /// Counts of the findings.

@@ -11,7 +11,7 @@ impl Controller {
     /// Takes a fault that ends whatever the camera is doing: the stage is released, and an exposure
     /// that has not begun is called off. One that has begun is recorded when it ends.
     pub(super) fn fail(&mut self, setup: &Setup, fault: Fault, actions: &mut Actions) {
-        if self.stage.fault() == Some(fault) && self.stage.is_released() {
+        if self.stage_fault(setup) == Some(fault) && self.stage.is_released() {
             // The same fault has released the stage before, and nothing has been asked of it since.
             if self.frame.is_in_flight() {
                 self.frame.note(fault);
@@ -19,19 +19,23 @@ impl Controller {
             return;
         }
         self.frame.note(fault);
-        self.stop(setup, fault, actions);
+        self.stop(fault, actions);
     }
 
     /// Acts as [`Self::fail`], for a fault that is in a record already.
-    pub(super) fn stop(&mut self, setup: &Setup, fault: Fault, actions: &mut Actions) {
-        if setup.camera.has_stage() {
-            self.stage.fail(fault);
-        }
+    pub(super) fn stop(&mut self, fault: Fault, actions: &mut Actions) {
+        self.stage.fail(fault);
         act(actions, Action::Fault(fault));
         self.release(actions);
         if self.readiness.fail(fault) {
             self.refuse_frame(Reason::Fault(fault), actions);
         }
+    }
+
+    /// Returns the fault of the stage that has not been cleared; a camera without a stage has none,
+    /// even if its encoder has lost its place.
+    pub(super) fn stage_fault(&self, setup: &Setup) -> Option<Fault> {
+        self.stage.fault().filter(|_| setup.camera.has_stage())
     }
 
     /// Reports a fault that ends nothing.
@@ -43,14 +47,16 @@ impl Controller {
     /// Restarts after a jump of the clock to a time: earlier measurements cannot be compared with
     /// later times.
     pub(super) fn restart_clock(&mut self, setup: &Setup, time: Time, actions: &mut Actions) {
+        let before = self.readiness.last_event().unwrap_or(time);
         self.readiness.restart_clock(time);
         self.stage.restart_clock(time);
         self.frame.note(Fault::Clock);
         if self.frame.end_with_clock() {
-            self.record_exposure(setup, time, actions);
+            self.record_exposure(setup, [before, time], actions);
         }
         self.stage.forget_readings();
-        self.stop(setup, Fault::Clock, actions);
+        self.aircraft.restart_clock();
+        self.stop(Fault::Clock, actions);
     }
 
     /// Takes a change of the supply: too low to move the stage, or good again.
@@ -60,7 +66,7 @@ impl Controller {
         if is_good {
             return;
         }
-        if !setup.settings.encoder_survives_brown_out && setup.camera.has_stage() {
+        if !setup.settings.encoder_survives_brown_out {
             self.stage.lose_place();
         }
         self.fail(setup, Fault::BrownOut, actions);

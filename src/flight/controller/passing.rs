@@ -5,7 +5,7 @@ use super::setup::Setup;
 use super::{Actions, Controller, act};
 use crate::flight::event::{Action, ShutterEdge};
 use crate::flight::fault::{Fault, Faults};
-use crate::flight::frame_record::Reason;
+use crate::flight::frame_record::{Flag, Reason};
 use crate::flight::record_log::Numbered;
 use crate::flight::time::Time;
 
@@ -74,6 +74,11 @@ impl Controller {
         if seen.is_first_light {
             self.stage.track_mut().keep_from(time);
         }
+        if seen.is_unasked && !setup.camera.has_stage() {
+            // The clock of the rows has not been told to start.
+            self.frame.flag(Flag::PlannedMotion);
+            self.frame.flag(Flag::StaticCorrection);
+        }
         if let Some(fault) = seen.fault {
             act(actions, Action::Fault(fault));
         }
@@ -108,16 +113,24 @@ impl Controller {
                 act(actions, Action::CloseShutter);
             }
             Due::GivenUp => {
-                self.record_exposure(setup, now, actions);
-                self.stop(setup, Fault::ShutterLong, actions);
+                self.record_exposure(setup, [now; 2], actions);
+                self.stop(Fault::ShutterLong, actions);
             }
-            Due::Record => self.record_exposure(setup, now, actions),
+            Due::Record => self.record_exposure(setup, [now; 2], actions),
         }
     }
 
-    /// Records the exposure in flight, and ends it; the stage returns.
-    pub(super) fn record_exposure(&mut self, setup: &Setup, now: Time, actions: &mut Actions) {
-        let recorded = self.frame.record(setup, &self.stage, &mut self.aircraft);
+    /// Records the exposure in flight, and ends it; the stage returns. The first time is the last
+    /// by the clock of the exposure, the second the present one.
+    pub(super) fn record_exposure(
+        &mut self,
+        setup: &Setup,
+        [until, now]: [Time; 2],
+        actions: &mut Actions,
+    ) {
+        let recorded = self
+            .frame
+            .record(setup, &self.stage, &mut self.aircraft, until);
         if let Some(sequence) = recorded {
             act(actions, Action::FrameReady(sequence));
             self.stage.track_mut().keep_latest();

@@ -63,8 +63,9 @@ impl Controller {
             settings.rate_sigma_deg_s,
             setup.camera.limits().vh_per_s,
         );
-        // The encoder's count is lost with the processor.
-        *stage = StageMachine::new(start != Start::Orderly && setup.camera.has_stage());
+        // The encoder's count is lost with the processor. A camera without a stage keeps that for
+        // the next one, whose stage may be on the same encoder.
+        *stage = StageMachine::new(start != Start::Orderly);
         frame.restart(faults);
         *readiness = Readiness::new(mode);
         *exposure_s = setup.settings.exposure_s;

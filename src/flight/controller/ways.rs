@@ -13,7 +13,7 @@ impl Controller {
     /// it, the camera becomes ready without it.
     pub(super) fn resume(&mut self, setup: &Setup, now: Time, actions: &mut Actions) {
         if !setup.camera.has_stage() || self.stage.fault().is_some() {
-            self.become_ready(now);
+            self.become_ready(setup, now);
             return;
         }
         self.stage.expect_readings(now);
@@ -38,7 +38,7 @@ impl Controller {
             if self.readiness.take_disarm() {
                 self.stand_by(actions);
             } else {
-                self.become_ready(now);
+                self.become_ready(setup, now);
             }
             return;
         }
@@ -59,7 +59,7 @@ impl Controller {
     pub(super) fn look_after_readiness(&mut self, setup: &Setup, now: Time, actions: &mut Actions) {
         match self.readiness.mode() {
             Mode::Standby => {}
-            Mode::Armed | Mode::Degraded(_) => self.keep_ready(now, actions),
+            Mode::Armed | Mode::Degraded(_) => self.keep_ready(setup, now, actions),
             Mode::Arming { .. } | Mode::FlyBack => {
                 if self.stage.has_arrived(now) {
                     self.arrive(setup, now, actions);
@@ -88,15 +88,15 @@ impl Controller {
             Arrival::StandBy => self.stand_by(actions),
             Arrival::NextWay => self.go_back(setup, now, actions),
             Arrival::Ready if self.stage.index.is_on_detour() => self.go_back(setup, now, actions),
-            Arrival::Ready if self.has_found_index(setup, actions) => self.become_ready(now),
+            Arrival::Ready if self.has_found_index(setup, actions) => self.become_ready(setup, now),
             Arrival::Ready => self.stand_by(actions),
         }
     }
 
     /// Checks if compensation is possible, and reports why it is not.
-    fn keep_ready(&mut self, now: Time, actions: &mut Actions) {
+    fn keep_ready(&mut self, setup: &Setup, now: Time, actions: &mut Actions) {
         let before = self.readiness.mode();
-        self.become_ready(now);
+        self.become_ready(setup, now);
         let mode = self.readiness.mode();
         if let Mode::Degraded(fault) = mode
             && mode != before
@@ -105,10 +105,11 @@ impl Controller {
         }
     }
 
-    fn become_ready(&mut self, now: Time) {
+    fn become_ready(&mut self, setup: &Setup, now: Time) {
+        let stage_fault = self.stage_fault(setup);
         let vh = &self.aircraft.vh;
         self.readiness
-            .become_ready(now, self.stage.fault(), || vh.is_known(now));
+            .become_ready(now, stage_fault, || vh.is_known(now));
     }
 
     /// Leaves a fault that ends without a command.

@@ -1,3 +1,5 @@
+mod outages;
+
 use super::*;
 use proptest::prelude::*;
 

@@ -79,6 +79,30 @@ fn gap_in_the_readings_is_flagged() {
 }
 
 #[test]
+fn readings_that_are_not_kept_do_not_narrow_sigma() {
+    // A reading of every millisecond was counted; the track keeps 64 at most.
+    let mut parameters = camera();
+    parameters.limits.exposure_s = [0.001, 1.0];
+    parameters.limits.vh_per_s = [0.01, 0.02];
+    let mut settings = FlightSettings {
+        exposure_s: 1.0,
+        ..FlightSettings::default()
+    };
+    settings.drive.encoder_step_um = 2.0;
+    let mut bench = Bench::with(&parameters, settings, Start::Orderly);
+    bench.vh_per_s = Some(0.01);
+    bench.arm();
+    bench.send(Event::Trigger);
+    bench.run(1300);
+    let record = bench.records()[0];
+    assert!(!record.flags.contains(Flag::ExtrapolatedMotion));
+    let step_mm = 0.002;
+    let frame_mm = exposed(&record).principal_point_sigma.frame_mm;
+    let readings = step_mm * step_mm / (12.0 * frame_mm * frame_mm);
+    assert!((30.0..=66.0).contains(&readings), "{readings} readings");
+}
+
+#[test]
 fn wobble_in_the_exposure_is_smear() {
     // 9 µm away from the set point and back: the travel is right, so that the smear was given as
     // 0.1 px; it is 1 px.

@@ -61,7 +61,9 @@ pub(super) const fn meaning(flag: Flag) -> &'static str {
         Flag::UtcPulsesMoved => {
             "CONSISTENT_PULSES came at another place in the second: they are the pulses"
         }
-        Flag::UtcWrongSecond => "the receiver's time differs from the count of pulses",
+        Flag::UtcWrongSecond => {
+            "the receiver's time differs from the count of pulses, which goes on by the clock while they are missing or have moved"
+        }
         Flag::UtcStepped => {
             "the receiver's time has differed for CONSISTENT_TIMES, and is believed"
         }

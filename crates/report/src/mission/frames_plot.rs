@@ -106,7 +106,7 @@ pub fn frames(report: &MissionReport<'_>) -> Result<String, FigureError> {
             &upper,
             &[
                 (TRUTH, "true"),
-                (CAMERA, "predicted by the camera, with one σ of V/H"),
+                (CAMERA, "predicted by the camera, for 95 of 100 frames"),
                 (ALARM, "limit; refused trigger"),
             ],
         )?;

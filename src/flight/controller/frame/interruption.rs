@@ -23,18 +23,21 @@ impl FrameMachine {
     }
 
     /// Ends the exposure in flight after a jump of the clock. Returns `true` if light had come: the
-    /// exposure is then taken to have ended on time, with the planned motion, and has to be
-    /// recorded.
+    /// exposure is then taken to have ended on time, with the planned motion unless it has been
+    /// measured, and has to be recorded.
     pub(in super::super) fn end_with_clock(&mut self) -> bool {
         let Some(frame) = &mut self.in_flight else {
             return false;
         };
         match frame.phase {
             Phase::Triggered { .. } | Phase::RunUp { .. } | Phase::Tracking { .. } => return false,
-            Phase::Exposing { opened, .. } => frame.assume_last_light(opened),
-            Phase::Closed(_) | Phase::Measured(..) => {}
+            Phase::Exposing { opened, .. } => {
+                frame.assume_last_light(opened);
+                frame.flags.insert(Flag::PlannedMotion);
+            }
+            Phase::Closed(_) => frame.flags.insert(Flag::PlannedMotion),
+            Phase::Measured(..) => {}
         }
-        frame.flags.insert(Flag::PlannedMotion);
         true
     }
 }

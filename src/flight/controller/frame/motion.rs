@@ -25,36 +25,50 @@ impl InFlight {
             }
             motion
         } else {
-            self.planned_motion(light, setup)
+            self.planned_motion(light, setup, stage)
         };
         self.phase = Phase::Measured(light, motion);
     }
 
-    /// Returns the motion of a TDI sensor's rows, which move as the clock drives them.
+    /// Returns the motion of a TDI sensor's rows, which move as the clock drives them from first
+    /// light on. Of a clock that had not been told to by then, nobody knows if it ran: σ and wander
+    /// hold the difference to rows that stand.
     fn motion_of_rows(&self, light: Light, setup: &Setup) -> ExposureMotion {
         let planned = self.planned_travel(light);
+        let motion = setup.camera.rows(planned);
+        let [stood_mm, wander_mm] = if self.flags.contains(Flag::StaticCorrection) {
+            [
+                libm::fabsf(motion.centroid_mm - motion.opening_offset_mm),
+                libm::fabsf(motion.travel_mm),
+            ]
+        } else {
+            [0.0; 2]
+        };
+        let stamped_mm = libm::fabsf(planned.speed_mm_s) * STAMP_SIGMA_S;
         ExposureMotion {
-            motion: setup.camera.rows(planned),
+            motion,
             sigma: PrincipalPointSigma {
-                frame_mm: libm::fabsf(planned.speed_mm_s) * STAMP_SIGMA_S,
+                frame_mm: libm::hypotf(stamped_mm, stood_mm),
                 common_mm: 0.0,
             },
-            wander_mm: setup.camera.steps_mm(planned),
+            wander_mm: wander_mm.max(setup.camera.steps_mm(planned)),
         }
     }
 
     /// Returns the planned motion, for an exposure without usable readings. Its σ is half the
     /// stroke; so is its wander if the stage was to move, since it may have gone anywhere.
-    fn planned_motion(&mut self, light: Light, setup: &Setup) -> ExposureMotion {
+    fn planned_motion(
+        &mut self,
+        light: Light,
+        setup: &Setup,
+        stage: &StageMachine,
+    ) -> ExposureMotion {
         self.flags.insert(Flag::PlannedMotion);
         self.flags.insert(Flag::StaticCorrection);
         let (planned, shutter) = (self.planned_travel(light), setup.camera.shutter());
         ExposureMotion {
             motion: PrincipalPointMotion::from_plan(planned, shutter),
-            sigma: PrincipalPointSigma {
-                frame_mm: setup.half_stroke_mm(),
-                common_mm: 0.0,
-            },
+            sigma: sigma_of_unknown_place(setup, stage),
             wander_mm: if self.flags.contains(Flag::NoCompensation) {
                 0.0
             } else {
@@ -63,11 +77,29 @@ impl InFlight {
         }
     }
 
-    fn planned_travel(&self, light: Light) -> UniformTravel {
+    pub(super) fn planned_travel(&self, light: Light) -> UniformTravel {
         UniformTravel {
             opening_offset_mm: self.planned_opening_mm,
             speed_mm_s: self.planned_travel_mm / self.asked.exposure.exposure_s,
             exposure_s: light.closed.seconds_since(light.opened),
+        }
+    }
+}
+
+/// Returns σ of a principal point whose place is not known: half the stroke. A place that is lost
+/// is wrong by the same in all frames until it is found again; readings that are missing concern
+/// their own frame.
+pub(super) fn sigma_of_unknown_place(setup: &Setup, stage: &StageMachine) -> PrincipalPointSigma {
+    let half_stroke_mm = setup.half_stroke_mm();
+    if setup.camera.has_stage() && stage.is_place_lost() {
+        PrincipalPointSigma {
+            frame_mm: 0.0,
+            common_mm: half_stroke_mm,
+        }
+    } else {
+        PrincipalPointSigma {
+            frame_mm: half_stroke_mm,
+            common_mm: 0.0,
         }
     }
 }

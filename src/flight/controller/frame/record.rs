@@ -1,5 +1,6 @@
 //! The record of an exposure.
 
+use super::motion::sigma_of_unknown_place;
 use super::{FrameMachine, InFlight, Light, Phase};
 use crate::flight::camera;
 use crate::flight::controller::aircraft::Aircraft;
@@ -8,14 +9,17 @@ use crate::flight::controller::stage::{ExposureMotion, StageMachine};
 use crate::flight::exposure::{CorrectionModel, Exposure};
 use crate::flight::frame_record::{ExposedFrame, Flag, Flags, Outcome, Reason};
 use crate::flight::record_log::Entry;
+use crate::flight::time::Time;
 
 impl FrameMachine {
-    /// Records the exposure in flight, and ends it. Returns its number; `None` before last light.
+    /// Records the exposure in flight, and ends it. A shutter whose last light was not seen may
+    /// have been open until `until`. Returns the number of the record; `None` before last light.
     pub(in super::super) fn record(
         &mut self,
         setup: &Setup,
         stage: &StageMachine,
         aircraft: &mut Aircraft,
+        until: Time,
     ) -> Option<u32> {
         let frame = self.in_flight.as_mut()?;
         frame.measure(setup, stage);
@@ -28,15 +32,20 @@ impl FrameMachine {
         if setup.camera.has_stage() && !stage.index.is_referenced(&setup.settings.drive) {
             flags.insert(Flag::Unreferenced);
         }
+        let mut later_s = 0.0;
         if light.is_end_assumed {
             flags.insert(Flag::LastLightAssumed);
-            if let Some(last) = stage.track().last() {
-                // The shutter may have been open until now: the centroid may lie half as far on.
+            // The centroid may lie half as far on as the shutter was open for longer.
+            let tolerance_s = setup.settings.shutter_tolerance_s;
+            later_s = 0.5 * until.seconds_since(light.closed).max(tolerance_s);
+            let later_mm = if setup.camera.has_stage() {
                 let closing_mm = measured.motion.opening_offset_mm + measured.motion.travel_mm;
-                sigma.frame_mm = sigma
-                    .frame_mm
-                    .max(0.5 * libm::fabsf(last.offset_mm - closing_mm));
-            }
+                let last = stage.track().last();
+                last.map_or(0.0, |last| 0.5 * (last.offset_mm - closing_mm))
+            } else {
+                later_s * frame.planned_travel(light).speed_mm_s
+            };
+            sigma.frame_mm = sigma.frame_mm.max(libm::fabsf(later_mm));
         }
         let exposure = Exposure {
             exposure_s: light.closed.seconds_since(light.opened),
@@ -49,7 +58,7 @@ impl FrameMachine {
         };
         let predicted = setup.camera.frame_of(&exposure, &measured.motion).ok();
         let predicted = predicted.or_else(|| {
-            sigma.frame_mm = setup.half_stroke_mm();
+            sigma = sigma_of_unknown_place(setup, stage);
             flags.insert(Flag::PlannedMotion);
             flags.insert(Flag::StaticCorrection);
             setup.standing_frame(&exposure)
@@ -57,9 +66,12 @@ impl FrameMachine {
         let outcome = if let Some(predicted) = predicted {
             self.kept.set_latest(sequence, predicted);
             let measured = ExposureMotion { sigma, ..measured };
-            Outcome::Exposed(
-                frame.exposed(light, &predicted, &measured, setup, aircraft, &mut flags),
-            )
+            let mut exposed =
+                frame.exposed(light, &predicted, &measured, setup, aircraft, &mut flags);
+            if let Some(utc) = &mut exposed.centroid_utc {
+                utc.sigma_s = libm::hypotf(utc.sigma_s, later_s);
+            }
+            Outcome::Exposed(exposed)
         } else {
             Outcome::Refused(Reason::Unusable)
         };

@@ -37,6 +37,8 @@ pub(in super::super) enum Due {
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub(in super::super) struct Edge {
     pub(in super::super) is_first_light: bool,
+    /// First light has come before the shutter was told to open.
+    pub(in super::super) is_unasked: bool,
     pub(in super::super) fault: Option<Fault>,
     /// The shutter is to close, or stay closed.
     pub(in super::super) is_to_close: bool,
@@ -158,6 +160,7 @@ impl InFlight {
         };
         Some(Edge {
             is_first_light: true,
+            is_unasked: expected.is_none(),
             fault,
             // The command may not have left yet; closing prevents a second opening.
             is_to_close: expected.is_some() && fault == Some(Fault::ShutterUnexpected),

@@ -141,6 +141,11 @@ impl Readiness {
         self.rounds.restart();
     }
 
+    /// Time of the last event; `None` before the first.
+    pub(super) const fn last_event(&self) -> Option<Time> {
+        self.last_event
+    }
+
     /// Returns `true` before the first round.
     pub(super) const fn is_before_first_round(&self) -> bool {
         self.rounds.last().is_none()

@@ -3,7 +3,7 @@
 use super::StageMachine;
 use crate::flight::controller::setup::Setup;
 use crate::flight::controller::timing::{
-    LONGEST_GAP, READING_GAP_PART, READING_GAP_S, STAMP_SIGMA_S, TICK_S,
+    LONGEST_GAP, READING_GAP_PART, READING_GAP_S, STAMP_SIGMA_S,
 };
 use crate::flight::drive::settings::DriveSettings;
 use crate::flight::principal_point_sigma::PrincipalPointSigma;
@@ -54,7 +54,14 @@ impl StageMachine {
         // The encoder's own steps do not count as wander.
         let wander_mm = (path.wander_mm - step_mm).max(0.0);
         let share = (longest_gap_s / exposure_s).min(1.0);
-        let mut sigma = sigma_of_readings(drive, &motion, exposure_s, path.play_sigma_mm);
+        let [first, .., last] = path.samples[..] else {
+            return None;
+        };
+        #[expect(clippy::cast_precision_loss, reason = "at most 66")]
+        let intervals = path.samples.len().saturating_sub(1) as f32;
+        // Of a long exposure not all readings are kept.
+        let read = intervals * exposure_s / (last.time_s - first.time_s);
+        let mut sigma = sigma_of_readings(drive, &motion, exposure_s, read, path.play_sigma_mm);
         let unseen_mm = setup.settings.stage_tolerance().unseen_mm();
         sigma.common_mm = self.index.sigma_mm(sigma.common_mm, drive, unseen_mm);
         let bend_mm = (path.bend_mm - BEND_STEPS * step_mm).max(0.0);
@@ -77,7 +84,8 @@ impl StageMachine {
 /// Returns σ of a motion's centroid from the encoder's readings.
 ///
 /// # Model
-/// With q the encoder's step, v the speed and c̄ the centroid's offset: of the frame
+/// With q the encoder's step, v the speed, n - 1 the number of intervals between readings in the
+/// exposure (`read`) and c̄ the centroid's offset: of the frame
 /// `q²/(12·n) + (v·σ_t)²`, common to the flight `q²/12 + σ_0² + (s·c̄)² + (v·σ_a)² + σ_p²`. A
 /// reading is wrong by up to half a step; n readings of a stage that moves on by a step or more
 /// from one to the next are wrong independently. The phase of the steps to the calibrated position
@@ -88,13 +96,14 @@ fn sigma_of_readings(
     drive: &DriveSettings,
     motion: &PrincipalPointMotion,
     exposure_s: f32,
+    read: f32,
     play_sigma_mm: f32,
 ) -> PrincipalPointSigma {
     let square = |value: f32| value * value;
     let step_mm = 1e-3 * drive.encoder_step_um;
     let speed_mm_s = motion.travel_mm / exposure_s;
     let moved_steps = libm::fabsf(motion.travel_mm) / step_mm;
-    let readings = 1.0 + (exposure_s / TICK_S).min(moved_steps);
+    let readings = 1.0 + read.min(moved_steps);
     let step_variance = square(step_mm) / 12.0;
     let frame_variance = step_variance / readings + square(speed_mm_s * STAMP_SIGMA_S);
     let common_variance = step_variance
