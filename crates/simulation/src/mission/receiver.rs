@@ -120,8 +120,8 @@ mod tests {
 
     #[test]
     fn time_of_every_month_is_that_of_the_second() {
-        for month in 0..1200 {
-            // A month and some hours, from 2000-01-01 to 2079.
+        for month in 0..1000 {
+            // 24 days and some hours, from 2000-01-01 to 2066.
             let unix_s = 946_684_800 + 2_100_007 * month;
             let reading = read(&time(unix_s, None)).unwrap();
             assert_eq!(reading.unix_us, Some(1_000_000 * unix_s));
