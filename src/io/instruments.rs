@@ -8,9 +8,9 @@
 //! the receiver gives ground speed, altitude or time, the autopilot's speed counts as that of its
 //! inertial unit, and its altitude or time is ignored.
 //!
-//! On the receiver's wire one talker is used, and on the autopilot's one system: the first that
-//! speaks, until it has been silent for [`ALIVE_US`]. Everything that is not used is counted
-//! ([`InstrumentCounters`]).
+//! On the receiver's wire one receiver is used, and on the autopilot's one system: the first that
+//! speaks, until it has been silent for [`ALIVE_US`]. Another talker is the same receiver if it has
+//! the same position and time. Everything that is not used is counted ([`InstrumentCounters`]).
 
 mod arrivals;
 mod autopilot;
