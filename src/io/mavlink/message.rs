@@ -233,6 +233,10 @@ fn distance(payload: &Payload, samples: &mut Samples) -> Result<(), MavlinkError
 }
 
 /// Reads an `ALTITUDE`; a NaN is a height that the autopilot does not know.
+///
+/// With a clearance, autopilots compute the height above terrain from it, not always from the
+/// altitude above the sea: PX4 subtracts it from the height above the place where it started. The
+/// terrain's height is then left out.
 fn altitude(
     payload: &Payload,
     memory: &mut Memory,
@@ -241,7 +245,8 @@ fn altitude(
     let (altitude_m, above_m, clearance_m) = (payload.f32(12), payload.f32(24), payload.f32(28));
     if !altitude_m.is_nan() {
         push(samples, Quantity::AltitudeM, altitude_m, VhSample::Altitude)?;
-        if above_m >= LEAST_ABOVE_TERRAIN_M {
+        let has_clearance = clearance_m >= 0.0;
+        if above_m >= LEAST_ABOVE_TERRAIN_M && !has_clearance {
             let terrain_m = altitude_m - above_m;
             push(
                 samples,

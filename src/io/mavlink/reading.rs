@@ -9,7 +9,7 @@ use crate::flight::vh::VhSample;
 use crate::geometry::range::OutOfRange;
 
 /// Samples of one message.
-pub const MAX_SAMPLES: usize = 3;
+pub const MAX_SAMPLES: usize = 2;
 
 /// Content of a message.
 #[derive(Debug, Clone, PartialEq)]
