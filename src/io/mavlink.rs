@@ -102,29 +102,41 @@ impl MavlinkReceiver {
     /// # Errors
     /// As [`Self::receive`].
     pub fn buffered(&mut self) -> Option<Result<MavlinkReading, MavlinkError>> {
+        let mut passed = 0;
+        let answer = self.search(&mut passed);
+        // Once, however many beginnings were false.
+        if passed > 0 {
+            self.drop_first(passed);
+        }
+        answer
+    }
+
+    /// Searches the bytes from a place on, and moves the place behind those that are done with.
+    fn search(&mut self, passed: &mut usize) -> Option<Result<MavlinkReading, MavlinkError>> {
         loop {
-            let (layout, message) = match beginning(&self.received) {
+            let bytes = self.received.get(*passed..)?;
+            let (layout, message) = match beginning(bytes) {
                 Beginning::Incomplete => return None,
                 Beginning::None => {
-                    self.give_up_beginning(None);
+                    *passed += give_up_beginning(bytes, None, &mut self.unexplained);
                     continue;
                 }
-                Beginning::PassedOver(bytes) => {
-                    self.give_up_beginning(Some(bytes));
+                Beginning::PassedOver(frame_bytes) => {
+                    *passed += give_up_beginning(bytes, Some(frame_bytes), &mut self.unexplained);
                     continue;
                 }
                 Beginning::Read(layout, message) => (layout, message),
             };
-            if self.received.len() < layout.bytes {
+            if bytes.len() < layout.bytes {
                 return None;
             }
-            let Some(payload) = checked_payload(&self.received, layout, message) else {
-                self.give_up_beginning(None);
+            let Some(payload) = checked_payload(bytes, layout, message) else {
+                *passed += give_up_beginning(bytes, None, &mut self.unexplained);
                 return Some(Err(MavlinkError::Checksum));
             };
             let reading = message::read(layout.system, message, &payload, &mut self.memory);
             self.unexplained.read_frame();
-            self.drop_first(layout.bytes);
+            *passed += layout.bytes;
             if let Some(reading) = reading.transpose() {
                 return Some(reading);
             }
@@ -143,16 +155,6 @@ impl MavlinkReceiver {
         self.unexplained.take()
     }
 
-    /// Drops bytes up to the next that may begin a frame; those dropped are the beginning of a
-    /// frame of so many bytes that is not read, or of none.
-    fn give_up_beginning(&mut self, frame_bytes: Option<usize>) {
-        let begins = |byte: &u8| BEGINNINGS.contains(byte);
-        let next = self.received.iter().skip(1).position(begins);
-        let count = next.map_or(self.received.len(), |next| next + 1);
-        self.unexplained.pass(count, frame_bytes);
-        self.drop_first(count);
-    }
-
     fn drop_first(&mut self, count: usize) {
         let left = self.received.len().saturating_sub(count);
         for index in 0..left {
@@ -163,6 +165,20 @@ impl MavlinkReceiver {
         }
         self.received.truncate(left);
     }
+}
+
+/// Returns the number of bytes up to the next that may begin a frame, and notes them as the
+/// beginning of a frame of so many bytes that is not read, or of none.
+fn give_up_beginning(
+    bytes: &[u8],
+    frame_bytes: Option<usize>,
+    unexplained: &mut Unexplained,
+) -> usize {
+    let begins = |byte: &u8| BEGINNINGS.contains(byte);
+    let next = bytes.iter().skip(1).position(begins);
+    let count = next.map_or(bytes.len(), |next| next + 1);
+    unexplained.pass(count, frame_bytes);
+    count
 }
 
 /// Header of a frame: version 1 has 6 bytes, version 2 has 10.
