@@ -23,7 +23,7 @@ use self::unexplained::Unexplained;
 
 pub use self::message::{ALTITUDE_PREFERRED, TRACK_WITHIN_MS};
 pub use self::payload::LONGEST_PAYLOAD;
-pub use self::reading::{MAX_SAMPLES, MavlinkError, MavlinkReading};
+pub use self::reading::{MAX_SAMPLES, MavlinkError, MavlinkReading, MavlinkSender};
 
 /// Longest frame that is read: version 2 with that payload and a signature, bytes.
 pub const LONGEST_PACKET: usize = 10 + LONGEST_PAYLOAD + CHECKSUM_BYTES + SIGNATURE_BYTES;
@@ -43,7 +43,7 @@ const CHECKSUM_BYTES: usize = 2;
 /// Offsets of the parts of a frame.
 #[derive(Debug, Clone, Copy)]
 struct Layout {
-    system: u8,
+    sender: MavlinkSender,
     payload_at: usize,
     payload_bytes: usize,
     bytes: usize,
@@ -63,6 +63,11 @@ enum Beginning {
 }
 
 /// Cuts an autopilot's bytes into messages and reads them.
+///
+/// Some messages depend on earlier ones of the same sender: `ATTITUDE` on the track of
+/// `GLOBAL_POSITION_INT`, whose altitude depends on `ALTITUDE`. Where several senders share a wire,
+/// [`Self::receive_from`] listens to one of them; otherwise each makes the receiver forget the
+/// messages of the others.
 #[derive(Debug, Clone, Default)]
 pub struct MavlinkReceiver {
     received: Vec<u8, LONGEST_PACKET>,
@@ -90,11 +95,24 @@ impl MavlinkReceiver {
     /// [`MavlinkError`]; a whole frame that follows is read whatever came before it, at most
     /// [`LONGEST_PACKET`] bytes late.
     pub fn receive(&mut self, byte: u8) -> Option<Result<MavlinkReading, MavlinkError>> {
+        self.receive_from(byte, |_| true)
+    }
+
+    /// Takes one byte as [`Self::receive`] does; messages of a sender that is not listened to are
+    /// not read.
+    ///
+    /// # Errors
+    /// As [`Self::receive`], and [`MavlinkError::OtherSender`].
+    pub fn receive_from(
+        &mut self,
+        byte: u8,
+        is_listened_to: impl FnMut(MavlinkSender) -> bool,
+    ) -> Option<Result<MavlinkReading, MavlinkError>> {
         if self.received.push(byte).is_err() {
             // A full buffer is a whole frame, and was cut.
             self.received.clear();
         }
-        self.buffered()
+        self.buffered_from(is_listened_to)
     }
 
     /// The next message among the bytes that have come.
@@ -102,8 +120,19 @@ impl MavlinkReceiver {
     /// # Errors
     /// As [`Self::receive`].
     pub fn buffered(&mut self) -> Option<Result<MavlinkReading, MavlinkError>> {
+        self.buffered_from(|_| true)
+    }
+
+    /// The next message among the bytes that have come, as [`Self::receive_from`].
+    ///
+    /// # Errors
+    /// As [`Self::receive_from`].
+    pub fn buffered_from(
+        &mut self,
+        is_listened_to: impl FnMut(MavlinkSender) -> bool,
+    ) -> Option<Result<MavlinkReading, MavlinkError>> {
         let mut passed = 0;
-        let answer = self.search(&mut passed);
+        let answer = self.search(&mut passed, is_listened_to);
         // Once, however many beginnings were false.
         if passed > 0 {
             self.drop_first(passed);
@@ -112,7 +141,11 @@ impl MavlinkReceiver {
     }
 
     /// Searches the bytes from a place on, and moves the place behind those that are done with.
-    fn search(&mut self, passed: &mut usize) -> Option<Result<MavlinkReading, MavlinkError>> {
+    fn search(
+        &mut self,
+        passed: &mut usize,
+        mut is_listened_to: impl FnMut(MavlinkSender) -> bool,
+    ) -> Option<Result<MavlinkReading, MavlinkError>> {
         loop {
             let bytes = self.received.get(*passed..)?;
             let (layout, message) = match beginning(bytes) {
@@ -134,9 +167,12 @@ impl MavlinkReceiver {
                 *passed += give_up_beginning(bytes, None, &mut self.unexplained);
                 return Some(Err(MavlinkError::Checksum));
             };
-            let reading = message::read(layout.system, message, &payload, &mut self.memory);
             self.unexplained.read_frame();
             *passed += layout.bytes;
+            if !is_listened_to(layout.sender) {
+                return Some(Err(MavlinkError::OtherSender));
+            }
+            let reading = message::read(layout.sender, message, &payload, &mut self.memory);
             if let Some(reading) = reading.transpose() {
                 return Some(reading);
             }
@@ -183,14 +219,30 @@ fn give_up_beginning(
 
 /// Header of a frame: version 1 has 6 bytes, version 2 has 10.
 fn beginning(bytes: &[u8]) -> Beginning {
-    let (system, message, payload_at, payload_bytes, signature_bytes) = match *bytes {
+    let (sender, message, payload_at, payload_bytes, signature_bytes) = match *bytes {
         [] => return Beginning::Incomplete,
-        [0xfe, length, _, system, _, id, ..] => (system, u32::from(id), 6, length, 0),
+        [0xfe, length, _, system, component, id, ..] => {
+            let sender = MavlinkSender { system, component };
+            (sender, u32::from(id), 6, length, 0)
+        }
         [0xfd, _, flags, ..] if flags & !SIGNED != 0 => return Beginning::None,
-        [0xfd, length, flags, _, _, system, _, low, middle, high, ..] => {
+        [
+            0xfd,
+            length,
+            flags,
+            _,
+            _,
+            system,
+            component,
+            low,
+            middle,
+            high,
+            ..,
+        ] => {
+            let sender = MavlinkSender { system, component };
             let id = u32::from_le_bytes([low, middle, high, 0]);
             let signature_bytes = if flags == SIGNED { SIGNATURE_BYTES } else { 0 };
-            (system, id, 10, length, signature_bytes)
+            (sender, id, 10, length, signature_bytes)
         }
         [0xfe | 0xfd, ..] => return Beginning::Incomplete,
         _ => return Beginning::None,
@@ -198,7 +250,7 @@ fn beginning(bytes: &[u8]) -> Beginning {
     let payload_bytes = usize::from(payload_bytes);
     let bytes = payload_at + payload_bytes + CHECKSUM_BYTES + signature_bytes;
     let layout = Layout {
-        system,
+        sender,
         payload_at,
         payload_bytes,
         bytes,

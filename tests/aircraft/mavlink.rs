@@ -1,9 +1,16 @@
 //! Messages of an autopilot.
 
 use fmc_camera::flight::vh::VhSample;
-use fmc_camera::io::mavlink::{ALTITUDE_PREFERRED, MavlinkError, MavlinkReading, MavlinkReceiver};
+use fmc_camera::io::mavlink::{
+    ALTITUDE_PREFERRED, MavlinkError, MavlinkReading, MavlinkReceiver, MavlinkSender,
+};
 
 use crate::aircraft::targets::{Kind, frame, messages};
+
+const AUTOPILOT: MavlinkSender = MavlinkSender {
+    system: 1,
+    component: 1,
+};
 
 fn answer(bytes: &[u8]) -> Option<Result<MavlinkReading, MavlinkError>> {
     let mut receiver = MavlinkReceiver::new();
@@ -197,7 +204,7 @@ fn reading_names_its_system_and_bytes_of_no_frame_are_counted() {
         &position_frame(Kind::Signed),
     ];
     let read = messages(&mut receiver, &stream.concat());
-    assert!(read.iter().all(|reading| reading.system == 1));
+    assert!(read.iter().all(|reading| reading.sender == AUTOPILOT));
     assert_eq!((read.len(), receiver.take_unexplained()), (2, 0));
     // Another baud rate: bits of half a byte each, taken for bytes.
     let noise: Vec<u8> = stream.concat().iter().map(|byte| byte ^ 0xa6).collect();

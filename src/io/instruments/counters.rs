@@ -92,7 +92,7 @@ pub struct AutopilotCounters {
     pub no_distance: u32,
     /// Messages with a number outside its range.
     pub out_of_range: u32,
-    /// Messages of another system than the one in use.
+    /// Messages of another system than the one in use, or of another component of it.
     pub other_system: u32,
     /// Bytes that belong to no message; many of them indicate a wrong baud rate.
     pub unexplained_bytes: u32,
