@@ -7,6 +7,7 @@ mod encoders;
 mod faults;
 #[cfg(test)]
 mod hardware;
+mod judged;
 #[cfg(test)]
 mod nominal;
 #[cfg(test)]

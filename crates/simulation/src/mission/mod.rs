@@ -34,6 +34,7 @@ pub mod settings;
 pub mod shutter;
 mod sigma_checks;
 mod source;
+pub(crate) mod spurious_faults;
 pub mod trace;
 mod tracer;
 pub mod wire;
