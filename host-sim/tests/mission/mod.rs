@@ -10,6 +10,7 @@ mod hardware;
 mod judged;
 #[cfg(test)]
 mod nominal;
+mod senders;
 #[cfg(test)]
 mod stall;
 #[cfg(test)]

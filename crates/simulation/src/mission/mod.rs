@@ -38,5 +38,6 @@ pub(crate) mod spurious_faults;
 pub mod trace;
 mod tracer;
 pub mod wire;
+mod wire_load;
 mod wires;
 mod wiring;

@@ -56,7 +56,7 @@ pub(super) fn altitude(altitude_m: f32) -> String {
     ))
 }
 
-/// Formats a time, s since 1970, as the sentence RMC, with the last speed measured.
+/// Formats a time, s since 1970, as the sentence RMC; without a speed, its field is empty.
 pub(super) fn time(unix_s: u64, speed_m_s: Option<f32>) -> String {
     let (day, second) = (unix_s / DAY_S, unix_s % DAY_S);
     let (hour, minute, second) = (second / 3600, second / 60 % 60, second % 60);
