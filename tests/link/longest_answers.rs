@@ -41,10 +41,12 @@ fn longest_record() -> FrameRecord {
     let camera = Camera::new(camera_parameters()).unwrap();
     let interior = camera.frame(&Exposure::new(0.1, 0.005)).unwrap().interior;
     let (mut faults, mut flags) = (Faults::NONE, Flags::NONE);
-    Fault::ALL
-        .into_iter()
-        .for_each(|fault| faults.insert(fault));
-    Flag::ALL.into_iter().for_each(|flag| flags.insert(flag));
+    for fault in Fault::ALL {
+        faults.insert(fault);
+    }
+    for flag in Flag::ALL {
+        flags.insert(flag);
+    }
     FrameRecord {
         sequence: u32::MAX,
         trigger: LATE,
