@@ -14,6 +14,8 @@ mod payload;
 mod reading;
 mod unexplained;
 
+use core::cell::Cell;
+
 use crc::{CRC_16_MCRF4XX, Crc, Table};
 use heapless::Vec;
 
@@ -193,11 +195,9 @@ impl MavlinkReceiver {
 
     fn drop_first(&mut self, count: usize) {
         let left = self.received.len().saturating_sub(count);
-        for index in 0..left {
-            let byte = self.received.get(index + count).copied();
-            if let (Some(to), Some(byte)) = (self.received.get_mut(index), byte) {
-                *to = byte;
-            }
+        let bytes = Cell::from_mut(self.received.as_mut_slice()).as_slice_of_cells();
+        for (to, from) in bytes.iter().zip(bytes.get(count..).unwrap_or_default()) {
+            to.set(from.get());
         }
         self.received.truncate(left);
     }
