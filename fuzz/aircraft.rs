@@ -72,8 +72,8 @@ pub(crate) fn received(
 }
 
 fn believable_sentence(reading: &NmeaReading) -> bool {
-    // Years of two digits mean 2000 to 2079.
-    let possible = 946_684_800_000_000..3_471_292_800_000_000;
+    // Years of two digits mean 2000 to 2069.
+    let possible = 946_684_800_000_000..3_155_760_000_000_000;
     reading.sample.iter().all(believable)
         && reading.unix_us.is_none_or(|time| possible.contains(&time))
 }

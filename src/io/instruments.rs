@@ -6,10 +6,13 @@
 //! each wire, so that a flood costs no more than the line at its own rate; bytes beyond
 //! [`WAITING_BYTES`] are dropped and counted. The wires affect each other in one way only: while
 //! the receiver gives ground speed, altitude or time, the autopilot's speed counts as that of its
-//! inertial unit, and its altitude or time is ignored.
+//! inertial unit, and its time is ignored, or its altitude with the height of the terrain that goes
+//! with it.
 //!
-//! On the receiver's wire one talker is used, and on the autopilot's one system: the first that
-//! speaks, until it has been silent for [`ALIVE_US`]. Everything that is not used is counted
+//! On the receiver's wire one receiver is used, and on the autopilot's one system: the first that
+//! speaks, until it has been silent for [`ALIVE_US`]. Another talker is the same receiver if it has
+//! the same position and time. Of a system one component is used: its autopilot (component 1), or
+//! without it the first that speaks. Everything that is not used is counted
 //! ([`InstrumentCounters`]).
 
 mod arrivals;

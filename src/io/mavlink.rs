@@ -14,6 +14,8 @@ mod payload;
 mod reading;
 mod unexplained;
 
+use core::cell::Cell;
+
 use crc::{CRC_16_MCRF4XX, Crc, Table};
 use heapless::Vec;
 
@@ -23,7 +25,7 @@ use self::unexplained::Unexplained;
 
 pub use self::message::{ALTITUDE_PREFERRED, TRACK_WITHIN_MS};
 pub use self::payload::LONGEST_PAYLOAD;
-pub use self::reading::{MAX_SAMPLES, MavlinkError, MavlinkReading};
+pub use self::reading::{MAX_SAMPLES, MavlinkError, MavlinkReading, MavlinkSender};
 
 /// Longest frame that is read: version 2 with that payload and a signature, bytes.
 pub const LONGEST_PACKET: usize = 10 + LONGEST_PAYLOAD + CHECKSUM_BYTES + SIGNATURE_BYTES;
@@ -43,7 +45,7 @@ const CHECKSUM_BYTES: usize = 2;
 /// Offsets of the parts of a frame.
 #[derive(Debug, Clone, Copy)]
 struct Layout {
-    system: u8,
+    sender: MavlinkSender,
     payload_at: usize,
     payload_bytes: usize,
     bytes: usize,
@@ -63,6 +65,11 @@ enum Beginning {
 }
 
 /// Cuts an autopilot's bytes into messages and reads them.
+///
+/// Some messages depend on earlier ones of the same sender: `ATTITUDE` on the track of
+/// `GLOBAL_POSITION_INT`, whose altitude depends on `ALTITUDE`. Where several senders share a wire,
+/// [`Self::receive_from`] listens to one of them; otherwise each makes the receiver forget the
+/// messages of the others.
 #[derive(Debug, Clone, Default)]
 pub struct MavlinkReceiver {
     received: Vec<u8, LONGEST_PACKET>,
@@ -90,11 +97,24 @@ impl MavlinkReceiver {
     /// [`MavlinkError`]; a whole frame that follows is read whatever came before it, at most
     /// [`LONGEST_PACKET`] bytes late.
     pub fn receive(&mut self, byte: u8) -> Option<Result<MavlinkReading, MavlinkError>> {
+        self.receive_from(byte, |_| true)
+    }
+
+    /// Takes one byte as [`Self::receive`] does; messages of a sender that is not listened to are
+    /// not read.
+    ///
+    /// # Errors
+    /// As [`Self::receive`], and [`MavlinkError::OtherSender`].
+    pub fn receive_from(
+        &mut self,
+        byte: u8,
+        is_listened_to: impl FnMut(MavlinkSender) -> bool,
+    ) -> Option<Result<MavlinkReading, MavlinkError>> {
         if self.received.push(byte).is_err() {
             // A full buffer is a whole frame, and was cut.
             self.received.clear();
         }
-        self.buffered()
+        self.buffered_from(is_listened_to)
     }
 
     /// The next message among the bytes that have come.
@@ -102,29 +122,59 @@ impl MavlinkReceiver {
     /// # Errors
     /// As [`Self::receive`].
     pub fn buffered(&mut self) -> Option<Result<MavlinkReading, MavlinkError>> {
+        self.buffered_from(|_| true)
+    }
+
+    /// The next message among the bytes that have come, as [`Self::receive_from`].
+    ///
+    /// # Errors
+    /// As [`Self::receive_from`].
+    pub fn buffered_from(
+        &mut self,
+        is_listened_to: impl FnMut(MavlinkSender) -> bool,
+    ) -> Option<Result<MavlinkReading, MavlinkError>> {
+        let mut passed = 0;
+        let answer = self.search(&mut passed, is_listened_to);
+        // Once, however many beginnings were false.
+        if passed > 0 {
+            self.drop_first(passed);
+        }
+        answer
+    }
+
+    /// Searches the bytes from a place on, and moves the place behind those that are done with.
+    fn search(
+        &mut self,
+        passed: &mut usize,
+        mut is_listened_to: impl FnMut(MavlinkSender) -> bool,
+    ) -> Option<Result<MavlinkReading, MavlinkError>> {
         loop {
-            let (layout, message) = match beginning(&self.received) {
+            let bytes = self.received.get(*passed..)?;
+            let (layout, message) = match beginning(bytes) {
                 Beginning::Incomplete => return None,
                 Beginning::None => {
-                    self.give_up_beginning(None);
+                    *passed += give_up_beginning(bytes, None, &mut self.unexplained);
                     continue;
                 }
-                Beginning::PassedOver(bytes) => {
-                    self.give_up_beginning(Some(bytes));
+                Beginning::PassedOver(frame_bytes) => {
+                    *passed += give_up_beginning(bytes, Some(frame_bytes), &mut self.unexplained);
                     continue;
                 }
                 Beginning::Read(layout, message) => (layout, message),
             };
-            if self.received.len() < layout.bytes {
+            if bytes.len() < layout.bytes {
                 return None;
             }
-            let Some(payload) = checked_payload(&self.received, layout, message) else {
-                self.give_up_beginning(None);
+            let Some(payload) = checked_payload(bytes, layout, message) else {
+                *passed += give_up_beginning(bytes, None, &mut self.unexplained);
                 return Some(Err(MavlinkError::Checksum));
             };
-            let reading = message::read(layout.system, message, &payload, &mut self.memory);
             self.unexplained.read_frame();
-            self.drop_first(layout.bytes);
+            *passed += layout.bytes;
+            if !is_listened_to(layout.sender) {
+                return Some(Err(MavlinkError::OtherSender));
+            }
+            let reading = message::read(layout.sender, message, &payload, &mut self.memory);
             if let Some(reading) = reading.transpose() {
                 return Some(reading);
             }
@@ -143,38 +193,56 @@ impl MavlinkReceiver {
         self.unexplained.take()
     }
 
-    /// Drops bytes up to the next that may begin a frame; those dropped are the beginning of a
-    /// frame of so many bytes that is not read, or of none.
-    fn give_up_beginning(&mut self, frame_bytes: Option<usize>) {
-        let begins = |byte: &u8| BEGINNINGS.contains(byte);
-        let next = self.received.iter().skip(1).position(begins);
-        let count = next.map_or(self.received.len(), |next| next + 1);
-        self.unexplained.pass(count, frame_bytes);
-        self.drop_first(count);
-    }
-
     fn drop_first(&mut self, count: usize) {
         let left = self.received.len().saturating_sub(count);
-        for index in 0..left {
-            let byte = self.received.get(index + count).copied();
-            if let (Some(to), Some(byte)) = (self.received.get_mut(index), byte) {
-                *to = byte;
-            }
+        let bytes = Cell::from_mut(self.received.as_mut_slice()).as_slice_of_cells();
+        for (to, from) in bytes.iter().zip(bytes.get(count..).unwrap_or_default()) {
+            to.set(from.get());
         }
         self.received.truncate(left);
     }
 }
 
+/// Returns the number of bytes up to the next that may begin a frame, and notes them as the
+/// beginning of a frame of so many bytes that is not read, or of none.
+fn give_up_beginning(
+    bytes: &[u8],
+    frame_bytes: Option<usize>,
+    unexplained: &mut Unexplained,
+) -> usize {
+    let begins = |byte: &u8| BEGINNINGS.contains(byte);
+    let next = bytes.iter().skip(1).position(begins);
+    let count = next.map_or(bytes.len(), |next| next + 1);
+    unexplained.pass(count, frame_bytes);
+    count
+}
+
 /// Header of a frame: version 1 has 6 bytes, version 2 has 10.
 fn beginning(bytes: &[u8]) -> Beginning {
-    let (system, message, payload_at, payload_bytes, signature_bytes) = match *bytes {
+    let (sender, message, payload_at, payload_bytes, signature_bytes) = match *bytes {
         [] => return Beginning::Incomplete,
-        [0xfe, length, _, system, _, id, ..] => (system, u32::from(id), 6, length, 0),
+        [0xfe, length, _, system, component, id, ..] => {
+            let sender = MavlinkSender { system, component };
+            (sender, u32::from(id), 6, length, 0)
+        }
         [0xfd, _, flags, ..] if flags & !SIGNED != 0 => return Beginning::None,
-        [0xfd, length, flags, _, _, system, _, low, middle, high, ..] => {
+        [
+            0xfd,
+            length,
+            flags,
+            _,
+            _,
+            system,
+            component,
+            low,
+            middle,
+            high,
+            ..,
+        ] => {
+            let sender = MavlinkSender { system, component };
             let id = u32::from_le_bytes([low, middle, high, 0]);
             let signature_bytes = if flags == SIGNED { SIGNATURE_BYTES } else { 0 };
-            (system, id, 10, length, signature_bytes)
+            (sender, id, 10, length, signature_bytes)
         }
         [0xfe | 0xfd, ..] => return Beginning::Incomplete,
         _ => return Beginning::None,
@@ -182,7 +250,7 @@ fn beginning(bytes: &[u8]) -> Beginning {
     let payload_bytes = usize::from(payload_bytes);
     let bytes = payload_at + payload_bytes + CHECKSUM_BYTES + signature_bytes;
     let layout = Layout {
-        system,
+        sender,
         payload_at,
         payload_bytes,
         bytes,

@@ -79,18 +79,28 @@ pub(super) fn altitude_of(talker: &str, minutes: f32, altitude_m: f32) -> Vec<u8
 
 /// Height above ground, from a system.
 pub(super) fn height(system: u8, height_m: f32) -> Vec<u8> {
+    from([system, 1], 141, 47, &altitude(f32::NAN, -2000.0, height_m))
+}
+
+/// Payload of altitude, height above terrain and clearance.
+pub(super) fn altitude(amsl: f32, above_terrain: f32, clearance: f32) -> Vec<u8> {
     let mut payload = 1000_u64.to_le_bytes().to_vec();
-    for number in [f32::NAN, f32::NAN, 0.0, 0.0, -2000.0, height_m] {
+    for number in [f32::NAN, amsl, 0.0, 0.0, above_terrain, clearance] {
         payload.extend(number.to_le_bytes());
     }
-    let mut bytes = frame(Kind::Two, 141, 47, &payload);
-    bytes[5] = system;
+    payload
+}
+
+/// A message of a system and component.
+pub(super) fn from(sender: [u8; 2], message: u32, extra: u8, payload: &[u8]) -> Vec<u8> {
+    let mut bytes = frame(Kind::Two, message, extra, payload);
+    bytes[5..7].copy_from_slice(&sender);
     // Its checksum again.
     let crc = crc::Crc::<u16>::new(&crc::CRC_16_MCRF4XX);
     let mut digest = crc.digest();
     let end = bytes.len() - 2;
     digest.update(&bytes[1..end]);
-    digest.update(&[47]);
+    digest.update(&[extra]);
     bytes[end..].copy_from_slice(&digest.finalize().to_le_bytes());
     bytes
 }

@@ -1,9 +1,16 @@
 //! Messages of an autopilot.
 
 use fmc_camera::flight::vh::VhSample;
-use fmc_camera::io::mavlink::{ALTITUDE_PREFERRED, MavlinkError, MavlinkReading, MavlinkReceiver};
+use fmc_camera::io::mavlink::{
+    ALTITUDE_PREFERRED, MavlinkError, MavlinkReading, MavlinkReceiver, MavlinkSender,
+};
 
 use crate::aircraft::targets::{Kind, frame, messages};
+
+const AUTOPILOT: MavlinkSender = MavlinkSender {
+    system: 1,
+    component: 1,
+};
 
 fn answer(bytes: &[u8]) -> Option<Result<MavlinkReading, MavlinkError>> {
     let mut receiver = MavlinkReceiver::new();
@@ -69,16 +76,24 @@ fn messages_of_both_versions_are_read() {
             [VhSample::GroundSpeed(60.0), VhSample::Altitude(1200.5)]
         );
     }
-    let found = samples(&altitude_frame(&altitude(1200.0, 1000.0, 990.0)));
-    let expected = [
-        VhSample::Altitude(1200.0),
-        VhSample::TerrainHeight(200.0),
-        VhSample::HeightAboveGround(990.0),
-    ];
+    let found = samples(&altitude_frame(&altitude(1200.0, 1000.0, f32::NAN)));
+    let expected = [VhSample::Altitude(1200.0), VhSample::TerrainHeight(200.0)];
     assert_eq!(found, expected);
     let time_us = 1_767_225_600_000_000_u64.to_le_bytes();
     let time = answer(&frame(Kind::One, 2, 137, &[&time_us[..], &[0; 4]].concat()));
     assert_eq!(time.unwrap().unwrap().unix_us, Some(1_767_225_600_000_000));
+}
+
+/// PX4 has started at 100 m, is 600 m above ground at 250 m, and sends 150 m as height above
+/// terrain.
+#[test]
+fn height_above_terrain_that_is_not_above_the_sea_makes_no_terrain() {
+    let found = samples(&altitude_frame(&altitude(850.0, 150.0, 600.0)));
+    let expected = [
+        VhSample::Altitude(850.0),
+        VhSample::HeightAboveGround(600.0),
+    ];
+    assert_eq!(found, expected);
 }
 
 #[test]
@@ -189,7 +204,7 @@ fn reading_names_its_system_and_bytes_of_no_frame_are_counted() {
         &position_frame(Kind::Signed),
     ];
     let read = messages(&mut receiver, &stream.concat());
-    assert!(read.iter().all(|reading| reading.system == 1));
+    assert!(read.iter().all(|reading| reading.sender == AUTOPILOT));
     assert_eq!((read.len(), receiver.take_unexplained()), (2, 0));
     // Another baud rate: bits of half a byte each, taken for bytes.
     let noise: Vec<u8> = stream.concat().iter().map(|byte| byte ^ 0xa6).collect();
@@ -202,6 +217,10 @@ fn reading_names_its_system_and_bytes_of_no_frame_are_counted() {
 #[test]
 fn damaged_frame_is_not_read_and_the_next_is() {
     let next = altitude_frame(&altitude(1200.0, 1000.0, 990.0));
+    let next_samples = [
+        VhSample::Altitude(1200.0),
+        VhSample::HeightAboveGround(990.0),
+    ];
     for kind in [Kind::One, Kind::Two] {
         let whole = position_frame(kind);
         for damage in 0..whole.len() {
@@ -213,7 +232,7 @@ fn damaged_frame_is_not_read_and_the_next_is() {
                 bytes.extend([0; 280]);
                 let found = messages(&mut MavlinkReceiver::new(), &bytes);
                 assert_eq!(found.len(), 1, "byte {damage} bit {bit}");
-                assert_eq!(found[0].samples.len(), 3);
+                assert_eq!(found[0].samples, next_samples);
             }
         }
     }

@@ -8,6 +8,7 @@
     reason = "tests"
 )]
 
+mod autopilots;
 mod fuzzed;
 mod instruments;
 mod mavlink;

@@ -160,6 +160,7 @@ fn date_or_time_that_does_not_exist_is_refused_by_name() {
     };
     assert_eq!(of("120000", "300226"), Err(NmeaError::InvalidDate));
     assert_eq!(of("120000", "290226"), Err(NmeaError::InvalidDate));
+    assert_eq!(of("000000", "010170"), Err(NmeaError::BeforeYear2000));
     assert_eq!(of("120000", "010180"), Err(NmeaError::BeforeYear2000));
     assert_eq!(of("120000", "220899"), Err(NmeaError::BeforeYear2000));
     assert_eq!(of("240000", "010126"), Err(NmeaError::InvalidTime));
@@ -170,6 +171,25 @@ fn date_or_time_that_does_not_exist_is_refused_by_name() {
     assert_eq!(leap_day.unix_us, Some(1_709_251_199_999_999));
     // A receiver that does not know the time yet gives its speed.
     assert_eq!(of("", "").unwrap().unix_us, None);
+}
+
+#[test]
+fn position_beyond_the_poles_or_half_a_turn_is_refused() {
+    let of = |latitude: &str, longitude: &str| {
+        let fields = format!("120000,A,{latitude},N,{longitude},W,100.0,054.7,010126,,");
+        answer("GPRMC", &fields)
+    };
+    assert!(of("9000.0000", "18000.0000").is_ok());
+    for (latitude, longitude) in [
+        ("9000.0001", "01131.0"),
+        ("9059.0000", "01131.0"),
+        ("4800.0000", "18000.0001"),
+        ("4800.0000", "18059.0000"),
+        ("4860.0000", "01131.0"),
+    ] {
+        let found = of(latitude, longitude);
+        assert_eq!(found, Err(NmeaError::Malformed), "{latitude} {longitude}");
+    }
 }
 
 #[test]

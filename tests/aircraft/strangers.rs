@@ -5,6 +5,7 @@ use fmc_camera::flight::vh::VhSample;
 use fmc_camera::io::instruments::{ALIVE_US, Instruments};
 
 use super::instruments::*;
+use crate::aircraft::targets::sentence;
 
 #[test]
 fn second_talker_is_refused_as_long_as_the_first_speaks() {
@@ -64,6 +65,45 @@ fn one_receiver_in_flight_is_one_receiver() {
     }
     assert_eq!(wires.taken().len(), 100);
     assert!(!wires.instruments.counters().receiver.has_two_receivers());
+}
+
+/// A sentence with the position of `altitude_of`, speed and a time of 2026.
+fn time_of(talker: &str, minutes: f32, second: u8, knots: f32) -> Vec<u8> {
+    let fields =
+        format!("1200{second:02},A,48{minutes:07.4},N,01131.0,E,{knots:.1},054.7,010126,,,A");
+    sentence(&format!("{talker}RMC"), fields.as_bytes())
+}
+
+#[test]
+fn receiver_that_changes_its_talker_or_uses_two_stays_one_receiver() {
+    let mut wires = Wires::default();
+    for second in 0..9_u8 {
+        let minutes = 0.05 * f32::from(second);
+        // From two constellations on, the talker is another one for each sentence that names all.
+        let of_all = if (3..6).contains(&second) { "GN" } else { "GP" };
+        wires.send(&time_of(of_all, minutes, second, 100.0), &[]);
+        wires.send(&altitude_of("GP", minutes, 1200.0), &[]);
+        wires.send(&speed_of(of_all, 100.0), &[]);
+        wires.wait_ms(900);
+    }
+    let taken = wires.taken();
+    assert_eq!(taken.len(), 4 * 9, "{taken:?}");
+    let counters = wires.instruments.counters().receiver;
+    assert!(!counters.has_two_receivers(), "{counters:?}");
+}
+
+#[test]
+fn talker_of_another_time_or_place_is_another_receiver() {
+    let mut wires = Wires::default();
+    wires.send(&time_of("GP", 1.0, 10, 100.0), &[]);
+    // 13 s late, and 18 km away.
+    wires.send(&time_of("GN", 1.0, 23, 60.0), &[]);
+    wires.send(&time_of("GN", 11.0, 10, 60.0), &[]);
+    wires.send(&speed_of("GN", 60.0), &[]);
+    let first = [knots(100.0), Event::GnssTime(1_767_268_810_000_000)];
+    assert_eq!(wires.taken(), first);
+    let counters = wires.instruments.counters().receiver;
+    assert_eq!((counters.read, counters.other_talker), (4, 3));
 }
 
 #[test]

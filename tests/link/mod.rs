@@ -18,6 +18,7 @@ mod flown_requests;
 mod fuzzed;
 mod in_flight;
 mod loading;
+mod longest_answers;
 mod messages;
 mod pc;
 mod refusals;

@@ -5,7 +5,7 @@ use core::hint::black_box;
 use fmc_camera::flight::control_loop::MAX_EVENTS;
 use fmc_camera::flight::time::Time;
 use fmc_camera::io::instruments::{BYTES_PER_ROUND, Instruments, Wire};
-use fmc_camera::io::mavlink::MavlinkReceiver;
+use fmc_camera::io::mavlink::{LONGEST_PACKET, MavlinkReceiver};
 use fmc_camera::io::nmea::NmeaReceiver;
 
 use crate::counter::Counter;
@@ -57,6 +57,19 @@ const NESTED: [u8; 68] = {
     }
 };
 
+/// Bytes of MAVLink that begin as often as possible: a frame of the greatest length with a wrong
+/// checksum, each byte of which begins a frame that is not read.
+const BEGINNINGS: [u8; LONGEST_PACKET] = {
+    let mut bytes = [0xfe; LONGEST_PACKET];
+    let header = [0xfd, 64, 1, 0, 0, 1, 1, 33, 0, 0];
+    let mut at = 0;
+    while at < header.len() {
+        bytes[at] = header[at];
+        at += 1;
+    }
+    bytes
+};
+
 /// Rounds among which the most expensive is looked for: every phase of sentences and messages to
 /// one another comes up.
 const ROUNDS: u16 = 400;
@@ -82,23 +95,37 @@ pub(crate) fn count(counter: &mut Counter) -> Option<()> {
     }
     let (_, rmc) = SENTENCES.first()?;
     let mut receiver = NmeaReceiver::new();
-    dearest(counter, "nmea_byte_worst", rmc, |byte| {
+    let worst = dearest(counter, rmc, |byte| {
         black_box(receiver.receive(byte));
     })?;
-    let mut receiver = MavlinkReceiver::new();
-    dearest(counter, "mavlink_byte_worst", &NESTED, |byte| {
-        black_box(receiver.receive(byte));
-    })?;
-    rounds(counter)
+    Counter::print("nmea_byte_worst", (1, "byte"), worst);
+    let mut worst = 0;
+    for bytes in [&NESTED[..], &BEGINNINGS] {
+        let mut receiver = MavlinkReceiver::new();
+        // The byte after a wrong frame passes over the beginnings in it.
+        for _ in 0..2 {
+            let most = dearest(counter, bytes, |byte| {
+                black_box(receiver.receive(byte));
+            })?;
+            worst = most.max(worst);
+        }
+    }
+    Counter::print("mavlink_byte_worst", (1, "byte"), worst);
+    let [silent, nested] = rounds(counter, &NESTED)?;
+    let [_, beginnings] = rounds(counter, &BEGINNINGS)?;
+    Counter::print("instruments_round_silent", (1, "round"), silent);
+    let worst = nested.max(beginnings);
+    Counter::print("instruments_round_worst", (1, "round"), worst);
+    Some(())
 }
 
-/// Prints the cost of a round without bytes, and of the most expensive round with as many bytes on
-/// both wires as it may take: whole sentences on one, nested false beginnings on the other.
-fn rounds(counter: &mut Counter) -> Option<()> {
+/// Returns the cost of a round without bytes, and of the most expensive round with as many bytes on
+/// both wires as it may take: whole sentences on one, false beginnings on the other.
+fn rounds(counter: &mut Counter, messages: &[u8]) -> Option<[u32; 2]> {
     let mut instruments = Instruments::new();
     let (_, rmc) = SENTENCES.first()?;
     let mut sentences = rmc.iter().cycle();
-    let mut messages = NESTED.iter().cycle();
+    let mut messages = messages.iter().cycle();
     let mut most = 0;
     let mut now = Time::START;
     for _ in 0..ROUNDS {
@@ -111,23 +138,15 @@ fn rounds(counter: &mut Counter) -> Option<()> {
         most = instructions.max(most);
     }
     let (least, _) = counter.measure(|| instruments.round(now, MAX_EVENTS))?;
-    Counter::print("instruments_round_silent", (1, "round"), least);
-    Counter::print("instruments_round_worst", (1, "round"), most);
-    Some(())
+    Some([least, most])
 }
 
-/// Prints the cost of the most expensive of these bytes.
-fn dearest(
-    counter: &mut Counter,
-    name: &str,
-    bytes: &[u8],
-    mut receive: impl FnMut(u8),
-) -> Option<()> {
+/// Returns the cost of the most expensive of these bytes.
+fn dearest(counter: &mut Counter, bytes: &[u8], mut receive: impl FnMut(u8)) -> Option<u32> {
     let mut most = 0;
     for byte in bytes {
         let (instructions, ()) = counter.measure(|| receive(black_box(*byte)))?;
         most = instructions.max(most);
     }
-    Counter::print(name, (1, "byte"), most);
-    Some(())
+    Some(most)
 }

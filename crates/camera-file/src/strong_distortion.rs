@@ -88,28 +88,23 @@ impl CameraFile {
     /// Returns the advice for a largest term that is `unlikely` in the file's unit, if it is likely
     /// without one.
     fn dimensionless(&self, edge: &EdgeDistortion, unlikely: bool) -> Option<String> {
-        let Term {
-            name,
-            value,
-            unit,
-            power,
-            fraction,
-        } = edge.largest;
-        let scale = self.principal_distance_mm.powi(power);
+        let largest = &edge.largest;
+        let (name, scale) = (largest.name, self.principal_distance_mm.powi(largest.power));
         // The terms of Brown that software states in normalised coordinates, with this name.
-        let is_radial = power >= 2;
+        let is_radial = largest.power >= 2;
         if !unlikely
             || !is_radial
-            || value.abs() < LEAST_DIMENSIONLESS
-            || fraction / scale > UNLIKELY
+            || largest.value.abs() < LEAST_DIMENSIONLESS
+            || largest.fraction / scale > UNLIKELY
         {
             return None;
         }
         Some(format!(
-            "{name} = {} looks like a dimensionless coefficient (OpenCV's or Metashape's {name}): divided by f{} it is {}{unit}, to leading order; {CONVERSION}",
-            plain(value),
-            superscript(power),
-            short(value / scale)
+            "{name} = {} looks like a dimensionless coefficient (OpenCV's or Metashape's {name}): divided by f{} it is {}{}, to leading order; {CONVERSION}",
+            plain(largest.value),
+            superscript(largest.power),
+            short(largest.value / scale),
+            largest.unit
         ))
     }
 

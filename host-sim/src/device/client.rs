@@ -165,6 +165,15 @@ impl<P: Port> Client<P> {
                 Listened::Answer(Answer::Refused(Refusal::OtherSession)) => {
                     Err(LinkError::SessionEnded)
                 }
+                // Firmware that is older than the request, which changes nothing.
+                Listened::Answer(Answer::Refused(refusal @ Refusal::Unknown))
+                    if matches!(request, Request::Instruments) =>
+                {
+                    Err(LinkError::Refused {
+                        request: name(request),
+                        refusal,
+                    })
+                }
                 // Such a refusal does not tell whether the camera has obeyed the request.
                 Listened::Answer(Answer::Refused(
                     Refusal::OutOfOrder { .. } | Refusal::Unknown,

@@ -148,6 +148,31 @@ fn line_that_carries_what_there_is_not_is_refused() {
 }
 
 #[test]
+fn wire_with_more_messages_than_it_carries_is_refused() {
+    // 80 bytes fifty times a second, and ten heights of 44.
+    refused(
+        "reported_hz = 50.0 ",
+        "reported_hz = 67.0 ",
+        &[
+            "line.autopilot_baud = 57600",
+            "carries 5760 bytes per second",
+            "are 5800 bytes per second",
+            "reported_hz",
+        ],
+    );
+    // Ten speeds of 42 bytes and a time of 50.
+    refused(
+        "baud = 38400 ",
+        "baud = 4600 ",
+        &["line.baud = 4600", "carries 460 bytes", "are 470 bytes"],
+    );
+    let scenario = changed(MISSION, "reported_hz = 50.0 ", "reported_hz = 66.0 ");
+    let scenario = changed(&scenario, "exposures = 1000 ", "exposures = 12 ");
+    let bench = bench(&changed(&scenario, "baud = 38400 ", "baud = 4800 "));
+    fly(&bench, &[]).ok();
+}
+
+#[test]
 fn fault_without_onset_is_refused() {
     let here = changed(
         &changed(STALL, "../cameras", "cameras"),

@@ -7,9 +7,11 @@ mod encoders;
 mod faults;
 #[cfg(test)]
 mod hardware;
+mod judged;
 mod lost_counts;
 #[cfg(test)]
 mod nominal;
+mod senders;
 #[cfg(test)]
 mod stall;
 #[cfg(test)]

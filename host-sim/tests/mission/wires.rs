@@ -13,6 +13,15 @@ fn counters(flown: &Flown) -> InstrumentCounters {
     flown.instruments.unwrap()
 }
 
+/// Returns the flight of a fault's scenario, which has all its records, and its counters.
+fn flown_to_the_end(name: &str) -> (Flown, InstrumentCounters) {
+    let (flight, _) = passed(&fault_scenario(name), 1);
+    let sequences = flight.frames.iter().map(|frame| frame.record.sequence);
+    assert!(sequences.eq(1..=40), "{name}");
+    let counters = counters(&flight);
+    (flight, counters)
+}
+
 /// Returns the receiver's counters if nothing but bytes and sentences was counted.
 fn undisturbed_receiver(counters: &ReceiverCounters) -> ReceiverCounters {
     ReceiverCounters {
@@ -74,13 +83,9 @@ fn fault_of_the_receivers_wire_leaves_the_autopilots_and_the_records_as_they_are
     let whole = flown(&without_fault("receiver-cut"), 1);
     let whole = counters(&whole).autopilot;
     for name in ["receiver-cut", "receiver-flood", "receiver-baud"] {
-        let (flight, _) = passed(&fault_scenario(name), 1);
-        let found = counters(&flight);
-        assert_eq!(
-            found.autopilot,
-            undisturbed_autopilot(&found.autopilot),
-            "{name}"
-        );
+        let (flight, found) = flown_to_the_end(name);
+        let undisturbed = undisturbed_autopilot(&found.autopilot);
+        assert_eq!(found.autopilot, undisturbed, "{name}");
         assert_eq!(found.autopilot, whole, "{name}");
         let receiver = found.receiver;
         match name {
@@ -94,8 +99,6 @@ fn fault_of_the_receivers_wire_leaves_the_autopilots_and_the_records_as_they_are
             }
             _ => assert!(receiver.unexplained_bytes > 4000, "{receiver:?}"),
         }
-        let sequences = flight.frames.iter().map(|frame| frame.record.sequence);
-        assert!(sequences.eq(1..=40), "{name}");
     }
 }
 
@@ -119,13 +122,9 @@ fn fault_of_the_autopilots_wire_leaves_the_receivers_and_the_records_as_they_are
         ..
     } = counters(&whole);
     for name in ["autopilot-cut", "autopilot-flood", "autopilot-baud"] {
-        let (flight, _) = passed(&fault_scenario(name), 1);
-        let found = counters(&flight);
-        assert_eq!(
-            found.receiver,
-            undisturbed_receiver(&found.receiver),
-            "{name}"
-        );
+        let (_, found) = flown_to_the_end(name);
+        let undisturbed = undisturbed_receiver(&found.receiver);
+        assert_eq!(found.receiver, undisturbed, "{name}");
         assert_eq!(found.receiver, whole, "{name}");
         let autopilot = found.autopilot;
         match name {
@@ -137,8 +136,6 @@ fn fault_of_the_autopilots_wire_leaves_the_receivers_and_the_records_as_they_are
             "autopilot-flood" => assert!(autopilot.flooded_bytes > 700_000, "{autopilot:?}"),
             _ => assert!(autopilot.unexplained_bytes > 10_000, "{autopilot:?}"),
         }
-        let sequences = flight.frames.iter().map(|frame| frame.record.sequence);
-        assert!(sequences.eq(1..=40), "{name}");
     }
 }
 

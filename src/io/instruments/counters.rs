@@ -28,7 +28,8 @@ pub struct ReceiverCounters {
     pub before_year_2000: u32,
     /// Sentences with a number outside its range.
     pub out_of_range: u32,
-    /// Sentences of another talker than the one in use: two receivers are on the wire.
+    /// Sentences of another talker than those in use, without a position that shows them to be of
+    /// the same receiver: two receivers are on the wire.
     pub other_talker: u32,
     /// Sentences with a position that the receiver in use cannot have, and those that follow them:
     /// two receivers are on the wire.
@@ -91,7 +92,7 @@ pub struct AutopilotCounters {
     pub no_distance: u32,
     /// Messages with a number outside its range.
     pub out_of_range: u32,
-    /// Messages of another system than the one in use.
+    /// Messages of another system than the one in use, or of another component of it.
     pub other_system: u32,
     /// Bytes that belong to no message; many of them indicate a wrong baud rate.
     pub unexplained_bytes: u32,

@@ -18,6 +18,9 @@ const FASTEST_M_S: f32 = 400.0;
 /// Difference of positions beyond that which noise and jitter of the arrival may cause, m.
 const POSITION_TOLERANCE_M: f32 = 100.0;
 
+/// Difference of times beyond that which the ways of two sentences may cause, µs.
+const TIME_TOLERANCE_US: u64 = 2_000_000;
+
 /// Metres on the ground of the unit of a position, a ten-thousandth of a minute of latitude.
 const M_PER_UNIT: f32 = 0.1852;
 
@@ -45,14 +48,16 @@ pub(super) struct ReceiverWire {
     /// When the sentence under way began.
     began: Time,
     pub(super) counters: ReceiverCounters,
-    /// The talker in use, and when it spoke last.
-    talker: Option<([u8; 2], Time)>,
+    /// The talkers in use, the last first, and when each spoke last: a receiver names itself by its
+    /// constellations, and may change its name or use two.
+    talkers: [Option<([u8; 2], Time)>; 2],
     place: Option<(NmeaPosition, Time)>,
     /// True if the last position was another receiver's.
     is_elsewhere: bool,
     speed: Heard,
     altitude: Heard,
-    utc: Heard,
+    /// The last time, µs since 1970, and when it came.
+    utc: Option<(u64, Time)>,
 }
 
 impl ReceiverWire {
@@ -62,12 +67,12 @@ impl ReceiverWire {
             decoder: NmeaReceiver::new(),
             began: Time::START,
             counters: ReceiverCounters::NONE,
-            talker: None,
+            talkers: [None; 2],
             place: None,
             is_elsewhere: false,
             speed: Heard(None),
             altitude: Heard(None),
-            utc: Heard(None),
+            utc: None,
         }
     }
 
@@ -102,7 +107,8 @@ impl ReceiverWire {
 
     /// Returns true if the receiver gives times.
     pub(super) fn has_utc(&self, now: Time) -> bool {
-        self.utc.is_alive(now)
+        self.utc
+            .is_some_and(|(_, heard)| Heard(Some(heard)).is_alive(now))
     }
 
     fn take(&mut self, reading: &NmeaReading, arrivals: &mut Arrivals) {
@@ -119,25 +125,23 @@ impl ReceiverWire {
             arrivals.push_begun(self.began, Event::Vh(sample));
         }
         if let Some(unix_us) = reading.unix_us {
-            self.utc = Heard(Some(now));
+            self.utc = Some((unix_us, now));
             arrivals.push(Event::GnssTime(unix_us));
         }
     }
 
     /// Returns true if a sentence comes from the receiver in use.
     fn is_listened_to(&mut self, reading: &NmeaReading, now: Time) -> bool {
-        let is_other = self.talker.is_some_and(|(talker, heard)| {
-            talker != reading.talker && Heard(Some(heard)).is_alive(now)
-        });
-        if is_other {
+        let talkers = self.talkers.iter().flatten();
+        let mut alive = talkers.filter(|(_, heard)| Heard(Some(*heard)).is_alive(now));
+        let is_other =
+            alive.clone().next().is_some() && alive.all(|(talker, _)| *talker != reading.talker);
+        if is_other && !self.agrees(reading, now) {
             count(&mut self.counters.other_talker, 1);
             return false;
         }
         if let Some(position) = reading.position {
-            self.is_elsewhere = self.place.is_some_and(|(place, heard)| {
-                Heard(Some(heard)).is_alive(now)
-                    && is_too_far(place, position, now.seconds_since(heard))
-            });
+            self.is_elsewhere = self.is_reached(position, now) == Some(false);
             if !self.is_elsewhere {
                 self.place = Some((position, now));
             }
@@ -147,8 +151,34 @@ impl ReceiverWire {
             count(&mut self.counters.other_position, 1);
             return false;
         }
-        self.talker = Some((reading.talker, now));
+        let [last, before] = &mut self.talkers;
+        if last.is_some_and(|(talker, _)| talker != reading.talker) {
+            core::mem::swap(last, before);
+        }
+        *last = Some((reading.talker, now));
         true
+    }
+
+    /// Returns true if a sentence of another talker has the position of the receiver in use, and
+    /// its time, if it has one.
+    fn agrees(&self, reading: &NmeaReading, now: Time) -> bool {
+        let times = reading.unix_us.zip(self.utc);
+        let is_same_time = times.is_none_or(|(unix_us, (before_us, heard))| {
+            let expected_us = before_us.saturating_add(now.us_since(heard));
+            unix_us.abs_diff(expected_us) <= TIME_TOLERANCE_US
+        });
+        is_same_time
+            && reading
+                .position
+                .is_some_and(|position| self.is_reached(position, now) == Some(true))
+    }
+
+    /// Returns true if the receiver in use can have got to a position; `None` if it is not known
+    /// where it was.
+    fn is_reached(&self, position: NmeaPosition, now: Time) -> Option<bool> {
+        let (place, heard) = self.place?;
+        let is_alive = Heard(Some(heard)).is_alive(now);
+        is_alive.then(|| !is_too_far(place, position, now.seconds_since(heard)))
     }
 
     const fn counter(&mut self, error: NmeaError) -> &mut u32 {

@@ -6,7 +6,7 @@ use core::f32::consts::PI;
 use heapless::Vec;
 
 use super::payload::Payload;
-use super::reading::{MAX_SAMPLES, MavlinkError, MavlinkReading};
+use super::reading::{MAX_SAMPLES, MavlinkError, MavlinkReading, MavlinkSender};
 use crate::flight::event::AttitudeSample;
 use crate::flight::vh::VhSample;
 use crate::geometry::range::Quantity;
@@ -86,9 +86,10 @@ struct Track {
     heading_rad: f32,
 }
 
-/// Content of earlier messages that later ones need.
+/// Content of earlier messages of a sender that its later ones need.
 #[derive(Debug, Clone, Copy, Default)]
 pub(super) struct Memory {
+    sender: Option<MavlinkSender>,
     /// Number of altitudes of `GLOBAL_POSITION_INT` still to be ignored.
     passed_over: u8,
     track: Option<Track>,
@@ -96,20 +97,32 @@ pub(super) struct Memory {
 
 impl Memory {
     pub(super) const NONE: Self = Self {
+        sender: None,
         passed_over: 0,
         track: None,
     };
+
+    /// Forgets what another sender has sent.
+    fn keep_of(&mut self, sender: MavlinkSender) {
+        if self.sender != Some(sender) {
+            *self = Self {
+                sender: Some(sender),
+                ..Self::NONE
+            };
+        }
+    }
 }
 
 /// Reads a payload; `None` if it holds no speed, height, attitude or time.
 pub(super) fn read(
-    system: u8,
+    sender: MavlinkSender,
     message: Message,
     payload: &Payload,
     memory: &mut Memory,
 ) -> Result<Option<MavlinkReading>, MavlinkError> {
+    memory.keep_of(sender);
     let mut reading = MavlinkReading {
-        system,
+        sender,
         samples: Vec::new(),
         unix_us: None,
         attitude: None,
@@ -233,6 +246,10 @@ fn distance(payload: &Payload, samples: &mut Samples) -> Result<(), MavlinkError
 }
 
 /// Reads an `ALTITUDE`; a NaN is a height that the autopilot does not know.
+///
+/// With a clearance, autopilots compute the height above terrain from it, not always from the
+/// altitude above the sea: PX4 subtracts it from the height above the place where it started. The
+/// terrain's height is then left out.
 fn altitude(
     payload: &Payload,
     memory: &mut Memory,
@@ -241,7 +258,8 @@ fn altitude(
     let (altitude_m, above_m, clearance_m) = (payload.f32(12), payload.f32(24), payload.f32(28));
     if !altitude_m.is_nan() {
         push(samples, Quantity::AltitudeM, altitude_m, VhSample::Altitude)?;
-        if above_m >= LEAST_ABOVE_TERRAIN_M {
+        let has_clearance = clearance_m >= 0.0;
+        if above_m >= LEAST_ABOVE_TERRAIN_M && !has_clearance {
             let terrain_m = altitude_m - above_m;
             push(
                 samples,

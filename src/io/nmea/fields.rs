@@ -8,8 +8,9 @@ use crate::geometry::range::Quantity;
 /// Days from 1970-01-01 to 2000-01-01.
 const DAYS_TO_2000: u32 = 10_957;
 
-/// Two digits from here on mean a year of the last century.
-const FIRST_YEAR_OF_1900S: u32 = 80;
+/// Two digits from here on mean a year of the last century: a clock that has not been set begins in
+/// 1970 or 1980.
+const FIRST_YEAR_OF_1900S: u32 = 70;
 
 const US_PER_S: u64 = 1_000_000;
 
@@ -183,12 +184,12 @@ fn time_of_day_us(field: &[u8]) -> Result<u64, NmeaError> {
     Ok(US_PER_S * u64::from(second) + u64::from(microseconds))
 }
 
-/// Days since 1970-01-01 of `ddmmyy`, a date from 2000 to 2079.
+/// Days since 1970-01-01 of `ddmmyy`, a date from 2000 to 2069.
 fn unix_day(field: &[u8]) -> Result<u32, NmeaError> {
     let digits = (field.len() == 6).then(|| whole(field)).flatten();
     let digits = digits.ok_or(NmeaError::Malformed)?;
     let (day, month, year) = (digits / 10_000, digits / 100 % 100, digits % 100);
-    // Every fourth year from 2000 to 2079 is a leap year, 2000 included.
+    // Every fourth year from 2000 to 2069 is a leap year, 2000 included.
     let is_leap = year.is_multiple_of(4);
     let (before, days) = match month {
         1 => (0, 31),
@@ -228,10 +229,10 @@ fn angle(
     let (degrees, minutes) = (whole(degrees)?, whole(minutes)?);
     let units = 10_000 * minutes + fraction(behind, 4)?;
     let most = if degree_digits == 2 { 90 } else { 180 };
-    if degrees > most || minutes > 59 {
+    let angle = UNITS_PER_DEGREE * i32::try_from(degrees).ok()? + i32::try_from(units).ok()?;
+    if angle > UNITS_PER_DEGREE * most || minutes > 59 {
         return None;
     }
-    let angle = UNITS_PER_DEGREE * i32::try_from(degrees).ok()? + i32::try_from(units).ok()?;
     match hemisphere {
         [side] if *side == positive => Some(angle),
         [side] if *side == negative => Some(-angle),
@@ -247,9 +248,9 @@ mod tests {
     use crate::io::nmea::reading::NmeaError;
 
     #[test]
-    fn days_are_counted_without_gap_from_2000_to_2079() {
+    fn days_are_counted_without_gap_from_2000_to_2069() {
         let mut expected = 10_957;
-        for year in 0..80 {
+        for year in 0..70 {
             for month in 1..=12 {
                 let days = (1..=31).filter_map(|day| {
                     let field = format!("{day:02}{month:02}{year:02}");
@@ -261,8 +262,8 @@ mod tests {
                 }
             }
         }
-        // date -u -d 2080-01-01 +%s, in days.
-        assert_eq!(expected, 40_177);
+        // date -u -d 2070-01-01 +%s, in days.
+        assert_eq!(expected, 36_525);
     }
 
     #[test]
@@ -272,7 +273,7 @@ mod tests {
         ] {
             assert_eq!(unix_day(field.as_bytes()), Err(NmeaError::InvalidDate));
         }
-        for field in ["060180", "191194", "311299"] {
+        for field in ["010170", "311279", "060180", "191194", "311299"] {
             assert_eq!(unix_day(field.as_bytes()), Err(NmeaError::BeforeYear2000));
         }
         for field in ["", "1111", "11112026", "1a1126"] {

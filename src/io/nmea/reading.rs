@@ -29,7 +29,7 @@ pub struct NmeaReading {
     pub talker: [u8; 2],
     /// Ground speed (RMC, VTG) or altitude above sea level (GGA).
     pub sample: Option<VhSample>,
-    /// Date and time of the fix (RMC), µs since 1970-01-01T00:00:00 UTC; a year of 2000 to 2079.
+    /// Date and time of the fix (RMC), µs since 1970-01-01T00:00:00 UTC; a year of 2000 to 2069.
     pub unix_us: Option<u64>,
     /// Position (GGA, RMC).
     pub position: Option<NmeaPosition>,

@@ -14,6 +14,15 @@ const ATTITUDE: Message = (30, 39);
 const GLOBAL_POSITION_INT: Message = (33, 104);
 const ALTITUDE: Message = (141, 47);
 
+/// Bytes of a message around its payload.
+const AROUND_PAYLOAD_BYTES: u32 = 12;
+
+/// Bytes of the messages at most: `ALTITUDE`, `GLOBAL_POSITION_INT`, and the latter with
+/// `ATTITUDE`.
+pub(super) const HEIGHT_BYTES: u32 = 32 + AROUND_PAYLOAD_BYTES;
+pub(super) const POSITION_BYTES: u32 = 28 + AROUND_PAYLOAD_BYTES;
+pub(super) const TRACK_AND_ATTITUDE_BYTES: u32 = POSITION_BYTES + 28 + AROUND_PAYLOAD_BYTES;
+
 /// The autopilot with the number of its next message.
 #[derive(Debug, Clone, Default)]
 pub(super) struct Autopilot {
@@ -134,6 +143,7 @@ mod tests {
     fn height_and_attitude_come_through() {
         let mut autopilot = Autopilot::default();
         let height = autopilot.height(1_000_000, 801.234);
+        assert_eq!(height.len(), HEIGHT_BYTES as usize);
         assert_eq!(
             read(&height)[0].samples,
             [VhSample::HeightAboveGround(801.234)]
@@ -149,7 +159,9 @@ mod tests {
             east_m_s: -1.0,
             altitude_m: 900.0,
         };
-        let [position, attitude] = &read(&autopilot.attitude(1_000_000, track, &sample))[..] else {
+        let messages = autopilot.attitude(1_000_000, track, &sample);
+        assert_eq!(messages.len(), TRACK_AND_ATTITUDE_BYTES as usize);
+        let [position, attitude] = &read(&messages)[..] else {
             panic!()
         };
         assert_eq!(position.samples[1], VhSample::Altitude(0.001 * 900_000.0));

@@ -50,13 +50,13 @@ pub(super) fn refused(flown: &Flown, most: usize) -> Check {
         .iter()
         .filter(|frame| matches!(frame.record.outcome, Outcome::Refused(_)))
         .count();
-    Check {
-        what: match most {
+    Check::over(
+        (flown.frames.len(), "record"),
+        match most {
             0 => "no trigger refused".to_owned(),
             most => format!("at most {} refused", wording::counted(most, "trigger")),
         },
-        found: format!("{refused} refused"),
-        passed: refused <= most,
-        is_vacuous: false,
-    }
+        format!("{refused} refused"),
+        refused <= most,
+    )
 }

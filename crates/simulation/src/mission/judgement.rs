@@ -9,6 +9,7 @@ use super::outcome::outcome;
 use super::physical_truth::TrueWorld;
 use super::scenario::MissionScenario;
 use super::sigma_checks;
+use super::spurious_faults;
 use crate::judge::answers::Answers;
 use crate::judge::verdict::Verdict;
 use crate::wording;
@@ -42,7 +43,11 @@ impl Judgement {
             .iter()
             .map(|frame| Verdict::of(&frame.record, &world.truth(frame.truth.as_ref()?)))
             .collect();
-        let mut checks = vec![unanswered(flown), coordinates(scenario, flown, &errors)];
+        let mut checks = vec![
+            unanswered(flown),
+            spurious_faults::check(scenario, flown),
+            coordinates(scenario, flown, &errors),
+        ];
         checks.extend(sigma_checks::of(scenario, &verdicts));
         if scenario.faults.is_empty() {
             checks.push(nominal_smear(scenario, &errors));

@@ -107,13 +107,17 @@ impl<'a> Aftermath<'a> {
         Check::over((frames, "frame"), what, found, passed)
     }
 
-    /// Returns the frames that the fault can have affected.
+    /// Returns the frames that the fault can have affected: those that ended after its onset.
     fn later(&self) -> impl Iterator<Item = &'a FlownFrame> + use<'a> {
         let onset_us = self.onset_us;
-        self.flown
-            .frames
-            .iter()
-            .filter(move |frame| frame.record.trigger.us() + FRAME_BEFORE_US >= onset_us)
+        self.flown.frames.iter().filter(move |frame| {
+            let is_near = frame.record.trigger.us() + FRAME_BEFORE_US >= onset_us;
+            let ended_us = match &frame.record.outcome {
+                Outcome::Exposed(exposed) => exposed.closed.us(),
+                Outcome::Refused(_) => frame.fetched_us,
+            };
+            is_near && ended_us >= onset_us
+        })
     }
 
     /// Returns the number of triggers during the fault.
@@ -182,7 +186,8 @@ impl<'a> Aftermath<'a> {
                 Outcome::Exposed(_) => false,
             })
             .count();
-        self.check(
+        self.check_of(
+            self.later().count(),
             &format!("a trigger refused: {reason}"),
             format!("{found} refused so"),
             found > 0,
@@ -194,7 +199,8 @@ impl<'a> Aftermath<'a> {
             .later()
             .filter(|frame| frame.record.flags.contains(flag))
             .count();
-        self.check(
+        self.check_of(
+            self.later().count(),
             &format!("a frame with the flag \"{}\"", flag.name()),
             wording::counted(found, "frame"),
             found > 0,
@@ -202,19 +208,19 @@ impl<'a> Aftermath<'a> {
     }
 
     fn refused_at_most(&self, most: usize) -> Check {
-        let Check {
-            what,
-            found,
-            passed,
-            ..
-        } = refused(self.flown, most);
-        self.check(&what, found, passed)
+        let check = refused(self.flown, most);
+        Check {
+            what: format!("{}: {}", self.name, check.what),
+            ..check
+        }
     }
 
     fn vh_from(&self, way: VhSource) -> Check {
+        let frames = self.meanwhile().filter_map(exposed).count();
         let last = self.meanwhile().filter_map(exposed).last();
         let found = last.and_then(|exposed| exposed.vh).map(|vh| vh.source);
-        self.check(
+        self.check_of(
+            frames,
             &format!("V/H from {} in the end", way_name(way)),
             found.map_or("no V/H".to_owned(), |found| way_name(found).to_owned()),
             found == Some(way),

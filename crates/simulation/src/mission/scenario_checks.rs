@@ -12,6 +12,7 @@ use fmc_camera_file::{CameraFile, InputError};
 
 use super::fault::line::Carried;
 use super::file::{MissionFile, ReceiverFormat, VhSourceName};
+use super::wire_load::{WireLoad, bytes_per_s};
 
 /// Checks that there is a source of V/H, and each once.
 pub(super) fn check_sources(written: &MissionFile, text: &TomlText) -> Result<(), InputError> {
@@ -34,8 +35,8 @@ pub(super) fn check_sources(written: &MissionFile, text: &TomlText) -> Result<()
     Ok(())
 }
 
-/// Checks that the traffic of the line is known, and that there is a receiver if one is to send
-/// sentences.
+/// Checks that the traffic of the line is known, that there is a receiver if one is to send
+/// sentences, and that each wire carries its messages.
 pub(super) fn check_line(written: &MissionFile, text: &TomlText) -> Result<(), InputError> {
     for name in written.line.carries.iter().flatten() {
         if Carried::named(name).is_none() {
@@ -56,6 +57,31 @@ pub(super) fn check_line(written: &MissionFile, text: &TomlText) -> Result<(), I
             &["line", "receiver"],
             "speaks of a receiver, which only the sources altimeter and terrain have",
         ));
+    }
+    let load = WireLoad::of(written);
+    for (key, baud, sent, senders) in [
+        (
+            "baud",
+            written.line.baud,
+            load.receiver,
+            "sentences of the receiver at rate_hz of its sources",
+        ),
+        (
+            "autopilot_baud",
+            written.line.autopilot_baud,
+            load.autopilot,
+            "messages of the autopilot at attitude.reported_hz and rate_hz of the altimeter",
+        ),
+    ] {
+        let carried = bytes_per_s(baud);
+        if sent > carried {
+            return Err(text.invalid(
+                &["line", key],
+                &format!(
+                    "carries {carried:.0} bytes per second; the {senders} are {sent:.0} bytes per second"
+                ),
+            ));
+        }
     }
     Ok(())
 }

@@ -61,7 +61,7 @@ impl Sensors {
         let reported_hz = scenario.written.attitude.reported_hz;
         Self {
             sources: sources.collect(),
-            wires: Wires::of(scenario, injections),
+            wires: Wires::of(scenario, injections, seed),
             line: line.clone(),
             attitude: (reported_hz > 0.0).then(|| Clocked {
                 period_us: microseconds(1.0 / reported_hz),
@@ -125,8 +125,13 @@ impl Sensors {
                     clock.next_us += NAMED_AFTER_US;
                 } else {
                     let unix_s = *first_unix_s + second;
-                    let is_sent = self.wires.send_time(clock.next_us, unix_s);
-                    if !is_sent && !self.line.loses(Traffic::Time, clock.next_us) {
+                    if self.wires.has_receiver() {
+                        let mut sources = self.sources.iter_mut();
+                        let receiver = sources.find(|source| source.has_receiver());
+                        let speed_m_s =
+                            receiver.and_then(|one| one.speed_m_s(aircraft, clock.next_us));
+                        self.wires.send_time(clock.next_us, unix_s, speed_m_s);
+                    } else if !self.line.loses(Traffic::Time, clock.next_us) {
                         arrived.push((time, Event::GnssTime(unix_s * SECOND_US)));
                     }
                     clock.next_us += clock.period_us - NAMED_AFTER_US;

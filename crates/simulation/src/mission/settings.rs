@@ -7,7 +7,8 @@ use fmc_camera::flight::settings::FlightSettings;
 use fmc_camera::flight::vh::{ChannelSettings, VhSettings};
 use fmc_camera_file::number::single;
 
-use super::file::{DirectionName, MissionFile, VhSourceName};
+use super::file::{AutopilotFormat, DirectionName, MissionFile, ReceiverFormat, VhSourceName};
+use super::wire_load::{Transport, receiver_table};
 use crate::mechanics::{self, MechanicsSettings};
 
 /// Factor of a source's period after which the source counts as silent.
@@ -74,40 +75,88 @@ fn velocity_loop(mechanics: &MechanicsSettings) -> LoopSettings {
     }
 }
 
-/// Returns σ and rate of each source as they are.
+/// Returns σ, rate and latency of each source as they are.
 fn vh_settings(written: &MissionFile) -> VhSettings {
     let mut settings = VhSettings::DEFAULT;
     let height_m = written.flight.height_m - written.terrain.height_m;
     let speed_m_s = written.flight.speed_m_s;
     let mut is_receiver_told = false;
+    let transport = Transport::of(written);
+    // The autopilot's speed is as noisy and as late as that of the receiver.
+    let of_receiver = receiver_table(written);
+    let reported_hz = written.attitude.reported_hz;
+    if let Some(sensor) = of_receiver.or(written.vh.first())
+        && written.line.autopilot == AutopilotFormat::Mavlink
+        && reported_hz > 0.0
+    {
+        let channel = match (of_receiver, written.line.receiver) {
+            (Some(_), ReceiverFormat::Nmea) => &mut settings.inertial_speed,
+            _ => &mut settings.ground_speed,
+        };
+        let known = Known {
+            sigma: sensor.sigma_percent / 100.0 / 2.0_f64.sqrt() * speed_m_s,
+            latency_s: sensor.latency_ms / 1000.0 + transport.autopilot_speed,
+            rate_hz: reported_hz,
+        };
+        known.tell(channel);
+    }
     for sensor in &written.vh {
         let relative = sensor.sigma_percent / 100.0;
         let part = relative / 2.0_f64.sqrt();
-        let period_s = PERIODS / sensor.rate_hz;
-        let told = |channel: &mut ChannelSettings, sigma: f64| {
-            channel.sigma = single(sigma.max(1e-6));
-            channel.latency_s = single(sensor.latency_ms / 1000.0);
-            channel.period_s = single(period_s);
-            channel.validity_s = channel.validity_s.max(channel.period_s);
+        let told = |channel: &mut ChannelSettings, sigma: f64, transport_s: f64| {
+            let known = Known {
+                sigma,
+                latency_s: sensor.latency_ms / 1000.0 + transport_s,
+                rate_hz: sensor.rate_hz,
+            };
+            known.tell(channel);
         };
         // All sources share the one receiver of the aircraft, which reports with the first of them.
         if sensor.source.has_receiver() && !is_receiver_told {
             is_receiver_told = true;
-            told(&mut settings.ground_speed, part * speed_m_s);
+            told(
+                &mut settings.ground_speed,
+                part * speed_m_s,
+                transport.ground_speed,
+            );
         }
         match sensor.source {
-            VhSourceName::Direct => told(&mut settings.direct, relative * speed_m_s / height_m),
-            VhSourceName::Altimeter => told(&mut settings.height_above_ground, part * height_m),
+            VhSourceName::Direct => {
+                told(&mut settings.direct, relative * speed_m_s / height_m, 0.0);
+            }
+            VhSourceName::Altimeter => told(
+                &mut settings.height_above_ground,
+                part * height_m,
+                transport.height,
+            ),
             VhSourceName::Laser => {
-                told(&mut settings.inertial_speed, part * speed_m_s);
-                told(&mut settings.laser_height, part * height_m);
+                told(&mut settings.inertial_speed, part * speed_m_s, 0.0);
+                told(&mut settings.laser_height, part * height_m, 0.0);
             }
             VhSourceName::Terrain => {
-                told(&mut settings.altitude, part * height_m);
+                told(&mut settings.altitude, part * height_m, transport.altitude);
                 // The elevation model is that of the simulated ground.
-                told(&mut settings.terrain_height, 0.0);
+                told(&mut settings.terrain_height, 0.0, 0.0);
             }
         }
     }
     settings
+}
+
+/// Properties of a sensor that an engineer knows.
+struct Known {
+    /// σ of a value, in its unit.
+    sigma: f64,
+    /// Time from the measurement to the stamp of its arrival, s.
+    latency_s: f64,
+    rate_hz: f64,
+}
+
+impl Known {
+    fn tell(&self, channel: &mut ChannelSettings) {
+        channel.sigma = single(self.sigma.max(1e-6));
+        channel.latency_s = single(self.latency_s);
+        channel.period_s = single(PERIODS / self.rate_hz);
+        channel.validity_s = channel.validity_s.max(channel.period_s);
+    }
 }

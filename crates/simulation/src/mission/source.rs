@@ -16,6 +16,9 @@ use super::file::{VhQuantity, VhSourceName, VhTable};
 use super::wires::Wires;
 use crate::noise::Noise;
 
+/// First stream of the noise of speeds between the samples.
+const BETWEEN: u64 = 110;
+
 /// A source of V/H.
 #[derive(Debug, Clone)]
 pub(super) struct Source {
@@ -25,6 +28,8 @@ pub(super) struct Source {
     /// σ of V/H, relative to V/H.
     sigma: f64,
     noise: Noise,
+    /// Noise of the speeds between the samples.
+    noise_between: Noise,
     /// Faults of the whole source, of its speed and of its height.
     faults: [VhFaults; 3],
     /// `true` if an earlier source reports the speed of the same receiver.
@@ -59,6 +64,7 @@ impl Source {
             latency_us: microseconds(table.latency_ms / 1000.0),
             sigma: table.sigma_percent / 100.0,
             noise: Noise::new(seed, number),
+            noise_between: Noise::new(seed, BETWEEN + number),
             faults: [None, Some(VhQuantity::Speed), Some(VhQuantity::Height)].map(of),
             is_speed_known,
             under_way: VecDeque::new(),
@@ -68,6 +74,22 @@ impl Source {
     /// Traffic that the source is on the line.
     pub(super) const fn traffic(&self) -> Traffic {
         Traffic::Vh(self.name)
+    }
+
+    /// Returns true if its speed is that of the satellite receiver.
+    pub(super) const fn has_receiver(&self) -> bool {
+        self.name.has_receiver()
+    }
+
+    /// Returns the speed that the source knows at a time, µs, beside its samples: measured for it,
+    /// with noise, latency and faults of its own; `None` while it is silent.
+    pub(super) fn speed_m_s(&mut self, aircraft: &Aircraft, at_us: u64) -> Option<f32> {
+        let time_s = seconds(at_us.saturating_sub(self.latency_us));
+        let truth = aircraft.speed_and_height(time_s);
+        let [relative] = self.noise_between.next([self.sigma / 2.0_f64.sqrt()]);
+        let [faults, faults_of_speed, _] = &mut self.faults;
+        let said = faults.said(time_s, truth.ground_speed_m_s * (1.0 + relative))?;
+        faults_of_speed.said(time_s, said).map(single)
     }
 
     /// Measures the samples due up to a time and sends them, on the wires of receiver and autopilot

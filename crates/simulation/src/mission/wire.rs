@@ -3,11 +3,11 @@
 
 use std::collections::VecDeque;
 
-use super::clock::{ROUND_US, microseconds, seconds};
+use super::clock::{microseconds, seconds};
 use super::fault::{InjectedFault, Injection, active};
 
 /// Bits of a byte on a wire: start, eight, stop.
-const BITS: u64 = 10;
+pub(super) const BITS: u64 = 10;
 
 /// Text that a device in a flood repeats: a whole sentence that the camera ignores.
 const FLOOD: &[u8] = b"$GPTXT,01,01,02,FLOOD*03\r\n";
@@ -96,25 +96,31 @@ impl WireSimulator {
     pub(super) fn arrived(&mut self, to_us: u64, is_lost: impl Fn(u64) -> bool) -> Vec<u8> {
         let mut arrived = Vec::new();
         while let Some((at_us, byte)) = self.bytes.pop_front_if(|(at_us, _)| *at_us <= to_us) {
-            if is_lost(at_us) || active(&self.injections, self.faults.cut, seconds(at_us)).is_some()
-            {
-                self.lost_bytes += 1;
-                continue;
-            }
-            match active(&self.injections, self.faults.baud, seconds(at_us)) {
-                Some(wrong) => arrived.extend(misread(byte, wrong.size)),
-                None => arrived.push(byte),
-            }
+            self.hear(at_us, byte, &is_lost, &mut arrived);
         }
         if let Some(flood) = active(&self.injections, self.faults.flood, seconds(to_us)) {
             // The size is a whole number of bytes per round.
             for _ in 0..microseconds(flood.size * 1e-6) {
                 let next = FLOOD.iter().cycle().nth(self.flooded % FLOOD.len());
-                arrived.extend(next);
                 self.flooded += 1;
+                if let Some(byte) = next {
+                    self.hear(to_us, *byte, &is_lost, &mut arrived);
+                }
             }
         }
         arrived
+    }
+
+    /// Adds what the camera hears of a byte that comes at a time, µs.
+    fn hear(&mut self, at_us: u64, byte: u8, is_lost: impl Fn(u64) -> bool, arrived: &mut Vec<u8>) {
+        if is_lost(at_us) || active(&self.injections, self.faults.cut, seconds(at_us)).is_some() {
+            self.lost_bytes += 1;
+            return;
+        }
+        match active(&self.injections, self.faults.baud, seconds(at_us)) {
+            Some(wrong) => arrived.extend(misread(byte, wrong.size)),
+            None => arrived.push(byte),
+        }
     }
 
     /// Returns the time at which the next byte arrives, µs.
@@ -161,15 +167,10 @@ fn misread(byte: u8, rate: f64) -> Vec<u8> {
     heard
 }
 
-/// Bytes of a wire in a round at most, at a baud rate.
-#[must_use]
-pub const fn bytes_of_a_round(baud: u64) -> u64 {
-    (baud * ROUND_US).div_ceil(1_000_000 * BITS)
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::mission::clock::ROUND_US;
 
     fn wire(injection: Option<Injection>) -> WireSimulator {
         WireSimulator::new(
@@ -233,8 +234,29 @@ mod tests {
     }
 
     #[test]
+    fn flood_is_lost_on_a_cut_wire_and_misread_at_another_baud_rate() {
+        let of_100_bytes = |other: Injection| {
+            let flood = Injection::new(InjectedFault::ReceiverFlood, 0.0).of_size(100.0);
+            let mut wire = WireSimulator::new(9600, WireFaults::RECEIVER, &[flood, other]);
+            let whole = wire.arrived(1000, |_| false);
+            assert_eq!(whole.len(), 100);
+            let lost = wire.arrived(2000, |_| true);
+            (lost, wire.arrived(3000, |_| false), wire.lost_bytes())
+        };
+        let cut = Injection::new(InjectedFault::ReceiverCut, 0.0025).of_size(1.0);
+        assert_eq!(of_100_bytes(cut), (vec![], vec![], 200));
+        let baud = Injection::new(InjectedFault::ReceiverBaud, 0.0025).of_size(0.5);
+        let (lost, misread, lost_bytes) = of_100_bytes(baud);
+        assert_eq!((lost, lost_bytes), (vec![], 100));
+        assert!(
+            !misread.is_empty() && !misread.contains(&b'$'),
+            "{misread:?}"
+        );
+    }
+
+    #[test]
     fn every_baud_rate_of_a_scenario_leaves_room_in_a_round() {
         let bytes_per_round = fmc_camera::io::instruments::BYTES_PER_ROUND as u64;
-        assert!(bytes_of_a_round(115_200) <= bytes_per_round);
+        assert!((115_200 * ROUND_US).div_ceil(1_000_000 * BITS) <= bytes_per_round);
     }
 }

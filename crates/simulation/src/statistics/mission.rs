@@ -1,6 +1,5 @@
 //! Findings in one random mission.
 
-use fmc_camera::flight::controller::state::State;
 use fmc_camera::flight::exposure::FlightDirection;
 use fmc_camera::flight::frame_record::Outcome;
 use fmc_camera_file::MechanismName;
@@ -11,9 +10,9 @@ use crate::judge::quantity::Quantity;
 use crate::judge::silence::is_silent;
 use crate::judge::verdict::Verdict;
 use crate::mechanics::EncoderSide;
-use crate::mission::clock::microseconds;
 use crate::mission::flown::Flown;
 use crate::mission::judgement::Judgement;
+use crate::mission::spurious_faults;
 
 /// Hardware on which the error of the principal point depends.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -61,31 +60,6 @@ impl FlownMission {
         let judgement = Judgement::of(scenario, flown);
         let verdicts: Vec<Verdict> = judgement.verdicts.iter().flatten().copied().collect();
         let records = flown.frames.iter().map(|frame| &frame.record);
-        let first_onset_us = scenario
-            .faults
-            .iter()
-            .map(|fault| microseconds(fault.injection.onset_s))
-            .min();
-        let is_spurious = |time_us: u64| first_onset_us.is_none_or(|onset_us| time_us < onset_us);
-        let announced = flown
-            .announced
-            .iter()
-            .map(|(time_us, fault)| (*time_us, *fault));
-        // A camera that flies without compensation names its fault in its state.
-        let degraded = flown
-            .states
-            .iter()
-            .filter_map(|(time_us, state)| match state {
-                State::Degraded(fault) => Some((*time_us, *fault)),
-                _ => None,
-            });
-        let mut spurious: Vec<String> = announced
-            .chain(degraded)
-            .filter(|(time_us, _)| is_spurious(*time_us))
-            .map(|(_, fault)| fault.to_string())
-            .collect();
-        spurious.sort();
-        spurious.dedup();
         let vacuous = judgement.checks.iter().filter(|check| check.is_vacuous);
         let mechanics = &scenario.written.mechanics;
         Self {
@@ -98,7 +72,7 @@ impl FlownMission {
                 is_tdi: scenario.camera.fmc.mechanism == MechanismName::Tdi,
             },
             triggers: flown.triggers_us.len(),
-            spurious,
+            spurious: spurious_faults::of(scenario, flown),
             unanswered: Answers::of(&flown.triggers_us, records).missing(),
             silent: verdicts
                 .iter()

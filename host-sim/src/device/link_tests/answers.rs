@@ -12,7 +12,7 @@ use crate::device::error::{DeviceError, DifferentResult};
 use crate::device::faulty_port::FaultyPort;
 use crate::device::link_error::LinkError;
 use crate::device::remote::Remote;
-use crate::device::{CorrectingDevice, Device, InProcess};
+use crate::device::{CorrectingDevice, Device, FlownCamera as _, InProcess};
 
 #[test]
 fn remote_camera_answers_what_the_one_in_process_does() {
@@ -245,4 +245,17 @@ fn longest_messages_fit_a_frame() {
         y_mm: [2.0; MAX_POINTS].into_iter().collect(),
     };
     remote.correct_grid(&long).unwrap();
+}
+
+#[test]
+fn firmware_older_than_the_counts_of_the_wires_has_none_and_keeps_its_session() {
+    let (mut remote, port) = exposed();
+    assert_eq!(remote.instruments(), Ok(None));
+    port.tamper(|answer| {
+        if matches!(answer, Answer::Refused(Refusal::NoInstruments)) {
+            *answer = Answer::Refused(Refusal::Unknown);
+        }
+    });
+    assert_eq!(remote.instruments(), Ok(None));
+    assert_eq!(remote.expose(&EXPOSURE).map(|_| ()), Ok(()));
 }

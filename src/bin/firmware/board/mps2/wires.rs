@@ -61,16 +61,13 @@ pub(super) fn collect(wire: Wire) {
 pub(super) fn hand_over(deck: &mut RigDeck) {
     for wire in Wire::ALL {
         let ring = ring(wire);
-        if ring.is_empty() {
-            continue;
-        }
-        let was_full = !ring.has_room();
         while let Some(byte) = ring.pop() {
             deck.hear(wire, byte);
         }
         deck.count_lost(wire, ring.take_lost());
-        if was_full {
-            // The byte that stayed in the UART makes no request any more.
+        if uart(wire).holds_byte() {
+            // A byte that came while the ring was full makes no request any more, and would keep
+            // out all others.
             cortex_m::interrupt::free(|_| collect(wire));
         }
     }
