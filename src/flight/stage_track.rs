@@ -177,9 +177,10 @@ impl StageTrack {
         let before_mm_s =
             (middle.offset_mm - first.offset_mm) / middle.time.seconds_since(first.time);
         let change_mm_s = speed_mm_s - before_mm_s;
-        let part = ((offset_mm - middle.offset_mm) / moved_mm)
-            .max(0.0)
-            .min(1.0);
+        if moved_mm == 0.0 {
+            return Some((0.0, change_mm_s));
+        }
+        let part = ((offset_mm - middle.offset_mm) / moved_mm).clamp(0.0, 1.0);
         Some((speed_mm_s + (part - 0.5) * change_mm_s, change_mm_s))
     }
 

@@ -19,9 +19,9 @@ use crate::controller::bench::{Bench, acted, camera, exposed, identified};
 /// own: a third of a step and of five σ of the mark.
 const REFERENCED_MM: f32 = 1e-4 * (1.0 + 1.0) / 3.0;
 
-/// Largest loss in one step that the watch of the stage lets pass with the default settings: half as
-/// much again as the jump tolerance of 1 µm, four times while the stage accelerates, and the 5 µm by
-/// which friction moves it.
+/// Largest loss in one step that the watch of the stage lets pass with the default settings: half
+/// as much again as the jump tolerance of 1 µm, four times while the stage accelerates, and the
+/// 5 µm by which friction moves it.
 const UNSEEN_MM: f32 = 1.5 * (0.005 + 4.0 * 0.001);
 
 fn with_mark(index_mm: f32) -> FlightSettings {
@@ -107,7 +107,7 @@ fn counts_that_are_added_are_a_fault_at_the_next_crossing_and_doubt_the_records_
             [false, false],
             "{added_mm}: not yet known"
         );
-        // Where many are lost, the run-up does not cross the mark, which is searched for then.
+        // If many are lost, the run-up does not cross the mark, and it is searched for.
         bench.send(Event::Trigger);
         bench.run_until(1000, |state| state == State::Fault(Fault::Encoder));
         let exposures = bench.camera.controller().in_doubt().unwrap();

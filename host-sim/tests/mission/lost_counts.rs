@@ -15,8 +15,8 @@ const SIZES_UM: [f64; 12] = [
     0.01, 0.1, 0.2, 0.3, 0.5, 1.0, 2.5, 6.0, 13.0, 40.0, 300.0, 900.0,
 ];
 
-/// Onsets in the flight, s from the trigger of a frame: waiting, in the run-up, in the exposure, and
-/// on the way back.
+/// Onsets in the flight, s from the trigger of a frame: waiting, in the run-up, in the exposure,
+/// and on the way back.
 const ONSETS_S: [f64; 4] = [-0.15, 0.01, 0.0225, 0.05];
 
 fn scenario(faults: &[Injection]) -> MissionScenario {

@@ -79,7 +79,8 @@ impl Controller {
 
 impl StageMachine {
     /// Returns `true` if crossings of the index mark count: the stage has been told to move along
-    /// the FMC axis, and its screw pushes it. A stage that stands may slip to and fro over the mark.
+    /// the FMC axis, and its screw pushes it. A stage that stands may slip to and fro over the
+    /// mark.
     fn is_under_way(&self, now: Time) -> bool {
         let is_told = self
             .setpoint(now)
@@ -87,8 +88,8 @@ impl StageMachine {
         is_told && !self.is_place_lost() && self.is_pushed_along()
     }
 
-    /// Takes the reading of the encoder at the index mark, mm, of a stage that is under way. Returns
-    /// the exposures that are in doubt if it does not agree with the crossing before.
+    /// Takes the reading of the encoder at the index mark, mm, of a stage that is under way.
+    /// Returns the exposures that are in doubt if it does not agree with the crossing before.
     fn cross_index(
         &mut self,
         setup: &Setup,

@@ -76,8 +76,8 @@ impl Flown {
         }
     }
 
-    /// Marks the exposures whose records have been fetched and are in doubt, as the camera does with
-    /// those that it still has.
+    /// Marks the exposures whose records have been fetched and are in doubt, as the camera does
+    /// with those that it still has.
     pub(super) fn doubt(&mut self, exposures: InDoubt) {
         for frame in &mut self.frames {
             let record = &mut frame.record;
