@@ -6,6 +6,10 @@ use super::in_doubt::InDoubt;
 /// Number of σ by which two crossings may differ: one in a million does by chance alone.
 const AGREE_SIGMA: f32 = 5.0;
 
+/// Part of a change of speed from one reading to the next by which the speed at the mark may be
+/// wrong: a stage that is pushed at a moment that nobody knows goes on at up to twice the change.
+const CHANGE_PART: f32 = 2.0;
+
 /// Reading of the encoder at the index mark, and the records that depend on it.
 ///
 /// # Model
@@ -159,7 +163,7 @@ impl IndexWatch {
         };
         let tolerance_mm = 1e-3 * drive.encoder_step_um
             + AGREE_SIGMA * sigma_mm
-            + 0.5 * libm::fabsf(crossing.change_mm_s) * age_s;
+            + CHANGE_PART * libm::fabsf(crossing.change_mm_s) * age_s;
         self.is_missed = false;
         let off_mm = place_mm - expected_mm;
         if libm::fabsf(off_mm) > tolerance_mm {
