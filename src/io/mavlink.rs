@@ -68,8 +68,8 @@ enum Beginning {
 ///
 /// Some messages depend on earlier ones of the same sender: `ATTITUDE` on the track of
 /// `GLOBAL_POSITION_INT`, whose altitude depends on `ALTITUDE`. Where several senders share a wire,
-/// [`Self::receive_from`] listens to one of them; otherwise each makes the receiver forget the
-/// messages of the others.
+/// each makes the receiver forget the messages of the others; the wires of `io::instruments` listen
+/// to one of them.
 #[derive(Debug, Clone, Default)]
 pub struct MavlinkReceiver {
     received: Vec<u8, LONGEST_PACKET>,
@@ -105,7 +105,7 @@ impl MavlinkReceiver {
     ///
     /// # Errors
     /// As [`Self::receive`], and [`MavlinkError::OtherSender`].
-    pub fn receive_from(
+    pub(crate) fn receive_from(
         &mut self,
         byte: u8,
         is_listened_to: impl FnMut(MavlinkSender) -> bool,
@@ -129,7 +129,7 @@ impl MavlinkReceiver {
     ///
     /// # Errors
     /// As [`Self::receive_from`].
-    pub fn buffered_from(
+    pub(crate) fn buffered_from(
         &mut self,
         is_listened_to: impl FnMut(MavlinkSender) -> bool,
     ) -> Option<Result<MavlinkReading, MavlinkError>> {

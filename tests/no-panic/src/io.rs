@@ -12,7 +12,7 @@ use fmc_camera::io::link::{
     station::Station,
     wired_deck::WiredDeck,
 };
-use fmc_camera::io::mavlink::{MavlinkReceiver, MavlinkSender};
+use fmc_camera::io::mavlink::MavlinkReceiver;
 use fmc_camera::io::nmea::NmeaReceiver;
 
 type Deck = FlownDeck<RigDrive>;
@@ -73,9 +73,7 @@ pub(crate) fn keep() {
         Station::<RigDeck>::deck_mut,
         MavlinkReceiver::new,
         MavlinkReceiver::receive,
-        MavlinkReceiver::receive_from::<fn(MavlinkSender) -> bool>,
         MavlinkReceiver::buffered,
-        MavlinkReceiver::buffered_from::<fn(MavlinkSender) -> bool>,
         MavlinkReceiver::is_under_way,
         MavlinkReceiver::take_unexplained,
         NmeaReceiver::new,
