@@ -16,14 +16,15 @@ const CHANGE_PART: f32 = 2.0;
 /// The mark sits on the stage. A crossing counts where the screw pushes the stage along the FMC
 /// axis, as it does where the encoder's zero is set: play and width of the mark do not enter. The
 /// first crossing after arming must agree with the mark's place in the settings. Reference of the
-/// others is the slowest so far. Two readings of a place differ by up to a step q and by the
+/// others is the slowest and steadiest so far. Two readings of a place differ by up to a step q and by the
 /// repeatability of the mark `σ_i`. The age t of a reading moves it by v·t: with the error of t,
 /// which stays, by `σ_t` times the difference of the speeds v and u of both crossings, and with the
-/// speed, which is known to half of its change d between two readings. The tolerances are
+/// speeds, which are known to [`CHANGE_PART`] of their largest recent changes d and c between two
+/// readings. The tolerances are
 ///
 /// ```text
-/// against the reference   e = q + 5·√(σ_i² + ((v - u)·σ_t)²) + t·d/2
-/// against the settings        q + 5·√(σ_i² + σ_0² + (s·x)² + (v·σ_t)²) + t·d/2
+/// against the reference   e = q + 5·√(σ_i² + ((v - u)·σ_t)²) + 2·t·(d + c)
+/// against the settings        q + 5·√(σ_i² + σ_0² + (s·x)² + (v·σ_t)²) + 2·t·d
 /// ```
 ///
 /// with σ of the zero `σ_0`, of the scale s and the place x of the mark. A crossing outside shows
@@ -37,7 +38,7 @@ const CHANGE_PART: f32 = 2.0;
 /// way and independent of the others: `σ² = n·L²/3`.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(crate) struct IndexWatch {
-    /// The slowest crossing since the camera was armed.
+    /// The slowest and steadiest crossing since the camera was armed.
     reference: Option<Reference>,
     /// Difference of the last crossing from the settings, mm.
     off_mm: f32,
@@ -63,6 +64,14 @@ pub(crate) struct IndexWatch {
 struct Reference {
     place_mm: f32,
     speed_mm_s: f32,
+    change_mm_s: f32,
+}
+
+impl Reference {
+    /// Largest speed that the stage may have had.
+    fn fastest_mm_s(&self) -> f32 {
+        self.speed_mm_s + CHANGE_PART * self.change_mm_s
+    }
 }
 
 /// Ways across the mark before the way to the waiting place.
@@ -154,16 +163,17 @@ impl IndexWatch {
         self.last_mm = Some(place_mm);
         let index_mm = drive.index_mm?;
         let speed_mm_s = crossing.speed_mm_s;
-        let (expected_mm, sigma_mm) = match self.reference {
+        let (expected_mm, sigma_mm, of_reference_mm_s) = match self.reference {
             Some(reference) => (
                 reference.place_mm,
                 repeat_sigma_mm(drive, speed_mm_s - reference.speed_mm_s),
+                reference.change_mm_s,
             ),
-            None => (index_mm, place_sigma_mm(drive, index_mm, speed_mm_s)),
+            None => (index_mm, place_sigma_mm(drive, index_mm, speed_mm_s), 0.0),
         };
         let tolerance_mm = 1e-3 * drive.encoder_step_um
             + AGREE_SIGMA * sigma_mm
-            + CHANGE_PART * libm::fabsf(crossing.change_mm_s) * age_s;
+            + CHANGE_PART * (crossing.change_mm_s + of_reference_mm_s) * age_s;
         self.is_missed = false;
         let off_mm = place_mm - expected_mm;
         if libm::fabsf(off_mm) > tolerance_mm {
@@ -172,14 +182,16 @@ impl IndexWatch {
                 off_mm,
             });
         }
+        let latest = Reference {
+            place_mm,
+            speed_mm_s,
+            change_mm_s: crossing.change_mm_s,
+        };
         if self
             .reference
-            .is_none_or(|reference| speed_mm_s < reference.speed_mm_s)
+            .is_none_or(|reference| latest.fastest_mm_s() < reference.fastest_mm_s())
         {
-            self.reference = Some(Reference {
-                place_mm,
-                speed_mm_s,
-            });
+            self.reference = Some(latest);
         }
         self.off_mm = place_mm - index_mm;
         self.cycles = 0;

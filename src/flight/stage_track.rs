@@ -11,6 +11,9 @@ pub const CAPACITY: usize = 64;
 /// Number of places before an exposure that are kept with it.
 const BEFORE: usize = 2;
 
+/// Number of the latest places that tell how evenly the stage moves.
+const RECENT: usize = 10;
+
 /// Time by which the path is continued beyond its ends, s.
 const CONTINUED_S: f32 = 0.003;
 
@@ -164,24 +167,32 @@ impl StageTrack {
     }
 
     /// Returns the speed of the stage where it was at a place between the last two readings, mm/s,
-    /// and its change from one reading to the next; `None` before the third.
+    /// and the largest change from one reading to the next among the last [`RECENT`]; `None` before
+    /// the third.
     ///
     /// # Model
     /// The speed changes evenly: it has its mean between two readings in the middle of them.
     #[must_use]
     pub(crate) fn speed_at(&self, offset_mm: f32) -> Option<(f32, f32)> {
-        let mut latest = self.places.iter().rev();
-        let (last, middle, first) = (latest.next()?, latest.next()?, latest.next()?);
+        let latest = || self.places.iter().rev().take(RECENT);
+        let speeds = || {
+            latest().zip(latest().skip(1)).map(|(after, before)| {
+                (after.offset_mm - before.offset_mm) / after.time.seconds_since(before.time)
+            })
+        };
+        let (speed_mm_s, before_mm_s) = (speeds().next()?, speeds().nth(1)?);
+        let changes = speeds().zip(speeds().skip(1));
+        let largest_mm_s = changes
+            .map(|(after, before)| libm::fabsf(after - before))
+            .fold(0.0, f32::max);
+        let (last, middle) = (latest().next()?, latest().nth(1)?);
         let moved_mm = last.offset_mm - middle.offset_mm;
-        let speed_mm_s = moved_mm / last.time.seconds_since(middle.time);
-        let before_mm_s =
-            (middle.offset_mm - first.offset_mm) / middle.time.seconds_since(first.time);
-        let change_mm_s = speed_mm_s - before_mm_s;
         if moved_mm == 0.0 {
-            return Some((0.0, change_mm_s));
+            return Some((0.0, largest_mm_s));
         }
         let part = ((offset_mm - middle.offset_mm) / moved_mm).clamp(0.0, 1.0);
-        Some((speed_mm_s + (part - 0.5) * change_mm_s, change_mm_s))
+        let change_mm_s = speed_mm_s - before_mm_s;
+        Some((speed_mm_s + (part - 0.5) * change_mm_s, largest_mm_s))
     }
 
     /// Returns the path from first to last light.
