@@ -32,7 +32,7 @@ const CHANGE_PART: f32 = 2.0;
 ///
 /// # σ of a record
 /// A record with a crossing since the one before is *referenced*: its σ is not below the difference
-/// of that crossing from the settings, nor below a third of `q + 5·σ_i`, which may be lost unseen.
+/// of that crossing from the settings beyond 2·t·(d + c), nor below a third of `q + 5·σ_i`, which may be lost unseen.
 /// Without, as on a camera without a mark, each of the n records
 /// since the last crossing may have lost a step that the stage's watch lets pass, up to L either
 /// way and independent of the others: `σ² = n·L²/3`.
@@ -40,7 +40,8 @@ const CHANGE_PART: f32 = 2.0;
 pub(crate) struct IndexWatch {
     /// The slowest and steadiest crossing since the camera was armed.
     reference: Option<Reference>,
-    /// Difference of the last crossing from the settings, mm.
+    /// Difference of the last crossing from the settings beyond that which uneven motion explains,
+    /// mm.
     off_mm: f32,
     /// Reading at the last crossing, mm, whether it agreed or not.
     last_mm: Option<f32>,
@@ -171,9 +172,8 @@ impl IndexWatch {
             ),
             None => (index_mm, place_sigma_mm(drive, index_mm, speed_mm_s), 0.0),
         };
-        let tolerance_mm = 1e-3 * drive.encoder_step_um
-            + AGREE_SIGMA * sigma_mm
-            + CHANGE_PART * (crossing.change_mm_s + of_reference_mm_s) * age_s;
+        let uneven_mm = CHANGE_PART * (crossing.change_mm_s + of_reference_mm_s) * age_s;
+        let tolerance_mm = 1e-3 * drive.encoder_step_um + AGREE_SIGMA * sigma_mm + uneven_mm;
         self.is_missed = false;
         let off_mm = place_mm - expected_mm;
         if libm::fabsf(off_mm) > tolerance_mm {
@@ -193,7 +193,7 @@ impl IndexWatch {
         {
             self.reference = Some(latest);
         }
-        self.off_mm = place_mm - index_mm;
+        self.off_mm = (libm::fabsf(place_mm - index_mm) - uneven_mm).max(0.0);
         self.cycles = 0;
         self.first_since = crossing.next_sequence;
         None
@@ -209,7 +209,7 @@ impl IndexWatch {
     pub(crate) fn sigma_mm(&self, common_mm: f32, drive: &DriveSettings, unseen_mm: f32) -> f32 {
         if self.is_referenced(drive) {
             let unseen_mm = 1e-3 * (drive.encoder_step_um + AGREE_SIGMA * drive.index_sigma_um);
-            common_mm.max(unseen_mm / 3.0).max(libm::fabsf(self.off_mm))
+            common_mm.max(unseen_mm / 3.0).max(self.off_mm)
         } else {
             let cycles = f32::from(self.cycles.max(1));
             libm::hypotf(common_mm, unseen_mm * libm::sqrtf(cycles / 3.0))
