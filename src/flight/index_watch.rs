@@ -32,10 +32,10 @@ const CHANGE_PART: f32 = 2.0;
 ///
 /// # σ of a record
 /// A record with a crossing since the one before is *referenced*: its σ is not below the difference
-/// of that crossing from the settings beyond 2·t·(d + c), nor below a third of `q + 5·σ_i`, which may be lost unseen.
-/// Without, as on a camera without a mark, each of the n records
-/// since the last crossing may have lost a step that the stage's watch lets pass, up to L either
-/// way and independent of the others: `σ² = n·L²/3`.
+/// of that crossing from the settings beyond 2·t·(d + c), nor below a fifth of `q + 5·σ_i`, which
+/// may be lost unseen: a count or two. Without, as on a camera without a mark, each of the n
+/// records since the last crossing may have lost a step that the stage's watch lets pass, up to L
+/// either way and independent of the others: `σ² = n·L²/3`.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(crate) struct IndexWatch {
     /// The slowest and steadiest crossing since the camera was armed.
@@ -209,7 +209,7 @@ impl IndexWatch {
     pub(crate) fn sigma_mm(&self, common_mm: f32, drive: &DriveSettings, unseen_mm: f32) -> f32 {
         if self.is_referenced(drive) {
             let unseen_mm = 1e-3 * (drive.encoder_step_um + AGREE_SIGMA * drive.index_sigma_um);
-            common_mm.max(unseen_mm / 3.0).max(self.off_mm)
+            common_mm.max(unseen_mm / AGREE_SIGMA).max(self.off_mm)
         } else {
             let cycles = f32::from(self.cycles.max(1));
             libm::hypotf(common_mm, unseen_mm * libm::sqrtf(cycles / 3.0))

@@ -39,8 +39,14 @@ fn is_seen(flown: &Flown) -> bool {
         .any(|(_, fault)| matches!(fault, Fault::Encoder | Fault::IndexMark))
 }
 
-/// Checks that every exposure is right to within 3 σ.
-fn check(scenario: &MissionScenario, flown: &Flown, case: &str) {
+/// Size from which lost counts are always seen, µm: the step of 0.1 µm, five σ of the mark, and what
+/// uneven motion at the mark explains.
+const SEEN_UM: f64 = 0.5;
+
+/// Checks that every exposure is right to within 3 σ; to within 5 σ where a few counts may have been
+/// lost unseen.
+fn check(scenario: &MissionScenario, flown: &Flown, size_um: f64, case: &str) {
+    let sigmas = if size_um.abs() < SEEN_UM { 5.0 } else { 3.0 };
     let errors = Judgement::of(scenario, flown).errors;
     let mut judged = 0;
     for (frame, errors) in flown.frames.iter().zip(&errors) {
@@ -51,7 +57,7 @@ fn check(scenario: &MissionScenario, flown: &Flown, case: &str) {
         let ratio = errors.pp_error_px / errors.sigma_px;
         let flags: Vec<_> = frame.record.flags.iter().map(Flag::name).collect();
         assert!(
-            ratio.abs() <= 3.0,
+            ratio.abs() <= sigmas,
             "{case}: record {}: {ratio:.1} σ, {flags:?}, {:?}",
             frame.record.sequence,
             flown.announced
@@ -69,8 +75,8 @@ fn lost_counts_of_any_size_are_seen_or_within_three_sigma() {
             for fault in [at_once, at_once.lasting(1.2)] {
                 let scenario = scenario(&[fault]);
                 let flown = flown(&scenario, 1);
-                check(&scenario, &flown, &format!("{fault:?}"));
-                assert!(is_seen(&flown) || size_um.abs() < 0.5, "{fault:?}");
+                check(&scenario, &flown, size_um, &format!("{fault:?}"));
+                assert!(is_seen(&flown) || size_um.abs() < SEEN_UM, "{fault:?}");
             }
         }
     }
@@ -82,13 +88,18 @@ fn counts_that_are_lost_before_arming_are_found_by_it() {
         let fault = Injection::new(InjectedFault::CountsLost, 0.0).of_size(size_um);
         let scenario = scenario(&[fault]);
         let flown = flown(&scenario, 1);
-        assert!(is_seen(&flown) || size_um.abs() < 0.5, "{size_um}");
+        assert!(is_seen(&flown) || size_um.abs() < SEEN_UM, "{size_um}");
         let is_exposed = |frame: &&_| {
             let frame: &fmc_simulation::mission::flown::FlownFrame = frame;
             matches!(frame.record.outcome, Outcome::Exposed(_))
         };
         if flown.frames.iter().filter(is_exposed).count() > 0 {
-            check(&scenario, &flown, &format!("{size_um} before arming"));
+            check(
+                &scenario,
+                &flown,
+                size_um,
+                &format!("{size_um} before arming"),
+            );
         }
     }
 }

@@ -46,6 +46,7 @@ impl Controller {
         }
         if seen.verdict != ReadingVerdict::Fault(Fault::Encoder) {
             self.stage.keep(setup, reading, seen);
+            self.judge_index(setup, actions);
         }
     }
 }

@@ -11,20 +11,19 @@ use crate::flight::index_watch::{Crossing, IndexPlaces};
 use crate::flight::time::Time;
 
 impl Controller {
-    /// Takes the reading of the encoder at the index mark, mm. If it differs from that of the last
-    /// crossing, the encoder has failed since, and the exposures since then are in doubt.
-    pub(super) fn index_mark(
-        &mut self,
-        setup: &Setup,
-        now: Time,
-        reading_mm: f32,
-        actions: &mut Actions,
-    ) {
-        let next_sequence = self.frame.next_sequence();
-        if !self.stage.is_under_way(now) {
-            return;
+    /// Takes the reading of the encoder at the index mark, mm.
+    pub(super) fn index_mark(&mut self, now: Time, reading_mm: f32) {
+        if self.stage.is_under_way(now) {
+            let next_sequence = self.frame.next_sequence();
+            self.stage.latch_index(reading_mm, next_sequence);
         }
-        let Some(exposures) = self.stage.cross_index(setup, reading_mm, next_sequence) else {
+    }
+
+    /// Judges the last crossing of the index mark, once readings before and after it are there. If
+    /// it differs from the crossings before, the encoder has failed since the last, and the
+    /// exposures since then are in doubt.
+    pub(super) fn judge_index(&mut self, setup: &Setup, actions: &mut Actions) {
+        let Some(exposures) = self.stage.cross_index(setup) else {
             return;
         };
         let latest = self.frame.kept.latest();
@@ -88,14 +87,16 @@ impl StageMachine {
         is_told && !self.is_place_lost() && self.is_pushed_along()
     }
 
-    /// Takes the reading of the encoder at the index mark, mm, of a stage that is under way.
-    /// Returns the exposures that are in doubt if it does not agree with the crossing before.
-    fn cross_index(
-        &mut self,
-        setup: &Setup,
-        reading_mm: f32,
-        next_sequence: u32,
-    ) -> Option<InDoubt> {
+    /// Keeps the reading of the encoder at the index mark, mm, of a stage that is under way, until
+    /// the next reading tells how fast it was.
+    const fn latch_index(&mut self, reading_mm: f32, next_sequence: u32) {
+        self.latched_index = Some((reading_mm, next_sequence));
+    }
+
+    /// Judges the crossing before the last reading. Returns the exposures that are in doubt if it
+    /// does not agree with the crossing before.
+    fn cross_index(&mut self, setup: &Setup) -> Option<InDoubt> {
+        let (reading_mm, next_sequence) = self.latched_index.take()?;
         let (speed_mm_s, change_mm_s) = self.track().speed_at(reading_mm)?;
         if speed_mm_s <= 0.0 {
             return None;

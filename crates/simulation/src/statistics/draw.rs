@@ -24,6 +24,10 @@ const LARGEST_AGE_ERROR_S: f64 = 1e-5;
 /// Largest standard deviation of the instant at which the encoder is read, s.
 const LARGEST_READING_JITTER_S: f64 = 2e-6;
 
+/// Largest standard deviation of the stamps of the shutter's edges, µs: the σ that the camera
+/// assumes.
+const LARGEST_STAMP_JITTER_US: f64 = 1.0;
+
 /// Part of the play by which it differs from its setting, as σ.
 const PLAY_CHANGE: f64 = 0.1;
 
@@ -331,7 +335,7 @@ fn hardware(random: &mut Random, text: &mut String, flight: &Flight) {
         random.between(0.0, 0.1),
         random.scaled(1.0, 20.0),
         random.between(0.0, 60.0),
-        random.between(0.0, 0.5),
+        random.between(0.0, LARGEST_STAMP_JITTER_US),
         random.between(0.2, 0.5),
         random.between(5.0, 10.0),
         coulomb_n * random.between(1.05, 1.4),

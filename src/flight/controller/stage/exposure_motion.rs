@@ -12,7 +12,7 @@ use crate::geometry::principal_point::PrincipalPointMotion;
 
 /// Part of a bend of the path by which the stage may leave the straight line between two readings,
 /// as σ. A push at a time that nobody knows leaves the line by 0 to 1 of the bend that is seen.
-const BEND_PART: f32 = 0.5;
+const BEND_PART: f32 = 0.33;
 
 /// Steps of the encoder that look like a bend: half a step each in two of its three readings, and
 /// one in the middle.

@@ -32,6 +32,9 @@ pub(super) struct StageMachine {
     watch: StageWatch,
     /// Reading on which the next one decides.
     suspicious: Option<(StageReading, Seen)>,
+    /// Reading at a crossing of the index mark that is not judged yet, mm, and the number of the
+    /// record to come.
+    pub(super) latched_index: Option<(f32, u32)>,
     /// Following error; of a released stage, its position.
     following_slope: Slope,
     play: Play,
@@ -78,6 +81,7 @@ impl StageMachine {
             read_mm: None,
             watch: StageWatch::new(),
             suspicious: None,
+            latched_index: None,
             following_slope: Slope::new(),
             play: Play::UNKNOWN,
             following_error: FollowingErrorRms::new(),
@@ -213,6 +217,7 @@ impl StageMachine {
     const fn forget_suspicion(&mut self) {
         self.watch = StageWatch::new();
         self.suspicious = None;
+        self.latched_index = None;
     }
 
     /// Releases the stage. Returns `true` if there was force on it.
