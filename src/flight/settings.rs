@@ -25,6 +25,10 @@ pub const FRICTION_ROUNDS: f32 = 6.0;
 /// following tolerance: the stage is under way when it passes the mark.
 pub const BESIDE_INDEX: f32 = 2.0;
 
+/// Part of the following error that friction leads to by which a stage may be off its set point,
+/// where it turns round: the feed-forward takes the rest.
+pub const FRICTION_PART: f32 = 0.5;
+
 /// Settings of a flight.
 #[derive(Debug, Clone, Copy, PartialEq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
@@ -114,7 +118,8 @@ impl FlightSettings {
         let play_mm = drive.seen_play_mm();
         StageTolerance {
             following_mm: 1e-3 * self.following_tolerance_um.max(FOLLOWING_STEPS * step_um)
-                + play_mm,
+                + play_mm
+                + FRICTION_PART * drive.velocity_loop.friction_error_mm(),
             jump_mm: 1e-3 * self.jump_tolerance_um.max(JUMP_STEPS * step_um) + play_mm,
             friction_mm: FRICTION_ROUNDS * drive.velocity_loop.friction_mm_s2() * TICK_S * TICK_S,
         }

@@ -125,6 +125,19 @@ impl LoopSettings {
         }
     }
 
+    /// Returns the following error under friction that nothing but the speed error answers, mm.
+    ///
+    /// # Model
+    /// `F_c/(m·ω_p·ω_v)`, which is the duty against friction by the gains of position and speed.
+    pub(crate) fn friction_error_mm(&self) -> f32 {
+        let gain_per_mm = self.position_gain_per_s * self.speed_gain_per_mm_s;
+        if gain_per_mm > 0.0 {
+            self.friction_feed / gain_per_mm
+        } else {
+            0.0
+        }
+    }
+
     /// Returns the settings, if each is in its range.
     ///
     /// # Errors
