@@ -1,0 +1,12 @@
+//! Tests of the exchange with other programs, as a user of the library would check it.
+
+#[cfg(test)]
+mod exact;
+#[cfg(test)]
+mod mistakes;
+#[cfg(test)]
+mod published;
+#[cfg(test)]
+mod round_trip;
+#[cfg(test)]
+mod support;
