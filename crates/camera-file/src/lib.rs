@@ -24,6 +24,7 @@ mod calibration_error;
 mod camera;
 pub mod fitted_block;
 mod input_error;
+pub mod interior_text;
 mod limits_table;
 pub mod number;
 pub mod published;

@@ -4,8 +4,10 @@ mod budget;
 mod calibrate;
 mod camera;
 mod device;
+mod export;
 mod exposure;
 mod frame;
+mod import;
 mod mesh;
 mod mission;
 mod point_stream;
@@ -46,6 +48,8 @@ pub fn run(cli: Cli) -> Result<(), Failure> {
         Command::Strip(args) => strip::run(&args),
         Command::Mission(args) => mission::run(&args),
         Command::Records(args) => records::run(&args),
+        Command::Export(args) => export::run(&args),
+        Command::Import(args) => import::run(&args),
         Command::Camera(args) => camera::run(&args),
     }
 }
