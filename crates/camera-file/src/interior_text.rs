@@ -45,7 +45,7 @@ pub fn write(
 ) -> Result<String, InputError> {
     let not_toml = |error: toml_edit::TomlError| InputError::invalid(format!("{file}: {error}"));
     let mut document = DocumentMut::from_str(&own(interior)).map_err(not_toml)?;
-    document["name"] = value(interior.name.trim());
+    document.insert("name", value(interior.name.trim()));
     if let Some(base) = base {
         let base = base.strip_prefix('\u{feff}').unwrap_or(base);
         let base = DocumentMut::from_str(base).map_err(not_toml)?;
@@ -105,7 +105,7 @@ mod tests {
     fn interior() -> Interior {
         Interior {
             name: "a \"b\" #1".to_owned(),
-            principal_distance_mm: 51.371_200_000_000_003,
+            principal_distance_mm: 51.371_200_000_000_1,
             principal_point_mm: [0.0584, -0.0239],
             size_px: [14204, 10652],
             pixel_um: 3.76,
@@ -135,7 +135,7 @@ mod tests {
         assert_eq!(camera.distortion, interior().distortion);
         assert_eq!(
             camera.principal_distance_mm.to_bits(),
-            51.371_200_000_000_003_f64.to_bits()
+            51.371_200_000_000_1_f64.to_bits()
         );
         assert_eq!(camera.fmc.axis.name(), "-x");
         assert_eq!(camera.serial, "A1");

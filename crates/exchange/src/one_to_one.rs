@@ -1,7 +1,5 @@
 //! Proof that a formula of rays is one-to-one over a field, by intervals and subdivision.
 
-use std::cmp::Ordering;
-
 use fmc_camera_file::InputError;
 
 use crate::pinhole::Pinhole;
@@ -40,54 +38,107 @@ impl Fault {
 
 /// A rectangle of rays.
 #[derive(Debug, Clone, Copy)]
-pub(crate) struct Field {
+struct Rectangle {
     least: [f64; 2],
     most: [f64; 2],
 }
 
-impl Field {
-    /// Returns the smallest rectangle that holds the rays.
-    pub(crate) fn around(rays: impl IntoIterator<Item = [f64; 2]>) -> Self {
-        let nothing = Self {
-            least: [f64::INFINITY; 2],
-            most: [f64::NEG_INFINITY; 2],
-        };
-        rays.into_iter().fold(nothing, |field, [x, y]| Self {
-            least: [field.least[0].min(x), field.least[1].min(y)],
-            most: [field.most[0].max(x), field.most[1].max(y)],
-        })
+impl Rectangle {
+    fn point(at: [f64; 2]) -> Self {
+        Self {
+            least: at,
+            most: at,
+        }
     }
 
     fn middle(&self) -> [f64; 2] {
-        [
-            0.5 * (self.least[0] + self.most[0]),
-            0.5 * (self.least[1] + self.most[1]),
-        ]
+        let ([left, low], [right, high]) = (self.least, self.most);
+        [0.5 * (left + right), 0.5 * (low + high)]
+    }
+
+    fn corners(&self) -> [[f64; 2]; 4] {
+        let ([left, low], [right, high]) = (self.least, self.most);
+        [[left, low], [right, low], [right, high], [left, high]]
     }
 
     /// Returns `count` x `count` parts.
     fn parts(&self, count: u32) -> impl Iterator<Item = Self> {
-        let (least, most) = (self.least, self.most);
-        let edge = move |axis: usize, index: u32| {
-            let part = f64::from(index) / f64::from(count);
-            let ends = [least, most].map(|end| end.get(axis).copied().unwrap_or(0.0));
-            ends[0] + (ends[1] - ends[0]) * part
+        let ([left, low], [right, high]) = (self.least, self.most);
+        let edge = move |least: f64, most: f64, index: u32| {
+            least + (most - least) * f64::from(index) / f64::from(count)
         };
         (0..count * count).map(move |cell| {
             let (row, column) = (cell / count, cell % count);
             Self {
-                least: [edge(0, column), edge(1, row)],
-                most: [edge(0, column + 1), edge(1, row + 1)],
+                least: [edge(left, right, column), edge(low, high, row)],
+                most: [edge(left, right, column + 1), edge(low, high, row + 1)],
             }
         })
     }
 
     fn intervals(&self) -> [Interval; 2] {
-        [
-            Interval::new(self.least[0], self.most[0]),
-            Interval::new(self.least[1], self.most[1]),
-        ]
+        let ([left, low], [right, high]) = (self.least, self.most);
+        [Interval::new(left, right), Interval::new(low, high)]
     }
+}
+
+/// The smallest convex field that holds given rays.
+#[derive(Debug, Clone)]
+pub(crate) struct Field {
+    bounds: Rectangle,
+    /// Corners, anticlockwise.
+    hull: Vec<[f64; 2]>,
+}
+
+impl Field {
+    /// Returns the convex hull of the rays.
+    pub(crate) fn around(rays: impl IntoIterator<Item = [f64; 2]>) -> Self {
+        let mut rays: Vec<_> = rays.into_iter().collect();
+        rays.sort_by(|[ax, ay], [bx, by]| ax.total_cmp(bx).then(ay.total_cmp(by)));
+        let hull = [half_hull(rays.iter()), half_hull(rays.iter().rev())].concat();
+        let nothing = Rectangle {
+            least: [f64::INFINITY; 2],
+            most: [f64::NEG_INFINITY; 2],
+        };
+        let bounds = hull.iter().fold(nothing, |bounds, [x, y]| {
+            let ([left, low], [right, high]) = (bounds.least, bounds.most);
+            Rectangle {
+                least: [left.min(*x), low.min(*y)],
+                most: [right.max(*x), high.max(*y)],
+            }
+        });
+        Self { bounds, hull }
+    }
+
+    /// Returns `true` if an edge of the hull has the rectangle on its outer side.
+    fn excludes(&self, rectangle: &Rectangle) -> bool {
+        let ends = self.hull.iter().zip(self.hull.iter().cycle().skip(1));
+        ends.into_iter().any(|(from, to)| {
+            let corners = rectangle.corners();
+            corners.iter().all(|corner| turn(from, to, corner) < 0.0)
+        })
+    }
+}
+
+/// Returns the lower half of the hull of points that are sorted, without its last point.
+fn half_hull<'a>(points: impl Iterator<Item = &'a [f64; 2]>) -> Vec<[f64; 2]> {
+    let mut hull: Vec<[f64; 2]> = Vec::new();
+    for point in points {
+        while let [.., before, last] = hull.as_slice()
+            && turn(before, last, point) <= 0.0
+        {
+            hull.pop();
+        }
+        hull.push(*point);
+    }
+    hull.pop();
+    hull
+}
+
+/// Returns a number that is positive if the third point is to the left of the way from the first to
+/// the second.
+fn turn([ax, ay]: &[f64; 2], [bx, by]: &[f64; 2], [x, y]: &[f64; 2]) -> f64 {
+    (bx - ax) * (y - ay) - (by - ay) * (x - ax)
 }
 
 /// Shows that the formula is one-to-one over the field and has no pole there.
@@ -100,24 +151,25 @@ impl Field {
 /// # Errors
 /// The [`Fault`], with a ray near it.
 pub(crate) fn show(camera: &Pinhole, field: &Field) -> Result<(), Fault> {
-    let mut boxes: Vec<Field> = field.parts(BOXES).collect();
+    let mut boxes: Vec<Rectangle> = field.bounds.parts(BOXES).collect();
     let mut examined = 0;
     while let Some(part) = boxes.pop() {
+        if field.excludes(&part) {
+            continue;
+        }
         examined += 1;
         let middle = part.middle();
         // The middle alone is a box, too: its bounds are exact.
-        let [x, y] = middle;
-        let point = Field {
-            least: [x, y],
-            most: [x, y],
-        };
-        if divisor(camera, &point).least.partial_cmp(&0.0) != Some(Ordering::Greater) {
-            return Err(Fault::Pole(middle));
+        let point = Rectangle::point(middle);
+        if !field.excludes(&point) {
+            if !is_positive(camera, &point) {
+                return Err(Fault::Pole(middle));
+            }
+            if !is_increasing(camera, &point) {
+                return Err(Fault::Fold(middle));
+            }
         }
-        if !is_increasing(camera, &point) {
-            return Err(Fault::Fold(middle));
-        }
-        if divisor(camera, &part).least > 0.0 && is_increasing(camera, &part) {
+        if is_positive(camera, &part) && is_increasing(camera, &part) {
             continue;
         }
         if examined > MAX_BOXES {
@@ -128,8 +180,13 @@ pub(crate) fn show(camera: &Pinhole, field: &Field) -> Result<(), Fault> {
     Ok(())
 }
 
+/// Returns `true` if the denominator is positive over the box.
+fn is_positive(camera: &Pinhole, part: &Rectangle) -> bool {
+    divisor(camera, part).least > 0.0
+}
+
 /// Returns bounds of the denominator over a box.
-fn divisor(camera: &Pinhole, part: &Field) -> Interval {
+fn divisor(camera: &Pinhole, part: &Rectangle) -> Interval {
     let [x, y] = part.intervals();
     let [offset_x, offset_y] = camera.offset.map(Interval::constant);
     let r2 = (x - offset_x).squared() + (y - offset_y).squared();
@@ -137,7 +194,7 @@ fn divisor(camera: &Pinhole, part: &Field) -> Interval {
 }
 
 /// Returns `true` if the symmetric part of the derivative is positive definite over the box.
-fn is_increasing(camera: &Pinhole, part: &Field) -> bool {
+fn is_increasing(camera: &Pinhole, part: &Rectangle) -> bool {
     let camera = camera.map(|number| Sloped::fixed(Interval::constant(number)));
     let [x, y] = part.intervals();
     let along_x = camera.distorted([Sloped::variable(x), Sloped::fixed(y)]);
@@ -153,7 +210,45 @@ mod tests {
     use super::*;
 
     fn field() -> Field {
-        Field::around([[-0.6, -0.5], [0.6, 0.5]])
+        Field::around([
+            [-0.6, -0.5],
+            [0.6, -0.5],
+            [0.0, 0.0],
+            [0.6, 0.5],
+            [-0.6, 0.5],
+        ])
+    }
+
+    #[test]
+    fn field_is_the_hull_of_its_rays() {
+        let field = field();
+        assert_eq!(field.hull.len(), 4);
+        for (x, y, is_outside) in [(0.0, 0.0, false), (0.59, 0.49, false), (0.61, 0.0, true)] {
+            assert_eq!(field.excludes(&Rectangle::point([x, y])), is_outside, "{x}");
+        }
+        // A rectangle across the edge is neither outside nor left out.
+        let across = Rectangle {
+            least: [0.5, 0.4],
+            most: [0.7, 0.6],
+        };
+        assert!(!field.excludes(&across));
+    }
+
+    #[test]
+    fn fold_beyond_the_corner_that_the_field_does_not_have_is_allowed() {
+        // The rays of an octagon: its bounding square has corners beyond the fold.
+        let mut camera = Pinhole::ideal(1000.0, [0.0, 0.0]);
+        camera.radial[0] = -1.0 / (3.0 * 0.7 * 0.7);
+        let octagon = (0..8).map(|index| {
+            let (sine, cosine) = (f64::from(index) * std::f64::consts::FRAC_PI_4).sin_cos();
+            [0.6 * cosine, 0.6 * sine]
+        });
+        assert_eq!(show(&camera, &Field::around(octagon)), Ok(()));
+        let square = [[-0.6, -0.6], [0.6, -0.6], [0.6, 0.6], [-0.6, 0.6]];
+        assert!(matches!(
+            show(&camera, &Field::around(square)),
+            Err(Fault::Fold(_))
+        ));
     }
 
     #[test]

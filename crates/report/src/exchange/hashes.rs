@@ -1,7 +1,7 @@
 //! Hashes of files and calibrations.
 
-use crc::{CRC_32_ISO_HDLC, Crc};
 use fmc_camera::flight::settings::FlightSettings;
+use fmc_camera::io::link::digest;
 use fmc_camera_file::CameraFile;
 use sha2::{Digest, Sha256};
 
@@ -18,9 +18,9 @@ pub(super) fn sha256(bytes: &[u8]) -> String {
 /// digits: of its parameters as the link sends them, for a flight with the default settings.
 pub(super) fn crc32(camera: &CameraFile) -> String {
     let parameters = camera.flown(&FlightSettings::default());
-    // Numbers have a fixed length, so that writing them to memory cannot fail.
-    let bytes = postcard::to_allocvec(&parameters).unwrap_or_default();
-    format!("{:08x}", Crc::<u32>::new(&CRC_32_ISO_HDLC).checksum(&bytes))
+    // A camera's parameters are never longer than the link can send.
+    let crc = digest::of_camera(&parameters).unwrap_or_default();
+    format!("{crc:08x}")
 }
 
 #[cfg(test)]
