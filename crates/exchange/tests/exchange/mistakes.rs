@@ -28,7 +28,7 @@ const MISTAKES: [Mistake; 4] = [
     (
         "K0 forgotten",
         |camera| camera.focal_px = camera.focal_px.map(|f| f * (1.0 + 0.3285e-4)),
-        [1e9, 3.76],
+        [0.0, 3.76],
     ),
 ];
 
@@ -43,10 +43,9 @@ fn each_mistake_costs_what_it_costs_elsewhere() {
     for (mistake, change, [ixm_um, rc30_um]) in MISTAKES {
         for (camera, expected) in [(ixm(), ixm_um), (rc30(), rc30_um)] {
             let found = largest_um(&camera, change);
-            println!("{mistake} {}: {found}", camera.name);
-            if expected < 1e6 {
+            if expected > 0.0 {
                 assert!(
-                    (found / expected - 1.0).abs() < 0.1,
+                    (found / expected - 1.0).abs() < 0.01,
                     "{mistake}: {found} µm"
                 );
             }
@@ -61,7 +60,7 @@ fn principal_point_with_its_y_not_reversed_is_seen() {
         let found = largest_um(&camera, |formula| {
             formula.centre_px[1] = 2.0 * middle - formula.centre_px[1];
         });
-        assert!((found / expected - 1.0).abs() < 0.1, "{found} µm");
+        assert!((found / expected - 1.0).abs() < 0.01, "{found} µm");
     }
 }
 
@@ -80,12 +79,12 @@ fn copied_coefficients_and_a_reversed_direction_are_seen() {
             })
         };
         assert!(
-            (copied(1.0) / copied_um - 1.0).abs() < 0.2,
+            (copied(1.0) / copied_um - 1.0).abs() < 0.02,
             "{} µm",
             copied(1.0)
         );
         assert!(
-            (copied(-1.0) / reversed_um - 1.0).abs() < 0.1,
+            (copied(-1.0) / reversed_um - 1.0).abs() < 0.02,
             "{} µm",
             copied(-1.0)
         );
@@ -110,5 +109,5 @@ fn inverse_series_is_worse_than_copying_on_a_strong_lens() {
         ];
         formula.decentring = [-p2 * f, p1 * f];
     });
-    assert!((series / 16.5 - 1.0).abs() < 0.25, "{series} µm");
+    assert!((series / 16.5 - 1.0).abs() < 0.01, "{series} µm");
 }
