@@ -41,7 +41,7 @@ type Observation = ([f64; 2], [f64; 2]);
 ///
 /// # Accuracy
 /// The residuals of the published cameras are within 25 % (largest) and 20 % (RMS) of those found
-/// elsewhere: `tests/published.rs`.
+/// elsewhere: `tests/exchange/published.rs`.
 #[must_use]
 pub fn pinhole(camera: &Calibrated, free: &[Coefficient]) -> Pinhole {
     let observations: Vec<Observation> = camera

@@ -6,6 +6,7 @@ use fmc_camera_file::number::clipped;
 use crate::correction::Correction;
 use crate::pinhole::Pinhole;
 use crate::source::Source;
+use crate::uncertainty::Uncertainty;
 
 /// What the user states of a camera whose file does not.
 #[derive(Debug, Clone, Copy, Default)]
@@ -34,6 +35,8 @@ pub struct Found {
     pub formula: Formula,
     /// Remarks for the user.
     pub notes: Vec<String>,
+    /// Uncertainty of the parameters, if the file states it.
+    pub uncertainty: Option<Uncertainty>,
 }
 
 /// Formula of a program, of one of the two directions.
@@ -72,6 +75,7 @@ impl Found {
             pixel_mm: None,
             formula,
             notes: Vec::new(),
+            uncertainty: None,
         }
     }
 

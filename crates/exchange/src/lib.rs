@@ -46,3 +46,4 @@ pub mod program;
 pub mod residual;
 mod scalar;
 pub mod source;
+pub mod uncertainty;

@@ -42,7 +42,11 @@ impl<'a> Source<'a> {
 
     /// Reads JSON.
     pub(crate) fn json(&self) -> Result<Value, InputError> {
-        serde_json::from_str(self.text()?).map_err(|error| self.invalid(format!("JSON: {error}")))
+        let text = self.text()?;
+        if text.bytes().filter(|byte| *byte == b',').count() > MAX_ELEMENTS {
+            return Err(self.invalid("JSON: too many elements"));
+        }
+        serde_json::from_str(text).map_err(|error| self.invalid(format!("JSON: {error}")))
     }
 
     /// Reads XML without a document type, and so without entities of its own.

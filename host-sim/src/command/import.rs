@@ -11,6 +11,7 @@ use fmc_exchange::import::{self, Imported};
 use fmc_exchange::program::Program;
 use fmc_exchange::source::{MAX_BYTES, Source};
 use fmc_report::exchange::{self, Assumed, ImportSummary};
+use serde::Serialize;
 
 use crate::cli::{ImportArgs, SignName};
 use crate::failure::Failure;
@@ -69,14 +70,21 @@ pub(super) fn run(args: &ImportArgs) -> Result<(), Failure> {
         assumed,
     );
     output::write(Some(&args.out), |sink| sink.write_all(text.as_bytes()))?;
+    if let Some(uncertainty) = &imported.found.uncertainty {
+        write_json(&args.out.with_extension("uncertainty.json"), uncertainty)?;
+    }
     if let Some(report) = &args.report {
-        output::write(Some(report), |sink| {
-            serde_json::to_writer_pretty(&mut *sink, &summary)?;
-            writeln!(sink)
-        })?;
+        write_json(report, &summary)?;
     }
     output::write(None, |sink: &mut dyn Write| {
         writeln!(sink, "{}", summary.text())
+    })
+}
+
+fn write_json(path: &Path, value: &impl Serialize) -> Result<(), Failure> {
+    output::write(Some(path), |sink| {
+        serde_json::to_writer_pretty(&mut *sink, value)?;
+        writeln!(sink)
     })
 }
 

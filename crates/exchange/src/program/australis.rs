@@ -10,6 +10,10 @@ use crate::fields::pixel_count;
 use crate::found::{Formula, Found};
 use crate::lines::{after, beside};
 use crate::source::Source;
+use crate::uncertainty::Uncertainty;
+
+/// Variables of a report.
+const VARIABLES: [&str; 10] = ["C", "XP", "YP", "K1", "K2", "K3", "P1", "P2", "B1", "B2"];
 
 /// Name of the file.
 pub(crate) const FILE: &str = "australis.txt";
@@ -91,6 +95,22 @@ pub(crate) fn read(source: &Source<'_>) -> Result<Found, InputError> {
         return Err(source.invalid("K1 and K2 are missing"));
     }
     let mut found = Found::new("camera", Formula::Correction(correction));
+    // The last of five numbers is the final standard deviation.
+    let sigmas: Vec<(String, f64)> = VARIABLES
+        .iter()
+        .filter_map(|key| match *after(text, key)? {
+            [_, _, _, _, sigma, ..] => Some(((*key).to_owned(), sigma)),
+            _ => None,
+        })
+        .collect();
+    if !sigmas.is_empty() {
+        let (parameters, sigma) = sigmas.into_iter().unzip();
+        found.uncertainty = Some(Uncertainty {
+            parameters,
+            sigma,
+            correlations: None,
+        });
+    }
     let size = beside(text, "sensor size").unwrap_or_default();
     if let [width, height] = *size
         && let (Some(width), Some(height)) = (pixel_count(width), pixel_count(height))

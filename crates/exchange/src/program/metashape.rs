@@ -5,11 +5,12 @@ use roxmltree::Node;
 
 use crate::calibrated::Calibrated;
 use crate::decimal::number;
-use crate::elements::{child, children, number_or, number_text, pixels};
+use crate::elements::{child, children, number_or, number_text, numbers, pixels};
 use crate::found::{Formula, Found, Stated, chosen, unsupported};
 use crate::pinhole::Pinhole;
 use crate::program::model::{BROWN_4, FOCALS_AND_SKEW, Model};
 use crate::source::Source;
+use crate::uncertainty::Uncertainty;
 
 /// Models.
 pub(crate) const MODELS: &[Model] = &[Model::new("frame", BROWN_4, FOCALS_AND_SKEW)];
@@ -73,6 +74,7 @@ pub(crate) fn read(source: &Source<'_>, stated: &Stated<'_>) -> Result<Found, In
     }
     let label = sensor.attribute("label").unwrap_or("camera");
     let mut found = calibration(source, node, label)?;
+    found.uncertainty = uncertainty(source, sensor)?;
     let property = |name: &str| {
         children(sensor, "property")
             .find(|one| one.attribute("name") == Some(name))
@@ -85,6 +87,29 @@ pub(crate) fn read(source: &Source<'_>, stated: &Stated<'_>) -> Result<Found, In
         found.pixel_mm = Some(width_mm).filter(|pitch| *pitch > 0.0);
     }
     Ok(found)
+}
+
+/// Returns the uncertainty that stands beside the adjusted calibration: a covariance matrix, in the
+/// units of the parameters.
+fn uncertainty(
+    source: &Source<'_>,
+    sensor: Node<'_, '_>,
+) -> Result<Option<Uncertainty>, InputError> {
+    let covariance = sensor
+        .descendants()
+        .find(|node| node.has_tag_name("covariance"));
+    let Some(covariance) = covariance else {
+        return Ok(None);
+    };
+    let text = |name: &str| child(covariance, name).and_then(|one| one.text());
+    let (Some(parameters), Some(coefficients)) = (text("params"), text("coeffs")) else {
+        return Err(source.invalid("covariance: params or coeffs is missing"));
+    };
+    let parameters = parameters.split_whitespace().map(str::to_owned).collect();
+    let cells = numbers(source, "covariance", coefficients)?;
+    Uncertainty::of_covariance(parameters, &cells)
+        .map(Some)
+        .ok_or_else(|| source.invalid("covariance: not a matrix of its parameters"))
 }
 
 /// Returns the adjusted calibration of a sensor, or else the first one.

@@ -56,6 +56,37 @@ fn documented_residuals_are_those_of_the_export() {
     }
 }
 
+/// Mistakes and their largest residuals on the iXM and on the RC30; `mistakes.rs` asserts them.
+const MISTAKES: [[&str; 3]; 5] = [
+    [
+        "coefficients copied, units and signs right",
+        "9.64",
+        "0.0006",
+    ],
+    ["half a pixel", "2.28", "6.35"],
+    ["p1 and p2 exchanged", "23.3", "4.42"],
+    ["y of p1 not reversed", "17.3", "4.63"],
+    ["y of the principal point not reversed", "48.1", "2.00"],
+];
+
+#[test]
+fn documented_mistakes_are_those_of_the_tests() {
+    let rows = rows("| mistake |");
+    assert_eq!(rows[0][1..], ["0.402", "0.0007"]);
+    assert_eq!(rows.len(), 1 + MISTAKES.len());
+    for (row, expected) in rows[1..].iter().zip(MISTAKES) {
+        assert_eq!(*row, expected);
+        let source = include_str!("mistakes.rs");
+        for number in &expected[1..] {
+            assert!(source.contains(number.trim_end_matches('0')), "{number}");
+        }
+    }
+    let conventions = include_str!("../../../../docs/conventions.md");
+    for number in ["16.5 µm", "(9.6 µm)", "0.40 µm"] {
+        assert!(conventions.contains(number), "{number}");
+    }
+}
+
 #[test]
 fn documented_files_are_those_of_the_export() {
     let ixm = named("Phase One iXM-RS150F 50 mm");

@@ -189,7 +189,9 @@ fn sensor_of_a_metashape_chunk_is_chosen_by_id_or_label() {
              <calibration type=\"frame\" class=\"initial\"><resolution width=\"14204\" \
              height=\"10652\"/><f>1</f></calibration>\
              <calibration type=\"frame\" class=\"adjusted\"><resolution width=\"14204\" \
-             height=\"10652\"/><f>{f}</f><k1>-0.04</k1><p1>1e-4</p1></calibration></sensor>"
+             height=\"10652\"/><f>{f}</f><k1>-0.04</k1><p1>1e-4</p1></calibration>\
+             <covariance><params>f k1</params><coeffs>4 -1e-6 -1e-6 1e-12</coeffs></covariance>\
+             </sensor>"
         )
     };
     let chunk = format!(
@@ -210,6 +212,9 @@ fn sensor_of_a_metashape_chunk_is_chosen_by_id_or_label() {
         };
         assert_close(formula.decentring[1], 1e-4);
         assert_close(formula.centre_px[0], 7101.5);
+        let uncertainty = imported.found.uncertainty.unwrap();
+        assert_close(uncertainty.sigma[0], 2.0);
+        assert_close(uncertainty.correlations.unwrap()[0][1], -0.5);
     }
 }
 
@@ -270,6 +275,11 @@ B1  0.0  0.0  0.0  1.0e-020  1.0e-020
     assert_close(imported.camera.lens.k[2], 1.6e-7);
     assert_close(imported.camera.lens.p[0], -1e-5);
     assert!(imported.is_exact);
+    let uncertainty = imported.found.uncertainty.unwrap();
+    assert_eq!(uncertainty.parameters[..4], ["C", "XP", "YP", "K1"]);
+    assert_close(uncertainty.sigma[0], 1.2e-3);
+    assert_close(1e7 * uncertainty.sigma[3], 1.0);
+    assert_eq!(uncertainty.correlations, None);
 }
 
 #[test]
