@@ -55,8 +55,8 @@ pub fn pinhole(camera: &Calibrated, free: &[Coefficient]) -> Pinhole {
         })
         .collect();
     let start = Pinhole::ideal(camera.principal_distance_px(), camera.principal_point_px());
-    // The quotient is fitted from the polynomial, the tilt from the quotient: each is the next one's
-    // start, and from far away a quotient can run into its poles.
+    // The quotient is fitted from the polynomial, the tilt from the quotient: each is the start of
+    // the next, because from far away a quotient can run into its poles.
     let is_simple = |one: &Coefficient| !is_replaceable(*one);
     let is_without_tilt =
         |one: &Coefficient| !matches!(one, Coefficient::Prism(_) | Coefficient::Tilt(_));

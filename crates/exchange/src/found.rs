@@ -8,7 +8,7 @@ use crate::pinhole::Pinhole;
 use crate::source::Source;
 use crate::uncertainty::Uncertainty;
 
-/// What the user states of a camera whose file does not.
+/// Numbers and signs that the user states because the file does not.
 #[derive(Debug, Clone, Copy, Default)]
 pub struct Stated<'a> {
     /// Pixel pitch, mm.

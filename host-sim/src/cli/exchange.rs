@@ -1,5 +1,10 @@
 //! Arguments of the exchange with other programs.
 
+#![expect(
+    clippy::doc_markdown,
+    reason = "the comments are shown on a terminal, where names have no marks"
+)]
+
 use std::path::PathBuf;
 
 use clap::{Args, ValueEnum};
@@ -19,8 +24,8 @@ pub struct ExportArgs {
     /// Folder for the files and export.json; made if it does not exist.
     #[arg(long, value_name = "DIR")]
     pub out: PathBuf,
-    /// Model of the program: opencv5, opencv8, opencv14; `plumb_bob`, `rational_polynomial`;
-    /// `SIMPLE_RADIAL`, `OPENCV`, `FULL_OPENCV` and so on. Without it the smallest that leaves less
+    /// Model of the program: opencv5, opencv8, opencv14; plumb_bob, rational_polynomial;
+    /// SIMPLE_RADIAL, OPENCV, FULL_OPENCV and so on. Without it the smallest that leaves less
     /// than 0.01 px.
     #[arg(long, value_name = "NAME")]
     pub model: Option<String>,
@@ -76,9 +81,9 @@ pub struct ImportArgs {
 /// Programs whose file is written.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
 pub enum ExportFormat {
-    /// `OpenCV` `FileStorage`: camera.yaml, or .json, .xml by --as.
+    /// OpenCV FileStorage: camera.yaml, or .json, .xml by --as.
     Opencv,
-    /// ROS `camera_info.yaml`.
+    /// ROS camera_info.yaml.
     Ros,
     /// Kalibr camchain.yaml; without k3.
     Kalibr,
@@ -86,19 +91,19 @@ pub enum ExportFormat {
     Colmap,
     /// Metashape camera.xml.
     Metashape,
-    /// `OpenSfM` `camera_models.json`, `OpenDroneMap` cameras.json.
+    /// OpenSfM camera_models.json, OpenDroneMap cameras.json.
     Opensfm,
-    /// Open Photogrammetry Format `calibrated_cameras.json`.
+    /// Open Photogrammetry Format calibrated_cameras.json.
     Opf,
-    /// `PIX4Dmapper` camera.cam and camera.xmp.
+    /// PIX4Dmapper camera.cam and camera.xmp.
     Pix4d,
-    /// `OpenTrackIO` lens.json, exact without B1, B2.
+    /// OpenTrackIO lens.json, exact without B1, B2.
     Opentrackio,
-    /// `MicMac` AutoCal, `DistC2M`, exact.
+    /// MicMac AutoCal, DistC2M, exact.
     Micmac,
     /// Australis, exact without B1, B2.
     Australis,
-    /// `PhotoModeler`, exact without B1, B2.
+    /// PhotoModeler, exact without B1, B2.
     Photomodeler,
 }
 
@@ -124,9 +129,9 @@ impl From<ExportFormat> for Program {
 /// Programs whose file is read.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
 pub enum ImportFormat {
-    /// `OpenCV` `FileStorage` in YAML, JSON or XML.
+    /// OpenCV FileStorage in YAML, JSON or XML.
     Opencv,
-    /// ROS `camera_info`.
+    /// ROS camera_info.
     Ros,
     /// Kalibr camchain.
     Kalibr,
@@ -134,25 +139,25 @@ pub enum ImportFormat {
     Colmap,
     /// Metashape camera.xml, or a chunk's cameras.xml with --id.
     Metashape,
-    /// `OpenSfM` `camera_models.json`, `OpenDroneMap` cameras.json.
+    /// OpenSfM camera_models.json, OpenDroneMap cameras.json.
     Opensfm,
-    /// Open Photogrammetry Format `calibrated_cameras.json`.
+    /// Open Photogrammetry Format calibrated_cameras.json.
     Opf,
-    /// `PIX4Dmapper` .cam, or XMP.
+    /// PIX4Dmapper .cam, or XMP.
     Pix4d,
-    /// `OpenTrackIO` sample.
+    /// OpenTrackIO sample.
     Opentrackio,
-    /// `MicMac` AutoCal of either direction.
+    /// MicMac AutoCal of either direction.
     Micmac,
     /// Australis or iWitness report.
     Australis,
-    /// `PhotoModeler` camera.
+    /// PhotoModeler camera.
     Photomodeler,
     /// Text of a USGS calibration report.
     Usgs,
     /// Inpho project file; --sign is required.
     Inpho,
-    /// `DewarpData` of a DJI image.
+    /// DewarpData of a DJI image.
     Dji,
 }
 
@@ -178,7 +183,7 @@ impl From<ImportFormat> for Program {
     }
 }
 
-/// Container of `OpenCV`'s file.
+/// Container of OpenCV's file.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
 pub enum ContainerName {
     /// camera.yaml.

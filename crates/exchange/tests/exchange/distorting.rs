@@ -20,8 +20,8 @@ fn distorted([x, y]: [f64; 2], k: &[f64], d: &[f64], [p1, p2]: [f64; 2]) -> [f64
     ]
 }
 
-/// Checks that the formula, from a ray to a pixel with the first pixel centre at (0, 0), leaves what
-/// the export states.
+/// Checks that the formula, from a ray to a pixel with the first pixel centre at (0, 0), leaves the
+/// residual that the export states.
 fn assert_leaves(camera: &Calibrated, stated_um: f64, pixel: impl Fn([f64; 2]) -> [f64; 2]) {
     let mut largest_um = 0.0_f64;
     for point in camera.grid_mm(41) {

@@ -171,8 +171,8 @@ fn dewarp_data_of_an_image_is_fitted() {
     assert_close(formula.centre_px[1], 1977.5 - 8.72);
     assert_close(imported.camera.principal_point_mm[0], 7.02 * 0.0033);
     assert_close(imported.camera.principal_point_mm[1], 8.72 * 0.0033);
-    // 11 % at the corner, where the formula is near its fold: the polynomial leaves 50 µm there, and
-    // says so.
+    // 11 % at the corner, where the formula is near its fold: the polynomial leaves 50 µm there,
+    // and says so.
     let residual = imported.residual;
     assert!(!imported.is_exact && residual.rms_um < 3.0, "{residual:?}");
     assert!((30.0..70.0).contains(&residual.largest_um), "{residual:?}");

@@ -76,7 +76,7 @@ fn every_program_reads_back_the_formula_that_it_was_given() {
                 }
                 let imported = read(&camera, program, bytes);
                 assert!(!imported.is_exact);
-                // What the two fits leave is the difference: there and back.
+                // The residuals of the two fits add up, there and back.
                 let left = exported.residual.largest_um + imported.residual.largest_um;
                 let difference = difference_um(&camera, &imported.camera);
                 assert!(

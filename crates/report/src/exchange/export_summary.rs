@@ -9,7 +9,7 @@ use super::hashes::{crc32, sha256};
 use super::{NAMES, residual};
 use crate::{length, terminal};
 
-/// What was written, and what it leaves. Keys are only ever added.
+/// Statement of an export: files, conventions, residual. Keys are only ever added.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct ExportSummary {
     /// Format, as the command line names it.

@@ -11,7 +11,7 @@ use super::hashes::{crc32, sha256};
 use super::{NAMES, residual};
 use crate::terminal;
 
-/// What was read, and what the camera file leaves of it. Keys are only ever added.
+/// Statement of an import: the file that was read, and the residual in the camera file. Keys are only ever added.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct ImportSummary {
     /// Format, as the command line names it.
@@ -46,7 +46,7 @@ pub struct ImportSummary {
     pub calibration_crc32: String,
 }
 
-/// What was taken as stated, or from the file where it has it.
+/// Numbers as they were stated, or those of the file where it has them.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct Assumed {
     /// Pixel pitch, µm.
