@@ -15,8 +15,8 @@ pub struct Uncertainty {
 }
 
 impl Uncertainty {
-    /// Returns the uncertainty of a covariance matrix, row by row; `None` if it is not square, or has
-    /// a variance that is not positive or a number that is not finite.
+    /// Returns the uncertainty of a covariance matrix, row by row; `None` if it is not square, or
+    /// has a variance that is not positive or a number that is not finite.
     pub(crate) fn of_covariance(parameters: Vec<String>, covariance: &[f64]) -> Option<Self> {
         let count = parameters.len();
         if count == 0 || covariance.len() != count * count {

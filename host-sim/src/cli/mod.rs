@@ -142,8 +142,8 @@ pub enum Command {
     /// Programs that correct measured points (opentrackio, micmac, australis, photomodeler) hold
     /// the calibration exactly. The others distort rays: a least-squares fit over the whole sensor,
     /// with the smallest model that leaves less than 0.01 px, or else the one that leaves least.
-    /// The file is read back before it is called written. The terminal and export.json state what is
-    /// left and where, which terms have no place, direction, sign, unit and origin, and the
+    /// The file is read back before it is called written. The terminal and export.json state what
+    /// is left and where, which terms have no place, direction, sign, unit and origin, and the
     /// calibration's SHA-256 and CRC-32.
     ///
     /// A frame of a flight has another principal point than the calibration: what is written is the

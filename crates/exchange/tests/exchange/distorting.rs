@@ -1,6 +1,11 @@
 //! Formulas of the programs that distort rays, written here as their documents have them, with the
 //! numbers of the files: a mistake that writer and reader share is seen.
 
+#![expect(
+    clippy::many_single_char_names,
+    reason = "the symbols are those of the documents"
+)]
+
 use fmc_exchange::calibrated::Calibrated;
 use fmc_exchange::program::Program;
 

@@ -1,5 +1,10 @@
 //! Files as the programs themselves write them.
 
+#![expect(
+    clippy::unreadable_literal,
+    reason = "numbers are compared digit by digit with those of the files"
+)]
+
 use fmc_exchange::found::{Formula, Stated};
 use fmc_exchange::import::{Imported, import};
 use fmc_exchange::program::Program;

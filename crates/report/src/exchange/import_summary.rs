@@ -11,7 +11,7 @@ use super::hashes::{crc32, sha256};
 use super::{NAMES, residual};
 use crate::terminal;
 
-/// Statement of an import: the file that was read, and the residual in the camera file. Keys are only ever added.
+/// Statement of an import: the file that was read, and the residual. Keys are only ever added.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct ImportSummary {
     /// Format, as the command line names it.
