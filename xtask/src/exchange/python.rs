@@ -114,7 +114,7 @@ impl Python {
         let program = match on_path {
             Some(program) => program,
             None if fetched.is_file() => fetched,
-            None => bail!("{PROGRAM} on the search path is older than {OLDEST}"),
+            None => bail!("no {PROGRAM} of {OLDEST} or later on the search path"),
         };
         Ok(Self {
             program,
