@@ -9,6 +9,7 @@ use clap::ValueEnum;
 use crate::{
     CHECK_FAILED, NOT_STARTED, bench, board,
     equipment::{Equipment, Need},
+    exchange,
     firmware::{self, Image},
     kernel, no_panic, schedule, verify,
     workspace::Workspace,
@@ -45,6 +46,8 @@ pub(crate) enum Step {
     HostTests,
     /// Verify every coordinate against the strict solver, with the camera in this process
     Verify,
+    /// Let `OpenCV` and COLMAP read exported cameras and project points
+    Exchange,
     /// Lint for the target: library, firmware, and the programs that check them
     TargetLints,
     /// Build the library for the firmware's target and for a Cortex-M55
@@ -85,7 +88,8 @@ impl Step {
             | Self::HilLints
             | Self::Docs
             | Self::HostTests
-            | Self::Verify => &[],
+            | Self::Verify
+            | Self::Exchange => &[],
             Self::TargetLints | Self::FirmwareLints | Self::Board => {
                 &[Need::Compiler, Need::Clippy]
             }
@@ -153,6 +157,7 @@ fn run_step(step: Step, workspace: &Workspace, equipment: &Equipment<'_>) -> Res
             let verify = host_sim.args(["verify", "--device", "sil", "--out"]);
             verify.arg(verify::default_out(workspace))
         }
+        Step::Exchange => return exchange::check(workspace, equipment.toolbox()),
         // The lints run in release, so that the core library is built once for lints, library and
         // link check.
         Step::TargetLints => target()?.cargo(

@@ -12,6 +12,7 @@ mod checks;
 mod cores;
 mod emulator;
 mod equipment;
+mod exchange;
 mod firmware;
 mod kernel;
 mod machine;

@@ -25,6 +25,7 @@ mod camera;
 pub mod fitted_block;
 pub mod flight_settings;
 mod input_error;
+pub mod interior_text;
 mod limits_table;
 pub mod number;
 pub mod published;

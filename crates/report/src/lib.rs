@@ -11,6 +11,7 @@ pub mod calibration;
 pub mod calibration_identity;
 pub mod camera_status;
 mod chart;
+pub mod exchange;
 pub mod figure;
 mod length;
 pub mod mission;

@@ -6,6 +6,7 @@ use clap::{Args, Parser, Subcommand, ValueEnum};
 
 mod calibration;
 mod camera;
+mod exchange;
 mod mesh;
 mod mission;
 mod number;
@@ -15,6 +16,7 @@ mod vh;
 
 pub use calibration::{CalibrateArgs, CalibrationMethod, FiveArgs, RegressOn, StaticP2};
 pub use camera::{CameraAction, CameraArgs, ExposureTimeArgs, PrepareArgs, StatusArgs, VhArgs};
+pub use exchange::{ContainerName, ExportArgs, ExportFormat, ImportArgs, ImportFormat, SignName};
 pub use mesh::{ImagePart, MeshArgs, MeshFormatName};
 pub use mission::{MissionArgs, RecordsArgs};
 pub use simulation::{BudgetArgs, SmearArgs, StrategyName, StripArgs, SweepArgs};
@@ -155,6 +157,34 @@ pub enum Command {
     /// Every trigger has a record: the exposure's interior orientation and time, or the reason why
     /// there was no exposure. The camera keeps the records until they are on this PC's disk.
     Records(RecordsArgs),
+    /// Write the calibration as the camera file of another program.
+    ///
+    /// Programs that correct measured points (opentrackio, micmac, australis, photomodeler) hold
+    /// the calibration exactly. The others distort rays: a least-squares fit over the whole sensor,
+    /// with the smallest model that leaves less than 0.01 px, or else the one that leaves least.
+    /// The file is read back before it is called written. The terminal and export.json state what
+    /// is left and where, which terms have no place, direction, sign, unit and origin, and the
+    /// calibration's SHA-256 and CRC-32.
+    ///
+    /// A frame of a flight has another principal point than the calibration: what is written is the
+    /// camera at its calibrated position (docs/formats.md).
+    ///
+    /// For example: host-sim export metashape --camera host-sim/cameras/rc30-5324.toml --out lens
+    ///
+    /// Refused if worse than 0.5 µm: host-sim export opencv --camera
+    /// host-sim/cameras/phase-one-ixm-rs150f-50.toml --model opencv8 --max-residual-um 0.5 --out cv
+    Export(ExportArgs),
+    /// Make a camera file of another program's.
+    ///
+    /// A calibration of measured points is converted exactly. One of rays is fitted: K0 to K3, P1,
+    /// P2, B1, B2 by least squares over the whole sensor; the comments of the file and --report say
+    /// what that leaves. Mechanism, shutter and limits come from --base.
+    ///
+    /// For example: host-sim import metashape camera.xml --pixel-um 3.76 --out camera.toml
+    ///
+    /// With the mechanism of a camera file: host-sim import colmap cameras.txt --id 1 --base
+    /// old.toml --out new.toml
+    Import(ImportArgs),
     /// Prepare, arm and watch a camera on a board, with its own mechanism, shutter and trigger
     /// line.
     ///

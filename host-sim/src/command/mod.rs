@@ -4,8 +4,10 @@ mod budget;
 mod calibrate;
 mod camera;
 mod device;
+mod export;
 mod exposure;
 mod frame;
+mod import;
 mod mesh;
 mod mission;
 mod point_stream;
@@ -48,6 +50,8 @@ pub fn run(cli: Cli) -> Result<(), Failure> {
         Command::Mission(args) => mission::run(&args),
         Command::Statistics(args) => statistics::run(&args),
         Command::Records(args) => records::run(&args),
+        Command::Export(args) => export::run(&args),
+        Command::Import(args) => import::run(&args),
         Command::Camera(args) => camera::run(&args),
     }
 }

@@ -20,6 +20,8 @@ mod camera;
 #[cfg(test)]
 mod default_limits;
 #[cfg(test)]
+mod exchange;
+#[cfg(test)]
 #[cfg(unix)]
 mod fake_camera;
 #[cfg(test)]

@@ -72,6 +72,7 @@ fn no_files_of_a_crate_use_each_other_in_a_circle() {
     for expected in [
         "adjustment",
         "camera-file",
+        "exchange",
         "reference",
         "report",
         "simulation",

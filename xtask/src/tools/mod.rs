@@ -46,6 +46,8 @@ pub(crate) enum Tool {
     Qemu,
     /// LLVM's disassembler and models of processors.
     Llvm,
+    /// Python's installer of packages, with Python where there is none.
+    Pip,
 }
 
 impl Tool {
@@ -57,6 +59,7 @@ impl Tool {
             Self::Linker => "linker",
             Self::Qemu => "qemu",
             Self::Llvm => "llvm",
+            Self::Pip => "pip",
         }
     }
 
@@ -68,6 +71,7 @@ impl Tool {
             Self::Linker => &["lld"],
             Self::Qemu => &["qemu-system-arm"],
             Self::Llvm => &["llvm-19"],
+            Self::Pip => &["python3-pip"],
         }
     }
 
@@ -79,6 +83,8 @@ impl Tool {
             Self::Linker => &["ld.lld"],
             Self::Qemu => &["qemu-system-arm"],
             Self::Llvm => &["llvm-mca-19", "llvm-objdump-19"],
+            // It is run as a module of a Python.
+            Self::Pip => &[],
         }
     }
 
@@ -87,7 +93,7 @@ impl Tool {
         match self {
             Self::Compiler => Version::find(env!("CARGO_PKG_RUST_VERSION")),
             Self::Qemu => Some(Version::new(7, 2)),
-            Self::Clippy | Self::Linker | Self::Llvm => None,
+            Self::Clippy | Self::Linker | Self::Llvm | Self::Pip => None,
         }
     }
 
@@ -100,6 +106,7 @@ impl Tool {
     fn files(self) -> &'static [&'static str] {
         match self {
             Self::Compiler => &[COMPILER_SOURCES],
+            Self::Pip => &["lib/python3/dist-packages/pip/__init__.py"],
             _ => &[],
         }
     }
@@ -113,6 +120,7 @@ impl fmt::Display for Tool {
             Self::Linker => "linker for the target",
             Self::Qemu => "QEMU",
             Self::Llvm => "LLVM",
+            Self::Pip => "Python with pip",
         })
     }
 }

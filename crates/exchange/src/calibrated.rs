@@ -1,0 +1,169 @@
+//! The calibrated camera at rest, with the rays of its points in double precision.
+
+use fmc_camera_file::CameraFile;
+use fmc_reference::lens::Lens;
+
+/// A static interior orientation: the strict model of a camera file without its motion.
+///
+/// Lengths are in mm in the sensor frame (y up), distortion is measured - ideal. Rays are those of
+/// other programs: z = 1, y down.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Calibrated {
+    /// Name of the camera.
+    pub name: String,
+    /// Columns and rows of the array, px.
+    pub size_px: [u32; 2],
+    /// Pixel pitch, mm.
+    pub pixel_mm: f64,
+    /// Principal distance f, mm.
+    pub principal_distance_mm: f64,
+    /// Principal point (x0, y0), mm.
+    pub principal_point_mm: [f64; 2],
+    /// Distortion, measured - ideal.
+    pub lens: Lens,
+    /// Half of the travel of the stage along x and along y, mm: points that far beyond the edge are
+    /// still recorded.
+    pub margin_mm: [f64; 2],
+}
+
+impl Calibrated {
+    /// Returns the static interior orientation of a camera file that has been validated.
+    #[must_use]
+    pub fn of(camera: &CameraFile) -> Self {
+        let half_stroke = camera.fmc.stroke_mm / 2.0;
+        Self {
+            name: camera.name.clone(),
+            size_px: [camera.sensor.width_px, camera.sensor.height_px]
+                .map(|side| u32::try_from(side).unwrap_or(0)),
+            pixel_mm: camera.sensor.pixel_um / 1000.0,
+            principal_distance_mm: camera.principal_distance_mm,
+            principal_point_mm: camera.principal_point_mm,
+            lens: Lens::of(camera),
+            margin_mm: camera
+                .fmc
+                .axis
+                .unit()
+                .map(|component| component.abs() * half_stroke),
+        }
+    }
+
+    /// Half of width and height, mm.
+    #[must_use]
+    pub fn half_format_mm(&self) -> [f64; 2] {
+        self.size_px
+            .map(|side| f64::from(side) * self.pixel_mm / 2.0)
+    }
+
+    /// Place of the middle of the array, px, with the first pixel centre at (0, 0).
+    #[must_use]
+    pub fn middle_px(&self) -> [f64; 2] {
+        self.size_px.map(|side| (f64::from(side) - 1.0) / 2.0)
+    }
+
+    /// Converts a point of the sensor frame, mm, into a pixel coordinate (column, row), with the
+    /// first pixel centre at (0, 0).
+    #[must_use]
+    pub fn pixel_from_sensor(&self, [x, y]: [f64; 2]) -> [f64; 2] {
+        let [col, row] = self.middle_px();
+        [col + x / self.pixel_mm, row - y / self.pixel_mm]
+    }
+
+    /// Converts a pixel coordinate into a point of the sensor frame, mm.
+    #[must_use]
+    pub fn sensor_from_pixel(&self, [col, row]: [f64; 2]) -> [f64; 2] {
+        let [middle_col, middle_row] = self.middle_px();
+        [
+            (col - middle_col) * self.pixel_mm,
+            (middle_row - row) * self.pixel_mm,
+        ]
+    }
+
+    /// Returns the factor 1 - K0, by which other programs' numbers are divided, as they have no K0:
+    /// f/(1 - K0), `Ki/(1 - K0)`, `Pi/(1 - K0)` and `Bi/(1 - K0)` have the same rays.
+    #[must_use]
+    pub fn gauge(&self) -> f64 {
+        let [k0, ..] = self.lens.k;
+        1.0 - k0
+    }
+
+    /// Principal distance F = f/(1 - K0) of a camera without K0, mm.
+    #[must_use]
+    pub fn principal_distance_without_k0_mm(&self) -> f64 {
+        self.principal_distance_mm / self.gauge()
+    }
+
+    /// Principal distance F, px.
+    #[must_use]
+    pub fn principal_distance_px(&self) -> f64 {
+        self.principal_distance_without_k0_mm() / self.pixel_mm
+    }
+
+    /// Principal point, px, with the first pixel centre at (0, 0).
+    #[must_use]
+    pub fn principal_point_px(&self) -> [f64; 2] {
+        self.pixel_from_sensor(self.principal_point_mm)
+    }
+
+    /// Returns the same camera with K0 = 0 and all else divided by 1 - K0.
+    #[must_use]
+    pub fn without_k0(&self) -> Self {
+        let gauge = self.gauge();
+        let [_, k1, k2, k3] = self.lens.k;
+        Self {
+            principal_distance_mm: self.principal_distance_without_k0_mm(),
+            lens: Lens {
+                k: [0.0, k1 / gauge, k2 / gauge, k3 / gauge],
+                p: self.lens.p.map(|p| p / gauge),
+                b: self.lens.b.map(|b| b / gauge),
+            },
+            ..self.clone()
+        }
+    }
+
+    /// Returns the corrected point about the principal point, mm: `x̄ - D(x̄, ȳ)`.
+    #[must_use]
+    pub fn ideal_from_measured(&self, [x, y]: [f64; 2]) -> [f64; 2] {
+        let [x0, y0] = self.principal_point_mm;
+        let [x, y] = [x - x0, y - y0];
+        let [dx, dy] = self.lens.displacement([x, y]);
+        [x - dx, y - dy]
+    }
+
+    /// Returns the ray of a measured point, z = 1, y down.
+    ///
+    /// # Units and frames
+    /// The point in mm in the sensor frame, which is y up.
+    #[must_use]
+    pub fn ray_from_measured(&self, point_mm: [f64; 2]) -> [f64; 2] {
+        let [x, y] = self.ideal_from_measured(point_mm);
+        [
+            x / self.principal_distance_mm,
+            -y / self.principal_distance_mm,
+        ]
+    }
+
+    /// Returns `count` x `count` points over the sensor, edges included, mm.
+    #[must_use]
+    pub fn grid_mm(&self, count: u32) -> Vec<[f64; 2]> {
+        grid(self.half_format_mm(), count)
+    }
+
+    /// Returns points over the sensor enlarged by the run-up, edges included, mm.
+    pub(crate) fn enlarged_grid_mm(&self, count: u32) -> Vec<[f64; 2]> {
+        let [half_width, half_height] = self.half_format_mm();
+        let [along_x, along_y] = self.margin_mm;
+        grid([half_width + along_x, half_height + along_y], count)
+    }
+}
+
+/// Returns `count` x `count` points of a rectangle about the origin, edges included.
+fn grid([half_width, half_height]: [f64; 2], count: u32) -> Vec<[f64; 2]> {
+    let steps = f64::from(count.max(2) - 1);
+    let part = |index: u32| 2.0 * f64::from(index) / steps - 1.0;
+    (0..count.max(2))
+        .flat_map(|row| {
+            (0..count.max(2))
+                .map(move |column| [half_width * part(column), half_height * part(row)])
+        })
+        .collect()
+}

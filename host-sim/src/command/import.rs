@@ -1,0 +1,154 @@
+//! `import`: a camera file from another program's.
+
+use std::fs::File;
+use std::io::{Read, Write};
+use std::path::Path;
+
+use fmc_camera_file::interior_text::{self, Interior};
+use fmc_camera_file::{CameraFile, DistortionTable, Sign};
+use fmc_exchange::found::Stated;
+use fmc_exchange::import::{self, Imported};
+use fmc_exchange::program::Program;
+use fmc_exchange::source::{MAX_BYTES, Source};
+use fmc_report::exchange::{self, Assumed, ImportSummary};
+use serde::Serialize;
+
+use crate::cli::{ImportArgs, SignName};
+use crate::failure::Failure;
+use crate::formats::output;
+
+pub(super) fn run(args: &ImportArgs) -> Result<(), Failure> {
+    for input in [Some(&args.file), args.base.as_ref()].into_iter().flatten() {
+        output::check_not_an_input(&args.out, input)?;
+        if let Some(report) = &args.report {
+            output::check_not_an_input(report, input)?;
+        }
+    }
+    let bytes = read(&args.file)?;
+    let base = match &args.base {
+        Some(path) => Some(base(path)?),
+        None => None,
+    };
+    let base_file = base.as_ref().map(|(file, _)| file);
+    let stated = Stated {
+        pixel_mm: args
+            .pixel_um
+            .or(base_file.map(|file| file.sensor.pixel_um))
+            .map(|um| um / 1000.0),
+        size_px: args.size.or_else(|| base_file.and_then(size)),
+        id: args.id.as_deref(),
+        is_correction: args.sign.map(|sign| sign == SignName::Correction),
+    };
+    let program = Program::from(args.format);
+    let file = args.file.display().to_string();
+    let source = Source {
+        file: &file,
+        bytes: &bytes,
+    };
+    let imported = import::import(program, &source, &stated)?;
+    let assumed = Assumed {
+        pixel_um: 1e3 * imported.camera.pixel_mm,
+        size_px: imported.camera.size_px,
+        id: args.id.clone(),
+        sign: args.sign.map(|sign| match sign {
+            SignName::Correction => "correction",
+            SignName::Distortion => "distortion",
+        }),
+    };
+    let comments = exchange::comments(program, &file, &bytes, &imported);
+    let out = args.out.display().to_string();
+    let base_text = base.as_ref().map(|(_, text)| text.as_str());
+    let text = interior_text::write(&out, &comments, &interior(&imported, base_file), base_text)?;
+    let (camera, _) = CameraFile::parse(&out, &text)?;
+    super::warn_of_distortion(&args.out, &camera);
+    let summary = ImportSummary::of(
+        &camera,
+        text.as_bytes(),
+        program,
+        &bytes,
+        &imported,
+        assumed,
+    );
+    output::write(Some(&args.out), |sink| sink.write_all(text.as_bytes()))?;
+    if let Some(uncertainty) = &imported.found.uncertainty {
+        write_json(&args.out.with_extension("uncertainty.json"), uncertainty)?;
+    }
+    if let Some(report) = &args.report {
+        write_json(report, &summary)?;
+    }
+    output::write(None, |sink: &mut dyn Write| {
+        writeln!(sink, "{}", summary.text())
+    })
+}
+
+fn write_json(path: &Path, value: &impl Serialize) -> Result<(), Failure> {
+    output::write(Some(path), |sink| {
+        serde_json::to_writer_pretty(&mut *sink, value)?;
+        writeln!(sink)
+    })
+}
+
+/// Reads a file that is not larger than a camera's can be.
+fn read(path: &Path) -> Result<Vec<u8>, Failure> {
+    let file = File::open(path).map_err(|error| Failure::reading(path, &error))?;
+    let mut bytes = Vec::new();
+    file.take(MAX_BYTES + 1)
+        .read_to_end(&mut bytes)
+        .map_err(|error| Failure::reading(path, &error))?;
+    if u64::try_from(bytes.len()).unwrap_or(u64::MAX) > MAX_BYTES {
+        return Err(Failure::bad_input(format!(
+            "{}: larger than {} MiB, which no camera file is",
+            path.display(),
+            MAX_BYTES >> 20
+        )));
+    }
+    Ok(bytes)
+}
+
+/// Reads a camera file and its text.
+fn base(path: &Path) -> Result<(CameraFile, String), Failure> {
+    let (file, _) = CameraFile::read(path)?;
+    let text = std::fs::read_to_string(path).map_err(|error| Failure::reading(path, &error))?;
+    Ok((file, text))
+}
+
+fn size(file: &CameraFile) -> Option<[u32; 2]> {
+    let [width, height] = [file.sensor.width_px, file.sensor.height_px];
+    Some([width.try_into().ok()?, height.try_into().ok()?])
+}
+
+/// Returns the numbers of the camera file.
+fn interior(imported: &Imported, base: Option<&CameraFile>) -> Interior {
+    let camera = &imported.camera;
+    let [k0, k1, k2, k3] = camera.lens.k;
+    let [p1, p2] = camera.lens.p;
+    let [b1, b2] = camera.lens.b;
+    Interior {
+        name: base.map_or_else(|| name(&camera.name), |file| file.name.clone()),
+        principal_distance_mm: camera.principal_distance_mm,
+        principal_point_mm: camera.principal_point_mm,
+        size_px: camera.size_px,
+        pixel_um: 1e3 * camera.pixel_mm,
+        distortion: DistortionTable {
+            sign: Sign::Distortion,
+            k0,
+            k1,
+            k2,
+            k3,
+            p1,
+            p2,
+            b1,
+            b2,
+        },
+    }
+}
+
+/// Returns a name that a camera file may have.
+fn name(found: &str) -> String {
+    let name = found.replace(char::is_control, " ");
+    if name.trim().is_empty() {
+        "camera".to_owned()
+    } else {
+        name
+    }
+}

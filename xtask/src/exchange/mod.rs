@@ -1,0 +1,90 @@
+//! Files for other programs, read by the programs themselves: `OpenCV` and COLMAP, from the Python
+//! package index.
+
+mod python;
+
+use std::{fs, path::PathBuf};
+
+use anyhow::{Context as _, Result, ensure};
+use xshell::cmd;
+
+use self::python::Python;
+use crate::{NOT_CHECKED, tools::Toolbox, verify, workspace::Workspace};
+
+/// Script that reads the files and projects points.
+const SCRIPT: &str = "xtask/src/exchange/readers.py";
+
+/// Packages with their versions, so that a new one cannot change what is tested.
+const PACKAGES: [&str; 3] = [
+    "numpy==2.4.6",
+    "opencv-python-headless==5.0.0.93",
+    "pycolmap==4.2.1",
+];
+
+/// Camera with every term of the camera file, and nothing symmetric.
+const ALL_TERMS: &str = "name = \"all terms\"\nprincipal_distance_mm = 100\n\
+                         principal_point_mm = [0.35, -0.21]\n\
+                         [sensor]\nwidth_px = 9216\nheight_px = 6144\npixel_um = 8.75\n\
+                         [distortion]\nk0 = 2e-4\nk1 = -8e-6\nk2 = 3e-9\nk3 = -4e-13\n\
+                         p1 = 3e-6\np2 = -5e-6\nb1 = 1e-4\nb2 = -6e-5\n";
+
+/// Lets the programs read exports of every camera and project points; if they are not available,
+/// prints that this is not checked.
+///
+/// # Errors
+/// An error if a projected point is not where the export states.
+pub(crate) fn check(workspace: &Workspace, toolbox: &Toolbox<'_>) -> Result<()> {
+    let host_sim = verify::tested_host_sim(workspace)?;
+    let python = match Python::with(workspace, toolbox, &PACKAGES) {
+        Ok(python) => python,
+        Err(error) => {
+            eprintln!("{NOT_CHECKED}exports read by OpenCV and COLMAP: {error:#}");
+            return Ok(());
+        }
+    };
+    let shell = &workspace.shell;
+    let folder = shell.create_temp_dir()?;
+    let all_terms = folder.path().join("all-terms.toml");
+    shell.write_file(&all_terms, ALL_TERMS)?;
+    let mut cameras = cameras(workspace)?;
+    cameras.push(all_terms);
+    let command = python
+        .run(shell)
+        .quiet()
+        .arg(workspace.root.join(SCRIPT))
+        .arg(host_sim)
+        .args(cameras);
+    eprintln!("$ {command}");
+    command.run().map_err(Into::into)
+}
+
+/// Returns the camera files of the program.
+fn cameras(workspace: &Workspace) -> Result<Vec<PathBuf>> {
+    let folder = workspace.root.join("host-sim/cameras");
+    let entries = fs::read_dir(&folder).with_context(|| folder.display().to_string())?;
+    let mut files: Vec<PathBuf> = entries
+        .filter_map(|entry| Some(entry.ok()?.path()))
+        .filter(|path| path.extension().is_some_and(|end| end == "toml"))
+        .collect();
+    files.sort();
+    ensure!(!files.is_empty(), "no camera files in {}", folder.display());
+    Ok(files)
+}
+
+/// Returns the error of a command with what it has printed.
+fn succeed(command: xshell::Cmd<'_>) -> Result<String> {
+    let output = command.quiet().ignore_status().output()?;
+    let errors = String::from_utf8_lossy(&output.stderr);
+    let last = errors.lines().rfind(|line| !line.trim().is_empty());
+    ensure!(
+        output.status.success(),
+        "{}",
+        last.unwrap_or("it says nothing").trim()
+    );
+    Ok(String::from_utf8_lossy(&output.stdout).into_owned())
+}
+
+/// Returns the version that a Python states.
+fn stated_version(shell: &xshell::Shell, program: &std::path::Path) -> Result<String> {
+    succeed(cmd!(shell, "{program} --version"))
+}
