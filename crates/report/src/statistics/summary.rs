@@ -41,6 +41,8 @@ pub struct Summary {
     pub silent_frames: usize,
     /// Number of checks that had nothing to judge.
     pub vacuous_checks: usize,
+    /// Number of those that passed all the same.
+    pub vacuous_passes: usize,
     /// Quantity that is compared with a limit.
     pub checks: Vec<LimitCheck>,
     /// Worst cases, with the scenarios that repeat them.
@@ -97,6 +99,7 @@ impl Summary {
             unanswered: statistics.sum(|mission| mission.unanswered),
             silent_frames: statistics.sum(|mission| mission.silent.len()),
             vacuous_checks: statistics.sum(|mission| mission.vacuous.len()),
+            vacuous_passes: statistics.sum(|mission| mission.vacuous_passes),
             checks: Vec::new(),
             cases: statistics.cases.clone(),
             quantities,
@@ -125,7 +128,7 @@ impl Summary {
             ),
             ("triggers without a record", self.unanswered),
             ("silent frames", self.silent_frames),
-            ("checks over nothing", self.vacuous_checks),
+            ("checks over nothing that pass", self.vacuous_passes),
         ];
         checks.extend(counts.map(|(what, count)| LimitCheck {
             what: what.to_owned(),

@@ -28,8 +28,9 @@ const LARGEST_READING_JITTER_S: f64 = 2e-6;
 /// assumes.
 const LARGEST_STAMP_JITTER_US: f64 = 1.0;
 
-/// Part of the play by which it differs from its setting, as σ.
-const PLAY_CHANGE: f64 = 0.1;
+/// Largest difference of a play from its setting, in parts of it: evenly distributed, its σ is that
+/// which the camera assumes.
+const LARGEST_PLAY_CHANGE: f64 = 0.173;
 
 /// Fastest stage, mm/s.
 const FASTEST_MM_S: f64 = 40.0;
@@ -360,10 +361,8 @@ fn settings(random: &mut Random, mut settings: FlightSettings, flight: &Flight) 
     settings.drive.encoder_reversed = random.chance(0.5);
     settings.drive.motor_reversed = random.chance(0.5);
     // A play is measured when the screw is new; wear, temperature and load change it.
-    let change = random
-        .normal(PLAY_CHANGE)
-        .clamp(-3.0 * PLAY_CHANGE, 3.0 * PLAY_CHANGE);
-    settings.drive.play_um = single(f64::from(settings.drive.play_um) * (1.0 + change));
+    let change = random.between(-LARGEST_PLAY_CHANGE, LARGEST_PLAY_CHANGE);
+    settings.drive.play_um = single(f64::from(settings.drive.play_um) / (1.0 + change));
     // An engineer knows between which limits the errors of his encoders lie.
     let uniform = |largest: f64| largest / 3.0_f64.sqrt();
     settings.drive.encoder_scale_ppm = single(uniform(LARGEST_SCALE_PPM));

@@ -48,6 +48,8 @@ pub struct FlownMission {
     pub silent: Vec<u32>,
     /// Checks that had nothing to judge.
     pub vacuous: Vec<String>,
+    /// Number of checks that had nothing to judge, and passed.
+    pub vacuous_passes: usize,
     /// Number of triggers that were refused.
     pub refused: usize,
 }
@@ -60,7 +62,7 @@ impl FlownMission {
         let judgement = Judgement::of(scenario, flown);
         let verdicts: Vec<Verdict> = judgement.verdicts.iter().flatten().copied().collect();
         let records = flown.frames.iter().map(|frame| &frame.record);
-        let vacuous = judgement.checks.iter().filter(|check| check.is_vacuous);
+        let vacuous = || judgement.checks.iter().filter(|check| check.is_vacuous);
         let mechanics = &scenario.written.mechanics;
         Self {
             number: mission.number,
@@ -79,7 +81,8 @@ impl FlownMission {
                 .filter(|verdict| is_silent(verdict))
                 .map(|verdict| verdict.sequence)
                 .collect(),
-            vacuous: vacuous.map(|check| check.what.clone()).collect(),
+            vacuous: vacuous().map(|check| check.what.clone()).collect(),
+            vacuous_passes: vacuous().filter(|check| check.passed).count(),
             refused: flown
                 .frames
                 .iter()

@@ -22,12 +22,6 @@ impl Random {
         self.0.between(least.ln(), most.ln()).exp()
     }
 
-    /// Returns a number that is normally distributed about 0.
-    pub(super) fn normal(&mut self, sigma: f64) -> f64 {
-        let [value] = self.0.next([sigma]);
-        value
-    }
-
     /// Returns a whole number from 0 to below a limit.
     #[expect(
         clippy::cast_possible_truncation,
