@@ -32,8 +32,8 @@ const CHANGE_PART: f32 = 2.0;
 ///
 /// # σ of a record
 /// A record with a crossing since the one before is *referenced*: its σ is not below the difference
-/// of that crossing from the settings beyond 2·t·(d + c), nor below a fifth of `q + 5·σ_i`, which
-/// may be lost unseen: a count or two. Without, as on a camera without a mark, each of the n
+/// of that crossing from the settings beyond 2·t·(d + c), nor below a fifth of
+/// `q + 5·σ_i + t·(d + c)`, which may be lost unseen, the speed at its middle. Without, as on a camera without a mark, each of the n
 /// records since the last crossing may have lost a step that the stage's watch lets pass, up to L
 /// either way and independent of the others: `σ² = n·L²/3`.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -43,6 +43,8 @@ pub(crate) struct IndexWatch {
     /// Difference of the last crossing from the settings beyond that which uneven motion explains,
     /// mm.
     off_mm: f32,
+    /// Counts that may have been lost unseen at that crossing, mm.
+    unseen_mm: f32,
     /// Reading at the last crossing, mm, whether it agreed or not.
     last_mm: Option<f32>,
     /// Exposures since the last crossing that agreed; one more if there was none.
@@ -139,6 +141,7 @@ impl IndexWatch {
         Self {
             reference: None,
             off_mm: 0.0,
+            unseen_mm: 0.0,
             last_mm: None,
             cycles: 1,
             first_since: 1,
@@ -194,6 +197,8 @@ impl IndexWatch {
             self.reference = Some(latest);
         }
         self.off_mm = (libm::fabsf(place_mm - index_mm) - uneven_mm).max(0.0);
+        self.unseen_mm =
+            1e-3 * (drive.encoder_step_um + AGREE_SIGMA * drive.index_sigma_um) + 0.5 * uneven_mm;
         self.cycles = 0;
         self.first_since = crossing.next_sequence;
         None
@@ -208,8 +213,7 @@ impl IndexWatch {
     /// been lost unseen, mm; `unseen_mm` is the largest step that the stage's watch lets pass.
     pub(crate) fn sigma_mm(&self, common_mm: f32, drive: &DriveSettings, unseen_mm: f32) -> f32 {
         if self.is_referenced(drive) {
-            let unseen_mm = 1e-3 * (drive.encoder_step_um + AGREE_SIGMA * drive.index_sigma_um);
-            common_mm.max(unseen_mm / AGREE_SIGMA).max(self.off_mm)
+            common_mm.max(self.unseen_mm / AGREE_SIGMA).max(self.off_mm)
         } else {
             let cycles = f32::from(self.cycles.max(1));
             libm::hypotf(common_mm, unseen_mm * libm::sqrtf(cycles / 3.0))

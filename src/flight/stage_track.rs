@@ -12,7 +12,7 @@ pub const CAPACITY: usize = 64;
 const BEFORE: usize = 2;
 
 /// Number of the latest places that tell how evenly the stage moves.
-const RECENT: usize = 10;
+const RECENT: usize = 4;
 
 /// Time by which the path is continued beyond its ends, s.
 const CONTINUED_S: f32 = 0.003;
