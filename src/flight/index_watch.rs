@@ -1,5 +1,6 @@
 //! The watch of the index mark: it compares the encoder's reading from crossing to crossing.
 
+use super::controller::timing::TICK_S;
 use super::drive::settings::DriveSettings;
 use super::in_doubt::InDoubt;
 
@@ -9,6 +10,10 @@ const AGREE_SIGMA: f32 = 5.0;
 /// Part of a change of speed from one reading to the next by which the speed at the mark may be
 /// wrong: a stage that is pushed at a moment that nobody knows goes on at up to twice the change.
 const CHANGE_PART: f32 = 2.0;
+
+/// Part of the tolerance for uneven motion that counts as unseen: the speed at the mark is seldom
+/// off by twice its largest recent change.
+const UNEVEN_PART: f32 = 0.25;
 
 /// Reading of the encoder at the index mark, and the records that depend on it.
 ///
@@ -23,19 +28,19 @@ const CHANGE_PART: f32 = 2.0;
 /// readings. The tolerances are
 ///
 /// ```text
-/// against the reference   e = q + 5·√(σ_i² + ((v - u)·σ_t)²) + 2·t·(d + c)
-/// against the settings        q + 5·√(σ_i² + σ_0² + (s·x)² + (v·σ_t)²) + 2·t·d
+/// against the reference   e = q·(1 + 2·t/T) + 5·√(σ_i² + ((v - u)·σ_t)²) + 2·t·(d + c)
+/// against the settings        q·(1 + 2·t/T) + 5·√(σ_i² + σ_0² + (s·x)² + (v·σ_t)²) + 2·t·d
 /// ```
 ///
-/// with σ of the zero `σ_0`, of the scale s and the place x of the mark. A crossing outside shows
+/// with σ of the zero `σ_0`, of the scale s, the place x of the mark and the time T between readings. A crossing outside shows
 /// that counts were lost or added since the last one that agreed.
 ///
 /// # σ of a record
 /// A record with a crossing since the one before is *referenced*: its σ is not below the difference
-/// of that crossing from the settings beyond 2·t·(d + c), nor below a fifth of
-/// `q + 5·σ_i + t·(d + c)`, which may be lost unseen, the speed at its middle. Without, as on a camera without a mark, each of the n
-/// records since the last crossing may have lost a step that the stage's watch lets pass, up to L
-/// either way and independent of the others: `σ² = n·L²/3`.
+/// of that crossing from the settings beyond 2·t·(d + c), nor below a fifth of what may be lost
+/// unseen, `q + 5·σ_i` and [`UNEVEN_PART`] of 2·t·(d + c). Without, as on a camera without a mark,
+/// each of the n records since the last crossing may have lost a step that the stage's watch lets
+/// pass, up to L either way and independent of the others: `σ² = n·L²/3`.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(crate) struct IndexWatch {
     /// The slowest and steadiest crossing since the camera was armed.
@@ -176,7 +181,9 @@ impl IndexWatch {
             None => (index_mm, place_sigma_mm(drive, index_mm, speed_mm_s), 0.0),
         };
         let uneven_mm = CHANGE_PART * (crossing.change_mm_s + of_reference_mm_s) * age_s;
-        let tolerance_mm = 1e-3 * drive.encoder_step_um + AGREE_SIGMA * sigma_mm + uneven_mm;
+        // Both speeds have the steps of their readings.
+        let steps_mm = 1e-3 * drive.encoder_step_um * (1.0 + 2.0 * age_s / TICK_S);
+        let tolerance_mm = steps_mm + AGREE_SIGMA * sigma_mm + uneven_mm;
         self.is_missed = false;
         let off_mm = place_mm - expected_mm;
         if libm::fabsf(off_mm) > tolerance_mm {
@@ -197,8 +204,8 @@ impl IndexWatch {
             self.reference = Some(latest);
         }
         self.off_mm = (libm::fabsf(place_mm - index_mm) - uneven_mm).max(0.0);
-        self.unseen_mm =
-            1e-3 * (drive.encoder_step_um + AGREE_SIGMA * drive.index_sigma_um) + 0.5 * uneven_mm;
+        self.unseen_mm = 1e-3 * (drive.encoder_step_um + AGREE_SIGMA * drive.index_sigma_um)
+            + UNEVEN_PART * uneven_mm;
         self.cycles = 0;
         self.first_since = crossing.next_sequence;
         None

@@ -55,9 +55,29 @@ fn result_is_the_same_on_one_and_on_two_threads_and_its_table_fits_a_terminal() 
 }
 
 #[test]
+fn every_error_is_as_large_as_its_sigma_says_and_nothing_goes_wrong_by_itself() {
+    let bench = Bench::new();
+    let request = [
+        "statistics",
+        "--missions",
+        "40",
+        "--seed",
+        "2",
+        "--out",
+        "statistics",
+    ];
+    bench.run(&request).ok();
+    let summary = summary(&bench, "statistics");
+    assert_eq!(summary["passed"], true);
+    let checks = summary["checks"].as_array().unwrap();
+    assert_eq!(checks.len(), 14, "{checks:?}");
+    assert!(summary["exposed"].as_u64().unwrap() > 400);
+}
+
+#[test]
 fn every_worst_case_is_repeated_by_its_scenario() {
     let bench = Bench::new();
-    run(&bench, "2", &["--missions", "3", "--out", "statistics"]);
+    run(&bench, "2", &["--missions", "4", "--out", "statistics"]);
     let summary = summary(&bench, "statistics");
     let cases = summary["cases"].as_array().unwrap();
     let mut repeated = 0;

@@ -11,9 +11,11 @@ use super::scenario::MissionScenario;
 /// or in the state of a camera that flies without compensation. Each is named once.
 pub(crate) fn of(scenario: &MissionScenario, flown: &Flown) -> Vec<String> {
     let onsets = scenario.faults.iter();
+    // The camera names faults by its own clock.
     let first_onset_us = onsets
-        .map(|fault| microseconds(fault.injection.onset_s))
-        .min();
+        .map(|fault| fault.injection.onset_s)
+        .min_by(f64::total_cmp)
+        .map(|onset_s| microseconds(flown.clock.shown_s(onset_s)));
     let is_spurious = |time_us: u64| first_onset_us.is_none_or(|onset_us| time_us < onset_us);
     let announced = flown.announced.iter().copied();
     let degraded = flown
