@@ -124,19 +124,18 @@ impl StageTrack {
             return;
         }
         let last = self.places.len().saturating_sub(1);
-        let mut thinned = Deque::new();
-        for (index, place) in self
-            .places
-            .iter()
-            .enumerate()
-            .skip(before.saturating_sub(2))
-        {
+        let mut kept = 0;
+        for index in 0..=last {
             let is_in_turn = index < before || (index - before) % 2 == 1;
-            if is_in_turn || index == last {
-                let _ = thinned.push_back(*place);
+            if (is_in_turn || index == last)
+                && let Some(place) = self.places.get(index).copied()
+                && let Some(earlier) = self.places.get_mut(kept)
+            {
+                *earlier = place;
+                kept += 1;
             }
         }
-        self.places = thinned;
+        self.places.truncate(kept);
         self.stride = self.stride.saturating_mul(2);
         self.since_kept = 0;
     }
@@ -221,71 +220,118 @@ impl StageTrack {
             return path;
         };
         // Of the places up to the opening, only the last concerns the exposure.
-        let pairs = self.places.iter().zip(self.places.iter().skip(1));
-        let before_it = pairs.take_while(|(_, next)| next.time <= opened).count();
+        let before_it = self.count(|time| time <= opened).saturating_sub(1);
         // There is room for all and two more.
         if first.time_s > 0.0 && first.time_s <= CONTINUED_S {
             path.is_continued = true;
             let _ = path.samples.push(continued(second, first, 0.0));
         }
-        for place in self.places.iter().skip(before_it) {
-            let _ = path.samples.push(sample(place));
-            path.play_sigma_mm = path.play_sigma_mm.max(place.play_sigma_mm);
+        let mut play_sigma_mm = 0.0;
+        for places in self.parts_from(before_it) {
+            for place in places {
+                let _ = path.samples.push(sample(place));
+                play_sigma_mm = larger(play_sigma_mm, place.play_sigma_mm);
+            }
         }
+        path.play_sigma_mm = play_sigma_mm;
         if last.time_s < exposure_s && last.time_s + CONTINUED_S >= exposure_s {
             path.is_continued = true;
             let _ = path.samples.push(continued(before, last, exposure_s));
         }
         path.is_covered = first.time_s <= CONTINUED_S && last.time_s + CONTINUED_S >= exposure_s;
         path.look_over(exposure_s);
-        path.bend_mm = self.bend_mm(opened, closed);
+        path.bend_mm = self.bend_mm(before_it.saturating_sub(1), closed);
         path
     }
 
-    /// Returns the largest difference of a move in an exposure and of the move before it.
-    fn bend_mm(&self, opened: Time, closed: Time) -> f32 {
-        let places = || self.places.iter();
-        let threes = places().zip(places().skip(1)).zip(places().skip(2));
-        threes
-            .filter(|((_, from), to)| to.time > opened && from.time < closed)
-            .map(|((before, from), to)| {
-                let [earlier_s, later_s] = [
-                    from.time.seconds_since(before.time),
-                    to.time.seconds_since(from.time),
-                ];
-                let earlier_mm = (from.offset_mm - before.offset_mm) * later_s / earlier_s;
-                libm::fabsf(to.offset_mm - from.offset_mm - earlier_mm)
-            })
-            .fold(0.0, f32::max)
+    /// Returns the largest difference of a move and of the move before it, at equal times, mm, from
+    /// a place on until an exposure ends.
+    fn bend_mm(&self, first: usize, closed: Time) -> f32 {
+        let mut bend_mm = 0.0;
+        let (mut from, mut earlier): (Option<&StagePlace>, Option<Move>) = (None, None);
+        for places in self.parts_from(first) {
+            for to in places {
+                if let Some(from) = from {
+                    if from.time >= closed {
+                        return bend_mm;
+                    }
+                    let later = Move::between(from, to);
+                    if let Some(earlier) = earlier {
+                        bend_mm = larger(bend_mm, later.bend_mm(earlier));
+                    }
+                    earlier = Some(later);
+                }
+                from = Some(to);
+            }
+        }
+        bend_mm
+    }
+
+    /// Returns the number of places whose times are before an instant.
+    fn count(&self, is_before: impl Fn(Time) -> bool) -> usize {
+        let (older, newer) = self.places.as_slices();
+        let [older, newer] = [older, newer].map(|it| it.partition_point(|it| is_before(it.time)));
+        older + newer
+    }
+
+    /// Returns the places from the one with an index on, the older ones apart.
+    fn parts_from(&self, first: usize) -> [&[StagePlace]; 2] {
+        let (older, newer) = self.places.as_slices();
+        let of_newer = first.saturating_sub(older.len());
+        [older.get(first..), newer.get(of_newer..)].map(Option::unwrap_or_default)
+    }
+}
+
+/// Move of the stage from one place to the next.
+#[derive(Clone, Copy)]
+struct Move {
+    lasts_s: f32,
+    moved_mm: f32,
+}
+
+impl Move {
+    fn between(from: &StagePlace, to: &StagePlace) -> Self {
+        Self {
+            lasts_s: to.time.seconds_since(from.time),
+            moved_mm: to.offset_mm - from.offset_mm,
+        }
+    }
+
+    /// Returns the difference from the move before, at equal times, mm.
+    fn bend_mm(self, before: Self) -> f32 {
+        libm::fabsf(self.moved_mm - before.moved_mm * self.lasts_s / before.lasts_s)
     }
 }
 
 impl ExposurePath {
     /// Determines the longest gap and the wander.
     fn look_over(&mut self, exposure_s: f32) {
-        let pairs = || {
-            let inside = |(before, after): &(&StageSample, &StageSample)| {
-                after.time_s > 0.0 && before.time_s < exposure_s
-            };
-            self.samples
-                .iter()
-                .zip(self.samples.iter().skip(1))
-                .filter(inside)
-        };
-        let (Some((first, _)), Some((_, last))) = (pairs().next(), pairs().next_back()) else {
+        // Places at first and last light, or beyond them, and all between.
+        let from = self.samples.partition_point(|it| it.time_s <= 0.0);
+        let to = self.samples.partition_point(|it| it.time_s < exposure_s);
+        let inside = from.saturating_sub(1)..(to + 1).min(self.samples.len());
+        let Some(samples @ [first, _, .., last] | samples @ [first, last]) =
+            self.samples.get(inside)
+        else {
             return;
         };
         let slope = (last.offset_mm - first.offset_mm) / (last.time_s - first.time_s);
-        let (mut least, mut most, mut gap_s) = (0.0_f32, 0.0_f32, 0.0_f32);
-        for (before, after) in pairs() {
+        let (mut above, mut below, mut gap_s) = (0.0_f32, 0.0_f32, 0.0_f32);
+        for (before, after) in samples.iter().zip(samples.iter().skip(1)) {
             let line_mm = first.offset_mm + slope * (after.time_s - first.time_s);
-            least = least.min(after.offset_mm - line_mm);
-            most = most.max(after.offset_mm - line_mm);
-            gap_s = gap_s.max(after.time_s - before.time_s);
+            above = larger(above, after.offset_mm - line_mm);
+            below = larger(below, line_mm - after.offset_mm);
+            gap_s = larger(gap_s, after.time_s - before.time_s);
         }
-        self.wander_mm = most - least;
+        self.wander_mm = above + below;
         self.longest_gap_s = gap_s;
     }
+}
+
+/// Returns the larger of two numbers, the first if the second is not a number. A call of `f32::max`
+/// takes longer than a place of the path.
+fn larger(one: f32, other: f32) -> f32 {
+    if other > one { other } else { one }
 }
 
 /// Extrapolates the straight line through two samples to a time beyond the second.

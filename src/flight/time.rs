@@ -31,12 +31,11 @@ impl Time {
     /// # Accuracy
     /// The difference is exact in microseconds; its rounding is 6e-8 of it.
     #[must_use]
-    #[expect(clippy::cast_precision_loss, reason = "the rounding is stated")]
     pub const fn seconds_since(self, earlier: Self) -> f32 {
         if self.us >= earlier.us {
-            (self.us - earlier.us) as f32 * 1e-6
+            rounded(self.us - earlier.us) * 1e-6
         } else {
-            (earlier.us - self.us) as f32 * -1e-6
+            rounded(earlier.us - self.us) * -1e-6
         }
     }
 
@@ -64,6 +63,28 @@ impl Time {
             },
         }
     }
+}
+
+/// Returns the nearest number of single precision. A core has an instruction for 32 bits alone.
+#[expect(
+    clippy::cast_precision_loss,
+    clippy::cast_possible_truncation,
+    reason = "of 32 bits none is lost, and the rounding is stated"
+)]
+const fn rounded(us: u64) -> f32 {
+    if us <= u32::MAX as u64 {
+        us as u32 as f32
+    } else {
+        rounded_beyond_32_bits(us)
+    }
+}
+
+/// Returns the nearest number of single precision; apart, so that it is called only if needed.
+#[cold]
+#[inline(never)]
+#[expect(clippy::cast_precision_loss, reason = "the rounding is stated")]
+const fn rounded_beyond_32_bits(us: u64) -> f32 {
+    us as f32
 }
 
 impl fmt::Display for Time {

@@ -2,10 +2,16 @@
 
 use core::fmt;
 
+use heapless::Vec;
+
 use super::moments::{CentralMoments, gauss_nodes};
 use super::range::OutOfRange;
 use super::shutter::Shutter;
 use super::tdi::mean_transfers;
+
+/// Number of quadrature nodes that are kept from the centroid to the moments, three for each of 66
+/// stretches. Those of a longer path are computed twice.
+const KEPT_NODES: usize = 198;
 
 /// Motion of the principal point during one exposure, with all numbers on which the image depends.
 ///
@@ -121,15 +127,23 @@ impl PrincipalPointMotion {
         let (opening_offset_mm, closing_mm) = path.ends();
         let mut light = 0.0;
         let mut sum_mm = 0.0;
+        let mut nodes: Vec<(f32, f32), KEPT_NODES> = Vec::new();
+        let mut are_kept = true;
         path.for_each_node(shutter, |weight, offset_mm| {
             light += weight;
             sum_mm += weight * (offset_mm - opening_offset_mm);
+            are_kept &= nodes.push((weight, offset_mm)).is_ok();
         });
         let centroid_mm = opening_offset_mm + sum_mm / light;
         let mut moments = CentralMoments::default();
-        path.for_each_node(shutter, |weight, offset_mm| {
-            moments.add(weight / light, offset_mm - centroid_mm);
-        });
+        let mut add = |weight, offset_mm| moments.add(weight / light, offset_mm - centroid_mm);
+        if are_kept {
+            for (weight, offset_mm) in nodes {
+                add(weight, offset_mm);
+            }
+        } else {
+            path.for_each_node(shutter, add);
+        }
         Ok(Self {
             opening_offset_mm,
             travel_mm: closing_mm - opening_offset_mm,
@@ -199,15 +213,14 @@ impl<'a> MeasuredPath<'a> {
         let ([first, _, ..], [.., last]) = (samples, samples) else {
             return Err(SampleError::TooFew(samples.len()));
         };
-        for (index, sample) in samples.iter().enumerate() {
-            if !(sample.time_s.is_finite() && sample.offset_mm.is_finite()) {
-                return Err(SampleError::NotFinite(index));
-            }
-        }
-        for (index, (before, after)) in Self::stretches(samples).enumerate() {
-            if after.time_s <= before.time_s {
-                return Err(SampleError::NotIncreasing(index + 1));
-            }
+        // Times that increase are finite if the first and the last are.
+        let is_in_order = |(before, after): (StageSample, StageSample)| {
+            after.time_s > before.time_s && after.offset_mm.is_finite()
+        };
+        let are_ends_finite =
+            first.time_s.is_finite() && first.offset_mm.is_finite() && last.time_s.is_finite();
+        if !(are_ends_finite && Self::stretches(samples).all(is_in_order)) {
+            return Err(Self::disorder(samples));
         }
         if first.time_s > 0.0 || last.time_s < exposure_s {
             return Err(SampleError::NotCovered {
@@ -222,6 +235,18 @@ impl<'a> MeasuredPath<'a> {
         })
     }
 
+    /// Returns what is wrong with samples that are not all finite, or not in order.
+    #[cold]
+    fn disorder(samples: &[StageSample]) -> SampleError {
+        let is_finite = |it: &StageSample| it.time_s.is_finite() && it.offset_mm.is_finite();
+        if let Some(index) = samples.iter().position(|it| !is_finite(it)) {
+            return SampleError::NotFinite(index);
+        }
+        let mut stretches = Self::stretches(samples);
+        let unordered = stretches.position(|(before, after)| after.time_s <= before.time_s);
+        SampleError::NotIncreasing(unordered.map_or(0, |index| index + 1))
+    }
+
     /// Returns pairs of neighbouring samples.
     fn stretches(samples: &[StageSample]) -> impl Iterator<Item = (StageSample, StageSample)> {
         samples.iter().copied().zip(samples.iter().copied().skip(1))
@@ -229,17 +254,20 @@ impl<'a> MeasuredPath<'a> {
 
     /// Returns the offsets at first and last light, mm.
     fn ends(&self) -> (f32, f32) {
-        let mut opening = 0.0;
-        let mut closing = 0.0;
-        for (before, after) in Self::stretches(self.samples) {
-            if before.time_s <= 0.0 {
-                opening = interpolated(before, after, 0.0);
-            }
-            if before.time_s < self.exposure_s {
-                closing = interpolated(before, after, self.exposure_s);
-            }
+        (
+            self.offset_after(0.0, |began_s| began_s <= 0.0),
+            self.offset_after(self.exposure_s, |began_s| began_s < self.exposure_s),
+        )
+    }
+
+    /// Returns the offset at an instant of the last stretch that has begun, mm.
+    fn offset_after(&self, time_s: f32, has_begun: impl Fn(f32) -> bool) -> f32 {
+        let begun = self.samples.partition_point(|it| has_begun(it.time_s));
+        let last = self.samples.len().saturating_sub(2);
+        match self.samples.get(begun.saturating_sub(1).min(last)..) {
+            Some([before, after, ..]) => interpolated(*before, *after, time_s),
+            _ => 0.0,
         }
-        (opening, closing)
     }
 
     /// Visits the quadrature nodes of every stretch on which path and transmission are linear
@@ -250,6 +278,12 @@ impl<'a> MeasuredPath<'a> {
             .map(|(open, close)| (open * self.exposure_s, close * self.exposure_s));
         for (before, after) in Self::stretches(self.samples) {
             for (open_s, close_s) in pieces {
+                if before.time_s >= close_s {
+                    continue;
+                }
+                if after.time_s <= open_s {
+                    break;
+                }
                 // These are comparisons, because no value is a NaN and a call of `f32::max` takes
                 // longer than the node.
                 let from = if before.time_s > open_s {
@@ -263,8 +297,10 @@ impl<'a> MeasuredPath<'a> {
                     close_s
                 };
                 if to > from {
-                    for (time_s, weight) in gauss_nodes(from, to) {
-                        let transmission = shutter.transmission(time_s / self.exposure_s);
+                    let nodes = gauss_nodes(from, to);
+                    let transmissions =
+                        shutter.transmissions(nodes.map(|(time_s, _)| time_s / self.exposure_s));
+                    for ((time_s, weight), transmission) in nodes.into_iter().zip(transmissions) {
                         visit(weight * transmission, interpolated(before, after, time_s));
                     }
                 }

@@ -79,6 +79,7 @@ impl Shutter {
 
     /// Returns the transmission at the fraction `u` of the base: 0 (closed) to 1 (open).
     #[must_use]
+    #[inline(never)]
     pub fn transmission(&self, u: f32) -> f32 {
         if !(0.0..=1.0).contains(&u) {
             0.0
@@ -88,6 +89,22 @@ impl Shutter {
             (1.0 - u) / self.closing
         } else {
             1.0
+        }
+    }
+
+    /// Returns [`Self::transmission`] at three fractions of the base that do not decrease, with few
+    /// comparisons where they lie in the same part of the profile.
+    pub(crate) fn transmissions(&self, fractions: [f32; 3]) -> [f32; 3] {
+        let [first, _, last] = fractions;
+        let closing_from = 1.0 - self.closing;
+        if first >= self.opening && last <= closing_from {
+            [1.0; 3]
+        } else if first >= 0.0 && last < self.opening {
+            fractions.map(|u| u / self.opening)
+        } else if first >= self.opening && first > closing_from && last <= 1.0 {
+            fractions.map(|u| (1.0 - u) / self.closing)
+        } else {
+            fractions.map(|u| self.transmission(u))
         }
     }
 

@@ -31,6 +31,7 @@ pub(crate) fn settings() -> FlightSettings {
 }
 
 /// Controller with the devices around it.
+#[expect(clippy::struct_excessive_bools, reason = "one for each device")]
 pub(crate) struct Bench {
     pub(crate) camera: PreparedCamera,
     pub(crate) now: Time,

@@ -39,7 +39,7 @@ fn stall_before_the_shutter_refuses_the_frame_and_goes_on_without_compensation()
     assert!((place - bench.stage.offset_mm - half_play_mm).abs() < 1e-6);
     let sigma = frame.principal_point_sigma;
     // A released stage may have lost a step of 13.5 µm either way since the index mark was crossed.
-    let expected_mm = half_play_mm.hypot(0.0135 / 3.0_f32.sqrt());
+    let expected_mm = libm::hypotf(half_play_mm, 0.0135 / libm::sqrtf(3.0));
     assert!(
         (1.0..1.03).contains(&(sigma.common_mm / expected_mm)),
         "{sigma:?}"

@@ -85,7 +85,7 @@ impl Flown {
                 && let Outcome::Exposed(exposed) = &mut record.outcome
             {
                 let sigma_mm = &mut exposed.principal_point_sigma.common_mm;
-                *sigma_mm = sigma_mm.hypot(exposures.off_mm);
+                *sigma_mm = libm::hypotf(*sigma_mm, exposures.off_mm);
                 record.flags.insert(Flag::Unreferenced);
                 record.faults.insert(Fault::Encoder);
             }
