@@ -21,19 +21,20 @@ const UNEVEN_PART: f32 = 0.25;
 /// The mark sits on the stage. A crossing counts where the screw pushes the stage along the FMC
 /// axis, as it does where the encoder's zero is set: play and width of the mark do not enter. The
 /// first crossing after arming must agree with the mark's place in the settings. Reference of the
-/// others is the slowest and steadiest so far. Two readings of a place differ by up to a step q and by the
-/// repeatability of the mark `σ_i`. The age t of a reading moves it by v·t: with the error of t,
-/// which stays, by `σ_t` times the difference of the speeds v and u of both crossings, and with the
-/// speeds, which are known to [`CHANGE_PART`] of their largest recent changes d and c between two
-/// readings. The tolerances are
+/// others is the slowest and steadiest so far. Two readings of a place differ by up to a step q and
+/// by the repeatability of the mark `σ_i`. The age t of a reading moves it by v·t: with the error
+/// of t, which stays, by `σ_t` times the difference of the speeds v and u of both crossings, and
+/// with the speeds, which are known to [`CHANGE_PART`] of their largest recent changes d and c
+/// between two readings. The tolerances are
 ///
 /// ```text
 /// against the reference   e = q·(1 + 2·t/T) + 5·√(σ_i² + ((v - u)·σ_t)²) + 2·t·(d + c)
 /// against the settings        q·(1 + 2·t/T) + 5·√(σ_i² + σ_0² + (s·x)² + (v·σ_t)²) + 2·t·d
 /// ```
 ///
-/// with σ of the zero `σ_0`, of the scale s, the place x of the mark and the time T between readings. A crossing outside shows
-/// that counts were lost or added since the last one that agreed.
+/// with σ of the zero `σ_0`, of the scale s, the place x of the mark and the time T between
+/// readings. A crossing outside shows that counts were lost or added since the last one that
+/// agreed.
 ///
 /// # σ of a record
 /// A record with a crossing since the one before is *referenced*: its σ is not below the difference

@@ -27,7 +27,7 @@ pub const BESIDE_INDEX: f32 = 2.0;
 
 /// Part of the following error that friction leads to by which a stage may be off its set point,
 /// where it turns round: the feed-forward takes the rest.
-pub const FRICTION_PART: f32 = 0.5;
+pub const FRICTION_PART: f32 = 0.1;
 
 /// Settings of a flight.
 #[derive(Debug, Clone, Copy, PartialEq)]

@@ -116,8 +116,9 @@ impl SmearPrediction {
     /// # Model
     /// The largest length of the residual image motion over a grid of the sensor
     /// ([`ImageMotion::largest_smear`]), with attitude, rates and drift if they are given; to that
-    /// are added the departure of the stage or of the rows from its straight line, `|δ|·max|∂D/∂e|`,
-    /// by which the lens distortion changes along the travel, and [`COVERAGE`] times
+    /// are added the departure of the stage or of the rows from its straight line,
+    /// `|δ|·max|∂D/∂e|`, by which the lens distortion changes along the travel, and [`COVERAGE`]
+    /// times
     ///
     /// ```text
     /// σ² = (f·t)²·(σ_η² + c·η²·(s² + α²) + c²·ω²) + σ_δ²      c = 1 + R²/f²

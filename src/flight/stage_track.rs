@@ -310,9 +310,7 @@ impl ExposurePath {
         let from = self.samples.partition_point(|it| it.time_s <= 0.0);
         let to = self.samples.partition_point(|it| it.time_s < exposure_s);
         let inside = from.saturating_sub(1)..(to + 1).min(self.samples.len());
-        let Some(samples @ [first, _, .., last] | samples @ [first, last]) =
-            self.samples.get(inside)
-        else {
+        let Some(samples @ [first, .., last]) = self.samples.get(inside) else {
             return;
         };
         let slope = (last.offset_mm - first.offset_mm) / (last.time_s - first.time_s);

@@ -52,9 +52,9 @@ pub fn mean_transfers(
 ///
 /// # Model
 /// The image has moved on by u rows after u row periods, the charge by the staircase `⌊u - φ⌋ + 1`
-/// of [`mean_transfers`]. The image runs ahead by φ rows until each transfer and lies `1 - φ` behind
-/// after it: a whole row to both sides together, whatever the phase. Without a transfer it moves by
-/// all of its travel.
+/// of [`mean_transfers`]. The image runs ahead by φ rows until each transfer and lies `1 - φ`
+/// behind after it: a whole row to both sides together, whatever the phase. Without a transfer it
+/// moves by all of its travel.
 ///
 /// # Units and frames
 /// `rows` = |δ|/p, the travel of the image in rows; `first_transfer` φ in row periods, 0 to 1.

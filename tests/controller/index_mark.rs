@@ -16,8 +16,8 @@ use fmc_camera::flight::stage::RunUp;
 use crate::controller::bench::{Bench, acted, camera, exposed, identified};
 
 /// σ of a record whose encoder has agreed with the mark, and of an encoder without errors of its
-/// own: a third of a step and of five σ of the mark.
-const REFERENCED_MM: f32 = 1e-4 * (1.0 + 1.0) / 3.0;
+/// own: a fifth of a step and of five σ of the mark.
+const REFERENCED_MM: f32 = 1e-4 * (1.0 + 1.0) / 5.0;
 
 /// Largest loss in one step that the watch of the stage lets pass with the default settings: half
 /// as much again as the jump tolerance of 1 µm, four times while the stage accelerates, and the
@@ -110,6 +110,7 @@ fn counts_that_are_added_are_a_fault_at_the_next_crossing_and_doubt_the_records_
         // If many are lost, the run-up does not cross the mark, and it is searched for.
         bench.send(Event::Trigger);
         bench.run_until(1000, |state| state == State::Fault(Fault::Encoder));
+        bench.run(2);
         let exposures = bench.camera.controller().in_doubt().unwrap();
         assert!(acted(&bench, Action::InDoubt(exposures)), "{added_mm}");
         assert_eq!(exposures.from_sequence, 3, "{added_mm}");
@@ -242,8 +243,9 @@ fn camera_without_a_mark_says_so_in_every_record() {
 fn mark_must_lie_inside_the_stroke_with_room_for_the_way_across_it() {
     let prepared =
         |index_mm| PreparedCamera::new(identified(&camera()), &with_mark(index_mm), Start::Orderly);
-    // Half the stroke is 2 mm; a way across begins 20 µm and the play of 5 µm before the mark.
-    for index_mm in [-1.974, 0.0, 1.974] {
+    // Half the stroke is 2 mm; a way across begins the play of 5 µm and twice the following
+    // tolerance before the mark, 20 µm and what friction adds.
+    for index_mm in [-1.973, 0.0, 1.973] {
         assert!(prepared(index_mm).is_ok(), "{index_mm}");
     }
     for index_mm in [-1.976, 1.976, 40.0, 60.0, f32::NAN] {

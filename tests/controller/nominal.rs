@@ -71,10 +71,10 @@ fn trigger_leads_through_all_states_to_a_measured_record() {
         frame.smear_px
     );
     // A step of 0.1 µm has σ of 0.029 µm, and the zero 0.05 µm; what all frames have in common is
-    // not below a third of the tolerance at the index mark, 0.2 µm.
+    // not below a fifth of the tolerance at the index mark, 0.2 µm.
     let sigma = frame.principal_point_sigma;
     assert!((0.01e-3..0.03e-3).contains(&sigma.frame_mm), "{sigma:?}");
-    assert!((0.066e-3..0.067e-3).contains(&sigma.common_mm), "{sigma:?}");
+    assert!((0.061e-3..0.062e-3).contains(&sigma.common_mm), "{sigma:?}");
 }
 
 #[test]
@@ -187,7 +187,9 @@ fn rows_of_a_tdi_sensor_need_no_stage() {
     let Outcome::Exposed(frame) = record.outcome else {
         panic!("{record:?}");
     };
-    assert_eq!((record.faults, record.flags), (Faults::NONE, Flags::NONE));
+    // A row of the image's motion is more than a quarter of a pixel.
+    assert_eq!(record.faults, Faults::NONE);
+    assert!(record.flags.iter().eq([Flag::SmearOverBudget]));
     assert!((frame.interior.motion.travel_mm - 0.0333).abs() < 2e-4);
     assert!(
         !bench

@@ -39,12 +39,12 @@ fn is_seen(flown: &Flown) -> bool {
         .any(|(_, fault)| matches!(fault, Fault::Encoder | Fault::IndexMark))
 }
 
-/// Size from which lost counts are always seen, µm: the step of 0.1 µm, five σ of the mark, and what
-/// uneven motion at the mark explains.
+/// Size from which lost counts are always seen, µm: the step of 0.1 µm, five σ of the mark, and
+/// what uneven motion at the mark explains.
 const SEEN_UM: f64 = 0.5;
 
-/// Checks that every exposure is right to within 3 σ; to within 5 σ where a few counts may have been
-/// lost unseen.
+/// Checks that every exposure is right to within 3 σ; to within 5 σ where a few counts may have
+/// been lost unseen.
 fn check(scenario: &MissionScenario, flown: &Flown, size_um: f64, case: &str) {
     let sigmas = if size_um.abs() < SEEN_UM { 5.0 } else { 3.0 };
     let errors = Judgement::of(scenario, flown).errors;

@@ -8,7 +8,7 @@ use fmc_simulation::mission::scenario::MissionScenario;
 use crate::mission::support::flown;
 
 /// Flights, and frames of each.
-const FLIGHTS: u64 = 60;
+const FLIGHTS: u64 = 120;
 const FRAMES: u32 = 15;
 
 /// Returns a flight drawn at random: sources, their noise and latency, gusts, terrain, attitude.

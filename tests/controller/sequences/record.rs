@@ -55,8 +55,9 @@ fn motion_that_was_measured_before_the_clock_jumped_is_recorded() {
     bench.run(5);
     let record = bench.records()[0];
     assert!(record.faults.contains(Fault::Clock));
-    assert_eq!(record.flags, Flags::NONE);
-    assert!(exposed(&record).principal_point_sigma.total_mm() < 1e-3);
+    // There is no index mark: counts may have been lost.
+    assert!(record.flags.iter().eq([Flag::Unreferenced]));
+    assert!(exposed(&record).principal_point_sigma.frame_mm < 1e-3);
 }
 
 #[test]
