@@ -123,21 +123,26 @@ impl StageTrack {
             }
             return;
         }
-        let last = self.places.len().saturating_sub(1);
-        let mut kept = 0;
-        for index in 0..=last {
-            let is_in_turn = index < before || (index - before) % 2 == 1;
-            if (is_in_turn || index == last)
-                && let Some(place) = self.places.get(index).copied()
-                && let Some(earlier) = self.places.get_mut(kept)
-            {
-                *earlier = place;
-                kept += 1;
-            }
+        let of_exposure = self.places.len().saturating_sub(before);
+        let every_other = before + of_exposure / 2;
+        for to in before..every_other {
+            self.shift(2 * to + 1 - before, to);
         }
+        // The last is kept, too.
+        let kept = every_other + of_exposure % 2;
+        self.shift(self.places.len().saturating_sub(1), kept.saturating_sub(1));
         self.places.truncate(kept);
         self.stride = self.stride.saturating_mul(2);
         self.since_kept = 0;
+    }
+
+    /// Copies a place to an earlier index.
+    fn shift(&mut self, from: usize, to: usize) {
+        if let Some(place) = self.places.get(from).copied()
+            && let Some(earlier) = self.places.get_mut(to)
+        {
+            *earlier = place;
+        }
     }
 
     /// Keeps everything from an instant on, at which the shutter opens.

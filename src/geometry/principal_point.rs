@@ -10,8 +10,7 @@ use super::shutter::Shutter;
 use super::tdi::mean_transfers;
 
 /// Number of stretches of a path whose nodes are kept from the centroid to the moments: those of 66
-/// samples, and two more for the ramps of the shutter. The nodes of a
-/// longer path are computed twice.
+/// samples, and two more for the ramps of the shutter. Those of a longer path are computed twice.
 const KEPT_STRETCHES: usize = 67;
 
 /// Quadrature nodes of a stretch: weight, offset in mm.
@@ -142,7 +141,7 @@ impl PrincipalPointMotion {
         });
         let centroid_mm = opening_offset_mm + sum_mm / light;
         let mut moments = CentralMoments::default();
-        let mut add = |nodes: Nodes| {
+        let add = |nodes: Nodes| {
             for (weight, offset_mm) in nodes {
                 moments.add(weight / light, offset_mm - centroid_mm);
             }
