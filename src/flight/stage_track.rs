@@ -232,7 +232,7 @@ impl StageTrack {
             let _ = path.samples.push(continued(second, first, 0.0));
         }
         let mut play_sigma_mm = 0.0;
-        for places in self.parts_from(before_it) {
+        for places in self.parts(before_it, self.places.len()) {
             for place in places {
                 let _ = path.samples.push(sample(place));
                 play_sigma_mm = larger(play_sigma_mm, place.play_sigma_mm);
@@ -252,14 +252,13 @@ impl StageTrack {
     /// Returns the largest difference of a move and of the move before it, at equal times, mm, from
     /// a place on until an exposure ends.
     fn bend_mm(&self, first: usize, closed: Time) -> f32 {
+        // The last move begins before the end.
+        let end = self.count(|time| time < closed) + 1;
         let mut bend_mm = 0.0;
         let (mut from, mut earlier): (Option<&StagePlace>, Option<Move>) = (None, None);
-        for places in self.parts_from(first) {
+        for places in self.parts(first, end) {
             for to in places {
                 if let Some(from) = from {
-                    if from.time >= closed {
-                        return bend_mm;
-                    }
                     let later = Move::between(from, to);
                     if let Some(earlier) = earlier {
                         bend_mm = larger(bend_mm, later.bend_mm(earlier));
@@ -279,11 +278,14 @@ impl StageTrack {
         older + newer
     }
 
-    /// Returns the places from the one with an index on, the older ones apart.
-    fn parts_from(&self, first: usize) -> [&[StagePlace]; 2] {
+    /// Returns the places from one index to before another, the older ones apart.
+    fn parts(&self, first: usize, end: usize) -> [&[StagePlace]; 2] {
         let (older, newer) = self.places.as_slices();
-        let of_newer = first.saturating_sub(older.len());
-        [older.get(first..), newer.get(of_newer..)].map(Option::unwrap_or_default)
+        [(older, 0), (newer, older.len())].map(|(places, before)| {
+            let of_these = |index: usize| index.saturating_sub(before).min(places.len());
+            let range = of_these(first)..of_these(end);
+            places.get(range).unwrap_or_default()
+        })
     }
 }
 

@@ -11,7 +11,7 @@ use super::tdi::mean_transfers;
 
 /// Number of stretches of a path whose nodes are kept from the centroid to the moments: those of 66
 /// samples, and two more for the ramps of the shutter. Those of a longer path are computed twice.
-const KEPT_STRETCHES: usize = 67;
+const KEPT_STRETCHES: usize = 68;
 
 /// Quadrature nodes of a stretch: weight, offset in mm.
 type Nodes = [(f32, f32); 3];
@@ -131,13 +131,12 @@ impl PrincipalPointMotion {
         let mut light = 0.0;
         let mut sum_mm = 0.0;
         let mut kept: Vec<Nodes, KEPT_STRETCHES> = Vec::new();
-        let mut are_kept = true;
         path.for_each_stretch(shutter, |nodes| {
             for (weight, offset_mm) in nodes {
                 light += weight;
                 sum_mm += weight * (offset_mm - opening_offset_mm);
             }
-            are_kept &= kept.push(nodes).is_ok();
+            let _ = kept.push(nodes);
         });
         let centroid_mm = opening_offset_mm + sum_mm / light;
         let mut moments = CentralMoments::default();
@@ -146,10 +145,11 @@ impl PrincipalPointMotion {
                 moments.add(weight / light, offset_mm - centroid_mm);
             }
         };
-        if are_kept {
-            kept.into_iter().for_each(add);
-        } else {
+        if kept.is_full() {
+            // There may be more.
             path.for_each_stretch(shutter, add);
+        } else {
+            kept.into_iter().for_each(add);
         }
         Ok(Self {
             opening_offset_mm,
@@ -304,11 +304,15 @@ impl<'a> MeasuredPath<'a> {
                 };
                 if to > from {
                     let nodes = gauss_nodes(from, to);
-                    let [t1, t2, t3] =
+                    let transmissions =
                         shutter.transmissions(nodes.map(|(time_s, _)| time_s / self.exposure_s));
                     let [(s1, w1), (s2, w2), (s3, w3)] = nodes;
+                    let weighted = match transmissions {
+                        None => nodes,
+                        Some([t1, t2, t3]) => [(s1, w1 * t1), (s2, w2 * t2), (s3, w3 * t3)],
+                    };
                     visit(
-                        [(s1, w1 * t1), (s2, w2 * t2), (s3, w3 * t3)]
+                        weighted
                             .map(|(time_s, weight)| (weight, interpolated(before, after, time_s))),
                     );
                 }
