@@ -123,21 +123,26 @@ impl StageTrack {
             }
             return;
         }
-        let last = self.places.len().saturating_sub(1);
-        let mut kept = 0;
-        for index in 0..=last {
-            let is_in_turn = index < before || (index - before) % 2 == 1;
-            if (is_in_turn || index == last)
-                && let Some(place) = self.places.get(index).copied()
-                && let Some(earlier) = self.places.get_mut(kept)
-            {
-                *earlier = place;
-                kept += 1;
-            }
+        let of_exposure = self.places.len().saturating_sub(before);
+        let every_other = before + of_exposure / 2;
+        for to in before..every_other {
+            self.shift(2 * to + 1 - before, to);
         }
+        // The last is kept, too.
+        let kept = every_other + of_exposure % 2;
+        self.shift(self.places.len().saturating_sub(1), kept.saturating_sub(1));
         self.places.truncate(kept);
         self.stride = self.stride.saturating_mul(2);
         self.since_kept = 0;
+    }
+
+    /// Copies a place to an earlier index.
+    fn shift(&mut self, from: usize, to: usize) {
+        if let Some(place) = self.places.get(from).copied()
+            && let Some(earlier) = self.places.get_mut(to)
+        {
+            *earlier = place;
+        }
     }
 
     /// Keeps everything from an instant on, at which the shutter opens.
@@ -227,7 +232,7 @@ impl StageTrack {
             let _ = path.samples.push(continued(second, first, 0.0));
         }
         let mut play_sigma_mm = 0.0;
-        for places in self.parts_from(before_it) {
+        for places in self.parts(before_it, self.places.len()) {
             for place in places {
                 let _ = path.samples.push(sample(place));
                 play_sigma_mm = larger(play_sigma_mm, place.play_sigma_mm);
@@ -247,14 +252,13 @@ impl StageTrack {
     /// Returns the largest difference of a move and of the move before it, at equal times, mm, from
     /// a place on until an exposure ends.
     fn bend_mm(&self, first: usize, closed: Time) -> f32 {
+        // The last move begins before the end.
+        let end = self.count(|time| time < closed) + 1;
         let mut bend_mm = 0.0;
         let (mut from, mut earlier): (Option<&StagePlace>, Option<Move>) = (None, None);
-        for places in self.parts_from(first) {
+        for places in self.parts(first, end) {
             for to in places {
                 if let Some(from) = from {
-                    if from.time >= closed {
-                        return bend_mm;
-                    }
                     let later = Move::between(from, to);
                     if let Some(earlier) = earlier {
                         bend_mm = larger(bend_mm, later.bend_mm(earlier));
@@ -274,11 +278,14 @@ impl StageTrack {
         older + newer
     }
 
-    /// Returns the places from the one with an index on, the older ones apart.
-    fn parts_from(&self, first: usize) -> [&[StagePlace]; 2] {
+    /// Returns the places from one index to before another, the older ones apart.
+    fn parts(&self, first: usize, end: usize) -> [&[StagePlace]; 2] {
         let (older, newer) = self.places.as_slices();
-        let of_newer = first.saturating_sub(older.len());
-        [older.get(first..), newer.get(of_newer..)].map(Option::unwrap_or_default)
+        [(older, 0), (newer, older.len())].map(|(places, before)| {
+            let of_these = |index: usize| index.saturating_sub(before).min(places.len());
+            let range = of_these(first)..of_these(end);
+            places.get(range).unwrap_or_default()
+        })
     }
 }
 

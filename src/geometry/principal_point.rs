@@ -9,9 +9,12 @@ use super::range::OutOfRange;
 use super::shutter::Shutter;
 use super::tdi::mean_transfers;
 
-/// Number of quadrature nodes that are kept from the centroid to the moments, three for each of 66
-/// stretches. Those of a longer path are computed twice.
-const KEPT_NODES: usize = 198;
+/// Number of stretches of a path whose nodes are kept from the centroid to the moments: those of 66
+/// samples, and two more for the ramps of the shutter. Those of a longer path are computed twice.
+const KEPT_STRETCHES: usize = 68;
+
+/// Quadrature nodes of a stretch: weight, offset in mm.
+type Nodes = [(f32, f32); 3];
 
 /// Motion of the principal point during one exposure, with all numbers on which the image depends.
 ///
@@ -127,22 +130,26 @@ impl PrincipalPointMotion {
         let (opening_offset_mm, closing_mm) = path.ends();
         let mut light = 0.0;
         let mut sum_mm = 0.0;
-        let mut nodes: Vec<(f32, f32), KEPT_NODES> = Vec::new();
-        let mut are_kept = true;
-        path.for_each_node(shutter, |weight, offset_mm| {
-            light += weight;
-            sum_mm += weight * (offset_mm - opening_offset_mm);
-            are_kept &= nodes.push((weight, offset_mm)).is_ok();
+        let mut kept: Vec<Nodes, KEPT_STRETCHES> = Vec::new();
+        path.for_each_stretch(shutter, |nodes| {
+            for (weight, offset_mm) in nodes {
+                light += weight;
+                sum_mm += weight * (offset_mm - opening_offset_mm);
+            }
+            let _ = kept.push(nodes);
         });
         let centroid_mm = opening_offset_mm + sum_mm / light;
         let mut moments = CentralMoments::default();
-        let mut add = |weight, offset_mm| moments.add(weight / light, offset_mm - centroid_mm);
-        if are_kept {
+        let add = |nodes: Nodes| {
             for (weight, offset_mm) in nodes {
-                add(weight, offset_mm);
+                moments.add(weight / light, offset_mm - centroid_mm);
             }
+        };
+        if kept.is_full() {
+            // There may be more.
+            path.for_each_stretch(shutter, add);
         } else {
-            path.for_each_node(shutter, add);
+            kept.into_iter().for_each(add);
         }
         Ok(Self {
             opening_offset_mm,
@@ -270,9 +277,8 @@ impl<'a> MeasuredPath<'a> {
         }
     }
 
-    /// Visits the quadrature nodes of every stretch on which path and transmission are linear
-    /// with (weight, offset in mm).
-    fn for_each_node(&self, shutter: &Shutter, mut visit: impl FnMut(f32, f32)) {
+    /// Visits the quadrature nodes of every stretch on which path and transmission are linear.
+    fn for_each_stretch(&self, shutter: &Shutter, mut visit: impl FnMut(Nodes)) {
         let pieces = shutter
             .pieces()
             .map(|(open, close)| (open * self.exposure_s, close * self.exposure_s));
@@ -300,9 +306,15 @@ impl<'a> MeasuredPath<'a> {
                     let nodes = gauss_nodes(from, to);
                     let transmissions =
                         shutter.transmissions(nodes.map(|(time_s, _)| time_s / self.exposure_s));
-                    for ((time_s, weight), transmission) in nodes.into_iter().zip(transmissions) {
-                        visit(weight * transmission, interpolated(before, after, time_s));
-                    }
+                    let [(s1, w1), (s2, w2), (s3, w3)] = nodes;
+                    let weighted = match transmissions {
+                        None => nodes,
+                        Some([t1, t2, t3]) => [(s1, w1 * t1), (s2, w2 * t2), (s3, w3 * t3)],
+                    };
+                    visit(
+                        weighted
+                            .map(|(time_s, weight)| (weight, interpolated(before, after, time_s))),
+                    );
                 }
             }
         }

@@ -93,19 +93,20 @@ impl Shutter {
     }
 
     /// Returns [`Self::transmission`] at three fractions of the base that do not decrease, with few
-    /// comparisons where they lie in the same part of the profile.
-    pub(crate) fn transmissions(&self, fractions: [f32; 3]) -> [f32; 3] {
+    /// comparisons where they lie in the same part of the profile; `None` where it is open.
+    pub(crate) fn transmissions(&self, fractions: [f32; 3]) -> Option<[f32; 3]> {
         let [first, _, last] = fractions;
         let closing_from = 1.0 - self.closing;
         if first >= self.opening && last <= closing_from {
-            [1.0; 3]
-        } else if first >= 0.0 && last < self.opening {
+            return None;
+        }
+        Some(if first >= 0.0 && last < self.opening {
             fractions.map(|u| u / self.opening)
         } else if first >= self.opening && first > closing_from && last <= 1.0 {
             fractions.map(|u| (1.0 - u) / self.closing)
         } else {
             fractions.map(|u| self.transmission(u))
-        }
+        })
     }
 
     /// Returns the effective exposure as a fraction of the base: `1 - (r₁+r₂)/2`.
