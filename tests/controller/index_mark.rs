@@ -110,7 +110,7 @@ fn counts_that_are_added_are_a_fault_at_the_next_crossing_and_doubt_the_records_
         // If many are lost, the run-up does not cross the mark, and it is searched for.
         bench.send(Event::Trigger);
         bench.run_until(1000, |state| state == State::Fault(Fault::Encoder));
-        bench.run(2);
+        bench.run(200);
         let exposures = bench.camera.controller().in_doubt().unwrap();
         assert!(acted(&bench, Action::InDoubt(exposures)), "{added_mm}");
         assert_eq!(exposures.from_sequence, 3, "{added_mm}");
@@ -152,7 +152,7 @@ fn counts_that_pass_the_mark_unseen_are_within_three_sigma() {
 fn counts_that_are_lost_in_standby_are_found_at_arming() {
     for added_mm in [-0.9, -0.002, 0.002, 0.5] {
         let mut bench = Bench::new(with_mark(0.3));
-        bench.run(2);
+        bench.run(200);
         bench.added_mm = added_mm;
         bench.send(Event::Command(Command::Arm));
         bench.run_until(2000, |state| state == State::Fault(Fault::Encoder));

@@ -7,7 +7,7 @@ use fmc_camera::flight::drive::settings::{DriveSettings, EncoderSide};
 use fmc_camera::flight::event::{Action, Event};
 use fmc_camera::flight::exposure::FlightDirection;
 use fmc_camera::flight::fault::Faults;
-use fmc_camera::flight::frame_record::{ExposedFrame, Flags, Outcome};
+use fmc_camera::flight::frame_record::{ExposedFrame, Flag, Flags, Outcome};
 use fmc_camera::flight::prepared_camera::PreparedCamera;
 use fmc_camera::flight::settings::FlightSettings;
 use fmc_camera::flight::smear_prediction::COVERAGE;
