@@ -65,7 +65,8 @@ impl Time {
     }
 }
 
-/// Returns the nearest number of single precision. A core has an instruction for 32 bits alone.
+/// Returns the nearest number of single precision. A core converts 32 bits by itself, more in
+/// software.
 #[expect(
     clippy::cast_precision_loss,
     clippy::cast_possible_truncation,

@@ -1,0 +1,83 @@
+//! Tests of the stage's track.
+
+use super::*;
+use crate::geometry::principal_point::PrincipalPointMotion;
+use crate::geometry::shutter::{Shutter, ShutterProfile};
+
+fn place(us: u64) -> StagePlace {
+    #[expect(clippy::cast_precision_loss, reason = "small")]
+    let offset_mm = 0.1 + 20.0e-6 * us as f32;
+    StagePlace {
+        time: Time::from_us(us),
+        offset_mm,
+        play_sigma_mm: 0.0,
+    }
+}
+
+#[test]
+fn long_exposures_are_covered_by_fewer_readings() {
+    let shutter = Shutter::new(ShutterProfile::Uniform).unwrap();
+    for length_ms in [1, 10, 63, 64, 65, 130, 1000, 3333, 10_000] {
+        let mut track = StageTrack::new();
+        for tick in 0..20 {
+            track.push(place(1000 * tick));
+        }
+        let opened = Time::from_us(19_300);
+        track.keep_from(opened);
+        let closed = Time::from_us(19_300 + 1000 * length_ms);
+        for tick in 20..=20 + length_ms {
+            track.push(place(1000 * tick));
+        }
+        let path = track.path(opened, closed);
+        assert!(path.is_covered && !path.is_continued, "{length_ms}");
+        let exposure_s = closed.seconds_since(opened);
+        let motion =
+            PrincipalPointMotion::from_samples(&path.samples, exposure_s, &shutter).unwrap();
+        assert!(path.wander_mm < 1e-4, "{length_ms}: {}", path.wander_mm);
+        let gap_s = path.longest_gap_s;
+        assert!(gap_s < 1.1e-3 + exposure_s / 16.0, "{length_ms}: {gap_s}");
+        let expected = 0.1 + 20.0 * (0.0193 + 0.5 * exposure_s);
+        assert!((motion.centroid_mm - expected).abs() < 2e-6 + 2e-6 * expected);
+    }
+}
+
+#[test]
+fn exposure_after_a_long_wait_has_all_of_its_places() {
+    let mut track = StageTrack::new();
+    for tick in 0..100 {
+        track.push(place(1000 * tick));
+    }
+    let [opened, closed] = [99_300, 104_200].map(Time::from_us);
+    track.keep_from(opened);
+    for tick in 100..=105 {
+        track.push(place(1000 * tick));
+    }
+    let path = track.path(opened, closed);
+    assert_eq!(path.samples.len(), 7);
+    assert!(
+        path.longest_gap_s < 1.01e-3 && path.bend_mm < 1e-6,
+        "{path:?}"
+    );
+    // Places before the exposure are compared with its first.
+    let mut jerk = place(106_000);
+    jerk.offset_mm += 0.004;
+    track.push(jerk);
+    let path = track.path(Time::from_us(105_100), Time::from_us(105_900));
+    assert!((path.bend_mm - 0.004).abs() < 1e-6, "{path:?}");
+}
+
+#[test]
+fn ends_are_continued_by_three_milliseconds_at_most() {
+    let mut track = StageTrack::new();
+    assert!(!track.path(Time::START, Time::from_us(1000)).is_covered);
+    track.push(place(2000));
+    assert!(!track.path(Time::START, Time::from_us(3000)).is_covered);
+    track.push(place(3000));
+    let path = track.path(Time::START, Time::from_us(5000));
+    assert!(path.is_covered && path.is_continued);
+    let [first, .., last] = path.samples[..] else {
+        panic!()
+    };
+    assert!((first.offset_mm - 0.1).abs() < 1e-6 && (last.offset_mm - 0.2).abs() < 1e-6);
+    assert!(!track.path(Time::START, Time::from_us(6001)).is_covered);
+}
