@@ -83,7 +83,7 @@ impl StageTrack {
     /// Takes a place. One that is not later than the last is left out.
     ///
     /// If there is no room, the oldest is forgotten. In an exposure these are the places before it
-    /// but for the last [`BEFORE`]; once they are gone, every other place of the exposure is
+    /// but for the last `BEFORE`; once they are gone, every other place of the exposure is
     /// forgotten, and from then on every other one is kept, so that an exposure of any length is
     /// covered evenly.
     pub fn push(&mut self, place: StagePlace) {
