@@ -9,7 +9,7 @@ use anyhow::{Context as _, Result, ensure};
 use xshell::cmd;
 
 use self::python::Python;
-use crate::{NOT_CHECKED, tools::Toolbox, verify, workspace::Workspace};
+use crate::{tools::Toolbox, verify, workspace::Workspace};
 
 /// Script that reads the files and projects points.
 const SCRIPT: &str = "xtask/src/exchange/readers.py";
@@ -28,20 +28,15 @@ const ALL_TERMS: &str = "name = \"all terms\"\nprincipal_distance_mm = 100\n\
                          [distortion]\nk0 = 2e-4\nk1 = -8e-6\nk2 = 3e-9\nk3 = -4e-13\n\
                          p1 = 3e-6\np2 = -5e-6\nb1 = 1e-4\nb2 = -6e-5\n";
 
-/// Lets the programs read exports of every camera and project points; if they are not available,
-/// prints that this is not checked.
+/// Lets the programs read exports of every camera and project points.
 ///
 /// # Errors
-/// An error if a projected point is not where the export states.
+/// An error if the programs are not available, or if a projected point is not where the export
+/// states.
 pub(crate) fn check(workspace: &Workspace, toolbox: &Toolbox<'_>) -> Result<()> {
     let host_sim = verify::tested_host_sim(workspace)?;
-    let python = match Python::with(workspace, toolbox, &PACKAGES) {
-        Ok(python) => python,
-        Err(error) => {
-            eprintln!("{NOT_CHECKED}exports read by OpenCV and COLMAP: {error:#}");
-            return Ok(());
-        }
-    };
+    let python = Python::with(workspace, toolbox, &PACKAGES)
+        .context("exports cannot be read by OpenCV and COLMAP")?;
     let shell = &workspace.shell;
     let folder = shell.create_temp_dir()?;
     let all_terms = folder.path().join("all-terms.toml");
