@@ -218,13 +218,13 @@ impl IndexWatch {
     }
 
     /// Returns σ of a principal point that is common to the flight, with the counts that may have
-    /// been lost unseen, mm; `unseen_mm` is the largest step that the stage's watch lets pass.
-    pub(crate) fn sigma_mm(&self, common_mm: f32, drive: &DriveSettings, unseen_mm: f32) -> f32 {
+    /// been lost unseen, mm; `passed_mm` is the largest step that the stage's watch lets pass.
+    pub(crate) fn sigma_mm(&self, common_mm: f32, drive: &DriveSettings, passed_mm: f32) -> f32 {
         if self.is_referenced(drive) {
             common_mm.max(self.unseen_mm / AGREE_SIGMA).max(self.off_mm)
         } else {
             let cycles = f32::from(self.cycles.max(1));
-            libm::hypotf(common_mm, unseen_mm * libm::sqrtf(cycles / 3.0))
+            libm::hypotf(common_mm, passed_mm * libm::sqrtf(cycles / 3.0))
         }
     }
 

@@ -18,7 +18,7 @@ pub const JUMP_STEPS: f32 = 3.0;
 /// parts of the distance of a round from rest under it, `F_c/m·T²`.
 ///
 /// Friction that turns round acts with twice its size, and more where the stage breaks away; in the
-/// third round the loop has answered. A hundred random missions reach 4.5.
+/// third round the loop has answered.
 pub const FRICTION_ROUNDS: f32 = 6.0;
 
 /// Distance from the index mark at which a way across it begins and ends, as a multiple of the

@@ -41,7 +41,7 @@ pub struct Summary {
     pub silent_frames: usize,
     /// Number of checks that had nothing to judge.
     pub vacuous_checks: usize,
-    /// Number of those that passed all the same.
+    /// Number of missions that passed although nothing was judged.
     pub vacuous_passes: usize,
     /// Quantity that is compared with a limit.
     pub checks: Vec<LimitCheck>,
@@ -99,7 +99,7 @@ impl Summary {
             unanswered: statistics.sum(|mission| mission.unanswered),
             silent_frames: statistics.sum(|mission| mission.silent.len()),
             vacuous_checks: statistics.sum(|mission| mission.vacuous.len()),
-            vacuous_passes: statistics.sum(|mission| mission.vacuous_passes),
+            vacuous_passes: statistics.sum(|mission| usize::from(mission.is_vacuous_pass)),
             checks: Vec::new(),
             cases: statistics.cases.clone(),
             quantities,
@@ -128,7 +128,7 @@ impl Summary {
             ),
             ("triggers without a record", self.unanswered),
             ("silent frames", self.silent_frames),
-            ("checks over nothing that pass", self.vacuous_passes),
+            ("missions that pass with nothing to judge", self.vacuous_passes),
         ];
         checks.extend(counts.map(|(what, count)| LimitCheck {
             what: what.to_owned(),

@@ -48,8 +48,8 @@ pub struct FlownMission {
     pub silent: Vec<u32>,
     /// Checks that had nothing to judge.
     pub vacuous: Vec<String>,
-    /// Number of checks that had nothing to judge, and passed.
-    pub vacuous_passes: usize,
+    /// `true` if the mission passed although no record states a principal point, or none V/H.
+    pub is_vacuous_pass: bool,
     /// Number of triggers that were refused.
     pub refused: usize,
 }
@@ -62,7 +62,11 @@ impl FlownMission {
         let judgement = Judgement::of(scenario, flown);
         let verdicts: Vec<Verdict> = judgement.verdicts.iter().flatten().copied().collect();
         let records = flown.frames.iter().map(|frame| &frame.record);
-        let vacuous = || judgement.checks.iter().filter(|check| check.is_vacuous);
+        let vacuous = judgement.checks.iter().filter(|check| check.is_vacuous);
+        // By the records alone, whatever the checks say of themselves.
+        let is_judged = |quantity| verdicts.iter().any(|one| one.of_quantity(quantity).is_some());
+        let is_vacuous_pass = judgement.passed()
+            && !(is_judged(Quantity::PrincipalPoint) && is_judged(Quantity::Vh));
         let mechanics = &scenario.written.mechanics;
         Self {
             number: mission.number,
@@ -81,8 +85,8 @@ impl FlownMission {
                 .filter(|verdict| is_silent(verdict))
                 .map(|verdict| verdict.sequence)
                 .collect(),
-            vacuous: vacuous().map(|check| check.what.clone()).collect(),
-            vacuous_passes: vacuous().filter(|check| check.passed).count(),
+            vacuous: vacuous.map(|check| check.what.clone()).collect(),
+            is_vacuous_pass,
             refused: flown
                 .frames
                 .iter()
