@@ -36,7 +36,7 @@ pub(super) struct Limits {
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Choice {
     pub(super) index: usize,
-    /// Its value; the variance covers the values of the others.
+    /// Its value; the bounds hold the values that contradict it.
     pub(super) held: Held,
     /// The value of a way that contradicts it.
     pub(super) against: Option<f32>,
@@ -52,8 +52,8 @@ pub(super) struct Choice {
 /// camera's limits, then one far from the value that was trusted last, then one that two others
 /// contradict. Rank alone decides only where none of these differs.
 ///
-/// The variance of the value in use grows by the square of the largest contradiction; without a
-/// contradiction by [`SHARE_OF_EXCESS`] of the part of the squared differences that both variances
+/// The values of ways that contradict the one in use may be true in its place. Without a
+/// contradiction its variance grows by [`SHARE_OF_EXCESS`] of the part of the squared differences that both variances
 /// do not explain, at the last sample or in the mean of the last ones. A latency or a constant
 /// error that the settings do not state shows there.
 #[derive(Debug, Clone, Copy, Default)]
@@ -96,15 +96,17 @@ impl Agreement {
             }
         }
         let mut held = *best;
-        let (mut contradiction, mut against) = (0.0_f32, None);
+        let mut against = None;
         for (_, other) in present().filter(|(other_index, _)| *other_index != index) {
             if contradict(best, other, limits) {
-                contradiction = contradiction.max(square(other.value - held.value));
+                held = held.or(other.value);
                 against = against.or(Some(other.value));
             }
         }
         let excess = self.excess.max(self.last_excess).max(0.0);
-        held.variance += contradiction.max(SHARE_OF_EXCESS * excess);
+        if against.is_none() {
+            held.variance += SHARE_OF_EXCESS * excess;
+        }
         Some(Choice {
             index,
             held,
@@ -128,7 +130,7 @@ impl Agreement {
             }
         }
         let is_trusted = match choice.against {
-            None => choice.held.doubt == 0.0,
+            None => !choice.held.is_in_doubt,
             Some(_) => self.is_near_trusted(value, limits) == Some(true),
         };
         if is_trusted {
@@ -152,7 +154,7 @@ impl Agreement {
             .flatten()
             .filter(|other| contradict(held, other, limits))
             .count();
-        8 * u8::from(held.doubt != 0.0)
+        8 * u8::from(held.is_in_doubt)
             + 4 * u8::from(!(held.value >= least && held.value <= most))
             + 2 * u8::from(self.is_near_trusted(held.value, limits) == Some(false))
             + u8::from(opponents > 1)

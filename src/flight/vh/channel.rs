@@ -22,6 +22,24 @@ pub const GUST_SIGMAS: f32 = 3.0;
 /// has jumped is confirmed.
 pub const CONFIRMED_WITHIN: f32 = 0.05;
 
+/// What the other sources tell of one.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Others {
+    /// Value that follows from all others.
+    pub(super) expected: Option<f32>,
+    /// Height above ground, m, for a height above the sea: differences count as parts of it.
+    pub(super) height_m: Option<f32>,
+}
+
+impl Others {
+    /// Returns `true` if a value is so near to another that they confirm each other.
+    fn are_near(&self, settings: &ChannelSettings, value: f32, other: f32) -> bool {
+        let noise = NOISE_SIGMAS * settings.sigma;
+        let whole = self.height_m.unwrap_or(other).abs();
+        (value - other).abs() <= CONFIRMED_WITHIN * whole + noise
+    }
+}
+
 /// Effect of a sample that is used: it may end a silence or a fault.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) enum Accepted {
@@ -80,14 +98,16 @@ impl Channel {
         let [noise, change_per_s] = self.variability.variances();
         let unknown_s = settings.latency_s + since_s + self.unchanged_s(settings, last);
         let drift = settings.slew_per_s * (since_s - settings.period_s).max(0.0);
-        Some(Held {
+        let held = Held {
             value: last.value,
             variance: noise + change_per_s * unknown_s + drift * drift / 3.0,
             change_per_s,
-            doubt: self.doubt.map_or(0.0, |before| last.value - before),
+            bounds: [last.value; 2],
+            is_in_doubt: self.doubt.is_some(),
             age_s: settings.latency_s + since_s,
             silent: since_s >= settings.period_s,
-        })
+        };
+        Some(self.doubt.map_or(held, |before| held.or(before)))
     }
 
     /// Returns the time for which the last value has repeated, s: the true value is unknown since
@@ -126,17 +146,16 @@ impl Channel {
         self.confirmed
     }
 
-    /// Takes a sample; `expected` is the value that follows from all other sources.
+    /// Takes a sample.
     pub(super) fn take(
         &mut self,
         settings: &ChannelSettings,
         unit: Option<WrongUnit>,
-        time: Time,
-        value: f32,
-        expected: Option<f32>,
+        sample: Stamped,
+        others: &Others,
     ) -> Result<Accepted, Refusal> {
-        let sample = Stamped { time, value };
-        let has_jumped = match self.judge(settings, unit, sample, expected) {
+        let Stamped { time, .. } = sample;
+        let has_jumped = match self.judge(settings, unit, sample, others) {
             Ok(has_jumped) => has_jumped,
             Err(refusal) => {
                 self.refused = true;
@@ -147,7 +166,7 @@ impl Channel {
             .last
             .is_some_and(|last| time.seconds_since(last.time) >= settings.validity_s);
         let recovered = self.refused || lost;
-        self.settle(settings, sample, has_jumped, expected);
+        self.settle(settings, sample, has_jumped, others);
         self.refused = false;
         self.candidate = None;
         self.last = Some(sample);
@@ -168,12 +187,9 @@ impl Channel {
         settings: &ChannelSettings,
         sample: Stamped,
         has_jumped: bool,
-        expected: Option<f32>,
+        others: &Others,
     ) {
-        let is_near = |other: f32| {
-            let noise = NOISE_SIGMAS * settings.sigma;
-            (sample.value - other).abs() <= CONFIRMED_WITHIN * other.abs() + noise
-        };
+        let is_near = |other| others.are_near(settings, sample.value, other);
         self.variability.begin(settings);
         if has_jumped {
             self.variability.interrupt();
@@ -186,7 +202,7 @@ impl Channel {
         } else if let Some(last) = self.last.filter(|last| !is_same(last.value, sample.value)) {
             self.variability.take(settings, last, sample);
         }
-        if expected.is_some_and(is_near) {
+        if others.expected.is_some_and(is_near) {
             self.confirmed = true;
             self.doubt = None;
         }
@@ -210,7 +226,7 @@ impl Channel {
         settings: &ChannelSettings,
         unit: Option<WrongUnit>,
         sample: Stamped,
-        expected: Option<f32>,
+        others: &Others,
     ) -> Result<bool, Refusal> {
         let Stamped { time, value } = sample;
         let refuse = |kind, expected| Err(Refusal { kind, expected });
@@ -223,7 +239,7 @@ impl Channel {
         self.heard = time;
         let repeated_since = self.repeated_since(sample);
         if let Some(unit) = unit {
-            let comparison = self.comparison(settings, unit, sample, expected);
+            let comparison = self.comparison(settings, unit, sample, others.expected);
             self.unit.check(unit, value, &comparison)?;
         }
         let [min, max] = settings.range;
@@ -244,7 +260,7 @@ impl Channel {
             }
             return refuse(VhFindingKind::Frozen, None);
         }
-        self.check_jump(settings, unit, sample)
+        self.check_jump(settings, unit, sample, others)
     }
 
     /// Returns the time since which the value has been exactly this.
@@ -284,12 +300,18 @@ impl Channel {
         settings: &ChannelSettings,
         unit: Option<WrongUnit>,
         sample: Stamped,
+        others: &Others,
     ) -> Result<bool, Refusal> {
         let Some(last) = self.last else {
             return Ok(false);
         };
         if self.reaches(settings, last, sample, unit) {
-            return Ok(false);
+            // One that follows refused samples may have come this far since, or have jumped.
+            let off = |from: Stamped| (sample.value - from.value).abs();
+            let is_far = !others.are_near(settings, sample.value, last.value);
+            return Ok(self
+                .candidate
+                .is_some_and(|(candidate, _)| is_far && off(candidate) < off(last)));
         }
         let negated = Stamped {
             value: -sample.value,

@@ -14,12 +14,15 @@ pub(super) struct Stamped {
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) struct Held {
     pub(super) value: f32,
-    /// σ², without the doubt.
+    /// σ², without the other values that may be true.
     pub(super) variance: f32,
     /// Variance by which the true value changes in a second.
     pub(super) change_per_s: f32,
-    /// Difference from the value before a jump that nothing has confirmed; 0 without one.
-    pub(super) doubt: f32,
+    /// Least and largest value that may be true: this one, the one before a jump that nothing has
+    /// confirmed, and those of ways that contradict it.
+    pub(super) bounds: [f32; 2],
+    /// `true` if nothing has confirmed the value since it has jumped.
+    pub(super) is_in_doubt: bool,
     /// Age of the measurement.
     pub(super) age_s: f32,
     /// `true` if it is older than the period of its source.
@@ -27,14 +30,16 @@ pub(super) struct Held {
 }
 
 impl Held {
-    /// Returns this height less that of the terrain.
-    pub(super) fn less(&self, terrain: &Self) -> Self {
+    /// Returns this height less that of the terrain; a height is at least `least_m`.
+    pub(super) fn less(&self, terrain: &Self, least_m: f32) -> Self {
+        let [least, most] = self.bounds;
+        let [terrain_least, terrain_most] = terrain.bounds;
         Self {
             value: self.value - terrain.value,
             variance: self.variance + terrain.variance,
             change_per_s: self.change_per_s + terrain.change_per_s,
-            doubt: self.doubt.abs() + terrain.doubt.abs(),
-            ..self.with_age_of(terrain)
+            bounds: [least - terrain_most, most - terrain_least].map(|it| it.max(least_m)),
+            ..self.with_state_of(terrain)
         }
     }
 
@@ -44,18 +49,30 @@ impl Held {
         let vh_per_s = self.value * per_height;
         let [of_speed, of_height] =
             [1.0, vh_per_s * vh_per_s].map(|it| it * per_height * per_height);
+        let [slowest, fastest] = self.bounds;
+        let [lowest, highest] = height.bounds;
         Self {
             value: vh_per_s,
             variance: of_speed * self.variance + of_height * height.variance,
             change_per_s: of_speed * self.change_per_s + of_height * height.change_per_s,
-            doubt: per_height * (self.doubt.abs() + vh_per_s * height.doubt.abs()),
-            ..self.with_age_of(height)
+            bounds: [slowest / highest, fastest / lowest],
+            ..self.with_state_of(height)
         }
     }
 
-    /// Returns the value with the age of the older of two.
-    const fn with_age_of(&self, other: &Self) -> Self {
+    /// Returns the value when another may be true in its place.
+    pub(super) const fn or(self, other: f32) -> Self {
+        let [least, most] = self.bounds;
         Self {
+            bounds: [least.min(other), most.max(other)],
+            ..self
+        }
+    }
+
+    /// Returns the value with the age of the older of two, in doubt if one of them is.
+    const fn with_state_of(&self, other: &Self) -> Self {
+        Self {
+            is_in_doubt: self.is_in_doubt || other.is_in_doubt,
             age_s: self.age_s.max(other.age_s),
             silent: self.silent || other.silent,
             ..*self
@@ -77,13 +94,15 @@ impl HeldVh {
             value,
             variance,
             change_per_s,
-            doubt,
+            bounds: [least, most],
+            is_in_doubt: _,
             age_s,
             silent,
         } = self.held;
+        let off = (value - least).max(most - value);
         VhEstimate {
             vh_per_s: value,
-            sigma_per_s: libm::sqrtf(variance + change_per_s * ahead_s + doubt * doubt),
+            sigma_per_s: libm::sqrtf(variance + change_per_s * ahead_s + off * off),
             age_s: age_s + ahead_s,
             source: self.source,
             extrapolated: silent,

@@ -1,10 +1,10 @@
 //! Monitor of the sources of V/H.
 
 use super::agreement::{Choice, Limits};
-use super::channel::{Accepted, Channel};
+use super::channel::{Accepted, Channel, Others};
 use super::estimate::{VhEstimate, VhSource};
 use super::finding::{VhChannel, VhCounters, VhFinding, VhFindingKind};
-use super::held::HeldVh;
+use super::held::{HeldVh, Stamped};
 use super::sample::VhSample;
 use super::settings::VhSettings;
 use super::spread::Spread;
@@ -29,10 +29,10 @@ use crate::flight::time::Time;
 /// others contradict. Rank decides only between equals.
 ///
 /// `σ² = (σ_V/H)² + (V·σ_H/H²)²`, each with the noise of its source and its change since the
-/// measurement, both of which are measured in flight. To that are added the square of the
-/// difference from a way that contradicts it, half of the part of the squared differences from
-/// other ways that their variances do not explain, and the square of the jump of a value that
-/// nothing has confirmed.
+/// measurement, both of which are measured in flight. To that are added half of the part of the
+/// squared differences from other ways that their variances do not explain, and the square of the
+/// distance to the farthest V/H that may be true in its place: by a source that contradicts the one
+/// in use, or by the value before a jump that nothing has confirmed.
 ///
 /// # Undetected errors
 ///
@@ -222,11 +222,18 @@ impl VhMonitor {
     fn finding(&mut self, time: Time, sample: VhSample) -> Option<VhFinding> {
         let (channel, value) = VhChannel::of(sample);
         let expected = self.values(time).expected(channel);
+        let others = Others {
+            expected,
+            height_m: self.height_under(channel, time),
+        };
         let settings = *self.settings.of(channel);
         let unit = channel.wrong_unit();
-        let taken = self
-            .channel_mut(channel)
-            .take(&settings, unit, time, value, expected);
+        let taken = self.channel_mut(channel).take(
+            &settings,
+            unit,
+            Stamped { time, value },
+            &others,
+        );
         let accepted = match taken {
             Err(refusal) => {
                 return Some(VhFinding {
@@ -239,11 +246,12 @@ impl VhMonitor {
             Ok(accepted) => accepted,
         };
         let disagreed = self.disagree;
-        if let Some(found) = self.bar_another(channel, time) {
-            return Some(found);
-        }
+        let barred = self.bar_another(channel, time);
         let against = self.learn(time);
         self.disagree = against.is_some();
+        if barred.is_some() {
+            return barred;
+        }
         let (kind, value, expected) = match (against, disagreed, accepted) {
             (Some([used, other]), false, _) => (VhFindingKind::Disagreement, used, Some(other)),
             (None, true, _) | (_, _, Accepted::Recovered) => {
@@ -286,6 +294,18 @@ impl VhMonitor {
         None
     }
 
+    /// Returns the height above ground that goes with a height above the sea, m; `None` for another
+    /// quantity.
+    fn height_under(&self, channel: VhChannel, now: Time) -> Option<f32> {
+        if !matches!(channel, VhChannel::Altitude | VhChannel::TerrainHeight) {
+            return None;
+        }
+        let last = |channel| self.channel(channel).valid(self.settings.of(channel), now);
+        last(VhChannel::LaserHeight)
+            .or_else(|| last(VhChannel::HeightAboveGround))
+            .or_else(|| Some(last(VhChannel::Altitude)? - last(VhChannel::TerrainHeight)?))
+    }
+
     fn values(&self, now: Time) -> Values {
         let value = |channel| {
             let settings = self.settings.of(channel);
@@ -309,7 +329,7 @@ impl VhMonitor {
         self.agreements.learn(&survey, &self.limits(now));
         self.unconfirmed = false;
         if let Some(way) = survey.way {
-            self.unconfirmed = way.held.doubt != 0.0;
+            self.unconfirmed = way.held.is_in_doubt;
             if !self.unconfirmed {
                 self.spread.take(now, way.held.value);
             }

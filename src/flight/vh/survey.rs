@@ -62,10 +62,19 @@ impl Agreements {
             held(VhChannel::HeightAboveGround),
         ];
         let speed = self.speeds.choose(&speeds, &limits.speeds);
+        // A height that gives no V/H is none.
+        let heights = heights.map(|height| {
+            height.filter(|height| {
+                speed.is_none_or(|it| is_within(settings.direct.range, it.held.value / height.value))
+            })
+        });
         let height = self.heights.choose(&heights, &limits.heights);
         let over_terrain = held(VhChannel::Altitude)
             .zip(held(VhChannel::TerrainHeight))
-            .map(|(altitude, terrain)| altitude.less(&terrain))
+            .map(|(altitude, terrain)| {
+                let [least_m, _] = settings.height_above_ground.range;
+                altitude.less(&terrain, least_m)
+            })
             .filter(|height| is_within(settings.height_above_ground.range, height.value));
         let quotient = |height: Option<Held>| Some(speed?.held.over(&height?));
         let ways = [

@@ -379,6 +379,7 @@ impl<'a, D: FlyingDevice + ?Sized> Flight<'a, D> {
             Outcome::Refused(_) => None,
         };
         let frame = FlownFrame {
+            fetched_faults: record.faults,
             record,
             truth,
             fetched_us: now_us,

@@ -1,7 +1,7 @@
 //! Completed flight: records, true exposures and what the camera reported in between.
 
 use fmc_camera::flight::controller::state::State;
-use fmc_camera::flight::fault::Fault;
+use fmc_camera::flight::fault::{Fault, Faults};
 use fmc_camera::flight::frame_record::{Flag, FrameRecord, Outcome};
 use fmc_camera::flight::in_doubt::InDoubt;
 use fmc_camera::io::instruments::counters::InstrumentCounters;
@@ -20,6 +20,8 @@ pub struct FlownFrame {
     pub truth: Option<FrameTruth>,
     /// Time at which the computer got the record, µs.
     pub fetched_us: u64,
+    /// Faults that it named then: those of a record that is in doubt later are not among them.
+    pub fetched_faults: Faults,
 }
 
 /// A completed flight.

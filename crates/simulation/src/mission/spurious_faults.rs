@@ -26,7 +26,7 @@ pub(crate) fn of(scenario: &MissionScenario, flown: &Flown) -> Vec<String> {
             _ => None,
         });
     let recorded = flown.frames.iter().flat_map(|frame| {
-        let faults = frame.record.faults;
+        let faults = frame.fetched_faults;
         faults.iter().map(|fault| (frame.fetched_us, fault))
     });
     let mut spurious: Vec<String> = announced

@@ -126,7 +126,7 @@ fn source_that_is_alone_and_jumps_is_unconfirmed_until_another_agrees_or_it_retu
         send(&mut monitor, 4.0, &[GOOD[0], jumped], 300);
         let (vh, sigma, _) = found(&monitor, 34.0);
         // 500 m is used, and σ covers the 1000 m before.
-        assert!((vh - 0.12).abs() < 1e-3 && sigma > 0.119, "{vh} {sigma}");
+        assert!((vh - 0.12).abs() < 1e-3 && sigma > 0.99 * (vh - VH), "{vh} {sigma}");
         assert!(monitor.is_unconfirmed());
         monitor
     };
@@ -160,4 +160,80 @@ fn difference_that_is_no_contradiction_is_half_in_sigma() {
     let difference = 0.03 * VH;
     assert!((0.7..1.0).contains(&(sigma / difference)), "{sigma}");
     assert!(!monitor.has_disagreed());
+}
+
+#[test]
+fn sigma_covers_a_lower_height_that_may_be_true() {
+    // A radar alone that jumps to the threefold, and a laser that says so from the beginning.
+    let high = 3000.0;
+    let mut jumped = flying(&GOOD[..2]);
+    let height = VhSample::HeightAboveGround(high);
+    send(&mut jumped, 4.0, &[GOOD[0], height], 300);
+    let mut contradicted = VhMonitor::new(calm().checked().unwrap());
+    let laser = VhSample::LaserHeight(high);
+    send(&mut contradicted, 0.0, &[GOOD[0], GOOD[1], laser], 50);
+    for (monitor, seconds) in [(jumped, 34.0), (contradicted, 5.0)] {
+        let (vh, sigma, _) = found(&monitor, seconds);
+        assert!((vh - VH / 3.0).abs() < 0.001 * VH, "{vh}");
+        assert!(sigma > 0.99 * (VH - vh), "{sigma}");
+    }
+}
+
+#[test]
+fn jump_that_gusts_might_have_made_by_the_time_it_is_believed_is_unconfirmed() {
+    // A speed alone, twice a second: 30 % more is refused at first.
+    let mut settings = calm();
+    settings.ground_speed.change_per_sqrt_s = 3.0;
+    let mut monitor = VhMonitor::new(settings.checked().unwrap());
+    let speed = |monitor: &mut VhMonitor, step: u16, speed_m_s: f32| {
+        let now = at(0.5 * f32::from(step));
+        monitor.observe(now, noisy(GOOD[1], step));
+        monitor.observe(now, noisy(VhSample::GroundSpeed(speed_m_s), step))
+    };
+    for step in 0..3_u16 {
+        assert_eq!(speed(&mut monitor, step, 60.0), None);
+    }
+    let refused = (3..10_u16).take_while(|step| {
+        speed(&mut monitor, *step, 78.0).is_some_and(|found| found.kind == VhFindingKind::Jump)
+    });
+    let refused = refused.count();
+    assert!((1..4).contains(&refused), "{refused}");
+    assert!(monitor.is_unconfirmed());
+    let (vh, sigma, _) = found(&monitor, 1.5 + 0.5 * f32::from(u8::try_from(refused).unwrap()));
+    assert!(sigma > 0.99 * (vh - VH), "{vh} {sigma}");
+}
+
+#[test]
+fn height_above_sea_is_confirmed_by_parts_of_the_height_above_ground() {
+    // 500 m above a plateau of 4000 m; an altitude of 4300 m is within 5 % of 4500 m.
+    let [terrain, altitude] = [VhSample::TerrainHeight(4000.0), VhSample::Altitude(4500.0)];
+    let speed = VhSample::GroundSpeed(30.0);
+    let mut settings = calm();
+    settings.altitude.sigma = 1.0;
+    let mut monitor = VhMonitor::new(settings.checked().unwrap());
+    send(&mut monitor, 0.0, &[speed, terrain, altitude], 40);
+    send(
+        &mut monitor,
+        4.0,
+        &[speed, terrain, VhSample::Altitude(4300.0)],
+        300,
+    );
+    let (vh, sigma, _) = found(&monitor, 34.0);
+    assert!((vh - 0.1).abs() < 0.002, "{vh}");
+    assert!(monitor.is_unconfirmed() && sigma > 0.039, "{sigma}");
+}
+
+#[test]
+fn height_that_gives_no_vh_does_not_hide_another() {
+    // V/H of 0.012, and of 0.0012 by the laser.
+    let mut settings = calm();
+    settings.direct.range = [0.005, 2.0];
+    let mut monitor = VhMonitor::new(settings.checked().unwrap());
+    let speed = VhSample::GroundSpeed(6.0);
+    let near = VhSample::HeightAboveGround(500.0);
+    let far = VhSample::LaserHeight(4900.0);
+    send(&mut monitor, 0.0, &[speed, near, far], 20);
+    let (vh, ..) = found(&monitor, 2.0);
+    assert!((0.011..0.013).contains(&vh), "{vh}");
+    assert!(monitor.is_known(at(2.0)));
 }
