@@ -11,9 +11,12 @@ const AGREE_SIGMA: f32 = 5.0;
 /// wrong: a stage that is pushed at a moment that nobody knows goes on at up to twice the change.
 const CHANGE_PART: f32 = 2.0;
 
-/// Part of the tolerance for uneven motion that counts as unseen: the speed at the mark is seldom
-/// off by twice its largest recent change.
-const UNEVEN_PART: f32 = 0.25;
+/// Part, as σ, of the counts that may be lost unseen: the tolerance of a crossing.
+const UNSEEN_PART: f32 = 0.15;
+
+/// Part, as σ, of a difference of two crossings that agree, beyond what the encoder's steps make:
+/// all of it if counts were lost, nothing if the motion was uneven.
+const OFF_PART: f32 = 0.5;
 
 /// Reading of the encoder at the index mark, and the records that depend on it.
 ///
@@ -25,7 +28,7 @@ const UNEVEN_PART: f32 = 0.25;
 /// by the repeatability of the mark `σ_i`. The age t of a reading moves it by v·t: with the error
 /// of t, which stays, by `σ_t` times the difference of the speeds v and u of both crossings, and
 /// with the speeds, which are known to [`CHANGE_PART`] of their largest recent changes d and c
-/// between two readings. The tolerances are
+/// between two readings, less the change that a step makes. The tolerances are
 ///
 /// ```text
 /// against the reference   e = q·(1 + 2·t/T) + 5·√(σ_i² + ((v - u)·σ_t)²) + 2·t·(d + c)
@@ -33,29 +36,30 @@ const UNEVEN_PART: f32 = 0.25;
 /// ```
 ///
 /// with σ of the zero `σ_0`, of the scale s, the place x of the mark and the time T between
-/// readings. A crossing outside shows that counts were lost or added since the last one that
-/// agreed.
+/// readings. A crossing outside shows that counts were lost or added since the last one that agreed
+/// within the steps, `q·(1 + 2·t/T)`.
 ///
 /// # σ of a record
-/// A record with a crossing since the one before is *referenced*: its σ is not below the difference
-/// of that crossing from the settings beyond 2·t·(d + c), nor below a fifth of what may be lost
-/// unseen, `q + 5·σ_i` and [`UNEVEN_PART`] of 2·t·(d + c). Without, as on a camera without a mark,
-/// each of the n records since the last crossing may have lost a step that the stage's watch lets
-/// pass, up to L either way and independent of the others: `σ² = n·L²/3`.
+/// A record with a crossing since the one before is *referenced*. Its σ is not below
+/// [`UNSEEN_PART`] of the tolerance of another crossing like that: as much may be lost unseen. To that is added [`OFF_PART`] of the difference of that crossing from the reference,
+/// or from the settings if that is larger, beyond the steps: uneven motion, or counts that were
+/// lost. Without a crossing, as on a camera without a mark, each of the n records since the last
+/// may have lost a step that the stage's watch lets pass, up to L either way and independent of the
+/// others: `σ² = n·L²/3`. The difference of a crossing that did not agree is added to that.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(crate) struct IndexWatch {
     /// The slowest and steadiest crossing since the camera was armed.
     reference: Option<Reference>,
-    /// Difference of the last crossing from the settings beyond that which uneven motion explains,
-    /// mm.
+    /// Difference of the last crossing from the reference, or from the settings if that is larger,
+    /// beyond that which the encoder's steps make, mm.
     off_mm: f32,
-    /// Counts that may have been lost unseen at that crossing, mm.
-    unseen_mm: f32,
+    /// Tolerance of another crossing like the last one that agreed, mm.
+    tolerance_mm: f32,
     /// Reading at the last crossing, mm, whether it agreed or not.
     last_mm: Option<f32>,
     /// Exposures since the last crossing that agreed; one more if there was none.
     cycles: u16,
-    /// Number of the first record after that crossing.
+    /// Number of the first record after the last crossing that agreed within the steps.
     first_since: u32,
     /// Exposures that the last crossing that did not agree has left in doubt.
     in_doubt: Option<InDoubt>,
@@ -68,7 +72,7 @@ pub(crate) struct IndexWatch {
     is_expected: bool,
 }
 
-/// A crossing with which others are compared.
+/// A crossing that others are compared with.
 #[derive(Debug, Clone, Copy, PartialEq)]
 struct Reference {
     place_mm: f32,
@@ -147,7 +151,7 @@ impl IndexWatch {
         Self {
             reference: None,
             off_mm: 0.0,
-            unseen_mm: 0.0,
+            tolerance_mm: 0.0,
             last_mm: None,
             cycles: 1,
             first_since: 1,
@@ -172,43 +176,45 @@ impl IndexWatch {
         let place_mm = crossing.reading_mm + crossing.speed_mm_s * age_s;
         self.last_mm = Some(place_mm);
         let index_mm = drive.index_mm?;
-        let speed_mm_s = crossing.speed_mm_s;
-        let (expected_mm, sigma_mm, of_reference_mm_s) = match self.reference {
+        // A step in a reading looks like a change.
+        let of_step_mm_s = 1e-3 * drive.encoder_step_um / TICK_S;
+        let latest = Reference {
+            place_mm,
+            speed_mm_s: crossing.speed_mm_s,
+            change_mm_s: (crossing.change_mm_s - of_step_mm_s).max(0.0),
+        };
+        let (expected_mm, tolerance_mm) = match self.reference {
             Some(reference) => (
                 reference.place_mm,
-                repeat_sigma_mm(drive, speed_mm_s - reference.speed_mm_s),
-                reference.change_mm_s,
+                repeat_tolerance_mm(drive, &latest, &reference),
             ),
-            None => (index_mm, place_sigma_mm(drive, index_mm, speed_mm_s), 0.0),
+            None => (index_mm, place_tolerance_mm(drive, &latest, index_mm)),
         };
-        let uneven_mm = CHANGE_PART * (crossing.change_mm_s + of_reference_mm_s) * age_s;
-        // Both speeds have the steps of their readings.
-        let steps_mm = 1e-3 * drive.encoder_step_um * (1.0 + 2.0 * age_s / TICK_S);
-        let tolerance_mm = steps_mm + AGREE_SIGMA * sigma_mm + uneven_mm;
         self.is_missed = false;
         let off_mm = place_mm - expected_mm;
         if libm::fabsf(off_mm) > tolerance_mm {
+            self.off_mm = libm::fabsf(off_mm);
+            self.cycles = self.cycles.max(1);
             return Some(InDoubt {
                 from_sequence: self.first_since,
                 off_mm,
             });
         }
-        let latest = Reference {
-            place_mm,
-            speed_mm_s,
-            change_mm_s: crossing.change_mm_s,
-        };
-        if self
+        let reference = self
             .reference
-            .is_none_or(|reference| latest.fastest_mm_s() < reference.fastest_mm_s())
-        {
-            self.reference = Some(latest);
-        }
-        self.off_mm = (libm::fabsf(place_mm - index_mm) - uneven_mm).max(0.0);
-        self.unseen_mm = 1e-3 * (drive.encoder_step_um + AGREE_SIGMA * drive.index_sigma_um)
-            + UNEVEN_PART * uneven_mm;
+            .filter(|reference| reference.fastest_mm_s() <= latest.fastest_mm_s())
+            .unwrap_or(latest);
+        self.reference = Some(reference);
+        let steps_mm = steps_mm(drive);
+        let beyond_mm = libm::fabsf(off_mm) - steps_mm;
+        // The place in the settings has no steps.
+        let of_settings_mm = libm::fabsf(place_mm - index_mm) - 0.5 * steps_mm;
+        self.off_mm = beyond_mm.max(of_settings_mm).max(0.0);
+        self.tolerance_mm = repeat_tolerance_mm(drive, &latest, &reference);
         self.cycles = 0;
-        self.first_since = crossing.next_sequence;
+        if beyond_mm <= 0.0 {
+            self.first_since = crossing.next_sequence;
+        }
         None
     }
 
@@ -221,10 +227,12 @@ impl IndexWatch {
     /// been lost unseen, mm; `passed_mm` is the largest step that the stage's watch lets pass.
     pub(crate) fn sigma_mm(&self, common_mm: f32, drive: &DriveSettings, passed_mm: f32) -> f32 {
         if self.is_referenced(drive) {
-            common_mm.max(self.unseen_mm / AGREE_SIGMA).max(self.off_mm)
+            let least_mm = common_mm.max(UNSEEN_PART * self.tolerance_mm);
+            libm::hypotf(least_mm, OFF_PART * self.off_mm)
         } else {
             let cycles = f32::from(self.cycles.max(1));
-            libm::hypotf(common_mm, passed_mm * libm::sqrtf(cycles / 3.0))
+            let lost_mm = passed_mm * libm::sqrtf(cycles / 3.0);
+            libm::hypotf(libm::hypotf(common_mm, lost_mm), self.off_mm)
         }
     }
 
@@ -314,16 +322,37 @@ impl IndexWatch {
     }
 }
 
+/// Returns the largest difference of two readings of a place that their steps make, mm. Both speeds
+/// have the steps of their readings.
+fn steps_mm(drive: &DriveSettings) -> f32 {
+    let age_s = drive.velocity_loop.reading_age_s;
+    1e-3 * drive.encoder_step_um * (1.0 + 2.0 * age_s / TICK_S)
+}
+
+/// Returns the largest difference of two crossings that agree, mm.
+fn repeat_tolerance_mm(drive: &DriveSettings, latest: &Reference, reference: &Reference) -> f32 {
+    let sigma_mm = repeat_sigma_mm(drive, latest.speed_mm_s - reference.speed_mm_s);
+    let change_mm_s = latest.change_mm_s + reference.change_mm_s;
+    tolerance_mm(drive, sigma_mm, change_mm_s)
+}
+
+/// Returns the largest difference of a crossing that agrees from the mark's place in the settings,
+/// mm.
+fn place_tolerance_mm(drive: &DriveSettings, latest: &Reference, index_mm: f32) -> f32 {
+    let of_zero_mm = 1e-3 * drive.zero_sigma_um;
+    let of_scale_mm = 1e-6 * drive.encoder_scale_ppm * index_mm;
+    let of_mark_mm = repeat_sigma_mm(drive, latest.speed_mm_s);
+    let sigma_mm = libm::hypotf(of_mark_mm, libm::hypotf(of_zero_mm, of_scale_mm));
+    tolerance_mm(drive, sigma_mm, latest.change_mm_s)
+}
+
+fn tolerance_mm(drive: &DriveSettings, sigma_mm: f32, change_mm_s: f32) -> f32 {
+    let uneven_mm = CHANGE_PART * change_mm_s * drive.velocity_loop.reading_age_s;
+    steps_mm(drive) + AGREE_SIGMA * sigma_mm + uneven_mm
+}
+
 /// Returns σ of the difference of two readings at the mark with a difference in speed, mm.
 fn repeat_sigma_mm(drive: &DriveSettings, faster_mm_s: f32) -> f32 {
     let of_age_mm = drive.reading_age_sigma_s * faster_mm_s;
     libm::hypotf(1e-3 * drive.index_sigma_um, of_age_mm)
-}
-
-/// Returns σ of the difference of a reading at the mark from its place in the settings, mm.
-fn place_sigma_mm(drive: &DriveSettings, index_mm: f32, speed_mm_s: f32) -> f32 {
-    let of_zero_mm = 1e-3 * drive.zero_sigma_um;
-    let of_scale_mm = 1e-6 * drive.encoder_scale_ppm * index_mm;
-    let of_mark_mm = repeat_sigma_mm(drive, speed_mm_s);
-    libm::hypotf(of_mark_mm, libm::hypotf(of_zero_mm, of_scale_mm))
 }

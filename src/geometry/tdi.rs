@@ -63,6 +63,15 @@ pub(crate) fn largest_lag(rows: f32, first_transfer: f32) -> f32 {
     if first_transfer < rows { 1.0 } else { rows }
 }
 
+/// Returns the number of transfers in an exposure.
+///
+/// # Units and frames
+/// As in [`largest_lag`].
+#[must_use]
+pub(crate) fn transfers(rows: f32, first_transfer: f32) -> f32 {
+    libm::ceilf((rows - first_transfer).max(0.0))
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -94,7 +103,7 @@ mod tests {
         for rows in [0.0_f32, 0.2, 0.5, 0.9, 1.0, 1.7, 4.0, 33.3] {
             for first_transfer in [0.0_f32, 0.25, 0.5, 1.0] {
                 // Places of the image on the charge, 1000 of them in a row period.
-                let (mut least, mut most) = (0.0_f32, 0.0_f32);
+                let (mut least, mut most, mut last) = (0.0_f32, 0.0_f32, 0.0_f32);
                 let images = (0..=u16::MAX).map(|step| f32::from(step) / 1000.0);
                 for image in images.take_while(|image| *image <= rows) {
                     let transfers = if image > first_transfer {
@@ -104,7 +113,12 @@ mod tests {
                     };
                     least = least.min(image - transfers);
                     most = most.max(image - transfers);
+                    last = transfers;
                 }
+                // A transfer at last light itself may count or not.
+                let most_off = if (rows - first_transfer).fract() < 1e-3 { 1.5 } else { 0.5 };
+                let found = transfers(rows, first_transfer);
+                assert!((last - found).abs() < most_off, "{rows}: {found}, {last}");
                 let found = largest_lag(rows, first_transfer);
                 let expected = most - least;
                 // At phase 0 the first transfer is that of an image that has not moved yet.

@@ -147,6 +147,7 @@ impl Bench {
             self.edges.remove(0);
             self.send_at(time, Event::Shutter(edge));
         }
+        self.cross_index();
         if self.is_read {
             let reading = StageReading {
                 time: self.now,
@@ -154,7 +155,6 @@ impl Bench {
             };
             self.send(Event::Stage(reading));
         }
-        self.cross_index();
         self.send(Event::Tick);
     }
 
@@ -169,8 +169,13 @@ impl Bench {
             return;
         };
         if before_mm < index_mm && index_mm <= after_mm {
+            let part = (index_mm - before_mm) / (after_mm - before_mm);
+            let crossed = self.now.plus_s(1e-3 * (part - 1.0));
+            let setpoint = self.camera.controller().setpoint(crossed);
+            let speed_mm_s =
+                setpoint.map_or((after_mm - before_mm) / 1e-3, |setpoint| setpoint.speed_mm_s);
             // The latched reading is as old as all others.
-            let old_mm = (after_mm - before_mm) / 1e-3 * drive.velocity_loop.reading_age_s;
+            let old_mm = speed_mm_s * drive.velocity_loop.reading_age_s;
             self.send(Event::IndexMark(index_mm + self.added_mm - old_mm));
         }
     }

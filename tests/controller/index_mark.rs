@@ -149,6 +149,27 @@ fn counts_that_pass_the_mark_unseen_are_within_three_sigma() {
 }
 
 #[test]
+fn mark_that_is_crossed_in_an_exposure_or_just_after_doubts_its_record() {
+    for index_mm in (0..16_u8).map(|step| 0.004 * f32::from(step)) {
+        for added_mm in [-0.002, 0.0013] {
+            let mut bench = Bench::new(with_mark(index_mm));
+            bench.arm();
+            fly_frame(&mut bench);
+            bench.send(Event::Trigger);
+            bench.run_until(100, |state| state == State::Tracking);
+            bench.added_mm = added_mm;
+            bench.run(300);
+            let record = bench.records()[1];
+            let case = format!("{index_mm} {added_mm}");
+            assert!(record.faults.contains(Fault::Encoder), "{case}");
+            assert!(record.flags.contains(Flag::Unreferenced), "{case}");
+            let sigma_mm = exposed(&record).principal_point_sigma.total_mm();
+            assert!(sigma_mm > 0.9 * added_mm.abs(), "{case}: {sigma_mm}");
+        }
+    }
+}
+
+#[test]
 fn counts_that_are_lost_in_standby_are_found_at_arming() {
     for added_mm in [-0.9, -0.002, 0.002, 0.5] {
         let mut bench = Bench::new(with_mark(0.3));

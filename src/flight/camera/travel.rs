@@ -5,7 +5,7 @@ use crate::flight::exposure::{Exposure, Limits};
 use crate::flight::stage::{Tracking, Travel};
 use crate::geometry::principal_point::{PrincipalPointMotion, UniformTravel};
 use crate::geometry::range::{OutOfRange, Quantity};
-use crate::geometry::tdi::largest_lag;
+use crate::geometry::tdi::{largest_lag, transfers};
 
 impl Camera {
     /// Returns `true` if a stage moves the detector.
@@ -71,6 +71,21 @@ impl Camera {
                     .unwrap_or(smooth)
             }
         }
+    }
+
+    /// Returns the offset of the charge at last light, mm along the FMC axis, where rows are clocked
+    /// at the speed of a travel; of a stage where it has moved to.
+    pub(crate) fn closing_mm(&self, travel: UniformTravel) -> f32 {
+        let travel_mm = travel.speed_mm_s * travel.exposure_s;
+        let moved_mm = match self.mechanism {
+            Mechanism::Stage { .. } => travel_mm,
+            Mechanism::Tdi { first_transfer } => {
+                let pixel_mm = self.calibration.sensor().pixel_mm();
+                let rows = transfers(libm::fabsf(travel_mm) / pixel_mm, first_transfer);
+                libm::copysignf(rows * pixel_mm, travel_mm)
+            }
+        };
+        travel.opening_offset_mm + moved_mm
     }
 
     /// Returns the way of an image point to and fro on the charge that rows carry which are clocked

@@ -1,5 +1,7 @@
 //! Motion of the principal point in an exposure, measured or planned.
 
+use core::f32::consts::SQRT_2;
+
 use super::{InFlight, Light, Phase};
 use crate::flight::controller::setup::Setup;
 use crate::flight::controller::stage::{ExposureMotion, StageMachine};
@@ -44,7 +46,10 @@ impl InFlight {
         } else {
             [0.0; 2]
         };
-        let stamped_mm = libm::fabsf(planned.speed_mm_s) * STAMP_SIGMA_S;
+        // First light starts the rows: its stamp and that of the last one change the time between
+        // alone, in which the charge lies where the last transfer has put it.
+        let off_mm = setup.camera.closing_mm(planned) - motion.centroid_mm;
+        let stamped_mm = off_mm * SQRT_2 * STAMP_SIGMA_S / planned.exposure_s;
         ExposureMotion {
             motion,
             sigma: PrincipalPointSigma {

@@ -1,11 +1,14 @@
 //! The record of an exposure.
 
+use core::f32::consts::FRAC_1_SQRT_2;
+
 use super::motion::sigma_of_unknown_place;
 use super::{FrameMachine, InFlight, Light, Phase};
 use crate::flight::camera;
 use crate::flight::controller::aircraft::Aircraft;
 use crate::flight::controller::setup::Setup;
 use crate::flight::controller::stage::{ExposureMotion, StageMachine};
+use crate::flight::controller::timing::STAMP_SIGMA_S;
 use crate::flight::exposure::{CorrectionModel, Exposure};
 use crate::flight::frame_record::{ExposedFrame, Flag, Flags, Outcome, Reason};
 use crate::flight::record_log::Entry;
@@ -29,8 +32,16 @@ impl FrameMachine {
         let sequence = frame.asked.sequence;
         let mut flags = frame.flags;
         let mut sigma = measured.sigma;
-        if setup.camera.has_stage() && !stage.index.is_referenced(&setup.settings.drive) {
-            flags.insert(Flag::Unreferenced);
+        if setup.camera.has_stage() {
+            let drive = &setup.settings.drive;
+            if !stage.index.is_referenced(drive) {
+                flags.insert(Flag::Unreferenced);
+            }
+            if !flags.contains(Flag::PlannedMotion) {
+                // The mark may have been crossed since the readings.
+                let passed_mm = setup.settings.stage_tolerance().unseen_mm();
+                sigma.common_mm = stage.index.sigma_mm(sigma.common_mm, drive, passed_mm);
+            }
         }
         let mut later_s = 0.0;
         if light.is_end_assumed {
@@ -69,7 +80,9 @@ impl FrameMachine {
             let mut exposed =
                 frame.exposed(light, &predicted, &measured, setup, aircraft, &mut flags);
             if let Some(utc) = &mut exposed.centroid_utc {
-                utc.sigma_s = libm::hypotf(utc.sigma_s, later_s);
+                // Of first and last light.
+                let stamped_s = STAMP_SIGMA_S * FRAC_1_SQRT_2;
+                utc.sigma_s = libm::hypotf(libm::hypotf(utc.sigma_s, stamped_s), later_s);
             }
             Outcome::Exposed(exposed)
         } else {

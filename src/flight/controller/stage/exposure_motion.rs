@@ -62,8 +62,6 @@ impl StageMachine {
         // Of a long exposure not all readings are kept.
         let read = intervals * exposure_s / (last.time_s - first.time_s);
         let mut sigma = sigma_of_readings(drive, &motion, exposure_s, read, path.play_sigma_mm);
-        let unseen_mm = setup.settings.stage_tolerance().unseen_mm();
-        sigma.common_mm = self.index.sigma_mm(sigma.common_mm, drive, unseen_mm);
         let bend_mm = (path.bend_mm - BEND_STEPS * step_mm).max(0.0);
         sigma.frame_mm = libm::hypotf(sigma.frame_mm, BEND_PART * bend_mm * share);
         let is_whole = !path.is_continued && longest_gap_s <= gap_s;
@@ -91,7 +89,7 @@ impl StageMachine {
 /// from one to the next are wrong independently. The phase of the steps to the calibrated position
 /// is the same for all frames, as are σ of the zero `σ_0`, of the scale s, of the readings' age
 /// `σ_a` and of the play `σ_p`. `σ_t` is [`STAMP_SIGMA_S`]. Counts that may be lost unseen are
-/// added by [`IndexWatch`](crate::flight::index_watch::IndexWatch).
+/// added by [`IndexWatch`](crate::flight::index_watch::IndexWatch), with the record.
 fn sigma_of_readings(
     drive: &DriveSettings,
     motion: &PrincipalPointMotion,

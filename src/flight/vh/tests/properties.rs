@@ -93,7 +93,10 @@ proptest! {
                 // A way that disagreed takes the difference with it when it is lost.
                 let last = Time::from_us(now.us() - 100_000);
                 let disagreed = monitor.survey(last).against().is_some();
-                prop_assert!(found.sigma_per_s > before.sigma_per_s || disagreed);
+                // Beside a large jump that is in doubt the growth may be lost in rounding.
+                let has_grown = found.sigma_per_s > before.sigma_per_s
+                    || monitor.is_unconfirmed() && found.sigma_per_s >= before.sigma_per_s;
+                prop_assert!(has_grown || disagreed);
             }
             before = found;
         }
