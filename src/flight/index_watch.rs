@@ -57,6 +57,9 @@ pub(crate) struct IndexWatch {
     tolerance_mm: f32,
     /// Reading at the last crossing, mm, whether it agreed or not.
     last_mm: Option<f32>,
+    /// The stage has crossed the mark since it was armed as it does from frame to frame, perhaps
+    /// slower than at arming.
+    is_flown: bool,
     /// Exposures since the last crossing that agreed; one more if there was none.
     cycles: u16,
     /// Number of the first record after the last crossing that agreed within the steps.
@@ -152,6 +155,7 @@ impl IndexWatch {
             reference: None,
             off_mm: 0.0,
             tolerance_mm: 0.0,
+            is_flown: false,
             last_mm: None,
             cycles: 1,
             first_since: 1,
@@ -166,6 +170,7 @@ impl IndexWatch {
     /// Forgets the reference: the next crossing is compared with the settings.
     pub(crate) fn arm(&mut self) {
         self.reference = None;
+        self.is_flown = false;
         self.is_missed = false;
     }
 
@@ -200,6 +205,7 @@ impl IndexWatch {
                 off_mm,
             });
         }
+        self.is_flown |= self.reference.is_some() && self.cycles > 0;
         let reference = self
             .reference
             .filter(|reference| reference.fastest_mm_s() <= latest.fastest_mm_s())
@@ -210,7 +216,11 @@ impl IndexWatch {
         // The place in the settings has no steps.
         let of_settings_mm = libm::fabsf(place_mm - index_mm) - 0.5 * steps_mm;
         self.off_mm = beyond_mm.max(of_settings_mm).max(0.0);
-        self.tolerance_mm = repeat_tolerance_mm(drive, &latest, &reference);
+        let slowest = Reference {
+            speed_mm_s: if self.is_flown { reference.speed_mm_s } else { 0.0 },
+            ..reference
+        };
+        self.tolerance_mm = repeat_tolerance_mm(drive, &latest, &slowest);
         self.cycles = 0;
         if beyond_mm <= 0.0 {
             self.first_since = crossing.next_sequence;

@@ -120,8 +120,9 @@ impl FlightSettings {
             following_mm: 1e-3 * self.following_tolerance_um.max(FOLLOWING_STEPS * step_um)
                 + play_mm
                 + FRICTION_PART * drive.velocity_loop.friction_error_mm(),
-            jump_mm: 1e-3 * self.jump_tolerance_um.max(JUMP_STEPS * step_um) + play_mm,
-            friction_mm: FRICTION_ROUNDS * drive.velocity_loop.friction_mm_s2() * TICK_S * TICK_S,
+            jump_mm: 1e-3 * self.jump_tolerance_um.max(JUMP_STEPS * step_um),
+            slip_mm: FRICTION_ROUNDS * drive.velocity_loop.friction_mm_s2() * TICK_S * TICK_S
+                + play_mm,
         }
     }
 }

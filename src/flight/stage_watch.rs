@@ -18,8 +18,9 @@ pub(crate) struct StageTolerance {
     /// Largest difference between the steps of a reading and of its set point since the last ones,
     /// at constant speed, mm.
     pub(crate) jump_mm: f32,
-    /// Distance by which friction moves a stage off its set point from one reading to the next, mm.
-    pub(crate) friction_mm: f32,
+    /// Distance by which friction and play move a stage off its set point from one reading to the
+    /// next, mm.
+    pub(crate) slip_mm: f32,
 }
 
 impl StageTolerance {
@@ -27,7 +28,7 @@ impl StageTolerance {
     /// stage: the largest step while it accelerates, with what the drive makes good of it until the
     /// next reading.
     pub(crate) fn unseen_mm(&self) -> f32 {
-        (1.0 + MADE_GOOD) * (self.friction_mm + ACCELERATING * self.jump_mm)
+        (1.0 + MADE_GOOD) * (self.slip_mm + ACCELERATING * self.jump_mm)
     }
 }
 
@@ -96,7 +97,7 @@ impl StageWatch {
         let step_mm = moved_mm - (told_mm - last_told_mm);
         let is_steady = setpoint.is_some_and(|setpoint| setpoint.acceleration_mm_s2 == 0.0);
         let jump_mm =
-            tolerance.friction_mm + tolerance.jump_mm * if is_steady { 1.0 } else { ACCELERATING };
+            tolerance.slip_mm + tolerance.jump_mm * if is_steady { 1.0 } else { ACCELERATING };
         match self.suspicion_mm.take() {
             Some(suspicion_mm) if libm::fabsf(suspicion_mm + step_mm) <= jump_mm => {
                 ReadingVerdict::Glitch
@@ -155,7 +156,7 @@ mod tests {
     const TOLERANCE: StageTolerance = StageTolerance {
         following_mm: 0.008,
         jump_mm: 0.001,
-        friction_mm: 0.0,
+        slip_mm: 0.0,
     };
     const SPEED_MM_S: f32 = 5.0;
 
