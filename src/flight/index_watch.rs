@@ -217,7 +217,11 @@ impl IndexWatch {
         let of_settings_mm = libm::fabsf(place_mm - index_mm) - 0.5 * steps_mm;
         self.off_mm = beyond_mm.max(of_settings_mm).max(0.0);
         let slowest = Reference {
-            speed_mm_s: if self.is_flown { reference.speed_mm_s } else { 0.0 },
+            speed_mm_s: if self.is_flown {
+                reference.speed_mm_s
+            } else {
+                0.0
+            },
             ..reference
         };
         self.tolerance_mm = repeat_tolerance_mm(drive, &latest, &slowest);

@@ -116,7 +116,11 @@ mod tests {
                     last = transfers;
                 }
                 // A transfer at last light itself may count or not.
-                let most_off = if (rows - first_transfer).fract() < 1e-3 { 1.5 } else { 0.5 };
+                let most_off = if (rows - first_transfer).fract() < 1e-3 {
+                    1.5
+                } else {
+                    0.5
+                };
                 let found = transfers(rows, first_transfer);
                 assert!((last - found).abs() < most_off, "{rows}: {found}, {last}");
                 let found = largest_lag(rows, first_transfer);

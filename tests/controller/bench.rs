@@ -172,8 +172,9 @@ impl Bench {
             let part = (index_mm - before_mm) / (after_mm - before_mm);
             let crossed = self.now.plus_s(1e-3 * (part - 1.0));
             let setpoint = self.camera.controller().setpoint(crossed);
-            let speed_mm_s =
-                setpoint.map_or((after_mm - before_mm) / 1e-3, |setpoint| setpoint.speed_mm_s);
+            let speed_mm_s = setpoint.map_or((after_mm - before_mm) / 1e-3, |setpoint| {
+                setpoint.speed_mm_s
+            });
             // The latched reading is as old as all others.
             let old_mm = speed_mm_s * drive.velocity_loop.reading_age_s;
             self.send(Event::IndexMark(index_mm + self.added_mm - old_mm));

@@ -45,7 +45,10 @@ fn sigma_of_rows_is_that_of_the_stamps_wherever_first_light_falls() {
         let sigma = frame.principal_point_sigma;
         let off_mm = 4.0 * 0.008_75 - frame.interior.motion.centroid_mm;
         let expected_mm = SQRT_2 * off_mm * STAMP_SIGMA_S / EXPOSURE_S;
-        assert!((sigma.frame_mm - expected_mm).abs() < 0.01 * expected_mm, "{sigma:?}");
+        assert!(
+            (sigma.frame_mm - expected_mm).abs() < 0.01 * expected_mm,
+            "{sigma:?}"
+        );
         assert!(sigma.common_mm.abs() < 1e-9);
     }
 }

@@ -75,6 +75,26 @@ fn every_error_is_as_large_as_its_sigma_says_and_nothing_goes_wrong_by_itself() 
 }
 
 #[test]
+fn faults_are_named_and_leave_no_frame_silently_wrong() {
+    let bench = Bench::new();
+    let request = ["--missions", "60", "--faults", "two", "--out", "faults"];
+    run(&bench, "2", &request);
+    let summary = summary(&bench, "faults");
+    assert!(summary["exposed"].as_u64().unwrap() > 500);
+    let checks = summary["checks"].as_array().unwrap();
+    for what in [
+        "principal point, beyond 5 σ",
+        "missions with a spurious fault",
+        "triggers without a record",
+        "silent frames",
+        "missions that pass with nothing to judge",
+    ] {
+        let check = checks.iter().find(|check| check["what"] == what);
+        assert_eq!(check.unwrap()["passed"], true, "{check:?}");
+    }
+}
+
+#[test]
 fn every_worst_case_is_repeated_by_its_scenario() {
     let bench = Bench::new();
     run(&bench, "2", &["--missions", "4", "--out", "statistics"]);

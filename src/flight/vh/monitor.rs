@@ -228,12 +228,9 @@ impl VhMonitor {
         };
         let settings = *self.settings.of(channel);
         let unit = channel.wrong_unit();
-        let taken = self.channel_mut(channel).take(
-            &settings,
-            unit,
-            Stamped { time, value },
-            &others,
-        );
+        let taken =
+            self.channel_mut(channel)
+                .take(&settings, unit, Stamped { time, value }, &others);
         let accepted = match taken {
             Err(refusal) => {
                 return Some(VhFinding {

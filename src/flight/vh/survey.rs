@@ -65,7 +65,8 @@ impl Agreements {
         // A height that gives no V/H is none.
         let heights = heights.map(|height| {
             height.filter(|height| {
-                speed.is_none_or(|it| is_within(settings.direct.range, it.held.value / height.value))
+                speed
+                    .is_none_or(|it| is_within(settings.direct.range, it.held.value / height.value))
             })
         });
         let height = self.heights.choose(&heights, &limits.heights);

@@ -126,7 +126,10 @@ fn source_that_is_alone_and_jumps_is_unconfirmed_until_another_agrees_or_it_retu
         send(&mut monitor, 4.0, &[GOOD[0], jumped], 300);
         let (vh, sigma, _) = found(&monitor, 34.0);
         // 500 m is used, and σ covers the 1000 m before.
-        assert!((vh - 0.12).abs() < 1e-3 && sigma > 0.99 * (vh - VH), "{vh} {sigma}");
+        assert!(
+            (vh - 0.12).abs() < 1e-3 && sigma > 0.99 * (vh - VH),
+            "{vh} {sigma}"
+        );
         assert!(monitor.is_unconfirmed());
         monitor
     };
@@ -199,7 +202,10 @@ fn jump_that_gusts_might_have_made_by_the_time_it_is_believed_is_unconfirmed() {
     let refused = refused.count();
     assert!((1..4).contains(&refused), "{refused}");
     assert!(monitor.is_unconfirmed());
-    let (vh, sigma, _) = found(&monitor, 1.5 + 0.5 * f32::from(u8::try_from(refused).unwrap()));
+    let (vh, sigma, _) = found(
+        &monitor,
+        1.5 + 0.5 * f32::from(u8::try_from(refused).unwrap()),
+    );
     assert!(sigma > 0.99 * (vh - VH), "{vh} {sigma}");
 }
 
