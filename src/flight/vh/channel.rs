@@ -88,7 +88,8 @@ impl Channel {
     /// age of the measurement: time since its arrival and latency of the source; of a value that
     /// repeats, since it came first. From the period of a silent source on the value changes by its
     /// slew limit at most, a uniform error of standard deviation slew·T/√3 after T:
-    /// `σ² = r + q·age + (slew·T)²/3`.
+    /// `σ² = r + q·age + (slew·T)²/3`. The value before a jump may be true, and one to which the
+    /// source has jumped, from its second sample there on.
     pub(super) fn held(&self, settings: &ChannelSettings, now: Time) -> Option<Held> {
         let last = self.last?;
         let since_s = now.seconds_since(last.time).max(0.0);
@@ -107,7 +108,14 @@ impl Channel {
             age_s: settings.latency_s + since_s,
             silent: since_s >= settings.period_s,
         };
-        Some(self.doubt.map_or(held, |before| held.or(before)))
+        let held = self.doubt.map_or(held, |before| held.or(before));
+        Some(match self.candidate {
+            // Refused more than once, but not for its sign.
+            Some((refused, samples)) if samples > 1 && refused.value * last.value > 0.0 => {
+                held.or(refused.value)
+            }
+            _ => held,
+        })
     }
 
     /// Returns the time for which the last value has repeated, s: the true value is unknown since

@@ -243,3 +243,21 @@ fn height_that_gives_no_vh_does_not_hide_another() {
     assert!((0.011..0.013).contains(&vh), "{vh}");
     assert!(monitor.is_known(at(2.0)));
 }
+
+#[test]
+fn sigma_covers_a_value_that_is_refused_again_and_again() {
+    let mut monitor = flying(&[RIGHT]);
+    let sigma = |monitor: &VhMonitor, seconds| found(monitor, seconds).1;
+    let jumped = VhSample::Direct(1.2 * VH);
+    send(&mut monitor, 4.0, &[jumped], 1);
+    // A single one may be a glitch.
+    assert!(sigma(&monitor, 4.1) < 0.05 * VH);
+    send(&mut monitor, 4.1, &[jumped], 2);
+    let (vh, covered, _) = found(&monitor, 4.3);
+    assert!(
+        (vh - VH).abs() < 0.01 * VH && covered > 0.19 * VH,
+        "{vh} {covered}"
+    );
+    send(&mut monitor, 4.3, &[RIGHT], 5);
+    assert!(sigma(&monitor, 4.8) < 0.05 * VH);
+}
