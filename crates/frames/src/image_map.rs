@@ -1,0 +1,145 @@
+//! Names of the images of a flight.
+
+use std::collections::HashMap;
+use std::fs::File;
+use std::io::Read;
+use std::path::Path;
+
+use csv::{ReaderBuilder, StringRecord, Trim};
+use fmc_camera_file::InputError;
+
+use crate::columns::{csv_error, names, shown};
+
+/// The image of each sequence number, from a table with the columns `sequence` and `image`.
+#[derive(Debug, Clone, PartialEq, Eq, Default)]
+pub struct ImageMap {
+    images: HashMap<u32, String>,
+}
+
+impl ImageMap {
+    /// Reads a table.
+    ///
+    /// # Errors
+    /// [`InputError`] naming file, line, column and value: a column that is missing, a sequence
+    /// that is no number, a sequence or an image that stands twice, an image without a name.
+    pub fn read(path: &Path) -> Result<Self, InputError> {
+        let file = File::open(path).map_err(|error| InputError::reading(path, &error))?;
+        Self::of(&path.display().to_string(), file)
+    }
+
+    fn of(file: &str, source: impl Read) -> Result<Self, InputError> {
+        let mut reader = ReaderBuilder::new().trim(Trim::All).from_reader(source);
+        let mut row = StringRecord::new();
+        let header = reader.headers();
+        let header = header.map_err(|error| csv_error(file, &[], &row, &error))?;
+        let names = names(file, header)?;
+        let place = |wanted: &str| {
+            names.iter().position(|name| name == wanted).ok_or_else(|| {
+                InputError::invalid(format!(
+                    "{file}, line 1: column {wanted} is missing; found {}",
+                    shown(&names.join(","))
+                ))
+            })
+        };
+        let (sequence, image) = (place("sequence")?, place("image")?);
+        let mut images = HashMap::new();
+        let mut sequences = HashMap::new();
+        while reader
+            .read_record(&mut row)
+            .map_err(|error| csv_error(file, &names, &StringRecord::new(), &error))?
+        {
+            let line = row.position().map_or(0, csv::Position::line);
+            let refused =
+                |text: String| InputError::invalid(format!("{file}, line {line}: {text}"));
+            let number = row.get(sequence).unwrap_or_default();
+            let number: u32 = number.parse().map_err(|_| {
+                refused(format!(
+                    "sequence = \"{}\" is not a whole number from 0 to {}",
+                    shown(number),
+                    u32::MAX
+                ))
+            })?;
+            let image = row.get(image).unwrap_or_default();
+            if image.is_empty() {
+                return Err(refused(format!("image of sequence {number} is empty")));
+            }
+            if images.insert(number, image.to_owned()).is_some() {
+                return Err(refused(format!("sequence {number} appears twice")));
+            }
+            if let Some(other) = sequences.insert(image.to_owned(), number) {
+                return Err(refused(format!(
+                    "image = \"{}\" is that of sequence {other}, too",
+                    shown(image)
+                )));
+            }
+        }
+        Ok(Self { images })
+    }
+
+    /// Returns the image of a sequence number.
+    #[must_use]
+    pub fn image(&self, sequence: u32) -> Option<&str> {
+        self.images.get(&sequence).map(String::as_str)
+    }
+
+    /// Returns the sequence numbers that have an image, in ascending order.
+    #[must_use]
+    pub fn sequences(&self) -> Vec<u32> {
+        let mut sequences: Vec<u32> = self.images.keys().copied().collect();
+        sequences.sort_unstable();
+        sequences
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn images_are_found_by_their_sequence() {
+        let text = "\u{feff}image, sequence,camera\r\na.tif,2,x\r\n\"b,c.tif\", 1 ,y\r\n";
+        let map = ImageMap::of("map.csv", text.as_bytes()).unwrap();
+        assert_eq!(map.image(2), Some("a.tif"));
+        assert_eq!(map.image(1), Some("b,c.tif"));
+        assert_eq!(map.image(3), None);
+        assert_eq!(map.sequences(), [1, 2]);
+    }
+
+    #[test]
+    fn wrong_rows_are_refused_by_line_and_column() {
+        for (text, expected) in [
+            ("", "map.csv: the file is empty"),
+            (
+                "sequence,name\n",
+                "map.csv, line 1: column image is missing; found sequence,name",
+            ),
+            (
+                "image,image,sequence\n",
+                "map.csv, line 1: column image appears twice",
+            ),
+            (
+                "sequence,image\n1,a\n-2,b\n",
+                "map.csv, line 3: sequence = \"-2\" is not a whole number from 0 to 4294967295",
+            ),
+            (
+                "sequence,image\n1,\n",
+                "map.csv, line 2: image of sequence 1 is empty",
+            ),
+            (
+                "sequence,image\n1,a\n1,b\n",
+                "map.csv, line 3: sequence 1 appears twice",
+            ),
+            (
+                "sequence,image\n1,a\n2,a\n",
+                "map.csv, line 3: image = \"a\" is that of sequence 1, too",
+            ),
+            (
+                "sequence,image\n1\n",
+                "map.csv, line 2: 1 columns where the header has 2",
+            ),
+        ] {
+            let error = ImageMap::of("map.csv", text.as_bytes()).unwrap_err();
+            assert_eq!(error.to_string(), expected);
+        }
+    }
+}
