@@ -13,7 +13,9 @@ use crate::columns::{csv_error, names, shown};
 /// The image of each sequence number, from a table with the columns `sequence` and `image`.
 #[derive(Debug, Clone, PartialEq, Eq, Default)]
 pub struct ImageMap {
-    images: HashMap<u32, String>,
+    file: String,
+    /// Line and image of each sequence number.
+    images: HashMap<u32, (u64, String)>,
 }
 
 impl ImageMap {
@@ -24,10 +26,14 @@ impl ImageMap {
     /// that is no number, a sequence or an image that stands twice, an image without a name.
     pub fn read(path: &Path) -> Result<Self, InputError> {
         let file = File::open(path).map_err(|error| InputError::reading(path, &error))?;
-        Self::of(&path.display().to_string(), file)
+        Self::read_from(&path.display().to_string(), file)
     }
 
-    fn of(file: &str, source: impl Read) -> Result<Self, InputError> {
+    /// Reads a table as [`read`](Self::read) does, from any source; `file` is its name in messages.
+    ///
+    /// # Errors
+    /// Those of [`read`](Self::read).
+    pub fn read_from(file: &str, source: impl Read) -> Result<Self, InputError> {
         let mut reader = ReaderBuilder::new().trim(Trim::All).from_reader(source);
         let mut row = StringRecord::new();
         let header = reader.headers();
@@ -63,7 +69,7 @@ impl ImageMap {
             if image.is_empty() {
                 return Err(refused(format!("image of sequence {number} is empty")));
             }
-            if images.insert(number, image.to_owned()).is_some() {
+            if images.insert(number, (line, image.to_owned())).is_some() {
                 return Err(refused(format!("sequence {number} appears twice")));
             }
             if let Some(other) = sequences.insert(image.to_owned(), number) {
@@ -73,13 +79,28 @@ impl ImageMap {
                 )));
             }
         }
-        Ok(Self { images })
+        Ok(Self {
+            file: file.to_owned(),
+            images,
+        })
+    }
+
+    /// Name of the file in messages.
+    #[must_use]
+    pub fn file(&self) -> &str {
+        &self.file
     }
 
     /// Returns the image of a sequence number.
     #[must_use]
     pub fn image(&self, sequence: u32) -> Option<&str> {
-        self.images.get(&sequence).map(String::as_str)
+        self.images.get(&sequence).map(|(_, image)| image.as_str())
+    }
+
+    /// Returns the line of a sequence number.
+    #[must_use]
+    pub fn line(&self, sequence: u32) -> Option<u64> {
+        self.images.get(&sequence).map(|(line, _)| *line)
     }
 
     /// Returns the sequence numbers that have an image, in ascending order.
@@ -98,11 +119,12 @@ mod tests {
     #[test]
     fn images_are_found_by_their_sequence() {
         let text = "\u{feff}image, sequence,camera\r\na.tif,2,x\r\n\"b,c.tif\", 1 ,y\r\n";
-        let map = ImageMap::of("map.csv", text.as_bytes()).unwrap();
+        let map = ImageMap::read_from("map.csv", text.as_bytes()).unwrap();
         assert_eq!(map.image(2), Some("a.tif"));
         assert_eq!(map.image(1), Some("b,c.tif"));
         assert_eq!(map.image(3), None);
         assert_eq!(map.sequences(), [1, 2]);
+        assert_eq!([1, 2, 3].map(|one| map.line(one)), [Some(3), Some(2), None]);
     }
 
     #[test]
@@ -138,7 +160,7 @@ mod tests {
                 "map.csv, line 2: 1 columns where the header has 2",
             ),
         ] {
-            let error = ImageMap::of("map.csv", text.as_bytes()).unwrap_err();
+            let error = ImageMap::read_from("map.csv", text.as_bytes()).unwrap_err();
             assert_eq!(error.to_string(), expected);
         }
     }

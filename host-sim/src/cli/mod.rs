@@ -16,7 +16,7 @@ mod vh;
 
 pub use calibration::{CalibrateArgs, CalibrationMethod, FiveArgs, RegressOn, StaticP2};
 pub use camera::{CameraAction, CameraArgs, ExposureTimeArgs, PrepareArgs, StatusArgs, VhArgs};
-pub use exchange::{ContainerName, ExportArgs, ExportFormat, ImportArgs, ImportFormat, SignName};
+pub use exchange::{ContainerName, ExportArgs, ImportArgs, SignName};
 pub use mesh::{ImagePart, MeshArgs, MeshFormatName};
 pub use mission::{MissionArgs, RecordsArgs};
 pub use simulation::{BudgetArgs, SmearArgs, StrategyName, StripArgs, SweepArgs};
