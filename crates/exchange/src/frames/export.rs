@@ -16,6 +16,14 @@ use crate::pinhole::Pinhole;
 use crate::program::Program;
 use crate::residual::Residual;
 
+/// Residual of the frames above that of the calibrated camera with which its coefficients are kept,
+/// µm.
+const TOLERANCE_UM: f64 = 2e-3;
+
+/// Factors by which the lens that the frames see beyond the sensor is enlarged for a fit. Least
+/// squares leave most at the edges: a wider fit leaves less at those of the frames.
+const WIDENING: [f64; 5] = [1.0, 2.0, 4.0, 8.0, 16.0];
+
 /// Frames as a program needs them: what the writers of the files share.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Frames<'a> {
@@ -104,9 +112,11 @@ impl<'a> FrameExport<'a> {
     /// Fits the cameras of a flight's frames, and reads back those that differ most.
     ///
     /// # Accuracy
-    /// The coefficients are those of the calibrated camera, fitted over the sensor, or those fitted
-    /// over all of the lens that the frames see, whichever leaves less on the frames. The files of
-    /// the frames that differ most from the calibrated camera are read back and compared; the
+    /// The coefficients are those of the calibrated camera, fitted over the sensor, if they leave no
+    /// more on the frames than on the calibrated camera. Frames see the lens beyond the sensor:
+    /// where the fit is worse there, it is repeated over as much more of the lens, and over two to
+    /// sixteen times as much, until it leaves no more; or else the best of these is taken. The
+    /// files of the frames that differ most from the calibrated camera are read back and compared; the
     /// others differ from them in principal point and κ alone.
     ///
     /// # Errors
@@ -242,23 +252,34 @@ fn at_rest(
         });
     }
     let over_sensor = export::export(camera, program, choices)?;
+    let most_um = over_sensor.residual.largest_um + TOLERANCE_UM;
     let seen = camera.seen_by(extremes.iter().map(Frame::principal_point));
     let same_model = Choices {
         model: Some(over_sensor.model),
         ..*choices
     };
-    let over_frames = export::export(&seen, program, &same_model);
-    let judged = [Some(over_sensor), over_frames.ok()]
-        .into_iter()
-        .flatten()
-        .map(|exported| Exported {
-            files: Vec::new(),
-            residual: residual(camera, extremes, &exported),
-            ..exported
-        });
-    judged
-        .min_by(|a, b| a.residual.largest_um.total_cmp(&b.residual.largest_um))
-        .ok_or_else(|| InputError::invalid("no model fits the frames"))
+    let of_frames = |exported: Exported| Exported {
+        files: Vec::new(),
+        residual: residual(camera, extremes, &exported),
+        ..exported
+    };
+    let mut best = of_frames(over_sensor);
+    for factor in WIDENING {
+        if best.residual.largest_um <= most_um {
+            break;
+        }
+        let wider = Calibrated {
+            beyond_mm: seen.beyond_mm.map(|side| side.map(|mm| mm * factor)),
+            ..camera.clone()
+        };
+        // A model that folds further out is none.
+        if let Ok(exported) = export::export(&wider, program, &same_model).map(of_frames)
+            && exported.residual.largest_um < best.residual.largest_um
+        {
+            best = exported;
+        }
+    }
+    Ok(best)
 }
 
 /// Returns the largest residual of frames.
