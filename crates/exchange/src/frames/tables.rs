@@ -2,133 +2,146 @@
 
 use std::io::{self, Write};
 
+use serde::Serialize;
+
 use super::{Frames, time};
-use crate::decimal::number;
 
 /// Identifier of the camera in `ArcGIS`'s tables.
 const CAMERA_ID: &str = "1";
 
-/// Columns of the plain table.
-const COLUMNS: [&str; 22] = [
-    "image",
-    "sequence",
-    "centroid_utc",
-    "centroid_unix_us",
-    "utc_sigma_s",
-    "gps_week",
-    "gps_seconds_of_week",
-    "centroid_us",
-    "principal_point_x_mm",
-    "principal_point_y_mm",
-    "principal_point_col_px",
-    "principal_point_row_px",
-    "principal_point_corner_x_px",
-    "principal_point_corner_y_px",
-    "principal_point_sigma_mm",
-    "principal_point_frame_sigma_mm",
-    "principal_point_common_sigma_mm",
-    "centroid_offset_mm",
-    "enlargement",
-    "principal_distance_mm",
-    "enlarged_distance_mm",
-    "enlarged_distance_px",
-];
+/// `X_RIGHT_Y_UP`: the sensor frame.
+const X_RIGHT_Y_UP: u8 = 1;
+
+/// A row of `cameras.csv`, µm.
+#[derive(Serialize)]
+#[serde(rename_all = "PascalCase")]
+struct ArcGisCamera {
+    #[serde(rename = "ObjectID")]
+    object_id: u8,
+    #[serde(rename = "CameraID")]
+    camera_id: &'static str,
+    focal_length: f64,
+    principal_x: f64,
+    principal_y: f64,
+    n_rows: u32,
+    n_columns: u32,
+    pixel_size: f64,
+    film_coordinate_system: u8,
+}
+
+/// A row of `ArcGIS`'s `frames.csv`, µm.
+#[derive(Serialize)]
+#[serde(rename_all = "PascalCase")]
+struct ArcGisFrame<'a> {
+    #[serde(rename = "ObjectID")]
+    object_id: u32,
+    raster: &'a str,
+    #[serde(rename = "CameraID")]
+    camera_id: &'static str,
+    principal_x: f64,
+    principal_y: f64,
+    #[serde(rename = "CentroidUTC")]
+    centroid_utc: Option<String>,
+}
+
+/// A row of the plain table. What is not known is empty.
+#[derive(Serialize)]
+struct PlainFrame<'a> {
+    image: &'a str,
+    sequence: u32,
+    centroid_utc: Option<String>,
+    centroid_unix_us: Option<u64>,
+    utc_sigma_s: Option<f32>,
+    gps_week: Option<u64>,
+    gps_seconds_of_week: Option<String>,
+    centroid_us: u64,
+    principal_point_x_mm: f32,
+    principal_point_y_mm: f32,
+    principal_point_col_px: f64,
+    principal_point_row_px: f64,
+    principal_point_corner_x_px: f64,
+    principal_point_corner_y_px: f64,
+    principal_point_sigma_mm: f32,
+    principal_point_frame_sigma_mm: f32,
+    principal_point_common_sigma_mm: f32,
+    centroid_offset_mm: f32,
+    enlargement: f32,
+    principal_distance_mm: f64,
+    enlarged_distance_mm: f64,
+    enlarged_distance_px: f64,
+}
 
 /// Writes `cameras.csv` of `ArcGIS`: the camera without distortion.
 pub(super) fn arcgis_cameras(frames: &Frames<'_>, sink: &mut dyn Write) -> io::Result<()> {
     let camera = frames.camera;
-    let [x0, y0] = camera.principal_point_mm;
-    let [width, height] = camera.size_px;
+    let [principal_x, principal_y] = camera.principal_point_mm.map(|mm| mm * 1e3);
+    let [n_columns, n_rows] = camera.size_px;
     let mut table = csv::Writer::from_writer(sink);
-    table.write_record([
-        "ObjectID",
-        "CameraID",
-        "FocalLength",
-        "PrincipalX",
-        "PrincipalY",
-        "NRows",
-        "NColumns",
-        "PixelSize",
-        "FilmCoordinateSystem",
-    ])?;
-    table.write_record([
-        "1",
-        CAMERA_ID,
-        &number(camera.principal_distance_mm * 1e3),
-        &number(x0 * 1e3),
-        &number(y0 * 1e3),
-        &height.to_string(),
-        &width.to_string(),
-        &number(camera.pixel_mm * 1e3),
-        "1",
-    ])?;
+    table.serialize(ArcGisCamera {
+        object_id: 1,
+        camera_id: CAMERA_ID,
+        focal_length: camera.principal_distance_mm * 1e3,
+        principal_x,
+        principal_y,
+        n_rows,
+        n_columns,
+        pixel_size: camera.pixel_mm * 1e3,
+        film_coordinate_system: X_RIGHT_Y_UP,
+    })?;
     table.flush()
 }
 
 /// Writes `frames.csv` of `ArcGIS`: the principal point of a frame goes before the camera's.
 pub(super) fn arcgis_frames(frames: &Frames<'_>, sink: &mut dyn Write) -> io::Result<()> {
     let mut table = csv::Writer::from_writer(sink);
-    table.write_record([
-        "ObjectID",
-        "Raster",
-        "CameraID",
-        "PrincipalX",
-        "PrincipalY",
-        "CentroidUTC",
-    ])?;
     frames.each(|frame, image| {
-        let [x, y] = frame.principal_point().map(|mm| number(mm * 1e3));
-        let utc = frame.centroid_utc.and_then(|utc| time::date(utc.unix_us));
-        let row = [
-            &frame.sequence.to_string(),
-            image,
-            CAMERA_ID,
-            &x,
-            &y,
-            utc.as_deref().unwrap_or_default(),
-        ];
-        Ok(table.write_record(row)?)
+        let [principal_x, principal_y] = frame.principal_point().map(|mm| mm * 1e3);
+        Ok(table.serialize(ArcGisFrame {
+            object_id: frame.sequence,
+            raster: image,
+            camera_id: CAMERA_ID,
+            principal_x,
+            principal_y,
+            centroid_utc: frame.centroid_utc.and_then(|utc| time::date(utc.unix_us)),
+        })?)
     })?;
     table.flush()
 }
 
-/// Writes `frames.csv`, the plain table. What is not known is empty.
+/// Writes `frames.csv`, the plain table.
 pub(super) fn plain(frames: &Frames<'_>, sink: &mut dyn Write) -> io::Result<()> {
     let camera = frames.camera;
     let mut table = csv::Writer::from_writer(sink);
-    table.write_record(COLUMNS)?;
     frames.each(|frame, image| {
         let [x_mm, y_mm] = frame.principal_point_mm;
         let [col, row] = camera.pixel_from_sensor(frame.principal_point());
         let utc = frame.centroid_utc;
         let gps = utc.and_then(|utc| time::gps(utc.unix_us));
         let enlarged_mm = camera.principal_distance_without_k0_mm() * frame.scale();
-        let or_empty = |text: Option<String>| text.unwrap_or_default();
-        let cells: [String; COLUMNS.len()] = [
-            image.to_owned(),
-            frame.sequence.to_string(),
-            or_empty(utc.and_then(|utc| time::date(utc.unix_us))),
-            or_empty(utc.map(|utc| utc.unix_us.to_string())),
-            or_empty(utc.map(|utc| utc.sigma_s.to_string())),
-            or_empty(gps.map(|gps| gps.week.to_string())),
-            or_empty(gps.map(|gps| gps.seconds_of_week())),
-            frame.centroid_us.to_string(),
-            x_mm.to_string(),
-            y_mm.to_string(),
-            number(col),
-            number(row),
-            number(col + 0.5),
-            number(row + 0.5),
-            frame.sigma.total_mm().to_string(),
-            frame.sigma.frame_mm.to_string(),
-            frame.sigma.common_mm.to_string(),
-            frame.centroid_offset_mm.to_string(),
-            frame.enlargement.to_string(),
-            number(camera.principal_distance_mm),
-            number(enlarged_mm),
-            number(enlarged_mm / camera.pixel_mm),
-        ];
-        Ok(table.write_record(&cells)?)
+        Ok(table.serialize(PlainFrame {
+            image,
+            sequence: frame.sequence,
+            centroid_utc: utc.and_then(|utc| time::date(utc.unix_us)),
+            centroid_unix_us: utc.map(|utc| utc.unix_us),
+            utc_sigma_s: utc.map(|utc| utc.sigma_s),
+            gps_week: gps.map(|gps| gps.week),
+            gps_seconds_of_week: gps.map(|gps| gps.seconds_of_week()),
+            centroid_us: frame.centroid_us,
+            principal_point_x_mm: x_mm,
+            principal_point_y_mm: y_mm,
+            principal_point_col_px: col,
+            principal_point_row_px: row,
+            principal_point_corner_x_px: col + 0.5,
+            principal_point_corner_y_px: row + 0.5,
+            principal_point_sigma_mm: frame.sigma.total_mm(),
+            principal_point_frame_sigma_mm: frame.sigma.frame_mm,
+            principal_point_common_sigma_mm: frame.sigma.common_mm,
+            centroid_offset_mm: frame.centroid_offset_mm,
+            enlargement: frame.enlargement,
+            principal_distance_mm: camera.principal_distance_mm,
+            enlarged_distance_mm: enlarged_mm,
+            enlarged_distance_px: enlarged_mm / camera.pixel_mm,
+        })?)
     })?;
     table.flush()
 }

@@ -45,6 +45,36 @@ const FRAMES: Words = (
 );
 
 impl Program {
+    /// Returns the advice to the user of a program that takes a camera per image.
+    #[must_use]
+    pub const fn advice_on_frames(self) -> &'static str {
+        match self {
+            Self::Colmap => {
+                "hold the cameras: refine_focal_length, refine_principal_point and \
+                 refine_extra_params 0; refined, each is a free interior orientation of one image. \
+                 images.txt has no poses: all are at the origin"
+            }
+            Self::Metashape => {
+                "File, Import, Import Cameras: cameras.xml; or Tools, Run Script: frames.py. \
+                 Cameras are found by label, the name of the image without its extension, and are \
+                 fixed"
+            }
+            Self::OpenSfm => {
+                "both files into the data set before extract_metadata; hold the cameras: \
+                 optimize_camera_parameters no"
+            }
+            Self::Opf => {
+                "positions and orientations are placeholders, all 0: take sensors and sensor_id \
+                 of them. The file has no place for the size of the image or for a time"
+            }
+            Self::OpenTrackIo => {
+                "a sample per line; sampleTimestamp is the centroid as PTP counts it: TAI; \
+                 coefficients go with the enlarged image"
+            }
+            other => other.conventions().advice,
+        }
+    }
+
     /// Returns the conventions of the program's file.
     #[must_use]
     pub const fn conventions(self) -> Conventions {

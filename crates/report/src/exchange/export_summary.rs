@@ -108,7 +108,8 @@ impl ExportSummary {
 
     /// Adds the frames of a flight and the names of their files.
     #[must_use]
-    pub fn with_frames(mut self, files: &[&str], frames: FramesSummary) -> Self {
+    pub fn with_frames(mut self, program: Program, files: &[&str], frames: FramesSummary) -> Self {
+        self.advice = program.advice_on_frames();
         self.files = files.iter().map(|name| (*name).to_owned()).collect();
         self.frames = Some(frames);
         self

@@ -103,7 +103,7 @@ impl FramesSummary {
             ("images", self.images.clone()),
         ];
         if self.without_utc > 0 {
-            let text = format!("{} exposures: left empty", self.without_utc);
+            let text = format!("{} of {}: left empty", self.without_utc, self.exposures);
             pairs.push(("without UTC", text));
         }
         pairs.push((
@@ -115,20 +115,17 @@ impl FramesSummary {
                 self.largest_offset_sequence
             ),
         ));
+        let edge = length::text(self.largest_enlargement_um / 1e3);
         pairs.push((
             "largest κ",
-            format!(
-                "{:.3e}: {} at the edge",
-                self.largest_enlargement,
-                length::text(self.largest_enlargement_um / 1e3)
-            ),
+            format!("{:.7}: {edge} at the edge", self.largest_enlargement),
         ));
         pairs.push((
             "one camera",
             format!("would cost {:.4} px", self.one_camera_px),
         ));
-        pairs.push(("advised", self.way.clone()));
-        let left_out = format!("{:.2} nm at most, of the motion", self.left_out_nm);
+        pairs.push(("way", self.way.clone()));
+        let left_out = format!("{:.2} nm: curvature over the motion", self.left_out_nm);
         pairs.push(("left out", left_out));
         pairs
     }

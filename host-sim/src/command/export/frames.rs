@@ -42,7 +42,7 @@ pub(super) fn run(
         export.left_out_nm,
     );
     let summary = ExportSummary::of(camera, camera_bytes, args.format, &export.at_rest)
-        .with_frames(&files, frames);
+        .with_frames(args.format, &files, frames);
     super::check_residual(args, &summary)?;
     let folder = OutputFolder::create(&args.out)?;
     for name in files.iter().chain(&["export.json"]) {
