@@ -1,6 +1,5 @@
 //! Names of the images of a flight.
 
-use std::collections::HashMap;
 use std::fs::File;
 use std::io::Read;
 use std::path::Path;
@@ -11,11 +10,19 @@ use fmc_camera_file::InputError;
 use crate::columns::{csv_error, names, shown};
 
 /// The image of each sequence number, from a table with the columns `sequence` and `image`.
-#[derive(Debug, Clone, PartialEq, Eq, Default)]
+#[derive(Debug, Clone, PartialEq, Eq)]
 pub struct ImageMap {
     file: String,
-    /// Line and image of each sequence number.
-    images: HashMap<u32, (u64, String)>,
+    /// In the order of the sequence numbers.
+    rows: Vec<Row>,
+}
+
+/// A row of the table.
+#[derive(Debug, Clone, PartialEq, Eq)]
+struct Row {
+    sequence: u32,
+    line: u32,
+    image: Box<str>,
 }
 
 impl ImageMap {
@@ -48,13 +55,15 @@ impl ImageMap {
             })
         };
         let (sequence, image) = (place("sequence")?, place("image")?);
-        let mut images = HashMap::new();
-        let mut sequences = HashMap::new();
+        let mut rows: Vec<Row> = Vec::new();
+        let mut behind = None;
         while reader
             .read_record(&mut row)
             .map_err(|error| csv_error(file, &names, &StringRecord::new(), &error))?
         {
             let line = row.position().map_or(0, csv::Position::line);
+            // The reader counts a line of \r\n when it comes to the next: its first row is in line 1.
+            let line = line + *behind.get_or_insert(u64::from(line == 1));
             let refused =
                 |text: String| InputError::invalid(format!("{file}, line {line}: {text}"));
             let number = row.get(sequence).unwrap_or_default();
@@ -69,20 +78,47 @@ impl ImageMap {
             if image.is_empty() {
                 return Err(refused(format!("image of sequence {number} is empty")));
             }
-            if images.insert(number, (line, image.to_owned())).is_some() {
-                return Err(refused(format!("sequence {number} appears twice")));
-            }
-            if let Some(other) = sequences.insert(image.to_owned(), number) {
-                return Err(refused(format!(
-                    "image = \"{}\" is that of sequence {other}, too",
-                    shown(image)
-                )));
+            rows.push(Row {
+                sequence: number,
+                line: u32::try_from(line).unwrap_or(u32::MAX),
+                image: image.into(),
+            });
+        }
+        let map = Self {
+            file: file.to_owned(),
+            rows,
+        };
+        map.in_order()
+    }
+
+    /// Puts the rows in order, and refuses a sequence number and an image that stand twice.
+    fn in_order(mut self) -> Result<Self, InputError> {
+        let refused = |row: &Row, text: String| {
+            InputError::invalid(format!("{}, line {}: {text}", self.file, row.line))
+        };
+        self.rows
+            .sort_unstable_by_key(|row| (row.sequence, row.line));
+        for (row, next) in self.rows.iter().zip(self.rows.iter().skip(1)) {
+            if row.sequence == next.sequence {
+                let text = format!("sequence {} appears twice", next.sequence);
+                return Err(refused(next, text));
             }
         }
-        Ok(Self {
-            file: file.to_owned(),
-            images,
-        })
+        let mut rows: Vec<&Row> = self.rows.iter().collect();
+        rows.sort_unstable_by_key(|row| (&row.image, row.line));
+        for (row, next) in rows.iter().zip(rows.iter().skip(1)) {
+            if row.image == next.image {
+                return Err(refused(
+                    next,
+                    format!(
+                        "image = \"{}\" is that of sequence {}, too",
+                        shown(&next.image),
+                        row.sequence
+                    ),
+                ));
+            }
+        }
+        Ok(self)
     }
 
     /// Name of the file in messages.
@@ -94,21 +130,27 @@ impl ImageMap {
     /// Returns the image of a sequence number.
     #[must_use]
     pub fn image(&self, sequence: u32) -> Option<&str> {
-        self.images.get(&sequence).map(|(_, image)| image.as_str())
+        self.row(sequence).map(|row| &*row.image)
     }
 
     /// Returns the line of a sequence number.
     #[must_use]
-    pub fn line(&self, sequence: u32) -> Option<u64> {
-        self.images.get(&sequence).map(|(line, _)| *line)
+    pub fn line(&self, sequence: u32) -> Option<u32> {
+        self.row(sequence).map(|row| row.line)
     }
 
     /// Returns the sequence numbers that have an image, in ascending order.
     #[must_use]
     pub fn sequences(&self) -> Vec<u32> {
-        let mut sequences: Vec<u32> = self.images.keys().copied().collect();
-        sequences.sort_unstable();
-        sequences
+        self.rows.iter().map(|row| row.sequence).collect()
+    }
+
+    fn row(&self, sequence: u32) -> Option<&Row> {
+        let place = self
+            .rows
+            .binary_search_by_key(&sequence, |row| row.sequence)
+            .ok()?;
+        self.rows.get(place)
     }
 }
 

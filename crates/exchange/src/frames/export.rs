@@ -1,6 +1,5 @@
 //! Files with a camera per image, written from the frames of a flight and read back.
 
-use std::collections::HashMap;
 use std::io::{self, Write};
 
 use fmc_camera_file::InputError;
@@ -325,29 +324,29 @@ fn check_names(
     flight: &Flight,
     images: &ImageNames,
 ) -> Result<(), InputError> {
+    if program == Program::Metashape {
+        return images
+            .check_distinct(flight, metashape::label)
+            .map_err(|error| {
+                error.with_help("Metashape knows an image by its name without folder and extension")
+            });
+    }
+    if program != Program::Colmap || choices.is_binary {
+        return Ok(());
+    }
     let mut fault = None;
-    let mut labels = HashMap::new();
-    let is_text = program == Program::Colmap && !choices.is_binary;
     // The walk ends at the first fault.
     let _ = images.each(&flight.frames, |frame, image| {
-        let sequence = frame.sequence;
-        if is_text && image.contains(char::is_whitespace) {
-            let text = format!("image {image:?}: COLMAP's text files end a name at a space");
-            fault = Some(InputError::invalid(text).with_help("--binary"));
+        if !image.contains(char::is_whitespace) {
+            return Ok(());
         }
-        if program == Program::Metashape
-            && let Some(other) = labels.insert(metashape::label(image).to_owned(), sequence)
-        {
-            fault = Some(InputError::invalid(format!(
-                "image {image:?} of sequence {sequence}: Metashape would give it the label of \
-                 sequence {other}, {:?}",
-                metashape::label(image)
-            )));
-        }
-        match fault {
-            None => Ok(()),
-            Some(_) => Err(io::Error::other("a name")),
-        }
+        fault = Some(format!(
+            "image {image:?} of sequence {}: COLMAP's text files end a name at a space",
+            frame.sequence
+        ));
+        Err(io::Error::other("a space"))
     });
-    fault.map_or(Ok(()), Err)
+    fault.map_or(Ok(()), |text| {
+        Err(InputError::invalid(text).with_help("--binary"))
+    })
 }

@@ -1,5 +1,6 @@
 //! Names of the images of a flight: from a pattern, or from a table.
 
+use std::collections::HashMap;
 use std::fmt::Write as _;
 use std::io;
 
@@ -147,6 +148,40 @@ impl ImageNames {
             },
         );
         Err(at(sequence, fault))
+    }
+
+    /// Checks that a part of the names tells the images apart.
+    pub(crate) fn check_distinct(
+        &self,
+        flight: &Flight,
+        part: fn(&str) -> &str,
+    ) -> Result<(), InputError> {
+        let map = match self {
+            // Numbers differ: the part does if it holds the number.
+            Self::Pattern(pattern) => {
+                let label = part(pattern.text());
+                if label.contains("{sequence") || flight.frames.len() == 1 {
+                    return Ok(());
+                }
+                return Err(InputError::invalid(format!(
+                    "--image-name {}: all images have the label {label:?}",
+                    pattern.text()
+                )));
+            }
+            Self::Map(map) => map,
+        };
+        let mut others: HashMap<&str, u32> = HashMap::with_capacity(flight.frames.len());
+        for frame in &flight.frames {
+            let image = map.image(frame.sequence).unwrap_or_default();
+            if let Some(other) = others.insert(part(image), frame.sequence) {
+                let line = map.line(frame.sequence).unwrap_or_default();
+                return Err(InputError::invalid(format!(
+                    "{}, line {line}: image = {image:?} has the label of sequence {other}",
+                    map.file()
+                )));
+            }
+        }
+        Ok(())
     }
 
     /// Calls `each` with every frame and the name of its image; frames without a name are passed

@@ -303,6 +303,10 @@ fn images_that_a_program_cannot_tell_apart_are_refused() {
         "{error}"
     );
     assert_eq!(refused(&folders, Program::Colmap, &text), Ok(()));
+    let pattern = ImageNames::Pattern(Pattern::parse("{sequence}/IMG.tif").unwrap());
+    let error = refused(&pattern, Program::Metashape, &text).unwrap_err();
+    assert!(error.contains("label \"IMG\""), "{error}");
+    assert_eq!(refused(&names(), Program::Metashape, &text), Ok(()));
     let spaces = map("sequence,image\n1,strip 1/1.tif\n2,2.tif\n");
     let error = refused(&spaces, Program::Colmap, &text).unwrap_err();
     assert!(
