@@ -3,6 +3,7 @@
 use std::collections::BTreeSet;
 use std::fs;
 
+use fmc_exchange::program::Program;
 use serde_json::Value;
 
 use crate::command_line::support::Bench;
@@ -134,6 +135,12 @@ fn export<'a>(format: &'a str, records: &'a str, more: &[&'a str]) -> Vec<&'a st
         format,
     ];
     [&arguments, more].concat()
+}
+
+#[test]
+fn formats_are_those_of_the_library() {
+    let with_frames = FILES.map(|(format, _)| format);
+    assert_eq!(with_frames, Program::WITH_FRAMES.map(Program::name));
 }
 
 #[test]

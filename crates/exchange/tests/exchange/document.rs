@@ -17,7 +17,7 @@ const COLUMNS: [(Program, &str); 5] = [
 ];
 
 /// Returns the cells of each row of the table with a heading.
-fn rows(heading: &str) -> Vec<Vec<&'static str>> {
+pub(crate) fn rows(heading: &str) -> Vec<Vec<&'static str>> {
     let lines = DOCUMENT.lines();
     lines
         .skip_while(|line| !line.starts_with(heading))

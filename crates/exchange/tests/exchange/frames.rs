@@ -9,7 +9,7 @@ use fmc_camera_file::published::CAMERA_FILES;
 use fmc_exchange::calibrated::Calibrated;
 use fmc_exchange::export::{Choices, export};
 use fmc_exchange::found::{Formula, Stated};
-use fmc_exchange::frames::{Flight, FrameExport, ImageNames, PATTERN, Pattern};
+use fmc_exchange::frames::{Flight, Frame, FrameExport, ImageNames, PATTERN, Pattern};
 use fmc_exchange::import;
 use fmc_exchange::program::Program;
 use fmc_exchange::source::Source;
@@ -17,6 +17,7 @@ use fmc_frames::{Exposed, ImageMap, Outcome};
 use fmc_reference::exposure::ExposureRequest;
 use fmc_reference::strict::{StrictSolver, Weight};
 
+use crate::document::rows;
 use crate::support::{ALL_TERMS, IXM};
 
 /// An exposure of the test.
@@ -244,9 +245,15 @@ fn principal_point_and_distance_of_a_known_frame() {
     assert_eq!(words[..4], ["7", "FULL_OPENCV", "14204", "10652"]);
     let number = |index: usize| words[index].parse::<f64>().unwrap();
     // The corner is half a pixel from the centre of the first one.
-    assert!((number(6) - 7117.531_915).abs() < 1e-5, "{line}");
+    assert!((number(6) - 7_117.531_915).abs() < 1e-5, "{line}");
     assert!((number(7) - 5282.1794).abs() < 1e-4, "{line}");
     assert!((number(4) / 13_662.553_191 - 1.0 - 1.9466e-4).abs() < 1e-8);
+    // docs/formats.md has it in words.
+    assert!(
+        (export.left_out_nm - 0.364).abs() < 1e-3,
+        "{}",
+        export.left_out_nm
+    );
     let cost = flight.one_camera(&calibrated);
     assert!((cost.offset_mm - 0.188_665_5).abs() < 1e-7);
     assert_eq!(cost.sequence, 7);
@@ -255,6 +262,11 @@ fn principal_point_and_distance_of_a_known_frame() {
         (cost.cost_px - 51.57).abs() < 0.05 && !cost.is_advised(),
         "{cost:?}"
     );
+}
+
+#[test]
+fn frame_takes_64_bytes() {
+    assert_eq!(size_of::<Frame>(), 64);
 }
 
 #[test]
@@ -322,6 +334,35 @@ fn images_that_a_program_cannot_tell_apart_are_refused() {
         let found = refused(&folders, program, &text);
         if !Program::WITH_FRAMES.contains(&program) {
             assert!(found.unwrap_err().contains("no camera per image"));
+        }
+    }
+}
+
+#[test]
+fn documented_files_and_columns_are_those_of_the_export() {
+    let (file, camera) = CameraFile::parse("ixm.toml", IXM).unwrap();
+    let calibrated = Calibrated::of(&file);
+    let mut flight = Flight::default();
+    let frame = record(1, &camera, &Exposure::new(0.17, 0.01));
+    flight.push(&frame, file.exit_pupil_mm()).unwrap();
+    let (images, choices) = (names(), Choices::default());
+    let documented = rows("| format of frames |");
+    assert_eq!(documented.len(), Program::WITH_FRAMES.len());
+    for (row, program) in documented.iter().zip(Program::WITH_FRAMES) {
+        assert_eq!(row[0], format!("`{}`", program.name()));
+        let export = FrameExport::new(&calibrated, &flight, &images, program, &choices).unwrap();
+        for name in export.files() {
+            let stem = name.split('.').next().unwrap();
+            assert!(row[1].contains(stem), "{name}: {}", row[1]);
+        }
+        if program == Program::Frames {
+            let table = text(&export, "frames.csv");
+            let columns: Vec<String> = rows("| column |")
+                .iter()
+                .flat_map(|row| row[0].split(", "))
+                .map(|name| name.trim_matches('`').to_owned())
+                .collect();
+            assert_eq!(table.lines().next().unwrap(), columns.join(","));
         }
     }
 }
