@@ -24,8 +24,8 @@ pub struct Calibrated {
     /// Half of the travel of the stage along x and along y, mm: points that far beyond the edge are
     /// still recorded.
     pub margin_mm: [f64; 2],
-    /// How far models are fitted and judged beyond the sensor, to the left and right and to the
-    /// bottom and top, mm: 0, or as far as frames of a flight see more of the lens.
+    /// Distance beyond the sensor, to the left and right and to the bottom and top, mm, over which
+    /// models are fitted and judged too: 0, or as far as frames of a flight see more of the lens.
     pub beyond_mm: [[f64; 2]; 2],
 }
 

@@ -62,7 +62,7 @@ impl ImageMap {
             .map_err(|error| csv_error(file, &names, &StringRecord::new(), &error))?
         {
             let line = row.position().map_or(0, csv::Position::line);
-            // The reader counts a line of \r\n when it comes to the next: its first row is in line 1.
+            // The reader counts a line with \r\n late, so that the first row is in line 1, too.
             let line = line + *behind.get_or_insert(u64::from(line == 1));
             let refused =
                 |text: String| InputError::invalid(format!("{file}, line {line}: {text}"));

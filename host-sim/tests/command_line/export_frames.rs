@@ -343,6 +343,9 @@ fn formats_with_one_camera_name_what_to_do_instead() {
             .run(&["export", format, "--camera", "camera.toml", "--out", "out"])
             .refused(&[format, "--records"]);
     }
+    bench
+        .run(&export("arcgis", "records.csv", &["--model", "OPENCV"]))
+        .refused(&["--model OPENCV", "arcgis"]);
     let records = |more: &[&str]| bench.run(&export("colmap", "records.csv", more));
     let both = ["--images", "map.csv", "--image-name", "{sequence}"];
     records(&both).refused(&["--images", "--image-name"]);

@@ -8,7 +8,8 @@ largest difference over the sensor must be what export.json states, within 10 %.
 
 Frames of a flight, from rest and with a focus shift, are exported along each of the four axes. What
 COLMAP projects with the camera of each image must be the measured point of the strict solver, as
-well as the export of the calibrated camera has it, within 5 nm.
+well as the export of the calibrated camera has it, within 5 nm. The script for Metashape runs
+against a stand-in for Metashape's own module.
 """
 
 import csv
@@ -169,6 +170,65 @@ def frames(host_sim, file):
                     yield None if largest_um <= most_um else f"{text}, more than {most_um:.6f} µm"
 
 
+# What frames.py uses of Metashape: cameras with labels in a chunk, and sensors for them.
+METASHAPE = """
+import types
+
+
+class Calibration:
+    pass
+
+
+class Sensor:
+    type, fixed_calibration = "frame", False
+
+
+class Chunk:
+    addSensor = staticmethod(Sensor)
+
+
+chunk = Chunk()
+chunk.cameras = [
+    types.SimpleNamespace(label=label, sensor=Sensor()) for label in ("IMG_00002", "IMG_00007")
+]
+app = types.SimpleNamespace(document=types.SimpleNamespace(chunk=chunk))
+"""
+
+
+def script(host_sim, file):
+    """Runs frames.py on a camera with and one without a frame; returns what is wrong."""
+    with tempfile.TemporaryDirectory() as place:
+        place = pathlib.Path(place)
+        export = [host_sim, "export", "metashape", "--camera", file, "--out", place]
+        frame = [host_sim, "frame", "--camera", file, *EXPOSURE, *SHOTS[1], "--json"]
+        frame = json.loads(subprocess.run(frame, check=True, capture_output=True).stdout)
+        records = {"records": [record(2, frame, "00000000")]}
+        (place / "records.json").write_text(json.dumps(records))
+        export = [*export, "--records", place / "records.json"]
+        subprocess.run(export, check=True, capture_output=True)
+        (place / "Metashape.py").write_text(METASHAPE)
+        text = (place / "frames.py").read_text() + SEEN
+        (place / "frames.py").write_text(text)
+        seen = subprocess.run(
+            [sys.executable, place / "frames.py", place / "cameras.xml"], check=True,
+            capture_output=True, text=True,
+        ).stdout.splitlines()
+        sensor = tomllib.loads(pathlib.Path(file).read_text())["sensor"]
+        cx, cy = (value / sensor["pixel_um"] * 1000 for value in frame["principal_point_mm"])
+        found = [float(number) for number in seen[-1].split()[:2]]
+        is_moved = abs(found[0] - cx) < 1e-5 and abs(found[1] + cy) < 1e-5
+        is_held = seen[-1].split()[2:] == ["True", "False"]
+        is_told = seen[0] == "cameras without a frame: IMG_00007"
+        return None if is_moved and is_held and is_told else f"{file}: frames.py: {seen}"
+
+
+# Shows the camera that has a frame, and that the other one is left alone.
+SEEN = """
+one, other = (camera.sensor for camera in Metashape.app.document.chunk.cameras)
+print(one.user_calib.cx, one.user_calib.cy, one.fixed_calibration, other.fixed_calibration)
+"""
+
+
 def measured(camera):
     """Returns points over the sensor in pixels, and as a table in mm."""
     sensor = camera["sensor"]
@@ -235,7 +295,7 @@ def main():
                     what = f"{file}: {program} {' '.join(options)}"
                     print(f"{what}: {largest_um:.6f} µm, but {stated_um:.6f} µm are stated")
     of_flights = [fault for file in files for fault in frames(host_sim, file)]
-    faults = [fault for fault in of_flights if fault]
+    faults = [fault for fault in [*of_flights, script(host_sim, files[0])] if fault]
     print(*faults, sep="\n", end="\n" if faults else "")
     failures += len(faults)
     print(f"{len(of_flights)} cameras of single frames compared with the strict solver")

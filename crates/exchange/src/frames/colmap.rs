@@ -2,20 +2,20 @@
 
 use std::io::{self, Write};
 
-use super::Frames;
+use super::cameras::Cameras;
 use crate::program::colmap::{CAMERAS_HEAD, IMAGES_HEAD, NO_POINTS, binary_camera, camera_line};
 
-pub(super) fn cameras_text(frames: &Frames<'_>, sink: &mut dyn Write) -> io::Result<()> {
+pub(super) fn cameras_text(cameras: &Cameras<'_>, sink: &mut dyn Write) -> io::Result<()> {
     writeln!(
         sink,
         "{CAMERAS_HEAD}# Number of cameras: {}",
-        frames.count()
+        cameras.count()
     )?;
-    frames.each(|frame, _| {
+    cameras.each(|frame, _| {
         let line = camera_line(
-            frames.camera,
-            &frames.pinhole(frame),
-            frames.model,
+            cameras.camera,
+            &cameras.pinhole(frame),
+            cameras.model,
             frame.sequence,
         );
         sink.write_all(line.as_bytes())
@@ -23,33 +23,33 @@ pub(super) fn cameras_text(frames: &Frames<'_>, sink: &mut dyn Write) -> io::Res
 }
 
 /// Writes the images, each at the origin: their poses are not known.
-pub(super) fn images_text(frames: &Frames<'_>, sink: &mut dyn Write) -> io::Result<()> {
-    writeln!(sink, "{IMAGES_HEAD}# Number of images: {}", frames.count())?;
-    frames.each(|frame, image| {
+pub(super) fn images_text(cameras: &Cameras<'_>, sink: &mut dyn Write) -> io::Result<()> {
+    writeln!(sink, "{IMAGES_HEAD}# Number of images: {}", cameras.count())?;
+    cameras.each(|frame, image| {
         let id = frame.sequence;
         write!(sink, "{id} 1 0 0 0 0 0 0 {id} {image}\n\n")
     })
 }
 
-pub(super) fn no_points_text(_: &Frames<'_>, sink: &mut dyn Write) -> io::Result<()> {
+pub(super) fn no_points_text(_: &Cameras<'_>, sink: &mut dyn Write) -> io::Result<()> {
     sink.write_all(NO_POINTS.as_bytes())
 }
 
-pub(super) fn cameras_binary(frames: &Frames<'_>, sink: &mut dyn Write) -> io::Result<()> {
-    sink.write_all(&frames.count().to_le_bytes())?;
-    frames.each(|frame, _| {
+pub(super) fn cameras_binary(cameras: &Cameras<'_>, sink: &mut dyn Write) -> io::Result<()> {
+    sink.write_all(&cameras.count().to_le_bytes())?;
+    cameras.each(|frame, _| {
         sink.write_all(&binary_camera(
-            frames.camera,
-            &frames.pinhole(frame),
-            frames.model,
+            cameras.camera,
+            &cameras.pinhole(frame),
+            cameras.model,
             frame.sequence,
         ))
     })
 }
 
-pub(super) fn images_binary(frames: &Frames<'_>, sink: &mut dyn Write) -> io::Result<()> {
-    sink.write_all(&frames.count().to_le_bytes())?;
-    frames.each(|frame, image| {
+pub(super) fn images_binary(cameras: &Cameras<'_>, sink: &mut dyn Write) -> io::Result<()> {
+    sink.write_all(&cameras.count().to_le_bytes())?;
+    cameras.each(|frame, image| {
         let id = frame.sequence.to_le_bytes();
         sink.write_all(&id)?;
         for component in [1.0_f64, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0] {
@@ -63,6 +63,6 @@ pub(super) fn images_binary(frames: &Frames<'_>, sink: &mut dyn Write) -> io::Re
     })
 }
 
-pub(super) fn no_points_binary(_: &Frames<'_>, sink: &mut dyn Write) -> io::Result<()> {
+pub(super) fn no_points_binary(_: &Cameras<'_>, sink: &mut dyn Write) -> io::Result<()> {
     sink.write_all(&0_u64.to_le_bytes())
 }

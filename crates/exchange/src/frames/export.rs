@@ -4,9 +4,12 @@ use std::io::{self, Write};
 
 use fmc_camera_file::InputError;
 
-use super::{Flight, Frame, ImageNames, colmap, json, metashape, tables};
+use super::cameras::Cameras;
+use super::flight::Flight;
+use super::image_camera::ImageCamera;
+use super::image_names::ImageNames;
+use super::{colmap, json, metashape, tables};
 use crate::calibrated::Calibrated;
-use crate::comparison;
 use crate::correction::Correction;
 use crate::export::{self, Choices, Exported, READ_BACK_UM, difference_um, read_back_as};
 use crate::fit::GRID;
@@ -23,39 +26,7 @@ const TOLERANCE_UM: f64 = 2e-3;
 /// squares leave most at the edges: a wider fit leaves less at those of the frames.
 const WIDENING: [f64; 5] = [1.0, 2.0, 4.0, 8.0, 16.0];
 
-/// Frames as a program needs them: what the writers of the files share.
-#[derive(Debug, Clone, Copy)]
-pub(super) struct Frames<'a> {
-    pub(super) camera: &'a Calibrated,
-    pub(super) model: &'static str,
-    frames: &'a [Frame],
-    images: &'a ImageNames,
-    /// The calibrated camera, for programs that distort rays.
-    pinhole: Pinhole,
-    /// The calibrated camera without K0, for programs that correct measured points.
-    correction: Correction,
-}
-
-impl Frames<'_> {
-    pub(super) fn count(&self) -> u64 {
-        self.frames.len() as u64
-    }
-
-    pub(super) fn pinhole(&self, frame: &Frame) -> Pinhole {
-        frame.pinhole(self.camera, &self.pinhole)
-    }
-
-    pub(super) fn correction(&self, frame: &Frame) -> Correction {
-        frame.correction(&self.correction)
-    }
-
-    /// Calls `each` with every frame and the name of its image.
-    pub(super) fn each(&self, each: impl FnMut(&Frame, &str) -> io::Result<()>) -> io::Result<()> {
-        self.images.each(self.frames, each)
-    }
-}
-
-type Writer = fn(&Frames<'_>, &mut dyn Write) -> io::Result<()>;
+type Writer = fn(&Cameras<'_>, &mut dyn Write) -> io::Result<()>;
 
 /// Returns the files of a program with their writers; none for a program that takes no camera per
 /// image.
@@ -96,8 +67,8 @@ const fn files(program: Program, is_binary: bool) -> &'static [(&'static str, Wr
 /// Cameras of all frames of a flight for a program: fitted, compared with the strict camera, read
 /// back, and ready to be written.
 #[derive(Debug)]
-pub struct FrameExport<'a> {
-    frames: Frames<'a>,
+pub struct FlightExport<'a> {
+    frames: Cameras<'a>,
     program: Program,
     is_binary: bool,
     /// Export of the calibrated camera, whose coefficients all frames have; its residual is the
@@ -107,16 +78,16 @@ pub struct FrameExport<'a> {
     pub left_out_nm: f64,
 }
 
-impl<'a> FrameExport<'a> {
+impl<'a> FlightExport<'a> {
     /// Fits the cameras of a flight's frames, and reads back those that differ most.
     ///
     /// # Accuracy
-    /// The coefficients are those of the calibrated camera, fitted over the sensor, if they leave no
-    /// more on the frames than on the calibrated camera. Frames see the lens beyond the sensor:
-    /// where the fit is worse there, it is repeated over as much more of the lens, and over two to
-    /// sixteen times as much, until it leaves no more; or else the best of these is taken. The
-    /// files of the frames that differ most from the calibrated camera are read back and compared; the
-    /// others differ from them in principal point and κ alone.
+    /// The coefficients are those of the calibrated camera, fitted over the sensor, if they leave
+    /// as little on the frames as on the calibrated camera. Frames see the lens beyond the
+    /// sensor: where the fit is worse there, it is repeated over as much more of the lens, and over
+    /// two to sixteen times as much, until it leaves as little; or else the best of these is taken.
+    /// Files with the frames that differ most from the calibrated camera are read back and compared; the
+    /// other frames differ from them in principal point and κ alone.
     ///
     /// # Errors
     /// [`InputError`] for a program that takes no camera per image, for images that it could not
@@ -137,13 +108,13 @@ impl<'a> FrameExport<'a> {
             Formula::Pinhole(pinhole) => pinhole,
             Formula::Correction(_) => Pinhole::ideal(0.0, [0.0; 2]),
         };
-        let frames = Frames {
+        let frames = Cameras {
             camera,
             model: at_rest.model,
             frames: &flight.frames,
             images,
-            pinhole,
-            correction: Correction::of(&camera.without_k0()),
+            at_rest: pinhole,
+            without_k0: Correction::of(&camera.without_k0()),
         };
         let bend = largest_bend(camera);
         let export = Self {
@@ -182,8 +153,8 @@ impl<'a> FrameExport<'a> {
     }
 
     /// Writes some of the frames, and reads them back.
-    fn check_read_back(&self, some: &[Frame]) -> Result<(), InputError> {
-        let frames = Frames {
+    fn check_read_back(&self, some: &[ImageCamera]) -> Result<(), InputError> {
+        let frames = Cameras {
             frames: some,
             ..self.frames
         };
@@ -237,11 +208,17 @@ impl<'a> FrameExport<'a> {
 /// Returns the export of the calibrated camera, with the residual of the frames.
 fn at_rest(
     camera: &Calibrated,
-    extremes: &[Frame],
+    extremes: &[ImageCamera],
     program: Program,
     choices: &Choices<'_>,
 ) -> Result<Exported, InputError> {
     if matches!(program, Program::ArcGis | Program::Frames) {
+        if let Some(model) = choices.model {
+            return Err(InputError::invalid(format!(
+                "--model {model}: {} has no coefficients, and so no models",
+                program.name()
+            )));
+        }
         return Ok(Exported {
             files: Vec::new(),
             model: "interior orientation",
@@ -252,7 +229,7 @@ fn at_rest(
     }
     let over_sensor = export::export(camera, program, choices)?;
     let most_um = over_sensor.residual.largest_um + TOLERANCE_UM;
-    let seen = camera.seen_by(extremes.iter().map(Frame::principal_point));
+    let seen = camera.seen_by(extremes.iter().map(ImageCamera::principal_point));
     let same_model = Choices {
         model: Some(over_sensor.model),
         ..*choices
@@ -282,7 +259,7 @@ fn at_rest(
 }
 
 /// Returns the largest residual of frames.
-fn residual(camera: &Calibrated, frames: &[Frame], exported: &Exported) -> Residual {
+fn residual(camera: &Calibrated, frames: &[ImageCamera], exported: &Exported) -> Residual {
     let Formula::Pinhole(pinhole) = &exported.formula else {
         return exported.residual;
     };
@@ -290,10 +267,28 @@ fn residual(camera: &Calibrated, frames: &[Frame], exported: &Exported) -> Resid
         .iter()
         .map(|frame| {
             let moved = frame.pinhole(camera, pinhole);
-            comparison::of_frame(camera, frame, &moved)
+            frame_residual(camera, frame, &moved)
         })
         .max_by(|a, b| a.largest_um.total_cmp(&b.largest_um))
         .unwrap_or_default()
+}
+
+/// Returns the difference of measured points on the sensor of a frame, program's - camera's.
+///
+/// # Model
+/// A point of the frame is seen where the calibrated camera has its distance from the principal
+/// point divided by 1 + κ; the terms of μ₂ are left out.
+fn frame_residual(camera: &Calibrated, frame: &ImageCamera, program: &Pinhole) -> Residual {
+    let [x0, y0] = camera.principal_point_mm;
+    let [moved_x, moved_y] = frame.principal_point();
+    Residual::of(camera.grid_mm(GRID).into_iter().map(|point| {
+        let [at_x, at_y] = point;
+        let scale = frame.scale();
+        let at_rest = [x0 + (at_x - moved_x) / scale, y0 + (at_y - moved_y) / scale];
+        let ray = camera.ray_from_measured(at_rest);
+        let [x, y] = camera.sensor_from_pixel(program.pixel_from_ray(ray));
+        (point, [x - at_x, y - at_y])
+    }))
 }
 
 /// Returns the largest second derivative of the distortion along either axis of the sensor, 1/mm.

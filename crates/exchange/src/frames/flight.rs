@@ -1,10 +1,11 @@
-//! Exposures and refused triggers of a flight, and what one camera for all of them would cost.
+//! Exposures and refused triggers of a flight, and the cost of one camera for all of them.
 
 use fmc_camera::geometry::principal_distance::FocusSign;
 use fmc_camera_file::InputError;
 use fmc_frames::Outcome;
 
-use super::{Frame, time};
+use super::image_camera::ImageCamera;
+use super::time;
 use crate::calibrated::Calibrated;
 
 /// Cost below which one camera for all frames is advised, px.
@@ -14,7 +15,7 @@ pub const ONE_CAMERA_PX: f64 = 0.05;
 #[derive(Debug, Clone, PartialEq, Default)]
 pub struct Flight {
     /// Exposures.
-    pub frames: Vec<Frame>,
+    pub frames: Vec<ImageCamera>,
     /// Triggers without an exposure.
     pub refused: Vec<Refused>,
 }
@@ -28,7 +29,7 @@ pub struct Refused {
     pub reason: Box<str>,
 }
 
-/// What the calibrated camera for all frames would cost, in place of a camera per image.
+/// Cost of the calibrated camera for all frames, in place of a camera per image.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct OneCamera {
     /// Largest |c̄|, mm.
@@ -88,7 +89,7 @@ impl Flight {
             )));
         }
         self.frames
-            .push(Frame::of(sequence, exposed, exit_pupil_mm));
+            .push(ImageCamera::of(sequence, exposed, exit_pupil_mm));
         Ok(())
     }
 
@@ -106,7 +107,7 @@ impl Flight {
         Ok(())
     }
 
-    /// Returns what one camera would cost.
+    /// Returns the cost of one camera.
     #[must_use]
     pub fn one_camera(&self, camera: &Calibrated) -> OneCamera {
         let largest = self
@@ -141,15 +142,15 @@ impl Flight {
     /// Returns the frames that differ most from the calibrated camera: with the least and the
     /// largest c̄ and κ.
     #[must_use]
-    pub fn extremes(&self) -> Vec<Frame> {
-        let by = |key: fn(&Frame) -> f32| {
-            let compare = move |a: &&Frame, b: &&Frame| key(a).total_cmp(&key(b));
+    pub fn extremes(&self) -> Vec<ImageCamera> {
+        let by = |key: fn(&ImageCamera) -> f32| {
+            let compare = move |a: &&ImageCamera, b: &&ImageCamera| key(a).total_cmp(&key(b));
             [
                 self.frames.iter().min_by(compare),
                 self.frames.iter().max_by(compare),
             ]
         };
-        let mut frames: Vec<Frame> = [
+        let mut frames: Vec<ImageCamera> = [
             by(|frame| frame.centroid_offset_mm),
             by(|frame| frame.enlargement),
         ]

@@ -7,7 +7,8 @@ use std::io;
 use fmc_camera_file::InputError;
 use fmc_frames::ImageMap;
 
-use super::{Flight, Frame};
+use super::flight::Flight;
+use super::image_camera::ImageCamera;
 
 /// Pattern of the names where none is stated.
 pub const PATTERN: &str = "IMG_{sequence:05}.tif";
@@ -188,8 +189,8 @@ impl ImageNames {
     /// over ([`check`](Self::check) finds them).
     pub(crate) fn each(
         &self,
-        frames: &[Frame],
-        mut each: impl FnMut(&Frame, &str) -> io::Result<()>,
+        frames: &[ImageCamera],
+        mut each: impl FnMut(&ImageCamera, &str) -> io::Result<()>,
     ) -> io::Result<()> {
         let mut name = String::new();
         for frame in frames {

@@ -5,28 +5,30 @@ use std::time::Duration;
 
 use serde_json::{Value, json};
 
-use super::{Frame, Frames, time};
+use super::cameras::Cameras;
+use super::image_camera::ImageCamera;
+use super::time;
 use crate::program::{opensfm, opentrackio, opf};
 
 /// Returns the key of the camera of a frame in `OpenSfM`'s files.
-pub(super) fn opensfm_key(frame: &Frame) -> String {
+pub(super) fn opensfm_key(frame: &ImageCamera) -> String {
     format!("frame {}", frame.sequence)
 }
 
 /// Writes `camera_models_overrides.json`: a camera per image.
-pub(super) fn opensfm_models(frames: &Frames<'_>, sink: &mut dyn Write) -> io::Result<()> {
+pub(super) fn opensfm_models(cameras: &Cameras<'_>, sink: &mut dyn Write) -> io::Result<()> {
     sink.write_all(b"{")?;
-    members(frames, sink, |frame, _| {
-        let model = opensfm::model(frames.camera, &frames.pinhole(frame));
+    members(cameras, sink, |frame, _| {
+        let model = opensfm::model(cameras.camera, &cameras.pinhole(frame));
         (opensfm_key(frame), model)
     })?;
     sink.write_all(b"\n}\n")
 }
 
 /// Writes `exif_overrides.json`: the camera of each image, and its time.
-pub(super) fn opensfm_exif(frames: &Frames<'_>, sink: &mut dyn Write) -> io::Result<()> {
+pub(super) fn opensfm_exif(cameras: &Cameras<'_>, sink: &mut dyn Write) -> io::Result<()> {
     sink.write_all(b"{")?;
-    members(frames, sink, |frame, image| {
+    members(cameras, sink, |frame, image| {
         let mut exif = json!({ "camera": opensfm_key(frame) });
         if let Some(utc) = &frame.centroid_utc {
             let unix = Duration::from_micros(utc.unix_us);
@@ -39,17 +41,17 @@ pub(super) fn opensfm_exif(frames: &Frames<'_>, sink: &mut dyn Write) -> io::Res
 
 /// Writes `calibrated_cameras.json`: a sensor per image. The format demands poses: all are at the
 /// origin.
-pub(super) fn opf_cameras(frames: &Frames<'_>, sink: &mut dyn Write) -> io::Result<()> {
+pub(super) fn opf_cameras(cameras: &Cameras<'_>, sink: &mut dyn Write) -> io::Result<()> {
     write!(
         sink,
         "{{\n\"format\": {},\n\"version\": \"1.0\",\n\"sensors\": [",
         Value::from(opf::FORMAT)
     )?;
-    elements(frames, sink, |frame, _| {
-        opf::sensor(&frames.pinhole(frame), frame.sequence)
+    elements(cameras, sink, |frame, _| {
+        opf::sensor(&cameras.pinhole(frame), frame.sequence)
     })?;
     sink.write_all(b"\n],\n\"cameras\": [")?;
-    elements(frames, sink, |frame, _| {
+    elements(cameras, sink, |frame, _| {
         json!({
             "id": frame.sequence,
             "sensor_id": frame.sequence,
@@ -61,13 +63,13 @@ pub(super) fn opf_cameras(frames: &Frames<'_>, sink: &mut dyn Write) -> io::Resu
 }
 
 /// Writes `camera_list.json`: the image of each camera.
-pub(super) fn opf_list(frames: &Frames<'_>, sink: &mut dyn Write) -> io::Result<()> {
+pub(super) fn opf_list(cameras: &Cameras<'_>, sink: &mut dyn Write) -> io::Result<()> {
     sink.write_all(
         b"{\n\"format\": \"application/opf-camera-list+json\",\n\"version\": \"1.0\",\n\
           \"cameras\": [",
     )?;
     elements(
-        frames,
+        cameras,
         sink,
         |frame, image| json!({ "id": frame.sequence, "uri": image }),
     )?;
@@ -75,9 +77,9 @@ pub(super) fn opf_list(frames: &Frames<'_>, sink: &mut dyn Write) -> io::Result<
 }
 
 /// Writes `samples.jsonl`: a sample per line, with its time as PTP counts it (TAI).
-pub(super) fn opentrackio_samples(frames: &Frames<'_>, sink: &mut dyn Write) -> io::Result<()> {
-    frames.each(|frame, image| {
-        let mut sample = opentrackio::sample(frames.camera, &frames.correction(frame));
+pub(super) fn opentrackio_samples(cameras: &Cameras<'_>, sink: &mut dyn Write) -> io::Result<()> {
+    cameras.each(|frame, image| {
+        let mut sample = opentrackio::sample(cameras.camera, &cameras.correction(frame));
         let mut timing = json!({ "sequenceNumber": frame.sequence });
         let tai = frame.centroid_utc.and_then(|utc| time::tai(utc.unix_us));
         if let Some([seconds, us]) = tai {
@@ -100,12 +102,12 @@ fn insert(object: &mut Value, key: &str, value: Value) {
 
 /// Writes a member per frame, each on a line.
 fn members(
-    frames: &Frames<'_>,
+    cameras: &Cameras<'_>,
     sink: &mut dyn Write,
-    member: impl Fn(&Frame, &str) -> (String, Value),
+    member: impl Fn(&ImageCamera, &str) -> (String, Value),
 ) -> io::Result<()> {
     let mut separator = "\n";
-    frames.each(|frame, image| {
+    cameras.each(|frame, image| {
         let (key, value) = member(frame, image);
         write!(sink, "{separator}{}: {value}", Value::from(key))?;
         separator = ",\n";
@@ -115,12 +117,12 @@ fn members(
 
 /// Writes an element per frame, each on a line.
 fn elements(
-    frames: &Frames<'_>,
+    cameras: &Cameras<'_>,
     sink: &mut dyn Write,
-    element: impl Fn(&Frame, &str) -> Value,
+    element: impl Fn(&ImageCamera, &str) -> Value,
 ) -> io::Result<()> {
     let mut separator = "\n";
-    frames.each(|frame, image| {
+    cameras.each(|frame, image| {
         write!(sink, "{separator}{}", element(frame, image))?;
         separator = ",\n";
         Ok(())

@@ -2,7 +2,7 @@
 
 use std::io::{self, Write};
 
-use super::Frames;
+use super::cameras::Cameras;
 use crate::decimal::number;
 use crate::program::metashape::elements;
 
@@ -18,8 +18,8 @@ pub(super) fn label(image: &str) -> &str {
     }
 }
 
-pub(super) fn cameras(frames: &Frames<'_>, sink: &mut dyn Write) -> io::Result<()> {
-    let camera = frames.camera;
+pub(super) fn cameras(cameras: &Cameras<'_>, sink: &mut dyn Write) -> io::Result<()> {
+    let camera = cameras.camera;
     let [width, height] = camera.size_px;
     let pitch = number(camera.pixel_mm);
     write!(
@@ -28,9 +28,9 @@ pub(super) fn cameras(frames: &Frames<'_>, sink: &mut dyn Write) -> io::Result<(
          <chunk label=\"{}\" enabled=\"true\">\n  <sensors>\n",
         escaped(&camera.name)
     )?;
-    frames.each(|frame, _| {
+    cameras.each(|frame, _| {
         let id = frame.sequence;
-        let pinhole = frames.pinhole(frame);
+        let pinhole = cameras.pinhole(frame);
         let [_, focal_px] = pinhole.focal_px;
         write!(
             sink,
@@ -50,7 +50,7 @@ pub(super) fn cameras(frames: &Frames<'_>, sink: &mut dyn Write) -> io::Result<(
         sink.write_all(b"    </calibration>\n   </sensor>\n")
     })?;
     sink.write_all(b"  </sensors>\n  <cameras>\n")?;
-    frames.each(|frame, image| {
+    cameras.each(|frame, image| {
         let id = frame.sequence;
         let label = escaped(label(image));
         writeln!(
@@ -61,7 +61,7 @@ pub(super) fn cameras(frames: &Frames<'_>, sink: &mut dyn Write) -> io::Result<(
     sink.write_all(b"  </cameras>\n </chunk>\n</document>\n")
 }
 
-pub(super) fn script(_: &Frames<'_>, sink: &mut dyn Write) -> io::Result<()> {
+pub(super) fn script(_: &Cameras<'_>, sink: &mut dyn Write) -> io::Result<()> {
     sink.write_all(SCRIPT.as_bytes())
 }
 

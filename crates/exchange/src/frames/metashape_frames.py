@@ -38,7 +38,7 @@ def main():
     file = sys.argv[1] if len(sys.argv) > 1 else Metashape.app.getOpenFileName("cameras.xml")
     tree = xml.etree.ElementTree.parse(file).getroot().find("chunk")
     sensors = {sensor.get("id"): sensor for sensor in tree.find("sensors")}
-    frames = {camera.get("label"): sensors[camera.get("sensor_id")] for camera in tree.find("cameras")}
+    frames = {one.get("label"): sensors[one.get("sensor_id")] for one in tree.find("cameras")}
     chunk = Metashape.app.document.chunk
     missing = []
     for camera in chunk.cameras:

@@ -2,20 +2,20 @@
 //!
 //! A frame is the calibrated camera with the principal point of its record and, by the focus shift,
 //! with F(1 + κ): lens and distortion move together over the detector. So the calibrated camera is
-//! fitted once, and every frame is that fit, moved ([`Frame::pinhole`]).
+//! fitted once, and every frame is that fit, moved ([`ImageCamera::pinhole`]).
 
+mod cameras;
 mod colmap;
 mod export;
 mod flight;
-mod frame;
+mod image_camera;
 mod image_names;
 mod json;
 mod metashape;
 mod tables;
 pub mod time;
 
-pub use export::FrameExport;
-use export::Frames;
+pub use export::FlightExport;
 pub use flight::{Flight, ONE_CAMERA_PX, OneCamera, Refused};
-pub use frame::Frame;
+pub use image_camera::ImageCamera;
 pub use image_names::{ImageNames, PATTERN, Pattern};

@@ -4,7 +4,8 @@ use std::io::{self, Write};
 
 use serde::Serialize;
 
-use super::{Frames, time};
+use super::cameras::Cameras;
+use super::time;
 
 /// Identifier of the camera in `ArcGIS`'s tables.
 const CAMERA_ID: &str = "1";
@@ -72,8 +73,8 @@ struct PlainFrame<'a> {
 }
 
 /// Writes `cameras.csv` of `ArcGIS`: the camera without distortion.
-pub(super) fn arcgis_cameras(frames: &Frames<'_>, sink: &mut dyn Write) -> io::Result<()> {
-    let camera = frames.camera;
+pub(super) fn arcgis_cameras(cameras: &Cameras<'_>, sink: &mut dyn Write) -> io::Result<()> {
+    let camera = cameras.camera;
     let [principal_x, principal_y] = camera.principal_point_mm.map(|mm| mm * 1e3);
     let [n_columns, n_rows] = camera.size_px;
     let mut table = csv::Writer::from_writer(sink);
@@ -92,9 +93,9 @@ pub(super) fn arcgis_cameras(frames: &Frames<'_>, sink: &mut dyn Write) -> io::R
 }
 
 /// Writes `frames.csv` of `ArcGIS`: the principal point of a frame goes before the camera's.
-pub(super) fn arcgis_frames(frames: &Frames<'_>, sink: &mut dyn Write) -> io::Result<()> {
+pub(super) fn arcgis_frames(cameras: &Cameras<'_>, sink: &mut dyn Write) -> io::Result<()> {
     let mut table = csv::Writer::from_writer(sink);
-    frames.each(|frame, image| {
+    cameras.each(|frame, image| {
         let [principal_x, principal_y] = frame.principal_point().map(|mm| mm * 1e3);
         Ok(table.serialize(ArcGisFrame {
             object_id: frame.sequence,
@@ -109,10 +110,10 @@ pub(super) fn arcgis_frames(frames: &Frames<'_>, sink: &mut dyn Write) -> io::Re
 }
 
 /// Writes `frames.csv`, the plain table.
-pub(super) fn plain(frames: &Frames<'_>, sink: &mut dyn Write) -> io::Result<()> {
-    let camera = frames.camera;
+pub(super) fn plain(cameras: &Cameras<'_>, sink: &mut dyn Write) -> io::Result<()> {
+    let camera = cameras.camera;
     let mut table = csv::Writer::from_writer(sink);
-    frames.each(|frame, image| {
+    cameras.each(|frame, image| {
         let [x_mm, y_mm] = frame.principal_point_mm;
         let [col, row] = camera.pixel_from_sensor(frame.principal_point());
         let utc = frame.centroid_utc;

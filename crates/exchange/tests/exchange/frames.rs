@@ -9,7 +9,7 @@ use fmc_camera_file::published::CAMERA_FILES;
 use fmc_exchange::calibrated::Calibrated;
 use fmc_exchange::export::{Choices, export};
 use fmc_exchange::found::{Formula, Stated};
-use fmc_exchange::frames::{Flight, Frame, FrameExport, ImageNames, PATTERN, Pattern};
+use fmc_exchange::frames::{Flight, FlightExport, ImageCamera, ImageNames, PATTERN, Pattern};
 use fmc_exchange::import;
 use fmc_exchange::program::Program;
 use fmc_exchange::source::Source;
@@ -93,7 +93,7 @@ fn names() -> ImageNames {
 }
 
 /// Returns the text of a file of an export.
-fn text(export: &FrameExport<'_>, file: &str) -> String {
+fn text(export: &FlightExport<'_>, file: &str) -> String {
     let mut bytes = Vec::new();
     export.write(file, &mut bytes).unwrap();
     String::from_utf8(bytes).unwrap()
@@ -131,7 +131,7 @@ fn largest_um(file: &CameraFile, solver: &StrictSolver, formula: &Formula) -> f6
 }
 
 /// Returns the camera of each frame as the program's file has it.
-fn read(export: &FrameExport<'_>, program: Program, camera: &Calibrated) -> Vec<Formula> {
+fn read(export: &FlightExport<'_>, program: Program, camera: &Calibrated) -> Vec<Formula> {
     let file = export.files()[0];
     let text = text(export, file);
     let lines: Vec<&str> = text.lines().collect();
@@ -170,7 +170,7 @@ fn check(name: &str, text: &str, programs: &[Program]) {
     let (choices, images) = (Choices::default(), names());
     for program in programs {
         let at_rest = export(&calibrated, *program, &choices).unwrap();
-        let frames = FrameExport::new(&calibrated, &flight, &images, *program, &choices).unwrap();
+        let frames = FlightExport::new(&calibrated, &flight, &images, *program, &choices).unwrap();
         assert_eq!(frames.at_rest.model, at_rest.model);
         let formulas = read(&frames, *program, &calibrated);
         let largest = SHOTS
@@ -180,8 +180,8 @@ fn check(name: &str, text: &str, programs: &[Program]) {
             .fold(0.0, f64::max);
         let what = format!("{name}, {}: {largest} µm", program.name());
         assert!(largest <= at_rest.residual.largest_um + 5e-3, "{what}");
-        // What is stated is what is found, but for the motion during the exposure and the single
-        // precision of the records.
+        // The statement leaves out the motion during the exposure and the single precision of the
+        // records.
         let stated = frames.at_rest.residual.largest_um;
         let unstated = 1e-3 * frames.left_out_nm + 3e-4;
         assert!((largest - stated).abs() <= unstated, "{what}, not {stated}");
@@ -238,7 +238,7 @@ fn principal_point_and_distance_of_a_known_frame() {
         ..Choices::default()
     };
     let export =
-        FrameExport::new(&calibrated, &flight, &images, Program::Colmap, &choices).unwrap();
+        FlightExport::new(&calibrated, &flight, &images, Program::Colmap, &choices).unwrap();
     let cameras = text(&export, "cameras.txt");
     let line = cameras.lines().last().unwrap();
     let words: Vec<&str> = line.split(' ').collect();
@@ -266,7 +266,7 @@ fn principal_point_and_distance_of_a_known_frame() {
 
 #[test]
 fn frame_takes_64_bytes() {
-    assert_eq!(size_of::<Frame>(), 64);
+    assert_eq!(size_of::<ImageCamera>(), 64);
 }
 
 #[test]
@@ -304,7 +304,7 @@ fn images_that_a_program_cannot_tell_apart_are_refused() {
     let map =
         |text: &str| ImageNames::Map(ImageMap::read_from("map.csv", text.as_bytes()).unwrap());
     let refused = |images: &ImageNames, program: Program, choices: &Choices<'_>| {
-        let export = FrameExport::new(&calibrated, &flight, images, program, choices);
+        let export = FlightExport::new(&calibrated, &flight, images, program, choices);
         export.map(|_| ()).map_err(|error| error.to_string())
     };
     let folders = map("sequence,image\n1,a/1.tif\n2,b/1.jpg\n");
@@ -350,7 +350,7 @@ fn documented_files_and_columns_are_those_of_the_export() {
     assert_eq!(documented.len(), Program::WITH_FRAMES.len());
     for (row, program) in documented.iter().zip(Program::WITH_FRAMES) {
         assert_eq!(row[0], format!("`{}`", program.name()));
-        let export = FrameExport::new(&calibrated, &flight, &images, program, &choices).unwrap();
+        let export = FlightExport::new(&calibrated, &flight, &images, program, &choices).unwrap();
         for name in export.files() {
             let stem = name.split('.').next().unwrap();
             assert!(row[1].contains(stem), "{name}: {}", row[1]);

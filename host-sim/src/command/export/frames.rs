@@ -5,9 +5,9 @@ use std::path::Path;
 use fmc_camera_file::CameraFile;
 use fmc_exchange::calibrated::Calibrated;
 use fmc_exchange::export::Choices;
-use fmc_exchange::frames::{Flight, FrameExport, ImageNames};
+use fmc_exchange::frames::{Flight, FlightExport, ImageNames};
 use fmc_frames::{FrameCamera, ImageMap, records};
-use fmc_report::exchange::{ExportSummary, FramesSummary};
+use fmc_report::exchange::{ExportSummary, ExportedFlight};
 
 use crate::cli::ExportArgs;
 use crate::failure::Failure;
@@ -32,9 +32,9 @@ pub(super) fn run(
         ),
     };
     let calibrated = Calibrated::of(camera);
-    let export = FrameExport::new(&calibrated, &flight, &images, args.format, choices)?;
+    let export = FlightExport::new(&calibrated, &flight, &images, args.format, choices)?;
     let files = export.files();
-    let frames = FramesSummary::of(
+    let frames = ExportedFlight::of(
         path.display().to_string(),
         images_from,
         &flight,

@@ -12,14 +12,14 @@ const LISTED: usize = 20;
 
 /// Statement of the frames of a flight. Keys are only ever added.
 #[derive(Debug, Clone, PartialEq, Serialize)]
-pub struct FramesSummary {
+pub struct ExportedFlight {
     /// File of the records.
     pub records: String,
     /// Number of frames written.
     pub exposures: usize,
     /// Triggers without an exposure, which have no frame.
-    pub refused: Vec<RefusedSummary>,
-    /// Where the names of the images are from: a pattern, or the file of a table.
+    pub refused: Vec<RefusedTrigger>,
+    /// Source of the names of the images: a pattern, or the file of a table.
     pub images: String,
     /// Frames whose time in UTC is not known: their fields of UTC and GPS time are empty.
     pub without_utc: usize,
@@ -35,7 +35,7 @@ pub struct FramesSummary {
     pub largest_enlargement: f64,
     /// Largest displacement of a point by that enlargement, µm.
     pub largest_enlargement_um: f64,
-    /// What one camera for all frames would cost: both together, px.
+    /// Cost of one camera for all frames: both displacements together, px.
     pub one_camera_px: f64,
     /// `true` if one camera for all frames costs less than 0.05 px.
     pub one_camera_is_enough: bool,
@@ -47,14 +47,14 @@ pub struct FramesSummary {
 
 /// A trigger without an exposure.
 #[derive(Debug, Clone, PartialEq, Eq, Serialize)]
-pub struct RefusedSummary {
+pub struct RefusedTrigger {
     /// Sequence number.
     pub sequence: u32,
     /// Reason.
     pub reason: String,
 }
 
-impl FramesSummary {
+impl ExportedFlight {
     /// Returns the statement of a flight's frames.
     #[must_use]
     pub fn of(
@@ -148,8 +148,8 @@ impl FramesSummary {
     }
 }
 
-fn refused(refused: &Refused) -> RefusedSummary {
-    RefusedSummary {
+fn refused(refused: &Refused) -> RefusedTrigger {
+    RefusedTrigger {
         sequence: refused.sequence,
         reason: refused.reason.to_string(),
     }

@@ -1,4 +1,5 @@
-//! One exposure of a flight, with the numbers that other programs have a place for.
+//! Camera of one image: an exposure of a flight, with the numbers that other programs have a place
+//! for.
 
 use fmc_camera::flight::principal_point_sigma::PrincipalPointSigma;
 use fmc_camera::flight::time::Time;
@@ -15,7 +16,7 @@ use crate::pinhole::Pinhole;
 /// Lengths are in mm in the sensor frame. The numbers are those of the record, in single precision:
 /// a flight of 1e6 exposures is held in memory.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Frame {
+pub struct ImageCamera {
     /// Sequence number of the trigger.
     pub sequence: u32,
     /// Principal point at the centroid of the exposure, mm.
@@ -34,7 +35,7 @@ pub struct Frame {
     pub centroid_utc: Option<UtcTime>,
 }
 
-impl Frame {
+impl ImageCamera {
     /// Returns the frame of an exposure; `exit_pupil_mm` is L of its camera.
     ///
     /// # Model
