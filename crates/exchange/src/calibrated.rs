@@ -24,6 +24,9 @@ pub struct Calibrated {
     /// Half of the travel of the stage along x and along y, mm: points that far beyond the edge are
     /// still recorded.
     pub margin_mm: [f64; 2],
+    /// Distance beyond the sensor, to the left and right and to the bottom and top, mm, over which
+    /// models are fitted and judged too: 0, or as far as frames of a flight see more of the lens.
+    pub beyond_mm: [[f64; 2]; 2],
 }
 
 impl Calibrated {
@@ -44,6 +47,29 @@ impl Calibrated {
                 .axis
                 .unit()
                 .map(|component| component.abs() * half_stroke),
+            beyond_mm: [[0.0; 2]; 2],
+        }
+    }
+
+    /// Returns the same camera, to be judged over the sensors of frames with these principal points
+    /// too.
+    ///
+    /// # Model
+    /// The lens moves over the sensor with the principal point: a frame sees of it what the
+    /// calibrated camera would see on a sensor that is moved by as much the other way.
+    #[must_use]
+    pub fn seen_by(&self, principal_points_mm: impl IntoIterator<Item = [f64; 2]>) -> Self {
+        let [x0, y0] = self.principal_point_mm;
+        let [mut along_x, mut along_y] = self.beyond_mm;
+        for [x, y] in principal_points_mm {
+            for ([below, above], moved) in [(&mut along_x, x - x0), (&mut along_y, y - y0)] {
+                *below = below.max(moved);
+                *above = above.max(-moved);
+            }
+        }
+        Self {
+            beyond_mm: [along_x, along_y],
+            ..self.clone()
         }
     }
 
@@ -142,28 +168,43 @@ impl Calibrated {
         ]
     }
 
-    /// Returns `count` x `count` points over the sensor, edges included, mm.
+    /// Returns `count` x `count` points over the sensor and [`beyond_mm`](Self::beyond_mm), edges
+    /// included, mm.
     #[must_use]
     pub fn grid_mm(&self, count: u32) -> Vec<[f64; 2]> {
-        grid(self.half_format_mm(), count)
+        self.grid_beyond(self.beyond_mm, count)
     }
 
     /// Returns points over the sensor enlarged by the run-up, edges included, mm.
     pub(crate) fn enlarged_grid_mm(&self, count: u32) -> Vec<[f64; 2]> {
+        self.grid_beyond(self.margin_mm.map(|margin| [margin; 2]), count)
+    }
+
+    fn grid_beyond(&self, beyond_mm: [[f64; 2]; 2], count: u32) -> Vec<[f64; 2]> {
         let [half_width, half_height] = self.half_format_mm();
-        let [along_x, along_y] = self.margin_mm;
-        grid([half_width + along_x, half_height + along_y], count)
+        let [[left, right], [below, above]] = beyond_mm;
+        grid(
+            [
+                [-half_width - left, half_width + right],
+                [-half_height - below, half_height + above],
+            ],
+            count,
+        )
     }
 }
 
-/// Returns `count` x `count` points of a rectangle about the origin, edges included.
-fn grid([half_width, half_height]: [f64; 2], count: u32) -> Vec<[f64; 2]> {
+/// Returns `count` x `count` points of a rectangle, edges included.
+fn grid([[left, right], [bottom, top]]: [[f64; 2]; 2], count: u32) -> Vec<[f64; 2]> {
     let steps = f64::from(count.max(2) - 1);
-    let part = |index: u32| 2.0 * f64::from(index) / steps - 1.0;
+    // About the middle, so that a sensor about the origin has points that are mirrored exactly.
+    let place = |[least, most]: [f64; 2], index: u32| {
+        let half = (most - least) / 2.0;
+        f64::midpoint(least, most) + half * (2.0 * f64::from(index) / steps - 1.0)
+    };
     (0..count.max(2))
         .flat_map(|row| {
             (0..count.max(2))
-                .map(move |column| [half_width * part(column), half_height * part(row)])
+                .map(move |column| [place([left, right], column), place([bottom, top], row)])
         })
         .collect()
 }

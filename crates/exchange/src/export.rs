@@ -24,7 +24,7 @@ pub const GOOD_ENOUGH_PX: f64 = 0.01;
 
 /// Largest difference of a file that was read back from what was to be written, µm: rounding of the
 /// conversions.
-const READ_BACK_UM: f64 = 1e-6;
+pub(crate) const READ_BACK_UM: f64 = 1e-6;
 
 /// Choices of an export.
 #[derive(Debug, Clone, Copy, Default)]
@@ -222,7 +222,19 @@ fn read_back(
     name: &str,
     bytes: &[u8],
 ) -> Result<Found, InputError> {
+    read_back_as(camera, program, name, bytes, None)
+}
+
+/// Reads one camera of a file that was written.
+pub(crate) fn read_back_as(
+    camera: &Calibrated,
+    program: Program,
+    name: &str,
+    bytes: &[u8],
+    id: Option<&str>,
+) -> Result<Found, InputError> {
     let stated = Stated {
+        id,
         pixel_mm: Some(camera.pixel_mm),
         size_px: Some(camera.size_px),
         ..Stated::default()
@@ -231,7 +243,7 @@ fn read_back(
 }
 
 /// Returns the largest difference of two formulas over the sensor, µm.
-fn difference_um(camera: &Calibrated, one: &Pinhole, other: &Pinhole) -> f64 {
+pub(crate) fn difference_um(camera: &Calibrated, one: &Pinhole, other: &Pinhole) -> f64 {
     let points = camera.grid_mm(fit::GRID).into_iter();
     Residual::of(points.map(|point| {
         let ray = camera.ray_from_measured(point);

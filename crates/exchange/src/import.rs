@@ -62,6 +62,11 @@ pub fn read(
         Program::Usgs => usgs::read(source, stated),
         Program::Inpho => inpho::read(source, stated),
         Program::Dji => dji::read(source, stated),
+        Program::ArcGis | Program::Frames => Err(InputError::invalid(format!(
+            "{}: files of {} are only written",
+            source.file,
+            program.name()
+        ))),
     }
 }
 
@@ -97,6 +102,7 @@ pub fn import(
             b: [0.0; 2],
         },
         margin_mm: [0.0; 2],
+        beyond_mm: [[0.0; 2]; 2],
     };
     let pairs: Vec<Pair> = match &found.formula {
         Formula::Pinhole(pinhole) => {

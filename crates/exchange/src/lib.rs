@@ -36,6 +36,7 @@ pub mod export;
 mod fields;
 pub mod fit;
 pub mod found;
+pub mod frames;
 pub mod import;
 mod inverse;
 mod least_squares;

@@ -1,12 +1,9 @@
 //! Numbers and names as the reports write them.
 
 use fmc_camera::io::link::message::Counters;
+pub use fmc_frames::row::FOCUS_CONVENTION;
 use fmc_reference::verification::device::Evidence;
 pub(crate) use fmc_simulation::wording::{count, counted, grouped};
-
-/// Convention by which a focus shift is reported, by the letter of `docs/conventions.md`, section
-/// 6: the principal distance stays, the corrected coordinates contain the enlargement.
-pub const FOCUS_CONVENTION: &str = "A";
 
 /// Describes how points are known to be the camera's.
 pub(crate) fn evidence(evidence: &Evidence) -> String {

@@ -7,7 +7,9 @@
 
 use std::path::PathBuf;
 
+use clap::builder::{PossibleValue, PossibleValuesParser, TypedValueParser};
 use clap::{Args, ValueEnum};
+use fmc_exchange::frames::{PATTERN, Pattern};
 use fmc_exchange::program::{Container, Program};
 
 use super::number::positive;
@@ -16,8 +18,8 @@ use super::number::positive;
 #[derive(Debug, Args)]
 pub struct ExportArgs {
     /// Program whose file is written.
-    #[arg(value_name = "FORMAT")]
-    pub format: ExportFormat,
+    #[arg(value_name = "FORMAT", value_parser = program(&WRITTEN))]
+    pub format: Program,
     /// Camera file (TOML).
     #[arg(long, value_name = "FILE")]
     pub camera: PathBuf,
@@ -42,14 +44,31 @@ pub struct ExportArgs {
     /// program must find the camera of its images by it.
     #[arg(long, value_name = "NAME")]
     pub id: Option<String>,
+    /// Records of a flight, records.csv or records.json: a camera per image, for colmap, metashape,
+    /// opensfm, opf, opentrackio, arcgis and frames.
+    #[arg(long, value_name = "FILE")]
+    pub records: Option<PathBuf>,
+    /// Names of the images: a CSV table with the columns sequence and image.
+    #[arg(
+        long,
+        value_name = "MAP.csv",
+        requires = "records",
+        conflicts_with = "image_name"
+    )]
+    pub images: Option<PathBuf>,
+    /// Names of the images without such a table; {sequence:05} is the number of the trigger with
+    /// five digits at least.
+    #[arg(long, value_name = "PATTERN", requires = "records", value_parser = Pattern::parse,
+          default_value = PATTERN)]
+    pub image_name: Pattern,
 }
 
 /// Arguments of `import`.
 #[derive(Debug, Args)]
 pub struct ImportArgs {
     /// Program that wrote the file.
-    #[arg(value_name = "FORMAT")]
-    pub format: ImportFormat,
+    #[arg(value_name = "FORMAT", value_parser = program(&READ))]
+    pub format: Program,
     /// File of the program.
     #[arg(value_name = "FILE")]
     pub file: PathBuf,
@@ -78,109 +97,87 @@ pub struct ImportArgs {
     pub report: Option<PathBuf>,
 }
 
-/// Programs whose file is written.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
-pub enum ExportFormat {
-    /// OpenCV FileStorage: camera.yaml, or .json, .xml by --as.
-    Opencv,
-    /// ROS camera_info.yaml.
-    Ros,
-    /// Kalibr camchain.yaml; without k3.
-    Kalibr,
-    /// COLMAP cameras, images and points3D, text or --binary.
-    Colmap,
-    /// Metashape camera.xml.
-    Metashape,
-    /// OpenSfM camera_models.json, OpenDroneMap cameras.json.
-    Opensfm,
-    /// Open Photogrammetry Format calibrated_cameras.json.
-    Opf,
-    /// PIX4Dmapper camera.cam and camera.xmp.
-    Pix4d,
-    /// OpenTrackIO lens.json, exact without B1, B2.
-    Opentrackio,
-    /// MicMac AutoCal, DistC2M, exact.
-    Micmac,
-    /// Australis, exact without B1, B2.
-    Australis,
-    /// PhotoModeler, exact without B1, B2.
-    Photomodeler,
-}
+/// Formats of `export`, each with what is written for it.
+const WRITTEN: [(Program, &str); 14] = [
+    (
+        Program::OpenCv,
+        "OpenCV FileStorage: camera.yaml, or .json, .xml by --as",
+    ),
+    (Program::Ros, "ROS camera_info.yaml"),
+    (Program::Kalibr, "Kalibr camchain.yaml; without k3"),
+    (
+        Program::Colmap,
+        "COLMAP cameras, images and points3D, text or --binary",
+    ),
+    (Program::Metashape, "Metashape camera.xml"),
+    (
+        Program::OpenSfm,
+        "OpenSfM camera_models.json, OpenDroneMap cameras.json",
+    ),
+    (
+        Program::Opf,
+        "Open Photogrammetry Format calibrated_cameras.json",
+    ),
+    (Program::Pix4d, "PIX4Dmapper camera.cam and camera.xmp"),
+    (
+        Program::OpenTrackIo,
+        "OpenTrackIO lens.json, exact without B1, B2",
+    ),
+    (Program::MicMac, "MicMac AutoCal, DistC2M, exact"),
+    (Program::Australis, "Australis, exact without B1, B2"),
+    (Program::PhotoModeler, "PhotoModeler, exact without B1, B2"),
+    (
+        Program::ArcGis,
+        "ArcGIS frame cameras: cameras.csv and frames.csv; with --records alone",
+    ),
+    (
+        Program::Frames,
+        "frames.csv, a plain table of times and principal points; with --records alone",
+    ),
+];
 
-impl From<ExportFormat> for Program {
-    fn from(format: ExportFormat) -> Self {
-        match format {
-            ExportFormat::Opencv => Self::OpenCv,
-            ExportFormat::Ros => Self::Ros,
-            ExportFormat::Kalibr => Self::Kalibr,
-            ExportFormat::Colmap => Self::Colmap,
-            ExportFormat::Metashape => Self::Metashape,
-            ExportFormat::Opensfm => Self::OpenSfm,
-            ExportFormat::Opf => Self::Opf,
-            ExportFormat::Pix4d => Self::Pix4d,
-            ExportFormat::Opentrackio => Self::OpenTrackIo,
-            ExportFormat::Micmac => Self::MicMac,
-            ExportFormat::Australis => Self::Australis,
-            ExportFormat::Photomodeler => Self::PhotoModeler,
-        }
-    }
-}
+/// Formats of `import`, each with what is read of it.
+const READ: [(Program, &str); 15] = [
+    (Program::OpenCv, "OpenCV FileStorage in YAML, JSON or XML"),
+    (Program::Ros, "ROS camera_info"),
+    (Program::Kalibr, "Kalibr camchain"),
+    (Program::Colmap, "COLMAP cameras.txt or cameras.bin"),
+    (
+        Program::Metashape,
+        "Metashape camera.xml, or a chunk's cameras.xml with --id",
+    ),
+    (
+        Program::OpenSfm,
+        "OpenSfM camera_models.json, OpenDroneMap cameras.json",
+    ),
+    (
+        Program::Opf,
+        "Open Photogrammetry Format calibrated_cameras.json",
+    ),
+    (Program::Pix4d, "PIX4Dmapper .cam, or XMP"),
+    (Program::OpenTrackIo, "OpenTrackIO sample"),
+    (Program::MicMac, "MicMac AutoCal of either direction"),
+    (Program::Australis, "Australis or iWitness report"),
+    (Program::PhotoModeler, "PhotoModeler camera"),
+    (Program::Usgs, "Text of a USGS calibration report"),
+    (Program::Inpho, "Inpho project file; --sign is required"),
+    (Program::Dji, "DewarpData of a DJI image"),
+];
 
-/// Programs whose file is read.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
-pub enum ImportFormat {
-    /// OpenCV FileStorage in YAML, JSON or XML.
-    Opencv,
-    /// ROS camera_info.
-    Ros,
-    /// Kalibr camchain.
-    Kalibr,
-    /// COLMAP cameras.txt or cameras.bin.
-    Colmap,
-    /// Metashape camera.xml, or a chunk's cameras.xml with --id.
-    Metashape,
-    /// OpenSfM camera_models.json, OpenDroneMap cameras.json.
-    Opensfm,
-    /// Open Photogrammetry Format calibrated_cameras.json.
-    Opf,
-    /// PIX4Dmapper .cam, or XMP.
-    Pix4d,
-    /// OpenTrackIO sample.
-    Opentrackio,
-    /// MicMac AutoCal of either direction.
-    Micmac,
-    /// Australis or iWitness report.
-    Australis,
-    /// PhotoModeler camera.
-    Photomodeler,
-    /// Text of a USGS calibration report.
-    Usgs,
-    /// Inpho project file; --sign is required.
-    Inpho,
-    /// DewarpData of a DJI image.
-    Dji,
-}
-
-impl From<ImportFormat> for Program {
-    fn from(format: ImportFormat) -> Self {
-        match format {
-            ImportFormat::Opencv => Self::OpenCv,
-            ImportFormat::Ros => Self::Ros,
-            ImportFormat::Kalibr => Self::Kalibr,
-            ImportFormat::Colmap => Self::Colmap,
-            ImportFormat::Metashape => Self::Metashape,
-            ImportFormat::Opensfm => Self::OpenSfm,
-            ImportFormat::Opf => Self::Opf,
-            ImportFormat::Pix4d => Self::Pix4d,
-            ImportFormat::Opentrackio => Self::OpenTrackIo,
-            ImportFormat::Micmac => Self::MicMac,
-            ImportFormat::Australis => Self::Australis,
-            ImportFormat::Photomodeler => Self::PhotoModeler,
-            ImportFormat::Usgs => Self::Usgs,
-            ImportFormat::Inpho => Self::Inpho,
-            ImportFormat::Dji => Self::Dji,
-        }
-    }
+/// Returns the parser of the names of some formats.
+fn program<const N: usize>(
+    formats: &'static [(Program, &'static str); N],
+) -> impl TypedValueParser<Value = Program> {
+    let values = formats
+        .iter()
+        .map(|(program, help)| PossibleValue::new(program.name()).help(*help));
+    PossibleValuesParser::new(values).try_map(|name| {
+        formats
+            .iter()
+            .map(|(program, _)| *program)
+            .find(|program| program.name() == name)
+            .ok_or("not a format")
+    })
 }
 
 /// Container of OpenCV's file.

@@ -16,7 +16,7 @@ mod vh;
 
 pub use calibration::{CalibrateArgs, CalibrationMethod, FiveArgs, RegressOn, StaticP2};
 pub use camera::{CameraAction, CameraArgs, ExposureTimeArgs, PrepareArgs, StatusArgs, VhArgs};
-pub use exchange::{ContainerName, ExportArgs, ExportFormat, ImportArgs, ImportFormat, SignName};
+pub use exchange::{ContainerName, ExportArgs, ImportArgs, SignName};
 pub use mesh::{ImagePart, MeshArgs, MeshFormatName};
 pub use mission::{MissionArgs, RecordsArgs};
 pub use simulation::{BudgetArgs, SmearArgs, StrategyName, StripArgs, SweepArgs};
@@ -166,13 +166,18 @@ pub enum Command {
     /// is left and where, which terms have no place, direction, sign, unit and origin, and the
     /// calibration's SHA-256 and CRC-32.
     ///
-    /// A frame of a flight has another principal point than the calibration: what is written is the
-    /// camera at its calibrated position (docs/formats.md).
+    /// A frame of a flight has another principal point than the calibration. Without --records the
+    /// camera is written at its calibrated position; with the records of a flight, a camera per
+    /// image, for the programs that take one. It says what one camera for all frames would cost
+    /// (docs/formats.md).
     ///
     /// For example: host-sim export metashape --camera host-sim/cameras/rc30-5324.toml --out lens
     ///
     /// Refused if worse than 0.5 µm: host-sim export opencv --camera
     /// host-sim/cameras/phase-one-ixm-rs150f-50.toml --model opencv8 --max-residual-um 0.5 --out cv
+    ///
+    /// A camera per image: host-sim export colmap --camera camera.toml --records records.csv
+    /// --images map.csv --out block
     Export(ExportArgs),
     /// Make a camera file of another program's.
     ///

@@ -1,4 +1,6 @@
-//! `export`: the calibration as another program's camera file.
+//! `export`: the calibration, or the frames of a flight, as another program's files.
+
+mod frames;
 
 use std::io::Write;
 
@@ -7,7 +9,7 @@ use fmc_exchange::export::{self, Choices, GOOD_ENOUGH_PX};
 use fmc_exchange::program::Program;
 use fmc_report::exchange::ExportSummary;
 
-use crate::cli::{ExportArgs, ExportFormat};
+use crate::cli::ExportArgs;
 use crate::failure::Failure;
 use crate::formats::output::{self, OutputFolder};
 
@@ -16,39 +18,48 @@ pub(super) fn run(args: &ExportArgs) -> Result<(), Failure> {
     let (camera, _) = super::read_camera(&args.camera)?;
     let bytes =
         std::fs::read(&args.camera).map_err(|error| Failure::reading(&args.camera, &error))?;
-    let program = Program::from(args.format);
     let choices = Choices {
         model: args.model.as_deref(),
         container: args.container.map(Into::into).unwrap_or_default(),
         is_binary: args.binary,
         key: args.id.as_deref(),
     };
-    let exported = export::export(&Calibrated::of(&camera), program, &choices)?;
-    let summary = ExportSummary::of(&camera, &bytes, program, &exported);
+    if let Some(records) = &args.records {
+        return frames::run(args, records, &camera, &bytes, &choices);
+    }
+    let exported = export::export(&Calibrated::of(&camera), args.format, &choices)?;
+    let summary = ExportSummary::of(&camera, &bytes, args.format, &exported);
+    check_residual(args, &summary)?;
+    let folder = OutputFolder::create(&args.out)?;
+    for (name, bytes) in &exported.files {
+        folder.write(name, |sink| sink.write_all(bytes))?;
+    }
+    conclude(&folder, &summary)
+}
+
+/// Refuses a residual above the one that was asked for, and warns of a large one.
+fn check_residual(args: &ExportArgs, summary: &ExportSummary) -> Result<(), Failure> {
     if let Some(limit) = args.max_residual_um
         && summary.residual_max_um > limit
     {
         return Err(Failure::check(format!(
             "{} {}: the largest residual, {:.4} µm, is above --max-residual-um {limit}; nothing \
              is written",
-            program.name(),
-            exported.model,
-            summary.residual_max_um
+            summary.format, summary.model, summary.residual_max_um
         )));
     }
     if summary.residual_max_px >= GOOD_ENOUGH_PX {
         eprintln!(
             "warning: {} {}: the largest residual is {:.3} px, not below {GOOD_ENOUGH_PX} px",
-            program.name(),
-            exported.model,
-            summary.residual_max_px
+            summary.format, summary.model, summary.residual_max_px
         );
     }
-    let folder = OutputFolder::create(&args.out)?;
-    for (name, bytes) in &exported.files {
-        folder.write(name, |sink| sink.write_all(bytes))?;
-    }
-    folder.write_json("export.json", &summary)?;
+    Ok(())
+}
+
+/// Writes the statement, into the folder and to the terminal.
+fn conclude(folder: &OutputFolder, summary: &ExportSummary) -> Result<(), Failure> {
+    folder.write_json("export.json", summary)?;
     output::write(None, |sink: &mut dyn Write| {
         writeln!(sink, "{}", summary.text())
     })
@@ -57,16 +68,39 @@ pub(super) fn run(args: &ExportArgs) -> Result<(), Failure> {
 /// Refuses options of another format.
 fn check_options(args: &ExportArgs) -> Result<(), Failure> {
     for (option, is_given, format) in [
-        ("--as", args.container.is_some(), ExportFormat::Opencv),
-        ("--binary", args.binary, ExportFormat::Colmap),
-        ("--id", args.id.is_some(), ExportFormat::Opensfm),
+        ("--as", args.container.is_some(), Program::OpenCv),
+        ("--binary", args.binary, Program::Colmap),
+        ("--id", args.id.is_some(), Program::OpenSfm),
     ] {
         if is_given && args.format != format {
             return Err(Failure::bad_input(format!(
                 "{option} is an option of {}",
-                Program::from(format).name()
+                format.name()
             )));
         }
+    }
+    let name = args.format.name();
+    let takes_frames = Program::WITH_FRAMES.contains(&args.format);
+    if args.records.is_some() && !takes_frames {
+        let others = Program::WITH_FRAMES.map(Program::name).join(", ");
+        return Err(Failure::bad_input(format!(
+            "--records: {name} has one camera for all images; a camera per image have {others}"
+        ))
+        .with_help(format!(
+            "move the points of every frame instead: host-sim correct --records … --answer \
+             measured-shifted goes with the one camera of export {name} without --records, \
+             --answer ideal-shifted with a camera without distortion"
+        )));
+    }
+    if args.records.is_none() && !Program::WRITTEN.contains(&args.format) {
+        return Err(Failure::bad_input(format!(
+            "{name} is a format of frames: --records with the records of a flight is missing"
+        )));
+    }
+    if args.records.is_some() && args.id.is_some() {
+        return Err(Failure::bad_input(
+            "--id names one camera; with --records every image has a camera of its own",
+        ));
     }
     Ok(())
 }

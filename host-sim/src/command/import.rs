@@ -8,7 +8,6 @@ use fmc_camera_file::interior_text::{self, Interior};
 use fmc_camera_file::{CameraFile, DistortionTable, Sign};
 use fmc_exchange::found::Stated;
 use fmc_exchange::import::{self, Imported};
-use fmc_exchange::program::Program;
 use fmc_exchange::source::{MAX_BYTES, Source};
 use fmc_report::exchange::{self, Assumed, ImportSummary};
 use serde::Serialize;
@@ -39,7 +38,7 @@ pub(super) fn run(args: &ImportArgs) -> Result<(), Failure> {
         id: args.id.as_deref(),
         is_correction: args.sign.map(|sign| sign == SignName::Correction),
     };
-    let program = Program::from(args.format);
+    let program = args.format;
     let file = args.file.display().to_string();
     let source = Source {
         file: &file,

@@ -3,6 +3,7 @@
 use std::fs::{self, File};
 use std::time::Instant;
 
+use fmc_exchange::program::Program;
 use serde_json::Value;
 
 use crate::command_line::support::{Bench, CAMERA};
@@ -42,6 +43,12 @@ fn names(bench: &Bench, folder: &str) -> Vec<String> {
         .collect();
     names.sort();
     names
+}
+
+#[test]
+fn formats_are_those_of_the_library() {
+    let written = FILES.map(|(format, _)| format);
+    assert_eq!(written, Program::WRITTEN.map(Program::name));
 }
 
 #[test]

@@ -21,6 +21,7 @@ mod camera;
 mod default_limits;
 #[cfg(test)]
 mod exchange;
+mod export_frames;
 #[cfg(test)]
 #[cfg(unix)]
 mod fake_camera;

@@ -101,19 +101,9 @@ pub(crate) fn write(
     model: &Model,
     is_binary: bool,
 ) -> Vec<(String, Vec<u8>)> {
-    let parameters = parameters(pinhole, model.name);
-    let [width, height] = camera.size_px;
     if is_binary {
-        let id = BINARY
-            .iter()
-            .find(|(name, ..)| *name == model.name)
-            .map_or(0, |(_, id, _)| *id);
         let mut bytes = 1_u64.to_le_bytes().to_vec();
-        bytes.extend(1_i32.to_le_bytes());
-        bytes.extend(id.to_le_bytes());
-        bytes.extend(u64::from(width).to_le_bytes());
-        bytes.extend(u64::from(height).to_le_bytes());
-        bytes.extend(parameters.iter().flat_map(|number| number.to_le_bytes()));
+        bytes.extend(binary_camera(camera, pinhole, model.name, 1));
         let none = 0_u64.to_le_bytes().to_vec();
         return vec![
             ("cameras.bin".to_owned(), bytes),
@@ -121,27 +111,63 @@ pub(crate) fn write(
             ("points3D.bin".to_owned(), none),
         ];
     }
-    let words: Vec<_> = parameters.iter().map(|value| number(*value)).collect();
-    let cameras = format!(
-        "# Camera list with one line of data per camera:\n\
-         #   CAMERA_ID, MODEL, WIDTH, HEIGHT, PARAMS[]\n# Number of cameras: 1\n\
-         1 {} {width} {height} {}\n",
-        model.name,
-        words.join(" ")
-    );
-    let images = "# Image list with two lines of data per image:\n\
-                  #   IMAGE_ID, QW, QX, QY, QZ, TX, TY, TZ, CAMERA_ID, NAME\n\
-                  #   POINTS2D[] as (X, Y, POINT3D_ID)\n# Number of images: 0\n";
-    let points = "# 3D point list with one line of data per point:\n\
-                  #   POINT3D_ID, X, Y, Z, R, G, B, ERROR, TRACK[] as (IMAGE_ID, POINT2D_IDX)\n\
-                  # Number of points: 0\n";
     [
-        ("cameras.txt", cameras.as_str()),
-        ("images.txt", images),
-        ("points3D.txt", points),
+        (
+            "cameras.txt",
+            CAMERAS_HEAD.to_owned()
+                + "# Number of cameras: 1\n"
+                + &camera_line(camera, pinhole, model.name, 1),
+        ),
+        (
+            "images.txt",
+            IMAGES_HEAD.to_owned() + "# Number of images: 0\n",
+        ),
+        ("points3D.txt", NO_POINTS.to_owned()),
     ]
-    .map(|(name, text)| (name.to_owned(), text.as_bytes().to_vec()))
+    .map(|(name, text)| (name.to_owned(), text.into_bytes()))
     .into()
+}
+
+/// Head of `cameras.txt`.
+pub(crate) const CAMERAS_HEAD: &str = "# Camera list with one line of data per camera:\n\
+                                       #   CAMERA_ID, MODEL, WIDTH, HEIGHT, PARAMS[]\n";
+
+/// Head of `images.txt`.
+pub(crate) const IMAGES_HEAD: &str = "# Image list with two lines of data per image:\n\
+     #   IMAGE_ID, QW, QX, QY, QZ, TX, TY, TZ, CAMERA_ID, NAME\n\
+     #   POINTS2D[] as (X, Y, POINT3D_ID)\n";
+
+/// `points3D.txt` without points.
+pub(crate) const NO_POINTS: &str = "# 3D point list with one line of data per point:\n\
+     #   POINT3D_ID, X, Y, Z, R, G, B, ERROR, TRACK[] as (IMAGE_ID, POINT2D_IDX)\n\
+     # Number of points: 0\n";
+
+/// Returns the line of a camera in `cameras.txt`.
+pub(crate) fn camera_line(camera: &Calibrated, pinhole: &Pinhole, model: &str, id: u32) -> String {
+    let [width, height] = camera.size_px;
+    let words: Vec<_> = parameters(pinhole, model).into_iter().map(number).collect();
+    format!("{id} {model} {width} {height} {}\n", words.join(" "))
+}
+
+/// Returns the bytes of a camera in `cameras.bin`.
+pub(crate) fn binary_camera(
+    camera: &Calibrated,
+    pinhole: &Pinhole,
+    model: &str,
+    id: u32,
+) -> Vec<u8> {
+    let number = BINARY
+        .iter()
+        .find(|(name, ..)| *name == model)
+        .map_or(0, |(_, number, _)| *number);
+    let [width, height] = camera.size_px.map(u64::from);
+    let mut bytes = id.to_le_bytes().to_vec();
+    bytes.extend(number.to_le_bytes());
+    bytes.extend(width.to_le_bytes());
+    bytes.extend(height.to_le_bytes());
+    let parameters = parameters(pinhole, model);
+    bytes.extend(parameters.iter().flat_map(|number| number.to_le_bytes()));
+    bytes
 }
 
 /// One camera of a file: model, width, height, parameters.

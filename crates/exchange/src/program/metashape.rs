@@ -22,12 +22,24 @@ pub(crate) const FILE: &str = "camera.xml";
 /// p1 goes with x².
 pub(crate) fn write(camera: &Calibrated, pinhole: &Pinhole) -> String {
     let [width, height] = camera.size_px;
+    let elements = elements(camera, pinhole)
+        .map(|(name, value)| format!("  <{name}>{}</{name}>\n", number(value)))
+        .concat();
+    format!(
+        "<?xml version=\"1.0\" encoding=\"UTF-8\"?>\n<calibration>\n  \
+         <projection>frame</projection>\n  <width>{width}</width>\n  <height>{height}</height>\n\
+         {elements}</calibration>\n"
+    )
+}
+
+/// Returns the parameters by name.
+pub(crate) fn elements(camera: &Calibrated, pinhole: &Pinhole) -> [(&'static str, f64); 11] {
     let [fx, fy] = pinhole.focal_px;
     let [cx, cy] = pinhole.centre_px;
     let [middle_col, middle_row] = camera.middle_px();
     let [p1, p2] = pinhole.decentring;
     let [k1, k2, k3, k4] = pinhole.radial;
-    let elements = [
+    [
         ("f", fy),
         ("cx", cx - middle_col),
         ("cy", cy - middle_row),
@@ -40,13 +52,6 @@ pub(crate) fn write(camera: &Calibrated, pinhole: &Pinhole) -> String {
         ("p1", p2),
         ("p2", p1),
     ]
-    .map(|(name, value)| format!("  <{name}>{}</{name}>\n", number(value)))
-    .concat();
-    format!(
-        "<?xml version=\"1.0\" encoding=\"UTF-8\"?>\n<calibration>\n  \
-         <projection>frame</projection>\n  <width>{width}</width>\n  <height>{height}</height>\n\
-         {elements}</calibration>\n"
-    )
 }
 
 /// Reads a lens file, or one sensor of an exported chunk.

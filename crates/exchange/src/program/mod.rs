@@ -2,6 +2,7 @@
 
 pub(crate) mod australis;
 pub(crate) mod colmap;
+mod conventions;
 pub(crate) mod dji;
 pub(crate) mod inpho;
 pub(crate) mod kalibr;
@@ -18,5 +19,6 @@ pub(crate) mod pix4d;
 pub(crate) mod ros;
 pub(crate) mod usgs;
 
-pub use name::{Conventions, Program};
+pub use conventions::Conventions;
+pub use name::Program;
 pub use opencv::Container;

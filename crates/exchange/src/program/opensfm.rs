@@ -20,30 +20,35 @@ pub(crate) const FILES: [&str; 2] = ["camera_models.json", "cameras.json"];
 /// program looks for the camera of an image.
 pub(crate) fn write(camera: &Calibrated, pinhole: &Pinhole, key: Option<&str>) -> String {
     let [width, height] = camera.size_px;
-    let size = f64::from(width.max(height));
-    let [focal_x, focal_y] = pinhole.focal_px.map(|focal| focal / size);
-    let [cx, cy] = pinhole.centre_px;
-    let [middle_col, middle_row] = camera.middle_px();
-    let [k1, k2, k3, _] = pinhole.radial;
-    let [p1, p2] = pinhole.decentring;
     let key = key.map_or_else(
         || {
+            let [_, focal_y] = pinhole.focal_px;
+            let focal_y = focal_y / f64::from(width.max(height));
             let focal: String = focal_y.to_string().chars().take(6).collect();
             format!("v2 unknown unknown {width} {height} brown {focal}")
         },
         str::to_owned,
     );
     let mut tree = Map::new();
-    tree.insert(
-        key,
-        json!({
-            "projection_type": "brown", "width": width, "height": height,
-            "focal_x": focal_x, "focal_y": focal_y,
-            "c_x": (cx - middle_col) / size, "c_y": (cy - middle_row) / size,
-            "k1": k1, "k2": k2, "p1": p1, "p2": p2, "k3": k3,
-        }),
-    );
+    tree.insert(key, model(camera, pinhole));
     format!("{:#}\n", Value::Object(tree))
+}
+
+/// Returns the model of one camera.
+pub(crate) fn model(camera: &Calibrated, pinhole: &Pinhole) -> Value {
+    let [width, height] = camera.size_px;
+    let size = f64::from(width.max(height));
+    let [focal_x, focal_y] = pinhole.focal_px.map(|focal| focal / size);
+    let [cx, cy] = pinhole.centre_px;
+    let [middle_col, middle_row] = camera.middle_px();
+    let [k1, k2, k3, _] = pinhole.radial;
+    let [p1, p2] = pinhole.decentring;
+    json!({
+        "projection_type": "brown", "width": width, "height": height,
+        "focal_x": focal_x, "focal_y": focal_y,
+        "c_x": (cx - middle_col) / size, "c_y": (cy - middle_row) / size,
+        "k1": k1, "k2": k2, "p1": p1, "p2": p2, "k3": k3,
+    })
 }
 
 /// Reads the file.

@@ -2,7 +2,7 @@
 
 use fmc_camera_file::InputError;
 use fmc_reference::lens::Lens;
-use serde_json::json;
+use serde_json::{Value, json};
 
 use crate::calibrated::Calibrated;
 use crate::correction::Correction;
@@ -18,13 +18,18 @@ const MODEL: &str = "Brown-Conrady D-U";
 
 /// Writes one sample: mm, y down. Numerator and denominator of the radial part alternate.
 pub(crate) fn write(camera: &Calibrated) -> String {
-    let camera = camera.without_k0();
-    let [_, k1, k2, k3] = camera.lens.k;
-    let [p1, p2] = camera.lens.p;
-    let [x0, y0] = camera.principal_point_mm;
+    let correction = Correction::of(&camera.without_k0());
+    format!("{:#}\n", sample(camera, &correction))
+}
+
+/// Returns a sample of a camera without K0.
+pub(crate) fn sample(camera: &Calibrated, correction: &Correction) -> Value {
+    let [_, k1, k2, k3] = correction.lens.k;
+    let [p1, p2] = correction.lens.p;
+    let [x0, y0] = correction.principal_point_mm;
     let [width_mm, height_mm] = camera.half_format_mm().map(|half| 2.0 * half);
     let [width, height] = camera.size_px;
-    let tree = json!({
+    json!({
         "protocol": { "name": "OpenTrackIO", "version": [1, 0, 1] },
         "static": {
             "camera": {
@@ -32,10 +37,10 @@ pub(crate) fn write(camera: &Calibrated) -> String {
                 "activeSensorPhysicalDimensions": { "width": width_mm, "height": height_mm },
                 "activeSensorResolution": { "width": width, "height": height },
             },
-            "lens": { "nominalFocalLength": camera.principal_distance_mm },
+            "lens": { "nominalFocalLength": camera.principal_distance_without_k0_mm() },
         },
         "lens": {
-            "pinholeFocalLength": camera.principal_distance_mm,
+            "pinholeFocalLength": correction.principal_distance_mm,
             "projectionOffset": { "x": x0, "y": -y0 },
             "distortionOffset": { "x": 0.0, "y": 0.0 },
             "distortion": [{
@@ -44,8 +49,7 @@ pub(crate) fn write(camera: &Calibrated) -> String {
                 "tangential": [p2, -p1],
             }],
         },
-    });
-    format!("{tree:#}\n")
+    })
 }
 
 /// Reads one sample.

@@ -1,7 +1,7 @@
 //! OPF, the Open Photogrammetry Format: `calibrated_cameras.json`.
 
 use fmc_camera_file::InputError;
-use serde_json::json;
+use serde_json::{Value, json};
 
 use crate::fields::Field;
 use crate::found::{Formula, Found, Stated, chosen, unsupported};
@@ -15,28 +15,34 @@ pub(crate) const MODELS: &[Model] = &[Model::new("perspective", BROWN_3, &[])];
 /// Name of the file.
 pub(crate) const FILE: &str = "calibrated_cameras.json";
 
-const FORMAT: &str = "application/opf-calibrated-cameras+json";
+/// Format that the file names.
+pub(crate) const FORMAT: &str = "application/opf-calibrated-cameras+json";
 
 /// Writes the file, with one sensor and no image. Its first pixel centre is at (½, ½).
 pub(crate) fn write(pinhole: &Pinhole) -> String {
-    let [focal, _] = pinhole.focal_px;
-    let [k1, k2, k3, _] = pinhole.radial;
     let tree = json!({
         "format": FORMAT,
         "version": "1.0",
-        "sensors": [{
-            "id": 1,
-            "internals": {
-                "type": "perspective",
-                "principal_point_px": pinhole.centre_px.map(|centre| centre + 0.5),
-                "focal_length_px": focal,
-                "radial_distortion": [k1, k2, k3],
-                "tangential_distortion": pinhole.decentring,
-            },
-        }],
+        "sensors": [sensor(pinhole, 1)],
         "cameras": [],
     });
     format!("{tree:#}\n")
+}
+
+/// Returns one sensor.
+pub(crate) fn sensor(pinhole: &Pinhole, id: u32) -> Value {
+    let [focal, _] = pinhole.focal_px;
+    let [k1, k2, k3, _] = pinhole.radial;
+    json!({
+        "id": id,
+        "internals": {
+            "type": "perspective",
+            "principal_point_px": pinhole.centre_px.map(|centre| centre + 0.5),
+            "focal_length_px": focal,
+            "radial_distortion": [k1, k2, k3],
+            "tangential_distortion": pinhole.decentring,
+        },
+    })
 }
 
 /// Reads the file.

@@ -24,20 +24,7 @@ fn damaged_files_are_refused_or_read_and_nothing_else() {
         usize::try_from(state >> 33).unwrap() % below
     };
     let (mut read, mut refused) = (0, 0);
-    for program in [
-        Program::OpenCv,
-        Program::Ros,
-        Program::Kalibr,
-        Program::Colmap,
-        Program::Metashape,
-        Program::OpenSfm,
-        Program::Opf,
-        Program::Pix4d,
-        Program::OpenTrackIo,
-        Program::MicMac,
-        Program::Australis,
-        Program::PhotoModeler,
-    ] {
+    for program in Program::WRITTEN {
         let whole = written(&ixm(), program, "").files[0].1.clone();
         for _ in 0..40 {
             let mut bytes = whole.clone();

@@ -17,7 +17,7 @@ const COLUMNS: [(Program, &str); 5] = [
 ];
 
 /// Returns the cells of each row of the table with a heading.
-fn rows(heading: &str) -> Vec<Vec<&'static str>> {
+pub(crate) fn rows(heading: &str) -> Vec<Vec<&'static str>> {
     let lines = DOCUMENT.lines();
     lines
         .skip_while(|line| !line.starts_with(heading))
@@ -91,21 +91,9 @@ fn documented_files_are_those_of_the_export() {
     assert_eq!(rows.len(), 12);
     for row in rows {
         let format = row[0].trim_matches('`');
-        let programs = [
-            Program::OpenCv,
-            Program::Ros,
-            Program::Kalibr,
-            Program::Colmap,
-            Program::Metashape,
-            Program::OpenSfm,
-            Program::Opf,
-            Program::Pix4d,
-            Program::OpenTrackIo,
-            Program::MicMac,
-            Program::Australis,
-            Program::PhotoModeler,
-        ];
-        let program = programs.into_iter().find(|one| one.name() == format);
+        let program = Program::WRITTEN
+            .into_iter()
+            .find(|one| one.name() == format);
         let exported = written(&ixm, program.unwrap(), "");
         for (name, _) in exported.files {
             let stem = name.split(['.', '-']).next().unwrap();

@@ -9,6 +9,8 @@ mod document;
 #[cfg(test)]
 mod exact;
 #[cfg(test)]
+mod frames;
+#[cfg(test)]
 mod mistakes;
 #[cfg(test)]
 mod others;

@@ -11,11 +11,15 @@ use fmc_exchange::program::Program;
 use fmc_exchange::source::Source;
 
 /// A camera in which no term is zero and nothing is symmetric.
-const ALL_TERMS: &str = "name = \"all terms\"\nprincipal_distance_mm = 100\n\
+pub(crate) const ALL_TERMS: &str = "name = \"all terms\"\nprincipal_distance_mm = 100\n\
                          principal_point_mm = [0.35, -0.21]\n\
                          [sensor]\nwidth_px = 9216\nheight_px = 6144\npixel_um = 8.75\n\
                          [distortion]\nk0 = 2e-4\nk1 = -8e-6\nk2 = 3e-9\nk3 = -4e-13\n\
                          p1 = 3e-6\np2 = -5e-6\nb1 = 1e-4\nb2 = -6e-5\n";
+
+/// The strong lens of the published cameras.
+pub(crate) const IXM: &str =
+    include_str!("../../../../host-sim/cameras/phase-one-ixm-rs150f-50.toml");
 
 pub(crate) fn camera(text: &str) -> Calibrated {
     Calibrated::of(&CameraFile::parse("camera.toml", text).unwrap().0)

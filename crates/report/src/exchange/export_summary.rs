@@ -6,7 +6,7 @@ use fmc_exchange::program::Program;
 use serde::Serialize;
 
 use super::hashes::{crc32, sha256};
-use super::{NAMES, residual};
+use super::{ExportedFlight, NAMES, residual};
 use crate::{length, terminal};
 
 /// Statement of an export: files, conventions, residual. Keys are only ever added.
@@ -50,6 +50,9 @@ pub struct ExportSummary {
     pub calibration_sha256: String,
     /// CRC-32 of the calibration, as the frame records have it.
     pub calibration_crc32: String,
+    /// Frames of a flight, if they were exported.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub frames: Option<ExportedFlight>,
 }
 
 /// A term without a place.
@@ -99,7 +102,17 @@ impl ExportSummary {
             advice: conventions.advice,
             calibration_sha256: sha256(bytes),
             calibration_crc32: crc32(camera),
+            frames: None,
         }
+    }
+
+    /// Adds the frames of a flight and the names of their files.
+    #[must_use]
+    pub fn with_frames(mut self, program: Program, files: &[&str], frames: ExportedFlight) -> Self {
+        self.advice = program.advice_on_frames();
+        self.files = files.iter().map(|name| (*name).to_owned()).collect();
+        self.frames = Some(frames);
+        self
     }
 
     /// Returns the statement for a terminal, without a line feed at the end.
@@ -128,6 +141,7 @@ impl ExportSummary {
             let px = one.size_um / self.pixel_um;
             pairs.push(("no place for", format!("{}: {size} ({px:.4} px)", one.term)));
         }
+        pairs.extend(self.frames.iter().flat_map(ExportedFlight::pairs));
         pairs.push(("advice", self.advice.to_owned()));
         pairs.push(("calibration", format!("CRC-32 {}", self.calibration_crc32)));
         pairs.push(("SHA-256", self.calibration_sha256.clone()));

@@ -1,10 +1,12 @@
 //! Files of other programs: what was written or read, and what it leaves.
 
 mod export_summary;
+mod exported_flight;
 mod hashes;
 mod import_summary;
 
 pub use export_summary::{ExportSummary, NotHeldSummary};
+pub use exported_flight::{ExportedFlight, RefusedTrigger};
 pub use import_summary::{Assumed, ImportSummary, comments};
 
 /// Columns of the names on a terminal.

@@ -1,12 +1,11 @@
 //! Frame records as files for the block adjustment: `records.csv` and `records.json`.
 
-mod row;
-
+use std::borrow::Cow;
 use std::io::{self, Write};
 
 use crc::{CRC_32_ISO_HDLC, Crc};
 use fmc_camera::flight::frame_record::FrameRecord;
-use row::Row;
+use fmc_frames::row::{self, Row};
 use serde::Serialize;
 
 /// Meaning of a record's numbers, for readers of the file without this program.
@@ -49,7 +48,7 @@ pub fn write_json(
         camera: Option<&'a str>,
         conventions: [&'static str; 6],
         records_crc32: String,
-        records: Vec<Row<Vec<&'static str>>>,
+        records: Vec<Row<Vec<Cow<'static, str>>>>,
     }
     let file = File {
         camera,

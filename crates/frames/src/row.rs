@@ -1,17 +1,20 @@
-//! One record as a row.
+//! Row of a record in `records.csv` and `records.json`, as it is written and read.
+
+use std::borrow::Cow;
 
 use fmc_camera::flight::exposure::CorrectionModel;
 use fmc_camera::flight::fault::Fault;
 use fmc_camera::flight::frame_record::{ExposedFrame, Flag, FrameRecord, Outcome};
 use fmc_camera::flight::vh::VhSource;
 use fmc_camera::geometry::frame_correction::Terms;
-use serde::Serialize;
+use serde::{Deserialize, Serialize};
 
-use crate::calibration_identity::CalibrationIdentity;
-use crate::wording::FOCUS_CONVENTION;
+/// Convention by which a focus shift is reported, by the letter of `docs/conventions.md`, section
+/// 6: the principal distance stays, the corrected coordinates contain the enlargement.
+pub const FOCUS_CONVENTION: &str = "A";
 
-/// Names of the columns, as the fields of [`Row`].
-pub(super) const NAMES: [&str; 46] = [
+/// Names of the columns, in their order.
+pub const NAMES: [&str; 46] = [
     "sequence",
     "trigger_us",
     "outcome",
@@ -60,76 +63,95 @@ pub(super) const NAMES: [&str; 46] = [
     "calibration_storage",
 ];
 
+/// A name of the record, borrowed where it is written and owned where it is read.
+type Name = Cow<'static, str>;
+
 /// A list of names: several in one cell, or an array.
-pub(super) trait Names {
+pub trait Names {
+    /// Returns the list of these names.
     fn of(names: Vec<&'static str>) -> Self;
+
+    /// Returns the names as one cell has them.
+    fn into_cell(self) -> String;
 }
 
 impl Names for String {
     fn of(names: Vec<&'static str>) -> Self {
         names.join("; ")
     }
+
+    fn into_cell(self) -> String {
+        self
+    }
 }
 
-impl Names for Vec<&'static str> {
+impl Names for Vec<Name> {
     fn of(names: Vec<&'static str>) -> Self {
-        names
+        names.into_iter().map(Name::Borrowed).collect()
+    }
+
+    fn into_cell(self) -> String {
+        self.join("; ")
     }
 }
 
 /// A record; fields that a refused trigger does not have are empty.
-#[derive(Debug, Clone, PartialEq, Serialize)]
-pub(super) struct Row<L> {
-    sequence: u32,
-    trigger_us: u64,
-    outcome: &'static str,
-    reason: Option<&'static str>,
-    opened_us: Option<u64>,
-    closed_us: Option<u64>,
-    centroid_us: Option<u64>,
-    centroid_unix_us: Option<u64>,
-    utc_sigma_s: Option<f32>,
-    exposure_s: Option<f32>,
-    principal_point_x_mm: Option<f32>,
-    principal_point_y_mm: Option<f32>,
-    principal_point_sigma_mm: Option<f32>,
-    principal_distance_mm: Option<f32>,
-    focus_shift_mm: Option<f32>,
-    enlargement: Option<f32>,
-    focus_convention: Option<&'static str>,
-    model: Option<&'static str>,
-    kernel: Option<&'static str>,
-    left_out_nm: Option<f32>,
-    opening_offset_mm: Option<f32>,
-    travel_mm: Option<f32>,
-    centroid_offset_mm: Option<f32>,
-    centroid_after_opening_s: Option<f32>,
-    variance_mm2: Option<f32>,
-    third_moment_mm3: Option<f32>,
-    fourth_moment_mm4: Option<f32>,
-    planned_opening_mm: Option<f32>,
-    planned_travel_mm: Option<f32>,
-    compensated_vh_per_s: Option<f32>,
-    vh_per_s: Option<f32>,
-    vh_sigma_per_s: Option<f32>,
-    vh_age_s: Option<f32>,
-    vh_source: Option<&'static str>,
-    vh_extrapolated: Option<bool>,
-    predicted_smear_um: Option<f32>,
-    predicted_smear_px: Option<f32>,
-    faults: L,
-    fault_codes: String,
-    flags: L,
-    calibration_crc32: String,
-    principal_point_frame_sigma_mm: Option<f32>,
-    principal_point_common_sigma_mm: Option<f32>,
-    calibration_serial: Option<String>,
-    calibration_version: Option<u32>,
-    calibration_storage: Option<&'static str>,
+///
+/// Lists of names are of the type `L`: `String` in a table, `Vec` in JSON.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct Row<L> {
+    pub(crate) sequence: u32,
+    pub(crate) trigger_us: u64,
+    pub(crate) outcome: Name,
+    pub(crate) reason: Option<Name>,
+    pub(crate) opened_us: Option<u64>,
+    pub(crate) closed_us: Option<u64>,
+    pub(crate) centroid_us: Option<u64>,
+    pub(crate) centroid_unix_us: Option<u64>,
+    pub(crate) utc_sigma_s: Option<f32>,
+    pub(crate) exposure_s: Option<f32>,
+    pub(crate) principal_point_x_mm: Option<f32>,
+    pub(crate) principal_point_y_mm: Option<f32>,
+    pub(crate) principal_point_sigma_mm: Option<f32>,
+    pub(crate) principal_distance_mm: Option<f32>,
+    pub(crate) focus_shift_mm: Option<f32>,
+    pub(crate) enlargement: Option<f32>,
+    pub(crate) focus_convention: Option<Name>,
+    pub(crate) model: Option<Name>,
+    pub(crate) kernel: Option<Name>,
+    pub(crate) left_out_nm: Option<f32>,
+    pub(crate) opening_offset_mm: Option<f32>,
+    pub(crate) travel_mm: Option<f32>,
+    pub(crate) centroid_offset_mm: Option<f32>,
+    pub(crate) centroid_after_opening_s: Option<f32>,
+    pub(crate) variance_mm2: Option<f32>,
+    pub(crate) third_moment_mm3: Option<f32>,
+    pub(crate) fourth_moment_mm4: Option<f32>,
+    pub(crate) planned_opening_mm: Option<f32>,
+    pub(crate) planned_travel_mm: Option<f32>,
+    pub(crate) compensated_vh_per_s: Option<f32>,
+    pub(crate) vh_per_s: Option<f32>,
+    pub(crate) vh_sigma_per_s: Option<f32>,
+    pub(crate) vh_age_s: Option<f32>,
+    pub(crate) vh_source: Option<Name>,
+    pub(crate) vh_extrapolated: Option<bool>,
+    pub(crate) predicted_smear_um: Option<f32>,
+    pub(crate) predicted_smear_px: Option<f32>,
+    pub(crate) faults: L,
+    pub(crate) fault_codes: String,
+    pub(crate) flags: L,
+    pub(crate) calibration_crc32: String,
+    pub(crate) principal_point_frame_sigma_mm: Option<f32>,
+    pub(crate) principal_point_common_sigma_mm: Option<f32>,
+    pub(crate) calibration_serial: Option<String>,
+    pub(crate) calibration_version: Option<u32>,
+    pub(crate) calibration_storage: Option<Name>,
 }
 
 impl<L: Names> Row<L> {
-    pub(super) fn of(record: &FrameRecord) -> Self {
+    /// Returns the row of a record.
+    #[must_use]
+    pub fn of(record: &FrameRecord) -> Self {
         let (exposed, reason) = match &record.outcome {
             Outcome::Exposed(exposed) => (Some(exposed), None),
             Outcome::Refused(reason) => (None, Some(reason.name())),
@@ -137,7 +159,7 @@ impl<L: Names> Row<L> {
         let frame = |value: fn(&ExposedFrame) -> f32| exposed.map(value);
         let vh = exposed.and_then(|exposed| exposed.vh.as_ref());
         let utc = exposed.and_then(|exposed| exposed.centroid_utc.as_ref());
-        let calibration = record.calibration.as_ref().map(CalibrationIdentity::of);
+        let calibration = record.calibration.as_ref();
         let codes: Vec<String> = record
             .faults
             .iter()
@@ -146,12 +168,8 @@ impl<L: Names> Row<L> {
         Self {
             sequence: record.sequence,
             trigger_us: record.trigger.us(),
-            outcome: if exposed.is_some() {
-                "exposed"
-            } else {
-                "refused"
-            },
-            reason,
+            outcome: Name::Borrowed(if exposed.is_some() { EXPOSED } else { REFUSED }),
+            reason: reason.map(Name::Borrowed),
             opened_us: exposed.map(|exposed| exposed.opened.us()),
             closed_us: exposed.map(|exposed| exposed.closed.us()),
             centroid_us: exposed.map(|exposed| exposed.centroid.us()),
@@ -164,16 +182,9 @@ impl<L: Names> Row<L> {
             principal_distance_mm: frame(|frame| frame.interior.principal_distance_mm),
             focus_shift_mm: frame(|frame| frame.interior.focus_shift_mm),
             enlargement: frame(|frame| frame.interior.enlargement),
-            focus_convention: exposed.map(|_| FOCUS_CONVENTION),
-            model: exposed.map(|exposed| match exposed.interior.model {
-                CorrectionModel::Exact => "exact",
-                CorrectionModel::Fitted => "fitted",
-                CorrectionModel::Static => "static",
-            }),
-            kernel: exposed.map(|exposed| match exposed.interior.terms {
-                Terms::Short => "short",
-                Terms::Full => "full",
-            }),
+            focus_convention: exposed.map(|_| Name::Borrowed(FOCUS_CONVENTION)),
+            model: exposed.map(|exposed| Name::Borrowed(model(exposed.interior.model))),
+            kernel: exposed.map(|exposed| Name::Borrowed(kernel(exposed.interior.terms))),
             left_out_nm: frame(|frame| frame.interior.left_out_nm),
             opening_offset_mm: frame(|frame| frame.interior.motion.opening_offset_mm),
             travel_mm: frame(|frame| frame.interior.motion.travel_mm),
@@ -188,22 +199,44 @@ impl<L: Names> Row<L> {
             vh_per_s: vh.map(|vh| vh.vh_per_s),
             vh_sigma_per_s: vh.map(|vh| vh.sigma_per_s),
             vh_age_s: vh.map(|vh| vh.age_s),
-            vh_source: vh.map(|vh| source(vh.source)),
+            vh_source: vh.map(|vh| Name::Borrowed(source(vh.source))),
             vh_extrapolated: vh.map(|vh| vh.extrapolated),
             predicted_smear_um: frame(|frame| frame.smear_um),
             predicted_smear_px: frame(|frame| frame.smear_px),
             faults: L::of(record.faults.iter().map(Fault::name).collect()),
             fault_codes: codes.join("; "),
             flags: L::of(record.flags.iter().map(Flag::name).collect()),
-            calibration_crc32: calibration
-                .as_ref()
-                .map_or_else(|| "00000000".to_owned(), |it| it.crc32.clone()),
+            calibration_crc32: format!("{:08x}", calibration.map_or(0, |id| id.crc)),
             principal_point_frame_sigma_mm: frame(|frame| frame.principal_point_sigma.frame_mm),
             principal_point_common_sigma_mm: frame(|frame| frame.principal_point_sigma.common_mm),
-            calibration_version: calibration.as_ref().and_then(|it| it.version),
-            calibration_storage: calibration.as_ref().map(|it| it.storage),
-            calibration_serial: calibration.and_then(|it| it.serial),
+            calibration_serial: calibration
+                .filter(|id| !id.serial.is_empty())
+                .map(|id| id.serial.to_string()),
+            calibration_version: calibration
+                .map(|id| id.version)
+                .filter(|version| *version != 0),
+            calibration_storage: calibration.map(|id| Name::Borrowed(id.storage.name())),
         }
+    }
+}
+
+/// Outcome of a trigger with an exposure.
+pub(crate) const EXPOSED: &str = "exposed";
+/// Outcome of a trigger without one.
+pub(crate) const REFUSED: &str = "refused";
+
+pub(crate) const fn model(model: CorrectionModel) -> &'static str {
+    match model {
+        CorrectionModel::Exact => "exact",
+        CorrectionModel::Fitted => "fitted",
+        CorrectionModel::Static => "static",
+    }
+}
+
+pub(crate) const fn kernel(terms: Terms) -> &'static str {
+    match terms {
+        Terms::Short => "short",
+        Terms::Full => "full",
     }
 }
 

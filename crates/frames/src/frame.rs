@@ -1,0 +1,102 @@
+//! One frame of a flight.
+
+use fmc_camera::flight::exposure::CorrectionModel;
+use fmc_camera::flight::interior_orientation::InteriorOrientation;
+use fmc_camera::flight::principal_point_sigma::PrincipalPointSigma;
+use fmc_camera::flight::time::Time;
+use fmc_camera::flight::utc::UtcTime;
+use fmc_camera::geometry::calibration::Calibration;
+use fmc_camera::geometry::frame_correction::FrameCorrection;
+use fmc_camera::geometry::principal_distance::{FocusShift, FocusSign};
+
+/// A trigger of the camera.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Frame {
+    /// Number of the trigger; in a table without numbers that of the row, from 1.
+    pub sequence: u32,
+    /// Name of the image, if one is known.
+    pub image: Option<String>,
+    /// Time of the trigger, camera time; `None` in a table of exposures.
+    pub trigger: Option<Time>,
+    /// What the trigger led to.
+    pub outcome: Outcome,
+    /// Names of the faults, with `; ` between them.
+    pub faults: String,
+    /// Names of the flags, with `; ` between them.
+    pub flags: String,
+    /// CRC-32 of the calibration that the camera had; `None` if it had no identity.
+    pub calibration_crc: Option<u32>,
+}
+
+impl Frame {
+    /// Returns the exposure; `None` for a refused trigger.
+    #[must_use]
+    pub const fn exposed(&self) -> Option<&Exposed> {
+        match &self.outcome {
+            Outcome::Exposed(exposed) => Some(exposed),
+            Outcome::Refused(_) => None,
+        }
+    }
+}
+
+/// What a trigger led to.
+#[allow(clippy::large_enum_variant, reason = "most frames are exposed")]
+#[derive(Debug, Clone, PartialEq)]
+pub enum Outcome {
+    /// An exposure with an interior orientation.
+    Exposed(Exposed),
+    /// No exposure that can be used; the reason in words.
+    Refused(String),
+}
+
+/// An exposure.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Exposed {
+    /// Interior orientation, with the motion of the principal point that it comes from.
+    pub interior: InteriorOrientation,
+    /// Formula that turned the focus shift into the enlargement.
+    pub focus_sign: FocusSign,
+    /// First light, camera time.
+    pub opened: Option<Time>,
+    /// Last light, camera time.
+    pub closed: Option<Time>,
+    /// Centroid of the exposure, which goes with the principal point; camera time.
+    pub centroid: Option<Time>,
+    /// The centroid in UTC, where the record or the table has it.
+    pub centroid_utc: Option<UtcTime>,
+    /// σ of the principal point along the FMC axis, where the record or the table has it.
+    pub sigma: Option<PrincipalPointSigma>,
+}
+
+impl Exposed {
+    /// Returns the correction of this frame's points; `None` for the fitted model of a calibration
+    /// without one.
+    ///
+    /// # Model
+    /// That of [`Camera::frame_of`](fmc_camera::flight::camera::Camera::frame_of), with the
+    /// principal point's motion and the focus shift of the record in place of those that the camera
+    /// computed. A record holds both with all their digits, so the correction has the same bits.
+    #[must_use]
+    pub fn correction(&self, calibration: &Calibration) -> Option<FrameCorrection> {
+        let motion = &self.interior.motion;
+        match self.interior.model {
+            CorrectionModel::Exact => {
+                let focus = focus_shift(calibration, self.interior.focus_shift_mm, self.focus_sign);
+                Some(FrameCorrection::exact(calibration, motion, &focus))
+            }
+            CorrectionModel::Fitted => FrameCorrection::five_coefficient(calibration, motion),
+            CorrectionModel::Static => Some(FrameCorrection::without_motion(calibration)),
+        }
+    }
+}
+
+/// Returns a focus shift, mm, of a camera.
+pub(crate) fn focus_shift(calibration: &Calibration, shift_mm: f32, sign: FocusSign) -> FocusShift {
+    let parameters = calibration.parameters();
+    FocusShift {
+        shift_mm,
+        principal_distance_mm: parameters.principal_distance_mm,
+        exit_pupil_mm: parameters.exit_pupil_mm,
+        sign,
+    }
+}

@@ -1,0 +1,209 @@
+//! Names of the images of a flight.
+
+use std::fs::File;
+use std::io::Read;
+use std::path::Path;
+
+use csv::{ReaderBuilder, StringRecord, Trim};
+use fmc_camera_file::InputError;
+
+use crate::columns::{csv_error, names, shown};
+
+/// The image of each sequence number, from a table with the columns `sequence` and `image`.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct ImageMap {
+    file: String,
+    /// In the order of the sequence numbers.
+    rows: Vec<Row>,
+}
+
+/// A row of the table.
+#[derive(Debug, Clone, PartialEq, Eq)]
+struct Row {
+    sequence: u32,
+    line: u32,
+    image: Box<str>,
+}
+
+impl ImageMap {
+    /// Reads a table.
+    ///
+    /// # Errors
+    /// [`InputError`] naming file, line, column and value: a column that is missing, a sequence
+    /// that is no number, a sequence or an image that stands twice, an image without a name.
+    pub fn read(path: &Path) -> Result<Self, InputError> {
+        let file = File::open(path).map_err(|error| InputError::reading(path, &error))?;
+        Self::read_from(&path.display().to_string(), file)
+    }
+
+    /// Reads a table as [`read`](Self::read) does, from any source; `file` is its name in messages.
+    ///
+    /// # Errors
+    /// Those of [`read`](Self::read).
+    pub fn read_from(file: &str, source: impl Read) -> Result<Self, InputError> {
+        let mut reader = ReaderBuilder::new().trim(Trim::All).from_reader(source);
+        let mut row = StringRecord::new();
+        let header = reader.headers();
+        let header = header.map_err(|error| csv_error(file, &[], &row, &error))?;
+        let names = names(file, header)?;
+        let place = |wanted: &str| {
+            names.iter().position(|name| name == wanted).ok_or_else(|| {
+                InputError::invalid(format!(
+                    "{file}, line 1: column {wanted} is missing; found {}",
+                    shown(&names.join(","))
+                ))
+            })
+        };
+        let (sequence, image) = (place("sequence")?, place("image")?);
+        let mut rows: Vec<Row> = Vec::new();
+        let mut behind = None;
+        while reader
+            .read_record(&mut row)
+            .map_err(|error| csv_error(file, &names, &StringRecord::new(), &error))?
+        {
+            let line = row.position().map_or(0, csv::Position::line);
+            // The reader counts a line with \r\n late, so that the first row is in line 1, too.
+            let line = line + *behind.get_or_insert(u64::from(line == 1));
+            let refused =
+                |text: String| InputError::invalid(format!("{file}, line {line}: {text}"));
+            let number = row.get(sequence).unwrap_or_default();
+            let number: u32 = number.parse().map_err(|_| {
+                refused(format!(
+                    "sequence = \"{}\" is not a whole number from 0 to {}",
+                    shown(number),
+                    u32::MAX
+                ))
+            })?;
+            let image = row.get(image).unwrap_or_default();
+            if image.is_empty() {
+                return Err(refused(format!("image of sequence {number} is empty")));
+            }
+            rows.push(Row {
+                sequence: number,
+                line: u32::try_from(line).unwrap_or(u32::MAX),
+                image: image.into(),
+            });
+        }
+        let map = Self {
+            file: file.to_owned(),
+            rows,
+        };
+        map.in_order()
+    }
+
+    /// Puts the rows in order, and refuses a sequence number and an image that stand twice.
+    fn in_order(mut self) -> Result<Self, InputError> {
+        let refused = |row: &Row, text: String| {
+            InputError::invalid(format!("{}, line {}: {text}", self.file, row.line))
+        };
+        self.rows
+            .sort_unstable_by_key(|row| (row.sequence, row.line));
+        for (row, next) in self.rows.iter().zip(self.rows.iter().skip(1)) {
+            if row.sequence == next.sequence {
+                let text = format!("sequence {} appears twice", next.sequence);
+                return Err(refused(next, text));
+            }
+        }
+        let mut rows: Vec<&Row> = self.rows.iter().collect();
+        rows.sort_unstable_by_key(|row| (&row.image, row.line));
+        for (row, next) in rows.iter().zip(rows.iter().skip(1)) {
+            if row.image == next.image {
+                return Err(refused(
+                    next,
+                    format!(
+                        "image = \"{}\" is that of sequence {}, too",
+                        shown(&next.image),
+                        row.sequence
+                    ),
+                ));
+            }
+        }
+        Ok(self)
+    }
+
+    /// Name of the file in messages.
+    #[must_use]
+    pub fn file(&self) -> &str {
+        &self.file
+    }
+
+    /// Returns the image of a sequence number.
+    #[must_use]
+    pub fn image(&self, sequence: u32) -> Option<&str> {
+        self.row(sequence).map(|row| &*row.image)
+    }
+
+    /// Returns the line of a sequence number.
+    #[must_use]
+    pub fn line(&self, sequence: u32) -> Option<u32> {
+        self.row(sequence).map(|row| row.line)
+    }
+
+    /// Returns the sequence numbers that have an image, in ascending order.
+    #[must_use]
+    pub fn sequences(&self) -> Vec<u32> {
+        self.rows.iter().map(|row| row.sequence).collect()
+    }
+
+    fn row(&self, sequence: u32) -> Option<&Row> {
+        let place = self
+            .rows
+            .binary_search_by_key(&sequence, |row| row.sequence)
+            .ok()?;
+        self.rows.get(place)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn images_are_found_by_their_sequence() {
+        let text = "\u{feff}image, sequence,camera\r\na.tif,2,x\r\n\"b,c.tif\", 1 ,y\r\n";
+        let map = ImageMap::read_from("map.csv", text.as_bytes()).unwrap();
+        assert_eq!(map.image(2), Some("a.tif"));
+        assert_eq!(map.image(1), Some("b,c.tif"));
+        assert_eq!(map.image(3), None);
+        assert_eq!(map.sequences(), [1, 2]);
+        assert_eq!([1, 2, 3].map(|one| map.line(one)), [Some(3), Some(2), None]);
+    }
+
+    #[test]
+    fn wrong_rows_are_refused_by_line_and_column() {
+        for (text, expected) in [
+            ("", "map.csv: the file is empty"),
+            (
+                "sequence,name\n",
+                "map.csv, line 1: column image is missing; found sequence,name",
+            ),
+            (
+                "image,image,sequence\n",
+                "map.csv, line 1: column image appears twice",
+            ),
+            (
+                "sequence,image\n1,a\n-2,b\n",
+                "map.csv, line 3: sequence = \"-2\" is not a whole number from 0 to 4294967295",
+            ),
+            (
+                "sequence,image\n1,\n",
+                "map.csv, line 2: image of sequence 1 is empty",
+            ),
+            (
+                "sequence,image\n1,a\n1,b\n",
+                "map.csv, line 3: sequence 1 appears twice",
+            ),
+            (
+                "sequence,image\n1,a\n2,a\n",
+                "map.csv, line 3: image = \"a\" is that of sequence 1, too",
+            ),
+            (
+                "sequence,image\n1\n",
+                "map.csv, line 2: 1 columns where the header has 2",
+            ),
+        ] {
+            let error = ImageMap::read_from("map.csv", text.as_bytes()).unwrap_err();
+            assert_eq!(error.to_string(), expected);
+        }
+    }
+}

@@ -1,0 +1,27 @@
+//! Frames of a flight: what their records, or a table of exposures, say of each of them.
+//!
+//! A [`Frame`] is one trigger: its interior orientation with the times and σ that belong to it, or
+//! the reason why it was refused. Records are read as a stream ([`records::read`]), from
+//! `records.csv` and `records.json` alike; a table of exposures ([`table::read`]) stands for them
+//! where no camera flew. [`Exposed::correction`] returns the correction of a frame's points, with
+//! the bits that the camera itself computed.
+//!
+//! Inputs are checked against the camera file: a record of another calibration, a number outside
+//! its range or a sequence that comes twice is an error that names file, line, column, value and
+//! allowed range.
+
+#![forbid(unsafe_code)]
+
+mod check;
+mod columns;
+mod frame;
+mod frame_camera;
+mod image_map;
+pub mod records;
+pub mod row;
+mod sequences;
+pub mod table;
+
+pub use frame::{Exposed, Frame, Outcome};
+pub use frame_camera::FrameCamera;
+pub use image_map::ImageMap;

@@ -1,0 +1,47 @@
+//! Records of a CSV file.
+
+use std::io::BufRead;
+
+use csv::{ReaderBuilder, StringRecord, Trim};
+use fmc_camera_file::InputError;
+
+use super::Stream;
+use crate::Frame;
+use crate::columns::{csv_error, names};
+use crate::row::{NAMES, Row};
+
+/// Number of columns that every file of records has; later ones were added.
+const FIRST_COLUMNS: usize = 41;
+
+pub(super) fn read<E: From<InputError>>(
+    source: impl BufRead,
+    mut stream: Stream<'_, impl FnMut(Frame) -> Result<(), E>>,
+) -> Result<(), E> {
+    let file = stream.file;
+    let mut reader = ReaderBuilder::new().trim(Trim::All).from_reader(source);
+    let mut record = StringRecord::new();
+    let header = reader.headers();
+    let header = header
+        .map_err(|error| csv_error(file, &[], &record, &error))?
+        .clone();
+    let names = names(file, &header)?;
+    for wanted in NAMES.iter().take(FIRST_COLUMNS) {
+        if !names.iter().any(|name| name == wanted) {
+            let text = format!("{file}, line 1: column {wanted} is missing");
+            return Err(InputError::invalid(text)
+                .with_help("records.csv as host-sim records and host-sim mission write it")
+                .into());
+        }
+    }
+    while reader
+        .read_record(&mut record)
+        .map_err(|error| csv_error(file, &names, &StringRecord::new(), &error))?
+    {
+        let line = record.position().map_or(0, csv::Position::line);
+        let row: Row<String> = record
+            .deserialize(Some(&header))
+            .map_err(|error| csv_error(file, &names, &record, &error))?;
+        stream.push(row, &format!("{file}, line {line}"))?;
+    }
+    stream.end()
+}

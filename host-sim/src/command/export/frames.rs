@@ -1,0 +1,70 @@
+//! Frames of a flight, from its records.
+
+use std::path::Path;
+
+use fmc_camera_file::CameraFile;
+use fmc_exchange::calibrated::Calibrated;
+use fmc_exchange::export::Choices;
+use fmc_exchange::frames::{Flight, FlightExport, ImageNames};
+use fmc_frames::{FrameCamera, ImageMap, records};
+use fmc_report::exchange::{ExportSummary, ExportedFlight};
+
+use crate::cli::ExportArgs;
+use crate::failure::Failure;
+use crate::formats::output::{self, OutputFolder};
+
+pub(super) fn run(
+    args: &ExportArgs,
+    path: &Path,
+    camera: &CameraFile,
+    camera_bytes: &[u8],
+    choices: &Choices<'_>,
+) -> Result<(), Failure> {
+    let flight = read(path, &args.camera, camera)?;
+    let (images, images_from) = match &args.images {
+        Some(map) => (
+            ImageNames::Map(ImageMap::read(map)?),
+            map.display().to_string(),
+        ),
+        None => (
+            ImageNames::Pattern(args.image_name.clone()),
+            args.image_name.text().to_owned(),
+        ),
+    };
+    let calibrated = Calibrated::of(camera);
+    let export = FlightExport::new(&calibrated, &flight, &images, args.format, choices)?;
+    let files = export.files();
+    let frames = ExportedFlight::of(
+        path.display().to_string(),
+        images_from,
+        &flight,
+        &calibrated,
+        export.left_out_nm,
+    );
+    let summary = ExportSummary::of(camera, camera_bytes, args.format, &export.at_rest)
+        .with_frames(args.format, &files, frames);
+    super::check_residual(args, &summary)?;
+    let folder = OutputFolder::create(&args.out)?;
+    for name in files.iter().chain(&["export.json"]) {
+        let file = folder.path().join(name);
+        for input in [Some(path), Some(&args.camera), args.images.as_deref()] {
+            input.map_or(Ok(()), |input| output::check_not_an_input(&file, input))?;
+        }
+    }
+    for name in files {
+        folder.write(name, |sink| export.write(name, sink))?;
+    }
+    super::conclude(&folder, &summary)
+}
+
+/// Reads the records of a flight, and keeps of each what a program needs.
+fn read(path: &Path, camera_path: &Path, camera: &CameraFile) -> Result<Flight, Failure> {
+    let frame_camera = FrameCamera::new(&camera_path.display().to_string(), camera)?;
+    let exit_pupil_mm = camera.exit_pupil_mm();
+    let mut flight = Flight::default();
+    records::read(path, &frame_camera, |frame| {
+        flight.push(&frame, exit_pupil_mm)
+    })?;
+    flight.check(&path.display().to_string())?;
+    Ok(flight)
+}
