@@ -242,11 +242,11 @@ impl IndexWatch {
     pub(crate) fn sigma_mm(&self, common_mm: f32, drive: &DriveSettings, passed_mm: f32) -> f32 {
         if self.is_referenced(drive) {
             let least_mm = common_mm.max(UNSEEN_PART * self.tolerance_mm);
-            libm::hypotf(least_mm, OFF_PART * self.off_mm)
+            root_of_squares([least_mm, OFF_PART * self.off_mm, 0.0])
         } else {
             let cycles = f32::from(self.cycles.max(1));
             let lost_mm = passed_mm * libm::sqrtf(cycles / 3.0);
-            libm::hypotf(libm::hypotf(common_mm, lost_mm), self.off_mm)
+            root_of_squares([common_mm, lost_mm, self.off_mm])
         }
     }
 
@@ -363,6 +363,11 @@ fn place_tolerance_mm(drive: &DriveSettings, latest: &Reference, index_mm: f32) 
 fn tolerance_mm(drive: &DriveSettings, sigma_mm: f32, change_mm_s: f32) -> f32 {
     let uneven_mm = CHANGE_PART * change_mm_s * drive.velocity_loop.reading_age_s;
     steps_mm(drive) + AGREE_SIGMA * sigma_mm + uneven_mm
+}
+
+/// Returns σ of a sum of three errors.
+fn root_of_squares(sigmas: [f32; 3]) -> f32 {
+    libm::sqrtf(sigmas.map(|it| it * it).iter().sum())
 }
 
 /// Returns σ of the difference of two readings at the mark with a difference in speed, mm.

@@ -57,18 +57,20 @@ impl Agreements {
         held: impl Fn(VhChannel) -> Option<Held>,
     ) -> Survey {
         let speeds = [held(VhChannel::GroundSpeed), held(VhChannel::InertialSpeed)];
-        let heights = [
+        let mut heights = [
             held(VhChannel::LaserHeight),
             held(VhChannel::HeightAboveGround),
         ];
         let speed = self.speeds.choose(&speeds, &limits.speeds);
         // A height that gives no V/H is none.
-        let heights = heights.map(|height| {
-            height.filter(|height| {
-                speed
-                    .is_none_or(|it| is_within(settings.direct.range, it.held.value / height.value))
-            })
-        });
+        if let Some(speed) = &speed {
+            let [least, most] = settings.direct.range;
+            for height in &mut heights {
+                let speed_m_s = speed.held.value;
+                height
+                    .take_if(|it| !(speed_m_s >= least * it.value && speed_m_s <= most * it.value));
+            }
+        }
         let height = self.heights.choose(&heights, &limits.heights);
         let over_terrain = held(VhChannel::Altitude)
             .zip(held(VhChannel::TerrainHeight))

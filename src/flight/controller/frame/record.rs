@@ -1,7 +1,5 @@
 //! The record of an exposure.
 
-use core::f32::consts::FRAC_1_SQRT_2;
-
 use super::motion::sigma_of_unknown_place;
 use super::{FrameMachine, InFlight, Light, Phase};
 use crate::flight::camera;
@@ -80,9 +78,10 @@ impl FrameMachine {
             let mut exposed =
                 frame.exposed(light, &predicted, &measured, setup, aircraft, &mut flags);
             if let Some(utc) = &mut exposed.centroid_utc {
-                // Of first and last light.
-                let stamped_s = STAMP_SIGMA_S * FRAC_1_SQRT_2;
-                utc.sigma_s = libm::hypotf(libm::hypotf(utc.sigma_s, stamped_s), later_s);
+                // Half of the variances of first and last light.
+                let stamps_s2 = 0.5 * STAMP_SIGMA_S * STAMP_SIGMA_S;
+                let variance_s2 = utc.sigma_s * utc.sigma_s + later_s * later_s;
+                utc.sigma_s = libm::sqrtf(variance_s2 + stamps_s2);
             }
             Outcome::Exposed(exposed)
         } else {
