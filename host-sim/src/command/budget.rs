@@ -6,7 +6,7 @@ use fmc_simulation::budget::result::Budget;
 use fmc_simulation::budget::run;
 
 use crate::cli::BudgetArgs;
-use crate::failure::Failure;
+use crate::failure::{Failure, note};
 use crate::formats::output::{self, OutputFolder};
 
 pub(super) fn run(args: &BudgetArgs) -> Result<(), Failure> {
@@ -16,7 +16,10 @@ pub(super) fn run(args: &BudgetArgs) -> Result<(), Failure> {
     if let Some(out) = &args.out {
         let folder = OutputFolder::create(out)?;
         write_report(&folder, &budget)?;
-        eprintln!("report: {}", folder.path().join("report.html").display());
+        note(format_args!(
+            "report: {}",
+            folder.path().join("report.html").display()
+        ));
     }
     output::write(None, |sink| sink.write_all(table::text(&budget).as_bytes()))
 }

@@ -8,7 +8,7 @@ use fmc_exchange::program::Program;
 use fmc_report::exchange::ExportSummary;
 
 use crate::cli::{ExportArgs, ExportFormat};
-use crate::failure::Failure;
+use crate::failure::{Failure, note};
 use crate::formats::output::{self, OutputFolder};
 
 pub(super) fn run(args: &ExportArgs) -> Result<(), Failure> {
@@ -37,12 +37,12 @@ pub(super) fn run(args: &ExportArgs) -> Result<(), Failure> {
         )));
     }
     if summary.residual_max_px >= GOOD_ENOUGH_PX {
-        eprintln!(
+        note(format_args!(
             "warning: {} {}: the largest residual is {:.3} px, not below {GOOD_ENOUGH_PX} px",
             program.name(),
             exported.model,
             summary.residual_max_px
-        );
+        ));
     }
     let folder = OutputFolder::create(&args.out)?;
     for (name, bytes) in &exported.files {

@@ -12,7 +12,7 @@ use fmc_simulation::strip_experiment::scenario::Scenario;
 use indicatif::{ProgressBar, ProgressStyle};
 
 use crate::cli::StripArgs;
-use crate::failure::Failure;
+use crate::failure::{Failure, note};
 use crate::formats::output::{self, OutputFolder};
 
 pub(super) fn run(args: &StripArgs) -> Result<(), Failure> {
@@ -20,7 +20,7 @@ pub(super) fn run(args: &StripArgs) -> Result<(), Failure> {
     super::warn_of_distortion(&scenario.written.camera, &scenario.camera);
     let folder = OutputFolder::create(&args.out)?;
     let bar = ProgressBar::new(u64::from(args.repetitions));
-    if let Ok(style) = ProgressStyle::with_template("{bar:40} {pos}/{len} repetitions, {eta}") {
+    if let Ok(style) = ProgressStyle::with_template("{wide_bar} {pos}/{len} repetitions, {eta}") {
         bar.set_style(style);
     }
     let run = Experiment::run(scenario, args.seed, args.repetitions, || bar.inc(1));
@@ -30,7 +30,10 @@ pub(super) fn run(args: &StripArgs) -> Result<(), Failure> {
     output::write(None, |sink| {
         sink.write_all(text::text(&experiment).as_bytes())
     })?;
-    eprintln!("report: {}", folder.path().join("report.html").display());
+    note(format_args!(
+        "report: {}",
+        folder.path().join("report.html").display()
+    ));
     Ok(())
 }
 

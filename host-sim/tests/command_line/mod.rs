@@ -20,6 +20,9 @@ mod camera;
 #[cfg(test)]
 mod default_limits;
 #[cfg(test)]
+#[cfg(target_os = "linux")]
+mod error_stream;
+#[cfg(test)]
 mod exchange;
 #[cfg(test)]
 #[cfg(unix)]
