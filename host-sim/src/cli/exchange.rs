@@ -10,6 +10,7 @@ use std::path::PathBuf;
 use clap::{Args, ValueEnum};
 use fmc_exchange::program::{Container, Program};
 
+use super::ADVANCED;
 use super::number::positive;
 
 /// Arguments of `export`.
@@ -30,17 +31,17 @@ pub struct ExportArgs {
     #[arg(long, value_name = "NAME")]
     pub model: Option<String>,
     /// Largest residual over the sensor, µm: above it nothing is written, exit code 1.
-    #[arg(long, value_name = "UM", value_parser = positive, allow_negative_numbers = true)]
+    #[arg(long, value_name = "UM", value_parser = positive, allow_negative_numbers = true, help_heading = ADVANCED)]
     pub max_residual_um: Option<f64>,
     /// Container of opencv's file: camera.yaml, camera.json or camera.xml.
-    #[arg(long = "as", value_name = "CONTAINER")]
+    #[arg(long = "as", value_name = "CONTAINER", help_heading = ADVANCED)]
     pub container: Option<ContainerName>,
     /// Write colmap's binary files in place of text.
-    #[arg(long)]
+    #[arg(long, help_heading = ADVANCED)]
     pub binary: bool,
     /// Name of the camera in opensfm's file, such as `v2 make model 14204 10652 brown 0.9618`: the
     /// program must find the camera of its images by it.
-    #[arg(long, value_name = "NAME")]
+    #[arg(long, value_name = "NAME", help_heading = ADVANCED)]
     pub id: Option<String>,
 }
 
@@ -61,20 +62,20 @@ pub struct ImportArgs {
     pub pixel_um: Option<f64>,
     /// Columns and rows of the array, where the file does not have them. Without it those of
     /// --base.
-    #[arg(long, value_name = "WxH", value_parser = size)]
+    #[arg(long, value_name = "WxH", value_parser = size, help_heading = ADVANCED)]
     pub size: Option<[u32; 2]>,
     /// Name of the camera in a file with several.
-    #[arg(long, value_name = "ID")]
+    #[arg(long, value_name = "ID", help_heading = ADVANCED)]
     pub id: Option<String>,
     /// Sign of the coefficients, where the file does not tell it: inpho.
-    #[arg(long, value_name = "SIGN")]
+    #[arg(long, value_name = "SIGN", help_heading = ADVANCED)]
     pub sign: Option<SignName>,
     /// Camera file from which mechanism, shutter, limits, exit pupil, serial number and name are
     /// taken.
     #[arg(long, value_name = "CAMERA.toml")]
     pub base: Option<PathBuf>,
     /// Report: what was fitted and what it leaves, what was assumed, hashes.
-    #[arg(long, value_name = "FILE.json")]
+    #[arg(long, value_name = "FILE.json", help_heading = ADVANCED)]
     pub report: Option<PathBuf>,
 }
 

@@ -221,6 +221,7 @@ fn help_names_every_command_and_exit_code() {
         "frame",
         "sweep",
         "budget",
+        "camera-file",
         "Exit codes",
     ] {
         assert!(help.stdout.contains(word), "{word}");

@@ -30,6 +30,8 @@ fn commands() -> Vec<(Vec<&'static str>, i32)> {
             vec!["budget", "--camera", "camera.toml", "--out", "budget"],
             0,
         ),
+        (vec!["camera-file", "check", "camera.toml"], 0),
+        (vec!["camera-file", "check", "nowhere.toml"], 2),
         (vec!["mission", "--exposures", "2", "--out", "mission"], 0),
     ]
 }

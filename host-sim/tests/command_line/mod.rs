@@ -18,6 +18,8 @@ mod calibrate_five_refused;
 #[cfg(unix)]
 mod camera;
 #[cfg(test)]
+mod camera_file;
+#[cfg(test)]
 mod default_limits;
 #[cfg(test)]
 #[cfg(target_os = "linux")]

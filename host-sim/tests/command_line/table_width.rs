@@ -31,6 +31,7 @@ fn tables_fit_80_columns_whatever_the_camera() {
         assert_narrow(&bench.run(&tilted).ok(), 1);
         for arguments in [
             &[&["frame"], &exposure[..]].concat()[..],
+            &["camera-file", "check", &file],
             &["export", "opencv", "--camera", &file, "--out", "opencv"],
         ] {
             for line in bench.run(arguments).ok().stdout.lines() {
