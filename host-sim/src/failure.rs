@@ -111,8 +111,7 @@ impl Failure {
     pub fn report(self) -> ExitCode {
         let code = ExitCode::from(self.exit as u8);
         let report = miette::Report::new(*self.message);
-        // A closed error stream leaves no way to report.
-        let _ = writeln!(io::stderr(), "{report:?}");
+        note(format_args!("{report:?}"));
         code
     }
 }
@@ -145,6 +144,12 @@ impl From<ExperimentError> for Failure {
             ExperimentError::NotConverged(_) => Self::check(error.to_string()),
         }
     }
+}
+
+/// Writes a line to the error stream. A line that cannot be written, to a full disk or a closed
+/// pipe, is lost without an error: the exit code still tells the outcome.
+pub fn note(line: impl std::fmt::Display) {
+    let _ = writeln!(io::stderr(), "{line}");
 }
 
 /// Prints messages without breaking lines at the width of a terminal, because log files are

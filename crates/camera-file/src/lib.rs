@@ -22,6 +22,8 @@
 
 mod calibration_error;
 mod camera;
+#[cfg(test)]
+mod document;
 pub mod fitted_block;
 pub mod flight_settings;
 mod input_error;

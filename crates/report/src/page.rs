@@ -22,14 +22,36 @@ pub(crate) fn assert_stands_alone(page: &str, figures: usize) {
     assert_eq!(links.count(), 0);
     assert_eq!(page.matches("<svg").count(), figures);
     assert!(!page.contains("NaN"));
+    assert!(page.contains("prefers-color-scheme: dark"));
 }
 
-/// Turns an SVG into a part of a page, scaled by its view box instead of its width and height.
+/// Turns an SVG into a part of a page, scaled by its view box instead of its width and height. The
+/// page's style finds the width in `--width`.
 pub(crate) fn inline(svg: String) -> String {
     match svg.split_once("viewBox") {
         Some((_, rest)) => {
-            format!("<svg xmlns=\"http://www.w3.org/2000/svg\" role=\"img\" viewBox{rest}")
+            // viewBox="0 0 1500 900"
+            let width = rest.split_whitespace().nth(2).unwrap_or("1000");
+            format!(
+                "<svg xmlns=\"http://www.w3.org/2000/svg\" role=\"img\" style=\"--width:{width}\" viewBox{rest}"
+            )
         }
         None => svg,
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::figure;
+
+    #[test]
+    fn figure_in_a_page_tells_its_width() {
+        let svg = figure::svg((1500, 900), |_| Ok(())).unwrap();
+        let part = inline(svg);
+        assert!(
+            part.contains("style=\"--width:1500\" viewBox=\"0 0 1500 900\""),
+            "{part}"
+        );
     }
 }

@@ -12,6 +12,7 @@ pub mod mechanics;
 pub mod mission;
 pub mod noise;
 mod range;
+mod scenario_kind;
 pub mod scene;
 pub mod smear;
 pub mod statistics;

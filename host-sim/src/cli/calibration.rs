@@ -4,6 +4,8 @@ use std::path::PathBuf;
 
 use clap::{Args, Subcommand, ValueEnum};
 
+use super::{ADVANCED, examples};
+
 /// Arguments of `calibrate`.
 #[derive(Debug, Args)]
 pub struct CalibrateArgs {
@@ -16,6 +18,7 @@ pub struct CalibrateArgs {
 #[derive(Debug, Subcommand)]
 pub enum CalibrationMethod {
     /// The five-coefficient model, by robust least squares of observed distortions.
+    #[command(after_help = examples::CALIBRATE_FIVE)]
     Five(FiveArgs),
 }
 
@@ -35,15 +38,15 @@ pub struct FiveArgs {
     #[arg(long, value_name = "DIR")]
     pub out: Option<PathBuf>,
     /// Impose `K_d1` = 2 `P_m1`.
-    #[arg(long)]
+    #[arg(long, help_heading = ADVANCED)]
     pub tie: bool,
     /// Quantity that multiplies `K_d1` and `P_m1`: the travel δ, or the offset c̄ of the exposure
     /// centroid, which is right where Δδ/δ varies.
-    #[arg(long, value_name = "WHAT", default_value = "travel")]
+    #[arg(long, value_name = "WHAT", default_value = "travel", help_heading = ADVANCED)]
     pub regress_on: RegressOn,
     /// Treatment of the static decentring along the FMC axis (P2 for ±y, P1 for ±x), which one
     /// exposure cannot tell from `K_d1` and `P_m1`.
-    #[arg(long, value_name = "HOW", default_value = "hold")]
+    #[arg(long, value_name = "HOW", default_value = "hold", help_heading = ADVANCED)]
     pub static_p2: StaticP2,
 }
 

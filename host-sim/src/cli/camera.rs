@@ -5,7 +5,7 @@ use std::path::PathBuf;
 use clap::{Args, Subcommand};
 
 use super::number::{between, exposure_time};
-use super::{DeviceArgs, DirectionName, VhArgument};
+use super::{DeviceArgs, DirectionName, VhArgument, examples};
 
 /// Arguments of `camera`.
 #[derive(Debug, Args)]
@@ -25,24 +25,32 @@ pub enum CameraAction {
     ///
     /// The camera refuses while it keeps records of an earlier flight, so that none is lost: fetch
     /// them first with `host-sim records`.
+    #[command(after_help = examples::CAMERA_PREPARE)]
     Prepare(PrepareArgs),
     /// Obey triggers: the stage makes its strokes to and fro, then the camera is ready. Waits until
     /// it is.
+    #[command(after_help = examples::CAMERA_ARM)]
     Arm,
     /// Refuse triggers and leave the stage alone. An exposure under way is finished.
+    #[command(after_help = examples::CAMERA_DISARM)]
     Disarm,
     /// Return to standby after a fault has been looked at.
+    #[command(after_help = examples::CAMERA_CLEAR_FAULT)]
     ClearFault,
     /// Tell the camera that the stage stands at its calibrated position, from which the encoder
     /// then counts. In standby alone.
+    #[command(after_help = examples::CAMERA_REFERENCED)]
     Referenced,
     /// Set the exposure time of the following frames.
+    #[command(after_help = examples::CAMERA_EXPOSURE)]
     Exposure(ExposureTimeArgs),
     /// Tell the camera V/H, ground speed over height above ground.
     ///
     /// The camera uses the value for 5 s; with --for it is repeated until that time is over.
+    #[command(after_help = examples::CAMERA_VH)]
     Vh(VhArgs),
     /// Show what the camera is doing.
+    #[command(after_help = examples::CAMERA_STATUS)]
     Status(StatusArgs),
 }
 

@@ -12,6 +12,7 @@ use clap::{Args, ValueEnum};
 use fmc_exchange::frames::{PATTERN, Pattern};
 use fmc_exchange::program::{Container, Program};
 
+use super::ADVANCED;
 use super::number::positive;
 
 /// Arguments of `export`.
@@ -26,40 +27,41 @@ pub struct ExportArgs {
     /// Folder for the files and export.json; made if it does not exist.
     #[arg(long, value_name = "DIR")]
     pub out: PathBuf,
-    /// Model of the program: opencv5, opencv8, opencv14; plumb_bob, rational_polynomial;
-    /// SIMPLE_RADIAL, OPENCV, FULL_OPENCV and so on. Without it the smallest that leaves less
-    /// than 0.01 px.
-    #[arg(long, value_name = "NAME")]
-    pub model: Option<String>,
-    /// Largest residual over the sensor, µm: above it nothing is written, exit code 1.
-    #[arg(long, value_name = "UM", value_parser = positive, allow_negative_numbers = true)]
-    pub max_residual_um: Option<f64>,
-    /// Container of opencv's file: camera.yaml, camera.json or camera.xml.
-    #[arg(long = "as", value_name = "CONTAINER")]
-    pub container: Option<ContainerName>,
-    /// Write colmap's binary files in place of text.
-    #[arg(long)]
-    pub binary: bool,
-    /// Name of the camera in opensfm's file, such as `v2 make model 14204 10652 brown 0.9618`: the
-    /// program must find the camera of its images by it.
-    #[arg(long, value_name = "NAME")]
-    pub id: Option<String>,
     /// Records of a flight, records.csv or records.json: a camera per image, for colmap, metashape,
     /// opensfm, opf, opentrackio, arcgis and frames.
     #[arg(long, value_name = "FILE")]
     pub records: Option<PathBuf>,
+    /// Model of the program: opencv5, opencv8, opencv14; plumb_bob, rational_polynomial;
+    /// SIMPLE_RADIAL, OPENCV, FULL_OPENCV and so on. Without it the smallest that leaves less
+    /// than 0.01 px.
+    #[arg(long, value_name = "NAME", help_heading = ADVANCED)]
+    pub model: Option<String>,
+    /// Largest residual over the sensor, µm: above it nothing is written, exit code 1.
+    #[arg(long, value_name = "UM", value_parser = positive, allow_negative_numbers = true, help_heading = ADVANCED)]
+    pub max_residual_um: Option<f64>,
+    /// Container of opencv's file: camera.yaml, camera.json or camera.xml.
+    #[arg(long = "as", value_name = "CONTAINER", help_heading = ADVANCED)]
+    pub container: Option<ContainerName>,
+    /// Write colmap's binary files in place of text.
+    #[arg(long, help_heading = ADVANCED)]
+    pub binary: bool,
+    /// Name of the camera in opensfm's file, such as `v2 make model 14204 10652 brown 0.9618`: the
+    /// program must find the camera of its images by it.
+    #[arg(long, value_name = "NAME", help_heading = ADVANCED)]
+    pub id: Option<String>,
     /// Names of the images: a CSV table with the columns sequence and image.
     #[arg(
         long,
         value_name = "MAP.csv",
         requires = "records",
-        conflicts_with = "image_name"
+        conflicts_with = "image_name",
+        help_heading = ADVANCED
     )]
     pub images: Option<PathBuf>,
     /// Names of the images without such a table; {sequence:05} is the number of the trigger with
     /// five digits at least.
     #[arg(long, value_name = "PATTERN", requires = "records", value_parser = Pattern::parse,
-          default_value = PATTERN)]
+          default_value = PATTERN, help_heading = ADVANCED)]
     pub image_name: Pattern,
 }
 
@@ -80,20 +82,20 @@ pub struct ImportArgs {
     pub pixel_um: Option<f64>,
     /// Columns and rows of the array, where the file does not have them. Without it those of
     /// --base.
-    #[arg(long, value_name = "WxH", value_parser = size)]
+    #[arg(long, value_name = "WxH", value_parser = size, help_heading = ADVANCED)]
     pub size: Option<[u32; 2]>,
     /// Name of the camera in a file with several.
-    #[arg(long, value_name = "ID")]
+    #[arg(long, value_name = "ID", help_heading = ADVANCED)]
     pub id: Option<String>,
     /// Sign of the coefficients, where the file does not tell it: inpho.
-    #[arg(long, value_name = "SIGN")]
+    #[arg(long, value_name = "SIGN", help_heading = ADVANCED)]
     pub sign: Option<SignName>,
     /// Camera file from which mechanism, shutter, limits, exit pupil, serial number and name are
     /// taken.
     #[arg(long, value_name = "CAMERA.toml")]
     pub base: Option<PathBuf>,
     /// Report: what was fitted and what it leaves, what was assumed, hashes.
-    #[arg(long, value_name = "FILE.json")]
+    #[arg(long, value_name = "FILE.json", help_heading = ADVANCED)]
     pub report: Option<PathBuf>,
 }
 

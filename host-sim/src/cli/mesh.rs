@@ -4,7 +4,7 @@ use std::path::PathBuf;
 
 use clap::{Args, ValueEnum};
 
-use super::{DeviceArgs, ExposureArgs};
+use super::{ADVANCED, DeviceArgs, ExposureArgs};
 
 /// Arguments of `mesh`.
 #[derive(Debug, Args)]
@@ -12,15 +12,12 @@ pub struct MeshArgs {
     /// The exposure.
     #[command(flatten)]
     pub exposure: ExposureArgs,
-    /// Device on which the camera runs.
-    #[command(flatten)]
-    pub device: DeviceArgs,
     /// Reader of the mesh.
     #[arg(long, value_name = "FORMAT")]
     pub format: MeshFormatName,
     /// Pixels from one vertex to the next, both ways; 1 has a vertex at every pixel. 1 to 1024;
     /// dw100 has 16, ti-ldc and vpi a power of two, for ti-ldc of at most 128.
-    #[arg(long, value_name = "PX", default_value = "16", value_parser = clap::value_parser!(u16).range(1..=1024))]
+    #[arg(long, value_name = "PX", default_value = "16", value_parser = clap::value_parser!(u16).range(1..=1024), help_heading = ADVANCED)]
     pub spacing: u16,
     /// Part of the corrected image that the engine makes, for gpu the part of the recorded image
     /// that is drawn: first column, first row, width and height, pixels. Without it the whole
@@ -28,18 +25,22 @@ pub struct MeshArgs {
     #[arg(
         long,
         value_name = "COL,ROW,WIDTH,HEIGHT",
-        value_parser = image_part
+        value_parser = image_part,
+        help_heading = ADVANCED
     )]
     pub part: Option<ImagePart>,
     /// First column and row of the part of the recorded image that the engine is given; sources
     /// count from there. Without it that of --part. Not for ti-ldc and gpu, whose numbers do not
     /// depend on it.
-    #[arg(long, value_name = "COL,ROW", value_parser = image_pixel)]
+    #[arg(long, value_name = "COL,ROW", value_parser = image_pixel, help_heading = ADVANCED)]
     pub source: Option<[u32; 2]>,
     /// Folder for mesh.json and the mesh, mesh.bin or map-x.bin and map-y.bin; made if it does not
     /// exist.
     #[arg(long, value_name = "DIR")]
     pub out: PathBuf,
+    /// Device on which the camera runs.
+    #[command(flatten, next_help_heading = ADVANCED)]
+    pub device: DeviceArgs,
 }
 
 /// Part of an image, pixels.

@@ -4,7 +4,7 @@ use std::path::PathBuf;
 
 use clap::Args;
 
-use super::DeviceArgs;
+use super::{ADVANCED, DeviceArgs};
 
 /// Arguments of `mission`.
 #[derive(Debug, Args)]
@@ -17,26 +17,26 @@ pub struct MissionArgs {
     /// Settings of the camera (TOML), the file of `camera prepare`, in place of those that follow
     /// from the scenario's hardware; what the scenario says of its hardware may not contradict
     /// them.
-    #[arg(long, value_name = "FILE")]
+    #[arg(long, value_name = "FILE", help_heading = ADVANCED)]
     pub settings: Option<PathBuf>,
-    /// Device on which the camera runs.
-    #[command(flatten)]
-    pub device: DeviceArgs,
     /// Number of exposures in place of the scenario's, 1 to 100000.
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=100_000))]
     pub exposures: Option<u32>,
     /// Seed of air, noise, jitter and encoder phase, a whole number: the same seed gives the same
     /// files. Without it the scenario's, or 1.
-    #[arg(long, value_name = "N")]
+    #[arg(long, value_name = "N", help_heading = ADVANCED)]
     pub seed: Option<u64>,
     /// Trigger whose frame is shown millisecond by millisecond; without it the first with a fault,
     /// or else the one with the largest smear.
-    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..))]
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..), help_heading = ADVANCED)]
     pub frame: Option<u32>,
     /// Folder for report.html, records.csv, records.json, truth.csv, summary.json and figures; made
     /// if it does not exist.
     #[arg(long, value_name = "DIR")]
     pub out: PathBuf,
+    /// Device on which the camera runs.
+    #[command(flatten, next_help_heading = ADVANCED)]
+    pub device: DeviceArgs,
 }
 
 /// Arguments of `records`.

@@ -6,6 +6,8 @@ use clap::{Args, Parser, Subcommand, ValueEnum};
 
 mod calibration;
 mod camera;
+mod camera_file;
+mod examples;
 mod exchange;
 mod mesh;
 mod mission;
@@ -16,6 +18,7 @@ mod vh;
 
 pub use calibration::{CalibrateArgs, CalibrationMethod, FiveArgs, RegressOn, StaticP2};
 pub use camera::{CameraAction, CameraArgs, ExposureTimeArgs, PrepareArgs, StatusArgs, VhArgs};
+pub use camera_file::{CameraFileAction, CameraFileArgs};
 pub use exchange::{ContainerName, ExportArgs, ImportArgs, SignName};
 pub use mesh::{ImagePart, MeshArgs, MeshFormatName};
 pub use mission::{MissionArgs, RecordsArgs};
@@ -42,6 +45,9 @@ pub struct Cli {
 const EXIT_CODES: &str = "Exit codes: 0 done; 1 the check that was asked for failed; 2 bad input; \
                           3 device or I/O failure.";
 
+/// Heading of the options that a first call does not need.
+const ADVANCED: &str = "Advanced";
+
 /// The commands.
 #[derive(Debug, Subcommand)]
 pub enum Command {
@@ -51,14 +57,19 @@ pub enum Command {
     /// five published cameras or for the one given; in QEMU several cameras side by side. Fails
     /// (exit 1) when dx or dy is off by more than 1.5 nm or a coordinate by more than 5 nm, or when
     /// a result of the firmware differs in any bit from that of the same code on this PC.
+    #[command(after_help = examples::VERIFY)]
     Verify(VerifyArgs),
     /// Remove distortion: measured points -> ideal points.
+    #[command(after_help = examples::CORRECT)]
     Correct(PointsArgs),
     /// Apply distortion: ideal points -> measured points, the inverse of `correct`.
+    #[command(after_help = examples::DISTORT)]
     Distort(PointsArgs),
     /// As `correct`, but by quadrature in double precision: the strict reference solver.
+    #[command(after_help = examples::REFERENCE)]
     Reference(ReferenceArgs),
     /// Interior orientation of one frame, without points.
+    #[command(after_help = examples::FRAME)]
     Frame(FrameArgs),
     /// Write the mesh with which a warp engine or a graphics processor corrects a frame.
     ///
@@ -76,9 +87,7 @@ pub enum Command {
     /// The corrected image has the pixels of the sensor; its principal point is the frame's. The
     /// camera computes the rows, and the files have the same bytes on every device. mesh.json
     /// describes the numbers.
-    ///
-    /// For example: host-sim mesh --camera host-sim/cameras/rc30-5324.toml --vh 0.1 --exposure
-    /// 1/200 --format ti-ldc --out mesh
+    #[command(after_help = examples::MESH)]
     Mesh(MeshArgs),
     /// Determine coefficients from observations.
     Calibrate(CalibrateArgs),
@@ -88,6 +97,7 @@ pub enum Command {
     /// the mean, in µm and pixels, as the camera predicts it; beside it the largest of a simulated
     /// exposure. V/H is the true one, over the reference plane. All angles are right-handed: pitch
     /// nose up, roll right side down, yaw nose to the left, at the exposure's centroid.
+    #[command(after_help = examples::SMEAR)]
     Smear(SmearArgs),
     /// Simulate a calibration of the five-coefficient model: Yuan et al. 2012, section 4.1.
     ///
@@ -98,8 +108,8 @@ pub enum Command {
     /// five-coefficient and the exact model, with the paper's divisor n - 5 and with the correct
     /// one, and separates the gain by the focus shift from the gain by the motion.
     ///
-    /// The paper reports 1.2 and 2.3 µm; this repeats it with 1.2 and 2.4 µm:
-    /// host-sim sweep --camera host-sim/cameras/paper-0.03-percent.toml --out sweep
+    /// The paper reports 1.2 and 2.3 µm; the example repeats it with 1.2 and 2.4 µm.
+    #[command(after_help = examples::SWEEP)]
     Sweep(SweepArgs),
     /// Compute what each source of error costs this camera, on one page.
     ///
@@ -108,6 +118,7 @@ pub enum Command {
     /// the motion changes, the principal distance, and the terms that no correction removes: V/H,
     /// relief, drift, encoder, clock and attitude rates. In micrometres and pixels on the sensor
     /// and in centimetres on the ground, the largest first, with a sentence of advice.
+    #[command(after_help = examples::BUDGET)]
     Budget(BudgetArgs),
     /// Simulate a strip of frames over ground control: Yuan et al. 2012, section 4.2, and beyond.
     ///
@@ -119,9 +130,8 @@ pub enum Command {
     /// compared at the control points and at check points that took no part, over many repetitions
     /// with other errors, with confidence intervals.
     ///
-    /// To repeat the paper's 0.29 m and 0.18 m:
-    /// host-sim strip --scenario host-sim/scenarios/yuan-2012.toml --out strip
-    #[command(visible_alias = "flight")]
+    /// The second example repeats the paper's 0.29 m and 0.18 m.
+    #[command(visible_alias = "flight", after_help = examples::STRIP)]
     Strip(StripArgs),
     /// Fly a mission in simulated time with the camera in the loop.
     ///
@@ -139,7 +149,8 @@ pub enum Command {
     /// as values with noise, latency and faults, those of a satellite receiver as its sentences
     /// where the scenario says so.
     ///
-    /// The nominal mission of 1000 exposures: host-sim mission --out mission
+    /// The first example flies the nominal mission of 1000 exposures.
+    #[command(after_help = examples::MISSION)]
     Mission(MissionArgs),
     /// Fly random missions, and compare every error with the σ that the records state.
     ///
@@ -149,13 +160,13 @@ pub enum Command {
     /// frames, no fault comes without a cause, every trigger has its record, and no frame is wrong
     /// without a flag. Fails (exit 1) where a limit is exceeded. The folder holds the scenario of
     /// each of the worst cases, for `host-sim mission --scenario`.
-    ///
-    /// For example: host-sim statistics --missions 200 --seed 1 --out statistics
+    #[command(after_help = examples::STATISTICS)]
     Statistics(StatisticsArgs),
     /// Fetch the records of a camera: records.csv and records.json.
     ///
     /// Every trigger has a record: the exposure's interior orientation and time, or the reason why
     /// there was no exposure. The camera keeps the records until they are on this PC's disk.
+    #[command(after_help = examples::RECORDS)]
     Records(RecordsArgs),
     /// Write the calibration as the camera file of another program.
     ///
@@ -170,25 +181,14 @@ pub enum Command {
     /// camera is written at its calibrated position; with the records of a flight, a camera per
     /// image, for the programs that take one. It says what one camera for all frames would cost
     /// (docs/formats.md).
-    ///
-    /// For example: host-sim export metashape --camera host-sim/cameras/rc30-5324.toml --out lens
-    ///
-    /// Refused if worse than 0.5 µm: host-sim export opencv --camera
-    /// host-sim/cameras/phase-one-ixm-rs150f-50.toml --model opencv8 --max-residual-um 0.5 --out cv
-    ///
-    /// A camera per image: host-sim export colmap --camera camera.toml --records records.csv
-    /// --images map.csv --out block
+    #[command(after_help = examples::EXPORT)]
     Export(ExportArgs),
     /// Make a camera file of another program's.
     ///
     /// A calibration of measured points is converted exactly. One of rays is fitted: K0 to K3, P1,
     /// P2, B1, B2 by least squares over the whole sensor; the comments of the file and --report say
     /// what that leaves. Mechanism, shutter and limits come from --base.
-    ///
-    /// For example: host-sim import metashape camera.xml --pixel-um 3.76 --out camera.toml
-    ///
-    /// With the mechanism of a camera file: host-sim import colmap cameras.txt --id 1 --base
-    /// old.toml --out new.toml
+    #[command(after_help = examples::IMPORT)]
     Import(ImportArgs),
     /// Prepare, arm and watch a camera on a board, with its own mechanism, shutter and trigger
     /// line.
@@ -196,7 +196,10 @@ pub enum Command {
     /// First `prepare --camera FILE`, then, with the stage at its calibrated position,
     /// `referenced`, then `arm`. V/H comes from the aircraft or, on a bench, from `vh`.
     /// `host-sim records` fetches the records.
+    #[command(after_help = examples::CAMERA)]
     Camera(CameraArgs),
+    /// Check a camera file.
+    CameraFile(CameraFileArgs),
 }
 
 /// Arguments of `verify`.
@@ -230,10 +233,10 @@ pub struct DeviceArgs {
     pub device: Option<DeviceName>,
     /// Image of the firmware for QEMU, an ELF file. Without it the variable `FMC_FIRMWARE`, else
     /// what `cargo xtask firmware` has built; if it has not been built yet, it is built now.
-    #[arg(long, value_name = "FILE")]
+    #[arg(long, value_name = "FILE", help_heading = ADVANCED)]
     pub firmware: Option<PathBuf>,
     /// Show the log of the firmware in QEMU on the error stream.
-    #[arg(long)]
+    #[arg(long, help_heading = ADVANCED)]
     pub log: bool,
 }
 
@@ -247,24 +250,24 @@ pub struct ExposureArgs {
     #[command(flatten)]
     pub vh: VhOption,
     /// Direction of flight; V/H is positive either way.
-    #[arg(long, value_name = "DIRECTION", default_value = "forward")]
+    #[arg(long, value_name = "DIRECTION", default_value = "forward", help_heading = ADVANCED)]
     pub direction: DirectionName,
     /// Exposure time, first light to last: seconds or a fraction such as 1/200.
     #[arg(long, value_name = "S", value_parser = exposure_time, allow_hyphen_values = true)]
     pub exposure: f64,
     /// Offset of the principal point from its calibrated place when the shutter opens, along the
     /// FMC axis, mm; overrides the planned run-up.
-    #[arg(long, value_name = "MM", value_parser = finite, allow_negative_numbers = true)]
+    #[arg(long, value_name = "MM", value_parser = finite, allow_negative_numbers = true, help_heading = ADVANCED)]
     pub opening_offset_mm: Option<f64>,
     /// Detector out of its calibrated plane, positive away from the lens, µm; adds to the stage's
     /// run-out.
-    #[arg(long, value_name = "UM", default_value = "0", value_parser = finite, allow_negative_numbers = true)]
+    #[arg(long, value_name = "UM", default_value = "0", value_parser = finite, allow_negative_numbers = true, help_heading = ADVANCED)]
     pub focus_shift_um: f64,
     /// Formula that turns a focus shift into distortion.
-    #[arg(long, value_name = "SIGN", default_value = "physical")]
+    #[arg(long, value_name = "SIGN", default_value = "physical", help_heading = ADVANCED)]
     pub focus_sign: FocusSignName,
     /// Model of the correction.
-    #[arg(long, value_name = "MODEL", default_value = "exact")]
+    #[arg(long, value_name = "MODEL", default_value = "exact", help_heading = ADVANCED)]
     pub model: ModelName,
 }
 
@@ -275,7 +278,7 @@ pub struct PointsArgs {
     #[command(flatten)]
     pub exposure: ExposureArgs,
     /// Device on which the camera runs.
-    #[command(flatten)]
+    #[command(flatten, next_help_heading = ADVANCED)]
     pub device: DeviceArgs,
     /// Files of points and answers.
     #[command(flatten)]
@@ -293,11 +296,11 @@ pub struct PointFiles {
     /// Answer file; it appears only when it is complete. Without it standard output, where the
     /// answers before a wrong point in a long file may already have been written: the exit code
     /// reports the failure.
-    #[arg(long, value_name = "FILE")]
+    #[arg(long, value_name = "FILE", help_heading = ADVANCED)]
     pub out: Option<PathBuf>,
     /// Format of points and answers whose file name does not end in `.csv` or `.npy`; without it
     /// CSV for the points, and for the answers the format of the points.
-    #[arg(long, value_name = "FORMAT")]
+    #[arg(long, value_name = "FORMAT", help_heading = ADVANCED)]
     pub format: Option<PointFormat>,
 }
 
@@ -309,11 +312,11 @@ pub struct ReferenceArgs {
     pub exposure: ExposureArgs,
     /// Weight of the mean over the exposure: the light, or the arc length of the distortion
     /// hodograph as printed in eqs. 10-11.
-    #[arg(long, value_name = "WEIGHT", default_value = "exposure")]
+    #[arg(long, value_name = "WEIGHT", default_value = "exposure", help_heading = ADVANCED)]
     pub weight: WeightName,
     /// Reading of eqs. 12-13: as changes (consistent), or literally, which counts the static
     /// distortion twice.
-    #[arg(long, value_name = "READING", default_value = "consistent")]
+    #[arg(long, value_name = "READING", default_value = "consistent", help_heading = ADVANCED)]
     pub reading: ReadingName,
     /// Files of points and answers.
     #[command(flatten)]
@@ -327,13 +330,13 @@ pub struct FrameArgs {
     #[command(flatten)]
     pub exposure: ExposureArgs,
     /// Device on which the camera runs.
-    #[command(flatten)]
+    #[command(flatten, next_help_heading = ADVANCED)]
     pub device: DeviceArgs,
     /// Print JSON.
-    #[arg(long)]
+    #[arg(long, help_heading = ADVANCED)]
     pub json: bool,
     /// Answer file; without it standard output.
-    #[arg(long, value_name = "FILE")]
+    #[arg(long, value_name = "FILE", help_heading = ADVANCED)]
     pub out: Option<PathBuf>,
 }
 

@@ -4,6 +4,8 @@ use std::path::PathBuf;
 
 use clap::{Args, ValueEnum};
 
+use super::ADVANCED;
+
 /// Arguments of `statistics`.
 #[derive(Debug, Args)]
 pub struct StatisticsArgs {
@@ -12,7 +14,7 @@ pub struct StatisticsArgs {
     pub missions: u32,
     /// Seed of all missions, a whole number: the same seed gives the same files, on any number of
     /// cores.
-    #[arg(long, value_name = "N", default_value = "1")]
+    #[arg(long, value_name = "N", default_value = "1", help_heading = ADVANCED)]
     pub seed: u64,
     /// Number of faults that each mission has, at random moments and in random sizes.
     #[arg(long, value_name = "NUMBER", default_value = "none")]

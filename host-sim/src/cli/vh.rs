@@ -5,6 +5,7 @@ use std::fmt;
 use clap::{ArgGroup, Args};
 use fmc_camera_file::number::finite;
 
+use super::ADVANCED;
 use super::number::{number_or_fraction, positive};
 
 /// V/H, given in one of two ways.
@@ -16,10 +17,10 @@ pub struct VhOption {
     #[arg(long, value_name = "PER_S", value_parser = number_or_fraction, allow_negative_numbers = true)]
     vh: Option<f64>,
     /// Ground speed, m/s; with --height it takes the place of --vh.
-    #[arg(long, value_name = "M_S", requires = "height", value_parser = finite, allow_negative_numbers = true)]
+    #[arg(long, value_name = "M_S", requires = "height", value_parser = finite, allow_negative_numbers = true, help_heading = ADVANCED)]
     ground_speed: Option<f64>,
     /// Height above ground, m; with --ground-speed it takes the place of --vh.
-    #[arg(long, value_name = "M", requires = "ground_speed", conflicts_with = "vh", value_parser = positive, allow_negative_numbers = true)]
+    #[arg(long, value_name = "M", requires = "ground_speed", conflicts_with = "vh", value_parser = positive, allow_negative_numbers = true, help_heading = ADVANCED)]
     height: Option<f64>,
 }
 
@@ -32,10 +33,10 @@ pub struct VhArgument {
     #[arg(value_name = "PER_S", value_parser = number_or_fraction, allow_negative_numbers = true)]
     vh: Option<f64>,
     /// Ground speed, m/s; with --height it takes the place of V/H.
-    #[arg(long, value_name = "M_S", requires = "height", value_parser = finite, allow_negative_numbers = true)]
+    #[arg(long, value_name = "M_S", requires = "height", value_parser = finite, allow_negative_numbers = true, help_heading = ADVANCED)]
     ground_speed: Option<f64>,
     /// Height above ground, m; with --ground-speed it takes the place of V/H.
-    #[arg(long, value_name = "M", requires = "ground_speed", conflicts_with = "vh", value_parser = positive, allow_negative_numbers = true)]
+    #[arg(long, value_name = "M", requires = "ground_speed", conflicts_with = "vh", value_parser = positive, allow_negative_numbers = true, help_heading = ADVANCED)]
     height: Option<f64>,
 }
 

@@ -1,12 +1,12 @@
 //! `budget`: the cost of each source of error for a camera.
 
-use fmc_report::budget::{bars, page, summary, table};
+use fmc_report::budget::{dots, page, summary, table};
 use fmc_simulation::budget::assumptions::Assumptions;
 use fmc_simulation::budget::result::Budget;
 use fmc_simulation::budget::run;
 
 use crate::cli::BudgetArgs;
-use crate::failure::Failure;
+use crate::failure::{Failure, note};
 use crate::formats::output::{self, OutputFolder};
 
 pub(super) fn run(args: &BudgetArgs) -> Result<(), Failure> {
@@ -16,7 +16,10 @@ pub(super) fn run(args: &BudgetArgs) -> Result<(), Failure> {
     if let Some(out) = &args.out {
         let folder = OutputFolder::create(out)?;
         write_report(&folder, &budget)?;
-        eprintln!("report: {}", folder.path().join("report.html").display());
+        note(format_args!(
+            "report: {}",
+            folder.path().join("report.html").display()
+        ));
     }
     output::write(None, |sink| sink.write_all(table::text(&budget).as_bytes()))
 }
@@ -40,8 +43,8 @@ fn write_report(folder: &OutputFolder, budget: &Budget) -> Result<(), Failure> {
         Failure::device_or_io(format!("{what}: {error}"))
     };
     folder.write_json("summary.json", &summary::Summary::of(budget))?;
-    let svg = bars::svg(budget).map_err(|error| failed("budget.svg", &error))?;
-    let png = bars::png(budget).map_err(|error| failed("budget.png", &error))?;
+    let svg = dots::svg(budget).map_err(|error| failed("budget.svg", &error))?;
+    let png = dots::png(budget).map_err(|error| failed("budget.png", &error))?;
     folder.write("budget.svg", |sink| sink.write_all(svg.as_bytes()))?;
     folder.write("budget.png", |sink| sink.write_all(&png))?;
     let page = page::page(budget).map_err(|error| failed("report.html", &error))?;

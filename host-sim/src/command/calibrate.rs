@@ -13,7 +13,7 @@ use fmc_report::calibration::{
 use fmc_report::figure::FigureError;
 
 use crate::cli::{FiveArgs, RegressOn, StaticP2};
-use crate::failure::Failure;
+use crate::failure::{Failure, note};
 use crate::formats::observations;
 use crate::formats::output::{self, OutputFolder};
 
@@ -122,7 +122,11 @@ impl Outputs {
             self.folder.write(name, |sink| sink.write_all(contents))?;
         }
         let names: Vec<&str> = self.files.iter().map(|(name, _)| name.as_str()).collect();
-        eprintln!("{}: {}", self.folder.path().display(), names.join(", "));
+        note(format_args!(
+            "{}: {}",
+            self.folder.path().display(),
+            names.join(", ")
+        ));
         Ok(())
     }
 }

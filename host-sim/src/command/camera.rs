@@ -19,7 +19,7 @@ use fmc_report::camera_status;
 use crate::cli::{CameraAction, CameraArgs, DirectionName, PrepareArgs, StatusArgs, VhArgs};
 use crate::device::DeviceError;
 use crate::device::link_error::LinkError;
-use crate::failure::Failure;
+use crate::failure::{Failure, note};
 use crate::formats::output;
 
 /// Longest time until the camera has obeyed a command.
@@ -97,7 +97,7 @@ fn read(args: &PrepareArgs) -> Result<(CameraParameters, FlightSettings), Failur
     let camera = file.flown(&settings);
     let ([_, allowed], [_, flown]) = (file.limits.vh_per_s, camera.limits.vh_per_s);
     if flown < single(allowed) {
-        eprintln!(
+        note(format_args!(
             "note: {}: with exposures of {} s{} the mechanism can fly V/H up to {flown:.3} 1/s, less than the default limits, {allowed} 1/s",
             args.camera.display(),
             settings.exposure_s,
@@ -105,7 +105,7 @@ fn read(args: &PrepareArgs) -> Result<(CameraParameters, FlightSettings), Failur
                 0.0 => String::new(),
                 interval_s => format!(" every {interval_s} s"),
             }
-        );
+        ));
     }
     let flown = Camera::new(camera)
         .map_err(|error| Failure::bad_input(format!("{}: {error}", args.camera.display())))?;
@@ -145,10 +145,10 @@ fn obey(
             return Err(not_done(command, status.state));
         }
         if elapsed > DONE_WITHIN && !is_said {
-            eprintln!(
+            note(format_args!(
                 "note: waiting for the stage, which makes its strokes to and fro, {} s at most",
                 within.as_secs()
-            );
+            ));
             is_said = true;
         }
     }

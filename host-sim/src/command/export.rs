@@ -10,7 +10,7 @@ use fmc_exchange::program::Program;
 use fmc_report::exchange::ExportSummary;
 
 use crate::cli::ExportArgs;
-use crate::failure::Failure;
+use crate::failure::{Failure, note};
 use crate::formats::output::{self, OutputFolder};
 
 pub(super) fn run(args: &ExportArgs) -> Result<(), Failure> {
@@ -49,10 +49,10 @@ fn check_residual(args: &ExportArgs, summary: &ExportSummary) -> Result<(), Fail
         )));
     }
     if summary.residual_max_px >= GOOD_ENOUGH_PX {
-        eprintln!(
+        note(format_args!(
             "warning: {} {}: the largest residual is {:.3} px, not below {GOOD_ENOUGH_PX} px",
             summary.format, summary.model, summary.residual_max_px
-        );
+        ));
     }
     Ok(())
 }

@@ -4,13 +4,13 @@ use fmc_camera::flight::camera::FrameError;
 use fmc_camera::flight::exposure::{CorrectionModel, Exposure, FlightDirection};
 use fmc_camera::geometry::principal_distance::FocusSign;
 use fmc_camera::geometry::range::{OutOfRange, Quantity};
+use fmc_camera_file::CameraFile;
 use fmc_camera_file::number::single;
-use fmc_camera_file::{CameraFile, MechanismName};
 use fmc_reference::exposure::{ExposureRequest, FocusFormula};
 
 use crate::cli::{DirectionName, ExposureArgs, FocusSignName, ModelName};
 use crate::device::DeviceError;
-use crate::failure::Failure;
+use crate::failure::{Failure, note};
 
 impl ExposureArgs {
     /// Reads the camera file, and prints a note on every option that has no effect on this camera.
@@ -25,16 +25,11 @@ impl ExposureArgs {
                 self.camera.display()
             )));
         }
-        if camera.fmc.mechanism == MechanismName::Tdi && camera.fmc.strategy.is_some() {
-            eprintln!(
-                "note: {}: strategy has no effect with mechanism = \"tdi\"; the row labels fix the opening offset",
-                self.camera.display()
-            );
-        }
+        super::note_unused_strategy(&self.camera, &camera);
         if self.model != ModelName::Exact && self.focus_shift_um != 0.0 {
-            eprintln!(
+            note(format_args!(
                 "note: --focus-shift-um has no effect on the coordinates with --model static or fitted"
-            );
+            ));
         }
         Ok(camera)
     }

@@ -118,7 +118,7 @@ impl FrameReport {
             ("centroid principal point", format!("({x0:.6}, {y0:.6}) mm")),
             (
                 "principal distance",
-                format!("{:.5} mm", self.principal_distance_mm),
+                format!("{} mm", self.principal_distance_mm),
             ),
             (
                 "focus shift Δz",

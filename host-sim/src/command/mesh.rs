@@ -12,7 +12,7 @@ use indicatif::{ProgressBar, ProgressStyle};
 use self::header::{Accuracy, Header};
 use crate::cli::{ImagePart, MeshArgs, MeshFormatName};
 use crate::device::{Device, DeviceError};
-use crate::failure::Failure;
+use crate::failure::{Failure, note};
 use crate::formats::output::OutputFolder;
 
 /// Largest number of vertices of a mesh: half a gigabyte of the longest words.
@@ -45,7 +45,14 @@ pub(super) fn run(args: &MeshArgs) -> Result<(), Failure> {
         folder.write(name, |sink| sink.write_all(bytes))?;
     }
     // The header is written last: if it exists, the mesh is complete.
-    folder.write_json("mesh.json", &header)
+    folder.write_json("mesh.json", &header)?;
+    let names: Vec<&str> = files.iter().map(|(name, _)| *name).collect();
+    note(format_args!(
+        "{}: {}, mesh.json",
+        folder.path().display(),
+        names.join(", ")
+    ));
+    Ok(())
 }
 
 /// Checks that the engine supports the spacing.
@@ -178,7 +185,7 @@ impl Layout {
 /// Fetches all rows from the camera.
 fn fetch(device: &mut dyn Device, layout: &Layout) -> Result<Vec<u8>, DeviceError> {
     let bar = ProgressBar::new(u64::from(layout.vertices[1]));
-    if let Ok(style) = ProgressStyle::with_template("mesh {bar:40} {pos}/{len} rows, {eta}") {
+    if let Ok(style) = ProgressStyle::with_template("mesh {wide_bar} {pos}/{len} rows, {eta}") {
         bar.set_style(style);
     }
     let mut mesh = Vec::new();

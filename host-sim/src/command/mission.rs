@@ -17,7 +17,7 @@ use indicatif::{ProgressBar, ProgressStyle};
 
 use crate::cli::MissionArgs;
 use crate::device::StepperCamera;
-use crate::failure::Failure;
+use crate::failure::{Failure, note};
 use crate::formats::output::{self, OutputFolder};
 
 pub(super) fn run(args: &MissionArgs) -> Result<(), Failure> {
@@ -74,7 +74,10 @@ pub(super) fn run(args: &MissionArgs) -> Result<(), Failure> {
     };
     write(&args.out, &report)?;
     output::write(None, |sink| sink.write_all(text::text(&report).as_bytes()))?;
-    eprintln!("report: {}", args.out.join("report.html").display());
+    note(format_args!(
+        "report: {}",
+        args.out.join("report.html").display()
+    ));
     if judgement.passed() {
         Ok(())
     } else {

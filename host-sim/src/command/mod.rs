@@ -3,6 +3,7 @@
 mod budget;
 mod calibrate;
 mod camera;
+mod camera_file;
 mod device;
 mod export;
 mod exposure;
@@ -23,10 +24,10 @@ mod verify;
 use std::path::Path;
 
 use fmc_camera::flight::camera::Camera;
-use fmc_camera_file::CameraFile;
+use fmc_camera_file::{CameraFile, MechanismName};
 
 use crate::cli::{CalibrationMethod, Cli, Command};
-use crate::failure::Failure;
+use crate::failure::{Failure, note};
 
 /// Runs a command.
 ///
@@ -53,6 +54,7 @@ pub fn run(cli: Cli) -> Result<(), Failure> {
         Command::Export(args) => export::run(&args),
         Command::Import(args) => import::run(&args),
         Command::Camera(args) => camera::run(&args),
+        Command::CameraFile(args) => camera_file::run(&args),
     }
 }
 
@@ -69,6 +71,16 @@ fn read_camera(path: &Path) -> Result<(CameraFile, Camera), Failure> {
 /// Prints a warning if the distortion of a camera file is hardly believable.
 fn warn_of_distortion(path: &Path, file: &CameraFile) {
     if let Some(warning) = file.distortion_warning() {
-        eprintln!("warning: {}: {warning}", path.display());
+        note(format_args!("warning: {}: {warning}", path.display()));
+    }
+}
+
+/// Prints a note if a camera file has a run-up strategy that its mechanism does not use.
+fn note_unused_strategy(path: &Path, file: &CameraFile) {
+    if file.fmc.mechanism == MechanismName::Tdi && file.fmc.strategy.is_some() {
+        note(format_args!(
+            "note: {}: strategy has no effect with mechanism = \"tdi\"; the row labels fix the opening offset",
+            path.display()
+        ));
     }
 }

@@ -8,7 +8,7 @@ use fmc_reference::strict::{Reading, StrictMean, StrictSolver, Weight};
 use super::point_stream::PointStream;
 use crate::cli::{ModelName, ReadingName, ReferenceArgs, WeightName};
 use crate::device::DeviceError;
-use crate::failure::Failure;
+use crate::failure::{Failure, note};
 use crate::formats::output;
 use crate::formats::points::{Answer, Checked};
 
@@ -61,11 +61,14 @@ pub(super) fn run(args: &ReferenceArgs) -> Result<(), Failure> {
         Ok(())
     })?;
     if reading == Reading::Literal {
-        eprintln!(
+        note(format_args!(
             "note: literal reading of eqs. 12-13: the static distortion is counted twice; not for use"
-        );
+        ));
     }
-    eprintln!("quadrature error at most {:.1e} nm", 1e6 * error_mm);
+    note(format_args!(
+        "quadrature error at most {:.1e} nm",
+        1e6 * error_mm
+    ));
     Ok(())
 }
 

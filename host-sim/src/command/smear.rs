@@ -9,7 +9,7 @@ use fmc_simulation::smear::term::{Disturbances, Term};
 
 use crate::cli::{DirectionName, ExposureArgs, FocusSignName, ModelName, SmearArgs, VhOption};
 use crate::device::DeviceError;
-use crate::failure::Failure;
+use crate::failure::{Failure, note};
 use crate::formats::output::{self, OutputFolder};
 
 pub(super) fn run(args: &SmearArgs) -> Result<(), Failure> {
@@ -57,7 +57,10 @@ fn write(folder: &OutputFolder, report: &SmearReport<'_>) -> Result<(), Failure>
     for (name, svg) in figures {
         folder.write(&name, |sink| sink.write_all(svg.as_bytes()))?;
     }
-    eprintln!("figure: {}", folder.path().join("smear.svg").display());
+    note(format_args!(
+        "figure: {}",
+        folder.path().join("smear.svg").display()
+    ));
     Ok(())
 }
 

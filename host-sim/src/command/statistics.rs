@@ -16,7 +16,7 @@ use indicatif::{ProgressBar, ProgressStyle};
 
 use crate::cli::StatisticsArgs;
 use crate::device::{FlyingDevice as _, InProcess};
-use crate::failure::Failure;
+use crate::failure::{Failure, note};
 use crate::formats::output::{self, OutputFolder};
 
 pub(super) fn run(args: &StatisticsArgs) -> Result<(), Failure> {
@@ -26,7 +26,7 @@ pub(super) fn run(args: &StatisticsArgs) -> Result<(), Failure> {
         faults: args.faults.number(),
     };
     let bar = ProgressBar::new(u64::from(args.missions));
-    if let Ok(style) = ProgressStyle::with_template("{bar:40} {pos}/{len} missions, {eta}") {
+    if let Ok(style) = ProgressStyle::with_template("{wide_bar} {pos}/{len} missions, {eta}") {
         bar.set_style(style);
     }
     let statistics = Statistics::run(request, flown, || bar.inc(1));
@@ -41,7 +41,10 @@ pub(super) fn run(args: &StatisticsArgs) -> Result<(), Failure> {
     }
     output::write(None, |sink| sink.write_all(text::text(&summary).as_bytes()))?;
     if let Some(out) = &args.out {
-        eprintln!("report: {}", out.join("report.html").display());
+        note(format_args!(
+            "report: {}",
+            out.join("report.html").display()
+        ));
     }
     if summary.passed {
         return Ok(());

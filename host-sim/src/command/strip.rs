@@ -12,32 +12,45 @@ use fmc_simulation::strip_experiment::scenario::Scenario;
 use indicatif::{ProgressBar, ProgressStyle};
 
 use crate::cli::StripArgs;
-use crate::failure::Failure;
+use crate::failure::{Failure, note};
 use crate::formats::output::{self, OutputFolder};
 
 pub(super) fn run(args: &StripArgs) -> Result<(), Failure> {
     let scenario = Scenario::read(&args.scenario)?;
     super::warn_of_distortion(&scenario.written.camera, &scenario.camera);
     let folder = OutputFolder::create(&args.out)?;
-    let bar = ProgressBar::new(u64::from(args.repetitions));
-    if let Ok(style) = ProgressStyle::with_template("{bar:40} {pos}/{len} repetitions, {eta}") {
+    let without_shift = scenario.without_focus_shift();
+    let flights = if without_shift.is_some() { 2 } else { 1 };
+    let bar = ProgressBar::new(flights * u64::from(args.repetitions));
+    if let Ok(style) = ProgressStyle::with_template("{wide_bar} {pos}/{len} repetitions, {eta}") {
         bar.set_style(style);
     }
-    let run = Experiment::run(scenario, args.seed, args.repetitions, || bar.inc(1));
+    let run = |scenario| Experiment::run(scenario, args.seed, args.repetitions, || bar.inc(1));
+    let flights = run(scenario).and_then(|experiment| {
+        let without_shift = without_shift.map(run).transpose()?;
+        Ok((experiment, without_shift))
+    });
     bar.finish_and_clear();
-    let experiment = run?;
-    write_report(&folder, &experiment)?;
+    let (experiment, without_shift) = flights?;
+    write_report(&folder, &experiment, without_shift.as_ref())?;
     output::write(None, |sink| {
-        sink.write_all(text::text(&experiment).as_bytes())
+        sink.write_all(text::text(&experiment, without_shift.as_ref()).as_bytes())
     })?;
-    eprintln!("report: {}", folder.path().join("report.html").display());
+    note(format_args!(
+        "report: {}",
+        folder.path().join("report.html").display()
+    ));
     Ok(())
 }
 
 /// Writes report.html, summary.json, repetitions.csv and the figures.
-fn write_report(folder: &OutputFolder, experiment: &Experiment) -> Result<(), Failure> {
+fn write_report(
+    folder: &OutputFolder,
+    experiment: &Experiment,
+    without_shift: Option<&Experiment>,
+) -> Result<(), Failure> {
     let drawing = |error: FigureError| Failure::device_or_io(format!("figure: {error}"));
-    let page = html::page(experiment)
+    let page = html::page(experiment, without_shift)
         .map_err(|error| Failure::device_or_io(format!("report.html: {error}")))?;
     folder.write("report.html", |sink| sink.write_all(page.as_bytes()))?;
     for (name, svg) in [
@@ -54,5 +67,5 @@ fn write_report(folder: &OutputFolder, experiment: &Experiment) -> Result<(), Fa
     folder.write("repetitions.csv", |sink| {
         repetitions_csv::write(experiment, sink).map_err(io::Error::other)
     })?;
-    folder.write_json("summary.json", &Summary::of(experiment))
+    folder.write_json("summary.json", &Summary::of(experiment, without_shift))
 }

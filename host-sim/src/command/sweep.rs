@@ -15,7 +15,7 @@ use fmc_simulation::sweep::run::{Plan, SweepError, steps};
 use indicatif::{ProgressBar, ProgressStyle};
 
 use crate::cli::{FocusSignName, ReadingName, RegressOn, StrategyName, SweepArgs, WeightName};
-use crate::failure::Failure;
+use crate::failure::{Failure, note};
 use crate::formats::output::{self, OutputFolder};
 
 pub(super) fn run(args: &SweepArgs) -> Result<(), Failure> {
@@ -42,7 +42,10 @@ pub(super) fn run(args: &SweepArgs) -> Result<(), Failure> {
     bar.finish_and_clear();
     write_report(&folder, &sweep)?;
     output::write(None, |sink| sink.write_all(table::text(&sweep).as_bytes()))?;
-    eprintln!("report: {}", folder.path().join("report.html").display());
+    note(format_args!(
+        "report: {}",
+        folder.path().join("report.html").display()
+    ));
     Ok(())
 }
 
@@ -74,7 +77,7 @@ fn options(args: &SweepArgs) -> SweepOptions {
 fn progress() -> ProgressBar {
     let bar = ProgressBar::new(steps() as u64);
     if let Ok(style) =
-        ProgressStyle::with_template("simulating {bar:40} {pos}/{len} exposures, {eta}")
+        ProgressStyle::with_template("simulating {wide_bar} {pos}/{len} exposures, {eta}")
     {
         bar.set_style(style);
     }

@@ -15,7 +15,7 @@ use indicatif::{ProgressBar, ProgressStyle};
 use super::device::Devices;
 use crate::cli::VerifyArgs;
 use crate::device::DeviceError;
-use crate::failure::Failure;
+use crate::failure::{Failure, note};
 use crate::formats::output::{self, OutputFolder};
 
 pub(super) fn run(args: &VerifyArgs) -> Result<(), Failure> {
@@ -29,7 +29,10 @@ pub(super) fn run(args: &VerifyArgs) -> Result<(), Failure> {
     verification.not_in_qemu = not_in_qemu;
     if let Some(folder) = folder {
         write_report(&folder, &verification)?;
-        eprintln!("report: {}", folder.path().join("report.html").display());
+        note(format_args!(
+            "report: {}",
+            folder.path().join("report.html").display()
+        ));
     }
     // The table is printed last, because its last line names the device.
     output::write(None, |sink| {
@@ -73,7 +76,7 @@ fn verify(
         ProgressBar::new(frames as u64)
     };
     if let Ok(style) =
-        ProgressStyle::with_template("{msg:30} {bar:40} {pos}/{len} exposures, {eta}")
+        ProgressStyle::with_template("{bar:10} {pos}/{len} exposures, {eta} {wide_msg}")
     {
         bar.set_style(style);
     }

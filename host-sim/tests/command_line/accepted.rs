@@ -201,6 +201,16 @@ fn tdi_needs_no_strategy_and_says_that_one_has_no_effect() {
 }
 
 #[test]
+fn principal_distance_of_a_frame_has_the_digits_of_the_camera_file() {
+    for distance in ["153.247", "100", "51.3712"] {
+        let camera = CAMERA.replace("100.0\nexit_pupil_mm = 110.0", distance);
+        let frame = Bench::with(&camera, b"").points("frame", &[]).ok();
+        let line = format!("principal distance       {distance} mm\n");
+        assert!(frame.stdout.contains(&line), "{}", frame.stdout);
+    }
+}
+
+#[test]
 fn help_names_every_command_and_exit_code() {
     let help = Bench::new().run(&["--help"]).ok();
     for word in [
@@ -211,6 +221,7 @@ fn help_names_every_command_and_exit_code() {
         "frame",
         "sweep",
         "budget",
+        "camera-file",
         "Exit codes",
     ] {
         assert!(help.stdout.contains(word), "{word}");

@@ -24,6 +24,17 @@ fn refused_fault(from: &str, to: &str, words: &[&str]) {
 }
 
 #[test]
+fn scenario_of_a_strip_is_told_by_name() {
+    let bench = bench(include_str!("../../scenarios/strip.toml"));
+    let answer = fly(&bench, &[]);
+    answer.refused(&[
+        "scenario.toml: is the scenario of a strip",
+        "host-sim strip",
+    ]);
+    assert!(!bench.path("report").exists());
+}
+
+#[test]
 fn unknown_fault_is_named_with_those_there_are() {
     refused_fault(
         "name = \"stall\"",

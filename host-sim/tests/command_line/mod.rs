@@ -18,7 +18,12 @@ mod calibrate_five_refused;
 #[cfg(unix)]
 mod camera;
 #[cfg(test)]
+mod camera_file;
+#[cfg(test)]
 mod default_limits;
+#[cfg(test)]
+#[cfg(target_os = "linux")]
+mod error_stream;
 #[cfg(test)]
 mod exchange;
 mod export_frames;

@@ -18,8 +18,11 @@ fn bench(scenario: &str) -> Bench {
 }
 
 fn repeat(bench: &Bench, more: &[&str]) -> Answer {
-    let mut arguments = vec!["strip", "--scenario", "scenario.toml", "--repetitions", "3"];
+    let mut arguments = vec!["strip", "--scenario", "scenario.toml"];
     arguments.extend(more);
+    if !more.contains(&"--repetitions") {
+        arguments.extend(["--repetitions", "3"]);
+    }
     if !more.contains(&"--out") {
         arguments.extend(["--out", "report"]);
     }
@@ -108,6 +111,59 @@ fn same_seed_gives_the_same_bytes_and_another_seed_others() {
         let read = |folder: &str| fs::read(bench.path(&format!("{folder}/{file}"))).unwrap();
         assert!(read("one") == read("two"), "{file}");
         assert!(read("one") != read("three"), "{file}");
+    }
+}
+
+#[test]
+fn noise_floor_and_the_flight_without_focus_shift_stand_beside_the_paper() {
+    let bench = bench(PAPER);
+    let answer = repeat(&bench, &["--repetitions", "20"]).ok();
+    let summary: serde_json::Value =
+        serde_json::from_slice(&fs::read(bench.path("report/summary.json")).unwrap()).unwrap();
+    // √2 · √(0.12² + (5.2 µm · 2000 m / 100 mm)²).
+    let floor_m = summary["noise_floor_m"].as_f64().unwrap();
+    assert!((floor_m - 0.2246).abs() < 1e-4, "{floor_m}");
+    assert!(answer.stdout.contains("make 0.225 m at check points"));
+    let ratio = |models: &str, name: &str| {
+        let models = summary[models].as_array().unwrap();
+        let model = models.iter().find(|model| model["model"] == name);
+        model.unwrap()["check_ratio"]["value"].as_f64().unwrap()
+    };
+    // The gain comes from the focus shift: without it no model has one.
+    for model in ["scale", "five", "exact"] {
+        assert!(ratio("models", model) < 0.95, "{model}");
+        assert!(ratio("models_without_focus_shift", model) > 0.99, "{model}");
+    }
+    let page = fs::read_to_string(bench.path("report/report.html")).unwrap();
+    assert!(page.contains("The flight without focus shift") && page.contains("Noise floor"));
+}
+
+#[test]
+fn flight_without_focus_shift_has_no_other_beside_it() {
+    let bench = bench(&with("truth", "focus_shift_um", "0.0").replace(
+        "\n[correction]\nfocus_shift_um = 42.0",
+        "\n[correction]\nfocus_shift_um = 0.0",
+    ));
+    repeat(&bench, &[]).ok();
+    let summary: serde_json::Value =
+        serde_json::from_slice(&fs::read(bench.path("report/summary.json")).unwrap()).unwrap();
+    assert!(summary["models_without_focus_shift"].is_null());
+    let page = fs::read_to_string(bench.path("report/report.html")).unwrap();
+    assert!(!page.contains("The flight without focus shift"));
+}
+
+#[test]
+fn scenario_of_a_mission_is_told_by_name() {
+    let mission = include_str!("../../scenarios/mission.toml");
+    for command in ["strip", "flight"] {
+        let bench = bench(mission);
+        let strip = [command, "--scenario", "scenario.toml", "--out", "report"];
+        let answer = bench.run(&strip);
+        answer.refused(&[
+            "scenario.toml: is the scenario of a mission",
+            "host-sim mission",
+        ]);
+        assert!(!bench.path("report").exists());
     }
 }
 

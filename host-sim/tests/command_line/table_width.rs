@@ -29,9 +29,16 @@ fn tables_fit_80_columns_whatever_the_camera() {
         let tilted = ["--pitch-deg", "-12.3456", "--roll-rate-deg-s", "59.1234"];
         let tilted = [&["smear"], &exposure[..], &tilted].concat();
         assert_narrow(&bench.run(&tilted).ok(), 1);
-        let frame = bench.run(&[&["frame"], &exposure[..]].concat()).ok();
-        for line in frame.stdout.lines() {
-            assert!(line.chars().count() <= WIDTH, "{line}");
+        for arguments in [
+            &[&["frame"], &exposure[..]].concat()[..],
+            &["camera-file", "check", &file],
+            &["export", "opencv", "--camera", &file, "--out", "opencv"],
+        ] {
+            for line in bench.run(arguments).ok().stdout.lines() {
+                // A name of a file is not broken.
+                let is_path = line.contains(&file);
+                assert!(is_path || line.chars().count() <= WIDTH, "{line}");
+            }
         }
     }
 }

@@ -1,6 +1,6 @@
 //! Report of a budget: a page of text, `summary.json`, a figure and an HTML page.
 
-pub mod bars;
+pub mod dots;
 #[cfg(test)]
 mod fixture;
 pub mod page;

@@ -3,7 +3,7 @@
 use askama::Template;
 use fmc_simulation::budget::result::Budget;
 
-use super::bars;
+use super::dots;
 use super::results::BudgetResults;
 use crate::page::{PageError, inline};
 
@@ -22,7 +22,7 @@ struct Page {
 pub fn page(budget: &Budget) -> Result<String, PageError> {
     let page = Page {
         results: BudgetResults::of(budget),
-        figure: inline(bars::svg(budget)?),
+        figure: inline(dots::svg(budget)?),
     };
     Ok(page.render()?)
 }

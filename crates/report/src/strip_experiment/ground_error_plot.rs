@@ -10,7 +10,7 @@ use plotters::style::text_anchor::HPos;
 use super::palette::colour;
 use super::rows::decimals_of;
 use crate::chart::{Axes, Axis, Margins};
-use crate::figure::{self, FigureError, text, text_at};
+use crate::figure::{self, FigureError, INK, text, text_at};
 use crate::wording;
 
 const SIZE: (u32, u32) = (1600, 960);
@@ -52,6 +52,15 @@ pub fn ground_errors(experiment: &Experiment) -> Result<String, FigureError> {
             },
         };
         let mut chart = axes.draw(canvas, 0.0..1.12 * most, -7.0..0.0)?;
+        let floor_m = experiment.scenario.noise_floor_m();
+        if floor_m < most {
+            let line = [(floor_m, -7.0), (floor_m, 0.0)];
+            chart.draw_series([PathElement::new(line, INK.stroke_width(2))])?;
+            let (x, y) = chart.backend_coord(&(floor_m, 0.0));
+            let words = format!("noise floor {floor_m:.3} m");
+            let style = text_at(FONT - 4, HPos::Center);
+            canvas.draw(&Text::new(words, (x, y - 14), style))?;
+        }
         for (row, model) in (0..7).map(f64::from).zip(Model::ALL) {
             let ink = colour(model);
             for (points, y) in [(Points::Control, -row - 0.32), (Points::Check, -row - 0.68)] {

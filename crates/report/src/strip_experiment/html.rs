@@ -18,6 +18,9 @@ struct Page {
     rows: Vec<Row>,
     verdicts: Vec<String>,
     comparisons: Vec<String>,
+    noise_floor: String,
+    without_shift: Vec<String>,
+    without_shift_rows: Vec<Row>,
     pure_noise: String,
     coverage: Vec<String>,
     observations: String,
@@ -26,11 +29,15 @@ struct Page {
     plan: String,
 }
 
-/// Writes the whole experiment as one HTML page, with the figures in it.
+/// Writes the whole experiment as one HTML page, with the figures in it; beside it the flight
+/// without focus shift, if the flight has one.
 ///
 /// # Errors
 /// [`PageError`] if a figure cannot be drawn.
-pub fn page(experiment: &Experiment) -> Result<String, PageError> {
+pub fn page(
+    experiment: &Experiment,
+    without_shift: Option<&Experiment>,
+) -> Result<String, PageError> {
     let page = Page {
         scenario: experiment.scenario.written.name.clone(),
         camera: experiment.scenario.camera.name.clone(),
@@ -42,6 +49,11 @@ pub fn page(experiment: &Experiment) -> Result<String, PageError> {
             .map(|verdict| verdict.sentence)
             .collect(),
         comparisons: verdict::comparisons(experiment),
+        noise_floor: verdict::noise_floor(experiment),
+        without_shift: without_shift.map_or_else(Vec::new, |without| {
+            verdict::without_focus_shift(experiment, without)
+        }),
+        without_shift_rows: without_shift.map_or_else(Vec::new, rows),
         pure_noise: verdict::pure_noise(experiment),
         coverage: verdict::coverage(experiment),
         observations: observations(experiment),

@@ -36,8 +36,12 @@ pub struct Summary {
     pub confidence: f64,
     /// Ratio of the residuals of pure noise after and before five coefficients are fitted.
     pub ratio_of_pure_noise: f64,
+    /// Planimetric RMS that survey and image noise cause by themselves, m.
+    pub noise_floor_m: f64,
     /// Results of every model.
     pub models: Vec<ModelSummary>,
+    /// The same for the flight without its focus shift; `None` if it has none.
+    pub models_without_focus_shift: Option<Vec<ModelSummary>>,
     /// Verdicts on every model but the static one, against the static one.
     pub verdicts: Vec<Verdict>,
     /// Further sentences.
@@ -84,11 +88,21 @@ pub struct CoefficientSummary {
 }
 
 impl Summary {
-    /// Returns the summary of an experiment.
+    /// Returns the summary of an experiment, and of the flight without focus shift beside it.
     #[must_use]
-    pub fn of(experiment: &Experiment) -> Self {
+    pub fn of(experiment: &Experiment, without_shift: Option<&Experiment>) -> Self {
         let interior = experiment.strip.corrections.interior();
         let mut findings = verdict::comparisons(experiment);
+        findings.push(verdict::noise_floor(experiment));
+        let models = |experiment| -> Vec<ModelSummary> {
+            let models = Model::ALL.into_iter();
+            models
+                .map(|model| ModelSummary::of(experiment, model))
+                .collect()
+        };
+        if let Some(without) = without_shift {
+            findings.extend(verdict::without_focus_shift(experiment, without));
+        }
         findings.push(verdict::pure_noise(experiment));
         findings.extend(verdict::coverage(experiment));
         Self {
@@ -104,10 +118,9 @@ impl Summary {
             centroid_um: 1e3 * interior.centroid_mm,
             confidence: CONFIDENCE,
             ratio_of_pure_noise: experiment.ratio_of_pure_noise(),
-            models: Model::ALL
-                .into_iter()
-                .map(|model| ModelSummary::of(experiment, model))
-                .collect(),
+            noise_floor_m: experiment.scenario.noise_floor_m(),
+            models: models(experiment),
+            models_without_focus_shift: without_shift.map(models),
             verdicts: verdict::verdicts(experiment),
             findings,
             headline: verdict::headline(experiment),

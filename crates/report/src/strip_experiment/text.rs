@@ -6,9 +6,10 @@ use super::rows::{Row, rows};
 use super::verdict;
 use crate::terminal::{self, numbers, words};
 
-/// Writes the scenario, a row per model, and the conclusions from the intervals.
+/// Writes the scenario, a row per model, and the conclusions from the intervals; beside them those
+/// of the flight without focus shift, if the flight has one.
 #[must_use]
-pub fn text(experiment: &Experiment) -> String {
+pub fn text(experiment: &Experiment, without_shift: Option<&Experiment>) -> String {
     let mut lines = vec![
         format!("scenario: {}", experiment.scenario.written.name),
         setting(experiment),
@@ -21,6 +22,10 @@ pub fn text(experiment: &Experiment) -> String {
             .map(|verdict| verdict.sentence),
     );
     lines.extend(verdict::comparisons(experiment));
+    lines.push(verdict::noise_floor(experiment));
+    if let Some(without) = without_shift {
+        lines.extend(verdict::without_focus_shift(experiment, without));
+    }
     lines.push(verdict::pure_noise(experiment));
     lines.extend(verdict::coverage(experiment));
     lines.push(verdict::headline(experiment));

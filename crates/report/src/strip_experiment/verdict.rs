@@ -134,6 +134,55 @@ pub fn comparisons(experiment: &Experiment) -> Vec<String> {
     .collect()
 }
 
+/// Describes the part of the ground errors that survey and image noise cause, and the gain of the
+/// exact model beyond it.
+#[must_use]
+pub fn noise_floor(experiment: &Experiment) -> String {
+    let floor_m = experiment.scenario.noise_floor_m();
+    let beyond = |model| {
+        let error_m = experiment.error_m(model, Points::Check).value;
+        (error_m.powi(2) - floor_m.powi(2)).max(0.0).sqrt()
+    };
+    let [fixed_m, exact_m] = [Model::Static, Model::Exact].map(beyond);
+    let whole = experiment.ratio_to_static(Model::Exact, Points::Check);
+    let floor = format!(
+        "Noise floor: the errors of surveyed points and image coordinates alone make {floor_m:.3} m at check points, which no correction lowers"
+    );
+    if fixed_m <= 0.0 {
+        return format!("{floor}; the static model is at it.");
+    }
+    let decimals = decimals_of(fixed_m.min(exact_m));
+    format!(
+        "{floor}. What the static model leaves beyond it, in quadrature, is {fixed_m:.decimals$} m, and {exact_m:.decimals$} m with the exact model: {} %, where the whole error shows {} %.",
+        change(exact_m / fixed_m),
+        change(whole.value)
+    )
+}
+
+/// Compares the gains with those of the same flight without focus shift.
+#[must_use]
+pub fn without_focus_shift(experiment: &Experiment, without: &Experiment) -> Vec<String> {
+    let fixed = |experiment: &Experiment| experiment.error_m(Model::Static, Points::Check).value;
+    let (with_m, without_m) = (fixed(experiment), fixed(without));
+    let decimals = decimals_of(with_m.min(without_m));
+    let mut sentences = vec![format!(
+        "The same flight without its focus shift of {} µm: the static model leaves {without_m:.decimals$} m at check points in place of {with_m:.decimals$} m.",
+        experiment.scenario.written.truth.focus_shift_um
+    )];
+    let gains = [Model::Scale, Model::FiveCoefficient, Model::Exact].map(|model| {
+        let of =
+            |experiment: &Experiment| percent(&experiment.ratio_to_static(model, Points::Check));
+        format!(
+            "{}: {} with the focus shift, {} without it.",
+            model.label(),
+            of(experiment),
+            of(without)
+        )
+    });
+    sentences.extend(gains);
+    sentences
+}
+
 /// Writes the headline of the report.
 #[must_use]
 pub fn headline(experiment: &Experiment) -> String {
@@ -202,17 +251,19 @@ fn percent(ratio: &Estimate) -> String {
     if ratio.value > 2.0 {
         return format!("{} times", interval(ratio, 2));
     }
-    // Adding zero turns -0 into 0.
-    let change = |value: f64| {
-        let percent = (1000.0 * (value - 1.0)).round() / 10.0 + 0.0;
-        format!("{percent:+.1}")
-    };
     format!(
         "{} % ({} to {} %)",
         change(ratio.value),
         change(ratio.lower),
         change(ratio.upper)
     )
+}
+
+/// Writes a ratio as a change in per cent, `-39.2`.
+fn change(ratio: f64) -> String {
+    // Adding zero turns -0 into 0.
+    let percent = (1000.0 * (ratio - 1.0)).round() / 10.0 + 0.0;
+    format!("{percent:+.1}")
 }
 
 #[cfg(test)]

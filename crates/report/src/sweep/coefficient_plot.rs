@@ -4,6 +4,9 @@ use std::ops::Range;
 
 use fmc_camera::geometry::estimation::parameter::Parameter;
 use fmc_simulation::sweep::result::{FrameFit, Sweep};
+use plotters::chart::ChartContext;
+use plotters::coord::cartesian::Cartesian2d;
+use plotters::coord::ranged1d::Ranged;
 use plotters::element::{Circle, EmptyElement, PathElement, Rectangle, Text};
 use plotters::prelude::{Color, RGBColor};
 
@@ -80,6 +83,12 @@ fn draw_panel<B: Backend>(
         .iter()
         .filter_map(|frame| estimate(frame, parameter))
         .collect();
+    let truths: Vec<(f64, f64)> = sweep
+        .both()
+        .frames
+        .iter()
+        .filter_map(|frame| Some((1e3 * frame.travel_mm, sweep.truth(frame, parameter)?)))
+        .collect();
     let symbol = parameter.symbol();
     if estimates.is_empty() {
         for (line, words) in [
@@ -97,7 +106,11 @@ fn draw_panel<B: Backend>(
     let whole = sweep.both().whole.as_ref().ok();
     let whole = whole.map(|fit| (fit.value(parameter), fit.standard_deviation(parameter)));
     let band = whole.map(|(value, sigma)| (travel_um.start, value, sigma));
-    let (least, most) = estimates.iter().chain(&band).fold(
+    let true_values: Vec<(f64, f64, f64)> = truths
+        .iter()
+        .map(|(um, value)| (*um, *value, 0.0))
+        .collect();
+    let (least, most) = estimates.iter().chain(&band).chain(&true_values).fold(
         (f64::INFINITY, f64::NEG_INFINITY),
         |(least, most), (_, value, sigma)| (least.min(value - sigma), most.max(value + sigma)),
     );
@@ -151,9 +164,41 @@ fn draw_panel<B: Backend>(
         let bar = [value - sigma, value + sigma].map(|end| (*um, scale * end));
         PathElement::new(bar, FRAME.stroke_width(2))
     }))?;
+    draw_truth(&mut chart, &truths, travel_um, scale)?;
     chart.draw_series(estimates.iter().map(|(um, value, _)| {
         EmptyElement::at((*um, scale * value)) + Circle::new((0, 0), 4, FRAME.filled())
     }))?;
+    Ok(())
+}
+
+/// Draws the true values: one line if all exposures have the same, else a dash for each.
+fn draw_truth<B: Backend, X, Y>(
+    chart: &mut ChartContext<'_, B, Cartesian2d<X, Y>>,
+    truths: &[(f64, f64)],
+    travel_um: Range<f64>,
+    scale: f64,
+) -> Result<(), FigureError>
+where
+    X: Ranged<ValueType = f64>,
+    Y: Ranged<ValueType = f64>,
+{
+    let Some((_, first)) = truths.first() else {
+        return Ok(());
+    };
+    let stroke = INK.stroke_width(2);
+    if truths
+        .iter()
+        .all(|(_, value)| (value - first).abs() <= 1e-9 * first.abs())
+    {
+        let line = [travel_um.start, travel_um.end].map(|um| (um, scale * first));
+        chart.draw_series([PathElement::new(line, stroke)])?;
+    } else {
+        let half = 0.012 * (travel_um.end - travel_um.start);
+        chart.draw_series(truths.iter().map(|(um, value)| {
+            let dash = [um - half, um + half].map(|um| (um, scale * value));
+            PathElement::new(dash, stroke)
+        }))?;
+    }
     Ok(())
 }
 
@@ -175,6 +220,11 @@ fn draw_legend<B: Backend>(legend: &Area<B>, sweep: &Sweep) -> Result<(), Figure
         WHOLE.stroke_width(2),
     ))?;
     legend.draw(&words(column, 110, "all exposures together, ± 1 σ"))?;
+    legend.draw(&PathElement::new(
+        [(left, 160), (left + 30, 160)],
+        INK.stroke_width(2),
+    ))?;
+    legend.draw(&words(column, 160, "truth; K_d1, P_m1: of K1 alone"))?;
     let options = &sweep.options;
     let lines = [
         "δ: travel of the principal point while the shutter is open".to_owned(),
@@ -188,7 +238,7 @@ fn draw_legend<B: Backend>(legend: &Area<B>, sweep: &Sweep) -> Result<(), Figure
             options.seed
         ),
     ];
-    let mut y = 175;
+    let mut y = 215;
     for line in lines {
         legend.draw(&Text::new(line, (left, y), text(FONT - 2).color(&INK)))?;
         y += 42;
@@ -210,6 +260,31 @@ mod tests {
         for label in ["K_m0", "K_m1", "K_m2", "K_d1", "P_m1", "δ, µm", "mm⁻⁴"] {
             assert!(svg.contains(label), "{label}");
         }
+    }
+
+    #[test]
+    fn fitted_coefficients_lie_about_the_truth() {
+        let sweep = fixture::sweep("from-rest");
+        let frames = &sweep.both().frames;
+        for (parameter, _) in COEFFICIENTS {
+            let off: Vec<f64> = frames
+                .iter()
+                .map(|frame| {
+                    let (_, value, sigma) = estimate(frame, parameter).unwrap();
+                    (value - sweep.truth(frame, parameter).unwrap()) / sigma
+                })
+                .collect();
+            let within = off.iter().filter(|off| off.abs() < 3.0).count();
+            assert!(within >= 57, "{}: {off:?}", parameter.symbol());
+        }
+        let k1 = 1e-7;
+        let first = &frames[0];
+        let ratio = sweep.truth(first, Parameter::Kd1).unwrap() / k1;
+        assert!(
+            (ratio + 2.0).abs() < 1e-9,
+            "per mm of the centroid: {ratio}"
+        );
+        assert!((sweep.true_km0.unwrap() - 6e-5).abs() < 1e-12);
     }
 
     #[test]

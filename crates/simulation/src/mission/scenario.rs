@@ -16,6 +16,7 @@ use super::hardware;
 use super::planned_fault::{self, PlannedFault};
 use super::scenario_checks as checks;
 use super::settings::flight_settings;
+use crate::scenario_kind::ScenarioKind;
 
 /// The nominal mission, which is part of the program.
 const NOMINAL: &str = include_str!("../../../../host-sim/scenarios/mission.toml");
@@ -142,7 +143,9 @@ impl MissionScenario {
         camera_of: impl FnOnce(&Path) -> Result<(CameraFile, Camera), InputError>,
     ) -> Result<Self, InputError> {
         let text = TomlText::new(file, text);
-        let mut written: MissionFile = text.deserialize()?;
+        let mut written: MissionFile = text
+            .deserialize()
+            .map_err(|error| ScenarioKind::Mission.expected(file, &text, error))?;
         if let Some(exposures) = exposures {
             written.flight.exposures = i64::from(exposures);
         }

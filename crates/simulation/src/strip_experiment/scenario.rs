@@ -9,6 +9,7 @@ use fmc_camera_file::{CameraFile, InputError};
 use super::scenario_file::{FEWEST_CONTROL_POINTS, ScenarioFile};
 use super::scenario_range;
 use crate::range::Range;
+use crate::scenario_kind::ScenarioKind;
 
 /// A validated scenario with its camera.
 #[derive(Debug, Clone)]
@@ -42,7 +43,9 @@ impl Scenario {
     /// As [`Self::read`].
     pub fn parse(file: &str, text: &str, folder: &Path) -> Result<Self, InputError> {
         let text = TomlText::new(file, text);
-        let written: ScenarioFile = text.deserialize()?;
+        let written: ScenarioFile = text
+            .deserialize()
+            .map_err(|error| ScenarioKind::Strip.expected(file, &text, error))?;
         written.check(&text)?;
         let camera_path = folder.join(&written.camera);
         if !camera_path.is_file() {
@@ -76,6 +79,34 @@ impl Scenario {
     pub fn vh_per_s(&self) -> f64 {
         let flight = &self.written.flight;
         flight.speed_m_s / (flight.height_m - self.written.terrain.height_m)
+    }
+
+    /// Returns the same flight with the detector in its calibrated plane, which the camera knows;
+    /// `None` if it is there already, and the camera is told so.
+    #[must_use]
+    pub fn without_focus_shift(&self) -> Option<Self> {
+        let is_there = self.written.truth.focus_shift_um.abs() > 0.0
+            || self.known_focus_shift_um().abs() > 0.0;
+        is_there.then(|| {
+            let mut other = self.clone();
+            other.written.truth.focus_shift_um = 0.0;
+            other.written.correction.focus_shift_um = None;
+            other
+        })
+    }
+
+    /// Returns the planimetric RMS, X and Y together, that the errors of survey and image
+    /// coordinates cause by themselves at nadir, however well a frame is corrected and oriented, m.
+    ///
+    /// # Model
+    /// √2·√(σs² + (σi·(H - h)/f)²), with σs of a surveyed and σi of an image coordinate.
+    #[must_use]
+    pub fn noise_floor_m(&self) -> f64 {
+        let flight = &self.written.flight;
+        let scale =
+            (flight.height_m - self.written.terrain.height_m) / self.camera.principal_distance_mm;
+        let image_m = 1e-3 * self.written.image.sigma_um * scale;
+        std::f64::consts::SQRT_2 * self.written.control.sigma_m.hypot(image_m)
     }
 
     /// Returns the Δz that the camera is told, µm: the true one unless the scenario says otherwise.

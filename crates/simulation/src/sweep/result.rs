@@ -110,6 +110,11 @@ pub struct Sweep {
     pub principal_distance_mm: f64,
     /// K1 of its lens, mm⁻².
     pub k1: f64,
+    /// K2 of its lens, mm⁻⁴.
+    pub k2: f64,
+    /// True `K_m0`, which is K0 with the enlargement by the focus shift; `None` with the printed
+    /// formula of the focus shift and for a stage with run-out.
+    pub true_km0: Option<f64>,
     /// Run-up strategy of the stage, or `tdi`.
     pub strategy: &'static str,
     /// Options of the sweep.
@@ -121,6 +126,29 @@ pub struct Sweep {
 }
 
 impl Sweep {
+    /// Returns the true value of a coefficient in one exposure of focus shift and motion; `None`
+    /// where there is none.
+    ///
+    /// # Model
+    /// `K_m1` = K1, `K_m2` = K2, `K_d1` = -2·K1·c̄/s and `P_m1` = -K1·c̄/s, where s is δ or c̄
+    /// (docs/conventions.md, section 7); the last two are those of a lens of K1 alone.
+    #[must_use]
+    pub fn truth(&self, frame: &FrameFit, parameter: Parameter) -> Option<f64> {
+        if self.options.reading == Reading::Literal {
+            return None;
+        }
+        let dynamic = -self.k1 * frame.centroid_mm / frame.regressor_mm;
+        let truth = match parameter {
+            Parameter::Km0 => self.true_km0?,
+            Parameter::Km1 => self.k1,
+            Parameter::Km2 => self.k2,
+            Parameter::Kd1 => 2.0 * dynamic,
+            Parameter::Pm1 => dynamic,
+            Parameter::Decentring => return None,
+        };
+        truth.is_finite().then_some(truth)
+    }
+
     /// Returns the result with focus shift and motion together.
     #[must_use]
     pub const fn both(&self) -> &CaseResult {

@@ -122,6 +122,15 @@ impl<'a> Plan<'a> {
         })
     }
 
+    /// Returns K0 with the enlargement by the focus shift, if that is the same in all exposures and
+    /// follows from the geometry.
+    fn true_km0(&self) -> Option<f64> {
+        let is_flat = self.camera.fmc.flatness_um.iter().all(|um| um.abs() <= 0.0);
+        let is_physical = self.options.focus_formula == FocusFormula::Physical;
+        let enlargement = self.options.focus_shift_mm / self.camera.exit_pupil_mm();
+        (is_flat && is_physical).then_some(self.lens.k[0] + enlargement)
+    }
+
     /// Simulates and adjusts all cases; `after_frame` is called after every exposure of each.
     ///
     /// # Errors
@@ -133,6 +142,8 @@ impl<'a> Plan<'a> {
             camera: self.camera.name.clone(),
             principal_distance_mm: self.camera.principal_distance_mm,
             k1: self.lens.k[1],
+            k2: self.lens.k[2],
+            true_km0: self.true_km0(),
             strategy: match self.camera.fmc.mechanism {
                 MechanismName::Tdi => "tdi",
                 MechanismName::Stage => self.camera.fmc.strategy.unwrap_or_default().name(),

@@ -1,7 +1,7 @@
-//! The terms of a budget as bars on a logarithmic axis.
+//! The terms of a budget as dots on a logarithmic axis.
 
 use fmc_simulation::budget::result::{Budget, Kind, Term};
-use plotters::element::{PathElement, Rectangle, Text};
+use plotters::element::{Circle, PathElement, Text};
 use plotters::prelude::{Color, RGBColor};
 use plotters::style::text_anchor::HPos;
 
@@ -17,6 +17,8 @@ const RIGHT: i32 = 1340;
 /// Right end of the numbers.
 const NUMBERS: i32 = 1460;
 const FONT: u32 = 22;
+/// Radius of the dots.
+const RADIUS: u32 = 9;
 /// Decades of the axis, powers of ten of a micrometre; the axis is longer if a term needs it.
 const DECADES: [i32; 2] = [-4, 3];
 /// Last decade of any axis.
@@ -25,7 +27,7 @@ const REMOVED: RGBColor = RGBColor(0, 114, 178);
 const REMAINS: RGBColor = RGBColor(213, 94, 0);
 const SMEAR: RGBColor = RGBColor(150, 150, 150);
 
-/// Draws a bar per term, over the limits, in SVG.
+/// Draws a dot per term that the axis reaches, over the limits, in SVG.
 ///
 /// # Errors
 /// [`FigureError`] without terms or if the drawing fails.
@@ -41,7 +43,7 @@ pub fn png(budget: &Budget) -> Result<Vec<u8>, FigureError> {
     picture::png(size(budget)?, |canvas| draw(canvas, budget))
 }
 
-/// Returns the lower end of the bars.
+/// Returns the lower end of the rows.
 fn bottom(budget: &Budget) -> i32 {
     let rows = i32::try_from(budget.terms.len()).unwrap_or(0);
     TOP + rows * ROW
@@ -63,8 +65,8 @@ fn draw<B: Backend>(canvas: &Area<B>, budget: &Budget) -> Result<(), FigureError
         (470, REMAINS, "position; remains"),
         (770, SMEAR, "smear; remains"),
     ] {
-        canvas.draw(&Rectangle::new([(x, 80), (x + 26, 100)], colour.filled()))?;
-        canvas.draw(&Text::new(words, (x + 38, 90), text(FONT)))?;
+        canvas.draw(&Circle::new((x + 10, 90), RADIUS, colour.filled()))?;
+        canvas.draw(&Text::new(words, (x + 30, 90), text(FONT)))?;
     }
     let decades = decades(budget);
     let place = |um| place(um, decades);
@@ -107,11 +109,17 @@ fn draw<B: Backend>(canvas: &Area<B>, budget: &Budget) -> Result<(), FigureError
             (LEFT - 15, middle),
             text_at(FONT, HPos::Right),
         ))?;
-        let end = place(1e3 * term.limits_mm);
-        canvas.draw(&Rectangle::new(
-            [(LEFT, y + 9), (end, y + ROW - 9)],
-            colour(term).filled(),
+        // On a logarithmic axis a place has a meaning. A length has none, because it depends on the
+        // beginning of the axis.
+        canvas.draw(&PathElement::new(
+            [(LEFT, middle), (RIGHT, middle)],
+            GRID.stroke_width(1),
         ))?;
+        let um = 1e3 * term.limits_mm;
+        if um >= 10.0_f64.powi(first) {
+            let dot = Circle::new((place(um), middle), RADIUS, colour(term).filled());
+            canvas.draw(&dot)?;
+        }
         canvas.draw(&Text::new(
             results::three_digits(1e3 * term.limits_mm),
             (NUMBERS, middle),
@@ -161,10 +169,22 @@ mod tests {
     use crate::budget::fixture;
 
     #[test]
-    fn every_term_has_its_bar_and_number_on_the_axis() {
+    fn every_term_has_its_dot_and_number_on_the_axis() {
         let budget = fixture::budget();
         let svg = svg(&budget).unwrap();
-        assert_eq!(svg.matches("height=\"26\"").count(), budget.terms.len());
+        let dots = svg.matches("<circle").count();
+        let decades = decades(&budget);
+        let least_um = 10.0_f64.powi(decades[0]);
+        let reached = || {
+            let terms = budget.terms.iter();
+            terms.filter(|term| 1e3 * term.limits_mm >= least_um)
+        };
+        assert!(reached().count() > 5);
+        assert_eq!(dots, reached().count() + 3, "three in the legend");
+        for term in reached() {
+            let x = place(1e3 * term.limits_mm, decades);
+            assert!(svg.contains(&format!("<circle cx=\"{x}\"")), "{x}");
+        }
         assert!(!svg.contains("NaN") && !svg.contains("inf"));
         for um in [0.0, 1e-9, 1e9] {
             assert!((LEFT..=RIGHT).contains(&place(um, DECADES)));

@@ -1,0 +1,219 @@
+//! Examples at the end of each command's help. A test parses all of them.
+
+pub(super) const VERIFY: &str = "\
+Examples:
+  host-sim verify
+  host-sim verify --device sil --camera my.toml --out report";
+
+pub(super) const CORRECT: &str = "\
+Examples:
+  host-sim correct --camera my.toml --vh 0.1 --exposure 1/200 points.csv
+  host-sim correct --camera my.toml --ground-speed 70 --height 700 \\
+      --exposure 1/200 --out ideal.npy measured.npy";
+
+pub(super) const DISTORT: &str = "\
+Examples:
+  host-sim distort --camera my.toml --vh 0.1 --exposure 1/200 ideal.csv
+  host-sim distort --camera my.toml --vh 70/700 --exposure 1/200 \\
+      --out measured.csv ideal.csv";
+
+pub(super) const REFERENCE: &str = "\
+Examples:
+  host-sim reference --camera my.toml --vh 0.1 --exposure 1/200 points.csv";
+
+pub(super) const FRAME: &str = "\
+Examples:
+  host-sim frame --camera my.toml --vh 0.1 --exposure 1/200
+  host-sim frame --camera my.toml --vh 0.1 --exposure 1/200 --json";
+
+pub(super) const MESH: &str = "\
+Examples:
+  host-sim mesh --camera host-sim/cameras/rc30-5324.toml --vh 0.1 \\
+      --exposure 1/200 --format gpu --out mesh";
+
+pub(super) const CALIBRATE_FIVE: &str = "\
+Examples:
+  host-sim calibrate five observations.csv --camera my.toml --out fitted
+  host-sim calibrate five observations.csv --camera my.toml \\
+      --regress-on centroid";
+
+pub(super) const SMEAR: &str = "\
+Examples:
+  host-sim smear --camera my.toml --vh 0.1 --exposure 1/200 --pitch-deg 2
+  host-sim smear --camera my.toml --vh 0.1 --exposure 1/200 \\
+      --yaw-rate-deg-s 1 --out smear";
+
+pub(super) const SWEEP: &str = "\
+Examples:
+  host-sim sweep --camera host-sim/cameras/paper-0.03-percent.toml --out sweep";
+
+pub(super) const BUDGET: &str = "\
+Examples:
+  host-sim budget --camera my.toml
+  host-sim budget --camera my.toml --height-m 500 --out budget";
+
+pub(super) const STRIP: &str = "\
+Examples:
+  host-sim strip --scenario host-sim/scenarios/strip.toml --out strip
+  host-sim strip --scenario host-sim/scenarios/yuan-2012.toml --out paper";
+
+pub(super) const MISSION: &str = "\
+Examples:
+  host-sim mission --out mission
+  host-sim mission --scenario host-sim/scenarios/faults/stall.toml --out stall";
+
+pub(super) const STATISTICS: &str = "\
+Examples:
+  host-sim statistics --missions 200 --seed 1 --out statistics
+  host-sim statistics --missions 50 --faults one";
+
+pub(super) const RECORDS: &str = "\
+Examples:
+  host-sim records --device serial:/dev/ttyACM0 --out flight";
+
+pub(super) const EXPORT: &str = "\
+Examples:
+  host-sim export metashape --camera host-sim/cameras/rc30-5324.toml --out lens
+  host-sim export opencv --camera my.toml --model opencv8 \\
+      --max-residual-um 0.5 --out cv
+  host-sim export colmap --camera my.toml --records records.csv \\
+      --images map.csv --out block";
+
+pub(super) const IMPORT: &str = "\
+Examples:
+  host-sim import metashape camera.xml --pixel-um 3.76 --out my.toml
+  host-sim import colmap cameras.txt --id 1 --base old.toml --out new.toml";
+
+pub(super) const CAMERA: &str = "\
+Examples:
+  host-sim camera --device serial:/dev/ttyACM0 prepare --camera my.toml
+  host-sim camera --device serial:/dev/ttyACM0 referenced
+  host-sim camera --device serial:/dev/ttyACM0 arm
+  host-sim camera --device serial:/dev/ttyACM0 vh 0.1 --for 60
+  host-sim camera --device serial:/dev/ttyACM0 status";
+
+pub(super) const CAMERA_PREPARE: &str = "\
+Examples:
+  host-sim camera --device serial:/dev/ttyACM0 prepare --camera my.toml \\
+      --settings flight.toml";
+
+pub(super) const CAMERA_ARM: &str = "\
+Examples:
+  host-sim camera --device serial:/dev/ttyACM0 arm";
+
+pub(super) const CAMERA_DISARM: &str = "\
+Examples:
+  host-sim camera --device serial:/dev/ttyACM0 disarm";
+
+pub(super) const CAMERA_CLEAR_FAULT: &str = "\
+Examples:
+  host-sim camera --device serial:/dev/ttyACM0 clear-fault";
+
+pub(super) const CAMERA_REFERENCED: &str = "\
+Examples:
+  host-sim camera --device serial:/dev/ttyACM0 referenced";
+
+pub(super) const CAMERA_EXPOSURE: &str = "\
+Examples:
+  host-sim camera --device serial:/dev/ttyACM0 exposure 1/300";
+
+pub(super) const CAMERA_VH: &str = "\
+Examples:
+  host-sim camera --device serial:/dev/ttyACM0 vh 0.1 --for 60
+  host-sim camera --device serial:/dev/ttyACM0 vh --ground-speed 70 --height 700";
+
+pub(super) const CAMERA_STATUS: &str = "\
+Examples:
+  host-sim camera --device serial:/dev/ttyACM0 status --json";
+
+pub(super) const CAMERA_FILE_CHECK: &str = "\
+Examples:
+  host-sim camera-file check host-sim/cameras/rc30-5324.toml";
+
+#[cfg(test)]
+mod tests {
+    use std::collections::BTreeSet;
+    use std::path::Path;
+
+    use clap::{Command, CommandFactory, Parser};
+
+    use super::super::{ADVANCED, Cli};
+
+    /// Returns every command that does something, under its whole name.
+    fn commands() -> Vec<(Vec<String>, Command)> {
+        fn below(path: &[String], command: &Command, found: &mut Vec<(Vec<String>, Command)>) {
+            let path = [path, &[command.get_name().to_owned()]].concat();
+            if command.has_subcommands() {
+                for inner in command.get_subcommands() {
+                    below(&path, inner, found);
+                }
+            } else {
+                found.push((path, command.clone()));
+            }
+        }
+        let mut found = Vec::new();
+        below(&[], &Cli::command(), &mut found);
+        found
+    }
+
+    /// Returns the words of each example of a command.
+    fn examples(command: &Command) -> Vec<Vec<String>> {
+        let help = command.get_after_help().map(ToString::to_string);
+        let help = help.unwrap_or_default();
+        let lines = help.strip_prefix("Examples:\n").unwrap_or_default();
+        for line in lines.lines() {
+            assert!(line.chars().count() <= 80, "{line}");
+        }
+        let lines = lines.replace("\\\n", "");
+        let examples = lines.lines();
+        examples
+            .map(|line| line.split_whitespace().map(str::to_owned).collect())
+            .collect()
+    }
+
+    #[test]
+    fn every_command_has_examples_that_it_accepts() {
+        assert!(commands().len() > 15);
+        for (path, command) in commands() {
+            let examples = examples(&command);
+            assert!(!examples.is_empty(), "{path:?}");
+            for words in examples {
+                let parsed = Cli::try_parse_from(&words);
+                assert!(parsed.is_ok(), "{words:?}: {}", parsed.unwrap_err());
+                assert!(path.iter().all(|name| words.contains(name)), "{words:?}");
+                for file in words.iter().filter(|word| word.starts_with("host-sim/")) {
+                    let root = Path::new(concat!(env!("CARGO_MANIFEST_DIR"), "/.."));
+                    assert!(root.join(file).is_file(), "{file}");
+                }
+            }
+        }
+    }
+
+    #[test]
+    fn three_options_come_first_unless_more_are_required() {
+        for (path, command) in commands() {
+            let shown = |advanced: bool| {
+                let options = command.get_arguments().filter(move |option| {
+                    !option.is_positional()
+                        && !option.is_hide_set()
+                        && !["help", "version"].contains(&option.get_id().as_str())
+                        && (option.get_help_heading() == Some(ADVANCED)) == advanced
+                });
+                options.collect::<Vec<_>>()
+            };
+            // V/H is required, too, in one of two ways.
+            let is_required =
+                |option: &&clap::Arg| option.is_required_set() || option.get_id() == "vh";
+            let first = shown(false);
+            assert!(
+                first.len() <= 3 || first.iter().all(is_required),
+                "{path:?}: {:?}",
+                first
+                    .iter()
+                    .map(|option| option.get_id())
+                    .collect::<BTreeSet<_>>()
+            );
+            assert!(!shown(true).iter().any(is_required), "{path:?}");
+        }
+    }
+}
