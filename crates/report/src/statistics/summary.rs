@@ -128,7 +128,10 @@ impl Summary {
             ),
             ("triggers without a record", self.unanswered),
             ("silent frames", self.silent_frames),
-            ("missions that pass with nothing to judge", self.vacuous_passes),
+            (
+                "missions that pass with nothing to judge",
+                self.vacuous_passes,
+            ),
         ];
         checks.extend(counts.map(|(what, count)| LimitCheck {
             what: what.to_owned(),
