@@ -25,7 +25,8 @@ pub(crate) fn assert_stands_alone(page: &str, figures: usize) {
 }
 
 /// Turns an SVG into a part of a page, scaled by its view box instead of its width and height.
-pub(crate) fn inline(svg: String) -> String {
+#[must_use]
+pub fn inline(svg: String) -> String {
     match svg.split_once("viewBox") {
         Some((_, rest)) => {
             format!("<svg xmlns=\"http://www.w3.org/2000/svg\" role=\"img\" viewBox{rest}")
