@@ -101,6 +101,10 @@ impl Drawing {
 
     /// Width and height, pixels of the drawing.
     #[must_use]
+    #[expect(
+        clippy::redundant_closure_for_method_calls,
+        reason = "the method's own lifetime is not general enough"
+    )]
     pub fn size(&self) -> (u32, u32) {
         match self {
             Self::Vectors(field) => field.with(|field| field.size()),

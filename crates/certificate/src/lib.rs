@@ -2,12 +2,18 @@
 
 #![forbid(unsafe_code)]
 
+pub mod bundle;
 pub mod calibration_summary;
+pub mod check;
 pub mod content;
 pub mod details;
 pub mod document;
 pub mod figure;
+pub mod flight_records;
 pub mod hash;
 pub mod html;
 pub mod pdf;
+pub mod pdf_reader;
+pub mod requirement;
+pub mod signature;
 pub mod stated;

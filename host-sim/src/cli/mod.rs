@@ -6,6 +6,7 @@ use clap::{Args, Parser, Subcommand, ValueEnum};
 
 mod calibration;
 mod camera;
+mod certificate;
 mod exchange;
 mod mesh;
 mod mission;
@@ -16,6 +17,9 @@ mod vh;
 
 pub use calibration::{CalibrateArgs, CalibrationMethod, FiveArgs, RegressOn, StaticP2};
 pub use camera::{CameraAction, CameraArgs, ExposureTimeArgs, PrepareArgs, StatusArgs, VhArgs};
+pub use certificate::{
+    CertificateAction, CertificateArgs, CheckCertificateArgs, MakeCertificateArgs,
+};
 pub use exchange::{ContainerName, ExportArgs, ExportFormat, ImportArgs, ImportFormat, SignName};
 pub use mesh::{ImagePart, MeshArgs, MeshFormatName};
 pub use mission::{MissionArgs, RecordsArgs};
@@ -185,6 +189,19 @@ pub enum Command {
     /// With the mechanism of a camera file: host-sim import colmap cameras.txt --id 1 --base
     /// old.toml --out new.toml
     Import(ImportArgs),
+    /// Make the certificate of a calibrated camera, which an engineer signs.
+    ///
+    /// A4 pages as PDF, the same as HTML, the numbers as certificate.json, and the camera file,
+    /// which is attached to the PDF, too: identity, parameters with σ, static distortion, motion,
+    /// proof against the strict solver, residual in other programs. The same input gives the same
+    /// bytes. SHA256SUMS has the hashes; --sign signs them. docs/certificate.md says what each
+    /// number means.
+    ///
+    /// For example: host-sim certificate --camera host-sim/cameras/rc30-5324.toml --out certificate
+    ///
+    /// With all that a laboratory states: host-sim certificate --camera camera.toml --calibration
+    /// summary.json --details details.toml --require form.toml --sign key.pem --out certificate
+    Certificate(CertificateArgs),
     /// Prepare, arm and watch a camera on a board, with its own mechanism, shutter and trigger
     /// line.
     ///

@@ -3,6 +3,7 @@
 mod budget;
 mod calibrate;
 mod camera;
+mod certificate;
 mod device;
 mod export;
 mod exposure;
@@ -52,6 +53,7 @@ pub fn run(cli: Cli) -> Result<(), Failure> {
         Command::Records(args) => records::run(&args),
         Command::Export(args) => export::run(&args),
         Command::Import(args) => import::run(&args),
+        Command::Certificate(args) => certificate::run(&args),
         Command::Camera(args) => camera::run(&args),
     }
 }

@@ -207,6 +207,13 @@ fn of_camera(camera: &CameraFile) -> Vec<InFile> {
     found
 }
 
+/// Returns the parameters of a camera file by name, in its units; distortion as measured - ideal.
+#[must_use]
+pub fn in_file(camera: &CameraFile) -> Vec<(&'static str, Option<f64>)> {
+    let all = of_camera(camera).into_iter();
+    all.map(|one| (one.name, one.value)).collect()
+}
+
 /// Adds what a calibration states of the parameters.
 fn add(
     lines: &mut Vec<ParameterLine>,

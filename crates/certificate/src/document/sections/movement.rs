@@ -108,13 +108,12 @@ fn cells<const N: usize>(
     numbers: impl Fn(&crate::content::motion::FrameNumbers) -> [String; N],
 ) -> Vec<String> {
     let mut cells = vec![cell(row.vh_per_s.as_ref()), cell(row.exposure_ms.as_ref())];
-    match &row.frame {
-        Some(frame) => cells.extend(numbers(frame)),
-        None => {
-            let reason = row.refused.as_deref().unwrap_or(NOT_STATED);
-            let refused = |index| if index == 0 { reason } else { "–" };
-            cells.extend((0..N).map(refused).map(str::to_owned));
-        }
+    if let Some(frame) = &row.frame {
+        cells.extend(numbers(frame));
+    } else {
+        let reason = row.refused.as_deref().unwrap_or(NOT_STATED);
+        let refused = |index| if index == 0 { reason } else { "–" };
+        cells.extend((0..N).map(refused).map(str::to_owned));
     }
     cells
 }
