@@ -37,8 +37,10 @@ pub struct ObservedRegion {
 /// What a calibration states of itself. What its summary does not have is `None` or empty.
 #[derive(Debug, Clone, PartialEq)]
 pub struct CalibrationSummary {
-    /// Name of the file.
+    /// Name of the file that messages use.
     pub file: String,
+    /// Name that the certificate states, without folders.
+    pub label: String,
     /// SHA-256 of the file.
     pub sha256: String,
     /// Method.
@@ -172,6 +174,7 @@ impl CalibrationSummary {
         }
         Ok(Self {
             file: file.to_owned(),
+            label: file.to_owned(),
             sha256: hash::sha256(bytes),
             observations: written.observations(),
             rms_um: written.rms_um(),

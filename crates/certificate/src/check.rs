@@ -7,14 +7,14 @@ use serde::Deserialize;
 
 use crate::bundle::{HTML, JSON, PDF, PUBLIC_KEY, SIGNATURE, SUMS};
 use crate::content::parameters;
-use crate::flight_records::FlightRecords;
+use crate::flown_calibrations::FlownCalibrations;
 use crate::hash;
 use crate::pdf_reader::ReadPdf;
 use crate::signature::PublicKey;
 
-/// One finding of a check.
+/// One statement of a check.
 #[derive(Debug, Clone, PartialEq, Eq)]
-pub struct Finding {
+pub struct Statement {
     /// `true` if this is as it must be.
     pub passed: bool,
     /// What was compared, with both sides where they differ.
@@ -83,26 +83,26 @@ impl Stated {
 /// Checks the files of a certificate; `key` is the public key that must have signed, and `records`
 /// are those of a flight that must have used this calibration.
 #[must_use]
-pub fn findings(
+pub fn statements(
     stated: &Stated,
     files: &Files,
     key: Option<&PublicKey>,
-    records: Option<&FlightRecords>,
-) -> Vec<Finding> {
-    let mut check = Check {
+    records: Option<&FlownCalibrations>,
+) -> Vec<Statement> {
+    let mut comparison = Comparison {
         stated,
         files,
-        findings: Vec::new(),
+        statements: Vec::new(),
     };
-    check.camera_file();
-    check.hashes();
-    check.pdf();
-    check.html();
-    check.signature(key);
+    comparison.camera_file();
+    comparison.hashes();
+    comparison.pdf();
+    comparison.html();
+    comparison.signature(key);
     if let Some(records) = records {
-        check.records(records);
+        comparison.records(records);
     }
-    check.findings
+    comparison.statements
 }
 
 /// Largest difference of a number that was written with all its digits and read, as a share of it.
@@ -115,15 +115,15 @@ fn is_same(a: Option<f64>, b: Option<f64>) -> bool {
     }
 }
 
-struct Check<'a> {
+struct Comparison<'a> {
     stated: &'a Stated,
     files: &'a Files,
-    findings: Vec<Finding>,
+    statements: Vec<Statement>,
 }
 
-impl<'a> Check<'a> {
+impl<'a> Comparison<'a> {
     fn note(&mut self, passed: bool, text: String) {
-        self.findings.push(Finding { passed, text });
+        self.statements.push(Statement { passed, text });
     }
 
     /// Returns a file, or notes that it is missing.
@@ -346,7 +346,7 @@ impl<'a> Check<'a> {
         }
     }
 
-    fn records(&mut self, records: &FlightRecords) {
+    fn records(&mut self, records: &FlownCalibrations) {
         let stated = &self.stated.identity.camera_file;
         let count = records.count();
         let file = &records.file;

@@ -17,8 +17,8 @@ const ARROWS: [u32; 2] = [15, 11];
 const GAUSSIAN: RGBColor = RGBColor(0, 90, 160);
 const BALANCED: RGBColor = RGBColor(200, 90, 0);
 const DECENTRING: RGBColor = RGBColor(0, 130, 90);
-const FONT: u32 = 34;
-const SIZE: (u32, u32) = (1200, 1000);
+const FONT: u32 = 36;
+const SIZE: (u32, u32) = (1000, 1000);
 
 /// A figure.
 #[derive(Debug, Clone, PartialEq)]
@@ -109,6 +109,15 @@ impl Drawing {
         match self {
             Self::Vectors(field) => field.with(|field| field.size()),
             Self::Radial(_) => SIZE,
+        }
+    }
+
+    /// Returns its share of the width beside other figures.
+    #[must_use]
+    pub const fn share(&self) -> f32 {
+        match self {
+            Self::Vectors(_) => 1.25,
+            Self::Radial(_) => 1.0,
         }
     }
 
@@ -217,9 +226,9 @@ fn radial<B: Backend>(area: &Area<B>, rows: &[[f64; 5]]) -> Result<(), FigureErr
     if rows.iter().any(|[.., sigma]| *sigma > 0.0) {
         chart.draw_series([Polygon::new(band, GAUSSIAN.mix(0.25).filled())])?;
     }
-    for ((name, colour, curve), x) in curves.into_iter().zip([180, 530, 880]) {
+    for ((name, colour, curve), x) in curves.into_iter().zip([80, 400, 710]) {
         chart.draw_series([PathElement::new(curve, colour.stroke_width(4))])?;
-        let line = vec![(x - 60, 92), (x - 10, 92)];
+        let line = vec![(x - 60, 92), (x - 12, 92)];
         area.draw(&PathElement::new(line, colour.stroke_width(5)))?;
         area.draw(&Text::new(name, (x, 92), text(FONT - 2)))?;
     }

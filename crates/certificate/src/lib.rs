@@ -9,7 +9,7 @@ pub mod content;
 pub mod details;
 pub mod document;
 pub mod figure;
-pub mod flight_records;
+pub mod flown_calibrations;
 pub mod hash;
 pub mod html;
 pub mod pdf;

@@ -20,16 +20,16 @@ impl Stated {
         Self::of(value, format!("{value:.decimals$}"))
     }
 
-    /// States a number with so many digits other than leading zeros, as a power of ten where it is
-    /// below 0.001 or not below a million; `None` if it is not finite.
+    /// States a number with at most so many digits other than leading zeros, as [`Self::exact`]
+    /// does; `None` if it is not finite.
     #[must_use]
     pub fn digits(value: f64, digits: usize) -> Option<Self> {
-        let power = format!("{value:.*e}", digits.saturating_sub(1));
-        let rounded = power.parse::<f64>().ok()?;
-        Self::of(value, plain(rounded).unwrap_or(power))
+        let rounded = format!("{value:.*e}", digits.saturating_sub(1));
+        Self::exact(rounded.parse().ok()?)
     }
 
-    /// States a number with all its digits; `None` if it is not finite.
+    /// States a number with all its digits, as a power of ten where it is below 0.001 or not below
+    /// a million; `None` if it is not finite.
     #[must_use]
     pub fn exact(value: f64) -> Option<Self> {
         Self::of(value, plain(value).unwrap_or_else(|| format!("{value:e}")))
@@ -98,6 +98,7 @@ mod tests {
             (Stated::decimals(-0.0004, 3), "0.000", "0.0"),
             (Stated::digits(0.000_012_345, 3), "1.23e-5", "1.23e-5"),
             (Stated::digits(0.3746, 2), "0.37", "0.37"),
+            (Stated::digits(5.000_001e-4, 4), "5e-4", "0.0005"),
             (Stated::exact(51.3712), "51.3712", "51.3712"),
             (Stated::exact(-1.6056e-5), "-1.6056e-5", "-1.6056e-5"),
             (Some(Stated::count(52_920)), "52920", "52920"),

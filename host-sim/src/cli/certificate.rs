@@ -28,7 +28,7 @@ pub enum CertificateAction {
     ///
     /// For example: host-sim certificate check certificate --key laboratory.pem --records
     /// flight/records.csv
-    Check(CheckCertificateArgs),
+    Check(CertificateFolderArgs),
 }
 
 /// Arguments of `certificate` without an action.
@@ -61,7 +61,7 @@ pub struct MakeCertificateArgs {
 
 /// Arguments of `certificate check`.
 #[derive(Debug, Args)]
-pub struct CheckCertificateArgs {
+pub struct CertificateFolderArgs {
     /// Folder of the certificate.
     #[arg(value_name = "DIR")]
     pub folder: PathBuf,

@@ -18,7 +18,7 @@ mod vh;
 pub use calibration::{CalibrateArgs, CalibrationMethod, FiveArgs, RegressOn, StaticP2};
 pub use camera::{CameraAction, CameraArgs, ExposureTimeArgs, PrepareArgs, StatusArgs, VhArgs};
 pub use certificate::{
-    CertificateAction, CertificateArgs, CheckCertificateArgs, MakeCertificateArgs,
+    CertificateAction, CertificateArgs, CertificateFolderArgs, MakeCertificateArgs,
 };
 pub use exchange::{ContainerName, ExportArgs, ExportFormat, ImportArgs, ImportFormat, SignName};
 pub use mesh::{ImagePart, MeshArgs, MeshFormatName};

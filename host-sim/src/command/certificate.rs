@@ -2,21 +2,25 @@
 
 use std::fs;
 use std::io::{ErrorKind, Write};
-use std::path::Path;
+use std::path::{Path, PathBuf};
 
-use fmc_camera_file::InputError;
+use fmc_camera::flight::camera::Camera;
+use fmc_camera::flight::exposure::Exposure;
+use fmc_camera_file::number::single;
+use fmc_camera_file::{CameraFile, InputError};
 use fmc_certificate::bundle::{self, BundleError};
 use fmc_certificate::calibration_summary::CalibrationSummary;
 use fmc_certificate::check::{self, Files, Stated};
 use fmc_certificate::content::{Certificate, Inputs};
 use fmc_certificate::details::Details;
-use fmc_certificate::flight_records::FlightRecords;
+use fmc_certificate::flown_calibrations::FlownCalibrations;
 use fmc_certificate::requirement::Requirement;
 use fmc_certificate::signature::{PrivateKey, PublicKey};
 use fmc_reference::verification::device::CorrectingDevice;
+use fmc_reference::verification::grid::{self, GridExposure};
 use fmc_reference::verification::run;
 
-use crate::cli::{CertificateAction, CertificateArgs, CheckCertificateArgs, MakeCertificateArgs};
+use crate::cli::{CertificateAction, CertificateArgs, CertificateFolderArgs, MakeCertificateArgs};
 use crate::device::InProcess;
 use crate::failure::Failure;
 use crate::formats::output::{self, OutputFolder};
@@ -43,16 +47,7 @@ fn make(args: &MakeCertificateArgs) -> Result<(), Failure> {
         Some(path) => Details::parse(&path.display().to_string(), &read_text(path)?)?,
         None => Details::default(),
     };
-    let calibrations = args
-        .calibration
-        .iter()
-        .map(|path| {
-            Ok(CalibrationSummary::parse(
-                &path.display().to_string(),
-                &read(path)?,
-            )?)
-        })
-        .collect::<Result<Vec<_>, Failure>>()?;
+    let calibrations = calibrations(&args.calibration)?;
     let key = match &args.sign {
         Some(path) => Some(PrivateKey::parse(
             &path.display().to_string(),
@@ -61,8 +56,16 @@ fn make(args: &MakeCertificateArgs) -> Result<(), Failure> {
         None => None,
     };
     let mut device = InProcess::default();
-    let verification = run::camera(&mut device, &camera, || {})
+    let (exposures, forbidden) = exposures(&camera);
+    let verification = run::exposures(&mut device, &camera, &exposures, || {})
         .map_err(|error| Failure::bad_input(format!("{}: {error}", args.camera.display())))?;
+    if verification.points > 0 && !verification.passed() {
+        return Err(Failure::check(format!(
+            "{}: the camera differs from the strict solver by more than the limit; nothing is \
+             written",
+            args.camera.display()
+        )));
+    }
     let signing_key = key.as_ref().and_then(|key| key.public().sha256());
     let certificate = Certificate::new(&Inputs {
         file_name: &file_name,
@@ -72,6 +75,7 @@ fn make(args: &MakeCertificateArgs) -> Result<(), Failure> {
         details: &details,
         calibrations: &calibrations,
         verification: &verification,
+        forbidden,
         software: SOFTWARE,
         device: &device.description(),
         signing_key: signing_key.as_deref(),
@@ -79,8 +83,41 @@ fn make(args: &MakeCertificateArgs) -> Result<(), Failure> {
     if let Some(path) = &args.require {
         require(path, &certificate)?;
     }
-    let files = bundle::files(&certificate, &bytes, key.as_ref()).map_err(|error| failed(&error))?;
+    let files =
+        bundle::files(&certificate, &bytes, key.as_ref()).map_err(|error| failed(&error))?;
     write(&args.out, &files)
+}
+
+/// Reads summaries; where several have the same name, the certificate numbers them.
+fn calibrations(paths: &[PathBuf]) -> Result<Vec<CalibrationSummary>, Failure> {
+    let mut read_so_far: Vec<CalibrationSummary> = Vec::new();
+    for path in paths {
+        let mut summary = CalibrationSummary::parse(&path.display().to_string(), &read(path)?)?;
+        let name = name(path);
+        let labels = (1..).map(|number| match number {
+            1 => name.clone(),
+            _ => format!("{name} ({number})"),
+        });
+        let is_free = |label: &String| read_so_far.iter().all(|other| other.label != *label);
+        summary.label = labels.take(paths.len()).find(is_free).unwrap_or_default();
+        read_so_far.push(summary);
+    }
+    Ok(read_so_far)
+}
+
+/// Returns the exposures of a verification that a camera takes, and the number of the others.
+fn exposures(camera: &CameraFile) -> (Vec<GridExposure>, u64) {
+    let all = grid::exposures(camera);
+    let count = all.len();
+    let takes = |exposure: &GridExposure| {
+        let mut strategy = camera.clone();
+        strategy.fmc.strategy = exposure.strategy;
+        let request = Exposure::new(single(exposure.vh_per_s), single(exposure.exposure_s));
+        Camera::new(strategy.parameters()).is_ok_and(|camera| camera.frame(&request).is_ok())
+    };
+    let taken: Vec<GridExposure> = all.into_iter().filter(takes).collect();
+    let forbidden = (count - taken.len()) as u64;
+    (taken, forbidden)
 }
 
 /// Fails if a form demands what a certificate does not state.
@@ -130,7 +167,7 @@ fn write(out: &Path, files: &[(String, Vec<u8>)]) -> Result<(), Failure> {
     })
 }
 
-fn check(args: &CheckCertificateArgs) -> Result<(), Failure> {
+fn check(args: &CertificateFolderArgs) -> Result<(), Failure> {
     let json = args.folder.join(bundle::JSON);
     let stated = Stated::parse(&json.display().to_string(), &read(&json)?)?;
     let key = match &args.key {
@@ -143,7 +180,7 @@ fn check(args: &CheckCertificateArgs) -> Result<(), Failure> {
     let records = match &args.records {
         Some(path) => {
             let file = fs::File::open(path).map_err(|error| Failure::reading(path, &error))?;
-            Some(FlightRecords::read(&path.display().to_string(), file)?)
+            Some(FlownCalibrations::read(&path.display().to_string(), file)?)
         }
         None => None,
     };
@@ -154,16 +191,16 @@ fn check(args: &CheckCertificateArgs) -> Result<(), Failure> {
             files.insert(name.to_owned(), read(&path)?);
         }
     }
-    let findings = check::findings(&stated, &files, key.as_ref(), records.as_ref());
+    let statements = check::statements(&stated, &files, key.as_ref(), records.as_ref());
     output::write(None, |sink: &mut dyn Write| {
-        for finding in &findings {
-            let verdict = if finding.passed { "ok    " } else { "FAILED" };
-            writeln!(sink, "{verdict}  {}", finding.text)?;
+        for statement in &statements {
+            let verdict = if statement.passed { "ok    " } else { "FAILED" };
+            writeln!(sink, "{verdict}  {}", statement.text)?;
         }
         Ok(())
     })?;
-    let failed = findings.into_iter().filter(|finding| !finding.passed);
-    let failed: Vec<String> = failed.map(|finding| finding.text).collect();
+    let failed = statements.into_iter().filter(|statement| !statement.passed);
+    let failed: Vec<String> = failed.map(|statement| statement.text).collect();
     if failed.is_empty() {
         Ok(())
     } else {

@@ -18,7 +18,7 @@ use distortion::StaticDistortion;
 use exchange::ExchangeLine;
 use identity::Identity;
 use motion::Motion;
-use parameters::Parameters;
+use parameters::ParameterSection;
 use proof::Proof;
 
 /// Everything that a certificate is made of.
@@ -38,6 +38,8 @@ pub struct Inputs<'a> {
     pub calibrations: &'a [CalibrationSummary],
     /// The camera's verification against the strict solver.
     pub verification: &'a CameraResult,
+    /// Number of exposures of the verification that the camera refuses, and that are left out.
+    pub forbidden: u64,
     /// Name and version of the program.
     pub software: &'a str,
     /// Device that computed the verification.
@@ -56,7 +58,7 @@ pub struct Certificate {
     /// Conventions of the numbers, in sentences.
     pub conventions: [String; 4],
     /// Parameters and how they were found.
-    pub parameters: Parameters,
+    pub parameters: ParameterSection,
     /// Distortion of the camera at rest.
     pub static_distortion: StaticDistortion,
     /// Motion of the principal point, and what it does.
@@ -73,7 +75,7 @@ impl Certificate {
     /// # Errors
     /// [`InputError`] for details or calibrations that contradict the camera file.
     pub fn new(inputs: &Inputs<'_>) -> Result<Self, InputError> {
-        let parameters = Parameters::new(inputs)?;
+        let parameters = ParameterSection::new(inputs)?;
         Ok(Self {
             format: "fmc-certificate 1",
             identity: Identity::new(inputs)?,

@@ -69,12 +69,12 @@ pub struct MotionRow {
     /// Reason for which the camera refuses the exposure.
     pub refused: Option<String>,
     /// The exposure; `None` if it is refused.
-    pub frame: Option<FrameNumbers>,
+    pub frame: Option<ExposureNumbers>,
 }
 
 /// Numbers of an exposure that the camera takes, flown along the axis.
 #[derive(Debug, Clone, PartialEq, Serialize)]
-pub struct FrameNumbers {
+pub struct ExposureNumbers {
     /// Speed of the stage while the shutter is open, mm/s.
     pub speed_mm_s: Option<Stated>,
     /// δ, travel while the shutter is open, µm.
@@ -149,8 +149,8 @@ impl Motion {
                 .collect(),
             shutter,
             ramps: ramps.map(Stated::exact),
-            vh_per_s: camera.limits.vh_per_s.map(|vh| Stated::digits(vh, 4)),
-            exposure_s: camera.limits.exposure_s.map(|time| Stated::digits(time, 4)),
+            vh_per_s: camera.limits.vh_per_s.map(|vh| Stated::digits(vh, 6)),
+            exposure_s: camera.limits.exposure_s.map(|time| Stated::digits(time, 6)),
             exposures: exposures.collect(),
             reach: vh.iter().map(|vh| reach(camera, checked, *vh)).collect(),
         }
@@ -186,13 +186,13 @@ fn row(camera: &CameraFile, checked: &Camera, vh_per_s: f64, exposure_s: f64) ->
     let (refused, frame) = match checked.frame(&exposure) {
         Ok(frame) => (
             None,
-            Some(FrameNumbers::of(camera, &frame, vh_per_s, exposure_s)),
+            Some(ExposureNumbers::of(camera, &frame, vh_per_s, exposure_s)),
         ),
         Err(error) => (Some(reason(&error).to_owned()), None),
     };
     MotionRow {
-        vh_per_s: Stated::digits(vh_per_s, 4),
-        exposure_ms: Stated::digits(1e3 * exposure_s, 4),
+        vh_per_s: Stated::digits(vh_per_s, 6),
+        exposure_ms: Stated::digits(1e3 * exposure_s, 6),
         refused,
         frame,
     }
@@ -208,7 +208,7 @@ const fn reason(error: &FrameError) -> &'static str {
     }
 }
 
-impl FrameNumbers {
+impl ExposureNumbers {
     fn of(camera: &CameraFile, frame: &Frame, vh_per_s: f64, exposure_s: f64) -> Self {
         let interior = &frame.interior;
         let motion = &interior.motion;
@@ -258,10 +258,10 @@ fn reach(camera: &CameraFile, checked: &Camera, vh_per_s: f64) -> ReachRow {
         let exposure = Exposure::new(single(vh_per_s), single(time));
         checked.frame(&exposure).err().map(|error| reason(&error))
     };
-    let vh = Stated::digits(vh_per_s, 4);
+    let vh = Stated::digits(vh_per_s, 6);
     let line = |longest_s: Option<f64>, bound| ReachRow {
         vh_per_s: vh.clone(),
-        longest_ms: longest_s.and_then(|time| Stated::digits(1e3 * time, 4)),
+        longest_ms: longest_s.and_then(|time| Stated::digits(1e3 * time, 6)),
         bound,
     };
     match (refusal(shortest), refusal(longest)) {

@@ -12,7 +12,7 @@ const SIDE_POINTS: u32 = 201;
 
 /// Parameters and how they were found.
 #[derive(Debug, Clone, PartialEq, Serialize)]
-pub struct Parameters {
+pub struct ParameterSection {
     /// Columns and rows of the array, px.
     pub size_px: [i64; 2],
     /// Pixel pitch, µm.
@@ -93,7 +93,7 @@ pub struct Observed {
     pub extrapolated_percent: Option<Stated>,
 }
 
-impl Parameters {
+impl ParameterSection {
     /// Collects the parameters.
     ///
     /// # Errors
@@ -237,11 +237,11 @@ fn add(
         let Some(line) = lines.iter_mut().find(|line| line.name == parameter.name) else {
             lines.push(ParameterLine {
                 name: parameter.name.clone(),
-                symbol: parameter.name.clone(),
+                symbol: "–".to_owned(),
                 value: Stated::exact(parameter.value),
                 unit: unit(&parameter.name),
                 sigma: parameter.sigma.and_then(|sigma| Stated::digits(sigma, 3)),
-                calibration: Some(summary.file.clone()),
+                calibration: Some(summary.label.clone()),
             });
             continue;
         };
@@ -255,7 +255,7 @@ fn add(
             )));
         }
         line.sigma = parameter.sigma.and_then(|sigma| Stated::digits(sigma, 3));
-        line.calibration = Some(summary.file.clone());
+        line.calibration = Some(summary.label.clone());
     }
     Ok(())
 }
@@ -294,7 +294,7 @@ fn matrix(summary: &CalibrationSummary) -> Option<CorrelationMatrix> {
         .iter()
         .map(|a| names.iter().map(|b| cell(a, b)).collect());
     Some(CorrelationMatrix {
-        calibration: summary.file.clone(),
+        calibration: summary.label.clone(),
         rows: rows.collect(),
         names,
     })
@@ -303,7 +303,7 @@ fn matrix(summary: &CalibrationSummary) -> Option<CorrelationMatrix> {
 fn line(summary: &CalibrationSummary) -> CalibrationLine {
     let digits = |value: Option<f64>| Stated::digits(value?, 4);
     CalibrationLine {
-        file: summary.file.clone(),
+        file: summary.label.clone(),
         sha256: summary.sha256.clone(),
         method: summary.method.clone(),
         datum: summary.datum.clone(),

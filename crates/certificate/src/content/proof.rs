@@ -18,6 +18,8 @@ pub struct Proof {
     pub points: u64,
     /// Exposures.
     pub exposures: u64,
+    /// Exposures of the comparison that stroke or speed forbid.
+    pub forbidden: u64,
     /// Smallest and largest V/H, 1/s.
     pub vh_per_s: [Option<Stated>; 2],
     /// Shortest and longest exposure, ms.
@@ -53,8 +55,10 @@ impl Proof {
     /// Collects the figures of a verification.
     pub(super) fn new(inputs: &Inputs<'_>) -> Self {
         let result = inputs.verification;
-        let nm = |mm: f64| Stated::decimals(1e6 * mm, 3);
-        let um = |mm: f64| Stated::decimals(1e3 * mm, 3);
+        // Nothing is known of an error that was not looked for.
+        let is_checked = result.points > 0;
+        let nm = |mm: f64| is_checked.then(|| Stated::decimals(1e6 * mm, 3)).flatten();
+        let um = |mm: f64| is_checked.then(|| Stated::decimals(1e3 * mm, 3)).flatten();
         let ends = |value: &dyn Fn(usize) -> f64| {
             let values = || (0..result.frames.len()).map(value);
             [
@@ -73,18 +77,24 @@ impl Proof {
             device: inputs.device.to_owned(),
             points: result.points,
             exposures: result.frames.len() as u64,
-            vh_per_s: vh.map(|vh| Stated::digits(vh, 4)),
-            exposure_ms: times.map(|time| Stated::digits(1e3 * time, 4)),
+            forbidden: inputs.forbidden,
+            vh_per_s: vh.map(|vh| Stated::digits(vh, 6)),
+            exposure_ms: times.map(|time| Stated::digits(1e3 * time, 6)),
             travel_um: result.travel_mm().map(um),
             error_max_nm: nm(camera.max_mm()),
             error_rms_nm: nm(camera.rms_mm()),
             error_limit_nm: Stated::exact(MAX_ERROR_NM),
-            error_at_mm: [result.worst.x_mm, result.worst.y_mm].map(|mm| Stated::decimals(mm, 3)),
+            error_at_mm: [result.worst.x_mm, result.worst.y_mm].map(|mm| {
+                let stated = is_checked.then(|| Stated::decimals(mm, 3));
+                stated.flatten()
+            }),
             coordinate_max_nm: nm(result.coordinate_errors().max_mm()),
             coordinate_limit_nm: Stated::exact(MAX_COORDINATE_ERROR_NM),
             static_max_um: um(at_rest.max_mm()),
             static_rms_um: um(at_rest.rms_mm()),
-            solver_error_nm: Stated::digits(1e6 * result.solver_error_mm(), 2),
+            solver_error_nm: is_checked
+                .then(|| Stated::digits(1e6 * result.solver_error_mm(), 2))
+                .flatten(),
             solver_limit_nm: Stated::exact(MAX_SOLVER_ERROR_NM),
             least_scale: Stated::decimals(least_scale, 4),
         }

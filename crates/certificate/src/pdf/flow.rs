@@ -20,6 +20,8 @@ pub(super) const BODY: f32 = 8.6;
 pub(super) const LEADING: f32 = 1.32;
 /// Width of the names of pairs.
 const NAMES: f32 = 140.0;
+/// Height below which a list of pairs is not broken.
+const WHOLE: f32 = 280.0;
 /// Size of captions.
 const CAPTION: f32 = 7.6;
 
@@ -94,7 +96,11 @@ impl<'a> Flow<'a> {
 
     fn section(&mut self, section: &'a Section) -> Result<(), PdfError> {
         self.space(12.0);
-        self.keep(110.0);
+        let places = section.blocks.iter().map(|block| match block {
+            Block::Signatures(places) => 90.0 * height(places.len().div_ceil(2), 1.0 / LEADING),
+            _ => 0.0,
+        });
+        self.keep(110.0 + places.sum::<f32>());
         let page = self.pages.len().saturating_sub(1);
         self.headings.push((section.title.clone(), page, self.y));
         self.paragraph(&section.title, 13.0, Weight::Bold, 0)?;
@@ -192,6 +198,7 @@ impl<'a> Flow<'a> {
     }
 
     fn pairs(&mut self, pairs: &[[String; 2]]) -> Result<(), PdfError> {
+        let mut broken = Vec::new();
         for [name, what] in pairs {
             let names = self
                 .typeface
@@ -199,8 +206,14 @@ impl<'a> Flow<'a> {
             let lines = self
                 .typeface
                 .lines(what, Weight::Regular, BODY, WIDTH - NAMES)?;
-            self.keep(height(lines.len().max(names.len()), BODY));
-            let rows = lines.len().max(names.len()).max(1);
+            broken.push((names.len().max(lines.len()).max(1), names, lines));
+        }
+        let all = height(broken.iter().map(|(rows, ..)| rows).sum(), BODY);
+        if all < WHOLE {
+            self.keep(all);
+        }
+        for (rows, names, lines) in broken {
+            self.keep(height(rows, BODY));
             for index in 0..rows {
                 if let Some(name) = names.get(index) {
                     self.write(MARGIN, name, BODY, Weight::Regular, GREY);
@@ -218,15 +231,17 @@ impl<'a> Flow<'a> {
     fn figures(&mut self, figures: &'a [Figure]) -> Result<(), PdfError> {
         let gap = 16.0;
         let count = f32::from(u8::try_from(figures.len()).unwrap_or(u8::MAX)).max(1.0);
-        let width = (WIDTH - gap * (count - 1.0)) / count;
+        let shares: f32 = figures.iter().map(|figure| figure.drawing.share()).sum();
+        let unit = (WIDTH - gap * (count - 1.0)) / shares;
         let mut captions = Vec::new();
         let mut tallest = 0.0_f32;
         let mut placed = Vec::new();
         for figure in figures {
             let [across, down] = <[u32; 2]>::from(figure.drawing.size()).map(pixels);
+            let width = unit * figure.drawing.share();
             let scale = width / across;
             tallest = tallest.max(scale * down);
-            placed.push((figure, scale));
+            placed.push((figure, scale, width));
             let caption = &figure.caption;
             captions.push(
                 self.typeface
@@ -236,7 +251,7 @@ impl<'a> Flow<'a> {
         let most = captions.iter().map(Vec::len).max().unwrap_or(0);
         self.keep(tallest + height(most, CAPTION) + 10.0);
         let mut x = MARGIN;
-        for ((figure, scale), caption) in placed.into_iter().zip(&captions) {
+        for ((figure, scale, width), caption) in placed.into_iter().zip(&captions) {
             let at = [x, self.y];
             self.mark(Mark::Figure { at, scale, figure });
             let top = self.y;

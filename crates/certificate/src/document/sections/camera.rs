@@ -4,7 +4,7 @@ use super::super::{Block, Figure, NOT_STATED, Section, Table, numbers, words};
 use super::{cell, number, pair, place, range, with_unit};
 use crate::content::Certificate;
 use crate::content::distortion::{RadialRow, StaticDistortion};
-use crate::content::parameters::{CalibrationLine, CorrelationMatrix, Observed, Parameters};
+use crate::content::parameters::{CalibrationLine, CorrelationMatrix, Observed, ParameterSection};
 use crate::details::Instrument;
 use crate::figure::Drawing;
 
@@ -116,7 +116,7 @@ pub(super) fn parameters(certificate: &Certificate) -> Section {
     }
 }
 
-fn values(parameters: &Parameters) -> Table {
+fn values(parameters: &ParameterSection) -> Table {
     let rows = parameters.values.iter().map(|line| {
         vec![
             line.symbol.clone(),

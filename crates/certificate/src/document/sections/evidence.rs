@@ -9,13 +9,23 @@ pub(super) fn proof(certificate: &Certificate) -> Section {
     let proof = &certificate.proof;
     let nm = |stated: &Option<_>| with_unit(Option::as_ref(stated), "nm");
     let um = |stated: &Option<_>| with_unit(Option::as_ref(stated), "µm");
-    let verdict = if proof.passed { "passed" } else { "FAILED" };
+    let verdict = match (proof.passed, proof.points) {
+        (true, _) => "passed",
+        (false, 0) => "not checked: stroke or speed forbid every exposure of the comparison",
+        (false, _) => "FAILED",
+    };
     let pairs = vec![
         pair("verdict", verdict),
         pair("computed by", proof.device.clone()),
         pair(
             "points",
-            format!("{} in {} exposures", proof.points, proof.exposures),
+            match proof.forbidden {
+                0 => format!("{} in {} exposures", proof.points, proof.exposures),
+                forbidden => format!(
+                    "{} in {} exposures; {forbidden} that stroke or speed forbid are left out",
+                    proof.points, proof.exposures
+                ),
+            },
         ),
         pair("range of V/H", range(&proof.vh_per_s, "1/s")),
         pair("range of the exposure", range(&proof.exposure_ms, "ms")),

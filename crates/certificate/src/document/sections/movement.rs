@@ -28,8 +28,8 @@ pub(super) fn motion(certificate: &Certificate) -> Section {
              compensated; an error of V/H adds its share of δ."
                 .to_owned(),
         ),
-        Block::Table(reach(motion)),
         Block::Text(forbidden(motion)),
+        Block::Table(reach(motion)),
     ];
     Section {
         title: "Motion".to_owned(),
@@ -105,7 +105,7 @@ fn mechanism(motion: &Motion) -> Vec<[String; 2]> {
 /// Returns the first two cells of a row, and then those of its exposure, or why it is refused.
 fn cells<const N: usize>(
     row: &MotionRow,
-    numbers: impl Fn(&crate::content::motion::FrameNumbers) -> [String; N],
+    numbers: impl Fn(&crate::content::motion::ExposureNumbers) -> [String; N],
 ) -> Vec<String> {
     let mut cells = vec![cell(row.vh_per_s.as_ref()), cell(row.exposure_ms.as_ref())];
     if let Some(frame) = &row.frame {
@@ -198,7 +198,7 @@ fn forbidden(motion: &Motion) -> String {
     let refused = motion.exposures.iter().any(|row| row.refused.is_some());
     let is_bound = motion.reach.iter().any(|row| row.bound != "limits");
     if refused || is_bound {
-        "Longer exposures than these do not fit the stroke, or ask for more than the largest \
+        "Exposures longer than those below do not fit the stroke, or ask for more than the largest \
          speed; the camera refuses them, and their triggers have a record with that reason."
             .to_owned()
     } else {

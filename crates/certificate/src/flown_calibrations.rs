@@ -11,7 +11,7 @@ const CRC: &str = "calibration_crc32";
 
 /// The CRC-32 of the calibrations that records name.
 #[derive(Debug, Clone, PartialEq, Eq)]
-pub struct FlightRecords {
+pub struct FlownCalibrations {
     /// Name of the file.
     pub file: String,
     /// For each CRC-32 the number of records with it, and the first of them by its sequence.
@@ -29,7 +29,7 @@ struct Record {
     calibration_crc32: String,
 }
 
-impl FlightRecords {
+impl FlownCalibrations {
     /// Reads `records.csv` or `records.json`; `file` is the name that messages use, and its end
     /// tells the format.
     ///
@@ -92,13 +92,13 @@ mod tests {
     #[test]
     fn both_formats_name_the_calibrations() {
         let csv = "sequence,outcome,calibration_crc32\n1,exposed,deadbeef\n2,refused,DEADBEEF\n3,exposed,00000001\n";
-        let read = FlightRecords::read("records.csv", csv.as_bytes()).unwrap();
+        let read = FlownCalibrations::read("records.csv", csv.as_bytes()).unwrap();
         assert_eq!(read.calibrations["deadbeef"], (2, "1".to_owned()));
         assert_eq!(read.calibrations["00000001"], (1, "3".to_owned()));
         assert_eq!(read.count(), 3);
         let json =
             r#"{"camera":null,"records":[{"sequence":7,"calibration_crc32":"deadbeef","x":1}]}"#;
-        let read = FlightRecords::read("r.json", json.as_bytes()).unwrap();
+        let read = FlownCalibrations::read("r.json", json.as_bytes()).unwrap();
         assert_eq!(read.calibrations["deadbeef"], (1, "7".to_owned()));
     }
 
@@ -111,7 +111,7 @@ mod tests {
             ("r.json", "{}", "not the records"),
             ("r.json", r#"{"records":[]}"#, "no records"),
         ] {
-            let error = FlightRecords::read(file, text.as_bytes()).unwrap_err();
+            let error = FlownCalibrations::read(file, text.as_bytes()).unwrap_err();
             assert!(error.to_string().contains(word), "{error}");
         }
     }
