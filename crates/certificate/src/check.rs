@@ -249,7 +249,21 @@ impl<'a> Comparison<'a> {
                 format!("{PDF}: the attached {name} {verb} that of the folder"),
             );
         }
-        let words = pdf.words();
+        self.pages(PDF, &pdf.words());
+    }
+
+    fn html(&mut self) {
+        let Some(bytes) = self.file(HTML) else {
+            return;
+        };
+        let page = String::from_utf8_lossy(bytes);
+        let texts = page.split('<').filter_map(|part| part.split('>').nth(1));
+        let words: Vec<&str> = texts.flat_map(str::split_whitespace).collect();
+        self.pages(HTML, &words);
+    }
+
+    /// Notes what the words of the pages do not say.
+    fn pages(&mut self, file: &str, words: &[&str]) {
         let missing: Vec<String> = self
             .facts()
             .into_iter()
@@ -260,26 +274,7 @@ impl<'a> Comparison<'a> {
             })
             .map(|fact| fact.join(" "))
             .collect();
-        self.same_words(PDF, &missing);
-    }
-
-    fn html(&mut self) {
-        let Some(bytes) = self.file(HTML) else {
-            return;
-        };
-        let page = String::from_utf8_lossy(bytes);
-        let words: Vec<&str> = page
-            .split(['<', '>'])
-            .flat_map(str::split_whitespace)
-            .collect();
-        let facts = self
-            .facts()
-            .into_iter()
-            .filter_map(|fact| fact.last().cloned());
-        let missing: Vec<String> = facts
-            .filter(|fact| !words.contains(&fact.as_str()))
-            .collect();
-        self.same_words(HTML, &missing);
+        self.same_words(file, &missing);
     }
 
     fn same_words(&mut self, file: &str, missing: &[String]) {

@@ -18,6 +18,8 @@ mod calibrate_five_refused;
 #[cfg(unix)]
 mod camera;
 #[cfg(test)]
+mod certificate;
+#[cfg(test)]
 mod default_limits;
 #[cfg(test)]
 mod exchange;

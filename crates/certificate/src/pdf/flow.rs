@@ -213,8 +213,10 @@ impl<'a> Flow<'a> {
             self.keep(all);
         }
         for (rows, names, lines) in broken {
-            self.keep(height(rows, BODY));
+            // A long text is broken over pages.
+            self.keep(height(rows.min(8), BODY));
             for index in 0..rows {
+                self.keep(height(1, BODY));
                 if let Some(name) = names.get(index) {
                     self.write(MARGIN, name, BODY, Weight::Regular, GREY);
                 }

@@ -246,3 +246,110 @@ fn attach(
     pdf.embed_file(file)
         .ok_or_else(|| PdfError::Writer(format!("{} is attached twice", attachment.name)))
 }
+
+#[cfg(test)]
+mod tests {
+    use lopdf::Object;
+
+    use super::*;
+    use crate::document::{Block, Column, Section, Table};
+    use crate::pdf_reader::ReadPdf;
+
+    const DAY: Date = Date {
+        year: 2026,
+        month: 3,
+        day: 20,
+    };
+
+    fn document(blocks: Vec<Block>) -> Document {
+        Document {
+            title: "Title".to_owned(),
+            subtitle: "subtitle".to_owned(),
+            foot: "foot".to_owned(),
+            sections: vec![Section {
+                title: "Section".to_owned(),
+                blocks,
+            }],
+        }
+    }
+
+    fn table(columns: usize, rows: usize, cell: &str) -> Block {
+        let column = Column {
+            heading: "head".to_owned(),
+            is_words: false,
+        };
+        Block::Table(Table {
+            title: "Table".to_owned(),
+            columns: vec![column; columns],
+            rows: vec![vec![cell.to_owned(); columns]; rows],
+        })
+    }
+
+    fn written(blocks: Vec<Block>, issued_on: Option<Date>) -> Result<Vec<u8>, PdfError> {
+        let attachment = Attachment {
+            name: "a.toml",
+            bytes: b"attached",
+            media_type: "application/toml",
+            description: "camera file",
+        };
+        pdf(&document(blocks), issued_on, "test 1", &[attachment])
+    }
+
+    #[test]
+    fn text_and_attachment_are_read_back_and_all_fonts_are_embedded() {
+        let words = "σ0 = 1.0234 and δ of 12.5 µm, c̄ of 3e-5 mm⁻²";
+        for issued_on in [None, Some(DAY)] {
+            let bytes = written(vec![Block::Text(words.to_owned())], issued_on).unwrap();
+            assert!(bytes.len() < 60_000, "{}", bytes.len());
+            assert_eq!(
+                bytes,
+                written(vec![Block::Text(words.to_owned())], issued_on).unwrap()
+            );
+            let read = ReadPdf::parse(&bytes).unwrap();
+            assert!(read.words().join(" ").contains(words), "{:?}", read.pages);
+            assert_eq!(read.attachments["a.toml"], b"attached");
+            let parsed = lopdf::Document::load_mem(&bytes).unwrap();
+            let dictionaries = parsed.objects.values().filter_map(|one| one.as_dict().ok());
+            let fonts: Vec<_> = dictionaries
+                .filter(|one| one.has_type(b"FontDescriptor"))
+                .collect();
+            assert_eq!(fonts.len(), 2);
+            for font in fonts {
+                assert!(font.has(b"FontFile2") || font.has(b"FontFile3"), "{font:?}");
+            }
+            let is_archive = parsed.objects.values().any(|one| match one {
+                Object::Stream(stream) => {
+                    let content = stream.decompressed_content().unwrap_or_default();
+                    let content = String::from_utf8_lossy(&content).into_owned();
+                    content.contains("pdfaid:part>3<")
+                }
+                _ => false,
+            });
+            assert_eq!(is_archive, issued_on.is_some());
+        }
+    }
+
+    #[test]
+    fn table_goes_on_with_its_heading_on_the_next_page() {
+        let bytes = written(vec![table(4, 100, "1.5")], None).unwrap();
+        let read = ReadPdf::parse(&bytes).unwrap();
+        assert_eq!(read.pages.len(), 2);
+        for page in &read.pages {
+            assert_eq!(page.matches("head").count(), 4, "{page}");
+        }
+        assert_eq!(
+            read.words().iter().filter(|word| **word == "1.5").count(),
+            400
+        );
+    }
+
+    #[test]
+    fn what_cannot_be_set_is_an_error() {
+        let wide = written(vec![table(30, 1, "123456.789012")], None);
+        assert!(matches!(wide, Err(PdfError::TooWide(_))));
+        let long = written(vec![table(4, 700, "1.5")], None);
+        assert!(matches!(long, Err(PdfError::TooLong(pages)) if pages > MOST_PAGES));
+        let missing = written(vec![Block::Text("\u{6f22}".to_owned())], None);
+        assert!(matches!(missing, Err(PdfError::NoGlyph('\u{6f22}'))));
+    }
+}
