@@ -9,7 +9,8 @@ use plotters::element::{PathElement, Polygon, Text};
 use plotters::prelude::{Color, RGBColor};
 
 use crate::content::Certificate;
-use crate::content::distortion::{RadialRow, StaticDistortion};
+use crate::content::distortion::StaticDistortion;
+use crate::content::radial::RadialRow;
 use crate::stated::Stated;
 
 /// Arrows along x and along y.

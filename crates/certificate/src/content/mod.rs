@@ -4,8 +4,10 @@ pub mod distortion;
 pub mod exchange;
 pub mod identity;
 pub mod motion;
+pub mod observed;
 pub mod parameters;
 pub mod proof;
+pub mod radial;
 
 use fmc_camera::flight::camera::Camera;
 use fmc_camera_file::{CameraFile, InputError};

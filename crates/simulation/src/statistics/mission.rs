@@ -64,9 +64,13 @@ impl FlownMission {
         let records = flown.frames.iter().map(|frame| &frame.record);
         let vacuous = judgement.checks.iter().filter(|check| check.is_vacuous);
         // By the records alone, whatever the checks say of themselves.
-        let is_judged = |quantity| verdicts.iter().any(|one| one.of_quantity(quantity).is_some());
-        let is_vacuous_pass = judgement.passed()
-            && !(is_judged(Quantity::PrincipalPoint) && is_judged(Quantity::Vh));
+        let is_judged = |quantity| {
+            verdicts
+                .iter()
+                .any(|one| one.of_quantity(quantity).is_some())
+        };
+        let is_vacuous_pass =
+            judgement.passed() && !(is_judged(Quantity::PrincipalPoint) && is_judged(Quantity::Vh));
         let mechanics = &scenario.written.mechanics;
         Self {
             number: mission.number,

@@ -1,5 +1,6 @@
 //! Details, calibrations and forms that a certificate is made with.
 
+use std::fmt::Write;
 use std::fs;
 
 use super::super::support::{Bench, CAMERA};
@@ -76,7 +77,7 @@ fn summary_of_calibrate_five_is_read() {
             0.05 + 0.04 * f64::from(step % 3),
             0.002 * f64::from(1 + step % 4),
         );
-        observations += &format!("{x},{y},{dx},{dy},{vh},{time},0.02\n");
+        writeln!(observations, "{x},{y},{dx},{dy},{vh},{time},0.02").unwrap();
     }
     fs::write(bench.path("o.csv"), observations).unwrap();
     let five = [

@@ -3,8 +3,10 @@
 use super::super::{Block, Figure, NOT_STATED, Section, Table, numbers, words};
 use super::{cell, number, pair, place, range, with_unit};
 use crate::content::Certificate;
-use crate::content::distortion::{RadialRow, StaticDistortion};
-use crate::content::parameters::{CalibrationLine, CorrelationMatrix, Observed, ParameterSection};
+use crate::content::distortion::StaticDistortion;
+use crate::content::observed::Observed;
+use crate::content::parameters::{CalibrationLine, CorrelationMatrix, ParameterSection};
+use crate::content::radial::RadialRow;
 use crate::details::Instrument;
 use crate::figure::Drawing;
 
