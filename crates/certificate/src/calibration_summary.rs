@@ -34,7 +34,8 @@ pub struct ObservedRegion {
     pub y_mm: [f64; 2],
 }
 
-/// What a calibration states of itself. What its summary does not have is `None` or empty.
+/// Statements of a calibration about itself; those that its summary does not have are `None` or
+/// empty.
 #[derive(Debug, Clone, PartialEq)]
 pub struct CalibrationSummary {
     /// Name of the file that messages use.

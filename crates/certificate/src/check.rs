@@ -17,7 +17,7 @@ use crate::signature::PublicKey;
 pub struct Statement {
     /// `true` if this is as it must be.
     pub passed: bool,
-    /// What was compared, with both sides where they differ.
+    /// Things compared, with both sides where they differ.
     pub text: String,
 }
 

@@ -7,7 +7,7 @@ use fmc_camera_file::toml_text::TomlText;
 use serde::{Deserialize, Deserializer, Serialize, Serializer};
 use toml::value::Datetime;
 
-/// What a certificate states beside the camera file. Whatever is missing is printed as "not
+/// Statements of a certificate beside the camera file; whatever is missing is printed as "not
 /// stated".
 #[derive(Debug, Clone, Default, PartialEq, Eq, Deserialize)]
 #[serde(deny_unknown_fields, default)]

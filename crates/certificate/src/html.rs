@@ -6,7 +6,8 @@ use askama::Template;
 use fmc_report::figure::FigureError;
 use fmc_report::page::{PageError, inline};
 
-use crate::document::{Block, Document};
+use crate::document::Document;
+use crate::document::block::Block;
 
 /// Content of the page.
 #[derive(Template)]

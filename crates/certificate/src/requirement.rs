@@ -1,4 +1,4 @@
-//! What a laboratory's form demands of a certificate.
+//! Demands of a laboratory's form on a certificate.
 
 use fmc_camera_file::InputError;
 use fmc_camera_file::toml_text::TomlText;
@@ -18,7 +18,7 @@ pub struct Requirement {
     pub required: Vec<String>,
 }
 
-/// What a path leads to.
+/// End of a path.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 enum Found {
     Stated,

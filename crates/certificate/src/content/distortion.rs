@@ -4,7 +4,7 @@ use fmc_camera_file::CameraFile;
 use fmc_reference::lens::Lens;
 use serde::Serialize;
 
-use super::Inputs;
+use super::inputs::Inputs;
 use super::observed::corner_radius_mm;
 use super::radial::{PROFILE_POINTS, Radial, RadialRow, share};
 use crate::stated::Stated;

@@ -3,7 +3,7 @@
 use fmc_camera_file::{CameraFile, InputError, MechanismName};
 use serde::Serialize;
 
-use super::Inputs;
+use super::inputs::Inputs;
 use crate::details::{Date, Details, Instrument, Laboratory, Person};
 use crate::hash;
 

@@ -12,7 +12,7 @@ use fmc_simulation::smear::field::SmearRequest;
 use fmc_simulation::smear::term::Disturbances;
 use serde::Serialize;
 
-use super::Inputs;
+use super::inputs::Inputs;
 use crate::stated::Stated;
 
 /// Values of V/H in the tables, over the camera's limits.
@@ -103,7 +103,7 @@ pub struct ReachRow {
     pub vh_per_s: Option<Stated>,
     /// Longest exposure that limits, stroke and speed allow, ms; `None` if they allow none.
     pub longest_ms: Option<Stated>,
-    /// What the next longer exposure is refused for: `limits`, `stroke`, `speed` or `rows`.
+    /// Reason for which the next longer exposure is refused: `limits`, `stroke`, `speed` or `rows`.
     pub bound: &'static str,
 }
 

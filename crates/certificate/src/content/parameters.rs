@@ -3,7 +3,7 @@
 use fmc_camera_file::{CameraFile, InputError};
 use serde::Serialize;
 
-use super::Inputs;
+use super::inputs::Inputs;
 use super::observed::Observed;
 use crate::calibration_summary::CalibrationSummary;
 use crate::stated::Stated;
@@ -55,7 +55,7 @@ pub struct CorrelationMatrix {
     pub rows: Vec<Vec<Option<Stated>>>,
 }
 
-/// How parameters were found.
+/// Calibration by which parameters were found.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 #[expect(missing_docs, reason = "the fields are those of `CalibrationSummary`")]
 pub struct CalibrationLine {

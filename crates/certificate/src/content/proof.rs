@@ -4,7 +4,7 @@ use fmc_reference::strict::MAX_SOLVER_ERROR_NM;
 use fmc_reference::verification::result::{MAX_COORDINATE_ERROR_NM, MAX_ERROR_NM, Treatment};
 use serde::Serialize;
 
-use super::Inputs;
+use super::inputs::Inputs;
 use crate::stated::Stated;
 
 /// Result of the camera's verification.

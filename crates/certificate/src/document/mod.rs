@@ -1,12 +1,12 @@
 //! The pages of a certificate before they are set: sections of text, tables and figures.
 
+pub mod block;
 mod sections;
+mod wording;
 
 use crate::content::Certificate;
-use crate::figure::Drawing;
-
-/// Word for what is not known.
-pub const NOT_STATED: &str = "not stated";
+use block::Section;
+use wording::NOT_STATED;
 
 /// The pages, in order.
 #[derive(Debug, Clone, PartialEq)]
@@ -19,75 +19,6 @@ pub struct Document {
     pub foot: String,
     /// Sections.
     pub sections: Vec<Section>,
-}
-
-/// A section.
-#[derive(Debug, Clone, PartialEq)]
-pub struct Section {
-    /// Heading.
-    pub title: String,
-    /// Blocks from top to bottom.
-    pub blocks: Vec<Block>,
-}
-
-/// A part of a section.
-#[derive(Debug, Clone, PartialEq)]
-pub enum Block {
-    /// A paragraph.
-    Text(String),
-    /// Names with what they stand for, a line each.
-    Pairs(Vec<[String; 2]>),
-    /// A table.
-    Table(Table),
-    /// Figures side by side.
-    Figures(Vec<Figure>),
-    /// A place to sign for each of these names and roles.
-    Signatures(Vec<[String; 2]>),
-}
-
-/// A table.
-#[derive(Debug, Clone, PartialEq)]
-pub struct Table {
-    /// Line above the table.
-    pub title: String,
-    /// Columns.
-    pub columns: Vec<Column>,
-    /// Rows of as many cells as there are columns.
-    pub rows: Vec<Vec<String>>,
-}
-
-/// A column of a table.
-#[derive(Debug, Clone, PartialEq, Eq)]
-pub struct Column {
-    /// Heading, in one or more lines.
-    pub heading: String,
-    /// `true` for words, which stand on the left and may be broken; numbers stand on the right.
-    pub is_words: bool,
-}
-
-/// A figure with its caption.
-#[derive(Debug, Clone, PartialEq)]
-pub struct Figure {
-    /// Drawing.
-    pub drawing: Drawing,
-    /// Caption.
-    pub caption: String,
-}
-
-/// Returns a column of words.
-fn words(heading: &str) -> Column {
-    Column {
-        heading: heading.to_owned(),
-        is_words: true,
-    }
-}
-
-/// Returns a column of numbers.
-fn numbers(heading: &str) -> Column {
-    Column {
-        heading: heading.to_owned(),
-        is_words: false,
-    }
 }
 
 impl Document {

@@ -1,8 +1,9 @@
 //! Flow of the blocks down the pages.
 
-use super::PdfError;
+use super::error::PdfError;
 use super::typeface::{Typeface, Weight};
-use crate::document::{Block, Document, Figure, Section};
+use crate::document::Document;
+use crate::document::block::{Block, Figure, Section};
 
 /// Width and height of A4, points.
 pub(super) const PAGE: [f32; 2] = [595.276, 841.89];

@@ -1,15 +1,16 @@
 //! The pages of a certificate as PDF, A4.
 
 mod canvas;
+mod error;
 mod flow;
 mod table;
 mod typeface;
 
 use canvas::Canvas;
+pub use error::PdfError;
 use flow::{Flow, MARGIN, Mark, PAGE, Pages};
-use fmc_report::figure::FigureError;
 use krilla::color::luma;
-use krilla::configure::{Archival, ConfigurationBuilder, ConfigurationError};
+use krilla::configure::{Archival, ConfigurationBuilder};
 use krilla::destination::XyzDestination;
 use krilla::embed::{AssociationKind, EmbeddedFile, MimeType};
 use krilla::geom::{PathBuilder, Point, Transform};
@@ -30,32 +31,6 @@ pub const MOST_PAGES: usize = 8;
 
 /// Size of the foot's letters, points.
 const FOOT: f32 = 7.0;
-
-/// A reason why the PDF cannot be written.
-#[derive(Debug, thiserror::Error)]
-pub enum PdfError {
-    /// A font is damaged.
-    #[error("a font of the certificate is damaged")]
-    Font,
-    /// A character has no glyph.
-    #[error("the font of the certificate has no glyph for {0:?}")]
-    NoGlyph(char),
-    /// A table does not fit the page.
-    #[error("the table {0:?} is wider than a page")]
-    TooWide(String),
-    /// Too many pages.
-    #[error("the certificate has {0} pages, and at most 8 are allowed: shorten the details")]
-    TooLong(usize),
-    /// A figure failed.
-    #[error(transparent)]
-    Figure(#[from] FigureError),
-    /// The standard for archives and the version of PDF do not go together.
-    #[error("{0:?}")]
-    Configuration(ConfigurationError),
-    /// The writer of the PDF failed.
-    #[error("the PDF cannot be written: {0}")]
-    Writer(String),
-}
 
 /// A file that is attached to the PDF.
 #[derive(Debug, Clone, Copy)]
@@ -252,7 +227,7 @@ mod tests {
     use lopdf::Object;
 
     use super::*;
-    use crate::document::{Block, Column, Section, Table};
+    use crate::document::block::{Block, Column, Section, Table};
     use crate::pdf_reader::ReadPdf;
 
     const DAY: Date = Date {

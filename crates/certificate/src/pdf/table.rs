@@ -1,9 +1,9 @@
 //! Tables: columns as wide as their cells, words broken where the page is too narrow.
 
-use super::PdfError;
+use super::error::PdfError;
 use super::flow::{Flow, LEADING, MARGIN, WIDTH, height};
 use super::typeface::Weight;
-use crate::document::Table;
+use crate::document::block::Table;
 
 /// Sizes of the letters, the first at which the table fits.
 const SIZES: [f32; 5] = [8.2, 7.6, 7.0, 6.2, 5.4];

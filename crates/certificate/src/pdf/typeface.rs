@@ -5,7 +5,7 @@ use rustybuzz::{Face, UnicodeBuffer};
 use textwrap::core::Fragment;
 use textwrap::wrap_algorithms::wrap_first_fit;
 
-use super::PdfError;
+use super::error::PdfError;
 
 /// Weight of a text.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]

@@ -1,13 +1,13 @@
 //! Identity, parameters and static distortion.
 
-use super::super::{Block, Figure, NOT_STATED, Section, Table, numbers, words};
-use super::{cell, number, pair, place, range, with_unit};
 use crate::content::Certificate;
 use crate::content::distortion::StaticDistortion;
 use crate::content::observed::Observed;
 use crate::content::parameters::{CalibrationLine, CorrelationMatrix, ParameterSection};
 use crate::content::radial::RadialRow;
 use crate::details::Instrument;
+use crate::document::block::{Block, Figure, Section, Table, numbers, words};
+use crate::document::wording::{NOT_STATED, cell, number, pair, place, range, with_unit};
 use crate::figure::Drawing;
 
 /// Who, what and when, with the hashes and the conventions.

@@ -1,8 +1,8 @@
 //! Proof, exchange and signatures.
 
-use super::super::{Block, NOT_STATED, Section, Table, numbers, words};
-use super::{cell, pair, place, range, with_unit};
 use crate::content::Certificate;
+use crate::document::block::{Block, Section, Table, numbers, words};
+use crate::document::wording::{NOT_STATED, cell, number, pair, place, range, with_unit};
 
 /// Comparison with the strict solver.
 pub(super) fn proof(certificate: &Certificate) -> Section {
@@ -66,10 +66,7 @@ pub(super) fn proof(certificate: &Certificate) -> Section {
         ),
         pair(
             "least scale",
-            format!(
-                "{}: one-to-one above 0",
-                super::number(proof.least_scale.as_ref())
-            ),
+            format!("{}: one-to-one above 0", number(proof.least_scale.as_ref())),
         ),
     ];
     Section {

@@ -1,9 +1,9 @@
 //! Motion of the principal point.
 
-use super::super::{Block, NOT_STATED, Section, Table, numbers, words};
-use super::{cell, number, pair, range, with_unit};
 use crate::content::Certificate;
 use crate::content::motion::{Motion, MotionRow};
+use crate::document::block::{Block, Section, Table, numbers, words};
+use crate::document::wording::{NOT_STATED, cell, number, pair, range, with_unit};
 
 /// Mechanism, shutter, and the tables over V/H and exposure time.
 pub(super) fn motion(certificate: &Certificate) -> Section {
