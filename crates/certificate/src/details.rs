@@ -25,7 +25,7 @@ pub struct Details {
     pub lens: Instrument,
     pub stage: Instrument,
     pub encoder: Instrument,
-    /// Persons who sign, `[[person]]`.
+    /// Persons who sign, `person` tables.
     #[serde(rename = "person")]
     pub persons: Vec<Person>,
     /// Method and set-up of the calibration, in words.
@@ -63,7 +63,7 @@ pub struct Instrument {
     pub serial: Option<String>,
 }
 
-/// `[[person]]`.
+/// A table `person`.
 #[derive(Debug, Clone, Default, PartialEq, Eq, Deserialize, Serialize)]
 #[serde(deny_unknown_fields, default)]
 #[expect(

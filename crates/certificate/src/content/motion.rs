@@ -85,7 +85,7 @@ pub struct ExposureNumbers {
     pub centroid_offset_um: Option<Stated>,
     /// Centroid principal point, mm in the sensor frame.
     pub principal_point_mm: [Option<Stated>; 2],
-    /// E[τ], centroid of the exposure after opening, ms.
+    /// Centroid of the exposure after opening, ms.
     pub centroid_time_ms: Option<Stated>,
     /// Largest change of the distortion by the motion: strict exposure mean less the static
     /// distortion about the calibrated principal point, µm.
