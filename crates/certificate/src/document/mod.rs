@@ -33,7 +33,7 @@ impl Document {
             title: "Calibration certificate".to_owned(),
             subtitle: format!("{}, certificate number {number}", identity.name),
             foot: format!(
-                "certificate {number}; camera file SHA-256 {short}…, CRC-32 {}",
+                "camera file SHA-256 {short}…, CRC-32 {}; certificate {number}",
                 file.crc32
             ),
             sections: sections::all(certificate),
