@@ -7,7 +7,7 @@ use plotters::coord::ranged1d::{AsRangedCoord, ValueFormatter};
 use crate::figure::{Area, Backend, FigureError, GRID, OUTLINE, text};
 
 /// A chart whose axes have been drawn.
-pub(crate) type Chart<'a, B, X, Y> = ChartContext<
+pub type Chart<'a, B, X, Y> = ChartContext<
     'a,
     B,
     Cartesian2d<<X as AsRangedCoord>::CoordDescType, <Y as AsRangedCoord>::CoordDescType>,
@@ -15,33 +15,46 @@ pub(crate) type Chart<'a, B, X, Y> = ChartContext<
 
 /// Room around axes and their labels, pixels.
 #[derive(Debug, Clone, Copy, Default)]
-pub(crate) struct Margins {
-    pub(crate) top: u32,
-    pub(crate) right: u32,
-    pub(crate) bottom: u32,
-    pub(crate) left: u32,
+pub struct Margins {
+    /// Above the room for curves.
+    pub top: u32,
+    /// To the right of it.
+    pub right: u32,
+    /// Below the names of the axes.
+    pub bottom: u32,
+    /// To the left of them.
+    pub left: u32,
 }
 
 /// One axis of a chart.
 #[derive(Clone, Copy)]
-pub(crate) struct Axis<'a> {
+#[expect(missing_debug_implementations, reason = "it holds a writer of numbers")]
+pub struct Axis<'a> {
     /// Room for its labels and its name, pixels.
-    pub(crate) room: u32,
+    pub room: u32,
     /// Approximate number of labels; `None` leaves it to plotters.
-    pub(crate) labels: Option<usize>,
+    pub labels: Option<usize>,
     /// Writer of the numbers.
-    pub(crate) write: &'a dyn Fn(&f64) -> String,
+    pub write: &'a dyn Fn(&f64) -> String,
     /// Quantity with its unit; empty if the figure names it elsewhere.
-    pub(crate) name: &'a str,
+    pub name: &'a str,
 }
 
 /// The two axes of a chart.
 #[derive(Clone, Copy)]
-pub(crate) struct Axes<'a> {
-    pub(crate) margins: Margins,
-    pub(crate) font: u32,
-    pub(crate) x: Axis<'a>,
-    pub(crate) y: Axis<'a>,
+#[expect(
+    missing_debug_implementations,
+    reason = "its axes hold writers of numbers"
+)]
+pub struct Axes<'a> {
+    /// Room around the axes.
+    pub margins: Margins,
+    /// Size of labels and names, pixels.
+    pub font: u32,
+    /// Horizontal axis.
+    pub x: Axis<'a>,
+    /// Vertical axis.
+    pub y: Axis<'a>,
 }
 
 impl Axes<'_> {
@@ -49,7 +62,7 @@ impl Axes<'_> {
     ///
     /// # Errors
     /// [`FigureError`] if the drawing fails.
-    pub(crate) fn draw<'b, B: Backend + 'b, X, Y>(
+    pub fn draw<'b, B: Backend + 'b, X, Y>(
         &self,
         area: &Area<B>,
         x_range: X,

@@ -10,20 +10,20 @@ use plotters::prelude::{
 use plotters::style::text_anchor::{HPos, Pos, VPos};
 
 /// Colour of axes and text.
-pub(crate) const INK: RGBColor = RGBColor(40, 44, 52);
+pub const INK: RGBColor = RGBColor(40, 44, 52);
 /// Colour of grid lines.
-pub(crate) const GRID: RGBColor = RGBColor(222, 226, 232);
+pub const GRID: RGBColor = RGBColor(222, 226, 232);
 /// Colour of the sensor's outline and of the direction of flight.
-pub(crate) const OUTLINE: RGBColor = RGBColor(110, 118, 130);
+pub const OUTLINE: RGBColor = RGBColor(110, 118, 130);
 
 /// A drawing area, in pixels.
-pub(crate) type Area<B> = DrawingArea<B, Shift>;
+pub type Area<B> = DrawingArea<B, Shift>;
 
 /// A drawing area of an SVG figure.
-pub(crate) type Canvas<'a> = Area<SVGBackend<'a>>;
+pub type Canvas<'a> = Area<SVGBackend<'a>>;
 
 /// A backend on which figures are drawn, SVG or pixels.
-pub(crate) trait Backend: DrawingBackend<ErrorType = io::Error> {}
+pub trait Backend: DrawingBackend<ErrorType = io::Error> {}
 
 impl<B: DrawingBackend<ErrorType = io::Error>> Backend for B {}
 
@@ -45,7 +45,7 @@ pub enum FigureError {
 ///
 /// # Errors
 /// [`FigureError`] if the drawing fails.
-pub(crate) fn svg(
+pub fn svg(
     size: (u32, u32),
     draw: impl FnOnce(&Canvas<'_>) -> Result<(), FigureError>,
 ) -> Result<String, FigureError> {
@@ -60,12 +60,14 @@ pub(crate) fn svg(
 }
 
 /// Returns the style of text that starts at its point and is centred on it vertically.
-pub(crate) fn text(size: u32) -> TextStyle<'static> {
+#[must_use]
+pub fn text(size: u32) -> TextStyle<'static> {
     text_at(size, HPos::Left)
 }
 
 /// Returns the style of text anchored horizontally as asked and centred vertically.
-pub(crate) fn text_at(size: u32, horizontal: HPos) -> TextStyle<'static> {
+#[must_use]
+pub fn text_at(size: u32, horizontal: HPos) -> TextStyle<'static> {
     ("sans-serif", size)
         .into_font()
         .color(&INK)
@@ -78,7 +80,8 @@ pub(crate) fn text_at(size: u32, horizontal: HPos) -> TextStyle<'static> {
     clippy::cast_possible_truncation,
     reason = "figures are a few thousand pixels wide; the cast saturates"
 )]
-pub(crate) fn pixels(length: f64) -> i32 {
+#[must_use]
+pub fn pixels(length: f64) -> i32 {
     length.round() as i32
 }
 
@@ -87,6 +90,7 @@ pub(crate) fn pixels(length: f64) -> i32 {
     clippy::cast_possible_truncation,
     reason = "sizes are whole numbers of pixels, which leave room to spare"
 )]
-pub(crate) fn ems(size: f64) -> f32 {
+#[must_use]
+pub fn ems(size: f64) -> f32 {
     (size / 1.24) as f32
 }

@@ -3,14 +3,14 @@
 
 #![forbid(unsafe_code)]
 
-mod arrow;
-mod arrow_field;
+pub mod arrow;
+pub mod arrow_field;
 mod arrow_scale;
 pub mod budget;
 pub mod calibration;
 pub mod calibration_identity;
 pub mod camera_status;
-mod chart;
+pub mod chart;
 pub mod exchange;
 pub mod figure;
 mod length;

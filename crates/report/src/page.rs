@@ -27,7 +27,8 @@ pub(crate) fn assert_stands_alone(page: &str, figures: usize) {
 
 /// Turns an SVG into a part of a page, scaled by its view box instead of its width and height. The
 /// page's style finds the width in `--width`.
-pub(crate) fn inline(svg: String) -> String {
+#[must_use]
+pub fn inline(svg: String) -> String {
     match svg.split_once("viewBox") {
         Some((_, rest)) => {
             // viewBox="0 0 1500 900"

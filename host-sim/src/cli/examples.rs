@@ -79,6 +79,19 @@ Examples:
   host-sim export colmap --camera my.toml --records records.csv \\
       --images map.csv --out block";
 
+pub(super) const CERTIFICATE: &str = "\
+Examples:
+  host-sim certificate --camera host-sim/cameras/rc30-5324.toml \\
+      --out certificate
+  host-sim certificate --camera my.toml --calibration summary.json \\
+      --details details.toml --require form.toml --sign key.pem \\
+      --out certificate";
+
+pub(super) const CERTIFICATE_CHECK: &str = "\
+Examples:
+  host-sim certificate check certificate --key laboratory.pem \\
+      --records flight/records.csv";
+
 pub(super) const IMPORT: &str = "\
 Examples:
   host-sim import metashape camera.xml --pixel-um 3.76 --out my.toml

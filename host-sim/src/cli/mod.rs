@@ -8,6 +8,7 @@ mod calibration;
 mod camera;
 mod camera_file;
 mod examples;
+mod certificate;
 mod exchange;
 mod mesh;
 mod mission;
@@ -20,6 +21,9 @@ pub use calibration::{CalibrateArgs, CalibrationMethod, FiveArgs, RegressOn, Sta
 pub use camera::{CameraAction, CameraArgs, ExposureTimeArgs, PrepareArgs, StatusArgs, VhArgs};
 pub use camera_file::{CameraFileAction, CameraFileArgs};
 pub use exchange::{ContainerName, ExportArgs, ImportArgs, SignName};
+pub use certificate::{
+    CertificateAction, CertificateArgs, CertificateFolderArgs, MakeCertificateArgs,
+};
 pub use mesh::{ImagePart, MeshArgs, MeshFormatName};
 pub use mission::{MissionArgs, RecordsArgs};
 pub use simulation::{BudgetArgs, SmearArgs, StrategyName, StripArgs, SweepArgs};
@@ -190,6 +194,15 @@ pub enum Command {
     /// what that leaves. Mechanism, shutter and limits come from --base.
     #[command(after_help = examples::IMPORT)]
     Import(ImportArgs),
+    /// Make the certificate of a calibrated camera, which an engineer signs.
+    ///
+    /// A4 pages as PDF, the same as HTML, the numbers as certificate.json, and the camera file,
+    /// which is attached to the PDF, too: identity, parameters with σ, static distortion, motion,
+    /// proof against the strict solver, residual in other programs. The same input gives the same
+    /// bytes. SHA256SUMS has the hashes; --sign signs them. docs/certificate.md says what each
+    /// number means.
+    #[command(after_help = examples::CERTIFICATE)]
+    Certificate(CertificateArgs),
     /// Prepare, arm and watch a camera on a board, with its own mechanism, shutter and trigger
     /// line.
     ///

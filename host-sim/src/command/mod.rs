@@ -4,6 +4,7 @@ mod budget;
 mod calibrate;
 mod camera;
 mod camera_file;
+mod certificate;
 mod device;
 mod export;
 mod exposure;
@@ -53,6 +54,7 @@ pub fn run(cli: Cli) -> Result<(), Failure> {
         Command::Records(args) => records::run(&args),
         Command::Export(args) => export::run(&args),
         Command::Import(args) => import::run(&args),
+        Command::Certificate(args) => certificate::run(&args),
         Command::Camera(args) => camera::run(&args),
         Command::CameraFile(args) => camera_file::run(&args),
     }

@@ -19,6 +19,7 @@ mod calibrate_five_refused;
 mod camera;
 #[cfg(test)]
 mod camera_file;
+mod certificate;
 #[cfg(test)]
 mod default_limits;
 #[cfg(test)]

@@ -23,6 +23,19 @@ use crate::strict::{StrictSolver, Weight};
 pub fn camera<D: CorrectingDevice + ?Sized>(
     device: &mut D,
     camera: &CameraFile,
+    after_frame: impl FnMut(),
+) -> Result<CameraResult, D::Error> {
+    exposures(device, camera, &grid::exposures(camera), after_frame)
+}
+
+/// Checks one camera on a device in some exposures; `after_frame` is called once per exposure.
+///
+/// # Errors
+/// As [`camera`].
+pub fn exposures<D: CorrectingDevice + ?Sized>(
+    device: &mut D,
+    camera: &CameraFile,
+    exposures: &[GridExposure],
     mut after_frame: impl FnMut(),
 ) -> Result<CameraResult, D::Error> {
     // The camera receives points rounded to single precision; the reference is computed at the
@@ -31,7 +44,7 @@ pub fn camera<D: CorrectingDevice + ?Sized>(
     let measured: Vec<SensorPoint> = grid.points().collect();
     let mut summary = Summary::default();
     let mut loaded = None;
-    for exposure in grid::exposures(camera) {
+    for exposure in exposures {
         let mut strategy = camera.clone();
         strategy.fmc.strategy = exposure.strategy;
         if loaded != Some(exposure.strategy) {
@@ -46,7 +59,7 @@ pub fn camera<D: CorrectingDevice + ?Sized>(
         if corrected.len() != measured.len() {
             return Err(D::Error::of_count(measured.len(), corrected.len()));
         }
-        summary.add_frame(&strategy, &exposure, &measured, &corrected);
+        summary.add_frame(&strategy, exposure, &measured, &corrected);
         after_frame();
     }
     Ok(summary.finish(camera))

@@ -11,6 +11,8 @@ use serde::Serialize;
 /// The numbers of a calibration. Keys are only ever added.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct FiveSummary {
+    /// `five`.
+    pub method: &'static str,
     /// The camera's name.
     pub camera: String,
     /// The file of observations.
@@ -47,6 +49,19 @@ pub struct FiveSummary {
     pub critical_value: f64,
     /// Observations that are not part of the fit.
     pub rejected: Vec<Rejected>,
+    /// Part of the sensor with points in the fit.
+    pub observed: ObservedRegion,
+}
+
+/// Part of the sensor with observed points.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
+pub struct ObservedRegion {
+    /// Largest distance from the calibrated principal point, mm.
+    pub radius_mm: f64,
+    /// Smallest and largest x, mm in the sensor frame.
+    pub x_mm: [f64; 2],
+    /// Smallest and largest y, mm in the sensor frame.
+    pub y_mm: [f64; 2],
 }
 
 /// One parameter.
@@ -135,6 +150,7 @@ impl FiveSummary {
             })
             .collect();
         Self {
+            method: "five",
             camera: calibration.camera.name.clone(),
             observations: calibration.file.clone(),
             points: calibration.measurements.len(),
@@ -168,8 +184,29 @@ impl FiveSummary {
                     test_value: tested.test_value,
                 })
                 .collect(),
+            observed: observed(calibration),
         }
     }
+}
+
+/// Returns the region of the points in the fit.
+fn observed(calibration: &FiveCalibration) -> ObservedRegion {
+    let [x0, y0] = calibration.camera.principal_point_mm;
+    let none = [f64::INFINITY, f64::NEG_INFINITY];
+    let mut region = ObservedRegion {
+        radius_mm: 0.0,
+        x_mm: none,
+        y_mm: none,
+    };
+    for (measurement, _) in calibration.rows().filter(|(_, tested)| tested.passes) {
+        let [x, y] = measurement.row.point_mm;
+        region.radius_mm = region.radius_mm.max((x - x0).hypot(y - y0));
+        for (range, value) in [(&mut region.x_mm, x), (&mut region.y_mm, y)] {
+            let [least, most] = *range;
+            *range = [least.min(value), most.max(value)];
+        }
+    }
+    region
 }
 
 fn residual_statistics(calibration: &FiveCalibration) -> [ResidualStatistics; 2] {

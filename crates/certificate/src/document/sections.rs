@@ -1,0 +1,21 @@
+//! The sections of a certificate.
+
+mod camera;
+mod evidence;
+mod movement;
+
+use super::block::Section;
+use crate::content::Certificate;
+
+/// Returns all sections, in order.
+pub(super) fn all(certificate: &Certificate) -> Vec<Section> {
+    vec![
+        camera::identity(certificate),
+        camera::parameters(certificate),
+        camera::distortion(certificate),
+        movement::motion(certificate),
+        evidence::proof(certificate),
+        evidence::exchange(certificate),
+        evidence::signatures(certificate),
+    ]
+}
