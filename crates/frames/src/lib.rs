@@ -16,6 +16,7 @@ mod check;
 mod columns;
 mod frame;
 mod frame_camera;
+mod frame_table;
 mod image_map;
 pub mod records;
 pub mod row;
@@ -24,4 +25,5 @@ pub mod table;
 
 pub use frame::{Exposed, Frame, Outcome};
 pub use frame_camera::FrameCamera;
+pub use frame_table::{FrameRow, FrameTable, Images};
 pub use image_map::ImageMap;

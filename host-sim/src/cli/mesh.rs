@@ -4,14 +4,27 @@ use std::path::PathBuf;
 
 use clap::{Args, ValueEnum};
 
-use super::{DeviceArgs, ExposureArgs};
+use super::frames::{optional_group, optional_with_frames, vh_optional_with_frames};
+use super::{DeviceArgs, ExposureArgs, FramesArgs};
 
 /// Arguments of `mesh`.
 #[derive(Debug, Args)]
+#[command(
+    mut_arg("exposure", optional_with_frames),
+    mut_group("vh_or_speed", optional_group),
+    mut_arg("vh", vh_optional_with_frames)
+)]
 pub struct MeshArgs {
     /// The exposure.
     #[command(flatten)]
     pub exposure: ExposureArgs,
+    /// The frames of a flight in place of one exposure.
+    #[command(flatten)]
+    pub frames: FramesArgs,
+    /// Frame whose mesh is written, of those of --records or --frames; without it that of every
+    /// frame is, each in a folder of DIR with its number as name.
+    #[arg(long, value_name = "N", requires = "frame_source")]
+    pub sequence: Option<u32>,
     /// Device on which the camera runs.
     #[command(flatten)]
     pub device: DeviceArgs,

@@ -7,6 +7,7 @@ use clap::{Args, Parser, Subcommand, ValueEnum};
 mod calibration;
 mod camera;
 mod exchange;
+mod frames;
 mod mesh;
 mod mission;
 mod number;
@@ -17,6 +18,7 @@ mod vh;
 pub use calibration::{CalibrateArgs, CalibrationMethod, FiveArgs, RegressOn, StaticP2};
 pub use camera::{CameraAction, CameraArgs, ExposureTimeArgs, PrepareArgs, StatusArgs, VhArgs};
 pub use exchange::{ContainerName, ExportArgs, ExportFormat, ImportArgs, ImportFormat, SignName};
+pub use frames::{AnswerName, FrameAnswerArgs, FramesArgs, OffSensorName};
 pub use mesh::{ImagePart, MeshArgs, MeshFormatName};
 pub use mission::{MissionArgs, RecordsArgs};
 pub use simulation::{BudgetArgs, SmearArgs, StrategyName, StripArgs, SweepArgs};
@@ -25,6 +27,7 @@ pub use vh::{VhArgument, VhOption};
 
 use fmc_camera_file::number::finite;
 
+use self::frames::{optional_group, optional_with_frames, vh_optional_with_frames};
 use self::number::exposure_time;
 use crate::device::DeviceName;
 use crate::formats::points::PointFormat;
@@ -53,12 +56,28 @@ pub enum Command {
     /// a result of the firmware differs in any bit from that of the same code on this PC.
     Verify(VerifyArgs),
     /// Remove distortion: measured points -> ideal points.
+    ///
+    /// Of one exposure, or with --records or --frames of all frames of a flight at once: POINTS
+    /// then have a column sequence, frame or image. Other columns stay as they are.
+    ///
+    /// For example: host-sim correct --camera camera.toml --vh 0.1 --exposure 1/200 points.csv
+    ///
+    /// A block with one camera for all frames: host-sim correct --camera camera.toml --records
+    /// records.csv --answer ideal-shifted points.csv --out ideal.csv
     Correct(PointsArgs),
     /// Apply distortion: ideal points -> measured points, the inverse of `correct`.
+    ///
+    /// With --records or --frames the points are those that `correct` answers with the same
+    /// --answer.
     Distort(PointsArgs),
     /// As `correct`, but by quadrature in double precision: the strict reference solver.
     Reference(ReferenceArgs),
     /// Interior orientation of one frame, without points.
+    ///
+    /// With --records or --frames of all frames of a flight, a row of CSV each, or with --json a
+    /// line of JSON.
+    ///
+    /// For example: host-sim frame --camera camera.toml --vh 0.1 --exposure 1/200
     Frame(FrameArgs),
     /// Write the mesh with which a warp engine or a graphics processor corrects a frame.
     ///
@@ -245,8 +264,8 @@ pub struct ExposureArgs {
     #[arg(long, value_name = "DIRECTION", default_value = "forward")]
     pub direction: DirectionName,
     /// Exposure time, first light to last: seconds or a fraction such as 1/200.
-    #[arg(long, value_name = "S", value_parser = exposure_time, allow_hyphen_values = true)]
-    pub exposure: f64,
+    #[arg(long, value_name = "S", required = true, value_parser = exposure_time, allow_hyphen_values = true)]
+    pub exposure: Option<f64>,
     /// Offset of the principal point from its calibrated place when the shutter opens, along the
     /// FMC axis, mm; overrides the planned run-up.
     #[arg(long, value_name = "MM", value_parser = finite, allow_negative_numbers = true)]
@@ -265,10 +284,21 @@ pub struct ExposureArgs {
 
 /// Arguments of `correct` and `distort`.
 #[derive(Debug, Args)]
+#[command(
+    mut_arg("exposure", optional_with_frames),
+    mut_group("vh_or_speed", optional_group),
+    mut_arg("vh", vh_optional_with_frames)
+)]
 pub struct PointsArgs {
     /// The exposure.
     #[command(flatten)]
     pub exposure: ExposureArgs,
+    /// The frames of a flight in place of one exposure.
+    #[command(flatten)]
+    pub frames: FramesArgs,
+    /// Answers for points of many frames.
+    #[command(flatten)]
+    pub answers: FrameAnswerArgs,
     /// Device on which the camera runs.
     #[command(flatten)]
     pub device: DeviceArgs,
@@ -317,10 +347,18 @@ pub struct ReferenceArgs {
 
 /// Arguments of `frame`.
 #[derive(Debug, Args)]
+#[command(
+    mut_arg("exposure", optional_with_frames),
+    mut_group("vh_or_speed", optional_group),
+    mut_arg("vh", vh_optional_with_frames)
+)]
 pub struct FrameArgs {
     /// The exposure.
     #[command(flatten)]
     pub exposure: ExposureArgs,
+    /// The frames of a flight in place of one exposure.
+    #[command(flatten)]
+    pub frames: FramesArgs,
     /// Device on which the camera runs.
     #[command(flatten)]
     pub device: DeviceArgs,

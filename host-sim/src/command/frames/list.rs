@@ -1,0 +1,1 @@
+//! `frame` for the frames of a flight.

@@ -1,0 +1,1 @@
+//! `mesh` for the frames of a flight.
