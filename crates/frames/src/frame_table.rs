@@ -14,7 +14,7 @@ use fmc_camera::geometry::principal_point::PrincipalPointMotion;
 use fmc_camera_file::InputError;
 
 use crate::frame::correction;
-use crate::{Frame, ImageMap, Outcome};
+use crate::{Frame, Outcome};
 
 /// What image coordinates need of a frame: [`FrameRow::BYTES`] in memory, so that a flight of a
 /// million exposures fits.
@@ -122,30 +122,23 @@ pub struct FrameTable {
 }
 
 impl FrameTable {
-    /// Collects frames, as `read` hands them to the closure it is given. Images are those of the
-    /// frames, or of `images`, if they are asked for.
+    /// Collects frames, as `read` hands them to the closure it is given.
     ///
     /// # Errors
     /// Those of `read`, and [`InputError`] for an image that is that of two frames.
     pub fn collect(
-        images: Images<'_>,
         read: impl FnOnce(&mut dyn FnMut(Frame) -> Result<(), InputError>) -> Result<(), InputError>,
     ) -> Result<Self, InputError> {
         let mut table = Self::default();
-        read(&mut |frame| table.push(frame, images))?;
+        read(&mut |frame| table.push(frame))?;
         table.rows.sort_unstable_by_key(|row| row.sequence);
         table.rows.shrink_to_fit();
         Ok(table)
     }
 
-    fn push(&mut self, frame: Frame, images: Images<'_>) -> Result<(), InputError> {
+    fn push(&mut self, mut frame: Frame) -> Result<(), InputError> {
         let sequence = frame.sequence;
-        let image = match images {
-            Images::None => None,
-            Images::OfFrames => frame.image.clone(),
-            Images::Map(map) => map.image(sequence).map(str::to_owned),
-        };
-        if let Some(image) = image
+        if let Some(image) = frame.image.take()
             && let Some(other) = self.images.insert(image.clone().into(), sequence)
         {
             return Err(InputError::invalid(format!(
@@ -243,15 +236,4 @@ impl FrameTable {
             RowOutcome::Refused(place) => self.reasons.get(usize::from(place)).map(String::as_str),
         }
     }
-}
-
-/// Where the names of images come from.
-#[derive(Debug, Clone, Copy)]
-pub enum Images<'a> {
-    /// Frames are not looked for by images.
-    None,
-    /// From the frames themselves.
-    OfFrames,
-    /// From a map of sequence numbers.
-    Map(&'a ImageMap),
 }

@@ -25,5 +25,5 @@ pub mod table;
 
 pub use frame::{Exposed, Frame, Outcome};
 pub use frame_camera::FrameCamera;
-pub use frame_table::{FrameRow, FrameTable, Images};
+pub use frame_table::{FrameRow, FrameTable};
 pub use image_map::ImageMap;

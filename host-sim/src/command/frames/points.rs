@@ -129,15 +129,5 @@ fn format(args: &PointsArgs) -> Result<PointFormat, Failure> {
 /// Refuses to replace an input by the answers.
 fn check_out(args: &PointsArgs, out: Option<&Path>) -> Result<(), Failure> {
     output::check_not_the_input(out, &args.exposure.camera)?;
-    let inputs = [
-        &args.frames.records,
-        &args.frames.frames,
-        &args.frames.images,
-    ];
-    if let Some(out) = out {
-        for input in inputs.into_iter().flatten() {
-            output::check_not_an_input(out, input)?;
-        }
-    }
-    Ok(())
+    args.frames.check_out(out)
 }
