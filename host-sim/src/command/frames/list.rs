@@ -1,6 +1,5 @@
 //! `frame` for the frames of a flight: a row each.
 
-
 use csv::Writer;
 use fmc_camera::flight::exposure::CorrectionModel;
 use fmc_camera::flight::time::Time;

@@ -1,0 +1,8 @@
+//! Points, interior orientations and meshes of many frames.
+
+mod arrays;
+mod flight;
+mod orientations;
+mod points;
+mod refused;
+mod shifted;
