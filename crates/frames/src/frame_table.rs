@@ -187,7 +187,7 @@ impl FrameTable {
     fn reason(&mut self, reason: String) -> u16 {
         let place = self.reasons.iter().position(|one| *one == reason);
         let place = place.unwrap_or_else(|| {
-            if self.reasons.len() <= usize::from(u16::MAX) {
+            if u16::try_from(self.reasons.len()).is_ok() {
                 self.reasons.push(reason);
             }
             self.reasons.len() - 1

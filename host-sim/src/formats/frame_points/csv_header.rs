@@ -34,21 +34,21 @@ impl CsvHeader {
             }
         }
         let all = || names.iter().map(String::as_str);
-        let (frame, coordinates) = coordinates(all())?;
+        let (frame, coordinates) = coordinates(&all())?;
         let (key, key_place) = KeyColumn::find(all(), finder.has_images())?;
         Ok(Self {
+            names,
             key,
             key_place,
             coordinates,
             frame,
-            names,
         })
     }
 }
 
 /// Returns the frame of the coordinates, and the places of their columns.
 pub(super) fn coordinates<'a>(
-    names: impl Iterator<Item = &'a str> + Clone,
+    names: &(impl Iterator<Item = &'a str> + Clone),
 ) -> Result<(CoordinateFrame, [usize; 2]), String> {
     let mut found = None;
     for frame in CoordinateFrame::ALL {

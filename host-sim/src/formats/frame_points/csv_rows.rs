@@ -171,12 +171,11 @@ impl CsvAnswers {
         let added = numbers.map(|(place, name)| (name, OutCell::Number(place)));
         for (name, cell) in added.chain(out.flag.then_some((FLAG, OutCell::Flag))) {
             let place = names.iter().position(|one| one == name);
-            match place.and_then(|place| cells.get_mut(place)) {
-                Some(there) => *there = cell,
-                None => {
-                    names.push(name.to_owned());
-                    cells.push(cell);
-                }
+            if let Some(there) = place.and_then(|place| cells.get_mut(place)) {
+                *there = cell;
+            } else {
+                names.push(name.to_owned());
+                cells.push(cell);
             }
         }
         Self {

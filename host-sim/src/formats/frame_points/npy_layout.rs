@@ -84,7 +84,7 @@ impl NpyLayout {
         let fields = npy_header::fields(description)
             .ok_or_else(|| format!("is of type {}", npy_header::shown(description)))?;
         let names = || fields.iter().map(|field| field.name.as_str());
-        let (frame, [first, second]) = coordinates(names())?;
+        let (frame, [first, second]) = coordinates(&names())?;
         let (key, key_place) = KeyColumn::find(names(), has_images)?;
         let [Some(first), Some(second), Some(key_field)] =
             [first, second, key_place].map(|place| fields.get(place))
@@ -167,7 +167,7 @@ impl NpyLayout {
                     ))
                 };
             }
-            description.push_str(&format!(", ('{name}', '{type_name}')"));
+            description.extend([", ('", name, "', '", type_name, "')"]);
             layout.row_bytes += length;
             Ok(layout.row_bytes - length)
         };

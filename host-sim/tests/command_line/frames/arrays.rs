@@ -1,5 +1,6 @@
 //! Points of many frames as arrays of NumPy.
 
+use std::fmt::Write as _;
 use std::fs;
 
 use super::flight::{Flight, RECORDS, flight};
@@ -46,7 +47,7 @@ fn rows_have_the_bytes_of_single_calls() {
     let (mut rows, mut expected) = (Vec::new(), Vec::new());
     for sequence in 1_u16..=5 {
         let shift = f32::from(sequence) - 2.0;
-        table.push_str(&format!("{sequence},0.1,1/200,{shift}\n"));
+        writeln!(table, "{sequence},0.1,1/200,{shift}").unwrap();
         let mut single = Vec::new();
         // More points than a block has, and fewer than the vectors take.
         let count = if sequence % 2 == 0 { 9_001 } else { 17 };
@@ -100,7 +101,7 @@ fn structured_rows_keep_their_fields_and_have_the_numbers_of_the_text() {
         rows.extend(b"ab\0");
         rows.extend(u16::from(sequence).to_le_bytes());
         rows.extend(x.to_le_bytes());
-        text.push_str(&format!("{sequence},{x},{y}\n"));
+        writeln!(text, "{sequence},{x},{y}").unwrap();
     }
     fs::write(flight.bench.path("points.csv"), text).unwrap();
     let csv = flight

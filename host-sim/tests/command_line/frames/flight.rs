@@ -1,5 +1,6 @@
 //! A flight of the test camera: its records as files, and the corrections that the camera computed.
 
+use std::fmt::Write as _;
 use std::fs::{self, File};
 
 use fmc_camera::flight::calibration_id::{CalibrationId, SerialNumber, Storage};
@@ -89,14 +90,11 @@ pub(super) fn flight() -> Flight {
     records::write_csv(&flown, csv).unwrap();
     let json = File::create(bench.path("records.json")).unwrap();
     records::write_json(Some(&file.name), &flown, json).unwrap();
-    let images: String = (1..=8)
-        .map(|sequence| format!("{sequence},\"IMG, {sequence:03}.tif\"\n"))
-        .collect();
-    fs::write(
-        bench.path("images.csv"),
-        format!("sequence,image\n{images}"),
-    )
-    .unwrap();
+    let mut images = String::from("sequence,image\n");
+    for sequence in 1..=8 {
+        writeln!(images, "{sequence},\"IMG, {sequence:03}.tif\"").unwrap();
+    }
+    fs::write(bench.path("images.csv"), images).unwrap();
     Flight {
         bench,
         corrections,
