@@ -1,5 +1,9 @@
 //! Answers to a block of points.
 
+use std::borrow::Cow;
+
+use fmc_frames::FrameTable;
+
 use crate::formats::points::Answer;
 
 /// What is wrong with a point.
@@ -20,6 +24,20 @@ impl Flag {
     #[must_use]
     pub const fn number(self) -> u8 {
         self as u8
+    }
+}
+
+/// Returns the text of a flag, for the point of a frame by its place; empty for an answer.
+pub(super) fn flag_text(flag: Flag, frame: u32, table: &FrameTable) -> Cow<'static, str> {
+    match flag {
+        Flag::None => "".into(),
+        Flag::OffSensor => "off sensor".into(),
+        Flag::NotConverged => "not converged".into(),
+        Flag::Refused => {
+            let row = table.rows().get(frame as usize);
+            let reason = row.and_then(|row| table.reason_of(row));
+            format!("refused: {}", reason.unwrap_or_default()).into()
+        }
     }
 }
 

@@ -1,5 +1,7 @@
 //! Blocks of consecutive points of a file, with the frame of each.
 
+use super::parquet_column::ParquetColumn;
+
 /// Number of points that are read, corrected and written together.
 pub(super) const POINTS: usize = 8192;
 
@@ -20,6 +22,8 @@ pub struct FrameBlock {
     pub(super) cell_ends: Vec<usize>,
     /// Line of each row of CSV.
     pub(super) lines: Vec<u64>,
+    /// Columns of Parquet.
+    pub(super) columns: Vec<ParquetColumn>,
 }
 
 impl FrameBlock {
@@ -31,6 +35,7 @@ impl FrameBlock {
         self.rows.clear();
         self.cell_ends.clear();
         self.lines.clear();
+        self.columns.clear();
     }
 
     /// Place of a point in the file, for messages.

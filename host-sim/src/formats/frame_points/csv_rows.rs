@@ -7,7 +7,7 @@ use fmc_camera_file::CameraFile;
 use fmc_camera_file::number::clipped;
 use fmc_frames::FrameTable;
 
-use super::answers::{FLAG, Flag, FrameAnswers, OutColumns};
+use super::answers::{FLAG, Flag, FrameAnswers, OutColumns, flag_text};
 use super::block::{self, FrameBlock};
 use super::csv_header::CsvHeader;
 use super::frame_key::FrameFinder;
@@ -233,16 +233,9 @@ impl RowWriter for CsvAnswers {
                     OutCell::Kept(column) => {
                         push_cell(text, kept(block, index * self.columns + column));
                     }
-                    OutCell::Flag => match (flag, table.rows().get(*frame as usize)) {
-                        (Flag::None, _) => {}
-                        (Flag::OffSensor, _) => text.extend_from_slice(b"off sensor"),
-                        (Flag::NotConverged, _) => text.extend_from_slice(b"not converged"),
-                        (Flag::Refused, row) => {
-                            let reason = row.and_then(|row| table.reason_of(row));
-                            let reason = format!("refused: {}", reason.unwrap_or_default());
-                            push_cell(text, reason.as_bytes());
-                        }
-                    },
+                    OutCell::Flag => {
+                        push_cell(text, flag_text(*flag, *frame, table).as_bytes());
+                    }
                     // A point without an answer has no numbers.
                     _ if *flag != Flag::None => {}
                     OutCell::Coordinate(which) => {

@@ -7,6 +7,10 @@ mod csv_rows;
 mod frame_key;
 mod npy_layout;
 mod npy_rows;
+mod parquet_answers;
+mod parquet_column;
+mod parquet_rows;
+mod parquet_schema;
 mod read_ahead;
 mod source;
 

@@ -13,6 +13,8 @@ use super::block::FrameBlock;
 use super::csv_rows::{CsvAnswers, CsvRows};
 use super::frame_key::FrameFinder;
 use super::npy_rows::{NpyAnswers, NpyRows};
+use super::parquet_answers::ParquetAnswers;
+use super::parquet_rows::{self, ParquetRows};
 use super::read_ahead::FrameBlocks;
 use crate::failure::Failure;
 use crate::formats::points::{CoordinateFrame, PointFormat};
@@ -89,6 +91,9 @@ impl FrameSource {
         finder: FrameFinder,
         out: OutColumns,
     ) -> Result<Self, Failure> {
+        if format == PointFormat::Parquet {
+            return Self::parquet(path, camera, finder, out);
+        }
         let (file, bytes, stream): (_, _, Box<dyn Read + Send>) = if path == Path::new("-") {
             ("standard input".to_owned(), None, Box::new(io::stdin()))
         } else {
@@ -104,7 +109,8 @@ impl FrameSource {
                 let frame = rows.header().frame;
                 (Box::new(rows), Box::new(writer), frame)
             }
-            PointFormat::Npy => {
+            // Opened above.
+            PointFormat::Npy | PointFormat::Parquet => {
                 let rows = NpyRows::new(&file, stream, finder)?;
                 if out.skip {
                     return Err(Failure::bad_input(format!(
@@ -124,6 +130,33 @@ impl FrameSource {
             blocks: FrameBlocks::of(reader, camera),
             writer,
             file,
+        })
+    }
+
+    /// Opens a Parquet file, whose description is at its end.
+    fn parquet(
+        path: &Path,
+        camera: &CameraFile,
+        finder: FrameFinder,
+        out: OutColumns,
+    ) -> Result<Self, Failure> {
+        if path == Path::new("-") {
+            return Err(Failure::bad_input(
+                "a file of Parquet cannot be read from standard input: its description is at its end",
+            ));
+        }
+        let name = path.display().to_string();
+        let file = File::open(path).map_err(|error| Failure::reading(path, &error))?;
+        let bytes = file.metadata().ok().map(|metadata| metadata.len());
+        let rows = ParquetRows::new(&name, file, finder)?;
+        let writer = ParquetAnswers::new(rows.schema(), out)
+            .map_err(|error| parquet_rows::failure(&name, &error))?;
+        Ok(Self {
+            frame: rows.schema().frame,
+            bytes,
+            blocks: FrameBlocks::of(Box::new(rows), camera),
+            writer: Box::new(writer),
+            file: name,
         })
     }
 }

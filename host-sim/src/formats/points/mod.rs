@@ -27,6 +27,8 @@ pub enum PointFormat {
     Csv,
     /// Array of NumPy: a row for each point, C order, f4 or f8 little-endian, millimetres.
     Npy,
+    /// Parquet, uncompressed or with Snappy: for points of many frames.
+    Parquet,
 }
 
 impl PointFormat {
@@ -44,6 +46,7 @@ impl PointFormat {
         match self {
             Self::Csv => "csv",
             Self::Npy => "npy",
+            Self::Parquet => "parquet",
         }
     }
 }
