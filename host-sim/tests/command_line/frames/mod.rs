@@ -3,6 +3,7 @@
 mod arrays;
 mod flight;
 mod orientations;
+mod parquet;
 mod points;
 mod refused;
 mod shifted;
