@@ -237,3 +237,77 @@ impl FrameTable {
         }
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn frame(sequence: u32, image: Option<&str>) -> Frame {
+        Frame {
+            sequence,
+            image: image.map(str::to_owned),
+            trigger: None,
+            outcome: Outcome::Refused(
+                if sequence.is_multiple_of(2) {
+                    "stall"
+                } else {
+                    "overlap"
+                }
+                .to_owned(),
+            ),
+            faults: String::new(),
+            flags: String::new(),
+            calibration_crc: None,
+        }
+    }
+
+    #[test]
+    fn frames_are_found_in_flights_with_and_without_gaps() {
+        let mut sequences: Vec<u32> = (1000..1100).chain([5, 2000, u32::MAX]).collect();
+        for _ in 0..2 {
+            let table = FrameTable::collect(|each| {
+                sequences.iter().try_for_each(|sequence| {
+                    let image = format!("image {sequence}");
+                    each(frame(*sequence, Some(&image)))
+                })
+            });
+            let table = table.unwrap();
+            assert_eq!(table.rows().len(), sequences.len());
+            for sequence in &sequences {
+                let row = &table.rows()[table.find(*sequence).unwrap()];
+                assert_eq!(row.sequence, *sequence);
+                assert_eq!(
+                    table.find_image(&format!("image {sequence}")),
+                    table.find(*sequence)
+                );
+                let reason = if sequence.is_multiple_of(2) {
+                    "stall"
+                } else {
+                    "overlap"
+                };
+                assert_eq!(table.reason_of(row), Some(reason));
+            }
+            for missing in [0, 4, 6, 999, 1100, 1999, u32::MAX - 1] {
+                assert_eq!(table.find(missing), None);
+            }
+            sequences.reverse();
+        }
+    }
+
+    #[test]
+    fn image_of_two_frames_is_refused() {
+        let error = FrameTable::collect(|each| {
+            each(frame(1, Some("a")))?;
+            each(frame(2, None))?;
+            each(frame(3, Some("a")))
+        });
+        let error = error.unwrap_err().to_string();
+        assert_eq!(error, "image a is that of the frames 1 and 3");
+    }
+
+    /// `docs/formats.md` quotes the size.
+    #[test]
+    fn row_of_a_million_exposures_is_small() {
+        assert_eq!(FrameRow::BYTES, 72);
+    }
+}

@@ -12,6 +12,7 @@
 
 #![forbid(unsafe_code)]
 
+mod calibration_covariance;
 mod check;
 mod columns;
 mod frame;
@@ -23,6 +24,7 @@ pub mod row;
 mod sequences;
 pub mod table;
 
+pub use calibration_covariance::CalibrationCovariance;
 pub use frame::{Exposed, Frame, Outcome};
 pub use frame_camera::FrameCamera;
 pub use frame_table::{FrameRow, FrameTable};

@@ -9,7 +9,11 @@ use clap::{Arg, ArgGroup, Args, ValueEnum};
 #[group(skip)]
 #[command(
     next_help_heading = "Frames of a flight",
-    group = ArgGroup::new("frame_source").args(["records", "frames"])
+    group = ArgGroup::new("frame_source").args(["records", "frames"]),
+    group = ArgGroup::new("frames_or_vh")
+        .args(["vh", "ground_speed", "records", "frames"])
+        .multiple(true)
+        .required(true)
 )]
 pub struct FramesArgs {
     /// Frames of the records of a flight, records.csv or records.json. The records say everything
@@ -61,6 +65,11 @@ pub struct FrameAnswerArgs {
         requires = "frame_source"
     )]
     pub answer: AnswerName,
+    /// σ and correlations of the calibration, for σ of the coordinates: JSON with `parameters`,
+    /// `sigma` and `correlations`, as `import` writes it, in the symbols and units of the camera
+    /// file (x0, y0, k0 to k3, p1, p2, b1, b2).
+    #[arg(long, value_name = "FILE", requires = "frame_source")]
+    pub uncertainty: Option<PathBuf>,
     /// What happens to a point that has no answer: off the sensor, or of a refused trigger.
     #[arg(
         long,
@@ -99,11 +108,6 @@ pub enum OffSensorName {
 pub(super) fn optional_with_frames(arg: Arg) -> Arg {
     arg.required(false)
         .required_unless_present_any(["records", "frames"])
-}
-
-/// Makes V/H an option that frames stand for.
-pub(super) fn vh_optional_with_frames(arg: Arg) -> Arg {
-    arg.required_unless_present_any(["ground_speed", "records", "frames"])
 }
 
 /// Makes a group one that frames stand for.

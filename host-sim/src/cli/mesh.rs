@@ -4,15 +4,14 @@ use std::path::PathBuf;
 
 use clap::{Args, ValueEnum};
 
-use super::frames::{optional_group, optional_with_frames, vh_optional_with_frames};
+use super::frames::{optional_group, optional_with_frames};
 use super::{DeviceArgs, ExposureArgs, FramesArgs};
 
 /// Arguments of `mesh`.
 #[derive(Debug, Args)]
 #[command(
     mut_arg("exposure", optional_with_frames),
-    mut_group("vh_or_speed", optional_group),
-    mut_arg("vh", vh_optional_with_frames)
+    mut_group("vh_or_speed", optional_group)
 )]
 pub struct MeshArgs {
     /// The exposure.

@@ -27,7 +27,7 @@ pub use vh::{VhArgument, VhOption};
 
 use fmc_camera_file::number::finite;
 
-use self::frames::{optional_group, optional_with_frames, vh_optional_with_frames};
+use self::frames::{optional_group, optional_with_frames};
 use self::number::exposure_time;
 use crate::device::DeviceName;
 use crate::formats::points::PointFormat;
@@ -286,8 +286,7 @@ pub struct ExposureArgs {
 #[derive(Debug, Args)]
 #[command(
     mut_arg("exposure", optional_with_frames),
-    mut_group("vh_or_speed", optional_group),
-    mut_arg("vh", vh_optional_with_frames)
+    mut_group("vh_or_speed", optional_group)
 )]
 pub struct PointsArgs {
     /// The exposure.
@@ -312,7 +311,8 @@ pub struct PointsArgs {
 pub struct PointFiles {
     /// CSV with a header, columns in any order: `id,x_mm,y_mm` (sensor frame) or
     /// `id,col_px,row_px`. Or an array of NumPy (.npy), N rows of `x_mm`, `y_mm`, answered by N
-    /// rows of `x_mm`, `y_mm`, `dx_um`, `dy_um`. `-` reads standard input.
+    /// rows of `x_mm`, `y_mm`, `dx_um`, `dy_um`. `-` reads standard input. Points of many frames
+    /// have a column `sequence`, `frame` or `image`, and may be Parquet (docs/formats.md).
     #[arg(value_name = "POINTS.csv")]
     pub points: PathBuf,
     /// Answer file; it appears only when it is complete. Without it standard output, where the
@@ -320,7 +320,7 @@ pub struct PointFiles {
     /// reports the failure.
     #[arg(long, value_name = "FILE")]
     pub out: Option<PathBuf>,
-    /// Format of points and answers whose file name does not end in `.csv` or `.npy`; without it
+    /// Format of points and answers whose file name has no extension of a format; without it
     /// CSV for the points, and for the answers the format of the points.
     #[arg(long, value_name = "FORMAT")]
     pub format: Option<PointFormat>,
@@ -349,8 +349,7 @@ pub struct ReferenceArgs {
 #[derive(Debug, Args)]
 #[command(
     mut_arg("exposure", optional_with_frames),
-    mut_group("vh_or_speed", optional_group),
-    mut_arg("vh", vh_optional_with_frames)
+    mut_group("vh_or_speed", optional_group)
 )]
 pub struct FrameArgs {
     /// The exposure.

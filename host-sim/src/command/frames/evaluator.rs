@@ -6,10 +6,11 @@ use fmc_camera::geometry::frame_correction::Corrected;
 use fmc_camera::geometry::inverse::DistortError;
 use fmc_camera::geometry::sensor::SensorPoint;
 use fmc_camera_file::number::single;
+use fmc_frames::CalibrationCovariance;
 
 use super::Flight;
 use super::active_frame::ActiveFrame;
-use super::coordinate_sigma::by_principal_point;
+use super::coordinate_sigma::{by_calibration, by_principal_point};
 use crate::cli::AnswerName;
 use crate::command::points::Direction;
 use crate::device::PointBatch;
@@ -29,6 +30,7 @@ pub(super) struct Evaluator<'a> {
     direction: Direction,
     answer: AnswerName,
     sigma: bool,
+    covariance: Option<&'a CalibrationCovariance>,
     half_format_mm: [f64; 2],
     /// Corrections with the places of their frames.
     kept: Vec<Option<(u32, ActiveFrame)>>,
@@ -48,12 +50,14 @@ impl<'a> Evaluator<'a> {
         direction: Direction,
         answer: AnswerName,
         sigma: bool,
+        covariance: Option<&'a CalibrationCovariance>,
     ) -> Self {
         Self {
             flight,
             direction,
             answer,
             sigma,
+            covariance,
             half_format_mm: half_format_mm(&flight.file),
             kept: vec![None; KEPT],
             points: Vec::new(),
@@ -130,20 +134,39 @@ impl<'a> Evaluator<'a> {
             Direction::Distort => self.distort(frame, given, answers),
         }
         if self.sigma {
-            let sigma_mm = frame.sigma_mm.unwrap_or(f64::NAN);
             let measured = match self.direction {
                 Direction::Correct => None,
                 Direction::Distort => answers.answers.get(start..),
             };
+            let places = given.iter().enumerate().map(|(index, given)| {
+                let answer = measured.and_then(|answers| answers.get(index));
+                sensor_point(answer.map_or(*given, |answer| answer.point_mm))
+            });
             answers
                 .sigma_mm
-                .extend(given.iter().enumerate().map(|(index, given)| {
-                    let answer = measured.and_then(|answers| answers.get(index));
-                    let measured = answer.map_or(*given, |answer| answer.point_mm);
-                    let jacobian = frame.correction.jacobian(sensor_point(measured));
-                    by_principal_point(frame, jacobian, self.direction, self.answer)
-                        .map(|change| change.abs() * sigma_mm)
-                }));
+                .extend(places.map(|measured| self.sigma_mm(frame, measured)));
+        }
+    }
+
+    /// Returns σ of an answer, mm.
+    fn sigma_mm(&self, frame: &ActiveFrame, measured: SensorPoint) -> [f64; 2] {
+        let jacobian = frame.correction.jacobian(measured);
+        let change = by_principal_point(frame, jacobian, self.direction, self.answer);
+        let sigma_mm = match (frame.sigma_mm, self.covariance) {
+            (Some(sigma_mm), _) => sigma_mm,
+            // σ of the calibration alone.
+            (None, Some(_)) => 0.0,
+            (None, None) => f64::NAN,
+        };
+        let own = change.map(|change| change.abs() * sigma_mm);
+        match self.covariance {
+            None => own,
+            Some(covariance) => {
+                let [x, y] = own;
+                let [var_x, var_y] =
+                    by_calibration(covariance, frame, measured, self.direction, self.answer);
+                [x.hypot(var_x.sqrt()), y.hypot(var_y.sqrt())]
+            }
         }
     }
 

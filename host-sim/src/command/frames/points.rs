@@ -2,6 +2,9 @@
 
 use std::path::Path;
 
+use fmc_camera_file::Sign;
+use fmc_frames::CalibrationCovariance;
+
 use super::Flight;
 use super::evaluator::Evaluator;
 use crate::cli::{OffSensorName, PointsArgs};
@@ -18,7 +21,14 @@ pub(in crate::command) fn run(args: &PointsArgs, direction: Direction) -> Result
     let out = args.files.out.as_deref();
     check_out(args, out)?;
     let flight = Flight::read(&args.exposure, &args.frames, &args.device)?;
-    let has_sigma = flight.table.rows().iter().any(|row| row.sigma().is_some());
+    let covariance = args.answers.uncertainty.as_deref();
+    let covariance = covariance.map(CalibrationCovariance::read).transpose()?;
+    let covariance = covariance.map(|covariance| match flight.file.distortion.sign {
+        Sign::Distortion => covariance,
+        Sign::Correction => covariance.of_corrections(),
+    });
+    let has_sigma =
+        covariance.is_some() || flight.table.rows().iter().any(|row| row.sigma().is_some());
     let columns = OutColumns {
         sigma: has_sigma,
         flag: args.answers.off_sensor == OffSensorName::Flag,
@@ -34,7 +44,13 @@ pub(in crate::command) fn run(args: &PointsArgs, direction: Direction) -> Result
         mut blocks,
         mut writer,
     } = source;
-    let mut evaluator = Evaluator::new(&flight, direction, args.answers.answer, has_sigma);
+    let mut evaluator = Evaluator::new(
+        &flight,
+        direction,
+        args.answers.answer,
+        has_sigma,
+        covariance.as_ref(),
+    );
     let mut next = blocks.next_block()?;
     let bar = progress(bytes, out.is_some());
     let written = output::stream(out, |sink| {

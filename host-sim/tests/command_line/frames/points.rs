@@ -33,10 +33,10 @@ fn text(points: &[(usize, f32, f32)]) -> String {
 fn run(flight: &Flight, command: &str, more: &[&str], points: &str) -> (String, Vec<Vec<String>>) {
     fs::write(flight.bench.path("points.csv"), points).unwrap();
     let arguments = [&[command][..], &RECORDS, more, &["points.csv"]].concat();
-    rows(&flight.bench.run(&arguments).ok().stdout)
+    rows_of(&flight.bench.run(&arguments).ok().stdout)
 }
 
-fn rows(text: &str) -> (String, Vec<Vec<String>>) {
+fn rows_of(text: &str) -> (String, Vec<Vec<String>>) {
     let header = text.lines().next().unwrap().to_owned();
     let mut reader = csv::Reader::from_reader(text.as_bytes());
     let rows = reader.records();
@@ -90,14 +90,14 @@ fn csv_and_json_records_and_images_give_the_same_answers() {
     };
     let csv = answer(&["--records", "records.csv"]);
     assert_eq!(answer(&["--records", "records.json"]), csv);
-    let (_, numbered) = rows(&csv);
+    let (_, numbered) = rows_of(&csv);
     for image_column in ["image", "frame"] {
         let mut named = format!("{image_column},x_mm,y_mm\n");
         for (frame, x, y) in &points {
             writeln!(named, "\"IMG, {frame:03}.tif\",{x},{y}").unwrap();
         }
         fs::write(flight.bench.path("points.csv"), named).unwrap();
-        let (_, rows) = rows(&answer(&[
+        let (_, rows) = rows_of(&answer(&[
             "--records",
             "records.json",
             "--images",
@@ -119,7 +119,7 @@ fn table_of_exposures_has_the_answers_of_single_calls() {
     fs::write(bench.path("points.csv"), points).unwrap();
     let camera = ["--camera", "camera.toml", "--frames", "frames.csv"];
     let all = bench.run(&[&["correct"], &camera[..], &["points.csv"]].concat());
-    let (header, all) = rows(&all.ok().stdout);
+    let (header, all) = rows_of(&all.ok().stdout);
     assert_eq!(header, "id,frame,x_mm,y_mm,dx_um,dy_um");
     let singles: [(&[&str], &[usize]); 3] = [
         (&EXPOSURE, &[1]),
@@ -149,7 +149,7 @@ fn table_of_exposures_has_the_answers_of_single_calls() {
     ];
     for (exposure, places) in singles {
         let single = bench.run(&[&["correct"], exposure, &["points.csv"]].concat());
-        let (_, single) = rows(&single.ok().stdout);
+        let (_, single) = rows_of(&single.ok().stdout);
         for place in places {
             assert_eq!(all[*place][2..], single[*place][1..]);
         }
@@ -158,7 +158,7 @@ fn table_of_exposures_has_the_answers_of_single_calls() {
     fs::write(bench.path("frames.csv"), "frame\nx\n7\n8\n").unwrap();
     let camera = ["--frames", "frames.csv", "points.csv"];
     let given = bench.run(&[&["correct"], &EXPOSURE[..], &camera].concat());
-    assert_eq!(rows(&given.ok().stdout).1[1], all[1]);
+    assert_eq!(rows_of(&given.ok().stdout).1[1], all[1]);
 }
 
 #[test]
@@ -182,7 +182,7 @@ fn distort_takes_back_what_correct_answers() {
             there.lines().next().unwrap(),
             "columns are replaced"
         );
-        let (_, there) = rows(&there);
+        let (_, there) = rows_of(&there);
         for ((row, there), (_, x, y)) in back.iter().zip(&there).zip(&points) {
             assert!(
                 (number(&row[3]) - f64::from(*x)).abs() < 1.2e-5,
@@ -258,6 +258,63 @@ fn sigma_is_the_change_of_the_answer_with_the_principal_point() {
         assert!((number(&row[7]) - SIGMA_UM * expected[0]).abs() < 2e-6);
         assert!((number(&row[8]) - SIGMA_UM * expected[1]).abs() < 2e-6);
     }
+}
+
+#[test]
+fn sigma_of_the_calibration_is_in_that_of_the_coordinates() {
+    let flight = flight();
+    let points = scattered(100);
+    let stated = r#"{"parameters": ["c", "K1"], "sigma": [0.01, 1e-8], "correlations": null}"#;
+    fs::write(flight.bench.path("sigma.json"), stated).unwrap();
+    let more = ["--uncertainty", "sigma.json"];
+    let (_, rows) = run(&flight, "correct", &more, &text(&points));
+    for (row, (frame, x, y)) in rows.iter().zip(&points) {
+        let correction = &flight.corrections[frame - 1];
+        let centre = correction.centre();
+        let [cx, cy] = [x - centre.x_mm, y - centre.y_mm].map(f64::from);
+        let jacobian = correction.jacobian(SensorPoint::new(*x, *y));
+        for (cell, by_centre, along) in [(7, jacobian.dx_by_y, cx), (8, jacobian.dy_by_y, cy)] {
+            // D = K1·X·R², in µm.
+            let by_k1 = 1e-5 * along * (cx * cx + cy * cy);
+            let expected = by_k1.hypot(SIGMA_UM * f64::from(by_centre));
+            assert!(
+                (number(&row[cell]) - expected).abs() < 1e-6,
+                "{row:?} {expected}"
+            );
+        }
+    }
+    // Frames without σ of their own have that of the calibration.
+    fs::write(
+        flight.bench.path("frames.csv"),
+        "frame,vh,exposure\n1,0.1,1/200\n",
+    )
+    .unwrap();
+    fs::write(
+        flight.bench.path("points.csv"),
+        "frame,x_mm,y_mm\n1,0.02,19.99\n",
+    )
+    .unwrap();
+    let table = [
+        "correct",
+        "--camera",
+        "camera.toml",
+        "--frames",
+        "frames.csv",
+    ];
+    let answer = flight
+        .bench
+        .run(&[&table[..], &more, &["points.csv"]].concat());
+    let (header, rows) = rows_of(&answer.ok().stdout);
+    assert!(header.ends_with("dy_um,sigma_x_um,sigma_y_um"));
+    assert!(
+        (number(&rows[0][6]) - 1e-5 * 8000.0).abs() < 1e-4,
+        "{rows:?}"
+    );
+    fs::write(flight.bench.path("sigma.json"), stated.replace("K1", "cx")).unwrap();
+    let answer = flight
+        .bench
+        .run(&[&table[..], &more, &["points.csv"]].concat());
+    answer.refused(&["sigma.json: parameter cx is not one of"]);
 }
 
 #[test]
