@@ -66,3 +66,39 @@ pub(crate) fn names(file: &str, header: &StringRecord) -> Result<Vec<String>, In
 pub(crate) fn shown(text: &str) -> String {
     clipped(text).escape_debug().to_string()
 }
+
+/// Checks that a row has as many cells as the header; the reader's own error of it has the line of
+/// the reader.
+///
+/// # Errors
+/// [`InputError`] naming the line.
+pub(crate) fn check_length(
+    file: &str,
+    line: u64,
+    row: &StringRecord,
+    names: &[String],
+) -> Result<(), InputError> {
+    if row.len() == names.len() {
+        return Ok(());
+    }
+    Err(InputError::invalid(format!(
+        "{file}, line {line}: {} columns where the header has {}",
+        row.len(),
+        names.len()
+    )))
+}
+
+/// Lines of the rows of a table.
+#[derive(Debug, Default)]
+pub(crate) struct Lines {
+    behind: Option<u64>,
+}
+
+impl Lines {
+    /// Returns the line of a row.
+    pub(crate) fn of(&mut self, row: &StringRecord) -> u64 {
+        let line = row.position().map_or(0, csv::Position::line);
+        // The reader counts a line of \r\n when it comes to the next: its first row is in line 1.
+        line + *self.behind.get_or_insert(u64::from(line == 1))
+    }
+}

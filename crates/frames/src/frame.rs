@@ -8,6 +8,7 @@ use fmc_camera::flight::utc::UtcTime;
 use fmc_camera::geometry::calibration::Calibration;
 use fmc_camera::geometry::frame_correction::FrameCorrection;
 use fmc_camera::geometry::principal_distance::{FocusShift, FocusSign};
+use fmc_camera::geometry::principal_point::PrincipalPointMotion;
 
 /// A trigger of the camera.
 #[derive(Debug, Clone, PartialEq)]
@@ -78,15 +79,32 @@ impl Exposed {
     /// computed. A record holds both with all their digits, so the correction has the same bits.
     #[must_use]
     pub fn correction(&self, calibration: &Calibration) -> Option<FrameCorrection> {
-        let motion = &self.interior.motion;
-        match self.interior.model {
-            CorrectionModel::Exact => {
-                let focus = focus_shift(calibration, self.interior.focus_shift_mm, self.focus_sign);
-                Some(FrameCorrection::exact(calibration, motion, &focus))
-            }
-            CorrectionModel::Fitted => FrameCorrection::five_coefficient(calibration, motion),
-            CorrectionModel::Static => Some(FrameCorrection::without_motion(calibration)),
+        correction(
+            calibration,
+            &self.interior.motion,
+            self.interior.model,
+            self.interior.focus_shift_mm,
+            self.focus_sign,
+        )
+    }
+}
+
+/// Returns the correction of a motion and a focus shift, mm; `None` for the fitted model of a
+/// calibration without one.
+pub(crate) fn correction(
+    calibration: &Calibration,
+    motion: &PrincipalPointMotion,
+    model: CorrectionModel,
+    focus_shift_mm: f32,
+    sign: FocusSign,
+) -> Option<FrameCorrection> {
+    match model {
+        CorrectionModel::Exact => {
+            let focus = focus_shift(calibration, focus_shift_mm, sign);
+            Some(FrameCorrection::exact(calibration, motion, &focus))
         }
+        CorrectionModel::Fitted => FrameCorrection::five_coefficient(calibration, motion),
+        CorrectionModel::Static => Some(FrameCorrection::without_motion(calibration)),
     }
 }
 

@@ -12,16 +12,20 @@
 
 #![forbid(unsafe_code)]
 
+mod calibration_covariance;
 mod check;
 mod columns;
 mod frame;
 mod frame_camera;
+mod frame_table;
 mod image_map;
 pub mod records;
 pub mod row;
 mod sequences;
 pub mod table;
 
+pub use calibration_covariance::CalibrationCovariance;
 pub use frame::{Exposed, Frame, Outcome};
 pub use frame_camera::FrameCamera;
+pub use frame_table::{FrameRow, FrameTable};
 pub use image_map::ImageMap;

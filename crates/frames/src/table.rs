@@ -12,7 +12,7 @@ use fmc_camera_file::InputError;
 
 pub use self::exposure::GivenExposure;
 use self::heading::Heading;
-use crate::columns::{csv_error, names};
+use crate::columns::{Lines, check_length, csv_error, names};
 use crate::sequences::Sequences;
 use crate::{Frame, FrameCamera, Outcome};
 
@@ -60,20 +60,25 @@ pub fn read_from<E: From<InputError>>(
     given: &GivenExposure,
     mut each: impl FnMut(Frame) -> Result<(), E>,
 ) -> Result<(), E> {
-    let mut reader = ReaderBuilder::new().trim(Trim::All).from_reader(source);
+    let mut reader = ReaderBuilder::new()
+        .flexible(true)
+        .trim(Trim::All)
+        .from_reader(source);
     let mut row = StringRecord::new();
     let header = reader.headers();
     let header = header.map_err(|error| csv_error(file, &[], &row, &error))?;
     let names = names(file, header)?;
     let heading = Heading::find(file, &names)?;
     let mut sequences = Sequences::default();
-    let mut count = 0;
+    let (mut count, mut lines) = (0, Lines::default());
     while reader
         .read_record(&mut row)
         .map_err(|error| csv_error(file, &names, &StringRecord::new(), &error))?
     {
         count += 1;
-        let cells = heading.row(file, &row);
+        let line = lines.of(&row);
+        check_length(file, line, &row, &names)?;
+        let cells = heading.row(file, line, &row);
         let (sequence, image) = cells.name(count)?;
         if !sequences.insert(sequence) {
             return Err(cells

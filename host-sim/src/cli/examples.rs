@@ -9,7 +9,9 @@ pub(super) const CORRECT: &str = "\
 Examples:
   host-sim correct --camera my.toml --vh 0.1 --exposure 1/200 points.csv
   host-sim correct --camera my.toml --ground-speed 70 --height 700 \\
-      --exposure 1/200 --out ideal.npy measured.npy";
+      --exposure 1/200 --out ideal.npy measured.npy
+  host-sim correct --camera my.toml --records records.csv \\
+      --answer ideal-shifted points.csv --out ideal.csv";
 
 pub(super) const DISTORT: &str = "\
 Examples:
@@ -150,7 +152,7 @@ mod tests {
 
     use clap::{Command, CommandFactory, Parser};
 
-    use super::super::{ADVANCED, Cli};
+    use super::super::Cli;
 
     /// Returns every command that does something, under its whole name.
     fn commands() -> Vec<(Vec<String>, Command)> {
@@ -205,19 +207,20 @@ mod tests {
     #[test]
     fn three_options_come_first_unless_more_are_required() {
         for (path, command) in commands() {
-            let shown = |advanced: bool| {
+            let shown = |first: bool| {
                 let options = command.get_arguments().filter(move |option| {
                     !option.is_positional()
                         && !option.is_hide_set()
                         && !["help", "version"].contains(&option.get_id().as_str())
-                        && (option.get_help_heading() == Some(ADVANCED)) == advanced
+                        && option.get_help_heading().is_none() == first
                 });
                 options.collect::<Vec<_>>()
             };
-            // V/H is required, too, in one of two ways.
-            let is_required =
-                |option: &&clap::Arg| option.is_required_set() || option.get_id() == "vh";
-            let first = shown(false);
+            // V/H is required, too, in one of two ways; records may stand for it and the exposure.
+            let is_required = |option: &&clap::Arg| {
+                option.is_required_set() || ["vh", "exposure"].contains(&option.get_id().as_str())
+            };
+            let first = shown(true);
             assert!(
                 first.len() <= 3 || first.iter().all(is_required),
                 "{path:?}: {:?}",
@@ -226,7 +229,7 @@ mod tests {
                     .map(|option| option.get_id())
                     .collect::<BTreeSet<_>>()
             );
-            assert!(!shown(true).iter().any(is_required), "{path:?}");
+            assert!(!shown(false).iter().any(is_required), "{path:?}");
         }
     }
 }

@@ -4,10 +4,15 @@ use std::path::PathBuf;
 
 use clap::{Args, ValueEnum};
 
-use super::{ADVANCED, DeviceArgs, ExposureArgs};
+use super::frames::{FRAMES, optional_group, optional_with_frames};
+use super::{ADVANCED, DeviceArgs, ExposureArgs, FramesArgs};
 
 /// Arguments of `mesh`.
 #[derive(Debug, Args)]
+#[command(
+    mut_arg("exposure", optional_with_frames),
+    mut_group("vh_or_speed", optional_group)
+)]
 pub struct MeshArgs {
     /// The exposure.
     #[command(flatten)]
@@ -38,6 +43,13 @@ pub struct MeshArgs {
     /// exist.
     #[arg(long, value_name = "DIR")]
     pub out: PathBuf,
+    /// The frames of a flight in place of one exposure.
+    #[command(flatten)]
+    pub frames: FramesArgs,
+    /// Frame whose mesh is written, of those of --records or --frames; without it that of every
+    /// frame is, each in a folder of DIR with its number as name.
+    #[arg(long, value_name = "N", requires = "frame_source", help_heading = FRAMES)]
+    pub sequence: Option<u32>,
     /// Device on which the camera runs.
     #[command(flatten, next_help_heading = ADVANCED)]
     pub device: DeviceArgs,

@@ -7,9 +7,10 @@ use clap::{Args, Parser, Subcommand, ValueEnum};
 mod calibration;
 mod camera;
 mod camera_file;
-mod examples;
 mod certificate;
+mod examples;
 mod exchange;
+mod frames;
 mod mesh;
 mod mission;
 mod number;
@@ -20,10 +21,11 @@ mod vh;
 pub use calibration::{CalibrateArgs, CalibrationMethod, FiveArgs, RegressOn, StaticP2};
 pub use camera::{CameraAction, CameraArgs, ExposureTimeArgs, PrepareArgs, StatusArgs, VhArgs};
 pub use camera_file::{CameraFileAction, CameraFileArgs};
-pub use exchange::{ContainerName, ExportArgs, ImportArgs, SignName};
 pub use certificate::{
     CertificateAction, CertificateArgs, CertificateFolderArgs, MakeCertificateArgs,
 };
+pub use exchange::{ContainerName, ExportArgs, ImportArgs, SignName};
+pub use frames::{AnswerName, FrameAnswerArgs, FramesArgs, OffSensorName};
 pub use mesh::{ImagePart, MeshArgs, MeshFormatName};
 pub use mission::{MissionArgs, RecordsArgs};
 pub use simulation::{BudgetArgs, SmearArgs, StrategyName, StripArgs, SweepArgs};
@@ -32,6 +34,7 @@ pub use vh::{VhArgument, VhOption};
 
 use fmc_camera_file::number::finite;
 
+use self::frames::{optional_group, optional_with_frames};
 use self::number::exposure_time;
 use crate::device::DeviceName;
 use crate::formats::points::PointFormat;
@@ -64,15 +67,24 @@ pub enum Command {
     #[command(after_help = examples::VERIFY)]
     Verify(VerifyArgs),
     /// Remove distortion: measured points -> ideal points.
+    ///
+    /// Of one exposure, or with --records or --frames of all frames of a flight at once: POINTS
+    /// then have a column sequence, frame or image. Other columns stay as they are.
     #[command(after_help = examples::CORRECT)]
     Correct(PointsArgs),
     /// Apply distortion: ideal points -> measured points, the inverse of `correct`.
+    ///
+    /// With --records or --frames the points are those that `correct` answers with the same
+    /// --answer.
     #[command(after_help = examples::DISTORT)]
     Distort(PointsArgs),
     /// As `correct`, but by quadrature in double precision: the strict reference solver.
     #[command(after_help = examples::REFERENCE)]
     Reference(ReferenceArgs),
     /// Interior orientation of one frame, without points.
+    ///
+    /// With --records or --frames of all frames of a flight, a row of CSV each, or with --json a
+    /// line of JSON.
     #[command(after_help = examples::FRAME)]
     Frame(FrameArgs),
     /// Write the mesh with which a warp engine or a graphics processor corrects a frame.
@@ -266,8 +278,8 @@ pub struct ExposureArgs {
     #[arg(long, value_name = "DIRECTION", default_value = "forward", help_heading = ADVANCED)]
     pub direction: DirectionName,
     /// Exposure time, first light to last: seconds or a fraction such as 1/200.
-    #[arg(long, value_name = "S", value_parser = exposure_time, allow_hyphen_values = true)]
-    pub exposure: f64,
+    #[arg(long, value_name = "S", required = true, value_parser = exposure_time, allow_hyphen_values = true)]
+    pub exposure: Option<f64>,
     /// Offset of the principal point from its calibrated place when the shutter opens, along the
     /// FMC axis, mm; overrides the planned run-up.
     #[arg(long, value_name = "MM", value_parser = finite, allow_negative_numbers = true, help_heading = ADVANCED)]
@@ -286,10 +298,20 @@ pub struct ExposureArgs {
 
 /// Arguments of `correct` and `distort`.
 #[derive(Debug, Args)]
+#[command(
+    mut_arg("exposure", optional_with_frames),
+    mut_group("vh_or_speed", optional_group)
+)]
 pub struct PointsArgs {
     /// The exposure.
     #[command(flatten)]
     pub exposure: ExposureArgs,
+    /// The frames of a flight in place of one exposure.
+    #[command(flatten)]
+    pub frames: FramesArgs,
+    /// Answers for points of many frames.
+    #[command(flatten)]
+    pub answers: FrameAnswerArgs,
     /// Device on which the camera runs.
     #[command(flatten, next_help_heading = ADVANCED)]
     pub device: DeviceArgs,
@@ -303,7 +325,8 @@ pub struct PointsArgs {
 pub struct PointFiles {
     /// CSV with a header, columns in any order: `id,x_mm,y_mm` (sensor frame) or
     /// `id,col_px,row_px`. Or an array of NumPy (.npy), N rows of `x_mm`, `y_mm`, answered by N
-    /// rows of `x_mm`, `y_mm`, `dx_um`, `dy_um`. `-` reads standard input.
+    /// rows of `x_mm`, `y_mm`, `dx_um`, `dy_um`. `-` reads standard input. Points of many frames
+    /// have a column `sequence`, `frame` or `image`, and may be Parquet (docs/formats.md).
     #[arg(value_name = "POINTS.csv")]
     pub points: PathBuf,
     /// Answer file; it appears only when it is complete. Without it standard output, where the
@@ -311,7 +334,7 @@ pub struct PointFiles {
     /// reports the failure.
     #[arg(long, value_name = "FILE", help_heading = ADVANCED)]
     pub out: Option<PathBuf>,
-    /// Format of points and answers whose file name does not end in `.csv` or `.npy`; without it
+    /// Format of points and answers whose file name has no extension of a format; without it
     /// CSV for the points, and for the answers the format of the points.
     #[arg(long, value_name = "FORMAT", help_heading = ADVANCED)]
     pub format: Option<PointFormat>,
@@ -338,10 +361,17 @@ pub struct ReferenceArgs {
 
 /// Arguments of `frame`.
 #[derive(Debug, Args)]
+#[command(
+    mut_arg("exposure", optional_with_frames),
+    mut_group("vh_or_speed", optional_group)
+)]
 pub struct FrameArgs {
     /// The exposure.
     #[command(flatten)]
     pub exposure: ExposureArgs,
+    /// The frames of a flight in place of one exposure.
+    #[command(flatten)]
+    pub frames: FramesArgs,
     /// Device on which the camera runs.
     #[command(flatten, next_help_heading = ADVANCED)]
     pub device: DeviceArgs,

@@ -61,6 +61,12 @@ impl VhOption {
         }
     }
 
+    /// V/H, 1/s, if an option gives it.
+    #[must_use]
+    pub fn given(&self) -> Option<f64> {
+        (self.vh.is_some() || self.ground_speed.is_some()).then(|| self.per_s())
+    }
+
     /// Returns the names of the options that give V/H.
     #[must_use]
     pub const fn names(&self) -> &'static str {

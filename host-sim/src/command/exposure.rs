@@ -38,7 +38,7 @@ impl ExposureArgs {
     pub(super) fn exposure(&self) -> Exposure {
         Exposure {
             vh_per_s: single(self.vh.per_s()),
-            exposure_s: single(self.exposure),
+            exposure_s: single(self.exposure_s()),
             opening_offset_mm: self.opening_offset_mm.map(single),
             focus_shift_um: single(self.focus_shift_um),
             focus_sign: match self.focus_sign {
@@ -54,6 +54,12 @@ impl ExposureArgs {
         }
     }
 
+    /// Exposure time, s.
+    fn exposure_s(&self) -> f64 {
+        // It is missing only where frames stand for it, and then it is not asked for.
+        self.exposure.unwrap_or(f64::NAN)
+    }
+
     /// Direction of flight.
     pub(super) const fn direction(&self) -> FlightDirection {
         match self.direction {
@@ -66,7 +72,7 @@ impl ExposureArgs {
     pub(super) fn request(&self) -> ExposureRequest {
         ExposureRequest {
             vh_per_s: self.vh.per_s(),
-            exposure_s: self.exposure,
+            exposure_s: self.exposure_s(),
             opening_offset_mm: self.opening_offset_mm,
             focus_shift_mm: self.focus_shift_um / 1000.0,
             focus_formula: match self.focus_sign {
@@ -98,7 +104,8 @@ impl ExposureArgs {
             }
             DeviceError::Frame(error @ FrameError::Stroke(_)) => Failure::bad_input(format!(
                 "{file}: [fmc] stroke_mm is too short for {} --exposure {}: {error}",
-                self.vh, self.exposure
+                self.vh,
+                self.exposure_s()
             )),
             DeviceError::Frame(error @ FrameError::Speed { .. }) => Failure::bad_input(format!(
                 "{file}: [fmc] max_speed_mm_s is too small for {}: {error}",

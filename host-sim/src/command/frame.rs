@@ -10,6 +10,7 @@ use fmc_report::terminal;
 use fmc_report::wording::FOCUS_CONVENTION;
 use serde::Serialize;
 
+use super::frames;
 use crate::cli::{ExposureArgs, FrameArgs};
 use crate::failure::Failure;
 use crate::formats::output;
@@ -18,6 +19,9 @@ use crate::formats::output;
 const NAMES: u16 = 25;
 
 pub(super) fn run(args: &FrameArgs) -> Result<(), Failure> {
+    if args.frames.are_given() {
+        return frames::list::run(args);
+    }
     let request = &args.exposure;
     let camera = request.read_camera()?;
     output::check_not_the_input(args.out.as_deref(), &request.camera)?;

@@ -2,6 +2,11 @@
 
 mod header;
 
+use std::path::Path;
+
+use fmc_camera::Camera;
+use fmc_camera::flight::interior_orientation::InteriorOrientation;
+use fmc_camera::geometry::frame_correction::FrameCorrection;
 use fmc_camera::geometry::mesh::format::MeshFormat;
 use fmc_camera::geometry::mesh::pixel_correction::PixelCorrection;
 use fmc_camera::geometry::mesh::vertex::{MeshError, VertexRow};
@@ -10,7 +15,7 @@ use fmc_camera_file::CameraFile;
 use indicatif::{ProgressBar, ProgressStyle};
 
 use self::header::{Accuracy, Header};
-use crate::cli::{ImagePart, MeshArgs, MeshFormatName};
+use crate::cli::{DirectionName, ImagePart, MeshArgs, MeshFormatName};
 use crate::device::{Device, DeviceError};
 use crate::failure::{Failure, note};
 use crate::formats::output::OutputFolder;
@@ -24,6 +29,9 @@ const LARGEST_LDC_SPACING_PX: u16 = 128;
 const DW100_SPACING_PX: u16 = fmc_camera::geometry::mesh::format::uq12_4::SPACING_PX;
 
 pub(super) fn run(args: &MeshArgs) -> Result<(), Failure> {
+    if args.frames.are_given() {
+        return super::frames::meshes::run(args);
+    }
     let request = &args.exposure;
     check_spacing(args)?;
     let camera = request.read_camera()?;
@@ -33,14 +41,49 @@ pub(super) fn run(args: &MeshArgs) -> Result<(), Failure> {
         .load(&camera.parameters())
         .and_then(|()| device.expose(&request.exposure()))
         .map_err(|error| request.refused(&camera, &error))?;
-    let mesh = fetch(&mut *device, &layout).map_err(|error| match error {
+    let frame = Camera::new(camera.parameters())
+        .map_err(DeviceError::Calibration)
+        .and_then(|checked| {
+            checked
+                .frame(&request.exposure())
+                .map_err(DeviceError::Frame)
+        })
+        .map_err(|error| request.refused(&camera, &error))?;
+    let frame = MeshFrame {
+        interior: &record,
+        correction: &frame.correction,
+        direction: request.direction,
+        sequence: None,
+    };
+    write(args, &camera, &layout, &mut *device, &frame, &args.out)
+}
+
+/// A frame whose mesh is written.
+pub(super) struct MeshFrame<'a> {
+    pub(super) interior: &'a InteriorOrientation,
+    pub(super) correction: &'a FrameCorrection,
+    pub(super) direction: DirectionName,
+    /// Number of the frame, if it is one of a flight.
+    pub(super) sequence: Option<u32>,
+}
+
+/// Fetches the mesh of the device's frame, and writes it into a folder.
+pub(super) fn write(
+    args: &MeshArgs,
+    camera: &CameraFile,
+    layout: &Layout,
+    device: &mut dyn Device,
+    frame: &MeshFrame<'_>,
+    out: &Path,
+) -> Result<(), Failure> {
+    let mesh = fetch(device, layout).map_err(|error| match error {
         DeviceError::Mesh(error) => refused(error, args),
-        error => request.refused(&camera, &error),
+        error => args.exposure.refused(camera, &error),
     })?;
-    let accuracy = Accuracy::of(args, &camera, &layout, &mesh)?;
+    let accuracy = Accuracy::of(layout, frame.correction, &mesh);
     let files = files(args.format, mesh);
-    let header = Header::new(args, &camera, &record, &layout, accuracy, &files);
-    let folder = OutputFolder::create(&args.out)?;
+    let header = Header::new(args, camera, frame, layout, accuracy, &files);
+    let folder = OutputFolder::create(out)?;
     for (name, bytes) in &files {
         folder.write(name, |sink| sink.write_all(bytes))?;
     }
@@ -56,7 +99,7 @@ pub(super) fn run(args: &MeshArgs) -> Result<(), Failure> {
 }
 
 /// Checks that the engine supports the spacing.
-fn check_spacing(args: &MeshArgs) -> Result<(), Failure> {
+pub(super) fn check_spacing(args: &MeshArgs) -> Result<(), Failure> {
     let spacing = args.spacing;
     let allowed = match args.format {
         MeshFormatName::Dw100 if spacing != DW100_SPACING_PX => "16 px for dw100",
@@ -82,7 +125,7 @@ enum Content {
 
 /// Places of the vertices.
 #[derive(Debug)]
-struct Layout {
+pub(super) struct Layout {
     content: Content,
     spacing_px: u16,
     origin_px: [u32; 2],
@@ -93,7 +136,7 @@ struct Layout {
 }
 
 impl Layout {
-    fn new(args: &MeshArgs, camera: &CameraFile) -> Result<Self, Failure> {
+    pub(super) fn new(args: &MeshArgs, camera: &CameraFile) -> Result<Self, Failure> {
         let calibration = camera.parameters().calibration;
         let image = [calibration.width_px, calibration.height_px];
         let ImagePart { origin_px, size_px } = args.part.unwrap_or(ImagePart {

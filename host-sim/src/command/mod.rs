@@ -9,6 +9,7 @@ mod device;
 mod export;
 mod exposure;
 mod frame;
+mod frames;
 mod import;
 mod mesh;
 mod mission;

@@ -58,7 +58,7 @@ impl<'a> PointStream<'a> {
     ) -> Result<(), Failure> {
         let source = self.source;
         let mut writer = Answers::new(&source, self.camera, self.format)?;
-        let bar = progress(&source, self.files.out.is_some());
+        let bar = progress(source.bytes, self.files.out.is_some());
         let written = output::stream(self.files.out.as_deref(), |sink| {
             let Some(mut block) = self.first else {
                 return Ok(writer.begin(sink)?);
@@ -88,11 +88,11 @@ impl<'a> PointStream<'a> {
 }
 
 /// Returns a bar of the bytes read; hidden where a terminal shows the answers.
-fn progress(source: &Source, into_file: bool) -> ProgressBar {
+pub(super) fn progress(bytes: Option<u64>, into_file: bool) -> ProgressBar {
     if !into_file && io::stdout().is_terminal() {
         return ProgressBar::hidden();
     }
-    let (bar, template) = match source.bytes {
+    let (bar, template) = match bytes {
         Some(bytes) => (
             ProgressBar::new(bytes),
             "{wide_bar} {bytes}/{total_bytes}, {bytes_per_sec}, {eta}",

@@ -6,6 +6,7 @@ use fmc_camera::geometry::sensor::SensorPoint;
 use fmc_camera_file::CameraFile;
 use fmc_camera_file::number::single;
 
+use super::frames;
 use super::point_stream::PointStream;
 use crate::cli::PointsArgs;
 use crate::device::DeviceError;
@@ -26,6 +27,9 @@ pub(super) enum Direction {
 const BATCH: usize = 4096;
 
 pub(super) fn run(args: &PointsArgs, direction: Direction) -> Result<(), Failure> {
+    if args.frames.are_given() {
+        return frames::points::run(args, direction);
+    }
     let request = &args.exposure;
     let camera = request.read_camera()?;
     output::check_not_the_input(args.files.out.as_deref(), &request.camera)?;

@@ -90,7 +90,7 @@ impl SmearArgs {
             } else {
                 VhOption::of(told_per_s)
             },
-            exposure: self.exposure,
+            exposure: Some(self.exposure),
             opening_offset_mm: None,
             focus_shift_um: 0.0,
             direction: DirectionName::Forward,

@@ -11,16 +11,16 @@ const POINTS: usize = 512;
 /// The correction of a frame, evaluated for many points with the bits of
 /// [`FrameCorrection::correct`].
 #[derive(Debug, Clone, Copy)]
-pub(super) struct PointBatch(Batch);
+pub(crate) struct PointBatch(Batch);
 
 impl PointBatch {
-    pub(super) fn new(correction: &FrameCorrection) -> Self {
+    pub(crate) fn new(correction: &FrameCorrection) -> Self {
         Self(Batch::new(correction.coefficients(), correction.terms()))
     }
 
     /// Returns true if every point is on the sensor. Only the farthest is tested, as the sensor is
     /// centred on the origin.
-    pub(super) fn all_on_sensor(correction: &FrameCorrection, points: &[SensorPoint]) -> bool {
+    pub(crate) fn all_on_sensor(correction: &FrameCorrection, points: &[SensorPoint]) -> bool {
         let (mut farthest, mut numbers) = (SensorPoint::default(), true);
         for point in points {
             farthest.x_mm = farthest.x_mm.max(point.x_mm.abs());
@@ -32,7 +32,7 @@ impl PointBatch {
     }
 
     /// Returns the measured points with their corrections, in order.
-    pub(super) fn corrected(&self, measured: &[SensorPoint]) -> Vec<Corrected> {
+    pub(crate) fn corrected(&self, measured: &[SensorPoint]) -> Vec<Corrected> {
         let mut corrected = Vec::with_capacity(measured.len());
         let [mut x, mut y, mut ideal_x, mut ideal_y, mut dx, mut dy] = [[0.0; POINTS]; 6];
         for measured in measured.chunks(POINTS) {

@@ -37,6 +37,7 @@ use fmc_camera::geometry::sensor::SensorPoint;
 pub use fmc_reference::verification::device::{CorrectingDevice, Evidence};
 pub use fmc_simulation::mission::device::FlyingDevice;
 
+pub(crate) use batch::PointBatch;
 pub use error::DeviceError;
 pub use flown_camera::FlownCamera;
 pub use name::{DeviceName, Machine};

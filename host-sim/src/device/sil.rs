@@ -56,6 +56,11 @@ impl InProcess {
         self.rig.camera().and_then(Camera::id)
     }
 
+    /// Takes the correction of a frame that the camera computed before.
+    pub(crate) fn correct_by(&mut self, correction: FrameCorrection) {
+        self.correction = Some(correction);
+    }
+
     fn correction(&self) -> Result<&FrameCorrection, DeviceError> {
         self.correction.as_ref().ok_or(DeviceError::NoFrame)
     }

@@ -4,10 +4,12 @@
 //! <https://numpy.org/doc/stable/reference/generated/numpy.lib.format.html>
 
 mod dictionary;
+mod structure;
 
 use std::io::{self, ErrorKind, Read, Write};
 
 pub use dictionary::DictionaryError;
+pub use structure::{Field, fields};
 
 const MAGIC: [u8; 6] = *b"\x93NUMPY";
 
@@ -103,20 +105,44 @@ impl NpyHeader {
     /// Those of the writer, and [`ErrorKind::InvalidInput`] for a shape whose header would be too
     /// long.
     pub fn write(number: &str, shape: &[u64], sink: &mut dyn Write) -> io::Result<()> {
+        Self::write_described(&format!("'{number}'"), shape, sink)
+    }
+
+    /// Writes the header of an array of any type, as Python writes it.
+    ///
+    /// # Errors
+    /// As [`Self::write`].
+    pub fn write_described(
+        description: &str,
+        shape: &[u64],
+        sink: &mut dyn Write,
+    ) -> io::Result<()> {
         let axes: Vec<String> = shape.iter().map(|length| format!("{length}, ")).collect();
         let axes = axes.concat();
         let dictionary =
-            format!("{{'descr': '{number}', 'fortran_order': False, 'shape': ({axes}), }}");
-        let before = MAGIC.len() + 2 + size_of::<u16>();
+            format!("{{'descr': {description}, 'fortran_order': False, 'shape': ({axes}), }}");
+        // Version 1.0 has Latin-1 and a length of two bytes, 3.0 UTF-8 and four.
+        let is_ascii = dictionary.is_ascii();
+        let length_bytes = if is_ascii {
+            size_of::<u16>()
+        } else {
+            size_of::<u32>()
+        };
+        let before = MAGIC.len() + 2 + length_bytes;
         // A line break ends the header.
         let end = (before + dictionary.len() + 1).next_multiple_of(ALIGNMENT);
         let length = u16::try_from(end - before)
             .map_err(|error| io::Error::new(ErrorKind::InvalidInput, error))?;
         sink.write_all(&MAGIC)?;
-        sink.write_all(&[1, 0])?;
-        sink.write_all(&length.to_le_bytes())?;
-        let width = usize::from(length) - 1;
-        writeln!(sink, "{dictionary:width$}")
+        if is_ascii {
+            sink.write_all(&[1, 0])?;
+            sink.write_all(&length.to_le_bytes())?;
+        } else {
+            sink.write_all(&[3, 0])?;
+            sink.write_all(&u32::from(length).to_le_bytes())?;
+        }
+        let blanks = usize::from(length) - 1 - dictionary.len();
+        writeln!(sink, "{dictionary}{:blanks$}", "")
     }
 }
 

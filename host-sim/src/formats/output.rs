@@ -4,6 +4,7 @@ use std::fs::{self, File};
 use std::io::{self, BufWriter, Write};
 use std::path::{Path, PathBuf};
 
+use fmc_camera_file::InputError;
 use serde::Serialize;
 use tempfile::NamedTempFile;
 
@@ -32,6 +33,12 @@ pub enum Stopped {
 impl From<io::Error> for Stopped {
     fn from(error: io::Error) -> Self {
         Self::Output(error)
+    }
+}
+
+impl From<InputError> for Stopped {
+    fn from(error: InputError) -> Self {
+        Self::Body(error.into())
     }
 }
 

@@ -35,6 +35,8 @@ mod fake_camera;
 #[cfg(unix)]
 mod fake_qemu;
 #[cfg(test)]
+mod frames;
+#[cfg(test)]
 mod gpu_mesh;
 #[cfg(test)]
 mod mesh;

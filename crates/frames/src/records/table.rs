@@ -7,7 +7,7 @@ use fmc_camera_file::InputError;
 
 use super::Stream;
 use crate::Frame;
-use crate::columns::{csv_error, names};
+use crate::columns::{Lines, check_length, csv_error, names};
 use crate::row::{NAMES, Row};
 
 /// Number of columns that every file of records has; later ones were added.
@@ -18,7 +18,10 @@ pub(super) fn read<E: From<InputError>>(
     mut stream: Stream<'_, impl FnMut(Frame) -> Result<(), E>>,
 ) -> Result<(), E> {
     let file = stream.file;
-    let mut reader = ReaderBuilder::new().trim(Trim::All).from_reader(source);
+    let mut reader = ReaderBuilder::new()
+        .flexible(true)
+        .trim(Trim::All)
+        .from_reader(source);
     let mut record = StringRecord::new();
     let header = reader.headers();
     let header = header
@@ -33,11 +36,13 @@ pub(super) fn read<E: From<InputError>>(
                 .into());
         }
     }
+    let mut lines = Lines::default();
     while reader
         .read_record(&mut record)
         .map_err(|error| csv_error(file, &names, &StringRecord::new(), &error))?
     {
-        let line = record.position().map_or(0, csv::Position::line);
+        let line = lines.of(&record);
+        check_length(file, line, &record, &names)?;
         let row: Row<String> = record
             .deserialize(Some(&header))
             .map_err(|error| csv_error(file, &names, &record, &error))?;

@@ -117,10 +117,11 @@ impl Heading {
     }
 
     /// Returns the cells of a row.
-    pub(super) fn row<'a>(&'a self, file: &'a str, row: &'a StringRecord) -> Cells<'a> {
+    pub(super) fn row<'a>(&'a self, file: &'a str, line: u64, row: &'a StringRecord) -> Cells<'a> {
         Cells {
             heading: self,
             file,
+            line,
             row,
         }
     }
@@ -131,6 +132,7 @@ impl Heading {
 pub(super) struct Cells<'a> {
     heading: &'a Heading,
     file: &'a str,
+    line: u64,
     row: &'a StringRecord,
 }
 
@@ -212,7 +214,6 @@ impl<'a> Cells<'a> {
 
     /// Returns the error of this row.
     pub(super) fn refused(&self, text: &str) -> InputError {
-        let line = self.row.position().map_or(0, csv::Position::line);
-        InputError::invalid(format!("{}, line {line}: {text}", self.file))
+        InputError::invalid(format!("{}, line {}: {text}", self.file, self.line))
     }
 }

@@ -177,5 +177,7 @@ fn wrong_tables_are_refused_by_line_column_value_and_range() {
             .unwrap_err()
             .to_string();
         assert!(error.starts_with(expected), "{error}\n{expected}");
+        let returns = read(&text.replace('\n', "\r\n"), &GivenExposure::default()).unwrap_err();
+        assert_eq!(returns.to_string(), error);
     }
 }

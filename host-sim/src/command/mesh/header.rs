@@ -1,15 +1,12 @@
 //! mesh.json: the description of a mesh's numbers.
 
-use fmc_camera::Camera;
-use fmc_camera::flight::interior_orientation::InteriorOrientation;
+use fmc_camera::geometry::frame_correction::FrameCorrection;
 use fmc_camera::geometry::mesh::pixel_correction::CorrectionMesh;
 use fmc_camera_file::CameraFile;
 use serde::Serialize;
 
-use super::{Content, Layout};
+use super::{Content, Layout, MeshFrame};
 use crate::cli::{MeshArgs, MeshFormatName};
-use crate::device::DeviceError;
-use crate::failure::Failure;
 
 /// Accuracy of the files against the camera's model, pixels per axis.
 #[derive(Debug, Clone, Copy, Serialize)]
@@ -31,40 +28,26 @@ pub(super) enum Accuracy {
 
 impl Accuracy {
     /// Accuracy of a mesh as the camera gave it.
-    pub(super) fn of(
-        args: &MeshArgs,
-        camera: &CameraFile,
-        layout: &Layout,
-        mesh: &[u8],
-    ) -> Result<Self, Failure> {
+    pub(super) fn of(layout: &Layout, correction: &FrameCorrection, mesh: &[u8]) -> Self {
         match layout.content {
             Content::Sources(format) => {
                 let [width, height] = layout.size_px;
                 let longest_px = width.max(height) + u32::from(layout.spacing_px);
-                Ok(Self::Quantised {
+                Self::Quantised {
                     quantisation_px: format.quantisation_px(pixels(longest_px)),
-                })
+                }
             }
             Content::Corrections => {
-                let request = &args.exposure;
-                let frame = Camera::new(camera.parameters())
-                    .map_err(DeviceError::Calibration)
-                    .and_then(|checked| {
-                        checked
-                            .frame(&request.exposure())
-                            .map_err(DeviceError::Frame)
-                    })
-                    .map_err(|error| request.refused(camera, &error))?;
                 let (numbers, _) = mesh.as_chunks::<4>();
                 let largest_px = numbers
                     .iter()
                     .map(|number| f32::from_le_bytes(*number).abs())
                     .fold(0.0, f32::max);
-                let bound = CorrectionMesh::new(&frame.correction, layout.spacing_px);
-                Ok(Self::Rounded {
+                let bound = CorrectionMesh::new(correction, layout.spacing_px);
+                Self::Rounded {
                     rounding_bound_px: bound.rounding_bound_px(largest_px),
                     interpolation_bound_px: bound.interpolation_bound_px(),
-                })
+                }
             }
         }
     }
@@ -74,6 +57,9 @@ impl Accuracy {
 #[derive(Debug, Serialize)]
 pub(super) struct Header {
     camera: String,
+    /// Number of the frame, if it is one of a flight.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    sequence: Option<u32>,
     format: &'static str,
     files: Vec<&'static str>,
     layout: &'static str,
@@ -137,14 +123,16 @@ impl Header {
     pub(super) fn new(
         args: &MeshArgs,
         camera: &CameraFile,
-        record: &InteriorOrientation,
+        frame: &MeshFrame<'_>,
         layout: &Layout,
         accuracy: Accuracy,
         files: &[(&'static str, Vec<u8>)],
     ) -> Self {
+        let record = frame.interior;
         let pushes = matches!(layout.content, Content::Corrections);
         Self {
             camera: camera.name.clone(),
+            sequence: frame.sequence,
             format: args.format.name(),
             files: files.iter().map(|(name, _)| *name).collect(),
             layout: numbers(args.format),
@@ -159,7 +147,7 @@ impl Header {
             accuracy,
             vh_per_s: record.vh_per_s,
             exposure_s: record.exposure_s,
-            direction: args.exposure.direction.name(),
+            direction: frame.direction.name(),
             principal_point_mm: [record.principal_point.x_mm, record.principal_point.y_mm],
             principal_distance_mm: record.principal_distance_mm,
         }

@@ -31,14 +31,14 @@ pub enum DictionaryError {
 }
 
 /// The unread part of a text.
-struct Reader<'a> {
+pub(super) struct Reader<'a> {
     text: &'a str,
     rest: &'a str,
 }
 
 /// Parses the whole text of a header: a dictionary, and blanks around it.
 pub(super) fn parse(text: &str) -> Result<NpyHeader, DictionaryError> {
-    let mut reader = Reader { text, rest: text };
+    let mut reader = Reader::new(text);
     let mut description = None;
     let mut is_fortran_order = None;
     let mut shape = None;
@@ -69,7 +69,16 @@ pub(super) fn parse(text: &str) -> Result<NpyHeader, DictionaryError> {
 }
 
 impl<'a> Reader<'a> {
-    fn missing(&self, expected: &'static str) -> DictionaryError {
+    pub(super) const fn new(text: &'a str) -> Self {
+        Self { text, rest: text }
+    }
+
+    pub(super) fn is_at_end(&mut self) -> bool {
+        self.skip_blanks();
+        self.rest.is_empty()
+    }
+
+    pub(super) fn missing(&self, expected: &'static str) -> DictionaryError {
         let before = self.text.len() - self.rest.len();
         let before = self.text.get(..before).unwrap_or_default();
         DictionaryError::Missing {
@@ -83,14 +92,14 @@ impl<'a> Reader<'a> {
     }
 
     /// Takes a character with the blanks before it, if it is next; returns true if it was.
-    fn take(&mut self, next: char) -> bool {
+    pub(super) fn take(&mut self, next: char) -> bool {
         self.skip_blanks();
         let rest = self.rest.strip_prefix(next);
         self.rest = rest.unwrap_or(self.rest);
         rest.is_some()
     }
 
-    fn expect(&mut self, next: char, name: &'static str) -> Result<(), DictionaryError> {
+    pub(super) fn expect(&mut self, next: char, name: &'static str) -> Result<(), DictionaryError> {
         if self.take(next) {
             Ok(())
         } else {
@@ -100,7 +109,7 @@ impl<'a> Reader<'a> {
 
     /// Takes a comma, or leaves the character that closes the entries; one of the two must follow
     /// an entry.
-    fn separate(&mut self, close: char) -> Result<(), DictionaryError> {
+    pub(super) fn separate(&mut self, close: char) -> Result<(), DictionaryError> {
         if self.take(',') || self.rest.starts_with(close) {
             Ok(())
         } else {
@@ -116,7 +125,7 @@ impl<'a> Reader<'a> {
     }
 
     /// Takes a string and returns the text between its quotes, with escapes as they are written.
-    fn string(&mut self) -> Result<&'a str, DictionaryError> {
+    pub(super) fn string(&mut self) -> Result<&'a str, DictionaryError> {
         self.skip_blanks();
         let start = self.rest;
         let Some(quote @ ('\'' | '"')) = start.chars().next() else {
@@ -139,7 +148,7 @@ impl<'a> Reader<'a> {
     }
 
     /// Takes a string, or a list or tuple of a structured type, and returns it as it is written.
-    fn value(&mut self) -> Result<&'a str, DictionaryError> {
+    pub(super) fn value(&mut self) -> Result<&'a str, DictionaryError> {
         self.skip_blanks();
         let start = self.rest;
         let mut open = Vec::new();
@@ -188,7 +197,7 @@ impl<'a> Reader<'a> {
     }
 
     /// Takes a tuple of lengths.
-    fn shape(&mut self) -> Result<Vec<u64>, DictionaryError> {
+    pub(super) fn shape(&mut self) -> Result<Vec<u64>, DictionaryError> {
         let close = ')';
         self.expect('(', "a tuple")?;
         let mut shape = Vec::new();

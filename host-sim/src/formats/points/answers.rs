@@ -6,6 +6,7 @@ use std::ops::Range;
 use fmc_camera_file::CameraFile;
 use fmc_camera_file::number::single;
 
+use super::source::for_frames;
 use super::{Block, CoordinateFrame, PointFormat, Precision, Source, decimal};
 use crate::failure::Failure;
 use crate::formats::npy_header::NpyHeader;
@@ -52,6 +53,7 @@ impl<'a> Answers<'a> {
                 rows,
                 precision: source.precision,
             },
+            (PointFormat::Parquet, _) => return Err(for_frames()),
             (PointFormat::Npy, None) => {
                 return Err(Failure::bad_input(format!(
                     "an answer as npy needs points as npy: its first bytes say how many there are, which {} does not",

@@ -78,9 +78,7 @@ impl Block {
     /// # Errors
     /// [`Failure`] naming the first point off the sensor, and the sensor's extent.
     pub fn check_on_sensor(&self, source: &Source, camera: &CameraFile) -> Result<(), Failure> {
-        // W·p/2 is rounded, so an edge typed in decimals may exceed it by rounding and still
-        // belongs to the sensor.
-        let [half_width, half_height] = camera.half_format_mm().map(|half| half * (1.0 + 1e-12));
+        let [half_width, half_height] = half_format_mm(camera);
         let off = |[x, y]: &[f64; 2]| !(x.abs() <= half_width && y.abs() <= half_height);
         match self.points_mm.iter().position(off) {
             None => Ok(()),
@@ -101,21 +99,40 @@ impl Block {
         point_mm: [f64; 2],
         camera: &CameraFile,
     ) -> Failure {
-        let [first, second] = source.frame.columns();
-        let [x, y] = camera.half_format_mm();
-        let ([a, b], [least, most]) = match source.frame {
-            CoordinateFrame::Sensor => (point_mm, [[-x, -y], [x, y]]),
-            CoordinateFrame::Pixel => {
-                let [first, last] = [[-x, y], [x, -y]].map(|p| camera.pixel_from_sensor(p));
-                (camera.pixel_from_sensor(point_mm), [first, last])
-            }
-        };
-        let [least_a, least_b] = least;
-        let [most_a, most_b] = most;
         Failure::bad_input(format!(
-            "{}: {what} {first} = {a}, {second} = {b} is off the sensor: \
-             {first} {least_a} to {most_a}, {second} {least_b} to {most_b}",
+            "{}: {}",
             self.place(source, index),
+            off_sensor(source.frame, what, point_mm, camera)
         ))
     }
+}
+
+/// Describes a point whose measured place, `point_mm`, is off the sensor.
+pub(crate) fn off_sensor(
+    frame: CoordinateFrame,
+    what: &str,
+    point_mm: [f64; 2],
+    camera: &CameraFile,
+) -> String {
+    let [first, second] = frame.columns();
+    let [x, y] = camera.half_format_mm();
+    let ([a, b], [least, most]) = match frame {
+        CoordinateFrame::Sensor => (point_mm, [[-x, -y], [x, y]]),
+        CoordinateFrame::Pixel => {
+            let [first, last] = [[-x, y], [x, -y]].map(|p| camera.pixel_from_sensor(p));
+            (camera.pixel_from_sensor(point_mm), [first, last])
+        }
+    };
+    let [least_a, least_b] = least;
+    let [most_a, most_b] = most;
+    format!(
+        "{what} {first} = {a}, {second} = {b} is off the sensor: \
+         {first} {least_a} to {most_a}, {second} {least_b} to {most_b}"
+    )
+}
+
+/// Half of the format, mm, with room for the rounding of W·p/2: an edge typed in decimals may
+/// exceed it by rounding and still belongs to the sensor.
+pub(crate) fn half_format_mm(camera: &CameraFile) -> [f64; 2] {
+    camera.half_format_mm().map(|half| half * (1.0 + 1e-12))
 }

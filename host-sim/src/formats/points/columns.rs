@@ -112,7 +112,7 @@ fn field(record: &ByteRecord, index: usize) -> &[u8] {
 
 /// Reads a finite number, with spaces around it or without.
 #[inline]
-fn number(record: &ByteRecord, index: usize) -> Option<f64> {
+pub(in crate::formats) fn number(record: &ByteRecord, index: usize) -> Option<f64> {
     let field = record.get(index).unwrap_or_default();
     match fast_float2::parse::<f64, _>(field) {
         Ok(number) => number.is_finite().then_some(number),

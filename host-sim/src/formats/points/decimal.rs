@@ -14,7 +14,7 @@ const ASCII: u64 = u64::from_le_bytes([b'0'; 8]);
 /// Appends `value` with `DECIMALS` decimals, at most 9, rounded half to even from its exact binary
 /// value.
 #[inline]
-pub(super) fn push<const DECIMALS: u32>(text: &mut Vec<u8>, value: f64) {
+pub(in crate::formats) fn push<const DECIMALS: u32>(text: &mut Vec<u8>, value: f64) {
     const { assert!(DECIMALS > 0 && DECIMALS <= 9) };
     let Some((whole, decimals)) = parts::<DECIMALS>(value) else {
         let decimals = DECIMALS as usize;

@@ -4,14 +4,16 @@ mod answers;
 mod block;
 mod columns;
 mod csv_points;
-mod decimal;
+pub(super) mod decimal;
 mod npy_points;
 mod source;
 
 pub use answers::{Answer, Answers};
 pub use block::Block;
+pub(crate) use block::{half_format_mm, off_sensor};
 pub use source::{Blocks, Checked, Source};
 
+pub(super) use columns::number;
 pub(super) use csv_points::csv_failure;
 
 use std::path::Path;
@@ -25,6 +27,8 @@ pub enum PointFormat {
     Csv,
     /// Array of NumPy: a row for each point, C order, f4 or f8 little-endian, millimetres.
     Npy,
+    /// Parquet, uncompressed or with Snappy: for points of many frames.
+    Parquet,
 }
 
 impl PointFormat {
@@ -42,6 +46,7 @@ impl PointFormat {
         match self {
             Self::Csv => "csv",
             Self::Npy => "npy",
+            Self::Parquet => "parquet",
         }
     }
 }
@@ -56,9 +61,9 @@ pub enum CoordinateFrame {
 }
 
 impl CoordinateFrame {
-    const ALL: [Self; 2] = [Self::Sensor, Self::Pixel];
+    pub(super) const ALL: [Self; 2] = [Self::Sensor, Self::Pixel];
 
-    const fn columns(self) -> [&'static str; 2] {
+    pub(super) const fn columns(self) -> [&'static str; 2] {
         match self {
             Self::Sensor => ["x_mm", "y_mm"],
             Self::Pixel => ["col_px", "row_px"],
@@ -76,14 +81,14 @@ pub enum Precision {
 }
 
 impl Precision {
-    const fn bytes(self) -> usize {
+    pub(super) const fn bytes(self) -> usize {
         match self {
             Self::Single => 4,
             Self::Double => 8,
         }
     }
 
-    const fn type_name(self) -> &'static str {
+    pub(super) const fn type_name(self) -> &'static str {
         match self {
             Self::Single => "<f4",
             Self::Double => "<f8",

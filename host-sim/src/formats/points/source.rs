@@ -65,6 +65,9 @@ impl Source {
         camera: &CameraFile,
         checked: Checked,
     ) -> Result<(Arc<Self>, Blocks), Failure> {
+        if format == PointFormat::Parquet {
+            return Err(for_frames());
+        }
         let (file, bytes, stream): (_, _, Box<dyn Read + Send>) = if path == Path::new("-") {
             ("standard input".to_owned(), None, Box::new(io::stdin()))
         } else {
@@ -79,7 +82,8 @@ impl Source {
                 let frame = points.frame();
                 (Points::Csv(points), frame, None, Precision::Double, bytes)
             }
-            PointFormat::Npy => {
+            // Parquet is refused above.
+            PointFormat::Npy | PointFormat::Parquet => {
                 let points = NpyPoints::new(&file, stream)?;
                 let (count, precision) = (points.count(), points.precision());
                 let bytes = Some(points.bytes());
@@ -116,6 +120,12 @@ impl Source {
         });
         Ok((source, Blocks { full, empty }))
     }
+}
+
+/// Returns the failure of points in Parquet for one exposure.
+pub(super) fn for_frames() -> Failure {
+    Failure::bad_input("Parquet is for the points of --records and --frames")
+        .with_help("the points of one exposure are CSV or an array of NumPy")
 }
 
 impl Blocks {

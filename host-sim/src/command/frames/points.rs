@@ -1,0 +1,149 @@
+//! `correct` and `distort` for points of many frames.
+
+use std::path::Path;
+
+use fmc_camera_file::Sign;
+use fmc_frames::CalibrationCovariance;
+
+use super::Flight;
+use super::evaluator::Evaluator;
+use crate::cli::{OffSensorName, PointsArgs};
+use crate::command::point_stream::progress;
+use crate::command::points::Direction;
+use crate::failure::Failure;
+use crate::formats::frame_points::{
+    Flag, FrameAnswers, FrameBlock, FrameFinder, FrameSource, OutColumns,
+};
+use crate::formats::output::{self, Stopped};
+use crate::formats::points::{CoordinateFrame, PointFormat, off_sensor};
+
+pub(in crate::command) fn run(args: &PointsArgs, direction: Direction) -> Result<(), Failure> {
+    let out = args.files.out.as_deref();
+    check_out(args, out)?;
+    let flight = Flight::read(&args.exposure, &args.frames, &args.device)?;
+    let covariance = args.answers.uncertainty.as_deref();
+    let covariance = covariance.map(CalibrationCovariance::read).transpose()?;
+    let covariance = covariance.map(|covariance| match flight.file.distortion.sign {
+        Sign::Distortion => covariance,
+        Sign::Correction => covariance.of_corrections(),
+    });
+    let has_sigma =
+        covariance.is_some() || flight.table.rows().iter().any(|row| row.sigma().is_some());
+    let columns = OutColumns {
+        sigma: has_sigma,
+        flag: args.answers.off_sensor == OffSensorName::Flag,
+        skip: args.answers.off_sensor == OffSensorName::Skip,
+    };
+    let finder = FrameFinder::new(flight.table.clone(), flight.name.clone());
+    let format = format(args)?;
+    let source = FrameSource::open(&args.files.points, format, &flight.file, finder, columns)?;
+    let FrameSource {
+        file,
+        frame,
+        bytes,
+        mut blocks,
+        mut writer,
+    } = source;
+    let mut evaluator = Evaluator::new(
+        &flight,
+        direction,
+        args.answers.answer,
+        has_sigma,
+        covariance.as_ref(),
+    );
+    let mut next = blocks.next_block()?;
+    let bar = progress(bytes, out.is_some());
+    let written = output::stream(out, |sink| {
+        let mut answers = FrameAnswers::default();
+        let mut begun = false;
+        while let Some(block) = next.take() {
+            let refused = |index: usize, what: &str| {
+                let row = block.frames.get(index).map(|place| *place as usize);
+                let row = row.and_then(|place| flight.table.rows().get(place));
+                let sequence = row.map_or(0, |row| row.sequence);
+                let place = block.place(&file, index);
+                Failure::bad_input(format!("{place}: frame {sequence}: {what}"))
+            };
+            evaluator.answer(&block, &mut answers).map_err(|wrong| {
+                refused(
+                    wrong.index,
+                    "--answer measured-shifted: not defined with the printed signs of the focus shift",
+                )
+            })?;
+            if args.answers.off_sensor == OffSensorName::Error
+                && let Some(index) = answers.flags.iter().position(|flag| *flag != Flag::None)
+            {
+                let what = fault(&flight, &block, &answers, index, frame, direction);
+                Err(refused(index, &what)
+                    .with_help("--off-sensor skip leaves such points out, flag marks them"))?;
+            }
+            // If the first block is refused, nothing is written.
+            if !begun {
+                writer.begin(sink)?;
+                begun = true;
+            }
+            writer.write(&block, &answers, &flight.table, &flight.file, sink)?;
+            bar.set_position(block.read_bytes);
+            blocks.reuse(block);
+            next = blocks.next_block()?;
+        }
+        if !begun {
+            writer.begin(sink)?;
+        }
+        writer.end(sink)?;
+        Ok::<(), Stopped>(())
+    });
+    bar.finish_and_clear();
+    written
+}
+
+/// Describes why a point has no answer.
+fn fault(
+    flight: &Flight,
+    block: &FrameBlock,
+    answers: &FrameAnswers,
+    index: usize,
+    frame: CoordinateFrame,
+    direction: Direction,
+) -> String {
+    let given = block.points_mm.get(index).copied().unwrap_or_default();
+    match answers.flags.get(index) {
+        Some(Flag::OffSensor) if direction == Direction::Distort => {
+            let measured = answers
+                .answers
+                .get(index)
+                .map_or(given, |answer| answer.point_mm);
+            off_sensor(frame, "its measured point", measured, &flight.file)
+        }
+        Some(Flag::OffSensor) => off_sensor(frame, "the point", given, &flight.file),
+        Some(Flag::Refused) => {
+            let place = block.frames.get(index).map(|place| *place as usize);
+            let row = place.and_then(|place| flight.table.rows().get(place));
+            let reason = row.and_then(|row| flight.table.reason_of(row));
+            format!(
+                "its trigger was refused ({}), there is no exposure",
+                reason.unwrap_or_default()
+            )
+        }
+        _ => "the iteration to the measured point does not converge".to_owned(),
+    }
+}
+
+/// Returns the format of points and answers.
+fn format(args: &PointsArgs) -> Result<PointFormat, Failure> {
+    let points = PointFormat::of(&args.files.points);
+    let points = points.or(args.files.format).unwrap_or(PointFormat::Csv);
+    match args.files.out.as_deref().and_then(PointFormat::of) {
+        Some(out) if out != points => Err(Failure::bad_input(format!(
+            "--out {}: answers of frames have the format of the points, whose other columns they keep",
+            args.files.out.as_deref().unwrap_or(Path::new("")).display()
+        ))),
+        _ => Ok(points),
+    }
+}
+
+/// Refuses to replace an input by the answers.
+fn check_out(args: &PointsArgs, out: Option<&Path>) -> Result<(), Failure> {
+    output::check_not_the_input(out, &args.exposure.camera)?;
+    args.frames.check_out(out)
+}

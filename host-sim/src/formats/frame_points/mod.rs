@@ -1,0 +1,21 @@
+//! Points of many frames and their answers, block by block: CSV, arrays of NumPy, or Parquet.
+
+mod answers;
+mod block;
+mod csv_header;
+mod csv_rows;
+mod frame_key;
+mod npy_layout;
+mod npy_rows;
+mod parquet_answers;
+mod parquet_column;
+mod parquet_rows;
+mod parquet_schema;
+mod read_ahead;
+mod source;
+
+pub use answers::{Flag, FrameAnswers, OutColumns};
+pub use block::FrameBlock;
+pub use frame_key::FrameFinder;
+pub use read_ahead::FrameBlocks;
+pub use source::{FrameSource, RowWriter};

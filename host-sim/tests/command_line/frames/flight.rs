@@ -1,0 +1,106 @@
+//! A flight of the test camera: its records as files, and the corrections that the camera computed.
+
+use std::fmt::Write as _;
+use std::fs::{self, File};
+
+use fmc_camera::flight::calibration_id::{CalibrationId, SerialNumber, Storage};
+use fmc_camera::flight::exposure::Exposure;
+use fmc_camera::flight::fault::Faults;
+use fmc_camera::flight::frame_record::{ExposedFrame, Flags, FrameRecord, Outcome, Reason};
+use fmc_camera::flight::principal_point_sigma::PrincipalPointSigma;
+use fmc_camera::flight::time::Time;
+use fmc_camera::geometry::frame_correction::FrameCorrection;
+use fmc_camera_file::CameraFile;
+use fmc_frames::FrameCamera;
+use fmc_report::records;
+
+use crate::command_line::support::{Bench, CAMERA};
+
+/// σ of every frame: 30 nm of its own and 40 nm of the flight.
+pub(super) const SIGMA_UM: f64 = 0.05;
+
+/// Number of the refused trigger.
+pub(super) const REFUSED: u32 = 5;
+
+/// A folder with `records.csv` and `records.json` of eight exposures, the fifth refused.
+pub(super) struct Flight {
+    pub(super) bench: Bench,
+    /// Corrections by the numbers of the frames, from 1.
+    pub(super) corrections: Vec<FrameCorrection>,
+    /// c̄ of each, mm.
+    pub(super) centroids_mm: Vec<f32>,
+}
+
+pub(super) fn flight() -> Flight {
+    let bench = Bench::with(CAMERA, b"");
+    let (file, camera) = CameraFile::parse("camera.toml", CAMERA).unwrap();
+    let crc = FrameCamera::new("camera.toml", &file).unwrap().crc();
+    let (mut flown, mut corrections, mut centroids_mm) = (Vec::new(), Vec::new(), Vec::new());
+    for sequence in 1_u16..=8 {
+        let number = f32::from(sequence);
+        let exposure = Exposure {
+            focus_shift_um: number - 4.0,
+            opening_offset_mm: Some(0.03 * number),
+            ..Exposure::new(0.06 + 0.01 * number, 0.004)
+        };
+        // As measured: the plan, with another centroid and another variance.
+        let mut motion = camera.motion(&exposure).unwrap();
+        motion.centroid_mm += 1e-4 * number;
+        motion.moments.second *= 1.01;
+        let frame = camera.frame_of(&exposure, &motion).unwrap();
+        corrections.push(frame.correction);
+        centroids_mm.push(motion.centroid_mm);
+        let time = Time::from_us(1_000_000 * u64::from(sequence));
+        let exposed = ExposedFrame {
+            opened: time,
+            closed: time,
+            centroid: time,
+            centroid_utc: None,
+            vh: None,
+            planned_opening_mm: 0.0,
+            planned_travel_mm: 0.0,
+            interior: frame.interior,
+            principal_point_sigma: PrincipalPointSigma {
+                frame_mm: 3e-5,
+                common_mm: 4e-5,
+            },
+            smear_um: 0.1,
+            smear_px: 0.1,
+        };
+        let is_refused = u32::from(sequence) == REFUSED;
+        flown.push(FrameRecord {
+            sequence: sequence.into(),
+            trigger: time,
+            outcome: if is_refused {
+                Outcome::Refused(Reason::NotAtSpeed)
+            } else {
+                Outcome::Exposed(exposed)
+            },
+            faults: Faults::NONE,
+            flags: Flags::NONE,
+            calibration: Some(CalibrationId {
+                serial: SerialNumber::EMPTY,
+                version: 0,
+                crc,
+                storage: Storage::Volatile,
+            }),
+        });
+    }
+    let csv = File::create(bench.path("records.csv")).unwrap();
+    records::write_csv(&flown, csv).unwrap();
+    let json = File::create(bench.path("records.json")).unwrap();
+    records::write_json(Some(&file.name), &flown, json).unwrap();
+    let mut images = String::from("sequence,image\n");
+    for sequence in 1..=8 {
+        writeln!(images, "{sequence},\"IMG, {sequence:03}.tif\"").unwrap();
+    }
+    fs::write(bench.path("images.csv"), images).unwrap();
+    Flight {
+        bench,
+        corrections,
+        centroids_mm,
+    }
+}
+
+/// Arguments that name camera and records.
+pub(super) const RECORDS: [&str; 4] = ["--camera", "camera.toml", "--records", "records.csv"];

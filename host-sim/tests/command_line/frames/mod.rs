@@ -1,0 +1,9 @@
+//! Points, interior orientations and meshes of many frames.
+
+mod arrays;
+mod flight;
+mod orientations;
+mod parquet;
+mod points;
+mod refused;
+mod shifted;
