@@ -19,7 +19,7 @@ pub struct Frame {
     pub image: Option<String>,
     /// Time of the trigger, camera time; `None` in a table of exposures.
     pub trigger: Option<Time>,
-    /// What the trigger led to.
+    /// Outcome of the trigger.
     pub outcome: Outcome,
     /// Names of the faults, with `; ` between them.
     pub faults: String,
@@ -40,7 +40,7 @@ impl Frame {
     }
 }
 
-/// What a trigger led to.
+/// Outcome of a trigger.
 #[allow(clippy::large_enum_variant, reason = "most frames are exposed")]
 #[derive(Debug, Clone, PartialEq)]
 pub enum Outcome {

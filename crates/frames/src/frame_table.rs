@@ -16,8 +16,8 @@ use fmc_camera_file::InputError;
 use crate::frame::correction;
 use crate::{Frame, Outcome};
 
-/// What image coordinates need of a frame: [`FrameRow::BYTES`] in memory, so that a flight of a
-/// million exposures fits.
+/// The numbers of a frame on which image coordinates depend: [`FrameRow::BYTES`] in memory, so
+/// that a flight of a million exposures fits.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct FrameRow {
     /// Number of the trigger.

@@ -7,7 +7,7 @@ use std::io::BufRead;
 use fmc_camera_file::InputError;
 use serde::de::{DeserializeSeed, Deserializer, Error, IgnoredAny, MapAccess, SeqAccess, Visitor};
 
-use super::Stream;
+use super::stream::Stream;
 use crate::Frame;
 use crate::row::Row;
 

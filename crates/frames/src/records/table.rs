@@ -5,7 +5,7 @@ use std::io::BufRead;
 use csv::{ReaderBuilder, StringRecord, Trim};
 use fmc_camera_file::InputError;
 
-use super::Stream;
+use super::stream::Stream;
 use crate::Frame;
 use crate::columns::{Lines, check_length, csv_error, names};
 use crate::row::{NAMES, Row};

@@ -135,7 +135,7 @@ fn check_device(device: &DeviceArgs) -> Result<(), Failure> {
 }
 
 impl ExposureArgs {
-    /// What the options say of the exposures of a table.
+    /// Returns the values of the options, for the exposures of a table.
     fn given(&self) -> GivenExposure {
         let exposure = self.exposure();
         GivenExposure {
