@@ -12,7 +12,7 @@ use fmc_camera::geometry::principal_point::PrincipalPointMotion;
 
 /// A trigger of the camera.
 #[derive(Debug, Clone, PartialEq)]
-pub struct Frame {
+pub struct FlightFrame {
     /// Number of the trigger; in a table without numbers that of the row, from 1.
     pub sequence: u32,
     /// Name of the image, if one is known.
@@ -29,7 +29,7 @@ pub struct Frame {
     pub calibration_crc: Option<u32>,
 }
 
-impl Frame {
+impl FlightFrame {
     /// Returns the exposure; `None` for a refused trigger.
     #[must_use]
     pub const fn exposed(&self) -> Option<&Exposed> {

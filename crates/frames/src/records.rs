@@ -11,7 +11,7 @@ use std::path::Path;
 use fmc_camera_file::InputError;
 
 use self::stream::Stream;
-use crate::{Frame, FrameCamera};
+use crate::{FlightFrame, FrameCamera};
 
 const BYTE_ORDER_MARK: &[u8] = b"\xef\xbb\xbf";
 
@@ -27,7 +27,7 @@ const BYTE_ORDER_MARK: &[u8] = b"\xef\xbb\xbf";
 pub fn read<E: From<InputError>>(
     path: &Path,
     camera: &FrameCamera,
-    each: impl FnMut(Frame) -> Result<(), E>,
+    each: impl FnMut(FlightFrame) -> Result<(), E>,
 ) -> Result<(), E> {
     let file = File::open(path).map_err(|error| InputError::reading(path, &error))?;
     read_from(
@@ -46,7 +46,7 @@ pub fn read_from<E: From<InputError>>(
     file: &str,
     mut source: impl BufRead,
     camera: &FrameCamera,
-    each: impl FnMut(Frame) -> Result<(), E>,
+    each: impl FnMut(FlightFrame) -> Result<(), E>,
 ) -> Result<(), E> {
     let stream = Stream::new(file, camera, each);
     let start = source

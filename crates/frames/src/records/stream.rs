@@ -5,7 +5,7 @@ use fmc_camera_file::InputError;
 use crate::check;
 use crate::row::{Names, Row};
 use crate::sequences::Sequences;
-use crate::{Frame, FrameCamera};
+use crate::{FlightFrame, FrameCamera};
 
 /// Records that are read, checked, and handed on.
 pub(super) struct Stream<'a, F> {
@@ -36,7 +36,7 @@ impl<'a, F> Stream<'a, F> {
         place: &str,
     ) -> Result<(), E>
     where
-        F: FnMut(Frame) -> Result<(), E>,
+        F: FnMut(FlightFrame) -> Result<(), E>,
     {
         self.count += 1;
         let frame = check::frame(row, place, self.camera)?;

@@ -6,7 +6,7 @@ use csv::{ReaderBuilder, StringRecord, Trim};
 use fmc_camera_file::InputError;
 
 use super::stream::Stream;
-use crate::Frame;
+use crate::FlightFrame;
 use crate::columns::{Lines, check_length, csv_error, names};
 use crate::row::{NAMES, Row};
 
@@ -15,7 +15,7 @@ const FIRST_COLUMNS: usize = 41;
 
 pub(super) fn read<E: From<InputError>>(
     source: impl BufRead,
-    mut stream: Stream<'_, impl FnMut(Frame) -> Result<(), E>>,
+    mut stream: Stream<'_, impl FnMut(FlightFrame) -> Result<(), E>>,
 ) -> Result<(), E> {
     let file = stream.file;
     let mut reader = ReaderBuilder::new()
