@@ -14,8 +14,8 @@ use crate::columns::shown;
 ///
 /// It is read from JSON as `host-sim import` writes it beside a camera file: `parameters`, `sigma`
 /// and, where they are known, `correlations`. The parameters are those of the camera file with its
-/// sign: `x0` and `y0` or `xp` and `yp` (mm), `k0` to `k3` (mm⁻²ⁱ), `p1`, `p2` (mm⁻¹), `b1`, `b2`; the
-/// principal distance, `c` or `f`, does not change image coordinates.
+/// sign: `x0` and `y0` or `xp` and `yp` (mm), `k0` to `k3` (mm⁻²ⁱ), `p1`, `p2` (mm⁻¹), `b1`, `b2`;
+/// the principal distance, `c` or `f`, does not change image coordinates.
 #[derive(Debug, Clone, PartialEq)]
 pub struct CalibrationCovariance {
     parameters: Vec<Parameter>,

@@ -17,7 +17,7 @@ use fmc_camera_file::InputError;
 use crate::columns::shown;
 use crate::frame::focus_shift;
 use crate::row::{self, Names, Row};
-use crate::{Exposed, Frame, FrameCamera, Outcome};
+use crate::{Exposed, FlightFrame, FrameCamera, Outcome};
 
 /// Largest difference of a principal point or distance of a record from what the camera file gives,
 /// mm. Records hold all digits; a file whose numbers were rounded to a nanometre passes.
@@ -33,7 +33,7 @@ pub(crate) fn frame<L: Names>(
     row: Row<L>,
     place: &str,
     camera: &FrameCamera,
-) -> Result<Frame, InputError> {
+) -> Result<FlightFrame, InputError> {
     let fields = Fields { place };
     let crc = fields.crc(&row.calibration_crc32, camera)?;
     let outcome = match &*row.outcome {
@@ -44,7 +44,7 @@ pub(crate) fn frame<L: Names>(
         },
         other => return Err(fields.wrong("outcome", other, "exposed or refused")),
     };
-    Ok(Frame {
+    Ok(FlightFrame {
         sequence: row.sequence,
         image: None,
         trigger: Some(Time::from_us(row.trigger_us)),

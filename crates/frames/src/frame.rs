@@ -12,14 +12,14 @@ use fmc_camera::geometry::principal_point::PrincipalPointMotion;
 
 /// A trigger of the camera.
 #[derive(Debug, Clone, PartialEq)]
-pub struct Frame {
+pub struct FlightFrame {
     /// Number of the trigger; in a table without numbers that of the row, from 1.
     pub sequence: u32,
     /// Name of the image, if one is known.
     pub image: Option<String>,
     /// Time of the trigger, camera time; `None` in a table of exposures.
     pub trigger: Option<Time>,
-    /// What the trigger led to.
+    /// Outcome of the trigger.
     pub outcome: Outcome,
     /// Names of the faults, with `; ` between them.
     pub faults: String,
@@ -29,7 +29,7 @@ pub struct Frame {
     pub calibration_crc: Option<u32>,
 }
 
-impl Frame {
+impl FlightFrame {
     /// Returns the exposure; `None` for a refused trigger.
     #[must_use]
     pub const fn exposed(&self) -> Option<&Exposed> {
@@ -40,7 +40,7 @@ impl Frame {
     }
 }
 
-/// What a trigger led to.
+/// Outcome of a trigger.
 #[allow(clippy::large_enum_variant, reason = "most frames are exposed")]
 #[derive(Debug, Clone, PartialEq)]
 pub enum Outcome {

@@ -14,10 +14,10 @@ use fmc_camera::geometry::principal_point::PrincipalPointMotion;
 use fmc_camera_file::InputError;
 
 use crate::frame::correction;
-use crate::{Frame, Outcome};
+use crate::{FlightFrame, Outcome};
 
-/// What image coordinates need of a frame: [`FrameRow::BYTES`] in memory, so that a flight of a
-/// million exposures fits.
+/// The numbers of a frame on which image coordinates depend: [`FrameRow::BYTES`] in memory, so
+/// that a flight of a million exposures fits.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct FrameRow {
     /// Number of the trigger.
@@ -127,7 +127,9 @@ impl FrameTable {
     /// # Errors
     /// Those of `read`, and [`InputError`] for an image that is that of two frames.
     pub fn collect(
-        read: impl FnOnce(&mut dyn FnMut(Frame) -> Result<(), InputError>) -> Result<(), InputError>,
+        read: impl FnOnce(
+            &mut dyn FnMut(FlightFrame) -> Result<(), InputError>,
+        ) -> Result<(), InputError>,
     ) -> Result<Self, InputError> {
         let mut table = Self::default();
         read(&mut |frame| table.push(frame))?;
@@ -136,7 +138,7 @@ impl FrameTable {
         Ok(table)
     }
 
-    fn push(&mut self, mut frame: Frame) -> Result<(), InputError> {
+    fn push(&mut self, mut frame: FlightFrame) -> Result<(), InputError> {
         let sequence = frame.sequence;
         if let Some(image) = frame.image.take()
             && let Some(other) = self.images.insert(image.clone().into(), sequence)
@@ -150,7 +152,7 @@ impl FrameTable {
         Ok(())
     }
 
-    fn row(&mut self, frame: Frame) -> FrameRow {
+    fn row(&mut self, frame: FlightFrame) -> FrameRow {
         let none = PrincipalPointSigma {
             frame_mm: f32::NAN,
             common_mm: f32::NAN,
@@ -242,8 +244,8 @@ impl FrameTable {
 mod tests {
     use super::*;
 
-    fn frame(sequence: u32, image: Option<&str>) -> Frame {
-        Frame {
+    fn frame(sequence: u32, image: Option<&str>) -> FlightFrame {
+        FlightFrame {
             sequence,
             image: image.map(str::to_owned),
             trigger: None,

@@ -1,7 +1,7 @@
 //! Frames of a flight: what their records, or a table of exposures, say of each of them.
 //!
-//! A [`Frame`] is one trigger: its interior orientation with the times and σ that belong to it, or
-//! the reason why it was refused. Records are read as a stream ([`records::read`]), from
+//! A [`FlightFrame`] is one trigger: its interior orientation with the times and σ that belong to
+//! it, or the reason why it was refused. Records are read as a stream ([`records::read`]), from
 //! `records.csv` and `records.json` alike; a table of exposures ([`table::read`]) stands for them
 //! where no camera flew. [`Exposed::correction`] returns the correction of a frame's points, with
 //! the bits that the camera itself computed.
@@ -25,7 +25,7 @@ mod sequences;
 pub mod table;
 
 pub use calibration_covariance::CalibrationCovariance;
-pub use frame::{Exposed, Frame, Outcome};
+pub use frame::{Exposed, FlightFrame, Outcome};
 pub use frame_camera::FrameCamera;
 pub use frame_table::{FrameRow, FrameTable};
 pub use image_map::ImageMap;

@@ -1,6 +1,7 @@
 //! Records of a flight, `records.csv` and `records.json`, as a stream of frames.
 
 mod json;
+mod stream;
 mod table;
 
 use std::fs::File;
@@ -9,10 +10,8 @@ use std::path::Path;
 
 use fmc_camera_file::InputError;
 
-use crate::check;
-use crate::row::{Names, Row};
-use crate::sequences::Sequences;
-use crate::{Frame, FrameCamera};
+use self::stream::Stream;
+use crate::{FlightFrame, FrameCamera};
 
 const BYTE_ORDER_MARK: &[u8] = b"\xef\xbb\xbf";
 
@@ -28,7 +27,7 @@ const BYTE_ORDER_MARK: &[u8] = b"\xef\xbb\xbf";
 pub fn read<E: From<InputError>>(
     path: &Path,
     camera: &FrameCamera,
-    each: impl FnMut(Frame) -> Result<(), E>,
+    each: impl FnMut(FlightFrame) -> Result<(), E>,
 ) -> Result<(), E> {
     let file = File::open(path).map_err(|error| InputError::reading(path, &error))?;
     read_from(
@@ -47,15 +46,9 @@ pub fn read_from<E: From<InputError>>(
     file: &str,
     mut source: impl BufRead,
     camera: &FrameCamera,
-    each: impl FnMut(Frame) -> Result<(), E>,
+    each: impl FnMut(FlightFrame) -> Result<(), E>,
 ) -> Result<(), E> {
-    let stream = Stream {
-        file,
-        camera,
-        sequences: Sequences::default(),
-        count: 0,
-        each,
-    };
+    let stream = Stream::new(file, camera, each);
     let start = source
         .fill_buf()
         .map_err(|error| InputError::reading(file.as_ref(), &error))?;
@@ -70,40 +63,5 @@ pub fn read_from<E: From<InputError>>(
         None => Err(InputError::invalid(format!("{file}: the file is empty")).into()),
         Some(b'{' | b'[') => json::read(source, stream),
         Some(_) => table::read(source, stream),
-    }
-}
-
-/// Records on their way from a file to their user.
-struct Stream<'a, F> {
-    /// Name of the file in messages.
-    file: &'a str,
-    camera: &'a FrameCamera,
-    sequences: Sequences,
-    /// Number of records so far.
-    count: u64,
-    each: F,
-}
-
-impl<F> Stream<'_, F> {
-    /// Checks a record and hands its frame on; `place` names it in messages.
-    fn push<L: Names, E: From<InputError>>(&mut self, row: Row<L>, place: &str) -> Result<(), E>
-    where
-        F: FnMut(Frame) -> Result<(), E>,
-    {
-        self.count += 1;
-        let frame = check::frame(row, place, self.camera)?;
-        if !self.sequences.insert(frame.sequence) {
-            let text = format!("{place}: sequence {} appears twice", frame.sequence);
-            return Err(InputError::invalid(text).into());
-        }
-        (self.each)(frame)
-    }
-
-    /// Checks that there were records.
-    fn end<E: From<InputError>>(&self) -> Result<(), E> {
-        if self.count == 0 {
-            return Err(InputError::invalid(format!("{}: it holds no records", self.file)).into());
-        }
-        Ok(())
     }
 }

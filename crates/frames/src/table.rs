@@ -14,7 +14,7 @@ pub use self::exposure::GivenExposure;
 use self::heading::Heading;
 use crate::columns::{Lines, check_length, csv_error, names};
 use crate::sequences::Sequences;
-use crate::{Frame, FrameCamera, Outcome};
+use crate::{FlightFrame, FrameCamera, Outcome};
 
 /// Reads a table of exposures, and gives each frame to `each`, in the order of the file.
 ///
@@ -37,7 +37,7 @@ pub fn read<E: From<InputError>>(
     path: &Path,
     camera: &FrameCamera,
     given: &GivenExposure,
-    each: impl FnMut(Frame) -> Result<(), E>,
+    each: impl FnMut(FlightFrame) -> Result<(), E>,
 ) -> Result<(), E> {
     let file = File::open(path).map_err(|error| InputError::reading(path, &error))?;
     read_from(
@@ -58,7 +58,7 @@ pub fn read_from<E: From<InputError>>(
     source: impl Read,
     camera: &FrameCamera,
     given: &GivenExposure,
-    mut each: impl FnMut(Frame) -> Result<(), E>,
+    mut each: impl FnMut(FlightFrame) -> Result<(), E>,
 ) -> Result<(), E> {
     let mut reader = ReaderBuilder::new()
         .flexible(true)
@@ -85,7 +85,7 @@ pub fn read_from<E: From<InputError>>(
                 .refused(&format!("sequence {sequence} appears twice"))
                 .into());
         }
-        each(Frame {
+        each(FlightFrame {
             sequence,
             image,
             trigger: None,

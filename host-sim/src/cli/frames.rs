@@ -73,7 +73,7 @@ pub struct FrameAnswerArgs {
     /// file (x0, y0, k0 to k3, p1, p2, b1, b2).
     #[arg(long, value_name = "FILE", requires = "frame_source")]
     pub uncertainty: Option<PathBuf>,
-    /// What happens to a point that has no answer: off the sensor, or of a refused trigger.
+    /// Treatment of a point that has no answer: off the sensor, or of a refused trigger.
     #[arg(
         long,
         value_name = "ACTION",
@@ -96,7 +96,7 @@ pub enum AnswerName {
     MeasuredShifted,
 }
 
-/// What happens to a point without an answer.
+/// Treatment of a point without an answer.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
 pub enum OffSensorName {
     /// The command fails with the first of them.

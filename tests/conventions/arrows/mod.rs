@@ -73,6 +73,7 @@ fn no_files_of_a_crate_use_each_other_in_a_circle() {
         "adjustment",
         "camera-file",
         "exchange",
+        "frames",
         "reference",
         "report",
         "simulation",

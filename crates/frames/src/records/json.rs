@@ -7,13 +7,13 @@ use std::io::BufRead;
 use fmc_camera_file::InputError;
 use serde::de::{DeserializeSeed, Deserializer, Error, IgnoredAny, MapAccess, SeqAccess, Visitor};
 
-use super::Stream;
-use crate::Frame;
+use super::stream::Stream;
+use crate::FlightFrame;
 use crate::row::Row;
 
 pub(super) fn read<E: From<InputError>>(
     source: impl BufRead,
-    stream: Stream<'_, impl FnMut(Frame) -> Result<(), E>>,
+    stream: Stream<'_, impl FnMut(FlightFrame) -> Result<(), E>>,
 ) -> Result<(), E> {
     let file = stream.file;
     let mut records = Records {
@@ -50,7 +50,7 @@ struct Document<'r, 'a, F, E>(&'r mut Records<'a, F, E>);
 impl<'de, E, F> Visitor<'de> for Document<'_, '_, F, E>
 where
     E: From<InputError>,
-    F: FnMut(Frame) -> Result<(), E>,
+    F: FnMut(FlightFrame) -> Result<(), E>,
 {
     type Value = ();
 
@@ -85,7 +85,7 @@ struct List<'r, 'a, F, E>(&'r mut Records<'a, F, E>);
 impl<'de, E, F> DeserializeSeed<'de> for List<'_, '_, F, E>
 where
     E: From<InputError>,
-    F: FnMut(Frame) -> Result<(), E>,
+    F: FnMut(FlightFrame) -> Result<(), E>,
 {
     type Value = ();
 
@@ -97,7 +97,7 @@ where
 impl<'de, E, F> Visitor<'de> for List<'_, '_, F, E>
 where
     E: From<InputError>,
-    F: FnMut(Frame) -> Result<(), E>,
+    F: FnMut(FlightFrame) -> Result<(), E>,
 {
     type Value = ();
 

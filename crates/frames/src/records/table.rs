@@ -5,8 +5,8 @@ use std::io::BufRead;
 use csv::{ReaderBuilder, StringRecord, Trim};
 use fmc_camera_file::InputError;
 
-use super::Stream;
-use crate::Frame;
+use super::stream::Stream;
+use crate::FlightFrame;
 use crate::columns::{Lines, check_length, csv_error, names};
 use crate::row::{NAMES, Row};
 
@@ -15,7 +15,7 @@ const FIRST_COLUMNS: usize = 41;
 
 pub(super) fn read<E: From<InputError>>(
     source: impl BufRead,
-    mut stream: Stream<'_, impl FnMut(Frame) -> Result<(), E>>,
+    mut stream: Stream<'_, impl FnMut(FlightFrame) -> Result<(), E>>,
 ) -> Result<(), E> {
     let file = stream.file;
     let mut reader = ReaderBuilder::new()

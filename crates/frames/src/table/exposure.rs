@@ -13,7 +13,7 @@ use fmc_camera_file::number::{finite, single};
 use super::heading::{Cells, Column};
 use crate::{Exposed, FrameCamera};
 
-/// What holds for the exposures of a table whose row does not say it.
+/// Values of the exposures of a table whose row leaves them out.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct GivenExposure {
     /// V/H, 1/s.

@@ -14,7 +14,7 @@ use fmc_camera::flight::utc::UtcTime;
 use fmc_camera::geometry::principal_distance::FocusSign;
 use fmc_camera_file::{CameraFile, InputError};
 use fmc_frames::row::{NAMES, Row};
-use fmc_frames::{Frame, FrameCamera, records};
+use fmc_frames::{FlightFrame, FrameCamera, records};
 
 pub(crate) const IXM: &str =
     include_str!("../../../../host-sim/cameras/phase-one-ixm-rs150f-50.toml");
@@ -136,7 +136,7 @@ pub(crate) fn json(records: &[FrameRecord]) -> String {
 }
 
 /// Reads records from a text.
-pub(crate) fn read(text: &str, camera: &FrameCamera) -> Result<Vec<Frame>, InputError> {
+pub(crate) fn read(text: &str, camera: &FrameCamera) -> Result<Vec<FlightFrame>, InputError> {
     let frames = RefCell::new(Vec::new());
     records::read_from("records", text.as_bytes(), camera, |frame| {
         frames.borrow_mut().push(frame);

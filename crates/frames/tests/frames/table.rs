@@ -3,12 +3,12 @@
 use fmc_camera::flight::exposure::{CorrectionModel, Exposure, FlightDirection};
 use fmc_camera::flight::principal_point_sigma::PrincipalPointSigma;
 use fmc_camera_file::InputError;
-use fmc_frames::Frame;
+use fmc_frames::FlightFrame;
 use fmc_frames::table::{self, GivenExposure};
 
 use crate::support::camera;
 
-fn read(text: &str, given: &GivenExposure) -> Result<Vec<Frame>, InputError> {
+fn read(text: &str, given: &GivenExposure) -> Result<Vec<FlightFrame>, InputError> {
     let (_, camera) = camera();
     let mut frames = Vec::new();
     table::read_from("frames.csv", text.as_bytes(), &camera, given, |frame| {

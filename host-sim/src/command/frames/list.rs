@@ -4,7 +4,7 @@ use csv::Writer;
 use fmc_camera::flight::exposure::CorrectionModel;
 use fmc_camera::flight::time::Time;
 use fmc_camera::geometry::frame_correction::Terms;
-use fmc_frames::{Frame, Outcome};
+use fmc_frames::{FlightFrame, Outcome};
 use serde::Serialize;
 
 use super::FlightFile;
@@ -68,7 +68,7 @@ struct Line<'a> {
 }
 
 impl<'a> Line<'a> {
-    fn of(frame: &'a Frame) -> Self {
+    fn of(frame: &'a FlightFrame) -> Self {
         let exposed = frame.exposed();
         let interior = exposed.map(|exposed| exposed.interior);
         let motion = interior.map(|interior| interior.motion);

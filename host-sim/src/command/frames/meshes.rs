@@ -3,7 +3,7 @@
 use std::path::PathBuf;
 
 use fmc_camera_file::InputError;
-use fmc_frames::{Frame, Outcome};
+use fmc_frames::{FlightFrame, Outcome};
 
 use super::FlightFile;
 use crate::cli::{DirectionName, MeshArgs};
@@ -76,7 +76,7 @@ pub(in crate::command) fn run(args: &MeshArgs) -> Result<(), Failure> {
 }
 
 /// Returns the folder of a frame's mesh.
-fn folder(args: &MeshArgs, frame: &Frame) -> PathBuf {
+fn folder(args: &MeshArgs, frame: &FlightFrame) -> PathBuf {
     match args.sequence {
         Some(_) => args.out.clone(),
         None => args.out.join(format!("{:05}", frame.sequence)),

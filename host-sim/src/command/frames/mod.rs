@@ -13,7 +13,7 @@ use std::sync::Arc;
 
 use fmc_camera_file::{CameraFile, InputError};
 use fmc_frames::table::{self, GivenExposure};
-use fmc_frames::{Frame, FrameCamera, FrameTable, ImageMap, records};
+use fmc_frames::{FlightFrame, FrameCamera, FrameTable, ImageMap, records};
 
 use crate::cli::{DeviceArgs, ExposureArgs, FramesArgs};
 use crate::device::DeviceName;
@@ -64,12 +64,12 @@ impl<'a> FlightFile<'a> {
     /// not exist.
     pub(super) fn read<E: From<InputError>>(
         &self,
-        mut each: impl FnMut(Frame) -> Result<(), E>,
+        mut each: impl FnMut(FlightFrame) -> Result<(), E>,
     ) -> Result<(), E> {
         let images = self.images.as_ref();
         let mut unnamed: BTreeSet<u32> =
             images.map_or_else(BTreeSet::new, |map| map.sequences().into_iter().collect());
-        let with_image = |mut frame: Frame| {
+        let with_image = |mut frame: FlightFrame| {
             if let Some(images) = images {
                 frame.image = images.image(frame.sequence).map(str::to_owned);
                 unnamed.remove(&frame.sequence);
@@ -135,7 +135,7 @@ fn check_device(device: &DeviceArgs) -> Result<(), Failure> {
 }
 
 impl ExposureArgs {
-    /// What the options say of the exposures of a table.
+    /// Returns the values of the options, for the exposures of a table.
     fn given(&self) -> GivenExposure {
         let exposure = self.exposure();
         GivenExposure {

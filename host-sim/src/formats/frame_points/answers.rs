@@ -6,7 +6,7 @@ use fmc_frames::FrameTable;
 
 use crate::formats::points::Answer;
 
-/// What is wrong with a point.
+/// Reason why a point has no answer.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Flag {
     /// It has an answer.
@@ -41,7 +41,7 @@ pub(super) fn flag_text(flag: Flag, frame: u32, table: &FrameTable) -> Cow<'stat
     }
 }
 
-/// What answers add to the columns of the points, and which rows they leave out.
+/// Columns that answers add to those of the points, and rows that they leave out.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct OutColumns {
     /// σ of the coordinates.
@@ -75,7 +75,7 @@ pub struct FrameAnswers {
     pub answers: Vec<Answer>,
     /// σ of the coordinates, mm; empty if none are asked for.
     pub sigma_mm: Vec<[f64; 2]>,
-    /// What is wrong with each point.
+    /// Reason of each point why it has no answer.
     pub flags: Vec<Flag>,
 }
 

@@ -16,7 +16,7 @@ pub(super) enum KeyType {
     Unicode,
 }
 
-/// Where the numbers of a row are.
+/// Places of the numbers in a row.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub(super) struct NpyLayout {
     pub(super) row_bytes: usize,
@@ -31,7 +31,7 @@ pub(super) struct NpyLayout {
     pub(super) fields: Option<(Vec<Field>, String)>,
 }
 
-/// Where the answers of a row are.
+/// Places of the answers in a row.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub(super) struct NpyOutLayout {
     /// The type as the header has it; `None` for rows of x, y, dx, dy.

@@ -37,7 +37,7 @@ fn points_off_the_sensor_and_of_refused_triggers_are_an_error_left_out_or_marked
     assert_eq!(lines[2], "b,5,,,,,,,refused: not at speed");
     assert_eq!(lines[3], "c,2,,,,,,,off sensor");
     assert!(lines[1].ends_with(','));
-    // What has an answer has the same one.
+    // The points with an answer have the same one.
     let with_flag = |line: &str| format!("{line},");
     let lines: Vec<String> = skipped.lines().skip(1).map(with_flag).collect();
     assert!(lines.iter().all(|line| marked.contains(line)));
