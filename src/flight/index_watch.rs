@@ -41,11 +41,12 @@ const OFF_PART: f32 = 0.5;
 ///
 /// # σ of a record
 /// A record with a crossing since the one before is *referenced*. Its σ is not below
-/// [`UNSEEN_PART`] of the tolerance of another crossing like that: as much may be lost unseen. To that is added [`OFF_PART`] of the difference of that crossing from the reference,
-/// or from the settings if that is larger, beyond the steps: uneven motion, or counts that were
-/// lost. Without a crossing, as on a camera without a mark, each of the n records since the last
-/// may have lost a step that the stage's watch lets pass, up to L either way and independent of the
-/// others: `σ² = n·L²/3`. The difference of a crossing that did not agree is added to that.
+/// [`UNSEEN_PART`] of the tolerance of another crossing like that: as much may be lost unseen. To
+/// that is added [`OFF_PART`] of the difference of that crossing from the reference, or from the
+/// settings if that is larger, beyond the steps: uneven motion, or counts that were lost. Without a
+/// crossing, as on a camera without a mark, each of the n records since the last may have lost a
+/// step that the stage's watch lets pass, up to L either way and independent of the others:
+/// `σ² = n·L²/3`. The difference of a crossing that did not agree is added to that.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(crate) struct IndexWatch {
     /// The slowest and steadiest crossing since the camera was armed.

@@ -73,8 +73,8 @@ impl Camera {
         }
     }
 
-    /// Returns the offset of the charge at last light, mm along the FMC axis, where rows are clocked
-    /// at the speed of a travel; of a stage where it has moved to.
+    /// Returns the offset at last light, mm along the FMC axis: of the charge, if rows are clocked
+    /// with the speed of a travel, or of a stage.
     pub(crate) fn closing_mm(&self, travel: UniformTravel) -> f32 {
         let travel_mm = travel.speed_mm_s * travel.exposure_s;
         let moved_mm = match self.mechanism {

@@ -53,9 +53,9 @@ pub(super) struct Choice {
 /// contradict. Rank alone decides only where none of these differs.
 ///
 /// The values of ways that contradict the one in use may be true in its place. Without a
-/// contradiction its variance grows by [`SHARE_OF_EXCESS`] of the part of the squared differences that both variances
-/// do not explain, at the last sample or in the mean of the last ones. A latency or a constant
-/// error that the settings do not state shows there.
+/// contradiction its variance grows by [`SHARE_OF_EXCESS`] of the part of the squared differences
+/// that both variances do not explain, at the last sample or in the mean of the last ones. A
+/// latency or a constant error that the settings do not state shows there.
 #[derive(Debug, Clone, Copy, Default)]
 pub(super) struct Agreement {
     /// Mean of the last values that no way contradicted, continued by the value in use.

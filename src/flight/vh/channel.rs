@@ -22,7 +22,7 @@ pub const GUST_SIGMAS: f32 = 3.0;
 /// has jumped is confirmed.
 pub const CONFIRMED_WITHIN: f32 = 0.05;
 
-/// What the other sources tell of one.
+/// Numbers of the other sources that concern one.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Others {
     /// Value that follows from all others.

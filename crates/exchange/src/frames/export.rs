@@ -86,8 +86,8 @@ impl<'a> FlightExport<'a> {
     /// as little on the frames as on the calibrated camera. Frames see the lens beyond the
     /// sensor: where the fit is worse there, it is repeated over as much more of the lens, and over
     /// two to sixteen times as much, until it leaves as little; or else the best of these is taken.
-    /// Files with the frames that differ most from the calibrated camera are read back and compared; the
-    /// other frames differ from them in principal point and κ alone.
+    /// Files with the frames that differ most from the calibrated camera are read back and
+    /// compared; the other frames differ from them in principal point and κ alone.
     ///
     /// # Errors
     /// [`InputError`] for a program that takes no camera per image, for images that it could not

@@ -60,7 +60,7 @@ impl Flight {
     /// camera per image can have, and a time that no calendar has.
     pub fn push(
         &mut self,
-        frame: &fmc_frames::Frame,
+        frame: &fmc_frames::FlightFrame,
         exit_pupil_mm: f64,
     ) -> Result<(), InputError> {
         let sequence = frame.sequence;

@@ -53,7 +53,7 @@ const SHOTS: [Shot; 3] = [
 
 impl Shot {
     /// Returns the record of the shot.
-    fn record(&self, camera: &Camera, sequence: u32) -> fmc_frames::Frame {
+    fn record(&self, camera: &Camera, sequence: u32) -> fmc_frames::FlightFrame {
         let mut exposure = Exposure::new(single(self.vh_per_s), single(self.exposure_s));
         exposure.opening_offset_mm = self.opening_offset_mm.map(single);
         exposure.focus_shift_um = single(self.focus_shift_um);
@@ -68,8 +68,8 @@ impl Shot {
     }
 }
 
-fn record(sequence: u32, camera: &Camera, exposure: &Exposure) -> fmc_frames::Frame {
-    fmc_frames::Frame {
+fn record(sequence: u32, camera: &Camera, exposure: &Exposure) -> fmc_frames::FlightFrame {
+    fmc_frames::FlightFrame {
         sequence,
         image: None,
         trigger: None,
