@@ -32,7 +32,9 @@ fn fault_that_nobody_injected_fails_a_nominal_flight() {
     announced.announced.push((3_000_000, Fault::VhLost));
     assert_eq!(failed(&scenario, &announced), [CHECK]);
     let mut recorded = flown.clone();
-    recorded.frames[5].record.faults.insert(Fault::VhLost);
+    let frame = &mut recorded.frames[5];
+    frame.record.faults.insert(Fault::VhLost);
+    frame.fetched_faults.insert(Fault::VhLost);
     assert!(failed(&scenario, &recorded).contains(&CHECK.to_owned()));
     // A fault that comes after an injected one may follow from it, and one before cannot.
     let mut injected = scenario.clone();
