@@ -1,6 +1,7 @@
 //! Exposures whose principal points are in doubt.
 
-/// The exposures since the last crossing of the index mark that agreed, after one that did not.
+/// The exposures since the last crossing of the index mark that agreed within the encoder's steps,
+/// after one that did not agree.
 ///
 /// Records that are still kept get [`Flag::Unreferenced`](super::flag::Flag::Unreferenced) and
 /// [`Fault::Encoder`](super::fault::Fault::Encoder), and their σ covers [`Self::off_mm`]. For those

@@ -1,13 +1,15 @@
 //! The files of a certificate: pages, content, camera file, their hashes and the signature.
 
 use fmc_report::figure::FigureError;
+use fmc_report::hash;
 use fmc_report::page::PageError;
 
 use crate::content::Certificate;
 use crate::document::Document;
 use crate::pdf::{Attachment, PdfError, pdf};
 use crate::signature::PrivateKey;
-use crate::{hash, html};
+
+use crate::html;
 
 /// Name of the PDF.
 pub const PDF: &str = "certificate.pdf";

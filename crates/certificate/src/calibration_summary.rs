@@ -3,10 +3,9 @@
 use std::collections::BTreeMap;
 
 use fmc_camera_file::InputError;
+use fmc_report::hash;
 use serde::Deserialize;
 use serde_json::Value;
-
-use crate::hash;
 
 /// Largest difference between a parameter of the summary and the camera file, as a share of it:
 /// rounding of either file.

@@ -3,12 +3,12 @@
 use std::collections::BTreeMap;
 
 use fmc_camera_file::{CameraFile, InputError};
+use fmc_report::hash;
 use serde::Deserialize;
 
 use crate::bundle::{HTML, JSON, PDF, PUBLIC_KEY, SIGNATURE, SUMS};
 use crate::content::parameters;
 use crate::flown_calibrations::FlownCalibrations;
-use crate::hash;
 use crate::pdf_reader::ReadPdf;
 use crate::signature::PublicKey;
 

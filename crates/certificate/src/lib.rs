@@ -10,7 +10,6 @@ pub mod details;
 pub mod document;
 pub mod figure;
 pub mod flown_calibrations;
-pub mod hash;
 pub mod html;
 pub mod pdf;
 pub mod pdf_reader;

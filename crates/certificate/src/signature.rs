@@ -4,8 +4,7 @@ use ed25519_dalek::pkcs8::spki::der::pem::LineEnding;
 use ed25519_dalek::pkcs8::{DecodePrivateKey, DecodePublicKey, EncodePublicKey};
 use ed25519_dalek::{Signature, Signer, SigningKey, VerifyingKey};
 use fmc_camera_file::InputError;
-
-use crate::hash;
+use fmc_report::hash;
 
 /// Length of a signature, bytes.
 pub const LENGTH: usize = Signature::BYTE_SIZE;

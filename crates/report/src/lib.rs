@@ -13,6 +13,7 @@ pub mod camera_status;
 pub mod chart;
 pub mod exchange;
 pub mod figure;
+pub mod hash;
 mod length;
 pub mod mission;
 pub mod page;

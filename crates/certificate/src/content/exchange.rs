@@ -8,22 +8,6 @@ use serde::Serialize;
 
 use crate::stated::Stated;
 
-/// Programs whose files are written, as the command line names them.
-const PROGRAMS: [Program; 12] = [
-    Program::OpenCv,
-    Program::Ros,
-    Program::Kalibr,
-    Program::Colmap,
-    Program::Metashape,
-    Program::OpenSfm,
-    Program::Opf,
-    Program::Pix4d,
-    Program::OpenTrackIo,
-    Program::MicMac,
-    Program::Australis,
-    Program::PhotoModeler,
-];
-
 /// One program.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct ExchangeLine {
@@ -46,7 +30,9 @@ pub struct ExchangeLine {
 /// Returns a line per program, with the model that an export takes without further choice.
 pub(super) fn lines(camera: &CameraFile) -> Vec<ExchangeLine> {
     let calibrated = Calibrated::of(camera);
-    PROGRAMS.map(|program| line(&calibrated, program)).into()
+    Program::WRITTEN
+        .map(|program| line(&calibrated, program))
+        .into()
 }
 
 fn line(camera: &Calibrated, program: Program) -> ExchangeLine {

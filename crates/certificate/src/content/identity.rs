@@ -1,11 +1,11 @@
 //! Identity of a certificate: camera, instruments, laboratory, persons, dates, hashes.
 
 use fmc_camera_file::{CameraFile, InputError, MechanismName};
+use fmc_report::hash;
 use serde::Serialize;
 
 use super::inputs::Inputs;
 use crate::details::{Date, Details, Instrument, Laboratory, Person};
-use crate::hash;
 
 /// Who, what and when.
 #[derive(Debug, Clone, PartialEq, Eq, Serialize)]

@@ -5,8 +5,8 @@ use fmc_exchange::export::Exported;
 use fmc_exchange::program::Program;
 use serde::Serialize;
 
-use super::hashes::{crc32, sha256};
 use super::{ExportedFlight, NAMES, residual};
+use crate::hash::{crc32, sha256};
 use crate::{length, terminal};
 
 /// Statement of an export: files, conventions, residual. Keys are only ever added.

@@ -7,8 +7,8 @@ use fmc_exchange::import::Imported;
 use fmc_exchange::program::Program;
 use serde::Serialize;
 
-use super::hashes::{crc32, sha256};
 use super::{NAMES, residual};
+use crate::hash::{crc32, sha256};
 use crate::terminal;
 
 /// Statement of an import: the file that was read, and the residual. Keys are only ever added.

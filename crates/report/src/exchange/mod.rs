@@ -2,7 +2,6 @@
 
 mod export_summary;
 mod exported_flight;
-mod hashes;
 mod import_summary;
 
 pub use export_summary::{ExportSummary, NotHeldSummary};

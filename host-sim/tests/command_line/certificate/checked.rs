@@ -2,7 +2,7 @@
 
 use std::fs;
 
-use fmc_certificate::hash;
+use fmc_report::hash;
 
 use super::super::mission;
 use super::super::support::{Answer, Bench, CAMERA};
