@@ -6,10 +6,9 @@ use fmc_report::page::PageError;
 
 use crate::content::Certificate;
 use crate::document::Document;
+use crate::html;
 use crate::pdf::{Attachment, PdfError, pdf};
 use crate::signature::PrivateKey;
-
-use crate::html;
 
 /// Name of the PDF.
 pub const PDF: &str = "certificate.pdf";
