@@ -376,3 +376,6 @@ fn repeat_sigma_mm(drive: &DriveSettings, faster_mm_s: f32) -> f32 {
     let of_age_mm = drive.reading_age_sigma_s * faster_mm_s;
     libm::hypotf(1e-3 * drive.index_sigma_um, of_age_mm)
 }
+
+#[cfg(test)]
+mod tests;

@@ -1,5 +1,6 @@
 //! The stage's watch: it compares readings with set points, and finds faults of stage and encoder.
 
+use super::controller::timing::LATE_TICK_S;
 use super::drive::StageReading;
 use super::fault::Fault;
 use super::stage::Setpoint;
@@ -21,6 +22,9 @@ pub(crate) struct StageTolerance {
     /// Distance by which friction and play move a stage off its set point from one reading to the
     /// next, mm.
     pub(crate) slip_mm: f32,
+    /// Largest part of a step beyond its set point's that neither the step before nor the next one
+    /// shares, mm: more is not motion of a mass.
+    pub(crate) isolated_mm: f32,
 }
 
 impl StageTolerance {
@@ -49,10 +53,15 @@ pub(crate) enum ReadingVerdict {
 ///
 /// # Model
 /// A reading whose step from the last differs from its set point's by more than `jump_mm` is
-/// suspicious. With the next it turns out to be
+/// suspicious, and so is one that differs by more than `isolated_mm` from both the set point's step
+/// and the step before. With the next it turns out to be
 /// - a glitch, where that one steps back by as much;
 /// - lost or added counts, [`Fault::Encoder`], where that one follows again from the new place;
 /// - motion of the stage otherwise.
+///
+/// A stage is a mass: what moves it in one round moves it in the next, too, unless a force stops
+/// it. The accelerations that motor, friction and contact with the screw give it bound a step that
+/// stands alone between two rounds, whatever the play that lets the stage leave its set point.
 ///
 /// Motion is at fault if it is off its set point by more than `following_mm`: if the stage should
 /// move, [`Fault::WrongDirection`] if it moves the other way, [`Fault::Runaway`] if it is ahead,
@@ -65,7 +74,20 @@ pub(crate) enum ReadingVerdict {
 pub(crate) struct StageWatch {
     /// The last reading, and where the stage should have been, mm; released, 0.
     last: Option<(StageReading, f32)>,
-    suspicion_mm: Option<f32>,
+    /// Step of the last reading beyond its set point's, mm, if it came a round after the one
+    /// before.
+    step_mm: Option<f32>,
+    suspicion: Option<Suspicion>,
+}
+
+/// A step on which the next one decides.
+#[derive(Debug, Clone, Copy, PartialEq)]
+struct Suspicion {
+    /// Its size, mm.
+    step_mm: f32,
+    /// Largest next step in the same direction after which the stage counts as following again
+    /// from a new place, mm.
+    follows_mm: f32,
 }
 
 impl StageWatch {
@@ -74,7 +96,8 @@ impl StageWatch {
     pub(crate) const fn new() -> Self {
         Self {
             last: None,
-            suspicion_mm: None,
+            step_mm: None,
+            suspicion: None,
         }
     }
 
@@ -98,23 +121,44 @@ impl StageWatch {
         let is_steady = setpoint.is_some_and(|setpoint| setpoint.acceleration_mm_s2 == 0.0);
         let jump_mm =
             tolerance.slip_mm + tolerance.jump_mm * if is_steady { 1.0 } else { ACCELERATING };
-        match self.suspicion_mm.take() {
-            Some(suspicion_mm) if libm::fabsf(suspicion_mm + step_mm) <= jump_mm => {
-                ReadingVerdict::Glitch
+        let is_next = reading.time.seconds_since(last.time) <= LATE_TICK_S;
+        let before_mm = core::mem::replace(&mut self.step_mm, is_next.then_some(step_mm))
+            .filter(|_| is_next && setpoint.is_some());
+        if let Some(suspicion) = self.suspicion.take() {
+            let size_mm = libm::fabsf(suspicion.step_mm);
+            if libm::fabsf(suspicion.step_mm + step_mm) <= jump_mm.min(MADE_GOOD * size_mm) {
+                return ReadingVerdict::Glitch;
             }
-            Some(suspicion_mm)
-                if libm::fabsf(step_mm) <= MADE_GOOD * libm::fabsf(suspicion_mm)
-                    || step_mm * suspicion_mm < 0.0 =>
-            {
-                ReadingVerdict::Fault(Fault::Encoder)
+            if libm::fabsf(step_mm) <= suspicion.follows_mm || step_mm * suspicion.step_mm < 0.0 {
+                return ReadingVerdict::Fault(Fault::Encoder);
             }
-            None if libm::fabsf(step_mm) > jump_mm => {
-                self.suspicion_mm = Some(step_mm);
-                ReadingVerdict::Suspicious
-            }
-            _ => verdict_of_motion(reading, setpoint, moved_mm, tolerance),
+        } else if let Some(follows_mm) = follows_mm(step_mm, before_mm, jump_mm, tolerance) {
+            self.suspicion = Some(Suspicion {
+                step_mm,
+                follows_mm,
+            });
+            return ReadingVerdict::Suspicious;
         }
+        verdict_of_motion(reading, setpoint, moved_mm, tolerance)
     }
+}
+
+/// Returns the largest next step in the direction of a suspicious one after which counts have been
+/// lost or added, mm; `None` if the step is not suspicious.
+fn follows_mm(
+    step_mm: f32,
+    before_mm: Option<f32>,
+    jump_mm: f32,
+    tolerance: &StageTolerance,
+) -> Option<f32> {
+    let size_mm = libm::fabsf(step_mm);
+    let made_good_mm = MADE_GOOD * size_mm;
+    if size_mm > jump_mm {
+        return Some(made_good_mm);
+    }
+    let isolated_mm = size_mm - tolerance.isolated_mm;
+    let shared_mm = libm::copysignf(1.0, step_mm) * before_mm?;
+    (isolated_mm > shared_mm.max(0.0)).then_some(made_good_mm.min(isolated_mm))
 }
 
 /// Judges the position of the stage, and its motion since the last reading.
@@ -157,6 +201,7 @@ mod tests {
         following_mm: 0.008,
         jump_mm: 0.001,
         slip_mm: 0.0,
+        isolated_mm: 0.001,
     };
     const SPEED_MM_S: f32 = 5.0;
 
@@ -254,5 +299,66 @@ mod tests {
             first_fault(&verdicts(not_a_number)),
             Some((0, Fault::Encoder))
         );
+    }
+
+    /// Tolerances of a stage with the encoder on it and 10.8 µm of play, at up to 546 mm/s².
+    const WITH_PLAY: StageTolerance = StageTolerance {
+        following_mm: 0.0215,
+        jump_mm: 0.001,
+        slip_mm: 0.0144,
+        isolated_mm: 0.0055,
+    };
+
+    /// First fault of a stage at 5 mm/s from the steps of its reading beyond that, µm.
+    fn fault_of_steps(steps_um: &[f32]) -> Option<(usize, Fault)> {
+        let mut watch = StageWatch::new();
+        let mut found = std::vec::Vec::new();
+        let mut offset_mm = 0.0;
+        for (tick, step_um) in (0_u8..).zip(steps_um) {
+            let setpoint = Setpoint {
+                offset_mm: 1e-3 * SPEED_MM_S * f32::from(tick),
+                speed_mm_s: SPEED_MM_S,
+                acceleration_mm_s2: 546.0,
+            };
+            offset_mm += 1e-3 * (step_um + if tick > 0 { SPEED_MM_S } else { 0.0 });
+            let time = Time::from_us(1000 * u64::from(tick));
+            let reading = StageReading { time, offset_mm };
+            found.push(watch.look(reading, Some(setpoint), &WITH_PLAY));
+        }
+        first_fault(&found)
+    }
+
+    #[test]
+    fn step_that_stands_alone_is_no_motion_however_large_the_play() {
+        for sign in [1.0, -1.0] {
+            let fault_of = |steps_um: [f32; 6]| fault_of_steps(&steps_um.map(|it| sign * it));
+            let counts_lost = Some((4, Fault::Encoder));
+            // The drive takes a tenth of it back in the next round.
+            assert_eq!(fault_of([0.0, 0.1, -0.1, 14.8, -1.8, -1.8]), counts_lost);
+            assert_eq!(fault_of([0.0, 0.1, -0.1, 5.7, 0.1, -0.5]), counts_lost);
+            assert_eq!(fault_of([0.0, 0.1, -0.1, 5.3, -0.5, -0.5]), None);
+            // A step that the rounds beside share is motion: the stage stands in the play, and its
+            // screw catches it.
+            assert_eq!(fault_of([0.0, -5.0, -5.0, 4.0, 6.0, 3.0]), None);
+            assert_eq!(fault_of([0.0, 3.0, 6.0, 8.0, 2.0, -1.0]), None);
+            assert_eq!(fault_of([0.0, 0.0, -5.0, -8.0, -3.0, 2.0]), None);
+        }
+    }
+
+    #[test]
+    fn reading_that_stands_out_alone_is_left_out_within_the_play() {
+        let mut watch = StageWatch::new();
+        let mut look = |us: u64, offset_mm| {
+            let time = Time::from_us(us);
+            let rest = Some(Setpoint::default());
+            watch.look(StageReading { time, offset_mm }, rest, &WITH_PLAY)
+        };
+        for round in 0..3 {
+            assert_eq!(look(1000 * round, 0.0), ReadingVerdict::Follows);
+        }
+        assert_eq!(look(3000, 0.008), ReadingVerdict::Suspicious);
+        assert_eq!(look(4000, 0.0), ReadingVerdict::Glitch);
+        // After a round that was left out, nobody knows what the stage has done in between.
+        assert_eq!(look(6000, 0.008), ReadingVerdict::Follows);
     }
 }

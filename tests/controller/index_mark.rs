@@ -37,7 +37,7 @@ fn with_mark(index_mm: f32) -> FlightSettings {
 /// Takes a frame, and lets the stage return.
 fn fly_frame(bench: &mut Bench) {
     bench.send(Event::Trigger);
-    bench.run(200);
+    bench.run(250);
 }
 
 fn flags_of(bench: &Bench) -> Vec<bool> {

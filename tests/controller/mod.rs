@@ -16,6 +16,7 @@ mod findings;
 mod flyable;
 mod index_mark;
 mod nominal;
+mod play;
 mod processor_faults;
 mod rows;
 mod sequences;

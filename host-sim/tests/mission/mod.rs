@@ -2,6 +2,7 @@
 
 #[cfg(test)]
 mod determinism;
+mod drawn;
 mod encoders;
 #[cfg(test)]
 mod faults;

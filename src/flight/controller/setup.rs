@@ -1,5 +1,7 @@
 //! The camera and its settings for one flight.
 
+use heapless::Vec;
+
 use super::error::ControllerError;
 use super::timing::{EXERCISE_REACH, LEAD_S, TICK_S};
 use crate::flight::camera::{self, Camera, FrameError};
@@ -12,9 +14,13 @@ use crate::flight::smear_prediction::{
     AircraftMotion, Compensation, PredictedSmear, SmearPrediction,
 };
 use crate::flight::stage::{PlanError, Setpoint, Travel};
+use crate::flight::stage_watch::StageTolerance;
 use crate::flight::vh::{VhEstimate, VhSource};
 use crate::geometry::principal_point::{PrincipalPointMotion, UniformTravel};
 use crate::geometry::range::Quantity;
+
+/// Most ways from the end of a travel to the waiting place.
+const MOST_WAYS: usize = 4;
 
 /// Results of the preparation of a flight, for one camera.
 #[derive(Debug, Clone)]
@@ -65,6 +71,12 @@ impl Setup<'_> {
         margin_s(self.settings)
     }
 
+    /// Tolerances of the stage.
+    pub(super) fn stage_tolerance(&self) -> StageTolerance {
+        let acceleration_mm_s2 = self.camera.stage().acceleration_mm_s2();
+        self.settings.stage_tolerance(acceleration_mm_s2)
+    }
+
     /// Half of the stage's stroke, mm.
     pub(super) fn half_stroke_mm(&self) -> f32 {
         0.5 * self.camera.calibration().parameters().stroke_mm
@@ -78,6 +90,12 @@ impl Setup<'_> {
             low_mm: sides.map_or(-reach_mm, |sides| sides.low_mm.min(-reach_mm)),
             high_mm: sides.map_or(reach_mm, |sides| sides.high_mm.max(reach_mm)),
         }
+    }
+
+    /// Returns where the last way to a waiting place begins, mm, if the way there from a place does
+    /// not take up the play as the run-up does.
+    pub(super) fn approach(&self, from_mm: f32, waiting_mm: f32) -> Option<f32> {
+        approach(self.camera, self.settings, from_mm, waiting_mm)
     }
 
     /// Returns the frame of a stage of which nothing is known: it counts as standing at its
@@ -225,36 +243,64 @@ pub(super) fn needed_s(
     Ok(before_s + cycle_s)
 }
 
+/// Returns where the last way to a waiting place begins, mm, if the way there from a place does not
+/// take up the play as the run-up does. The stroke may end before.
+fn approach(
+    camera: &Camera,
+    settings: &FlightSettings,
+    from_mm: f32,
+    waiting_mm: f32,
+) -> Option<f32> {
+    let approach_mm = settings.approach_mm();
+    let half_stroke_mm = 0.5 * camera.calibration().parameters().stroke_mm;
+    let begin_mm = limited(waiting_mm - approach_mm, half_stroke_mm);
+    let is_long_enough = if approach_mm < 0.0 {
+        from_mm >= begin_mm
+    } else {
+        from_mm <= begin_mm
+    };
+    (!is_long_enough).then_some(begin_mm)
+}
+
+/// Returns a place, or the end of the stroke before it, mm.
+fn limited(place_mm: f32, half_stroke_mm: f32) -> f32 {
+    place_mm.max(-half_stroke_mm).min(half_stroke_mm)
+}
+
 /// Returns the time from a trigger until the stage waits again, s, with the ways across the index
-/// mark if the cycle itself does not cross it.
+/// mark if the cycle itself does not cross it, and the way by which it takes up the play.
 fn cycle_s(
     camera: &Camera,
     settings: &FlightSettings,
     travel: &Travel,
     waiting_mm: f32,
 ) -> Result<f32, FrameError> {
-    let stage = camera.stage();
     let end = travel.profile.end();
     let from_mm = end.offset_mm;
+    let mut places: Vec<f32, MOST_WAYS> = Vec::new();
     let sides = settings
         .index_sides()
         .filter(|sides| !sides.are_between(from_mm, waiting_mm));
-    let Some(sides) = sides else {
-        return Ok(stage.cycle_s(travel, waiting_mm)?);
-    };
-    let at = |offset_mm| Setpoint {
-        offset_mm,
-        ..Setpoint::default()
-    };
-    let mut cycle_s = travel.stop_s;
-    let mut from = end;
-    if from_mm > sides.low_mm {
-        cycle_s += stage.reposition(from, sides.low_mm)?.duration_s();
-        from = at(sides.low_mm);
+    if let Some(sides) = sides {
+        if from_mm > sides.low_mm {
+            let _ = places.push(sides.low_mm);
+        }
+        let _ = places.push(sides.high_mm);
     }
-    cycle_s += stage.reposition(from, sides.high_mm)?.duration_s();
-    let back = stage.reposition(at(sides.high_mm), waiting_mm)?;
-    Ok(cycle_s + back.duration_s())
+    let last_mm = places.last().copied().unwrap_or(from_mm);
+    if let Some(begin_mm) = approach(camera, settings, last_mm, waiting_mm) {
+        let _ = places.push(begin_mm);
+    }
+    let _ = places.push(waiting_mm);
+    let (mut cycle_s, mut from) = (travel.stop_s, end);
+    for to_mm in places {
+        cycle_s += camera.stage().reposition(from, to_mm)?.duration_s();
+        from = Setpoint {
+            offset_mm: to_mm,
+            ..Setpoint::default()
+        };
+    }
+    Ok(cycle_s)
 }
 
 pub(super) fn exposure(settings: &FlightSettings, vh_per_s: f32, exposure_s: f32) -> Exposure {

@@ -18,6 +18,7 @@ impl Controller {
         }
         self.stage.expect_readings(now);
         self.stage.index.demand();
+        self.stage.approached_mm = None;
         let place_mm = self.destination_mm(setup, now, EXERCISE_WAYS);
         if self.stage.go_to(setup, now, place_mm) {
             self.readiness.start_exercise();
@@ -42,11 +43,10 @@ impl Controller {
             }
             return;
         }
-        let mut place_mm = self.destination_mm(setup, now, ways_left);
-        if !matches!(self.readiness.mode(), Mode::Arming { .. }) {
-            let from_mm = self.stage.place_mm(now);
-            place_mm = self.next_place_mm(setup, from_mm, place_mm, actions);
-        }
+        let place_mm = match self.stage.approached_mm.take() {
+            Some(waiting_mm) => waiting_mm,
+            None => self.way_back_mm(setup, now, ways_left, actions),
+        };
         if self.stage.go_to(setup, now, place_mm) {
             self.readiness.go_back();
         } else {
@@ -87,7 +87,11 @@ impl Controller {
         match self.readiness.arrive() {
             Arrival::StandBy => self.stand_by(actions),
             Arrival::NextWay => self.go_back(setup, now, actions),
-            Arrival::Ready if self.stage.index.is_on_detour() => self.go_back(setup, now, actions),
+            Arrival::Ready
+                if self.stage.index.is_on_detour() || self.stage.approached_mm.is_some() =>
+            {
+                self.go_back(setup, now, actions);
+            }
             Arrival::Ready if self.has_found_index(setup, actions) => self.become_ready(setup, now),
             Arrival::Ready => self.stand_by(actions),
         }
@@ -123,6 +127,32 @@ impl Controller {
         } else {
             self.resume(setup, now, actions);
         }
+    }
+
+    /// Returns the end of the stage's next way, mm: across the index mark, to where the way to the
+    /// waiting place takes up the play, or to the destination.
+    fn way_back_mm(
+        &mut self,
+        setup: &Setup,
+        now: Time,
+        ways_left: u8,
+        actions: &mut Actions,
+    ) -> f32 {
+        let destination_mm = self.destination_mm(setup, now, ways_left);
+        let from_mm = self.stage.place_mm(now);
+        let place_mm = if matches!(self.readiness.mode(), Mode::Arming { .. }) {
+            destination_mm
+        } else {
+            self.next_place_mm(setup, from_mm, destination_mm, actions)
+        };
+        if ways_left > 0 || self.stage.index.is_on_detour() {
+            return place_mm;
+        }
+        let Some(begin_mm) = setup.approach(from_mm, place_mm) else {
+            return place_mm;
+        };
+        self.stage.approached_mm = Some(place_mm);
+        begin_mm
     }
 
     /// Returns the stage's next position, mm: an end of the exercise or, after its last way, the

@@ -86,6 +86,11 @@ impl Stage {
         })
     }
 
+    /// A: largest acceleration, mm/s².
+    pub(crate) const fn acceleration_mm_s2(&self) -> f32 {
+        self.acceleration_mm_s2
+    }
+
     /// Returns the travel of one exposure, from the best start of the run-up to the stop.
     ///
     /// # Model

@@ -37,7 +37,7 @@ impl FrameMachine {
             }
             if !flags.contains(Flag::PlannedMotion) {
                 // The mark may have been crossed since the readings.
-                let passed_mm = setup.settings.stage_tolerance().unseen_mm();
+                let passed_mm = setup.stage_tolerance().unseen_mm();
                 sigma.common_mm = stage.index.sigma_mm(sigma.common_mm, drive, passed_mm);
             }
         }

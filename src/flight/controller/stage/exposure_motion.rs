@@ -67,7 +67,7 @@ impl StageMachine {
         let is_whole = !path.is_continued && longest_gap_s <= gap_s;
         if !is_whole {
             // A stage that follows may be off by this much between readings.
-            let following_mm = setup.settings.stage_tolerance().following_mm;
+            let following_mm = setup.stage_tolerance().following_mm;
             sigma.frame_mm = sigma.frame_mm.max(following_mm);
         }
         let motion = ExposureMotion {

@@ -50,6 +50,8 @@ pub(super) struct StageMachine {
     /// Wrong readings that were left out.
     glitches: u32,
     pub(super) index: IndexWatch,
+    /// Waiting place, mm, while the stage goes to where its last way there begins.
+    pub(super) approached_mm: Option<f32>,
 }
 
 /// Degree to which the stage is expected to follow its set point.
@@ -95,6 +97,7 @@ impl StageMachine {
             standing_since: None,
             glitches: 0,
             index: IndexWatch::new(),
+            approached_mm: None,
         }
     }
 
@@ -118,7 +121,7 @@ impl StageMachine {
             // The reading is out of date; if no current one comes, the encoder has failed.
             return None;
         }
-        let mut tolerance = setup.settings.stage_tolerance();
+        let mut tolerance = setup.stage_tolerance();
         match obedience {
             Obedience::None => self.forget_suspicion(),
             Obedience::Unlearned => tolerance.following_mm *= UNLEARNED_TOLERANCE,
@@ -315,7 +318,7 @@ impl StageMachine {
     /// Returns `true` if the stage has not moved for [`STANDING_S`], as far as its readings show.
     pub(super) fn has_stood(&mut self, setup: &Setup, now: Time) -> bool {
         let offset_mm = self.last_place_mm();
-        let tolerance_mm = setup.settings.stage_tolerance().following_mm;
+        let tolerance_mm = setup.stage_tolerance().following_mm;
         match self.standing_since {
             Some((since, place_mm)) if libm::fabsf(offset_mm - place_mm) <= tolerance_mm => {
                 now.seconds_since(since) > STANDING_S
