@@ -2,9 +2,11 @@
 
 use core::fmt;
 
+use fmc_camera_kernel::inverse;
+
 use super::evaluation_form::Displacement;
 use super::frame_correction::{Corrected, FrameCorrection, Terms};
-use super::newton_step::newton_step;
+use super::newton_step::{displacement, newton_step};
 use super::sensor::SensorPoint;
 
 /// Largest number of Newton steps that may leave the sensor; a lens of up to a per cent of
@@ -98,7 +100,7 @@ impl FrameCorrection {
     /// and within 0.02 nm where all this is less (`tests/geometry/round_trip.rs`). The displacement
     /// agrees within 0.11 nm with the one in double precision on the published cameras
     /// (`tests/geometry/inverse.rs`). Instructions on Cortex-M4F and M7 if the first step is the
-    /// last: 115 with the short kernel and 128 with the full one (`docs/instructions.csv`); if
+    /// last: 116 with the short kernel and 128 with the full one (`docs/instructions.csv`); if
     /// every iterate has to be kept on the sensor, some hundred more.
     ///
     /// # Errors
@@ -125,10 +127,16 @@ impl FrameCorrection {
     )]
     #[inline(always)]
     fn first_step<const FULL: bool>(&self, ideal: SensorPoint) -> Result<Corrected, Displacement> {
-        let (x, y) = self.centred(ideal);
-        let start = self.form().start::<FULL>(x, y);
-        let (distortion, step2_mm2) = self.form().stepped::<FULL>(x, y, start);
-        self.ended(ideal, distortion, step2_mm2).ok_or(distortion)
+        let step = self
+            .coefficients()
+            .first_step::<FULL>([ideal.x_mm, ideal.y_mm]);
+        let distortion = displacement(step.distortion);
+        let [x_mm, y_mm] = step.measured;
+        let point = SensorPoint::new(x_mm, y_mm);
+        let found = self.last_step().ends(step.step2_mm2, step.measured);
+        found
+            .then_some(Corrected { point, distortion })
+            .ok_or(distortion)
     }
 
     /// Continues [`Self::distort`] from the result of the first free step.
@@ -226,7 +234,8 @@ impl FrameCorrection {
     ///
     /// # Accuracy
     /// That of [`Self::distort`]. Instructions per point on Cortex-M4F and M7 if the first step is
-    /// the last: 94 with the short kernel and 105 with the full one.
+    /// the last: 95 with the short kernel and 106 with the full one. The vectors of a Cortex-M55
+    /// halve them; they take numbers below 2⁻¹²⁶ for zero.
     ///
     /// # Errors
     /// [`DistortSliceError`] for the first point that has no measured one. The points before it
@@ -245,45 +254,27 @@ impl FrameCorrection {
     /// # Ok::<(), Box<dyn core::error::Error>>(())
     /// ```
     pub fn distort_slice(&self, points: &mut [SensorPoint]) -> Result<(), DistortSliceError> {
+        let (form, last_step) = (self.coefficients(), self.last_step());
         let mut rest = points;
         let mut index = 0;
         loop {
-            let not_found = match self.terms() {
-                Terms::Short => self.first_steps::<false>(rest),
-                Terms::Full => self.first_steps::<true>(rest),
-            };
-            let Some((found, distortion)) = not_found else {
-                return Ok(());
+            let pairs = bytemuck::must_cast_slice_mut(rest);
+            let found = match self.terms() {
+                Terms::Short => inverse::pairs::<false>(&form, &last_step, pairs),
+                Terms::Full => inverse::pairs::<true>(&form, &last_step, pairs),
             };
             index += found;
             let left = rest.get_mut(found..).and_then(<[_]>::split_first_mut);
             let Some((point, behind)) = left else {
                 return Ok(());
             };
-            let measured = self.further_steps(*point, distortion);
+            let measured = self.distort(*point);
             *point = measured
                 .map_err(|error| DistortSliceError { index, error })?
                 .point;
             index += 1;
             rest = behind;
         }
-    }
-
-    /// Replaces points as long as the first step is the last one, and returns the index at which it
-    /// is not with the result of that step. A loop without calls keeps the coefficients in
-    /// registers.
-    #[inline(never)]
-    fn first_steps<const FULL: bool>(
-        &self,
-        points: &mut [SensorPoint],
-    ) -> Option<(usize, Displacement)> {
-        for (index, point) in points.iter_mut().enumerate() {
-            match self.first_step::<FULL>(*point) {
-                Ok(measured) => *point = measured.point,
-                Err(distortion) => return Some((index, distortion)),
-            }
-        }
-        None
     }
 
     /// Returns the displacement, shortened if it would leave the sensor.

@@ -50,8 +50,10 @@ pub(super) fn longer_than_diagonal(width: f32, height: f32) -> f32 {
 /// Returns Newton's step for any derivatives: `(I - J)⁻¹` times the residual; not finite where I -
 /// J is singular.
 ///
-/// It divides by the determinant. [`EvaluationForm::stepped`] multiplies by its inverse, which
+/// It divides by the determinant. [`Coefficients::stepped`] multiplies by its inverse, which
 /// saves a division and rounds differently.
+///
+/// [`Coefficients::stepped`]: fmc_camera_kernel::Coefficients::stepped
 pub(super) fn newton_step(j: Jacobian, residual: Displacement) -> Displacement {
     let scale_x = 1.0 - j.dx_by_x;
     let scale_y = 1.0 - j.dy_by_y;
@@ -60,14 +62,6 @@ pub(super) fn newton_step(j: Jacobian, residual: Displacement) -> Displacement {
         dx_mm: (scale_y * residual.dx_mm + j.dx_by_y * residual.dy_mm) / determinant,
         dy_mm: (j.dy_by_x * residual.dx_mm + scale_x * residual.dy_mm) / determinant,
     }
-}
-
-/// Terms that displacement and derivatives have in common at a point.
-struct Local {
-    r2: f32,
-    gain: f32,
-    /// 2G'(R) of the radial terms.
-    slope2: f32,
 }
 
 impl EvaluationForm {
@@ -80,74 +74,25 @@ impl EvaluationForm {
         y: f32,
         start: Displacement,
     ) -> (Displacement, f32) {
-        let (x, y) = (x + start.dx_mm, y + start.dy_mm);
-        let local = self.local(x, y);
-        let d = self.local_displacement::<FULL>(x, y, &local);
-        let residual_x = start.dx_mm - d.dx_mm;
-        let residual_y = start.dy_mm - d.dy_mm;
-        let (twice_gx, twice_gy) = (self.gx + self.gx, self.gy + self.gy);
-        let gain_by_x = local.slope2 * x + self.hx;
-        let gain_by_y = local.slope2 * y + self.hy;
-        let mut scale_x = 1.0 - local.gain - x * (gain_by_x + twice_gx);
-        let scale_y = 1.0 - local.gain - y * (gain_by_y + twice_gy);
-        let mut dx_by_y = x * gain_by_y + twice_gx * y;
-        let dy_by_x = y * gain_by_x + twice_gy * x;
-        if FULL {
-            scale_x -= self.b1;
-            dx_by_y += self.b2;
-        }
-        let inverse = 1.0 / (scale_x * scale_y - dx_by_y * dy_by_x);
-        let step_x = inverse * (scale_y * residual_x + dx_by_y * residual_y);
-        let step_y = inverse * (dy_by_x * residual_x + scale_x * residual_y);
-        let next = Displacement {
-            dx_mm: start.dx_mm - step_x,
-            dy_mm: start.dy_mm - step_y,
-        };
-        (next, step_x * step_x + step_y * step_y)
+        let start = [start.dx_mm, start.dy_mm];
+        let (next, step2_mm2) = self
+            .coefficients(SensorPoint::default())
+            .stepped::<FULL>(x, y, start);
+        (displacement(next), step2_mm2)
     }
 
-    /// Returns the start from the radial terms for the ideal point (`x`, `y`): Newton's step along
-    /// the radius, with `1 + s + s²` for the inverse of 1 - s.
+    /// Returns the start from the radial terms for the ideal point (`x`, `y`).
     #[inline]
     pub(super) fn start<const FULL: bool>(&self, x: f32, y: f32) -> Displacement {
-        let local = self.local(x, y);
-        let d = self.local_displacement::<FULL>(x, y, &local);
-        let slope = local.gain + local.r2 * local.slope2;
-        let stretch = 1.0 + (slope + slope * slope);
-        Displacement {
-            dx_mm: stretch * d.dx_mm,
-            dy_mm: stretch * d.dy_mm,
-        }
+        let form = self.coefficients(SensorPoint::default());
+        displacement(form.start::<FULL>(x, y))
     }
+}
 
-    /// Computes derivative and value by one Horner scheme.
-    #[inline]
-    fn local(&self, x: f32, y: f32) -> Local {
-        let r2 = x * x + y * y;
-        let cubic = r2 * self.k3;
-        let square = self.k2 + cubic;
-        let linear = self.k1 + r2 * square;
-        let slope = linear + r2 * (square + cubic);
-        Local {
-            r2,
-            gain: self.k0 + r2 * linear + self.hx * x + self.hy * y,
-            slope2: slope + slope,
-        }
-    }
-
-    #[inline]
-    fn local_displacement<const FULL: bool>(&self, x: f32, y: f32, local: &Local) -> Displacement {
-        let Local { r2, gain, .. } = *local;
-        let (dx_mm, dy_mm) = (x * gain + self.gx * r2, y * gain + self.gy * r2);
-        if FULL {
-            Displacement {
-                dx_mm: dx_mm + self.b1 * x + self.b2 * y + self.tx,
-                dy_mm: dy_mm + self.ty,
-            }
-        } else {
-            Displacement { dx_mm, dy_mm }
-        }
-    }
+/// Returns a displacement as the kernel has it with names.
+#[inline]
+pub(super) const fn displacement([dx_mm, dy_mm]: [f32; 2]) -> Displacement {
+    Displacement { dx_mm, dy_mm }
 }
 
 #[cfg(test)]
@@ -259,9 +204,9 @@ mod tests {
             ty: -2e-3,
         };
         for (x, y) in [(0.0, 0.0), (20.0, -15.0), (-26.0, 19.3), (1e-3, -30.0)] {
-            let local = form.local(x, y);
-            let full = form.local_displacement::<true>(x, y, &local);
-            let short = form.local_displacement::<false>(x, y, &local);
+            let kernel = form.coefficients(SensorPoint::default());
+            let full = displacement(kernel.displacement::<true>(x, y));
+            let short = displacement(kernel.displacement::<false>(x, y));
             assert_eq!(full, form.displacement(x, y));
             assert_eq!(short, form.short_displacement(x, y));
         }

@@ -1,9 +1,18 @@
 //! Hot path: the correction of all points of a frame at once.
 
 use fmc_camera_kernel::Coefficients;
+#[cfg(all(feature = "host", any(target_arch = "x86_64", target_arch = "aarch64")))]
+use fmc_camera_kernel::host::Batch;
+use fmc_camera_kernel::inverse::LastStep;
 
+use super::evaluation_form::EvaluationForm;
 use super::frame_correction::{FrameCorrection, Terms};
 use super::sensor::SensorPoint;
+
+/// Smallest number of points for which the kernel of a PC is called: below, finding its vectors
+/// costs more than they gain.
+#[cfg(all(feature = "host", any(target_arch = "x86_64", target_arch = "aarch64")))]
+const LEAST_BATCH: usize = 16;
 
 /// The slices of x and y differ in length.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -39,7 +48,8 @@ impl FrameCorrection {
     /// # Accuracy
     /// That of [`Self::correct`]. It takes 24.1 instructions per point with the short kernel and
     /// 28.4 with the full one on Cortex-M4F and M7, and 7.1 and 9.9 on a Cortex-M55 compiled for
-    /// its vectors, in slices of 1024 points; a call takes about 100 (`docs/instructions.csv`).
+    /// its vectors, in slices of 1024 points; a call takes about 100 (`docs/instructions.csv`). On
+    /// a PC the feature `host` takes its vectors, AVX-512, AVX2 or NEON.
     ///
     /// # Examples
     /// ```
@@ -56,6 +66,10 @@ impl FrameCorrection {
     #[inline]
     pub fn correct_slice(&self, points: &mut [SensorPoint]) {
         let pairs = bytemuck::must_cast_slice_mut(points);
+        #[cfg(all(feature = "host", any(target_arch = "x86_64", target_arch = "aarch64")))]
+        if pairs.len() >= LEAST_BATCH {
+            return self.batch().pairs(pairs);
+        }
         match self.terms() {
             Terms::Short => fmc_camera_kernel::short_pairs(&self.coefficients(), pairs),
             Terms::Full => fmc_camera_kernel::full_pairs(&self.coefficients(), pairs),
@@ -77,11 +91,22 @@ impl FrameCorrection {
         if x != y {
             return Err(LengthsDiffer { x, y });
         }
+        #[cfg(all(feature = "host", any(target_arch = "x86_64", target_arch = "aarch64")))]
+        if x >= LEAST_BATCH {
+            self.batch().xy(x_mm, y_mm);
+            return Ok(());
+        }
         match self.terms() {
             Terms::Short => fmc_camera_kernel::short_xy(&self.coefficients(), x_mm, y_mm),
             Terms::Full => fmc_camera_kernel::full_xy(&self.coefficients(), x_mm, y_mm),
         }
         Ok(())
+    }
+
+    /// Returns the kernel of this PC for the frame.
+    #[cfg(all(feature = "host", any(target_arch = "x86_64", target_arch = "aarch64")))]
+    fn batch(&self) -> Batch {
+        Batch::new(self.coefficients(), self.terms()).in_one_thread()
     }
 
     /// Returns the numbers of the frame as the point kernel takes them: the centre and the folded
@@ -100,22 +125,41 @@ impl FrameCorrection {
     #[inline]
     #[must_use]
     pub fn coefficients(&self) -> Coefficients {
-        let (centre, form) = (self.centre(), self.form());
+        self.form().coefficients(self.centre())
+    }
+
+    /// Returns the conditions under which the first Newton step of [`Self::distort`] is its last,
+    /// as the point kernel takes them.
+    #[inline]
+    #[must_use]
+    pub fn last_step(&self) -> LastStep {
+        let farthest = self.sensor().farthest();
+        LastStep {
+            longest2_mm2: self.longest_last_step2(),
+            farthest_mm: [farthest.x_mm, farthest.y_mm],
+        }
+    }
+}
+
+impl EvaluationForm {
+    /// Returns the form about a centre as the point kernel takes it.
+    #[inline]
+    pub(super) const fn coefficients(&self, centre: SensorPoint) -> Coefficients {
         Coefficients {
             cx: centre.x_mm,
             cy: centre.y_mm,
-            k0: form.k0,
-            k1: form.k1,
-            k2: form.k2,
-            k3: form.k3,
-            hx: form.hx,
-            hy: form.hy,
-            gx: form.gx,
-            gy: form.gy,
-            b1: form.b1,
-            b2: form.b2,
-            tx: form.tx,
-            ty: form.ty,
+            k0: self.k0,
+            k1: self.k1,
+            k2: self.k2,
+            k3: self.k3,
+            hx: self.hx,
+            hy: self.hy,
+            gx: self.gx,
+            gy: self.gy,
+            b1: self.b1,
+            b2: self.b2,
+            tx: self.tx,
+            ty: self.ty,
         }
     }
 }

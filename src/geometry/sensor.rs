@@ -155,6 +155,12 @@ impl Sensor {
         self.corner.y_mm
     }
 
+    /// Farthest |x| and |y| that still count as points of the array, mm.
+    #[inline]
+    pub(super) const fn farthest(&self) -> SensorPoint {
+        self.farthest
+    }
+
     /// Returns true if the point lies on the array, edges included; a NaN does not.
     ///
     /// # Accuracy

@@ -13,24 +13,24 @@ use fmc_camera::geometry::mesh::displacement_rows::DisplacementRows;
 use fmc_camera::geometry::sensor::SensorPoint;
 
 /// 2⁻²⁴ of a millimetre, nm.
-const UNIT_NM: f64 = 1e6 / 16_777_216.0;
+pub(crate) const UNIT_NM: f64 = 1e6 / 16_777_216.0;
 
 /// Largest sum found, nm.
 const WORST_NM: f64 = 2.3;
 
 /// A number and its largest error, in 2⁻²⁴.
 #[derive(Clone, Copy)]
-struct Rounded {
-    value: f64,
-    off: f64,
+pub(crate) struct Rounded {
+    pub(crate) value: f64,
+    pub(crate) off: f64,
 }
 
 impl Rounded {
-    const fn exact(value: f64) -> Self {
+    pub(crate) const fn exact(value: f64) -> Self {
         Self { value, off: 0.0 }
     }
 
-    fn given(value: f32) -> Self {
+    pub(crate) fn given(value: f32) -> Self {
         Self::exact(f64::from(value))
     }
 

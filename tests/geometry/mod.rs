@@ -27,4 +27,10 @@ mod point_kernel;
 #[cfg(test)]
 mod round_trip;
 #[cfg(test)]
+mod source_mesh;
+#[cfg(test)]
+mod source_rounding;
+#[cfg(test)]
 mod source_row;
+#[cfg(test)]
+mod source_words;

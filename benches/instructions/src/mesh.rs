@@ -4,9 +4,9 @@ use core::hint::black_box;
 
 use fmc_camera::geometry::evaluation_form::Displacement;
 use fmc_camera::geometry::mesh::displacement_rows::{DisplacementRows, RESTART_INTERVAL};
-use fmc_camera::geometry::mesh::format::MeshFormat;
+use fmc_camera::geometry::mesh::format::{MAX_WORD_BYTES, MeshFormat};
 use fmc_camera::geometry::mesh::pixel_correction::{CorrectionMesh, PixelCorrection};
-use fmc_camera::geometry::mesh::source_row::SourceRow;
+use fmc_camera::geometry::mesh::source_mesh::SourceMesh;
 use fmc_camera::geometry::mesh::vertex::VertexRow;
 use fmc_camera::geometry::sensor::SensorPoint;
 use fmc_camera::{Camera, FrameCorrection};
@@ -21,6 +21,14 @@ const PER_POINT: (u32, &str) = (POINTS as u32, "point");
 
 /// Spacing of every eighth pixel of 3.76 µm: 30.8 mm of the sensor.
 const MESH_STEP_MM: f32 = 8.0 * 0.00376;
+/// Row of the vertices of meshes.
+const ROW: VertexRow = VertexRow {
+    first_col_px: 8,
+    row_px: 800,
+    spacing_px: 8,
+    count: 1024,
+    origin_px: [0, 0],
+};
 const ROW_START: SensorPoint = SensorPoint::new(-26.0, 15.0);
 
 pub(crate) fn count(counter: &mut Counter) -> Option<()> {
@@ -106,34 +114,37 @@ fn mesh_rows_of_other_spacings(counter: &mut Counter) -> Option<()> {
     Some(())
 }
 
-/// Counts sources along a row of the ideal image, and vertices as a warp engine stores them.
+/// Counts sources along a row of the ideal image, in mm and as a warp engine stores them.
 fn source_rows(counter: &mut Counter, correction: &FrameCorrection) -> Option<()> {
-    counter.count("mesh_source_row", PER_POINT, || {
-        let mut row = SourceRow::new(black_box(correction));
-        let mut x_mm = ROW_START.x_mm;
-        for _ in 0..POINTS {
-            black_box(row.next(SensorPoint::new(x_mm, ROW_START.y_mm)).ok()?);
-            x_mm += MESH_STEP_MM;
+    counter.count("mesh_sources_setup", (FRAMES, "frame"), || {
+        for _ in 0..FRAMES {
+            black_box(SourceMesh::new(black_box(correction), 8));
         }
         Some(())
     })?;
+    let mesh = SourceMesh::new(correction, 8);
+    // Blocks are as long as they ever are.
+    (mesh.block_length() == Some(64)).then_some(())?;
+    let mut sources = [Displacement::default(); POINTS];
+    counter.count("mesh_source_row", PER_POINT, || {
+        black_box(&ROW)
+            .sources(black_box(&mesh), black_box(&mut sources))
+            .ok()?;
+        Some(())
+    })?;
+    black_box(sources);
     for (kernel, format) in [
         ("mesh_words_s16q3", MeshFormat::S16Q3),
         ("mesh_words_single", MeshFormat::Single),
     ] {
-        let row = VertexRow {
-            first_col_px: 8,
-            row_px: 800,
-            spacing_px: 8,
-            count: 1024,
-            origin_px: [0, 0],
-        };
+        let mut bytes = [0; POINTS * MAX_WORD_BYTES];
         counter.count(kernel, PER_POINT, || {
-            for word in black_box(&row).words(black_box(correction), format) {
-                black_box(word.ok()?);
-            }
+            black_box(&ROW)
+                .write_words(black_box(&mesh), format, black_box(&mut bytes))
+                .ok()?;
             Some(())
         })?;
+        black_box(bytes);
     }
     Some(())
 }
@@ -153,16 +164,9 @@ fn pixel_corrections(counter: &mut Counter) -> Option<()> {
             .ok()?
             .correction;
         let mesh = CorrectionMesh::new(&correction, 8);
-        let row = VertexRow {
-            first_col_px: 8,
-            row_px: 800,
-            spacing_px: 8,
-            count: 1024,
-            origin_px: [0, 0],
-        };
         let mut corrections = [PixelCorrection::default(); POINTS];
         counter.count(kernel, PER_POINT, || {
-            let row = black_box(&row);
+            let row = black_box(&ROW);
             row.corrections(black_box(&mesh), black_box(&mut corrections))
                 .ok()?;
             Some(())

@@ -17,6 +17,7 @@
 
 #[cfg(all(feature = "host", any(target_arch = "x86_64", target_arch = "aarch64")))]
 pub mod host;
+pub mod inverse;
 pub mod portable;
 #[cfg(hand_scheduled)]
 mod thumbv7em;

@@ -1,27 +1,25 @@
 //! `mesh`: the mesh for a warp engine or a graphics processor, computed by the camera.
 
+mod files;
 mod header;
+mod rows;
 
+use std::fs;
 use std::path::Path;
 
 use fmc_camera::Camera;
 use fmc_camera::flight::interior_orientation::InteriorOrientation;
 use fmc_camera::geometry::frame_correction::FrameCorrection;
 use fmc_camera::geometry::mesh::format::MeshFormat;
-use fmc_camera::geometry::mesh::pixel_correction::PixelCorrection;
 use fmc_camera::geometry::mesh::vertex::{MeshError, VertexRow};
-use fmc_camera::io::link::MAX_POINTS;
 use fmc_camera_file::CameraFile;
-use indicatif::{ProgressBar, ProgressStyle};
 
 use self::header::{Accuracy, Header};
+use self::rows::Rows;
 use crate::cli::{DirectionName, ImagePart, MeshArgs, MeshFormatName};
 use crate::device::{Device, DeviceError};
 use crate::failure::{Failure, note};
 use crate::formats::output::OutputFolder;
-
-/// Largest number of vertices of a mesh: half a gigabyte of the longest words.
-const MAX_VERTICES: u64 = 1 << 26;
 
 /// Largest spacing of the vertices of TI's LDC, pixels: 2⁷.
 const LARGEST_LDC_SPACING_PX: u16 = 128;
@@ -76,26 +74,52 @@ pub(super) fn write(
     frame: &MeshFrame<'_>,
     out: &Path,
 ) -> Result<(), Failure> {
-    let mesh = fetch(device, layout).map_err(|error| match error {
+    let refused = |error: DeviceError| match error {
         DeviceError::Mesh(error) => refused(error, args),
         error => args.exposure.refused(camera, &error),
-    })?;
-    let accuracy = Accuracy::of(layout, frame.correction, &mesh);
-    let files = files(args.format, mesh);
-    let header = Header::new(args, camera, frame, layout, accuracy, &files);
+    };
+    let mut rows = Rows::new(device, layout);
+    // Numbers that the engine cannot take are mostly refused before there is a folder.
+    let mut left = rows.advance().map_err(refused)?;
+    let is_new = !out.exists();
     let folder = OutputFolder::create(out)?;
-    for (name, bytes) in &files {
-        folder.write(name, |sink| sink.write_all(bytes))?;
-    }
+    let names = files(args.format);
+    let written = files::write(&folder, names, |sinks| {
+        let mut largest_px = 0.0_f32;
+        while left {
+            if let Content::Corrections = layout.content {
+                largest_px = largest_px.max(largest(rows.bytes()));
+            }
+            sinks.write(rows.bytes())?;
+            left = rows.advance().map_err(refused)?;
+        }
+        Ok(largest_px)
+    });
+    let largest_px = written.inspect_err(|_| {
+        if is_new {
+            // It goes if nothing is in it.
+            let _ = fs::remove_dir(out);
+        }
+    })?;
+    let accuracy = Accuracy::of(layout, frame.correction, largest_px);
+    let header = Header::new(args, camera, frame, layout, accuracy, names);
     // The header is written last: if it exists, the mesh is complete.
     folder.write_json("mesh.json", &header)?;
-    let names: Vec<&str> = files.iter().map(|(name, _)| *name).collect();
     note(format_args!(
         "{}: {}, mesh.json",
         folder.path().display(),
         names.join(", ")
     ));
     Ok(())
+}
+
+/// Returns the largest of numbers in single precision, without their signs.
+fn largest(bytes: &[u8]) -> f32 {
+    let (numbers, _) = bytes.as_chunks::<4>();
+    numbers
+        .iter()
+        .map(|number| f32::from_le_bytes(*number).abs())
+        .fold(0.0, f32::max)
 }
 
 /// Checks that the engine supports the spacing.
@@ -181,14 +205,6 @@ impl Layout {
                 args.exposure.camera.display()
             )));
         }
-        let count = u64::from(vertices[0]) * u64::from(vertices[1]);
-        if count > MAX_VERTICES {
-            return Err(Failure::bad_input(format!(
-                "--spacing {spacing}: {} x {} vertices are more than {MAX_VERTICES}",
-                vertices[0], vertices[1]
-            ))
-            .with_help("a larger --spacing, or the image part by part with --part"));
-        }
         Ok(Self {
             content: match args.format {
                 MeshFormatName::TiLdc => Content::Sources(MeshFormat::S16Q3),
@@ -207,51 +223,20 @@ impl Layout {
         })
     }
 
-    /// Returns the requests of one row of vertices, each as long as the link can carry.
-    fn requests(&self, row: u32) -> impl Iterator<Item = VertexRow> {
+    /// Returns the requests of one row of vertices, each of at most `most`.
+    fn requests(&self, row: u32, most: u16) -> impl Iterator<Item = VertexRow> {
         let spacing = u32::from(self.spacing_px);
         let [columns, _] = self.vertices;
         (0..columns)
-            .step_by(MAX_POINTS)
+            .step_by(usize::from(most))
             .map(move |first| VertexRow {
                 first_col_px: self.origin_px[0] + first * spacing,
                 row_px: self.origin_px[1] + row * spacing,
                 spacing_px: self.spacing_px,
-                count: u16::try_from(MAX_POINTS).map_or(u16::MAX, |most| {
-                    u16::try_from(columns - first).map_or(most, |left| left.min(most))
-                }),
+                count: u16::try_from(columns - first).map_or(most, |left| left.min(most)),
                 origin_px: self.source_px,
             })
     }
-}
-
-/// Fetches all rows from the camera.
-fn fetch(device: &mut dyn Device, layout: &Layout) -> Result<Vec<u8>, DeviceError> {
-    let bar = ProgressBar::new(u64::from(layout.vertices[1]));
-    if let Ok(style) = ProgressStyle::with_template("mesh {wide_bar} {pos}/{len} rows, {eta}") {
-        bar.set_style(style);
-    }
-    let mut mesh = Vec::new();
-    for row in 0..layout.vertices[1] {
-        for request in layout.requests(row) {
-            match layout.content {
-                Content::Sources(format) => mesh.extend(device.mesh(&request, format)?),
-                Content::Corrections => {
-                    mesh.extend(device.corrections(&request)?.iter().flat_map(stored));
-                }
-            }
-        }
-        bar.inc(1);
-    }
-    bar.finish_and_clear();
-    Ok(mesh)
-}
-
-/// Bytes of a correction as graphics processors read it.
-fn stored(correction: &PixelCorrection) -> impl Iterator<Item = u8> + use<> {
-    [correction.cols_px, correction.rows_px]
-        .into_iter()
-        .flat_map(f32::to_le_bytes)
 }
 
 /// Turns a refusal by the camera into a failure: the input is at fault.
@@ -268,20 +253,10 @@ fn refused(error: MeshError, args: &MeshArgs) -> Failure {
     }
 }
 
-/// Returns the mesh as files: names and contents.
-fn files(format: MeshFormatName, mesh: Vec<u8>) -> Vec<(&'static str, Vec<u8>)> {
-    if format != MeshFormatName::Opencv {
-        return vec![("mesh.bin", mesh)];
+/// Returns the names of the mesh's files.
+const fn files(format: MeshFormatName) -> &'static [&'static str] {
+    match format {
+        MeshFormatName::Opencv => &["map-x.bin", "map-y.bin"],
+        _ => &["mesh.bin"],
     }
-    let (pairs, _) = mesh.as_chunks::<8>();
-    let columns = pairs
-        .iter()
-        .flat_map(|[x0, x1, x2, x3, ..]| [*x0, *x1, *x2, *x3]);
-    let rows = pairs
-        .iter()
-        .flat_map(|[.., y0, y1, y2, y3]| [*y0, *y1, *y2, *y3]);
-    vec![
-        ("map-x.bin", columns.collect()),
-        ("map-y.bin", rows.collect()),
-    ]
 }

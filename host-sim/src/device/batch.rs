@@ -1,9 +1,11 @@
-//! Batches of points of a frame, corrected with the vectors of this PC.
+//! Batches of points of a frame, corrected and distorted with the vectors of this PC.
 
 use fmc_camera::geometry::evaluation_form::Displacement;
 use fmc_camera::geometry::frame_correction::{Corrected, FrameCorrection};
+use fmc_camera::geometry::inverse::DistortSliceError;
 use fmc_camera::geometry::sensor::SensorPoint;
 use fmc_camera_kernel::host::Batch;
+use fmc_camera_kernel::inverse::LastStep;
 
 /// Points that go through the kernel together: their numbers fit the first-level cache.
 const POINTS: usize = 512;
@@ -11,11 +13,17 @@ const POINTS: usize = 512;
 /// The correction of a frame, evaluated for many points with the bits of
 /// [`FrameCorrection::correct`].
 #[derive(Debug, Clone, Copy)]
-pub(crate) struct PointBatch(Batch);
+pub(crate) struct PointBatch {
+    batch: Batch,
+    last_step: LastStep,
+}
 
 impl PointBatch {
     pub(crate) fn new(correction: &FrameCorrection) -> Self {
-        Self(Batch::new(correction.coefficients(), correction.terms()))
+        Self {
+            batch: Batch::new(correction.coefficients(), correction.terms()),
+            last_step: correction.last_step(),
+        }
     }
 
     /// Returns true if every point is on the sensor. Only the farthest is tested, as the sensor is
@@ -34,32 +42,98 @@ impl PointBatch {
     /// Returns the measured points with their corrections, in order.
     pub(crate) fn corrected(&self, measured: &[SensorPoint]) -> Vec<Corrected> {
         let mut corrected = Vec::with_capacity(measured.len());
-        let [mut x, mut y, mut ideal_x, mut ideal_y, mut dx, mut dy] = [[0.0; POINTS]; 6];
+        let mut numbers = Numbers::new();
         for measured in measured.chunks(POINTS) {
-            for ((point, x), y) in measured.iter().zip(&mut x).zip(&mut y) {
-                (*x, *y) = (point.x_mm, point.y_mm);
-            }
-            self.0
-                .xy_with_distortion([&x, &y], [&mut ideal_x, &mut ideal_y], [&mut dx, &mut dy]);
-            let ideal = ideal_x.iter().zip(&ideal_y);
-            let distortion = dx.iter().zip(&dy);
-            let both = ideal.zip(distortion).take(measured.len());
-            corrected.extend(both.map(|((x, y), (dx, dy))| Corrected {
-                point: SensorPoint::new(*x, *y),
-                distortion: Displacement {
-                    dx_mm: *dx,
-                    dy_mm: *dy,
-                },
-            }));
+            numbers.take(measured);
+            let [given, found, distortion] = numbers.slices();
+            let given = given.map(|numbers| &*numbers);
+            self.batch.xy_with_distortion(given, found, distortion);
+            corrected.extend(numbers.corrected(measured.len()));
         }
         corrected
+    }
+
+    /// Returns the ideal points with their measured ones, in order: [`FrameCorrection::distort`],
+    /// bit for bit.
+    ///
+    /// # Errors
+    /// That of the first point without a measured one, with its index.
+    pub(crate) fn distorted(
+        &self,
+        correction: &FrameCorrection,
+        ideal: &[SensorPoint],
+    ) -> Result<Vec<Corrected>, DistortSliceError> {
+        let mut distorted = Vec::with_capacity(ideal.len());
+        let mut numbers = Numbers::new();
+        for ideal in ideal.chunks(POINTS) {
+            numbers.take(ideal);
+            let [given, found, distortion] = numbers.slices();
+            let given = given.map(|numbers| &*numbers);
+            let all_end = self
+                .batch
+                .xy_distorted(&self.last_step, given, found, distortion);
+            let before = distorted.len();
+            distorted.extend(numbers.corrected(ideal.len()));
+            if all_end {
+                continue;
+            }
+            let behind = distorted.iter_mut().enumerate().skip(before);
+            for ((index, found), ideal) in behind.zip(ideal) {
+                if found.point.x_mm.is_nan() {
+                    *found = correction
+                        .distort(*ideal)
+                        .map_err(|error| DistortSliceError { index, error })?;
+                }
+            }
+        }
+        Ok(distorted)
+    }
+}
+
+/// Points of a call of the kernel, their answers, and the distortion, x and y apart.
+struct Numbers([[[f32; POINTS]; 2]; 3]);
+
+impl Numbers {
+    const fn new() -> Self {
+        Self([[[0.0; POINTS]; 2]; 3])
+    }
+
+    /// Takes points; numbers behind them stay, and their answers do not matter.
+    fn take(&mut self, points: &[SensorPoint]) {
+        let Self([[x, y], ..]) = self;
+        for ((point, x), y) in points.iter().zip(x).zip(y) {
+            (*x, *y) = (point.x_mm, point.y_mm);
+        }
+    }
+
+    fn slices(&mut self) -> [[&mut [f32]; 2]; 3] {
+        let Self(numbers) = self;
+        numbers
+            .each_mut()
+            .map(|xy| xy.each_mut().map(<[f32; POINTS]>::as_mut_slice))
+    }
+
+    /// Returns the first `count` answers.
+    fn corrected(&self, count: usize) -> impl Iterator<Item = Corrected> {
+        let Self([_, [x, y], [dx, dy]]) = self;
+        let point = x.iter().zip(y);
+        let distortion = dx.iter().zip(dy);
+        let both = point.zip(distortion).take(count);
+        both.map(|((x_mm, y_mm), (dx_mm, dy_mm))| Corrected {
+            point: SensorPoint::new(*x_mm, *y_mm),
+            distortion: Displacement {
+                dx_mm: *dx_mm,
+                dy_mm: *dy_mm,
+            },
+        })
     }
 }
 
 #[cfg(test)]
 mod tests {
-    use fmc_camera::flight::camera::Camera;
+    use fmc_camera::flight::camera::{Camera, CameraParameters};
     use fmc_camera::flight::exposure::Exposure;
+    use fmc_camera::geometry::calibration::CalibrationParameters;
     use fmc_camera_file::CameraFile;
     use fmc_camera_file::number::single;
     use fmc_camera_file::published::CAMERA_FILES;
@@ -133,5 +207,85 @@ mod tests {
             }
         }
         assert!(terms.contains(&Terms::Short) && terms.contains(&Terms::Full));
+    }
+
+    #[test]
+    fn distorted_batch_has_the_bits_and_the_error_of_one_point_at_a_time() {
+        let bits = |of: &Corrected| {
+            let (point, distortion) = (of.point, of.distortion);
+            [point.x_mm, point.y_mm, distortion.dx_mm, distortion.dy_mm].map(f32::to_bits)
+        };
+        let mut random = fastrand::Rng::with_seed(9);
+        let mut refused = 0;
+        // A lens of 20 % of distortion at the corner, whose first step is not the last.
+        let mut strong = CalibrationParameters::new(100.0, [8000, 6000], 10.0);
+        strong.distortion.k1 = 9e-5;
+        let files = CAMERA_FILES.map(|(name, text)| {
+            let (file, _) = CameraFile::parse(name, text).unwrap();
+            file.parameters()
+        });
+        for parameters in files.into_iter().chain([CameraParameters::new(strong)]) {
+            let camera = Camera::new(parameters).unwrap();
+            let correction = camera
+                .frame(&Exposure::new(0.17, 0.001))
+                .unwrap()
+                .correction;
+            let sensor = *correction.sensor();
+            let [width, height] = [sensor.half_width_mm(), sensor.half_height_mm()];
+            for (count, beyond) in [(1, 0.9), (511, 0.9), (20_000, 0.8), (700, 1.01)] {
+                let mut about = |half: f32| beyond * half * (2.0 * random.f32() - 1.0);
+                let ideal: Vec<_> = (0..count)
+                    .map(|_| SensorPoint::new(about(width), about(height)))
+                    .collect();
+                let expected: Result<Vec<_>, _> = (0..)
+                    .zip(&ideal)
+                    .map(|(index, point)| {
+                        let found = correction.distort(*point);
+                        found.map_err(|error| DistortSliceError { index, error })
+                    })
+                    .collect();
+                match (
+                    PointBatch::new(&correction).distorted(&correction, &ideal),
+                    expected,
+                ) {
+                    (Ok(found), Ok(expected)) => {
+                        assert!(found.iter().map(bits).eq(expected.iter().map(bits)));
+                    }
+                    (found, expected) => {
+                        refused += 1;
+                        assert_eq!(found, expected);
+                    }
+                }
+            }
+        }
+        assert!(refused > 1);
+    }
+
+    #[test]
+    fn a_point_that_is_no_number_among_good_ones_is_refused_by_its_index() {
+        let (name, text) = CAMERA_FILES[0];
+        let (file, _) = CameraFile::parse(name, text).unwrap();
+        let camera = Camera::new(file.parameters()).unwrap();
+        let correction = camera
+            .frame(&Exposure::new(0.17, 0.001))
+            .unwrap()
+            .correction;
+        let batch = PointBatch::new(&correction);
+        for index in [0, 3, 15, 16, 511, 512, 1300] {
+            let mut ideal = vec![SensorPoint::new(1.0, -2.0); 1301];
+            for bad in [
+                [f32::NAN, 0.0],
+                [0.0, f32::NAN],
+                [f32::INFINITY, 0.0],
+                [1e9, 0.0],
+            ] {
+                ideal[index] = SensorPoint::new(bad[0], bad[1]);
+                let refused = batch.distorted(&correction, &ideal).unwrap_err();
+                let error = correction.distort(ideal[index]).unwrap_err();
+                assert_eq!(refused.index, index);
+                // A NaN in an error equals none.
+                assert_eq!(format!("{:?}", refused.error), format!("{error:?}"));
+            }
+        }
     }
 }

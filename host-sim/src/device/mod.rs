@@ -28,7 +28,7 @@ mod faulty_port;
 #[cfg(test)]
 mod link_tests;
 
-use fmc_camera::geometry::frame_correction::Corrected;
+use fmc_camera::geometry::frame_correction::{Corrected, FrameCorrection};
 use fmc_camera::geometry::mesh::format::MeshFormat;
 use fmc_camera::geometry::mesh::pixel_correction::PixelCorrection;
 use fmc_camera::geometry::mesh::vertex::VertexRow;
@@ -72,4 +72,10 @@ pub trait Device: CorrectingDevice<Error = DeviceError> {
     /// [`DeviceError::NoFrame`] before the first exposure; [`DeviceError::Mesh`] for the first
     /// vertex off the image.
     fn corrections(&mut self, row: &VertexRow) -> Result<Vec<PixelCorrection>, DeviceError>;
+
+    /// Returns the correction of the current frame if the camera is in this process, where several
+    /// threads may compute with it; `None` for others, and before the first exposure.
+    fn correction_here(&self) -> Option<&FrameCorrection> {
+        None
+    }
 }

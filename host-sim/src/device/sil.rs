@@ -7,8 +7,10 @@ use fmc_camera::flight::exposure::Exposure;
 use fmc_camera::flight::interior_orientation::InteriorOrientation;
 use fmc_camera::flight::rig::Rig;
 use fmc_camera::geometry::frame_correction::{Corrected, FrameCorrection};
+use fmc_camera::geometry::inverse::DistortSliceError;
 use fmc_camera::geometry::mesh::format::MeshFormat;
 use fmc_camera::geometry::mesh::pixel_correction::{CorrectionMesh, PixelCorrection};
+use fmc_camera::geometry::mesh::source_mesh::SourceMesh;
 use fmc_camera::geometry::mesh::vertex::VertexRow;
 use fmc_camera::geometry::sensor::SensorPoint;
 use fmc_camera::io::instruments::Instruments;
@@ -113,22 +115,17 @@ impl CorrectingDevice for InProcess {
 impl Device for InProcess {
     fn distort(&mut self, ideal: &[SensorPoint]) -> Result<Vec<Corrected>, DeviceError> {
         let correction = self.correction()?;
-        ideal
-            .iter()
-            .enumerate()
-            .map(|(index, point)| {
-                correction
-                    .distort(*point)
-                    .map_err(|error| DeviceError::Distort { index, error })
-            })
-            .collect()
+        PointBatch::new(correction)
+            .distorted(correction, ideal)
+            .map_err(|DistortSliceError { index, error }| DeviceError::Distort { index, error })
     }
 
     fn mesh(&mut self, row: &VertexRow, format: MeshFormat) -> Result<Vec<u8>, DeviceError> {
-        let words = row.words(self.correction()?, format);
-        let words = words.collect::<Result<Vec<_>, _>>();
-        let words = words.map_err(DeviceError::Mesh)?;
-        Ok(words.into_iter().flatten().collect())
+        let mesh = SourceMesh::new(self.correction()?, row.spacing_px);
+        let mut bytes = vec![0; usize::from(row.count) * format.bytes()];
+        row.write_words(&mesh, format, &mut bytes)
+            .map_err(DeviceError::Mesh)?;
+        Ok(bytes)
     }
 
     fn corrections(&mut self, row: &VertexRow) -> Result<Vec<PixelCorrection>, DeviceError> {
@@ -137,6 +134,10 @@ impl Device for InProcess {
         row.corrections(&mesh, &mut corrections)
             .map_err(DeviceError::Mesh)?;
         Ok(corrections)
+    }
+
+    fn correction_here(&self) -> Option<&FrameCorrection> {
+        self.correction.as_ref()
     }
 }
 

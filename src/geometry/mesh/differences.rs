@@ -23,6 +23,12 @@ impl<const N: usize> Differences<N> {
         Self(newton_form)
     }
 
+    /// Returns the differences with these values, the value itself first.
+    #[inline]
+    pub(super) const fn of_values(values: [f32; N]) -> Self {
+        Self(values)
+    }
+
     /// Returns the value here and moves the differences to the next point.
     #[inline]
     pub(super) fn take(&mut self) -> f32 {

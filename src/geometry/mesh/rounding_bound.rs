@@ -169,7 +169,7 @@ fn fold_of_k(absolute: &EvaluationForm, [reach_x, reach_y]: [f32; 2]) -> f32 {
 
 /// Returns the largest absolute value of a cubic in R, lowest power first, over 0 ≤ R ≤ `end`,
 /// bounded by its Bernstein coefficients.
-fn largest_of_cubic([c0, c1, c2, c3]: [f32; 4], end: f32) -> f32 {
+pub(super) fn largest_of_cubic([c0, c1, c2, c3]: [f32; 4], end: f32) -> f32 {
     let linear = c1 * end / 3.0;
     let square = c2 * end * end / 3.0;
     let cube = c3 * end * end * end;
@@ -185,7 +185,7 @@ fn largest_of_cubic([c0, c1, c2, c3]: [f32; 4], end: f32) -> f32 {
 
 /// Returns the largest power of two that is not more than a positive number, to a thousandth: half
 /// a unit in the last place of that number is u times the power.
-fn power_of_two_within(number: f32) -> f32 {
+pub(super) fn power_of_two_within(number: f32) -> f32 {
     const EXPONENT: u32 = 0x7f80_0000;
     f32::from_bits((SECOND_ORDER * number).to_bits() & EXPONENT)
 }

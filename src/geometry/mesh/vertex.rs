@@ -3,6 +3,7 @@
 use core::fmt;
 
 use super::format::{MeshFormat, OutOfFormat, Vertex, Word};
+use super::row_store::vertex;
 use super::source_row::SourceRow;
 use crate::geometry::frame_correction::FrameCorrection;
 use crate::geometry::inverse::DistortError;
@@ -164,13 +165,20 @@ impl VertexRow {
             row_px,
             error,
         })?;
+        Ok(vertex(
+            self.counted_from_origin([col_px, row_px]),
+            d,
+            sensor.pixel_mm(),
+        ))
+    }
+
+    /// Returns the column and row of a vertex from the origin.
+    pub(super) fn counted_from_origin(&self, [col_px, row_px]: [u32; 2]) -> [i32; 2] {
         let [origin_col_px, origin_row_px] = self.origin_px;
-        Ok(Vertex {
-            col_px: from_origin(col_px, origin_col_px),
-            row_px: from_origin(row_px, origin_row_px),
-            source_cols_px: d.dx_mm / sensor.pixel_mm(),
-            source_rows_px: -d.dy_mm / sensor.pixel_mm(),
-        })
+        [
+            from_origin(col_px, origin_col_px),
+            from_origin(row_px, origin_row_px),
+        ]
     }
 }
 

@@ -7,6 +7,8 @@
 //! caller's registers must not change. The program prints the number of points over semihosting and
 //! fails at the first difference.
 //!
+//! The way back, `distort`, has no assembly; a million random points are compared likewise.
+//!
 //! Helium's vectors take numbers below 2⁻¹²⁶ for zero. Where such numbers can occur, the program
 //! calculates single points, and those left over from a slice, in that arithmetic, and checks near
 //! the principal point how far it is from IEEE 754. Elsewhere a camera's coefficients and points do
@@ -20,6 +22,8 @@ mod arithmetic;
 mod check;
 #[cfg(target_os = "none")]
 mod corners;
+#[cfg(target_os = "none")]
+mod distort;
 #[cfg(target_os = "none")]
 mod near;
 #[cfg(target_os = "none")]
@@ -47,10 +51,12 @@ fn run() -> ! {
         .and_then(|corners| {
             let near = near::compare()?;
             let random = random::compare()?;
+            let distorted = distort::compare()?;
             hprintln!(
-                "{} points of corner cases, {} at random, in each form: the same bits; {} tiny coordinates flushed",
+                "{} points of corner cases, {} at random, {} on the way back, in each form: the same bits; {} tiny coordinates flushed",
                 corners,
                 random,
+                distorted,
                 near
             );
             Ok(())

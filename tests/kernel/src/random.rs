@@ -64,7 +64,7 @@ impl Generator {
     }
 
     /// Returns a number between -`largest` and `largest`, or one of any bits.
-    fn number(&mut self, largest: f32, any_bits: bool) -> f32 {
+    pub(crate) fn number(&mut self, largest: f32, any_bits: bool) -> f32 {
         let bits = self.next();
         if any_bits {
             f32::from_bits(bits)
@@ -75,7 +75,7 @@ impl Generator {
         }
     }
 
-    fn form(&mut self, any_bits: bool) -> Coefficients {
+    pub(crate) fn form(&mut self, any_bits: bool) -> Coefficients {
         coefficients(LARGEST.map(|largest| self.number(largest, any_bits)))
     }
 }

@@ -3,7 +3,8 @@
 use rayon::prelude::*;
 
 use super::level::Level;
-use super::{pairs, xy};
+use super::{distort, pairs, xy};
+use crate::inverse::LastStep;
 use crate::{Coefficients, Terms};
 
 /// Smallest size in bytes of a set's ideal points from which on they are written past the caches.
@@ -231,6 +232,47 @@ impl Batch {
                 distortion: [dx, dy],
             }),
         }
+    }
+
+    /// Writes the measured points of ideal x and y, mm, and their distortion, measured - ideal,
+    /// into other slices, in the calling thread: [`Coefficients::first_step`], bit for bit. Returns
+    /// `true` if that step is the last of every point; x is NaN where it is not.
+    #[must_use = "x is NaN where the first step is not the last"]
+    pub fn xy_distorted(
+        &self,
+        last_step: &LastStep,
+        [x, y]: [&[f32]; 2],
+        [measured_x, measured_y]: [&mut [f32]; 2],
+        [dx, dy]: [&mut [f32]; 2],
+    ) -> bool {
+        let form = &self.form;
+        let count = [x.len(), y.len(), measured_x.len(), measured_y.len()]
+            .into_iter()
+            .chain([dx.len(), dy.len()])
+            .fold(usize::MAX, usize::min);
+        let ideal = [first(x, count), first(y, count)];
+        let measured = [first_mut(measured_x, count), first_mut(measured_y, count)];
+        let distortion = [first_mut(dx, count), first_mut(dy, count)];
+        let mut all_end = true;
+        match self.terms {
+            Terms::Short => self.level.run(distort::WithDistortion::<false> {
+                form,
+                last_step,
+                ideal,
+                measured,
+                distortion,
+                all_end: &mut all_end,
+            }),
+            Terms::Full => self.level.run(distort::WithDistortion::<true> {
+                form,
+                last_step,
+                ideal,
+                measured,
+                distortion,
+                all_end: &mut all_end,
+            }),
+        }
+        all_end
     }
 }
 

@@ -13,6 +13,7 @@
 )]
 
 mod batch;
+mod distort;
 mod form;
 mod level;
 mod pairs;

@@ -19,6 +19,8 @@ mod call;
 #[cfg(test)]
 mod corners;
 #[cfg(test)]
+mod distort;
+#[cfg(test)]
 mod form;
 #[cfg(test)]
 mod places;

@@ -27,8 +27,8 @@ pub(super) enum Accuracy {
 }
 
 impl Accuracy {
-    /// Accuracy of a mesh as the camera gave it.
-    pub(super) fn of(layout: &Layout, correction: &FrameCorrection, mesh: &[u8]) -> Self {
+    /// Accuracy of a mesh as the camera gave it, with its largest correction.
+    pub(super) fn of(layout: &Layout, correction: &FrameCorrection, largest_px: f32) -> Self {
         match layout.content {
             Content::Sources(format) => {
                 let [width, height] = layout.size_px;
@@ -38,11 +38,6 @@ impl Accuracy {
                 }
             }
             Content::Corrections => {
-                let (numbers, _) = mesh.as_chunks::<4>();
-                let largest_px = numbers
-                    .iter()
-                    .map(|number| f32::from_le_bytes(*number).abs())
-                    .fold(0.0, f32::max);
                 let bound = CorrectionMesh::new(correction, layout.spacing_px);
                 Self::Rounded {
                     rounding_bound_px: bound.rounding_bound_px(largest_px),
@@ -126,7 +121,7 @@ impl Header {
         frame: &MeshFrame<'_>,
         layout: &Layout,
         accuracy: Accuracy,
-        files: &[(&'static str, Vec<u8>)],
+        files: &[&'static str],
     ) -> Self {
         let record = frame.interior;
         let pushes = matches!(layout.content, Content::Corrections);
@@ -134,7 +129,7 @@ impl Header {
             camera: camera.name.clone(),
             sequence: frame.sequence,
             format: args.format.name(),
-            files: files.iter().map(|(name, _)| *name).collect(),
+            files: files.to_vec(),
             layout: numbers(args.format),
             meaning: meaning(args.format),
             drawing: pushes.then(|| Drawing::of(camera)),

@@ -2,6 +2,7 @@
 
 use super::mesh_format::{MeshFormat, OutOfFormat};
 use super::vertex::{PixelAxis, Vertex};
+use crate::geometry::mesh::row_store::Span;
 
 /// Number of steps that a 32-bit number holds.
 const LARGEST_SHARE: f32 = 65_536.0 * 32_768.0;
@@ -26,16 +27,10 @@ impl Fixed {
         let (place_px, share_px) = vertex.along(axis);
         let is_displacement = self.format == MeshFormat::S16Q3;
         let whole_px = if is_displacement { 0 } else { place_px };
-        let steps_per_px = 1_i32 << self.fraction_bits;
-        #[expect(clippy::cast_precision_loss, reason = "a power of two")]
-        let share = share_px * steps_per_px as f32;
+        let share = share_px * self.steps_per_px();
         // This excludes a NaN and numbers that the conversion would cut off.
-        let rounded = (share.abs() < LARGEST_SHARE).then(|| {
-            #[expect(clippy::cast_possible_truncation, reason = "that is the rounding")]
-            let nearest = (share + 0.5_f32.copysign(share)) as i32;
-            i64::from(nearest)
-        });
-        let whole = i64::from(whole_px) * i64::from(steps_per_px);
+        let rounded = (share.abs() < LARGEST_SHARE).then(|| i64::from(nearest(share)));
+        let whole = i64::from(whole_px) << self.fraction_bits;
         rounded
             .and_then(|share| Steps::try_from(whole.saturating_add(share)).ok())
             .ok_or_else(|| {
@@ -59,6 +54,63 @@ impl Fixed {
             max_px: self.max_px,
         }
     }
+}
+
+impl Fixed {
+    /// Returns steps per pixel.
+    #[expect(clippy::cast_precision_loss, reason = "a power of two")]
+    pub(super) const fn steps_per_px(&self) -> f32 {
+        (1_i32 << self.fraction_bits) as f32
+    }
+
+    /// Returns true if all vertices of a span fit, whose displacements, in steps, differ from that
+    /// of a node by at most `off_steps`.
+    pub(super) fn holds(&self, span: &Span, nodes: &[[f32; 2]; 6], off_steps: f32) -> bool {
+        let per_px = self.steps_per_px();
+        let places = if self.format == MeshFormat::S16Q3 {
+            [[0.0, 0.0]; 2]
+        } else {
+            span.ends_px()
+        };
+        // One step covers the roundings.
+        let least = self.min_px * per_px + (off_steps + 1.0);
+        let largest = self.max_px * per_px - (off_steps + 1.0);
+        places.into_iter().all(|place| {
+            nodes.iter().all(|node| {
+                place.into_iter().zip(node).all(|(place_px, steps)| {
+                    let source = place_px * per_px + steps;
+                    source >= least && source <= largest
+                })
+            })
+        })
+    }
+
+    /// Returns the vertex with a displacement in steps.
+    pub(super) fn vertex(&self, [col_px, row_px]: [i32; 2], steps: [f32; 2]) -> Vertex {
+        let px_per_step = 1.0 / self.steps_per_px();
+        let [source_cols_px, source_rows_px] = steps.map(|steps| steps * px_per_step);
+        Vertex {
+            col_px,
+            row_px,
+            source_cols_px,
+            source_rows_px,
+        }
+    }
+}
+
+/// Returns the nearest whole number, away from zero in the middle of two.
+#[inline]
+#[expect(clippy::cast_possible_truncation, reason = "that is the rounding")]
+pub(super) fn nearest(steps: f32) -> i32 {
+    (steps + 0.5_f32.copysign(steps)) as i32
+}
+
+/// Returns the low half of the nearest whole number, the even one of two, for a number of at most
+/// 2²²: the sum with 1.5·2²³ has no places behind the point.
+#[inline]
+#[expect(clippy::cast_possible_truncation, reason = "the low half")]
+pub(super) const fn nearest16(steps: f32) -> u16 {
+    (steps + 12_582_912.0).to_bits() as u16
 }
 
 /// Joins two numbers of two bytes.
