@@ -6,6 +6,7 @@ use fmc_camera::flight::exposure::Exposure;
 use fmc_camera::geometry::five_coefficient::FiveCoefficients;
 use fmc_camera::geometry::mesh::format::MeshFormat;
 use fmc_camera::geometry::mesh::pixel_correction::{CorrectionMesh, PixelCorrection};
+use fmc_camera::geometry::mesh::source_mesh::SourceMesh;
 use fmc_camera::geometry::mesh::vertex::VertexRow;
 use fmc_camera::geometry::sensor::SensorPoint;
 use fmc_camera::io::link::digest;
@@ -78,8 +79,9 @@ fn a_mesh_arrives_as_the_library_stores_it_in_every_format() {
             let Answer::Mesh(bytes) = pc.ask(&Request::Mesh(row, format)) else {
                 panic!("no mesh");
             };
-            let words = row.words(&frame.correction, format);
-            let expected: Vec<u8> = words.flat_map(Result::unwrap).collect();
+            let mesh = SourceMesh::new(&frame.correction, row.spacing_px);
+            let mut expected = vec![0; usize::from(count) * format.bytes()];
+            row.write_words(&mesh, format, &mut expected).unwrap();
             assert_eq!(bytes.as_slice(), expected);
             assert_eq!(bytes.len(), usize::from(count) * format.bytes());
         }

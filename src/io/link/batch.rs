@@ -7,6 +7,7 @@ use super::message::{MeshBytes, Points, Refusal};
 use crate::geometry::frame_correction::{Corrected, FrameCorrection};
 use crate::geometry::mesh::format::MeshFormat;
 use crate::geometry::mesh::pixel_correction::{CorrectionMesh, PixelCorrection};
+use crate::geometry::mesh::source_mesh::SourceMesh;
 use crate::geometry::mesh::vertex::VertexRow;
 use crate::geometry::sensor::SensorPoint;
 
@@ -43,11 +44,14 @@ pub(super) fn mesh(
     if usize::from(row.count) > MAX_POINTS {
         return Err(Refusal::TooMany);
     }
+    // There is room for the longest words of a full row.
     let mut bytes = MeshBytes::new();
-    for word in row.words(correction, format) {
-        // There is room for the longest words of a full row.
-        let _ = bytes.extend_from_slice(&word.map_err(Refusal::Mesh)?);
-    }
+    bytes
+        .resize_default(usize::from(row.count) * format.bytes())
+        .map_err(|_| Refusal::TooMany)?;
+    let mesh = SourceMesh::new(correction, row.spacing_px);
+    row.write_words(&mesh, format, &mut bytes)
+        .map_err(Refusal::Mesh)?;
     Ok(bytes)
 }
 

@@ -378,14 +378,23 @@ fn write(body: &impl Serialize, header: Header, packet: &mut Packet) -> Option<(
 fn read<'a, Body: Deserialize<'a>>(
     payload: &'a [u8],
 ) -> Result<(Header, Option<Body>), Unreadable> {
+    let (header, (body, is_whole)) = header(payload).map(|(header, rest)| (header, body(rest)))?;
+    Ok((header, body.ok().filter(|_| is_whole)))
+}
+
+/// Reads the header of a message. Returns it with the bytes of the body.
+pub(super) fn header(payload: &[u8]) -> Result<(Header, &[u8]), Unreadable> {
     let (version, rest) = payload.split_first().ok_or(Unreadable::NoHeader)?;
     if *version != PROTOCOL_VERSION {
         return Err(Unreadable::OtherProtocol(*version));
     }
-    let (header, rest) = postcard::take_from_bytes(rest).map_err(|_| Unreadable::NoHeader)?;
-    let body = match postcard::take_from_bytes(rest) {
-        Ok((body, [])) => Some(body),
-        _ => None,
-    };
-    Ok((header, body))
+    postcard::take_from_bytes(rest).map_err(|_| Unreadable::NoHeader)
+}
+
+/// Reads the body of a message, of nearly a kilobyte, in place; `true` if it is all of the bytes.
+#[inline]
+pub(super) fn body<'a, Body: Deserialize<'a>>(bytes: &'a [u8]) -> (postcard::Result<Body>, bool) {
+    let mut deserializer = postcard::Deserializer::from_bytes(bytes);
+    let body = Body::deserialize(&mut deserializer);
+    (body, deserializer.finalize().is_ok_and(<[u8]>::is_empty))
 }

@@ -6,7 +6,7 @@ use super::link_event::LinkEvent;
 use super::loading::Loading;
 use super::message::{Answer, Counters, Header, Identity, Part, Refusal, Request, Unreadable};
 use super::packet::{Damage, Packet};
-use super::{batch, digest};
+use super::{batch, digest, message};
 use crate::flight::calibration_id::{CalibrationId, Storage};
 use crate::flight::camera::{self, Camera, CameraParameters};
 use crate::flight::exposure::Exposure;
@@ -58,8 +58,8 @@ impl<Deck: FlightDeck> Responder<Deck> {
     }
 
     pub(super) fn answer(&mut self, payload: &[u8]) -> LinkEvent {
-        let (header, request) = match Request::read(payload) {
-            Ok(message) => message,
+        let (header, rest) = match message::header(payload) {
+            Ok(header) => header,
             Err(unreadable) => {
                 count(match unreadable {
                     Unreadable::OtherProtocol(_) => &mut self.counters.other_protocol,
@@ -72,6 +72,8 @@ impl<Deck: FlightDeck> Responder<Deck> {
                 return LinkEvent::Unreadable(unreadable);
             }
         };
+        let (body, is_whole) = message::body::<Request>(rest);
+        let request = body.as_ref().ok().filter(|_| is_whole);
         if self.kept == Some(header) {
             self.to_send = Which::Answer;
             self.sent = 0;
@@ -89,7 +91,7 @@ impl<Deck: FlightDeck> Responder<Deck> {
         }
         self.last = Some(header);
         let done = match request {
-            Some(request) => self.act(header, &request),
+            Some(request) => self.act(header, request),
             None => Err(Refusal::Unknown),
         };
         match done {
