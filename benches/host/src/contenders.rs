@@ -3,6 +3,7 @@
 
 use std::hint::black_box;
 
+use fmc_camera_kernel::inverse::LastStep;
 use fmc_camera_kernel::portable;
 use fmc_camera_kernel::{
     Terms,
@@ -38,6 +39,8 @@ pub(crate) fn all(points: &Points) -> Vec<Contender<'_>> {
             let batch = Batch::new(FORM, terms).at(level).in_one_thread();
             all.extend(of_batch(points, batch, &format!("{level} {name}")));
         }
+        let short = Batch::new(FORM, Terms::Short).at(level);
+        all.push(distorted(points, short, &format!("{level} distort x, y")));
     }
     let widest = Level::widest();
     let short = Batch::new(FORM, Terms::Short);
@@ -93,6 +96,26 @@ fn of_batch<'a>(points: &'a Points, batch: Batch, name: &str) -> [Contender<'a>;
             black_box(&mut *answers);
         }),
     ]
+}
+
+/// Returns the way back of a batch, with distortions: all points end with the first step.
+fn distorted<'a>(points: &'a Points, batch: Batch, name: &str) -> Contender<'a> {
+    let last_step = LastStep {
+        longest2_mm2: 1e-6,
+        farthest_mm: [200.0, 200.0],
+    };
+    Contender::new(name, COPY_XY, move || {
+        let mut answers = points.answers.borrow_mut();
+        let answers = &mut *answers;
+        let all_end = batch.xy_distorted(
+            black_box(&last_step),
+            [black_box(&points.x), black_box(&points.y)],
+            [&mut answers.x, &mut answers.y],
+            [&mut answers.dx, &mut answers.dy],
+        );
+        assert!(all_end, "the bench has no point off the sensor");
+        black_box(answers);
+    })
 }
 
 fn xy_into<'a>(points: &'a Points, batch: Batch, name: &str) -> Contender<'a> {

@@ -1,4 +1,4 @@
-//! Processor time, which does not count other programs of the machine.
+//! Processor time, which does not count other programs of the machine, and memory.
 
 /// Processes whose time is taken.
 #[derive(Clone, Copy)]
@@ -40,4 +40,20 @@ impl CpuTime {
     pub(crate) fn since(self, before: Self) -> f64 {
         self.0 - before.0
     }
+}
+
+/// Returns the largest memory of the processes that this one started and that have ended, MB;
+/// `None` if the system does not report it in kilobytes.
+#[cfg(target_os = "linux")]
+pub(crate) fn most_memory_of_children_mb() -> Option<i64> {
+    use nix::sys::resource::{UsageWho, getrusage};
+
+    let usage = getrusage(UsageWho::RUSAGE_CHILDREN).ok()?;
+    Some(usage.max_rss() / 1024)
+}
+
+/// Returns `None`, because this system counts in another unit, or has no such call.
+#[cfg(not(target_os = "linux"))]
+pub(crate) const fn most_memory_of_children_mb() -> Option<i64> {
+    None
 }

@@ -7,6 +7,7 @@
 
 mod contenders;
 mod cpu_time;
+mod flight;
 #[path = "../../../crates/kernel/tests/host/form.rs"]
 mod form;
 mod points;
@@ -18,9 +19,10 @@ use std::process::ExitCode;
 
 use clap::Parser;
 
+use flight::Flight;
 use points::Points;
 use table::Table;
-use timing::CLOCK;
+use timing::{CLOCK, Times};
 
 /// Points times rounds: short sizes are repeated until there is a round without disturbance.
 const POINT_ROUNDS: usize = 200_000_000;
@@ -36,6 +38,16 @@ struct Arguments {
     /// processor time. Rows come in hundred thousands
     #[arg(long, value_name = "ROWS", value_parser = count, conflicts_with = "sizes")]
     stream: Option<usize>,
+    /// Time `host-sim correct --frames` instead: so many frames, and the points of each, as an
+    /// array in a pipe beside a copy of it; the memory at most goes to the error stream
+    #[arg(
+        long,
+        value_names = ["FRAMES", "POINTS"],
+        num_args = 2,
+        value_parser = count,
+        conflicts_with_all = ["sizes", "stream"]
+    )]
+    flight: Option<Vec<usize>>,
     /// Call one contender so often with the first size and print nothing: the difference of two
     /// runs under an instruction counter is its cost
     #[arg(long, requires = "kernel")]
@@ -58,10 +70,12 @@ const MOST: usize = 1_000_000_000;
 
 fn main() -> ExitCode {
     let arguments = Arguments::parse();
-    let done = match (arguments.stream, arguments.calls.zip(arguments.kernel)) {
-        (Some(rows), _) => stream(rows),
-        (None, Some((calls, kernel))) => call(calls, &kernel, &arguments.sizes),
-        (None, None) => measure(&arguments.sizes),
+    let called = arguments.calls.zip(arguments.kernel);
+    let done = match (arguments.stream, arguments.flight.as_deref(), called) {
+        (_, Some([frames, points]), _) => flight(*frames, *points),
+        (Some(rows), ..) => stream(rows),
+        (None, _, Some((calls, kernel))) => call(calls, &kernel, &arguments.sizes),
+        (None, _, None) => measure(&arguments.sizes),
     };
     match done {
         Ok(()) => ExitCode::SUCCESS,
@@ -95,9 +109,28 @@ const STREAM_ROUNDS: usize = 50_000_000;
 
 fn stream(rows: usize) -> Result<(), String> {
     let rows = rows.next_multiple_of(stream::ROWS);
-    let times = stream::times(rows, (STREAM_ROUNDS / rows).clamp(3, 25))?;
+    print(&stream::times(rows, rounds(rows))?, rows)
+}
+
+fn flight(frames: usize, points: usize) -> Result<(), String> {
+    let flight = Flight { frames, points };
+    let rows = flight.rows();
+    print(&flight.times(rounds(rows))?, rows)?;
+    if let Some(mb) = cpu_time::most_memory_of_children_mb() {
+        eprintln!("memory of host-sim at most: {mb} MB");
+    }
+    Ok(())
+}
+
+/// Returns the rounds of a stream of so many rows.
+fn rounds(rows: usize) -> usize {
+    (STREAM_ROUNDS / rows).clamp(3, 25)
+}
+
+/// Prints times, each command beside its bound before it.
+fn print(times: &[Times], rows: usize) -> Result<(), String> {
     let mut table = Table::begin()?;
-    for time in &times {
+    for time in times {
         table.row(time, rows, None, None)?;
     }
     table.flush()?;

@@ -15,6 +15,9 @@ pub(crate) struct Answers {
     pub(crate) x: Vec<f32>,
     pub(crate) y: Vec<f32>,
     pub(crate) pairs: Vec<[f32; 2]>,
+    /// Distortion.
+    pub(crate) dx: Vec<f32>,
+    pub(crate) dy: Vec<f32>,
 }
 
 impl Points {
@@ -34,6 +37,8 @@ impl Points {
             x: x.clone(),
             y: y.clone(),
             pairs: pairs.clone(),
+            dx: x.clone(),
+            dy: y.clone(),
         });
         Self {
             x,

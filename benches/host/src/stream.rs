@@ -135,7 +135,7 @@ impl Read for Bytes<'_> {
 
 impl Bytes<'_> {
     /// Writes all bytes, in pieces as large as they are stored.
-    fn feed(mut self, sink: &mut impl Write) -> io::Result<()> {
+    fn feed(mut self, sink: &mut (impl Write + ?Sized)) -> io::Result<()> {
         sink.write_all(self.now)?;
         while self.left > 0 {
             sink.write_all(&self.written.rows)?;
@@ -178,9 +178,16 @@ fn parse(bytes: Bytes<'_>) -> Result<(), Box<dyn std::error::Error>> {
 }
 
 fn copy(written: &Written) -> io::Result<()> {
+    through_a_pipe(|sink| written.bytes().feed(sink))
+}
+
+/// Reads what `feed` writes, from one thread to another.
+pub(crate) fn through_a_pipe(
+    feed: impl FnOnce(&mut dyn Write) -> io::Result<()> + Send,
+) -> io::Result<()> {
     let (mut reader, mut writer) = io::pipe()?;
     thread::scope(|scope| {
-        let feeder = scope.spawn(move || written.bytes().feed(&mut writer));
+        let feeder = scope.spawn(move || feed(&mut writer));
         let mut buffer = vec![0; BUFFER];
         while reader.read(&mut buffer)? > 0 {}
         feeder
@@ -190,13 +197,11 @@ fn copy(written: &Written) -> io::Result<()> {
 }
 
 fn correct(written: &Written, format: &str) -> Result<(), Box<dyn std::error::Error>> {
-    let camera =
-        Path::new(env!("CARGO_MANIFEST_DIR")).join("../../host-sim/cameras/rc30-5324.toml");
     let mut command = Command::new(host_sim()?);
     command.args(["correct", "--vh", "0.17", "--exposure", "1/200"]);
     command.args(["--format", format, "-", "--camera"]);
     let mut child = command
-        .arg(camera)
+        .arg(camera())
         .stdin(Stdio::piped())
         .stdout(Stdio::null())
         .spawn()?;
@@ -210,8 +215,13 @@ fn correct(written: &Written, format: &str) -> Result<(), Box<dyn std::error::Er
     Ok(())
 }
 
+/// Returns the camera of the points.
+pub(crate) fn camera() -> PathBuf {
+    Path::new(env!("CARGO_MANIFEST_DIR")).join("../../host-sim/cameras/rc30-5324.toml")
+}
+
 /// Returns the path of the command, which is built beside this program.
-fn host_sim() -> io::Result<PathBuf> {
+pub(crate) fn host_sim() -> io::Result<PathBuf> {
     let name = format!("host-sim{}", env::consts::EXE_SUFFIX);
     let path = env::current_exe()?.with_file_name(name);
     if path.is_file() {

@@ -5,76 +5,25 @@ use std::io::{BufReader, Read};
 use std::path::Path;
 
 use fmc_camera::geometry::evaluation_form::Jacobian;
-use fmc_camera_file::InputError;
+use fmc_camera_file::{CameraFile, InputError, Sign};
 use serde::Deserialize;
 
 use crate::columns::shown;
+use crate::lens_parameter::Parameter;
+use crate::pixel_covariance::{are_in_pixels, in_mm};
 
 /// Covariance of the parameters on which the distortion depends.
 ///
 /// It is read from JSON as `host-sim import` writes it beside a camera file: `parameters`, `sigma`
 /// and, where they are known, `correlations`. The parameters are those of the camera file with its
 /// sign: `x0` and `y0` or `xp` and `yp` (mm), `k0` to `k3` (mm⁻²ⁱ), `p1`, `p2` (mm⁻¹), `b1`, `b2`;
-/// the principal distance, `c` or `f`, does not change image coordinates.
+/// the principal distance, `c` or `f`, does not change image coordinates. With `cx` or `cy` among
+/// them they are Metashape's, in pixels and of rays.
 #[derive(Debug, Clone, PartialEq)]
 pub struct CalibrationCovariance {
     parameters: Vec<Parameter>,
     /// Row by row, as long as the parameters.
     covariance: Vec<Vec<f64>>,
-}
-
-/// A parameter of a calibration.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-enum Parameter {
-    X0,
-    Y0,
-    /// Kᵢ, by i.
-    Radial(i32),
-    P1,
-    P2,
-    B1,
-    B2,
-    Distance,
-}
-
-impl Parameter {
-    fn of(name: &str) -> Option<Self> {
-        Some(match name.to_ascii_lowercase().as_str() {
-            "x0" | "xp" | "principal_point_x_mm" => Self::X0,
-            "y0" | "yp" | "principal_point_y_mm" => Self::Y0,
-            "k0" => Self::Radial(0),
-            "k1" => Self::Radial(1),
-            "k2" => Self::Radial(2),
-            "k3" => Self::Radial(3),
-            "p1" => Self::P1,
-            "p2" => Self::P2,
-            "b1" => Self::B1,
-            "b2" => Self::B2,
-            "c" | "f" | "principal_distance_mm" => Self::Distance,
-            _ => return None,
-        })
-    }
-
-    /// Returns ∂D of a point [x, y], mm from the centre of the distortion.
-    fn change(self, [x, y]: [f64; 2], jacobian: Jacobian) -> [f64; 2] {
-        let r2 = x * x + y * y;
-        let Jacobian {
-            dx_by_x,
-            dx_by_y,
-            dy_by_x,
-            dy_by_y,
-        } = jacobian;
-        match self {
-            Self::X0 => [-f64::from(dx_by_x), -f64::from(dy_by_x)],
-            Self::Y0 => [-f64::from(dx_by_y), -f64::from(dy_by_y)],
-            Self::Radial(power) => [x * r2.powi(power), y * r2.powi(power)],
-            Self::P1 => [r2 + 2.0 * x * x, 2.0 * x * y],
-            Self::P2 => [2.0 * x * y, r2 + 2.0 * y * y],
-            Self::B1 => [x, 0.0],
-            Self::B2 => [y, 0.0],
-            Self::Distance => [0.0; 2],
-        }
-    }
 }
 
 impl CalibrationCovariance {
@@ -83,80 +32,51 @@ impl CalibrationCovariance {
     /// # Errors
     /// [`InputError`] naming the file and what is wrong in it: a parameter that is not known, a σ
     /// that is negative, correlations that are not square, not symmetric or beyond ±1.
-    pub fn read(path: &Path) -> Result<Self, InputError> {
+    pub fn read(path: &Path, camera: &CameraFile) -> Result<Self, InputError> {
         let file = File::open(path).map_err(|error| InputError::reading(path, &error))?;
-        Self::read_from(&path.display().to_string(), BufReader::new(file))
+        Self::read_for(&path.display().to_string(), BufReader::new(file), camera)
     }
 
     /// Reads as [`Self::read`] does, from any source; `file` is its name in messages.
     ///
     /// # Errors
     /// Those of [`Self::read`].
-    pub fn read_from(file: &str, source: impl Read) -> Result<Self, InputError> {
-        #[derive(Deserialize)]
-        struct Stated {
-            parameters: Vec<String>,
-            sigma: Vec<f64>,
-            #[serde(default)]
-            correlations: Option<Vec<Vec<f64>>>,
+    pub fn read_for(
+        file: &str,
+        source: impl Read,
+        camera: &CameraFile,
+    ) -> Result<Self, InputError> {
+        let (names, covariance) = stated(file, source)?;
+        if are_in_pixels(&names) {
+            let (parameters, covariance) = in_mm(file, &names, &covariance, camera)?;
+            return Ok(Self {
+                parameters,
+                covariance,
+            });
         }
+        let found = Self::of(file, &names, covariance)?;
+        Ok(match camera.distortion.sign {
+            Sign::Distortion => found,
+            Sign::Correction => found.of_corrections(),
+        })
+    }
+
+    /// Returns the covariance of parameters in the symbols of the camera file.
+    fn of(file: &str, names: &[String], covariance: Vec<Vec<f64>>) -> Result<Self, InputError> {
         let refused = |text: String| InputError::invalid(format!("{file}: {text}"));
-        let Stated {
-            parameters: names,
-            sigma,
-            correlations,
-        } = serde_json::from_reader(source).map_err(|error| refused(error.to_string()))?;
-        if sigma.len() != names.len() {
-            return Err(refused(format!(
-                "sigma has {} values for {} parameters",
-                sigma.len(),
-                names.len()
-            )));
-        }
         let mut parameters = Vec::new();
-        for (name, sigma) in names.iter().zip(&sigma) {
+        for name in names {
             let parameter = Parameter::of(name).ok_or_else(|| {
                 refused(format!(
-                    "parameter {} is not one of x0, y0, k0 to k3, p1, p2, b1, b2, c in mm: another program's are in \
-                     its own units",
+                    "parameter {} is not one of x0, y0, k0 to k3, p1, p2, b1, b2, c in mm, nor are there cx and cy, as \
+                     Metashape has them in pixels",
                     shown(name)
                 ))
             })?;
             if parameters.contains(&parameter) {
                 return Err(refused(format!("parameter {} appears twice", shown(name))));
             }
-            if !(0.0..f64::INFINITY).contains(sigma) {
-                return Err(refused(format!(
-                    "sigma of {name} = {sigma}: must be at least 0"
-                )));
-            }
             parameters.push(parameter);
-        }
-        let count = names.len();
-        let correlation = |row: usize, column: usize| match &correlations {
-            None if row == column => Some(1.0),
-            None => Some(0.0),
-            Some(rows) => rows.get(row).and_then(|row| row.get(column)).copied(),
-        };
-        if let Some(rows) = &correlations
-            && (rows.len() != count || rows.iter().any(|row| row.len() != count))
-        {
-            return Err(refused(format!(
-                "correlations are not {count} rows of {count}"
-            )));
-        }
-        let mut covariance = vec![vec![0.0; count]; count];
-        for (row, (cells, own)) in covariance.iter_mut().zip(&sigma).enumerate() {
-            for (column, (cell, other)) in cells.iter_mut().zip(&sigma).enumerate() {
-                let both = correlation(row, column).zip(correlation(column, row));
-                let Some((one, turned)) = both else { continue };
-                if !(one.abs() <= 1.0 + 1e-9 && (one - turned).abs() <= 1e-6) {
-                    return Err(refused(format!(
-                        "correlation {one} in row {row}, column {column}: must be symmetric and within -1 to 1"
-                    )));
-                }
-                *cell = one * own * other;
-            }
         }
         Ok(Self {
             parameters,
@@ -166,8 +86,7 @@ impl CalibrationCovariance {
 
     /// Turns the signs of the coefficients round, for a camera file whose coefficients are
     /// corrections.
-    #[must_use]
-    pub fn of_corrections(mut self) -> Self {
+    fn of_corrections(mut self) -> Self {
         let is_coefficient =
             |parameter: &Parameter| !matches!(parameter, Parameter::X0 | Parameter::Y0);
         let signs: Vec<bool> = self.parameters.iter().map(is_coefficient).collect();
@@ -215,6 +134,64 @@ impl CalibrationCovariance {
     }
 }
 
+/// Reads the names of the parameters, and their covariance row by row.
+fn stated(file: &str, source: impl Read) -> Result<(Vec<String>, Vec<Vec<f64>>), InputError> {
+    #[derive(Deserialize)]
+    struct Stated {
+        parameters: Vec<String>,
+        sigma: Vec<f64>,
+        #[serde(default)]
+        correlations: Option<Vec<Vec<f64>>>,
+    }
+    let refused = |text: String| InputError::invalid(format!("{file}: {text}"));
+    let Stated {
+        parameters: names,
+        sigma,
+        correlations,
+    } = serde_json::from_reader(source).map_err(|error| refused(error.to_string()))?;
+    if sigma.len() != names.len() {
+        return Err(refused(format!(
+            "sigma has {} values for {} parameters",
+            sigma.len(),
+            names.len()
+        )));
+    }
+    for (name, sigma) in names.iter().zip(&sigma) {
+        if !(0.0..f64::INFINITY).contains(sigma) {
+            return Err(refused(format!(
+                "sigma of {name} = {sigma}: must be at least 0"
+            )));
+        }
+    }
+    let count = names.len();
+    let correlation = |row: usize, column: usize| match &correlations {
+        None if row == column => Some(1.0),
+        None => Some(0.0),
+        Some(rows) => rows.get(row).and_then(|row| row.get(column)).copied(),
+    };
+    if let Some(rows) = &correlations
+        && (rows.len() != count || rows.iter().any(|row| row.len() != count))
+    {
+        return Err(refused(format!(
+            "correlations are not {count} rows of {count}"
+        )));
+    }
+    let mut covariance = vec![vec![0.0; count]; count];
+    for (row, (cells, own)) in covariance.iter_mut().zip(&sigma).enumerate() {
+        for (column, (cell, other)) in cells.iter_mut().zip(&sigma).enumerate() {
+            let both = correlation(row, column).zip(correlation(column, row));
+            let Some((one, turned)) = both else { continue };
+            if !(one.abs() <= 1.0 + 1e-9 && (one - turned).abs() <= 1e-6) {
+                return Err(refused(format!(
+                    "correlation {one} in row {row}, column {column}: must be symmetric and within -1 to 1"
+                )));
+            }
+            *cell = one * own * other;
+        }
+    }
+    Ok((names, covariance))
+}
+
 #[cfg(test)]
 mod tests {
     use fmc_camera::geometry::brown::Brown;
@@ -229,7 +206,8 @@ mod tests {
     };
 
     fn read(text: &str) -> Result<CalibrationCovariance, InputError> {
-        CalibrationCovariance::read_from("sigma.json", text.as_bytes())
+        let (names, covariance) = stated("sigma.json", text.as_bytes())?;
+        CalibrationCovariance::of("sigma.json", &names, covariance)
     }
 
     #[test]
@@ -314,8 +292,8 @@ mod tests {
                 "sigma.json: sigma has 0 values for 1",
             ),
             (
-                "{\"parameters\": [\"cx\"], \"sigma\": [1]}",
-                "sigma.json: parameter cx is not one of",
+                "{\"parameters\": [\"fx\"], \"sigma\": [1]}",
+                "sigma.json: parameter fx is not one of",
             ),
             (
                 "{\"parameters\": [\"k1\", \"K1\"], \"sigma\": [1, 1]}",

@@ -87,18 +87,3 @@ pub(crate) fn check_length(
         names.len()
     )))
 }
-
-/// Lines of the rows of a table.
-#[derive(Debug, Default)]
-pub(crate) struct Lines {
-    behind: Option<u64>,
-}
-
-impl Lines {
-    /// Returns the line of a row.
-    pub(crate) fn of(&mut self, row: &StringRecord) -> u64 {
-        let line = row.position().map_or(0, csv::Position::line);
-        // The reader counts a line of \r\n when it comes to the next: its first row is in line 1.
-        line + *self.behind.get_or_insert(u64::from(line == 1))
-    }
-}

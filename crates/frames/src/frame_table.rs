@@ -224,6 +224,13 @@ impl FrameTable {
         self.find(*self.images.get(image)?)
     }
 
+    /// Returns the images with the sequence numbers of their frames, in no order.
+    pub fn images(&self) -> impl Iterator<Item = (&str, u32)> {
+        self.images
+            .iter()
+            .map(|(image, sequence)| (&**image, *sequence))
+    }
+
     /// Returns `true` if a frame has an image.
     #[must_use]
     pub fn has_images(&self) -> bool {

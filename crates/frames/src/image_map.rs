@@ -7,6 +7,7 @@ use std::path::Path;
 use csv::{ReaderBuilder, StringRecord, Trim};
 use fmc_camera_file::InputError;
 
+use crate::Lines;
 use crate::columns::{csv_error, names, shown};
 
 /// The image of each sequence number, from a table with the columns `sequence` and `image`.
@@ -56,14 +57,12 @@ impl ImageMap {
         };
         let (sequence, image) = (place("sequence")?, place("image")?);
         let mut rows: Vec<Row> = Vec::new();
-        let mut behind = None;
+        let mut lines = Lines::default();
         while reader
             .read_record(&mut row)
             .map_err(|error| csv_error(file, &names, &StringRecord::new(), &error))?
         {
-            let line = row.position().map_or(0, csv::Position::line);
-            // The reader counts a line with \r\n late, so that the first row is in line 1, too.
-            let line = line + *behind.get_or_insert(u64::from(line == 1));
+            let line = lines.of(row.position());
             let refused =
                 |text: String| InputError::invalid(format!("{file}, line {line}: {text}"));
             let number = row.get(sequence).unwrap_or_default();

@@ -6,6 +6,8 @@
 //! where no camera flew. [`Exposed::correction`] returns the correction of a frame's points, with
 //! the bits that the camera itself computed.
 //!
+//! A [`trajectory::Trajectory`] adds the exterior orientation at the centroid of each exposure.
+//!
 //! Inputs are checked against the camera file: a record of another calibration, a number outside
 //! its range or a sequence that comes twice is an error that names file, line, column, value and
 //! allowed range.
@@ -19,13 +21,19 @@ mod frame;
 mod frame_camera;
 mod frame_table;
 mod image_map;
+mod lens_parameter;
+mod lines;
+mod pixel_covariance;
 pub mod records;
 pub mod row;
 mod sequences;
 pub mod table;
+pub mod time;
+pub mod trajectory;
 
 pub use calibration_covariance::CalibrationCovariance;
 pub use frame::{Exposed, FlightFrame, Outcome};
 pub use frame_camera::FrameCamera;
 pub use frame_table::{FrameRow, FrameTable};
 pub use image_map::ImageMap;
+pub use lines::Lines;

@@ -1,6 +1,7 @@
 //! Row of a record in `records.csv` and `records.json`, as it is written and read.
 
 use std::borrow::Cow;
+use std::io::Write;
 
 use fmc_camera::flight::exposure::CorrectionModel;
 use fmc_camera::flight::fault::Fault;
@@ -218,6 +219,21 @@ impl<L: Names> Row<L> {
             calibration_storage: calibration.map(|id| Name::Borrowed(id.storage.name())),
         }
     }
+}
+
+/// Writes records as `records.csv`: one row per trigger.
+///
+/// # Errors
+/// Those of the sink.
+pub fn write_csv(records: &[FrameRecord], sink: impl Write) -> csv::Result<()> {
+    let mut writer = csv::WriterBuilder::new()
+        .has_headers(false)
+        .from_writer(sink);
+    writer.write_record(NAMES)?;
+    for record in records {
+        writer.serialize(Row::<String>::of(record))?;
+    }
+    Ok(writer.flush()?)
 }
 
 /// Outcome of a trigger with an exposure.

@@ -12,9 +12,9 @@ use fmc_camera_file::InputError;
 
 pub use self::exposure::GivenExposure;
 use self::heading::Heading;
-use crate::columns::{Lines, check_length, csv_error, names};
+use crate::columns::{check_length, csv_error, names};
 use crate::sequences::Sequences;
-use crate::{FlightFrame, FrameCamera, Outcome};
+use crate::{FlightFrame, FrameCamera, Lines, Outcome};
 
 /// Reads a table of exposures, and gives each frame to `each`, in the order of the file.
 ///
@@ -76,7 +76,7 @@ pub fn read_from<E: From<InputError>>(
         .map_err(|error| csv_error(file, &names, &StringRecord::new(), &error))?
     {
         count += 1;
-        let line = lines.of(&row);
+        let line = lines.of(row.position());
         check_length(file, line, &row, &names)?;
         let cells = heading.row(file, line, &row);
         let (sequence, image) = cells.name(count)?;

@@ -1,11 +1,13 @@
-//! Tables for a terminal: at most 80 columns wide.
+//! Tables for a terminal, as wide as it is: from 80 to 120 columns, and 80 elsewhere.
+
+use std::io::{self, IsTerminal};
 
 use comfy_table::{
     CellAlignment, ColumnConstraint, ContentArrangement, LineStyle, Table, TableStyle, Width,
 };
 
-/// Width of a table, columns of the terminal.
-const WIDTH: u16 = 80;
+/// Least and largest width of a table, columns of the terminal.
+const WIDTHS: [u16; 2] = [80, 120];
 
 /// Distance of neighbouring columns, and the distance where the table would be too wide with that.
 const GAPS: [u16; 2] = [2, 1];
@@ -18,6 +20,16 @@ const LINES: TableStyle = TableStyle::new()
     .top_border(LineStyle::none().fill('─').junction('─'))
     .header_separator(LineStyle::none().fill('═').junction('═'))
     .bottom_border(LineStyle::none().fill('─').junction('─'));
+
+/// Returns the width of a table: that of the terminal, or 80 columns in a pipe.
+fn width() -> u16 {
+    let [least, most] = WIDTHS;
+    if !io::stdout().is_terminal() {
+        return least;
+    }
+    terminal_size::terminal_size_of(io::stdout())
+        .map_or(least, |(width, _)| width.0.clamp(least, most))
+}
 
 /// A column of a table.
 #[derive(Debug, Clone)]
@@ -44,8 +56,8 @@ pub(crate) fn numbers(heading: impl Into<String>) -> Column {
 
 /// Writes a table, without a line feed at its end.
 ///
-/// If it would be wider than 80 columns, the cells of the first column go on in a second line;
-/// no other cell is broken.
+/// If it would be wider than the terminal, the cells of the first column go on in a second line; no
+/// other cell is broken.
 pub(crate) fn table<const N: usize>(
     columns: impl IntoIterator<Item = Column>,
     rows: impl IntoIterator<Item = [String; N]>,
@@ -62,14 +74,15 @@ pub(crate) fn lines(
         .into_iter()
         .map(|column| (column.heading, column.alignment))
         .unzip();
+    let width = width();
     let mut table = Table::new();
     table
         .load_style(LINES)
         .set_header(headings)
         .add_rows(rows)
-        .set_width(WIDTH)
+        .set_width(width)
         .set_content_arrangement(ContentArrangement::Dynamic);
-    let gap = gap(&table);
+    let gap = gap(&table, width);
     let last = alignments.len().saturating_sub(1);
     for ((index, column), alignment) in table.column_iter_mut().enumerate().zip(alignments) {
         column.set_cell_alignment(alignment);
@@ -82,20 +95,20 @@ pub(crate) fn lines(
 }
 
 /// Returns the larger gap that leaves room for every cell in one line, or else the smaller one.
-fn gap(table: &Table) -> u16 {
+fn gap(table: &Table, width: u16) -> u16 {
     let [large, small] = GAPS;
     let widths = table.column_max_content_widths();
     let gaps = u16::try_from(widths.len().saturating_sub(1)).unwrap_or(u16::MAX);
-    let fits = widths.iter().sum::<u16>() + gaps * large <= WIDTH;
+    let fits = widths.iter().sum::<u16>() + gaps * large <= width;
     if fits { large } else { small }
 }
 
 /// Writes names and what they stand for, a line each, without a line feed at the end.
 ///
-/// The names take `width` columns. What is longer than the rest of 80 columns goes on in the next
+/// The names take `names` columns. What is longer than the rest of the terminal goes on in the next
 /// line, under its beginning.
 #[must_use]
-pub fn pairs<'a>(width: u16, pairs: impl IntoIterator<Item = (&'a str, String)>) -> String {
+pub fn pairs<'a>(names: u16, pairs: impl IntoIterator<Item = (&'a str, String)>) -> String {
     let mut table = Table::new();
     table
         .load_style(TableStyle::new())
@@ -104,13 +117,13 @@ pub fn pairs<'a>(width: u16, pairs: impl IntoIterator<Item = (&'a str, String)>)
                 .into_iter()
                 .map(|(name, what)| [name.to_owned(), what]),
         )
-        .set_width(WIDTH)
+        .set_width(width())
         .set_content_arrangement(ContentArrangement::Dynamic);
     for column in table.column_iter_mut() {
         column.set_padding((0, 0));
     }
-    if let Some(names) = table.column_mut(0) {
-        names.set_constraint(ColumnConstraint::Absolute(Width::Fixed(width)));
+    if let Some(column) = table.column_mut(0) {
+        column.set_constraint(ColumnConstraint::Absolute(Width::Fixed(names)));
     }
     table.trim_fmt()
 }

@@ -4,6 +4,8 @@ use std::path::PathBuf;
 
 use clap::{Arg, ArgGroup, Args, ValueEnum};
 
+use crate::formats::frame_points::ListProgram;
+
 /// Heading of the options for the frames of a flight.
 pub(super) const FRAMES: &str = "Frames of a flight";
 
@@ -68,9 +70,14 @@ pub struct FrameAnswerArgs {
         requires = "frame_source"
     )]
     pub answer: AnswerName,
+    /// Write the coordinates as the list of images of another program in place of the points' own
+    /// format: of points in CSV with a column `point` or `id`, for `correct` with --answer
+    /// ideal-shifted or measured-shifted.
+    #[arg(long, value_name = "PROGRAM", requires = "frame_source")]
+    pub list: Option<ListProgram>,
     /// σ and correlations of the calibration, for σ of the coordinates: JSON with `parameters`,
     /// `sigma` and `correlations`, as `import` writes it, in the symbols and units of the camera
-    /// file (x0, y0, k0 to k3, p1, p2, b1, b2).
+    /// file (x0, y0, k0 to k3, p1, p2, b1, b2), or in those of Metashape (f, cx, cy and so on).
     #[arg(long, value_name = "FILE", requires = "frame_source")]
     pub uncertainty: Option<PathBuf>,
     /// Treatment of a point that has no answer: off the sensor, or of a refused trigger.

@@ -2,10 +2,7 @@
 
 use std::fmt::Write as _;
 use std::fs;
-use std::io::Read as _;
-use std::process::Stdio;
-
-use rustix::termios::{Winsize, tcsetwinsize};
+use std::process::{Command, Stdio};
 
 use crate::command_line::support::{Bench, CAMERA, EXPOSURE};
 use crate::command_line::terminal::Terminal;
@@ -35,35 +32,16 @@ fn shown(bench: &Bench, columns: u16, points: &[&str], stdin: Option<&str>) -> S
 
 /// Returns what a command shows on such a terminal.
 fn shown_by(bench: &Bench, columns: u16, arguments: &[&str], stdin: Option<&str>) -> String {
-    let Terminal { mut far, near, .. } = Terminal::open();
-    let size = Winsize {
-        ws_row: 24,
-        ws_col: columns,
-        ws_xpixel: 0,
-        ws_ypixel: 0,
-    };
-    tcsetwinsize(&far, size).unwrap();
     let mut command = bench.command(arguments);
     if let Some(stdin) = stdin {
         let file = fs::File::open(bench.path(stdin)).unwrap();
         command.stdin(Stdio::from(file));
     }
-    let mut child = command
-        .env("TERM", "xterm")
-        .env_remove("NO_COLOR")
-        .stdout(Stdio::null())
-        .stderr(Stdio::from(near))
-        .spawn()
-        .unwrap();
-    // The command keeps the near end open.
-    drop(command);
-    let mut shown = Vec::new();
-    // Reading ends with an error once no process has the terminal open.
-    let _ = far.read_to_end(&mut shown);
+    command.stdout(Stdio::null());
+    let (shown, code) = Terminal::open().shows(columns, command, Command::stderr);
     // 1 is the outcome of a check, which two missions of `statistics` are too few to pass.
-    let code = child.wait().unwrap().code();
     assert!(matches!(code, Some(0 | 1)), "{code:?}: {arguments:?}");
-    String::from_utf8(shown).unwrap()
+    shown
 }
 
 /// Checks that what is shown needs one line, which would need cursor movements if it were longer.
@@ -124,6 +102,26 @@ fn bar_stays_in_its_line_however_narrow_the_terminal() {
             assert!(shown.ends_with("\r\x1b[2K"), "nothing stays: {shown:?}");
         }
     }
+}
+
+#[test]
+fn reading_of_frames_has_a_bar_unless_they_are_listed_on_a_terminal() {
+    let bench = Bench::new();
+    let mut frames = String::from("sequence,vh,exposure\n");
+    for sequence in 1..=30_000_u32 {
+        writeln!(frames, "{sequence},0.1,0.00{}", 2 + sequence % 8).unwrap();
+    }
+    fs::write(bench.path("frames.csv"), frames).unwrap();
+    let arguments = ["frame", "--camera", "camera.toml", "--frames", "frames.csv"];
+    let with_out = [&arguments[..], &["--out", "list.csv"]].concat();
+    for columns in [80, 45] {
+        let shown = shown_by(&bench, columns, &with_out, None);
+        assert!(shown.contains("KiB"), "{shown:?}");
+        assert_one_line(&shown, "frames");
+        assert!(shown.ends_with("\r\x1b[2K"), "nothing stays: {shown:?}");
+    }
+    let quiet = bench.run(&with_out).ok();
+    assert_eq!((quiet.stdout.as_str(), quiet.stderr.as_str()), ("", ""));
 }
 
 #[test]

@@ -1,7 +1,12 @@
 //! Width of the tables of every command.
 
+#[cfg(unix)]
+use std::process::Command;
+
 use crate::command_line::observations::{EXPOSURES, csv, rows};
-use crate::command_line::support::{Answer, Bench};
+use crate::command_line::support::{Answer, Bench, CAMERA, EXPOSURE};
+#[cfg(unix)]
+use crate::command_line::terminal::Terminal;
 
 const WIDTH: usize = 80;
 
@@ -72,6 +77,59 @@ fn tables_of_a_calibration_fit_80_columns() {
         assert_narrow(&answer, 2);
         for line in answer.stdout.lines() {
             assert!(line.chars().count() <= WIDTH, "{line}");
+        }
+    }
+}
+
+/// Returns the lines that a command writes on a terminal of so many columns.
+#[cfg(unix)]
+fn lines_on_a_terminal(bench: &Bench, columns: u16, arguments: &[&str]) -> Vec<String> {
+    let mut command = bench.command(arguments);
+    command.stderr(std::process::Stdio::null());
+    let (shown, code) = Terminal::open().shows(columns, command, Command::stdout);
+    assert_eq!(code, Some(0), "{shown}");
+    shown.lines().map(str::to_owned).collect()
+}
+
+#[cfg(unix)]
+#[test]
+fn tables_are_as_wide_as_the_terminal_from_80_to_120_columns() {
+    let name = "a camera whose name is far longer than the column of a table leaves room for it, \
+                so that it goes on in further lines until the terminal is wide";
+    let camera = CAMERA.replace("Test camera", name);
+    let bench = Bench::with(&camera, b"");
+    let camera = ["--camera", "camera.toml"];
+    let frame = [&["frame"], &EXPOSURE[..]].concat();
+    let export = [
+        "export",
+        "metashape",
+        "--camera",
+        "camera.toml",
+        "--out",
+        "x",
+    ];
+    let verify = [&["verify", "--device", "sil"], &camera[..]].concat();
+    for arguments in [&frame[..], &export, &verify] {
+        let mut before = usize::MAX;
+        for (columns, widest) in [(60, 80), (80, 80), (100, 100), (120, 120), (200, 120)] {
+            let lines = lines_on_a_terminal(&bench, columns, arguments);
+            // The lines of a table's frame are as long as the table; pairs have none.
+            let rules = lines.iter().filter(|line| line.starts_with(['─', '═']));
+            let counted: Vec<&String> = rules.collect();
+            let counted = if counted.is_empty() {
+                lines.iter().collect()
+            } else {
+                counted
+            };
+            let width = counted
+                .iter()
+                .map(|line| line.chars().count())
+                .max()
+                .unwrap();
+            let what = format!("{}, {columns} columns: {lines:#?}", arguments[0]);
+            assert!(width <= widest && width > widest - 20, "{width}, {what}");
+            assert!(lines.len() <= before, "{what}");
+            before = lines.len();
         }
     }
 }

@@ -5,8 +5,8 @@ use fmc_camera_file::InputError;
 use fmc_frames::Outcome;
 
 use super::image_camera::ImageCamera;
-use super::time;
 use crate::calibrated::Calibrated;
+use fmc_frames::time;
 
 /// Cost below which one camera for all frames is advised, px.
 pub const ONE_CAMERA_PX: f64 = 0.05;

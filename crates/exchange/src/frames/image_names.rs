@@ -2,7 +2,6 @@
 
 use std::collections::HashMap;
 use std::fmt::Write as _;
-use std::io;
 
 use fmc_camera_file::InputError;
 use fmc_frames::ImageMap;
@@ -187,11 +186,14 @@ impl ImageNames {
 
     /// Calls `each` with every frame and the name of its image; frames without a name are passed
     /// over ([`check`](Self::check) finds them).
-    pub(crate) fn each(
+    ///
+    /// # Errors
+    /// Those of `each`.
+    pub fn each<E>(
         &self,
         frames: &[ImageCamera],
-        mut each: impl FnMut(&ImageCamera, &str) -> io::Result<()>,
-    ) -> io::Result<()> {
+        mut each: impl FnMut(&ImageCamera, &str) -> Result<(), E>,
+    ) -> Result<(), E> {
         let mut name = String::new();
         for frame in frames {
             match self {

@@ -7,8 +7,8 @@ use serde_json::{Value, json};
 
 use super::cameras::Cameras;
 use super::image_camera::ImageCamera;
-use super::time;
 use crate::program::{opensfm, opentrackio, opf};
+use fmc_frames::time;
 
 /// Returns the key of the camera of a frame in `OpenSfM`'s files.
 pub(super) fn opensfm_key(frame: &ImageCamera) -> String {

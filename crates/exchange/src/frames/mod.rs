@@ -13,7 +13,6 @@ mod image_names;
 mod json;
 mod metashape;
 mod tables;
-pub mod time;
 
 pub use export::FlightExport;
 pub use flight::{Flight, ONE_CAMERA_PX, OneCamera, Refused};

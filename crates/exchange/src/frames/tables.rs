@@ -5,7 +5,7 @@ use std::io::{self, Write};
 use serde::Serialize;
 
 use super::cameras::Cameras;
-use super::time;
+use fmc_frames::time;
 
 /// Identifier of the camera in `ArcGIS`'s tables.
 const CAMERA_ID: &str = "1";

@@ -6,9 +6,9 @@ use csv::{ReaderBuilder, StringRecord, Trim};
 use fmc_camera_file::InputError;
 
 use super::stream::Stream;
-use crate::FlightFrame;
-use crate::columns::{Lines, check_length, csv_error, names};
+use crate::columns::{check_length, csv_error, names};
 use crate::row::{NAMES, Row};
+use crate::{FlightFrame, Lines};
 
 /// Number of columns that every file of records has; later ones were added.
 const FIRST_COLUMNS: usize = 41;
@@ -41,7 +41,12 @@ pub(super) fn read<E: From<InputError>>(
         .read_record(&mut record)
         .map_err(|error| csv_error(file, &names, &StringRecord::new(), &error))?
     {
-        let line = lines.of(&record);
+        let line = lines.of(record.position());
+        // Errors of a type have the line of the record.
+        if let Some(mut position) = record.position().cloned() {
+            position.set_line(line);
+            record.set_position(Some(position));
+        }
         check_length(file, line, &record, &names)?;
         let row: Row<String> = record
             .deserialize(Some(&header))

@@ -25,6 +25,20 @@ fn with(text: &str, column: &str, value: &str) -> String {
 }
 
 #[test]
+fn error_of_a_type_names_the_line_of_an_editor_whatever_the_ends_of_lines() {
+    let (_, camera) = camera();
+    let (written, _) = flight(camera.camera(), camera.crc());
+    let text = with(&csv(&written[..3]), "centroid_offset_mm", "x");
+    for ending in ["\n", "\r\n"] {
+        let error = read(&text.replace('\n', ending), &camera).unwrap_err();
+        assert_eq!(
+            error.to_string(),
+            "records, line 3: centroid_offset_mm = \"x\": invalid float literal"
+        );
+    }
+}
+
+#[test]
 fn wrong_values_are_refused_by_line_column_value_and_range() {
     let (_, camera) = camera();
     let (written, _) = flight(camera.camera(), camera.crc());

@@ -8,6 +8,8 @@
 )]
 
 mod damaged;
+mod pixel_covariance;
 mod records;
 mod support;
 mod table;
+mod trajectory;

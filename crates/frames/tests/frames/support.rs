@@ -13,7 +13,7 @@ use fmc_camera::flight::time::Time;
 use fmc_camera::flight::utc::UtcTime;
 use fmc_camera::geometry::principal_distance::FocusSign;
 use fmc_camera_file::{CameraFile, InputError};
-use fmc_frames::row::{NAMES, Row};
+use fmc_frames::row::{Row, write_csv};
 use fmc_frames::{FlightFrame, FrameCamera, records};
 
 pub(crate) const IXM: &str =
@@ -110,14 +110,9 @@ fn calibration(crc: u32) -> CalibrationId {
 
 /// The records as `records.csv`.
 pub(crate) fn csv(records: &[FrameRecord]) -> String {
-    let mut writer = csv::WriterBuilder::new()
-        .has_headers(false)
-        .from_writer(Vec::new());
-    writer.write_record(NAMES).unwrap();
-    for record in records {
-        writer.serialize(Row::<String>::of(record)).unwrap();
-    }
-    String::from_utf8(writer.into_inner().unwrap()).unwrap()
+    let mut text = Vec::new();
+    write_csv(records, &mut text).unwrap();
+    String::from_utf8(text).unwrap()
 }
 
 /// The records as `records.json`.

@@ -1,8 +1,8 @@
 //! Statement of the frames of a flight that were exported.
 
 use fmc_exchange::calibrated::Calibrated;
-use fmc_exchange::frames::time::LEAP_SECONDS;
 use fmc_exchange::frames::{Flight, ONE_CAMERA_PX, Refused};
+use fmc_frames::time::LEAP_SECONDS;
 use serde::Serialize;
 
 use crate::length;

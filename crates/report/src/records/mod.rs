@@ -5,7 +5,8 @@ use std::io::{self, Write};
 
 use crc::{CRC_32_ISO_HDLC, Crc};
 use fmc_camera::flight::frame_record::FrameRecord;
-use fmc_frames::row::{self, Row};
+use fmc_frames::row::Row;
+pub use fmc_frames::row::write_csv;
 use serde::Serialize;
 
 /// Meaning of a record's numbers, for readers of the file without this program.
@@ -17,22 +18,6 @@ const CONVENTIONS: [&str; 6] = [
     "times in us are the camera's own clock since it started; centroid_unix_us is UTC without leap seconds, where a time pulse has set it",
     "refused triggers have a reason and no exposure; no trigger is left out",
 ];
-
-/// Writes `records.csv`: one row per trigger.
-///
-/// # Errors
-/// Those of the sink.
-pub fn write_csv(records: &[FrameRecord], sink: impl Write) -> csv::Result<()> {
-    let mut writer = csv::WriterBuilder::new()
-        .has_headers(false)
-        .from_writer(sink);
-    writer.write_record(row::NAMES)?;
-    for record in records {
-        writer.serialize(Row::<String>::of(record))?;
-    }
-    writer.flush()?;
-    Ok(())
-}
 
 /// Writes `records.json`.
 ///
@@ -85,6 +70,8 @@ mod tests {
     use fmc_camera::flight::principal_point_sigma::PrincipalPointSigma;
     use fmc_camera::flight::time::Time;
     use fmc_camera_file::CameraFile;
+
+    use fmc_frames::row;
 
     use super::*;
 

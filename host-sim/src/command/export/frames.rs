@@ -10,8 +10,13 @@ use fmc_frames::{FrameCamera, ImageMap, records};
 use fmc_report::exchange::{ExportSummary, ExportedFlight};
 
 use crate::cli::ExportArgs;
+use crate::command::frames::frame_file;
+use crate::command::frames::orientations::Orientations;
 use crate::failure::Failure;
 use crate::formats::output::{self, OutputFolder};
+
+/// Name of the table of exterior orientations.
+const ORIENTATION: &str = "orientation.csv";
 
 pub(super) fn run(
     args: &ExportArgs,
@@ -44,15 +49,35 @@ pub(super) fn run(
     let summary = ExportSummary::of(camera, camera_bytes, args.format, &export.at_rest)
         .with_frames(args.format, &files, frames);
     super::check_residual(args, &summary)?;
+    let trajectory = args.trajectory.trajectory.as_deref();
+    let mut orientations = trajectory
+        .map(|path| Orientations::open(&args.trajectory, path, true))
+        .transpose()?;
     let folder = OutputFolder::create(&args.out)?;
-    for name in files.iter().chain(&["export.json"]) {
+    for name in files.iter().chain(&["export.json", ORIENTATION]) {
         let file = folder.path().join(name);
-        for input in [Some(path), Some(&args.camera), args.images.as_deref()] {
+        let inputs = [
+            Some(path),
+            Some(&args.camera),
+            args.images.as_deref(),
+            trajectory,
+        ];
+        for input in inputs {
             input.map_or(Ok(()), |input| output::check_not_an_input(&file, input))?;
         }
     }
     for name in files {
         folder.write(name, |sink| export.write(name, sink))?;
+    }
+    if let Some(orientations) = &mut orientations {
+        output::stream(Some(&folder.path().join(ORIENTATION)), |sink| {
+            orientations.write(sink, |each| {
+                images.each(&flight.frames, |frame, image| {
+                    each(frame.sequence, image, frame.centroid_utc)
+                })
+            })?;
+            Ok(orientations.conclude()?)
+        })?;
     }
     super::conclude(&folder, &summary)
 }
@@ -62,8 +87,10 @@ fn read(path: &Path, camera_path: &Path, camera: &CameraFile) -> Result<Flight, 
     let frame_camera = FrameCamera::new(&camera_path.display().to_string(), camera)?;
     let exit_pupil_mm = camera.exit_pupil_mm();
     let mut flight = Flight::default();
-    records::read(path, &frame_camera, |frame| {
-        flight.push(&frame, exit_pupil_mm)
+    frame_file::with_bar(path, true, |name, source| {
+        records::read_from(name, source, &frame_camera, |frame| {
+            flight.push(&frame, exit_pupil_mm)
+        })
     })?;
     flight.check(&path.display().to_string())?;
     Ok(flight)

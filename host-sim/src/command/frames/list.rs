@@ -1,5 +1,7 @@
 //! `frame` for the frames of a flight: a row each.
 
+use std::io::{self, Write};
+
 use csv::Writer;
 use fmc_camera::flight::exposure::CorrectionModel;
 use fmc_camera::flight::time::Time;
@@ -8,6 +10,8 @@ use fmc_frames::{FlightFrame, Outcome};
 use serde::Serialize;
 
 use super::FlightFile;
+use super::orientation_columns::OrientationColumns;
+use super::orientations::Orientations;
 use crate::cli::FrameArgs;
 use crate::failure::Failure;
 use crate::formats::output::{self, Stopped};
@@ -16,24 +20,98 @@ pub(in crate::command) fn run(args: &FrameArgs) -> Result<(), Failure> {
     let out = args.out.as_deref();
     output::check_not_the_input(out, &args.exposure.camera)?;
     args.frames.check_out(out)?;
-    let flight = FlightFile::open(&args.exposure, &args.frames, &args.device)?;
+    let mut flight = FlightFile::open(&args.exposure, &args.frames, &args.device)?;
+    if let (Some(out), Some(table)) = (out, &args.trajectory.orientation)
+        && out == table
+    {
+        return Err(Failure::bad_input(
+            "--orientation and --out name the same file",
+        ));
+    }
+    let trajectory = &args.trajectory;
+    let with_table = trajectory.orientation.is_some();
+    let mut orientations = match &trajectory.trajectory {
+        Some(path) => Some(Orientations::open(trajectory, path, with_table)?),
+        None => None,
+    };
+    if let Some(orientations) = &mut orientations {
+        orientations.write_table(&flight)?;
+    }
+    flight.answers_elsewhere = out.is_some();
     output::stream(out, |sink| {
-        if args.json {
-            return flight.read(|frame| {
-                serde_json::to_writer(&mut *sink, &Line::of(&frame))
-                    .map_err(std::io::Error::from)?;
-                Ok::<(), Stopped>(writeln!(sink)?)
-            });
-        }
-        let mut writer = Writer::from_writer(sink);
+        let mut rows = Rows::new(sink, args.json);
         flight.read(|frame| {
-            writer
-                .serialize(Line::of(&frame))
-                .map_err(std::io::Error::from)?;
-            Ok::<(), Stopped>(())
+            let line = Line::of(&frame);
+            match (&mut orientations, frame.exposed()) {
+                (None, _) => rows.write(&line),
+                (Some(_), None) => rows.write_with(&line, &OrientationColumns::default()),
+                (Some(orientations), Some(exposed)) => {
+                    let found = orientations.of(frame.sequence, exposed.centroid_utc)?;
+                    rows.write_with(&line, &OrientationColumns::of(found))
+                }
+            }
         })?;
-        Ok(writer.flush()?)
-    })
+        rows.end()
+    })?;
+    orientations.map_or(Ok(()), |mut orientations| orientations.conclude())
+}
+
+/// Writer of the rows, as CSV or as lines of JSON.
+enum Rows<'a> {
+    Csv(Box<Writer<&'a mut dyn Write>>),
+    Json(&'a mut dyn Write),
+}
+
+impl<'a> Rows<'a> {
+    fn new(sink: &'a mut dyn Write, json: bool) -> Self {
+        if json {
+            Self::Json(sink)
+        } else {
+            Self::Csv(Box::new(Writer::from_writer(sink)))
+        }
+    }
+
+    fn write(&mut self, line: &Line<'_>) -> Result<(), Stopped> {
+        match self {
+            Self::Csv(writer) => Ok(writer.serialize(line).map_err(io::Error::from)?),
+            Self::Json(sink) => json_line(sink, line),
+        }
+    }
+
+    fn write_with(
+        &mut self,
+        line: &Line<'_>,
+        orientation: &OrientationColumns,
+    ) -> Result<(), Stopped> {
+        match self {
+            Self::Csv(writer) => {
+                let row = (line, orientation);
+                Ok(writer.serialize(row).map_err(io::Error::from)?)
+            }
+            Self::Json(sink) => json_line(sink, &Whole { line, orientation }),
+        }
+    }
+
+    fn end(&mut self) -> Result<(), Stopped> {
+        match self {
+            Self::Csv(writer) => Ok(writer.flush()?),
+            Self::Json(_) => Ok(()),
+        }
+    }
+}
+
+fn json_line(sink: &mut dyn Write, line: &impl Serialize) -> Result<(), Stopped> {
+    serde_json::to_writer(&mut *sink, line).map_err(io::Error::from)?;
+    Ok(writeln!(sink)?)
+}
+
+/// Interior and exterior orientation as one object.
+#[derive(Serialize)]
+struct Whole<'a> {
+    #[serde(flatten)]
+    line: &'a Line<'a>,
+    #[serde(flatten)]
+    orientation: &'a OrientationColumns,
 }
 
 /// The interior orientation of a frame; the names are those of `records.csv`.

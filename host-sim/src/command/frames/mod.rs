@@ -3,8 +3,11 @@
 mod active_frame;
 mod coordinate_sigma;
 mod evaluator;
+pub(super) mod frame_file;
 pub(super) mod list;
 pub(super) mod meshes;
+mod orientation_columns;
+pub(super) mod orientations;
 pub(super) mod points;
 
 use std::collections::BTreeSet;
@@ -27,6 +30,8 @@ pub(super) struct FlightFile<'a> {
     exposure: &'a ExposureArgs,
     frames: &'a FramesArgs,
     images: Option<ImageMap>,
+    /// False if answers go to a terminal while the frames are read: no bar may stand there then.
+    answers_elsewhere: bool,
 }
 
 impl<'a> FlightFile<'a> {
@@ -47,6 +52,7 @@ impl<'a> FlightFile<'a> {
             file,
             exposure,
             frames,
+            answers_elsewhere: true,
         })
     }
 
@@ -55,6 +61,12 @@ impl<'a> FlightFile<'a> {
         let path = self.frames.records.as_ref().or(self.frames.frames.as_ref());
         path.map(|path| path.display().to_string())
             .unwrap_or_default()
+    }
+
+    /// Refuses to replace a file of frames by an answer.
+    fn check_out(&self, out: Option<&Path>) -> Result<(), Failure> {
+        output::check_not_the_input(out, &self.exposure.camera)?;
+        self.frames.check_out(out)
     }
 
     /// Reads the frames, with their images.
@@ -77,9 +89,16 @@ impl<'a> FlightFile<'a> {
             each(frame)
         };
         match (&self.frames.records, &self.frames.frames) {
-            (Some(path), _) => records::read(path, &self.camera, with_image),
+            (Some(path), _) => {
+                frame_file::with_bar(path, self.answers_elsewhere, |name, source| {
+                    records::read_from(name, source, &self.camera, with_image)
+                })
+            }
             (None, Some(path)) => {
-                table::read(path, &self.camera, &self.exposure.given(), with_image)
+                let given = self.exposure.given();
+                frame_file::with_bar(path, self.answers_elsewhere, |name, source| {
+                    table::read_from(name, source, &self.camera, &given, with_image)
+                })
             }
             (None, None) => Ok(()),
         }?;
@@ -109,12 +128,7 @@ impl Flight {
     ///
     /// # Errors
     /// Those of [`FlightFile`].
-    pub(super) fn read(
-        exposure: &ExposureArgs,
-        frames: &FramesArgs,
-        device: &DeviceArgs,
-    ) -> Result<Self, Failure> {
-        let flight = FlightFile::open(exposure, frames, device)?;
+    fn read(flight: FlightFile) -> Result<Self, Failure> {
         let table = FrameTable::collect(|each| flight.read(each))?;
         Ok(Self {
             table: Arc::new(table),

@@ -2,17 +2,17 @@
 
 use std::path::Path;
 
-use fmc_camera_file::Sign;
 use fmc_frames::CalibrationCovariance;
 
-use super::Flight;
 use super::evaluator::Evaluator;
-use crate::cli::{OffSensorName, PointsArgs};
+use super::orientations::Orientations;
+use super::{Flight, FlightFile};
+use crate::cli::{AnswerName, OffSensorName, PointsArgs, TrajectoryArgs};
 use crate::command::point_stream::progress;
 use crate::command::points::Direction;
 use crate::failure::Failure;
 use crate::formats::frame_points::{
-    Flag, FrameAnswers, FrameBlock, FrameFinder, FrameSource, OutColumns,
+    Flag, FrameAnswers, FrameBlock, FrameFinder, FrameSource, ImageList, OutColumns,
 };
 use crate::formats::output::{self, Stopped};
 use crate::formats::points::{CoordinateFrame, PointFormat, off_sensor};
@@ -20,13 +20,14 @@ use crate::formats::points::{CoordinateFrame, PointFormat, off_sensor};
 pub(in crate::command) fn run(args: &PointsArgs, direction: Direction) -> Result<(), Failure> {
     let out = args.files.out.as_deref();
     check_out(args, out)?;
-    let flight = Flight::read(&args.exposure, &args.frames, &args.device)?;
+    let frames = FlightFile::open(&args.exposure, &args.frames, &args.device)?;
+    write_orientations(args, &frames)?;
+    let flight = Flight::read(frames)?;
     let covariance = args.answers.uncertainty.as_deref();
-    let covariance = covariance.map(CalibrationCovariance::read).transpose()?;
-    let covariance = covariance.map(|covariance| match flight.file.distortion.sign {
-        Sign::Distortion => covariance,
-        Sign::Correction => covariance.of_corrections(),
-    });
+    let covariance = match covariance {
+        Some(path) => Some(CalibrationCovariance::read(path, &flight.file)?),
+        None => None,
+    };
     let has_sigma =
         covariance.is_some() || flight.table.rows().iter().any(|row| row.sigma().is_some());
     let columns = OutColumns {
@@ -37,9 +38,11 @@ pub(in crate::command) fn run(args: &PointsArgs, direction: Direction) -> Result
     let finder = FrameFinder::new(flight.table.clone(), flight.name.clone());
     let format = format(args)?;
     let source = FrameSource::open(&args.files.points, format, &flight.file, finder, columns)?;
+    let mut list = image_list(args, direction, &flight, &source)?;
     let FrameSource {
         file,
         frame,
+        ids: _,
         bytes,
         mut blocks,
         mut writer,
@@ -77,24 +80,83 @@ pub(in crate::command) fn run(args: &PointsArgs, direction: Direction) -> Result
                 Err(refused(index, &what)
                     .with_help("--off-sensor skip leaves such points out, flag marks them"))?;
             }
-            // If the first block is refused, nothing is written.
-            if !begun {
-                writer.begin(sink)?;
-                begun = true;
+            if let Some(list) = &mut list {
+                list.push(&file, &block, &answers, &flight.table)?;
+            } else {
+                // If the first block is refused, nothing is written.
+                if !begun {
+                    writer.begin(sink)?;
+                    begun = true;
+                }
+                writer.write(&block, &answers, &flight.table, &flight.file, sink)?;
             }
-            writer.write(&block, &answers, &flight.table, &flight.file, sink)?;
             bar.set_position(block.read_bytes);
             blocks.reuse(block);
             next = blocks.next_block()?;
         }
+        if let Some(list) = list {
+            return list.write(sink);
+        }
         if !begun {
             writer.begin(sink)?;
         }
-        writer.end(sink)?;
-        Ok::<(), Stopped>(())
+        Ok::<(), Stopped>(writer.end(sink)?)
     });
     bar.finish_and_clear();
     written
+}
+
+/// Writes the exterior orientations that are asked for.
+fn write_orientations(args: &PointsArgs, frames: &FlightFile) -> Result<(), Failure> {
+    let TrajectoryArgs {
+        trajectory,
+        orientation,
+        ..
+    } = &args.trajectory;
+    match (trajectory, orientation) {
+        (None, _) => Ok(()),
+        (Some(_), None) => Err(Failure::bad_input(
+            "--trajectory: the answers are points; --orientation FILE.csv is missing, for the orientations",
+        )),
+        (Some(path), Some(table)) => {
+            output::check_not_an_input(table, &args.files.points)?;
+            if args.files.out.as_ref() == Some(table) {
+                return Err(Failure::bad_input(
+                    "--orientation and --out name the same file",
+                ));
+            }
+            Orientations::open(&args.trajectory, path, true)?.write_table(frames)
+        }
+    }
+}
+
+/// Returns the list that is asked for.
+fn image_list(
+    args: &PointsArgs,
+    direction: Direction,
+    flight: &Flight,
+    source: &FrameSource,
+) -> Result<Option<ImageList>, Failure> {
+    let Some(program) = args.answers.list else {
+        return Ok(None);
+    };
+    let refused = |text: &str| Err(Failure::bad_input(format!("--list: {text}")));
+    if direction == Direction::Distort {
+        return refused("the coordinates of a list are those that correct answers with");
+    }
+    if args.answers.answer == AnswerName::Ideal {
+        return refused(
+            "ideal points are about the principal point of their frame, and the program has one camera for all \
+             images: --answer ideal-shifted or measured-shifted",
+        );
+    }
+    if args.answers.off_sensor == OffSensorName::Flag {
+        return refused("it has no place for flags: --off-sensor error or skip");
+    }
+    let Some(ids) = source.ids else {
+        return refused("the points must be CSV with a column point, or id");
+    };
+    ImageList::new(program, ids, &flight.file, &flight.table).map(Some)
 }
 
 /// Describes why a point has no answer.

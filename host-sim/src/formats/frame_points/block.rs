@@ -38,6 +38,15 @@ impl FrameBlock {
         self.columns.clear();
     }
 
+    /// Returns a cell of CSV, counted over the rows.
+    pub(super) fn cell(&self, cell: usize) -> &[u8] {
+        let before = cell
+            .checked_sub(1)
+            .and_then(|before| self.cell_ends.get(before));
+        let ends = before.copied().unwrap_or(0)..self.cell_ends.get(cell).copied().unwrap_or(0);
+        self.rows.get(ends).unwrap_or_default()
+    }
+
     /// Place of a point in the file, for messages.
     #[must_use]
     pub fn place(&self, file: &str, index: usize) -> String {

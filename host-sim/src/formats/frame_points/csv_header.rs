@@ -2,6 +2,7 @@
 
 use csv::ByteRecord;
 
+use super::block::FrameBlock;
 use super::frame_key::{FrameFinder, KeyColumn};
 use crate::formats::points::CoordinateFrame;
 
@@ -42,6 +43,32 @@ impl CsvHeader {
             key_place,
             coordinates,
             frame,
+        })
+    }
+}
+
+/// Column of the names of the points.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct IdColumn {
+    place: usize,
+    /// Number of columns.
+    columns: usize,
+}
+
+impl IdColumn {
+    /// Returns the name of a point of a block.
+    pub(super) fn cell(self, block: &FrameBlock, index: usize) -> &[u8] {
+        block.cell(index * self.columns + self.place)
+    }
+}
+
+impl CsvHeader {
+    /// Returns the column of the names of the points: `point`, else `id`.
+    pub(super) fn ids(&self) -> Option<IdColumn> {
+        let at = |wanted: &str| self.names.iter().position(|name| name == wanted);
+        Some(IdColumn {
+            place: at("point").or_else(|| at("id"))?,
+            columns: self.names.len(),
         })
     }
 }

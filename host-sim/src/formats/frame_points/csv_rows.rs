@@ -5,7 +5,7 @@ use std::io::{self, Read, Write};
 use csv::{ByteRecord, Reader, ReaderBuilder};
 use fmc_camera_file::CameraFile;
 use fmc_camera_file::number::clipped;
-use fmc_frames::FrameTable;
+use fmc_frames::{FrameTable, Lines};
 
 use super::answers::{FLAG, Flag, FrameAnswers, OutColumns, flag_text};
 use super::block::{self, FrameBlock};
@@ -13,7 +13,7 @@ use super::csv_header::CsvHeader;
 use super::frame_key::FrameFinder;
 use super::source::{RowReader, RowWriter};
 use crate::failure::Failure;
-use crate::formats::points::{CoordinateFrame, csv_failure, decimal, number};
+use crate::formats::points::{CoordinateFrame, csv_failure, decimal, number, push_cell};
 
 /// The rows of a CSV file behind its header.
 pub(super) struct CsvRows<R> {
@@ -24,6 +24,7 @@ pub(super) struct CsvRows<R> {
     record: ByteRecord,
     /// The last cell that named a frame, and that frame: rows of a frame mostly follow each other.
     last: (Vec<u8>, Option<u32>),
+    lines: Lines,
     read: u64,
 }
 
@@ -51,6 +52,7 @@ impl<R: Read> CsvRows<R> {
             finder,
             record: ByteRecord::new(),
             last: (Vec::new(), None),
+            lines: Lines::default(),
             read: 0,
         })
     }
@@ -120,7 +122,7 @@ impl<R: Read + Send> RowReader for CsvRows<R> {
             {
                 break;
             }
-            let line = self.record.position().map_or(0, csv::Position::line);
+            let line = self.lines.of(self.record.position());
             self.push(block, camera).map_err(|fault| {
                 Failure::bad_input(format!("{}, line {line}: {fault}", self.file))
             })?;
@@ -231,7 +233,7 @@ impl RowWriter for CsvAnswers {
                 }
                 match cell {
                     OutCell::Kept(column) => {
-                        push_cell(text, kept(block, index * self.columns + column));
+                        push_cell(text, block.cell(index * self.columns + column));
                     }
                     OutCell::Flag => {
                         push_cell(text, flag_text(*flag, *frame, table).as_bytes());
@@ -258,32 +260,4 @@ impl RowWriter for CsvAnswers {
     fn end(&mut self, _: &mut dyn Write) -> io::Result<()> {
         Ok(())
     }
-}
-
-/// Returns a cell of the points.
-fn kept(block: &FrameBlock, cell: usize) -> &[u8] {
-    let before = cell
-        .checked_sub(1)
-        .and_then(|before| block.cell_ends.get(before));
-    let ends = before.copied().unwrap_or(0)..block.cell_ends.get(cell).copied().unwrap_or(0);
-    block.rows.get(ends).unwrap_or_default()
-}
-
-/// Appends a cell, in quotes where it needs them.
-fn push_cell(text: &mut Vec<u8>, cell: &[u8]) {
-    if !cell
-        .iter()
-        .any(|byte| matches!(byte, b',' | b'"' | b'\n' | b'\r'))
-    {
-        text.extend_from_slice(cell);
-        return;
-    }
-    text.push(b'"');
-    for byte in cell {
-        if *byte == b'"' {
-            text.push(b'"');
-        }
-        text.push(*byte);
-    }
-    text.push(b'"');
 }

@@ -5,6 +5,8 @@ mod block;
 mod csv_header;
 mod csv_rows;
 mod frame_key;
+mod image_list;
+mod list_program;
 mod npy_layout;
 mod npy_rows;
 mod parquet_answers;
@@ -16,6 +18,9 @@ mod source;
 
 pub use answers::{Flag, FrameAnswers, OutColumns};
 pub use block::FrameBlock;
+pub use csv_header::IdColumn;
 pub use frame_key::FrameFinder;
+pub use image_list::ImageList;
+pub use list_program::ListProgram;
 pub use read_ahead::FrameBlocks;
 pub use source::{FrameSource, RowWriter};

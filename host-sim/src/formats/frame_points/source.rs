@@ -10,6 +10,7 @@ use fmc_frames::FrameTable;
 
 use super::answers::{FrameAnswers, OutColumns};
 use super::block::FrameBlock;
+use super::csv_header::IdColumn;
 use super::csv_rows::{CsvAnswers, CsvRows};
 use super::frame_key::FrameFinder;
 use super::npy_rows::{NpyAnswers, NpyRows};
@@ -62,6 +63,8 @@ pub struct FrameSource {
     pub file: String,
     /// Frame of the points and of the answers.
     pub frame: CoordinateFrame,
+    /// Column of the names of the points, if it is CSV with one.
+    pub ids: Option<IdColumn>,
     /// Number of bytes to be read, where it is known.
     pub bytes: Option<u64>,
     /// Reader of its points.
@@ -102,11 +105,13 @@ impl FrameSource {
             let bytes = bytes.map(|metadata| metadata.len());
             (path.display().to_string(), bytes, Box::new(file))
         };
+        let mut ids = None;
         let (reader, writer, frame): (Box<dyn RowReader>, Box<dyn RowWriter>, _) = match format {
             PointFormat::Csv => {
                 let rows = CsvRows::new(&file, stream, finder)?;
                 let writer = CsvAnswers::new(rows.header(), out);
                 let frame = rows.header().frame;
+                ids = rows.header().ids();
                 (Box::new(rows), Box::new(writer), frame)
             }
             // Opened above.
@@ -126,6 +131,7 @@ impl FrameSource {
         };
         Ok(Self {
             frame,
+            ids,
             bytes,
             blocks: FrameBlocks::of(reader, camera),
             writer,
@@ -153,6 +159,7 @@ impl FrameSource {
             .map_err(|error| parquet_rows::failure(&name, &error))?;
         Ok(Self {
             frame: rows.schema().frame,
+            ids: None,
             bytes,
             blocks: FrameBlocks::of(Box::new(rows), camera),
             writer: Box::new(writer),

@@ -7,7 +7,7 @@ use fmc_camera_file::CameraFile;
 use fmc_camera_file::number::single;
 
 use super::source::for_frames;
-use super::{Block, CoordinateFrame, PointFormat, Precision, Source, decimal};
+use super::{Block, CoordinateFrame, PointFormat, Precision, Source, decimal, push_cell};
 use crate::failure::Failure;
 use crate::formats::npy_header::NpyHeader;
 
@@ -136,7 +136,7 @@ fn push_text(
     let answers = (block.before..).zip(answers);
     for (index, answer) in answers.take(rows.end).skip(rows.start) {
         let name = names.next();
-        push_name(
+        push_cell(
             text,
             name.unwrap_or_else(|| number.format(index).as_bytes()),
         );
@@ -171,20 +171,4 @@ fn push_numbers<const BYTES: usize>(
         let [dx, dy] = answer.distortion_mm;
         *row = [x, y, 1000.0 * dx, 1000.0 * dy].map(&number);
     }
-}
-
-/// Appends a field of CSV, in quotes where it needs them; a name holds no line break.
-fn push_name(text: &mut Vec<u8>, name: &[u8]) {
-    if !name.iter().any(|byte| matches!(byte, b',' | b'"')) {
-        text.extend_from_slice(name);
-        return;
-    }
-    text.push(b'"');
-    for byte in name {
-        if *byte == b'"' {
-            text.push(b'"');
-        }
-        text.push(*byte);
-    }
-    text.push(b'"');
 }

@@ -5,6 +5,7 @@ use std::path::Path;
 
 use csv::{ByteRecord, ErrorKind, Reader, ReaderBuilder};
 use fmc_camera_file::CameraFile;
+use fmc_frames::Lines;
 
 use super::columns::Columns;
 use super::{Block, CoordinateFrame};
@@ -16,6 +17,7 @@ pub(super) struct CsvPoints<R> {
     reader: Reader<R>,
     columns: Columns,
     record: ByteRecord,
+    lines: Lines,
     read: u64,
 }
 
@@ -41,6 +43,7 @@ impl<R: Read> CsvPoints<R> {
             reader,
             columns,
             record: ByteRecord::new(),
+            lines: Lines::default(),
             read: 0,
         })
     }
@@ -64,7 +67,7 @@ impl<R: Read> CsvPoints<R> {
             {
                 break;
             }
-            let line = self.record.position().map_or(0, csv::Position::line);
+            let line = self.lines.of(self.record.position());
             self.columns
                 .read(&self.record, line, camera, block)
                 .map_err(|fault| Failure::bad_input(format!("{file}, line {line}: {fault}")))?;

@@ -3,6 +3,7 @@
 mod answers;
 mod block;
 mod columns;
+mod csv_cell;
 mod csv_points;
 pub(super) mod decimal;
 mod npy_points;
@@ -14,6 +15,7 @@ pub(crate) use block::{half_format_mm, off_sensor};
 pub use source::{Blocks, Checked, Source};
 
 pub(super) use columns::number;
+pub(super) use csv_cell::push_cell;
 pub(super) use csv_points::csv_failure;
 
 use std::path::Path;

@@ -9,6 +9,7 @@ use fmc_camera::flight::fault::Faults;
 use fmc_camera::flight::frame_record::{ExposedFrame, Flags, FrameRecord, Outcome, Reason};
 use fmc_camera::flight::principal_point_sigma::PrincipalPointSigma;
 use fmc_camera::flight::time::Time;
+use fmc_camera::flight::utc::UtcTime;
 use fmc_camera::geometry::frame_correction::FrameCorrection;
 use fmc_camera_file::CameraFile;
 use fmc_frames::FrameCamera;
@@ -18,6 +19,9 @@ use crate::command_line::support::{Bench, CAMERA};
 
 /// σ of every frame: 30 nm of its own and 40 nm of the flight.
 pub(super) const SIGMA_UM: f64 = 0.05;
+
+/// Start of the camera's clock in Unix time, µs.
+pub(super) const UNIX_US: u64 = 1_790_000_000_000_000;
 
 /// Number of the refused trigger.
 pub(super) const REFUSED: u32 = 5;
@@ -55,7 +59,10 @@ pub(super) fn flight() -> Flight {
             opened: time,
             closed: time,
             centroid: time,
-            centroid_utc: None,
+            centroid_utc: Some(UtcTime {
+                unix_us: UNIX_US + 1_000_000 * u64::from(sequence),
+                sigma_s: 2e-6,
+            }),
             vh: None,
             planned_opening_mm: 0.0,
             planned_travel_mm: 0.0,

@@ -2,8 +2,10 @@
 
 mod arrays;
 mod flight;
+mod lists;
 mod orientations;
 mod parquet;
 mod points;
 mod refused;
 mod shifted;
+mod trajectory;

@@ -310,11 +310,11 @@ fn sigma_of_the_calibration_is_in_that_of_the_coordinates() {
         (number(&rows[0][6]) - 1e-5 * 8000.0).abs() < 1e-4,
         "{rows:?}"
     );
-    fs::write(flight.bench.path("sigma.json"), stated.replace("K1", "cx")).unwrap();
+    fs::write(flight.bench.path("sigma.json"), stated.replace("K1", "fx")).unwrap();
     let answer = flight
         .bench
         .run(&[&table[..], &more, &["points.csv"]].concat());
-    answer.refused(&["sigma.json: parameter cx is not one of"]);
+    answer.refused(&["sigma.json: parameter fx is not one of"]);
 }
 
 #[test]

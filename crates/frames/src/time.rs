@@ -41,7 +41,7 @@ const WEEK_S: u64 = 7 * 24 * 3600;
 
 const US_PER_S: u64 = 1_000_000;
 
-/// GPS time.
+/// GPS time, or another one that is counted in weeks.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct GpsTime {
     /// Weeks since 1980-01-06, counted on without a turn-over.
@@ -51,6 +51,14 @@ pub struct GpsTime {
 }
 
 impl GpsTime {
+    /// Returns the seconds of the week.
+    #[must_use]
+    pub fn seconds(&self) -> f64 {
+        let [seconds, us] = [self.us_of_week / US_PER_S, self.us_of_week % US_PER_S];
+        let exact = |part: u64| u32::try_from(part).map_or(f64::NAN, f64::from);
+        exact(seconds) + exact(us) * 1e-6
+    }
+
     /// Returns the seconds of the week with six decimals.
     #[must_use]
     pub fn seconds_of_week(&self) -> String {
@@ -64,10 +72,22 @@ impl GpsTime {
 pub fn gps(unix_us: u64) -> Option<GpsTime> {
     let [seconds, us] = [unix_us / US_PER_S, unix_us % US_PER_S];
     let since_epoch = seconds.checked_sub(GPS_EPOCH_UNIX_S)? + gps_minus_utc_s(seconds)?;
-    Some(GpsTime {
-        week: since_epoch / WEEK_S,
-        us_of_week: since_epoch % WEEK_S * US_PER_S + us,
-    })
+    Some(week_of(since_epoch, us))
+}
+
+/// Returns an instant of UTC in weeks and their seconds without leap seconds, as navigation files
+/// "in UTC" count them; `None` before GPS time began.
+#[must_use]
+pub fn utc_week(unix_us: u64) -> Option<GpsTime> {
+    let [seconds, us] = [unix_us / US_PER_S, unix_us % US_PER_S];
+    Some(week_of(seconds.checked_sub(GPS_EPOCH_UNIX_S)?, us))
+}
+
+const fn week_of(since_epoch_s: u64, us: u64) -> GpsTime {
+    GpsTime {
+        week: since_epoch_s / WEEK_S,
+        us_of_week: since_epoch_s % WEEK_S * US_PER_S + us,
+    }
 }
 
 /// Returns the seconds and microseconds of international atomic time since 1970-01-01T00:00:00 TAI,
@@ -132,6 +152,8 @@ mod tests {
         assert_eq!((before.week, gps(turn).unwrap().week), (2086, 2087));
         assert_eq!(before.us_of_week, WEEK_S * US_PER_S - 1);
         assert_eq!(gps(turn).unwrap().us_of_week, 0);
+        assert_eq!(utc_week(turn).unwrap().seconds_of_week(), "604782.000000");
+        assert!((gps(turn - 1).unwrap().seconds() - 604_799.999_999).abs() < 1e-9);
         assert_eq!(gps(315_964_799_999_999), None);
         assert_eq!(tai(0), None);
         assert_eq!(date(u64::MAX), None);
