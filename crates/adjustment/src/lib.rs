@@ -9,12 +9,14 @@
 #![forbid(unsafe_code)]
 
 pub mod adjustment;
+pub mod bundle;
 pub mod calibration;
 pub mod collinearity;
 pub mod correction;
 pub mod exterior_orientation;
 pub mod frame_observation;
 pub mod interior_orientation;
+pub mod linear;
 pub mod model;
 pub mod normal_equations;
 pub mod observation;

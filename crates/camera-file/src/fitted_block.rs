@@ -2,10 +2,11 @@
 
 use std::str::FromStr;
 
-use toml_edit::{DocumentMut, Item, Table, TableLike, Value};
+use toml_edit::{DocumentMut, Value};
 
 use crate::camera::CameraFile;
 use crate::input_error::InputError;
+use crate::insertion::{float, put, table};
 use crate::tables::{FittedTable, Sign};
 
 /// A static coefficient that was estimated together with the five: its key in `[distortion]` and
@@ -34,7 +35,7 @@ pub fn with_coefficients(
     let text = text.strip_prefix('\u{feff}').unwrap_or(text);
     let not_toml = |error: &dyn std::fmt::Display| InputError::invalid(format!("{file}: {error}"));
     let mut document = DocumentMut::from_str(text).map_err(|error| not_toml(&error))?;
-    let table = table(&mut document, "fitted").ok_or_else(|| not_toml(&"fitted is no table"))?;
+    let block = table(&mut document, "fitted").ok_or_else(|| not_toml(&"fitted is no table"))?;
     for (key, number) in [
         ("km0", fitted.km0),
         ("km1", fitted.km1),
@@ -42,49 +43,21 @@ pub fn with_coefficients(
         ("kd1", fitted.kd1),
         ("pm1", fitted.pm1),
     ] {
-        put(table, key, float(number));
+        put(block, key, float(number));
     }
-    put(table, "per", Value::from(fitted.per.name()));
+    put(block, "per", Value::from(fitted.per.name()));
     if let Some(Decentring { key, per_mm }) = decentring {
         let sign = match camera.distortion.sign {
             Sign::Distortion => 1.0,
             Sign::Correction => -1.0,
         };
-        let table = self::table(&mut document, "distortion")
+        let block = table(&mut document, "distortion")
             .ok_or_else(|| not_toml(&"distortion is no table"))?;
-        put(table, key, float(sign * per_mm));
+        put(block, key, float(sign * per_mm));
     }
     let text = document.to_string();
     CameraFile::parse(&format!("{file} with the coefficients"), &text)?;
     Ok(text)
-}
-
-/// Returns the table of a name; inserts it if there is none.
-fn table<'a>(document: &'a mut DocumentMut, name: &str) -> Option<&'a mut dyn TableLike> {
-    let item = document.entry(name).or_insert_with(|| {
-        let mut table = Table::new();
-        table.decor_mut().set_prefix("\n");
-        Item::Table(table)
-    });
-    item.as_table_like_mut()
-}
-
-/// Replaces a value and keeps the comment after it, or adds the value.
-fn put(table: &mut dyn TableLike, key: &str, mut value: Value) {
-    if let Some(old) = table.get_mut(key).and_then(Item::as_value_mut) {
-        *value.decor_mut() = old.decor().clone();
-        *old = value;
-    } else {
-        table.insert(key, Item::Value(value));
-    }
-}
-
-/// Formats a number to its last bit, with an exponent if it is small.
-fn float(number: f64) -> Value {
-    Value::from_str(&format!("{number:e}"))
-        .ok()
-        .filter(Value::is_float)
-        .unwrap_or_else(|| Value::from(number))
 }
 
 #[cfg(test)]

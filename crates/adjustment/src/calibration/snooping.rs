@@ -10,10 +10,10 @@ use super::residual::{Tested, adjusted, residual_variances, residuals_in_sigma};
 use super::robust_start::RobustStart;
 
 /// Probability that any observation is rejected although none is wrong.
-pub(super) const FAMILY_ERROR: f64 = 0.05;
+pub(crate) const FAMILY_ERROR: f64 = 0.05;
 
 /// Residuals smaller than this, mm, are due to rounding and never rejected.
-const ROUNDING_MM: f64 = 2e-9;
+pub(super) const ROUNDING_MM: f64 = 2e-9;
 
 /// Largest number of rounds of testing and fitting.
 const ROUNDS: usize = 50;
@@ -135,17 +135,17 @@ fn is_below(measurement: &Measurement, residuals: [f64; 2], scale: f64, critical
 }
 
 /// Returns a quantile of Student's distribution.
-fn student(probability: f64, freedom: f64) -> f64 {
+pub(crate) fn student(probability: f64, freedom: f64) -> f64 {
     StudentsT::new(0.0, 1.0, freedom.max(1.0))
         .map_or(f64::INFINITY, |student| student.inverse_cdf(probability))
 }
 
 /// Returns Pope's τ of r degrees of freedom from Student's t of r - 1.
-fn pope(t: f64, freedom: f64) -> f64 {
+pub(crate) fn pope(t: f64, freedom: f64) -> f64 {
     (freedom.sqrt() * t) / (freedom - 1.0 + t * t).sqrt()
 }
 
 #[expect(clippy::cast_precision_loss, reason = "counts far below 2^53")]
-pub(super) fn count(number: usize) -> f64 {
+pub(crate) fn count(number: usize) -> f64 {
     number as f64
 }

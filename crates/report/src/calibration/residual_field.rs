@@ -29,12 +29,7 @@ pub fn residual_vectors(calibration: &FiveCalibration) -> Result<String, FigureE
         .collect();
     let format_mm = calibration.camera.half_format_mm().map(|half| 2.0 * half);
     let count = wording::counted(arrows.len(), "residual");
-    let (what, arrows) = if arrows.len() > MOST_ARROWS {
-        let means = cell_means(&arrows, format_mm);
-        (format!("means of {count} over cells"), means)
-    } else {
-        (count, arrows)
-    };
+    let (what, arrows) = field_of(count, arrows, format_mm);
     let titles = [
         "Residuals, observed − fitted".to_owned(),
         format!("{}: {what}", calibration.camera.name),
@@ -46,6 +41,20 @@ pub fn residual_vectors(calibration: &FiveCalibration) -> Result<String, FigureE
         arrows: &arrows,
     }
     .svg()
+}
+
+/// Returns the arrows to be drawn with the words for them: means over cells if there are many.
+pub(super) fn field_of(
+    count: String,
+    arrows: Vec<Arrow>,
+    format_mm: [f64; 2],
+) -> (String, Vec<Arrow>) {
+    if arrows.len() > MOST_ARROWS {
+        let means = cell_means(&arrows, format_mm);
+        (format!("means of {count} over cells"), means)
+    } else {
+        (count, arrows)
+    }
 }
 
 /// Returns a mean arrow at the mean place of every cell that is not empty.

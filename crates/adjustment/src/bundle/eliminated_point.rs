@@ -1,0 +1,158 @@
+//! Normal equations of one object point and the images that show it.
+
+use nalgebra::{Matrix3, Matrix6, Matrix6x3, SMatrix, SVector, Vector2, Vector3, Vector6};
+
+use super::interior::INTERIOR_ELEMENTS;
+use super::layout::Layout;
+use super::network::{ImagePoint, Network};
+use super::ray::Ray;
+use super::state::State;
+
+/// σ of coordinates that are held beside others of the same point that are not, m.
+const HELD_SIGMA_M: f64 = 1e-8;
+
+/// Derivatives by all elements of the interior orientation; zero for those not estimated.
+pub type InteriorJacobian = SMatrix<f64, 2, INTERIOR_ELEMENTS>;
+
+/// Weighted derivatives of one image point.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct WeightedRay {
+    /// Number of the image.
+    pub image: usize,
+    /// v/σ.
+    pub residual: Vector2<f64>,
+    /// By the pose, over σ.
+    pub by_pose: SMatrix<f64, 2, 6>,
+    /// By the object point, over σ.
+    pub by_point: SMatrix<f64, 2, 3>,
+    /// By the interior orientation, over σ.
+    pub by_interior: InteriorJacobian,
+}
+
+impl WeightedRay {
+    /// Linearises an image point; `None` if the point is not below the lens.
+    #[must_use]
+    pub fn new(layout: &Layout, state: &State, observed: &ImagePoint) -> Option<Self> {
+        let pose = state.poses.get(observed.image)?;
+        let point = state.point(observed.point);
+        let interior = &state.parameters.interior;
+        let ray = Ray::new(interior, pose, &point, observed.measured_mm)?;
+        let weight = 1.0 / observed.sigma_mm;
+        let mut by_interior = InteriorJacobian::zeros();
+        let columns = ray.by_interior.iter().zip(layout.interior).enumerate();
+        for (index, (column, place)) in columns {
+            if place.is_some() {
+                by_interior.set_column(index, &(weight * column));
+            }
+        }
+        Some(Self {
+            image: observed.image,
+            residual: weight * ray.residual_mm,
+            by_pose: weight * ray.by_pose,
+            by_point: weight * ray.by_point,
+            by_interior,
+        })
+    }
+
+    /// Part of the images' diagonal block.
+    #[must_use]
+    pub fn pose_block(&self) -> Matrix6<f64> {
+        self.by_pose.tr_mul(&self.by_pose)
+    }
+}
+
+/// Residuals of the observed coordinates over σ, and one over σ; zero where not observed.
+#[must_use]
+pub fn coordinate_residuals(
+    network: &Network,
+    state: &State,
+    number: usize,
+) -> (Vector3<f64>, Vector3<f64>) {
+    let Some(point) = network.points.get(number) else {
+        return (Vector3::zeros(), Vector3::zeros());
+    };
+    let roots = Vector3::from(point.observed_sigmas().map(|sigma| {
+        sigma.map_or(0.0, |sigma| {
+            1.0 / if sigma > 0.0 { sigma } else { HELD_SIGMA_M }
+        })
+    }));
+    let residuals = (point.given_m - state.point(number)).component_mul(&roots);
+    (residuals, roots)
+}
+
+/// Normal equations of an object point: its own block, and what couples it.
+#[derive(Debug, Clone, PartialEq)]
+pub struct PointBlock {
+    /// Linearised image points.
+    pub rays: Vec<WeightedRay>,
+    /// Inverse of the point's block V.
+    pub inverse: Matrix3<f64>,
+    /// Right-hand side of the point.
+    pub right: Vector3<f64>,
+    /// Coupling of the point with the interior orientation.
+    pub with_interior: SMatrix<f64, 3, INTERIOR_ELEMENTS>,
+    /// Diagonal of V before damping.
+    pub diagonal: Vector3<f64>,
+    /// Sum of the squares of residuals over σ of the coordinates.
+    pub coordinate_cost: f64,
+}
+
+impl PointBlock {
+    /// Forms the block from the image points of an object point; `None` if a ray does not come down
+    /// to it, or if the rays do not determine it.
+    #[must_use]
+    pub fn new(
+        network: &Network,
+        layout: &Layout,
+        state: &State,
+        observed: &[ImagePoint],
+        damping: f64,
+    ) -> Option<Self> {
+        let number = observed.first()?.point;
+        let rays = observed
+            .iter()
+            .filter(|observed| observed.accepted)
+            .map(|observed| WeightedRay::new(layout, state, observed))
+            .collect::<Option<Vec<_>>>()?;
+        let (residuals, roots) = coordinate_residuals(network, state, number);
+        let mut block = Matrix3::from_diagonal(&roots.component_mul(&roots));
+        // The residual is given less adjusted: its derivative is -1.
+        let mut right = residuals.component_mul(&roots);
+        let mut with_interior = SMatrix::zeros();
+        for ray in &rays {
+            block += ray.by_point.tr_mul(&ray.by_point);
+            right -= ray.by_point.tr_mul(&ray.residual);
+            with_interior += ray.by_point.tr_mul(&ray.by_interior);
+        }
+        let diagonal = block.diagonal();
+        let damped = block + damping * Matrix3::from_diagonal(&diagonal);
+        Some(Self {
+            rays,
+            inverse: damped.cholesky()?.inverse(),
+            right,
+            with_interior,
+            diagonal,
+            coordinate_cost: residuals.norm_squared(),
+        })
+    }
+
+    /// Coupling of an image with the point.
+    #[must_use]
+    pub fn with_image(ray: &WeightedRay) -> Matrix6x3<f64> {
+        ray.by_pose.tr_mul(&ray.by_point)
+    }
+
+    /// Returns the point's step from those of the images and of the interior orientation.
+    #[must_use]
+    pub fn step(
+        &self,
+        image_step: impl Fn(usize) -> Vector6<f64>,
+        interior_step: &SVector<f64, INTERIOR_ELEMENTS>,
+    ) -> Vector3<f64> {
+        let mut right = self.right - self.with_interior * interior_step;
+        for ray in &self.rays {
+            right -= ray.by_point.tr_mul(&(ray.by_pose * image_step(ray.image)));
+        }
+        self.inverse * right
+    }
+}

@@ -1,0 +1,32 @@
+//! Resection and self-calibrating bundle of a network of images.
+//!
+//! Frames and signs as in the [crate](crate): ground metres, camera axes x right, y forward, optical
+//! axis -z. Image coordinates are millimetres of the sensor frame.
+
+pub mod calibration;
+pub mod cofactors;
+pub mod datum;
+pub mod eliminated_point;
+pub mod error;
+pub mod free_cofactors;
+pub mod geometry;
+pub mod image;
+pub mod interior;
+pub mod layout;
+pub mod network;
+pub mod network_of_tables;
+pub mod normals;
+pub mod orientation;
+pub mod outcome;
+pub mod parameters;
+pub mod plausibility;
+pub mod pose;
+pub mod ray;
+pub mod separation;
+pub mod snooping;
+pub mod solution;
+pub mod state;
+mod stations;
+pub mod tables;
+pub mod tested;
+pub mod warnings;

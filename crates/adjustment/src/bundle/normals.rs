@@ -1,0 +1,392 @@
+//! Normal equations of a network, its object points eliminated.
+
+use nalgebra::{DMatrix, DVector, SVector, Vector6};
+
+use crate::linear::bordered_factor::{BorderedFactor, Singular};
+use crate::linear::bordered_matrix::BorderedMatrix;
+use crate::linear::element::{add, element};
+
+use super::eliminated_point::{PointBlock, WeightedRay, coordinate_residuals};
+use super::interior::INTERIOR_ELEMENTS;
+use super::layout::{Layout, PointUnknowns};
+use super::network::{ImagePoint, Network, ScaleBar};
+use super::state::{State, Step};
+
+/// Normal equations `N·step = right` with the points eliminated.
+#[derive(Debug, Clone)]
+pub struct Normals {
+    /// Reduced matrix.
+    pub matrix: BorderedMatrix,
+    /// Reduced right-hand side of the images.
+    pub right: DMatrix<f64>,
+    /// Reduced right-hand side of the border.
+    pub border_right: DMatrix<f64>,
+    /// Diagonal before the elimination, images first.
+    pub diagonal: DVector<f64>,
+    /// vᵀPv.
+    pub cost: f64,
+    damping: f64,
+}
+
+impl Normals {
+    /// Forms the normal equations at the given values; `damping` multiplies the diagonal.
+    ///
+    /// # Errors
+    /// [`Singular`] if a point is not below a lens that shows it, or is not determined.
+    pub fn new(
+        network: &Network,
+        layout: &Layout,
+        state: &State,
+        damping: f64,
+    ) -> Result<Self, Singular> {
+        let images = network.images.len();
+        let border = layout.border.len();
+        let mut normals = Self {
+            matrix: BorderedMatrix::zeros(layout.pairs().clone(), border),
+            right: DMatrix::zeros(6 * images, 1),
+            border_right: DMatrix::zeros(border, 1),
+            diagonal: DVector::zeros(6 * images + border),
+            cost: 0.0,
+            damping,
+        };
+        for observed in network.by_point() {
+            let point = observed.first().map_or(0, |ray| ray.point);
+            match layout.point(point) {
+                PointUnknowns::Unused => {}
+                PointUnknowns::Eliminated => {
+                    let block = PointBlock::new(network, layout, state, observed, damping)
+                        .ok_or(Singular)?;
+                    normals.add_eliminated(layout, &block);
+                }
+                PointUnknowns::Held => normals.add_rays(layout, state, observed, None)?,
+                PointUnknowns::Border(first) => {
+                    normals.add_rays(layout, state, observed, Some(first))?;
+                    normals.add_coordinates(network, state, point, first);
+                }
+            }
+        }
+        normals.add_poses(network, layout, state)?;
+        for bar in &network.scale_bars {
+            normals.add_scale_bar(layout, state, bar);
+        }
+        for prior in &network.priors {
+            if let Some(column) = layout.column(prior.parameter) {
+                let residual = prior.value - state.parameters.value(prior.parameter);
+                let columns = [(column, -1.0 / prior.sigma)];
+                normals.add_border_row(&columns, residual / prior.sigma);
+            }
+        }
+        for (index, element) in normals.diagonal.iter().enumerate() {
+            let weight = damping * element;
+            if index < 6 * images {
+                normals.matrix.add_to_diagonal(index / 6, index % 6, weight);
+            } else {
+                add(
+                    &mut normals.matrix.corner,
+                    index - 6 * images,
+                    index - 6 * images,
+                    weight,
+                );
+            }
+        }
+        Ok(normals)
+    }
+
+    /// Adds the weight of its own observations to elements of the images, which then hold the datum.
+    pub fn hold(&mut self, elements: &[usize]) {
+        for &element in elements {
+            let weight = self.diagonal.get(element).copied().unwrap_or(0.0);
+            self.matrix
+                .add_to_diagonal(element / 6, element % 6, weight);
+        }
+    }
+
+    /// Factors the reduced matrix.
+    ///
+    /// # Errors
+    /// [`Singular`] if the observations do not determine the unknowns.
+    pub fn factor(&self, layout: &Layout) -> Result<BorderedFactor, Singular> {
+        BorderedFactor::new(&self.matrix, layout.order(), 0.0)
+    }
+
+    /// Solves for the steps of all unknowns.
+    ///
+    /// # Errors
+    /// [`Singular`] as for [`Self::factor`].
+    pub fn solve(
+        &self,
+        network: &Network,
+        layout: &Layout,
+        state: &State,
+    ) -> Result<Step, Singular> {
+        let factor = self.factor(layout)?;
+        let mut images = self.right.clone();
+        let mut border = self.border_right.clone();
+        factor.solve(&mut images, &mut border);
+        let interior = interior_part(layout, &border);
+        let own = |image: usize| Vector6::from_fn(|row, _| element(&images, 6 * image + row, 0));
+        let mut points = vec![nalgebra::Vector3::zeros(); network.points.len()];
+        for observed in network.by_point() {
+            let number = observed.first().map_or(0, |ray| ray.point);
+            if layout.point(number) == PointUnknowns::Eliminated {
+                let block = PointBlock::new(network, layout, state, observed, self.damping)
+                    .ok_or(Singular)?;
+                if let Some(step) = points.get_mut(number) {
+                    *step = block.step(own, &interior);
+                }
+            }
+        }
+        Ok(Step {
+            images,
+            border,
+            points,
+        })
+    }
+
+    /// Largest step in units of the σ that the unknown would have alone.
+    #[must_use]
+    pub fn largest_step(&self, step: &Step) -> f64 {
+        let steps = step.images.iter().chain(step.border.iter());
+        self.diagonal
+            .iter()
+            .zip(steps)
+            .map(|(weight, step)| weight.sqrt() * step.abs())
+            .fold(0.0, f64::max)
+    }
+
+    fn add_eliminated(&mut self, layout: &Layout, block: &PointBlock) {
+        let couplings: Vec<_> = block.rays.iter().map(PointBlock::with_image).collect();
+        let reduced: Vec<_> = couplings.iter().map(|w| w * block.inverse).collect();
+        let mut own_interior = block.with_interior.tr_mul(&block.with_interior) * 0.0;
+        let mut interior_right = SVector::<f64, INTERIOR_ELEMENTS>::zeros();
+        for (place, (ray, reduced_own)) in block.rays.iter().zip(&reduced).enumerate() {
+            let own = ray.pose_block();
+            self.add_diagonal(ray, &own);
+            self.matrix.add_block(ray.image, ray.image, &own);
+            // Image points are in ascending order of image: lower triangle.
+            for (other, coupling) in block.rays.iter().zip(&couplings).take(place + 1) {
+                let product = -(reduced_own * coupling.transpose());
+                self.matrix.add_block(ray.image, other.image, &product);
+            }
+            let with_interior =
+                ray.by_pose.tr_mul(&ray.by_interior) - reduced_own * block.with_interior;
+            self.add_interior_border(layout, ray.image, &with_interior);
+            let right = -ray.by_pose.tr_mul(&ray.residual) - reduced_own * block.right;
+            self.add_right(ray.image, &right);
+            own_interior += ray.by_interior.tr_mul(&ray.by_interior);
+            interior_right -= ray.by_interior.tr_mul(&ray.residual);
+            self.cost += ray.residual.norm_squared();
+        }
+        self.cost += block.coordinate_cost;
+        self.add_interior_diagonal(layout, &own_interior.diagonal());
+        let projected = block.inverse * block.with_interior;
+        own_interior -= block.with_interior.tr_mul(&projected);
+        interior_right -= projected.tr_mul(&block.right);
+        for (row, place) in layout.interior.iter().enumerate() {
+            let Some(place) = *place else { continue };
+            add(
+                &mut self.border_right,
+                place,
+                0,
+                element(&interior_right, row, 0),
+            );
+            for (column, other) in layout.interior.iter().enumerate() {
+                let Some(other) = *other else { continue };
+                add(
+                    &mut self.matrix.corner,
+                    place,
+                    other,
+                    element(&own_interior, row, column),
+                );
+            }
+        }
+    }
+
+    fn add_diagonal(&mut self, ray: &WeightedRay, own: &nalgebra::Matrix6<f64>) {
+        for row in 0..6 {
+            add(
+                &mut self.diagonal,
+                6 * ray.image + row,
+                0,
+                element(own, row, row),
+            );
+        }
+    }
+
+    fn add_interior_diagonal(
+        &mut self,
+        layout: &Layout,
+        diagonal: &SVector<f64, INTERIOR_ELEMENTS>,
+    ) {
+        let images = self.right.nrows();
+        for (element, place) in diagonal.iter().zip(layout.interior) {
+            if let Some(place) = place {
+                add(&mut self.diagonal, images + place, 0, *element);
+            }
+        }
+    }
+
+    fn add_right(&mut self, image: usize, right: &Vector6<f64>) {
+        for (row, element) in right.iter().enumerate() {
+            add(&mut self.right, 6 * image + row, 0, *element);
+        }
+    }
+
+    fn add_interior_border(
+        &mut self,
+        layout: &Layout,
+        image: usize,
+        block: &nalgebra::SMatrix<f64, 6, INTERIOR_ELEMENTS>,
+    ) {
+        for (column, place) in block.column_iter().zip(layout.interior) {
+            let Some(place) = place else { continue };
+            for (row, element) in column.iter().enumerate() {
+                add(&mut self.matrix.border, 6 * image + row, place, *element);
+            }
+        }
+    }
+
+    /// Adds the image points of an object point that is held, or whose coordinates are unknowns of
+    /// the border from column `first` on.
+    fn add_rays(
+        &mut self,
+        layout: &Layout,
+        state: &State,
+        observed: &[ImagePoint],
+        first: Option<usize>,
+    ) -> Result<(), Singular> {
+        for observed in observed.iter().filter(|observed| observed.accepted) {
+            let ray = WeightedRay::new(layout, state, observed).ok_or(Singular)?;
+            let interior = layout.interior.iter().enumerate();
+            let mut columns: Vec<(usize, [f64; 2])> = interior
+                .filter_map(|(index, place)| {
+                    let column = ray.by_interior.column(index);
+                    place.map(|place| (place, [column.x, column.y]))
+                })
+                .collect();
+            if let Some(first) = first {
+                let coordinates = ray.by_point.column_iter().enumerate();
+                columns
+                    .extend(coordinates.map(|(axis, column)| (first + axis, [column.x, column.y])));
+            }
+            for row in 0..2 {
+                let own = Vector6::from_fn(|place, _| element(&ray.by_pose, row, place));
+                let columns: Vec<(usize, f64)> = columns
+                    .iter()
+                    .map(|(place, [x, y])| (*place, if row == 0 { *x } else { *y }))
+                    .collect();
+                self.add_row(ray.image, &own, &columns, element(&ray.residual, row, 0));
+            }
+        }
+        Ok(())
+    }
+
+    fn add_coordinates(&mut self, network: &Network, state: &State, point: usize, first: usize) {
+        let (residuals, roots) = coordinate_residuals(network, state, point);
+        for (axis, (residual, root)) in residuals.iter().zip(roots.iter()).enumerate() {
+            self.add_border_row(&[(first + axis, -root)], *residual);
+        }
+    }
+
+    fn add_poses(
+        &mut self,
+        network: &Network,
+        layout: &Layout,
+        state: &State,
+    ) -> Result<(), Singular> {
+        for (number, (image, pose)) in network.images.iter().zip(&state.poses).enumerate() {
+            let Some(observed) = image.observed else {
+                continue;
+            };
+            let linear = observed
+                .residuals(pose, &state.parameters)
+                .ok_or(Singular)?;
+            let elements = linear
+                .residuals
+                .into_iter()
+                .zip(observed.sigmas)
+                .enumerate();
+            for (row, (residual, sigma)) in elements {
+                let Some(sigma) = sigma else { continue };
+                let own = linear.by_pose.row(row).transpose() / sigma;
+                let columns: Vec<(usize, f64)> = linear
+                    .by_parameter
+                    .iter()
+                    .filter_map(|(parameter, column)| {
+                        let place = layout.column(*parameter)?;
+                        Some((place, column.get(row)? / sigma))
+                    })
+                    .collect();
+                self.add_row(number, &own, &columns, residual / sigma);
+            }
+        }
+        Ok(())
+    }
+
+    fn add_scale_bar(&mut self, layout: &Layout, state: &State, bar: &ScaleBar) {
+        let [a, b] = bar.ends;
+        let difference = state.point(b) - state.point(a);
+        let length = difference.norm();
+        let direction = difference / length;
+        let mut columns = Vec::new();
+        for (end, sign) in [(a, 1.0), (b, -1.0)] {
+            if let PointUnknowns::Border(first) = layout.point(end) {
+                let parts = direction.iter().enumerate();
+                columns.extend(parts.map(|(axis, part)| (first + axis, sign * part / bar.sigma_m)));
+            }
+        }
+        self.add_border_row(&columns, (bar.length_m - length) / bar.sigma_m);
+    }
+
+    /// Adds one observation of an image and of the border, its derivatives and residual over σ.
+    fn add_row(
+        &mut self,
+        image: usize,
+        own: &Vector6<f64>,
+        columns: &[(usize, f64)],
+        residual: f64,
+    ) {
+        let block = own * own.transpose();
+        self.matrix.add_block(image, image, &block);
+        self.add_right(image, &(-residual * own));
+        for row in 0..6 {
+            add(
+                &mut self.diagonal,
+                6 * image + row,
+                0,
+                element(&block, row, row),
+            );
+            for (place, value) in columns {
+                add(
+                    &mut self.matrix.border,
+                    6 * image + row,
+                    *place,
+                    element(own, row, 0) * value,
+                );
+            }
+        }
+        self.add_border_row(columns, residual);
+    }
+
+    fn add_border_row(&mut self, columns: &[(usize, f64)], residual: f64) {
+        let images = self.right.nrows();
+        for (place, value) in columns {
+            for (other, factor) in columns {
+                add(&mut self.matrix.corner, *place, *other, value * factor);
+            }
+            add(&mut self.border_right, *place, 0, -(value * residual));
+            add(&mut self.diagonal, images + place, 0, value * value);
+        }
+        self.cost += residual * residual;
+    }
+}
+
+/// Returns the steps of the interior orientation out of those of the border.
+#[must_use]
+pub fn interior_part(layout: &Layout, border: &DMatrix<f64>) -> SVector<f64, INTERIOR_ELEMENTS> {
+    let mut part = SVector::<f64, INTERIOR_ELEMENTS>::zeros();
+    for (step, place) in part.iter_mut().zip(layout.interior) {
+        *step = place.map_or(0.0, |place| element(border, place, 0));
+    }
+    part
+}

@@ -1,0 +1,103 @@
+//! Unknowns that the observations cannot tell apart.
+
+use crate::exterior_orientation::ELEMENT_NAMES;
+use crate::linear::bordered_factor::Singular;
+use crate::linear::weakest_direction::WeakestDirection;
+
+use super::error::BundleError;
+use super::layout::Layout;
+use super::network::Network;
+use super::normals::Normals;
+use super::solution::Solution;
+
+/// Smallest eigenvalue of the normal matrix with unit diagonal: below it the matrix is singular but
+/// for rounding.
+const LEAST_EIGENVALUE: f64 = 1e-13;
+
+/// Unknowns with more than this share of the largest in the weakest combination are named.
+const NAMED_SHARE: f64 = 0.3;
+
+/// Most images whose elements are named.
+const MOST_NAMED: usize = 3;
+
+/// Checks that the normal matrix, its points eliminated, is not singular.
+///
+/// # Errors
+/// [`BundleError::Inseparable`] with the unknowns of its null vector.
+pub fn check(network: &Network, layout: &Layout, normals: &Normals) -> Result<(), BundleError> {
+    match WeakestDirection::new(&normals.matrix, layout.order()) {
+        Ok(weakest) if weakest.eigenvalue > LEAST_EIGENVALUE => Ok(()),
+        Ok(weakest) => Err(BundleError::Inseparable {
+            unknowns: names(network, layout, &weakest.components),
+        }),
+        Err(_) => {
+            let diagonal = normals.matrix.diagonal();
+            let unobserved: Vec<f64> = diagonal
+                .iter()
+                .map(|element| if *element > 0.0 { 0.0 } else { 1.0 })
+                .collect();
+            Err(BundleError::Inseparable {
+                unknowns: names(network, layout, &unobserved),
+            })
+        }
+    }
+}
+
+/// Returns the names of the unknowns in the combination that a solved network determines least.
+///
+/// # Errors
+/// [`Singular`] if an unknown is not observed at all.
+pub fn weakest(network: &Network, solution: &Solution) -> Result<Vec<String>, Singular> {
+    let mut normals = Normals::new(network, &solution.layout, &solution.state, 0.0)?;
+    normals.hold(&solution.held);
+    let weakest = WeakestDirection::new(&normals.matrix, solution.layout.order())?;
+    Ok(names(network, &solution.layout, &weakest.components))
+}
+
+/// Returns the names of the unknowns with large components: shared ones first, then those of images.
+#[must_use]
+pub fn names(network: &Network, layout: &Layout, components: &[f64]) -> Vec<String> {
+    let rows = components.len().saturating_sub(layout.border.len());
+    let (images, shared) = components
+        .split_at_checked(rows)
+        .unwrap_or((components, &[]));
+    let largest = components
+        .iter()
+        .fold(0.0_f64, |most, share| most.max(share.abs()));
+    let mut names: Vec<String> = layout
+        .border
+        .iter()
+        .zip(shared)
+        .filter(|(_, share)| largest > 0.0 && share.abs() >= 0.5 * NAMED_SHARE * largest)
+        .map(|(parameter, _)| network.parameter_name(*parameter))
+        .collect();
+    // One element of several images together is named once.
+    let mut elements: Vec<(f64, String)> = Vec::new();
+    for (index, element) in ELEMENT_NAMES.iter().enumerate() {
+        let of_images = || {
+            images
+                .iter()
+                .skip(index)
+                .step_by(6)
+                .map(|share| share.abs())
+        };
+        let strongest = of_images().fold(0.0_f64, f64::max);
+        if largest <= 0.0 || strongest < NAMED_SHARE * largest {
+            continue;
+        }
+        let concerned: Vec<&str> = of_images()
+            .zip(&network.images)
+            .filter(|(share, _)| *share >= NAMED_SHARE * largest)
+            .map(|(_, image)| image.name.as_str())
+            .collect();
+        let of = if concerned.len() > MOST_NAMED {
+            format!("{} images", concerned.len())
+        } else {
+            format!("image {}", concerned.join(", "))
+        };
+        elements.push((strongest, format!("{element} of {of}")));
+    }
+    elements.sort_by(|(a, _), (b, _)| b.total_cmp(a));
+    names.extend(elements.into_iter().map(|(_, name)| name));
+    names
+}

@@ -1,0 +1,22 @@
+//! Bundle and resection, as a user of the crate calls them.
+
+#[cfg(test)]
+mod camcal;
+#[cfg(test)]
+mod checkerboard;
+#[cfg(test)]
+mod coverage;
+#[cfg(test)]
+mod data;
+#[cfg(test)]
+mod datum;
+#[cfg(test)]
+mod geometry;
+#[cfg(test)]
+mod refused;
+#[cfg(test)]
+mod simulated;
+#[cfg(test)]
+mod snooping;
+#[cfg(test)]
+mod strasbourg;

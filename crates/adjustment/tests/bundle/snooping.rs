@@ -1,0 +1,78 @@
+//! Gross errors in simulated networks.
+
+use fastrand::Rng;
+use fmc_adjustment::bundle::snooping::snooped;
+use fmc_adjustment::bundle::solution::DatumChoice;
+use fmc_adjustment::bundle::state::State;
+
+use crate::simulated::{SIGMA_MM, Shape, Simulated};
+
+#[test]
+fn one_percent_of_gross_errors_over_20_seeds() {
+    let (mut above, mut found_above) = (0, 0);
+    let (mut between, mut found_between) = (0, 0);
+    let (mut good, mut lost) = (0, 0);
+    for seed in 0..20 {
+        let mut network = Simulated::new(Shape::BUNDLE, 500 + seed).network;
+        let mut random = Rng::with_seed(900 + seed);
+        let count = network.image_points.len() / 100;
+        let mut wrong = vec![None; network.image_points.len()];
+        for _ in 0..count {
+            let place = random.usize(0..network.image_points.len());
+            if wrong[place].is_some() {
+                continue;
+            }
+            let size = 5.0 + 15.0 * random.f64();
+            let sign = if random.bool() { 1.0 } else { -1.0 };
+            let axis = random.usize(0..2);
+            network.image_points[place].measured_mm[axis] += sign * size * SIGMA_MM;
+            wrong[place] = Some(size);
+        }
+        let result = snooped(&network, DatumChoice::Auto, &State::initial(&network)).unwrap();
+        for (observed, wrong) in result.network.image_points.iter().zip(wrong) {
+            match wrong {
+                Some(size) if size > 7.0 => {
+                    above += 1;
+                    found_above += i32::from(!observed.accepted);
+                }
+                Some(_) => {
+                    between += 1;
+                    found_between += i32::from(!observed.accepted);
+                }
+                None => {
+                    good += 1;
+                    lost += i32::from(!observed.accepted);
+                }
+            }
+        }
+    }
+    assert!(above > 80 && found_above == above);
+    assert!(between > 10 && 10 * found_between >= 6 * between);
+    assert!(10_000 * lost <= good);
+}
+
+#[test]
+fn wrong_control_point_is_named_and_its_image_points_stay() {
+    let mut network = Simulated::new(
+        Shape {
+            images: 6,
+            ..Shape::RESECTION
+        },
+        11,
+    )
+    .network;
+    network.points[23].given_m.x += 0.002;
+    let result = snooped(&network, DatumChoice::Auto, &State::initial(&network)).unwrap();
+    let [misfit] = &result.misfits[..] else {
+        panic!("{:?}", result.misfits)
+    };
+    assert_eq!(misfit.point, 23);
+    assert!((misfit.difference_m.x + 0.002).abs() < 1e-4);
+    assert!(
+        result
+            .network
+            .image_points
+            .iter()
+            .all(|observed| observed.accepted)
+    );
+}

@@ -1,0 +1,101 @@
+//! Sketch of the network: projection centres and object points in plan.
+
+use fmc_adjustment::calibration::result::CalibrationResult;
+use fmc_adjustment::calibration::result::network::PointRole;
+use plotters::element::{Circle, Cross, Text, TriangleMarker};
+use plotters::prelude::{Color, RGBColor};
+
+use crate::chart::{Axes, Axis, Margins};
+use crate::figure::{self, FigureError, text};
+use crate::wording;
+
+const SIZE: (u32, u32) = (1400, 1100);
+const FONT: u32 = 24;
+/// Colours of stations and of points by role (Okabe and Ito's palette).
+const STATION: RGBColor = RGBColor(213, 94, 0);
+const NEW: RGBColor = RGBColor(0, 114, 178);
+const CONTROL: RGBColor = RGBColor(0, 158, 115);
+const CHECK: RGBColor = RGBColor(204, 121, 167);
+/// Most points that are drawn.
+const MOST_POINTS: usize = 5000;
+
+/// Draws projection centres and object points in plan, X and Y of the object frame, in SVG.
+///
+/// # Errors
+/// [`FigureError`] without images or if the drawing fails.
+pub fn svg(result: &CalibrationResult) -> Result<String, FigureError> {
+    let stations = result.images.iter().map(|one| one.position_m);
+    let points = result.points.iter().map(|one| one.position_m);
+    let (mut least, mut most) = ([f64::INFINITY; 2], [f64::NEG_INFINITY; 2]);
+    for [x, y, _] in stations.chain(points) {
+        for ((least, most), value) in least.iter_mut().zip(&mut most).zip([x, y]) {
+            *least = least.min(value);
+            *most = most.max(value);
+        }
+    }
+    let ([x_least, y_least], [x_most, y_most]) = (least, most);
+    if result.images.is_empty() || !x_least.is_finite() {
+        return Err(FigureError::NothingToDraw);
+    }
+    // The same scale along both axes.
+    let half = 0.55 * (x_most - x_least).max(y_most - y_least).max(1e-3);
+    let (x, y) = (
+        f64::midpoint(x_least, x_most),
+        f64::midpoint(y_least, y_most),
+    );
+    let step = result.points.len().div_ceil(MOST_POINTS).max(1);
+    figure::svg(SIZE, |canvas| {
+        let title = format!(
+            "Network in plan: {}, {}",
+            wording::counted(result.images.len(), "image"),
+            wording::counted(result.points.len(), "object point")
+        );
+        canvas.draw(&Text::new(title, (20, 34), text(FONT + 4)))?;
+        for (name, colour, x) in [
+            ("image", STATION, 60),
+            ("point", NEW, 260),
+            ("control", CONTROL, 460),
+            ("check point", CHECK, 660),
+        ] {
+            canvas.draw(&Circle::new((x, 84), 7, colour.filled()))?;
+            canvas.draw(&Text::new(name, (x + 18, 84), text(FONT)))?;
+        }
+        let write = |metres: &f64| wording::decimals(*metres, 3);
+        let axes = Axes {
+            margins: Margins {
+                top: 110,
+                right: 200,
+                left: 20,
+                ..Margins::default()
+            },
+            font: FONT,
+            x: Axis {
+                room: 90,
+                labels: None,
+                write: &write,
+                name: "X, m",
+            },
+            y: Axis {
+                room: 190,
+                labels: None,
+                write: &write,
+                name: "Y, m",
+            },
+        };
+        let mut chart = axes.draw(canvas, x - half..x + half, y - half..y + half)?;
+        chart.draw_series(result.points.iter().step_by(step).map(|one| {
+            let [x, y, _] = one.position_m;
+            let colour = match one.role {
+                PointRole::New => NEW,
+                PointRole::Control => CONTROL,
+                PointRole::Check => CHECK,
+            };
+            Cross::new((x, y), 6, colour.stroke_width(2))
+        }))?;
+        chart.draw_series(result.images.iter().map(|one| {
+            let [x, y, _] = one.position_m;
+            TriangleMarker::new((x, y), 10, STATION.filled())
+        }))?;
+        Ok(())
+    })
+}
