@@ -1,10 +1,13 @@
 //! Arguments of the calibration.
 
 use std::path::PathBuf;
+use std::str::FromStr;
 
 use clap::{Args, Subcommand, ValueEnum};
+use fmc_adjustment::calibration::dlt3d::COEFFICIENT_NAMES;
 
-use super::{ADVANCED, examples};
+use super::number::positive;
+use super::{ADVANCED, BundleArgs, ResectionArgs, examples};
 
 /// Arguments of `calibrate`.
 #[derive(Debug, Args)]
@@ -20,6 +23,157 @@ pub enum CalibrationMethod {
     /// The five-coefficient model, by robust least squares of observed distortions.
     #[command(after_help = examples::CALIBRATE_FIVE)]
     Five(FiveArgs),
+    /// Interior orientation and distortion from images of known object points.
+    ///
+    /// All images share them; each has its own position and attitude, which need no initial values
+    /// where an image shows four known points or more.
+    #[command(after_help = examples::CALIBRATE_RESECTION)]
+    Resection(ResectionArgs),
+    /// Interior orientation and distortion from images of points that several of them show.
+    ///
+    /// Self-calibrating bundle: object points are unknown, or control that is held or weighted, or
+    /// check points, which have no influence. Positions and attitudes observed on board, scale bars
+    /// and priors are observations besides.
+    #[command(after_help = examples::CALIBRATE_BUNDLE)]
+    Bundle(BundleArgs),
+    /// 3-D direct linear transformation of one image of a spatial test field: principal distance,
+    /// principal point, affinity, position, attitude and, on request, distortion.
+    ///
+    /// At least 6 points, not all but one of them in a plane. A thin field has a result whose σ
+    /// says what it is worth. docs/calibration.md has the equations and how to photograph.
+    #[command(after_help = examples::CALIBRATE_DLT3D)]
+    Dlt3d(Dlt3dArgs),
+    /// 2-D direct linear transformation of a plane target: a distortion table per focus setting.
+    ///
+    /// The table is complete only with its interior orientation, which is stated. The camera file
+    /// keeps its principal distance and principal point, and receives a polynomial.
+    /// docs/calibration.md has the equations and how to photograph.
+    #[command(after_help = examples::CALIBRATE_DLT2D)]
+    Dlt2d(Dlt2dArgs),
+    /// Precise angles of a turntable for one line of the sensor: principal distance, principal
+    /// point and radial distortion.
+    ///
+    /// The formulas of Li et al. 2018, a direct fit and the exact model side by side; the exact
+    /// model goes into the camera file. docs/calibration.md has the equations.
+    #[command(after_help = examples::CALIBRATE_ANGLES)]
+    Angles(AnglesArgs),
+}
+
+/// Options that the methods share.
+#[derive(Debug, Args)]
+pub struct CalibrationArgs {
+    /// Camera file (TOML): format, pixel, nominal principal distance; the rest is kept unless
+    /// estimated.
+    #[arg(long, value_name = "FILE")]
+    pub camera: PathBuf,
+    /// Folder for the calibrated camera file, summary.json, residuals.csv, covariance.csv, figures
+    /// and certificate.html; made if it does not exist.
+    #[arg(long, value_name = "DIR")]
+    pub out: Option<PathBuf>,
+    /// Day of the calibration, as it is printed on the page.
+    #[arg(long, value_name = "YYYY-MM-DD", help_heading = ADVANCED)]
+    pub date: Option<String>,
+    /// Reject no observation as a gross error.
+    #[arg(long, help_heading = ADVANCED)]
+    pub keep_all: bool,
+}
+
+/// Arguments of `calibrate dlt3d`.
+#[derive(Debug, Args)]
+pub struct Dlt3dArgs {
+    /// CSV with a header, columns in any order: `point`, `x_mm,y_mm` (measured point, sensor
+    /// frame) or `col_px,row_px`, `x_m,y_m,z_m` (object point); optional `sigma_um` or `sigma_px`.
+    #[arg(value_name = "POINTS.csv")]
+    pub points: PathBuf,
+    /// Files and options of every method.
+    #[command(flatten)]
+    pub common: CalibrationArgs,
+    /// Coefficients to estimate beside the eleven unknowns, of k1,k2,k3,p1,p2; the others are those
+    /// of the camera file.
+    #[arg(long, value_name = "LIST", default_value = "none")]
+    pub estimate: Coefficients,
+}
+
+/// Arguments of `calibrate dlt2d`.
+#[derive(Debug, Args)]
+pub struct Dlt2dArgs {
+    /// CSV with a header, columns in any order: `target`, `x_mm,y_mm` (measured point, sensor
+    /// frame) or `col_px,row_px`, `x_m,y_m` (place in the plane); optional `focus` (a table each) and
+    /// `sigma_um` or `sigma_px`.
+    #[arg(value_name = "TARGETS.csv")]
+    pub targets: PathBuf,
+    /// Files and options of every method.
+    #[command(flatten)]
+    pub common: CalibrationArgs,
+    /// Four targets at which the table is zero; without it the table is the least one, by all
+    /// targets.
+    #[arg(long, value_name = "A,B,C,D", value_delimiter = ',', num_args = 1)]
+    pub corners: Option<Vec<String>>,
+    /// Coefficients of the camera file's polynomial, of k1,k2,k3,p1,p2.
+    #[arg(long, value_name = "LIST", default_value = "k1,k2,k3,p1,p2", help_heading = ADVANCED)]
+    pub estimate: Coefficients,
+}
+
+/// Arguments of `calibrate angles`.
+#[derive(Debug, Args)]
+pub struct AnglesArgs {
+    /// CSV with a header, columns in any order: `angle_deg` (of the turntable), `l_mm` (place on
+    /// the line, from the centre of the sensor); optional `band` and `repeat`.
+    #[arg(value_name = "ANGLES.csv")]
+    pub angles: PathBuf,
+    /// Files and options of every method.
+    #[command(flatten)]
+    pub common: CalibrationArgs,
+    /// Axis of the sensor frame along which the line lies.
+    #[arg(long, value_name = "AXIS", default_value = "x", help_heading = ADVANCED)]
+    pub along: AlongAxis,
+    /// σ of a place on the line, µm; without it a tenth of a pixel.
+    #[arg(long, value_name = "UM", value_parser = positive, help_heading = ADVANCED)]
+    pub sigma_l_um: Option<f64>,
+    /// σ of an angle, seconds of arc.
+    #[arg(long, value_name = "ARCSEC", default_value = "0.5", value_parser = positive, help_heading = ADVANCED)]
+    pub sigma_angle_arcsec: f64,
+}
+
+/// Axis of the sensor frame.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
+pub enum AlongAxis {
+    /// x, to the right.
+    X,
+    /// y, upwards.
+    Y,
+}
+
+/// Coefficients to estimate: K1, K2, K3, P1, P2.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct Coefficients(pub [bool; 5]);
+
+impl FromStr for Coefficients {
+    type Err = String;
+
+    fn from_str(text: &str) -> Result<Self, String> {
+        let mut chosen = [false; 5];
+        if text == "none" {
+            return Ok(Self(chosen));
+        }
+        for name in text.split(',').map(str::trim) {
+            // The eleven unknowns are always estimated.
+            if matches!(name, "f" | "x0" | "y0" | "b1" | "b2") {
+                continue;
+            }
+            let place = COEFFICIENT_NAMES.iter().position(|one| *one == name);
+            match place.and_then(|index| chosen.get_mut(index)) {
+                Some(flag) => *flag = true,
+                None => {
+                    return Err(format!(
+                        "\"{name}\" is none of {}; several are separated by commas, none is \"none\"",
+                        COEFFICIENT_NAMES.join(", ")
+                    ));
+                }
+            }
+        }
+        Ok(Self(chosen))
+    }
 }
 
 /// Arguments of `calibrate five`.

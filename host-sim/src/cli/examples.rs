@@ -11,7 +11,12 @@ Examples:
   host-sim correct --camera my.toml --ground-speed 70 --height 700 \\
       --exposure 1/200 --out ideal.npy measured.npy
   host-sim correct --camera my.toml --records records.csv \\
-      --answer ideal-shifted points.csv --out ideal.csv";
+      --answer ideal-shifted points.csv --out ideal.csv
+  host-sim correct --camera my.toml --records records.csv \\
+      --answer ideal-shifted --list bingo points.csv --out image.dat
+  host-sim correct --camera my.toml --records records.csv \\
+      --answer ideal-shifted --trajectory sbet.out --origin 47.5,8.2,450 \\
+      --orientation orientation.csv points.csv --out ideal.csv";
 
 pub(super) const DISTORT: &str = "\
 Examples:
@@ -26,7 +31,9 @@ Examples:
 pub(super) const FRAME: &str = "\
 Examples:
   host-sim frame --camera my.toml --vh 0.1 --exposure 1/200
-  host-sim frame --camera my.toml --vh 0.1 --exposure 1/200 --json";
+  host-sim frame --camera my.toml --vh 0.1 --exposure 1/200 --json
+  host-sim frame --camera my.toml --records records.csv \\
+      --trajectory sbet.out --out frames.csv";
 
 pub(super) const MESH: &str = "\
 Examples:
@@ -38,6 +45,38 @@ Examples:
   host-sim calibrate five observations.csv --camera my.toml --out fitted
   host-sim calibrate five observations.csv --camera my.toml \\
       --regress-on centroid";
+
+pub(super) const CALIBRATE_RESECTION: &str = "\
+Examples:
+  host-sim calibrate resection image_points.csv --points field.csv \\
+      --camera my.toml --out calibrated
+  host-sim calibrate resection image_points.csv --points board.csv \\
+      --camera my.toml --estimate f,x0,y0,k1,k2,p1,p2,b1";
+
+pub(super) const CALIBRATE_BUNDLE: &str = "\
+Examples:
+  host-sim calibrate bundle image_points.csv --points control.csv \\
+      --camera my.toml --out calibrated
+  host-sim calibrate bundle image_points.csv --points control.csv \\
+      --images flight.csv --camera my.toml --estimate f,x0,y0,boresight \\
+      --prior f=0.005";
+pub(super) const CALIBRATE_DLT3D: &str = "\
+Examples:
+  host-sim calibrate dlt3d points.csv --camera my.toml --out calibrated
+  host-sim calibrate dlt3d points.csv --camera my.toml \\
+      --estimate k1,k2,k3,p1,p2 --out calibrated";
+
+pub(super) const CALIBRATE_DLT2D: &str = "\
+Examples:
+  host-sim calibrate dlt2d targets.csv --camera my.toml --out table
+  host-sim calibrate dlt2d targets.csv --camera my.toml \\
+      --corners 001,015,136,150 --out table";
+
+pub(super) const CALIBRATE_ANGLES: &str = "\
+Examples:
+  host-sim calibrate angles angles.csv --camera line.toml --out calibrated
+  host-sim calibrate angles angles.csv --camera line.toml --along y \\
+      --sigma-l-um 1.3 --sigma-angle-arcsec 0.5";
 
 pub(super) const SMEAR: &str = "\
 Examples:
@@ -79,7 +118,9 @@ Examples:
   host-sim export opencv --camera my.toml --model opencv8 \\
       --max-residual-um 0.5 --out cv
   host-sim export colmap --camera my.toml --records records.csv \\
-      --images map.csv --out block";
+      --images map.csv --out block
+  host-sim export frames --camera my.toml --records records.csv \\
+      --trajectory sbet.out --origin 47.5,8.2,450 --out block";
 
 pub(super) const CERTIFICATE: &str = "\
 Examples:

@@ -13,10 +13,16 @@ use fmc_exchange::frames::{PATTERN, Pattern};
 use fmc_exchange::program::{Container, Program};
 
 use super::ADVANCED;
+use super::TrajectoryArgs;
 use super::number::positive;
 
 /// Arguments of `export`.
 #[derive(Debug, Args)]
+#[command(
+    mut_arg("trajectory", |arg| arg.requires("records")),
+    // Its name is orientation.csv, in the folder.
+    mut_arg("orientation", |arg| arg.hide(true).conflicts_with("trajectory"))
+)]
 pub struct ExportArgs {
     /// Program whose file is written.
     #[arg(value_name = "FORMAT", value_parser = program(&WRITTEN))]
@@ -63,6 +69,9 @@ pub struct ExportArgs {
     #[arg(long, value_name = "PATTERN", requires = "records", value_parser = Pattern::parse,
           default_value = PATTERN, help_heading = ADVANCED)]
     pub image_name: Pattern,
+    /// The trajectory of the flight: orientation.csv is written, too.
+    #[command(flatten)]
+    pub trajectory: TrajectoryArgs,
 }
 
 /// Arguments of `import`.

@@ -13,12 +13,17 @@ mod exchange;
 mod frames;
 mod mesh;
 mod mission;
+mod network;
 mod number;
 mod simulation;
 mod statistics;
+mod trajectory;
 mod vh;
 
-pub use calibration::{CalibrateArgs, CalibrationMethod, FiveArgs, RegressOn, StaticP2};
+pub use calibration::{
+    AlongAxis, AnglesArgs, CalibrateArgs, CalibrationArgs, CalibrationMethod, Coefficients,
+    Dlt2dArgs, Dlt3dArgs, FiveArgs, RegressOn, StaticP2,
+};
 pub use camera::{CameraAction, CameraArgs, ExposureTimeArgs, PrepareArgs, StatusArgs, VhArgs};
 pub use camera_file::{CameraFileAction, CameraFileArgs};
 pub use certificate::{
@@ -28,14 +33,17 @@ pub use exchange::{ContainerName, ExportArgs, ImportArgs, SignName};
 pub use frames::{AnswerName, FrameAnswerArgs, FramesArgs, OffSensorName};
 pub use mesh::{ImagePart, MeshArgs, MeshFormatName};
 pub use mission::{MissionArgs, RecordsArgs};
+pub use network::{BundleArgs, DatumName, NetworkArgs, ResectionArgs};
 pub use simulation::{BudgetArgs, SmearArgs, StrategyName, StripArgs, SweepArgs};
 pub use statistics::{FaultNumber, StatisticsArgs};
+pub use trajectory::{OffTrajectoryName, TimeScaleName, TrajectoryArgs};
 pub use vh::{VhArgument, VhOption};
 
 use fmc_camera_file::number::finite;
 
 use self::frames::{optional_group, optional_with_frames};
 use self::number::exposure_time;
+use self::trajectory::needs_frames;
 use crate::device::DeviceName;
 use crate::formats::points::PointFormat;
 
@@ -105,7 +113,7 @@ pub enum Command {
     /// describes the numbers.
     #[command(after_help = examples::MESH)]
     Mesh(MeshArgs),
-    /// Determine coefficients from observations.
+    /// Calibrate a camera: parameters from observations.
     Calibrate(CalibrateArgs),
     /// Residual smear of an exposure: what the compensation leaves, term by term.
     ///
@@ -300,6 +308,7 @@ pub struct ExposureArgs {
 #[derive(Debug, Args)]
 #[command(
     mut_arg("exposure", optional_with_frames),
+    mut_arg("trajectory", needs_frames),
     mut_group("vh_or_speed", optional_group)
 )]
 pub struct PointsArgs {
@@ -312,6 +321,9 @@ pub struct PointsArgs {
     /// Answers for points of many frames.
     #[command(flatten)]
     pub answers: FrameAnswerArgs,
+    /// The trajectory of the flight.
+    #[command(flatten)]
+    pub trajectory: TrajectoryArgs,
     /// Device on which the camera runs.
     #[command(flatten, next_help_heading = ADVANCED)]
     pub device: DeviceArgs,
@@ -363,6 +375,7 @@ pub struct ReferenceArgs {
 #[derive(Debug, Args)]
 #[command(
     mut_arg("exposure", optional_with_frames),
+    mut_arg("trajectory", needs_frames),
     mut_group("vh_or_speed", optional_group)
 )]
 pub struct FrameArgs {
@@ -372,6 +385,9 @@ pub struct FrameArgs {
     /// The frames of a flight in place of one exposure.
     #[command(flatten)]
     pub frames: FramesArgs,
+    /// The trajectory of the flight.
+    #[command(flatten)]
+    pub trajectory: TrajectoryArgs,
     /// Device on which the camera runs.
     #[command(flatten, next_help_heading = ADVANCED)]
     pub device: DeviceArgs,

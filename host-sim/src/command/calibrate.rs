@@ -1,4 +1,10 @@
-//! `calibrate`: coefficients from observations.
+//! `calibrate`: parameters of a camera from observations.
+
+pub(super) mod angles;
+pub(super) mod dlt2d;
+pub(super) mod dlt3d;
+pub(super) mod network;
+mod report;
 
 use std::io;
 use std::path::Path;
@@ -60,6 +66,8 @@ fn options(args: &FiveArgs) -> FitOptions {
 struct Outputs {
     folder: OutputFolder,
     files: Vec<(String, Vec<u8>)>,
+    /// Files that these results do not have: those of former ones are removed.
+    unusable: Vec<String>,
 }
 
 impl Outputs {
@@ -101,12 +109,32 @@ impl Outputs {
             let svg = residual_plot::residuals_against(calibration, against).map_err(drawing)?;
             files.push((against.file_name().to_owned(), svg.into_bytes()));
         }
+        Self::checked(
+            files,
+            camera,
+            &[&args.observations],
+            folder,
+            "calibrate five",
+        )
+    }
+
+    /// Checks that no file replaces another or an input, and makes the folder.
+    fn checked(
+        files: Vec<(String, Vec<u8>)>,
+        camera: &Path,
+        inputs: &[&Path],
+        folder: &Path,
+        command: &str,
+    ) -> Result<Self, Failure> {
         for (index, (name, _)) in files.iter().enumerate() {
             let out = folder.join(name);
-            output::check_not_an_input(&out, &args.observations)?;
+            output::check_not_the_input(Some(&out), camera)?;
+            for input in inputs {
+                output::check_not_an_input(&out, input)?;
+            }
             if files.iter().skip(index + 1).any(|(other, _)| other == name) {
                 return Err(Failure::bad_input(format!(
-                    "--camera {}: a report of calibrate five is called {name}, too; rename the camera file",
+                    "--camera {}: a report of {command} is called {name}, too; rename the camera file",
                     camera.display()
                 )));
             }
@@ -114,10 +142,18 @@ impl Outputs {
         Ok(Self {
             folder: OutputFolder::create(folder)?,
             files,
+            unusable: Vec::new(),
         })
     }
 
     fn write(self) -> Result<(), Failure> {
+        for name in &self.unusable {
+            let former = self.folder.path().join(name);
+            if former.exists() {
+                std::fs::remove_file(&former)
+                    .map_err(|error| Failure::writing(former.display(), &error))?;
+            }
+        }
         for (name, contents) in &self.files {
             self.folder.write(name, |sink| sink.write_all(contents))?;
         }

@@ -46,6 +46,11 @@ pub fn run(cli: Cli) -> Result<(), Failure> {
         Command::Budget(args) => budget::run(&args),
         Command::Calibrate(args) => match args.method {
             CalibrationMethod::Five(args) => calibrate::five(&args),
+            CalibrationMethod::Resection(args) => calibrate::network::resection(&args),
+            CalibrationMethod::Bundle(args) => calibrate::network::bundle(&args),
+            CalibrationMethod::Dlt3d(args) => calibrate::dlt3d::run(&args),
+            CalibrationMethod::Dlt2d(args) => calibrate::dlt2d::run(&args),
+            CalibrationMethod::Angles(args) => calibrate::angles::run(&args),
         },
         Command::Smear(args) => smear::run(&args),
         Command::Sweep(args) => sweep::run(&args),

@@ -10,6 +10,7 @@ use fmc_adjustment::observation::{ObservationRow, ObservationTable, UNIT_SIGMA_M
 use fmc_camera::geometry::range::Quantity;
 use fmc_camera_file::CameraFile;
 use fmc_camera_file::number::{clipped, single};
+use fmc_frames::Lines;
 
 use super::points::csv_failure;
 use crate::failure::Failure;
@@ -60,12 +61,12 @@ pub fn parse(
     let mut rows = Vec::new();
     let mut lines_of_ids: HashMap<Box<str>, u64> = HashMap::new();
     let mut lines_of_numbers: HashMap<[u64; 8], u64> = HashMap::new();
-    let mut record = ByteRecord::new();
+    let (mut record, mut lines) = (ByteRecord::new(), Lines::default());
     while reader
         .read_byte_record(&mut record)
         .map_err(|error| csv_failure(file, &error))?
     {
-        let line = record.position().map_or(0, csv::Position::line);
+        let line = lines.of(record.position());
         let failure = |fault| Failure::bad_input(format!("{file}, line {line}: {fault}"));
         let row = columns.row(&record, line, camera).map_err(failure)?;
         if let Some(id) = &row.id
@@ -217,7 +218,7 @@ impl Columns {
     }
 }
 
-fn check_on_sensor(value_mm: f64, half_mm: f64, column: &str) -> Result<(), String> {
+pub(super) fn check_on_sensor(value_mm: f64, half_mm: f64, column: &str) -> Result<(), String> {
     // W·p/2 is rounded, so an edge typed in decimals may exceed it by rounding and still belongs to
     // the sensor.
     if value_mm.abs() <= half_mm * (1.0 + 1e-12) {

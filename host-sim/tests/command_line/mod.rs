@@ -11,9 +11,17 @@ mod bad_request;
 #[cfg(test)]
 mod budget;
 #[cfg(test)]
+mod calibrate_angles;
+#[cfg(test)]
+mod calibrate_dlt;
+#[cfg(test)]
 mod calibrate_five;
 #[cfg(test)]
 mod calibrate_five_refused;
+#[cfg(test)]
+mod calibrate_network;
+#[cfg(test)]
+mod calibration_files;
 #[cfg(test)]
 #[cfg(unix)]
 mod camera;

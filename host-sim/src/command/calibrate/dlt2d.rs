@@ -1,0 +1,94 @@
+//! `calibrate dlt2d`: distortion tables from a plane target.
+
+use std::path::PathBuf;
+
+use fmc_adjustment::calibration::dlt2d::dlt2d;
+use fmc_adjustment::calibration::dlt2d::request::Dlt2dRequest;
+use fmc_report::calibration::dlt2d::of_method;
+use fmc_report::calibration::result::files::PageTable;
+
+use super::{Outputs, report};
+use crate::cli::Dlt2dArgs;
+use crate::failure::Failure;
+use crate::formats::calibration_points;
+
+/// Runs `calibrate dlt2d`; each focus setting has a folder of its own.
+pub(in crate::command) fn run(args: &Dlt2dArgs) -> Result<(), Failure> {
+    report::check_date(&args.common)?;
+    let corners = corners(args)?;
+    let (camera, _) = crate::command::read_camera(&args.common.camera)?;
+    let file = calibration_points::plane_targets(&args.targets, &camera)?;
+    if file.settings.is_empty() {
+        return Err(Failure::bad_input(format!(
+            "{}: there is no target",
+            file.input.file
+        )));
+    }
+    let mut prepared = Vec::new();
+    for setting in &file.settings {
+        let mut found = dlt2d(&Dlt2dRequest {
+            input: file.input.clone(),
+            has_sigma: file.has_sigma,
+            focus: setting.focus.clone(),
+            targets: &setting.targets,
+            camera: &camera,
+            corners: corners.as_ref(),
+            is_estimated: args.estimate.0,
+            keeps_all: args.common.keep_all,
+        })?;
+        let of_method = of_method(&found).map_err(report::failed)?;
+        let mut tables: Vec<String> = of_method.tables.iter().map(PageTable::text).collect();
+        if let Some(focus) = &setting.focus {
+            tables.push(format!("the tables above are those of focus {focus}\n"));
+        }
+        let folder = folder(args, setting.focus.as_deref(), file.settings.len())?;
+        let outputs = report::outputs(
+            &mut found.result,
+            of_method,
+            &args.common,
+            &args.targets,
+            folder.as_deref(),
+        )?;
+        prepared.push((found, tables, outputs));
+    }
+    for (found, tables, outputs) in prepared {
+        report::print(&found.result, &tables)?;
+        outputs.map_or(Ok(()), Outputs::write)?;
+    }
+    Ok(())
+}
+
+fn corners(args: &Dlt2dArgs) -> Result<Option<[String; 4]>, Failure> {
+    let Some(names) = &args.corners else {
+        return Ok(None);
+    };
+    let names: Vec<String> = names.iter().map(|name| name.trim().to_owned()).collect();
+    let count = names.len();
+    names.try_into().map(Some).map_err(|_| {
+        Failure::bad_input(format!(
+            "--corners: {count} targets; allowed: four, separated by commas"
+        ))
+    })
+}
+
+/// Returns the folder of a focus setting: that of `--out` if there is one setting.
+fn folder(
+    args: &Dlt2dArgs,
+    focus: Option<&str>,
+    settings: usize,
+) -> Result<Option<PathBuf>, Failure> {
+    let Some(out) = &args.common.out else {
+        return Ok(None);
+    };
+    let Some(focus) = focus.filter(|_| settings > 1) else {
+        return Ok(Some(out.clone()));
+    };
+    let is_plain = |letter: char| letter.is_ascii_alphanumeric() || "-_.+".contains(letter);
+    if !focus.chars().all(is_plain) || focus.starts_with('.') {
+        return Err(Failure::bad_input(format!(
+            "{}: focus {focus} cannot be part of the name of a folder; allowed: letters, digits, - _ . +",
+            args.targets.display()
+        )));
+    }
+    Ok(Some(out.join(format!("focus-{focus}"))))
+}

@@ -1,0 +1,188 @@
+//! `calibrate resection` and `calibrate bundle`: calibration by a network of images.
+
+use std::path::Path;
+
+use fmc_adjustment::bundle::calibration::{
+    BundleCalibration, BundleCalibrationError, CalibrationOptions, GrossErrors,
+};
+use fmc_adjustment::bundle::error::BundleError;
+use fmc_adjustment::bundle::interior::{Interior, InteriorElement};
+use fmc_adjustment::bundle::tables::{NetworkTables, RowRole};
+use fmc_adjustment::calibration::result::{CalibrationResult, InputFile};
+use fmc_camera_file::{InputError, static_block};
+use fmc_report::calibration::result::files::{self, OfMethod};
+use serde_json::{Map, json};
+
+use super::{Outputs, report};
+use crate::cli::{BundleArgs, NetworkArgs, ResectionArgs};
+use crate::failure::{Failure, note};
+use crate::formats::network_tables;
+
+/// Runs `calibrate resection`.
+pub(in crate::command) fn resection(args: &ResectionArgs) -> Result<(), Failure> {
+    run("resection", &args.network, None)
+}
+
+/// Runs `calibrate bundle`.
+pub(in crate::command) fn bundle(args: &BundleArgs) -> Result<(), Failure> {
+    run("bundle", &args.network, args.scale_bars.as_deref())
+}
+
+fn run(method: &'static str, args: &NetworkArgs, scale_bars: Option<&Path>) -> Result<(), Failure> {
+    report::check_date(&args.common)?;
+    let (camera, _) = crate::command::read_camera(&args.common.camera)?;
+    let (image_points, image_file) = network_tables::image_points(&args.image_points, &camera)?;
+    let (object_points, object_file) = network_tables::object_points(&args.points)?;
+    let mut inputs: Vec<InputFile> = vec![image_file, object_file];
+    let images = args
+        .images
+        .as_deref()
+        .map(network_tables::images)
+        .transpose()?;
+    let bars = scale_bars.map(network_tables::scale_bars).transpose()?;
+    inputs.extend(images.iter().map(|(_, file)| file.clone()));
+    inputs.extend(bars.iter().map(|(_, file)| file.clone()));
+    let tables = NetworkTables {
+        image_points,
+        object_points,
+        images: images.map(|(table, _)| table),
+        scale_bars: bars.map(|(table, _)| table),
+    };
+    if method == "resection" {
+        check_all_known(&tables)?;
+    }
+    let options = CalibrationOptions {
+        unknowns: args.unknowns(),
+        datum: args.datum.into(),
+        gross_errors: if args.common.keep_all {
+            GrossErrors::Keep
+        } else {
+            GrossErrors::Reject
+        },
+    };
+    let calibration = BundleCalibration::new(&tables, Interior::of(&camera), &options)?;
+    let result = calibration.result(method, &camera, inputs);
+    for warning in &result.warnings {
+        note(format_args!("warning: {warning}"));
+    }
+    let files = [
+        Some(args.image_points.as_path()),
+        Some(args.points.as_path()),
+        args.images.as_deref(),
+        scale_bars,
+    ];
+    let files: Vec<&Path> = files.into_iter().flatten().collect();
+    let outputs = args
+        .common
+        .out
+        .as_deref()
+        .map(|folder| outputs(&result, of_method(&calibration), args, &files, folder))
+        .transpose()?;
+    report::print(&result, &[])?;
+    let Some((outputs, refused)) = outputs else {
+        return Ok(());
+    };
+    outputs.write()?;
+    refused.map_or(Ok(()), |error| {
+        Err(Failure::check(format!(
+            "no camera file is written, the reports are: {error}"
+        )))
+    })
+}
+
+/// Prepares the files; a distortion that the camera cannot use is a result all the same, with
+/// reports but without a camera file.
+fn outputs(
+    result: &CalibrationResult,
+    of_method: OfMethod,
+    args: &NetworkArgs,
+    observations: &[&Path],
+    folder: &Path,
+) -> Result<(Outputs, Option<InputError>), Failure> {
+    let camera = args.common.camera.as_path();
+    let text = std::fs::read_to_string(camera).map_err(|error| Failure::reading(camera, &error))?;
+    let name = camera.display().to_string();
+    let made = files::files(result, args.common.date.as_deref(), of_method);
+    let mut all = made.map_err(report::failed)?;
+    let refused = match static_block::with_calibration(&name, &text, &result.calibrated) {
+        Ok(text) => {
+            let name = camera
+                .file_name()
+                .map_or_else(|| "camera.toml".into(), |name| name.to_string_lossy());
+            all.push((name.into_owned(), text.into_bytes()));
+            None
+        }
+        Err(error) => Some(error),
+    };
+    let command = format!("calibrate {}", result.method);
+    let outputs = Outputs::checked(all, camera, observations, folder, &command)?;
+    Ok((outputs, refused))
+}
+
+/// Checks that a resection has no object points with unknown coordinates.
+fn check_all_known(tables: &NetworkTables) -> Result<(), Failure> {
+    let known: std::collections::HashSet<&str> = tables
+        .object_points
+        .rows
+        .iter()
+        .filter(|row| row.role != RowRole::Approximate)
+        .map(|row| &*row.point)
+        .collect();
+    let file = &tables.image_points.file;
+    match tables
+        .image_points
+        .rows
+        .iter()
+        .find(|row| !known.contains(&*row.point))
+    {
+        Some(row) => Err(Failure::bad_input(format!(
+            "{file}, line {}: point {} has no known coordinates in {}; a resection needs them, a bundle finds them",
+            row.line, row.point, tables.object_points.file
+        ))),
+        None => Ok(()),
+    }
+}
+
+/// Keys of `summary.json` that a network alone has: the adjustment before any rejection.
+fn of_method(calibration: &BundleCalibration) -> OfMethod {
+    let all = &calibration.unrejected;
+    let interior = &all.state.parameters.interior;
+    let parameters: Vec<_> = InteriorElement::ALL
+        .into_iter()
+        .map(|element| json!({"name": element.name(), "value": interior.value(element)}))
+        .collect();
+    let mut summary = Map::new();
+    summary.insert(
+        "all_observations".to_owned(),
+        json!({
+            "sigma0": all.sigma0(),
+            "redundancy": all.redundancy(),
+            "parameters": parameters,
+        }),
+    );
+    OfMethod {
+        summary,
+        ..OfMethod::default()
+    }
+}
+
+impl From<BundleCalibrationError> for Failure {
+    fn from(error: BundleCalibrationError) -> Self {
+        match error {
+            BundleCalibrationError::Input(error) => error.into(),
+            BundleCalibrationError::Adjustment(error) => {
+                let failure = Self::bad_input(error.to_string());
+                match error {
+                    BundleError::Inseparable { .. } => failure.with_help(
+                        "estimate fewer unknowns (--estimate), or give what tells them apart: rolled and tilted images, a field with \
+                         depth, control, or a --prior",
+                    ),
+                    BundleError::NotConverged => failure.with_help(
+                        "check the names of the points, the principal distance of the camera file and the direction of the axes",
+                    ),
+                    _ => failure,
+                }
+            }
+        }
+    }
+}

@@ -1,0 +1,105 @@
+//! Files and text of a calibration, whatever its method.
+
+use std::io;
+use std::path::Path;
+
+use fmc_adjustment::calibration::failure::CalibrationFailure;
+use fmc_adjustment::calibration::result::CalibrationResult;
+use fmc_camera_file::static_block;
+use fmc_report::calibration::result::files::{self, FilesError, OfMethod};
+use fmc_report::calibration::result::table;
+
+use super::Outputs;
+use crate::cli::CalibrationArgs;
+use crate::failure::Failure;
+use crate::formats::output;
+
+impl From<CalibrationFailure> for Failure {
+    fn from(failure: CalibrationFailure) -> Self {
+        match failure {
+            CalibrationFailure::Input(error) => error.into(),
+            CalibrationFailure::NotConverged { .. } => Self::check(failure.to_string()),
+        }
+    }
+}
+
+/// Checks the day of the calibration: it is printed as it is.
+pub(super) fn check_date(args: &CalibrationArgs) -> Result<(), Failure> {
+    let Some(date) = &args.date else {
+        return Ok(());
+    };
+    let parts: Vec<&str> = date.split('-').collect();
+    let number = |index: usize, digits: usize| {
+        let text = parts.get(index).filter(|text| text.len() == digits)?;
+        let is_number = text.bytes().all(|byte| byte.is_ascii_digit());
+        is_number.then(|| text.parse::<u32>().ok()).flatten()
+    };
+    let is_day = parts.len() == 3
+        && number(0, 4).is_some()
+        && number(1, 2).is_some_and(|month| (1..=12).contains(&month))
+        && number(2, 2).is_some_and(|day| (1..=31).contains(&day));
+    if is_day {
+        Ok(())
+    } else {
+        Err(Failure::bad_input(format!(
+            "--date {date}: is no day; allowed: YYYY-MM-DD"
+        )))
+    }
+}
+
+/// Prepares the files of a calibration, the camera file among them; `None` without `--out`.
+///
+/// Where the parameters would be no usable camera, there is no camera file: a warning of the result
+/// says why.
+pub(super) fn outputs(
+    result: &mut CalibrationResult,
+    of_method: OfMethod,
+    args: &CalibrationArgs,
+    observations: &Path,
+    folder: Option<&Path>,
+) -> Result<Option<Outputs>, Failure> {
+    let Some(folder) = folder else {
+        return Ok(None);
+    };
+    let camera = args.camera.as_path();
+    let text = std::fs::read_to_string(camera).map_err(|error| Failure::reading(camera, &error))?;
+    let file = camera.display().to_string();
+    let name = camera
+        .file_name()
+        .map_or_else(|| "camera.toml".into(), |name| name.to_string_lossy())
+        .into_owned();
+    let mut all = Vec::new();
+    let mut unusable = Vec::new();
+    match static_block::with_calibration(&file, &text, &result.calibrated) {
+        Ok(text) => all.push((name, text.into_bytes())),
+        Err(error) => {
+            let warning = format!("no camera file is written: {error}");
+            result.warnings.push(warning);
+            unusable.push(name);
+        }
+    }
+    all.extend(files::files(result, args.date.as_deref(), of_method).map_err(failed)?);
+    let command = format!("calibrate {}", result.method);
+    let mut outputs = Outputs::checked(all, camera, &[observations], folder, &command)?;
+    outputs.unusable = unusable;
+    Ok(Some(outputs))
+}
+
+/// Returns the failure of a file that cannot be made.
+pub(super) fn failed(error: FilesError) -> Failure {
+    match error {
+        FilesError::Page(error) => Failure::device_or_io(format!("figure: {error}")),
+        error => Failure::writing("report", &io::Error::other(error)),
+    }
+}
+
+/// Prints a result with the tables of its method.
+pub(super) fn print(result: &CalibrationResult, tables: &[String]) -> Result<(), Failure> {
+    output::write(None, |sink| {
+        sink.write_all(table::text(result).as_bytes())?;
+        for table in tables {
+            sink.write_all(table.as_bytes())?;
+        }
+        Ok(())
+    })
+}

@@ -1,0 +1,167 @@
+//! Readers of the observations of `calibrate dlt3d`, `dlt2d` and `angles`.
+
+use std::collections::HashMap;
+use std::path::Path;
+use std::sync::Arc;
+
+use fmc_adjustment::calibration::angles::request::AngleObservation;
+use fmc_adjustment::calibration::dlt2d::request::PlaneTarget;
+use fmc_adjustment::calibration::dlt3d::FieldPoint;
+use fmc_adjustment::calibration::result::InputFile;
+use fmc_camera_file::CameraFile;
+
+use super::named_columns::{NamedColumns, Row};
+use crate::failure::Failure;
+
+/// Names of points that a file has had, with their lines.
+struct Names<'a> {
+    file: &'a str,
+    lines: HashMap<String, u64>,
+}
+
+impl<'a> Names<'a> {
+    fn new(input: &'a InputFile) -> Self {
+        Self {
+            file: &input.file,
+            lines: HashMap::new(),
+        }
+    }
+
+    fn add(&mut self, what: &str, name: &str, line: u64) -> Result<(), Failure> {
+        match self.lines.insert(name.to_owned(), line) {
+            Some(first) => Err(Failure::bad_input(format!(
+                "{}, lines {first} and {line}: {what} {name} appears twice",
+                self.file
+            ))),
+            None => Ok(()),
+        }
+    }
+}
+
+/// Points of `calibrate dlt3d`.
+#[derive(Debug)]
+pub struct FieldPoints {
+    /// The file.
+    pub input: InputFile,
+    /// `true` if it has σ.
+    pub has_sigma: bool,
+    /// Points.
+    pub points: Vec<FieldPoint>,
+}
+
+/// Reads `point,x_mm,y_mm,x_m,y_m,z_m[,sigma_um]`, or with `col_px,row_px[,sigma_px]`.
+///
+/// # Errors
+/// [`Failure`] naming file, line, column and value.
+pub fn field_points(path: &Path, camera: &CameraFile) -> Result<FieldPoints, Failure> {
+    let file = NamedColumns::read(path, &["point", "x_m", "y_m", "z_m"])?;
+    let has_sigma = file.check_image_columns()?;
+    let mut names = Names::new(&file.input);
+    let mut points = Vec::new();
+    for row in file.rows() {
+        let point: Arc<str> = row.name("point")?;
+        names.add("point", &point, row.line)?;
+        let measured = row.image_point(camera)?;
+        points.push(FieldPoint {
+            line: row.line,
+            point,
+            measured_mm: measured.point_mm,
+            sigma_mm: measured.sigma_mm,
+            object_m: [row.number("x_m")?, row.number("y_m")?, row.number("z_m")?],
+        });
+    }
+    Ok(FieldPoints {
+        input: file.input.clone(),
+        has_sigma,
+        points,
+    })
+}
+
+/// Targets of `calibrate dlt2d` at one focus setting.
+#[derive(Debug)]
+pub struct FocusTargets {
+    /// Focus setting; `None` without a column `focus`.
+    pub focus: Option<Arc<str>>,
+    /// Targets.
+    pub targets: Vec<PlaneTarget>,
+}
+
+/// Targets of `calibrate dlt2d`.
+#[derive(Debug)]
+pub struct PlaneTargets {
+    /// The file.
+    pub input: InputFile,
+    /// `true` if it has σ.
+    pub has_sigma: bool,
+    /// Focus settings in the order of the file.
+    pub settings: Vec<FocusTargets>,
+}
+
+/// Reads `target,x_mm,y_mm,x_m,y_m[,focus][,sigma_um]`, or with `col_px,row_px[,sigma_px]`.
+///
+/// # Errors
+/// As [`field_points`].
+pub fn plane_targets(path: &Path, camera: &CameraFile) -> Result<PlaneTargets, Failure> {
+    let file = NamedColumns::read(path, &["target", "x_m", "y_m"])?;
+    let has_sigma = file.check_image_columns()?;
+    let mut settings: Vec<(FocusTargets, Names<'_>)> = Vec::new();
+    for row in file.rows() {
+        let focus = file.has("focus").then(|| row.name("focus")).transpose()?;
+        let known = settings.iter().position(|(one, _)| one.focus == focus);
+        if known.is_none() {
+            let setting = FocusTargets {
+                focus: focus.clone(),
+                targets: Vec::new(),
+            };
+            settings.push((setting, Names::new(&file.input)));
+        }
+        let index = known.unwrap_or(settings.len() - 1);
+        let Some((setting, names)) = settings.get_mut(index) else {
+            continue;
+        };
+        let target: Arc<str> = row.name("target")?;
+        names.add("target", &target, row.line)?;
+        setting.targets.push(plane_target(&row, target, camera)?);
+    }
+    let settings = settings.into_iter().map(|(setting, _)| setting).collect();
+    Ok(PlaneTargets {
+        input: file.input.clone(),
+        has_sigma,
+        settings,
+    })
+}
+
+fn plane_target(
+    row: &Row<'_>,
+    target: Arc<str>,
+    camera: &CameraFile,
+) -> Result<PlaneTarget, Failure> {
+    let measured = row.image_point(camera)?;
+    Ok(PlaneTarget {
+        line: row.line,
+        target,
+        measured_mm: measured.point_mm,
+        sigma_mm: measured.sigma_mm,
+        plane_m: [row.number("x_m")?, row.number("y_m")?],
+    })
+}
+
+/// Reads `angle_deg,l_mm[,band][,repeat]`.
+///
+/// # Errors
+/// As [`field_points`].
+pub fn line_angles(path: &Path) -> Result<(InputFile, Vec<AngleObservation>), Failure> {
+    let file = NamedColumns::read(path, &["angle_deg", "l_mm"])?;
+    let mut observations = Vec::new();
+    for row in file.rows() {
+        let name = |column: &str| file.has(column).then(|| row.name(column)).transpose();
+        observations.push(AngleObservation {
+            line: row.line,
+            angle_deg: row.number("angle_deg")?,
+            l_mm: row.number("l_mm")?,
+            band: name("band")?,
+            repeat: name("repeat")?,
+        });
+    }
+    Ok((file.input, observations))
+}
