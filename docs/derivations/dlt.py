@@ -120,3 +120,69 @@ section("Feng, section 2: storage of one table")
 cells = 2160 * 1440
 print(f"2160 x 1440 pixels x 2 coordinates: {cells * 8 / 1e6:.1f} MB in single, {cells * 16 / 1e6:.1f} MB in double precision; "
       f"1 GB holds {1e9 / (cells * 8):.0f} focus settings in single precision")
+
+section("Feng, section 2: number of targets")
+for width, height in ((1.0, 0.9), (1.1, 0.9)):
+    columns, rows = round(width / 0.05) + 1, round(height / 0.05) + 1
+    print(f"{width:.1f} m x {height:.1f} m at 5 cm: {columns} x {rows} = {columns * rows} targets")
+
+section("Feng, section 2: interpolations, 15 x 10 targets 0.9 mm apart, lens of 1 % at the corner of 13.5 x 9 mm")
+strength = -0.01 / (6.75**2 + 4.5**2)
+columns, rows = 0.9 * (np.arange(15) - 7), 0.9 * (np.arange(10) - 4.5)
+node_x, node_y = np.meshgrid(columns, rows)
+bend = lambda x, y: (strength * x * (x**2 + y**2), strength * y * (x**2 + y**2))
+node_dx, node_dy = bend(node_x, node_y)
+at_x, at_y = (g.ravel() for g in np.meshgrid(np.linspace(-6.3, 6.3, 136), np.linspace(-4.05, 4.05, 91)))
+
+
+def bilinear(values):
+    i = np.clip(((at_x + 6.3) / 0.9).astype(int), 0, 13)
+    j = np.clip(((at_y + 4.05) / 0.9).astype(int), 0, 8)
+    s, t = (at_x - columns[i]) / 0.9, (at_y - rows[j]) / 0.9
+    return (1 - s) * (1 - t) * values[j, i] + s * (1 - t) * values[j, i + 1] + (1 - s) * t * values[j + 1, i] + s * t * values[j + 1, i + 1]
+
+
+def near(count):
+    distance = (at_x[:, None] - node_x.ravel()) ** 2 + (at_y[:, None] - node_y.ravel()) ** 2
+    order = np.argsort(distance, axis=1, kind="stable")[:, :count]
+    return order, np.take_along_axis(distance, order, axis=1)
+
+
+def mean_of_four(values):
+    return values.ravel()[near(4)[0]].mean(axis=1)
+
+
+def quadric(values):
+    order, distance = near(13)
+    answer = []
+    for n, (index, square) in enumerate(zip(order, distance)):
+        weight = 1 - square[:12] / square[12]
+        u, v = node_x.ravel()[index[:12]] - at_x[n], node_y.ravel()[index[:12]] - at_y[n]
+        design = np.stack([np.ones(12), u, v, u * u, u * v, v * v], axis=1) * weight[:, None]
+        answer.append(np.linalg.lstsq(design, weight * values.ravel()[index[:12]], rcond=None)[0][0])
+    return np.array(answer)
+
+
+for name, way in (("bilinear", bilinear), ("moving quadric, 12 nearest", quadric), ("mean of 4 nearest", mean_of_four)):
+    errors = 1e3 * np.concatenate([way(node) - true for node, true in zip((node_dx, node_dy), bend(at_x, at_y))])
+    print(f"{name}: largest error {np.abs(errors).max():.2f} µm, rms {np.sqrt((errors**2).mean()):.3f} µm")
+
+section("Feng, section 1: a homography of a pinhole image is a pinhole image")
+random = np.random.default_rng(1)
+camera = np.array([[-20.0, 0, 0.03], [0, -20, -0.02], [0, 0, 1]])
+homography = np.eye(3) + random.normal(size=(3, 3)) * np.array([[1e-2, 1e-2, 0.1], [1e-2, 1e-2, 0.1], [1e-4, 1e-4, 0]])
+first, second, third = homography @ camera
+q = third @ third
+x0_, y0_ = first @ third / q, second @ third / q
+A_, B_, C_ = first @ first / q - x0_**2, second @ second / q - y0_**2, first @ second / q - x0_ * y0_
+sine = -C_ / np.sqrt(A_ * B_)
+tangent = sine / np.sqrt(1 - sine**2)
+f_x, f_y = np.sqrt(A_ * (1 - sine**2)), np.sqrt(B_)
+r3 = third / np.sqrt(q)
+r2 = -(second / np.sqrt(q) - y0_ * r3) / f_y
+r1 = -(first / np.sqrt(q) - x0_ * r3) / f_x + tangent * r2
+turned = np.array([r1, r2, r3])
+inner_ = np.array([[-f_x, f_x * tangent, x0_], [0, -f_y, y0_], [0, 0, 1]])
+left = np.abs(inner_ @ turned * np.sqrt(q) - homography @ camera).max()
+print(f"any homography times K is K'·R': f, x0, y0, B1, B2 and three angles, eight numbers; largest difference {0.0 if left < 1e-12 else left:.1f}, "
+      f"R'R'ᵀ - 1 {0.0 if np.abs(turned @ turned.T - np.eye(3)).max() < 1e-12 else 1.0:.1f}")
