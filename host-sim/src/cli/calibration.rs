@@ -98,8 +98,8 @@ pub struct Dlt3dArgs {
 #[derive(Debug, Args)]
 pub struct Dlt2dArgs {
     /// CSV with a header, columns in any order: `target`, `x_mm,y_mm` (measured point, sensor
-    /// frame) or `col_px,row_px`, `x_m,y_m` (place in the plane); optional `focus` (a table each) and
-    /// `sigma_um` or `sigma_px`.
+    /// frame) or `col_px,row_px`, `x_m,y_m` (place in the plane); optional `focus` (a table each)
+    /// and `sigma_um` or `sigma_px`.
     #[arg(value_name = "TARGETS.csv")]
     pub targets: PathBuf,
     /// Files and options of every method.

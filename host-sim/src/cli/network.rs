@@ -29,7 +29,8 @@ pub struct NetworkArgs {
     #[arg(long, value_name = "FILE", help_heading = ADVANCED)]
     pub images: Option<PathBuf>,
     /// Shared unknowns, separated by commas, or none: f, x0, y0, k1, k2, k3, p1, p2, b1, b2;
-    /// `time_offset`, `lever_arm`, boresight and shift (of every strip) of observed positions and attitudes.
+    /// `time_offset`, `lever_arm`, boresight and shift (of every strip) of observed positions and
+    /// attitudes.
     #[arg(
         long,
         value_name = "NAMES",
@@ -67,7 +68,7 @@ pub struct BundleArgs {
     pub scale_bars: Option<PathBuf>,
 }
 
-/// What determines the datum.
+/// Choice of the observations or constraints that determine the datum.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
 pub enum DatumName {
     /// Observations where they suffice.

@@ -86,7 +86,7 @@ fn x(flight: &Flight, ms: f64) -> i32 {
 fn draw_time(canvas: &Canvas<'_>, flight: &Flight) -> Drawn {
     let [opened, closed] = [flight.opened_ms, flight.closed_ms].map(|ms| x(flight, ms));
     fill(canvas, opened..closed, STATES.end..SPEED.end, YELLOW)?;
-    for ms in (0..=65).step_by(5) {
+    for ms in (0..=75).step_by(5) {
         let x = x(flight, f64::from(ms));
         let line = [(x, STATES.end), (x, SPEED.end)];
         canvas.draw(&PathElement::new(line, GRID.stroke_width(1)))?;

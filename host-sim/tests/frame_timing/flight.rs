@@ -12,7 +12,7 @@ use fmc_camera::{CalibrationParameters, Camera, CameraParameters};
 
 /// Time of the trigger, between the rounds of 1.000 s and 1.001 s.
 const TRIGGER: Time = Time::from_us(1_000_600);
-const END: Time = Time::from_us(1_070_000);
+const END: Time = Time::from_us(1_080_000);
 /// Step of the drawn path of the stage, µm.
 const STEP_US: u64 = 100;
 const ROUND_US: u64 = 1000;

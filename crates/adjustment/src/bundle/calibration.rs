@@ -2,7 +2,7 @@
 
 use fmc_camera_file::InputError;
 
-use super::error::BundleError;
+use super::error::{BundleCalibrationError, BundleError};
 use super::geometry;
 use super::interior::{Interior, InteriorElement};
 use super::network::{Network, PointRole};
@@ -59,17 +59,6 @@ pub struct BundleCalibration {
     pub snooped: Snooped,
     /// Adjustment of all observations, before any was rejected.
     pub unrejected: Solution,
-}
-
-/// Error of a calibration.
-#[derive(Debug, Clone, PartialEq, thiserror::Error)]
-pub enum BundleCalibrationError {
-    /// The files.
-    #[error(transparent)]
-    Input(#[from] InputError),
-    /// The adjustment.
-    #[error(transparent)]
-    Adjustment(#[from] BundleError),
 }
 
 impl BundleCalibration {
@@ -271,7 +260,12 @@ fn check_determined(snooped: &Snooped) -> Result<(), BundleError> {
             element(&snooped.cofactors.border, column, column).sqrt() * solution.sigma0().min(1.0);
         if sigma > MOST_INTERIOR_SIGMA * f || f <= 0.0 {
             let mut unknowns = vec![unknown.name().to_owned()];
-            if let Ok(weakest) = super::separation::weakest(network, solution) {
+            if let Ok(weakest) = super::separation::weakest(
+                network,
+                &solution.layout,
+                &solution.state,
+                &solution.held,
+            ) {
                 for name in weakest {
                     if !unknowns.contains(&name) {
                         unknowns.push(name);

@@ -234,7 +234,8 @@ impl Datum {
     /// the inner constraints: no part of them lies in the free combinations.
     ///
     /// # Model
-    /// `Gᵀ(X - X_initial) = 0` over all object points, G their derivatives by the free combinations.
+    /// `Gᵀ(X - X_initial) = 0` over all object points, G their derivatives by the free
+    /// combinations.
     #[must_use]
     pub fn aligned(&self, layout: &Layout, state: &State, initial: &State) -> Option<State> {
         let defects = self.defects();

@@ -1,6 +1,9 @@
 //! Errors of an adjustment.
 
-use super::solution::MOST_ITERATIONS;
+use fmc_camera_file::InputError;
+
+/// Largest number of iterations; from closed initial orientations a network takes about six.
+pub const MOST_ITERATIONS: usize = 200;
 
 /// Error of the adjustment of a network.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
@@ -45,6 +48,17 @@ pub enum BundleError {
     /// No step lowers the sum of squares, or a point moved above a lens.
     #[error("the adjustment does not converge within {MOST_ITERATIONS} iterations")]
     NotConverged,
+}
+
+/// Error of a calibration by a network.
+#[derive(Debug, Clone, PartialEq, thiserror::Error)]
+pub enum BundleCalibrationError {
+    /// The files.
+    #[error(transparent)]
+    Input(#[from] InputError),
+    /// The adjustment.
+    #[error(transparent)]
+    Adjustment(#[from] BundleError),
 }
 
 fn listed(names: &[String]) -> String {

@@ -1,7 +1,7 @@
 //! Resection and self-calibrating bundle of a network of images.
 //!
-//! Frames and signs as in the [crate](crate): ground metres, camera axes x right, y forward, optical
-//! axis -z. Image coordinates are millimetres of the sensor frame.
+//! Frames and signs as in the [crate](crate): ground metres, camera axes x right, y forward,
+//! optical axis -z. Image coordinates are millimetres of the sensor frame.
 
 pub mod calibration;
 pub mod cofactors;

@@ -16,7 +16,7 @@ use super::parameters::{Parameter, Prior, SharedValues};
 use super::pose::Pose;
 use super::tables::{ImageRow, NetworkTables, RowRole};
 
-/// What a calibration estimates.
+/// Unknowns that a calibration estimates.
 #[derive(Debug, Clone, Default, PartialEq)]
 pub struct Unknowns {
     /// Shared unknowns; a shift stands for those of all strips and axes.

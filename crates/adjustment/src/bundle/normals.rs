@@ -92,7 +92,8 @@ impl Normals {
         Ok(normals)
     }
 
-    /// Adds the weight of its own observations to elements of the images, which then hold the datum.
+    /// Adds the weight of its own observations to elements of the images, which then hold the
+    /// datum.
     pub fn hold(&mut self, elements: &[usize]) {
         for &element in elements {
             let weight = self.diagonal.get(element).copied().unwrap_or(0.0);

@@ -2,8 +2,7 @@
 
 use fmc_camera_file::InputError;
 
-use super::calibration::BundleCalibrationError;
-use super::error::BundleError;
+use super::error::{BundleCalibrationError, BundleError};
 use super::network::{Network, PointRole};
 use super::orientation::resection::{KnownPoint, resected};
 use super::solution::Solution;

@@ -11,8 +11,8 @@ const LEAST_COSINE: f64 = 1e-6;
 ///
 /// # Model
 /// Steps of the attitude are rotation vectors w about the ground axes, `R → exp(w)·R`: they have no
-/// singular attitude, unlike pitch, roll and yaw, and a rotation of the ground is the same w for all
-/// images.
+/// singular attitude, unlike pitch, roll and yaw, and a rotation of the ground is the same w for
+/// all images.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Pose {
     /// Projection centre, ground frame, m.

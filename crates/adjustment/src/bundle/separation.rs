@@ -8,7 +8,7 @@ use super::error::BundleError;
 use super::layout::Layout;
 use super::network::Network;
 use super::normals::Normals;
-use super::solution::Solution;
+use super::state::State;
 
 /// Smallest eigenvalue of the normal matrix with unit diagonal: below it the matrix is singular but
 /// for rounding.
@@ -47,14 +47,20 @@ pub fn check(network: &Network, layout: &Layout, normals: &Normals) -> Result<()
 ///
 /// # Errors
 /// [`Singular`] if an unknown is not observed at all.
-pub fn weakest(network: &Network, solution: &Solution) -> Result<Vec<String>, Singular> {
-    let mut normals = Normals::new(network, &solution.layout, &solution.state, 0.0)?;
-    normals.hold(&solution.held);
-    let weakest = WeakestDirection::new(&normals.matrix, solution.layout.order())?;
-    Ok(names(network, &solution.layout, &weakest.components))
+pub fn weakest(
+    network: &Network,
+    layout: &Layout,
+    state: &State,
+    held: &[usize],
+) -> Result<Vec<String>, Singular> {
+    let mut normals = Normals::new(network, layout, state, 0.0)?;
+    normals.hold(held);
+    let weakest = WeakestDirection::new(&normals.matrix, layout.order())?;
+    Ok(names(network, layout, &weakest.components))
 }
 
-/// Returns the names of the unknowns with large components: shared ones first, then those of images.
+/// Returns the names of the unknowns with large components: shared ones first, then those of
+/// images.
 #[must_use]
 pub fn names(network: &Network, layout: &Layout, components: &[f64]) -> Vec<String> {
     let rows = components.len().saturating_sub(layout.border.len());

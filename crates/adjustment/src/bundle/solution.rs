@@ -1,15 +1,12 @@
 //! Least squares adjustment of a network.
 
 use super::datum::Datum;
-use super::error::BundleError;
+use super::error::{BundleError, MOST_ITERATIONS};
 use super::layout::{Layout, PointUnknowns};
 use super::network::{Network, PointRole};
 use super::normals::Normals;
 use super::separation;
 use super::state::State;
-
-/// Largest number of iterations; from closed initial orientations a network takes about six.
-pub const MOST_ITERATIONS: usize = 200;
 
 /// Stopping rule: no unknown moves by more than this fraction of the σ that it would have as the
 /// only unknown.
@@ -34,7 +31,7 @@ const LEAST_DAMPING: f64 = 1e-9;
 /// Damping that ends the search for a better step.
 const MOST_DAMPING: f64 = 1e8;
 
-/// What determines the datum.
+/// Choice of the observations or constraints that determine the datum.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
 pub enum DatumChoice {
     /// Observations where they suffice; inner constraints for what they leave.
@@ -85,8 +82,8 @@ impl Solution {
     }
 }
 
-/// Returns the network as the datum asks for it: without observations of the ground frame for a free
-/// one.
+/// Returns the network as the datum asks for it: without observations of the ground frame for a
+/// free one.
 #[must_use]
 pub fn with_datum(network: &Network, choice: DatumChoice) -> Network {
     let mut network = network.clone();
@@ -106,8 +103,8 @@ pub fn with_datum(network: &Network, choice: DatumChoice) -> Network {
 /// Adjusts a network by damped Gauss-Newton iterations from given values.
 ///
 /// # Model
-/// Undamped steps; after several that raise vᵀPv, Levenberg-Marquardt damping of the whole diagonal.
-/// The iterations end when no unknown moves by more than [`SMALLEST_STEP`] of its σ.
+/// Undamped steps; after several that raise vᵀPv, Levenberg-Marquardt damping of the whole
+/// diagonal. The iterations end when no unknown moves by more than [`SMALLEST_STEP`] of its σ.
 ///
 /// # Errors
 /// [`BundleError`]: the datum, inseparable unknowns, or no convergence.

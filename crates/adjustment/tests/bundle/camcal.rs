@@ -43,8 +43,8 @@ fn every_printed_digit_of_the_solution_without_affinity() {
     {
         let found = cofactors.border[(index, index)].sqrt() * sigma0;
         assert_eq!(format!("{found:.places$}"), sigma, "{element:?}");
-        // Half a unit of the last of six digits, and 1e-4 σ: the coordinates of the file are rounded
-        // to 1e-7 mm, which is 5e-5 of their σ.
+        // Half a unit of the last of six digits, and 1e-4 σ: the coordinates of the file are
+        // rounded to 1e-7 mm, which is 5e-5 of their σ.
         let value: f64 = value.parse().unwrap();
         let unit = 10_f64.powf(value.abs().log10().floor() - 5.0);
         let difference = offset + sign * solution.state.parameters.interior.value(element) - value;

@@ -6,7 +6,8 @@ use plotters::element::{PathElement, Text};
 use plotters::prelude::{Color, RGBColor};
 use serde_json::{Map, Value, json};
 
-use super::result::files::{Figure, FilesError, OfMethod, PageTable};
+use super::result::files::FilesError;
+use super::result::of_method::{Figure, OfMethod, PageTable};
 use crate::chart::{Axes, Axis, Margins};
 use crate::figure::{self, FigureError, INK, text};
 use crate::wording;

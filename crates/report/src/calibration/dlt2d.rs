@@ -5,7 +5,8 @@ use fmc_adjustment::calibration::dlt2d::interpolation::CrossValidation;
 use serde_json::{Map, Value, json};
 
 use super::dlt2d_figures;
-use super::result::files::{FilesError, OfMethod, PageTable};
+use super::result::files::FilesError;
+use super::result::of_method::{OfMethod, PageTable};
 
 /// Returns the content of the reports that belongs to this method alone.
 ///

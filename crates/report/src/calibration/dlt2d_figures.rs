@@ -4,7 +4,7 @@ use fmc_adjustment::calibration::dlt2d::distortion_table::{Dlt2d, TableRow};
 use plotters::element::{Circle, PathElement, Rectangle, Text};
 use plotters::prelude::{Color, HSLColor};
 
-use super::result::files::Figure;
+use super::result::of_method::Figure;
 use crate::arrow::Arrow;
 use crate::arrow_field::ArrowField;
 use crate::chart::{Axes, Axis, Margins};

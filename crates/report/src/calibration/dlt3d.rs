@@ -3,7 +3,7 @@
 use fmc_adjustment::calibration::dlt3d::Dlt3d;
 use serde_json::{Map, json};
 
-use super::result::files::{OfMethod, PageTable};
+use super::result::of_method::{OfMethod, PageTable};
 
 /// Returns the content of the reports that belongs to this method alone.
 #[must_use]

@@ -5,7 +5,7 @@ use fmc_adjustment::calibration::angles::budget::Uncertainty;
 use fmc_adjustment::calibration::angles::request::{AnglesRequest, LineAxis};
 use fmc_camera_file::CameraFile;
 use fmc_report::calibration::angles::{of_method, tables};
-use fmc_report::calibration::result::files::PageTable;
+use fmc_report::calibration::result::of_method::PageTable;
 
 use super::report;
 use crate::cli::{AlongAxis, AnglesArgs};

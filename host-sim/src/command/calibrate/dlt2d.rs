@@ -5,7 +5,7 @@ use std::path::PathBuf;
 use fmc_adjustment::calibration::dlt2d::dlt2d;
 use fmc_adjustment::calibration::dlt2d::request::Dlt2dRequest;
 use fmc_report::calibration::dlt2d::of_method;
-use fmc_report::calibration::result::files::PageTable;
+use fmc_report::calibration::result::of_method::PageTable;
 
 use super::{Outputs, report};
 use crate::cli::Dlt2dArgs;

@@ -2,7 +2,7 @@
 
 use fmc_adjustment::calibration::dlt3d::{Dlt3dRequest, dlt3d};
 use fmc_report::calibration::dlt3d::of_method;
-use fmc_report::calibration::result::files::PageTable;
+use fmc_report::calibration::result::of_method::PageTable;
 
 use super::report;
 use crate::cli::Dlt3dArgs;

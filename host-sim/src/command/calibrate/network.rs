@@ -2,15 +2,14 @@
 
 use std::path::Path;
 
-use fmc_adjustment::bundle::calibration::{
-    BundleCalibration, BundleCalibrationError, CalibrationOptions, GrossErrors,
-};
-use fmc_adjustment::bundle::error::BundleError;
+use fmc_adjustment::bundle::calibration::{BundleCalibration, CalibrationOptions, GrossErrors};
+use fmc_adjustment::bundle::error::{BundleCalibrationError, BundleError};
 use fmc_adjustment::bundle::interior::{Interior, InteriorElement};
 use fmc_adjustment::bundle::tables::{NetworkTables, RowRole};
 use fmc_adjustment::calibration::result::{CalibrationResult, InputFile};
 use fmc_camera_file::{InputError, static_block};
-use fmc_report::calibration::result::files::{self, OfMethod};
+use fmc_report::calibration::result::files;
+use fmc_report::calibration::result::of_method::OfMethod;
 use serde_json::{Map, json};
 
 use super::{Outputs, report};

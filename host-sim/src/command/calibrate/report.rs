@@ -6,7 +6,8 @@ use std::path::Path;
 use fmc_adjustment::calibration::failure::CalibrationFailure;
 use fmc_adjustment::calibration::result::CalibrationResult;
 use fmc_camera_file::static_block;
-use fmc_report::calibration::result::files::{self, FilesError, OfMethod};
+use fmc_report::calibration::result::files::{self, FilesError};
+use fmc_report::calibration::result::of_method::OfMethod;
 use fmc_report::calibration::result::table;
 
 use super::Outputs;
@@ -49,7 +50,7 @@ pub(super) fn check_date(args: &CalibrationArgs) -> Result<(), Failure> {
 
 /// Prepares the files of a calibration, the camera file among them; `None` without `--out`.
 ///
-/// Where the parameters would be no usable camera, there is no camera file: a warning of the result
+/// There is no camera file if the parameters are no usable camera: a warning of the result
 /// says why.
 pub(super) fn outputs(
     result: &mut CalibrationResult,

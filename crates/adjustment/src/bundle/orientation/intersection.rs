@@ -5,8 +5,8 @@ use nalgebra::{Matrix3, SymmetricEigen, Vector3};
 use crate::bundle::interior::Interior;
 use crate::bundle::pose::Pose;
 
-/// Smallest eigenvalue of the mean of (I - ddᵀ), d the unit vectors of the rays: the rays meet under
-/// 0.3° in the mean.
+/// Smallest eigenvalue of the mean of (I - ddᵀ), d the unit vectors of the rays: the rays meet
+/// under 0.3° in the mean.
 const LEAST_ANGLE: f64 = 1e-5;
 
 /// Returns the point nearest to the rays of several images, m; `None` if they are parallel or meet

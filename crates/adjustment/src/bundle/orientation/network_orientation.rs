@@ -21,7 +21,7 @@ pub struct Unoriented {
     pub points: Vec<usize>,
 }
 
-/// What is known before the adjustment.
+/// Values known before the adjustment.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct KnownValues {
     /// `true` for an image with an initial pose.

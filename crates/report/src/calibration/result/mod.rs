@@ -4,6 +4,7 @@ pub mod coverage_plot;
 mod csv_files;
 pub mod files;
 pub mod network_plot;
+pub mod of_method;
 mod page;
 pub mod profile;
 pub mod profile_plot;

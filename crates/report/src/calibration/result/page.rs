@@ -3,7 +3,7 @@
 use askama::Template;
 use fmc_adjustment::calibration::result::CalibrationResult;
 
-use super::files::{Figure, PageTable};
+use super::of_method::{Figure, PageTable};
 use super::summary::ResultSummary;
 use crate::page::{PageError, inline};
 use crate::wording;
