@@ -58,14 +58,14 @@ pub(crate) fn svg(flight: &Flight) -> Result<String, DrawingAreaErrorKind<std::i
         draw_states(&canvas, flight)?;
         draw_signals(&canvas, flight)?;
         let offset = Scale {
-            values: -150.0..100.0,
+            values: -200.0..100.0,
             pixels: OFFSET,
         };
         let offsets = ["stage offset, µm", "along the FMC axis"];
         let um = |it: &Instant| 1e3 * it.offset_mm;
         draw_curve(&canvas, flight, &offset, (offsets, 50), um)?;
         let speed = Scale {
-            values: -15.0..15.0,
+            values: -20.0..15.0,
             pixels: SPEED,
         };
         let speeds = ["stage speed, mm/s", "f·V/H = 10 mm/s"];
@@ -180,7 +180,7 @@ fn draw_curve(
         let place = (12, middle + 30 * line - 15);
         write(canvas, words.to_owned(), place, HPos::Left)?;
     }
-    for tick in (-150_i32..=150).step_by(step) {
+    for tick in (-200_i32..=150).step_by(step) {
         let tick = f64::from(tick);
         if !(scale.values.start..=scale.values.end).contains(&tick) {
             continue;
