@@ -6,11 +6,12 @@ use plotters::prelude::{Color, RGBColor};
 use plotters::style::text_anchor::HPos;
 
 use super::MissionReport;
-use super::style::{ALARM, CAMERA, FONT, LABELS, TRUTH, WANTED, tick};
+use super::style::{ALARM, CAMERA, LABELS, TRUTH, WANTED, tick};
 use crate::chart::{Axes, Axis, Margins};
-use crate::figure::{self, Canvas, FigureError, text, text_at};
+use crate::figure::{self, Canvas, FONT, FigureError, SMALL, WIDTH, text, text_at};
+use crate::legend::{self, Entry, Mark};
 
-const SIZE: (u32, u32) = (1600, 900);
+const SIZE: (u32, u32) = (WIDTH, 900);
 
 /// Factor of the largest true smear up to which predictions are drawn.
 const LARGEST_PREDICTED: f64 = 3.0;
@@ -106,7 +107,7 @@ pub fn frames(report: &MissionReport<'_>) -> Result<String, FigureError> {
             &upper,
             &[
                 (TRUTH, "true"),
-                (CAMERA, "predicted by the camera, for 95 of 100 frames"),
+                (CAMERA, "predicted, for 95 of 100"),
                 (ALARM, "limit; refused trigger"),
             ],
         )?;
@@ -122,28 +123,28 @@ pub fn frames(report: &MissionReport<'_>) -> Result<String, FigureError> {
 }
 
 fn draw_legend(area: &Canvas<'_>, entries: &[(RGBColor, &str)]) -> Result<(), FigureError> {
-    let mut x = 760;
-    for (colour, name) in entries {
-        let style = if *colour == CAMERA {
-            colour.stroke_width(2)
-        } else {
-            colour.filled()
-        };
-        area.draw(&Circle::new((x, 30), 6, style))?;
-        area.draw(&Text::new((*name).to_owned(), (x + 14, 30), text(FONT - 3)))?;
-        // A letter is at most 10 pixels wide.
-        x += 30 + 10 * i32::try_from(name.chars().count()).unwrap_or(0);
-    }
-    Ok(())
+    let entries: Vec<Entry<'_>> = entries
+        .iter()
+        .map(|(colour, words)| Entry {
+            mark: if *colour == CAMERA {
+                Mark::Ring
+            } else {
+                Mark::Dot
+            },
+            colour: *colour,
+            words,
+        })
+        .collect();
+    legend::draw(area, [legend::LEFT, 62], &entries)
 }
 
 fn draw(area: &Canvas<'_>, panel: &Panel<'_>) -> Result<(), FigureError> {
-    area.draw(&Text::new(panel.title, (20, 30), text(FONT + 2)))?;
+    area.draw(&Text::new(panel.title, (20, 24), text(FONT)))?;
     let [low, high] = panel.range;
     let axes = Axes {
         margins: Margins {
-            top: 56,
-            right: 40,
+            top: 92,
+            right: 30,
             left: 10,
             ..Margins::default()
         },
@@ -189,7 +190,7 @@ fn draw(area: &Canvas<'_>, panel: &Panel<'_>) -> Result<(), FigureError> {
         last_y = y;
         let place = (x - base_x - 6, y - base_y - 14);
         let name = format!("{limit} px");
-        let style = text_at(FONT - 4, HPos::Right).color(&ALARM);
+        let style = text_at(SMALL, HPos::Right).color(&ALARM);
         area.draw(&Text::new(name, place, style))?;
     }
     Ok(())

@@ -6,11 +6,12 @@ use plotters::prelude::{ChartBuilder, Color, RGBColor};
 use plotters::style::text_anchor::HPos;
 
 use super::MissionReport;
-use super::style::{ALARM, CAMERA, FONT, LABELS, TRUTH, WANTED, around, tick};
+use super::style::{ALARM, CAMERA, LABELS, TRUTH, WANTED, around, tick};
 use crate::chart::{Axes, Axis, Margins};
-use crate::figure::{self, Canvas, FigureError, OUTLINE, text, text_at};
+use crate::figure::{self, Canvas, FONT, FigureError, OUTLINE, SMALL, TITLE, WIDTH, text, text_at};
+use crate::legend::{self, Entry, Mark};
 
-const SIZE: (u32, u32) = (1600, 1280);
+const SIZE: (u32, u32) = (WIDTH, 1180);
 /// Longest time that is drawn, ms after the trigger.
 const LONGEST_MS: f64 = 400.0;
 
@@ -47,7 +48,7 @@ pub fn timeline(report: &MissionReport<'_>) -> Result<String, FigureError> {
     let view = View::of(trace, age_s);
     figure::svg(SIZE, |canvas| {
         let title = format!("Trigger {}", trace.sequence);
-        canvas.draw(&Text::new(title, (20, 28), text(FONT + 4)))?;
+        canvas.draw(&Text::new(title, (20, 28), text(TITLE)))?;
         let (_, below) = canvas.split_vertically(44);
         let (states, charts) = below.split_vertically(70);
         view.draw_states(&states)?;
@@ -185,7 +186,7 @@ impl<'a> View<'a> {
     fn draw_states(&self, area: &Canvas<'_>) -> Result<(), FigureError> {
         let chart = ChartBuilder::on(area)
             .margin_left(10)
-            .margin_right(40)
+            .margin_right(30)
             .y_label_area_size(LABELS)
             .build_cartesian_2d(self.from_ms..self.to_ms, 0.0..1.0)?;
         area.draw(&Text::new("state", (20, 34), text(FONT)))?;
@@ -217,7 +218,7 @@ impl<'a> View<'a> {
             } else {
                 (x + 6, HPos::Left)
             };
-            let style = text_at(FONT - 4, side).color(&colour);
+            let style = text_at(SMALL, side).color(&colour);
             area.draw(&Text::new(round.state.to_string(), (x, y), style))?;
         }
         Ok(())
@@ -233,7 +234,7 @@ impl<'a> View<'a> {
         let axes = Axes {
             margins: Margins {
                 top: 36,
-                right: 40,
+                right: 30,
                 left: 10,
                 ..Margins::default()
             },
@@ -265,21 +266,23 @@ impl<'a> View<'a> {
             chart.draw_series([PathElement::new(curve.places.clone(), style)])?;
         }
         area.draw(&Text::new(panel.title, (20, 18), text(FONT)))?;
-        let mut x = 420;
-        for curve in &panel.curves {
-            let line = [(x, 18), (x + 40, 18)];
-            area.draw(&PathElement::new(
-                line,
-                curve.colour.stroke_width(curve.width),
-            ))?;
-            area.draw(&Text::new(curve.name, (x + 50, 18), text(FONT - 3)))?;
-            x += 230;
-        }
+        let mut entries: Vec<Entry<'_>> = panel
+            .curves
+            .iter()
+            .map(|curve| Entry {
+                mark: Mark::Line(curve.width),
+                colour: curve.colour,
+                words: curve.name,
+            })
+            .collect();
         if area.get_base_pixel().1 < 200 {
-            let shade = WANTED.mix(0.3).filled();
-            area.draw(&Rectangle::new([(x, 8), (x + 40, 28)], shade))?;
-            area.draw(&Text::new("shutter open", (x + 50, 18), text(FONT - 3)))?;
+            entries.push(Entry {
+                mark: Mark::Shade,
+                colour: WANTED,
+                words: "shutter open",
+            });
         }
+        legend::draw(area, [270, 18], &entries)?;
         Ok(())
     }
 }
