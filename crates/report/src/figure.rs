@@ -96,14 +96,15 @@ pub fn draw_plate<B: Backend>(
     area: &Area<B>,
     words: &str,
     (x, y): (i32, i32),
-    size: u32,
+    style: &TextStyle<'_>,
 ) -> Result<(), FigureError> {
+    let size = pixels(style.font.get_size()).unsigned_abs();
     // A letter is at most half as wide as its line is high, on average of a text.
     let letters = u32::try_from(words.chars().count()).unwrap_or(WIDTH);
     let [width, half] = [letters * size / 2, size / 2].map(|part| pixels(f64::from(part)));
     let corners = [(x - 4, y - half), (x + width, y + half)];
     area.draw(&Rectangle::new(corners, plotters::style::WHITE.filled()))?;
-    area.draw(&Text::new(words.to_owned(), (x, y), text(size)))?;
+    area.draw(&Text::new(words.to_owned(), (x, y), style.clone()))?;
     Ok(())
 }
 

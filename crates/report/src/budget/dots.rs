@@ -108,7 +108,7 @@ fn draw<B: Backend>(canvas: &Area<B>, budget: &Budget) -> Result<(), FigureError
     let mut y = TOP;
     for term in &budget.terms {
         let label = results::assumed(budget, term.source);
-        figure::draw_plate(canvas, &label, (LEFT, y + 16), FONT)?;
+        figure::draw_plate(canvas, &label, (LEFT, y + 16), &text(FONT))?;
         let middle = y + 42;
         // On a logarithmic axis a place has a meaning. A length has none, because it depends on the
         // beginning of the axis.

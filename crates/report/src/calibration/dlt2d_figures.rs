@@ -145,7 +145,7 @@ fn map(found: &Dlt2d, name: &str, quantity: Quantity) -> Result<String, FigureEr
         let title = format!("{}: {name} of the table", camera.name);
         canvas.draw(&Text::new(title, (20, 28), text(TITLE)))?;
         let words = format!(
-            "blue: −{0} µm, white: zero, red: +{0} µm",
+            "blue: −{0} µm, no colour: zero, red: +{0} µm",
             wording::decimals(1e3 * largest, 3)
         );
         canvas.draw(&Text::new(words, (20, 64), text(FONT)))?;

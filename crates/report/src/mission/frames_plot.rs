@@ -3,12 +3,11 @@
 use fmc_simulation::mission::frame_errors::FrameErrors;
 use plotters::element::{Circle, PathElement, Text};
 use plotters::prelude::{Color, RGBColor};
-use plotters::style::text_anchor::HPos;
 
 use super::MissionReport;
 use super::style::{ALARM, CAMERA, LABELS, TRUTH, WANTED, tick};
 use crate::chart::{Axes, Axis, Margins};
-use crate::figure::{self, Canvas, FONT, FigureError, SMALL, WIDTH, text, text_at};
+use crate::figure::{self, Canvas, FONT, FigureError, WIDTH, text};
 use crate::legend::{self, Entry, Mark};
 
 const SIZE: (u32, u32) = (WIDTH, 900);
@@ -108,7 +107,10 @@ pub fn frames(report: &MissionReport<'_>) -> Result<String, FigureError> {
             &[
                 (TRUTH, "true"),
                 (CAMERA, "predicted, for 95 of 100"),
-                (ALARM, "limit; refused trigger"),
+                (
+                    ALARM,
+                    &format!("limit {} px; refused trigger", limits.smear_px),
+                ),
             ],
         )?;
         draw_legend(
@@ -116,6 +118,7 @@ pub fn frames(report: &MissionReport<'_>) -> Result<String, FigureError> {
             &[
                 (TRUTH, "no fault, no flag against it"),
                 (WANTED, "a fault or a flag against it"),
+                (ALARM, &format!("limit {} px", limits.pp_error_px)),
             ],
         )?;
         Ok(())
@@ -177,21 +180,9 @@ fn draw(area: &Canvas<'_>, panel: &Panel<'_>) -> Result<(), FigureError> {
         };
         chart.draw_series(dots.iter().map(|dot| Circle::new(*dot, radius, style)))?;
     }
-    let mut last_y = i32::MIN / 2;
     for limit in &panel.limits {
         let line = [(0.5, *limit), (panel.last_frame + 0.5, *limit)];
         chart.draw_series([PathElement::new(line, ALARM.stroke_width(2))])?;
-        let (x, y) = chart.backend_coord(&(panel.last_frame + 0.5, *limit));
-        let (base_x, base_y) = area.get_base_pixel();
-        // Two limits at the same height share one name.
-        if (y - last_y).abs() < 24 {
-            continue;
-        }
-        last_y = y;
-        let place = (x - base_x - 6, y - base_y - 14);
-        let name = format!("{limit} px");
-        let style = text_at(SMALL, HPos::Right).color(&ALARM);
-        area.draw(&Text::new(name, place, style))?;
     }
     Ok(())
 }

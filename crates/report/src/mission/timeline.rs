@@ -3,12 +3,11 @@
 use fmc_simulation::mission::trace::{Round, Trace};
 use plotters::element::{PathElement, Rectangle, Text};
 use plotters::prelude::{ChartBuilder, Color, RGBColor};
-use plotters::style::text_anchor::HPos;
 
 use super::MissionReport;
 use super::style::{ALARM, CAMERA, LABELS, TRUTH, WANTED, around, tick};
 use crate::chart::{Axes, Axis, Margins};
-use crate::figure::{self, Canvas, FONT, FigureError, OUTLINE, SMALL, TITLE, WIDTH, text, text_at};
+use crate::figure::{self, Canvas, FONT, FigureError, OUTLINE, SMALL, TITLE, WIDTH, text};
 use crate::legend::{self, Entry, Mark};
 
 const SIZE: (u32, u32) = (WIDTH, 1180);
@@ -191,7 +190,7 @@ impl<'a> View<'a> {
             .build_cartesian_2d(self.from_ms..self.to_ms, 0.0..1.0)?;
         area.draw(&Text::new("state", (20, 34), text(FONT)))?;
         let mut last = None;
-        let mut row = 0;
+        let mut names = Vec::new();
         for (ms, round, _) in &self.rounds {
             if last == Some(round.state) {
                 continue;
@@ -200,26 +199,18 @@ impl<'a> View<'a> {
             let (x, _) = chart.backend_coord(&(*ms, 0.0));
             let (base_x, _) = area.get_base_pixel();
             let x = x - base_x;
-            area.draw(&PathElement::new(
-                [(x, 4), (x, 70)],
-                OUTLINE.stroke_width(1),
-            ))?;
-            let colour = if round.state.name() == "fault" {
-                ALARM
-            } else {
-                OUTLINE
-            };
-            // The names of short states alternate between three lines, so that they do not overlap.
-            let y = [16, 38, 60].get(row % 3).copied().unwrap_or(16);
-            row += 1;
+            let line = [(x, 4), (x, 70)];
+            area.draw(&PathElement::new(line, OUTLINE.stroke_width(1)))?;
+            let name = round.state.to_string();
+            let letters = i32::try_from(name.chars().count()).unwrap_or(0);
             let is_late = *ms > self.from_ms + 0.85 * (self.to_ms - self.from_ms);
-            let (x, side) = if is_late {
-                (x - 6, HPos::Right)
-            } else {
-                (x + 6, HPos::Left)
-            };
-            let style = text_at(SMALL, side).color(&colour);
-            area.draw(&Text::new(round.state.to_string(), (x, y), style))?;
+            let x = if is_late { x - 10 * letters } else { x + 6 };
+            names.push((x, name, round.state.name() == "fault"));
+        }
+        // The names of short states alternate between three lines, so that they do not overlap.
+        for ((x, name, is_fault), y) in names.iter().zip([16, 38, 60].into_iter().cycle()) {
+            let colour = if *is_fault { ALARM } else { OUTLINE };
+            figure::draw_plate(area, name, (*x, y), &text(SMALL).color(&colour))?;
         }
         Ok(())
     }

@@ -89,7 +89,7 @@ pub fn ground_errors(experiment: &Experiment) -> Result<String, FigureError> {
                 canvas.draw(&Text::new(number, place, text_at(SMALL, HPos::Right)))?;
             }
             let (x, y) = chart.backend_coord(&(0.0, -row - 0.16));
-            figure::draw_plate(canvas, model.label(), (x + 8, y), FONT)?;
+            figure::draw_plate(canvas, model.label(), (x + 8, y), &text(FONT))?;
         }
         for (y, words) in [
             (
