@@ -8,7 +8,7 @@ use crate::figure::{Area, Backend, FigureError, SMALL, WIDTH, text};
 /// Distance of the lines of a legend, pixels.
 pub(crate) const LINE: u32 = 32;
 /// Width of a letter of a legend, on average of a text, pixels.
-const LETTER: u32 = 10;
+const LETTER: u32 = 9;
 /// Room for a mark, and between entries, pixels.
 const MARK: u32 = 42;
 const GAP: u32 = 24;
@@ -108,12 +108,12 @@ mod tests {
         let (places, lines) = places(&entries, LEFT);
         assert_eq!(
             places.iter().map(|[_, line]| *line).collect::<Vec<_>>(),
-            [0, 0, 1, 2]
+            [0, 0, 1, 1]
         );
-        assert_eq!(lines, 3);
-        assert_eq!(height(&entries), 3 * LINE);
+        assert_eq!(lines, 2);
+        assert_eq!(height(&entries), 2 * LINE);
         for ([x, _], entry) in places.iter().zip(entries) {
-            assert!(x + MARK + 10 * u32::try_from(entry.words.len()).unwrap() <= WIDTH);
+            assert!(x + MARK + LETTER * u32::try_from(entry.words.len()).unwrap() <= WIDTH);
         }
     }
 }

@@ -33,9 +33,10 @@ fn each_pose(
     mut each: impl FnMut(u32, Pose, &str) -> io::Result<()>,
 ) -> io::Result<()> {
     cameras.each(|frame, image| {
-        let pose = match cameras.poses {
-            None => Some(([1.0, 0.0, 0.0, 0.0], [0.0; 3])),
-            Some(_) => cameras.pose(frame).and_then(ImagePose::colmap),
+        let pose = if cameras.poses.is_some() {
+            cameras.pose(frame).and_then(ImagePose::colmap)
+        } else {
+            Some(([1.0, 0.0, 0.0, 0.0], [0.0; 3]))
         };
         pose.map_or(Ok(()), |pose| each(frame.sequence, pose, image))
     })

@@ -71,15 +71,12 @@ pub(super) fn opf_cameras(cameras: &Cameras<'_>, sink: &mut dyn Write) -> io::Re
     })?;
     sink.write_all(b"\n],\n\"cameras\": [")?;
     elements(cameras, sink, |frame, _| {
-        let (position, orientation_deg) = match cameras.poses {
-            None => ([0.0; 3], [0.0; 3]),
-            Some(_) => {
-                let pose = cameras.pose(frame)?;
-                (
-                    pose.position_m()?,
-                    pose.omega_phi_kappa_rad().map(f64::to_degrees),
-                )
-            }
+        let (position, orientation_deg) = if cameras.poses.is_some() {
+            let pose = cameras.pose(frame)?;
+            let angles = pose.omega_phi_kappa_rad().map(f64::to_degrees);
+            (pose.position_m()?, angles)
+        } else {
+            ([0.0; 3], [0.0; 3])
         };
         Some(json!({
             "id": frame.sequence,

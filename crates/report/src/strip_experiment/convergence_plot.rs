@@ -14,7 +14,7 @@ use crate::figure::{self, FONT, FigureError, INK, SMALL, TITLE, WIDTH, text, tex
 use crate::legend::{self, Entry, Mark};
 use crate::wording;
 
-const SIZE: (u32, u32) = (WIDTH, 900);
+const SIZE: (u32, u32) = (WIDTH, 800);
 /// Number of iterations after which the paper calls its RMS steady.
 const PAPERS_ITERATIONS: usize = 20;
 /// Height of the plot with its title and axes.

@@ -66,10 +66,14 @@ pub fn ground_errors(experiment: &Experiment) -> Result<String, FigureError> {
                 let repetitions = experiment.ground_m(model, points);
                 let mean = Estimate::of_mean(&repetitions);
                 let [low, high] = middle_90_percent(repetitions);
-                if mean.value > most {
-                    let (x, y) = chart.backend_coord(&(1.11 * most, y));
-                    let number = format!("{:.3} m, beyond the axis →", mean.value);
-                    canvas.draw(&Text::new(number, (x, y), text_at(SMALL, HPos::Right)))?;
+                // Beyond the axis nothing crosses the numbers.
+                let (_, number_y) = chart.backend_coord(&(0.0, y));
+                let is_beyond = mean.value > most;
+                let arrow = if is_beyond { " →" } else { "" };
+                let number = format!("{:.*} m{arrow}", decimals_of(mean.value), mean.value);
+                let place = (pixels(f64::from(SIZE.0)) - 12, number_y);
+                canvas.draw(&Text::new(number, place, text_at(SMALL, HPos::Right)))?;
+                if is_beyond {
                     continue;
                 }
                 chart.draw_series([
@@ -82,11 +86,6 @@ pub fn ground_errors(experiment: &Experiment) -> Result<String, FigureError> {
                 };
                 chart.draw_series([Circle::new((mean.value, y), 9, style)])?;
                 chart.draw_series([Circle::new((mean.value, y), 9, ink.stroke_width(3))])?;
-                // Beyond the axis nothing crosses the numbers.
-                let (_, y) = chart.backend_coord(&(high, y));
-                let number = format!("{:.*} m", decimals_of(mean.value), mean.value);
-                let place = (pixels(f64::from(SIZE.0)) - 12, y);
-                canvas.draw(&Text::new(number, place, text_at(SMALL, HPos::Right)))?;
             }
             let (x, y) = chart.backend_coord(&(0.0, -row - 0.16));
             figure::draw_plate(canvas, model.label(), (x + 8, y), &text(FONT))?;
@@ -102,7 +101,7 @@ pub fn ground_errors(experiment: &Experiment) -> Result<String, FigureError> {
             ),
             (
                 974,
-                "vertical line: noise floor, which no correction lowers",
+                "vertical line: noise floor, which no correction lowers; →: beyond the axis",
             ),
         ] {
             canvas.draw(&Text::new(words, (20, y), text(SMALL)))?;

@@ -78,7 +78,7 @@ pub fn by_image(result: &CalibrationResult) -> Result<String, FigureError> {
         pixels(HEAD + count(rows) * (panel_height + 30.0)).unsigned_abs(),
     );
     figure::svg(size, |canvas| {
-        let title = format!("Residuals image by image, {} of {}", shown, images.len(),);
+        let title = format!("Residuals image by image, {} of {}", shown, images.len());
         canvas.draw(&Text::new(title, (20, 28), text(TITLE)))?;
         let words = format!("longest vector {}", length::text(largest));
         canvas.draw(&Text::new(words, (20, 60), text(FONT)))?;
