@@ -5,6 +5,7 @@
 //! point, with σ. The file stays where it is: kept in memory are an index of bounded size and the
 //! samples about the last exposure, whatever the length of the flight.
 
+mod accuracy;
 mod clock;
 mod heading;
 mod image_orientation;
@@ -22,6 +23,7 @@ use std::fmt;
 use fmc_camera::flight::utc::UtcTime;
 use fmc_camera_file::InputError;
 
+use self::accuracy::Accuracy;
 pub use self::clock::TimeScale;
 pub use self::heading::Coordinates;
 pub use self::image_orientation::{GeographicPlace, ImageOrientation, Place};
@@ -92,6 +94,7 @@ pub struct Trajectory {
     coordinates: Coordinates,
     longest_gap_s: f64,
     sigma: Option<OrientationSigma>,
+    accuracy: Option<Accuracy>,
     /// Part of the index whose samples are in memory, and these.
     part: Option<usize>,
     samples: Vec<Sample>,
@@ -132,7 +135,8 @@ impl Trajectory {
     /// Returns the orientation at the centroid of an exposure.
     ///
     /// # Errors
-    /// [`InputError`] if the file cannot be read any more; inside, why there is no orientation.
+    /// [`InputError`] if the file cannot be read any more, or the file of its accuracy does not cover
+    /// the time; inside, why there is no orientation.
     pub fn at(
         &mut self,
         centroid: Option<UtcTime>,
@@ -155,7 +159,11 @@ impl Trajectory {
             }));
         }
         self.load(time_s)?;
-        Ok(self.interpolate(time_s, f64::from(centroid.sigma_s)))
+        let mut found = self.interpolate(time_s, f64::from(centroid.sigma_s));
+        if let (Ok(orientation), Some(accuracy)) = (&mut found, &self.accuracy) {
+            orientation.trajectory_sigma = Some(accuracy.at(time_s)?);
+        }
+        Ok(found)
     }
 
     fn interpolate(&self, time_s: f64, sigma_s: f64) -> Result<ImageOrientation, Unavailable> {

@@ -4,8 +4,10 @@ use std::io;
 
 use plotters::coord::Shift;
 use plotters::drawing::{DrawingArea, DrawingAreaErrorKind};
+use plotters::element::{Rectangle, Text};
 use plotters::prelude::{
-    DrawingBackend, IntoDrawingArea, IntoFont, IntoTextStyle, RGBColor, SVGBackend, TextStyle,
+    Color, DrawingBackend, IntoDrawingArea, IntoFont, IntoTextStyle, RGBColor, SVGBackend,
+    TextStyle,
 };
 use plotters::style::text_anchor::{HPos, Pos, VPos};
 
@@ -15,6 +17,16 @@ pub const INK: RGBColor = RGBColor(40, 44, 52);
 pub const GRID: RGBColor = RGBColor(222, 226, 232);
 /// Colour of the sensor's outline and of the direction of flight.
 pub const OUTLINE: RGBColor = RGBColor(110, 118, 130);
+
+/// Width of a figure, pixels: a telephone of 500 pixels shows 476 of them for it, on which [`SMALL`]
+/// letters keep 9 pixels.
+pub const WIDTH: u32 = 840;
+/// Size of titles.
+pub const TITLE: u32 = 24;
+/// Size of text.
+pub const FONT: u32 = 22;
+/// Size of the smallest text.
+pub const SMALL: u32 = 20;
 
 /// A drawing area, in pixels.
 pub type Area<B> = DrawingArea<B, Shift>;
@@ -73,6 +85,27 @@ pub fn text_at(size: u32, horizontal: HPos) -> TextStyle<'static> {
         .color(&INK)
         .pos(Pos::new(horizontal, VPos::Center))
         .into_text_style(&(0, 0))
+}
+
+/// Draws text on a plate of white, so that no line of the figure strikes it through; lines that are
+/// drawn later do.
+///
+/// # Errors
+/// [`FigureError`] if the drawing fails.
+pub fn draw_plate<B: Backend>(
+    area: &Area<B>,
+    words: &str,
+    (x, y): (i32, i32),
+    style: &TextStyle<'_>,
+) -> Result<(), FigureError> {
+    let size = pixels(style.font.get_size()).unsigned_abs();
+    // A letter is at most half as wide as its line is high, on average of a text.
+    let letters = u32::try_from(words.chars().count()).unwrap_or(WIDTH);
+    let [width, half] = [letters * size / 2, size / 2].map(|part| pixels(f64::from(part)));
+    let corners = [(x - 4, y - half), (x + width, y + half)];
+    area.draw(&Rectangle::new(corners, plotters::style::WHITE.filled()))?;
+    area.draw(&Text::new(words.to_owned(), (x, y), style.clone()))?;
+    Ok(())
 }
 
 /// Rounds a number of pixels.

@@ -13,7 +13,12 @@ pub enum PageError {
     Template(#[from] askama::Error),
 }
 
-/// Asserts that a page needs no other file and no network, and shows so many figures.
+/// Width of a figure on a telephone of 500 pixels.
+#[cfg(test)]
+const TELEPHONE: f64 = 476.0;
+
+/// Asserts that a page needs no other file and no network, and shows so many figures, whose letters
+/// are at least 9 pixels high on a telephone.
 #[cfg(test)]
 pub(crate) fn assert_stands_alone(page: &str, figures: usize) {
     let links = page
@@ -23,6 +28,17 @@ pub(crate) fn assert_stands_alone(page: &str, figures: usize) {
     assert_eq!(page.matches("<svg").count(), figures);
     assert!(!page.contains("NaN"));
     assert!(page.contains("prefers-color-scheme: dark"));
+    let number = |text: &str| -> f64 { text.split('"').next().unwrap().parse().unwrap() };
+    let mut letters = 0;
+    for figure in page.split("style=\"--width:").skip(1) {
+        let scale = (TELEPHONE / number(figure)).min(1.0);
+        let figure = figure.split("</svg>").next().unwrap();
+        for size in figure.split("font-size=\"").skip(1).map(number) {
+            assert!(scale * size > 9.0, "{size} pixels, scaled by {scale}");
+            letters += 1;
+        }
+    }
+    assert!(letters > 0 || figures == 0);
 }
 
 /// Turns an SVG into a part of a page, scaled by its view box instead of its width and height. The

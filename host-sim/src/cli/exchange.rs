@@ -25,7 +25,7 @@ use super::number::positive;
 )]
 pub struct ExportArgs {
     /// Program whose file is written.
-    #[arg(value_name = "FORMAT", value_parser = program(&WRITTEN))]
+    #[arg(value_name = "FORMAT", value_parser = program(&EXPORTED))]
     pub format: Program,
     /// Camera file (TOML).
     #[arg(long, value_name = "FILE")]
@@ -78,7 +78,7 @@ pub struct ExportArgs {
 #[derive(Debug, Args)]
 pub struct ImportArgs {
     /// Program that wrote the file.
-    #[arg(value_name = "FORMAT", value_parser = program(&READ))]
+    #[arg(value_name = "FORMAT", value_parser = program(&IMPORTED))]
     pub format: Program,
     /// File of the program.
     #[arg(value_name = "FILE")]
@@ -109,7 +109,7 @@ pub struct ImportArgs {
 }
 
 /// Formats of `export`, each with what is written for it.
-const WRITTEN: [(Program, &str); 14] = [
+const EXPORTED: [(Program, &str); 14] = [
     (
         Program::OpenCv,
         "OpenCV FileStorage: camera.yaml, or .json, .xml by --as",
@@ -148,7 +148,7 @@ const WRITTEN: [(Program, &str); 14] = [
 ];
 
 /// Formats of `import`, each with what is read of it.
-const READ: [(Program, &str); 15] = [
+const IMPORTED: [(Program, &str); 15] = [
     (Program::OpenCv, "OpenCV FileStorage in YAML, JSON or XML"),
     (Program::Ros, "ROS camera_info"),
     (Program::Kalibr, "Kalibr camchain"),

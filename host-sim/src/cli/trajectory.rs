@@ -49,6 +49,14 @@ pub struct TrajectoryArgs {
         value_parser = sigma
     )]
     pub trajectory_sigma: Option<OrientationSigma>,
+    /// σ of an SBET file: the accuracy file (smrmsg) that was computed with it.
+    #[arg(
+        long,
+        value_name = "FILE",
+        requires = "trajectory",
+        conflicts_with = "trajectory_sigma"
+    )]
+    pub trajectory_accuracy: Option<PathBuf>,
     /// Longest interval between samples that is interpolated, s.
     #[arg(
         long,
@@ -79,6 +87,7 @@ impl TrajectoryArgs {
             }),
             longest_gap_s: self.trajectory_gap,
             sigma: self.trajectory_sigma,
+            accuracy: self.trajectory_accuracy.clone(),
         }
     }
 }

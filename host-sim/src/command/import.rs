@@ -6,6 +6,7 @@ use std::path::Path;
 
 use fmc_camera_file::interior_text::{self, Interior};
 use fmc_camera_file::{CameraFile, DistortionTable, Sign};
+use fmc_exchange::export::GOOD_ENOUGH_PX;
 use fmc_exchange::found::Stated;
 use fmc_exchange::import::{self, Imported};
 use fmc_exchange::source::{MAX_BYTES, Source};
@@ -13,8 +14,11 @@ use fmc_report::exchange::{self, Assumed, ImportSummary};
 use serde::Serialize;
 
 use crate::cli::{ImportArgs, SignName};
-use crate::failure::Failure;
+use crate::failure::{Failure, note};
 use crate::formats::output;
+
+/// Difference of two pixel pitches that are the same, relative.
+const SAME_PITCH: f64 = 1e-6;
 
 pub(super) fn run(args: &ImportArgs) -> Result<(), Failure> {
     for input in [Some(&args.file), args.base.as_ref()].into_iter().flatten() {
@@ -29,6 +33,9 @@ pub(super) fn run(args: &ImportArgs) -> Result<(), Failure> {
         None => None,
     };
     let base_file = base.as_ref().map(|(file, _)| file);
+    if let Some(file) = base_file {
+        check_same_array(args, file)?;
+    }
     let stated = Stated {
         pixel_mm: args
             .pixel_um
@@ -54,6 +61,13 @@ pub(super) fn run(args: &ImportArgs) -> Result<(), Failure> {
             SignName::Distortion => "distortion",
         }),
     };
+    let residual_px = imported.residual.largest_um / (1e3 * imported.camera.pixel_mm);
+    if residual_px >= GOOD_ENOUGH_PX {
+        note(format_args!(
+            "warning: {file}: the camera file's polynomial leaves up to {residual_px:.3} px of its \
+             model, not below {GOOD_ENOUGH_PX} px"
+        ));
+    }
     let comments = exchange::comments(program, &file, &bytes, &imported);
     let out = args.out.display().to_string();
     let base_text = base.as_ref().map(|(_, text)| text.as_str());
@@ -102,6 +116,32 @@ fn read(path: &Path) -> Result<Vec<u8>, Failure> {
         )));
     }
     Ok(bytes)
+}
+
+/// Refuses a pitch or a size that contradicts the camera whose mechanism is taken.
+fn check_same_array(args: &ImportArgs, base: &CameraFile) -> Result<(), Failure> {
+    let file = args
+        .base
+        .as_deref()
+        .unwrap_or(Path::new("--base"))
+        .display();
+    let pitch = base.sensor.pixel_um;
+    if let Some(stated) = args.pixel_um
+        && (stated - pitch).abs() > SAME_PITCH * pitch
+    {
+        return Err(Failure::bad_input(format!(
+            "--pixel-um {stated}: {file} has a pixel pitch of {pitch} µm"
+        )));
+    }
+    if let (Some([width, height]), Some(of_base)) = (args.size, size(base))
+        && [width, height] != of_base
+    {
+        let [columns, rows] = of_base;
+        return Err(Failure::bad_input(format!(
+            "--size {width}x{height}: {file} has {columns} x {rows} px"
+        )));
+    }
+    Ok(())
 }
 
 /// Reads a camera file and its text.

@@ -5,6 +5,7 @@ use std::fs;
 
 use serde_json::Value;
 
+use crate::command_line::calibration_files::assert_certified;
 use crate::command_line::observations::{
     EXPOSURES, Noise, Row, TRUTH, csv, distortion_um, noisy, rows,
 };
@@ -77,6 +78,7 @@ fn folder_receives_camera_residuals_summary_and_figures() {
             "summary.json",
         ]
     );
+    assert_certified(&bench, "out");
     for figure in files.iter().filter(|name| name.contains(".svg")) {
         let svg = fs::read_to_string(bench.path("out").join(figure)).unwrap();
         assert!(svg.ends_with("</svg>\n") && svg.len() > 5000, "{figure}");

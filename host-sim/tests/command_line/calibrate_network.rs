@@ -5,6 +5,7 @@ use std::path::Path;
 
 use serde_json::Value;
 
+use crate::command_line::calibration_files::assert_certified;
 use crate::command_line::support::{Answer, Bench};
 
 const OLYMPUS: &str = "name = \"Olympus C4040Z\"\nprincipal_distance_mm = 7.5\n[sensor]\n\
@@ -74,6 +75,7 @@ fn checkerboard_by_resection() {
     ] {
         assert!(bench.path("out").join(name).exists(), "{name}");
     }
+    assert_certified(&bench, "out");
 }
 
 #[test]
@@ -107,6 +109,7 @@ fn camcal_with_all_observations() {
     let f = parameter("principal_distance_mm");
     assert!((f["value"].as_f64().unwrap() - 7.4574).abs() < 5e-5);
     assert!((f["sigma"].as_f64().unwrap() - 0.00109).abs() < 5e-6);
+    assert_certified(&bench, "out");
 }
 
 #[test]

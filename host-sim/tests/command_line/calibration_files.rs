@@ -168,19 +168,88 @@ pub(crate) fn assert_complete(bench: &Bench, answer: &Answer, folder: &str) {
     ] {
         assert!(bench.path(&format!("{folder}/{name}")).exists(), "{name}");
     }
+    assert_certified(bench, folder);
+}
+
+/// Checks that the certificate takes the folder's camera file and summary, and states of the
+/// calibration what the summary does: observations, redundancy, σ0, residuals, gross errors, every
+/// σ, the correlations, and the part of the sensor with points.
+pub(crate) fn assert_certified(bench: &Bench, folder: &str) {
     let camera = format!("{folder}/camera.toml");
     let calibration = format!("{folder}/summary.json");
+    let arguments = ["--calibration", &calibration, "--out", "certificate"];
     bench
-        .run(&[
-            "certificate",
-            "--camera",
-            &camera,
-            "--calibration",
-            &calibration,
-            "--out",
-            "certificate",
-        ])
+        .run(&[&["certificate", "--camera", &camera], &arguments[..]].concat())
         .ok();
-    let text = fs::read_to_string(bench.path("certificate/certificate.json")).unwrap();
-    assert!(text.contains(summary["method"].as_str().unwrap()));
+    let summary = summary(bench, &calibration);
+    let certificate = self::summary(bench, "certificate/certificate.json");
+    let parameters = &certificate["parameters"];
+    let line = &parameters["calibrations"][0];
+    for key in ["method", "unknowns"] {
+        assert_eq!(line[key], summary[key], "{key}");
+    }
+    // That of `five` has the name of a file, and the number of points.
+    let observations = summary["observations"].as_u64();
+    let observations = observations.or_else(|| Some(2 * summary["accepted"].as_u64()?));
+    assert_eq!(line["observations"].as_u64(), observations);
+    assert_eq!(
+        line["rejected"].as_u64().unwrap(),
+        summary["rejected"].as_array().unwrap().len() as u64
+    );
+    // Rounded to four digits.
+    let same = |stated: &Value, known: f64, what: &str| {
+        let stated = stated
+            .as_f64()
+            .unwrap_or_else(|| panic!("{what} is not stated"));
+        assert!(
+            (stated - known).abs() <= 1e-3 * known.abs(),
+            "{what}: {stated} {known}"
+        );
+    };
+    for key in ["redundancy", "sigma0"] {
+        same(&line[key], summary[key].as_f64().unwrap(), key);
+    }
+    for key in ["rms_um", "largest_um"] {
+        assert!(line[key].as_f64().unwrap() > 0.0, "{key}");
+    }
+    let stated = parameters["values"].as_array().unwrap();
+    let estimated: Vec<(String, f64)> = match summary["parameters"].as_array() {
+        Some(list) => list
+            .iter()
+            .map(|one| {
+                (
+                    one["name"].as_str().unwrap().to_owned(),
+                    one["sigma"].as_f64().unwrap(),
+                )
+            })
+            .collect(),
+        None => summary["coefficients"]
+            .as_object()
+            .unwrap()
+            .iter()
+            .map(|(name, one)| (name.clone(), one["standard_deviation"].as_f64().unwrap()))
+            .collect(),
+    };
+    let mut with_sigma = 0;
+    for (name, sigma) in estimated.iter().filter(|(_, sigma)| *sigma > 0.0) {
+        let found = stated.iter().find(|one| one["name"] == **name).unwrap();
+        let digits = (found["sigma"].as_f64().unwrap() / sigma - 1.0).abs();
+        assert!(digits < 6e-3, "{name}: {digits}");
+        with_sigma += 1;
+    }
+    assert!(with_sigma > 3);
+    let matrix = parameters["correlations"][0]["rows"].as_array().unwrap();
+    assert_eq!(matrix.len(), with_sigma);
+    for (place, row) in matrix.iter().enumerate() {
+        let row = row.as_array().unwrap();
+        assert_eq!(row.len(), with_sigma);
+        assert!(row.iter().all(|one| one.as_f64().unwrap().abs() <= 1.0));
+        assert_eq!(row[place], 1.0);
+    }
+    let observed = &parameters["observed"];
+    let [stated, known] = [observed, &summary["observed"]].map(|one| one["radius_mm"].as_f64());
+    assert!((stated.unwrap() - known.unwrap()).abs() <= 5e-3);
+    assert!(observed["extrapolated_percent"].as_f64().unwrap() >= 0.0);
+    let page = fs::read_to_string(bench.path("certificate/certificate.html")).unwrap();
+    assert!(page.contains("Points were observed"));
 }

@@ -217,6 +217,56 @@ fn mechanism_and_limits_of_the_base_are_kept_and_its_lens_is_not() {
 }
 
 #[test]
+fn array_of_the_base_is_not_contradicted() {
+    let bench = Bench::new();
+    bench.run(&[&["export", "opf"], &EXPORT[..]].concat()).ok();
+    let file = "out/calibrated_cameras.json";
+    let import = [
+        "import",
+        "opf",
+        file,
+        "--base",
+        "camera.toml",
+        "--out",
+        "a.toml",
+    ];
+    let with = |more: &[&str]| bench.run(&[&import[..], more].concat());
+    with(&["--pixel-um", "5"]).refused(&["--pixel-um 5", "camera.toml has a pixel pitch of 8.75"]);
+    with(&["--size", "9000x9000"]).refused(&["--size 9000x9000", "camera.toml has 9216 x 9216 px"]);
+    assert!(!bench.path("a.toml").exists());
+    with(&["--pixel-um", "8.75", "--size", "9216x9216"]).ok();
+}
+
+#[test]
+fn model_that_the_polynomial_does_not_follow_is_fitted_with_a_warning() {
+    let bench = Bench::new();
+    // Four coefficients, four of the denominator, four of the thin prism, and a tilt.
+    let tilted = "%YAML:1.0\n---\nimage_width: 9216\nimage_height: 9216\n\
+                  camera_matrix: !!opencv-matrix\n   rows: 3\n   cols: 3\n   dt: d\n   \
+                  data: [ 11428., 0., 4607.5, 0., 11428., 4607.5, 0., 0., 1. ]\n\
+                  distortion_coefficients: !!opencv-matrix\n   rows: 14\n   cols: 1\n   dt: d\n   \
+                  data: [ 0., 0., 0., 0., 0., 0., 0., 0., 0., 0., 0., 0., 0.01, 0. ]\n";
+    fs::write(bench.path("tilted.yaml"), tilted).unwrap();
+    let import = [
+        "import",
+        "opencv",
+        "tilted.yaml",
+        "--pixel-um",
+        "8.75",
+        "--out",
+        "a.toml",
+    ];
+    let answer = bench.run(&import).ok();
+    assert!(
+        answer.stderr.contains("warning: tilted.yaml"),
+        "{}",
+        answer.stderr
+    );
+    let text = fs::read_to_string(bench.path("a.toml")).unwrap();
+    assert!(text.contains("# Without a place here: tilt"), "{text}");
+}
+
+#[test]
 fn a_gigabyte_of_zeros_is_refused_at_once() {
     let bench = Bench::new();
     let zeros = File::create(bench.path("zeros.yaml")).unwrap();

@@ -23,6 +23,8 @@ pub struct Observed {
     /// Share of the sensor's area beyond that radius or outside these ranges: there the polynomial
     /// is extrapolated; per cent.
     pub extrapolated_percent: Option<Stated>,
+    /// `true` if all points lie on one row or column of the sensor.
+    pub is_a_line: bool,
 }
 
 /// Returns the distance of the farthest corner of the sensor from the principal point, mm.
@@ -50,6 +52,9 @@ impl Observed {
             y_mm: region.y_mm.map(mm),
             corner_radius_mm: mm(corner_radius_mm(camera)),
             extrapolated_percent: Stated::decimals(extrapolated_percent(camera, &region), 1),
+            is_a_line: [region.x_mm, region.y_mm]
+                .into_iter()
+                .any(|[least, most]| most - least <= camera.sensor.pixel_um / 1e3),
         })
     }
 }

@@ -23,6 +23,8 @@ pub(super) const LEADING: f32 = 1.32;
 const NAMES: f32 = 140.0;
 /// Height below which a list of pairs is not broken.
 const WHOLE: f32 = 280.0;
+/// Height of the title of a section, with its rule, and more than that.
+const HEADING: f32 = 30.0;
 /// Size of captions.
 const CAPTION: f32 = 7.6;
 
@@ -69,6 +71,9 @@ pub(super) struct Pages<'a> {
     pub(super) headings: Vec<(String, usize, f32)>,
 }
 
+/// Number of lines of a pair, those of its name and those of its text.
+type BrokenPair = (usize, Vec<String>, Vec<String>);
+
 impl<'a> Flow<'a> {
     /// Sets a document.
     ///
@@ -101,7 +106,14 @@ impl<'a> Flow<'a> {
             Block::Signatures(places) => 90.0 * height(places.len().div_ceil(2), 1.0 / LEADING),
             _ => 0.0,
         });
-        self.keep(110.0 + places.sum::<f32>());
+        let places: f32 = places.sum();
+        // Pairs that are not broken would leave the title alone on its page.
+        let first = match section.blocks.first() {
+            Some(Block::Pairs(pairs)) => self.broken(pairs)?.1,
+            _ => 0.0,
+        };
+        let first = if first < WHOLE { first } else { 0.0 };
+        self.keep((110.0 + places).max(HEADING + first));
         let page = self.pages.len().saturating_sub(1);
         self.headings.push((section.title.clone(), page, self.y));
         self.paragraph(&section.title, 13.0, Weight::Bold, 0)?;
@@ -198,7 +210,8 @@ impl<'a> Flow<'a> {
         Ok(())
     }
 
-    fn pairs(&mut self, pairs: &[[String; 2]]) -> Result<(), PdfError> {
+    /// Returns the lines of pairs, and their height.
+    fn broken(&self, pairs: &[[String; 2]]) -> Result<(Vec<BrokenPair>, f32), PdfError> {
         let mut broken = Vec::new();
         for [name, what] in pairs {
             let names = self
@@ -210,6 +223,11 @@ impl<'a> Flow<'a> {
             broken.push((names.len().max(lines.len()).max(1), names, lines));
         }
         let all = height(broken.iter().map(|(rows, ..)| rows).sum(), BODY);
+        Ok((broken, all))
+    }
+
+    fn pairs(&mut self, pairs: &[[String; 2]]) -> Result<(), PdfError> {
+        let (broken, all) = self.broken(pairs)?;
         if all < WHOLE {
             self.keep(all);
         }

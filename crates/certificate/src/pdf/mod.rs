@@ -319,6 +319,31 @@ mod tests {
     }
 
     #[test]
+    fn title_stays_with_the_pairs_below_it() {
+        let pairs = |count: usize| {
+            let pair = |index: usize| [format!("name{index}"), "text".to_owned()];
+            Block::Pairs((0..count).map(pair).collect())
+        };
+        // Wherever the page ends.
+        for lines in 20..60 {
+            let text = |_| Block::Text("line".to_owned());
+            let mut document = document((0..lines).map(text).collect());
+            document.sections.push(Section {
+                title: "Last".to_owned(),
+                blocks: vec![pairs(16)],
+            });
+            let bytes = pdf(&document, None, "test 1", &[]).unwrap();
+            let read = ReadPdf::parse(&bytes).unwrap();
+            let page = read.pages.iter().find(|page| page.contains("Last"));
+            let page = page.unwrap();
+            assert!(
+                page.contains("name0") && page.contains("name15"),
+                "{lines}: {page}"
+            );
+        }
+    }
+
+    #[test]
     fn what_cannot_be_set_is_an_error() {
         let wide = written(vec![table(30, 1, "123456.789012")], None);
         assert!(matches!(wide, Err(PdfError::TooWide(_))));

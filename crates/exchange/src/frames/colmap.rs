@@ -3,6 +3,7 @@
 use std::io::{self, Write};
 
 use super::cameras::Cameras;
+use super::pose::ImagePose;
 use crate::program::colmap::{CAMERAS_HEAD, IMAGES_HEAD, NO_POINTS, binary_camera, camera_line};
 
 pub(super) fn cameras_text(cameras: &Cameras<'_>, sink: &mut dyn Write) -> io::Result<()> {
@@ -22,12 +23,33 @@ pub(super) fn cameras_text(cameras: &Cameras<'_>, sink: &mut dyn Write) -> io::R
     })
 }
 
-/// Writes the images, each at the origin: their poses are not known.
-pub(super) fn images_text(cameras: &Cameras<'_>, sink: &mut dyn Write) -> io::Result<()> {
-    writeln!(sink, "{IMAGES_HEAD}# Number of images: {}", cameras.count())?;
+/// Rotation as a quaternion w, x, y, z, and translation.
+type Pose = ([f64; 4], [f64; 3]);
+
+/// Calls `each` with every image and its pose: at the origin without a trajectory. With one,
+/// images without a pose are left out.
+fn each_pose(
+    cameras: &Cameras<'_>,
+    mut each: impl FnMut(u32, Pose, &str) -> io::Result<()>,
+) -> io::Result<()> {
     cameras.each(|frame, image| {
-        let id = frame.sequence;
-        write!(sink, "{id} 1 0 0 0 0 0 0 {id} {image}\n\n")
+        let pose = if cameras.poses.is_some() {
+            cameras.pose(frame).and_then(ImagePose::colmap)
+        } else {
+            Some(([1.0, 0.0, 0.0, 0.0], [0.0; 3]))
+        };
+        pose.map_or(Ok(()), |pose| each(frame.sequence, pose, image))
+    })
+}
+
+pub(super) fn images_text(cameras: &Cameras<'_>, sink: &mut dyn Write) -> io::Result<()> {
+    writeln!(sink, "{IMAGES_HEAD}# Number of images: {}", cameras.posed())?;
+    each_pose(cameras, |id, (rotation, translation), image| {
+        write!(sink, "{id}")?;
+        for part in rotation.into_iter().chain(translation) {
+            write!(sink, " {part}")?;
+        }
+        write!(sink, " {id} {image}\n\n")
     })
 }
 
@@ -48,12 +70,12 @@ pub(super) fn cameras_binary(cameras: &Cameras<'_>, sink: &mut dyn Write) -> io:
 }
 
 pub(super) fn images_binary(cameras: &Cameras<'_>, sink: &mut dyn Write) -> io::Result<()> {
-    sink.write_all(&cameras.count().to_le_bytes())?;
-    cameras.each(|frame, image| {
-        let id = frame.sequence.to_le_bytes();
+    sink.write_all(&cameras.posed().to_le_bytes())?;
+    each_pose(cameras, |id, (rotation, translation), image| {
+        let id = id.to_le_bytes();
         sink.write_all(&id)?;
-        for component in [1.0_f64, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0] {
-            sink.write_all(&component.to_le_bytes())?;
+        for part in rotation.into_iter().chain(translation) {
+            sink.write_all(&part.to_le_bytes())?;
         }
         sink.write_all(&id)?;
         sink.write_all(image.as_bytes())?;

@@ -30,8 +30,17 @@ type Writer = fn(&Cameras<'_>, &mut dyn Write) -> io::Result<()>;
 
 /// Returns the files of a program with their writers; none for a program that takes no camera per
 /// image.
-const fn files(program: Program, is_binary: bool) -> &'static [(&'static str, Writer)] {
+const fn files(
+    program: Program,
+    is_binary: bool,
+    has_poses: bool,
+) -> &'static [(&'static str, Writer)] {
     match (program, is_binary) {
+        (Program::Metashape, _) if has_poses => &[
+            ("cameras.xml", metashape::cameras),
+            ("frames.py", metashape::script),
+            ("reference.csv", tables::references),
+        ],
         (Program::Colmap, false) => &[
             ("cameras.txt", colmap::cameras_text),
             ("images.txt", colmap::images_text),
@@ -113,6 +122,7 @@ impl<'a> FlightExport<'a> {
             model: at_rest.model,
             frames: &flight.frames,
             images,
+            poses: flight.poses.as_deref(),
             at_rest: pinhole,
             without_k0: Correction::of(&camera.without_k0()),
         };
@@ -132,13 +142,14 @@ impl<'a> FlightExport<'a> {
         Ok(export)
     }
 
+    fn writers(&self) -> &'static [(&'static str, Writer)] {
+        files(self.program, self.is_binary, self.frames.poses.is_some())
+    }
+
     /// Names of the files.
     #[must_use]
     pub fn files(&self) -> Vec<&'static str> {
-        files(self.program, self.is_binary)
-            .iter()
-            .map(|(name, _)| *name)
-            .collect()
+        self.writers().iter().map(|(name, _)| *name).collect()
     }
 
     /// Writes one of the files, a frame after the other.
@@ -146,7 +157,7 @@ impl<'a> FlightExport<'a> {
     /// # Errors
     /// Those of the sink.
     pub fn write(&self, file: &str, sink: &mut dyn Write) -> io::Result<()> {
-        files(self.program, self.is_binary)
+        self.writers()
             .iter()
             .filter(|(name, _)| *name == file)
             .try_for_each(|(_, write)| write(&self.frames, sink))
@@ -156,9 +167,11 @@ impl<'a> FlightExport<'a> {
     fn check_read_back(&self, some: &[ImageCamera]) -> Result<(), InputError> {
         let frames = Cameras {
             frames: some,
+            // The cameras alone are compared.
+            poses: None,
             ..self.frames
         };
-        let Some((name, write)) = files(self.program, self.is_binary).first() else {
+        let Some((name, write)) = self.writers().first() else {
             return Err(InputError::invalid(format!(
                 "{}: no camera per image",
                 self.program.name()

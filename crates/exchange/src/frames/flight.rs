@@ -5,6 +5,7 @@ use fmc_camera_file::InputError;
 use fmc_frames::Outcome;
 
 use super::image_camera::ImageCamera;
+use super::pose::ImagePose;
 use crate::calibrated::Calibrated;
 use fmc_frames::time;
 
@@ -18,6 +19,9 @@ pub struct Flight {
     pub frames: Vec<ImageCamera>,
     /// Triggers without an exposure.
     pub refused: Vec<Refused>,
+    /// Poses by ascending sequence number, of exposures that the trajectory covers; `None` without
+    /// a trajectory.
+    pub poses: Option<Vec<(u32, ImagePose)>>,
 }
 
 /// A trigger without an exposure.

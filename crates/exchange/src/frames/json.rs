@@ -7,6 +7,7 @@ use serde_json::{Value, json};
 
 use super::cameras::Cameras;
 use super::image_camera::ImageCamera;
+use super::pose::ImagePose;
 use crate::program::{opensfm, opentrackio, opf};
 use fmc_frames::time;
 
@@ -34,13 +35,31 @@ pub(super) fn opensfm_exif(cameras: &Cameras<'_>, sink: &mut dyn Write) -> io::R
             let unix = Duration::from_micros(utc.unix_us);
             insert(&mut exif, "capture_time", json!(unix.as_secs_f64()));
         }
+        if let Some(gps) = cameras.pose(frame).and_then(gps) {
+            insert(&mut exif, "gps", gps);
+        }
         (image.to_owned(), exif)
     })?;
     sink.write_all(b"\n}\n")
 }
 
-/// Writes `calibrated_cameras.json`: a sensor per image. The format demands poses: all are at the
-/// origin.
+/// Returns the prior of `OpenSfM` for a geographic place; its `dop` is σ of the place, m.
+fn gps(pose: &ImagePose) -> Option<Value> {
+    let place = pose.geographic()?;
+    let mut gps = json!({
+        "latitude": place.latitude_rad.to_degrees(),
+        "longitude": place.longitude_rad.to_degrees(),
+        "altitude": place.height_m,
+    });
+    if let Some(sigma) = &pose.sigma {
+        let largest = sigma.position_m.into_iter().fold(0.0, f64::max);
+        insert(&mut gps, "dop", json!(largest));
+    }
+    Some(gps)
+}
+
+/// Writes `calibrated_cameras.json`: a sensor per image. The format demands poses: without a
+/// trajectory all are at the origin; with one, cameras without a pose are left out.
 pub(super) fn opf_cameras(cameras: &Cameras<'_>, sink: &mut dyn Write) -> io::Result<()> {
     write!(
         sink,
@@ -48,16 +67,23 @@ pub(super) fn opf_cameras(cameras: &Cameras<'_>, sink: &mut dyn Write) -> io::Re
         Value::from(opf::FORMAT)
     )?;
     elements(cameras, sink, |frame, _| {
-        opf::sensor(&cameras.pinhole(frame), frame.sequence)
+        Some(opf::sensor(&cameras.pinhole(frame), frame.sequence))
     })?;
     sink.write_all(b"\n],\n\"cameras\": [")?;
     elements(cameras, sink, |frame, _| {
-        json!({
+        let (position, orientation_deg) = if cameras.poses.is_some() {
+            let pose = cameras.pose(frame)?;
+            let angles = pose.omega_phi_kappa_rad().map(f64::to_degrees);
+            (pose.position_m()?, angles)
+        } else {
+            ([0.0; 3], [0.0; 3])
+        };
+        Some(json!({
             "id": frame.sequence,
             "sensor_id": frame.sequence,
-            "position": [0.0, 0.0, 0.0],
-            "orientation_deg": [0.0, 0.0, 0.0],
-        })
+            "position": position,
+            "orientation_deg": orientation_deg,
+        }))
     })?;
     sink.write_all(b"\n]\n}\n")
 }
@@ -68,11 +94,9 @@ pub(super) fn opf_list(cameras: &Cameras<'_>, sink: &mut dyn Write) -> io::Resul
         b"{\n\"format\": \"application/opf-camera-list+json\",\n\"version\": \"1.0\",\n\
           \"cameras\": [",
     )?;
-    elements(
-        cameras,
-        sink,
-        |frame, image| json!({ "id": frame.sequence, "uri": image }),
-    )?;
+    elements(cameras, sink, |frame, image| {
+        Some(json!({ "id": frame.sequence, "uri": image }))
+    })?;
     sink.write_all(b"\n]\n}\n")
 }
 
@@ -115,15 +139,18 @@ fn members(
     })
 }
 
-/// Writes an element per frame, each on a line.
+/// Writes an element per frame that has one, each on a line.
 fn elements(
     cameras: &Cameras<'_>,
     sink: &mut dyn Write,
-    element: impl Fn(&ImageCamera, &str) -> Value,
+    element: impl Fn(&ImageCamera, &str) -> Option<Value>,
 ) -> io::Result<()> {
     let mut separator = "\n";
     cameras.each(|frame, image| {
-        write!(sink, "{separator}{}", element(frame, image))?;
+        let Some(element) = element(frame, image) else {
+            return Ok(());
+        };
+        write!(sink, "{separator}{element}")?;
         separator = ",\n";
         Ok(())
     })

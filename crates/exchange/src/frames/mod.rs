@@ -12,9 +12,11 @@ mod image_camera;
 mod image_names;
 mod json;
 mod metashape;
+mod pose;
 mod tables;
 
 pub use export::FlightExport;
 pub use flight::{Flight, ONE_CAMERA_PX, OneCamera, Refused};
 pub use image_camera::ImageCamera;
 pub use image_names::{ImageNames, PATTERN, Pattern};
+pub use pose::{ImagePose, PoseSigma};

@@ -5,7 +5,10 @@ use std::io::{self, Write};
 use serde::Serialize;
 
 use super::cameras::Cameras;
+use super::metashape;
+use super::pose::ImagePose;
 use fmc_frames::time;
+use fmc_frames::trajectory::Place;
 
 /// Identifier of the camera in `ArcGIS`'s tables.
 const CAMERA_ID: &str = "1";
@@ -43,6 +46,30 @@ struct ArcGisFrame<'a> {
     principal_y: f64,
     #[serde(rename = "CentroidUTC")]
     centroid_utc: Option<String>,
+    perspective_x: Option<f64>,
+    perspective_y: Option<f64>,
+    perspective_z: Option<f64>,
+    omega: Option<f64>,
+    phi: Option<f64>,
+    kappa: Option<f64>,
+}
+
+/// A row of Metashape's table of references: m, or degrees for a geographic place.
+#[derive(Serialize)]
+struct Reference<'a> {
+    label: &'a str,
+    x: f64,
+    y: f64,
+    z: f64,
+    x_accuracy: Option<f64>,
+    y_accuracy: Option<f64>,
+    z_accuracy: Option<f64>,
+    omega: f64,
+    phi: f64,
+    kappa: f64,
+    omega_accuracy: Option<f64>,
+    phi_accuracy: Option<f64>,
+    kappa_accuracy: Option<f64>,
 }
 
 /// A row of the plain table. What is not known is empty.
@@ -72,6 +99,11 @@ struct PlainFrame<'a> {
     enlarged_distance_px: f64,
 }
 
+/// Returns the cells of three numbers, empty without them.
+fn each(values: Option<[f64; 3]>) -> [Option<f64>; 3] {
+    values.map_or([None; 3], |all| all.map(Some))
+}
+
 /// Writes `cameras.csv` of `ArcGIS`: the camera without distortion.
 pub(super) fn arcgis_cameras(cameras: &Cameras<'_>, sink: &mut dyn Write) -> io::Result<()> {
     let camera = cameras.camera;
@@ -97,6 +129,11 @@ pub(super) fn arcgis_frames(cameras: &Cameras<'_>, sink: &mut dyn Write) -> io::
     let mut table = csv::Writer::from_writer(sink);
     cameras.each(|frame, image| {
         let [principal_x, principal_y] = frame.principal_point().map(|mm| mm * 1e3);
+        let pose = cameras.pose(frame);
+        let [perspective_x, perspective_y, perspective_z] =
+            each(pose.and_then(ImagePose::position_m));
+        let [omega, phi, kappa] =
+            each(pose.map(|pose| pose.omega_phi_kappa_rad().map(f64::to_degrees)));
         Ok(table.serialize(ArcGisFrame {
             object_id: frame.sequence,
             raster: image,
@@ -104,6 +141,53 @@ pub(super) fn arcgis_frames(cameras: &Cameras<'_>, sink: &mut dyn Write) -> io::
             principal_x,
             principal_y,
             centroid_utc: frame.centroid_utc.and_then(|utc| time::date(utc.unix_us)),
+            perspective_x,
+            perspective_y,
+            perspective_z,
+            omega,
+            phi,
+            kappa,
+        })?)
+    })?;
+    table.flush()
+}
+
+/// Writes `reference.csv` of Metashape: place, angles and their accuracies of every frame that has
+/// a pose. x, y and z of a geographic place are longitude, latitude and height.
+pub(super) fn references(cameras: &Cameras<'_>, sink: &mut dyn Write) -> io::Result<()> {
+    let mut table = csv::Writer::from_writer(sink);
+    cameras.each(|frame, image| {
+        let Some(pose) = cameras.pose(frame) else {
+            return Ok(());
+        };
+        let [x, y, z] = match pose.place {
+            Place::Cartesian(position_m) => position_m,
+            Place::Geographic(place) => [
+                place.longitude_rad.to_degrees(),
+                place.latitude_rad.to_degrees(),
+                place.height_m,
+            ],
+        };
+        let [omega, phi, kappa] = pose.omega_phi_kappa_rad().map(f64::to_degrees);
+        let [x_accuracy, y_accuracy, z_accuracy] = each(pose.sigma.map(|sigma| sigma.position_m));
+        let [omega_accuracy, phi_accuracy, kappa_accuracy] = each(
+            pose.sigma
+                .map(|sigma| sigma.angles_rad.map(f64::to_degrees)),
+        );
+        Ok(table.serialize(Reference {
+            label: metashape::label(image),
+            x,
+            y,
+            z,
+            x_accuracy,
+            y_accuracy,
+            z_accuracy,
+            omega,
+            phi,
+            kappa,
+            omega_accuracy,
+            phi_accuracy,
+            kappa_accuracy,
         })?)
     })?;
     table.flush()

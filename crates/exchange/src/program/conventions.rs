@@ -52,12 +52,12 @@ impl Program {
             Self::Colmap => {
                 "hold the cameras: refine_focal_length, refine_principal_point and \
                  refine_extra_params 0; refined, each is a free interior orientation of one image. \
-                 images.txt has no poses: all are at the origin"
+                 Without --trajectory images.txt has no poses: all are at the origin"
             }
             Self::Metashape => {
                 "File, Import, Import Cameras: cameras.xml; or Tools, Run Script: frames.py. \
                  Cameras are found by label, the name of the image without its extension, and are \
-                 fixed"
+                 fixed. reference.csv, with --trajectory: Import Reference, angles omega, phi, kappa"
             }
             Self::OpenSfm => {
                 "both files into the data set before extract_metadata; hold the cameras: \

@@ -55,6 +55,15 @@ impl Program {
         Self::Frames,
     ];
 
+    /// Programs whose files of frames have a place for the exterior orientation.
+    pub const WITH_POSES: [Self; 5] = [
+        Self::Colmap,
+        Self::Metashape,
+        Self::OpenSfm,
+        Self::Opf,
+        Self::ArcGis,
+    ];
+
     /// Programs whose file is read.
     pub const READ: [Self; 15] = [
         Self::OpenCv,

@@ -135,6 +135,14 @@ pub(crate) fn read(source: &Source<'_>) -> Result<Found, InputError> {
         _ => source.yaml()?,
     };
     let root = Field::root(*source, &tree);
+    // The parameter of the sphere of the omnidirectional model.
+    if root.find("xi").is_some() {
+        return Err(unsupported(
+            source,
+            "omnidirectional (xi)",
+            "the pinhole models of 4 to 14",
+        ));
+    }
     for sign in ["fisheye_model", "fisheye"] {
         let is_set = root
             .find(sign)

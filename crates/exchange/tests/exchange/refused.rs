@@ -113,6 +113,11 @@ fn other_projections_are_refused_by_name() {
             "fisheye",
         ),
         (
+            Program::OpenCv,
+            format!("{opencv}xi: 1.2\n"),
+            "omnidirectional (xi)",
+        ),
+        (
             Program::MicMac,
             micmac.replace("ModPhgrStd", "ModUnif"),
             "ModUnif",

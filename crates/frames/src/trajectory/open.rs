@@ -2,11 +2,12 @@
 
 use std::fs::File;
 use std::io::{BufRead, BufReader, Seek, SeekFrom};
-use std::path::Path;
+use std::path::{Path, PathBuf};
 
 use csv::StringRecord;
 use fmc_camera_file::InputError;
 
+use super::accuracy::Accuracy;
 use super::clock::{Clock, TimeScale};
 use super::heading::{Coordinates, Heading};
 use super::index::Index;
@@ -25,7 +26,7 @@ const START: usize = 64;
 const BYTE_ORDER_MARK: &[u8] = b"\xef\xbb\xbf";
 
 /// Facts of a trajectory that its file does not state.
-#[derive(Debug, Clone, Copy, PartialEq)]
+#[derive(Debug, Clone, PartialEq)]
 pub struct TrajectoryOptions {
     /// Scale of the times of an SBET file; `None` stands for GPS time. A table says it itself.
     pub scale: Option<TimeScale>,
@@ -33,6 +34,8 @@ pub struct TrajectoryOptions {
     pub longest_gap_s: f64,
     /// σ of a trajectory without σ.
     pub sigma: Option<OrientationSigma>,
+    /// File of σ ("smrmsg") that goes with an SBET file.
+    pub accuracy: Option<PathBuf>,
 }
 
 impl Default for TrajectoryOptions {
@@ -41,6 +44,7 @@ impl Default for TrajectoryOptions {
             scale: None,
             longest_gap_s: LONGEST_GAP_S,
             sigma: None,
+            accuracy: None,
         }
     }
 }
@@ -87,6 +91,17 @@ impl Trajectory {
         } else {
             records(name, file, length, options.scale.unwrap_or_default())?
         };
+        let accuracy = match (&options.accuracy, &file.format) {
+            (None, _) => None,
+            (Some(accuracy), SampleFormat::Sbet) => Some(Accuracy::read(accuracy)?),
+            (Some(accuracy), SampleFormat::Table(_)) => {
+                return Err(InputError::invalid(format!(
+                    "{}: goes with an SBET file; the table {} has σ in its columns",
+                    accuracy.display(),
+                    file.name
+                )));
+            }
+        };
         let index = Index::of(&mut file, from, options.longest_gap_s, read_bytes)?;
         Ok(Self {
             coordinates: match &file.format {
@@ -97,6 +112,7 @@ impl Trajectory {
             index,
             longest_gap_s: options.longest_gap_s,
             sigma: options.sigma,
+            accuracy,
             part: None,
             samples: Vec::new(),
         })

@@ -30,6 +30,14 @@ pub(super) fn angles(matrix: &Matrix3<f64>) -> Attitude {
 }
 
 impl Attitude {
+    /// Returns Rz(yaw)·Rx(pitch)·Ry(roll) row by row.
+    #[must_use]
+    pub fn ground_from_body(&self) -> [[f64; 3]; 3] {
+        let matrix = ground_from_body(self).to_rotation_matrix().into_inner();
+        // nalgebra hands on columns.
+        matrix.transpose().into()
+    }
+
     /// Returns pitch, roll and yaw from those of another attitude, each from -π to π.
     pub(super) fn angles_from(&self, other: &Self) -> [f64; 3] {
         [

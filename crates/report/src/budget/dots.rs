@@ -6,19 +6,21 @@ use plotters::prelude::{Color, RGBColor};
 use plotters::style::text_anchor::HPos;
 
 use super::results;
-use crate::figure::{self, Area, Backend, FigureError, GRID, INK, pixels, text, text_at};
+use crate::figure::{
+    self, Area, Backend, FONT, FigureError, GRID, INK, SMALL, TITLE, WIDTH, pixels, text, text_at,
+};
+use crate::legend::{self, Entry, Mark};
 use crate::picture;
 
-const WIDTH: u32 = 1500;
 const TOP: i32 = 150;
-const ROW: i32 = 44;
-const LEFT: i32 = 640;
-const RIGHT: i32 = 1340;
+/// Height of a row: the name of the term, and below it the dot.
+const ROW: i32 = 58;
+const LEFT: i32 = 40;
+const RIGHT: i32 = 710;
 /// Right end of the numbers.
-const NUMBERS: i32 = 1460;
-const FONT: u32 = 22;
+const NUMBERS: i32 = 826;
 /// Radius of the dots.
-const RADIUS: u32 = 9;
+const RADIUS: u32 = 8;
 /// Decades of the axis, powers of ten of a micrometre; the axis is longer if a term needs it.
 const DECADES: [i32; 2] = [-4, 3];
 /// Last decade of any axis.
@@ -59,15 +61,18 @@ fn size(budget: &Budget) -> Result<(u32, u32), FigureError> {
 fn draw<B: Backend>(canvas: &Area<B>, budget: &Budget) -> Result<(), FigureError> {
     let bottom = bottom(budget);
     let title = format!("{}: largest effect over its limits, µm", budget.camera);
-    canvas.draw(&Text::new(title, (20, 36), text(FONT + 4)))?;
-    for (x, colour, words) in [
-        (20, REMOVED, "position; fmc-camera removes it"),
-        (470, REMAINS, "position; remains"),
-        (770, SMEAR, "smear; remains"),
-    ] {
-        canvas.draw(&Circle::new((x + 10, 90), RADIUS, colour.filled()))?;
-        canvas.draw(&Text::new(words, (x + 30, 90), text(FONT)))?;
-    }
+    canvas.draw(&Text::new(title, (20, 30), text(TITLE)))?;
+    let entries = [
+        (REMOVED, "position; fmc-camera removes it"),
+        (REMAINS, "position; remains"),
+        (SMEAR, "smear; remains"),
+    ];
+    let entries = entries.map(|(colour, words)| Entry {
+        mark: Mark::Dot,
+        colour,
+        words,
+    });
+    legend::draw(canvas, [legend::LEFT, 74], &entries)?;
     let decades = decades(budget);
     let place = |um| place(um, decades);
     let [first, last] = decades;
@@ -81,13 +86,13 @@ fn draw<B: Backend>(canvas: &Area<B>, budget: &Budget) -> Result<(), FigureError
         canvas.draw(&Text::new(
             label,
             (x, bottom + 20),
-            text_at(FONT - 2, HPos::Center),
+            text_at(SMALL, HPos::Center),
         ))?;
     }
     canvas.draw(&Text::new(
         "µm",
         (NUMBERS, bottom + 20),
-        text_at(FONT - 2, HPos::Right),
+        text_at(SMALL, HPos::Right),
     ))?;
     // The line marks one pixel.
     let x = place(1e3 * budget.pixel_mm);
@@ -98,17 +103,13 @@ fn draw<B: Backend>(canvas: &Area<B>, budget: &Budget) -> Result<(), FigureError
     canvas.draw(&Text::new(
         "1 px",
         (x, TOP - 24),
-        text_at(FONT - 2, HPos::Center),
+        text_at(SMALL, HPos::Center),
     ))?;
     let mut y = TOP;
     for term in &budget.terms {
         let label = results::assumed(budget, term.source);
-        let middle = y + ROW / 2;
-        canvas.draw(&Text::new(
-            label,
-            (LEFT - 15, middle),
-            text_at(FONT, HPos::Right),
-        ))?;
+        figure::draw_plate(canvas, &label, (LEFT, y + 16), &text(FONT))?;
+        let middle = y + 42;
         // On a logarithmic axis a place has a meaning. A length has none, because it depends on the
         // beginning of the axis.
         canvas.draw(&PathElement::new(
@@ -189,6 +190,6 @@ mod tests {
         for um in [0.0, 1e-9, 1e9] {
             assert!((LEFT..=RIGHT).contains(&place(um, DECADES)));
         }
-        assert_eq!(place(1.0, DECADES), 1040);
+        assert_eq!(place(1.0, DECADES), 423);
     }
 }

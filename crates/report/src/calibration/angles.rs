@@ -9,11 +9,11 @@ use serde_json::{Map, Value, json};
 use super::result::files::FilesError;
 use super::result::of_method::{Figure, OfMethod, PageTable};
 use crate::chart::{Axes, Axis, Margins};
-use crate::figure::{self, FigureError, INK, text};
+use crate::figure::{self, FONT, FigureError, INK, TITLE, WIDTH, text};
+use crate::legend::{self, Entry, Mark};
 use crate::wording;
 
-const SIZE: (u32, u32) = (1600, 1000);
-const FONT: u32 = 24;
+const SIZE: (u32, u32) = (WIDTH, 640);
 /// Name, colour and value, mm, of a curve.
 type Curve = (&'static str, RGBColor, fn(&DistortionRow) -> f64);
 
@@ -233,28 +233,30 @@ fn curves(found: &Angles) -> Result<String, FigureError> {
     let range = 1.03 * first.angle_deg..1.03 * last.angle_deg;
     figure::svg(SIZE, |canvas| {
         let title = format!("{}: distortion along the line", found.result.camera.name);
-        canvas.draw(&Text::new(title, (20, 34), text(FONT + 4)))?;
-        for ((name, colour, _), x) in CURVES.into_iter().zip([170, 620, 1100]) {
-            let line = [(x - 40, 90), (x - 8, 90)];
-            canvas.draw(&PathElement::new(line, colour.stroke_width(5)))?;
-            canvas.draw(&Text::new(name, (x, 90), text(FONT)))?;
-        }
+        canvas.draw(&Text::new(title, (20, 28), text(TITLE)))?;
+        let entries = CURVES.map(|(words, colour, _)| Entry {
+            mark: Mark::Line(5),
+            colour,
+            words,
+        });
+        let top = 46 + legend::height(&entries);
+        legend::draw(canvas, [legend::LEFT, 62], &entries)?;
         let axes = Axes {
             margins: Margins {
-                top: 130,
-                right: 40,
+                top,
+                right: 30,
                 left: 20,
                 ..Margins::default()
             },
             font: FONT,
             x: Axis {
-                room: 90,
+                room: 76,
                 labels: None,
                 write: &|degrees| wording::decimals(*degrees, 2),
                 name: "angle W, °",
             },
             y: Axis {
-                room: 150,
+                room: 110,
                 labels: None,
                 write: &|um| wording::decimals(*um, 6),
                 name: "distortion, µm",

@@ -8,14 +8,13 @@ use super::result::of_method::Figure;
 use crate::arrow::Arrow;
 use crate::arrow_field::ArrowField;
 use crate::chart::{Axes, Axis, Margins};
-use crate::figure::{self, FigureError, INK, OUTLINE, pixels, text};
+use crate::figure::{self, FONT, FigureError, INK, OUTLINE, TITLE, WIDTH, pixels, text};
 use crate::wording;
 
-const SIZE: (u32, u32) = (1400, 900);
-const MAP_WIDTH: f64 = 1100.0;
-const EDGE: f64 = 40.0;
-const TITLE: f64 = 110.0;
-const FONT: u32 = 24;
+const SIZE: (u32, u32) = (WIDTH, 600);
+const EDGE: f64 = 30.0;
+/// Height of the title of a map.
+const HEAD: f64 = 80.0;
 
 /// Quantity of a target, mm.
 type Quantity = fn(&TableRow, [f64; 2]) -> f64;
@@ -128,15 +127,15 @@ fn map(found: &Dlt2d, name: &str, quantity: Quantity) -> Result<String, FigureEr
     if values.is_empty() {
         return Err(FigureError::NothingToDraw);
     }
-    let scale = (MAP_WIDTH - 2.0 * EDGE) / (2.0 * half_x);
+    let scale = (f64::from(WIDTH) - 2.0 * EDGE) / (2.0 * half_x);
     let size = (
-        pixels(MAP_WIDTH).unsigned_abs(),
-        pixels(TITLE + 2.0 * EDGE + 2.0 * half_y * scale).unsigned_abs(),
+        WIDTH,
+        pixels(HEAD + 2.0 * EDGE + 2.0 * half_y * scale).unsigned_abs(),
     );
     let place = |[x, y]: [f64; 2]| {
         (
             pixels(EDGE + (x + half_x) * scale),
-            pixels(TITLE + EDGE + (half_y - y) * scale),
+            pixels(HEAD + EDGE + (half_y - y) * scale),
         )
     };
     // Half of the distance of neighbouring targets of an even lattice.
@@ -144,12 +143,12 @@ fn map(found: &Dlt2d, name: &str, quantity: Quantity) -> Result<String, FigureEr
     let half_side = 0.5 * (4.0 * half_x * half_y / count).sqrt() * 0.9;
     figure::svg(size, |canvas| {
         let title = format!("{}: {name} of the table", camera.name);
-        canvas.draw(&Text::new(title, (20, 34), text(FONT + 4)))?;
+        canvas.draw(&Text::new(title, (20, 28), text(TITLE)))?;
         let words = format!(
-            "blue: −{0} µm, white: zero, red: +{0} µm",
+            "blue: −{0} µm, no colour: zero, red: +{0} µm",
             wording::decimals(1e3 * largest, 3)
         );
-        canvas.draw(&Text::new(words, (20, 80), text(FONT)))?;
+        canvas.draw(&Text::new(words, (20, 64), text(FONT)))?;
         for (row, value) in found.rows.iter().zip(&values) {
             let share = if largest > 0.0 { value / largest } else { 0.0 };
             let hue = if share < 0.0 { 0.58 } else { 0.02 };
@@ -192,25 +191,25 @@ fn curve(
     figure::svg(SIZE, |canvas| {
         canvas.draw(&Text::new(
             found.result.camera.name.clone(),
-            (20, 34),
-            text(FONT + 4),
+            (20, 28),
+            text(TITLE),
         ))?;
         let axes = Axes {
             margins: Margins {
-                top: 80,
-                right: 40,
+                top: 56,
+                right: 30,
                 left: 20,
                 ..Margins::default()
             },
             font: FONT,
             x: Axis {
-                room: 90,
+                room: 76,
                 labels: None,
                 write: &|mm| wording::decimals(*mm, 3),
                 name: x_name,
             },
             y: Axis {
-                room: 150,
+                room: 110,
                 labels: None,
                 write: &|um| wording::decimals(*um, 6),
                 name: y_name,

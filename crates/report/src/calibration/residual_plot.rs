@@ -7,15 +7,15 @@ use plotters::element::{Circle, PathElement, Text};
 use plotters::prelude::{Color, RGBColor};
 
 use crate::chart::{Axes, Axis, Margins};
-use crate::figure::{self, FigureError, INK, text};
+use crate::figure::{self, FONT, FigureError, INK, TITLE, WIDTH, text};
+use crate::legend::{self, Entry, Mark};
 use crate::wording;
 
-const SIZE: (u32, u32) = (1600, 1000);
-const TITLE_HEIGHT: u32 = 110;
-const AXIS_WIDTH: u32 = 150;
-const AXIS_HEIGHT: u32 = 90;
-const EDGE: u32 = 40;
-const FONT: u32 = 24;
+const SIZE: (u32, u32) = (WIDTH, 620);
+const TITLE_HEIGHT: u32 = 92;
+const AXIS_WIDTH: u32 = 110;
+const AXIS_HEIGHT: u32 = 76;
+const EDGE: u32 = 30;
 /// Colours of dx and dy (Okabe and Ito's palette, safe for the colour-blind).
 const COLOURS: [RGBColor; 2] = [RGBColor(0, 114, 178), RGBColor(213, 94, 0)];
 /// Largest number of dots; more are thinned out, but the means are over all.
@@ -117,12 +117,15 @@ pub fn residuals_against(
     let step = places.len().div_ceil(MOST_DOTS);
     figure::svg(SIZE, |canvas| {
         let title = format!("{}: {}", calibration.camera.name, against.title());
-        canvas.draw(&Text::new(title, (20, 34), text(FONT + 4)))?;
-        for ((name, colour), x) in ["dx", "dy"].into_iter().zip(COLOURS).zip([170, 420]) {
-            canvas.draw(&Circle::new((x, 80), 7, colour.filled()))?;
-            let words = format!("{name}; line: means");
-            canvas.draw(&Text::new(words, (x + 18, 80), text(FONT)))?;
-        }
+        canvas.draw(&Text::new(title, (20, 28), text(TITLE)))?;
+        let [dx, dy] = COLOURS;
+        let entries = [(dx, "dx; line: means"), (dy, "dy; line: means")];
+        let entries = entries.map(|(colour, words)| Entry {
+            mark: Mark::Dot,
+            colour,
+            words,
+        });
+        legend::draw(canvas, [legend::LEFT, 66], &entries)?;
         let axes = Axes {
             margins: Margins {
                 top: TITLE_HEIGHT,

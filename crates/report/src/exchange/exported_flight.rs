@@ -1,7 +1,7 @@
 //! Statement of the frames of a flight that were exported.
 
 use fmc_exchange::calibrated::Calibrated;
-use fmc_exchange::frames::{Flight, ONE_CAMERA_PX, Refused};
+use fmc_exchange::frames::{Flight, ImagePose, ONE_CAMERA_PX, Refused};
 use fmc_frames::time::LEAP_SECONDS;
 use serde::Serialize;
 
@@ -43,6 +43,40 @@ pub struct ExportedFlight {
     pub way: String,
     /// Largest effect of the motion during an exposure that no camera has a place for, nm.
     pub left_out_nm: f64,
+    /// Poses that were written; `null` without a trajectory, or for a program without a place for
+    /// them.
+    pub poses: Option<ExportedPoses>,
+}
+
+/// Statement of the poses of the frames.
+#[derive(Debug, Clone, PartialEq, Eq, Serialize)]
+pub struct ExportedPoses {
+    /// Number of frames with a pose.
+    pub frames: usize,
+    /// Coordinates of the places.
+    pub coordinates: &'static str,
+    /// Angles, and the axes of the camera.
+    pub convention: &'static str,
+    /// `true` if the trajectory states σ. Metashape's table and `OpenSfM`'s priors hold it.
+    pub has_sigma: bool,
+}
+
+impl ExportedPoses {
+    fn of(flight: &Flight) -> Option<Self> {
+        let poses = flight.poses.as_ref()?;
+        let first = poses.first().map(|(_, pose)| pose);
+        Some(Self {
+            frames: poses.len(),
+            coordinates: match first.and_then(ImagePose::geographic) {
+                Some(_) => "latitude, longitude and height above the ellipsoid of WGS 84",
+                None => "x, y and z of the trajectory, or east, north and up of its origin",
+            },
+            convention: "ground_from_camera = Rx(omega)·Ry(phi)·Rz(kappa); camera: x right and y \
+                         up in the image, z away from the ground, the FMC axis forward; no lever \
+                         arm, no boresight",
+            has_sigma: first.is_some_and(|pose| pose.sigma.is_some()),
+        })
+    }
 }
 
 /// A trigger without an exposure.
@@ -91,6 +125,7 @@ impl ExportedFlight {
                     .to_owned()
             },
             left_out_nm,
+            poses: ExportedPoses::of(flight),
         }
     }
 
@@ -127,6 +162,14 @@ impl ExportedFlight {
         pairs.push(("way", self.way.clone()));
         let left_out = format!("{:.2} nm: curvature over the motion", self.left_out_nm);
         pairs.push(("left out", left_out));
+        if let Some(poses) = &self.poses {
+            let count = format!(
+                "{} of {}; {}",
+                poses.frames, self.exposures, poses.coordinates
+            );
+            pairs.push(("poses", count));
+            pairs.push(("angles", poses.convention.to_owned()));
+        }
         pairs
     }
 

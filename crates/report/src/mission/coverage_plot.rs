@@ -3,11 +3,11 @@
 use plotters::element::{PathElement, Rectangle, Text};
 use plotters::prelude::Color;
 
-use super::style::{ALARM, FONT, TRUTH, WANTED, tick};
+use super::style::{ALARM, TRUTH, WANTED, tick};
 use crate::chart::{Axes, Axis, Margins};
-use crate::figure::{self, FigureError, text};
+use crate::figure::{self, FONT, FigureError, WIDTH, text};
 
-const SIZE: (u32, u32) = (800, 440);
+const SIZE: (u32, u32) = (WIDTH, 440);
 /// Largest error/σ of the axis; what is beyond is counted in the last bins.
 const MOST_SIGMAS: f64 = 6.0;
 /// Number of bins of one σ.

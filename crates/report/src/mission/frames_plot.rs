@@ -3,14 +3,14 @@
 use fmc_simulation::mission::frame_errors::FrameErrors;
 use plotters::element::{Circle, PathElement, Text};
 use plotters::prelude::{Color, RGBColor};
-use plotters::style::text_anchor::HPos;
 
 use super::MissionReport;
-use super::style::{ALARM, CAMERA, FONT, LABELS, TRUTH, WANTED, tick};
+use super::style::{ALARM, CAMERA, LABELS, TRUTH, WANTED, tick};
 use crate::chart::{Axes, Axis, Margins};
-use crate::figure::{self, Canvas, FigureError, text, text_at};
+use crate::figure::{self, Canvas, FONT, FigureError, WIDTH, text};
+use crate::legend::{self, Entry, Mark};
 
-const SIZE: (u32, u32) = (1600, 900);
+const SIZE: (u32, u32) = (WIDTH, 900);
 
 /// Factor of the largest true smear up to which predictions are drawn.
 const LARGEST_PREDICTED: f64 = 3.0;
@@ -106,8 +106,11 @@ pub fn frames(report: &MissionReport<'_>) -> Result<String, FigureError> {
             &upper,
             &[
                 (TRUTH, "true"),
-                (CAMERA, "predicted by the camera, for 95 of 100 frames"),
-                (ALARM, "limit; refused trigger"),
+                (CAMERA, "predicted, for 95 of 100"),
+                (
+                    ALARM,
+                    &format!("limit {} px; refused trigger", limits.smear_px),
+                ),
             ],
         )?;
         draw_legend(
@@ -115,6 +118,7 @@ pub fn frames(report: &MissionReport<'_>) -> Result<String, FigureError> {
             &[
                 (TRUTH, "no fault, no flag against it"),
                 (WANTED, "a fault or a flag against it"),
+                (ALARM, &format!("limit {} px", limits.pp_error_px)),
             ],
         )?;
         Ok(())
@@ -122,28 +126,28 @@ pub fn frames(report: &MissionReport<'_>) -> Result<String, FigureError> {
 }
 
 fn draw_legend(area: &Canvas<'_>, entries: &[(RGBColor, &str)]) -> Result<(), FigureError> {
-    let mut x = 760;
-    for (colour, name) in entries {
-        let style = if *colour == CAMERA {
-            colour.stroke_width(2)
-        } else {
-            colour.filled()
-        };
-        area.draw(&Circle::new((x, 30), 6, style))?;
-        area.draw(&Text::new((*name).to_owned(), (x + 14, 30), text(FONT - 3)))?;
-        // A letter is at most 10 pixels wide.
-        x += 30 + 10 * i32::try_from(name.chars().count()).unwrap_or(0);
-    }
-    Ok(())
+    let entries: Vec<Entry<'_>> = entries
+        .iter()
+        .map(|(colour, words)| Entry {
+            mark: if *colour == CAMERA {
+                Mark::Ring
+            } else {
+                Mark::Dot
+            },
+            colour: *colour,
+            words,
+        })
+        .collect();
+    legend::draw(area, [legend::LEFT, 62], &entries)
 }
 
 fn draw(area: &Canvas<'_>, panel: &Panel<'_>) -> Result<(), FigureError> {
-    area.draw(&Text::new(panel.title, (20, 30), text(FONT + 2)))?;
+    area.draw(&Text::new(panel.title, (20, 24), text(FONT)))?;
     let [low, high] = panel.range;
     let axes = Axes {
         margins: Margins {
-            top: 56,
-            right: 40,
+            top: 92,
+            right: 30,
             left: 10,
             ..Margins::default()
         },
@@ -176,21 +180,9 @@ fn draw(area: &Canvas<'_>, panel: &Panel<'_>) -> Result<(), FigureError> {
         };
         chart.draw_series(dots.iter().map(|dot| Circle::new(*dot, radius, style)))?;
     }
-    let mut last_y = i32::MIN / 2;
     for limit in &panel.limits {
         let line = [(0.5, *limit), (panel.last_frame + 0.5, *limit)];
         chart.draw_series([PathElement::new(line, ALARM.stroke_width(2))])?;
-        let (x, y) = chart.backend_coord(&(panel.last_frame + 0.5, *limit));
-        let (base_x, base_y) = area.get_base_pixel();
-        // Two limits at the same height share one name.
-        if (y - last_y).abs() < 24 {
-            continue;
-        }
-        last_y = y;
-        let place = (x - base_x - 6, y - base_y - 14);
-        let name = format!("{limit} px");
-        let style = text_at(FONT - 4, HPos::Right).color(&ALARM);
-        area.draw(&Text::new(name, place, style))?;
     }
     Ok(())
 }

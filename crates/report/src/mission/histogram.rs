@@ -4,11 +4,11 @@ use plotters::element::{PathElement, Rectangle, Text};
 use plotters::prelude::{Color, RGBColor};
 
 use super::MissionReport;
-use super::style::{ALARM, FONT, LABELS, TRUTH, tick};
+use super::style::{ALARM, LABELS, TRUTH, tick};
 use crate::chart::{Axes, Axis, Margins};
-use crate::figure::{self, Canvas, FigureError, text};
+use crate::figure::{self, Canvas, FONT, FigureError, WIDTH, text};
 
-const SIZE: (u32, u32) = (1600, 520);
+const SIZE: (u32, u32) = (WIDTH, 380);
 const BINS: u32 = 40;
 
 /// Draws both histograms, in SVG.
@@ -78,18 +78,18 @@ fn draw(
     let [low, high] = range;
     let width = (high - low) / f64::from(BINS);
     let tallest = f64::from(counts.iter().copied().max().unwrap_or(0).max(1));
-    area.draw(&Text::new(title, (20, 30), text(FONT + 2)))?;
+    area.draw(&Text::new(title, (20, 24), text(FONT)))?;
     let axes = Axes {
         margins: Margins {
-            top: 56,
-            right: 30,
+            top: 48,
+            right: 20,
             left: 10,
             ..Margins::default()
         },
         font: FONT,
         x: Axis {
             room: 44,
-            labels: Some(6),
+            labels: Some(4),
             write: &|value| tick(*value, 3),
             name: "",
         },

@@ -3,11 +3,11 @@
 use plotters::element::{Circle, PathElement, Text};
 use plotters::prelude::Color;
 
-use super::style::{ALARM, FONT, OUTLINE_LINE, TRUTH, tick};
+use super::style::{ALARM, OUTLINE_LINE, TRUTH, tick};
 use crate::chart::{Axes, Axis, Margins};
-use crate::figure::{self, FigureError, text};
+use crate::figure::{self, FONT, FigureError, WIDTH, text};
 
-const SIZE: (u32, u32) = (800, 440);
+const SIZE: (u32, u32) = (WIDTH, 440);
 /// Factor of the largest true smear up to which predictions are drawn.
 const LARGEST_PREDICTED: f64 = 2.0;
 /// Factor of the median up to which smear is drawn; frames without compensation, which have more

@@ -14,10 +14,8 @@ pub(super) const ALARM: RGBColor = RGBColor(205, 60, 40);
 pub(super) const WANTED: RGBColor = RGBColor(190, 130, 0);
 /// Colour of the line of equal values.
 pub(super) const OUTLINE_LINE: RGBColor = RGBColor(110, 118, 130);
-/// Height of text.
-pub(super) const FONT: u32 = 22;
 /// Width of the column of labels left of a chart.
-pub(super) const LABELS: u32 = 120;
+pub(super) const LABELS: u32 = 92;
 
 /// Returns a range around values, larger than theirs by a part of its width and never empty.
 pub(super) fn around(values: impl Iterator<Item = f64>, least_width: f64) -> [f64; 2] {

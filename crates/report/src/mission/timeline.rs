@@ -3,14 +3,14 @@
 use fmc_simulation::mission::trace::{Round, Trace};
 use plotters::element::{PathElement, Rectangle, Text};
 use plotters::prelude::{ChartBuilder, Color, RGBColor};
-use plotters::style::text_anchor::HPos;
 
 use super::MissionReport;
-use super::style::{ALARM, CAMERA, FONT, LABELS, TRUTH, WANTED, around, tick};
+use super::style::{ALARM, CAMERA, LABELS, TRUTH, WANTED, around, tick};
 use crate::chart::{Axes, Axis, Margins};
-use crate::figure::{self, Canvas, FigureError, OUTLINE, text, text_at};
+use crate::figure::{self, Canvas, FONT, FigureError, OUTLINE, SMALL, TITLE, WIDTH, text};
+use crate::legend::{self, Entry, Mark};
 
-const SIZE: (u32, u32) = (1600, 1280);
+const SIZE: (u32, u32) = (WIDTH, 1180);
 /// Longest time that is drawn, ms after the trigger.
 const LONGEST_MS: f64 = 400.0;
 
@@ -47,7 +47,7 @@ pub fn timeline(report: &MissionReport<'_>) -> Result<String, FigureError> {
     let view = View::of(trace, age_s);
     figure::svg(SIZE, |canvas| {
         let title = format!("Trigger {}", trace.sequence);
-        canvas.draw(&Text::new(title, (20, 28), text(FONT + 4)))?;
+        canvas.draw(&Text::new(title, (20, 28), text(TITLE)))?;
         let (_, below) = canvas.split_vertically(44);
         let (states, charts) = below.split_vertically(70);
         view.draw_states(&states)?;
@@ -185,12 +185,12 @@ impl<'a> View<'a> {
     fn draw_states(&self, area: &Canvas<'_>) -> Result<(), FigureError> {
         let chart = ChartBuilder::on(area)
             .margin_left(10)
-            .margin_right(40)
+            .margin_right(30)
             .y_label_area_size(LABELS)
             .build_cartesian_2d(self.from_ms..self.to_ms, 0.0..1.0)?;
         area.draw(&Text::new("state", (20, 34), text(FONT)))?;
         let mut last = None;
-        let mut row = 0;
+        let mut names = Vec::new();
         for (ms, round, _) in &self.rounds {
             if last == Some(round.state) {
                 continue;
@@ -199,26 +199,18 @@ impl<'a> View<'a> {
             let (x, _) = chart.backend_coord(&(*ms, 0.0));
             let (base_x, _) = area.get_base_pixel();
             let x = x - base_x;
-            area.draw(&PathElement::new(
-                [(x, 4), (x, 70)],
-                OUTLINE.stroke_width(1),
-            ))?;
-            let colour = if round.state.name() == "fault" {
-                ALARM
-            } else {
-                OUTLINE
-            };
-            // The names of short states alternate between three lines, so that they do not overlap.
-            let y = [16, 38, 60].get(row % 3).copied().unwrap_or(16);
-            row += 1;
+            let line = [(x, 4), (x, 70)];
+            area.draw(&PathElement::new(line, OUTLINE.stroke_width(1)))?;
+            let name = round.state.to_string();
+            let letters = i32::try_from(name.chars().count()).unwrap_or(0);
             let is_late = *ms > self.from_ms + 0.85 * (self.to_ms - self.from_ms);
-            let (x, side) = if is_late {
-                (x - 6, HPos::Right)
-            } else {
-                (x + 6, HPos::Left)
-            };
-            let style = text_at(FONT - 4, side).color(&colour);
-            area.draw(&Text::new(round.state.to_string(), (x, y), style))?;
+            let x = if is_late { x - 10 * letters } else { x + 6 };
+            names.push((x, name, round.state.name() == "fault"));
+        }
+        // The names of short states alternate between three lines, so that they do not overlap.
+        for ((x, name, is_fault), y) in names.iter().zip([16, 38, 60].into_iter().cycle()) {
+            let colour = if *is_fault { ALARM } else { OUTLINE };
+            figure::draw_plate(area, name, (*x, y), &text(SMALL).color(&colour))?;
         }
         Ok(())
     }
@@ -233,7 +225,7 @@ impl<'a> View<'a> {
         let axes = Axes {
             margins: Margins {
                 top: 36,
-                right: 40,
+                right: 30,
                 left: 10,
                 ..Margins::default()
             },
@@ -265,21 +257,23 @@ impl<'a> View<'a> {
             chart.draw_series([PathElement::new(curve.places.clone(), style)])?;
         }
         area.draw(&Text::new(panel.title, (20, 18), text(FONT)))?;
-        let mut x = 420;
-        for curve in &panel.curves {
-            let line = [(x, 18), (x + 40, 18)];
-            area.draw(&PathElement::new(
-                line,
-                curve.colour.stroke_width(curve.width),
-            ))?;
-            area.draw(&Text::new(curve.name, (x + 50, 18), text(FONT - 3)))?;
-            x += 230;
-        }
+        let mut entries: Vec<Entry<'_>> = panel
+            .curves
+            .iter()
+            .map(|curve| Entry {
+                mark: Mark::Line(curve.width),
+                colour: curve.colour,
+                words: curve.name,
+            })
+            .collect();
         if area.get_base_pixel().1 < 200 {
-            let shade = WANTED.mix(0.3).filled();
-            area.draw(&Rectangle::new([(x, 8), (x + 40, 28)], shade))?;
-            area.draw(&Text::new("shutter open", (x + 50, 18), text(FONT - 3)))?;
+            entries.push(Entry {
+                mark: Mark::Shade,
+                colour: WANTED,
+                words: "shutter open",
+            });
         }
+        legend::draw(area, [270, 18], &entries)?;
         Ok(())
     }
 }

@@ -10,13 +10,12 @@ use plotters::style::text_anchor::HPos;
 use super::palette::colour;
 use super::rows::decimals_of;
 use crate::chart::{Axes, Axis, Margins};
-use crate::figure::{self, FigureError, INK, text, text_at};
+use crate::figure::{self, FONT, FigureError, INK, SMALL, TITLE, WIDTH, pixels, text, text_at};
 use crate::wording;
 
-const SIZE: (u32, u32) = (1600, 960);
-const FONT: u32 = 24;
-/// Width of the column of names.
-const NAMES: u32 = 350;
+const SIZE: (u32, u32) = (WIDTH, 1010);
+/// Width of the column of numbers.
+const NUMBERS: u32 = 116;
 
 /// Draws means, their intervals and the spread of the repetitions, for all models, in SVG.
 ///
@@ -29,17 +28,17 @@ pub fn ground_errors(experiment: &Experiment) -> Result<String, FigureError> {
     }
     figure::svg(SIZE, |canvas| {
         let title = "Planimetric error on the ground";
-        canvas.draw(&Text::new(title, (20, 34), text(FONT + 4)))?;
+        canvas.draw(&Text::new(title, (20, 30), text(TITLE)))?;
         let axes = Axes {
             margins: Margins {
-                top: 70,
-                right: 40,
-                bottom: 60,
-                left: NAMES,
+                top: 86,
+                right: NUMBERS,
+                bottom: 130,
+                left: 20,
             },
             font: FONT,
             x: Axis {
-                room: 80,
+                room: 70,
                 labels: None,
                 write: &|metres| wording::decimals(*metres, 3),
                 name: "RMS of the place (X and Y together), m",
@@ -58,19 +57,23 @@ pub fn ground_errors(experiment: &Experiment) -> Result<String, FigureError> {
             chart.draw_series([PathElement::new(line, INK.stroke_width(2))])?;
             let (x, y) = chart.backend_coord(&(floor_m, 0.0));
             let words = format!("noise floor {floor_m:.3} m");
-            let style = text_at(FONT - 4, HPos::Center);
+            let style = text_at(SMALL, HPos::Center);
             canvas.draw(&Text::new(words, (x, y - 14), style))?;
         }
         for (row, model) in (0..7).map(f64::from).zip(Model::ALL) {
             let ink = colour(model);
-            for (points, y) in [(Points::Control, -row - 0.32), (Points::Check, -row - 0.68)] {
+            for (points, y) in [(Points::Control, -row - 0.47), (Points::Check, -row - 0.79)] {
                 let repetitions = experiment.ground_m(model, points);
                 let mean = Estimate::of_mean(&repetitions);
                 let [low, high] = middle_90_percent(repetitions);
-                if mean.value > most {
-                    let (x, y) = chart.backend_coord(&(1.11 * most, y));
-                    let number = format!("{:.3} m, beyond the axis →", mean.value);
-                    canvas.draw(&Text::new(number, (x, y), text_at(FONT - 4, HPos::Right)))?;
+                // Beyond the axis nothing crosses the numbers.
+                let (_, number_y) = chart.backend_coord(&(0.0, y));
+                let is_beyond = mean.value > most;
+                let arrow = if is_beyond { " →" } else { "" };
+                let number = format!("{:.*} m{arrow}", decimals_of(mean.value), mean.value);
+                let place = (pixels(f64::from(SIZE.0)) - 12, number_y);
+                canvas.draw(&Text::new(number, place, text_at(SMALL, HPos::Right)))?;
+                if is_beyond {
                     continue;
                 }
                 chart.draw_series([
@@ -83,15 +86,26 @@ pub fn ground_errors(experiment: &Experiment) -> Result<String, FigureError> {
                 };
                 chart.draw_series([Circle::new((mean.value, y), 9, style)])?;
                 chart.draw_series([Circle::new((mean.value, y), 9, ink.stroke_width(3))])?;
-                let (x, y) = chart.backend_coord(&(high, y));
-                let number = format!("{:.*} m", decimals_of(mean.value), mean.value);
-                canvas.draw(&Text::new(number, (x + 14, y), text(FONT - 4)))?;
             }
-            let (_, y) = chart.backend_coord(&(least, -row - 0.5));
-            canvas.draw(&Text::new(model.label(), (24, y), text(FONT).color(&ink)))?;
+            let (x, y) = chart.backend_coord(&(0.0, -row - 0.16));
+            figure::draw_plate(canvas, model.label(), (x + 8, y), &text(FONT))?;
         }
-        let legend = "hollow: control points, upper line; filled: check points, lower line; bar: 95 % interval of the mean; thin line: 90 % of the repetitions";
-        canvas.draw(&Text::new(legend, (24, 930), text(FONT - 4)))?;
+        for (y, words) in [
+            (
+                906,
+                "hollow, upper line: control points; filled, lower line: check points",
+            ),
+            (
+                940,
+                "bar: 95 % interval of the mean; thin line: 90 % of the repetitions",
+            ),
+            (
+                974,
+                "vertical line: noise floor, which no correction lowers; →: beyond the axis",
+            ),
+        ] {
+            canvas.draw(&Text::new(words, (20, y), text(SMALL)))?;
+        }
         Ok(())
     })
 }

@@ -9,11 +9,10 @@ use plotters::prelude::Color;
 
 use super::palette::colour;
 use crate::chart::{Axes, Axis, Margins};
-use crate::figure::{self, FigureError, OUTLINE, text};
+use crate::figure::{self, FONT, FigureError, OUTLINE, SMALL, TITLE, WIDTH, text};
 use crate::wording;
 
-const SIZE: (u32, u32) = (1100, 1060);
-const FONT: u32 = 22;
+const SIZE: (u32, u32) = (WIDTH, 920);
 
 /// Draws the plan, in SVG.
 ///
@@ -44,23 +43,23 @@ pub fn plan(experiment: &Experiment) -> Result<String, FigureError> {
         middle - side / 2.0..middle + side / 2.0
     };
     figure::svg(SIZE, |canvas| {
-        canvas.draw(&Text::new("Frames on the ground", (20, 34), text(FONT + 6)))?;
+        canvas.draw(&Text::new("Frames on the ground", (20, 30), text(TITLE)))?;
         let axes = Axes {
             margins: Margins {
-                top: 70,
-                right: 100,
-                bottom: 60,
+                top: 60,
+                right: 60,
+                bottom: 86,
                 left: 20,
             },
             font: FONT,
             x: Axis {
-                room: 80,
+                room: 70,
                 labels: Some(6),
                 write: &|metres| wording::decimals(*metres, 0),
                 name: "X (east), m",
             },
             y: Axis {
-                room: 130,
+                room: 110,
                 labels: None,
                 write: &|metres| wording::decimals(*metres, 0),
                 name: "Y (north), m",
@@ -83,11 +82,14 @@ pub fn plan(experiment: &Experiment) -> Result<String, FigureError> {
             let place = (point.x_m, point.y_m);
             chart.draw_series([TriangleMarker::new(place, 9, control)])?;
             let (x, y) = chart.backend_coord(&place);
-            canvas.draw(&Text::new(point.id.clone(), (x + 11, y), text(FONT - 4)))?;
+            canvas.draw(&Text::new(point.id.clone(), (x + 11, y), text(SMALL)))?;
         }
-        let legend =
-            "triangles: control points; dots: check points, a grid in each frame; lines: frames";
-        canvas.draw(&Text::new(legend, (24, 1035), text(FONT - 2)))?;
+        for (y, words) in [
+            (858, "triangles: control points; lines: frames"),
+            (890, "dots: check points, a grid in each frame"),
+        ] {
+            canvas.draw(&Text::new(words, (20, y), text(SMALL)))?;
+        }
         Ok(())
     })
 }

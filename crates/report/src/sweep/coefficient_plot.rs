@@ -13,12 +13,11 @@ use plotters::prelude::{Color, RGBColor};
 use super::power;
 use super::results::{COEFFICIENTS, per};
 use crate::chart::{Axes, Axis, Margins};
-use crate::figure::{self, Area, Backend, FigureError, INK, text};
+use crate::figure::{self, Area, Backend, FONT, FigureError, INK, SMALL, TITLE, WIDTH, text};
 use crate::{picture, wording};
 
-const SIZE: (u32, u32) = (1800, 1150);
-const TITLE_HEIGHT: u32 = 70;
-const FONT: u32 = 22;
+const SIZE: (u32, u32) = (WIDTH, 1130);
+const TITLE_HEIGHT: u32 = 80;
 /// Colour of an estimate from one exposure.
 const FRAME: RGBColor = RGBColor(0, 114, 178);
 /// Colour of the estimate from all exposures together.
@@ -47,10 +46,11 @@ fn draw<B: Backend>(canvas: &Area<B>, sweep: &Sweep) -> Result<(), FigureError> 
     }
     let longest_mm = frames.iter().map(|f| f.travel_mm).fold(0.0, f64::max);
     let travel_um = 0.0..(1e3 * longest_mm * 1.03).max(1e-3);
-    let title = format!("{}: coefficients of each exposure against δ", sweep.camera);
-    canvas.draw(&Text::new(title, (20, 36), text(FONT + 6)))?;
+    canvas.draw(&Text::new(sweep.camera.clone(), (20, 24), text(TITLE)))?;
+    let words = "coefficients of each exposure against δ";
+    canvas.draw(&Text::new(words, (20, 56), text(FONT)))?;
     let (_, panels) = canvas.split_vertically(TITLE_HEIGHT);
-    let panels = panels.split_evenly((2, 3));
+    let panels = panels.split_evenly((3, 2));
     for (panel, (parameter, unit)) in panels.iter().zip(COEFFICIENTS) {
         draw_panel(panel, sweep, parameter, unit, travel_um.clone())?;
     }
@@ -93,13 +93,13 @@ fn draw_panel<B: Backend>(
     if estimates.is_empty() {
         for (line, words) in [
             format!("{symbol}: no number"),
-            "the adjustment has no solution; see the report".to_owned(),
+            "the adjustment has no solution".to_owned(),
         ]
         .into_iter()
         .enumerate()
         {
-            let y = if line == 0 { 60 } else { 100 };
-            panel.draw(&Text::new(words, (60, y), text(FONT)))?;
+            let y = if line == 0 { 60 } else { 96 };
+            panel.draw(&Text::new(words, (30, y), text(FONT)))?;
         }
         return Ok(());
     }
@@ -131,21 +131,21 @@ fn draw_panel<B: Backend>(
     };
     let axes = Axes {
         margins: Margins {
-            top: 20,
-            right: 25,
-            bottom: 10,
-            left: 15,
+            top: 14,
+            right: 20,
+            bottom: 6,
+            left: 12,
         },
         font: FONT,
         x: Axis {
-            room: 70,
-            labels: Some(8),
+            room: 64,
+            labels: Some(5),
             write: &|um| wording::decimals(*um, 1),
             name: "δ, µm",
         },
         y: Axis {
-            room: 105,
-            labels: Some(7),
+            room: 84,
+            labels: Some(6),
             write: &|value| wording::decimals(*value, 4),
             name: &label,
         },
@@ -203,45 +203,38 @@ where
 }
 
 fn draw_legend<B: Backend>(legend: &Area<B>, sweep: &Sweep) -> Result<(), FigureError> {
-    let words = |x: i32, y: i32, words: &str| Text::new(words.to_owned(), (x, y), text(FONT));
-    let (left, column) = (60, 110);
-    legend.draw(&PathElement::new(
-        [(left + 15, 42), (left + 15, 78)],
-        FRAME.stroke_width(2),
-    ))?;
-    legend.draw(&Circle::new((left + 15, 60), 4, FRAME.filled()))?;
-    legend.draw(&words(column, 60, "one exposure, ± 1 σ"))?;
-    legend.draw(&Rectangle::new(
-        [(left, 100), (left + 30, 120)],
-        WHOLE.mix(0.25).filled(),
-    ))?;
-    legend.draw(&PathElement::new(
-        [(left, 110), (left + 30, 110)],
-        WHOLE.stroke_width(2),
-    ))?;
-    legend.draw(&words(column, 110, "all exposures together, ± 1 σ"))?;
-    legend.draw(&PathElement::new(
-        [(left, 160), (left + 30, 160)],
-        INK.stroke_width(2),
-    ))?;
-    legend.draw(&words(column, 160, "truth; K_d1, P_m1: of K1 alone"))?;
+    let (left, column) = (24, 66);
+    let words = |y: i32, words: &str| Text::new(words.to_owned(), (column, y), text(SMALL));
+    let centre = left + 15;
+    let error_bar = [(centre, 8), (centre, 40)];
+    legend.draw(&PathElement::new(error_bar, FRAME.stroke_width(2)))?;
+    legend.draw(&Circle::new((centre, 24), 4, FRAME.filled()))?;
+    legend.draw(&words(24, "one exposure, ± 1 σ"))?;
+    let band = [(left, 50), (left + 30, 70)];
+    legend.draw(&Rectangle::new(band, WHOLE.mix(0.25).filled()))?;
+    let line = |y: i32| [(left, y), (left + 30, y)];
+    legend.draw(&PathElement::new(line(60), WHOLE.stroke_width(2)))?;
+    legend.draw(&words(60, "all exposures together, ± 1 σ"))?;
+    legend.draw(&PathElement::new(line(96), INK.stroke_width(2)))?;
+    legend.draw(&words(96, "truth; K_d1, P_m1: of K1 alone"))?;
     let options = &sweep.options;
     let lines = [
-        "δ: travel of the principal point while the shutter is open".to_owned(),
+        "δ: travel of the principal point".to_owned(),
+        "while the shutter is open".to_owned(),
         format!("K_d1, P_m1: per mm of {}", per(options.regressor)),
         format!("K1 of the lens: {:.3e} mm⁻²", sweep.k1),
         wording::strategy(sweep.strategy).to_owned(),
+        format!("noise {} µm", wording::decimals(1e3 * options.noise_mm, 4)),
         format!(
-            "noise {} µm, focus shift {} µm, seed {}",
-            wording::decimals(1e3 * options.noise_mm, 4),
+            "focus shift {} µm, seed {}",
             wording::decimals(1e3 * options.focus_shift_mm, 4),
             options.seed
         ),
     ];
-    let mut y = 215;
+    let mut y = 138;
     for line in lines {
-        legend.draw(&Text::new(line, (left, y), text(FONT - 2).color(&INK)))?;
-        y += 42;
+        legend.draw(&Text::new(line, (left, y), text(SMALL)))?;
+        y += 29;
     }
     Ok(())
 }

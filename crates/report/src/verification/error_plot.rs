@@ -6,23 +6,21 @@ use fmc_reference::verification::result::{CameraResult, MAX_ERROR_NM, Treatment}
 use plotters::coord::combinators::IntoLogRange;
 use plotters::element::{EmptyElement, PathElement, Polygon, Text};
 use plotters::prelude::Color;
-use plotters::style::text_anchor::HPos;
 
 use super::marker;
 use crate::chart::{Axes, Axis, Margins};
-use crate::figure::{self, Canvas, FigureError, INK, text, text_at};
+use crate::figure::{self, Canvas, FONT, FigureError, INK, SMALL, TITLE, WIDTH, text};
 use crate::wording;
 
-const SIZE: (u32, u32) = (1600, 1000);
-const TITLE_HEIGHT: u32 = 70;
-const LEGEND_TOP: u32 = 870;
-const AXIS_WIDTH: u32 = 150;
-const AXIS_HEIGHT: u32 = 90;
+const SIZE: (u32, u32) = (WIDTH, 830);
+const TITLE_HEIGHT: u32 = 60;
+const LEGEND_TOP: u32 = 650;
+const AXIS_WIDTH: u32 = 110;
+const AXIS_HEIGHT: u32 = 76;
 /// Width for the name of the limit, right of the plot.
-const EDGE: u32 = 150;
+const EDGE: u32 = 76;
 /// Left margin, on whose edge the vertical text is centred.
 const EDGE_LEFT: u32 = 20;
-const FONT: u32 = 24;
 /// Value at which smaller errors are drawn, as a logarithmic axis has no zero.
 const LEAST_NM: f64 = 1e-3;
 
@@ -39,7 +37,7 @@ pub fn error_against_travel(camera: &CameraResult) -> Result<String, FigureError
     let travel_um = 0.0..(1e3 * longest_mm * 1.03).max(1e-3);
     figure::svg(SIZE, |canvas| {
         let title = format!("{}: largest error of each exposure", camera.name);
-        canvas.draw(&Text::new(title, (20, 34), text(FONT + 4)))?;
+        canvas.draw(&Text::new(title, (20, 30), text(TITLE)))?;
         let (upper, legend) = canvas.split_vertically(LEGEND_TOP);
         let axes = Axes {
             margins: Margins {
@@ -70,8 +68,12 @@ pub fn error_against_travel(camera: &CameraResult) -> Result<String, FigureError
         ];
         chart.draw_series([PathElement::new(limit, INK.stroke_width(3))])?;
         let (right, y) = chart.backend_coord(&(travel_um.end, MAX_ERROR_NM));
-        let name = format!("limit {MAX_ERROR_NM} nm");
-        canvas.draw(&Text::new(name, (right + 12, y), text(FONT)))?;
+        for (words, y) in [
+            ("limit".to_owned(), y - 12),
+            (format!("{MAX_ERROR_NM} nm"), y + 12),
+        ] {
+            canvas.draw(&Text::new(words, (right + 8, y), text(SMALL)))?;
+        }
 
         for (index, treatment) in Treatment::ALL.into_iter().enumerate() {
             let places = |is_hollow: bool| {
@@ -137,16 +139,17 @@ fn decade_text(nm: f64) -> String {
 /// Draws treatments by colour and shape, strategies by filling, below the axes.
 fn draw_legend(legend: &Canvas<'_>, camera: &CameraResult) -> Result<(), FigureError> {
     let words = |x: i32, y: i32, words: String| Text::new(words, (x, y), text(FONT));
-    for (treatment, x) in Treatment::ALL.into_iter().zip([150, 440, 770, 1210]) {
+    let places = [(30, 20), (440, 20), (30, 54), (440, 54)];
+    for (treatment, (x, y)) in Treatment::ALL.into_iter().zip(places) {
         legend.draw(
-            &(EmptyElement::at((x, 30))
+            &(EmptyElement::at((x, y))
                 + PathElement::new(marker::outline(treatment), marker::hollow(treatment))),
         )?;
         legend.draw(
-            &(EmptyElement::at((x + 28, 30))
+            &(EmptyElement::at((x + 28, y))
                 + Polygon::new(marker::corners(treatment), marker::filled(treatment))),
         )?;
-        legend.draw(&words(x + 50, 30, treatment.label().to_owned()))?;
+        legend.draw(&words(x + 50, y, treatment.label().to_owned()))?;
     }
     let mut strategies: Vec<&str> = camera.frames.iter().map(|frame| frame.strategy).collect();
     strategies.dedup();
@@ -161,9 +164,9 @@ fn draw_legend(legend: &Canvas<'_>, camera: &CameraResult) -> Result<(), FigureE
             format!("{filling}: {}", wording::strategy(strategy))
         })
         .collect();
-    legend.draw(&words(150, 80, fillings.join("; ")))?;
+    legend.draw(&words(20, 96, fillings.join("; ")))?;
     let note = format!("under {LEAST_NM} nm: drawn on the lower edge");
-    legend.draw(&Text::new(note, (1450, 80), text_at(FONT - 4, HPos::Right)))?;
+    legend.draw(&Text::new(note, (20, 130), text(SMALL)))?;
     Ok(())
 }
 
@@ -180,7 +183,7 @@ mod tests {
             assert_eq!(svg.matches(&format!("fill=\"{colour}\"")).count(), 2);
             assert_eq!(svg.matches(&format!("stroke=\"{colour}\"")).count(), 2);
         }
-        assert!(svg.contains("limit 1.5 nm"));
+        assert!(svg.contains("limit\n") && svg.contains("1.5 nm"));
     }
 
     #[test]

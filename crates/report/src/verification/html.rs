@@ -117,8 +117,8 @@ mod tests {
     fn page_stands_alone_and_shows_every_camera_with_three_figures() {
         let page = page(&fixture::passing()).unwrap();
         assert!(page.contains(">Alpha<") && page.contains(">Beta<"));
-        // The page has one schematic and three figures for each camera.
-        assert_stands_alone(&page, 1 + 2 * 3);
+        // The page has a schematic in two parts and three figures for each camera.
+        assert_stands_alone(&page, 2 + 2 * 3);
         assert!(page.contains("class=\"verdict passed\""));
     }
 

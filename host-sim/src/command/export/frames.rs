@@ -5,7 +5,8 @@ use std::path::Path;
 use fmc_camera_file::CameraFile;
 use fmc_exchange::calibrated::Calibrated;
 use fmc_exchange::export::Choices;
-use fmc_exchange::frames::{Flight, FlightExport, ImageNames};
+use fmc_exchange::frames::{Flight, FlightExport, ImageNames, ImagePose};
+use fmc_exchange::program::Program;
 use fmc_frames::{FrameCamera, ImageMap, records};
 use fmc_report::exchange::{ExportSummary, ExportedFlight};
 
@@ -25,7 +26,14 @@ pub(super) fn run(
     camera_bytes: &[u8],
     choices: &Choices<'_>,
 ) -> Result<(), Failure> {
-    let flight = read(path, &args.camera, camera)?;
+    let mut flight = read(path, &args.camera, camera)?;
+    let trajectory = args.trajectory.trajectory.as_deref();
+    let mut orientations = trajectory
+        .map(|path| Orientations::open(&args.trajectory, path, true))
+        .transpose()?;
+    if let Some(orientations) = &mut orientations {
+        add_poses(args, &mut flight, orientations, camera.fmc.axis.unit())?;
+    }
     let (images, images_from) = match &args.images {
         Some(map) => (
             ImageNames::Map(ImageMap::read(map)?),
@@ -49,10 +57,6 @@ pub(super) fn run(
     let summary = ExportSummary::of(camera, camera_bytes, args.format, &export.at_rest)
         .with_frames(args.format, &files, frames);
     super::check_residual(args, &summary)?;
-    let trajectory = args.trajectory.trajectory.as_deref();
-    let mut orientations = trajectory
-        .map(|path| Orientations::open(&args.trajectory, path, true))
-        .transpose()?;
     let folder = OutputFolder::create(&args.out)?;
     for name in files.iter().chain(&["export.json", ORIENTATION]) {
         let file = folder.path().join(name);
@@ -61,6 +65,7 @@ pub(super) fn run(
             Some(&args.camera),
             args.images.as_deref(),
             trajectory,
+            args.trajectory.trajectory_accuracy.as_deref(),
         ];
         for input in inputs {
             input.map_or(Ok(()), |input| output::check_not_an_input(&file, input))?;
@@ -75,11 +80,37 @@ pub(super) fn run(
                 images.each(&flight.frames, |frame, image| {
                     each(frame.sequence, image, frame.centroid_utc)
                 })
-            })?;
-            Ok(orientations.conclude()?)
+            })
         })?;
     }
     super::conclude(&folder, &summary)
+}
+
+/// Adds the poses of the exposures, for a program that has a place for them, and says which
+/// exposures have none.
+fn add_poses(
+    args: &ExportArgs,
+    flight: &mut Flight,
+    orientations: &mut Orientations<'_>,
+    axis: [f64; 2],
+) -> Result<(), Failure> {
+    let mut poses = Vec::new();
+    for frame in &flight.frames {
+        if let Ok(given) = orientations.as_given(frame.sequence, frame.centroid_utc)? {
+            let orientation = match args.format {
+                // They take geographic places, with angles against east, north and up there.
+                Program::Metashape | Program::OpenSfm => given,
+                _ => orientations.about_origin(&given),
+            };
+            poses.push((frame.sequence, ImagePose::of(&orientation, axis)));
+        }
+    }
+    orientations.conclude()?;
+    poses.sort_by_key(|(sequence, _)| *sequence);
+    if Program::WITH_POSES.contains(&args.format) {
+        flight.poses = Some(poses);
+    }
+    Ok(())
 }
 
 /// Reads the records of a flight, and keeps of each what a program needs.

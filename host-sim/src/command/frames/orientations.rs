@@ -79,14 +79,33 @@ impl<'a> Orientations<'a> {
         sequence: u32,
         centroid: Option<UtcTime>,
     ) -> Result<Result<ImageOrientation, Unavailable>, Failure> {
+        let found = self.as_given(sequence, centroid)?;
+        Ok(found.map(|orientation| self.about_origin(&orientation)))
+    }
+
+    /// Returns an orientation about the origin, if there is one.
+    pub(in crate::command) fn about_origin(
+        &self,
+        orientation: &ImageOrientation,
+    ) -> ImageOrientation {
+        let origin = self.args.origin.as_ref();
+        origin.map_or(*orientation, |origin| orientation.about(origin))
+    }
+
+    /// As [`of`](Self::of), in the coordinates of the trajectory.
+    ///
+    /// # Errors
+    /// [`Failure`] naming the frame.
+    pub(in crate::command) fn as_given(
+        &mut self,
+        sequence: u32,
+        centroid: Option<UtcTime>,
+    ) -> Result<Result<ImageOrientation, Unavailable>, Failure> {
         let found = self.trajectory.at(centroid)?;
         match found {
             Ok(orientation) => {
                 self.found += 1;
-                let origin = self.args.origin.as_ref();
-                Ok(Ok(
-                    origin.map_or(orientation, |origin| orientation.about(origin))
-                ))
+                Ok(Ok(orientation))
             }
             Err(reason) if self.args.off_trajectory == OffTrajectoryName::Error => Err(
                 Failure::bad_input(format!("--trajectory: frame {sequence}: {reason}"))

@@ -12,7 +12,7 @@ use crate::command::point_stream::progress;
 use crate::command::points::Direction;
 use crate::failure::Failure;
 use crate::formats::frame_points::{
-    Flag, FrameAnswers, FrameBlock, FrameFinder, FrameSource, ImageList, OutColumns,
+    AnsweredBlock, Flag, FrameAnswers, FrameBlock, FrameFinder, FrameSource, ImageList, OutColumns,
 };
 use crate::formats::output::{self, Stopped};
 use crate::formats::points::{CoordinateFrame, PointFormat, off_sensor};
@@ -88,7 +88,13 @@ pub(in crate::command) fn run(args: &PointsArgs, direction: Direction) -> Result
                     writer.begin(sink)?;
                     begun = true;
                 }
-                writer.write(&block, &answers, &flight.table, &flight.file, sink)?;
+                let answered = AnsweredBlock {
+                    block: &block,
+                    answers: &answers,
+                    table: &flight.table,
+                    camera: &flight.file,
+                };
+                writer.write(&answered, sink)?;
             }
             bar.set_position(block.read_bytes);
             blocks.reuse(block);

@@ -2,9 +2,11 @@
 
 use std::borrow::Cow;
 
+use fmc_camera_file::CameraFile;
 use fmc_frames::FrameTable;
 
-use crate::formats::points::Answer;
+use super::block::FrameBlock;
+use crate::formats::points::{Answer, CoordinateFrame};
 
 /// Reason why a point has no answer.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -24,20 +26,6 @@ impl Flag {
     #[must_use]
     pub const fn number(self) -> u8 {
         self as u8
-    }
-}
-
-/// Returns the text of a flag, for the point of a frame by its place; empty for an answer.
-pub(super) fn flag_text(flag: Flag, frame: u32, table: &FrameTable) -> Cow<'static, str> {
-    match flag {
-        Flag::None => "".into(),
-        Flag::OffSensor => "off sensor".into(),
-        Flag::NotConverged => "not converged".into(),
-        Flag::Refused => {
-            let row = table.rows().get(frame as usize);
-            let reason = row.and_then(|row| table.reason_of(row));
-            format!("refused: {}", reason.unwrap_or_default()).into()
-        }
     }
 }
 
@@ -96,5 +84,55 @@ impl FrameAnswers {
             .into_iter()
             .chain(sigma.copied())
             .map(|value| 1000.0 * value + 0.0)
+    }
+}
+
+/// A block of points with its answers, as the writers of all formats take it.
+#[derive(Debug, Clone, Copy)]
+pub struct AnsweredBlock<'a> {
+    /// The points, with their frames.
+    pub block: &'a FrameBlock,
+    /// Their answers.
+    pub answers: &'a FrameAnswers,
+    /// The frames.
+    pub table: &'a FrameTable,
+    /// The camera.
+    pub camera: &'a CameraFile,
+}
+
+impl AnsweredBlock<'_> {
+    /// Returns `true` if a point has an answer.
+    fn is_answered(&self, index: usize) -> bool {
+        self.answers.flags.get(index) == Some(&Flag::None)
+    }
+
+    /// Returns the coordinates of a point's answer in a frame; `None` without an answer.
+    pub(super) fn point(&self, index: usize, frame: CoordinateFrame) -> Option<[f64; 2]> {
+        let answer = self.answers.answers.get(index)?;
+        self.is_answered(index).then(|| match frame {
+            CoordinateFrame::Sensor => answer.point_mm,
+            CoordinateFrame::Pixel => self.camera.pixel_from_sensor(answer.point_mm),
+        })
+    }
+
+    /// Returns one of the added numbers of a point; `None` without an answer.
+    pub(super) fn number(&self, index: usize, which: usize) -> Option<f64> {
+        let number = self.answers.numbers(index).nth(which);
+        number.filter(|_| self.is_answered(index))
+    }
+
+    /// Returns the text of a point's flag; empty for an answer.
+    pub(super) fn flag_text(&self, index: usize) -> Cow<'static, str> {
+        match self.answers.flags.get(index) {
+            None | Some(Flag::None) => "".into(),
+            Some(Flag::OffSensor) => "off sensor".into(),
+            Some(Flag::NotConverged) => "not converged".into(),
+            Some(Flag::Refused) => {
+                let place = self.block.frames.get(index).map(|place| *place as usize);
+                let row = place.and_then(|place| self.table.rows().get(place));
+                let reason = row.and_then(|row| self.table.reason_of(row));
+                format!("refused: {}", reason.unwrap_or_default()).into()
+            }
+        }
     }
 }

@@ -5,9 +5,9 @@ use std::io::{self, Read, Write};
 use csv::{ByteRecord, Reader, ReaderBuilder};
 use fmc_camera_file::CameraFile;
 use fmc_camera_file::number::clipped;
-use fmc_frames::{FrameTable, Lines};
+use fmc_frames::Lines;
 
-use super::answers::{FLAG, Flag, FrameAnswers, OutColumns, flag_text};
+use super::answers::{AnsweredBlock, FLAG, Flag, OutColumns};
 use super::block::{self, FrameBlock};
 use super::csv_header::CsvHeader;
 use super::frame_key::FrameFinder;
@@ -204,49 +204,33 @@ impl RowWriter for CsvAnswers {
         sink.write_all(&self.text)
     }
 
-    fn write(
-        &mut self,
-        block: &FrameBlock,
-        answers: &FrameAnswers,
-        table: &FrameTable,
-        camera: &CameraFile,
-        sink: &mut dyn Write,
-    ) -> io::Result<()> {
+    fn write(&mut self, answered: &AnsweredBlock<'_>, sink: &mut dyn Write) -> io::Result<()> {
         let Self { text, .. } = self;
         text.clear();
-        let all = answers
-            .answers
-            .iter()
-            .zip(&answers.flags)
-            .zip(&block.frames);
-        for (index, ((answer, flag), frame)) in all.enumerate() {
+        for (index, flag) in answered.answers.flags.iter().enumerate() {
             if self.skip && *flag != Flag::None {
                 continue;
             }
-            let coordinate = match self.frame {
-                CoordinateFrame::Sensor => answer.point_mm,
-                CoordinateFrame::Pixel => camera.pixel_from_sensor(answer.point_mm),
-            };
+            let point = answered.point(index, self.frame);
             for (place, cell) in self.cells.iter().enumerate() {
                 if place > 0 {
                     text.push(b',');
                 }
                 match cell {
                     OutCell::Kept(column) => {
-                        push_cell(text, block.cell(index * self.columns + column));
+                        push_cell(text, answered.block.cell(index * self.columns + column));
                     }
                     OutCell::Flag => {
-                        push_cell(text, flag_text(*flag, *frame, table).as_bytes());
+                        push_cell(text, answered.flag_text(index).as_bytes());
                     }
                     // A point without an answer has no numbers.
-                    _ if *flag != Flag::None => {}
                     OutCell::Coordinate(which) => {
-                        if let Some(value) = coordinate.get(*which) {
+                        if let Some(value) = point.as_ref().and_then(|point| point.get(*which)) {
                             decimal::push::<9>(text, value + 0.0);
                         }
                     }
                     OutCell::Number(which) => {
-                        if let Some(value) = answers.numbers(index).nth(*which) {
+                        if let Some(value) = answered.number(index, *which) {
                             decimal::push::<6>(text, value);
                         }
                     }

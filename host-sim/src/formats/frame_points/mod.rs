@@ -16,7 +16,7 @@ mod parquet_schema;
 mod read_ahead;
 mod source;
 
-pub use answers::{Flag, FrameAnswers, OutColumns};
+pub use answers::{AnsweredBlock, Flag, FrameAnswers, OutColumns};
 pub use block::FrameBlock;
 pub use csv_header::IdColumn;
 pub use frame_key::FrameFinder;

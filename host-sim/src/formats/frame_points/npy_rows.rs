@@ -5,9 +5,8 @@ use std::path::Path;
 
 use fmc_camera_file::CameraFile;
 use fmc_camera_file::number::single;
-use fmc_frames::FrameTable;
 
-use super::answers::{Flag, FrameAnswers, OutColumns};
+use super::answers::{AnsweredBlock, Flag, OutColumns};
 use super::block::{self, FrameBlock};
 use super::frame_key::FrameFinder;
 use super::npy_layout::{KeyType, NpyLayout, NpyOutLayout};
@@ -260,14 +259,13 @@ impl RowWriter for NpyAnswers {
         }
     }
 
-    fn write(
-        &mut self,
-        block: &FrameBlock,
-        answers: &FrameAnswers,
-        _: &FrameTable,
-        camera: &CameraFile,
-        sink: &mut dyn Write,
-    ) -> io::Result<()> {
+    fn write(&mut self, answered: &AnsweredBlock<'_>, sink: &mut dyn Write) -> io::Result<()> {
+        let AnsweredBlock {
+            block,
+            answers,
+            camera,
+            ..
+        } = *answered;
         let Self {
             layout, out, bytes, ..
         } = self;

@@ -4,9 +4,7 @@ use std::io::{self, Write};
 use std::mem;
 use std::sync::{Arc, Mutex, PoisonError};
 
-use fmc_camera_file::CameraFile;
 use fmc_camera_file::number::single;
-use fmc_frames::FrameTable;
 use parquet::basic::Compression;
 use parquet::data_type::ByteArray;
 use parquet::errors::{ParquetError, Result};
@@ -14,8 +12,7 @@ use parquet::file::properties::WriterProperties;
 use parquet::file::writer::SerializedFileWriter;
 use parquet::schema::types::TypePtr;
 
-use super::answers::{Flag, FrameAnswers, OutColumns, flag_text};
-use super::block::FrameBlock;
+use super::answers::{AnsweredBlock, Flag, OutColumns};
 use super::parquet_column::{ParquetColumn, Values};
 use super::parquet_schema::{OutColumn, ParquetSchema};
 use super::source::RowWriter;
@@ -124,50 +121,31 @@ impl RowWriter for ParquetAnswers {
         self.pipe.drain(sink)
     }
 
-    fn write(
-        &mut self,
-        block: &FrameBlock,
-        answers: &FrameAnswers,
-        table: &FrameTable,
-        camera: &CameraFile,
-        sink: &mut dyn Write,
-    ) -> io::Result<()> {
+    fn write(&mut self, answered: &AnsweredBlock<'_>, sink: &mut dyn Write) -> io::Result<()> {
+        let AnsweredBlock { block, answers, .. } = *answered;
         let kept: Vec<bool> = answers
             .flags
             .iter()
             .map(|flag| !self.skip || *flag == Flag::None)
             .collect();
-        let point = |index: usize| -> [f64; 2] {
-            match (answers.flags.get(index), answers.answers.get(index)) {
-                (Some(Flag::None), Some(answer)) => match self.frame {
-                    CoordinateFrame::Sensor => answer.point_mm,
-                    CoordinateFrame::Pixel => camera.pixel_from_sensor(answer.point_mm),
-                },
-                _ => [f64::NAN; 2],
-            }
-        };
         let rows = 0..answers.flags.len();
         for (place, meaning) in self.columns.clone().into_iter().enumerate() {
             let made = match meaning {
                 OutColumn::Kept(_) => None,
                 OutColumn::Coordinate(which) => {
                     let numbers = rows.clone().map(|row| {
-                        let point = point(row);
-                        point.get(which).copied().unwrap_or(f64::NAN)
+                        let point = answered.point(row, self.frame);
+                        let point = point.as_ref().and_then(|point| point.get(which));
+                        point.copied().unwrap_or(f64::NAN)
                     });
                     Some(self.numbers(numbers))
                 }
                 OutColumn::Number(which) => {
-                    Some(
-                        self.numbers(rows.clone().map(|row| match answers.flags.get(row) {
-                            Some(Flag::None) => answers.numbers(row).nth(which).unwrap_or(f64::NAN),
-                            _ => f64::NAN,
-                        })),
-                    )
+                    let number = |row| answered.number(row, which).unwrap_or(f64::NAN);
+                    Some(self.numbers(rows.clone().map(number)))
                 }
                 OutColumn::Flag => {
-                    let flags = answers.flags.iter().zip(&block.frames);
-                    let texts = flags.map(|(flag, frame)| flag_text(*flag, *frame, table));
+                    let texts = rows.clone().map(|row| answered.flag_text(row));
                     let texts = texts.map(|text| ByteArray::from(text.as_bytes().to_vec()));
                     Some(Values::Bytes(texts.collect()))
                 }

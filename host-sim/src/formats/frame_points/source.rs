@@ -6,9 +6,8 @@ use std::io::{self, Read, Write};
 use std::path::Path;
 
 use fmc_camera_file::CameraFile;
-use fmc_frames::FrameTable;
 
-use super::answers::{FrameAnswers, OutColumns};
+use super::answers::{AnsweredBlock, OutColumns};
 use super::block::FrameBlock;
 use super::csv_header::IdColumn;
 use super::csv_rows::{CsvAnswers, CsvRows};
@@ -41,14 +40,7 @@ pub trait RowWriter {
     ///
     /// # Errors
     /// Those of the sink.
-    fn write(
-        &mut self,
-        block: &FrameBlock,
-        answers: &FrameAnswers,
-        table: &FrameTable,
-        camera: &CameraFile,
-        sink: &mut dyn Write,
-    ) -> io::Result<()>;
+    fn write(&mut self, answered: &AnsweredBlock<'_>, sink: &mut dyn Write) -> io::Result<()>;
 
     /// Writes what comes behind the last answer.
     ///

@@ -6,6 +6,7 @@ mod lists;
 mod orientations;
 mod parquet;
 mod points;
+mod poses;
 mod refused;
 mod shifted;
 mod trajectory;

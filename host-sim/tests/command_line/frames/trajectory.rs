@@ -44,14 +44,24 @@ fn sbet() -> Vec<u8> {
     records.flat_map(f64::to_le_bytes).collect()
 }
 
-fn run(flight: &Flight, arguments: &[&str]) -> Answer {
+pub(super) fn run(flight: &Flight, arguments: &[&str]) -> Answer {
     let (command, more) = arguments.split_first().unwrap();
     flight
         .bench
         .run(&[&[*command], &RECORDS[..], more].concat())
 }
 
-fn flown() -> Flight {
+/// An accuracy file of 1 Hz for [`sbet`], from a second after the start of the clock on.
+pub(super) fn smrmsg(from_s: f64, records: u32) -> Vec<u8> {
+    let records = (0..records).flat_map(|index| {
+        let time = START_S + from_s + f64::from(index);
+        // North, east, down; velocity; roll, pitch, heading in minutes of arc.
+        [time, 0.02, 0.03, 0.05, 0.0, 0.0, 0.0, 0.3, 0.6, 1.2]
+    });
+    records.flat_map(f64::to_le_bytes).collect()
+}
+
+pub(super) fn flown() -> Flight {
     let flight = flight();
     fs::write(flight.bench.path("table.csv"), table(true)).unwrap();
     fs::write(flight.bench.path("plain.csv"), table(false)).unwrap();

@@ -192,6 +192,18 @@ fn correlations(matrix: &CorrelationMatrix) -> Block {
 }
 
 fn observed_text(observed: &Observed) -> String {
+    if observed.is_a_line {
+        return format!(
+            "Points were observed along one line, up to {} from the principal point, x {}, y {}; \
+             the farthest corner of the sensor is at {}. What does not turn about the optical \
+             axis, decentring and affinity, shows on no line: off it the polynomial is \
+             extrapolated.",
+            with_unit(observed.radius_mm.as_ref(), "mm"),
+            range(&observed.x_mm, "mm"),
+            range(&observed.y_mm, "mm"),
+            with_unit(observed.corner_radius_mm.as_ref(), "mm"),
+        );
+    }
     format!(
         "Points were observed up to {} from the principal point, x {}, y {}; the farthest corner \
          of the sensor is at {}. Of the sensor's area {} lies beyond: there the polynomial is \

@@ -2,15 +2,15 @@
 
 use fmc_adjustment::calibration::result::CalibrationResult;
 use fmc_adjustment::calibration::result::network::PointRole;
-use plotters::element::{Circle, Cross, Text, TriangleMarker};
+use plotters::element::{Cross, Text, TriangleMarker};
 use plotters::prelude::{Color, RGBColor};
 
 use crate::chart::{Axes, Axis, Margins};
-use crate::figure::{self, FigureError, text};
+use crate::figure::{self, FONT, FigureError, TITLE, WIDTH, text};
+use crate::legend::{self, Entry, Mark};
 use crate::wording;
 
-const SIZE: (u32, u32) = (1400, 1100);
-const FONT: u32 = 24;
+const SIZE: (u32, u32) = (WIDTH, 860);
 /// Colours of stations and of points by role (Okabe and Ito's palette).
 const STATION: RGBColor = RGBColor(213, 94, 0);
 const NEW: RGBColor = RGBColor(0, 114, 178);
@@ -50,33 +50,36 @@ pub fn svg(result: &CalibrationResult) -> Result<String, FigureError> {
             wording::counted(result.images.len(), "image"),
             wording::counted(result.points.len(), "object point")
         );
-        canvas.draw(&Text::new(title, (20, 34), text(FONT + 4)))?;
-        for (name, colour, x) in [
-            ("image", STATION, 60),
-            ("point", NEW, 260),
-            ("control", CONTROL, 460),
-            ("check point", CHECK, 660),
-        ] {
-            canvas.draw(&Circle::new((x, 84), 7, colour.filled()))?;
-            canvas.draw(&Text::new(name, (x + 18, 84), text(FONT)))?;
-        }
+        canvas.draw(&Text::new(title, (20, 28), text(TITLE)))?;
+        let entries = [
+            ("image", STATION),
+            ("point", NEW),
+            ("control", CONTROL),
+            ("check point", CHECK),
+        ];
+        let entries = entries.map(|(words, colour)| Entry {
+            mark: Mark::Dot,
+            colour,
+            words,
+        });
+        legend::draw(canvas, [legend::LEFT, 66], &entries)?;
         let write = |metres: &f64| wording::decimals(*metres, 3);
         let axes = Axes {
             margins: Margins {
-                top: 110,
-                right: 200,
+                top: 92,
+                right: 30,
                 left: 20,
                 ..Margins::default()
             },
             font: FONT,
             x: Axis {
-                room: 90,
+                room: 76,
                 labels: None,
                 write: &write,
                 name: "X, m",
             },
             y: Axis {
-                room: 190,
+                room: 120,
                 labels: None,
                 write: &write,
                 name: "Y, m",

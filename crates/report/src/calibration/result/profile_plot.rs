@@ -6,15 +6,15 @@ use plotters::prelude::{Color, RGBColor};
 
 use super::profile::{Profile, ProfileRow};
 use crate::chart::{Axes, Axis, Margins};
-use crate::figure::{self, FigureError, INK, text};
+use crate::figure::{self, FONT, FigureError, INK, TITLE, WIDTH, text};
+use crate::legend::{self, Entry, Mark};
 use crate::wording;
 
-const SIZE: (u32, u32) = (1600, 1000);
-const TITLE_HEIGHT: u32 = 130;
-const AXIS_WIDTH: u32 = 150;
-const AXIS_HEIGHT: u32 = 90;
-const EDGE: u32 = 40;
-const FONT: u32 = 24;
+const SIZE: (u32, u32) = (WIDTH, 640);
+const TITLE_HEIGHT: u32 = 122;
+const AXIS_WIDTH: u32 = 110;
+const AXIS_HEIGHT: u32 = 76;
+const EDGE: u32 = 30;
 const STEPS: u32 = 200;
 /// Colours of the curves (Okabe and Ito's palette, safe for the colour-blind).
 const GAUSSIAN: RGBColor = RGBColor(0, 114, 178);
@@ -62,16 +62,16 @@ pub fn svg(result: &CalibrationResult) -> Result<String, FigureError> {
         .fold(1e-6, f64::max);
     let radius = rows.last().map_or(1.0, |row| row.radius_mm);
     figure::svg(SIZE, |canvas| {
-        let title = format!(
-            "{}: distortion, measured − ideal, with bands of ± σ",
-            result.camera.name
-        );
-        canvas.draw(&Text::new(title, (20, 34), text(FONT + 4)))?;
-        for (curve, x) in CURVES.into_iter().zip([170, 560, 950]) {
-            let line = [(x - 40, 90), (x - 8, 90)];
-            canvas.draw(&PathElement::new(line, curve.colour.stroke_width(5)))?;
-            canvas.draw(&Text::new(curve.name, (x, 90), text(FONT)))?;
-        }
+        let name = result.camera.name.clone();
+        canvas.draw(&Text::new(name, (20, 28), text(TITLE)))?;
+        let words = "distortion, measured − ideal, with bands of ± σ";
+        canvas.draw(&Text::new(words, (20, 60), text(FONT)))?;
+        let entries = CURVES.map(|curve| Entry {
+            mark: Mark::Line(5),
+            colour: curve.colour,
+            words: curve.name,
+        });
+        legend::draw(canvas, [legend::LEFT, 94], &entries)?;
         let axes = Axes {
             margins: Margins {
                 top: TITLE_HEIGHT,

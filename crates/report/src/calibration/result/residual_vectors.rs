@@ -9,17 +9,17 @@ use plotters::prelude::{Color, RGBColor};
 use crate::arrow::{Arrow, length_of};
 use crate::arrow_field::ArrowField;
 use crate::calibration::residual_field::field_of;
-use crate::figure::{self, FigureError, OUTLINE, pixels, text};
+use crate::figure::{self, FONT, FigureError, OUTLINE, TITLE, pixels, text};
 use crate::{length, wording};
 
 /// Largest number of images that are drawn one by one; `residuals.csv` has all.
 pub const MOST_IMAGES: usize = 36;
 
-const COLUMNS: usize = 4;
-const PANEL: f64 = 380.0;
-const EDGE: f64 = 20.0;
-const TITLE: f64 = 90.0;
-const FONT: u32 = 22;
+const COLUMNS: usize = 3;
+const PANEL: f64 = 280.0;
+const EDGE: f64 = 14.0;
+/// Height of the title.
+const HEAD: f64 = 100.0;
 const COLOUR: RGBColor = RGBColor(0, 90, 160);
 
 /// Draws the residual vectors of all images over the sensor, in SVG.
@@ -75,19 +75,16 @@ pub fn by_image(result: &CalibrationResult) -> Result<String, FigureError> {
     let columns = count(shown.min(COLUMNS)).max(2.0);
     let size = (
         pixels(columns * panel_width).unsigned_abs(),
-        pixels(TITLE + count(rows) * (panel_height + 30.0)).unsigned_abs(),
+        pixels(HEAD + count(rows) * (panel_height + 30.0)).unsigned_abs(),
     );
     figure::svg(size, |canvas| {
-        let title = format!(
-            "Residuals image by image, {} of {}; longest vector {}",
-            shown,
-            images.len(),
-            length::text(largest)
-        );
-        canvas.draw(&Text::new(title, (20, 36), text(FONT + 4)))?;
+        let title = format!("Residuals image by image, {} of {}", shown, images.len());
+        canvas.draw(&Text::new(title, (20, 28), text(TITLE)))?;
+        let words = format!("longest vector {}", length::text(largest));
+        canvas.draw(&Text::new(words, (20, 60), text(FONT)))?;
         for (index, (image, arrows)) in images.iter().take(MOST_IMAGES).enumerate() {
             let left = count(index % COLUMNS) * panel_width;
-            let top = TITLE + count(index / COLUMNS) * (panel_height + 30.0);
+            let top = HEAD + count(index / COLUMNS) * (panel_height + 30.0);
             let place = |[x, y]: [f64; 2]| {
                 (
                     pixels(left + EDGE + (x + width_mm / 2.0) * scale),
@@ -105,7 +102,7 @@ pub fn by_image(result: &CalibrationResult) -> Result<String, FigureError> {
             for arrow in arrows {
                 let [x, y] = arrow.from_mm;
                 let [dx, dy] = arrow.displacement_mm.map(|mm| mm * exaggeration);
-                canvas.draw(&Circle::new(place([x, y]), 2, COLOUR.filled()))?;
+                canvas.draw(&Circle::new(place([x, y]), 1, COLOUR.filled()))?;
                 let shaft = [place([x, y]), place([x + dx, y + dy])];
                 canvas.draw(&PathElement::new(shaft, COLOUR.stroke_width(2)))?;
             }
