@@ -120,13 +120,15 @@ fn by_stages(
     initial: &State,
     error: BundleError,
 ) -> Result<Solution, BundleError> {
-    if error != BundleError::NotConverged {
+    if matches!(error, BundleError::Datum { .. }) {
         return Err(error);
     }
     let mut held = network.clone();
     held.estimated.clear();
     held.priors.clear();
-    let first = adjust(&held, choice, initial)?;
+    let Ok(first) = adjust(&held, choice, initial) else {
+        return Err(error);
+    };
     adjust(network, choice, &first.state).map_err(|error| {
         let found = snooped(&held, choice, &first.state).map(|found| check_misfits(&found));
         match found {

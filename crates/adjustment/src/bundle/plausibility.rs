@@ -24,10 +24,7 @@ pub fn explained(
     tables: &NetworkTables,
     error: BundleError,
 ) -> BundleCalibrationError {
-    if matches!(
-        error,
-        BundleError::Inseparable { .. } | BundleError::Datum { .. }
-    ) {
+    if matches!(error, BundleError::Datum { .. }) {
         return error.into();
     }
     reading(network, tables).map_or_else(|| error.into(), BundleCalibrationError::from)

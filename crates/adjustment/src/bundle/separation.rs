@@ -14,6 +14,10 @@ use super::state::State;
 /// for rounding.
 const LEAST_EIGENVALUE: f64 = 1e-13;
 
+/// Smallest eigenvalue that explains why a network does not converge: its σ are a thousand times as
+/// large as those of separate unknowns.
+const MOST_EIGENVALUE: f64 = 1e-6;
+
 /// Unknowns with more than this share of the largest in the weakest combination are named.
 const NAMED_SHARE: f64 = 0.3;
 
@@ -40,6 +44,20 @@ pub fn check(network: &Network, layout: &Layout, normals: &Normals) -> Result<()
                 unknowns: names(network, layout, &unobserved),
             })
         }
+    }
+}
+
+/// Returns what keeps a search from converging: unknowns that the observations hardly tell apart,
+/// by name.
+#[must_use]
+pub fn not_converged(network: &Network, layout: &Layout, normals: Option<Normals>) -> BundleError {
+    let weakest =
+        normals.and_then(|normals| WeakestDirection::new(&normals.matrix, layout.order()).ok());
+    match weakest {
+        Some(weakest) if weakest.eigenvalue < MOST_EIGENVALUE => BundleError::Inseparable {
+            unknowns: names(network, layout, &weakest.components),
+        },
+        _ => BundleError::NotConverged,
     }
 }
 

@@ -5,6 +5,8 @@ mod camcal;
 #[cfg(test)]
 mod checkerboard;
 #[cfg(test)]
+mod convergence;
+#[cfg(test)]
 mod coverage;
 #[cfg(test)]
 mod data;
