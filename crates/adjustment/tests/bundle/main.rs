@@ -1,6 +1,8 @@
 //! Bundle and resection, as a user of the crate calls them.
 
 #[cfg(test)]
+mod aerial;
+#[cfg(test)]
 mod camcal;
 #[cfg(test)]
 mod checkerboard;
@@ -15,6 +17,8 @@ mod datum;
 #[cfg(test)]
 mod geometry;
 #[cfg(test)]
+mod platform;
+#[cfg(test)]
 mod refused;
 #[cfg(test)]
 mod simulated;
@@ -22,3 +26,5 @@ mod simulated;
 mod snooping;
 #[cfg(test)]
 mod strasbourg;
+#[cfg(test)]
+mod units;

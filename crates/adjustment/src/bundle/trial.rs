@@ -1,0 +1,49 @@
+//! Adjustment of changed tables, on trial: how well would they fit?
+
+use super::interior::{Interior, InteriorElement};
+use super::network::Network;
+use super::network_of_tables::Unknowns;
+use super::orientation::network_orientation::orient;
+use super::parameters::Parameter;
+use super::solution::{DatumChoice, Solution, adjust, with_datum};
+use super::state::State;
+use super::tables::NetworkTables;
+
+/// Adjusts tables from a new orientation; `None` if they cannot be oriented or do not converge.
+///
+/// With `keeps_pinhole`, principal distance and principal point are held: estimated, they imitate
+/// another unit of heights.
+#[must_use]
+pub fn adjusted(
+    tables: &NetworkTables,
+    start: Interior,
+    unknowns: &Unknowns,
+    choice: DatumChoice,
+    keeps_pinhole: bool,
+) -> Option<(Network, Solution)> {
+    let mut tabled = tables.network(start, unknowns).ok()?;
+    let unoriented = orient(&mut tabled.network, tabled.known.clone());
+    if !unoriented.images.is_empty() || !unoriented.points.is_empty() {
+        return None;
+    }
+    let network = with_datum(&tabled.network, choice);
+    let mut first = network.clone();
+    first.estimated.clear();
+    first.priors.clear();
+    let held = adjust(&first, choice, &State::initial(&first)).ok()?;
+    let mut second = network;
+    if keeps_pinhole {
+        let pinhole = [
+            InteriorElement::PrincipalDistance,
+            InteriorElement::X0,
+            InteriorElement::Y0,
+        ];
+        let is_kept = |parameter: &Parameter| !pinhole.map(Parameter::Interior).contains(parameter);
+        second.estimated.retain(is_kept);
+        second.priors.retain(|prior| is_kept(&prior.parameter));
+    }
+    match adjust(&second, choice, &held.state) {
+        Ok(solution) => Some((second, solution)),
+        Err(_) => Some((first, held)),
+    }
+}
