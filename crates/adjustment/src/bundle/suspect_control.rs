@@ -6,7 +6,7 @@ use super::error::{BundleError, Misfit};
 use super::interior::Interior;
 use super::network_of_tables::Unknowns;
 use super::solution::DatumChoice;
-use super::tables::{NetworkTables, RowRole};
+use super::tables::{NetworkTables, ObjectPointRow, RowRole};
 use super::trial;
 
 /// Most control points that are left out in turn.
@@ -38,20 +38,13 @@ pub fn refined(
     else {
         return error;
     };
-    let control = |row: &&super::tables::ObjectPointRow| row.role == RowRole::Control;
+    let control = |row: &&ObjectPointRow| row.role == RowRole::Control;
     if tables.object_points.rows.iter().filter(control).count() > MOST_TRIED {
         return error;
     }
     let mut explained: Vec<(Misfit, f64)> = Vec::new();
-    for (place, row) in tables.object_points.rows.iter().enumerate() {
-        if row.role != RowRole::Control {
-            continue;
-        }
-        let mut others = tables.clone();
-        if let Some(row) = others.object_points.rows.get_mut(place) {
-            row.role = RowRole::Check;
-        }
-        let Some((network, solution)) = trial::adjusted(&others, start, unknowns, choice, false)
+    for row in tables.object_points.rows.iter().filter(control) {
+        let Some((network, solution)) = trial::without(&row.point, tables, start, unknowns, choice)
         else {
             continue;
         };

@@ -179,8 +179,8 @@ fn wrong_control_point_is_named_out_of_four() {
     for (place, position_m, name) in [
         (2, [0.02, 0.0, 0.0], "1003"),
         (2, [0.0, 0.05, 0.0], "1003"),
-        (0, [1.0, 0.0, 0.0], "1001"),
-        (3, [0.0, 1.0, 0.0], "1004"),
+        (3, [0.98, 0.0, 0.0], "1004"),
+        (0, [0.0, 1.3, 0.0], "1001"),
         (1, [1.3, 1.0, 0.0], "1002"),
     ] {
         let error = message(place, position_m);
@@ -188,6 +188,12 @@ fn wrong_control_point_is_named_out_of_four() {
         assert!(error.contains(&words), "{words} not in: {error}");
         assert!(!error.contains("too few"), "{error}");
     }
+    // Swapped coordinates of 1004 are those of 1001.
+    let error = message(3, [0.0, 1.0, 0.0]);
+    assert!(
+        error.contains("control points 1001 and 1004 have the same coordinates"),
+        "{error}"
+    );
     // Four heights of a square: any one of them may be wrong.
     let error = message(2, [0.0, 0.0, 0.03]);
     for word in ["1001", "1002", "1003", "1004", "too few control points"] {
