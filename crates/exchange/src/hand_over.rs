@@ -77,15 +77,19 @@ impl HandOver {
     pub fn colmap(&self) -> Result<Files, InputError> {
         let pinhole = self.pinhole();
         let camera = camera_line(&self.camera, &pinhole, "PINHOLE", CAMERA_ID);
-        let mut images = format!("{IMAGES_HEAD}# Number of images: {}\n", self.images.len());
-        let mut tracks: Vec<(String, usize, f64)> = vec![Default::default(); self.points.len()];
+        let mut images = vec![format!(
+            "{IMAGES_HEAD}# Number of images: {}\n",
+            self.images.len()
+        )];
+        // Track, number of rays and sum of the distances from their projections, px.
+        let mut tracks: Vec<(Vec<String>, u32, f64)> = vec![Default::default(); self.points.len()];
         for (image, id) in self.images.iter().zip(1..) {
             check_name(&image.name)?;
             let (rotation, translation) = image.colmap_pose();
             let [x, y, z, w] = rotation.coords.into();
             let [tx, ty, tz] = translation.into();
             let pose = [w, x, y, z, tx, ty, tz].map(number).join(" ");
-            images += &format!("{id} {pose} {CAMERA_ID} {}\n", image.name);
+            images.push(format!("{id} {pose} {CAMERA_ID} {}\n", image.name));
             let mut words = Vec::new();
             for (index, observed) in image.points.iter().enumerate() {
                 let [col, row] = self.camera.pixel_from_sensor(observed.corrected_mm);
@@ -104,27 +108,27 @@ impl HandOver {
                 };
                 let along = rotation * point.position_m + translation;
                 let [x, y] = pinhole.pixel_from_ray([along.x / along.z, along.y / along.z]);
-                *track += &format!(" {id} {index}");
+                track.push(format!("{id} {index}"));
                 *rays += 1;
                 *error_px += (x - col).hypot(y - row);
             }
-            images += &words.join(" ");
-            images += "\n";
+            images.push(words.join(" ") + "\n");
         }
         let seen = tracks.iter().filter(|(_, rays, _)| *rays > 0).count();
-        let mut points = points_head(seen);
+        let mut points = vec![points_head(seen)];
         for ((point, (track, rays, error_px)), id) in self.points.iter().zip(tracks).zip(1..) {
             if rays > 0 {
                 let [x, y, z] = <[f64; 3]>::from(point.position_m).map(number);
-                let mean = error_px / f64::from(u32::try_from(rays).unwrap_or(u32::MAX));
-                points += &format!("{id} {x} {y} {z} 128 128 128 {}{track}\n", number(mean));
+                let mean = number(error_px / f64::from(rays));
+                let track = track.join(" ");
+                points.push(format!("{id} {x} {y} {z} 128 128 128 {mean} {track}\n"));
             }
         }
         let cameras = format!("{CAMERAS_HEAD}# Number of cameras: 1\n{camera}");
         Ok(vec![
             ("cameras.txt".to_owned(), cameras.into_bytes()),
-            ("images.txt".to_owned(), images.into_bytes()),
-            ("points3D.txt".to_owned(), points.into_bytes()),
+            ("images.txt".to_owned(), images.concat().into_bytes()),
+            ("points3D.txt".to_owned(), points.concat().into_bytes()),
         ])
     }
 

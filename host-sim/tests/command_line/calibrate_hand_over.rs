@@ -296,5 +296,6 @@ fn format_goes_with_a_folder() {
         text.replace("image_3,", "image 3,"),
     )
     .unwrap();
-    run(&bench, &["--export", "colmap", "--out", "out"]).refused(&["image 3", "ends a name"]);
+    run(&bench, &["--export", "colmap", "--out", "out"])
+        .refused(&["image 3", "end a name at a space"]);
 }

@@ -86,7 +86,7 @@ impl BundleCalibration {
                     BundleCalibrationError::Adjustment(error) => {
                         suspect_control::refined(tables, start, unknowns, datum, error).into()
                     }
-                    error => error,
+                    error @ BundleCalibrationError::Input(_) => error,
                 }
             }
         })

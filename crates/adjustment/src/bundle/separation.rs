@@ -96,6 +96,10 @@ pub fn shared(network: &Network, layout: &Layout, cofactors: &DMatrix<f64>) -> O
         .enumerate()
         .filter(|(_, parameter)| !matches!(parameter, Parameter::Point { .. }))
         .collect();
+    // One alone has nothing to be confused with, and an empty matrix no eigenvectors.
+    if columns.len() < 2 {
+        return None;
+    }
     let part = DMatrix::from_fn(columns.len(), columns.len(), |row, column| {
         match (columns.get(row), columns.get(column)) {
             (Some((row, _)), Some((column, _))) => element(cofactors, *row, *column),

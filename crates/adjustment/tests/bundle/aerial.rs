@@ -2,6 +2,7 @@
 //! the camera by time offset, lever arm, boresight and shifts of the strips.
 
 use fastrand::Rng;
+use fmc_adjustment::bundle::interior::InteriorElement;
 use fmc_adjustment::bundle::network::Network;
 use fmc_adjustment::bundle::network_of_tables::Unknowns;
 use fmc_adjustment::bundle::orientation::network_orientation::orient;
@@ -43,6 +44,7 @@ impl Platform {
     /// Returns the true value of an unknown.
     pub(crate) fn value(&self, parameter: Parameter) -> f64 {
         match parameter {
+            Parameter::Interior(InteriorElement::PrincipalDistance) => F_MM,
             Parameter::TimeOffset => self.time_offset_s,
             Parameter::LeverArm(axis) => self.lever_arm_m[axis],
             Parameter::Boresight(axis) => self.boresight_rad[axis],
@@ -52,7 +54,7 @@ impl Platform {
     }
 
     fn shift(&self, strip: usize) -> Vector3<f64> {
-        let sign = if strip % 2 == 0 { 1.0 } else { -0.5 };
+        let sign = if strip.is_multiple_of(2) { 1.0 } else { -0.5 };
         sign * Vector3::from(self.shift_m)
     }
 }
