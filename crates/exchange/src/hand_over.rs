@@ -1,4 +1,5 @@
-//! Adjusted images with corrected image points, for programs that know one camera without distortion.
+//! Adjusted images with corrected image points, for programs that know one camera without
+//! distortion.
 
 use nalgebra::{Matrix3, Rotation3, UnitQuaternion, Vector3};
 

@@ -18,12 +18,12 @@ use super::state::State;
 /// for rounding.
 const LEAST_EIGENVALUE: f64 = 1e-13;
 
-/// Smallest eigenvalue that explains why a network does not converge: its σ are a thousand times as
-/// large as those of separate unknowns.
+/// Smallest eigenvalue that explains why a network does not converge: its σ are a thousand times
+/// as large as those of separate unknowns.
 const MOST_EIGENVALUE: f64 = 1e-6;
 
-/// Smallest eigenvalue of the normal matrix of the shared unknowns alone, all others eliminated, with
-/// unit diagonal: two unknowns with a correlation of 0.999999.
+/// Smallest eigenvalue of the normal matrix of the shared unknowns alone, all others eliminated,
+/// with unit diagonal: two unknowns with a correlation of 0.999999.
 const LEAST_SHARED_EIGENVALUE: f64 = 1e-6;
 
 /// Unknowns with more than this share of the largest in the weakest combination are named.
