@@ -37,6 +37,7 @@ mod fields;
 pub mod fit;
 pub mod found;
 pub mod frames;
+pub mod hand_over;
 pub mod import;
 mod inverse;
 mod least_squares;

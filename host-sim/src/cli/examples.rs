@@ -59,7 +59,9 @@ Examples:
       --camera my.toml --out calibrated
   host-sim calibrate bundle image_points.csv --points control.csv \\
       --images flight.csv --camera my.toml --estimate f,x0,y0,boresight \\
-      --prior f=0.005";
+      --prior f=0.005
+  host-sim calibrate bundle image_points.csv --points control.csv \\
+      --camera my.toml --out calibrated --export colmap";
 pub(super) const CALIBRATE_DLT3D: &str = "\
 Examples:
   host-sim calibrate dlt3d points.csv --camera my.toml --out calibrated

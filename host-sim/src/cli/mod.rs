@@ -33,7 +33,7 @@ pub use exchange::{ContainerName, ExportArgs, ImportArgs, SignName};
 pub use frames::{AnswerName, FrameAnswerArgs, FramesArgs, OffSensorName};
 pub use mesh::{ImagePart, MeshArgs, MeshFormatName};
 pub use mission::{MissionArgs, RecordsArgs};
-pub use network::{BundleArgs, DatumName, NetworkArgs, ResectionArgs};
+pub use network::{BundleArgs, DatumName, HandOverFormat, NetworkArgs, ResectionArgs};
 pub use simulation::{BudgetArgs, SmearArgs, StrategyName, StripArgs, SweepArgs};
 pub use statistics::{FaultNumber, StatisticsArgs};
 pub use trajectory::{OffTrajectoryName, TimeScaleName, TrajectoryArgs};

@@ -66,6 +66,26 @@ pub struct BundleArgs {
     /// Scale bars: `point_a,point_b,length_m,sigma_m`.
     #[arg(long, value_name = "FILE", help_heading = ADVANCED)]
     pub scale_bars: Option<PathBuf>,
+    /// Hand the result over to programs that know one camera without distortion: corrected image
+    /// points, poses, object points; colmap, csv, or both with a comma between. Goes with --out.
+    #[arg(
+        long,
+        value_name = "FORMAT",
+        value_delimiter = ',',
+        num_args = 1,
+        requires = "out",
+        help_heading = ADVANCED
+    )]
+    pub export: Vec<HandOverFormat>,
+}
+
+/// Format in which a bundle is handed over.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
+pub enum HandOverFormat {
+    /// COLMAP text: cameras.txt, images.txt, points3D.txt.
+    Colmap,
+    /// `corrected_points.csv`, `orientations.csv`, `pinhole.csv`.
+    Csv,
 }
 
 /// Choice of the observations or constraints that determine the datum.

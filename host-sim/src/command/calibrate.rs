@@ -3,6 +3,7 @@
 pub(super) mod angles;
 pub(super) mod dlt2d;
 pub(super) mod dlt3d;
+mod hand_over;
 pub(super) mod network;
 mod report;
 
@@ -12,7 +13,7 @@ use std::path::Path;
 use fmc_adjustment::calibration::five::FiveCalibration;
 use fmc_camera::geometry::estimation::options::{FitOptions, StaticDecentring};
 use fmc_camera::geometry::five_coefficient::Regressor;
-use fmc_camera_file::fitted_block;
+use fmc_camera_file::{InputError, fitted_block};
 use fmc_report::calibration::{
     five_summary, five_table, residual_field, residual_plot, residuals_csv,
 };
@@ -36,15 +37,55 @@ pub(super) fn five(args: &FiveArgs) -> Result<(), Failure> {
     }
     let table = observations::read(&args.observations, &camera)?;
     let calibration = FiveCalibration::new(&table, &camera, &validated, options(args))?;
+    let fitted = fitted(&calibration, args)?;
     let outputs = args
         .out
         .as_deref()
-        .map(|folder| Outputs::of(&calibration, args, &camera_name, folder))
+        .map(|folder| Outputs::of_five(&calibration, &fitted, args, folder))
         .transpose()?;
     output::write(None, |sink| {
         sink.write_all(five_table::text(&calibration).as_bytes())
     })?;
-    outputs.map_or(Ok(()), Outputs::write)
+    outputs.map_or(Ok(()), Outputs::write)?;
+    fitted.concluded(args.out.is_some())
+}
+
+/// Camera file of a calibration.
+enum CalibratedCamera {
+    /// Its text.
+    Usable(String),
+    /// The parameters are no usable camera: field, value and allowed range.
+    Unusable(InputError),
+}
+
+impl CalibratedCamera {
+    /// Returns the camera file, or what is wrong with the parameters.
+    fn of(made: Result<String, InputError>) -> Self {
+        made.map_or_else(Self::Unusable, Self::Usable)
+    }
+
+    /// Ends a command: a result that is no usable camera is a failed check, whatever the method.
+    fn concluded(self, has_folder: bool) -> Result<(), Failure> {
+        match self {
+            Self::Usable(_) => Ok(()),
+            Self::Unusable(error) => Err(Failure::check(if has_folder {
+                format!("no camera file is written, the reports are: {error}")
+            } else {
+                format!("the result is no usable camera: {error}")
+            })),
+        }
+    }
+}
+
+fn fitted(calibration: &FiveCalibration, args: &FiveArgs) -> Result<CalibratedCamera, Failure> {
+    let camera = args.camera.as_path();
+    let text = std::fs::read_to_string(camera).map_err(|error| Failure::reading(camera, &error))?;
+    Ok(CalibratedCamera::of(fitted_block::with_coefficients(
+        &camera.display().to_string(),
+        &text,
+        &calibration.fitted_table(),
+        calibration.decentring(),
+    )))
 }
 
 fn options(args: &FiveArgs) -> FitOptions {
@@ -71,21 +112,12 @@ struct Outputs {
 }
 
 impl Outputs {
-    fn of(
+    fn of_five(
         calibration: &FiveCalibration,
+        fitted: &CalibratedCamera,
         args: &FiveArgs,
-        camera_name: &str,
         folder: &Path,
     ) -> Result<Self, Failure> {
-        let camera = args.camera.as_path();
-        let text =
-            std::fs::read_to_string(camera).map_err(|error| Failure::reading(camera, &error))?;
-        let camera_text = fitted_block::with_coefficients(
-            &camera.display().to_string(),
-            &text,
-            &calibration.fitted_table(),
-            calibration.decentring(),
-        )?;
         let making = |error: io::Error| Failure::writing("report", &error);
         let mut residuals = Vec::new();
         residuals_csv::write(calibration, &mut residuals)
@@ -94,7 +126,6 @@ impl Outputs {
             .map_err(|error| making(error.into()))?;
         summary.push(b'\n');
         let mut files = vec![
-            (camera_name.to_owned(), camera_text.into_bytes()),
             ("residuals.csv".to_owned(), residuals),
             ("summary.json".to_owned(), summary),
         ];
@@ -111,21 +142,35 @@ impl Outputs {
         }
         Self::checked(
             files,
-            camera,
+            fitted,
+            &args.camera,
             &[&args.observations],
             folder,
             "calibrate five",
         )
     }
 
-    /// Checks that no file replaces another or an input, and makes the folder.
+    /// Adds the camera file, where there is one, checks that no file replaces another or an input,
+    /// and makes the folder.
     fn checked(
-        files: Vec<(String, Vec<u8>)>,
+        mut files: Vec<(String, Vec<u8>)>,
+        calibrated: &CalibratedCamera,
         camera: &Path,
         inputs: &[&Path],
         folder: &Path,
         command: &str,
     ) -> Result<Self, Failure> {
+        let camera_name = camera
+            .file_name()
+            .map_or_else(|| "camera.toml".into(), |name| name.to_string_lossy())
+            .into_owned();
+        let mut unusable = Vec::new();
+        match calibrated {
+            CalibratedCamera::Usable(text) => {
+                files.insert(0, (camera_name, text.as_bytes().to_vec()));
+            }
+            CalibratedCamera::Unusable(_) => unusable.push(camera_name),
+        }
         for (index, (name, _)) in files.iter().enumerate() {
             let out = folder.join(name);
             output::check_not_the_input(Some(&out), camera)?;
@@ -142,7 +187,7 @@ impl Outputs {
         Ok(Self {
             folder: OutputFolder::create(folder)?,
             files,
-            unusable: Vec::new(),
+            unusable,
         })
     }
 

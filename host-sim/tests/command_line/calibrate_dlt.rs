@@ -205,16 +205,31 @@ fn digitised_cube_is_no_calibration_and_has_no_camera_file() {
         "--out",
         "out",
     ];
-    let answer = bench.run(&arguments).ok();
+    let answer = bench.run(&arguments);
+    assert_eq!(answer.code, 1, "{}", answer.stderr);
     assert!(
         answer.stdout.contains("are no calibration"),
         "{}",
         answer.stdout
     );
+    for (text, words) in [
+        (&answer.stdout, "the result is no usable camera"),
+        (&answer.stderr, "no camera file is written, the reports are"),
+        (
+            &answer.stderr,
+            "principal_point_mm[1] = 11.488514 is outside -8 to 8",
+        ),
+    ] {
+        let plain = text.split_whitespace().collect::<Vec<_>>().join(" ");
+        assert!(plain.contains(words), "{words} not in: {text}");
+    }
+    // Without a folder the end is the same.
+    let answer = bench.run(&arguments[..5]);
+    assert_eq!(answer.code, 1, "{}", answer.stderr);
     assert!(
-        answer.stdout.contains("no camera file is written"),
+        answer.stderr.contains("is no usable camera"),
         "{}",
-        answer.stdout
+        answer.stderr
     );
     assert!(!bench.path("out/camera.toml").exists());
     let summary = summary(&bench, "out/summary.json");

@@ -9,7 +9,8 @@ largest difference over the sensor must be what export.json states, within 10 %.
 Frames of a flight, from rest and with a focus shift, are exported along each of the four axes. What
 COLMAP projects with the camera of each image must be the measured point of the strict solver, as
 well as the export of the calibrated camera has it, within 5 nm. The script for Metashape runs
-against a stand-in for Metashape's own module.
+against a stand-in for Metashape's own module. A bundle that is handed over projects in COLMAP with
+the residuals of the bundle.
 """
 
 import csv
@@ -255,6 +256,67 @@ def strict_rays(camera, one, ideal):
     return numpy.stack([x / f, -y / f], axis=1)
 
 
+# Published images of a printed sheet, in crates/adjustment/tests/data, and their camera.
+SHEET = "crates/adjustment/tests/data/camcal"
+SHEET_CAMERA = """name = "Olympus C4040Z"
+principal_distance_mm = 7.5
+[sensor]
+width_px = 2272
+height_px = 1704
+pixel_um = 3.1911032863849766
+[fmc]
+stroke_mm = 0.1
+"""
+
+# Rounding of residuals.csv, micrometres.
+RESIDUAL_UM = 2e-6
+
+
+def handed_over(host_sim, root):
+    """Returns what is wrong with a bundle handed over to COLMAP, or None.
+
+    What COLMAP projects with its camera, poses and points must be off the coordinates by the
+    residuals of the bundle, and its distances those that points3D.txt states.
+    """
+    with tempfile.TemporaryDirectory() as place:
+        place = pathlib.Path(place)
+        (place / "camera.toml").write_text(SHEET_CAMERA)
+        data = root / SHEET
+        bundle = [
+            host_sim, "calibrate", "bundle", data / "image_points.csv", "--points",
+            data / "object_points.csv", "--camera", place / "camera.toml", "--out", place / "out",
+            "--export", "colmap",
+        ]
+        subprocess.run(bundle, check=True, capture_output=True)
+        with (place / "out/residuals.csv").open() as file:
+            rows = [row for row in csv.DictReader(file) if row["rejected"] == "false"]
+        residuals = {
+            (row["image"], row["point"], row["observation"]): float(row["residual"])
+            for row in rows if row["group"] == "image"
+        }
+        with (place / "out/points.csv").open() as file:
+            names = [row["point"] for row in csv.DictReader(file)]
+        block = pycolmap.Reconstruction(str(place / "out"))
+        compared, largest_um, largest_px = 0, 0.0, 0.0
+        distances = {}
+        for image in block.images.values():
+            for seen in image.points2D:
+                number = seen.point3D_id
+                off = seen.xy - image.project_point(block.points3D[number].xyz)
+                distances.setdefault(number, []).append(numpy.hypot(*off))
+                for name, value in (("x_um", off[0]), ("y_um", -off[1])):
+                    expected = residuals[image.name, names[number - 1], name]
+                    largest_um = max(largest_um, abs(value * 3.1911032863849766 - expected))
+                    compared += 1
+        for number, of_point in distances.items():
+            stated = block.points3D[number].error
+            largest_px = max(largest_px, abs(numpy.mean(of_point) - stated))
+        is_good = compared == len(residuals) > 4000
+        is_good &= largest_um <= RESIDUAL_UM and largest_px <= 1e-9
+        text = f"{compared} of {len(residuals)} residuals, {largest_um} um, {largest_px} px"
+        return None if is_good else f"bundle for COLMAP: {text}"
+
+
 OPENCV = [
     ["--model", model, "--as", container]
     for model in ("opencv5", "opencv8", "opencv14")
@@ -295,7 +357,9 @@ def main():
                     what = f"{file}: {program} {' '.join(options)}"
                     print(f"{what}: {largest_um:.6f} µm, but {stated_um:.6f} µm are stated")
     of_flights = [fault for file in files for fault in frames(host_sim, file)]
-    faults = [fault for fault in [*of_flights, script(host_sim, files[0])] if fault]
+    root = pathlib.Path(__file__).resolve().parents[3]
+    others = [script(host_sim, files[0]), handed_over(host_sim, root)]
+    faults = [fault for fault in [*of_flights, *others] if fault]
     print(*faults, sep="\n", end="\n" if faults else "")
     failures += len(faults)
     print(f"{len(of_flights)} cameras of single frames compared with the strict solver")

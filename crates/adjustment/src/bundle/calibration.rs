@@ -2,7 +2,7 @@
 
 use fmc_camera_file::InputError;
 
-use super::error::{BundleCalibrationError, BundleError};
+use super::error::{BundleCalibrationError, BundleError, Misfit};
 use super::geometry;
 use super::interior::{Interior, InteriorElement};
 use super::network::{Network, PointRole};
@@ -10,9 +10,11 @@ use super::network_of_tables::{TabledNetwork, Unknowns};
 use super::orientation::network_orientation::orient;
 use super::parameters::Parameter;
 use super::plausibility;
+use super::separation;
 use super::snooping::{Snooped, snooped};
 use super::solution::{DatumChoice, Solution, adjust, with_datum};
 use super::state::State;
+use super::suspect_control;
 use super::tables::NetworkTables;
 use crate::linear::element::element;
 
@@ -71,8 +73,32 @@ impl BundleCalibration {
         start: Interior,
         options: &CalibrationOptions,
     ) -> Result<Self, BundleCalibrationError> {
-        let mut tabled = tables.network(start, &options.unknowns)?;
+        let tabled = tables.network(start, &options.unknowns)?;
         check_rays(&tabled.network, &tables.image_points.file)?;
+        Self::of(tabled, tables, start, options).map_err(|error| match error {
+            BundleCalibrationError::Adjustment(BundleError::Datum { .. }) => error,
+            error => {
+                let (unknowns, datum) = (&options.unknowns, options.datum);
+                if let Some(reading) = plausibility::reading(tables, start, unknowns, datum) {
+                    return reading.into();
+                }
+                match error {
+                    BundleCalibrationError::Adjustment(error) => {
+                        suspect_control::refined(tables, start, unknowns, datum, error).into()
+                    }
+                    error @ BundleCalibrationError::Input(_) => error,
+                }
+            }
+        })
+    }
+
+    /// Orients and adjusts a network.
+    fn of(
+        mut tabled: TabledNetwork,
+        tables: &NetworkTables,
+        start: Interior,
+        options: &CalibrationOptions,
+    ) -> Result<Self, BundleCalibrationError> {
         let unoriented = orient(&mut tabled.network, tabled.known.clone());
         if let Some(image) = unoriented.images.first() {
             return Err(BundleError::Unoriented {
@@ -85,9 +111,14 @@ impl BundleCalibration {
         let network = with_datum(&tabled.network, options.datum);
         let initial = State::initial(&network);
         let unrejected = adjust(&network, options.datum, &initial)
-            .or_else(|error| by_stages(&network, options.datum, &initial, error))
-            .map_err(|error| plausibility::explained(&network, tables, error))?;
-        plausibility::check(&network, tables, &unrejected)?;
+            .or_else(|error| by_stages(&network, options.datum, &initial, error))?;
+        plausibility::check(
+            tables,
+            start,
+            &options.unknowns,
+            options.datum,
+            (&network, &unrejected),
+        )?;
         let snooped = match options.gross_errors {
             GrossErrors::Reject => snooped(&network, options.datum, &unrejected.state)?,
             GrossErrors::Keep => Snooped::unrejected(&network, &unrejected)?,
@@ -120,13 +151,15 @@ fn by_stages(
     initial: &State,
     error: BundleError,
 ) -> Result<Solution, BundleError> {
-    if error != BundleError::NotConverged {
+    if matches!(error, BundleError::Datum { .. }) {
         return Err(error);
     }
     let mut held = network.clone();
     held.estimated.clear();
     held.priors.clear();
-    let first = adjust(&held, choice, initial)?;
+    let Ok(first) = adjust(&held, choice, initial) else {
+        return Err(error);
+    };
     adjust(network, choice, &first.state).map_err(|error| {
         let found = snooped(&held, choice, &first.state).map(|found| check_misfits(&found));
         match found {
@@ -228,16 +261,16 @@ fn check_misfits(snooped: &Snooped) -> Result<(), BundleError> {
         points: snooped
             .misfits
             .iter()
-            .map(|misfit| {
-                let name = snooped
+            .map(|misfit| Misfit {
+                point: snooped
                     .network
                     .points
                     .get(misfit.point)
-                    .map_or("", |point| &point.name);
-                let [x, y, z]: [f64; 3] = misfit.difference_m.into();
-                format!("{name} by {x:.4}, {y:.4}, {z:.4} m")
+                    .map_or_else(String::new, |point| point.name.clone()),
+                difference_m: misfit.difference_m,
             })
             .collect(),
+        or: Vec::new(),
         sigma0: snooped.solution.sigma0(),
         without: snooped.sigma0_without_misfits,
     })
@@ -247,6 +280,10 @@ fn check_misfits(snooped: &Snooped) -> Result<(), BundleError> {
 /// what imitates them.
 fn check_determined(snooped: &Snooped) -> Result<(), BundleError> {
     let (solution, network) = (&snooped.solution, &snooped.network);
+    let shared = separation::shared(network, &solution.layout, &snooped.cofactors.border);
+    if let Some(unknowns) = shared {
+        return Err(BundleError::Inseparable { unknowns });
+    }
     let f = solution.state.parameters.interior.principal_distance_mm;
     for unknown in [
         InteriorElement::PrincipalDistance,
@@ -260,12 +297,9 @@ fn check_determined(snooped: &Snooped) -> Result<(), BundleError> {
             element(&snooped.cofactors.border, column, column).sqrt() * solution.sigma0().min(1.0);
         if sigma > MOST_INTERIOR_SIGMA * f || f <= 0.0 {
             let mut unknowns = vec![unknown.name().to_owned()];
-            if let Ok(weakest) = super::separation::weakest(
-                network,
-                &solution.layout,
-                &solution.state,
-                &solution.held,
-            ) {
+            if let Ok(weakest) =
+                separation::weakest(network, &solution.layout, &solution.state, &solution.held)
+            {
                 for name in weakest {
                     if !unknowns.contains(&name) {
                         unknowns.push(name);

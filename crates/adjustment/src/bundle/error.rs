@@ -1,6 +1,9 @@
 //! Errors of an adjustment.
 
+use std::fmt;
+
 use fmc_camera_file::InputError;
+use nalgebra::Vector3;
 
 /// Largest number of iterations; from closed initial orientations a network takes about six.
 pub const MOST_ITERATIONS: usize = 200;
@@ -33,13 +36,16 @@ pub enum BundleError {
     },
     /// Control points do not fit the image points and each other.
     #[error(
-        "control that does not fit: point {}; with it σ0 is {sigma0:.2}, without it {without:.2}; \
+        "control that does not fit: {}; with it σ0 is {sigma0:.2}, without it {without:.2}{}; \
          check coordinates and name, or make it a check point",
-        points.join("; point ")
+        points.iter().map(ToString::to_string).collect::<Vec<_>>().join("; "),
+        alternatives(or)
     )]
     Control {
-        /// Names of the points with adjusted less given coordinates.
-        points: Vec<String>,
+        /// Points that do not fit together.
+        points: Vec<Misfit>,
+        /// Points of which each alone would explain the misfit as well as the first.
+        or: Vec<Misfit>,
         /// σ0 with them.
         sigma0: f64,
         /// σ0 without them.
@@ -59,6 +65,34 @@ pub enum BundleCalibrationError {
     /// The adjustment.
     #[error(transparent)]
     Adjustment(#[from] BundleError),
+}
+
+/// A control point that does not fit.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Misfit {
+    /// Name.
+    pub point: String,
+    /// Adjusted less given coordinates, m.
+    pub difference_m: Vector3<f64>,
+}
+
+impl fmt::Display for Misfit {
+    fn fmt(&self, formatter: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let [x, y, z]: [f64; 3] = self.difference_m.into();
+        let point = &self.point;
+        write!(formatter, "point {point} by {x:.4}, {y:.4}, {z:.4} m")
+    }
+}
+
+fn alternatives(or: &[Misfit]) -> String {
+    if or.is_empty() {
+        return String::new();
+    }
+    let names: Vec<&str> = or.iter().map(|misfit| misfit.point.as_str()).collect();
+    format!(
+        "; too few control points to tell it from {}",
+        names.join(", ")
+    )
 }
 
 fn listed(names: &[String]) -> String {

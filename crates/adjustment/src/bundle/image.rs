@@ -3,7 +3,7 @@
 use nalgebra::{Matrix3, Rotation3, SMatrix, Vector3};
 
 use super::parameters::{Parameter, SharedValues};
-use super::pose::Pose;
+use super::pose::{Pose, rotation_vector};
 
 /// Position and attitude observed on board; without σ an element is not observed.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -106,7 +106,7 @@ impl ObservedPose {
 
 /// Returns the rotation vector, ground axes, that turns `from` into `to`.
 fn turn(to: &Rotation3<f64>, from: &Rotation3<f64>) -> Vector3<f64> {
-    (to * from.inverse()).scaled_axis()
+    rotation_vector(&(to * from.inverse()))
 }
 
 #[cfg(test)]

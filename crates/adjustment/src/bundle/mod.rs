@@ -27,6 +27,8 @@ pub mod snooping;
 pub mod solution;
 pub mod state;
 mod stations;
+pub mod suspect_control;
 pub mod tables;
 pub mod tested;
+pub mod trial;
 pub mod warnings;

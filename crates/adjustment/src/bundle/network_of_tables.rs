@@ -136,7 +136,18 @@ impl NetworkTables {
             .collect();
         let mut known = vec![false; objects.len()];
         let mut lines: HashMap<&str, u64> = HashMap::new();
+        let mut places: HashMap<[u64; 3], &str> = HashMap::new();
         for row in &self.object_points.rows {
+            let place = row.position_m.map(|metres| (metres + 0.0).to_bits());
+            if row.role == RowRole::Control
+                && let Some(other) = places.insert(place, &row.point)
+                && *other != *row.point
+            {
+                return Err(InputError::invalid(format!(
+                    "{file}, line {}: control points {other} and {} have the same coordinates",
+                    row.line, row.point
+                )));
+            }
             if let Some(first) = lines.insert(&row.point, row.line) {
                 return Err(InputError::invalid(format!(
                     "{file}, lines {first} and {}: point {} appears twice",

@@ -124,6 +124,7 @@ impl Normals {
         let mut images = self.right.clone();
         let mut border = self.border_right.clone();
         factor.solve(&mut images, &mut border);
+        let mut fall = images.dot(&self.right) + border.dot(&self.border_right);
         let interior = interior_part(layout, &border);
         let own = |image: usize| Vector6::from_fn(|row, _| element(&images, 6 * image + row, 0));
         let mut points = vec![nalgebra::Vector3::zeros(); network.points.len()];
@@ -132,6 +133,7 @@ impl Normals {
             if layout.point(number) == PointUnknowns::Eliminated {
                 let block = PointBlock::new(network, layout, state, observed, self.damping)
                     .ok_or(Singular)?;
+                fall += block.right.dot(&(block.inverse * block.right));
                 if let Some(step) = points.get_mut(number) {
                     *step = block.step(own, &interior);
                 }
@@ -141,18 +143,8 @@ impl Normals {
             images,
             border,
             points,
+            fall,
         })
-    }
-
-    /// Largest step in units of the σ that the unknown would have alone.
-    #[must_use]
-    pub fn largest_step(&self, step: &Step) -> f64 {
-        let steps = step.images.iter().chain(step.border.iter());
-        self.diagonal
-            .iter()
-            .zip(steps)
-            .map(|(weight, step)| weight.sqrt() * step.abs())
-            .fold(0.0, f64::max)
     }
 
     fn add_eliminated(&mut self, layout: &Layout, block: &PointBlock) {

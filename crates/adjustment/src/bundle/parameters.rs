@@ -4,6 +4,7 @@
 use nalgebra::{Rotation3, Vector3};
 
 use super::interior::{Interior, InteriorElement};
+use super::pose::rotation_vector;
 
 /// A shared unknown.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash)]
@@ -94,7 +95,7 @@ impl SharedValues {
             Parameter::Interior(element) => Some(self.interior.value(element)),
             Parameter::TimeOffset => Some(self.time_offset_s),
             Parameter::LeverArm(axis) => component(&self.lever_arm_m, axis),
-            Parameter::Boresight(axis) => component(&self.boresight.scaled_axis(), axis),
+            Parameter::Boresight(axis) => component(&rotation_vector(&self.boresight), axis),
             Parameter::Shift { strip, axis } => self
                 .shifts_m
                 .get(strip)

@@ -7,6 +7,9 @@ use crate::exterior_orientation::ExteriorOrientation;
 /// Cosine of the pitch below which roll and yaw cannot be told apart.
 const LEAST_COSINE: f64 = 1e-6;
 
+/// Sine of a rotation below which the angle is the sine, or half a turn less it.
+const LEAST_SINE: f64 = 1e-8;
+
 /// Projection centre and rotation of an image.
 ///
 /// # Model
@@ -86,9 +89,41 @@ impl Pose {
     }
 }
 
+/// Returns the vector w of a rotation exp(w), of less than half a turn.
+///
+/// # Accuracy
+/// That of the matrix also for small rotations, of which the trace alone has lost half of the
+/// digits (`small_rotation_keeps_its_digits`).
+#[must_use]
+pub fn rotation_vector(rotation: &Rotation3<f64>) -> Vector3<f64> {
+    let r = rotation.matrix();
+    let twice_sine = Vector3::new(r.m32 - r.m23, r.m13 - r.m31, r.m21 - r.m12);
+    let sine = 0.5 * twice_sine.norm();
+    let angle = sine.atan2(0.5 * (r.trace() - 1.0));
+    if sine > LEAST_SINE {
+        twice_sine * (0.5 * angle / sine)
+    } else if r.trace() > 1.0 {
+        0.5 * twice_sine
+    } else {
+        // Half a turn: its axis is in the symmetric part.
+        rotation.scaled_axis()
+    }
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn small_rotation_keeps_its_digits() {
+        let axis = Vector3::new(0.48_f64, -0.6, 0.64);
+        for angle in [0.0_f64, 1e-12, 5e-5, 0.3, 1.6, 3.0] {
+            let back = rotation_vector(&Rotation3::from_scaled_axis(axis * angle));
+            assert!((back - axis * angle).norm() < 2e-15, "{angle}");
+        }
+        let half = Rotation3::from_scaled_axis(std::f64::consts::PI * Vector3::x());
+        assert!((rotation_vector(&half).norm() - std::f64::consts::PI).abs() < 1e-9);
+    }
 
     #[test]
     fn angles_are_those_of_the_exterior_orientation() {

@@ -1,18 +1,30 @@
 //! Unknowns that the observations cannot tell apart.
 
+use nalgebra::{DMatrix, SymmetricEigen};
+
 use crate::exterior_orientation::ELEMENT_NAMES;
 use crate::linear::bordered_factor::Singular;
+use crate::linear::element::element;
 use crate::linear::weakest_direction::WeakestDirection;
 
 use super::error::BundleError;
 use super::layout::Layout;
 use super::network::Network;
 use super::normals::Normals;
+use super::parameters::Parameter;
 use super::state::State;
 
 /// Smallest eigenvalue of the normal matrix with unit diagonal: below it the matrix is singular but
 /// for rounding.
 const LEAST_EIGENVALUE: f64 = 1e-13;
+
+/// Smallest eigenvalue that explains why a network does not converge: its σ are a thousand times
+/// as large as those of separate unknowns.
+const MOST_EIGENVALUE: f64 = 1e-6;
+
+/// Smallest eigenvalue of the normal matrix of the shared unknowns alone, all others eliminated,
+/// with unit diagonal: two unknowns with a correlation of 0.999999.
+const LEAST_SHARED_EIGENVALUE: f64 = 1e-6;
 
 /// Unknowns with more than this share of the largest in the weakest combination are named.
 const NAMED_SHARE: f64 = 0.3;
@@ -43,6 +55,20 @@ pub fn check(network: &Network, layout: &Layout, normals: &Normals) -> Result<()
     }
 }
 
+/// Returns what keeps a search from converging: unknowns that the observations hardly tell apart,
+/// by name.
+#[must_use]
+pub fn not_converged(network: &Network, layout: &Layout, normals: Option<Normals>) -> BundleError {
+    let weakest =
+        normals.and_then(|normals| WeakestDirection::new(&normals.matrix, layout.order()).ok());
+    match weakest {
+        Some(weakest) if weakest.eigenvalue < MOST_EIGENVALUE => BundleError::Inseparable {
+            unknowns: names(network, layout, &weakest.components),
+        },
+        _ => BundleError::NotConverged,
+    }
+}
+
 /// Returns the names of the unknowns in the combination that a solved network determines least.
 ///
 /// # Errors
@@ -57,6 +83,52 @@ pub fn weakest(
     normals.hold(held);
     let weakest = WeakestDirection::new(&normals.matrix, layout.order())?;
     Ok(names(network, layout, &weakest.components))
+}
+
+/// Returns the names of shared unknowns that an adjusted network tells apart by nothing but noise:
+/// residual differences of attitude keep the normal matrix from being singular.
+#[must_use]
+pub fn shared(network: &Network, layout: &Layout, cofactors: &DMatrix<f64>) -> Option<Vec<String>> {
+    let columns: Vec<(usize, Parameter)> = layout
+        .border
+        .iter()
+        .copied()
+        .enumerate()
+        .filter(|(_, parameter)| !matches!(parameter, Parameter::Point { .. }))
+        .collect();
+    // One alone has nothing to be confused with, and an empty matrix no eigenvectors.
+    if columns.len() < 2 {
+        return None;
+    }
+    let part = DMatrix::from_fn(columns.len(), columns.len(), |row, column| {
+        match (columns.get(row), columns.get(column)) {
+            (Some((row, _)), Some((column, _))) => element(cofactors, *row, *column),
+            _ => 0.0,
+        }
+    });
+    let scaled = |matrix: &DMatrix<f64>| {
+        let roots = matrix
+            .diagonal()
+            .map(|element| 1.0 / element.max(f64::MIN_POSITIVE).sqrt());
+        let diagonal = DMatrix::from_diagonal(&roots);
+        &diagonal * matrix * &diagonal
+    };
+    // Correlations are inverted: cofactors have units.
+    let normal = scaled(&scaled(&part).cholesky()?.inverse());
+    let eigen = SymmetricEigen::new(normal);
+    let (least, vector) = eigen
+        .eigenvalues
+        .iter()
+        .zip(eigen.eigenvectors.column_iter())
+        .min_by(|(a, _), (b, _)| a.total_cmp(b))?;
+    let largest = vector.amax();
+    let named = columns.iter().zip(vector.iter());
+    (*least < LEAST_SHARED_EIGENVALUE).then(|| {
+        named
+            .filter(|(_, share)| share.abs() >= 0.5 * NAMED_SHARE * largest)
+            .map(|((_, parameter), _)| network.parameter_name(*parameter))
+            .collect()
+    })
 }
 
 /// Returns the names of the unknowns with large components: shared ones first, then those of

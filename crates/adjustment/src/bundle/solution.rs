@@ -8,22 +8,25 @@ use super::normals::Normals;
 use super::separation;
 use super::state::State;
 
-/// Stopping rule: no unknown moves by more than this fraction of the σ that it would have as the
-/// only unknown.
+/// Stopping rule: no function of the unknowns moves by more than this fraction of its own a priori
+/// σ ([`Step::length`](super::state::Step::length)).
 pub const SMALLEST_STEP: f64 = 1e-7;
 
 /// Damping after the first step that raises the cost, as a fraction of the diagonal.
 const FIRST_DAMPING: f64 = 1e-4;
 
-/// Relative change of vᵀPv by rounding.
-const ROUNDING: f64 = 1e-11;
+/// Relative change of vᵀPv by rounding, also with coordinates far from the origin.
+const ROUNDING: f64 = 1e-9;
 
-/// Damping below which small steps show convergence.
-const MOST_DAMPING_AT_END: f64 = 1e-3;
+/// Length of a step below which damping has done its work.
+const SHORT_STEP: f64 = 1e-3;
 
 /// Steps in sequence that may raise vᵀPv (the watchdog technique, Chamberlain et al. 1982): along a
 /// curved valley the next one falls below where a damped step would have come to.
 const MOST_RISES: usize = 3;
+
+/// Damped steps that lower vᵀPv before undamped ones are tried again, twice as many each time.
+const PATIENCE: usize = 6;
 
 /// Damping after which steps are undamped again.
 const LEAST_DAMPING: f64 = 1e-9;
@@ -104,7 +107,10 @@ pub fn with_datum(network: &Network, choice: DatumChoice) -> Network {
 ///
 /// # Model
 /// Undamped steps; after several that raise vᵀPv, Levenberg-Marquardt damping of the whole
-/// diagonal. The iterations end when no unknown moves by more than [`SMALLEST_STEP`] of its σ.
+/// diagonal. The iterations end when an undamped step moves no function of the unknowns by more
+/// than [`SMALLEST_STEP`] of its σ. Where rounding does not let the steps become as short, they end
+/// when the predicted fall is within the rounding of vᵀPv and a step is no shorter than the one
+/// before.
 ///
 /// # Errors
 /// [`BundleError`]: the datum, inseparable unknowns, or no convergence.
@@ -214,6 +220,8 @@ impl Search<'_> {
         let mut damping = 0.0;
         let mut rises = 0;
         let mut normals = self.normals(&state, damping).ok_or_else(failed)?;
+        let mut before = f64::INFINITY;
+        let (mut falls, mut patience) = (0, PATIENCE);
         for iteration in 1..=MOST_ITERATIONS {
             let step = match normals.solve(self.network, self.layout, &state) {
                 Ok(step) => step,
@@ -225,24 +233,35 @@ impl Search<'_> {
                 }
                 Err(_) => return Err(failed()),
             };
-            let largest = normals.largest_step(&step);
             let moved = state.moved(self.layout, &step);
             let next = self
                 .normals(&moved, 0.0)
                 .filter(|next| next.cost.is_finite());
-            let falls = |next: &Normals| next.cost <= best.cost * (1.0 + ROUNDING);
+            let length = step.length();
+            let is_unseen = damping <= 0.0 && step.fall <= ROUNDING * normals.cost;
             match next {
-                // A cost that no longer falls changes only by rounding.
-                Some(next) if falls(&next) || largest < SMALLEST_STEP => {
-                    if largest < SMALLEST_STEP && damping < MOST_DAMPING_AT_END {
+                // vᵀPv changes by rounding alone: the length of the steps tells where they end.
+                Some(next) if is_unseen || (damping <= 0.0 && length < SMALLEST_STEP) => {
+                    if length < SMALLEST_STEP || length >= before {
                         return Ok((moved, next.cost, iteration));
                     }
                     best = Best {
                         state: moved.clone(),
+                        cost: best.cost.min(next.cost),
+                    };
+                    (state, rises, before) = (moved, 0, length);
+                    normals = next;
+                }
+                Some(next) if next.cost <= best.cost * (1.0 + ROUNDING) => {
+                    best = Best {
+                        state: moved.clone(),
                         cost: next.cost,
                     };
-                    (state, rises) = (moved, 0);
-                    damping = if damping > LEAST_DAMPING {
+                    (state, rises, falls) = (moved, 0, falls + 1);
+                    damping = if falls >= patience {
+                        (falls, patience) = (0, 2 * patience);
+                        0.0
+                    } else if damping > LEAST_DAMPING && length > SHORT_STEP {
                         0.1 * damping
                     } else {
                         0.0
@@ -259,7 +278,11 @@ impl Search<'_> {
                     normals = next;
                 }
                 _ => {
-                    damping = FIRST_DAMPING.max(10.0 * damping);
+                    damping = if damping > 0.0 {
+                        10.0 * damping
+                    } else {
+                        FIRST_DAMPING
+                    };
                     if damping > MOST_DAMPING {
                         break;
                     }
@@ -268,7 +291,12 @@ impl Search<'_> {
                 }
             }
         }
-        Err(failed())
+        let normals = self.normals(&best.state, 0.0);
+        Err(separation::not_converged(
+            self.network,
+            self.layout,
+            normals,
+        ))
     }
 }
 

@@ -28,6 +28,21 @@ pub struct Step {
     pub border: DMatrix<f64>,
     /// Of the object points, m; zero for those held.
     pub points: Vec<Vector3<f64>>,
+    /// Fall of vᵀPv that the linearised observations predict.
+    pub fall: f64,
+}
+
+impl Step {
+    /// Length in the metric of the normal matrix: no function of the unknowns moves by more of its
+    /// own a priori σ.
+    ///
+    /// # Model
+    /// `√(xᵀNx)`, N of all unknowns; it is the largest `cᵀx/√(cᵀN⁻¹c)` over all c. An undamped step
+    /// predicts a fall of vᵀPv by its square.
+    #[must_use]
+    pub fn length(&self) -> f64 {
+        self.fall.max(0.0).sqrt()
+    }
 }
 
 impl State {

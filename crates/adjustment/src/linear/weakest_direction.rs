@@ -5,8 +5,9 @@ use nalgebra::DMatrix;
 use super::bordered_factor::{BorderedFactor, EliminationOrder, Singular};
 use super::bordered_matrix::BorderedMatrix;
 
-/// Addition to the unit diagonal that makes a singular matrix one that can be factored.
-const REGULARISATION: f64 = 1e-11;
+/// Additions to the unit diagonal that make a singular matrix one that can be factored; elimination
+/// of points has cost some of its digits, so the first may not do.
+const REGULARISATIONS: [f64; 3] = [1e-11, 1e-9, 1e-7];
 
 /// Steps of inverse iteration; each multiplies the share of a direction by the ratio of the least
 /// eigenvalue to its own.
@@ -27,7 +28,13 @@ impl WeakestDirection {
     /// # Errors
     /// [`Singular`] if an unknown is not observed at all.
     pub fn new(matrix: &BorderedMatrix, order: &EliminationOrder) -> Result<Self, Singular> {
-        let factor = BorderedFactor::new(matrix, order, REGULARISATION)?;
+        let (factor, regularisation) = REGULARISATIONS
+            .into_iter()
+            .find_map(|addition| {
+                let factor = BorderedFactor::new(matrix, order, addition).ok()?;
+                Some((factor, addition))
+            })
+            .ok_or(Singular)?;
         let rows = matrix.border.nrows();
         // A start that no regular network makes orthogonal to the eigenvector.
         let start = |index: usize| {
@@ -49,7 +56,7 @@ impl WeakestDirection {
             return Err(Singular);
         }
         Ok(Self {
-            eigenvalue: 1.0 / growth - REGULARISATION,
+            eigenvalue: 1.0 / growth - regularisation,
             components: images
                 .iter()
                 .chain(border.iter())

@@ -1,9 +1,13 @@
 //! Bundle and resection, as a user of the crate calls them.
 
 #[cfg(test)]
+mod aerial;
+#[cfg(test)]
 mod camcal;
 #[cfg(test)]
 mod checkerboard;
+#[cfg(test)]
+mod convergence;
 #[cfg(test)]
 mod coverage;
 #[cfg(test)]
@@ -13,6 +17,8 @@ mod datum;
 #[cfg(test)]
 mod geometry;
 #[cfg(test)]
+mod platform;
+#[cfg(test)]
 mod refused;
 #[cfg(test)]
 mod simulated;
@@ -20,3 +26,5 @@ mod simulated;
 mod snooping;
 #[cfg(test)]
 mod strasbourg;
+#[cfg(test)]
+mod units;

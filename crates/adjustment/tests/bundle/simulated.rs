@@ -47,6 +47,8 @@ pub(crate) struct Shape {
     pub(crate) depth_m: f64,
     /// `true` for points held as control.
     pub(crate) held: bool,
+    /// Side of the square over which the places of the images are moved, m.
+    pub(crate) spread_m: f64,
 }
 
 impl Shape {
@@ -58,6 +60,7 @@ impl Shape {
         tilt_deg: 25.0,
         depth_m: 1.2,
         held: false,
+        spread_m: 0.0,
     };
 
     /// The resection of section 4.
@@ -68,6 +71,7 @@ impl Shape {
         tilt_deg: 15.0,
         depth_m: 1.2,
         held: true,
+        spread_m: 0.0,
     };
 }
 
@@ -130,10 +134,12 @@ impl Simulated {
                         tilt.sin() * around.sin(),
                         tilt.cos(),
                     );
+                let moved = Vector3::new(field.f64() - 0.5, field.f64() - 0.5, 0.0);
+                let aside = shape.spread_m * moved;
                 let roll = (shape.roll_deg * count(number)).to_radians();
                 NetworkImage {
                     name: format!("i{number}"),
-                    pose: looking(from, Vector3::zeros(), roll),
+                    pose: looking(from + aside, aside, roll),
                     observed: None,
                 }
             })

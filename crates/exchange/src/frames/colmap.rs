@@ -4,7 +4,7 @@ use std::io::{self, Write};
 
 use super::cameras::Cameras;
 use super::pose::ImagePose;
-use crate::program::colmap::{CAMERAS_HEAD, IMAGES_HEAD, NO_POINTS, binary_camera, camera_line};
+use crate::program::colmap::{CAMERAS_HEAD, IMAGES_HEAD, binary_camera, camera_line, points_head};
 
 pub(super) fn cameras_text(cameras: &Cameras<'_>, sink: &mut dyn Write) -> io::Result<()> {
     writeln!(
@@ -54,7 +54,7 @@ pub(super) fn images_text(cameras: &Cameras<'_>, sink: &mut dyn Write) -> io::Re
 }
 
 pub(super) fn no_points_text(_: &Cameras<'_>, sink: &mut dyn Write) -> io::Result<()> {
-    sink.write_all(NO_POINTS.as_bytes())
+    sink.write_all(points_head(0).as_bytes())
 }
 
 pub(super) fn cameras_binary(cameras: &Cameras<'_>, sink: &mut dyn Write) -> io::Result<()> {

@@ -122,7 +122,7 @@ pub(crate) fn write(
             "images.txt",
             IMAGES_HEAD.to_owned() + "# Number of images: 0\n",
         ),
-        ("points3D.txt", NO_POINTS.to_owned()),
+        ("points3D.txt", points_head(0)),
     ]
     .map(|(name, text)| (name.to_owned(), text.into_bytes()))
     .into()
@@ -137,10 +137,14 @@ pub(crate) const IMAGES_HEAD: &str = "# Image list with two lines of data per im
      #   IMAGE_ID, QW, QX, QY, QZ, TX, TY, TZ, CAMERA_ID, NAME\n\
      #   POINTS2D[] as (X, Y, POINT3D_ID)\n";
 
-/// `points3D.txt` without points.
-pub(crate) const NO_POINTS: &str = "# 3D point list with one line of data per point:\n\
-     #   POINT3D_ID, X, Y, Z, R, G, B, ERROR, TRACK[] as (IMAGE_ID, POINT2D_IDX)\n\
-     # Number of points: 0\n";
+/// Returns the head of `points3D.txt`.
+pub(crate) fn points_head(count: usize) -> String {
+    format!(
+        "# 3D point list with one line of data per point:\n\
+         #   POINT3D_ID, X, Y, Z, R, G, B, ERROR, TRACK[] as (IMAGE_ID, POINT2D_IDX)\n\
+         # Number of points: {count}\n"
+    )
+}
 
 /// Returns the line of a camera in `cameras.txt`.
 pub(crate) fn camera_line(camera: &Calibrated, pinhole: &Pinhole, model: &str, id: u32) -> String {

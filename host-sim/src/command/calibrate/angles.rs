@@ -7,7 +7,7 @@ use fmc_camera_file::CameraFile;
 use fmc_report::calibration::angles::{of_method, tables};
 use fmc_report::calibration::result::of_method::PageTable;
 
-use super::report;
+use super::report::{self, Prepared};
 use crate::cli::{AlongAxis, AnglesArgs};
 use crate::failure::Failure;
 use crate::formats::calibration_points;
@@ -33,15 +33,15 @@ pub(in crate::command) fn run(args: &AnglesArgs) -> Result<(), Failure> {
     })?;
     let of_method = of_method(&found).map_err(report::failed)?;
     let texts: Vec<String> = tables(&found).iter().map(PageTable::text).collect();
-    let outputs = report::outputs(
+    let prepared = Prepared::of(
         &mut found.result,
         of_method,
         &args.common,
-        &args.angles,
+        &[&args.angles],
         args.common.out.as_deref(),
     )?;
     report::print(&found.result, &texts)?;
-    outputs.map_or(Ok(()), super::Outputs::write)
+    prepared.write()
 }
 
 fn uncertainty(args: &AnglesArgs, camera: &CameraFile) -> Uncertainty {

@@ -7,7 +7,7 @@ use fmc_adjustment::calibration::dlt2d::request::Dlt2dRequest;
 use fmc_report::calibration::dlt2d::of_method;
 use fmc_report::calibration::result::of_method::PageTable;
 
-use super::{Outputs, report};
+use super::report::{self, Prepared};
 use crate::cli::Dlt2dArgs;
 use crate::failure::Failure;
 use crate::formats::calibration_points;
@@ -42,20 +42,22 @@ pub(in crate::command) fn run(args: &Dlt2dArgs) -> Result<(), Failure> {
             tables.push(format!("the tables above are those of focus {focus}\n"));
         }
         let folder = folder(args, setting.focus.as_deref(), file.settings.len())?;
-        let outputs = report::outputs(
+        let outputs = Prepared::of(
             &mut found.result,
             of_method,
             &args.common,
-            &args.targets,
+            &[&args.targets],
             folder.as_deref(),
         )?;
         prepared.push((found, tables, outputs));
     }
+    // A setting without a usable camera does not keep the others from their files.
+    let mut conclusion = Ok(());
     for (found, tables, outputs) in prepared {
         report::print(&found.result, &tables)?;
-        outputs.map_or(Ok(()), Outputs::write)?;
+        conclusion = conclusion.and(outputs.write());
     }
-    Ok(())
+    conclusion
 }
 
 fn corners(args: &Dlt2dArgs) -> Result<Option<[String; 4]>, Failure> {

@@ -4,7 +4,7 @@ use fmc_adjustment::calibration::dlt3d::{Dlt3dRequest, dlt3d};
 use fmc_report::calibration::dlt3d::of_method;
 use fmc_report::calibration::result::of_method::PageTable;
 
-use super::report;
+use super::report::{self, Prepared};
 use crate::cli::Dlt3dArgs;
 use crate::failure::Failure;
 use crate::formats::calibration_points;
@@ -24,13 +24,13 @@ pub(in crate::command) fn run(args: &Dlt3dArgs) -> Result<(), Failure> {
     })?;
     let of_method = of_method(&found);
     let tables: Vec<String> = of_method.tables.iter().map(PageTable::text).collect();
-    let outputs = report::outputs(
+    let prepared = Prepared::of(
         &mut found.result,
         of_method,
         &args.common,
-        &args.points,
+        &[&args.points],
         args.common.out.as_deref(),
     )?;
     report::print(&found.result, &tables)?;
-    outputs.map_or(Ok(()), super::Outputs::write)
+    prepared.write()
 }

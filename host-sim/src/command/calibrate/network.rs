@@ -6,28 +6,33 @@ use fmc_adjustment::bundle::calibration::{BundleCalibration, CalibrationOptions,
 use fmc_adjustment::bundle::error::{BundleCalibrationError, BundleError};
 use fmc_adjustment::bundle::interior::{Interior, InteriorElement};
 use fmc_adjustment::bundle::tables::{NetworkTables, RowRole};
-use fmc_adjustment::calibration::result::{CalibrationResult, InputFile};
-use fmc_camera_file::{InputError, static_block};
-use fmc_report::calibration::result::files;
+use fmc_adjustment::calibration::result::InputFile;
 use fmc_report::calibration::result::of_method::OfMethod;
 use serde_json::{Map, json};
 
-use super::{Outputs, report};
-use crate::cli::{BundleArgs, NetworkArgs, ResectionArgs};
+use super::hand_over;
+use super::report::{self, Prepared};
+use crate::cli::{BundleArgs, HandOverFormat, NetworkArgs, ResectionArgs};
 use crate::failure::{Failure, note};
 use crate::formats::network_tables;
 
 /// Runs `calibrate resection`.
 pub(in crate::command) fn resection(args: &ResectionArgs) -> Result<(), Failure> {
-    run("resection", &args.network, None)
+    run("resection", &args.network, None, &[])
 }
 
 /// Runs `calibrate bundle`.
 pub(in crate::command) fn bundle(args: &BundleArgs) -> Result<(), Failure> {
-    run("bundle", &args.network, args.scale_bars.as_deref())
+    let scale_bars = args.scale_bars.as_deref();
+    run("bundle", &args.network, scale_bars, &args.export)
 }
 
-fn run(method: &'static str, args: &NetworkArgs, scale_bars: Option<&Path>) -> Result<(), Failure> {
+fn run(
+    method: &'static str,
+    args: &NetworkArgs,
+    scale_bars: Option<&Path>,
+    formats: &[HandOverFormat],
+) -> Result<(), Failure> {
     report::check_date(&args.common)?;
     let (camera, _) = crate::command::read_camera(&args.common.camera)?;
     let (image_points, image_file) = network_tables::image_points(&args.image_points, &camera)?;
@@ -60,7 +65,7 @@ fn run(method: &'static str, args: &NetworkArgs, scale_bars: Option<&Path>) -> R
         },
     };
     let calibration = BundleCalibration::new(&tables, Interior::of(&camera), &options)?;
-    let result = calibration.result(method, &camera, inputs);
+    let mut result = calibration.result(method, &camera, inputs);
     for warning in &result.warnings {
         note(format_args!("warning: {warning}"));
     }
@@ -71,51 +76,12 @@ fn run(method: &'static str, args: &NetworkArgs, scale_bars: Option<&Path>) -> R
         scale_bars,
     ];
     let files: Vec<&Path> = files.into_iter().flatten().collect();
-    let outputs = args
-        .common
-        .out
-        .as_deref()
-        .map(|folder| outputs(&result, of_method(&calibration), args, &files, folder))
-        .transpose()?;
+    let mut of_method = of_method(&calibration);
+    of_method.files = hand_over::files(&calibration, &camera, formats)?;
+    let folder = args.common.out.as_deref();
+    let prepared = Prepared::of(&mut result, of_method, &args.common, &files, folder)?;
     report::print(&result, &[])?;
-    let Some((outputs, refused)) = outputs else {
-        return Ok(());
-    };
-    outputs.write()?;
-    refused.map_or(Ok(()), |error| {
-        Err(Failure::check(format!(
-            "no camera file is written, the reports are: {error}"
-        )))
-    })
-}
-
-/// Prepares the files; a distortion that the camera cannot use is a result all the same, with
-/// reports but without a camera file.
-fn outputs(
-    result: &CalibrationResult,
-    of_method: OfMethod,
-    args: &NetworkArgs,
-    observations: &[&Path],
-    folder: &Path,
-) -> Result<(Outputs, Option<InputError>), Failure> {
-    let camera = args.common.camera.as_path();
-    let text = std::fs::read_to_string(camera).map_err(|error| Failure::reading(camera, &error))?;
-    let name = camera.display().to_string();
-    let made = files::files(result, args.common.date.as_deref(), of_method);
-    let mut all = made.map_err(report::failed)?;
-    let refused = match static_block::with_calibration(&name, &text, &result.calibrated) {
-        Ok(text) => {
-            let name = camera
-                .file_name()
-                .map_or_else(|| "camera.toml".into(), |name| name.to_string_lossy());
-            all.push((name.into_owned(), text.into_bytes()));
-            None
-        }
-        Err(error) => Some(error),
-    };
-    let command = format!("calibrate {}", result.method);
-    let outputs = Outputs::checked(all, camera, observations, folder, &command)?;
-    Ok((outputs, refused))
+    prepared.write()
 }
 
 /// Checks that a resection has no object points with unknown coordinates.

@@ -10,7 +10,7 @@ use fmc_report::calibration::result::files::{self, FilesError};
 use fmc_report::calibration::result::of_method::OfMethod;
 use fmc_report::calibration::result::table;
 
-use super::Outputs;
+use super::{CalibratedCamera, Outputs};
 use crate::cli::CalibrationArgs;
 use crate::failure::Failure;
 use crate::formats::output;
@@ -48,42 +48,54 @@ pub(super) fn check_date(args: &CalibrationArgs) -> Result<(), Failure> {
     }
 }
 
-/// Prepares the files of a calibration, the camera file among them; `None` without `--out`.
-///
-/// There is no camera file if the parameters are no usable camera: a warning of the result
-/// says why.
-pub(super) fn outputs(
-    result: &mut CalibrationResult,
-    of_method: OfMethod,
-    args: &CalibrationArgs,
-    observations: &Path,
-    folder: Option<&Path>,
-) -> Result<Option<Outputs>, Failure> {
-    let Some(folder) = folder else {
-        return Ok(None);
-    };
-    let camera = args.camera.as_path();
-    let text = std::fs::read_to_string(camera).map_err(|error| Failure::reading(camera, &error))?;
-    let file = camera.display().to_string();
-    let name = camera
-        .file_name()
-        .map_or_else(|| "camera.toml".into(), |name| name.to_string_lossy())
-        .into_owned();
-    let mut all = Vec::new();
-    let mut unusable = Vec::new();
-    match static_block::with_calibration(&file, &text, &result.calibrated) {
-        Ok(text) => all.push((name, text.into_bytes())),
-        Err(error) => {
-            let warning = format!("no camera file is written: {error}");
-            result.warnings.push(warning);
-            unusable.push(name);
+/// Files of a calibration, and the camera file among them or what is wrong with the parameters.
+pub(super) struct Prepared {
+    calibrated: CalibratedCamera,
+    outputs: Option<Outputs>,
+}
+
+impl Prepared {
+    /// Prepares the files of a calibration; those of `--out`, if there is a folder.
+    ///
+    /// There is no camera file if the parameters are no usable camera: a warning of the result
+    /// says why.
+    pub(super) fn of(
+        result: &mut CalibrationResult,
+        of_method: OfMethod,
+        args: &CalibrationArgs,
+        observations: &[&Path],
+        folder: Option<&Path>,
+    ) -> Result<Self, Failure> {
+        let camera = args.camera.as_path();
+        let text =
+            std::fs::read_to_string(camera).map_err(|error| Failure::reading(camera, &error))?;
+        let file = camera.display().to_string();
+        let made = static_block::with_calibration(&file, &text, &result.calibrated);
+        let calibrated = CalibratedCamera::of(made);
+        if let CalibratedCamera::Unusable(error) = &calibrated {
+            result
+                .warnings
+                .push(format!("the result is no usable camera: {error}"));
         }
+        let outputs = folder
+            .map(|folder| {
+                let all = files::files(result, args.date.as_deref(), of_method).map_err(failed)?;
+                let command = format!("calibrate {}", result.method);
+                Outputs::checked(all, &calibrated, camera, observations, folder, &command)
+            })
+            .transpose()?;
+        Ok(Self {
+            calibrated,
+            outputs,
+        })
     }
-    all.extend(files::files(result, args.date.as_deref(), of_method).map_err(failed)?);
-    let command = format!("calibrate {}", result.method);
-    let mut outputs = Outputs::checked(all, camera, &[observations], folder, &command)?;
-    outputs.unusable = unusable;
-    Ok(Some(outputs))
+
+    /// Writes the files and ends the command.
+    pub(super) fn write(self) -> Result<(), Failure> {
+        let has_folder = self.outputs.is_some();
+        self.outputs.map_or(Ok(()), Outputs::write)?;
+        self.calibrated.concluded(has_folder)
+    }
 }
 
 /// Returns the failure of a file that cannot be made.
