@@ -31,6 +31,7 @@
 //! ([`message::Counters`]).
 
 mod batch;
+mod contents;
 pub mod deck;
 pub mod digest;
 mod fitting;
@@ -39,6 +40,7 @@ pub mod loading;
 pub mod message;
 pub mod packet;
 pub mod refusal;
+mod reply;
 mod responder;
 pub mod station;
 pub mod wired_deck;

@@ -1,0 +1,78 @@
+//! The packets that the camera sends: the kept answer, and refusals beside it.
+
+use serde::Serialize;
+
+use super::message::{self, Answer, Header, Refusal};
+use super::packet::Packet;
+
+/// The packet that is on its way, of two.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+enum Which {
+    /// The answer to the last request of the session.
+    Answer,
+    /// The refusal of a message that is not the next of the session.
+    Aside,
+}
+
+/// The packets that the camera sends. An answer is written from where its contents lie.
+#[derive(Debug)]
+pub(super) struct Reply {
+    /// The request to which the kept answer belongs.
+    kept: Option<Header>,
+    answer: Packet,
+    /// The refusal of a message that is not the next of the session: the answer stays meanwhile,
+    /// and can be asked for again.
+    aside: Packet,
+    which: Which,
+    sent: usize,
+}
+
+impl Reply {
+    /// No packet.
+    pub(super) const NONE: Self = Self {
+        kept: None,
+        answer: Packet::EMPTY,
+        aside: Packet::EMPTY,
+        which: Which::Answer,
+        sent: 0,
+    };
+
+    /// Sends an answer, or what is written as one.
+    pub(super) fn send(&mut self, header: Header, answer: &impl Serialize) {
+        self.which = Which::Answer;
+        self.sent = 0;
+        self.kept = message::write(answer, header, &mut self.answer).map(|()| header);
+    }
+
+    /// Sends the kept answer again; returns false if it belongs to another request.
+    pub(super) fn send_again(&mut self, header: Header) -> bool {
+        let is_kept = self.kept == Some(header);
+        if is_kept {
+            self.which = Which::Answer;
+            self.sent = 0;
+        }
+        is_kept
+    }
+
+    /// Sends a refusal that is not an answer within the session.
+    pub(super) fn refuse_aside(&mut self, header: Header, refusal: Refusal) {
+        self.which = Which::Aside;
+        self.sent = 0;
+        // A refusal fits a packet.
+        let _ = Answer::Refused(refusal).write(header, &mut self.aside);
+    }
+
+    /// The bytes that are left to be sent.
+    pub(super) fn to_send(&self) -> &[u8] {
+        let packet = match self.which {
+            Which::Answer => &self.answer,
+            Which::Aside => &self.aside,
+        };
+        packet.bytes().get(self.sent..).unwrap_or_default()
+    }
+
+    /// Notes that a number of bytes of [`Self::to_send`] are on their way.
+    pub(super) fn note_sent(&mut self, bytes: usize) {
+        self.sent = self.sent.saturating_add(bytes);
+    }
+}
