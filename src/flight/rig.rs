@@ -41,12 +41,14 @@ pub struct RigAnswer {
 
 impl RigAnswer {
     /// The outputs before a round: none.
-    pub(crate) const SILENT: Self = Self {
-        duty: 0.0,
-        powered: false,
-        actions: RoundActions::new(),
-        state: State::Standby,
-    };
+    pub(crate) const fn silent() -> Self {
+        Self {
+            duty: 0.0,
+            powered: false,
+            actions: RoundActions::new(),
+            state: State::Standby,
+        }
+    }
 }
 
 /// A camera on a test rig, with a new drive for every flight.
@@ -94,7 +96,7 @@ impl Rig {
 
     /// Runs one round of the control loop; `None` before the camera is prepared.
     pub fn step(&mut self, step: &RigStep) -> Option<RigAnswer> {
-        let mut answer = RigAnswer::SILENT;
+        let mut answer = RigAnswer::silent();
         self.step_into(step, &mut answer)?;
         Some(answer)
     }

@@ -64,7 +64,7 @@ mod tests {
         let mut rig = RigAnswer {
             duty: -0.25,
             powered: true,
-            ..RigAnswer::SILENT
+            ..RigAnswer::silent()
         };
         rig.actions.push(Action::ReleaseStage).unwrap();
         let [written, whole] = packets(&Contents::Rig(&rig), &Answer::Rig(rig.clone()));

@@ -42,6 +42,7 @@ pub mod packet;
 pub mod refusal;
 mod reply;
 mod responder;
+mod round;
 pub mod station;
 pub mod wired_deck;
 

@@ -44,9 +44,14 @@ impl Reply {
         self.kept = message::write(answer, header, &mut self.answer).map(|()| header);
     }
 
+    /// Returns true if the kept answer belongs to this request.
+    pub(super) fn is_kept(&self, header: Header) -> bool {
+        self.kept == Some(header)
+    }
+
     /// Sends the kept answer again; returns false if it belongs to another request.
     pub(super) fn send_again(&mut self, header: Header) -> bool {
-        let is_kept = self.kept == Some(header);
+        let is_kept = self.is_kept(header);
         if is_kept {
             self.which = Which::Answer;
             self.sent = 0;

@@ -8,7 +8,7 @@ use super::loading::Loading;
 use super::message::{Answer, Counters, Header, Identity, Part, Refusal, Request, Unreadable};
 use super::packet::Damage;
 use super::reply::Reply;
-use super::{batch, digest, message};
+use super::{batch, digest, message, round};
 use crate::flight::calibration_id::{CalibrationId, Storage};
 use crate::flight::camera::{self, Camera, CameraParameters};
 use crate::flight::exposure::Exposure;
@@ -59,26 +59,59 @@ impl<Deck: FlightDeck> Responder<Deck> {
                 return LinkEvent::Unreadable(unreadable);
             }
         };
+        if let Some((step, sent)) = round::read(rest) {
+            return match self.admit(header) {
+                Err(event) => event,
+                Ok(()) => {
+                    let done = self.step(header, &step, sent);
+                    self.conclude(header, done)
+                }
+            };
+        }
+        self.answer_other(header, rest)
+    }
+
+    /// Answers a request other than for a round. Apart, so that a round does not need the stack of
+    /// this one.
+    #[inline(never)]
+    fn answer_other(&mut self, header: Header, rest: &[u8]) -> LinkEvent {
         let (body, is_whole) = message::body::<Request>(rest);
         let request = body.as_ref().ok().filter(|_| is_whole);
-        if self.reply.send_again(header) {
-            count(&mut self.counters.repeated);
-            return LinkEvent::Repeated;
-        }
-        let connects = matches!(request, Some(Request::Connect));
-        if !connects && let Err(refusal) = self.in_order(header) {
-            count(match refusal {
-                Refusal::OtherSession => &mut self.counters.other_session,
-                _ => &mut self.counters.out_of_order,
-            });
-            self.reply.refuse_aside(header, refusal);
-            return LinkEvent::Refused(refusal);
+        let admitted = match request {
+            Some(Request::Connect) if !self.reply.is_kept(header) => Ok(()),
+            _ => self.admit(header),
+        };
+        if let Err(event) = admitted {
+            return event;
         }
         self.last = Some(header);
         let done = match request {
             Some(request) => self.act(header, request),
             None => Err(Refusal::Unknown),
         };
+        self.conclude(header, done)
+    }
+
+    /// Admits the next request of the open session; answers another again, or refuses it aside.
+    fn admit(&mut self, header: Header) -> Result<(), LinkEvent> {
+        if self.reply.send_again(header) {
+            count(&mut self.counters.repeated);
+            return Err(LinkEvent::Repeated);
+        }
+        if let Err(refusal) = self.in_order(header) {
+            count(match refusal {
+                Refusal::OtherSession => &mut self.counters.other_session,
+                _ => &mut self.counters.out_of_order,
+            });
+            self.reply.refuse_aside(header, refusal);
+            return Err(LinkEvent::Refused(refusal));
+        }
+        self.last = Some(header);
+        Ok(())
+    }
+
+    /// Counts an answer, or sends a refusal.
+    fn conclude(&mut self, header: Header, done: Result<LinkEvent, Refusal>) -> LinkEvent {
         match done {
             Ok(event) => {
                 count(&mut self.counters.done);
@@ -231,7 +264,7 @@ impl<Deck: FlightDeck> Responder<Deck> {
         step: &RigStep,
         sent: Option<WireBytes>,
     ) -> Result<LinkEvent, Refusal> {
-        let mut answer = RigAnswer::SILENT;
+        let mut answer = RigAnswer::silent();
         let stepped = self.deck.step(step, sent, &mut answer);
         stepped.ok_or(Refusal::NoRig)??;
         self.reply.send(header, &Contents::Rig(&answer));
