@@ -1,9 +1,14 @@
 //! The packets that the camera sends: the kept answer, and refusals beside it.
 
+use heapless::Vec;
 use serde::Serialize;
 
 use super::message::{self, Answer, Header, Refusal};
 use super::packet::Packet;
+
+/// Room for the refusal of a message that is not the next of the session, which holds a number at
+/// most.
+const ASIDE: usize = 32;
 
 /// The packet that is on its way, of two.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -22,7 +27,7 @@ pub(super) struct Reply {
     answer: Packet,
     /// The refusal of a message that is not the next of the session: the answer stays meanwhile,
     /// and can be asked for again.
-    aside: Packet,
+    aside: Vec<u8, ASIDE>,
     which: Which,
     sent: usize,
 }
@@ -32,7 +37,7 @@ impl Reply {
     pub(super) const NONE: Self = Self {
         kept: None,
         answer: Packet::EMPTY,
-        aside: Packet::EMPTY,
+        aside: Vec::new(),
         which: Which::Answer,
         sent: 0,
     };
@@ -63,21 +68,59 @@ impl Reply {
     pub(super) fn refuse_aside(&mut self, header: Header, refusal: Refusal) {
         self.which = Which::Aside;
         self.sent = 0;
-        // A refusal fits a packet.
-        let _ = Answer::Refused(refusal).write(header, &mut self.aside);
+        self.aside.clear();
+        let mut packet = Packet::EMPTY;
+        // These refusals fit.
+        if Answer::Refused(refusal)
+            .write(header, &mut packet)
+            .is_some()
+        {
+            let _ = self.aside.extend_from_slice(packet.bytes());
+        }
     }
 
     /// The bytes that are left to be sent.
     pub(super) fn to_send(&self) -> &[u8] {
-        let packet = match self.which {
-            Which::Answer => &self.answer,
+        let bytes = match self.which {
+            Which::Answer => self.answer.bytes(),
             Which::Aside => &self.aside,
         };
-        packet.bytes().get(self.sent..).unwrap_or_default()
+        bytes.get(self.sent..).unwrap_or_default()
     }
 
     /// Notes that a number of bytes of [`Self::to_send`] are on their way.
     pub(super) fn note_sent(&mut self, bytes: usize) {
         self.sent = self.sent.saturating_add(bytes);
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::io::link::packet::PacketReceiver;
+
+    #[test]
+    fn every_refusal_aside_fits_whatever_its_numbers() {
+        let header = Header {
+            session: u32::MAX,
+            sequence: u16::MAX,
+        };
+        let expected = u16::MAX;
+        for refusal in [
+            Refusal::OtherProtocol,
+            Refusal::OtherSession,
+            Refusal::OutOfOrder { expected },
+        ] {
+            let mut reply = Reply::NONE;
+            reply.refuse_aside(header, refusal);
+            let mut receiver = PacketReceiver::new();
+            let bytes = reply.to_send().to_vec();
+            let mut received = bytes.iter().filter_map(|byte| {
+                let payload = receiver.receive(*byte)?;
+                Some(Answer::read(payload.unwrap()))
+            });
+            let answer = received.next().unwrap();
+            assert_eq!(answer, Ok((header, Some(Answer::Refused(refusal)))));
+        }
     }
 }

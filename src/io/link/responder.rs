@@ -15,6 +15,7 @@ use crate::flight::exposure::Exposure;
 use crate::flight::frame_record::FrameRecord;
 use crate::flight::interior_orientation::InteriorOrientation;
 use crate::flight::rig::{RigAnswer, RigStep};
+use crate::flight::settings::FlightSettings;
 use crate::geometry::frame_correction::FrameCorrection;
 use crate::io::instruments::WireBytes;
 
@@ -59,20 +60,25 @@ impl<Deck: FlightDeck> Responder<Deck> {
                 return LinkEvent::Unreadable(unreadable);
             }
         };
-        if let Some((step, sent)) = round::read(rest) {
-            return match self.admit(header) {
-                Err(event) => event,
-                Ok(()) => {
-                    let done = self.step(header, &step, sent);
-                    self.conclude(header, done)
-                }
-            };
+        match self.answer_round(header, rest) {
+            Some(event) => event,
+            None => self.answer_other(header, rest),
         }
-        self.answer_other(header, rest)
     }
 
-    /// Answers a request other than for a round. Apart, so that a round does not need the stack of
-    /// this one.
+    /// Answers a request for a round; `None` if it is another. Neither this function nor the next
+    /// needs the stack of the other.
+    #[inline(never)]
+    fn answer_round(&mut self, header: Header, rest: &[u8]) -> Option<LinkEvent> {
+        let (step, sent) = round::read(rest)?;
+        if let Err(event) = self.admit(header) {
+            return Some(event);
+        }
+        let done = self.step(header, &step, sent);
+        Some(self.conclude(header, done))
+    }
+
+    /// Answers a request other than for a round.
     #[inline(never)]
     fn answer_other(&mut self, header: Header, rest: &[u8]) -> LinkEvent {
         let (body, is_whole) = message::body::<Request>(rest);
@@ -86,6 +92,7 @@ impl<Deck: FlightDeck> Responder<Deck> {
         }
         self.last = Some(header);
         let done = match request {
+            Some(Request::Prepare(settings)) => self.prepare(header, settings),
             Some(request) => self.act(header, request),
             None => Err(Refusal::Unknown),
         };
@@ -144,6 +151,7 @@ impl<Deck: FlightDeck> Responder<Deck> {
 
     /// Acts on a request and writes its answer. The longest contents are written from where they
     /// lie.
+    #[inline(never)]
     fn act(&mut self, header: Header, request: &Request) -> Result<LinkEvent, Refusal> {
         let mut event = LinkEvent::Answered;
         let answer = match request {
@@ -214,10 +222,7 @@ impl<Deck: FlightDeck> Responder<Deck> {
                 deck::check_idle(&self.deck)?;
                 Answer::Fitted(self.fitting.fit()?)
             }
-            Request::Prepare(settings) => {
-                deck::prepare(&mut self.deck, settings)?;
-                Answer::Prepared
-            }
+            Request::Prepare(settings) => return self.prepare(header, settings),
             Request::Rig(step) => return self.step(header, step, None),
             Request::Wired(step, sent) => return self.step(header, step, Some(*sent)),
             Request::Instruments => Answer::Instruments(
@@ -253,6 +258,19 @@ impl<Deck: FlightDeck> Responder<Deck> {
         };
         self.reply.send(header, &answer);
         Ok(event)
+    }
+
+    /// Prepares the camera: the deepest work, for which no room for an answer is kept.
+    #[inline(never)]
+    fn prepare(&mut self, header: Header, settings: &FlightSettings) -> Result<LinkEvent, Refusal> {
+        deck::prepare(&mut self.deck, settings)?;
+        self.note_prepared(header);
+        Ok(LinkEvent::Answered)
+    }
+
+    #[inline(never)]
+    fn note_prepared(&mut self, header: Header) {
+        self.reply.send(header, &Answer::Prepared);
     }
 
     /// Runs a round of a test rig. It is not inlined: two copies of the controller would take twice
