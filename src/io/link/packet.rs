@@ -57,6 +57,13 @@ impl Packet {
     }
 }
 
+/// Returns the CRC-32 of what a payload would hold; `None` if it were longer than one.
+pub(super) fn checksum(payload: &impl Serialize) -> Option<u32> {
+    let mut written = Vec::new();
+    serialize_with_flavor(payload, Written(&mut written)).ok()?;
+    Some(CRC.checksum(&written))
+}
+
 /// Bytes of a payload, as many as have been written.
 struct Written<'a>(&'a mut Vec<u8, LONGEST_PAYLOAD>);
 

@@ -1,8 +1,8 @@
 //! The packets that the camera sends: the kept answer, and refusals beside it.
 
 use heapless::Vec;
-use serde::Serialize;
 
+use super::contents::Contents;
 use super::message::{self, Answer, Header, Refusal};
 use super::packet::Packet;
 
@@ -42,11 +42,19 @@ impl Reply {
         sent: 0,
     };
 
-    /// Sends an answer, or what is written as one.
-    pub(super) fn send(&mut self, header: Header, answer: &impl Serialize) {
+    /// Sends an answer. Neither this function nor the next is generic, so that a board's program
+    /// has the code that writes answers once.
+    pub(super) fn send(&mut self, header: Header, answer: &Answer) {
         self.which = Which::Answer;
         self.sent = 0;
-        self.kept = message::write(answer, header, &mut self.answer).map(|()| header);
+        self.kept = answer.write(header, &mut self.answer).map(|()| header);
+    }
+
+    /// Sends contents as their answer.
+    pub(super) fn send_contents(&mut self, header: Header, contents: &Contents<'_>) {
+        self.which = Which::Answer;
+        self.sent = 0;
+        self.kept = message::write(contents, header, &mut self.answer).map(|()| header);
     }
 
     /// Returns true if the kept answer belongs to this request.

@@ -186,7 +186,7 @@ impl<Deck: FlightDeck> Responder<Deck> {
                 let correction = correction(self.frame.as_ref())?;
                 batch::on_sensor(correction, measured.iter().copied())?;
                 let points = Contents::Corrected(correction, measured);
-                self.reply.send(header, &points);
+                self.reply.send_contents(header, &points);
                 return Ok(event);
             }
             Request::Distort(ideal) => {
@@ -285,7 +285,7 @@ impl<Deck: FlightDeck> Responder<Deck> {
         let mut answer = RigAnswer::silent();
         let stepped = self.deck.step(step, sent, &mut answer);
         stepped.ok_or(Refusal::NoRig)??;
-        self.reply.send(header, &Contents::Rig(&answer));
+        self.reply.send_contents(header, &Contents::Rig(&answer));
         Ok(LinkEvent::Answered)
     }
 
