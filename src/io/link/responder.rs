@@ -5,7 +5,9 @@ use super::deck::{self, FlightDeck};
 use super::fitting::Fitting;
 use super::link_event::LinkEvent;
 use super::loading::Loading;
-use super::message::{Answer, Counters, Header, Identity, Part, Refusal, Request, Unreadable};
+use super::message::{
+    Answer, Counters, Header, Identity, Part, Points, Refusal, Request, Unreadable,
+};
 use super::packet::Damage;
 use super::reply::Reply;
 use super::{batch, digest, message, round};
@@ -182,13 +184,7 @@ impl<Deck: FlightDeck> Responder<Deck> {
                 Answer::InteriorOrientation(self.expose(exposure)?)
             }
             Request::InteriorOrientation => Answer::InteriorOrientation(self.frame()?.interior),
-            Request::Correct(measured) => {
-                let correction = correction(self.frame.as_ref())?;
-                batch::on_sensor(correction, measured.iter().copied())?;
-                let points = Contents::Corrected(correction, measured);
-                self.reply.send_contents(header, &points);
-                return Ok(event);
-            }
+            Request::Correct(measured) => return self.correct(header, measured),
             Request::Distort(ideal) => {
                 let measured = batch::distort(correction(self.frame.as_ref())?, ideal)?;
                 self.reply.send(header, &Answer::Points(measured));
@@ -258,6 +254,14 @@ impl<Deck: FlightDeck> Responder<Deck> {
         };
         self.reply.send(header, &answer);
         Ok(event)
+    }
+
+    fn correct(&mut self, header: Header, measured: &Points) -> Result<LinkEvent, Refusal> {
+        let correction = correction(self.frame.as_ref())?;
+        batch::on_sensor(correction, measured.iter().copied())?;
+        let points = Contents::Corrected(correction, measured);
+        self.reply.send_contents(header, &points);
+        Ok(LinkEvent::Answered)
     }
 
     /// Prepares the camera: the deepest work, for which no room for an answer is kept.

@@ -131,6 +131,10 @@ impl Board {
     }
 
     /// Returns `None`: the control loop comes round between two bytes.
+    #[expect(
+        clippy::unused_self,
+        reason = "the interface is that of every board"
+    )]
     pub(crate) fn receive_more(&mut self) -> Option<u8> {
         None
     }
