@@ -142,7 +142,7 @@ pub enum Action {
     FrameReady(u32),
     /// A fault has occurred.
     Fault(Fault),
-    /// The encoder has been found wrong at the index mark, and with it the principal points since
-    /// the last crossing.
+    /// The encoder may have been wrong since a crossing of the index mark, and with it principal
+    /// points.
     InDoubt(InDoubt),
 }

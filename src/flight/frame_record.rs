@@ -9,6 +9,7 @@ use super::camera::Camera;
 use super::camera::FrameError;
 use super::fault::{Fault, Faults};
 pub use super::flag::{Flag, Flags};
+use super::in_doubt::InDoubt;
 use super::interior_orientation::InteriorOrientation;
 use super::principal_point_sigma::PrincipalPointSigma;
 use super::time::Time;
@@ -74,6 +75,31 @@ pub struct ExposedFrame {
     pub smear_um: f32,
     /// The same in pixels.
     pub smear_px: f32,
+}
+
+impl FrameRecord {
+    /// Marks the record if its exposure is in doubt: flag, a fault if it is one, and a σ that
+    /// covers the difference. The camera does it with the records that it still has; for others see
+    /// [`InDoubt`].
+    pub fn doubt(&mut self, exposures: &InDoubt) {
+        if exposures.contains(self.sequence) {
+            self.outcome
+                .doubt(exposures, &mut self.flags, &mut self.faults);
+        }
+    }
+}
+
+impl Outcome {
+    /// Marks an exposure that is in doubt, with its flags and faults.
+    pub(crate) fn doubt(&mut self, exposures: &InDoubt, flags: &mut Flags, faults: &mut Faults) {
+        if let Self::Exposed(frame) = self {
+            frame.principal_point_sigma = frame.principal_point_sigma.in_doubt_by(exposures.off_mm);
+            flags.insert(Flag::Unreferenced);
+            if exposures.is_fault {
+                faults.insert(Fault::Encoder);
+            }
+        }
+    }
 }
 
 /// The reason why a trigger was refused.

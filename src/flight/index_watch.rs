@@ -18,6 +18,10 @@ const UNSEEN_PART: f32 = 0.15;
 /// all of it if counts were lost, nothing if the motion was uneven.
 const OFF_PART: f32 = 0.5;
 
+/// Number of σ of the records since the last crossing, by what they hold of it, beyond which the
+/// difference of the next leaves them in doubt.
+const SUSPECT_SIGMA: f32 = 3.0;
+
 /// Reading of the encoder at the index mark, and the records that depend on it.
 ///
 /// # Model
@@ -47,6 +51,10 @@ const OFF_PART: f32 = 0.5;
 /// crossing, as on a camera without a mark, each of the n records since the last may have lost a
 /// step that the stage's watch lets pass, up to L either way and independent of the others:
 /// `σ² = n·L²/3`. The difference of a crossing that did not agree is added to that.
+///
+/// Counts that are lost after a crossing and before the exposure are seen at the next: a difference
+/// beyond [`SUSPECT_SIGMA`] of what the σ of the records in between holds leaves these in doubt,
+/// even if it agrees.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(crate) struct IndexWatch {
     /// The slowest and steadiest crossing since the camera was armed.
@@ -63,9 +71,11 @@ pub(crate) struct IndexWatch {
     is_flown: bool,
     /// Exposures since the last crossing that agreed; one more if there was none.
     cycles: u16,
+    /// Number of the first record after the last crossing that agreed.
+    crossed_before: u32,
     /// Number of the first record after the last crossing that agreed within the steps.
     first_since: u32,
-    /// Exposures that the last crossing that did not agree has left in doubt.
+    /// Exposures that crossings which did not agree have left in doubt.
     in_doubt: Option<InDoubt>,
     /// The stage has been moved across the mark, and no crossing came.
     is_missed: bool,
@@ -159,6 +169,7 @@ impl IndexWatch {
             is_flown: false,
             last_mm: None,
             cycles: 1,
+            crossed_before: 1,
             first_since: 1,
             in_doubt: None,
             is_missed: false,
@@ -175,8 +186,8 @@ impl IndexWatch {
         self.is_missed = false;
     }
 
-    /// Takes a crossing. Returns by how much it differs from the one before, or from the settings,
-    /// if it does not agree.
+    /// Takes a crossing. Returns the exposures that it leaves in doubt: it does not agree with
+    /// those before, or with the settings, or it agrees and σ does not cover its difference.
     pub(crate) fn cross(&mut self, crossing: &Crossing, drive: &DriveSettings) -> Option<InDoubt> {
         let age_s = drive.velocity_loop.reading_age_s;
         let place_mm = crossing.reading_mm + crossing.speed_mm_s * age_s;
@@ -203,7 +214,9 @@ impl IndexWatch {
             self.cycles = self.cycles.max(1);
             return Some(InDoubt {
                 from_sequence: self.first_since,
+                through_sequence: crossing.next_sequence.saturating_sub(1),
                 off_mm,
+                is_fault: true,
             });
         }
         self.is_flown |= self.reference.is_some() && self.cycles > 0;
@@ -216,7 +229,18 @@ impl IndexWatch {
         let beyond_mm = libm::fabsf(off_mm) - steps_mm;
         // The place in the settings has no steps.
         let of_settings_mm = libm::fabsf(place_mm - index_mm) - 0.5 * steps_mm;
+        let covered_mm = SUSPECT_SIGMA
+            * root_of_squares([UNSEEN_PART * self.tolerance_mm, OFF_PART * self.off_mm, 0.0]);
         self.off_mm = beyond_mm.max(of_settings_mm).max(0.0);
+        let is_suspect = self.tolerance_mm > 0.0 && self.off_mm > covered_mm;
+        let in_doubt =
+            (is_suspect && self.crossed_before < crossing.next_sequence).then(|| InDoubt {
+                from_sequence: self.crossed_before,
+                through_sequence: crossing.next_sequence.saturating_sub(1),
+                off_mm,
+                is_fault: false,
+            });
+        self.crossed_before = crossing.next_sequence;
         let slowest = Reference {
             speed_mm_s: if self.is_flown {
                 reference.speed_mm_s
@@ -230,7 +254,7 @@ impl IndexWatch {
         if beyond_mm <= 0.0 {
             self.first_since = crossing.next_sequence;
         }
-        None
+        in_doubt
     }
 
     /// Notes the record of an exposure.
@@ -262,11 +286,14 @@ impl IndexWatch {
     }
 
     /// Notes exposures that are in doubt.
-    pub(crate) const fn doubt(&mut self, exposures: InDoubt) {
-        self.in_doubt = Some(exposures);
+    pub(crate) fn doubt(&mut self, exposures: InDoubt) {
+        self.in_doubt = Some(match self.in_doubt {
+            Some(before) => before.with(exposures),
+            None => exposures,
+        });
     }
 
-    /// Exposures that are in doubt since the last crossing that did not agree.
+    /// Exposures that crossings which did not agree have left in doubt.
     pub(crate) const fn in_doubt(&self) -> Option<InDoubt> {
         self.in_doubt
     }

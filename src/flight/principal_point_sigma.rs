@@ -22,4 +22,14 @@ impl PrincipalPointSigma {
     pub fn total_mm(&self) -> f32 {
         libm::hypotf(self.frame_mm, self.common_mm)
     }
+
+    /// Returns the standard deviation where an error of the flight of this size, mm, has been found
+    /// afterwards.
+    #[must_use]
+    pub fn in_doubt_by(self, off_mm: f32) -> Self {
+        Self {
+            common_mm: libm::hypotf(self.common_mm, off_mm),
+            ..self
+        }
+    }
 }

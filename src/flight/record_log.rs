@@ -3,8 +3,8 @@
 use heapless::Deque;
 
 use super::calibration_id::CalibrationId;
-use super::fault::{Fault, Faults};
-use super::frame_record::{Flag, Flags, FrameRecord, Outcome, Reason};
+use super::fault::Faults;
+use super::frame_record::{Flags, FrameRecord, Outcome, Reason};
 use super::in_doubt::InDoubt;
 use super::time::Time;
 
@@ -160,17 +160,13 @@ impl RecordLog {
     }
 
     /// Marks exposures that are in doubt.
-    pub(crate) fn doubt(&mut self, exposures: InDoubt) {
+    pub(crate) fn doubt(&mut self, exposures: &InDoubt) {
         for place in &mut self.whole {
             let record = &mut place.record;
-            if record.sequence < exposures.from_sequence {
-                continue;
-            }
-            if let Outcome::Exposed(frame) = &mut record.outcome {
-                let sigma_mm = &mut frame.principal_point_sigma.common_mm;
-                *sigma_mm = libm::hypotf(*sigma_mm, exposures.off_mm);
-                record.flags.insert(Flag::Unreferenced);
-                record.faults.insert(Fault::Encoder);
+            if exposures.contains(record.sequence) {
+                record
+                    .outcome
+                    .doubt(exposures, &mut record.flags, &mut record.faults);
             }
         }
     }

@@ -24,6 +24,7 @@ mod image_map;
 mod lens_parameter;
 mod lines;
 mod pixel_covariance;
+pub mod record_files;
 pub mod records;
 pub mod row;
 mod sequences;

@@ -6,6 +6,8 @@ use std::io::Write;
 use fmc_camera::flight::exposure::CorrectionModel;
 use fmc_camera::flight::fault::Fault;
 use fmc_camera::flight::frame_record::{ExposedFrame, Flag, FrameRecord, Outcome};
+use fmc_camera::flight::in_doubt::InDoubt;
+use fmc_camera::flight::principal_point_sigma::PrincipalPointSigma;
 use fmc_camera::flight::vh::VhSource;
 use fmc_camera::geometry::frame_correction::Terms;
 use serde::{Deserialize, Serialize};
@@ -64,6 +66,9 @@ pub const NAMES: [&str; 46] = [
     "calibration_storage",
 ];
 
+/// Stands between the names of a cell.
+const SEPARATOR: &str = "; ";
+
 /// A name of the record, borrowed where it is written and owned where it is read.
 type Name = Cow<'static, str>;
 
@@ -72,13 +77,20 @@ pub trait Names {
     /// Returns the list of these names.
     fn of(names: Vec<&'static str>) -> Self;
 
+    /// Returns `true` if a name is among them.
+    fn contains(&self, name: &str) -> bool;
+
     /// Returns the names as one cell has them.
     fn into_cell(self) -> String;
 }
 
 impl Names for String {
     fn of(names: Vec<&'static str>) -> Self {
-        names.join("; ")
+        names.join(SEPARATOR)
+    }
+
+    fn contains(&self, name: &str) -> bool {
+        self.split(SEPARATOR).any(|one| one == name)
     }
 
     fn into_cell(self) -> String {
@@ -91,8 +103,12 @@ impl Names for Vec<Name> {
         names.into_iter().map(Name::Borrowed).collect()
     }
 
+    fn contains(&self, name: &str) -> bool {
+        self.iter().any(|one| one == name)
+    }
+
     fn into_cell(self) -> String {
-        self.join("; ")
+        self.join(SEPARATOR)
     }
 }
 
@@ -161,11 +177,6 @@ impl<L: Names> Row<L> {
         let vh = exposed.and_then(|exposed| exposed.vh.as_ref());
         let utc = exposed.and_then(|exposed| exposed.centroid_utc.as_ref());
         let calibration = record.calibration.as_ref();
-        let codes: Vec<String> = record
-            .faults
-            .iter()
-            .map(|fault| fault.code().to_string())
-            .collect();
         Self {
             sequence: record.sequence,
             trigger_us: record.trigger.us(),
@@ -205,7 +216,7 @@ impl<L: Names> Row<L> {
             predicted_smear_um: frame(|frame| frame.smear_um),
             predicted_smear_px: frame(|frame| frame.smear_px),
             faults: L::of(record.faults.iter().map(Fault::name).collect()),
-            fault_codes: codes.join("; "),
+            fault_codes: codes(record.faults.iter()),
             flags: L::of(record.flags.iter().map(Flag::name).collect()),
             calibration_crc32: format!("{:08x}", calibration.map_or(0, |id| id.crc)),
             principal_point_frame_sigma_mm: frame(|frame| frame.principal_point_sigma.frame_mm),
@@ -219,6 +230,39 @@ impl<L: Names> Row<L> {
             calibration_storage: calibration.map(|id| Name::Borrowed(id.storage.name())),
         }
     }
+
+    /// Marks the record if its exposure is in doubt, as [`FrameRecord::doubt`] does. Returns `true`
+    /// for an exposure.
+    pub(crate) fn doubt(&mut self, exposures: &InDoubt) -> bool {
+        let sigmas = (
+            self.principal_point_frame_sigma_mm,
+            self.principal_point_common_sigma_mm,
+        );
+        let (Some(frame_mm), Some(common_mm)) = sigmas else {
+            return false;
+        };
+        let sigma = PrincipalPointSigma {
+            frame_mm,
+            common_mm,
+        }
+        .in_doubt_by(exposures.off_mm);
+        self.principal_point_common_sigma_mm = Some(sigma.common_mm);
+        self.principal_point_sigma_mm = Some(sigma.total_mm());
+        let faults: Vec<Fault> = Fault::ALL
+            .into_iter()
+            .filter(|fault| {
+                let is_named = exposures.is_fault && *fault == Fault::Encoder;
+                is_named || self.faults.contains(fault.name())
+            })
+            .collect();
+        self.fault_codes = codes(faults.iter().copied());
+        self.faults = L::of(faults.into_iter().map(Fault::name).collect());
+        let flags = Flag::ALL.into_iter();
+        let flags =
+            flags.filter(|flag| *flag == Flag::Unreferenced || self.flags.contains(flag.name()));
+        self.flags = L::of(flags.map(Flag::name).collect());
+        true
+    }
 }
 
 /// Writes records as `records.csv`: one row per trigger.
@@ -226,14 +270,28 @@ impl<L: Names> Row<L> {
 /// # Errors
 /// Those of the sink.
 pub fn write_csv(records: &[FrameRecord], sink: impl Write) -> csv::Result<()> {
+    write_rows(records.iter().map(Row::<String>::of), sink)
+}
+
+/// Writes rows as `records.csv`.
+pub(crate) fn write_rows(
+    rows: impl IntoIterator<Item = impl Serialize>,
+    sink: impl Write,
+) -> csv::Result<()> {
     let mut writer = csv::WriterBuilder::new()
         .has_headers(false)
         .from_writer(sink);
     writer.write_record(NAMES)?;
-    for record in records {
-        writer.serialize(Row::<String>::of(record))?;
+    for row in rows {
+        writer.serialize(row)?;
     }
     Ok(writer.flush()?)
+}
+
+/// Returns the codes of faults as one cell has them.
+fn codes(faults: impl Iterator<Item = Fault>) -> String {
+    let codes: Vec<String> = faults.map(|fault| fault.code().to_string()).collect();
+    codes.join(SEPARATOR)
 }
 
 /// Outcome of a trigger with an exposure.

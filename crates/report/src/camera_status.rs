@@ -98,9 +98,10 @@ fn index_line(status: &Status) -> String {
     );
     match status.in_doubt {
         Some(exposures) => format!(
-            "{place}; the encoder was {:.2} µm off: principal points in doubt from record {} on",
+            "{place}; the encoder was {:.2} µm off: principal points in doubt of records {} to {}",
             1e3 * exposures.off_mm,
-            exposures.from_sequence
+            exposures.from_sequence,
+            exposures.through_sequence
         ),
         None => place,
     }

@@ -49,4 +49,11 @@ pub struct RecordsArgs {
     /// already are not replaced.
     #[arg(long, value_name = "DIR")]
     pub out: PathBuf,
+    /// Folder of records fetched earlier in this flight; may be given several times.
+    ///
+    /// If the index mark has shown since then that the encoder was wrong in some of these
+    /// exposures, their records get flag, fault and σ, as the camera does with those that it still
+    /// has.
+    #[arg(long, value_name = "DIR", help_heading = ADVANCED)]
+    pub earlier: Vec<PathBuf>,
 }

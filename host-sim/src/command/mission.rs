@@ -122,7 +122,8 @@ fn write(
         Failure::device_or_io(format!("{name}: {error}"))
     };
     records::write_csv(&recorded, &mut csv).map_err(|error| writing("records.csv", &error))?;
-    records::write_json(Some(&report.scenario.camera.name), &recorded, &mut json)
+    let camera = Some(report.scenario.camera.name.as_str());
+    records::write_json(camera, &recorded, report.flown.in_doubt, &mut json)
         .map_err(|error| writing("records.json", &error))?;
     truth_csv::write(report, &mut truth).map_err(|error| writing("truth.csv", &error))?;
     let summary = LinkedSummary {

@@ -6,6 +6,7 @@ mod camera;
 mod camera_file;
 mod certificate;
 mod device;
+mod earlier_records;
 mod export;
 mod exposure;
 mod frame;

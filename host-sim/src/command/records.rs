@@ -1,20 +1,20 @@
 //! `records`: the records of a camera, fetched and stored.
 
+use std::fmt::Display;
 use std::io::Write;
 
 use fmc_camera::flight::frame_record::FrameRecord;
+use fmc_frames::record_files::{CSV, JSON};
 use fmc_report::records;
 
+use super::earlier_records::EarlierRecords;
 use crate::cli::RecordsArgs;
-use crate::failure::Failure;
+use crate::failure::{Failure, note};
 use crate::formats::output::{self, OutputFolder};
-
-/// Names of the files.
-const FILES: [&str; 2] = ["records.csv", "records.json"];
 
 pub(super) fn run(args: &RecordsArgs) -> Result<(), Failure> {
     // The camera forgets acknowledged records, so these files may hold the only copy.
-    for name in FILES {
+    for name in [CSV, JSON] {
         let path = args.out.join(name);
         if path.exists() {
             return Err(Failure::bad_input(format!(
@@ -23,6 +23,7 @@ pub(super) fn run(args: &RecordsArgs) -> Result<(), Failure> {
             )));
         }
     }
+    let mut earlier = EarlierRecords::read(&args.earlier)?;
     let mut device = args.device.open_records()?;
     let mut recorded: Vec<FrameRecord> = Vec::new();
     let mut next = 0;
@@ -30,28 +31,52 @@ pub(super) fn run(args: &RecordsArgs) -> Result<(), Failure> {
         next = record.sequence.saturating_add(1);
         recorded.push(record);
     }
+    earlier.check_before(recorded.first())?;
+    let in_doubt = device.in_doubt()?;
     let (mut csv, mut json) = (Vec::new(), Vec::new());
-    let failed = |error: &dyn std::fmt::Display| Failure::device_or_io(format!("records: {error}"));
+    let failed = |error: &dyn Display| Failure::device_or_io(format!("records: {error}"));
     records::write_csv(&recorded, &mut csv).map_err(|error| failed(&error))?;
-    records::write_json(None, &recorded, &mut json).map_err(|error| failed(&error))?;
+    records::write_json(None, &recorded, in_doubt, &mut json).map_err(|error| failed(&error))?;
     let folder = OutputFolder::create(&args.out)?;
-    for (name, bytes) in FILES.into_iter().zip([csv, json]) {
+    for (name, bytes) in [(CSV, csv), (JSON, json)] {
         folder.write(name, |sink| sink.write_all(&bytes))?;
     }
     folder.sync()?;
+    let marked = match &in_doubt {
+        Some(exposures) => earlier.doubt(exposures)?,
+        None => Vec::new(),
+    };
     // The records are on the disk only from here on.
     if let Some(last) = recorded.last() {
         device.are_safe(last.sequence)?;
     }
-    output::write(None, |sink: &mut dyn Write| match recorded.as_slice() {
-        [] => writeln!(sink, "no records"),
-        [first, ..] => writeln!(
-            sink,
-            "{} records, of triggers {} to {}, CRC-32 {:08x}",
-            recorded.len(),
-            first.sequence,
-            next - 1,
-            records::crc32(&recorded)
-        ),
+    if let Some(exposures) = &in_doubt
+        && let Some((from, through)) = earlier.missing(exposures, recorded.first())
+    {
+        note(&format!(
+            "records {from} to {through} were fetched earlier, and the encoder was {:.2} µm off in them, as the index mark has shown since: name their folder with --earlier, and they are marked",
+            1e3 * exposures.off_mm
+        ));
+    }
+    output::write(None, |sink: &mut dyn Write| {
+        match recorded.as_slice() {
+            [] => writeln!(sink, "no records")?,
+            [first, ..] => writeln!(
+                sink,
+                "{} records, of triggers {} to {}, CRC-32 {:08x}",
+                recorded.len(),
+                first.sequence,
+                next - 1,
+                records::crc32(&recorded)
+            )?,
+        }
+        for (folder, count) in &marked {
+            writeln!(
+                sink,
+                "{}: {count} records in doubt, marked",
+                folder.display()
+            )?;
+        }
+        Ok(())
     })
 }

@@ -1,8 +1,10 @@
 //! A source of the records of a camera that has flown.
 
 use fmc_camera::flight::frame_record::FrameRecord;
+use fmc_camera::flight::in_doubt::InDoubt;
 
 use super::DeviceError;
+use super::flown_camera::FlownCamera;
 use super::port::Port;
 use super::qemu::Qemu;
 use super::remote::Remote;
@@ -14,6 +16,12 @@ pub trait RecordSource {
     /// # Errors
     /// [`DeviceError`] where the link fails, and for a record that does not have its CRC.
     fn fetch(&mut self, from_sequence: u32) -> Result<Option<FrameRecord>, DeviceError>;
+
+    /// Returns the exposures that crossings of the index mark have left in doubt.
+    ///
+    /// # Errors
+    /// [`DeviceError`] where the link fails, or before the camera is prepared.
+    fn in_doubt(&mut self) -> Result<Option<InDoubt>, DeviceError>;
 
     /// Tells the camera that records up to that number are stored, so that it may forget them.
     /// Returns how many are left.
@@ -28,6 +36,10 @@ impl<P: Port> RecordSource for Remote<P> {
         self.fetch_record(from_sequence)
     }
 
+    fn in_doubt(&mut self) -> Result<Option<InDoubt>, DeviceError> {
+        Ok(self.status()?.in_doubt)
+    }
+
     fn are_safe(&mut self, through: u32) -> Result<u32, DeviceError> {
         self.acknowledge_records(through)
     }
@@ -36,6 +48,10 @@ impl<P: Port> RecordSource for Remote<P> {
 impl RecordSource for Qemu {
     fn fetch(&mut self, from_sequence: u32) -> Result<Option<FrameRecord>, DeviceError> {
         self.remote_mut().fetch(from_sequence)
+    }
+
+    fn in_doubt(&mut self) -> Result<Option<InDoubt>, DeviceError> {
+        self.remote_mut().in_doubt()
     }
 
     fn are_safe(&mut self, through: u32) -> Result<u32, DeviceError> {

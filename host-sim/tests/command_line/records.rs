@@ -2,6 +2,9 @@
 
 use std::fs;
 
+use fmc_camera::flight::in_doubt::InDoubt;
+use fmc_camera::io::link::message::Answer;
+
 use crate::command_line::fake_camera::FakeCamera;
 use crate::command_line::serial::Port;
 use crate::command_line::support::Bench;
@@ -9,10 +12,8 @@ use crate::command_line::support::Bench;
 const MISSION: &str = include_str!("../../scenarios/faults/uart-cut.toml");
 const CAMERA: &str = include_str!("../../scenarios/cameras/mission.toml");
 
-#[test]
-fn records_of_a_flight_whose_link_was_cut_are_fetched_later_and_once() {
-    let bench = Bench::new();
-    let port = Port::with_camera(FakeCamera::new());
+/// Flies four frames, of which the records of the last three are not fetched. Returns the device.
+fn fly(bench: &Bench, port: &Port) -> String {
     fs::create_dir(bench.path("cameras")).unwrap();
     fs::create_dir(bench.path("faults")).unwrap();
     fs::write(bench.path("cameras/mission.toml"), CAMERA).unwrap();
@@ -37,7 +38,14 @@ fn records_of_a_flight_whose_link_was_cut_are_fetched_later_and_once() {
     ]);
     assert_eq!(flown.code, 1, "{}{}", flown.stdout, flown.stderr);
     assert!(flown.stdout.contains("1 of 4 triggers"), "{}", flown.stdout);
+    device
+}
 
+#[test]
+fn records_of_a_flight_whose_link_was_cut_are_fetched_later_and_once() {
+    let bench = Bench::new();
+    let port = Port::with_camera(FakeCamera::new());
+    let device = fly(&bench, &port);
     let fetched = bench
         .run(&["records", "--device", &device, "--out", "kept"])
         .ok();
@@ -77,4 +85,75 @@ fn camera_that_has_not_flown_in_this_process_has_no_records() {
         .run(&["records", "--device", "sil", "--out", "kept"])
         .refused(&["sil", "--device serial:PATH"]);
     assert!(!bench.path("kept").exists());
+}
+
+#[test]
+fn records_fetched_before_their_doubt_are_marked_in_their_files() {
+    let bench = Bench::new();
+    let mut camera = FakeCamera::new();
+    camera.change = |answer| {
+        if let Answer::Status(status) = answer {
+            status.in_doubt = Some(InDoubt {
+                from_sequence: 1,
+                through_sequence: 2,
+                off_mm: 0.0162,
+                is_fault: true,
+            });
+        }
+    };
+    let port = Port::with_camera(camera);
+    let device = fly(&bench, &port);
+    let records = |folder: &str, earlier: &[&str]| {
+        let mut command = vec!["records", "--device", &device, "--out", folder];
+        for folder in earlier {
+            command.extend(["--earlier", folder]);
+        }
+        bench.run(&command)
+    };
+    let before = fs::read_to_string(bench.path("flight/records.csv")).unwrap();
+    // A folder of records that the camera still has is none of earlier ones, and nothing is lost.
+    fs::create_dir(bench.path("other")).unwrap();
+    for name in ["records.csv", "records.json"] {
+        let text = fs::read_to_string(bench.path("flight").join(name)).unwrap();
+        let later = text
+            .replace("\n1,", "\n7,")
+            .replace("\"sequence\": 1,", "\"sequence\": 7,");
+        fs::write(bench.path("other").join(name), later).unwrap();
+    }
+    records("kept", &["other"]).refused(&["other/records.csv", "sequence 7", "below 2"]);
+    records("kept", &["nowhere"]).refused(&["nowhere/records.json"]);
+    assert!(!bench.path("kept").exists());
+
+    let fetched = records("kept", &["flight"]).ok();
+    assert!(
+        fetched
+            .stdout
+            .contains("flight: 1 records in doubt, marked"),
+        "{}",
+        fetched.stdout
+    );
+    assert_eq!(fetched.stderr, "");
+    let after = fs::read_to_string(bench.path("flight/records.csv")).unwrap();
+    assert!(!before.contains("unreferenced") || !before.contains("encoder"));
+    let row = after.lines().nth(1).unwrap();
+    assert!(
+        row.contains("encoder") && row.contains("unreferenced"),
+        "{row}"
+    );
+    let json: serde_json::Value =
+        serde_json::from_slice(&fs::read(bench.path("flight/records.json")).unwrap()).unwrap();
+    let sigma_mm = json["records"][0]["principal_point_sigma_mm"].as_f64();
+    assert!(sigma_mm.unwrap() >= 0.0162, "{sigma_mm:?}");
+
+    // Nobody has named the folder.
+    let told = records("empty", &[]).ok();
+    assert!(
+        told.stderr.contains("records 1 to 2") && told.stderr.contains("--earlier"),
+        "{}",
+        told.stderr
+    );
+    assert_eq!(
+        records("again", &["flight", "kept"]).ok().stdout,
+        "no records\n"
+    );
 }

@@ -20,19 +20,25 @@ impl Controller {
     }
 
     /// Judges the last crossing of the index mark, once readings before and after it are there. If
-    /// it differs from the crossings before, the encoder has failed since the last, and the
-    /// exposures since then are in doubt.
+    /// it differs from the crossings before, exposures since then are in doubt; if it does not
+    /// agree with them, the encoder has failed.
     pub(super) fn judge_index(&mut self, setup: &Setup, actions: &mut Actions) {
         let Some(exposures) = self.stage.cross_index(setup) else {
             return;
         };
-        let latest = self.frame.kept.latest();
-        if latest.is_some_and(|(sequence, _)| *sequence >= exposures.from_sequence) {
+        let latest = self.frame.kept.latest().map(|(sequence, _)| *sequence);
+        if let Some(through_sequence) = latest.filter(|latest| *latest >= exposures.from_sequence) {
+            let exposures = InDoubt {
+                through_sequence,
+                ..exposures
+            };
             self.stage.index.doubt(exposures);
-            self.frame.kept.records_mut().doubt(exposures);
+            self.frame.kept.records_mut().doubt(&exposures);
             act(actions, Action::InDoubt(exposures));
         }
-        self.fail(setup, Fault::Encoder, actions);
+        if exposures.is_fault {
+            self.fail(setup, Fault::Encoder, actions);
+        }
     }
 
     /// Returns the end of the stage's next way after a frame, mm.

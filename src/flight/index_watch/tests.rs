@@ -128,16 +128,48 @@ fn difference_beyond_the_steps_is_half_in_sigma_and_leaves_the_records_since_in_
     watch.count_record();
     cross(&mut watch, 0.0, 5.0, 2);
     watch.count_record();
-    // 0.18 µm: more than the steps, less than with the noise of the mark.
-    assert_eq!(cross(&mut watch, 1.8e-4, 5.0, 3), None);
+    // 0.15 µm: more than the steps, less than with the noise of the mark.
+    assert_eq!(cross(&mut watch, 1.5e-4, 5.0, 3), None);
     // The settings have half the steps of a difference.
-    let off_mm = 1.8e-4 - 0.5 * STEPS_MM;
+    let off_mm = 1.5e-4 - 0.5 * STEPS_MM;
     assert_near(
         sigma_mm(&watch, 0.0),
         libm::hypotf(0.15 * REPEAT_MM, 0.5 * off_mm),
     );
     watch.count_record();
     assert_eq!(cross(&mut watch, 0.01, 5.0, 4).unwrap().from_sequence, 2);
+}
+
+#[test]
+fn difference_that_agrees_leaves_records_in_doubt_whose_sigma_does_not_cover_it() {
+    for off_mm in [2.5e-4, -4e-4] {
+        let mut watch = IndexWatch::new();
+        cross(&mut watch, 0.0, 5.0, 1);
+        watch.count_record();
+        cross(&mut watch, 0.0, 5.0, 2);
+        watch.count_record();
+        // Uneven motion may explain it, but the record before was of a steady crossing.
+        assert!(libm::fabsf(off_mm) - 0.5 * STEPS_MM > 3.0 * 0.15 * REPEAT_MM);
+        let exposures = cross_unevenly(&mut watch, off_mm, [5.0, 3.0], 3).unwrap();
+        assert_eq!(exposures.from_sequence, 2);
+        assert_eq!(exposures.through_sequence, 2);
+        assert!(!exposures.is_fault);
+        assert_near(exposures.off_mm, off_mm);
+        // The records after it hold half of it: the same difference again is covered.
+        watch.count_record();
+        assert_eq!(cross_unevenly(&mut watch, off_mm, [5.0, 3.0], 4), None);
+        assert!(watch.is_referenced(&drive()));
+    }
+    // Within three σ, or without a record, there is nothing to doubt.
+    let mut watch = IndexWatch::new();
+    cross(&mut watch, 0.0, 5.0, 1);
+    assert_eq!(cross_unevenly(&mut watch, 4e-4, [5.0, 3.0], 1), None);
+    let mut watch = IndexWatch::new();
+    cross(&mut watch, 0.0, 5.0, 1);
+    watch.count_record();
+    // The settings have half the steps of a difference.
+    let covered_mm = 0.5 * STEPS_MM + 3.0 * 0.149 * REPEAT_MM;
+    assert_eq!(cross_unevenly(&mut watch, covered_mm, [5.0, 3.0], 2), None);
 }
 
 #[test]

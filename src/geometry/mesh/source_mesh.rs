@@ -100,7 +100,7 @@ impl<'frame> SourceMesh<'frame> {
     }
 
     /// Returns the number of vertices from the start of a block to the next; `None` if every vertex
-    /// is solved by itself, each predicted from those before it in its [`VertexRow`].
+    /// is solved by itself, each predicted from those before it in its row.
     #[must_use]
     pub fn block_length(&self) -> Option<u16> {
         self.blocks.map(|blocks| blocks.matrix.length)

@@ -1,6 +1,6 @@
 //! Resection and self-calibrating bundle of a network of images.
 //!
-//! Frames and signs as in the [crate](crate): ground metres, camera axes x right, y forward,
+//! Frames and signs as in the [crate]: ground metres, camera axes x right, y forward,
 //! optical axis -z. Image coordinates are millimetres of the sensor frame.
 
 pub mod calibration;

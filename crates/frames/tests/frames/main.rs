@@ -9,6 +9,7 @@
 
 mod damaged;
 mod pixel_covariance;
+mod record_files;
 mod records;
 mod support;
 mod table;

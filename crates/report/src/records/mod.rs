@@ -5,9 +5,10 @@ use std::io::{self, Write};
 
 use crc::{CRC_32_ISO_HDLC, Crc};
 use fmc_camera::flight::frame_record::FrameRecord;
+use fmc_camera::flight::in_doubt::InDoubt;
+use fmc_frames::record_files::RecordDocument;
 use fmc_frames::row::Row;
 pub use fmc_frames::row::write_csv;
-use serde::Serialize;
 
 /// Meaning of a record's numbers, for readers of the file without this program.
 const CONVENTIONS: [&str; 6] = [
@@ -19,31 +20,24 @@ const CONVENTIONS: [&str; 6] = [
     "refused triggers have a reason and no exposure; no trigger is left out",
 ];
 
-/// Writes `records.json`.
+/// Writes `records.json`; `in_doubt` are exposures that the records hold as such already.
 ///
 /// # Errors
 /// Those of the sink.
 pub fn write_json(
     camera: Option<&str>,
     records: &[FrameRecord],
+    in_doubt: Option<InDoubt>,
     sink: impl Write,
 ) -> io::Result<()> {
-    #[derive(Serialize)]
-    struct File<'a> {
-        camera: Option<&'a str>,
-        conventions: [&'static str; 6],
-        records_crc32: String,
-        records: Vec<Row<Vec<Cow<'static, str>>>>,
-    }
-    let file = File {
-        camera,
-        conventions: CONVENTIONS,
+    let document = RecordDocument {
+        camera: camera.map(str::to_owned),
+        conventions: CONVENTIONS.map(Cow::Borrowed).to_vec(),
         records_crc32: format!("{:08x}", crc32(records)),
+        in_doubt,
         records: records.iter().map(Row::of).collect(),
     };
-    let mut sink = sink;
-    serde_json::to_writer_pretty(&mut sink, &file)?;
-    writeln!(sink)
+    document.write(sink)
 }
 
 /// Returns the CRC-32 of all records as the link carries them: two flights with the same one have
@@ -168,7 +162,7 @@ mod tests {
     #[test]
     fn names_of_the_columns_are_the_keys_of_the_json_file_in_their_order() {
         let mut json = Vec::new();
-        write_json(Some("bare"), &records(), &mut json).unwrap();
+        write_json(Some("bare"), &records(), None, &mut json).unwrap();
         let text = String::from_utf8(json).unwrap();
         let mut from = text.find("\"records\"").unwrap();
         for name in row::NAMES {

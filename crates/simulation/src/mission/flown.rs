@@ -2,7 +2,7 @@
 
 use fmc_camera::flight::controller::state::State;
 use fmc_camera::flight::fault::{Fault, Faults};
-use fmc_camera::flight::frame_record::{Flag, FrameRecord, Outcome};
+use fmc_camera::flight::frame_record::FrameRecord;
 use fmc_camera::flight::in_doubt::InDoubt;
 use fmc_camera::io::instruments::counters::InstrumentCounters;
 
@@ -37,6 +37,8 @@ pub struct Flown {
     pub frames: Vec<FlownFrame>,
     /// Exposures without a record.
     pub unrecorded: Vec<FrameTruth>,
+    /// Exposures in doubt, which the records hold as such.
+    pub in_doubt: Option<InDoubt>,
     /// Faults with the times at which the camera named them, µs.
     pub announced: Vec<(u64, Fault)>,
     /// Changes of the camera's state, µs.
@@ -66,6 +68,7 @@ impl Flown {
             triggers_us,
             frames: Vec::new(),
             unrecorded: Vec::new(),
+            in_doubt: None,
             announced: Vec::new(),
             states: Vec::new(),
             felt_us: vec![None; faults],
@@ -82,16 +85,12 @@ impl Flown {
     /// with those that it still has.
     pub(super) fn doubt(&mut self, exposures: InDoubt) {
         for frame in &mut self.frames {
-            let record = &mut frame.record;
-            if record.sequence >= exposures.from_sequence
-                && let Outcome::Exposed(exposed) = &mut record.outcome
-            {
-                let sigma_mm = &mut exposed.principal_point_sigma.common_mm;
-                *sigma_mm = libm::hypotf(*sigma_mm, exposures.off_mm);
-                record.flags.insert(Flag::Unreferenced);
-                record.faults.insert(Fault::Encoder);
-            }
+            frame.record.doubt(&exposures);
         }
+        self.in_doubt = Some(match self.in_doubt {
+            Some(before) => before.with(exposures),
+            None => exposures,
+        });
     }
 
     /// Returns the state of the camera at a time, µs.

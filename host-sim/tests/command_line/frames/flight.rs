@@ -96,7 +96,7 @@ pub(super) fn flight() -> Flight {
     let csv = File::create(bench.path("records.csv")).unwrap();
     records::write_csv(&flown, csv).unwrap();
     let json = File::create(bench.path("records.json")).unwrap();
-    records::write_json(Some(&file.name), &flown, json).unwrap();
+    records::write_json(Some(&file.name), &flown, None, json).unwrap();
     let mut images = String::from("sequence,image\n");
     for sequence in 1..=8 {
         writeln!(images, "{sequence},\"IMG, {sequence:03}.tif\"").unwrap();

@@ -1,0 +1,96 @@
+//! Records of the same flight that were fetched before: those that are in doubt since are marked.
+
+use std::path::PathBuf;
+
+use fmc_camera::flight::frame_record::FrameRecord;
+use fmc_camera::flight::in_doubt::InDoubt;
+use fmc_frames::record_files::{CSV, JSON, RecordFiles};
+
+use crate::failure::Failure;
+use crate::formats::output::OutputFolder;
+
+/// Folders with records that were fetched earlier.
+#[derive(Debug)]
+pub(super) struct EarlierRecords {
+    folders: Vec<(PathBuf, RecordFiles)>,
+}
+
+impl EarlierRecords {
+    /// Reads the folders.
+    pub(super) fn read(folders: &[PathBuf]) -> Result<Self, Failure> {
+        let read = |folder: &PathBuf| -> Result<_, Failure> {
+            Ok((folder.clone(), RecordFiles::read(folder)?))
+        };
+        Ok(Self {
+            folders: folders.iter().map(read).collect::<Result<_, _>>()?,
+        })
+    }
+
+    /// Checks that all records come before the first that the camera has now, in the same flight.
+    pub(super) fn check_before(&self, first: Option<&FrameRecord>) -> Result<(), Failure> {
+        let Some(first) = first else {
+            return Ok(());
+        };
+        let crc = first.calibration.map_or(0, |calibration| calibration.crc);
+        for (folder, files) in &self.folders {
+            let Some((sequence, trigger_us, calibration)) = files.last() else {
+                continue;
+            };
+            let of_another = |what: &str, theirs: &dyn std::fmt::Display, ours: &str| {
+                Err(Failure::bad_input(format!(
+                    "--earlier: {}: its last record has {what} {theirs}; allowed: {ours}; these are records of another flight",
+                    folder.join(CSV).display()
+                )))
+            };
+            if sequence >= first.sequence {
+                let ours = format!("below {}, the first that the camera has", first.sequence);
+                return of_another("the sequence", &sequence, &ours);
+            }
+            if trigger_us >= first.trigger.us() {
+                let ours = format!("before {}", first.trigger.us());
+                return of_another("trigger_us", &trigger_us, &ours);
+            }
+            let ours = format!("{crc:08x}");
+            if calibration != ours {
+                return of_another("the calibration", &calibration, &ours);
+            }
+        }
+        Ok(())
+    }
+
+    /// Marks exposures in doubt in the files of all folders. Returns the folders with the number of
+    /// records that were marked, if there were any.
+    pub(super) fn doubt(&mut self, exposures: &InDoubt) -> Result<Vec<(PathBuf, usize)>, Failure> {
+        let mut marked = Vec::new();
+        for (path, files) in &mut self.folders {
+            let count = files.doubt(exposures);
+            if count == 0 {
+                continue;
+            }
+            let folder = OutputFolder::create(path)?;
+            folder.write(CSV, |sink| files.write_csv(sink).map_err(Into::into))?;
+            folder.write(JSON, |sink| files.write_json(sink))?;
+            folder.sync()?;
+            marked.push((path.clone(), count));
+        }
+        Ok(marked)
+    }
+
+    /// Returns the first and the last of the exposures in doubt that neither the camera nor a
+    /// folder has.
+    pub(super) fn missing(
+        &self,
+        exposures: &InDoubt,
+        first: Option<&FrameRecord>,
+    ) -> Option<(u32, u32)> {
+        let end = first.map_or(u32::MAX, |first| first.sequence);
+        let through = exposures.through_sequence.min(end.saturating_sub(1));
+        let has = |sequence: u32| {
+            let mut folders = self.folders.iter();
+            folders.any(|(_, files)| files.has(sequence))
+        };
+        let mut missing = (exposures.from_sequence.max(1)..=through).filter(|one| !has(*one));
+        let from = missing.next()?;
+        Some((from, missing.last().unwrap_or(from)))
+    }
+}
