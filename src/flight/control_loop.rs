@@ -45,7 +45,10 @@ impl<Drive: FmcDrive> ControlLoop<Drive> {
     pub fn round(&mut self, now: Time, events: &Events) -> RoundActions {
         let reading = self.drive.position(now);
         let (setup, controller) = self.camera.flown();
-        round((&setup, controller), &mut self.drive, now, reading, events)
+        let mut outside = RoundActions::new();
+        let flown = (&setup, controller);
+        round(flown, &mut self.drive, now, reading, events, &mut outside);
+        outside
     }
 
     /// The settings.
@@ -78,32 +81,32 @@ impl<Drive: FmcDrive> ControlLoop<Drive> {
 }
 
 /// Runs a round of the control loop as [`ControlLoop::round`], after the stage has been read, so
-/// that the time spent on the events does not make the reading late.
+/// that the time spent on the events does not make the reading late. The actions are added to
+/// `outside`, which is empty: the list is long, and is not moved.
 pub(super) fn round(
     (setup, controller): (&Setup, &mut Controller),
     drive: &mut impl FmcDrive,
     now: Time,
     reading: Result<StageReading, Fault>,
     events: &Events,
-) -> RoundActions {
-    let mut outside = RoundActions::new();
+    outside: &mut RoundActions,
+) {
     let reading = match reading {
         Ok(reading) => Event::Stage(reading),
         Err(fault) => Event::Drive(fault),
     };
     for (time, event) in events {
         let actions = controller.handle(setup, *time, *event);
-        take((setup, controller), drive, now, &actions, &mut outside);
+        take((setup, controller), drive, now, &actions, outside);
     }
     let actions = controller.handle(setup, now, reading);
-    take((setup, controller), drive, now, &actions, &mut outside);
+    take((setup, controller), drive, now, &actions, outside);
     if let Some(index_mm) = drive.take_index() {
         let actions = controller.handle(setup, now, Event::IndexMark(index_mm));
-        take((setup, controller), drive, now, &actions, &mut outside);
+        take((setup, controller), drive, now, &actions, outside);
     }
     let actions = controller.handle(setup, now, Event::Tick);
-    take((setup, controller), drive, now, &actions, &mut outside);
-    outside
+    take((setup, controller), drive, now, &actions, outside);
 }
 
 fn take(

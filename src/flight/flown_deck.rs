@@ -153,7 +153,10 @@ impl<Drive: FlownDrive> FlownDeck<Drive> {
         }
         let reading = self.drive.position(now);
         self.offset_mm = reading.ok().map(|reading| reading.offset_mm);
-        control_loop::round((&setup, controller), &mut self.drive, now, reading, &events)
+        let mut outside = RoundActions::new();
+        let flown = (&setup, controller);
+        control_loop::round(flown, &mut self.drive, now, reading, &events, &mut outside);
+        outside
     }
 
     /// The drive.

@@ -39,6 +39,18 @@ pub struct RigAnswer {
     pub state: State,
 }
 
+impl RigAnswer {
+    /// The outputs before a round: none.
+    pub(crate) const fn silent() -> Self {
+        Self {
+            duty: 0.0,
+            powered: false,
+            actions: RoundActions::new(),
+            state: State::Standby,
+        }
+    }
+}
+
 /// A camera on a test rig, with a new drive for every flight.
 #[derive(Debug)]
 pub struct Rig {
@@ -84,24 +96,31 @@ impl Rig {
 
     /// Runs one round of the control loop; `None` before the camera is prepared.
     pub fn step(&mut self, step: &RigStep) -> Option<RigAnswer> {
+        let mut answer = RigAnswer::silent();
+        self.step_into(step, &mut answer)?;
+        Some(answer)
+    }
+
+    /// Runs one round of the control loop and writes the outputs into an answer without actions,
+    /// where they lie: a link's camera does not move them. `None` before the camera is prepared.
+    pub(crate) fn step_into(&mut self, step: &RigStep, answer: &mut RigAnswer) -> Option<()> {
         let (setup, controller) = self.camera.flown()?;
         let drive = self.drive.as_mut()?;
         drive.set_count(step.encoder_count);
         drive.set_index(step.index_count);
         let reading = drive.position(step.time);
-        let actions = control_loop::round(
+        control_loop::round(
             (&setup, controller),
             drive,
             step.time,
             reading,
             &step.events,
+            &mut answer.actions,
         );
-        Some(RigAnswer {
-            duty: drive.duty(),
-            powered: drive.powered(),
-            actions,
-            state: controller.state(),
-        })
+        answer.duty = drive.duty();
+        answer.powered = drive.powered();
+        answer.state = controller.state();
+        Some(())
     }
 
     /// The state machine; `None` before the camera is prepared.

@@ -149,7 +149,7 @@ impl PrincipalPointMotion {
             // There may be more.
             path.for_each_stretch(shutter, add);
         } else {
-            kept.into_iter().for_each(add);
+            kept.iter().copied().for_each(add);
         }
         Ok(Self {
             opening_offset_mm,

@@ -1,5 +1,8 @@
 //! Link: a message from its first byte to the last byte of its answer.
 
+use fmc_camera::flight::rig::RigStep;
+use fmc_camera::flight::settings::FlightSettings;
+use fmc_camera::flight::time::Time;
 use fmc_camera::geometry::mesh::format::MeshFormat;
 use fmc_camera::geometry::mesh::vertex::VertexRow;
 use fmc_camera::io::link::loading::Upload;
@@ -50,6 +53,13 @@ pub(crate) fn count(counter: &mut Counter) -> Option<()> {
         ),
         (Some("link_corrections_64"), Request::Corrections(vertices)),
         (Some("link_counters"), Request::Counters),
+        (
+            Some("link_prepare"),
+            Request::Prepare(FlightSettings::default()),
+        ),
+        // The first round finds the stage, the second is one of many.
+        (None, round(1)),
+        (Some("link_rig"), round(2)),
     ];
     let mut frame = Packet::EMPTY;
     for (sequence, (kernel, request)) in (0..).zip(requests) {
@@ -68,6 +78,14 @@ pub(crate) fn count(counter: &mut Counter) -> Option<()> {
         }
     }
     Some(())
+}
+
+/// Returns a round of the control loop on a test rig, in standby and without events.
+fn round(millisecond: u64) -> Request {
+    Request::Rig(RigStep {
+        time: Time::from_us(1_000_000 + 1000 * millisecond),
+        ..RigStep::default()
+    })
 }
 
 /// Returns the requests that load a calibration; `None` unless it comes in two parts.

@@ -2,6 +2,7 @@
 
 use std::io::{self, Write};
 
+use fmc_camera::io::link::message::Counters;
 use fmc_camera_file::flight_settings::FlightSettingsFile;
 use fmc_report::figure::FigureError;
 use fmc_report::mission::summary::Summary;
@@ -14,6 +15,7 @@ use fmc_simulation::mission::flight_loop::{FlightOptions, Status, fly};
 use fmc_simulation::mission::judgement::Judgement;
 use fmc_simulation::mission::scenario::MissionScenario;
 use indicatif::{ProgressBar, ProgressStyle};
+use serde::Serialize;
 
 use crate::cli::MissionArgs;
 use crate::device::StepperCamera;
@@ -65,6 +67,7 @@ pub(super) fn run(args: &MissionArgs) -> Result<(), Failure> {
     });
     line.bar.finish_and_clear();
     let flown = flown?;
+    let link = device.link_counters()?;
     let judgement = Judgement::of(&scenario, &flown);
     let report = MissionReport {
         scenario: &scenario,
@@ -72,7 +75,7 @@ pub(super) fn run(args: &MissionArgs) -> Result<(), Failure> {
         flown: &flown,
         judgement: &judgement,
     };
-    write(&args.out, &report)?;
+    write(&args.out, &report, link)?;
     output::write(None, |sink| sink.write_all(text::text(&report).as_bytes()))?;
     note(format_args!(
         "report: {}",
@@ -95,8 +98,21 @@ pub(super) fn run(args: &MissionArgs) -> Result<(), Failure> {
     }
 }
 
+/// The summary with the counts of the camera's end of its link, if it has one.
+#[derive(Serialize)]
+struct LinkedSummary {
+    #[serde(flatten)]
+    summary: Summary,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    link: Option<Counters>,
+}
+
 /// Writes the report. Figures and summaries are complete before the first file is written.
-fn write(out: &std::path::Path, report: &MissionReport<'_>) -> Result<(), Failure> {
+fn write(
+    out: &std::path::Path,
+    report: &MissionReport<'_>,
+    link: Option<Counters>,
+) -> Result<(), Failure> {
     let drawing = |error: FigureError| Failure::device_or_io(format!("figure: {error}"));
     let page = html::page(report)
         .map_err(|error| Failure::device_or_io(format!("report.html: {error}")))?;
@@ -110,8 +126,12 @@ fn write(out: &std::path::Path, report: &MissionReport<'_>) -> Result<(), Failur
     records::write_json(camera, &recorded, report.flown.in_doubt, &mut json)
         .map_err(|error| writing("records.json", &error))?;
     truth_csv::write(report, &mut truth).map_err(|error| writing("truth.csv", &error))?;
-    let mut summary = serde_json::to_vec_pretty(&Summary::of(report))
-        .map_err(|error| writing("summary.json", &error))?;
+    let summary = LinkedSummary {
+        summary: Summary::of(report),
+        link,
+    };
+    let mut summary =
+        serde_json::to_vec_pretty(&summary).map_err(|error| writing("summary.json", &error))?;
     summary.push(b'\n');
     let mut files: Vec<(&str, Vec<u8>)> = vec![
         ("report.html", page.into_bytes()),

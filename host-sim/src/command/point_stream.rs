@@ -11,7 +11,7 @@ use indicatif::{ProgressBar, ProgressStyle};
 use crate::cli::PointFiles;
 use crate::failure::Failure;
 use crate::formats::output::{self, Stopped};
-use crate::formats::points::{Answer, Answers, Block, Blocks, Checked, PointFormat, Source};
+use crate::formats::points::{Answers, Block, BlockAnswers, Blocks, Checked, PointFormat, Source};
 
 /// Points that are being read.
 pub(super) struct PointStream<'a> {
@@ -51,10 +51,11 @@ impl<'a> PointStream<'a> {
         })
     }
 
-    /// Writes the answers that `answer` appends for every block.
+    /// Writes the answers that `answer` appends for every block. Rows of an array in single
+    /// precision are as they were read, if the answers are an array, too.
     pub(super) fn answer(
         mut self,
-        mut answer: impl FnMut(&Source, &Block, &mut Vec<Answer>) -> Result<(), Failure>,
+        mut answer: impl FnMut(&Source, &mut Block, &mut BlockAnswers) -> Result<(), Failure>,
     ) -> Result<(), Failure> {
         let source = self.source;
         let mut writer = Answers::new(&source, self.camera, self.format)?;
@@ -63,11 +64,15 @@ impl<'a> PointStream<'a> {
             let Some(mut block) = self.first else {
                 return Ok(writer.begin(sink)?);
             };
-            let mut answers = Vec::new();
+            let mut answers = BlockAnswers::default();
             let mut begun = false;
             loop {
-                answers.clear();
-                answer(&source, &block, &mut answers)?;
+                answers.numbers.clear();
+                answers.rows.clear();
+                if self.format != PointFormat::Npy {
+                    block.widen();
+                }
+                answer(&source, &mut block, &mut answers)?;
                 // If the first block is refused, nothing is written.
                 if !begun {
                     writer.begin(sink)?;

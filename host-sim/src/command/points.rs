@@ -1,6 +1,6 @@
 //! `correct` and `distort`: points through the camera.
 
-use fmc_camera::geometry::frame_correction::Corrected;
+use fmc_camera::geometry::frame_correction::{Corrected, FrameCorrection};
 use fmc_camera::geometry::inverse::DistortError;
 use fmc_camera::geometry::sensor::SensorPoint;
 use fmc_camera_file::CameraFile;
@@ -9,10 +9,10 @@ use fmc_camera_file::number::single;
 use super::frames;
 use super::point_stream::PointStream;
 use crate::cli::PointsArgs;
-use crate::device::DeviceError;
+use crate::device::{DeviceError, PointBatch};
 use crate::failure::Failure;
 use crate::formats::output;
-use crate::formats::points::{Answer, Block, Checked, Source};
+use crate::formats::points::{Answer, Block, BlockAnswers, Checked, Source};
 
 /// Direction of the transformation.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -45,6 +45,12 @@ pub(super) fn run(args: &PointsArgs, direction: Direction) -> Result<(), Failure
         .map_err(|error| request.refused(&camera, &error))?;
     let mut batch = Vec::with_capacity(BATCH);
     points.answer(|source, block, answers| {
+        if let Some(correction) = device.correction_here()
+            && answered_by_rows(correction, direction, &camera, block, answers)
+        {
+            return Ok(());
+        }
+        block.widen();
         for points_mm in block.points_mm.chunks(BATCH) {
             batch.clear();
             batch.extend(points_mm.iter().map(|point_mm| sensor_point(*point_mm)));
@@ -56,8 +62,10 @@ pub(super) fn run(args: &PointsArgs, direction: Direction) -> Result<(), Failure
                 DeviceError::check_count(batch.len(), corrected.len())?;
                 Ok(corrected)
             })
-            .map_err(|error| point_failure(&error, source, block, answers.len(), &camera, args))?;
-            answers.extend(
+            .map_err(|error| {
+                point_failure(&error, source, block, answers.numbers.len(), &camera, args)
+            })?;
+            answers.numbers.extend(
                 corrected
                     .iter()
                     .map(|corrected| answer(corrected, direction, &camera)),
@@ -65,6 +73,30 @@ pub(super) fn run(args: &PointsArgs, direction: Direction) -> Result<(), Failure
         }
         Ok(())
     })
+}
+
+/// Answers the rows of an array in single precision, from the bytes that were read to those that
+/// are written; `false`, and no answer, if a point has none, or needs more than one step.
+fn answered_by_rows(
+    correction: &FrameCorrection,
+    direction: Direction,
+    camera: &CameraFile,
+    block: &Block,
+    answers: &mut BlockAnswers,
+) -> bool {
+    if block.rows.is_empty() {
+        return false;
+    }
+    let batch = PointBatch::new(correction);
+    let (rows, found) = (block.rows.as_slice(), &mut answers.rows);
+    let are_all = match direction {
+        Direction::Correct => batch.correct_rows(correction, rows, found),
+        Direction::Distort => batch.distort_rows(camera.half_format_mm(), rows, found),
+    };
+    if !are_all {
+        found.clear();
+    }
+    are_all
 }
 
 fn sensor_point([x, y]: [f64; 2]) -> SensorPoint {

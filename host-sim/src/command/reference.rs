@@ -48,16 +48,19 @@ pub(super) fn run(args: &ReferenceArgs) -> Result<(), Failure> {
     };
     let mut error_mm = 0.0_f64;
     points.answer(|_, block, answers| {
-        answers.extend(block.points_mm.iter().map(|point_mm| {
-            let [x, y] = *point_mm;
-            let mean = total(*point_mm);
-            error_mm = error_mm.max(mean.error_mm);
-            let [dx, dy] = mean.distortion_mm;
-            Answer {
-                point_mm: [x - dx, y - dy],
-                distortion_mm: mean.distortion_mm,
-            }
-        }));
+        block.widen();
+        answers
+            .numbers
+            .extend(block.points_mm.iter().map(|point_mm| {
+                let [x, y] = *point_mm;
+                let mean = total(*point_mm);
+                error_mm = error_mm.max(mean.error_mm);
+                let [dx, dy] = mean.distortion_mm;
+                Answer {
+                    point_mm: [x - dx, y - dy],
+                    distortion_mm: mean.distortion_mm,
+                }
+            }));
         Ok(())
     })?;
     if reading == Reading::Literal {

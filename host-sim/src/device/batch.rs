@@ -4,6 +4,7 @@ use fmc_camera::geometry::evaluation_form::Displacement;
 use fmc_camera::geometry::frame_correction::{Corrected, FrameCorrection};
 use fmc_camera::geometry::inverse::DistortSliceError;
 use fmc_camera::geometry::sensor::SensorPoint;
+use fmc_camera_file::number::single;
 use fmc_camera_kernel::host::Batch;
 use fmc_camera_kernel::inverse::LastStep;
 
@@ -63,30 +64,85 @@ impl PointBatch {
         correction: &FrameCorrection,
         ideal: &[SensorPoint],
     ) -> Result<Vec<Corrected>, DistortSliceError> {
-        let mut distorted = Vec::with_capacity(ideal.len());
+        let mut distorted = self.stepped(ideal);
+        for (index, (found, ideal)) in distorted.iter_mut().zip(ideal).enumerate() {
+            if found.point.x_mm.is_nan() {
+                *found = correction
+                    .distort(*ideal)
+                    .map_err(|error| DistortSliceError { index, error })?;
+            }
+        }
+        Ok(distorted)
+    }
+
+    /// Returns the measured points of ideal ones as far as the first step leads, in order: x is NaN
+    /// where it is not the last.
+    pub(crate) fn stepped(&self, ideal: &[SensorPoint]) -> Vec<Corrected> {
+        let mut stepped = Vec::with_capacity(ideal.len());
         let mut numbers = Numbers::new();
         for ideal in ideal.chunks(POINTS) {
             numbers.take(ideal);
             let [given, found, distortion] = numbers.slices();
             let given = given.map(|numbers| &*numbers);
-            let all_end = self
+            // Points that need more are marked.
+            let _ = self
                 .batch
                 .xy_distorted(&self.last_step, given, found, distortion);
-            let before = distorted.len();
-            distorted.extend(numbers.corrected(ideal.len()));
-            if all_end {
-                continue;
-            }
-            let behind = distorted.iter_mut().enumerate().skip(before);
-            for ((index, found), ideal) in behind.zip(ideal) {
-                if found.point.x_mm.is_nan() {
-                    *found = correction
-                        .distort(*ideal)
-                        .map_err(|error| DistortSliceError { index, error })?;
-                }
-            }
+            stepped.extend(numbers.corrected(ideal.len()));
         }
-        Ok(distorted)
+        stepped
+    }
+}
+
+/// Rows of an array: x and y of a point in mm, and of its answer, dx and dy in µm besides.
+impl PointBatch {
+    /// Appends the answers to measured points; returns `false` if one is off the sensor.
+    pub(crate) fn correct_rows(
+        &self,
+        correction: &FrameCorrection,
+        measured: &[[[u8; 4]; 2]],
+        answers: &mut Vec<[[u8; 4]; 4]>,
+    ) -> bool {
+        let mut numbers = Numbers::new();
+        let (mut farthest, mut are_numbers) = (SensorPoint::default(), true);
+        for measured in measured.chunks(POINTS) {
+            numbers.take_rows(measured);
+            for (x, y) in numbers.given(measured.len()) {
+                farthest.x_mm = farthest.x_mm.max(x.abs());
+                farthest.y_mm = farthest.y_mm.max(y.abs());
+                are_numbers &= !(x.is_nan() | y.is_nan());
+            }
+            let [given, found, distortion] = numbers.slices();
+            let given = given.map(|numbers| &*numbers);
+            self.batch.xy_with_distortion(given, found, distortion);
+            answers.extend(numbers.rows(measured.len()));
+        }
+        are_numbers && correction.contains(farthest)
+    }
+
+    /// Appends the answers to ideal points, no farther than `half_format_mm`; returns `false` if
+    /// the first step does not end one of them.
+    pub(crate) fn distort_rows(
+        &self,
+        half_format_mm: [f64; 2],
+        ideal: &[[[u8; 4]; 2]],
+        answers: &mut Vec<[[u8; 4]; 4]>,
+    ) -> bool {
+        let mut numbers = Numbers::new();
+        for ideal in ideal.chunks(POINTS) {
+            numbers.take_rows(ideal);
+            let [given, found, distortion] = numbers.slices();
+            let given = given.map(|numbers| &*numbers);
+            if !self
+                .batch
+                .xy_distorted(&self.last_step, given, found, distortion)
+            {
+                return false;
+            }
+            numbers.keep_within(half_format_mm);
+            answers.extend(numbers.rows(ideal.len()));
+        }
+        true
     }
 }
 
@@ -104,6 +160,48 @@ impl Numbers {
         for ((point, x), y) in points.iter().zip(x).zip(y) {
             (*x, *y) = (point.x_mm, point.y_mm);
         }
+    }
+
+    /// Takes points as an array holds them.
+    fn take_rows(&mut self, points: &[[[u8; 4]; 2]]) {
+        let Self([[x, y], ..]) = self;
+        for ((point, x), y) in points.iter().zip(x).zip(y) {
+            [*x, *y] = point.map(f32::from_le_bytes);
+        }
+    }
+
+    /// Returns the first `count` points that were taken.
+    fn given(&self, count: usize) -> impl Iterator<Item = (f32, f32)> {
+        let Self([[x, y], ..]) = self;
+        x.iter().copied().zip(y.iter().copied()).take(count)
+    }
+
+    /// Moves answers beyond an edge to it, as [`f64::clamp`] does before it is rounded.
+    fn keep_within(&mut self, half_format_mm: [f64; 2]) {
+        let Self([_, found, _]) = self;
+        for (numbers, half) in found.iter_mut().zip(half_format_mm) {
+            let edge = single(half);
+            // Numbers up to this one are not moved.
+            let within = if f64::from(edge) > half {
+                edge.next_down()
+            } else {
+                edge
+            };
+            for number in numbers {
+                if number.abs() > within {
+                    *number = edge.copysign(*number);
+                }
+            }
+        }
+    }
+
+    /// Returns the first `count` answers as rows of an array.
+    fn rows(&self, count: usize) -> impl Iterator<Item = [[u8; 4]; 4]> {
+        self.corrected(count)
+            .map(|Corrected { point, distortion }| {
+                let [dx_um, dy_um] = [distortion.dx_mm, distortion.dy_mm].map(|d_mm| 1000.0 * d_mm);
+                [point.x_mm, point.y_mm, dx_um, dy_um].map(f32::to_le_bytes)
+            })
     }
 
     fn slices(&mut self) -> [[&mut [f32]; 2]; 3] {

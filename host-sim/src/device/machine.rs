@@ -9,8 +9,10 @@ use std::process::{Child, Command, ExitStatus, Stdio};
 use std::thread::{self, JoinHandle};
 use std::time::{Duration, Instant};
 
+use tempfile::NamedTempFile;
 use wait_timeout::ChildExt as _;
 
+use super::block_port::MEMORY_BYTES;
 use super::image;
 use super::log::LastLines;
 use super::name::Machine;
@@ -47,6 +49,9 @@ pub struct Started {
     pub log: TcpStream,
     /// The third UART and the fourth: the wires of satellite receiver and autopilot.
     pub wires: [TcpStream; 2],
+    /// File of the memory that the machine shares, which QEMU opens after it has connected; `None`
+    /// where it shares none.
+    pub memory: Option<NamedTempFile>,
 }
 
 /// Returns the program on the search path, or else the one that `cargo xtask` has fetched into this
@@ -82,7 +87,12 @@ pub fn start(program: &Path, machine: Machine, image: &Path) -> Result<Started, 
         .args(uart("link", &link).map_err(system)?)
         .args(uart("log", &log).map_err(system)?)
         .args(uart("receiver", &receiver).map_err(system)?)
-        .args(uart("autopilot", &autopilot).map_err(system)?)
+        .args(uart("autopilot", &autopilot).map_err(system)?);
+    let shared = shared_memory().map_err(system)?;
+    if let Some(file) = &shared {
+        command.args(sharing(file.path()));
+    }
+    command
         .arg("-kernel")
         .arg(image)
         .stdin(Stdio::null())
@@ -115,7 +125,31 @@ pub fn start(program: &Path, machine: Machine, image: &Path) -> Result<Started, 
         link,
         log,
         wires: [receiver, autopilot],
+        memory: shared,
     })
+}
+
+/// Creates the file that is the memory to be shared, where QEMU can map one.
+fn shared_memory() -> io::Result<Option<NamedTempFile>> {
+    if !cfg!(unix) {
+        return Ok(None);
+    }
+    let file = NamedTempFile::new()?;
+    file.as_file().set_len(MEMORY_BYTES)?;
+    Ok(Some(file))
+}
+
+/// Returns the arguments that make a file the machine's PSRAM.
+fn sharing(path: &Path) -> [OsString; 4] {
+    // A comma ends an option, unless it is doubled.
+    let path = path.to_string_lossy().replace(',', ",,");
+    [
+        "-machine".into(),
+        "memory-backend=shared".into(),
+        "-object".into(),
+        format!("memory-backend-file,id=shared,size={MEMORY_BYTES},mem-path={path},share=on")
+            .into(),
+    ]
 }
 
 /// Returns the command that runs `program` so that it does not outlive this process.

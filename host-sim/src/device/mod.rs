@@ -1,6 +1,7 @@
 //! The camera as host-sim uses it, on every kind of device.
 
 mod batch;
+pub mod block_port;
 pub mod client;
 mod client_flight;
 mod client_frame;

@@ -22,6 +22,7 @@ use fmc_camera::io::instruments::counters::InstrumentCounters;
 use fmc_camera::io::link::message::{Counters, Grid};
 use fmc_simulation::mission::wire::WireTraffic;
 
+use super::block_port::BlockPort;
 use super::image::Image;
 use super::link_error::LinkError;
 use super::log::{self, LastLines};
@@ -44,7 +45,7 @@ pub struct QemuOptions {
 /// The firmware in QEMU: started, asked over its first UART, and ended when this value is dropped.
 #[derive(Debug)]
 pub struct Qemu {
-    remote: Remote<TcpPort>,
+    remote: Remote<BlockPort>,
     machine: Machine,
     watch: Watch,
 }
@@ -84,12 +85,14 @@ impl Qemu {
             log,
             log_thread: Some(log_thread),
         };
-        let port = TcpPort::new(started.link).map_err(|error| connection(&error))?;
+        let link = TcpPort::new(started.link).map_err(|error| connection(&error))?;
         let [receiver, autopilot] = started.wires.map(TcpPort::new);
         let receiver = receiver.map_err(|error| connection(&error))?;
         let autopilot = autopilot.map_err(|error| connection(&error))?;
+        let ports = BlockPort::all(link, [receiver, autopilot], started.memory);
+        let [link, receiver, autopilot] = ports;
         let name = format!("qemu:{machine}");
-        let remote = Remote::connect(&name, port).map_err(|error| watch.explain(error))?;
+        let remote = Remote::connect(&name, link).map_err(|error| watch.explain(error))?;
         let remote = remote.with_wires(receiver, autopilot);
         Ok(Self {
             remote,
@@ -99,7 +102,7 @@ impl Qemu {
     }
 
     /// Returns the camera itself, for functions that not every device has.
-    pub const fn remote(&mut self) -> &mut Remote<TcpPort> {
+    pub const fn remote(&mut self) -> &mut Remote<BlockPort> {
         &mut self.remote
     }
 
@@ -215,7 +218,7 @@ impl Device for Qemu {
 
 impl Qemu {
     /// Returns the camera at the end of the serial port.
-    pub(super) const fn remote_mut(&mut self) -> &mut Remote<TcpPort> {
+    pub(super) const fn remote_mut(&mut self) -> &mut Remote<BlockPort> {
         &mut self.remote
     }
 }
@@ -252,6 +255,10 @@ impl FlyingDevice for Qemu {
     ) -> Result<RigAnswer, DeviceError> {
         let answer = self.remote.step_with_wires(step, traffic);
         answer.map_err(|error| self.watch.explain(error))
+    }
+
+    fn link_counters(&mut self) -> Result<Option<Counters>, DeviceError> {
+        CorrectingDevice::counters(self)
     }
 
     fn instruments(&mut self) -> Result<InstrumentCounters, DeviceError> {

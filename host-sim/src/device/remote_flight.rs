@@ -14,7 +14,7 @@ use fmc_camera::flight::time::Time;
 use fmc_camera::io::instruments::counters::InstrumentCounters;
 use fmc_camera::io::link::digest;
 use fmc_camera::io::link::message;
-use fmc_camera::io::link::message::Refusal;
+use fmc_camera::io::link::message::{Counters, Refusal};
 use fmc_simulation::mission::wire::WireTraffic;
 
 use super::error::DifferentResult;
@@ -178,6 +178,10 @@ impl<P: Port> FlyingDevice for Remote<P> {
         } else {
             Err(self.other_round(&camera, &twin))
         }
+    }
+
+    fn link_counters(&mut self) -> Result<Option<Counters>, DeviceError> {
+        CorrectingDevice::counters(self)
     }
 
     fn instruments(&mut self) -> Result<InstrumentCounters, DeviceError> {

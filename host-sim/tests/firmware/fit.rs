@@ -78,6 +78,7 @@ fn fit_of_the_camera_is_that_of_the_pc_bit_by_bit() {
             link,
             log: _log,
             wires: _wires,
+            memory: _memory,
         } = machine::start(&machine::find().unwrap(), machine, &image).unwrap();
         let mut client = Client::new(TcpPort::new(link).unwrap());
         client.connect().unwrap();

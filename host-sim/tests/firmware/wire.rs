@@ -40,6 +40,7 @@ fn camera_answers_after_100_kb_of_garbage_and_has_counted_it() {
             mut link,
             log: _log,
             wires: _wires,
+            memory: _memory,
         } = start(machine);
         link.write_all(&garbage(100_000)).unwrap();
         let mut client = Client::new(TcpPort::new(link).unwrap());
@@ -63,6 +64,7 @@ fn power_off_ends_qemu_with_success_after_the_answer() {
             link,
             log: _log,
             wires: _wires,
+            memory: _memory,
         } = start(machine);
         let mut client = Client::new(TcpPort::new(link).unwrap());
         client.connect().unwrap();
@@ -81,6 +83,7 @@ fn image_as_it_flies_has_no_accidents_on_request() {
             link,
             mut log,
             wires: _wires,
+            memory: _memory,
         } = start(MACHINES[0]);
         let mut client = Client::new(TcpPort::new(link).unwrap());
         client.connect().unwrap();
@@ -99,6 +102,7 @@ fn firmware_goes_on_after_the_pc_has_slept() {
         link,
         log: _log,
         wires: _wires,
+        memory: _memory,
     } = start(MACHINES[0]);
     let mut client = Client::new(TcpPort::new(link).unwrap());
     client.connect().unwrap();
@@ -127,6 +131,7 @@ fn log_names_board_build_and_cause_of_the_start() {
             link,
             mut log,
             wires: _wires,
+            memory: _memory,
         } = start(machine);
         let mut client = Client::new(TcpPort::new(link).unwrap());
         let identity = client.connect().unwrap();

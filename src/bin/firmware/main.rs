@@ -68,6 +68,12 @@ fn run(mut board: Board, start: ResetCause) -> ! {
         match board.receive() {
             Some(byte) => {
                 ending = station.receive(byte);
+                // A board that has all bytes of a request hands them over at once.
+                while ending.is_none()
+                    && let Some(byte) = board.receive_more()
+                {
+                    ending = station.receive(byte);
+                }
                 if let Some(event) = ending {
                     journal::note(event);
                 }

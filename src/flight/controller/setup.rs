@@ -293,7 +293,7 @@ fn cycle_s(
     }
     let _ = places.push(waiting_mm);
     let (mut cycle_s, mut from) = (travel.stop_s, end);
-    for to_mm in places {
+    for &to_mm in &places {
         cycle_s += camera.stage().reposition(from, to_mm)?.duration_s();
         from = Setpoint {
             offset_mm: to_mm,

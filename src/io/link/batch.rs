@@ -11,16 +11,6 @@ use crate::geometry::mesh::source_mesh::SourceMesh;
 use crate::geometry::mesh::vertex::VertexRow;
 use crate::geometry::sensor::SensorPoint;
 
-pub(super) fn correct(
-    correction: &FrameCorrection,
-    measured: &Points,
-) -> Result<Vec<Corrected, MAX_POINTS>, Refusal> {
-    on_sensor(correction, measured.iter().copied())?;
-    Ok(batch(
-        measured.iter().map(|point| correction.correct(*point)),
-    ))
-}
-
 pub(super) fn distort(
     correction: &FrameCorrection,
     ideal: &Points,
@@ -67,15 +57,6 @@ pub(super) fn corrections(
     row.corrections(&mesh, &mut corrections)
         .map_err(Refusal::Mesh)?;
     Ok(corrections)
-}
-
-/// Collects the first [`MAX_POINTS`] items; `collect` could panic.
-fn batch<T>(items: impl Iterator<Item = T>) -> Vec<T, MAX_POINTS> {
-    let mut batch = Vec::new();
-    for item in items.take(MAX_POINTS) {
-        let _ = batch.push(item);
-    }
-    batch
 }
 
 /// Checks that all points are on the sensor, where a correction is defined.

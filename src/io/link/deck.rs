@@ -38,8 +38,8 @@ pub trait FlightDeck {
     fn offset_mm(&self) -> Option<f32>;
 
     /// Runs one round of the control loop, with the bytes on the wires of receiver and autopilot if
-    /// `sent` is the number of bytes sent on them since the camera was prepared; `None` for a
-    /// camera that is not on a test rig.
+    /// `sent` is the number of bytes sent on them since the camera was prepared, and writes its
+    /// outputs into an answer without actions; `None` for a camera that is not on a test rig.
     ///
     /// # Errors
     /// [`Refusal::OtherBytes`] if another number of bytes has come; nothing changes then.
@@ -47,7 +47,8 @@ pub trait FlightDeck {
         &mut self,
         step: &RigStep,
         sent: Option<WireBytes>,
-    ) -> Option<Result<RigAnswer, Refusal>>;
+        answer: &mut RigAnswer,
+    ) -> Option<Result<(), Refusal>>;
 
     /// The wires of receiver and autopilot; `None` for a camera without them.
     fn instruments(&self) -> Option<&Instruments> {
@@ -132,7 +133,8 @@ impl FlightDeck for RigDeck {
         &mut self,
         step: &RigStep,
         sent: Option<WireBytes>,
-    ) -> Option<Result<RigAnswer, Refusal>> {
+        answer: &mut RigAnswer,
+    ) -> Option<Result<(), Refusal>> {
         let (Some(_), Some(instruments)) = (self.rig.controller(), &mut self.instruments) else {
             return Some(Err(Refusal::NotPrepared));
         };
@@ -147,7 +149,8 @@ impl FlightDeck for RigDeck {
         } else {
             step
         };
-        Some(self.rig.step(step).ok_or(Refusal::NotPrepared))
+        let stepped = self.rig.step_into(step, answer);
+        Some(stepped.ok_or(Refusal::NotPrepared))
     }
 
     fn instruments(&self) -> Option<&Instruments> {
@@ -185,7 +188,12 @@ impl<Drive: FlownDrive> FlightDeck for FlownDeck<Drive> {
     }
 
     /// Returns `None`: the board has the time.
-    fn step(&mut self, _: &RigStep, _: Option<WireBytes>) -> Option<Result<RigAnswer, Refusal>> {
+    fn step(
+        &mut self,
+        _: &RigStep,
+        _: Option<WireBytes>,
+        _: &mut RigAnswer,
+    ) -> Option<Result<(), Refusal>> {
         None
     }
 

@@ -2,13 +2,10 @@
 
 use super::loading::Upload;
 use super::message::Grid;
-use super::packet::CRC;
+use super::packet::{self, CRC};
 use crate::flight::camera::CameraParameters;
 use crate::flight::frame_record::FrameRecord;
 use crate::geometry::frame_correction::{Corrected, FrameCorrection};
-
-/// Longest frame records as `postcard` writes it, bytes.
-const LONGEST_RECORD: usize = 256;
 
 /// Returns the CRC-32 over the bits of every corrected point of a grid: x', y', dx, dy,
 /// little-endian.
@@ -35,7 +32,5 @@ pub fn of_camera(record: &CameraParameters) -> Option<u32> {
 /// than the record's type allows.
 #[must_use]
 pub fn of_frame_record(record: &FrameRecord) -> Option<u32> {
-    let mut buffer = [0; LONGEST_RECORD];
-    let bytes = postcard::to_slice(record, &mut buffer).ok()?;
-    Some(CRC.checksum(bytes))
+    packet::checksum(record)
 }

@@ -368,11 +368,9 @@ impl Answer {
     }
 }
 
-fn write(body: &impl Serialize, header: Header, packet: &mut Packet) -> Option<()> {
-    packet.fill(|buffer| {
-        let written = postcard::to_slice(&(PROTOCOL_VERSION, header, body), buffer);
-        Some(written.ok()?.len())
-    })
+/// Writes a body into `packet`; `None` if it were longer than a packet can be.
+pub(super) fn write(body: &impl Serialize, header: Header, packet: &mut Packet) -> Option<()> {
+    packet.fill(&(PROTOCOL_VERSION, header, body))
 }
 
 fn read<'a, Body: Deserialize<'a>>(

@@ -31,6 +31,7 @@
 //! ([`message::Counters`]).
 
 mod batch;
+mod contents;
 pub mod deck;
 pub mod digest;
 mod fitting;
@@ -39,7 +40,9 @@ pub mod loading;
 pub mod message;
 pub mod packet;
 pub mod refusal;
+mod reply;
 mod responder;
+mod round;
 pub mod station;
 pub mod wired_deck;
 

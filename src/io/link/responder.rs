@@ -1,28 +1,25 @@
 //! The camera's answers to the requests of a session.
 
+use super::contents::Contents;
 use super::deck::{self, FlightDeck};
 use super::fitting::Fitting;
 use super::link_event::LinkEvent;
 use super::loading::Loading;
-use super::message::{Answer, Counters, Header, Identity, Part, Refusal, Request, Unreadable};
-use super::packet::{Damage, Packet};
-use super::{batch, digest, message};
+use super::message::{
+    Answer, Counters, Header, Identity, Part, Points, Refusal, Request, Unreadable,
+};
+use super::packet::Damage;
+use super::reply::Reply;
+use super::{batch, digest, message, round};
 use crate::flight::calibration_id::{CalibrationId, Storage};
 use crate::flight::camera::{self, Camera, CameraParameters};
 use crate::flight::exposure::Exposure;
 use crate::flight::frame_record::FrameRecord;
 use crate::flight::interior_orientation::InteriorOrientation;
-use crate::flight::rig::RigStep;
+use crate::flight::rig::{RigAnswer, RigStep};
+use crate::flight::settings::FlightSettings;
+use crate::geometry::frame_correction::FrameCorrection;
 use crate::io::instruments::WireBytes;
-
-/// The packet that is on its way, of two.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(super) enum Which {
-    /// The answer to the last request of the session.
-    Answer,
-    /// The refusal of a message that is not the next of the session.
-    Aside,
-}
 
 /// The part that reads requests and writes answers.
 #[derive(Debug)]
@@ -31,19 +28,12 @@ pub(super) struct Responder<Deck> {
     pub(super) stack_used_bytes: fn() -> u32,
     /// The last request of the session that was answered.
     pub(super) last: Option<Header>,
-    /// The request to which the kept answer belongs.
-    pub(super) kept: Option<Header>,
     pub(super) loading: Loading,
     pub(super) frame: Option<camera::Frame>,
     /// The deck, which owns the camera, in flight or not.
     pub(super) deck: Deck,
     pub(super) fitting: Fitting,
-    pub(super) answer: Packet,
-    /// The refusal of a message that is not the next of the session: the answer stays meanwhile,
-    /// and can be asked for again.
-    pub(super) aside: Packet,
-    pub(super) to_send: Which,
-    pub(super) sent: usize,
+    pub(super) reply: Reply,
     pub(super) counters: Counters,
 }
 
@@ -67,37 +57,73 @@ impl<Deck: FlightDeck> Responder<Deck> {
                 });
                 if let Unreadable::OtherProtocol(_) = unreadable {
                     // The first byte of the answer tells the sender the version of this protocol.
-                    self.refuse_aside(NOBODY, Refusal::OtherProtocol);
+                    self.reply.refuse_aside(NOBODY, Refusal::OtherProtocol);
                 }
                 return LinkEvent::Unreadable(unreadable);
             }
         };
+        match self.answer_round(header, rest) {
+            Some(event) => event,
+            None => self.answer_other(header, rest),
+        }
+    }
+
+    /// Answers a request for a round; `None` if it is another. Neither this function nor the next
+    /// needs the stack of the other.
+    #[inline(never)]
+    fn answer_round(&mut self, header: Header, rest: &[u8]) -> Option<LinkEvent> {
+        let (step, sent) = round::read(rest)?;
+        if let Err(event) = self.admit(header) {
+            return Some(event);
+        }
+        let done = self.step(header, &step, sent);
+        Some(self.conclude(header, done))
+    }
+
+    /// Answers a request other than for a round.
+    #[inline(never)]
+    fn answer_other(&mut self, header: Header, rest: &[u8]) -> LinkEvent {
         let (body, is_whole) = message::body::<Request>(rest);
         let request = body.as_ref().ok().filter(|_| is_whole);
-        if self.kept == Some(header) {
-            self.to_send = Which::Answer;
-            self.sent = 0;
-            count(&mut self.counters.repeated);
-            return LinkEvent::Repeated;
+        let admitted = match request {
+            Some(Request::Connect) if !self.reply.is_kept(header) => Ok(()),
+            _ => self.admit(header),
+        };
+        if let Err(event) = admitted {
+            return event;
         }
-        let connects = matches!(request, Some(Request::Connect));
-        if !connects && let Err(refusal) = self.in_order(header) {
+        self.last = Some(header);
+        let done = match request {
+            Some(Request::Prepare(settings)) => self.prepare(header, settings),
+            Some(request) => self.act(header, request),
+            None => Err(Refusal::Unknown),
+        };
+        self.conclude(header, done)
+    }
+
+    /// Admits the next request of the open session; answers another again, or refuses it aside.
+    fn admit(&mut self, header: Header) -> Result<(), LinkEvent> {
+        if self.reply.send_again(header) {
+            count(&mut self.counters.repeated);
+            return Err(LinkEvent::Repeated);
+        }
+        if let Err(refusal) = self.in_order(header) {
             count(match refusal {
                 Refusal::OtherSession => &mut self.counters.other_session,
                 _ => &mut self.counters.out_of_order,
             });
-            self.refuse_aside(header, refusal);
-            return LinkEvent::Refused(refusal);
+            self.reply.refuse_aside(header, refusal);
+            return Err(LinkEvent::Refused(refusal));
         }
         self.last = Some(header);
-        let done = match request {
-            Some(request) => self.act(header, request),
-            None => Err(Refusal::Unknown),
-        };
+        Ok(())
+    }
+
+    /// Counts an answer, or sends a refusal.
+    fn conclude(&mut self, header: Header, done: Result<LinkEvent, Refusal>) -> LinkEvent {
         match done {
-            Ok((answer, event)) => {
+            Ok(event) => {
                 count(&mut self.counters.done);
-                self.send(header, &answer);
                 event
             }
             Err(refusal) => {
@@ -105,7 +131,7 @@ impl<Deck: FlightDeck> Responder<Deck> {
                     Refusal::Unknown => &mut self.counters.unknown,
                     _ => &mut self.counters.refused,
                 });
-                self.send(header, &Answer::Refused(refusal));
+                self.reply.send(header, &Answer::Refused(refusal));
                 LinkEvent::Refused(refusal)
             }
         }
@@ -125,20 +151,21 @@ impl<Deck: FlightDeck> Responder<Deck> {
         }
     }
 
-    fn act(&mut self, header: Header, request: &Request) -> Result<(Answer, LinkEvent), Refusal> {
+    /// Acts on a request and writes its answer. The longest contents are written from where they
+    /// lie.
+    #[inline(never)]
+    fn act(&mut self, header: Header, request: &Request) -> Result<LinkEvent, Refusal> {
+        let mut event = LinkEvent::Answered;
         let answer = match request {
             Request::Connect => {
                 self.frame = None;
                 self.fitting.end();
                 self.loading.end();
-                let identity = Identity {
+                event = LinkEvent::Connected(header.session);
+                Answer::Connected(Identity {
                     calibration: self.deck.camera().and_then(Camera::id),
                     ..self.identity.clone()
-                };
-                return Ok((
-                    Answer::Connected(identity),
-                    LinkEvent::Connected(header.session),
-                ));
+                })
             }
             Request::BeginLoad { length, crc } => {
                 deck::check_over(&self.deck)?;
@@ -146,21 +173,22 @@ impl<Deck: FlightDeck> Responder<Deck> {
                 Answer::Loading(0)
             }
             Request::LoadPart(part) => match self.load_part(part)? {
-                Some(id) => return Ok((Answer::Loaded(id), LinkEvent::Loaded(id))),
+                Some(id) => {
+                    event = LinkEvent::Loaded(id);
+                    Answer::Loaded(id)
+                }
                 None => Answer::Loading(self.loading.received()),
             },
             Request::Expose(exposure) => {
-                return Ok((
-                    Answer::InteriorOrientation(self.expose(exposure)?),
-                    LinkEvent::Exposed,
-                ));
+                event = LinkEvent::Exposed;
+                Answer::InteriorOrientation(self.expose(exposure)?)
             }
             Request::InteriorOrientation => Answer::InteriorOrientation(self.frame()?.interior),
-            Request::Correct(measured) => {
-                Answer::Points(batch::correct(&self.frame()?.correction, measured)?)
-            }
+            Request::Correct(measured) => return self.correct(header, measured),
             Request::Distort(ideal) => {
-                Answer::Points(batch::distort(&self.frame()?.correction, ideal)?)
+                let measured = batch::distort(correction(self.frame.as_ref())?, ideal)?;
+                self.reply.send(header, &Answer::Points(measured));
+                return Ok(event);
             }
             Request::Digest(grid) => {
                 deck::check_idle(&self.deck)?;
@@ -169,9 +197,13 @@ impl<Deck: FlightDeck> Responder<Deck> {
                 Answer::Digest(digest::of_grid(correction, grid))
             }
             Request::Counters => Answer::Counters(self.counters()),
-            Request::Reset => return Ok((Answer::Ending, LinkEvent::Reset)),
+            Request::Reset => {
+                event = LinkEvent::Reset;
+                Answer::Ending
+            }
             Request::PowerOff if self.identity.power_switch => {
-                return Ok((Answer::Ending, LinkEvent::PowerOff));
+                event = LinkEvent::PowerOff;
+                Answer::Ending
             }
             Request::PowerOff => return Err(Refusal::NoPowerSwitch),
             Request::StartFit(options) => {
@@ -186,12 +218,9 @@ impl<Deck: FlightDeck> Responder<Deck> {
                 deck::check_idle(&self.deck)?;
                 Answer::Fitted(self.fitting.fit()?)
             }
-            Request::Prepare(settings) => {
-                deck::prepare(&mut self.deck, settings)?;
-                Answer::Prepared
-            }
-            Request::Rig(step) => self.step(step, None)?,
-            Request::Wired(step, sent) => self.step(step, Some(*sent))?,
+            Request::Prepare(settings) => return self.prepare(header, settings),
+            Request::Rig(step) => return self.step(header, step, None),
+            Request::Wired(step, sent) => return self.step(header, step, Some(*sent)),
             Request::Instruments => Answer::Instruments(
                 self.deck
                     .instruments()
@@ -213,21 +242,55 @@ impl<Deck: FlightDeck> Responder<Deck> {
                 Answer::Told
             }
             Request::Mesh(row, format) => {
-                Answer::Mesh(batch::mesh(&self.frame()?.correction, row, *format)?)
+                let mesh = batch::mesh(correction(self.frame.as_ref())?, row, *format)?;
+                self.reply.send(header, &Answer::Mesh(mesh));
+                return Ok(event);
             }
             Request::Corrections(row) => {
-                Answer::Corrections(batch::corrections(&self.frame()?.correction, row)?)
+                let corrections = batch::corrections(correction(self.frame.as_ref())?, row)?;
+                self.reply.send(header, &Answer::Corrections(corrections));
+                return Ok(event);
             }
         };
-        Ok((answer, LinkEvent::Answered))
+        self.reply.send(header, &answer);
+        Ok(event)
+    }
+
+    fn correct(&mut self, header: Header, measured: &Points) -> Result<LinkEvent, Refusal> {
+        let correction = correction(self.frame.as_ref())?;
+        batch::on_sensor(correction, measured.iter().copied())?;
+        let points = Contents::Corrected(correction, measured);
+        self.reply.send_contents(header, &points);
+        Ok(LinkEvent::Answered)
+    }
+
+    /// Prepares the camera: the deepest work, for which no room for an answer is kept.
+    #[inline(never)]
+    fn prepare(&mut self, header: Header, settings: &FlightSettings) -> Result<LinkEvent, Refusal> {
+        deck::prepare(&mut self.deck, settings)?;
+        self.note_prepared(header);
+        Ok(LinkEvent::Answered)
+    }
+
+    #[inline(never)]
+    fn note_prepared(&mut self, header: Header) {
+        self.reply.send(header, &Answer::Prepared);
     }
 
     /// Runs a round of a test rig. It is not inlined: two copies of the controller would take twice
     /// the stack.
     #[inline(never)]
-    fn step(&mut self, step: &RigStep, sent: Option<WireBytes>) -> Result<Answer, Refusal> {
-        let answer = self.deck.step(step, sent).ok_or(Refusal::NoRig)??;
-        Ok(Answer::Rig(answer))
+    fn step(
+        &mut self,
+        header: Header,
+        step: &RigStep,
+        sent: Option<WireBytes>,
+    ) -> Result<LinkEvent, Refusal> {
+        let mut answer = RigAnswer::silent();
+        let stepped = self.deck.step(step, sent, &mut answer);
+        stepped.ok_or(Refusal::NoRig)??;
+        self.reply.send_contents(header, &Contents::Rig(&answer));
+        Ok(LinkEvent::Answered)
     }
 
     fn frame_record(&self, from: u32) -> Result<Option<(FrameRecord, u32)>, Refusal> {
@@ -285,20 +348,11 @@ impl<Deck: FlightDeck> Responder<Deck> {
             ..self.counters
         }
     }
+}
 
-    /// Sends a refusal that is not an answer within the session.
-    fn refuse_aside(&mut self, header: Header, refusal: Refusal) {
-        self.to_send = Which::Aside;
-        self.sent = 0;
-        // A refusal fits a packet.
-        let _ = Answer::Refused(refusal).write(header, &mut self.aside);
-    }
-
-    fn send(&mut self, header: Header, answer: &Answer) {
-        self.to_send = Which::Answer;
-        self.sent = 0;
-        self.kept = answer.write(header, &mut self.answer).map(|()| header);
-    }
+/// The correction of the current frame, while the reply is being written.
+fn correction(frame: Option<&camera::Frame>) -> Result<&FrameCorrection, Refusal> {
+    frame.map(|frame| &frame.correction).ok_or(Refusal::NoFrame)
 }
 
 /// The header of an answer to a request whose own cannot be read.

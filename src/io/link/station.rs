@@ -6,9 +6,10 @@ use super::fitting::Fitting;
 pub use super::link_event::LinkEvent;
 use super::loading::Loading;
 use super::message::{Counters, Identity, Refusal};
-use super::packet::{Packet, PacketReceiver};
+use super::packet::PacketReceiver;
+use super::reply::Reply;
 pub use super::responder::NOBODY;
-use super::responder::{Responder, Which, count_more};
+use super::responder::{Responder, count_more};
 use crate::flight::calibration_id::{CalibrationId, Storage};
 use crate::flight::camera::CameraParameters;
 
@@ -43,14 +44,10 @@ impl<Deck: FlightDeck> Station<Deck> {
                 stack_used_bytes,
                 deck,
                 last: None,
-                kept: None,
                 loading: Loading::NONE,
                 frame: None,
                 fitting: Fitting::NONE,
-                answer: Packet::EMPTY,
-                aside: Packet::EMPTY,
-                to_send: Which::Answer,
-                sent: 0,
+                reply: Reply::NONE,
                 counters: Counters {
                     done: 0,
                     refused: 0,
@@ -96,19 +93,12 @@ impl<Deck: FlightDeck> Station<Deck> {
     /// The part of the answer that is left to be sent.
     #[must_use]
     pub fn to_send(&self) -> &[u8] {
-        let packet = match self.responder.to_send {
-            Which::Answer => &self.responder.answer,
-            Which::Aside => &self.responder.aside,
-        };
-        packet
-            .bytes()
-            .get(self.responder.sent..)
-            .unwrap_or_default()
+        self.responder.reply.to_send()
     }
 
     /// Notes that a number of bytes of [`Self::to_send`] are on their way.
     pub fn sent(&mut self, bytes: usize) {
-        self.responder.sent = self.responder.sent.saturating_add(bytes);
+        self.responder.reply.note_sent(bytes);
     }
 
     /// Counts bytes that arrived and could not be taken.

@@ -84,7 +84,12 @@ impl<Drive: FlownDrive> FlightDeck for WiredDeck<Drive> {
     }
 
     /// Returns `None`: the camera has its own time.
-    fn step(&mut self, _: &RigStep, _: Option<WireBytes>) -> Option<Result<RigAnswer, Refusal>> {
+    fn step(
+        &mut self,
+        _: &RigStep,
+        _: Option<WireBytes>,
+        _: &mut RigAnswer,
+    ) -> Option<Result<(), Refusal>> {
         None
     }
 

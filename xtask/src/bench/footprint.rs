@@ -1,6 +1,6 @@
 //! Sizes and stack of the flight image.
 
-use std::{fs, path::Path};
+use std::{ffi::OsStr, fs, path::Path};
 
 use anyhow::{Context as _, Result};
 use object::{File, Object as _, ObjectSegment as _};
@@ -18,7 +18,7 @@ use crate::{
 /// Start address of the memory of variables on every Cortex-M.
 const RAM: u64 = 0x2000_0000;
 
-/// Part of the report of `host-sim verify` about the camera's end of the link.
+/// Part of the reports of `host-sim verify` and `mission` about the camera's end of the link.
 #[derive(Debug, Deserialize)]
 struct Summary {
     link: LinkSummary,
@@ -40,7 +40,11 @@ fn sizes(image: &Path) -> Result<(u64, u64)> {
     Ok((flash, ram))
 }
 
-/// Measures the sizes of the flight image, and its stack during the verification of one camera.
+/// Exposures of the mission.
+const EXPOSURES: &str = "20";
+
+/// Measures the sizes of the flight image, and its stack during a mission and during the
+/// verification of one camera: the larger of the two.
 pub(super) fn footprint(
     workspace: &Workspace,
     target: &Target<'_>,
@@ -49,24 +53,36 @@ pub(super) fn footprint(
     let image = firmware::build(workspace, target, Image::Mps2)?;
     let (flash_bytes, static_ram_bytes) = sizes(&image)?;
     let host_sim = verify::tested_host_sim(workspace)?;
-    let out = workspace.target_dir.join("bench-verify");
     let camera = workspace.root.join("host-sim/cameras/rc30-5324.toml");
-    let host_sim = workspace.shell.cmd(host_sim).quiet();
-    host_sim
-        .args(["verify", "--device", "qemu", "--camera"])
-        .arg(camera)
-        .arg("--out")
-        .arg(&out)
-        .env("PATH", emulator.search_path()?)
-        .ignore_stdout()
-        .run()?;
-    let summary = fs::read_to_string(out.join("summary.json"))?;
-    let Summary { link } = serde_json::from_str(&summary).context("summary.json of verify")?;
+    let camera = camera.as_os_str();
+    let arguments: [&[&OsStr]; 2] = [
+        &["verify".as_ref(), "--camera".as_ref(), camera],
+        &[
+            "mission".as_ref(),
+            "--exposures".as_ref(),
+            EXPOSURES.as_ref(),
+        ],
+    ];
+    let mut stack_used_bytes = 0;
+    for arguments in arguments {
+        let out = workspace.target_dir.join("bench-verify");
+        let host_sim = workspace.shell.cmd(&host_sim).quiet().args(arguments);
+        host_sim
+            .args(["--device", "qemu", "--out"])
+            .arg(&out)
+            .env("PATH", emulator.search_path()?)
+            .ignore_stdout()
+            .run()?;
+        let summary = fs::read_to_string(out.join("summary.json"))?;
+        let Summary { link } = serde_json::from_str(&summary)
+            .with_context(|| format!("summary.json of {arguments:?}"))?;
+        stack_used_bytes = link.stack_used_bytes.max(stack_used_bytes);
+    }
     Ok(Footprint {
         image: Image::Mps2.to_string(),
         flash_bytes,
         static_ram_bytes,
-        stack_used_bytes: link.stack_used_bytes,
+        stack_used_bytes,
         compiler: target.compiler()?,
     })
 }

@@ -7,6 +7,7 @@ use fmc_camera::flight::settings::FlightSettings;
 use fmc_camera::flight::stage::Setpoint;
 use fmc_camera::flight::time::Time;
 use fmc_camera::io::instruments::counters::InstrumentCounters;
+use fmc_camera::io::link::message::Counters;
 
 use super::wire::WireTraffic;
 
@@ -48,6 +49,14 @@ pub trait FlyingDevice {
         step: &RigStep,
         traffic: &WireTraffic,
     ) -> Result<RigAnswer, Self::Error>;
+
+    /// Returns the counts of the camera's end of its link; `None` for a camera without one.
+    ///
+    /// # Errors
+    /// An error if the connection to the camera fails.
+    fn link_counters(&mut self) -> Result<Option<Counters>, Self::Error> {
+        Ok(None)
+    }
 
     /// Returns the counts of the wires of receiver and autopilot.
     ///

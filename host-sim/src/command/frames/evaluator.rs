@@ -209,21 +209,51 @@ impl<'a> Evaluator<'a> {
         }
     }
 
-    fn distort(&self, frame: &ActiveFrame, given: &[[f64; 2]], answers: &mut FrameAnswers) {
-        for given in given {
-            let (answer, flag) = match self.answer {
-                AnswerName::Ideal => self.distorted(frame, *given),
-                AnswerName::IdealShifted => self.distorted(frame, frame.ideal_from_shifted(*given)),
-                AnswerName::MeasuredShifted => self.moved(frame, *given),
-            };
+    fn distort(&mut self, frame: &ActiveFrame, given: &[[f64; 2]], answers: &mut FrameAnswers) {
+        if self.answer == AnswerName::MeasuredShifted {
+            for given in given {
+                let (answer, flag) = self.moved(frame, *given);
+                answers.answers.push(answer);
+                answers.flags.push(flag);
+            }
+            return;
+        }
+        let is_shifted = self.answer == AnswerName::IdealShifted;
+        self.points.clear();
+        self.points.extend(given.iter().map(|given| {
+            sensor_point(if is_shifted {
+                frame.ideal_from_shifted(*given)
+            } else {
+                *given
+            })
+        }));
+        let correction = &frame.correction;
+        let push = |found| {
+            let (answer, flag) = self.distorted(found);
             answers.answers.push(answer);
             answers.flags.push(flag);
+        };
+        if self.points.len() < BATCH {
+            let found = self.points.iter().map(|ideal| correction.distort(*ideal));
+            found.for_each(push);
+        } else {
+            let stepped = frame.batch.stepped(&self.points);
+            let found = stepped.into_iter().zip(&self.points);
+            found
+                .map(|(found, ideal)| {
+                    if found.point.x_mm.is_nan() {
+                        correction.distort(*ideal)
+                    } else {
+                        Ok(found)
+                    }
+                })
+                .for_each(push);
         }
     }
 
-    /// Returns the measured point of an ideal one.
-    fn distorted(&self, frame: &ActiveFrame, ideal_mm: [f64; 2]) -> (Answer, Flag) {
-        match frame.correction.distort(sensor_point(ideal_mm)) {
+    /// Returns the answer to an ideal point, of which the measured one was found or not.
+    fn distorted(&self, found: Result<Corrected, DistortError>) -> (Answer, Flag) {
+        match found {
             Ok(measured) => {
                 let [half_width, half_height] = self.flight.file.half_format_mm();
                 let SensorPoint { x_mm, y_mm } = measured.point;

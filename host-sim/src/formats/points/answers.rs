@@ -20,6 +20,15 @@ pub struct Answer {
     pub distortion_mm: [f64; 2],
 }
 
+/// Answers to the points of a block, either as numbers or as rows of an array.
+#[derive(Debug, Default)]
+pub struct BlockAnswers {
+    /// The answers as numbers.
+    pub numbers: Vec<Answer>,
+    /// The rows of an array in single precision: x, y in mm and dx, dy in µm.
+    pub(crate) rows: Vec<[[u8; 4]; 4]>,
+}
+
 /// Writer of answers, in the order and the frame of the points.
 #[derive(Debug)]
 pub struct Answers<'a> {
@@ -92,9 +101,13 @@ impl<'a> Answers<'a> {
     pub fn write(
         &mut self,
         block: &Block,
-        answers: &[Answer],
+        answers: &BlockAnswers,
         sink: &mut dyn Write,
     ) -> io::Result<()> {
+        if !answers.rows.is_empty() {
+            return sink.write_all(answers.rows.as_flattened().as_flattened());
+        }
+        let answers = answers.numbers.as_slice();
         let [first, second] = &mut self.bytes;
         first.clear();
         second.clear();
@@ -163,12 +176,11 @@ fn push_numbers<const BYTES: usize>(
     answers: &[Answer],
     number: impl Fn(f64) -> [u8; BYTES],
 ) {
-    bytes.resize(4 * BYTES * answers.len(), 0);
-    let (numbers, _) = bytes.as_chunks_mut::<BYTES>();
-    let (rows, _) = numbers.as_chunks_mut::<4>();
-    for (row, answer) in rows.iter_mut().zip(answers) {
+    bytes.reserve(4 * BYTES * answers.len());
+    for answer in answers {
         let [x, y] = answer.point_mm;
         let [dx, dy] = answer.distortion_mm;
-        *row = [x, y, 1000.0 * dx, 1000.0 * dy].map(&number);
+        let row = [x, y, 1000.0 * dx, 1000.0 * dy].map(&number);
+        bytes.extend_from_slice(row.as_flattened());
     }
 }

@@ -15,8 +15,11 @@ pub(super) const POINTS: usize = 16_384;
 /// Consecutive points of a file, read in blocks so that memory does not grow with the file.
 #[derive(Debug, Clone, PartialEq, Default)]
 pub struct Block {
-    /// Places in the sensor frame, mm, in the order of the file.
+    /// Places in the sensor frame, mm, in the order of the file; none as long as they are in
+    /// `rows`.
     pub points_mm: Vec<[f64; 2]>,
+    /// Rows of an array in single precision, as it holds them.
+    pub(crate) rows: Vec<[[u8; 4]; 2]>,
     /// Number of points of the file before the block.
     pub before: u64,
     /// Number of bytes of the file up to the end of this block; of an array, without its header.
@@ -37,6 +40,23 @@ impl Block {
         self.names.clear();
         self.name_ends.clear();
         self.lines.clear();
+    }
+
+    /// Gives the block a number of rows, whose content is any.
+    pub(super) fn resize_rows(&mut self, rows: usize) {
+        self.rows.resize(rows, [[0; 4]; 2]);
+    }
+
+    /// Returns `true` without points.
+    pub(super) const fn is_empty(&self) -> bool {
+        self.points_mm.is_empty() && self.rows.is_empty()
+    }
+
+    /// Converts the rows of an array into places.
+    pub(crate) fn widen(&mut self) {
+        let double = |number| f64::from(f32::from_le_bytes(number));
+        let rows = self.rows.drain(..).map(|row| row.map(double));
+        self.points_mm.extend(rows);
     }
 
     pub(super) const fn is_full(&self) -> bool {
@@ -77,8 +97,15 @@ impl Block {
     ///
     /// # Errors
     /// [`Failure`] naming the first point off the sensor, and the sensor's extent.
-    pub fn check_on_sensor(&self, source: &Source, camera: &CameraFile) -> Result<(), Failure> {
+    pub fn check_on_sensor(&mut self, source: &Source, camera: &CameraFile) -> Result<(), Failure> {
         let [half_width, half_height] = half_format_mm(camera);
+        if !self.rows.is_empty() {
+            let [x, y] = farthest(&self.rows).map(f64::from);
+            if x <= half_width && y <= half_height {
+                return Ok(());
+            }
+            self.widen();
+        }
         let off = |[x, y]: &[f64; 2]| !(x.abs() <= half_width && y.abs() <= half_height);
         match self.points_mm.iter().position(off) {
             None => Ok(()),
@@ -104,6 +131,23 @@ impl Block {
             self.place(source, index),
             off_sensor(source.frame, what, point_mm, camera)
         ))
+    }
+}
+
+/// Returns the largest |x| and |y| of rows; infinite where one is not a number.
+fn farthest(rows: &[[[u8; 4]; 2]]) -> [f32; 2] {
+    let (mut farthest, mut are_numbers) = ([0.0_f32; 2], true);
+    for row in rows {
+        let [x, y] = row.map(f32::from_le_bytes);
+        let [farthest_x, farthest_y] = farthest;
+        farthest = [farthest_x.max(x.abs()), farthest_y.max(y.abs())];
+        // `max` ignores NaN.
+        are_numbers &= !(x.is_nan() | y.is_nan());
+    }
+    if are_numbers {
+        farthest
+    } else {
+        [f32::INFINITY; 2]
     }
 }
 

@@ -4,6 +4,7 @@ use csv::ByteRecord;
 use fmc_camera_file::CameraFile;
 use fmc_camera_file::number::clipped;
 
+use super::plain_rows::Role;
 use super::{Block, CoordinateFrame};
 
 /// Places of the columns of a point file.
@@ -77,13 +78,30 @@ impl Columns {
         let (Some(first), Some(second)) = (number(record, first), number(record, second)) else {
             return Err(self.no_number(record, name));
         };
-        let coordinate = [first, second];
-        let point_mm = match self.frame {
+        block.push(name, self.place([first, second], camera), line);
+        Ok(())
+    }
+
+    /// Returns the place of a coordinate in the sensor frame, mm.
+    #[inline]
+    pub(super) fn place(&self, coordinate: [f64; 2], camera: &CameraFile) -> [f64; 2] {
+        match self.frame {
             CoordinateFrame::Sensor => coordinate,
             CoordinateFrame::Pixel => camera.sensor_from_pixel(coordinate),
-        };
-        block.push(name, point_mm, line);
-        Ok(())
+        }
+    }
+
+    /// Returns the meaning of each of `count` columns.
+    pub(super) fn roles(&self, count: usize) -> Vec<Role> {
+        let [first, second] = self.coordinates;
+        (0..count)
+            .map(|index| match index {
+                _ if index == self.id => Role::Name,
+                _ if index == first => Role::Coordinate(0),
+                _ if index == second => Role::Coordinate(1),
+                _ => Role::Other,
+            })
+            .collect()
     }
 
     /// Describes the first coordinate that is not a number.

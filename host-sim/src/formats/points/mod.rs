@@ -7,9 +7,10 @@ mod csv_cell;
 mod csv_points;
 pub(super) mod decimal;
 mod npy_points;
+mod plain_rows;
 mod source;
 
-pub use answers::{Answer, Answers};
+pub use answers::{Answer, Answers, BlockAnswers};
 pub use block::Block;
 pub(crate) use block::{half_format_mm, off_sensor};
 pub use source::{Blocks, Checked, Source};

@@ -80,20 +80,22 @@ impl<R: Read> NpyPoints<R> {
         block.restart(self.read);
         let left = self.count - self.read;
         let rows = usize::try_from(left).map_or(block::POINTS, |left| left.min(block::POINTS));
-        self.bytes.resize(rows * 2 * self.precision.bytes(), 0);
-        self.source
-            .read_exact(&mut self.bytes)
-            .map_err(|error| self.failed(&error))?;
         match self.precision {
+            // They stay as they are until something asks for another precision. Rows of the block
+            // before are not zeroed.
             Precision::Single => {
-                let (numbers, _) = self.bytes.as_chunks::<4>();
-                let (rows, _) = numbers.as_chunks::<2>();
-                let double = |number| f64::from(f32::from_le_bytes(number));
-                block
-                    .points_mm
-                    .extend(rows.iter().map(|row| row.map(double)));
+                block.resize_rows(rows);
+                let bytes = block.rows.as_flattened_mut().as_flattened_mut();
+                if let Err(error) = self.source.read_exact(bytes) {
+                    block.rows.clear();
+                    return Err(self.failed(&error));
+                }
             }
             Precision::Double => {
+                self.bytes.resize(rows * 2 * self.precision.bytes(), 0);
+                self.source
+                    .read_exact(&mut self.bytes)
+                    .map_err(|error| self.failed(&error))?;
                 let (numbers, _) = self.bytes.as_chunks::<8>();
                 let (rows, _) = numbers.as_chunks::<2>();
                 block

@@ -135,7 +135,7 @@ impl Blocks {
     /// [`Failure`] of the first point that cannot be read; those before it have been returned.
     pub fn next_block(&mut self) -> Result<Option<Block>, Failure> {
         match self.full.recv() {
-            Ok(block) => block.map(|block| (!block.points_mm.is_empty()).then_some(block)),
+            Ok(block) => block.map(|block| (!block.is_empty()).then_some(block)),
             Err(_) => Err(Failure::device_or_io("the reader of points has ended")),
         }
     }
@@ -166,7 +166,7 @@ fn read_ahead(
             Checked::OnSensor => block.check_on_sensor(source, camera),
             Checked::Finite => Ok(()),
         };
-        let last = block.points_mm.is_empty();
+        let last = block.is_empty();
         let block = on_sensor.and(filled).map(|()| block);
         let ends = last || block.is_err();
         if full.send(block).is_err() || ends {

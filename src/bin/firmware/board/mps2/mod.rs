@@ -4,6 +4,7 @@
 //! fourth the autopilot's. Arm's application notes AN386 and AN500 describe
 //! the peripherals and their addresses; QEMU's `hw/arm/mps2.c` shows which of them it has.
 
+mod blocks;
 mod clock;
 #[cfg(drills)]
 mod drills;
@@ -23,6 +24,8 @@ use cortex_m_semihosting::debug;
 use fmc_camera::io::link::{deck::RigDeck, message::ResetCause};
 
 use super::cause;
+use blocks::Blocks;
+use registers::SharedMemory;
 
 pub(super) use self::{clock::now_us, fault::stop_after_panic, log::carry_log};
 
@@ -33,6 +36,7 @@ pub(crate) type Deck = RigDeck;
 pub(crate) struct Board {
     /// The tick at which the watchdog was last fed.
     fed: u32,
+    blocks: Blocks,
 }
 
 #[allow(
@@ -58,6 +62,7 @@ impl Board {
         Some((
             Self {
                 fed: clock::ticks(),
+                blocks: Blocks::offered(SharedMemory::of(&core.CPUID)),
             },
             start,
         ))
@@ -72,10 +77,18 @@ impl Board {
     #[inline]
     pub(crate) fn fly(&mut self, deck: &mut Deck) {
         wires::hand_over(deck);
+        self.blocks.hand_over(deck);
     }
 
     pub(crate) fn receive(&mut self) -> Option<u8> {
-        link::receive()
+        let next = self.blocks.next();
+        next.or_else(|| self.blocks.after(link::receive()?))
+    }
+
+    /// Takes the next byte of a block of which at least one was taken.
+    #[inline]
+    pub(crate) fn receive_more(&mut self) -> Option<u8> {
+        self.blocks.next()
     }
 
     pub(crate) fn overruns(&mut self) -> u32 {
@@ -83,7 +96,7 @@ impl Board {
     }
 
     pub(crate) fn send(&mut self, bytes: &[u8]) -> usize {
-        link::send(bytes)
+        self.blocks.send(bytes)
     }
 
     /// Feeds the watchdog once per tick: the loop runs once per byte, and the emulator takes long
@@ -100,7 +113,9 @@ impl Board {
     }
 
     pub(crate) fn idle(&mut self) {
-        link::wait();
+        if !self.blocks.hold_request() {
+            link::wait();
+        }
     }
 
     pub(crate) fn stack_used_bytes() -> u32 {

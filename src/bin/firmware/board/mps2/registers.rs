@@ -1,6 +1,8 @@
 //! Registers of the peripherals: only this module makes addresses, so that every access is to one
 //! of these.
 
+use cortex_m::peripheral::CPUID;
+
 /// A 32-bit register of a peripheral.
 #[derive(Clone, Copy)]
 pub(super) struct Register(usize);
@@ -17,6 +19,57 @@ impl Register {
     pub(super) fn write(self, value: u32) {
         // SAFETY: as for `read`; no peripheral of this machine writes to memory.
         unsafe { (self.0 as *mut u32).write_volatile(value) }
+    }
+}
+
+/// The machine's PSRAM, 16 MB: no linker script places anything there. A PC may share it.
+#[derive(Clone, Copy)]
+pub(super) struct SharedMemory(usize);
+
+impl SharedMemory {
+    /// Its bytes that are used.
+    const BYTES: usize = 0x5000;
+    /// Part number of a Cortex-M7, which the machine with the memory at the other address has.
+    const CORTEX_M7: u32 = 0xc27;
+
+    /// The memory of the machine with this processor.
+    pub(super) fn of(processor: &CPUID) -> Self {
+        let part_number = processor.base.read() >> 4 & 0xfff;
+        Self(if part_number == Self::CORTEX_M7 {
+            0x6000_0000
+        } else {
+            0x2100_0000
+        })
+    }
+
+    /// Reads a byte; zero outside the part in use.
+    pub(super) fn read_byte(self, at: usize) -> u8 {
+        if at >= Self::BYTES {
+            return 0;
+        }
+        // SAFETY: the address lies in memory of this machine that Rust does not use otherwise; the
+        // access is volatile, since a PC writes there.
+        unsafe { ((self.0 + at) as *const u8).read_volatile() }
+    }
+
+    /// Writes a byte, unless outside the part in use.
+    pub(super) fn write_byte(self, at: usize, byte: u8) {
+        if at < Self::BYTES {
+            // SAFETY: as for `read_byte`.
+            unsafe { ((self.0 + at) as *mut u8).write_volatile(byte) }
+        }
+    }
+
+    /// Reads a word, the lowest byte first.
+    pub(super) fn read_word(self, at: usize) -> u32 {
+        u32::from_le_bytes([0, 1, 2, 3].map(|byte| self.read_byte(at + byte)))
+    }
+
+    /// Writes a word, the lowest byte first.
+    pub(super) fn write_word(self, at: usize, word: u32) {
+        for (at, byte) in (at..).zip(word.to_le_bytes()) {
+            self.write_byte(at, byte);
+        }
     }
 }
 

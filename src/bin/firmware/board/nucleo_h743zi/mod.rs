@@ -130,6 +130,15 @@ impl Board {
         self.link.received.pop()
     }
 
+    /// Returns `None`: the control loop comes round between two bytes.
+    #[expect(
+        clippy::unused_self,
+        reason = "the interface is that of every board"
+    )]
+    pub(crate) fn receive_more(&mut self) -> Option<u8> {
+        None
+    }
+
     /// Returns the number of bytes lost since the last call; a lower bound if the receiver itself
     /// overran.
     pub(crate) fn overruns(&mut self) -> u32 {
