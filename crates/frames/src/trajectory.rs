@@ -135,8 +135,8 @@ impl Trajectory {
     /// Returns the orientation at the centroid of an exposure.
     ///
     /// # Errors
-    /// [`InputError`] if the file cannot be read any more, or the file of its accuracy does not cover
-    /// the time; inside, why there is no orientation.
+    /// [`InputError`] if the file cannot be read any more, or the file of its accuracy does not
+    /// cover the time; inside, why there is no orientation.
     pub fn at(
         &mut self,
         centroid: Option<UtcTime>,

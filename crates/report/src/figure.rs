@@ -18,8 +18,8 @@ pub const GRID: RGBColor = RGBColor(222, 226, 232);
 /// Colour of the sensor's outline and of the direction of flight.
 pub const OUTLINE: RGBColor = RGBColor(110, 118, 130);
 
-/// Width of a figure, pixels: a telephone of 500 pixels shows 476 of them for it, on which [`SMALL`]
-/// letters keep 9 pixels.
+/// Width of a figure, pixels: a telephone of 500 pixels leaves it 476, on which letters of
+/// [`SMALL`] keep 9 pixels.
 pub const WIDTH: u32 = 840;
 /// Size of titles.
 pub const TITLE: u32 = 24;

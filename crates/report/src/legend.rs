@@ -35,7 +35,7 @@ pub(crate) struct Entry<'a> {
     pub(crate) mark: Mark,
     /// Colour of the mark.
     pub(crate) colour: RGBColor,
-    /// What the mark means.
+    /// Meaning of the mark.
     pub(crate) words: &'a str,
 }
 

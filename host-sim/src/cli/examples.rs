@@ -121,8 +121,9 @@ Examples:
       --max-residual-um 0.5 --out cv
   host-sim export colmap --camera my.toml --records records.csv \\
       --images map.csv --out block
-  host-sim export frames --camera my.toml --records records.csv \\
-      --trajectory sbet.out --origin 47.5,8.2,450 --out block";
+  host-sim export metashape --camera my.toml --records records.csv \\
+      --trajectory sbet.out --trajectory-accuracy smrmsg.out \\
+      --origin 47.5,8.2,450 --out block";
 
 pub(super) const CERTIFICATE: &str = "\
 Examples:
