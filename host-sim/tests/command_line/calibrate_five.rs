@@ -315,3 +315,28 @@ fn columns_may_stand_in_any_order_and_byte_order_mark_and_crlf_are_accepted() {
         assert!((number(&summary, key, "value") / truth - 1.0).abs() < 1e-9);
     }
 }
+
+#[test]
+fn coefficients_that_fold_the_image_have_reports_but_no_camera_file() {
+    let folding = [1.5e-4, -1.1e-6, 2.2e-10, 3e-3, 1.4e-6];
+    let mut observations = rows(&EXPOSURES, 9);
+    for row in &mut observations {
+        let s = 100.0 * row.vh * row.exposure_s;
+        [row.dx_um, row.dy_um] = distortion_um(folding, row.x_mm, row.y_mm, s);
+    }
+    let (bench, answer) = calibrate(&csv(&observations), &["--out", "out"]);
+    assert_eq!(answer.code, 1, "{}", answer.stderr);
+    let plain = answer.stderr.split_whitespace().collect::<Vec<_>>();
+    let plain = plain.join(" ");
+    for words in [
+        "no camera file is written, the reports are",
+        "[fitted]",
+        "at least",
+    ] {
+        assert!(plain.contains(words), "{words} not in: {plain}");
+    }
+    assert!(bench.path("out/summary.json").exists());
+    assert!(!bench.path("out/camera.toml").exists());
+    let (_, answer) = calibrate(&csv(&observations), &[]);
+    assert_eq!(answer.code, 1, "{}", answer.stderr);
+}

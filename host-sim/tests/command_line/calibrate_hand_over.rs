@@ -119,6 +119,21 @@ fn run(bench: &Bench, more: &[&str]) -> crate::command_line::support::Answer {
     bench.run(&[&arguments, more].concat())
 }
 
+fn cross(a: Vector, b: Vector) -> Vector {
+    [
+        a[1] * b[2] - a[2] * b[1],
+        a[2] * b[0] - a[0] * b[2],
+        a[0] * b[1] - a[1] * b[0],
+    ]
+}
+
+/// Turns a vector by a unit quaternion: v + 2w·(q × v) + 2q × (q × v).
+fn turned(scalar: f64, about: Vector, vector: Vector) -> Vector {
+    let once = cross(about, vector);
+    let twice = cross(about, once);
+    [0, 1, 2].map(|axis| vector[axis] + 2.0 * (scalar * once[axis] + twice[axis]))
+}
+
 fn numbers(words: &[&str]) -> Vec<f64> {
     words.iter().map(|word| word.parse().unwrap()).collect()
 }
@@ -162,38 +177,21 @@ fn colmap_projects_its_points_to_its_coordinates_and_to_the_truth() {
     let mut compared = 0;
     for pair in images.chunks(2) {
         let words: Vec<&str> = pair[0].split(' ').collect();
-        let &[w, x, y, z, tx, ty, tz] = &numbers(&words[1..8])[..] else {
-            panic!("{pair:?}")
-        };
+        let pose = numbers(&words[1..8]);
+        let about = [pose[1], pose[2], pose[3]];
+        let shift = [pose[4], pose[5], pose[6]];
         let number: usize = words[9].strip_prefix("image_").unwrap().parse().unwrap();
-        let r = [
-            [
-                1.0 - 2.0 * (y * y + z * z),
-                2.0 * (x * y - w * z),
-                2.0 * (x * z + w * y),
-            ],
-            [
-                2.0 * (x * y + w * z),
-                1.0 - 2.0 * (x * x + z * z),
-                2.0 * (y * z - w * x),
-            ],
-            [
-                2.0 * (x * z - w * y),
-                2.0 * (y * z + w * x),
-                1.0 - 2.0 * (x * x + y * y),
-            ],
-        ];
         // -Rᵀt is the projection centre.
-        for axis in 0..3 {
-            let centre = -(r[0][axis] * tx + r[1][axis] * ty + r[2][axis] * tz);
-            assert!((centre - truth.poses[number].0[axis]).abs() < 1e-7);
+        let back = turned(pose[0], about.map(|part| -part), shift);
+        for (found, expected) in back.iter().zip(truth.poses[number].0) {
+            assert!((-found - expected).abs() < 1e-7);
         }
         let words: Vec<&str> = pair[1].split(' ').collect();
         for triple in words.chunks(3) {
             let [col, row] = [triple[0], triple[1]].map(|word| word.parse::<f64>().unwrap());
-            let p = &points[&triple[2].parse().unwrap()];
-            let along = [0, 1, 2]
-                .map(|i| r[i][0] * p[0] + r[i][1] * p[1] + r[i][2] * p[2] + [tx, ty, tz][i]);
+            let place = &points[&triple[2].parse().unwrap()];
+            let axes = turned(pose[0], about, [place[0], place[1], place[2]]);
+            let along = [0, 1, 2].map(|axis| axes[axis] + shift[axis]);
             let found = [
                 camera[0] * along[0] / along[2] + camera[2],
                 camera[1] * along[1] / along[2] + camera[3],

@@ -30,7 +30,7 @@ const ANGLE_DEG: f64 = 0.003;
 /// A strip: heading, degrees, and speed, m/s.
 pub(crate) type Strip = [f64; 2];
 
-/// What observed positions and attitudes differ by.
+/// Differences of observed positions and attitudes from those of the camera.
 #[derive(Debug, Clone, Copy, Default)]
 pub(crate) struct Platform {
     pub(crate) time_offset_s: f64,
