@@ -234,7 +234,7 @@ impl FrameCorrection {
     ///
     /// # Accuracy
     /// That of [`Self::distort`]. Instructions per point on Cortex-M4F and M7 if the first step is
-    /// the last: 93 with the short kernel and 102 with the full one. The vectors of a Cortex-M55
+    /// the last: 95 with the short kernel and 106 with the full one. The vectors of a Cortex-M55
     /// halve them; they take numbers below 2⁻¹²⁶ for zero.
     ///
     /// # Errors

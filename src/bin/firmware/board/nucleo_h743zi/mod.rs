@@ -131,10 +131,7 @@ impl Board {
     }
 
     /// Returns `None`: the control loop comes round between two bytes.
-    #[expect(
-        clippy::unused_self,
-        reason = "the interface is that of every board"
-    )]
+    #[expect(clippy::unused_self, reason = "the interface is that of every board")]
     pub(crate) fn receive_more(&mut self) -> Option<u8> {
         None
     }
