@@ -43,7 +43,7 @@ pub struct BlockPort {
     kind: Kind,
 }
 
-/// What a wire carries.
+/// Content of a wire.
 #[derive(Debug)]
 enum Kind {
     /// Requests and answers. The memory's file has a name, by which QEMU opens it, until the

@@ -3,10 +3,10 @@
 //!
 //! QEMU takes several system calls over each byte of a UART. A PC that shares the machine's PSRAM
 //! may hand over whole requests there instead, with all bytes that receiver and autopilot send
-//! before: it finds [`OFFERED`] in the first word, writes [`OPEN`] into the second, and from then on
-//! a byte on the link's UART, of any value, only tells that blocks have been written. Each block is
-//! its length in a word, and its bytes. Without such a PC the UARTs carry the bytes themselves, as
-//! on every other board.
+//! before: it finds [`OFFERED`] in the first word, writes [`OPEN`] into the second, and from then
+//! on a byte on the link's UART, of any value, only tells that blocks have been written. Each block
+//! is its length in a word, and its bytes. Without such a PC the UARTs carry the bytes themselves,
+//! as on every other board.
 
 use fmc_camera::io::instruments::Wire;
 use fmc_camera::io::link::deck::RigDeck;
