@@ -91,6 +91,6 @@ impl EarlierRecords {
         };
         let mut missing = (exposures.from_sequence.max(1)..=through).filter(|one| !has(*one));
         let from = missing.next()?;
-        Some((from, missing.last().unwrap_or(from)))
+        Some((from, missing.next_back().unwrap_or(from)))
     }
 }

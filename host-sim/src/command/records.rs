@@ -53,7 +53,7 @@ pub(super) fn run(args: &RecordsArgs) -> Result<(), Failure> {
     if let Some(exposures) = &in_doubt
         && let Some((from, through)) = earlier.missing(exposures, recorded.first())
     {
-        note(&format!(
+        note(format!(
             "records {from} to {through} were fetched earlier, and the encoder was {:.2} µm off in them, as the index mark has shown since: name their folder with --earlier, and they are marked",
             1e3 * exposures.off_mm
         ));

@@ -192,6 +192,7 @@ fn csv_failure_behind(file: &str, lines_before: u64, error: &csv::Error) -> Fail
 
 #[cfg(test)]
 mod tests {
+    use std::fmt::Write as _;
     use std::io;
 
     use fmc_camera_file::published::CAMERA_FILES;
@@ -230,7 +231,7 @@ mod tests {
             };
             for (index, point) in block.points_mm.iter().enumerate() {
                 let place = block.place(&source, index);
-                found += &format!("{place} {:?} {point:?}\n", names.get(index));
+                writeln!(found, "{place} {:?} {point:?}", names.get(index)).unwrap();
             }
             if let Err(failure) = filled {
                 return found + &format!("{failure:?}");
@@ -242,7 +243,7 @@ mod tests {
     }
 
     /// Returns the points as the CSV reader alone finds them.
-    fn by_reader<'a>(source: Pieces<'a>) -> Result<CsvPoints<Pieces<'a>>, Failure> {
+    fn by_reader(source: Pieces<'_>) -> Result<CsvPoints<Pieces<'_>>, Failure> {
         let mut rows = AnyRows::new(Vec::new(), source);
         let header = rows.reader.byte_headers();
         let header = header.map_err(|error| csv_failure("points.csv", &error))?;
@@ -310,7 +311,7 @@ mod tests {
         let long = "x".repeat(600_000);
         let mut text = format!("id,x_mm,y_mm\np,1,2\n{long},3,4\n");
         for row in 0..40_000 {
-            text += &format!("r{row},{}.5,-7\n", row % 9);
+            writeln!(text, "r{row},{}.5,-7", row % 9).unwrap();
         }
         // A quote in the middle of a plain file.
         text += "\"a \"\"b\"\"\",1,1\nlast,2,2\n";
