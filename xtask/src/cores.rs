@@ -44,16 +44,11 @@ pub(crate) struct Program<'a> {
     pub(crate) image: PathBuf,
 }
 
-/// Builds a package of this workspace, whose program has its name, in a profile for every core with
-/// a target.
+/// Builds a package of this workspace, whose program has its name, for every core with a target.
 ///
 /// # Errors
 /// An error if a build fails.
-pub(crate) fn programs<'a>(
-    targets: &'a Targets<'_>,
-    package: &str,
-    profile: &str,
-) -> Result<Vec<Program<'a>>> {
+pub(crate) fn programs<'a>(targets: &'a Targets<'_>, package: &str) -> Result<Vec<Program<'a>>> {
     let mut programs: Vec<Program<'a>> = Vec::new();
     for core in CORES {
         let Some(target) = targets.of(core.architecture) else {
@@ -61,14 +56,14 @@ pub(crate) fn programs<'a>(
         };
         let is_built = |built: &Program<'_>| built.core.architecture == core.architecture;
         if !programs.iter().any(is_built) {
-            let build = target.cargo(&format!("build --profile {profile} -p {package}"));
+            let build = target.cargo(&format!("build --release -p {package}"));
             eprintln!("$ {build}");
             build.run()?;
         }
         programs.push(Program {
             core,
             target,
-            image: target.programs(profile).join(package),
+            image: target.programs().join(package),
         });
     }
     Ok(programs)

@@ -9,7 +9,7 @@ use crate::{
     checks::TESTED,
     emulator::Emulator,
     no_panic,
-    target::{IMAGE, Lints, Target},
+    target::{Lints, Target},
     tools::Toolbox,
     workspace::Workspace,
 };
@@ -103,7 +103,7 @@ pub(crate) fn build(workspace: &Workspace, target: &Target<'_>, image: Image) ->
     let kept = image.path(workspace);
     let new = kept.with_extension("new");
     let shell = &workspace.shell;
-    shell.copy_file(target.programs(IMAGE).join("firmware"), &new)?;
+    shell.copy_file(target.programs().join("firmware"), &new)?;
     fs::rename(&new, &kept).with_context(|| kept.display().to_string())?;
     Ok(kept)
 }
@@ -138,7 +138,7 @@ pub(crate) fn link_with_relocations(target: &Target<'_>, image: Image) -> Result
     let link = rustc(target, image, &["-Clink-arg=--emit-relocs"]);
     eprintln!("$ {link}");
     link.run()?;
-    Ok(target.programs(IMAGE).join("firmware"))
+    Ok(target.programs().join("firmware"))
 }
 
 /// Shows that the linker finds no panic in the flight image.
@@ -177,10 +177,11 @@ fn rustc<'a>(target: &Target<'a>, image: Image, flags: &[&str]) -> Cmd<'a> {
     rustc.arg("--").args(image.flags()).args(flags)
 }
 
-/// Returns a cargo command for the firmware.
+/// Returns a cargo command for the firmware, in release as for the library, so that the core
+/// library is built once.
 fn cargo<'a>(target: &Target<'a>, subcommand: &str, image: Image) -> Cmd<'a> {
     let board = image.board();
     target.cargo(&format!(
-        "{subcommand} --profile image -p fmc-camera --bin firmware --features {board}"
+        "{subcommand} --release -p fmc-camera --bin firmware --features {board}"
     ))
 }

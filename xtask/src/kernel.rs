@@ -8,7 +8,7 @@ use anyhow::{Context as _, Result};
 use crate::{
     cores::{Core, Program, programs},
     emulator::Emulator,
-    target::{RELEASE, Targets},
+    target::Targets,
     workspace::Workspace,
 };
 
@@ -25,7 +25,7 @@ pub(crate) fn test(
     emulator: &Emulator,
 ) -> Result<()> {
     let _root = workspace.shell.push_dir(&workspace.root);
-    for Program { core, image, .. } in programs(targets, "kernel-check", RELEASE)? {
+    for Program { core, image, .. } in programs(targets, "kernel-check")? {
         let Core { name, machine, .. } = core;
         let printed = emulator.run(machine, &[], &image, LIMIT);
         let printed =

@@ -22,11 +22,6 @@ use crate::{
 /// of the library if they may use Helium's.
 const PROCESSOR_OF_CORE: &str = "cortex-m33";
 
-/// Profile of images, and of programs whose counts are those of images.
-pub(crate) const IMAGE: &str = "image";
-/// Profile of all other programs.
-pub(crate) const RELEASE: &str = "release";
-
 /// Need of clippy.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum Lints {
@@ -196,10 +191,10 @@ impl<'a> Target<'a> {
         self.no_clippy.as_ref()
     }
 
-    /// Returns the directory of the programs that this target's builds in a profile produce.
-    pub(crate) fn programs(&self, profile: &str) -> PathBuf {
+    /// Returns the directory of the programs that this target's builds produce.
+    pub(crate) fn programs(&self) -> PathBuf {
         let target = self.artifacts.join(self.architecture.target());
-        target.join(profile)
+        target.join("release")
     }
 
     /// Returns name and number of the compiler.

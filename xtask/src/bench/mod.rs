@@ -26,7 +26,7 @@ use anyhow::{Context as _, Result, ensure};
 use crate::{
     cores::{self, Program},
     emulator::Emulator,
-    target::{IMAGE, Lints, Targets},
+    target::{Lints, Targets},
     tools::Toolbox,
     workspace::Workspace,
 };
@@ -133,5 +133,5 @@ pub(crate) fn check(
 /// Builds the counting program for every core.
 fn programs<'a>(workspace: &Workspace, targets: &'a Targets<'_>) -> Result<Vec<Program<'a>>> {
     let _root = workspace.shell.push_dir(&workspace.root);
-    cores::programs(targets, count::PROGRAM, IMAGE)
+    cores::programs(targets, count::PROGRAM)
 }
