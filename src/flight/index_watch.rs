@@ -208,16 +208,12 @@ impl IndexWatch {
             None => (index_mm, place_tolerance_mm(drive, &latest, index_mm)),
         };
         self.is_missed = false;
+        let last = crossing.next_sequence.saturating_sub(1);
         let off_mm = place_mm - expected_mm;
         if libm::fabsf(off_mm) > tolerance_mm {
             self.off_mm = libm::fabsf(off_mm);
             self.cycles = self.cycles.max(1);
-            return Some(InDoubt {
-                from_sequence: self.first_since,
-                through_sequence: crossing.next_sequence.saturating_sub(1),
-                off_mm,
-                is_fault: true,
-            });
+            return Some(InDoubt::between([self.first_since, last], off_mm, true));
         }
         self.is_flown |= self.reference.is_some() && self.cycles > 0;
         let reference = self
@@ -233,13 +229,8 @@ impl IndexWatch {
             * root_of_squares([UNSEEN_PART * self.tolerance_mm, OFF_PART * self.off_mm, 0.0]);
         self.off_mm = beyond_mm.max(of_settings_mm).max(0.0);
         let is_suspect = self.tolerance_mm > 0.0 && self.off_mm > covered_mm;
-        let in_doubt =
-            (is_suspect && self.crossed_before < crossing.next_sequence).then(|| InDoubt {
-                from_sequence: self.crossed_before,
-                through_sequence: crossing.next_sequence.saturating_sub(1),
-                off_mm,
-                is_fault: false,
-            });
+        let in_doubt = (is_suspect && self.crossed_before <= last)
+            .then(|| InDoubt::between([self.crossed_before, last], off_mm, false));
         self.crossed_before = crossing.next_sequence;
         let slowest = Reference {
             speed_mm_s: if self.is_flown {

@@ -101,7 +101,7 @@ fn index_line(status: &Status) -> String {
             "{place}; the encoder was {:.2} µm off: principal points in doubt of records {} to {}",
             1e3 * exposures.off_mm,
             exposures.from_sequence,
-            exposures.through_sequence
+            exposures.through_sequence()
         ),
         None => place,
     }

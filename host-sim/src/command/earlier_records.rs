@@ -84,7 +84,7 @@ impl EarlierRecords {
         first: Option<&FrameRecord>,
     ) -> Option<(u32, u32)> {
         let end = first.map_or(u32::MAX, |first| first.sequence);
-        let through = exposures.through_sequence.min(end.saturating_sub(1));
+        let through = exposures.through_sequence().min(end.saturating_sub(1));
         let has = |sequence: u32| {
             let mut folders = self.folders.iter();
             folders.any(|(_, files)| files.has(sequence))

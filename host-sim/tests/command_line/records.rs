@@ -93,12 +93,7 @@ fn records_fetched_before_their_doubt_are_marked_in_their_files() {
     let mut camera = FakeCamera::new();
     camera.change = |answer| {
         if let Answer::Status(status) = answer {
-            status.in_doubt = Some(InDoubt {
-                from_sequence: 1,
-                through_sequence: 2,
-                off_mm: 0.0162,
-                is_fault: true,
-            });
+            status.in_doubt = Some(InDoubt::between([1, 2], 0.0162, true));
         }
     };
     let port = Port::with_camera(camera);

@@ -28,10 +28,8 @@ impl Controller {
         };
         let latest = self.frame.kept.latest().map(|(sequence, _)| *sequence);
         if let Some(through_sequence) = latest.filter(|latest| *latest >= exposures.from_sequence) {
-            let exposures = InDoubt {
-                through_sequence,
-                ..exposures
-            };
+            let range = [exposures.from_sequence, through_sequence];
+            let exposures = InDoubt::between(range, exposures.off_mm, exposures.is_fault);
             self.stage.index.doubt(exposures);
             self.frame.kept.records_mut().doubt(&exposures);
             act(actions, Action::InDoubt(exposures));

@@ -152,7 +152,7 @@ fn difference_that_agrees_leaves_records_in_doubt_whose_sigma_does_not_cover_it(
         assert!(libm::fabsf(off_mm) - 0.5 * STEPS_MM > 3.0 * 0.15 * REPEAT_MM);
         let exposures = cross_unevenly(&mut watch, off_mm, [5.0, 3.0], 3).unwrap();
         assert_eq!(exposures.from_sequence, 2);
-        assert_eq!(exposures.through_sequence, 2);
+        assert_eq!(exposures.through_sequence(), 2);
         assert!(!exposures.is_fault);
         assert_near(exposures.off_mm, off_mm);
         // The records after it hold half of it: the same difference again is covered.

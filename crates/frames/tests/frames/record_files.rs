@@ -14,7 +14,7 @@ use crate::support::{camera, flight};
 /// Records of triggers 41 to 60, whose exposures have been found 5 µm off.
 const EXPOSURES: InDoubt = InDoubt {
     from_sequence: 41,
-    through_sequence: 60,
+    triggers: 20,
     off_mm: -5e-3,
     is_fault: true,
 };
@@ -69,7 +69,7 @@ fn files_of_records_in_doubt_are_those_of_records_that_the_camera_has_marked() {
     assert_eq!(again.doubt(&EXPOSURES), 0);
     assert_eq!(written(&again), read(folder.path()));
     let wider = InDoubt {
-        through_sequence: 61,
+        triggers: 21,
         ..EXPOSURES
     };
     assert_eq!(again.doubt(&wider), 1);
@@ -89,7 +89,7 @@ fn refused_triggers_are_not_in_doubt() {
     let mut files = RecordFiles::read(folder.path()).unwrap();
     let last = InDoubt {
         from_sequence: 200,
-        through_sequence: 201,
+        triggers: 2,
         ..EXPOSURES
     };
     assert_eq!(files.doubt(&last), 1);
