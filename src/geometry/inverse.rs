@@ -123,7 +123,7 @@ impl FrameCorrection {
     /// is not the last or leaves the sensor.
     #[expect(
         clippy::inline_always,
-        reason = "a call per point would load the coefficients again: 21 instructions"
+        reason = "a call per point would load the coefficients again: 23 instructions"
     )]
     #[inline(always)]
     fn first_step<const FULL: bool>(&self, ideal: SensorPoint) -> Result<Corrected, Displacement> {
@@ -234,7 +234,7 @@ impl FrameCorrection {
     ///
     /// # Accuracy
     /// That of [`Self::distort`]. Instructions per point on Cortex-M4F and M7 if the first step is
-    /// the last: 95 with the short kernel and 106 with the full one. The vectors of a Cortex-M55
+    /// the last: 93 with the short kernel and 102 with the full one. The vectors of a Cortex-M55
     /// halve them; they take numbers below 2⁻¹²⁶ for zero.
     ///
     /// # Errors

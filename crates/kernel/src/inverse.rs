@@ -182,7 +182,7 @@ pub fn pairs<const FULL: bool>(
         for (measured, ideal) in measured.iter_mut().zip(&*block) {
             let step = form.first_step::<FULL>(*ideal);
             *measured = step.measured;
-            // Joined, not counted: compilers count flags of vectors in 30 instructions.
+            // Joined, not counted: compilers count flags of vectors lane by lane.
             unfinished |= u32::from(!last_step.ends(step.step2_mm2, step.measured));
         }
         if unfinished > 0 {

@@ -13,7 +13,7 @@ const WIRED: u32 = 23;
 /// Reads a round from the body of a message; `None` if it is another request, or not exactly one.
 ///
 /// A request of any kind takes the room of the longest, and is moved from where it is decoded to
-/// where it is kept: 5000 instructions on a Cortex-M4F.
+/// where it is kept.
 #[inline]
 pub(super) fn read(body: &[u8]) -> Option<(RigStep, Option<WireBytes>)> {
     let mut deserializer = postcard::Deserializer::from_bytes(body);

@@ -14,9 +14,9 @@ use fmc_camera::io::link::deck::RigDeck;
 use super::registers::SharedMemory;
 use super::uart::LINK;
 
-/// First word: the firmware takes blocks ("FMCb").
+/// First word: the firmware takes blocks (`FMCb`).
 const OFFERED: u32 = 0x6243_4d46;
-/// Second word: the PC sends blocks ("open").
+/// Second word: the PC sends blocks (`open`).
 const OPEN: u32 = 0x6e65_706f;
 
 const OFFER_AT: usize = 0;
