@@ -276,10 +276,7 @@ fn groups(
     image_residuals: &[ImageResidual],
     other_residuals: &[ObservationResidual],
 ) -> Vec<ObservationGroup> {
-    let image = image_residuals
-        .iter()
-        .flat_map(|one| one.components.map(|component| (component, one.is_rejected)));
-    let mut groups = vec![ObservationGroup::new("image", image)];
+    let mut groups = vec![ObservationGroup::of_image_points(image_residuals)];
     for name in ["control", "gnss", "attitude", "scale bars", "prior"] {
         let group = ObservationGroup::new(
             name,

@@ -2,7 +2,7 @@
 
 use std::sync::Arc;
 
-use fmc_adjustment::calibration::dlt3d::pinhole::Pinhole;
+use fmc_adjustment::calibration::dlt3d::pinhole::{INTERIOR_NAMES, Pinhole};
 use fmc_adjustment::calibration::dlt3d::{Dlt3d, Dlt3dRequest, FieldPoint, dlt3d};
 use fmc_camera_file::CameraFile;
 
@@ -141,34 +141,22 @@ fn sigma_covers_the_error_of_every_interior_parameter() {
     let camera = ixm_at([0.0; 3]);
     let objects = ixm_field([0.0; 3]);
     let nominal = IXM_50.nominal();
-    let names = [
-        "principal_distance_mm",
-        "x0_mm",
-        "y0_mm",
-        "b1",
-        "b2",
-        "k1",
-        "k2",
-        "k3",
-        "p1",
-        "p2",
-    ];
     let mut hits = [0.0; 10];
     let mut sigmas = [0.0; 3];
     for seed in 0..SEEDS {
         let points = observed(&camera, &objects, 1.0, u64::from(seed));
         let found = transformed(&points, &nominal, ALL).unwrap();
-        for ((hits, name), truth) in hits.iter_mut().zip(names).zip(camera.interior()) {
+        for ((hits, name), truth) in hits.iter_mut().zip(INTERIOR_NAMES).zip(camera.interior()) {
             let value = found.result.parameter(name).unwrap().value;
             if (value - truth).abs() <= found.result.sigma(name).unwrap() {
                 *hits += 1.0;
             }
         }
-        for (sum, name) in sigmas.iter_mut().zip(names) {
+        for (sum, name) in sigmas.iter_mut().zip(INTERIOR_NAMES) {
             *sum += 1e3 * found.result.sigma(name).unwrap() / f64::from(SEEDS);
         }
     }
-    for (hits, name) in hits.into_iter().zip(names) {
+    for (hits, name) in hits.into_iter().zip(INTERIOR_NAMES) {
         let share = hits / f64::from(SEEDS);
         assert!(
             (share - 0.6827).abs() <= binomial_half_width(f64::from(SEEDS)),

@@ -122,9 +122,6 @@ fn result(
         })
         .collect();
     let accepted = residuals.iter().filter(|one| !one.is_rejected).count();
-    let tested = residuals
-        .iter()
-        .flat_map(|one| one.components.map(|tested| (tested, one.is_rejected)));
     let mut result = CalibrationResult {
         method: "dlt2d",
         camera: request.camera.clone(),
@@ -146,7 +143,7 @@ fn result(
         cofactors,
         sigma0: adjusted.sigma0,
         has_sigma: request.has_sigma,
-        groups: vec![ObservationGroup::new("image", tested)],
+        groups: vec![ObservationGroup::of_image_points(&residuals)],
         datum: "the plane coordinates of the targets; a homography between plane and image is free"
             .to_owned(),
         observations: 2 * accepted,

@@ -274,9 +274,6 @@ fn result(
         })
         .collect();
     let accepted = residuals.iter().filter(|one| !one.is_rejected).count();
-    let tested = residuals
-        .iter()
-        .flat_map(|one| one.components.map(|tested| (tested, one.is_rejected)));
     let mut result = CalibrationResult {
         method: "dlt3d",
         camera: request.camera.clone(),
@@ -286,7 +283,7 @@ fn result(
         cofactors,
         sigma0: adjusted.sigma0,
         has_sigma: request.has_sigma,
-        groups: vec![ObservationGroup::new("image", tested)],
+        groups: vec![ObservationGroup::of_image_points(&residuals)],
         datum: "the coordinates of the object points, all held".to_owned(),
         observations: 2 * accepted,
         unknowns: 2 * accepted - adjusted.redundancy,

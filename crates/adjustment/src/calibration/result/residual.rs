@@ -114,6 +114,15 @@ pub struct ObservationGroup {
 }
 
 impl ObservationGroup {
+    /// Collects the group of the image points, two observations each.
+    #[must_use]
+    pub fn of_image_points(residuals: &[ImageResidual]) -> Self {
+        let tested = residuals
+            .iter()
+            .flat_map(|one| one.components.map(|tested| (tested, one.is_rejected)));
+        Self::new("image", tested)
+    }
+
     /// Collects a group from its residuals, each with `true` if it was rejected.
     #[must_use]
     pub fn new(
