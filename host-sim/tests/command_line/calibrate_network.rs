@@ -143,6 +143,11 @@ fn files_that_cannot_be_used_are_refused() {
     refused("bundle", &["--estimate", "f,f"], &["f appears twice"]);
     refused("bundle", &["--prior", "f=0"], &["not greater than 0"]);
     refused("bundle", &["--prior", "f"], &["f is not NAME=SIGMA"]);
+    refused(
+        "bundle",
+        &["--estimate", "f,k1", "--prior", "k2=1e-9"],
+        &["--prior", "k2 is not estimated", "--estimate"],
+    );
     let points = fs::read_to_string(bench.path("object_points.csv")).unwrap();
     let replaced = |from: &str, to: &str| {
         fs::write(

@@ -3,7 +3,6 @@
 use nalgebra::Vector3;
 
 use super::image::NetworkImage;
-use super::interior::InteriorElement;
 use super::parameters::{Parameter, Prior, SharedValues};
 
 /// Part that an object point plays.
@@ -109,18 +108,6 @@ impl Network {
     /// Image points of one object point after another, accepted or not.
     pub fn by_point(&self) -> impl Iterator<Item = &[ImagePoint]> {
         self.image_points.chunk_by(|a, b| a.point == b.point)
-    }
-
-    /// Elements of the interior orientation that are estimated, in the order of `estimated`.
-    #[must_use]
-    pub fn interior_elements(&self) -> Vec<InteriorElement> {
-        self.estimated
-            .iter()
-            .filter_map(|parameter| match parameter {
-                Parameter::Interior(element) => Some(*element),
-                _ => None,
-            })
-            .collect()
     }
 
     /// Name of a shared unknown.

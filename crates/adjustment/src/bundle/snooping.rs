@@ -151,9 +151,10 @@ pub fn snooped(
                 .image_points
                 .get(place)
                 .map_or(0, |observed| observed.point);
-            let released = match released(&working, choice, &round, &worst, place)? {
-                Some(released) if is_control(&working, point) => Some(released),
-                _ => None,
+            let released = if is_control(&working, point) {
+                released(&working, choice, &round, &worst, place)?
+            } else {
+                None
             };
             if let Some(point) = released {
                 misfits.push(point);

@@ -191,8 +191,13 @@ fn counts(network: &Network, layout: &Layout) -> (usize, usize) {
         .filter_map(|image| image.observed)
         .map(|observed| observed.sigmas.iter().flatten().count())
         .sum();
-    let observations =
-        2 * rays + coordinates + poses + network.scale_bars.len() + network.priors.len();
+    // A prior of a value that is held says nothing.
+    let priors = network
+        .priors
+        .iter()
+        .filter(|prior| layout.column(prior.parameter).is_some())
+        .count();
+    let observations = 2 * rays + coordinates + poses + network.scale_bars.len() + priors;
     (observations, layout.unknowns())
 }
 

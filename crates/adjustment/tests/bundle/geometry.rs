@@ -26,8 +26,6 @@ fn images_rolled_in_turn_tell_the_principal_point_from_the_attitude() {
     });
     assert!(largest_roll_deg(&solution.state.poses) < 45.0);
     assert!(!is_plane_without_tilt(&solution));
-    // The shared numbers are 2.2 and 2.1 µm rolled, 12 and 13 µm not rolled, of a field of their
-    // own.
     for (rolled, unrolled) in rolled.into_iter().zip(unrolled) {
         assert!(rolled < 3.0, "{rolled}");
         assert!(unrolled > 3.0 * rolled, "{unrolled} {rolled}");

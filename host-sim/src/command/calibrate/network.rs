@@ -5,6 +5,7 @@ use std::path::Path;
 use fmc_adjustment::bundle::calibration::{BundleCalibration, CalibrationOptions, GrossErrors};
 use fmc_adjustment::bundle::error::{BundleCalibrationError, BundleError};
 use fmc_adjustment::bundle::interior::{Interior, InteriorElement};
+use fmc_adjustment::bundle::network_of_tables::Unknowns;
 use fmc_adjustment::bundle::tables::{NetworkTables, RowRole};
 use fmc_adjustment::calibration::result::InputFile;
 use fmc_report::calibration::result::of_method::OfMethod;
@@ -55,8 +56,10 @@ fn run(
     if method == "resection" {
         check_all_known(&tables)?;
     }
+    let unknowns = args.unknowns();
+    check_priors(&unknowns)?;
     let options = CalibrationOptions {
-        unknowns: args.unknowns(),
+        unknowns,
         datum: args.datum.into(),
         gross_errors: if args.common.keep_all {
             GrossErrors::Keep
@@ -128,6 +131,18 @@ fn of_method(calibration: &BundleCalibration) -> OfMethod {
     OfMethod {
         summary,
         ..OfMethod::default()
+    }
+}
+
+/// Checks that all priors are of unknowns: that of a value that is held would say nothing.
+fn check_priors(unknowns: &Unknowns) -> Result<(), Failure> {
+    let is_held = |(parameter, _): &&(_, _)| !unknowns.estimated.contains(parameter);
+    match unknowns.priors.iter().find(is_held) {
+        Some((parameter, _)) => Err(Failure::bad_input(format!(
+            "--prior: {} is not estimated; name it in --estimate too",
+            parameter.name(&[], |_| String::new())
+        ))),
+        None => Ok(()),
     }
 }
 

@@ -46,7 +46,7 @@ pub struct CalibrationResult {
     /// Cofactor matrix (covariance for σ0 = 1) of the parameters with
     /// [`is_estimated`](ParameterEstimate::is_estimated), in their order.
     pub cofactors: DMatrix<f64>,
-    /// σ0: in µm if `has_sigma` is false, otherwise a factor of the given σ. 0 without redundancy.
+    /// σ0: in µm if `has_sigma` is false, otherwise a factor of the given σ. 1 without redundancy.
     pub sigma0: f64,
     /// `true` if the observations came with σ.
     pub has_sigma: bool,
