@@ -58,7 +58,8 @@ impl InDoubt {
         (self.from_sequence..=self.through_sequence()).contains(&sequence)
     }
 
-    /// Returns the exposures of both and those between, with the larger difference.
+    /// Returns the exposures of both and those between, with the larger difference, and a fault if
+    /// either is one.
     #[must_use]
     pub fn with(self, other: Self) -> Self {
         let larger = if libm::fabsf(other.off_mm) > libm::fabsf(self.off_mm) {

@@ -75,7 +75,7 @@ pub(crate) struct IndexWatch {
     crossed_before: u32,
     /// Number of the first record after the last crossing that agreed within the steps.
     first_since: u32,
-    /// Exposures that crossings which did not agree have left in doubt.
+    /// Exposures that crossings have left in doubt.
     in_doubt: Option<InDoubt>,
     /// The stage has been moved across the mark, and no crossing came.
     is_missed: bool,
@@ -284,7 +284,7 @@ impl IndexWatch {
         });
     }
 
-    /// Exposures that crossings which did not agree have left in doubt.
+    /// Exposures that crossings have left in doubt.
     pub(crate) const fn in_doubt(&self) -> Option<InDoubt> {
         self.in_doubt
     }

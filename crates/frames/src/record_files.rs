@@ -87,7 +87,9 @@ impl RecordFiles {
         let before = self.document.in_doubt;
         let is_new = |sequence: u32| {
             let is_known = before.is_some_and(|before| {
-                before.contains(sequence) && before.off_mm.abs() >= exposures.off_mm.abs()
+                before.contains(sequence)
+                    && before.off_mm.abs() >= exposures.off_mm.abs()
+                    && (before.is_fault || !exposures.is_fault)
             });
             exposures.contains(sequence) && !is_known
         };

@@ -4,6 +4,7 @@ use std::path::PathBuf;
 
 use fmc_camera::flight::frame_record::FrameRecord;
 use fmc_camera::flight::in_doubt::InDoubt;
+use fmc_camera::io::link::message::Status;
 use fmc_frames::record_files::{CSV, JSON, RecordFiles};
 
 use crate::failure::Failure;
@@ -26,12 +27,14 @@ impl EarlierRecords {
         })
     }
 
-    /// Checks that all records come before the first that the camera has now, in the same flight.
-    pub(super) fn check_before(&self, first: Option<&FrameRecord>) -> Result<(), Failure> {
-        let Some(first) = first else {
-            return Ok(());
-        };
-        let crc = first.calibration.map_or(0, |calibration| calibration.crc);
+    /// Checks that all records have the calibration of the camera, and come before the first that
+    /// it has now.
+    pub(super) fn check_before(
+        &self,
+        status: &Status,
+        first: Option<&FrameRecord>,
+    ) -> Result<(), Failure> {
+        let crc = status.calibration.map_or(0, |calibration| calibration.crc);
         for (folder, files) in &self.folders {
             let Some((sequence, trigger_us, calibration)) = files.last() else {
                 continue;
@@ -42,17 +45,19 @@ impl EarlierRecords {
                     folder.join(CSV).display()
                 )))
             };
-            if sequence >= first.sequence {
-                let ours = format!("below {}, the first that the camera has", first.sequence);
-                return of_another("the sequence", &sequence, &ours);
-            }
-            if trigger_us >= first.trigger.us() {
-                let ours = format!("before {}", first.trigger.us());
-                return of_another("trigger_us", &trigger_us, &ours);
-            }
             let ours = format!("{crc:08x}");
             if calibration != ours {
                 return of_another("the calibration", &calibration, &ours);
+            }
+            if let Some(first) = first {
+                if sequence >= first.sequence {
+                    let ours = format!("below {}, the first that the camera has", first.sequence);
+                    return of_another("the sequence", &sequence, &ours);
+                }
+                if trigger_us >= first.trigger.us() {
+                    let ours = format!("before {}", first.trigger.us());
+                    return of_another("trigger_us", &trigger_us, &ours);
+                }
             }
         }
         Ok(())

@@ -31,8 +31,9 @@ pub(super) fn run(args: &RecordsArgs) -> Result<(), Failure> {
         next = record.sequence.saturating_add(1);
         recorded.push(record);
     }
-    earlier.check_before(recorded.first())?;
-    let in_doubt = device.in_doubt()?;
+    let status = device.flight_status()?;
+    earlier.check_before(&status, recorded.first())?;
+    let in_doubt = status.in_doubt;
     let (mut csv, mut json) = (Vec::new(), Vec::new());
     let failed = |error: &dyn Display| Failure::device_or_io(format!("records: {error}"));
     records::write_csv(&recorded, &mut csv).map_err(|error| failed(&error))?;

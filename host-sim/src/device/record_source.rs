@@ -1,7 +1,7 @@
 //! A source of the records of a camera that has flown.
 
 use fmc_camera::flight::frame_record::FrameRecord;
-use fmc_camera::flight::in_doubt::InDoubt;
+use fmc_camera::io::link::message::Status;
 
 use super::DeviceError;
 use super::flown_camera::FlownCamera;
@@ -17,11 +17,11 @@ pub trait RecordSource {
     /// [`DeviceError`] where the link fails, and for a record that does not have its CRC.
     fn fetch(&mut self, from_sequence: u32) -> Result<Option<FrameRecord>, DeviceError>;
 
-    /// Returns the exposures that crossings of the index mark have left in doubt.
+    /// Returns the status of the camera: its calibration, and exposures in doubt.
     ///
     /// # Errors
     /// [`DeviceError`] where the link fails, or before the camera is prepared.
-    fn in_doubt(&mut self) -> Result<Option<InDoubt>, DeviceError>;
+    fn flight_status(&mut self) -> Result<Status, DeviceError>;
 
     /// Tells the camera that records up to that number are stored, so that it may forget them.
     /// Returns how many are left.
@@ -36,8 +36,8 @@ impl<P: Port> RecordSource for Remote<P> {
         self.fetch_record(from_sequence)
     }
 
-    fn in_doubt(&mut self) -> Result<Option<InDoubt>, DeviceError> {
-        Ok(self.status()?.in_doubt)
+    fn flight_status(&mut self) -> Result<Status, DeviceError> {
+        self.status()
     }
 
     fn are_safe(&mut self, through: u32) -> Result<u32, DeviceError> {
@@ -50,8 +50,8 @@ impl RecordSource for Qemu {
         self.remote_mut().fetch(from_sequence)
     }
 
-    fn in_doubt(&mut self) -> Result<Option<InDoubt>, DeviceError> {
-        self.remote_mut().in_doubt()
+    fn flight_status(&mut self) -> Result<Status, DeviceError> {
+        self.remote_mut().flight_status()
     }
 
     fn are_safe(&mut self, through: u32) -> Result<u32, DeviceError> {

@@ -8,6 +8,7 @@ use fmc_adjustment::observation::UNIT_SIGMA_MM;
 use fmc_camera::geometry::range::Quantity;
 use fmc_camera_file::CameraFile;
 use fmc_camera_file::number::{clipped, single};
+use fmc_frames::Lines;
 
 use super::observations::check_on_sensor;
 use super::points::csv_failure;
@@ -88,12 +89,12 @@ impl NamedColumns {
         }
         let mut rows = Vec::new();
         let mut record = StringRecord::new();
+        let mut lines = Lines::default();
         while reader
             .read_record(&mut record)
             .map_err(|error| csv_failure(file, &error))?
         {
-            let line = record.position().map_or(0, csv::Position::line);
-            rows.push((line, record.clone()));
+            rows.push((lines.of(record.position()), record.clone()));
         }
         Ok(Self {
             input: InputFile {

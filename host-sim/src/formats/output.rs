@@ -99,6 +99,17 @@ pub fn check_not_an_input(out: &Path, input: &Path) -> Result<(), Failure> {
     Ok(())
 }
 
+/// Returns `true` if two answers, which may not exist yet, have one place.
+#[must_use]
+pub fn name_the_same(one: &Path, other: &Path) -> bool {
+    let place = |path: &Path| {
+        let folder = path.parent().filter(|folder| *folder != Path::new(""));
+        let folder = fs::canonicalize(folder.unwrap_or(Path::new("."))).ok()?;
+        Some(folder.join(path.file_name()?))
+    };
+    one == other || place(one).is_some_and(|one| place(other) == Some(one))
+}
+
 fn is_the_same(out: &Path, input: &Path) -> bool {
     matches!((fs::canonicalize(out), fs::canonicalize(input)), (Ok(a), Ok(b)) if a == b)
 }

@@ -151,4 +151,16 @@ fn records_fetched_before_their_doubt_are_marked_in_their_files() {
         records("again", &["flight", "kept"]).ok().stdout,
         "no records\n"
     );
+
+    // Records of another calibration are refused, even if the camera has none left to compare with.
+    for name in ["records.csv", "records.json"] {
+        let text = fs::read_to_string(bench.path("flight").join(name)).unwrap();
+        let crc = json["records"][0]["calibration_crc32"].as_str().unwrap();
+        fs::write(
+            bench.path("other").join(name),
+            text.replace(crc, "01234567"),
+        )
+        .unwrap();
+    }
+    records("later", &["other"]).refused(&["other/records.csv", "calibration 01234567"]);
 }

@@ -262,8 +262,8 @@ pub struct Status {
     /// Place of the index mark by its last crossing, mm along the FMC axis from the calibrated
     /// position; `None` before the first, or without a mark.
     pub index_mm: Option<f32>,
-    /// Exposures whose principal points are in doubt, because the encoder was found wrong at the
-    /// index mark; all of them and those between if that was more than once, `None` if never.
+    /// Exposures that crossings of the index mark have left in doubt, with those between; `None` if
+    /// there are none.
     pub in_doubt: Option<InDoubt>,
 }
 

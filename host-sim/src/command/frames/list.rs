@@ -20,14 +20,8 @@ pub(in crate::command) fn run(args: &FrameArgs) -> Result<(), Failure> {
     let out = args.out.as_deref();
     output::check_not_the_input(out, &args.exposure.camera)?;
     args.frames.check_out(out)?;
+    args.trajectory.check_out(out)?;
     let mut flight = FlightFile::open(&args.exposure, &args.frames, &args.device)?;
-    if let (Some(out), Some(table)) = (out, &args.trajectory.orientation)
-        && out == table
-    {
-        return Err(Failure::bad_input(
-            "--orientation and --out name the same file",
-        ));
-    }
     let trajectory = &args.trajectory;
     let with_table = trajectory.orientation.is_some();
     let mut orientations = match &trajectory.trajectory {

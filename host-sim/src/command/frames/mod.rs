@@ -18,7 +18,7 @@ use fmc_camera_file::{CameraFile, InputError};
 use fmc_frames::table::{self, GivenExposure};
 use fmc_frames::{FlightFrame, FrameCamera, FrameTable, ImageMap, records};
 
-use crate::cli::{DeviceArgs, ExposureArgs, FramesArgs};
+use crate::cli::{DeviceArgs, ExposureArgs, FramesArgs, TrajectoryArgs};
 use crate::device::DeviceName;
 use crate::failure::Failure;
 use crate::formats::output;
@@ -161,6 +161,29 @@ impl ExposureArgs {
             model: exposure.model,
             direction: exposure.direction,
         }
+    }
+}
+
+impl TrajectoryArgs {
+    /// Refuses to replace a file of the trajectory by an answer, and both answers by each other.
+    fn check_out(&self, out: Option<&Path>) -> Result<(), Failure> {
+        let table = self.orientation.as_deref();
+        for answer in [out, table].into_iter().flatten() {
+            let inputs = [&self.trajectory, &self.trajectory_accuracy];
+            inputs
+                .into_iter()
+                .flatten()
+                .try_for_each(|input| output::check_not_an_input(answer, input))?;
+        }
+        if out
+            .zip(table)
+            .is_some_and(|(out, table)| output::name_the_same(out, table))
+        {
+            return Err(Failure::bad_input(
+                "--orientation and --out name the same file",
+            ));
+        }
+        Ok(())
     }
 }
 

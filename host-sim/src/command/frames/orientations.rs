@@ -171,9 +171,6 @@ impl<'a> Orientations<'a> {
             return Ok(());
         };
         flight.check_out(Some(table))?;
-        if let Some(path) = &self.args.trajectory {
-            output::check_not_an_input(table, path)?;
-        }
         output::stream(Some(table), |sink| {
             self.write(sink, |each| {
                 flight.read(|frame| match frame.exposed() {

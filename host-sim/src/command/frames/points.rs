@@ -126,11 +126,6 @@ fn write_orientations(args: &PointsArgs, frames: &FlightFile) -> Result<(), Fail
         )),
         (Some(path), Some(table)) => {
             output::check_not_an_input(table, &args.files.points)?;
-            if args.files.out.as_ref() == Some(table) {
-                return Err(Failure::bad_input(
-                    "--orientation and --out name the same file",
-                ));
-            }
             Orientations::open(&args.trajectory, path, true)?.write_table(frames)
         }
     }
@@ -213,5 +208,9 @@ fn format(args: &PointsArgs) -> Result<PointFormat, Failure> {
 /// Refuses to replace an input by the answers.
 fn check_out(args: &PointsArgs, out: Option<&Path>) -> Result<(), Failure> {
     output::check_not_the_input(out, &args.exposure.camera)?;
-    args.frames.check_out(out)
+    if let (Some(out), Some(uncertainty)) = (out, &args.answers.uncertainty) {
+        output::check_not_an_input(out, uncertainty)?;
+    }
+    args.frames.check_out(out)?;
+    args.trajectory.check_out(out)
 }
