@@ -84,7 +84,7 @@ impl Datum {
                 observe(&(all / scale));
             }
         }
-        if !network.scale_bars.is_empty() {
+        if network.scale_bars.iter().any(|bar| layout.uses_bar(bar)) {
             observe(&padded(
                 [0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 1.0].into_iter(),
                 columns,

@@ -4,7 +4,7 @@ use crate::linear::bordered_factor::{EliminationOrder, Singular};
 use crate::linear::image_pairs::ImagePairs;
 
 use super::interior::{INTERIOR_ELEMENTS, InteriorElement};
-use super::network::{ImagePoint, Network};
+use super::network::{ImagePoint, Network, ScaleBar};
 use super::parameters::Parameter;
 
 /// Treatment of an object point's coordinates.
@@ -109,6 +109,14 @@ impl Layout {
     #[must_use]
     pub fn uses(&self, observed: &ImagePoint) -> bool {
         observed.accepted && self.point(observed.point) != PointUnknowns::Unused
+    }
+
+    /// Returns true if a scale bar takes part: a bar with an end that does not says nothing of the
+    /// other end.
+    #[must_use]
+    pub fn uses_bar(&self, bar: &ScaleBar) -> bool {
+        let is_used = |end: usize| self.point(end) != PointUnknowns::Unused;
+        bar.ends.into_iter().all(is_used)
     }
 
     /// Column of a shared unknown.

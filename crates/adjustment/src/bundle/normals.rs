@@ -66,7 +66,8 @@ impl Normals {
             }
         }
         normals.add_poses(network, layout, state)?;
-        for bar in &network.scale_bars {
+        let bars = network.scale_bars.iter();
+        for bar in bars.filter(|bar| layout.uses_bar(bar)) {
             normals.add_scale_bar(layout, state, bar);
         }
         for prior in &network.priors {

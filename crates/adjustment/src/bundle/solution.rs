@@ -197,7 +197,9 @@ fn counts(network: &Network, layout: &Layout) -> (usize, usize) {
         .iter()
         .filter(|prior| layout.column(prior.parameter).is_some())
         .count();
-    let observations = 2 * rays + coordinates + poses + network.scale_bars.len() + priors;
+    let bars = network.scale_bars.iter();
+    let bars = bars.filter(|bar| layout.uses_bar(bar)).count();
+    let observations = 2 * rays + coordinates + poses + bars + priors;
     (observations, layout.unknowns())
 }
 

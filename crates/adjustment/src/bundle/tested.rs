@@ -258,6 +258,9 @@ impl Tester<'_> {
     fn scale_bars(&self, others: &mut Vec<(OtherObservation, TestedResidual)>) {
         let state = &self.solution.state;
         for (number, bar) in self.network.scale_bars.iter().enumerate() {
+            if !self.layout().uses_bar(bar) {
+                continue;
+            }
             let [a, b] = bar.ends;
             let difference = state.point(b) - state.point(a);
             let length = difference.norm();

@@ -5,6 +5,7 @@ use fmc_adjustment::bundle::free_cofactors::{DatumTransformation, point_blocks};
 use fmc_adjustment::bundle::network::{Network, PointRole, ScaleBar};
 use fmc_adjustment::bundle::solution::{DatumChoice, Solution, adjust};
 use fmc_adjustment::bundle::state::State;
+use fmc_adjustment::bundle::tested::Tests;
 use nalgebra::DMatrix;
 
 use crate::simulated::{Shape, Simulated};
@@ -125,4 +126,28 @@ fn points_of_a_free_network_are_covered_by_their_sigma() {
     // Coordinates of one network are correlated: 2 % instead of the 0.5 % of 7200 independent ones.
     let share = f64::from(inside) / f64::from(all);
     assert!((share - 0.6827).abs() < 0.02, "{share}");
+}
+
+#[test]
+fn scale_bar_with_an_end_that_is_not_determined_takes_no_part() {
+    let mut network = Simulated::new(Shape::BUNDLE, 5).network;
+    let mut rays = 0;
+    for observed in &mut network.image_points {
+        if observed.point == 59 {
+            observed.accepted = rays == 0;
+            rays += 1;
+        }
+    }
+    let (without, _) = solved(&network);
+    network.scale_bars.push(ScaleBar {
+        ends: [0, 59],
+        length_m: 2.0 * (network.points[59].given_m - network.points[0].given_m).norm(),
+        sigma_m: 1e-4,
+    });
+    let (with, cofactors) = solved(&network);
+    assert_eq!(with.datum.defects(), 7);
+    assert_eq!(with.redundancy(), without.redundancy());
+    assert!((with.sigma0() / without.sigma0() - 1.0).abs() < 1e-9);
+    let tested = Tests::of(&network, &with, &cofactors);
+    assert!(tested.others.is_empty());
 }
