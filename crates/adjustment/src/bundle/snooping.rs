@@ -3,7 +3,7 @@
 
 use nalgebra::Vector3;
 
-use crate::calibration::snooping::{FAMILY_ERROR, count, pope, student};
+use crate::calibration::snooping::{FAMILY_ERROR, ROUNDING_MM, count, pope, student};
 
 use super::cofactors::Cofactors;
 use super::error::BundleError;
@@ -110,12 +110,15 @@ impl Round {
         })
     }
 
-    /// Test value of an image point.
+    /// Test value of an image point; 0 for residuals that are rounding.
     fn value(&self, place: usize) -> f64 {
-        self.tests
-            .image_points
-            .get(place)
-            .map_or(0.0, |[x, y]| x.test_value.max(y.test_value))
+        let components = self.tests.image_points.get(place);
+        components
+            .into_iter()
+            .flatten()
+            .filter(|component| component.residual.abs() > ROUNDING_MM)
+            .map(|component| component.test_value)
+            .fold(0.0, f64::max)
     }
 }
 

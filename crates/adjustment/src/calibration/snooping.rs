@@ -13,7 +13,7 @@ use super::robust_start::RobustStart;
 pub(crate) const FAMILY_ERROR: f64 = 0.05;
 
 /// Residuals smaller than this, mm, are due to rounding and never rejected.
-pub(super) const ROUNDING_MM: f64 = 2e-9;
+pub(crate) const ROUNDING_MM: f64 = 2e-9;
 
 /// Largest number of rounds of testing and fitting.
 const ROUNDS: usize = 50;

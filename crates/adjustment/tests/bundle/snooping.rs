@@ -1,8 +1,8 @@
 //! Gross errors in simulated networks.
 
 use fastrand::Rng;
-use fmc_adjustment::bundle::snooping::snooped;
-use fmc_adjustment::bundle::solution::DatumChoice;
+use fmc_adjustment::bundle::snooping::{Snooped, snooped};
+use fmc_adjustment::bundle::solution::{DatumChoice, adjust};
 use fmc_adjustment::bundle::state::State;
 
 use crate::simulated::{SIGMA_MM, Shape, Simulated};
@@ -50,6 +50,50 @@ fn one_percent_of_gross_errors_over_20_seeds() {
     assert!(between > 10 && 10 * found_between >= 6 * between);
     assert!(good > 12_000);
     assert_eq!(lost, 0);
+}
+
+/// Without noise σ0 is that of the roundings, against which the largest of them looks wrong.
+#[test]
+fn network_without_noise_loses_no_image_point_but_the_wrong_one() {
+    let mut exact = Simulated::new(Shape::BUNDLE, 7).network;
+    // Distortion is a function of the measured point, so that one correction leaves some of it.
+    for _ in 0..5 {
+        let adjusted = adjust(&exact, DatumChoice::Auto, &State::initial(&exact)).unwrap();
+        let residuals = Snooped::unrejected(&exact, &adjusted).unwrap().tests;
+        let pairs = exact.image_points.iter_mut().zip(&residuals.image_points);
+        for (observed, tested) in pairs {
+            for (measured, tested) in observed.measured_mm.iter_mut().zip(tested) {
+                *measured -= tested.residual;
+            }
+        }
+    }
+    // All digits, but one in a hundred has nine decimals.
+    let rounded = exact.image_points.iter_mut().step_by(100);
+    for measured in rounded.flat_map(|observed| &mut observed.measured_mm) {
+        *measured = (*measured * 1e9).round() / 1e9;
+    }
+    let start = State::initial(&exact);
+    let result = snooped(&exact, DatumChoice::Auto, &start).unwrap();
+    assert!(
+        result.solution.sigma0() * SIGMA_MM < 1e-9,
+        "{}",
+        result.solution.sigma0()
+    );
+    let lost = result
+        .network
+        .image_points
+        .iter()
+        .filter(|it| !it.accepted)
+        .count();
+    assert_eq!(lost, 0, "σ0 {}", result.solution.sigma0());
+    exact.image_points[77].measured_mm[0] += 1e-6;
+    let result = snooped(&exact, DatumChoice::Auto, &start).unwrap();
+    let rejected = result.network.image_points.iter().enumerate();
+    let rejected: Vec<usize> = rejected
+        .filter(|(_, it)| !it.accepted)
+        .map(|(place, _)| place)
+        .collect();
+    assert_eq!(rejected, [77]);
 }
 
 #[test]
