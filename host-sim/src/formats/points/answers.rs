@@ -1,6 +1,7 @@
 //! Writer of answers, block by block.
 
 use std::io::{self, Write};
+use std::mem;
 use std::ops::Range;
 
 use fmc_camera_file::CameraFile;
@@ -137,13 +138,16 @@ impl<'a> Answers<'a> {
 
 /// Appends some of the rows of a block.
 fn push_text(
-    text: &mut Vec<u8>,
+    bytes: &mut Vec<u8>,
     source: &Source,
     camera: &CameraFile,
     block: &Block,
     answers: &[Answer],
     rows: Range<usize>,
 ) {
+    // The length changes with every cell: the buffers of two threads are not to share a cache line.
+    let mut own = mem::take(bytes);
+    let text = &mut own;
     let mut names = block.names().skip(rows.start);
     let mut number = itoa::Buffer::new();
     let answers = (block.before..).zip(answers);
@@ -157,17 +161,13 @@ fn push_text(
             CoordinateFrame::Sensor => answer.point_mm,
             CoordinateFrame::Pixel => camera.pixel_from_sensor(answer.point_mm),
         };
-        for value in coordinate {
-            text.push(b',');
-            // Adding zero turns -0 into 0.
-            decimal::push::<9>(text, value + 0.0);
-        }
-        for value in answer.distortion_mm {
-            text.push(b',');
-            decimal::push::<6>(text, 1000.0 * value + 0.0);
-        }
+        // Adding zero turns -0 into 0.
+        decimal::push_cells::<9>(text, coordinate.map(|value| value + 0.0));
+        let distortion_um = answer.distortion_mm.map(|value| 1000.0 * value + 0.0);
+        decimal::push_cells::<6>(text, distortion_um);
         text.push(b'\n');
     }
+    *bytes = own;
 }
 
 /// Appends x, y in mm and dx, dy in µm.

@@ -10,6 +10,7 @@ use fmc_frames::Lines;
 
 use super::columns::Columns;
 use super::plain_rows::PlainRows;
+use super::row_grammar::RowGrammar;
 use super::{Block, CoordinateFrame};
 use crate::failure::Failure;
 
@@ -24,7 +25,7 @@ pub(super) struct CsvPoints<R> {
 /// Rows, by their reader.
 enum Rows<R> {
     /// As long as they are plain, with the header.
-    Plain(PlainRows<R>, Vec<u8>),
+    Plain(PlainRows<R>, RowGrammar, Vec<u8>),
     /// From the first that is not.
     Any(AnyRows<R>),
     /// While one reader follows the other.
@@ -75,7 +76,7 @@ impl<R: Read> AnyRows<R> {
         camera: &CameraFile,
         block: &mut Block,
     ) -> Result<(), Failure> {
-        while !block.is_full() {
+        while block.room() > 0 {
             if !self
                 .reader
                 .read_byte_record(&mut self.record)
@@ -112,8 +113,9 @@ impl<R: Read> CsvPoints<R> {
             let header = reader.byte_headers();
             let header = header.map_err(|error| csv_failure(file, &error))?;
             let columns = find(header)?;
-            plain.begin(line.len(), columns.roles(header.len()));
-            (columns, Rows::Plain(plain, line))
+            plain.begin(line.len());
+            let grammar = RowGrammar::new(columns, header.len());
+            (columns, Rows::Plain(plain, grammar, line))
         } else {
             let (bytes, source) = plain.into_rest();
             let mut rows = AnyRows::new(bytes, source);
@@ -142,7 +144,7 @@ impl<R: Read> CsvPoints<R> {
         let filled = self.fill_from(block, camera);
         self.read += block.points_mm.len() as u64;
         block.read_bytes = match &self.rows {
-            Rows::Plain(plain, _) => plain.taken(),
+            Rows::Plain(plain, ..) => plain.taken(),
             Rows::Any(any) => any.bytes_before + any.reader.position().byte(),
             Rows::None => 0,
         };
@@ -151,16 +153,16 @@ impl<R: Read> CsvPoints<R> {
 
     fn fill_from(&mut self, block: &mut Block, camera: &CameraFile) -> Result<(), Failure> {
         let file = &self.file;
-        if let Rows::Plain(plain, _) = &mut self.rows {
+        if let Rows::Plain(plain, grammar, _) = &mut self.rows {
             let is_plain = plain
-                .fill(&self.columns, camera, block)
+                .fill(grammar, camera, block)
                 .map_err(|error| Failure::reading(Path::new(file), &error))?;
             if is_plain {
                 return Ok(());
             }
         }
         self.rows = match mem::replace(&mut self.rows, Rows::None) {
-            Rows::Plain(plain, header) => Rows::Any(AnyRows::behind(plain, header)),
+            Rows::Plain(plain, _, header) => Rows::Any(AnyRows::behind(plain, header)),
             other => other,
         };
         match &mut self.rows {
