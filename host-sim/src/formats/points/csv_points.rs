@@ -204,18 +204,19 @@ mod tests {
     /// Source of bytes in pieces of any length.
     struct Pieces<'a> {
         bytes: &'a [u8],
+        most: usize,
         random: fastrand::Rng,
     }
 
     impl Read for Pieces<'_> {
         fn read(&mut self, buffer: &mut [u8]) -> io::Result<usize> {
-            let most = self.random.usize(1..40).min(buffer.len());
+            let most = self.random.usize(1..self.most).min(buffer.len());
             self.bytes.read(&mut buffer[..most])
         }
     }
 
     /// Returns the points of a file, one block behind the other, and what is said at its end.
-    fn read(points: Result<CsvPoints<Pieces<'_>>, Failure>, camera: &CameraFile) -> String {
+    fn read<R: Read>(points: Result<CsvPoints<R>, Failure>, camera: &CameraFile) -> String {
         let mut points = match points {
             Ok(points) => points,
             Err(failure) => return format!("{failure:?}"),
@@ -262,6 +263,22 @@ mod tests {
         })
     }
 
+    /// Gives the plain rows so many threads, each for any number of rows.
+    fn in_parts<R: Read>(
+        points: Result<CsvPoints<R>, Failure>,
+        most: usize,
+    ) -> Result<CsvPoints<R>, Failure> {
+        points.map(|points| CsvPoints {
+            rows: match points.rows {
+                Rows::Plain(plain, grammar, header) => {
+                    Rows::Plain(plain, grammar.with_parts(most), header)
+                }
+                other => other,
+            },
+            ..points
+        })
+    }
+
     #[test]
     fn any_text_is_read_as_the_csv_reader_reads_it() {
         const MARKS: &[u8] = b"\",\r\n -+.e9xnif\xc3\xa9\x07#;'";
@@ -294,10 +311,23 @@ mod tests {
             }
             let pieces = |seed| Pieces {
                 bytes: &text,
+                most: 40,
                 random: fastrand::Rng::with_seed(seed),
             };
-            let found = read(CsvPoints::new("points.csv", pieces(1)), &camera);
             let expected = read(by_reader(pieces(2)), &camera);
+            for parts in [1, 2, 5] {
+                // Most pieces are longer than a row, so that there is something to cut.
+                let points = CsvPoints::new(
+                    "points.csv",
+                    Pieces {
+                        most: 400,
+                        ..pieces(1)
+                    },
+                );
+                let found = read(in_parts(points, parts), &camera);
+                assert_eq!(found, expected, "{}", String::from_utf8_lossy(&text));
+            }
+            let found = read(CsvPoints::new("points.csv", pieces(1)), &camera);
             assert_eq!(found, expected, "{}", String::from_utf8_lossy(&text));
             let is_whole = !expected.contains("Failure");
             whole += usize::from(is_whole);
@@ -319,10 +349,14 @@ mod tests {
         text += "\"a \"\"b\"\"\",1,1\nlast,2,2\n";
         let pieces = || Pieces {
             bytes: text.as_bytes(),
+            most: 40,
             random: fastrand::Rng::with_seed(4),
         };
         let found = read(CsvPoints::new("points.csv", pieces()), &camera);
         assert_eq!(found, read(by_reader(pieces()), &camera));
         assert_eq!(found.lines().count(), 40_004);
+        // As a whole, in as many parts as there are threads, over the ends of blocks.
+        let whole = CsvPoints::new("points.csv", text.as_bytes());
+        assert_eq!(read(in_parts(whole, 3), &camera), found);
     }
 }

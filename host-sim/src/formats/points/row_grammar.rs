@@ -62,13 +62,30 @@ impl RowGrammar {
         }
         let parts_before = parts / 2;
         let about = rows.len() / parts * parts_before;
-        let (before, behind) = cut_behind_line(rows, about);
+        self.take_cut(
+            about,
+            [parts_before, parts - parts_before],
+            rows,
+            camera,
+            block,
+        )
+    }
+
+    /// Does the same with rows that are cut at a place, each side in so many parts.
+    fn take_cut(
+        &self,
+        at: usize,
+        [parts_before, parts_behind]: [usize; 2],
+        rows: &[u8],
+        camera: &CameraFile,
+        block: &mut Block,
+    ) -> usize {
+        let (before, behind) = cut_behind_line(rows, at);
         let (taken, (taken_behind, block_behind)) = rayon::join(
             || self.take_in_parts(parts_before, before, camera, block),
             || {
                 let mut block = Block::default();
-                let parts = parts - parts_before;
-                let taken = self.take_in_parts(parts, behind, camera, &mut block);
+                let taken = self.take_in_parts(parts_behind, behind, camera, &mut block);
                 (taken, block)
             },
         );
@@ -169,5 +186,58 @@ impl RowGrammar {
             part_bytes: 1,
             ..self
         }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use csv::ByteRecord;
+    use fmc_camera_file::published::CAMERA_FILES;
+
+    use super::*;
+
+    #[test]
+    fn rows_cut_anywhere_are_those_of_one_thread() {
+        let (name, text) = CAMERA_FILES[0];
+        let (camera, _) = CameraFile::parse(name, text).unwrap();
+        let header = ByteRecord::from(vec!["id", "x_mm", "note", "y_mm"]);
+        let grammar = RowGrammar::new(Columns::find(&header).unwrap(), header.len());
+        let plain = "p1,1.5,,-2\n p 2 ,-3.25,a note,4e1\np3,.5,x,7.\n";
+        let mut ends = Vec::new();
+        for other in [
+            "",
+            "\"p4\",1,,2\n",
+            "p4,1,\"two\nlines,9,,9\n\",2\n",
+            "p4,\"1\n2\",,2\n",
+            "p4,1,,2,\n",
+            "p4,1,,nan\n",
+            "p4,1,,2\r\n",
+            "\n",
+        ] {
+            for rows in [
+                format!("{plain}{other}{plain}"),
+                format!("{other}{plain}{plain}"),
+                format!("{plain}{plain}{other}"),
+            ] {
+                let rows = rows.as_bytes();
+                let mut expected = Block::default();
+                let end = grammar.take_one_by_one(rows, &camera, &mut expected);
+                assert!(end == rows.len() || !other.is_empty());
+                for at in 0..=rows.len() {
+                    for parts in [[1, 1], [2, 3]] {
+                        let mut found = Block::default();
+                        let taken = grammar.take_cut(at, parts, rows, &camera, &mut found);
+                        assert_eq!(
+                            (taken, &found),
+                            (end, &expected),
+                            "{at} {parts:?} {other:?}"
+                        );
+                    }
+                }
+                ends.push(end == rows.len());
+            }
+        }
+        // All rows are taken with nothing among them alone.
+        assert_eq!(ends.iter().filter(|is_all| **is_all).count(), 3);
     }
 }
