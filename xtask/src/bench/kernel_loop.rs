@@ -1,6 +1,6 @@
 //! Innermost loop of a kernel, from the image that is counted.
 
-use anyhow::{Context as _, Result, ensure};
+use anyhow::{Context as _, Result};
 
 /// An instruction: a line of a disassembly.
 #[derive(Clone, Debug, PartialEq, Eq)]
@@ -54,7 +54,7 @@ impl Instruction {
     pub(super) fn operations(&self) -> u32 {
         let each = match self.mnemonic.as_str() {
             "vadd.f32" | "vsub.f32" | "vmul.f32" => 1,
-            "vmla.f32" | "vmls.f32" => 2,
+            "vmla.f32" | "vmls.f32" | "vnmls.f32" => 2,
             _ => 0,
         };
         let lanes = if self.operands.starts_with('q') { 4 } else { 1 };
@@ -77,12 +77,11 @@ pub(super) struct KernelLoop {
 }
 
 impl KernelLoop {
-    /// Finds the innermost loop with the most operations, in a function that performs `operations`
-    /// of them per point.
+    /// Finds the innermost loop with the most operations, of those whose operations are those of
+    /// whole points, `operations` each, and that call nothing.
     ///
     /// # Errors
-    /// An error if there is no loop, or if its operations are not those of whole points, so that it
-    /// is not the kernel's loop.
+    /// An error if there is none, so that it is not the kernel.
     pub(super) fn find(disassembly: &str, operations: u32) -> Result<Self> {
         let all: Vec<_> = disassembly.lines().filter_map(Instruction::parse).collect();
         let mut loops = Vec::new();
@@ -94,23 +93,22 @@ impl KernelLoop {
                 loops.push(round);
             }
         }
-        let count =
-            |round: &[Instruction]| -> u32 { round.iter().map(Instruction::operations).sum() };
+        let points = |round: &[Instruction]| {
+            let count: u32 = round.iter().map(Instruction::operations).sum();
+            let is_call = |one: &Instruction| one.mnemonic == "bl";
+            let is_kernel = count > 0 && count.is_multiple_of(operations);
+            (is_kernel && !round.iter().any(is_call)).then_some(count / operations)
+        };
         let is_inside = |inner: &&[Instruction], outer: &&[Instruction]| {
             inner.len() < outer.len() && outer.iter().any(|one| inner.first() == Some(one))
         };
         let innermost = loops
             .iter()
             .filter(|outer| !loops.iter().any(|inner| is_inside(inner, outer)));
-        let round = *innermost
-            .max_by_key(|round| count(round))
-            .context("no loop")?;
-        let (points, rest) = (count(round) / operations, count(round) % operations);
-        ensure!(
-            points > 0 && rest == 0,
-            "a round of {} operations does not make whole points of {operations}",
-            count(round)
-        );
+        let rounds = innermost.filter_map(|round| Some((points(round)?, *round)));
+        let (points, round) = rounds
+            .max_by_key(|(points, _)| *points)
+            .with_context(|| format!("no loop with {operations} operations per point"))?;
         Ok(Self {
             instructions: round.to_vec(),
             points,
@@ -174,10 +172,13 @@ mod tests {
     #[test]
     fn what_does_not_make_whole_points_is_another_loop() {
         let fault = KernelLoop::find(DISASSEMBLY, 3).unwrap_err().to_string();
-        assert_eq!(
-            fault,
-            "a round of 8 operations does not make whole points of 3"
-        );
+        assert_eq!(fault, "no loop with 3 operations per point");
         assert!(KernelLoop::find("     132:      \tbx\tlr", 3).is_err());
+    }
+
+    #[test]
+    fn loop_that_calls_a_function_is_another() {
+        let called = DISASSEMBLY.replace("vstrw.32\tq1, [r1], #16", "bl\t0x400 <other>");
+        assert_eq!(KernelLoop::find(&called, 2).unwrap().points, 1);
     }
 }

@@ -193,7 +193,7 @@ fn times() -> Vec<String> {
     let clocks: Vec<_> = clocks.collect();
     let is_it = |row: &&Row| row.kernel == "avx512 short x, y" && row.points == Some(1000);
     let cycles = table.iter().find(is_it).unwrap().cycles.unwrap();
-    let operations = f64::from(KERNELS[0].2);
+    let operations = f64::from(KERNELS[0].operations);
     vec![
         format!(
             "clock of that run was {:.1} to {:.1} GHz",
