@@ -16,8 +16,8 @@ const LEAST: Duration = Duration::from_micros(20);
 /// Bytes that replace everything in the caches of a processor.
 const EVICTING: usize = 256 << 20;
 
-/// Rounds of contenders that find nothing in the caches, which are emptied before each, and of those
-/// that are told: spread over the rounds of the others.
+/// Rounds of contenders that find nothing in the caches, which are emptied before each, and of
+/// those that are told: spread over the rounds of the others.
 const SELDOM_ROUNDS: usize = 50;
 
 /// Work that is timed against others.

@@ -169,8 +169,8 @@ pub struct FirstStep {
     pub step2_mm2: f32,
 }
 
-/// Replaces ideal points (x, y), mm, by their measured ones, a block at a time, as long as the first
-/// step is the last for all of a block, and returns the number of points replaced. The points
+/// Replaces ideal points (x, y), mm, by their measured ones, a block at a time, as long as the
+/// first step is the last for all of a block, and returns the number of points replaced. The points
 /// behind are unchanged. A core without vectors gains nothing by it, and none is replaced.
 #[inline]
 pub fn blocks<const FULL: bool>(

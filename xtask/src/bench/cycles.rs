@@ -5,7 +5,7 @@
 //! for one cycle, and assumes for the M55 how its vectors overlap. The cycles are those of the
 //! loops alone; the rest of a call is in the instructions.
 
-use anyhow::{Context as _, Result, anyhow, bail};
+use anyhow::{Context as _, Result, bail};
 use object::{File, Object as _, ObjectSymbol as _};
 
 use super::{
@@ -69,13 +69,13 @@ pub(super) const KERNELS: [Kernel; 7] = [
     },
     Kernel {
         row: "mesh_source_row",
-        armv7em: "fmc_camera::geometry::mesh::block_row::BlockRow::fill",
-        helium: "fmc_camera::geometry::mesh::block_row::BlockRow::fill",
+        armv7em: "mesh::block_row::BlockRow::fill",
+        helium: "mesh::block_row::BlockRow::fill",
         operations: 10,
     },
 ];
 
-const DISTORT_SLICE: &str = "fmc_camera::geometry::inverse::<impl fmc_camera::geometry::frame_correction::FrameCorrection>::distort_slice";
+const DISTORT_SLICE: &str = "frame_correction::FrameCorrection::distort_slice";
 
 /// Largest allowed cycles per point: core, row, limit.
 const LIMITS: [(&str, &str, f64); 4] = [
@@ -129,21 +129,37 @@ pub(super) fn cycles(llvm: &Llvm<'_>, programs: &[Program<'_>]) -> Result<Vec<Cy
             };
             let is_it = |symbol: &object::Symbol<'_, '_>| {
                 let name = symbol.name().map(rustc_demangle::demangle);
-                name.is_ok_and(|name| format!("{name:#}") == wanted)
+                name.is_ok_and(|name| is_named(&format!("{name:#}"), wanted))
             };
             // A generic function has several forms under one name.
-            let mut found = Err(anyhow!("no {wanted} in the image"));
+            let mut loops = Vec::new();
             for symbol in file.symbols().filter(is_it) {
                 // The lowest bit of the address marks Thumb instructions.
                 let start = symbol.address() & !1;
                 let disassembly = llvm.disassembly(image, start..start + symbol.size())?;
-                found = found.or_else(|_| KernelLoop::find(&disassembly, kernel.operations));
+                loops.extend(KernelLoop::find(&disassembly, kernel.operations));
             }
-            let found = found.with_context(|| format!("{wanted} on {}", core.name))?;
+            let found = loops.into_iter().max_by_key(|found| found.points);
+            let found = found.with_context(|| {
+                let operations = kernel.operations;
+                format!(
+                    "no loop of {operations} operations per point in {wanted} on {}",
+                    core.name
+                )
+            })?;
             all.push(of_loop(llvm, *core, kernel.row, &found)?);
         }
     }
     Ok(all)
+}
+
+/// Returns `true` if a symbol is this function, given by the end of its path: compilers write
+/// generic arguments and implementations into names, or leave them out.
+fn is_named(symbol: &str, function: &str) -> bool {
+    // An implementation stands before the function's name, its arguments behind it.
+    let arguments = symbol.find("::<").filter(|_| symbol.ends_with('>'));
+    let name = arguments.map_or(symbol, |at| symbol.split_at(at).0);
+    name.replace(['<', '>'], "").ends_with(function)
 }
 
 /// Returns LLVM's name of the instruction set.
@@ -183,9 +199,9 @@ fn of_loop(
 ///
 /// # Source
 /// Arm, Cortex-M4 Technical Reference Manual (DDI 0439), tables of processor and floating-point
-/// instructions: arithmetic 1, VMLA 3, VDIV 14, VLDM and VSTM 1 and one per register, a taken branch
-/// 1 and 1 to 3; arithmetic takes one more where the next instruction uses its result. Of the
-/// branches the last is taken, which closes the loop; those before lead out of it.
+/// instructions: arithmetic 1, VMLA 3, VDIV 14, VLDM and VSTM 1 and one per register, a taken
+/// branch 1 and 1 to 3; arithmetic takes one more where the next instruction uses its result. Of
+/// the branches the last is taken, which closes the loop; those before lead out of it.
 fn by_manual(round: &[Instruction]) -> Result<u32> {
     let mut cycles = 0;
     for (index, one) in round.iter().enumerate() {
@@ -222,7 +238,7 @@ fn by_manual(round: &[Instruction]) -> Result<u32> {
 
 #[cfg(test)]
 mod tests {
-    use super::{Cycles, by_manual};
+    use super::{Cycles, by_manual, is_named};
     use crate::bench::{comparison::Row, documented, kernel_loop::Instruction};
 
     fn cycles(text: &str) -> anyhow::Result<u32> {
@@ -249,6 +265,22 @@ mod tests {
         }
         let unknown = cycles("vsqrt.f32\ts0, s1").unwrap_err();
         assert_eq!(unknown.to_string(), "the table of cycles has no vsqrt.f32");
+    }
+
+    #[test]
+    fn functions_have_the_names_that_compilers_give_them() {
+        for symbol in [
+            "a_kernel::inverse::pairs",
+            "a_kernel::inverse::pairs::<true>",
+            "<a_kernel::inverse>::pairs::<a::B<c::D>>",
+            "a::<impl a_kernel::inverse>::pairs",
+        ] {
+            assert!(is_named(symbol, "kernel::inverse::pairs"), "{symbol}");
+        }
+        assert!(!is_named(
+            "kernel::inverse::pairs::other",
+            "kernel::inverse::pairs"
+        ));
     }
 
     #[test]

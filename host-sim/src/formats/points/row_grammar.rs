@@ -17,7 +17,7 @@ pub(super) struct RowGrammar {
     columns: Columns,
     roles: Vec<Role>,
     /// For every byte [`is_text`]: one test for each character of a name.
-    is_text: [bool; 256],
+    is_text: Box<[bool; 256]>,
     /// Largest number of parts into which rows are cut, and the fewest bytes of one.
     most_parts: usize,
     part_bytes: usize,
@@ -36,7 +36,7 @@ impl RowGrammar {
         Self {
             columns,
             roles: columns.roles(count),
-            is_text: array::from_fn(|byte| u8::try_from(byte).is_ok_and(is_text)),
+            is_text: Box::new(array::from_fn(|byte| u8::try_from(byte).is_ok_and(is_text))),
             most_parts: rayon::current_num_threads(),
             part_bytes: PART_BYTES,
         }
@@ -90,7 +90,7 @@ impl RowGrammar {
             },
         );
         if taken < before.len() {
-            // What follows may lie within quotes.
+            // The rows behind may lie within quotes.
             return taken;
         }
         block.append(&block_behind);
@@ -144,9 +144,7 @@ impl RowGrammar {
         }
         Some(row)
     }
-}
 
-impl RowGrammar {
     #[inline]
     fn ends_text(&self, byte: u8) -> bool {
         self.is_text.get(usize::from(byte)) != Some(&true)
