@@ -161,10 +161,15 @@ fn push_text(
             CoordinateFrame::Sensor => answer.point_mm,
             CoordinateFrame::Pixel => camera.pixel_from_sensor(answer.point_mm),
         };
-        // Adding zero turns -0 into 0.
-        decimal::push_cells::<9>(text, coordinate.map(|value| value + 0.0));
-        let distortion_um = answer.distortion_mm.map(|value| 1000.0 * value + 0.0);
-        decimal::push_cells::<6>(text, distortion_um);
+        for value in coordinate {
+            text.push(b',');
+            // Adding zero turns -0 into 0.
+            decimal::push::<9>(text, value + 0.0);
+        }
+        for value in answer.distortion_mm {
+            text.push(b',');
+            decimal::push::<6>(text, 1000.0 * value + 0.0);
+        }
         text.push(b'\n');
     }
     *bytes = own;

@@ -11,18 +11,9 @@ const LONGEST: usize = 1 + 8 + 1 + 9;
 /// Bits that turn eight digits into text.
 const ASCII: u64 = u64::from_le_bytes([b'0'; 8]);
 
-/// Appends numbers as [`push`] does, each behind a comma.
-pub(in crate::formats) fn push_cells<const DECIMALS: u32>(text: &mut Vec<u8>, values: [f64; 2]) {
-    for value in values {
-        text.push(b',');
-        push::<DECIMALS>(text, value);
-    }
-}
-
 /// Appends `value` with `DECIMALS` decimals, at most 9, rounded half to even from its exact binary
 /// value.
-#[expect(clippy::inline_always, reason = "a call is a tenth of a number")]
-#[inline(always)]
+#[inline]
 pub(in crate::formats) fn push<const DECIMALS: u32>(text: &mut Vec<u8>, value: f64) {
     const { assert!(DECIMALS > 0 && DECIMALS <= 9) };
     let Some((whole, decimals)) = parts::<DECIMALS>(value) else {
@@ -31,41 +22,23 @@ pub(in crate::formats) fn push<const DECIMALS: u32>(text: &mut Vec<u8>, value: f
         let _ = write!(text, "{value:.decimals$}");
         return;
     };
-    let (digits, leading_zeros) = whole_digits(whole);
+    let whole = eight_digits(whole);
+    // A bit in the last digit makes zero keep one digit.
+    let leading_zeros = (whole | 1 << 56).trailing_zeros() / 8;
     let sign = usize::from(value.is_sign_negative());
-    let point = sign + 8 - leading_zeros;
+    let point = sign + 8 - leading_zeros as usize;
+    // Nine decimals are computed; those beyond the wanted ones are cut off.
+    let nine = decimals * const { 10_u64.pow(9 - DECIMALS) };
+    let [first, ..] = (nine / 100_000_000).to_le_bytes();
+    let [digits, eight] = [whole, eight_digits(nine % 100_000_000)].map(|digits| digits | ASCII);
     let end = text.len() + point + 1 + DECIMALS as usize;
     text.extend_from_slice(&[b'-'; LONGEST]);
     if let Some(number) = text.last_chunk_mut() {
         put(number, sign, (digits >> (8 * leading_zeros)).to_le_bytes());
-        if DECIMALS == 9 {
-            let [first, ..] = (decimals / 100_000_000).to_le_bytes();
-            let eight = eight_digits(decimals % 100_000_000) | ASCII;
-            put(number, point, [b'.', b'0' | first]);
-            put(number, point + 2, eight.to_le_bytes());
-        } else {
-            // Eight decimals are computed; those beyond the wanted ones are cut off.
-            let unwanted = const { 10_u64.pow(8_u32.saturating_sub(DECIMALS)) };
-            let eight = eight_digits(decimals * unwanted) | ASCII;
-            put(number, point, [b'.']);
-            put(number, point + 1, eight.to_le_bytes());
-        }
+        put(number, point, [b'.', b'0' | first]);
+        put(number, point + 2, eight.to_le_bytes());
     }
     text.truncate(end);
-}
-
-/// Returns the digits of a whole number below 1e8 as text, with leading zeros, and their number;
-/// zero has one digit.
-#[inline]
-fn whole_digits(number: u64) -> (u64, usize) {
-    // Few numbers are larger, so that the branch is predicted.
-    let digits = if number < 10_000 {
-        digits_of_fours(number) << 32
-    } else {
-        eight_digits(number)
-    };
-    let leading_zeros = (digits | 1 << 56).trailing_zeros() / 8;
-    (digits | ASCII, leading_zeros as usize)
 }
 
 /// Returns the whole part and the decimals of a number's magnitude; `None` for values that are too
@@ -112,12 +85,7 @@ fn shifted(number: u128, shift: u64) -> u64 {
 /// four and of two digits.
 #[inline]
 const fn eight_digits(number: u64) -> u64 {
-    digits_of_fours((number / 10_000) | ((number % 10_000) << 32))
-}
-
-/// Returns the four digits of each of two numbers below 1e4, the first in the lower half.
-#[inline]
-const fn digits_of_fours(fours: u64) -> u64 {
+    let fours = (number / 10_000) | ((number % 10_000) << 32);
     let hundreds = ((fours * 10_486) >> 20) & 0x7f_0000_007f;
     let twos = hundreds | (fours - 100 * hundreds) << 16;
     let tens = ((twos * 103) >> 10) & 0xf_000f_000f_000f;
@@ -137,10 +105,10 @@ mod tests {
 
     fn assert_as_formatted(value: f64) {
         let mut text = Vec::new();
-        push_cells::<9>(&mut text, [value, -value]);
+        push::<9>(&mut text, value);
         assert_eq!(
             String::from_utf8_lossy(&text),
-            format!(",{value:.9},{:.9}", -value),
+            format!("{value:.9}"),
             "{value:e}"
         );
         text.clear();

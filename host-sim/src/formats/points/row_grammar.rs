@@ -1,23 +1,20 @@
 //! Rows of columns of known meanings, read in one pass and in several threads.
 
-use std::array;
-
 use fmc_camera_file::CameraFile;
 use memchr::memchr;
 
 use super::columns::{Columns, Role};
 use super::{Block, short_decimal};
 
-/// Bytes of rows that are worth a thread.
-const PART_BYTES: usize = 1 << 15;
+/// Bytes of rows that are worth a thread: a pipe gives fewer at once, and its reader keeps up with
+/// the writer.
+const PART_BYTES: usize = 1 << 16;
 
 /// Order of the columns of a file, and threads for its rows.
 #[derive(Debug)]
 pub(super) struct RowGrammar {
     columns: Columns,
     roles: Vec<Role>,
-    /// For every byte [`is_text`]: one test for each character of a name.
-    is_text: Box<[bool; 256]>,
     /// Largest number of parts into which rows are cut, and the fewest bytes of one.
     most_parts: usize,
     part_bytes: usize,
@@ -36,7 +33,6 @@ impl RowGrammar {
         Self {
             columns,
             roles: columns.roles(count),
-            is_text: Box::new(array::from_fn(|byte| u8::try_from(byte).is_ok_and(is_text))),
             most_parts: rayon::current_num_threads(),
             part_bytes: PART_BYTES,
         }
@@ -130,7 +126,7 @@ impl RowGrammar {
                     *row.coordinate.get_mut(*index)? = number;
                     length
                 }
-                Role::Name | Role::Other => field.iter().position(|byte| self.ends_text(*byte))?,
+                Role::Name | Role::Other => field.iter().position(|byte| !is_text(*byte))?,
             };
             if *role == Role::Name {
                 row.name = [from, from + length];
@@ -143,11 +139,6 @@ impl RowGrammar {
             row.end = from + length + 1;
         }
         Some(row)
-    }
-
-    #[inline]
-    fn ends_text(&self, byte: u8) -> bool {
-        self.is_text.get(usize::from(byte)) != Some(&true)
     }
 }
 
