@@ -104,8 +104,9 @@ proptest! {
     fn slices_have_the_bits_of_single_points(
         lens in cameras::lenses(),
         motion in cameras::motions(),
-        points in prop::collection::vec((-24.0_f32..24.0, -18.0_f32..18.0), 0..50),
-        far in prop::option::of((0_usize..50, 20.0_f32..60.0)),
+        // Up to three blocks of those that are gone through side by side.
+        points in prop::collection::vec((-24.0_f32..24.0, -18.0_f32..18.0), 0..250),
+        far in prop::option::of((0_usize..250, 20.0_f32..60.0)),
     ) {
         let mut points: Vec<_> = points.into_iter().map(|(x, y)| SensorPoint::new(x, y)).collect();
         if let Some((index, x_mm)) = far && let Some(point) = points.get_mut(index) {
@@ -142,6 +143,23 @@ fn first_point_that_is_refused_is_named_wherever_it_stands() {
         }
         assert_same_bits(&correction, &[]);
         assert_eq!(correction.distort_slice(&mut [good; 3]), Ok(()));
+    }
+    // In and behind blocks, among points that the first step ends and others that it does not.
+    for correction in corrections() {
+        for length in [63, 64, 65, 200] {
+            let mut points: Vec<_> = (0..length)
+                .map(|index: u16| SensorPoint::new(0.1 * f32::from(index), -4.0))
+                .collect();
+            assert_same_bits(&correction, &points);
+            let last = points.len() - 1;
+            for place in [0, 31, 62, last] {
+                for bad in bad {
+                    points[place] = bad;
+                    assert_same_bits(&correction, &points);
+                    points[place] = good;
+                }
+            }
+        }
     }
     let [short, ..] = corrections();
     let mut points = [good, SensorPoint::new(30.0, 0.0)];

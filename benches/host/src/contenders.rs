@@ -3,13 +3,15 @@
 
 use std::hint::black_box;
 
+use cam_geom::{IntrinsicParameters as _, coordinate_system::CameraFrame};
 use fmc_camera_kernel::inverse::LastStep;
 use fmc_camera_kernel::portable;
 use fmc_camera_kernel::{
     Terms,
     host::{Batch, Level},
 };
-use opencv_ros_camera::{Distortion, RosOpenCvIntrinsics};
+use nalgebra::{Dyn, OMatrix, U2, U3};
+use opencv_ros_camera::{Distortion, RosOpenCvIntrinsics, UndistortedPixels};
 
 use crate::form::FORM;
 use crate::points::Points;
@@ -71,7 +73,8 @@ pub(crate) fn all(points: &Points) -> Vec<Contender<'_>> {
             black_box(&mut *answers);
         },
     ));
-    all.push(other_crate(points));
+    all.extend(other_crate(points));
+    all.extend(cold(points));
     all
 }
 
@@ -130,23 +133,59 @@ fn xy_into<'a>(points: &'a Points, batch: Batch, name: &str) -> Contender<'a> {
     })
 }
 
-/// Returns the correction of `opencv-ros-camera`: pixels in double precision, five iterations.
-fn other_crate(points: &Points) -> Contender<'_> {
+/// Returns both directions, and a copy, of points that no cache holds.
+fn cold(points: &Points) -> [Contender<'_>; 3] {
+    let short = Batch::new(FORM, Terms::Short).in_one_thread();
+    let widest = Level::widest();
+    let copy = Contender::new(COPY_XY, "", || {
+        let mut answers = points.answers.borrow_mut();
+        answers.x.copy_from_slice(black_box(&points.x));
+        answers.y.copy_from_slice(black_box(&points.y));
+        black_box(&mut *answers);
+    });
+    [
+        copy,
+        xy_into(points, short, &format!("{widest} short x, y")),
+        distorted(points, short, &format!("{widest} distort x, y")),
+    ]
+    .map(Contender::cold)
+}
+
+/// Returns the crate `opencv-ros-camera`, in double precision: the correction of pixels by five
+/// iterations, its polynomial the other way, and directions through it to pixels.
+fn other_crate(points: &Points) -> [Contender<'_>; 3] {
     let distortion =
         Distortion::from_opencv_vec(nalgebra::Vector5::new(-0.1, 0.05, 1e-4, 1e-4, 0.01));
     let (focal_px, centre_px) = (18_857.0, 4_607.5);
     let camera = RosOpenCvIntrinsics::from_params_with_distortion(
         focal_px, 0.0, focal_px, centre_px, centre_px, distortion,
     );
-    let measured = nalgebra::OMatrix::<f64, nalgebra::Dyn, nalgebra::U2>::from_fn(
-        points.pairs.len(),
-        |row, column| {
-            let mm = points.pairs.get(row).and_then(|point| point.get(column));
-            centre_px + f64::from(mm.copied().unwrap_or_default()) / 0.00875
-        },
-    );
-    let measured = cam_geom::Pixels::new(measured);
-    Contender::new("opencv-ros-camera undistort", "", move || {
-        black_box(camera.undistort(black_box(&measured)));
-    })
+    let count = points.pairs.len();
+    let mm = |row: usize, column: usize| {
+        let mm = points.pairs.get(row).and_then(|point| point.get(column));
+        f64::from(mm.copied().unwrap_or_default())
+    };
+    let places = OMatrix::<f64, Dyn, U2>::from_fn(count, |row, column| {
+        centre_px + mm(row, column) / 0.00875
+    });
+    let rays = OMatrix::<f64, Dyn, U3>::from_fn(count, |row, column| match column {
+        0 | 1 => mm(row, column) / 0.00875 / focal_px,
+        _ => 1.0,
+    });
+    let rays = cam_geom::Points::<CameraFrame, f64, _, _>::new(rays);
+    let measured = cam_geom::Pixels::new(places.clone());
+    let ideal = UndistortedPixels { data: places };
+    let cameras = [camera.clone(), camera.clone(), camera];
+    let [undistorting, distorting, projecting] = cameras;
+    [
+        Contender::new("opencv-ros-camera undistort", "", move || {
+            black_box(undistorting.undistort(black_box(&measured)));
+        }),
+        Contender::new("opencv-ros-camera distort", "", move || {
+            black_box(distorting.distort(black_box(&ideal)));
+        }),
+        Contender::new("opencv-ros-camera project", "", move || {
+            black_box(projecting.camera_to_pixel(black_box(&rays)));
+        }),
+    ]
 }

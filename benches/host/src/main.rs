@@ -10,6 +10,7 @@ mod cpu_time;
 mod flight;
 #[path = "../../../crates/kernel/tests/host/form.rs"]
 mod form;
+mod opencv;
 mod points;
 mod stream;
 mod table;
@@ -22,12 +23,13 @@ use clap::Parser;
 use flight::Flight;
 use points::Points;
 use table::Table;
-use timing::{CLOCK, Times};
+use timing::{CLOCK, Times, Work};
 
 /// Points times rounds: short sizes are repeated until there is a round without disturbance.
 const POINT_ROUNDS: usize = 200_000_000;
 
-/// Time per point on this PC, as CSV: the kernel, a copy of the same bytes, another crate
+/// Time per point on this PC, as CSV: the kernel, a copy of the same bytes, another crate, and
+/// `OpenCV` if `python3` has it
 #[derive(Debug, Parser)]
 struct Arguments {
     /// Points to a call
@@ -91,6 +93,7 @@ fn measure(sizes: &[usize]) -> Result<(), String> {
     for size in sizes {
         let points = Points::new(*size);
         let mut contenders = contenders::all(&points);
+        contenders.extend(opencv::all(*size));
         contenders.push(timing::clock());
         let rounds = (POINT_ROUNDS / size).clamp(15, 3_000);
         let times = timing::by_turns(&mut contenders, rounds);
@@ -152,7 +155,10 @@ fn call(calls: u32, kernel: &str, sizes: &[usize]) -> Result<(), String> {
         ));
     };
     for _ in 0..calls {
-        (contender.work)();
+        match &mut contender.work {
+            Work::Warm(work) | Work::Cold(work) => work(),
+            Work::Told(work) => drop(work()),
+        }
     }
     Ok(())
 }

@@ -13,12 +13,29 @@ const STEPS: u32 = 10_000;
 /// another process rarely interrupts it.
 const LEAST: Duration = Duration::from_micros(20);
 
+/// Bytes that replace everything in the caches of a processor.
+const EVICTING: usize = 256 << 20;
+
+/// Rounds of contenders that find nothing in the caches, which are emptied before each, and of
+/// those that are told: spread over the rounds of the others.
+const SELDOM_ROUNDS: usize = 50;
+
 /// Work that is timed against others.
 pub(crate) struct Contender<'a> {
     pub(crate) name: String,
     /// Name of the contender that copies the same bytes.
     pub(crate) copy: &'static str,
-    pub(crate) work: Box<dyn FnMut() + 'a>,
+    pub(crate) work: Work<'a>,
+}
+
+/// Work of a contender.
+pub(crate) enum Work<'a> {
+    /// It is called, with all in the caches that fits them.
+    Warm(Box<dyn FnMut() + 'a>),
+    /// It is called with nothing in the caches.
+    Cold(Box<dyn FnMut() + 'a>),
+    /// It is done elsewhere, and tells the seconds of a call.
+    Told(Box<dyn FnMut() -> f64 + 'a>),
 }
 
 impl<'a> Contender<'a> {
@@ -30,7 +47,28 @@ impl<'a> Contender<'a> {
         Self {
             name: name.into(),
             copy,
-            work: Box::new(work),
+            work: Work::Warm(Box::new(work)),
+        }
+    }
+
+    /// Returns a contender that says how long a call took.
+    pub(crate) fn told(name: String, work: impl FnMut() -> f64 + 'a) -> Self {
+        Self {
+            name,
+            copy: "",
+            work: Work::Told(Box::new(work)),
+        }
+    }
+
+    /// Returns the contender with nothing in the caches, as far as its work is called here.
+    pub(crate) fn cold(self) -> Self {
+        Self {
+            name: format!("{}, cold", self.name),
+            copy: "",
+            work: match self.work {
+                Work::Warm(work) => Work::Cold(work),
+                other => other,
+            },
         }
     }
 }
@@ -66,7 +104,13 @@ impl Times {
 
 /// Times all contenders, each once per round, so that they meet the same state of the machine.
 pub(crate) fn by_turns(contenders: &mut [Contender<'_>], rounds: usize) -> Vec<Times> {
-    let calls: Vec<u32> = contenders.iter_mut().map(calls_of).collect();
+    let calls: Vec<u32> = contenders
+        .iter_mut()
+        .map(|contender| match &mut contender.work {
+            Work::Warm(work) => calls_of(work),
+            Work::Cold(_) | Work::Told(_) => 1,
+        })
+        .collect();
     let mut times: Vec<Times> = contenders
         .iter()
         .map(|contender| Times {
@@ -75,20 +119,40 @@ pub(crate) fn by_turns(contenders: &mut [Contender<'_>], rounds: usize) -> Vec<T
             rounds: Vec::with_capacity(rounds),
         })
         .collect();
-    for _ in 0..rounds {
+    let mut other = vec![0_u8; EVICTING];
+    let seldom = rounds.div_ceil(SELDOM_ROUNDS);
+    for round in 0..rounds {
+        let is_seldom = round.is_multiple_of(seldom);
         for ((contender, times), calls) in contenders.iter_mut().zip(&mut times).zip(&calls) {
-            // One call before the measurement replaces what the previous contender left in the
-            // caches.
-            (contender.work)();
-            let start = Instant::now();
-            for _ in 0..*calls {
-                (contender.work)();
+            match &mut contender.work {
+                Work::Warm(work) => {
+                    // One call before the measurement replaces what the previous contender left in
+                    // the caches.
+                    work();
+                    times.rounds.push(seconds(work, *calls));
+                }
+                Work::Cold(_) | Work::Told(_) if !is_seldom => {}
+                Work::Cold(work) => {
+                    for byte in &mut other {
+                        *byte = byte.wrapping_add(1);
+                    }
+                    black_box(&mut other);
+                    times.rounds.push(seconds(work, 1));
+                }
+                Work::Told(work) => times.rounds.push(work()),
             }
-            let taken = start.elapsed().as_secs_f64();
-            times.rounds.push(taken / f64::from(*calls));
         }
     }
     times
+}
+
+/// Returns the time of a call, s.
+fn seconds(work: &mut Box<dyn FnMut() + '_>, calls: u32) -> f64 {
+    let start = Instant::now();
+    for _ in 0..calls {
+        work();
+    }
+    start.elapsed().as_secs_f64() / f64::from(calls)
 }
 
 /// Contender that takes a known number of cycles, so that its time gives the clock of the core at
@@ -113,12 +177,12 @@ pub(crate) fn clock_ghz(times: &[Times]) -> f64 {
 }
 
 /// Returns the number of calls that take [`LEAST`] together.
-fn calls_of(contender: &mut Contender<'_>) -> u32 {
+fn calls_of(work: &mut Box<dyn FnMut() + '_>) -> u32 {
     let mut calls = 1;
     loop {
         let start = Instant::now();
         for _ in 0..calls {
-            (contender.work)();
+            work();
         }
         if start.elapsed() >= LEAST {
             return calls;

@@ -7,7 +7,14 @@ use crate::Coefficients;
 
 /// Points for which a step is taken before it is asked whether one of them needs more: they are
 /// treated without a branch, side by side.
-const BLOCK: usize = 64;
+const SIDE_BY_SIDE: usize = 64;
+
+/// Points to go through by [`pairs`] where [`blocks`] ends; all on a core without vectors.
+pub const BLOCK: usize = if cfg!(hand_scheduled) {
+    usize::MAX
+} else {
+    SIDE_BY_SIDE
+};
 
 /// Conditions under which the first step is the last.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -162,21 +169,21 @@ pub struct FirstStep {
     pub step2_mm2: f32,
 }
 
-/// Replaces ideal points (x, y), mm, by their measured ones as long as the first step is the last,
-/// and returns the number of points replaced, all if it always is. The points behind are unchanged.
+/// Replaces ideal points (x, y), mm, by their measured ones, a block at a time, as long as the
+/// first step is the last for all of a block, and returns the number of points replaced. The points
+/// behind are unchanged. A core without vectors gains nothing by it, and none is replaced.
 #[inline]
-pub fn pairs<const FULL: bool>(
+pub fn blocks<const FULL: bool>(
     form: &Coefficients,
     last_step: &LastStep,
     points: &mut [[f32; 2]],
 ) -> usize {
-    // A core without vectors gains nothing by going on behind a point that needs more.
     if cfg!(hand_scheduled) {
-        return one_by_one::<FULL>(form, last_step, points);
+        return 0;
     }
     let mut replaced = 0;
-    let (blocks, rest) = points.as_chunks_mut::<BLOCK>();
-    let mut measured = [[0.0; 2]; BLOCK];
+    let (blocks, _) = points.as_chunks_mut::<SIDE_BY_SIDE>();
+    let mut measured = [[0.0; 2]; SIDE_BY_SIDE];
     for block in blocks {
         let mut unfinished = 0_u32;
         for (measured, ideal) in measured.iter_mut().zip(&*block) {
@@ -186,17 +193,18 @@ pub fn pairs<const FULL: bool>(
             unfinished |= u32::from(!last_step.ends(step.step2_mm2, step.measured));
         }
         if unfinished > 0 {
-            return replaced + one_by_one::<FULL>(form, last_step, block);
+            break;
         }
         *block = measured;
-        replaced += BLOCK;
+        replaced += SIDE_BY_SIDE;
     }
-    replaced + one_by_one::<FULL>(form, last_step, rest)
+    replaced
 }
 
-/// Does the same point by point.
+/// Replaces ideal points (x, y), mm, by their measured ones as long as the first step is the last,
+/// and returns the number of points replaced, all if it always is. The points behind are unchanged.
 #[inline(never)]
-fn one_by_one<const FULL: bool>(
+pub fn pairs<const FULL: bool>(
     form: &Coefficients,
     last_step: &LastStep,
     points: &mut [[f32; 2]],

@@ -8,6 +8,8 @@ use fmc_camera_file::number::single;
 use fmc_camera_kernel::host::Batch;
 use fmc_camera_kernel::inverse::LastStep;
 
+use crate::formats::points::farthest;
+
 /// Points that go through the kernel together: their numbers fit the first-level cache.
 const POINTS: usize = 512;
 
@@ -103,21 +105,19 @@ impl PointBatch {
         measured: &[[[u8; 4]; 2]],
         answers: &mut Vec<[[u8; 4]; 4]>,
     ) -> bool {
+        let [x_mm, y_mm] = farthest(measured);
+        if !correction.contains(SensorPoint::new(x_mm, y_mm)) {
+            return false;
+        }
         let mut numbers = Numbers::new();
-        let (mut farthest, mut are_numbers) = (SensorPoint::default(), true);
         for measured in measured.chunks(POINTS) {
             numbers.take_rows(measured);
-            for (x, y) in numbers.given(measured.len()) {
-                farthest.x_mm = farthest.x_mm.max(x.abs());
-                farthest.y_mm = farthest.y_mm.max(y.abs());
-                are_numbers &= !(x.is_nan() | y.is_nan());
-            }
             let [given, found, distortion] = numbers.slices();
             let given = given.map(|numbers| &*numbers);
             self.batch.xy_with_distortion(given, found, distortion);
             answers.extend(numbers.rows(measured.len()));
         }
-        are_numbers && correction.contains(farthest)
+        true
     }
 
     /// Appends the answers to ideal points, no farther than `half_format_mm`; returns `false` if
@@ -168,12 +168,6 @@ impl Numbers {
         for ((point, x), y) in points.iter().zip(x).zip(y) {
             [*x, *y] = point.map(f32::from_le_bytes);
         }
-    }
-
-    /// Returns the first `count` points that were taken.
-    fn given(&self, count: usize) -> impl Iterator<Item = (f32, f32)> {
-        let Self([[x, y], ..]) = self;
-        x.iter().copied().zip(y.iter().copied()).take(count)
     }
 
     /// Moves answers beyond an edge to it, as [`f64::clamp`] does before it is rounded.

@@ -93,10 +93,11 @@ fn open(named: &mut Option<NamedTempFile>, memory: &Memory) -> io::Result<()> {
     Ok(())
 }
 
-/// Writes a block: the length and the bytes, in one call.
+/// Writes a block: the bytes, and then the length, by which the firmware knows that they are there.
 fn write_block(memory: &File, at: u64, bytes: &[u8]) -> io::Result<()> {
     let length = u32::try_from(bytes.len()).map_err(|_| ErrorKind::InvalidInput)?;
-    write_at(memory, at, &[&length.to_le_bytes(), bytes].concat())
+    write_at(memory, at + LENGTH_BYTES as u64, bytes)?;
+    write_at(memory, at, &length.to_le_bytes())
 }
 
 /// Reads a block into a buffer; returns its length.

@@ -7,6 +7,7 @@ use std::time::Duration;
 use std::{env, fs};
 
 use fmc_camera::io::link::message::ResetCause;
+use host_sim::device::block_port::BlockPort;
 use host_sim::device::client::Client;
 use host_sim::device::machine::{self, Started};
 use host_sim::device::port::TcpPort;
@@ -52,6 +53,31 @@ fn camera_answers_after_100_kb_of_garbage_and_has_counted_it() {
         // The camera has obeyed only the requests to connect, and took no garbage for a request.
         assert!((1..=sessions).contains(&counters.done), "{counters:?}");
         assert_eq!(counters.unknown + counters.other_protocol, 0);
+    }
+}
+
+#[test]
+#[ignore = "needs QEMU and the image: cargo xtask test"]
+fn surplus_bytes_on_the_wire_repeat_no_request_of_a_block() {
+    for machine in MACHINES {
+        let Started {
+            process: _process,
+            link,
+            log: _log,
+            wires,
+            memory,
+        } = start(machine);
+        let mut beside = link.try_clone().unwrap();
+        let wires = wires.map(|wire| TcpPort::new(wire).unwrap());
+        let memory = memory.expect("blocks are tried where a machine shares its memory");
+        let [link, ..] = BlockPort::all(TcpPort::new(link).unwrap(), wires, Some(memory));
+        let mut client = Client::new(link);
+        client.connect().unwrap();
+        for done in 1..20_u8 {
+            let counters = client.counters().unwrap();
+            assert_eq!([counters.done, counters.repeated], [done.into(), 0]);
+            beside.write_all(&garbage(usize::from(done % 4))).unwrap();
+        }
     }
 }
 

@@ -1,7 +1,5 @@
 //! The camera and its settings for one flight.
 
-use heapless::Vec;
-
 use super::error::ControllerError;
 use super::timing::{EXERCISE_REACH, LEAD_S, TICK_S};
 use crate::flight::camera::{self, Camera, FrameError};
@@ -18,9 +16,6 @@ use crate::flight::stage_watch::StageTolerance;
 use crate::flight::vh::{VhEstimate, VhSource};
 use crate::geometry::principal_point::{PrincipalPointMotion, UniformTravel};
 use crate::geometry::range::Quantity;
-
-/// Most ways from the end of a travel to the waiting place.
-const MOST_WAYS: usize = 4;
 
 /// Results of the preparation of a flight, for one camera.
 #[derive(Debug, Clone)]
@@ -277,29 +272,29 @@ fn cycle_s(
 ) -> Result<f32, FrameError> {
     let end = travel.profile.end();
     let from_mm = end.offset_mm;
-    let mut places: Vec<f32, MOST_WAYS> = Vec::new();
-    let sides = settings
-        .index_sides()
-        .filter(|sides| !sides.are_between(from_mm, waiting_mm));
-    if let Some(sides) = sides {
-        if from_mm > sides.low_mm {
-            let _ = places.push(sides.low_mm);
-        }
-        let _ = places.push(sides.high_mm);
-    }
-    let last_mm = places.last().copied().unwrap_or(from_mm);
-    if let Some(begin_mm) = approach(camera, settings, last_mm, waiting_mm) {
-        let _ = places.push(begin_mm);
-    }
-    let _ = places.push(waiting_mm);
     let (mut cycle_s, mut from) = (travel.stop_s, end);
-    for &to_mm in &places {
+    let mut go_to = |to_mm: f32| {
         cycle_s += camera.stage().reposition(from, to_mm)?.duration_s();
         from = Setpoint {
             offset_mm: to_mm,
             ..Setpoint::default()
         };
+        Ok::<f32, FrameError>(to_mm)
+    };
+    let mut last_mm = from_mm;
+    let sides = settings
+        .index_sides()
+        .filter(|sides| !sides.are_between(from_mm, waiting_mm));
+    if let Some(sides) = sides {
+        if from_mm > sides.low_mm {
+            go_to(sides.low_mm)?;
+        }
+        last_mm = go_to(sides.high_mm)?;
     }
+    if let Some(begin_mm) = approach(camera, settings, last_mm, waiting_mm) {
+        go_to(begin_mm)?;
+    }
+    go_to(waiting_mm)?;
     Ok(cycle_s)
 }
 

@@ -218,9 +218,10 @@ impl<Deck: FlightDeck> Responder<Deck> {
                 deck::check_idle(&self.deck)?;
                 Answer::Fitted(self.fitting.fit()?)
             }
-            Request::Prepare(settings) => return self.prepare(header, settings),
-            Request::Rig(step) => return self.step(header, step, None),
-            Request::Wired(step, sent) => return self.step(header, step, Some(*sent)),
+            // These are answered apart, without the stack that this function takes.
+            Request::Prepare(_) | Request::Rig(_) | Request::Wired(..) => {
+                return Err(Refusal::Unknown);
+            }
             Request::Instruments => Answer::Instruments(
                 self.deck
                     .instruments()

@@ -55,7 +55,10 @@ fn compare_form<const FULL: bool>(
     let mut memory = [[0.0; 2]; MOST];
     let (found, _) = memory.split_at_mut(points.len());
     found.copy_from_slice(points);
-    let replaced = inverse::pairs::<FULL>(black_box(form), black_box(&LAST_STEP), found);
+    let (form_of_all, last_step) = (black_box(form), black_box(&LAST_STEP));
+    let in_blocks = inverse::blocks::<FULL>(form_of_all, last_step, found);
+    let behind = found.get_mut(in_blocks..).unwrap_or_default();
+    let replaced = in_blocks + inverse::pairs::<FULL>(form_of_all, last_step, behind);
     let mut expected = [[0.0; 2]; MOST];
     let (expected, _) = expected.split_at_mut(points.len());
     expected.copy_from_slice(points);

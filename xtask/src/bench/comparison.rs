@@ -12,7 +12,7 @@ const OURS: &str = "correct_slice";
 pub(super) const OURS_ON_A_PC: &str = " short x, y";
 
 /// Counted rows that are compared.
-pub(super) const COMPARED: [&str; 15] = [
+pub(super) const COMPARED: [&str; 16] = [
     OURS,
     "correct_slice_xy",
     "correct_slice_full",
@@ -25,6 +25,7 @@ pub(super) const COMPARED: [&str; 15] = [
     "distort_full",
     "mesh_row",
     "mesh_row_k3",
+    "mesh_source_row",
     "opencv_ros_camera_undistort",
     "opencv_ros_camera_distort",
     "opencv_ros_camera_project",

@@ -17,13 +17,65 @@ use crate::{
     route::Architecture,
 };
 
-/// Rows of the table, each with its function in the crate `kernel` and its operations per point.
-pub(super) const KERNELS: [(&str, &str, u32); 4] = [
-    ("correct_slice", "short_pairs", 23),
-    ("correct_slice_xy", "short_xy", 23),
-    ("correct_slice_full", "full_pairs", 29),
-    ("correct_slice_xy_full", "full_xy", 29),
+/// A row of the table, and the loop that it is the cost of.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Kernel {
+    pub(super) row: &'static str,
+    /// Its function on a Cortex-M4F and M7, and on a Cortex-M55.
+    armv7em: &'static str,
+    helium: &'static str,
+    /// Operations per point, which tell its loop from others.
+    pub(super) operations: u32,
+}
+
+/// Rows of the table. Of a row of sources it is the loop that adds up the differences, without the
+/// nodes of a block.
+pub(super) const KERNELS: [Kernel; 7] = [
+    Kernel {
+        row: "correct_slice",
+        armv7em: "fmc_camera_kernel_short_pairs",
+        helium: "fmc_camera_kernel::portable::short_pairs",
+        operations: 23,
+    },
+    Kernel {
+        row: "correct_slice_xy",
+        armv7em: "fmc_camera_kernel_short_xy",
+        helium: "fmc_camera_kernel::portable::short_xy",
+        operations: 23,
+    },
+    Kernel {
+        row: "correct_slice_full",
+        armv7em: "fmc_camera_kernel_full_pairs",
+        helium: "fmc_camera_kernel::portable::full_pairs",
+        operations: 29,
+    },
+    Kernel {
+        row: "correct_slice_xy_full",
+        armv7em: "fmc_camera_kernel_full_xy",
+        helium: "fmc_camera_kernel::portable::full_xy",
+        operations: 29,
+    },
+    Kernel {
+        row: "distort_slice",
+        armv7em: "fmc_camera_kernel::inverse::pairs",
+        helium: DISTORT_SLICE,
+        operations: 94,
+    },
+    Kernel {
+        row: "distort_slice_full",
+        armv7em: "fmc_camera_kernel::inverse::pairs",
+        helium: DISTORT_SLICE,
+        operations: 108,
+    },
+    Kernel {
+        row: "mesh_source_row",
+        armv7em: "mesh::block_row::BlockRow::fill",
+        helium: "mesh::block_row::BlockRow::fill",
+        operations: 10,
+    },
 ];
+
+const DISTORT_SLICE: &str = "frame_correction::FrameCorrection::distort_slice";
 
 /// Largest allowed cycles per point: core, row, limit.
 const LIMITS: [(&str, &str, f64); 4] = [
@@ -70,26 +122,44 @@ pub(super) fn cycles(llvm: &Llvm<'_>, programs: &[Program<'_>]) -> Result<Vec<Cy
     for Program { core, image, .. } in programs {
         let bytes = std::fs::read(image).with_context(|| format!("{}", image.display()))?;
         let file = File::parse(&*bytes).with_context(|| format!("{}", image.display()))?;
-        for (kernel, function, operations) in KERNELS {
+        for kernel in KERNELS {
             let wanted = match core.architecture {
-                Architecture::Armv7em => format!("fmc_camera_kernel_{function}"),
-                Architecture::Helium => format!("fmc_camera_kernel::portable::{function}"),
+                Architecture::Armv7em => kernel.armv7em,
+                Architecture::Helium => kernel.helium,
             };
             let is_it = |symbol: &object::Symbol<'_, '_>| {
                 let name = symbol.name().map(rustc_demangle::demangle);
-                name.is_ok_and(|name| format!("{name:#}") == wanted)
+                name.is_ok_and(|name| is_named(&format!("{name:#}"), wanted))
             };
-            let symbol = file.symbols().find(is_it);
-            let symbol = symbol.with_context(|| format!("no {wanted} in the image"))?;
-            // The lowest bit of the address marks Thumb instructions.
-            let start = symbol.address() & !1;
-            let disassembly = llvm.disassembly(image, start..start + symbol.size())?;
-            let found = KernelLoop::find(&disassembly, operations);
-            let found = found.with_context(|| format!("{wanted} on {}", core.name))?;
-            all.push(of_loop(llvm, *core, kernel, &found)?);
+            // A generic function has several forms under one name.
+            let mut loops = Vec::new();
+            for symbol in file.symbols().filter(is_it) {
+                // The lowest bit of the address marks Thumb instructions.
+                let start = symbol.address() & !1;
+                let disassembly = llvm.disassembly(image, start..start + symbol.size())?;
+                loops.extend(KernelLoop::find(&disassembly, kernel.operations));
+            }
+            let found = loops.into_iter().max_by_key(|found| found.points);
+            let found = found.with_context(|| {
+                let operations = kernel.operations;
+                format!(
+                    "no loop of {operations} operations per point in {wanted} on {}",
+                    core.name
+                )
+            })?;
+            all.push(of_loop(llvm, *core, kernel.row, &found)?);
         }
     }
     Ok(all)
+}
+
+/// Returns `true` if a symbol is this function, given by the end of its path: compilers write
+/// generic arguments and implementations into names, or leave them out.
+fn is_named(symbol: &str, function: &str) -> bool {
+    // An implementation stands before the function's name, its arguments behind it.
+    let arguments = symbol.find("::<").filter(|_| symbol.ends_with('>'));
+    let name = arguments.map_or(symbol, |at| symbol.split_at(at).0);
+    name.replace(['<', '>'], "").ends_with(function)
 }
 
 /// Returns LLVM's name of the instruction set.
@@ -129,18 +199,23 @@ fn of_loop(
 ///
 /// # Source
 /// Arm, Cortex-M4 Technical Reference Manual (DDI 0439), tables of processor and floating-point
-/// instructions: arithmetic 1, VMLA 3, VLDM and VSTM 1 and one per register, a taken branch 1 and 1
-/// to 3; arithmetic takes one more where the next instruction uses its result.
+/// instructions: arithmetic 1, VMLA 3, VDIV 14, VLDM and VSTM 1 and one per register, a taken
+/// branch 1 and 1 to 3; arithmetic takes one more where the next instruction uses its result. Of
+/// the branches the last is taken, which closes the loop; those before lead out of it.
 fn by_manual(round: &[Instruction]) -> Result<u32> {
     let mut cycles = 0;
     for (index, one) in round.iter().enumerate() {
         let names = u32::try_from(one.registers().count())?;
         cycles += match one.mnemonic.as_str() {
-            "vadd.f32" | "vsub.f32" | "vmul.f32" | "adds" | "subs" | "add" | "sub" | "cmp" => 1,
-            "vmla.f32" => 3,
+            "vadd.f32" | "vsub.f32" | "vmul.f32" | "vmov.f32" | "vmov" | "vabs.f32"
+            | "vcmp.f32" | "vmrs" | "adds" | "subs" | "add" | "add.w" | "sub" | "cmp" | "cmp.w"
+            | "mov" | "lsls" => 1,
+            "vmla.f32" | "vmls.f32" | "vnmls.f32" => 3,
+            "vdiv.f32" => 14,
             // The first register holds the address.
             "vldmia" | "vstmia" => names,
             "vldr" | "vstr" => 2,
+            _ if one.is_branch() && index + 1 < round.len() => 1,
             _ if one.is_branch() => TAKEN_BRANCH,
             unknown => bail!("the table of cycles has no {unknown}"),
         };
@@ -148,7 +223,9 @@ fn by_manual(round: &[Instruction]) -> Result<u32> {
         if let Some(next) = round.get(index + 1).filter(|_| is_arithmetic(one)) {
             let reads = |next: &Instruction, name| {
                 // Arithmetic writes its first register; VMLA also reads it.
-                let written = usize::from(is_arithmetic(next) && next.mnemonic != "vmla.f32");
+                let reads_its_own = ["vmla.f32", "vmls.f32", "vnmls.f32"];
+                let written =
+                    usize::from(is_arithmetic(next) && !reads_its_own.contains(&&*next.mnemonic));
                 next.registers()
                     .skip(written)
                     .any(|register| register == name)
@@ -161,7 +238,7 @@ fn by_manual(round: &[Instruction]) -> Result<u32> {
 
 #[cfg(test)]
 mod tests {
-    use super::{Cycles, by_manual};
+    use super::{Cycles, by_manual, is_named};
     use crate::bench::{comparison::Row, documented, kernel_loop::Instruction};
 
     fn cycles(text: &str) -> anyhow::Result<u32> {
@@ -180,11 +257,30 @@ mod tests {
             ("vldmia\tr0!, {s0, s1, s2, s3, s4, s5}", 7),
             ("vldr\ts0, [r1]", 2),
             ("subs\tr1, #0x1\nbpl.w\t0x0 <kernel>", 4),
+            // The first leads out of the loop.
+            ("bhi\t0x40 <kernel+0x40>\nbne\t0x0 <kernel>", 4),
+            ("vdiv.f32\ts0, s1, s2\nvmls.f32\ts3, s4, s5", 17),
         ] {
             assert_eq!(cycles(text).unwrap(), expected, "{text}");
         }
-        let unknown = cycles("vdiv.f32\ts0, s1, s2").unwrap_err();
-        assert_eq!(unknown.to_string(), "the table of cycles has no vdiv.f32");
+        let unknown = cycles("vsqrt.f32\ts0, s1").unwrap_err();
+        assert_eq!(unknown.to_string(), "the table of cycles has no vsqrt.f32");
+    }
+
+    #[test]
+    fn functions_have_the_names_that_compilers_give_them() {
+        for symbol in [
+            "a_kernel::inverse::pairs",
+            "a_kernel::inverse::pairs::<true>",
+            "<a_kernel::inverse>::pairs::<a::B<c::D>>",
+            "a::<impl a_kernel::inverse>::pairs",
+        ] {
+            assert!(is_named(symbol, "kernel::inverse::pairs"), "{symbol}");
+        }
+        assert!(!is_named(
+            "kernel::inverse::pairs::other",
+            "kernel::inverse::pairs"
+        ));
     }
 
     #[test]

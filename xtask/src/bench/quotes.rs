@@ -18,11 +18,12 @@ const README: &str = "README.md";
 const CHANGELOG: &str = "CHANGELOG.md";
 const PERFORMANCE: &str = "docs/performance.md";
 const CONTROL_LOOP: &str = "docs/control_loop.md";
+const INTEGRATION: &str = "docs/integration.md";
 const ROWS: &str = "src/geometry/mesh/displacement_rows.rs";
 
 /// Numbers that are not in a table: those of manuals, of experiments that are not repeated, and of
 /// the method of counting.
-const OF_OTHER_SOURCES: [(&str, &str); 20] = [
+const OF_OTHER_SOURCES: [(&str, &str); 21] = [
     // From manuals and models.
     (CONTROL_LOOP, "square roots (14 cycles each)"),
     (CONTROL_LOOP, "the 12 cycles each way"),
@@ -53,6 +54,10 @@ const OF_OTHER_SOURCES: [(&str, &str); 20] = [
         "an event or tick takes up to 240 instructions more",
     ),
     (ROWS, "60 instructions per start"),
+    (
+        INTEGRATION,
+        "on an M4F 99 instructions per point instead of 13",
+    ),
     // From the registers of a loop, by its source.
     (PERFORMANCE, "29 less the 2 that VMLA joins"),
     // From the method of counting and flying.

@@ -1,6 +1,7 @@
 //! Writer of answers, block by block.
 
 use std::io::{self, Write};
+use std::mem;
 use std::ops::Range;
 
 use fmc_camera_file::CameraFile;
@@ -137,13 +138,16 @@ impl<'a> Answers<'a> {
 
 /// Appends some of the rows of a block.
 fn push_text(
-    text: &mut Vec<u8>,
+    bytes: &mut Vec<u8>,
     source: &Source,
     camera: &CameraFile,
     block: &Block,
     answers: &[Answer],
     rows: Range<usize>,
 ) {
+    // The length changes with every cell: the buffers of two threads are not to share a cache line.
+    let mut own = mem::take(bytes);
+    let text = &mut own;
     let mut names = block.names().skip(rows.start);
     let mut number = itoa::Buffer::new();
     let answers = (block.before..).zip(answers);
@@ -168,6 +172,7 @@ fn push_text(
         }
         text.push(b'\n');
     }
+    *bytes = own;
 }
 
 /// Appends x, y in mm and dx, dy in µm.

@@ -59,15 +59,31 @@ impl Block {
         self.points_mm.extend(rows);
     }
 
-    pub(super) const fn is_full(&self) -> bool {
-        self.points_mm.len() >= POINTS
+    /// Returns the number of points for which there is room.
+    pub(super) const fn room(&self) -> usize {
+        POINTS.saturating_sub(self.points_mm.len())
     }
 
-    pub(super) fn push(&mut self, name: &[u8], point_mm: [f64; 2], line: u64) {
+    /// Adds a point, whose line [`Self::number_lines`] tells.
+    pub(super) fn push(&mut self, name: &[u8], point_mm: [f64; 2]) {
         self.points_mm.push(point_mm);
         self.names.extend_from_slice(name);
         self.name_ends.push(self.names.len());
-        self.lines.push(line);
+    }
+
+    /// Adds the points of another block.
+    pub(super) fn append(&mut self, behind: &Self) {
+        let names = self.names.len();
+        self.points_mm.extend_from_slice(&behind.points_mm);
+        self.names.extend_from_slice(&behind.names);
+        let ends = behind.name_ends.iter().map(|end| names + end);
+        self.name_ends.extend(ends);
+    }
+
+    /// Gives the points without a line the lines from `line` on.
+    pub(super) fn number_lines(&mut self, line: u64) {
+        let count = self.points_mm.len() - self.lines.len();
+        self.lines.extend((line..).take(count));
     }
 
     /// Returns the names, in order; none for an array.
@@ -134,21 +150,31 @@ impl Block {
     }
 }
 
-/// Returns the largest |x| and |y| of rows; infinite where one is not a number.
-fn farthest(rows: &[[[u8; 4]; 2]]) -> [f32; 2] {
-    let (mut farthest, mut are_numbers) = ([0.0_f32; 2], true);
-    for row in rows {
-        let [x, y] = row.map(f32::from_le_bytes);
-        let [farthest_x, farthest_y] = farthest;
-        farthest = [farthest_x.max(x.abs()), farthest_y.max(y.abs())];
-        // `max` ignores NaN.
-        are_numbers &= !(x.is_nan() | y.is_nan());
+/// Returns the largest |x| and |y| of rows; a NaN where one is not a number.
+pub(crate) fn farthest(rows: &[[[u8; 4]; 2]]) -> [f32; 2] {
+    /// Rows that are compared side by side.
+    const ROWS: usize = 8;
+    // Without their signs, numbers are ordered as their bits are, and a NaN is behind all.
+    let farther = |farthest: &mut [i32; 2], row: &[[u8; 4]; 2]| {
+        for (farthest, number) in farthest.iter_mut().zip(row) {
+            *farthest = (i32::from_le_bytes(*number) & i32::MAX).max(*farthest);
+        }
+    };
+    let (blocks, rest) = rows.as_chunks::<ROWS>();
+    let mut farthest = [[0; 2]; ROWS];
+    for block in blocks {
+        for (farthest, row) in farthest.iter_mut().zip(block) {
+            farther(farthest, row);
+        }
     }
-    if are_numbers {
-        farthest
-    } else {
-        [f32::INFINITY; 2]
+    let mut of_all = [0; 2];
+    for bits in &farthest {
+        farther(&mut of_all, &bits.map(i32::to_le_bytes));
     }
+    for row in rest {
+        farther(&mut of_all, row);
+    }
+    of_all.map(|bits| f32::from_bits(bits.cast_unsigned()))
 }
 
 /// Describes a point whose measured place, `point_mm`, is off the sensor.

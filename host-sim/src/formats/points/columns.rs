@@ -4,8 +4,18 @@ use csv::ByteRecord;
 use fmc_camera_file::CameraFile;
 use fmc_camera_file::number::clipped;
 
-use super::plain_rows::Role;
 use super::{Block, CoordinateFrame};
+
+/// Meaning of a column.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(super) enum Role {
+    /// Name of the point.
+    Name,
+    /// Coordinate, by its index.
+    Coordinate(usize),
+    /// No meaning here.
+    Other,
+}
 
 /// Places of the columns of a point file.
 #[derive(Debug, Clone, Copy)]
@@ -78,7 +88,8 @@ impl Columns {
         let (Some(first), Some(second)) = (number(record, first), number(record, second)) else {
             return Err(self.no_number(record, name));
         };
-        block.push(name, self.place([first, second], camera), line);
+        block.push(name, self.place([first, second], camera));
+        block.number_lines(line);
         Ok(())
     }
 

@@ -10,6 +10,7 @@ use fmc_frames::Lines;
 
 use super::columns::Columns;
 use super::plain_rows::PlainRows;
+use super::row_grammar::RowGrammar;
 use super::{Block, CoordinateFrame};
 use crate::failure::Failure;
 
@@ -24,7 +25,7 @@ pub(super) struct CsvPoints<R> {
 /// Rows, by their reader.
 enum Rows<R> {
     /// As long as they are plain, with the header.
-    Plain(PlainRows<R>, Vec<u8>),
+    Plain(PlainRows<R>, RowGrammar, Vec<u8>),
     /// From the first that is not.
     Any(AnyRows<R>),
     /// While one reader follows the other.
@@ -75,7 +76,7 @@ impl<R: Read> AnyRows<R> {
         camera: &CameraFile,
         block: &mut Block,
     ) -> Result<(), Failure> {
-        while !block.is_full() {
+        while block.room() > 0 {
             if !self
                 .reader
                 .read_byte_record(&mut self.record)
@@ -112,8 +113,9 @@ impl<R: Read> CsvPoints<R> {
             let header = reader.byte_headers();
             let header = header.map_err(|error| csv_failure(file, &error))?;
             let columns = find(header)?;
-            plain.begin(line.len(), columns.roles(header.len()));
-            (columns, Rows::Plain(plain, line))
+            plain.begin(line.len());
+            let grammar = RowGrammar::new(columns, header.len());
+            (columns, Rows::Plain(plain, grammar, line))
         } else {
             let (bytes, source) = plain.into_rest();
             let mut rows = AnyRows::new(bytes, source);
@@ -142,7 +144,7 @@ impl<R: Read> CsvPoints<R> {
         let filled = self.fill_from(block, camera);
         self.read += block.points_mm.len() as u64;
         block.read_bytes = match &self.rows {
-            Rows::Plain(plain, _) => plain.taken(),
+            Rows::Plain(plain, ..) => plain.taken(),
             Rows::Any(any) => any.bytes_before + any.reader.position().byte(),
             Rows::None => 0,
         };
@@ -151,16 +153,16 @@ impl<R: Read> CsvPoints<R> {
 
     fn fill_from(&mut self, block: &mut Block, camera: &CameraFile) -> Result<(), Failure> {
         let file = &self.file;
-        if let Rows::Plain(plain, _) = &mut self.rows {
+        if let Rows::Plain(plain, grammar, _) = &mut self.rows {
             let is_plain = plain
-                .fill(&self.columns, camera, block)
+                .fill(grammar, camera, block)
                 .map_err(|error| Failure::reading(Path::new(file), &error))?;
             if is_plain {
                 return Ok(());
             }
         }
         self.rows = match mem::replace(&mut self.rows, Rows::None) {
-            Rows::Plain(plain, header) => Rows::Any(AnyRows::behind(plain, header)),
+            Rows::Plain(plain, _, header) => Rows::Any(AnyRows::behind(plain, header)),
             other => other,
         };
         match &mut self.rows {
@@ -202,18 +204,19 @@ mod tests {
     /// Source of bytes in pieces of any length.
     struct Pieces<'a> {
         bytes: &'a [u8],
+        most: usize,
         random: fastrand::Rng,
     }
 
     impl Read for Pieces<'_> {
         fn read(&mut self, buffer: &mut [u8]) -> io::Result<usize> {
-            let most = self.random.usize(1..40).min(buffer.len());
+            let most = self.random.usize(1..self.most).min(buffer.len());
             self.bytes.read(&mut buffer[..most])
         }
     }
 
     /// Returns the points of a file, one block behind the other, and what is said at its end.
-    fn read(points: Result<CsvPoints<Pieces<'_>>, Failure>, camera: &CameraFile) -> String {
+    fn read<R: Read>(points: Result<CsvPoints<R>, Failure>, camera: &CameraFile) -> String {
         let mut points = match points {
             Ok(points) => points,
             Err(failure) => return format!("{failure:?}"),
@@ -260,6 +263,22 @@ mod tests {
         })
     }
 
+    /// Gives the plain rows so many threads, each for any number of rows.
+    fn in_parts<R: Read>(
+        points: Result<CsvPoints<R>, Failure>,
+        most: usize,
+    ) -> Result<CsvPoints<R>, Failure> {
+        points.map(|points| CsvPoints {
+            rows: match points.rows {
+                Rows::Plain(plain, grammar, header) => {
+                    Rows::Plain(plain, grammar.with_parts(most), header)
+                }
+                other => other,
+            },
+            ..points
+        })
+    }
+
     #[test]
     fn any_text_is_read_as_the_csv_reader_reads_it() {
         const MARKS: &[u8] = b"\",\r\n -+.e9xnif\xc3\xa9\x07#;'";
@@ -292,10 +311,23 @@ mod tests {
             }
             let pieces = |seed| Pieces {
                 bytes: &text,
+                most: 40,
                 random: fastrand::Rng::with_seed(seed),
             };
-            let found = read(CsvPoints::new("points.csv", pieces(1)), &camera);
             let expected = read(by_reader(pieces(2)), &camera);
+            for parts in [1, 2, 5] {
+                // Most pieces are longer than a row, so that there is something to cut.
+                let points = CsvPoints::new(
+                    "points.csv",
+                    Pieces {
+                        most: 400,
+                        ..pieces(1)
+                    },
+                );
+                let found = read(in_parts(points, parts), &camera);
+                assert_eq!(found, expected, "{}", String::from_utf8_lossy(&text));
+            }
+            let found = read(CsvPoints::new("points.csv", pieces(1)), &camera);
             assert_eq!(found, expected, "{}", String::from_utf8_lossy(&text));
             let is_whole = !expected.contains("Failure");
             whole += usize::from(is_whole);
@@ -317,10 +349,14 @@ mod tests {
         text += "\"a \"\"b\"\"\",1,1\nlast,2,2\n";
         let pieces = || Pieces {
             bytes: text.as_bytes(),
+            most: 40,
             random: fastrand::Rng::with_seed(4),
         };
         let found = read(CsvPoints::new("points.csv", pieces()), &camera);
         assert_eq!(found, read(by_reader(pieces()), &camera));
         assert_eq!(found.lines().count(), 40_004);
+        // As a whole, in as many parts as there are threads, over the ends of blocks.
+        let whole = CsvPoints::new("points.csv", text.as_bytes());
+        assert_eq!(read(in_parts(whole, 3), &camera), found);
     }
 }

@@ -8,11 +8,13 @@ mod csv_points;
 pub(super) mod decimal;
 mod npy_points;
 mod plain_rows;
+mod row_grammar;
+mod short_decimal;
 mod source;
 
 pub use answers::{Answer, Answers, BlockAnswers};
 pub use block::Block;
-pub(crate) use block::{half_format_mm, off_sensor};
+pub(crate) use block::{farthest, half_format_mm, off_sensor};
 pub use source::{Blocks, Checked, Source};
 
 pub(super) use columns::number;

@@ -7,23 +7,16 @@
 use std::io::{self, ErrorKind, Read};
 
 use fmc_camera_file::CameraFile;
+use memchr::{memchr_iter, memrchr};
 
 use super::Block;
-use super::columns::Columns;
+use super::row_grammar::RowGrammar;
 
 /// Bytes that are read at once.
 const CAPACITY: usize = 1 << 18;
 
-/// Meaning of a column.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(super) enum Role {
-    /// Name of the point.
-    Name,
-    /// Coordinate, by its index.
-    Coordinate(usize),
-    /// No meaning here.
-    Other,
-}
+/// Bytes whose lines are counted together.
+const COUNTED_BYTES: usize = 1 << 12;
 
 /// Plain rows behind a header.
 #[derive(Debug)]
@@ -37,24 +30,7 @@ pub(super) struct PlainRows<R> {
     before: u64,
     /// Line of the next row.
     line: u64,
-    roles: Vec<Role>,
     is_at_end: bool,
-}
-
-/// The reason why a row could not be taken.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-enum NotTaken {
-    /// Not all of it has been read.
-    Incomplete,
-    /// It is not plain.
-    NotPlain,
-}
-
-/// A row that was taken.
-struct Row {
-    name: [usize; 2],
-    coordinate: [f64; 2],
-    end: usize,
 }
 
 impl<R: Read> PlainRows<R> {
@@ -71,7 +47,6 @@ impl<R: Read> PlainRows<R> {
             end: 0,
             before: 0,
             line: 2,
-            roles: Vec::new(),
             is_at_end: false,
         };
         while !rows.unread().contains(&b'\n') && !rows.is_at_end && rows.end < CAPACITY {
@@ -85,10 +60,9 @@ impl<R: Read> PlainRows<R> {
         Ok((rows, line))
     }
 
-    /// Begins behind a header of so many bytes, with columns of these meanings.
-    pub(super) fn begin(&mut self, header_bytes: usize, roles: Vec<Role>) {
+    /// Begins behind a header of so many bytes.
+    pub(super) const fn begin(&mut self, header_bytes: usize) {
         self.at = header_bytes;
-        self.roles = roles;
     }
 
     /// Line of the next row.
@@ -114,33 +88,28 @@ impl<R: Read> PlainRows<R> {
     /// Those of the source; the rows before are in the block.
     pub(super) fn fill(
         &mut self,
-        columns: &Columns,
+        grammar: &RowGrammar,
         camera: &CameraFile,
         block: &mut Block,
     ) -> io::Result<bool> {
-        while !block.is_full() {
-            match self.row() {
-                Ok(Row {
-                    name: [from, to],
-                    coordinate,
-                    end,
-                }) => {
-                    let name = self.bytes.get(from..to).unwrap_or_default();
-                    let point_mm = columns.place(coordinate, camera);
-                    block.push(name.trim_ascii(), point_mm, self.line);
-                    self.at = end;
-                    self.line += 1;
+        while block.room() > 0 {
+            let rows = length_of_lines(self.unread(), block.room());
+            if rows > 0 {
+                let rows = self.unread().get(..rows).unwrap_or_default();
+                let (length, room) = (rows.len(), block.room());
+                let taken = grammar.take(rows, camera, block);
+                block.number_lines(self.line);
+                self.line += (room - block.room()) as u64;
+                self.at += taken;
+                if taken < length {
+                    return Ok(false);
                 }
-                Err(NotTaken::NotPlain) => return Ok(false),
-                Err(NotTaken::Incomplete) if self.is_at_end => {
-                    return Ok(self.unread().is_empty());
-                }
-                Err(NotTaken::Incomplete) => {
-                    if self.unread().len() >= CAPACITY {
-                        return Ok(false);
-                    }
-                    self.read_more()?;
-                }
+            } else if self.is_at_end {
+                return Ok(self.unread().is_empty());
+            } else if self.unread().len() >= CAPACITY {
+                return Ok(false);
+            } else {
+                self.read_more()?;
             }
         }
         Ok(true)
@@ -166,58 +135,20 @@ impl<R: Read> PlainRows<R> {
             Err(error) => Err(error),
         }
     }
-
-    /// Reads the next row.
-    #[inline]
-    fn row(&self) -> Result<Row, NotTaken> {
-        let bytes = self.bytes.get(..self.end).unwrap_or_default();
-        self.plain_row(bytes).ok_or_else(|| {
-            // A number may have been cut in two.
-            if self.unread().contains(&b'\n') {
-                NotTaken::NotPlain
-            } else {
-                NotTaken::Incomplete
-            }
-        })
-    }
-
-    #[inline]
-    fn plain_row(&self, bytes: &[u8]) -> Option<Row> {
-        let mut row = Row {
-            name: [self.at; 2],
-            coordinate: [0.0; 2],
-            end: self.at,
-        };
-        let mut roles = self.roles.iter();
-        while let Some(role) = roles.next() {
-            let from = row.end;
-            let field = bytes.get(from..)?;
-            let length = match role {
-                Role::Coordinate(index) => {
-                    let (number, length) = fast_float2::parse_partial::<f64, _>(field).ok()?;
-                    if !number.is_finite() {
-                        return None;
-                    }
-                    *row.coordinate.get_mut(*index)? = number;
-                    length
-                }
-                Role::Name | Role::Other => field.iter().position(|byte| !is_text(*byte))?,
-            };
-            if *role == Role::Name {
-                row.name = [from, from + length];
-            }
-            let behind = *bytes.get(from + length)?;
-            let delimiter = if roles.len() == 0 { b'\n' } else { b',' };
-            if behind != delimiter {
-                return None;
-            }
-            row.end = from + length + 1;
-        }
-        Some(row)
-    }
 }
 
-/// Returns `true` for a printable character within a plain field.
-const fn is_text(byte: u8) -> bool {
-    matches!(byte, b' '..=b'~') && byte != b'"' && byte != b','
+/// Returns the length of the first lines, at most so many, with their ends.
+fn length_of_lines(bytes: &[u8], most: usize) -> usize {
+    let (mut length, mut left) = (0, most);
+    for counted in bytes.chunks(COUNTED_BYTES) {
+        let mut ends = memchr_iter(b'\n', counted);
+        let count = ends.clone().count();
+        if count >= left {
+            let last = ends.nth(left.saturating_sub(1));
+            return length + last.map_or(0, |last| last + 1);
+        }
+        left -= count;
+        length += counted.len();
+    }
+    memrchr(b'\n', bytes).map_or(0, |last| last + 1)
 }

@@ -117,6 +117,8 @@ fn points() -> Vec<String> {
     let performance: Vec<Row> = documented::table("docs/performance.csv");
     let is_short = |row: &&Row| row.core == M4F && row.kernel == "correct_slice";
     let cycles = performance.iter().find(is_short).unwrap().cycles.unwrap();
+    let is_distort = |row: &&Row| row.core == M4F && row.kernel == "distort_slice";
+    let of_a_node = performance.iter().find(is_distort).unwrap().cycles.unwrap();
     let [parts, rest] = [23 + 17 + 15 + 21, 17];
     assert_eq!(
         format!("{}", parts + rest),
@@ -141,6 +143,10 @@ fn points() -> Vec<String> {
             "`distort_slice` is 23 instructions for a start along the radius, 17 for value and slope there, 15 for the Jacobian, 21 for one Newton step and its test, one of them a division, {rest} for the rest"
         ),
         format!("on the M4F against {cycles:.1}"),
+        format!(
+            "a point of `distort_slice` does: {:.0} cycles per vertex on the M4F",
+            6.0 * of_a_node / 64.0
+        ),
         format!("9.3 instead of {:.1}", count(M55, "correct_slice_xy")),
     ]
 }
@@ -193,7 +199,7 @@ fn times() -> Vec<String> {
     let clocks: Vec<_> = clocks.collect();
     let is_it = |row: &&Row| row.kernel == "avx512 short x, y" && row.points == Some(1000);
     let cycles = table.iter().find(is_it).unwrap().cycles.unwrap();
-    let operations = f64::from(KERNELS[0].2);
+    let operations = f64::from(KERNELS[0].operations);
     vec![
         format!(
             "clock of that run was {:.1} to {:.1} GHz",

@@ -5,8 +5,9 @@
 //! may hand over whole requests there instead, with all bytes that receiver and autopilot send
 //! before: it finds [`OFFERED`] in the first word, writes [`OPEN`] into the second, and from then
 //! on a byte on the link's UART, of any value, only tells that blocks have been written. Each block
-//! is its length in a word, and its bytes. Without such a PC the UARTs carry the bytes themselves,
-//! as on every other board.
+//! is its length in a word, which is written last, and its bytes. The reader of a block writes
+//! length 0 over it, so that a surplus byte on the UART hands over nothing twice. Without such a PC
+//! the UARTs carry the bytes themselves, as on every other board.
 
 use fmc_camera::io::instruments::Wire;
 use fmc_camera::io::link::deck::RigDeck;
@@ -59,13 +60,17 @@ impl Blocks {
     }
 
     /// Takes a byte of the UART: it is one of a request, which is returned, or tells that blocks
-    /// have been written.
+    /// have been written. It tells nothing if the request has been taken before.
     pub(super) fn after(&mut self, byte: u8) -> Option<u8> {
         if !self.are_open() {
             return Some(byte);
         }
-        [self.next, self.end] = self.bytes_of(REQUEST_AT);
-        self.told = true;
+        let [from, end] = self.bytes_of(REQUEST_AT);
+        if from < end {
+            self.memory.write_word(REQUEST_AT, 0);
+            [self.next, self.end] = [from, end];
+            self.told = true;
+        }
         None
     }
 
