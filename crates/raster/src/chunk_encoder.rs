@@ -1,0 +1,247 @@
+//! Strips or tiles of an output, encoded.
+
+use std::fmt;
+
+use flate2::{Compress, FlushCompress, Status};
+use tiff::encoder::compression::{CompressionAlgorithm, Lzw, Packbits};
+
+use crate::frame_plan::FramePlan;
+use crate::header::{Chunks, Compression, pixels};
+use crate::sample::{Sample, difference, typed_buffer};
+use crate::write_error::WriteError;
+
+/// Level of Deflate.
+const DEFLATE_LEVEL: u32 = 1;
+/// Level of zstd.
+const ZSTD_LEVEL: i32 = 1;
+
+/// Encoded bytes of a strip or tile, in the order of the file.
+#[derive(Clone, Copy, Debug, Eq, PartialEq)]
+pub struct Piece<'a> {
+    /// The bytes.
+    pub bytes: &'a [u8],
+    /// The strip or tile ends with them.
+    pub ends: bool,
+}
+
+/// Encoder of rows into strips or tiles: needs no file, and may run on a thread of its own. It holds
+/// one strip or one row of tiles; rows of uncompressed strips pass through.
+pub struct ChunkEncoder {
+    plan: FramePlan,
+    codec: Codec,
+    next_row: u32,
+    /// Rows of the chunks that are not full yet; `u16` for the alignment of both kinds of samples.
+    held: Vec<u16>,
+    held_samples: usize,
+    tile: Vec<u16>,
+    encoded: Vec<u8>,
+}
+
+enum Codec {
+    None,
+    PackBits,
+    Lzw,
+    Deflate(Compress),
+    Zstd(zstd::bulk::Compressor<'static>),
+}
+
+impl ChunkEncoder {
+    /// Returns the encoder of an output.
+    ///
+    /// # Errors
+    /// The codec has no memory.
+    pub fn new(plan: &FramePlan) -> Result<Self, WriteError> {
+        let codec = match plan.compression {
+            Compression::None => Codec::None,
+            Compression::PackBits => Codec::PackBits,
+            Compression::Lzw => Codec::Lzw,
+            Compression::Deflate => {
+                Codec::Deflate(Compress::new(flate2::Compression::new(DEFLATE_LEVEL), true))
+            }
+            Compression::Zstd => {
+                let compressor = zstd::bulk::Compressor::new(ZSTD_LEVEL);
+                Codec::Zstd(compressor.map_err(|error| WriteError::encode(&error))?)
+            }
+        };
+        Ok(Self {
+            plan: plan.clone(),
+            codec,
+            next_row: 0,
+            held: Vec::new(),
+            held_samples: 0,
+            tile: Vec::new(),
+            encoded: Vec::new(),
+        })
+    }
+
+    /// Encodes the next rows, interleaved samples in the machine's byte order, and hands on what is
+    /// finished. The last row of the frame finishes everything.
+    ///
+    /// # Errors
+    /// Rows of other samples, more of them than the frame has, or the error of `write`.
+    pub fn encode<S: Sample>(
+        &mut self,
+        rows: &[S],
+        write: &mut dyn FnMut(Piece<'_>) -> Result<(), WriteError>,
+    ) -> Result<(), WriteError> {
+        let row_samples = self.plan.row_samples();
+        let left = self.plan.height_px - self.next_row;
+        let count = u32::try_from(rows.len() / row_samples).unwrap_or(u32::MAX);
+        if S::BITS != self.plan.bits || !rows.len().is_multiple_of(row_samples) || count > left {
+            return Err(WriteError::Rows {
+                samples: rows.len(),
+                bits: S::BITS,
+                row_samples,
+                plan_bits: self.plan.bits,
+                left,
+            });
+        }
+        let [_, chunk_rows] = self.plan.chunk_px();
+        let mut rest = rows;
+        while !rest.is_empty() {
+            let inside = self.next_row % chunk_rows;
+            let of_chunk = chunk_rows.min(self.plan.height_px - self.next_row + inside);
+            let count = (of_chunk - inside)
+                .min(u32::try_from(rest.len() / row_samples).unwrap_or(u32::MAX));
+            let length = pixels(count) * row_samples;
+            let (now, later) = rest.split_at_checked(length).unwrap_or_default();
+            let full = inside + count == of_chunk;
+            self.take(now, inside == 0, full, write)?;
+            self.next_row += count;
+            rest = later;
+        }
+        Ok(())
+    }
+
+    /// Takes rows of one strip or one row of tiles.
+    fn take<S: Sample>(
+        &mut self,
+        rows: &[S],
+        starts: bool,
+        full: bool,
+        write: &mut dyn FnMut(Piece<'_>) -> Result<(), WriteError>,
+    ) -> Result<(), WriteError> {
+        let strips = matches!(self.plan.chunks, Chunks::Strips { .. });
+        if strips && matches!(self.codec, Codec::None) {
+            let bytes = bytemuck::cast_slice(rows);
+            return write(Piece { bytes, ends: full });
+        }
+        if starts {
+            self.held_samples = 0;
+        }
+        let mut held = std::mem::take(&mut self.held);
+        let before = self.held_samples;
+        self.held_samples += rows.len();
+        let chunk = typed_buffer::<S>(&mut held, self.held_samples);
+        for (to, from) in chunk.iter_mut().skip(before).zip(rows) {
+            *to = *from;
+        }
+        if full {
+            if strips {
+                self.chunk(chunk, self.plan.row_samples(), write)?;
+            } else {
+                self.tiles(chunk, write)?;
+            }
+        }
+        self.held = held;
+        Ok(())
+    }
+
+    /// Encodes a row of tiles; those at the edges are filled up with zeros.
+    fn tiles<S: Sample>(
+        &mut self,
+        rows: &[S],
+        write: &mut dyn FnMut(Piece<'_>) -> Result<(), WriteError>,
+    ) -> Result<(), WriteError> {
+        let [width, height] = self.plan.chunk_px().map(pixels);
+        let tile_row = width * usize::from(self.plan.samples);
+        let across = self.plan.row_samples().div_ceil(tile_row);
+        let mut tile = std::mem::take(&mut self.tile);
+        for column in 0..across {
+            tile.fill(0);
+            let samples = typed_buffer::<S>(&mut tile, tile_row * height);
+            let from = rows.chunks_exact(self.plan.row_samples());
+            for (to, from) in samples.chunks_exact_mut(tile_row).zip(from) {
+                let from = from.get(column * tile_row..).unwrap_or_default();
+                for (to, from) in to.iter_mut().zip(from) {
+                    *to = *from;
+                }
+            }
+            self.chunk(samples, tile_row, write)?;
+        }
+        self.tile = tile;
+        Ok(())
+    }
+
+    /// Encodes a strip or tile.
+    fn chunk<S: Sample>(
+        &mut self,
+        samples: &mut [S],
+        row_samples: usize,
+        write: &mut dyn FnMut(Piece<'_>) -> Result<(), WriteError>,
+    ) -> Result<(), WriteError> {
+        if self.plan.predictor {
+            for row in samples.chunks_exact_mut(row_samples) {
+                difference(row, usize::from(self.plan.samples));
+            }
+        }
+        let bytes: &[u8] = bytemuck::cast_slice(samples);
+        self.encoded.clear();
+        let bytes = match &mut self.codec {
+            Codec::None => bytes,
+            Codec::PackBits => {
+                for row in bytes.chunks_exact(row_samples * size_of::<S>()) {
+                    let written = Packbits.write_to(&mut self.encoded, row);
+                    written.map_err(|error| WriteError::encode(&error))?;
+                }
+                &self.encoded
+            }
+            Codec::Lzw => {
+                let written = Lzw.write_to(&mut self.encoded, bytes);
+                written.map_err(|error| WriteError::encode(&error))?;
+                &self.encoded
+            }
+            Codec::Deflate(compress) => {
+                deflate(compress, bytes, &mut self.encoded)?;
+                &self.encoded
+            }
+            Codec::Zstd(compressor) => {
+                self.encoded = compressor
+                    .compress(bytes)
+                    .map_err(|error| WriteError::encode(&error))?;
+                &self.encoded
+            }
+        };
+        write(Piece { bytes, ends: true })
+    }
+}
+
+impl fmt::Debug for ChunkEncoder {
+    fn fmt(&self, formatter: &mut fmt::Formatter<'_>) -> fmt::Result {
+        formatter
+            .debug_struct("ChunkEncoder")
+            .field("plan", &self.plan)
+            .field("next_row", &self.next_row)
+            .finish_non_exhaustive()
+    }
+}
+
+fn deflate(
+    compress: &mut Compress,
+    mut bytes: &[u8],
+    encoded: &mut Vec<u8>,
+) -> Result<(), WriteError> {
+    compress.reset();
+    encoded.reserve(bytes.len() / 2 + 1024);
+    loop {
+        let before = compress.total_in();
+        let status = compress.compress_vec(bytes, encoded, FlushCompress::Finish);
+        let status = status.map_err(|error| WriteError::encode(&error.into()))?;
+        if status == Status::StreamEnd {
+            return Ok(());
+        }
+        let taken = usize::try_from(compress.total_in() - before).unwrap_or(usize::MAX);
+        bytes = bytes.get(taken..).unwrap_or_default();
+        encoded.reserve(bytes.len() / 2 + 1024);
+    }
+}

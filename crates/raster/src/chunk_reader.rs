@@ -1,0 +1,172 @@
+//! Bytes of one strip or tile, decoded.
+
+use std::io::{self, BufRead, BufReader, Cursor, Read};
+
+use flate2::bufread::ZlibDecoder;
+use weezl::{BitOrder, LzwStatus};
+
+use crate::header::Compression;
+use crate::source::Segment;
+
+/// Bytes that are read at once.
+const BUFFER_BYTES: usize = 128 << 10;
+/// Chunks of zstd up to this size are decoded at once, which needs no window.
+const AT_ONCE_BYTES: u64 = 16 << 20;
+/// Largest window of a longer chunk of zstd, as a power of 2: 64 MiB, more than level 20 takes.
+const WINDOW_LOG: u32 = 26;
+
+/// Decoder of one strip or tile. Every codec streams, so that a strip may be longer than memory.
+pub(crate) enum ChunkReader {
+    Stored(BufReader<Segment>),
+    PackBits(PackBits),
+    Lzw(Lzw),
+    Deflate(ZlibDecoder<BufReader<Segment>>),
+    Zstd(zstd::stream::read::Decoder<'static, BufReader<Segment>>),
+    Decoded(Cursor<Vec<u8>>),
+}
+
+impl ChunkReader {
+    /// Opens a chunk whose decoded length is known.
+    pub(crate) fn open(
+        compression: Compression,
+        mut segment: Segment,
+        compressed_bytes: u64,
+        decoded_bytes: u64,
+    ) -> io::Result<Self> {
+        if compression == Compression::Zstd && decoded_bytes.max(compressed_bytes) <= AT_ONCE_BYTES
+        {
+            let mut bytes = Vec::new();
+            segment.read_to_end(&mut bytes)?;
+            let length = usize::try_from(decoded_bytes).unwrap_or(usize::MAX);
+            let decoded = zstd::bulk::decompress(&bytes, length)?;
+            return Ok(Self::Decoded(Cursor::new(decoded)));
+        }
+        let length = usize::try_from(compressed_bytes).unwrap_or(usize::MAX);
+        let reader = BufReader::with_capacity(BUFFER_BYTES.min(length), segment);
+        Ok(match compression {
+            Compression::None => Self::Stored(reader),
+            Compression::PackBits => Self::PackBits(PackBits::new(reader)),
+            Compression::Lzw => Self::Lzw(Lzw::new(reader)),
+            Compression::Deflate => Self::Deflate(ZlibDecoder::new(reader)),
+            Compression::Zstd => {
+                let mut decoder = zstd::stream::read::Decoder::with_buffer(reader)?;
+                decoder.window_log_max(WINDOW_LOG)?;
+                Self::Zstd(decoder)
+            }
+        })
+    }
+
+    /// Reads the end of the chunk, where the codec compares a checksum.
+    pub(crate) fn finish(&mut self) -> io::Result<()> {
+        if let Self::Deflate(_) | Self::Zstd(_) = self {
+            let _more = self.read(&mut [0])?;
+        }
+        Ok(())
+    }
+}
+
+impl Read for ChunkReader {
+    fn read(&mut self, bytes: &mut [u8]) -> io::Result<usize> {
+        match self {
+            Self::Stored(reader) => reader.read(bytes),
+            Self::PackBits(reader) => reader.read(bytes),
+            Self::Lzw(reader) => reader.read(bytes),
+            Self::Deflate(reader) => reader.read(bytes),
+            Self::Zstd(reader) => reader.read(bytes),
+            Self::Decoded(reader) => reader.read(bytes),
+        }
+    }
+}
+
+/// LZW of TIFF (most significant bit first, codes lengthen one early).
+pub(crate) struct Lzw {
+    reader: BufReader<Segment>,
+    decoder: weezl::decode::Decoder,
+    done: bool,
+}
+
+impl Lzw {
+    fn new(reader: BufReader<Segment>) -> Self {
+        let settings = weezl::decode::Configuration::with_tiff_size_switch(BitOrder::Msb, 8)
+            .with_yield_on_full_buffer(true);
+        Self {
+            reader,
+            decoder: settings.build(),
+            done: false,
+        }
+    }
+}
+
+impl Read for Lzw {
+    fn read(&mut self, bytes: &mut [u8]) -> io::Result<usize> {
+        while !self.done && !bytes.is_empty() {
+            let result = self.decoder.decode_bytes(self.reader.fill_buf()?, bytes);
+            self.reader.consume(result.consumed_in);
+            match result.status {
+                Ok(LzwStatus::Ok) if result.consumed_out == 0 => {}
+                Ok(LzwStatus::Ok) => return Ok(result.consumed_out),
+                Ok(LzwStatus::Done | LzwStatus::NoProgress) => {
+                    self.done = true;
+                    return Ok(result.consumed_out);
+                }
+                Err(error) => return Err(io::Error::new(io::ErrorKind::InvalidData, error)),
+            }
+        }
+        Ok(0)
+    }
+}
+
+/// Runs of bytes (TIFF 6.0, section 9).
+pub(crate) struct PackBits {
+    reader: BufReader<Segment>,
+    /// Bytes of the run that are left: copies of one byte, or bytes of the file.
+    left: usize,
+    repeated: Option<u8>,
+}
+
+impl PackBits {
+    fn new(reader: BufReader<Segment>) -> Self {
+        Self {
+            reader,
+            left: 0,
+            repeated: None,
+        }
+    }
+
+    fn byte(&mut self) -> io::Result<u8> {
+        let mut byte = [0];
+        self.reader.read_exact(&mut byte)?;
+        let [byte] = byte;
+        Ok(byte)
+    }
+}
+
+impl Read for PackBits {
+    fn read(&mut self, bytes: &mut [u8]) -> io::Result<usize> {
+        while self.left == 0 {
+            if self.reader.fill_buf()?.is_empty() {
+                return Ok(0);
+            }
+            match self.byte()? {
+                literal @ 0..=127 => {
+                    (self.left, self.repeated) = (usize::from(literal) + 1, None);
+                }
+                128 => {}
+                repeat => {
+                    self.left = 257 - usize::from(repeat);
+                    self.repeated = Some(self.byte()?);
+                }
+            }
+        }
+        let count = self.left.min(bytes.len());
+        let bytes = bytes.get_mut(..count).unwrap_or_default();
+        let read = if let Some(byte) = self.repeated {
+            bytes.fill(byte);
+            count
+        } else {
+            self.reader.read(bytes)?
+        };
+        self.left -= read;
+        Ok(read)
+    }
+}
