@@ -36,7 +36,7 @@
 //!     big: false,
 //! };
 //! let plan = FramePlan::new(&header, [header.width_px, header.height_px], &options)?;
-//! let tags = reader.metadata().output(&TagOptions { keep_georeference: true });
+//! let tags = reader.metadata().output(&TagOptions { keep_georeference: true, camera: None });
 //! let plan = plan.with_bytes_beside(tags.bound_bytes());
 //! let mut out = Cursor::new(Vec::new());
 //! let mut file = TiffFile::new(&mut out, &plan)?;
@@ -74,6 +74,7 @@ mod container;
 mod frame_plan;
 mod frame_reader;
 mod header;
+mod mask;
 mod metadata;
 mod output_tags;
 mod pixel_crc;
@@ -84,6 +85,7 @@ mod tag;
 mod tag_rule;
 mod tiff_file;
 mod write_error;
+mod xmp;
 
 pub use chunk_encoder::{ChunkEncoder, Piece};
 pub use container::Value;
@@ -92,6 +94,7 @@ pub use frame_plan::{
 };
 pub use frame_reader::FrameReader;
 pub use header::{ByteOrder, Chunks, Compression, Header};
+pub use mask::Mask;
 pub use metadata::{Dropped, Metadata};
 pub use output_tags::{OutputTags, TagOptions};
 pub use pixel_crc::PixelCrc;
@@ -101,3 +104,4 @@ pub use source::Source;
 pub use tag::Tag;
 pub use tiff_file::{FrameWriter, TiffFile};
 pub use write_error::WriteError;
+pub use xmp::RectifiedCamera;

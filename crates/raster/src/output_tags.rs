@@ -4,12 +4,15 @@ use crate::container::Value;
 use crate::metadata::{Dropped, Metadata};
 use crate::tag::Tag;
 use crate::tag_rule::TagRule;
+use crate::xmp::{Packet, RectifiedCamera};
 
 /// What decides about tags.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct TagOptions {
     /// Pixels do not move: coordinates of their places stay.
     pub keep_georeference: bool,
+    /// The camera that the XMP packet names; none keeps the packet as it is.
+    pub camera: Option<RectifiedCamera>,
 }
 
 /// Tags of an output besides those of its pixels.
@@ -40,6 +43,34 @@ impl OutputTags {
         bytes.sum::<u64>() + 1024
     }
 
+    /// Sets the camera in the packet; one that is no XMP is replaced.
+    fn set_camera(&mut self, camera: &RectifiedCamera) {
+        let place = self.tags.iter().position(|(tag, _)| *tag == Tag::XMP);
+        let (mut value_type, mut packet) = (1, None);
+        if let Some(place) = place {
+            let (_, value) = self.tags.remove(place);
+            let text = std::str::from_utf8(&value.bytes).ok();
+            packet = text.and_then(|text| Packet::edited(text, camera));
+            if packet.is_none() {
+                let why = "it is no well-formed XMP; a packet of the camera replaces it";
+                self.dropped.push(Dropped::tag(Tag::XMP, why));
+            } else if value.value_type == 7 {
+                value_type = 7;
+            }
+        }
+        let Some(packet) = packet.or_else(|| Packet::of(camera)) else {
+            return;
+        };
+        let dropped = packet.dropped.into_iter().map(|name| Dropped {
+            tag: Some(Tag::XMP),
+            name,
+            why: "asks to correct the lens again",
+        });
+        self.dropped.extend(dropped);
+        let bytes = packet.text.into_bytes();
+        self.tags.push((Tag::XMP, Value { value_type, bytes }));
+    }
+
     pub(crate) fn of(input: &Metadata, options: &TagOptions) -> Self {
         let mut output = Self {
             tags: Vec::new(),
@@ -54,6 +85,9 @@ impl OutputTags {
             } else {
                 output.tags.push((*tag, value.clone()));
             }
+        }
+        if let Some(camera) = &options.camera {
+            output.set_camera(camera);
         }
         output
     }

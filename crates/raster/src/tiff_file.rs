@@ -10,7 +10,8 @@ use tiff::tags::Type;
 use crate::chunk_encoder::Piece;
 use crate::container::Value;
 use crate::frame_plan::FramePlan;
-use crate::header::Chunks;
+use crate::header::{Chunks, Compression};
+use crate::mask::{MASK_STRIP_ROWS, Mask};
 use crate::output_tags::OutputTags;
 use crate::tag::Tag;
 use crate::write_error::WriteError;
@@ -108,6 +109,36 @@ impl<W: Write + Seek> TiffFile<W> {
             lengths: Vec::new(),
             begun_bytes: None,
         })
+    }
+
+    /// Writes the mask as a page of its own: `NewSubfileType` 4, `PackBits`.
+    ///
+    /// # Errors
+    /// Rows of the mask are missing, or the operating system did not take the bytes.
+    pub fn mask(&mut self, mask: &Mask) -> Result<(), WriteError> {
+        let strips = mask.height_px.div_ceil(MASK_STRIP_ROWS);
+        if !mask.is_complete() {
+            let (written, expected) = (mask.strips.len() as u64, u64::from(strips));
+            return Err(WriteError::Unfinished { written, expected });
+        }
+        let mut page = self.page()?;
+        let (mut offsets, mut lengths) = (Vec::new(), Vec::new());
+        for strip in &mask.strips {
+            offsets.push(page.data(strip)?);
+            lengths.push(strip.len() as u64);
+        }
+        page.longs(Tag::SUBFILE_TYPE, &[4])?;
+        page.longs(Tag::WIDTH, &[mask.width_px])?;
+        page.longs(Tag::LENGTH, &[mask.height_px])?;
+        page.shorts(Tag::BITS, &[1])?;
+        page.shorts(Tag::COMPRESSION, &[Compression::PackBits.number()])?;
+        page.shorts(Tag::PHOTOMETRIC, &[4])?;
+        page.shorts(Tag::SAMPLES, &[1])?;
+        page.longs(Tag::ROWS_PER_STRIP, &[MASK_STRIP_ROWS.min(mask.height_px)])?;
+        page.shorts(Tag::PLANAR, &[1])?;
+        page.places(Tag::STRIP_OFFSETS, &offsets)?;
+        page.places(Tag::STRIP_BYTES, &lengths)?;
+        page.finish()
     }
 
     /// Writes a directory besides the pages, and returns its offset as a value.
