@@ -193,7 +193,8 @@ impl Editing {
         for attribute in start.attributes() {
             let attribute = attribute.ok()?;
             if is_description && is_named(attribute.key.local_name(), "about") {
-                self.about = std::str::from_utf8(&attribute.value).ok()?.to_owned();
+                let about = std::str::from_utf8(&attribute.value).ok()?;
+                about.clone_into(&mut self.about);
             }
             if self.drops(reader, attribute.key, false) {
                 is_whole = false;
@@ -219,12 +220,12 @@ impl Editing {
     fn set(&mut self, camera: &RectifiedCamera) -> Option<()> {
         let [right, down] = camera.principal_point_mm;
         let mut text = String::new();
-        write!(
+        writeln!(
             text,
             "<rdf:Description rdf:about=\"{}\" xmlns:rdf=\"{RDF}\" xmlns:Camera=\"{}\" \
              Camera:ModelType=\"perspective\" Camera:PerspectiveFocalLength=\"{}\" \
              Camera:PrincipalPoint=\"{right},{down}\" \
-             Camera:PerspectiveDistortion=\"0,0,0,0,0\"/>\n",
+             Camera:PerspectiveDistortion=\"0,0,0,0,0\"/>",
             self.about.replace('"', "&quot;"),
             self.namespace,
             camera.focal_length_mm,
