@@ -103,8 +103,11 @@ impl Read for Lzw {
             let result = self.decoder.decode_bytes(self.reader.fill_buf()?, bytes);
             self.reader.consume(result.consumed_in);
             match result.status {
-                Ok(LzwStatus::Ok) if result.consumed_out == 0 => {}
-                Ok(LzwStatus::Ok) => return Ok(result.consumed_out),
+                // Codes that were buffered decode into bytes with NoProgress, too.
+                Ok(LzwStatus::Ok | LzwStatus::NoProgress) if result.consumed_out > 0 => {
+                    return Ok(result.consumed_out);
+                }
+                Ok(LzwStatus::Ok) => {}
                 Ok(LzwStatus::Done | LzwStatus::NoProgress) => {
                     self.done = true;
                     return Ok(result.consumed_out);

@@ -38,6 +38,12 @@ impl Dropped {
 }
 
 impl Metadata {
+    /// Returns what of the input does not come into an output, whatever the options.
+    #[must_use]
+    pub fn dropped(&self) -> &[Dropped] {
+        &self.dropped
+    }
+
     /// Returns the tags of an output, and what it drops.
     #[must_use]
     pub fn output(&self, options: &TagOptions) -> OutputTags {
