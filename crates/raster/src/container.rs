@@ -59,14 +59,6 @@ impl Directory {
     }
 }
 
-impl Entry {
-    /// Returns the bytes of the value, unless its type is unknown.
-    pub(crate) fn bytes(&self) -> Option<u64> {
-        let (bytes_each, _) = type_bytes(self.value_type)?;
-        Some(self.count.saturating_mul(bytes_each))
-    }
-}
-
 impl Value {
     /// Returns the unsigned numbers of the value, unless its type is another.
     #[must_use]
@@ -229,34 +221,46 @@ impl Container {
         }
     }
 
+    /// Returns the offset of a value and its length, or nothing where its type is unknown; a value of
+    /// a few bytes stands in its entry, and has no offset.
+    pub(crate) fn place(&self, entry: &Entry) -> Result<Option<(Option<u64>, u64)>, ReadError> {
+        let Some((bytes_each, _)) = type_bytes(entry.value_type) else {
+            return Ok(None);
+        };
+        let bytes = entry.count.saturating_mul(bytes_each);
+        let inline = if self.big { 8 } else { 4 };
+        if bytes <= inline {
+            return Ok(Some((None, bytes)));
+        }
+        let offset = self.offset(entry.field);
+        if offset.saturating_add(bytes) > self.file_bytes {
+            return Err(ReadError::ValueBeyondFile {
+                tag: entry.tag,
+                offset,
+                bytes,
+                file_bytes: self.file_bytes,
+            });
+        }
+        Ok(Some((Some(offset), bytes)))
+    }
+
     /// Reads the value of an entry, or nothing where its type is unknown.
     pub(crate) fn value(&self, entry: &Entry) -> Result<Option<Value>, ReadError> {
-        let Some((bytes_each, number_bytes)) = type_bytes(entry.value_type) else {
+        let Some((offset, bytes)) = self.place(entry)? else {
             return Ok(None);
         };
         let tag = entry.tag;
-        let bytes = entry.count.saturating_mul(bytes_each);
-        let inline = if self.big { 8 } else { 4 };
-        let offset = self.offset(entry.field);
-        let file_bytes = self.file_bytes;
-        if bytes > inline && offset.saturating_add(bytes) > file_bytes {
-            return Err(ReadError::ValueBeyondFile {
-                tag,
-                offset,
-                bytes,
-                file_bytes,
-            });
-        }
         let limit = TAGS_LIMIT_BYTES;
         let length = usize::try_from(bytes).ok().filter(|_| bytes <= limit);
         let length = length.ok_or(ReadError::TagsTooLong { tag, bytes, limit })?;
-        let mut value = if bytes > inline {
+        let mut value = if let Some(offset) = offset {
             let mut value = vec![0; length];
             self.bytes_at(offset, &mut value)?;
             value
         } else {
             entry.field.iter().take(length).copied().collect()
         };
+        let number_bytes = type_bytes(entry.value_type).map_or(1, |(_, bytes)| bytes);
         if self.byte_order != ByteOrder::native() && number_bytes > 1 {
             for number in value.chunks_exact_mut(number_bytes) {
                 number.reverse();

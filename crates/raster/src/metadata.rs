@@ -131,7 +131,7 @@ impl Reading<'_> {
         values: &mut Vec<(Tag, Value)>,
     ) -> Result<(), ReadError> {
         let tag = entry.tag;
-        let Some(bytes) = entry.bytes() else {
+        let Some((_, bytes)) = self.container.place(entry)? else {
             self.dropped
                 .push(Dropped::tag(tag, "its type is none of TIFF or BigTIFF"));
             return Ok(());

@@ -208,11 +208,8 @@ fn files_of_other_programs_are_read() {
 fn output_is_laid_out_as_the_input_unless_asked() {
     let plan = |frame: &TestFrame, options: &PlanOptions| {
         let reader = FrameReader::new(Arc::new(frame.bytes())).unwrap();
-        FramePlan::new(reader.header(), reader_size(&reader), options).unwrap()
+        FramePlan::new(reader.header(), frame.size_px, options).unwrap()
     };
-    fn reader_size(reader: &FrameReader) -> [u32; 2] {
-        [reader.header().width_px, reader.header().height_px]
-    }
     let tiles = Chunks::Tiles {
         width_px: 16,
         height_px: 16,
