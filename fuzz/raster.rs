@@ -1,4 +1,5 @@
-//! Fuzz target of frames in TIFF files, and its property. A test of the crate runs the same function.
+//! Fuzz target of frames in TIFF files, and its property. A test of the crate runs the same
+//! function.
 
 use std::io::Cursor;
 use std::sync::Arc;

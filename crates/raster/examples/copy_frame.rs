@@ -1,6 +1,6 @@
 //! Copies a frame: `cargo run --release -p fmc-raster --example copy_frame -- IN.tif OUT.tif
-//! [none|lzw|deflate|zstd] [strip ROWS | tile PX] [big]`. It prints the CRC-32 of the pixels and what
-//! was dropped.
+//! [none|lzw|deflate|zstd] [strip ROWS | tile PX] [big]`. It prints the CRC-32 of the pixels and
+//! what was dropped.
 
 use std::error::Error;
 use std::fs::File;

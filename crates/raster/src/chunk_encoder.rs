@@ -24,8 +24,8 @@ pub struct Piece<'a> {
     pub ends: bool,
 }
 
-/// Encoder of rows into strips or tiles: needs no file, and may run on a thread of its own. It holds
-/// one strip or one row of tiles; rows of uncompressed strips pass through.
+/// Encoder of rows into strips or tiles: needs no file, and may run on a thread of its own. It
+/// holds one strip or one row of tiles; rows of uncompressed strips pass through.
 pub struct ChunkEncoder {
     plan: FramePlan,
     codec: Codec,

@@ -221,8 +221,8 @@ impl Container {
         }
     }
 
-    /// Returns the offset of a value and its length, or nothing where its type is unknown; a value of
-    /// a few bytes stands in its entry, and has no offset.
+    /// Returns the offset of a value and its length, or nothing where its type is unknown; a value
+    /// of a few bytes stands in its entry, and has no offset.
     pub(crate) fn place(&self, entry: &Entry) -> Result<Option<(Option<u64>, u64)>, ReadError> {
         let Some((bytes_each, _)) = type_bytes(entry.value_type) else {
             return Ok(None);

@@ -3,15 +3,15 @@
 use crate::header::{Chunks, Compression, Header, SIDE_LIMIT_PX, compression_predicts};
 use crate::tag::Tag;
 
-/// Largest decoded strip or tile that is compressed; a compressed input whose strips are longer gets
-/// strips of [`SHORT_STRIP_ROWS`].
+/// Largest decoded strip or tile that is compressed; a compressed input whose strips are longer
+/// gets strips of [`SHORT_STRIP_ROWS`].
 pub const CHUNK_LIMIT_BYTES: u64 = 64 << 20;
 /// Rows of the strips that replace longer ones.
 pub const SHORT_STRIP_ROWS: u32 = 64;
 /// Largest file whose offsets have 32 bits, with room for what programs append.
 pub const CLASSIC_LIMIT_BYTES: u64 = (4 << 30) - (64 << 10);
 
-/// What a user asks of the output; nothing: as the input.
+/// Wishes for the output; without one it is as the input.
 #[derive(Clone, Copy, Debug, Default, Eq, PartialEq)]
 pub struct PlanOptions {
     /// Compression.
@@ -73,7 +73,8 @@ impl FramePlan {
     /// Lays out an output of a size as its input, but for what is asked.
     ///
     /// Planes become chunky, Deflate of either number becomes 8. A compressed input with strips
-    /// above [`CHUNK_LIMIT_BYTES`] gets strips of [`SHORT_STRIP_ROWS`]; [`FramePlan::chunks`] tells.
+    /// above [`CHUNK_LIMIT_BYTES`] gets strips of [`SHORT_STRIP_ROWS`], which
+    /// [`FramePlan::chunks`] tells.
     /// BigTIFF is kept, and taken whenever a bound of the length exceeds [`CLASSIC_LIMIT_BYTES`].
     ///
     /// # Errors

@@ -8,8 +8,8 @@ use crate::write_error::WriteError;
 /// Rows of a strip of the mask.
 pub(crate) const MASK_STRIP_ROWS: u32 = 64;
 
-/// Mask of a frame, one bit per pixel: 1 where the pixel was seen (TIFF 6.0, page 37), coded as runs
-/// of bytes while its rows come.
+/// Mask of a frame, one bit per pixel: 1 where the pixel was seen (TIFF 6.0, page 37), coded as
+/// runs of bytes while its rows come.
 ///
 /// # Examples
 /// ```

@@ -1,7 +1,6 @@
 //! Tags of a frame besides its pixels'.
 
 use crate::container::{Container, Directory, TAGS_LIMIT_BYTES, Value};
-use crate::output_tags::{OutputTags, TagOptions};
 use crate::read_error::ReadError;
 use crate::tag::Tag;
 use crate::tag_rule::TagRule;
@@ -42,12 +41,6 @@ impl Metadata {
     #[must_use]
     pub fn dropped(&self) -> &[Dropped] {
         &self.dropped
-    }
-
-    /// Returns the tags of an output, and what it drops.
-    #[must_use]
-    pub fn output(&self, options: &TagOptions) -> OutputTags {
-        OutputTags::of(self, options)
     }
 
     /// Takes the first page of full resolution, and reads its tags.

@@ -6,7 +6,7 @@ use crate::tag::Tag;
 use crate::tag_rule::TagRule;
 use crate::xmp::{Packet, RectifiedCamera};
 
-/// What decides about tags.
+/// Facts of the output that decide about tags.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct TagOptions {
     /// Pixels do not move: coordinates of their places stay.
@@ -23,6 +23,14 @@ pub struct OutputTags {
     pub(crate) interop: Vec<(Tag, Value)>,
     pub(crate) gps: Vec<(Tag, Value)>,
     dropped: Vec<Dropped>,
+}
+
+impl Metadata {
+    /// Returns the tags of an output, and what it drops.
+    #[must_use]
+    pub fn output(&self, options: &TagOptions) -> OutputTags {
+        OutputTags::of(self, options)
+    }
 }
 
 impl OutputTags {
@@ -71,7 +79,7 @@ impl OutputTags {
         self.tags.push((Tag::XMP, Value { value_type, bytes }));
     }
 
-    pub(crate) fn of(input: &Metadata, options: &TagOptions) -> Self {
+    fn of(input: &Metadata, options: &TagOptions) -> Self {
         let mut output = Self {
             tags: Vec::new(),
             exif: input.exif.clone(),

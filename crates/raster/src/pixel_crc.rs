@@ -2,8 +2,8 @@
 
 use crate::sample::Sample;
 
-/// CRC-32 (IEEE 802.3) of interleaved samples in little-endian order, row by row: the same for every
-/// layout, compression and byte order of a file.
+/// CRC-32 (IEEE 802.3) of interleaved samples in little-endian order, row by row: the same for
+/// every layout, compression and byte order of a file.
 ///
 /// # Examples
 /// ```

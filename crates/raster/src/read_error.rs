@@ -10,7 +10,7 @@ pub enum ReadError {
     /// The operating system did not deliver bytes.
     #[error("{doing}: {source}")]
     Io {
-        /// What was done.
+        /// The action.
         doing: &'static str,
         /// The error of the operating system.
         source: io::Error,
@@ -102,7 +102,7 @@ pub enum ReadError {
         count: u64,
         /// Number of the type.
         value_type: u16,
-        /// What is allowed.
+        /// The values that are allowed.
         allowed: String,
     },
     /// A tag has a value that is not read.
@@ -112,7 +112,7 @@ pub enum ReadError {
         tag: Tag,
         /// The value.
         value: u64,
-        /// What is allowed.
+        /// The values that are allowed.
         allowed: &'static str,
     },
     /// Two tags contradict each other.
@@ -126,7 +126,7 @@ pub enum ReadError {
         other: Tag,
         /// Its value.
         other_value: u64,
-        /// What is allowed.
+        /// The values that are allowed.
         allowed: &'static str,
     },
     /// A row of tiles has more bytes than is decoded at once.

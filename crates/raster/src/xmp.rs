@@ -135,7 +135,7 @@ impl Packet {
 struct Editing {
     writer: Writer<Vec<u8>>,
     dropped: Vec<String>,
-    /// What the packet's descriptions are about.
+    /// Subject of the packet's descriptions (`rdf:about`).
     about: String,
     /// The camera's namespace as the packet writes it.
     namespace: String,

@@ -1,5 +1,5 @@
-//! Damaged files are errors: no panic, and no more memory than a frame of their size may take. It is
-//! a program of its own because it counts all memory.
+//! Damaged files are errors: no panic, and no more memory than a frame of their size may take. It
+//! is a program of its own because it counts all memory.
 
 #[cfg(test)]
 #[path = "../../../../fuzz/raster.rs"]

@@ -1,4 +1,4 @@
-//! What is no frame is an error that names field, value and what is allowed.
+//! A file that is no frame is an error that names field, value and what is allowed.
 
 use std::path::Path;
 use std::sync::Arc;
