@@ -2,16 +2,16 @@
 
 use std::fmt;
 
-use flate2::{Compress, FlushCompress, Status};
 use tiff::encoder::compression::{CompressionAlgorithm, Lzw, Packbits};
+use zlib_rs::{DeflateConfig, ReturnCode, Strategy, compress_bound, compress_slice};
 
 use crate::frame_plan::FramePlan;
 use crate::header::{Chunks, Compression, pixels};
 use crate::sample::{Sample, difference, typed_buffer};
 use crate::write_error::WriteError;
 
-/// Level of Deflate.
-const DEFLATE_LEVEL: u32 = 1;
+/// Level of Deflate where no predictor is asked for.
+const DEFLATE_LEVEL: i32 = 6;
 /// Level of zstd.
 const ZSTD_LEVEL: i32 = 1;
 
@@ -41,7 +41,7 @@ enum Codec {
     None,
     PackBits,
     Lzw,
-    Deflate(Compress),
+    Deflate(DeflateConfig),
     Zstd(zstd::bulk::Compressor<'static>),
 }
 
@@ -55,9 +55,7 @@ impl ChunkEncoder {
             Compression::None => Codec::None,
             Compression::PackBits => Codec::PackBits,
             Compression::Lzw => Codec::Lzw,
-            Compression::Deflate => {
-                Codec::Deflate(Compress::new(flate2::Compression::new(DEFLATE_LEVEL), true))
-            }
+            Compression::Deflate => Codec::Deflate(deflate_config(plan.predictor)),
             Compression::Zstd => {
                 let compressor = zstd::bulk::Compressor::new(ZSTD_LEVEL);
                 Codec::Zstd(compressor.map_err(|error| WriteError::encode(&error))?)
@@ -186,10 +184,10 @@ impl ChunkEncoder {
             }
         }
         let bytes: &[u8] = bytemuck::cast_slice(samples);
-        self.encoded.clear();
         let bytes = match &mut self.codec {
             Codec::None => bytes,
             Codec::PackBits => {
+                self.encoded.clear();
                 for row in bytes.chunks_exact(row_samples * size_of::<S>()) {
                     let written = Packbits.write_to(&mut self.encoded, row);
                     written.map_err(|error| WriteError::encode(&error))?;
@@ -197,19 +195,18 @@ impl ChunkEncoder {
                 &self.encoded
             }
             Codec::Lzw => {
+                self.encoded.clear();
                 let written = Lzw.write_to(&mut self.encoded, bytes);
                 written.map_err(|error| WriteError::encode(&error))?;
                 &self.encoded
             }
-            Codec::Deflate(compress) => {
-                deflate(compress, bytes, &mut self.encoded)?;
-                &self.encoded
-            }
+            Codec::Deflate(config) => deflate(*config, bytes, &mut self.encoded)?,
             Codec::Zstd(compressor) => {
-                self.encoded = compressor
-                    .compress(bytes)
-                    .map_err(|error| WriteError::encode(&error))?;
-                &self.encoded
+                let bound = zstd::zstd_safe::compress_bound(bytes.len());
+                self.encoded.resize(bound.max(self.encoded.len()), 0);
+                let length = compressor.compress_to_buffer(bytes, &mut *self.encoded);
+                let length = length.map_err(|error| WriteError::encode(&error))?;
+                self.encoded.get(..length).unwrap_or_default()
             }
         };
         write(Piece { bytes, ends: true })
@@ -226,22 +223,31 @@ impl fmt::Debug for ChunkEncoder {
     }
 }
 
-fn deflate(
-    compress: &mut Compress,
-    mut bytes: &[u8],
-    encoded: &mut Vec<u8>,
-) -> Result<(), WriteError> {
-    compress.reset();
-    encoded.reserve(bytes.len() / 2 + 1024);
-    loop {
-        let before = compress.total_in();
-        let status = compress.compress_vec(bytes, encoded, FlushCompress::Finish);
-        let status = status.map_err(|error| WriteError::encode(&error.into()))?;
-        if status == Status::StreamEnd {
-            return Ok(());
-        }
-        let taken = usize::try_from(compress.total_in() - before).unwrap_or(usize::MAX);
-        bytes = bytes.get(taken..).unwrap_or_default();
-        encoded.reserve(bytes.len() / 2 + 1024);
+/// Returns the settings of Deflate.
+///
+/// Differences of noisy samples have no matches but runs (of borders and saturated areas): with the
+/// strategy for runs their size is within 1.5 % of level 6 at a third of the time. The codes of level
+/// 1 are fixed, which makes differences of 16 bits longer than the samples.
+fn deflate_config(predictor: bool) -> DeflateConfig {
+    DeflateConfig {
+        strategy: if predictor {
+            Strategy::Rle
+        } else {
+            Strategy::Default
+        },
+        ..DeflateConfig::new(DEFLATE_LEVEL)
+    }
+}
+
+fn deflate<'a>(
+    config: DeflateConfig,
+    bytes: &[u8],
+    encoded: &'a mut Vec<u8>,
+) -> Result<&'a [u8], WriteError> {
+    let bound = compress_bound(bytes.len()).max(encoded.len());
+    encoded.resize(bound, 0);
+    match compress_slice(encoded, bytes, config) {
+        (deflated, ReturnCode::Ok) => Ok(deflated),
+        (_, code) => Err(WriteError::Encode(format!("Deflate: {code:?}"))),
     }
 }

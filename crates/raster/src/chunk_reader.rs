@@ -4,6 +4,7 @@ use std::io::{self, BufRead, BufReader, Cursor, Read};
 
 use flate2::bufread::ZlibDecoder;
 use weezl::{BitOrder, LzwStatus};
+use zstd::bulk::Decompressor;
 
 use crate::header::Compression;
 use crate::source::Segment;
@@ -32,13 +33,11 @@ impl ChunkReader {
         mut segment: Segment,
         compressed_bytes: u64,
         decoded_bytes: u64,
+        at_once: &mut AtOnce,
     ) -> io::Result<Self> {
         if compression == Compression::Zstd && decoded_bytes.max(compressed_bytes) <= AT_ONCE_BYTES
         {
-            let mut bytes = Vec::new();
-            segment.read_to_end(&mut bytes)?;
-            let length = usize::try_from(decoded_bytes).unwrap_or(usize::MAX);
-            let decoded = zstd::bulk::decompress(&bytes, length)?;
+            let decoded = at_once.decode(&mut segment, compressed_bytes, decoded_bytes)?;
             return Ok(Self::Decoded(Cursor::new(decoded)));
         }
         let length = usize::try_from(compressed_bytes).unwrap_or(usize::MAX);
@@ -54,6 +53,13 @@ impl ChunkReader {
                 Self::Zstd(decoder)
             }
         })
+    }
+
+    /// Gives the memory of a chunk that was decoded at once to the next one.
+    pub(crate) fn recycle(self, at_once: &mut AtOnce) {
+        if let Self::Decoded(cursor) = self {
+            at_once.spare.push(cursor.into_inner());
+        }
     }
 
     /// Reads the end of the chunk, where the codec compares a checksum.
@@ -75,6 +81,37 @@ impl Read for ChunkReader {
             Self::Zstd(reader) => reader.read(bytes),
             Self::Decoded(reader) => reader.read(bytes),
         }
+    }
+}
+
+/// Memory of the chunks that are decoded at once. Fresh memory for each would cost as much as the
+/// decoding.
+#[derive(Default)]
+pub(crate) struct AtOnce {
+    decompressor: Option<Decompressor<'static>>,
+    compressed: Vec<u8>,
+    spare: Vec<Vec<u8>>,
+}
+
+impl AtOnce {
+    fn decode(
+        &mut self,
+        segment: &mut Segment,
+        compressed_bytes: u64,
+        decoded_bytes: u64,
+    ) -> io::Result<Vec<u8>> {
+        let length = |bytes| usize::try_from(bytes).unwrap_or(usize::MAX);
+        self.compressed.resize(length(compressed_bytes), 0);
+        segment.read_exact(&mut self.compressed)?;
+        let mut decoded = self.spare.pop().unwrap_or_default();
+        decoded.resize(length(decoded_bytes), 0);
+        let decompressor = match &mut self.decompressor {
+            Some(decompressor) => decompressor,
+            none => none.insert(Decompressor::new()?),
+        };
+        let count = decompressor.decompress_to_buffer(&self.compressed, &mut *decoded)?;
+        decoded.truncate(count);
+        Ok(decoded)
     }
 }
 

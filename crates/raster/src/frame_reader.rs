@@ -8,7 +8,7 @@ use std::sync::Arc;
 
 use tiff::tags::ByteOrder;
 
-use crate::chunk_reader::ChunkReader;
+use crate::chunk_reader::{AtOnce, ChunkReader};
 use crate::chunk_table::ChunkTable;
 use crate::container::Container;
 use crate::header::{Chunks, Header, pixels};
@@ -33,6 +33,7 @@ pub struct FrameReader {
     /// Rows of tiles, or one row of a plane; `u16` for the alignment of both kinds of samples.
     buffer: Vec<u16>,
     plane_row: Vec<u16>,
+    at_once: AtOnce,
 }
 
 impl FrameReader {
@@ -69,6 +70,7 @@ impl FrameReader {
             strips: Vec::new(),
             buffer: Vec::new(),
             plane_row: Vec::new(),
+            at_once: AtOnce::default(),
         })
     }
 
@@ -128,7 +130,9 @@ impl FrameReader {
     fn strip_rows<S: Sample>(&mut self, inside: u32, rows: &mut [S]) -> Result<(), ReadError> {
         let down = pixels(self.next_row / self.table.height_px);
         if inside == 0 {
-            self.strips.clear();
+            for (_, reader) in self.strips.drain(..) {
+                reader.recycle(&mut self.at_once);
+            }
             let planes = if self.header.planar {
                 self.header.samples
             } else {
@@ -136,7 +140,8 @@ impl FrameReader {
             };
             for plane in 0..usize::from(planes) {
                 let index = self.table.index(plane, down, 0);
-                self.strips.push((index, self.chunk(index)?));
+                let reader = self.chunk(index)?;
+                self.strips.push((index, reader));
             }
         }
         let row = self.next_row;
@@ -204,24 +209,30 @@ impl FrameReader {
                 let index = self.table.index(plane, down, column);
                 let mut reader = self.chunk(index)?;
                 let whole = rows.len() == pixels(self.table.height_px) * self.header.row_samples();
+                let first = column * width * samples;
                 for row_pixels in rows.chunks_exact_mut(self.header.row_samples()) {
-                    let tile = typed_buffer::<S>(&mut tile_row, width * chunk_samples);
-                    read(&mut reader, tile).map_err(|error| chunk_error(index, row, &error))?;
-                    repair.row(tile, chunk_samples);
-                    let first = column * width * samples;
+                    let failed = |error| chunk_error(index, row, &error);
                     let pixels = row_pixels.get_mut(first..).unwrap_or_default();
+                    let tile = typed_buffer::<S>(&mut tile_row, width * chunk_samples);
                     if self.header.planar {
+                        read(&mut reader, tile).map_err(failed)?;
+                        repair.row(tile, 1);
                         scatter(pixels, tile, plane, samples);
                     } else {
-                        for (to, from) in pixels.iter_mut().zip(tile) {
-                            *to = *from;
-                        }
+                        // The columns of the frame, then those that fill up the tile.
+                        let inside = tile.len().min(pixels.len());
+                        let (pixels, _) = pixels.split_at_mut_checked(inside).unwrap_or_default();
+                        let (_, beyond) = tile.split_at_mut_checked(inside).unwrap_or_default();
+                        read(&mut reader, pixels).map_err(failed)?;
+                        repair.row(pixels, samples);
+                        read(&mut reader, beyond).map_err(failed)?;
                     }
                 }
                 if whole {
                     let end = reader.finish();
                     end.map_err(|error| chunk_error(index, row, &error))?;
                 }
+                reader.recycle(&mut self.at_once);
             }
         }
         self.plane_row = tile_row;
@@ -229,11 +240,12 @@ impl FrameReader {
     }
 
     /// Opens a strip or tile.
-    fn chunk(&self, index: usize) -> Result<ChunkReader, ReadError> {
+    fn chunk(&mut self, index: usize) -> Result<ChunkReader, ReadError> {
         let (offset, length) = self.table.place(index);
         let segment = Segment::new(Arc::clone(&self.container.source), offset, length);
         let decoded = self.table.decoded_bytes(&self.header, index);
-        ChunkReader::open(self.header.compression, segment, length, decoded)
+        let compression = self.header.compression;
+        ChunkReader::open(compression, segment, length, decoded, &mut self.at_once)
             .map_err(|error| chunk_error(index, self.next_row, &error))
     }
 }

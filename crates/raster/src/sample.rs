@@ -102,12 +102,12 @@ pub(crate) fn integrate<S: Sample>(row: &mut [S], samples: usize) {
 }
 
 fn integrate_of<S: Sample, const N: usize>(row: &mut [S]) {
-    let mut before = [S::zeroed(); N];
+    let mut sums = [S::zeroed(); N];
     for pixel in row.as_chunks_mut::<N>().0 {
-        for (sample, before) in pixel.iter_mut().zip(before) {
-            *sample = sample.plus(before);
+        for (sum, sample) in sums.iter_mut().zip(pixel) {
+            *sum = sum.plus(*sample);
+            *sample = *sum;
         }
-        before = *pixel;
     }
 }
 
