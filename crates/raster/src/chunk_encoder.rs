@@ -226,8 +226,8 @@ impl fmt::Debug for ChunkEncoder {
 /// Returns the settings of Deflate.
 ///
 /// Differences of noisy samples have no matches but runs (of borders and saturated areas): with the
-/// strategy for runs their size is within 1.5 % of level 6 at a third of the time. The codes of level
-/// 1 are fixed, which makes differences of 16 bits longer than the samples.
+/// strategy for runs their size is within 1.5 % of level 6 at a third of the time. The codes of
+/// level 1 are fixed, which makes differences of 16 bits longer than the samples.
 fn deflate_config(predictor: bool) -> DeflateConfig {
     DeflateConfig {
         strategy: if predictor {

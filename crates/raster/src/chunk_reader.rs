@@ -2,8 +2,8 @@
 
 use std::io::{self, BufRead, BufReader, Cursor, Read};
 
-use flate2::bufread::ZlibDecoder;
 use weezl::{BitOrder, LzwStatus};
+use zlib_rs::{Inflate, InflateFlush, Status};
 use zstd::bulk::Decompressor;
 
 use crate::header::Compression;
@@ -21,7 +21,7 @@ pub(crate) enum ChunkReader {
     Stored(BufReader<Segment>),
     PackBits(PackBits),
     Lzw(Lzw),
-    Deflate(ZlibDecoder<BufReader<Segment>>),
+    Deflate(Inflated),
     Zstd(zstd::stream::read::Decoder<'static, BufReader<Segment>>),
     Decoded(Cursor<Vec<u8>>),
 }
@@ -46,7 +46,7 @@ impl ChunkReader {
             Compression::None => Self::Stored(reader),
             Compression::PackBits => Self::PackBits(PackBits::new(reader)),
             Compression::Lzw => Self::Lzw(Lzw::new(reader)),
-            Compression::Deflate => Self::Deflate(ZlibDecoder::new(reader)),
+            Compression::Deflate => Self::Deflate(Inflated::new(reader)),
             Compression::Zstd => {
                 let mut decoder = zstd::stream::read::Decoder::with_buffer(reader)?;
                 decoder.window_log_max(WINDOW_LOG)?;
@@ -112,6 +112,48 @@ impl AtOnce {
         let count = decompressor.decompress_to_buffer(&self.compressed, &mut *decoded)?;
         decoded.truncate(count);
         Ok(decoded)
+    }
+}
+
+/// Deflate with the header and the checksum of zlib.
+pub(crate) struct Inflated {
+    reader: BufReader<Segment>,
+    inflate: Inflate,
+    done: bool,
+}
+
+impl Inflated {
+    fn new(reader: BufReader<Segment>) -> Self {
+        Self {
+            reader,
+            inflate: Inflate::new(true, 15),
+            done: false,
+        }
+    }
+}
+
+impl Read for Inflated {
+    fn read(&mut self, bytes: &mut [u8]) -> io::Result<usize> {
+        while !self.done && !bytes.is_empty() {
+            let input = self.reader.fill_buf()?;
+            let is_end = input.is_empty();
+            let (before_in, before_out) = (self.inflate.total_in(), self.inflate.total_out());
+            let status = self.inflate.decompress(input, bytes, InflateFlush::NoFlush);
+            let since = |before, now| usize::try_from(now - before).unwrap_or(usize::MAX);
+            let consumed = since(before_in, self.inflate.total_in());
+            let produced = since(before_out, self.inflate.total_out());
+            self.reader.consume(consumed);
+            let status = status
+                .map_err(|error| io::Error::new(io::ErrorKind::InvalidData, error.as_str()))?;
+            self.done = status == Status::StreamEnd;
+            if produced > 0 {
+                return Ok(produced);
+            }
+            if is_end && !self.done {
+                return Err(io::ErrorKind::UnexpectedEof.into());
+            }
+        }
+        Ok(0)
     }
 }
 
