@@ -257,8 +257,14 @@ impl<W: Write + Seek> PageDirectory<'_, W> {
 
     fn finish(self) -> Result<(), WriteError> {
         match self {
-            Self::Classic(directory) => directory.finish()?,
-            Self::Big(directory) => directory.finish()?,
+            Self::Classic(mut directory) => {
+                align(&mut directory)?;
+                directory.finish()?;
+            }
+            Self::Big(mut directory) => {
+                align(&mut directory)?;
+                directory.finish()?;
+            }
         }
         Ok(())
     }
@@ -271,7 +277,20 @@ fn write_entries<W: Write + Seek, K: TiffKind>(
     for (tag, value) in entries {
         write_value(&mut directory, *tag, value)?;
     }
+    align(&mut directory)?;
     Ok(directory.finish_with_offsets()?.pointer.0)
+}
+
+/// Values and directories begin at even offsets (TIFF 6.0, page 13); strips of odd length stand
+/// before them.
+fn align<W: Write + Seek, K: TiffKind>(
+    directory: &mut DirectoryEncoder<'_, W, K>,
+) -> Result<(), WriteError> {
+    let nothing: &[u8] = &[];
+    if directory.write_data(nothing)? % 2 == 1 {
+        directory.write_data(0_u8)?;
+    }
+    Ok(())
 }
 
 fn write_value<W: Write + Seek, K: TiffKind>(
@@ -281,6 +300,7 @@ fn write_value<W: Write + Seek, K: TiffKind>(
 ) -> Result<(), WriteError> {
     let value_type = Type::from_u16(value.value_type)
         .ok_or_else(|| WriteError::Encode(format!("{tag}: type {}", value.value_type)))?;
+    align(directory)?;
     let entry = directory.write_entry_bytes(value_type, &value.bytes)?;
     let mut entries = Directory::empty();
     entries.extend([(tiff::tags::Tag::from_u16_exhaustive(tag.0), entry)]);

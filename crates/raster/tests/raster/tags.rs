@@ -263,6 +263,46 @@ fn all_kept_tags_are_kept_bit_for_bit() {
 }
 
 #[test]
+fn directories_and_values_begin_at_even_offsets() {
+    for big in [false, true] {
+        let frame = TestFrame {
+            size_px: [37, 3],
+            samples: 1,
+            bits: 8,
+            entries: vec![(65_000, 7, noise(9)), (65_001, 5, noise(8))],
+            ..TestFrame::default()
+        };
+        let mut reader = FrameReader::new(Arc::new(frame.bytes())).unwrap();
+        let options = PlanOptions {
+            big,
+            ..PlanOptions::default()
+        };
+        let plan = FramePlan::new(reader.header(), frame.size_px, &options).unwrap();
+        let tags = reader.metadata().output(&TagOptions::default());
+        let mut rows = [0_u8; 37 * 3];
+        reader.read_rows(&mut rows).unwrap();
+        let mut out = Cursor::new(Vec::new());
+        let mut file = TiffFile::new(&mut out, &plan).unwrap();
+        let mut page = file.frame(&plan, &tags).unwrap();
+        let mut encoder = ChunkEncoder::new(&plan).unwrap();
+        encoder
+            .encode(&rows, &mut |piece| page.write(piece))
+            .unwrap();
+        page.finish().unwrap();
+        let bytes = out.into_inner();
+        let position = |pattern: &[u8]| {
+            let mut windows = bytes.windows(pattern.len());
+            windows.position(|window| window == pattern).unwrap()
+        };
+        // 111 bytes of pixels follow the first value, and the directory follows them.
+        assert_eq!(position(&noise(9)) % 2, 0);
+        assert!(big || position(&noise(8)) % 2 == 0);
+        let field = if big { 8 } else { 4 };
+        assert_eq!(bytes[field] % 2, 0);
+    }
+}
+
+#[test]
 fn what_is_dropped_is_said_once() {
     let options = TagOptions {
         keep_georeference: false,
