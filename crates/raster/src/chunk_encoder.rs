@@ -2,7 +2,8 @@
 
 use std::fmt;
 
-use tiff::encoder::compression::{CompressionAlgorithm, Lzw, Packbits};
+use tiff::encoder::compression::{CompressionAlgorithm, Packbits};
+use weezl::BitOrder;
 use zlib_rs::{DeflateConfig, ReturnCode, Strategy, compress_bound, compress_slice};
 
 use crate::frame_plan::FramePlan;
@@ -12,6 +13,8 @@ use crate::write_error::WriteError;
 
 /// Level of Deflate where no predictor is asked for.
 const DEFLATE_LEVEL: i32 = 6;
+/// Bytes that LZW hands on at once.
+const LZW_BUFFER_BYTES: usize = 64 << 10;
 /// Level of zstd.
 const ZSTD_LEVEL: i32 = 1;
 
@@ -40,7 +43,11 @@ pub struct ChunkEncoder {
 enum Codec {
     None,
     PackBits,
-    Lzw,
+    Lzw {
+        encoder: weezl::encode::Encoder,
+        /// One of 16 MB would be taken otherwise.
+        buffer: Vec<u8>,
+    },
     Deflate(DeflateConfig),
     Zstd(zstd::bulk::Compressor<'static>),
 }
@@ -54,7 +61,10 @@ impl ChunkEncoder {
         let codec = match plan.compression {
             Compression::None => Codec::None,
             Compression::PackBits => Codec::PackBits,
-            Compression::Lzw => Codec::Lzw,
+            Compression::Lzw => Codec::Lzw {
+                encoder: weezl::encode::Encoder::with_tiff_size_switch(BitOrder::Msb, 8),
+                buffer: vec![0; LZW_BUFFER_BYTES],
+            },
             Compression::Deflate => Codec::Deflate(deflate_config(plan.predictor)),
             Compression::Zstd => {
                 let compressor = zstd::bulk::Compressor::new(ZSTD_LEVEL);
@@ -124,10 +134,14 @@ impl ChunkEncoder {
             let bytes = bytemuck::cast_slice(rows);
             return write(Piece { bytes, ends: full });
         }
+        let mut held = std::mem::take(&mut self.held);
         if starts {
             self.held_samples = 0;
+            // Its whole length at once: a buffer that doubles would take up to twice as much.
+            let [_, chunk_rows] = self.plan.chunk_px();
+            let left = chunk_rows.min(self.plan.height_px - self.next_row);
+            typed_buffer::<S>(&mut held, pixels(left) * self.plan.row_samples());
         }
-        let mut held = std::mem::take(&mut self.held);
         let before = self.held_samples;
         self.held_samples += rows.len();
         let chunk = typed_buffer::<S>(&mut held, self.held_samples);
@@ -194,9 +208,14 @@ impl ChunkEncoder {
                 }
                 &self.encoded
             }
-            Codec::Lzw => {
+            Codec::Lzw { encoder, buffer } => {
                 self.encoded.clear();
-                let written = Lzw.write_to(&mut self.encoded, bytes);
+                // Codes of 12 bits for single bytes are the longest.
+                self.encoded.reserve_exact(bytes.len() / 2 * 3 + 64);
+                encoder.reset();
+                let mut stream = encoder.into_stream(&mut self.encoded);
+                stream.set_buffer(buffer);
+                let written = stream.encode_all(bytes).status;
                 written.map_err(|error| WriteError::encode(&error))?;
                 &self.encoded
             }

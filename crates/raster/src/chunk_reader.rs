@@ -11,10 +11,23 @@ use crate::source::Segment;
 
 /// Bytes that are read at once.
 const BUFFER_BYTES: usize = 128 << 10;
+/// The same for uncompressed rows that are longer, which are read past the buffer.
+const SHORT_BUFFER_BYTES: usize = 8 << 10;
 /// Chunks of zstd up to this size are decoded at once, which needs no window.
 const AT_ONCE_BYTES: u64 = 16 << 20;
 /// Largest window of a longer chunk of zstd, as a power of 2: 64 MiB, more than level 20 takes.
 const WINDOW_LOG: u32 = 26;
+
+/// Lengths of a strip or tile.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct ChunkBytes {
+    /// In the file.
+    pub(crate) compressed: u64,
+    /// Decoded.
+    pub(crate) decoded: u64,
+    /// Of a decoded row.
+    pub(crate) row: usize,
+}
 
 /// Decoder of one strip or tile. Every codec streams, so that a strip may be longer than memory.
 pub(crate) enum ChunkReader {
@@ -27,21 +40,30 @@ pub(crate) enum ChunkReader {
 }
 
 impl ChunkReader {
-    /// Opens a chunk whose decoded length is known.
+    /// Opens a chunk of a frame.
     pub(crate) fn open(
         compression: Compression,
         mut segment: Segment,
-        compressed_bytes: u64,
-        decoded_bytes: u64,
+        lengths: ChunkBytes,
         at_once: &mut AtOnce,
     ) -> io::Result<Self> {
+        let ChunkBytes {
+            compressed: compressed_bytes,
+            decoded: decoded_bytes,
+            row,
+        } = lengths;
         if compression == Compression::Zstd && decoded_bytes.max(compressed_bytes) <= AT_ONCE_BYTES
         {
             let decoded = at_once.decode(&mut segment, compressed_bytes, decoded_bytes)?;
             return Ok(Self::Decoded(Cursor::new(decoded)));
         }
         let length = usize::try_from(compressed_bytes).unwrap_or(usize::MAX);
-        let reader = BufReader::with_capacity(BUFFER_BYTES.min(length), segment);
+        let capacity = if compression == Compression::None && row > SHORT_BUFFER_BYTES {
+            SHORT_BUFFER_BYTES
+        } else {
+            BUFFER_BYTES
+        };
+        let reader = BufReader::with_capacity(capacity.min(length), segment);
         Ok(match compression {
             Compression::None => Self::Stored(reader),
             Compression::PackBits => Self::PackBits(PackBits::new(reader)),

@@ -8,7 +8,7 @@ use std::sync::Arc;
 
 use tiff::tags::ByteOrder;
 
-use crate::chunk_reader::{AtOnce, ChunkReader};
+use crate::chunk_reader::{AtOnce, ChunkBytes, ChunkReader};
 use crate::chunk_table::ChunkTable;
 use crate::container::Container;
 use crate::header::{Chunks, Header, pixels};
@@ -241,11 +241,21 @@ impl FrameReader {
 
     /// Opens a strip or tile.
     fn chunk(&mut self, index: usize) -> Result<ChunkReader, ReadError> {
-        let (offset, length) = self.table.place(index);
-        let segment = Segment::new(Arc::clone(&self.container.source), offset, length);
+        let (offset, compressed) = self.table.place(index);
+        let segment = Segment::new(Arc::clone(&self.container.source), offset, compressed);
         let decoded = self.table.decoded_bytes(&self.header, index);
-        let compression = self.header.compression;
-        ChunkReader::open(compression, segment, length, decoded, &mut self.at_once)
+        let samples = if self.header.planar {
+            1
+        } else {
+            self.header.samples
+        };
+        let row = pixels(self.table.width_px) * usize::from(samples) * self.header.sample_bytes();
+        let lengths = ChunkBytes {
+            compressed,
+            decoded,
+            row,
+        };
+        ChunkReader::open(self.header.compression, segment, lengths, &mut self.at_once)
             .map_err(|error| chunk_error(index, self.next_row, &error))
     }
 }

@@ -55,11 +55,12 @@ impl Mask {
                 left: 0,
             });
         }
-        self.packed.fill(0);
-        for (seen, column) in seen.into_iter().zip(0..pixels(self.width_px)) {
-            if let Some(byte) = self.packed.get_mut(column / 8) {
-                *byte |= u8::from(seen) << (7 - column % 8);
-            }
+        let mut seen = seen.into_iter().take(pixels(self.width_px));
+        for byte in &mut self.packed {
+            let bits = seen.by_ref().take(8);
+            *byte = bits
+                .zip([128, 64, 32, 16, 8, 4, 2, 1])
+                .fold(0, |byte, (seen, bit)| if seen { byte | bit } else { byte });
         }
         if self.rows.is_multiple_of(MASK_STRIP_ROWS) {
             self.strips.push(Vec::new());

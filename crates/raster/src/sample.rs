@@ -63,6 +63,7 @@ impl Sample for u16 {
 pub(crate) fn typed_buffer<S: Sample>(buffer: &mut Vec<u16>, samples: usize) -> &mut [S] {
     let words = (samples * usize::from(S::BITS)).div_ceil(16);
     if buffer.len() < words {
+        buffer.reserve_exact(words - buffer.len());
         buffer.resize(words, 0);
     }
     let samples_of_buffer: &mut [S] = bytemuck::cast_slice_mut(buffer);

@@ -10,7 +10,7 @@ use fmc_raster::{
 };
 use tiff::decoder::{Decoder, DecodingResult};
 
-use crate::tiff_bytes::TestFrame;
+use crate::tiff_bytes::{TestFrame, TiffBytes, shorts};
 
 const CODECS: [(Compression, bool); 8] = [
     (Compression::None, false),
@@ -259,6 +259,56 @@ fn crc_is_that_of_interleaved_little_endian_samples() {
     assert_eq!(crc.value(), 0xb63c_fbcd);
 }
 
+/// Runs of bytes by the text of TIFF 6.0, section 9.
+fn unpacked(mut packed: &[u8]) -> Vec<u8> {
+    let mut bytes = Vec::new();
+    while let [count, rest @ ..] = packed {
+        let length = match count.cast_signed() {
+            -128 => 0,
+            count @ -127..0 => {
+                bytes.extend(vec![rest[0]; 1 + usize::from(count.unsigned_abs())]);
+                1
+            }
+            _ => {
+                bytes.extend(&rest[..=usize::from(*count)]);
+                1 + usize::from(*count)
+            }
+        };
+        packed = &rest[length..];
+    }
+    bytes
+}
+
+#[test]
+fn interpretation_and_fourth_sample_are_kept() {
+    for (samples, photometric, extra, expected) in [
+        (1, 0, None, vec![]),
+        (3, 1, None, vec![0, 0]),
+        (4, 2, None, vec![0]),
+        (4, 2, Some(2), vec![2]),
+        (4, 2, Some(1), vec![1]),
+    ] {
+        let frame = TestFrame {
+            samples,
+            entries: vec![shorts(262, &[photometric])],
+            ..TestFrame::default()
+        };
+        let mut file = TiffBytes::new(frame.order, frame.big);
+        let mut entries = frame.pixel_entries(&mut file);
+        entries.retain(|(tag, _, _)| *tag != 338);
+        entries.extend(extra.map(|extra| shorts(338, &[extra])));
+        file.page(&entries, None);
+        let reader = FrameReader::new(Arc::new(file.bytes)).unwrap();
+        let plan = FramePlan::new(reader.header(), frame.size_px, &PlanOptions::default());
+        let row_samples = reader.header().row_samples();
+        let bytes = write(&plan.unwrap(), &frame.pixels(), 16, row_samples, None);
+        let mut again = FrameReader::new(Arc::new(bytes)).unwrap();
+        assert_eq!(again.header().photometric, photometric);
+        assert_eq!(again.header().extra_samples, expected);
+        assert_eq!(read(&mut again, 9), frame.pixels());
+    }
+}
+
 #[test]
 fn mask_is_a_second_page_of_one_bit() {
     let frame = TestFrame::default();
@@ -275,9 +325,22 @@ fn mask_is_a_second_page_of_one_bit() {
     let reader = FrameReader::new(Arc::new(bytes.clone())).unwrap();
     assert_eq!(reader.metadata().dropped()[0].name, "page 2");
     assert_eq!(reader.metadata().dropped()[0].why, "mask");
-    let mut decoder = Decoder::new(Cursor::new(bytes)).unwrap();
+    let mut decoder = Decoder::new(Cursor::new(&bytes)).unwrap();
     decoder.next_image().unwrap();
     let tags = [254, 256, 257, 258, 259, 262];
     let values = tags.map(|tag| decoder.get_tag_u32(tiff::tags::Tag::from_u16_exhaustive(tag)));
     assert_eq!(values.map(Result::unwrap), [4, 37, 29, 1, 32_773, 4]);
+
+    let [offset, length] =
+        [273, 279].map(|tag| decoder.get_tag_u32(tiff::tags::Tag::from_u16_exhaustive(tag)));
+    let (start, length) = (offset.unwrap() as usize, length.unwrap() as usize);
+    let rows = unpacked(&bytes[start..start + length]);
+    assert_eq!(rows.len(), 5 * 29);
+    for (place, byte) in rows.iter().enumerate() {
+        for bit in 0..8 {
+            let (column, row) = (place % 5 * 8 + bit, place / 5);
+            let seen = column > row && column < 37;
+            assert_eq!(byte >> (7 - bit) & 1 == 1, seen, "{column}, {row}");
+        }
+    }
 }
