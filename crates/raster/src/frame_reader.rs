@@ -309,7 +309,14 @@ fn read<S: Sample>(reader: &mut ChunkReader, samples: &mut [S]) -> io::Result<()
     reader.read_exact(bytemuck::cast_slice_mut(samples))
 }
 
+/// An error of the operating system is no fault of the file.
 fn chunk_error(index: usize, row: u32, error: &io::Error) -> ReadError {
+    if let Some(code) = error.raw_os_error() {
+        return ReadError::Io {
+            doing: "read",
+            source: io::Error::from_raw_os_error(code),
+        };
+    }
     let reason = if error.kind() == io::ErrorKind::UnexpectedEof {
         "its data end before its last row".to_owned()
     } else {

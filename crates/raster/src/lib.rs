@@ -9,8 +9,8 @@
 //! Directories, tags and offsets are written by the crate `tiff`. They are read here, because it
 //! skips entries of unknown type and hides where a value lies, which is to be named. Pixels are
 //! decoded by zlib-rs, weezl and zstd, row by row: the decoder of `tiff` wants a whole strip in
-//! memory, leaves out the fourth sample of RGB that is not named as alpha, inverts white-is-zero and
-//! fails on LZW whose strings are longer than a row.
+//! memory, leaves out the fourth sample of RGB that is not named as alpha, inverts white-is-zero,
+//! and fails on LZW whose strings are longer than a row.
 //!
 //! # Examples
 //! A frame is copied to tiles with Deflate:

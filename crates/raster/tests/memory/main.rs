@@ -93,7 +93,7 @@ mod tests {
             let peak = copy(&b, &path("c.tif"), compression, strips);
             assert!(peak < 32 << 20, "{compression}: {peak} bytes");
         }
-        // A row of tiles of 512 is 44 MB in the reader and in the encoder, here cut off at 320 rows.
+        // A row of tiles of 512 is 44 MB in the reader and in the encoder, here of 320 rows.
         copy(&a, &b, Compression::Deflate, TILES);
         let peak = copy(&b, &path("c.tif"), Compression::Deflate, TILES);
         assert!(peak < 70 << 20, "{peak} bytes");
