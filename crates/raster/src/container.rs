@@ -3,6 +3,7 @@
 //! The crate `tiff` skips entries of unknown type and hides where a value lies; both are named here
 //! before anything is allocated. TIFF 6.0 section 2; BigTIFF as libtiff documents it.
 
+use std::collections::BTreeMap;
 use std::sync::Arc;
 
 use tiff::tags::ByteOrder;
@@ -10,6 +11,9 @@ use tiff::tags::ByteOrder;
 use crate::read_error::ReadError;
 use crate::source::Source;
 use crate::tag::Tag;
+
+/// Tags of a directory, with their values.
+pub(crate) type Entries = BTreeMap<Tag, Value>;
 
 /// Largest length of the values of all tags that are kept in memory.
 pub(crate) const TAGS_LIMIT_BYTES: u64 = 64 << 20;

@@ -324,3 +324,20 @@ fn chunk_error(index: usize, row: u32, error: &io::Error) -> ReadError {
     };
     ReadError::Chunk { index, row, reason }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::FrameReader;
+    use crate::chunk_encoder::ChunkEncoder;
+    use crate::tiff_file::{FrameWriter, TiffFile};
+
+    fn moves<T: Send>() {}
+
+    #[test]
+    fn reader_encoder_and_writer_move_to_threads() {
+        moves::<FrameReader>();
+        moves::<ChunkEncoder>();
+        moves::<TiffFile<std::fs::File>>();
+        moves::<FrameWriter<'_, std::fs::File>>();
+    }
+}

@@ -1,6 +1,6 @@
 //! Tags of a frame besides its pixels'.
 
-use crate::container::{Container, Directory, TAGS_LIMIT_BYTES, Value};
+use crate::container::{Container, Directory, Entries, TAGS_LIMIT_BYTES};
 use crate::read_error::ReadError;
 use crate::tag::Tag;
 use crate::tag_rule::TagRule;
@@ -8,10 +8,10 @@ use crate::tag_rule::TagRule;
 /// Tags of a frame besides those of its pixels, and what is dropped whatever the options.
 #[derive(Clone, Debug, Default)]
 pub struct Metadata {
-    pub(crate) tags: Vec<(Tag, Value)>,
-    pub(crate) exif: Vec<(Tag, Value)>,
-    pub(crate) interop: Vec<(Tag, Value)>,
-    pub(crate) gps: Vec<(Tag, Value)>,
+    pub(crate) tags: Entries,
+    pub(crate) exif: Entries,
+    pub(crate) interop: Entries,
+    pub(crate) gps: Entries,
     pub(crate) dropped: Vec<Dropped>,
 }
 
@@ -106,11 +106,7 @@ struct Reading<'a> {
 }
 
 impl Reading<'_> {
-    fn entries(
-        &mut self,
-        directory: &Directory,
-        values: &mut Vec<(Tag, Value)>,
-    ) -> Result<(), ReadError> {
+    fn entries(&mut self, directory: &Directory, values: &mut Entries) -> Result<(), ReadError> {
         let entries = directory.entries.iter();
         for entry in entries.filter(|entry| entry.tag != Tag::INTEROP) {
             self.entry(entry, values)?;
@@ -121,7 +117,7 @@ impl Reading<'_> {
     fn entry(
         &mut self,
         entry: &crate::container::Entry,
-        values: &mut Vec<(Tag, Value)>,
+        values: &mut Entries,
     ) -> Result<(), ReadError> {
         let tag = entry.tag;
         let Some((_, bytes)) = self.container.place(entry)? else {
@@ -132,13 +128,13 @@ impl Reading<'_> {
         let limit = TAGS_LIMIT_BYTES;
         let left = self.left_bytes.checked_sub(bytes);
         self.left_bytes = left.ok_or(ReadError::TagsTooLong { tag, bytes, limit })?;
-        if values.iter().any(|(known, _)| *known == tag) {
+        if values.contains_key(&tag) {
             self.dropped
                 .push(Dropped::tag(tag, "it comes a second time"));
             return Ok(());
         }
         if let Some(value) = self.container.value(entry)? {
-            values.push((tag, value));
+            values.insert(tag, value);
         }
         Ok(())
     }

@@ -1,6 +1,6 @@
 //! Tags of an output besides its pixels'.
 
-use crate::container::Value;
+use crate::container::{Entries, Value};
 use crate::metadata::{Dropped, Metadata};
 use crate::tag::Tag;
 use crate::tag_rule::TagRule;
@@ -18,10 +18,10 @@ pub struct TagOptions {
 /// Tags of an output besides those of its pixels.
 #[derive(Clone, Debug, Default)]
 pub struct OutputTags {
-    pub(crate) tags: Vec<(Tag, Value)>,
-    pub(crate) exif: Vec<(Tag, Value)>,
-    pub(crate) interop: Vec<(Tag, Value)>,
-    pub(crate) gps: Vec<(Tag, Value)>,
+    pub(crate) tags: Entries,
+    pub(crate) exif: Entries,
+    pub(crate) interop: Entries,
+    pub(crate) gps: Entries,
     dropped: Vec<Dropped>,
 }
 
@@ -53,10 +53,8 @@ impl OutputTags {
 
     /// Sets the camera in the packet; one that is no XMP is replaced.
     fn set_camera(&mut self, camera: &RectifiedCamera) {
-        let place = self.tags.iter().position(|(tag, _)| *tag == Tag::XMP);
         let (mut value_type, mut packet) = (1, None);
-        if let Some(place) = place {
-            let (_, value) = self.tags.remove(place);
+        if let Some(value) = self.tags.remove(&Tag::XMP) {
             let text = std::str::from_utf8(&value.bytes).ok();
             packet = text.and_then(|text| Packet::edited(text, camera));
             if packet.is_none() {
@@ -76,12 +74,12 @@ impl OutputTags {
         });
         self.dropped.extend(dropped);
         let bytes = packet.text.into_bytes();
-        self.tags.push((Tag::XMP, Value { value_type, bytes }));
+        self.tags.insert(Tag::XMP, Value { value_type, bytes });
     }
 
     fn of(input: &Metadata, options: &TagOptions) -> Self {
         let mut output = Self {
-            tags: Vec::new(),
+            tags: Entries::new(),
             exif: input.exif.clone(),
             interop: input.interop.clone(),
             gps: input.gps.clone(),
@@ -91,7 +89,7 @@ impl OutputTags {
             if TagRule::of(*tag) == TagRule::Georeference && !options.keep_georeference {
                 output.dropped.push(Dropped::tag(*tag, "the pixels moved"));
             } else {
-                output.tags.push((*tag, value.clone()));
+                output.tags.insert(*tag, value.clone());
             }
         }
         if let Some(camera) = &options.camera {

@@ -8,7 +8,7 @@ use tiff::encoder::{DirectoryEncoder, TiffEncoder, TiffKind, TiffKindBig, TiffKi
 use tiff::tags::Type;
 
 use crate::chunk_encoder::Piece;
-use crate::container::Value;
+use crate::container::{Entries, Value};
 use crate::frame_plan::FramePlan;
 use crate::header::{Chunks, Compression};
 use crate::mask::{MASK_STRIP_ROWS, Mask};
@@ -66,12 +66,12 @@ impl<W: Write + Seek> TiffFile<W> {
     ) -> Result<FrameWriter<'_, W>, WriteError> {
         let mut exif = tags.exif.clone();
         if !tags.interop.is_empty() {
-            exif.push((Tag::INTEROP, self.directory(&tags.interop)?));
+            exif.insert(Tag::INTEROP, self.directory(&tags.interop)?);
         }
-        let mut pointers = Vec::new();
+        let mut pointers = Entries::new();
         for (tag, entries) in [(Tag::EXIF, &exif), (Tag::GPS, &tags.gps)] {
             if !entries.is_empty() {
-                pointers.push((tag, self.directory(entries)?));
+                pointers.insert(tag, self.directory(entries)?);
             }
         }
         let mut directory = self.page()?;
@@ -142,7 +142,7 @@ impl<W: Write + Seek> TiffFile<W> {
     }
 
     /// Writes a directory besides the pages, and returns its offset as a value.
-    fn directory(&mut self, entries: &[(Tag, Value)]) -> Result<Value, WriteError> {
+    fn directory(&mut self, entries: &Entries) -> Result<Value, WriteError> {
         Ok(match &mut self.0 {
             Encoder::Classic(encoder) => {
                 let offset = write_entries(encoder.extra_directory()?, entries)?;
@@ -272,7 +272,7 @@ impl<W: Write + Seek> PageDirectory<'_, W> {
 
 fn write_entries<W: Write + Seek, K: TiffKind>(
     mut directory: DirectoryEncoder<'_, W, K>,
-    entries: &[(Tag, Value)],
+    entries: &Entries,
 ) -> Result<u64, WriteError> {
     for (tag, value) in entries {
         write_value(&mut directory, *tag, value)?;

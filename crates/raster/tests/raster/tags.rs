@@ -263,6 +263,21 @@ fn all_kept_tags_are_kept_bit_for_bit() {
 }
 
 #[test]
+fn first_of_two_equal_tags_is_kept() {
+    let frame = TestFrame::default();
+    let mut file = TiffBytes::new(frame.order, frame.big);
+    let mut entries = frame.pixel_entries(&mut file);
+    entries.extend([(65_000, 7, noise(9)), (65_000, 7, noise(10))]);
+    file.page(&entries, None);
+    let (output, tags) = copy(&file.bytes, &TagOptions::default(), false);
+    let said = tags.dropped().iter().map(|it| (it.name.as_str(), it.why));
+    assert!(said.eq([("tag 65000", "it comes a second time")]));
+    let mut decoder = Decoder::new(Cursor::new(output)).unwrap();
+    let first = decoder.ifd_pointer().unwrap();
+    assert_holds(&directory(&mut decoder, first), &[(65_000, 7, noise(9))]);
+}
+
+#[test]
 fn directories_and_values_begin_at_even_offsets() {
     for big in [false, true] {
         let frame = TestFrame {
