@@ -14,7 +14,7 @@ const BUFFER_BYTES: usize = 128 << 10;
 /// The same for uncompressed rows that are longer, which are read past the buffer.
 const SHORT_BUFFER_BYTES: usize = 8 << 10;
 /// Chunks of zstd up to this size are decoded at once, which needs no window.
-const AT_ONCE_BYTES: u64 = 16 << 20;
+pub(crate) const AT_ONCE_BYTES: u64 = 16 << 20;
 /// Largest window of a longer chunk of zstd, as a power of 2: 64 MiB, more than level 20 takes.
 const WINDOW_LOG: u32 = 26;
 

@@ -222,3 +222,28 @@ impl FramePlan {
         Ok(())
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::{CHUNK_LIMIT_BYTES, CLASSIC_LIMIT_BYTES, SHORT_STRIP_ROWS};
+    use crate::chunk_reader::AT_ONCE_BYTES;
+    use crate::container::TAGS_LIMIT_BYTES;
+    use crate::header::SIDE_LIMIT_PX;
+
+    #[test]
+    fn limits_are_those_of_the_document() {
+        let document = include_str!("../../../docs/tiff.md").replace('\n', " ");
+        for said in [
+            format!("sides of more than {SIDE_LIMIT_PX} pixels"),
+            format!("tags of more than {} MiB together", TAGS_LIMIT_BYTES >> 20),
+            format!("one strip of zstd up to {} MiB", AT_ONCE_BYTES >> 20),
+            format!(
+                "whose strips hold more than {} MiB gets strips of {SHORT_STRIP_ROWS} rows",
+                CHUNK_LIMIT_BYTES >> 20
+            ),
+        ] {
+            assert!(document.contains(&said), "{said}");
+        }
+        assert_eq!(CLASSIC_LIMIT_BYTES, (4 << 30) - (64 << 10));
+    }
+}
