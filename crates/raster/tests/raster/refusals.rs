@@ -1,10 +1,9 @@
 //! A file that is no frame is an error that names field, value and what is allowed.
 
-use std::io;
 use std::path::Path;
 use std::sync::Arc;
 
-use fmc_raster::{ByteOrder, Chunks, Compression, FrameReader, ReadError, Source};
+use fmc_raster::{ByteOrder, Chunks, Compression, FrameReader};
 
 use crate::tiff_bytes::{Entry, TestFrame, TiffBytes, longs, shorts};
 
@@ -360,48 +359,6 @@ fn tiles_that_the_file_cannot_hold_are_refused_before_memory_is_taken() {
     }
     file.page(&entries, None);
     assert!(message(file.bytes).starts_with("TileByteCounts (325): chunk 0 has "));
-}
-
-/// A file whose bytes from an offset on the operating system does not deliver.
-struct Failing {
-    bytes: Vec<u8>,
-    from: u64,
-}
-
-impl Source for Failing {
-    fn length(&self) -> io::Result<u64> {
-        self.bytes.length()
-    }
-
-    fn read_at(&self, offset: u64, bytes: &mut [u8]) -> io::Result<usize> {
-        if (self.from..self.from + 100).contains(&offset) {
-            return Err(io::Error::from_raw_os_error(5));
-        }
-        self.bytes.read_at(offset, bytes)
-    }
-}
-
-#[test]
-fn error_of_the_operating_system_is_no_fault_of_the_file() {
-    for compression in [
-        Compression::None,
-        Compression::PackBits,
-        Compression::Lzw,
-        Compression::Deflate,
-        Compression::Zstd,
-    ] {
-        let frame = TestFrame {
-            compression,
-            ..TestFrame::default()
-        };
-        let source = Failing {
-            bytes: frame.bytes(),
-            from: 8,
-        };
-        let mut reader = FrameReader::new(Arc::new(source)).unwrap();
-        let error = reader.read_rows(&mut [0_u16; 111]).unwrap_err();
-        assert!(matches!(error, ReadError::Io { .. }), "{error}");
-    }
 }
 
 #[test]

@@ -2,8 +2,6 @@
 
 use std::collections::BTreeMap;
 use std::io::Cursor;
-use std::path::Path;
-use std::process::Command;
 use std::sync::Arc;
 
 use fmc_raster::{
@@ -123,7 +121,7 @@ fn input(order: ByteOrder, big: bool) -> Vec<u8> {
     file(order, big, true)
 }
 
-fn file(order: ByteOrder, big: bool, pages_beside: bool) -> Vec<u8> {
+pub(crate) fn file(order: ByteOrder, big: bool, pages_beside: bool) -> Vec<u8> {
     let mut file = TiffBytes::new(order, big);
     let offset = |place: usize| u32::try_from(place).unwrap();
     let mut exif = exif();
@@ -167,7 +165,7 @@ fn file(order: ByteOrder, big: bool, pages_beside: bool) -> Vec<u8> {
     file.bytes
 }
 
-fn copy(input: &[u8], options: &TagOptions, big: bool) -> (Vec<u8>, OutputTags) {
+pub(crate) fn copy(input: &[u8], options: &TagOptions, big: bool) -> (Vec<u8>, OutputTags) {
     let mut reader = FrameReader::new(Arc::new(input.to_vec())).unwrap();
     let options_of_plan = PlanOptions {
         big,
@@ -382,55 +380,4 @@ fn packet_that_is_no_xmp_is_replaced_and_said() {
     let (output, tags) = copy(&TestFrame::default().bytes(), &options, false);
     assert!(tags.dropped().is_empty());
     assert!(String::from_utf8_lossy(&output).contains("Camera:ModelType=\"perspective\""));
-}
-
-/// Returns the metadata that `ExifTool` reads of a file, sorted lines `[group] tag: value`.
-fn read_by_exiftool(path: &Path) -> Option<Vec<String>> {
-    let output = Command::new("exiftool")
-        .args(["-a", "-u", "-n", "-s", "-G1"])
-        .arg(path)
-        .output()
-        .ok()?;
-    let groups = [
-        "[ExifIFD]",
-        "[GPS]",
-        "[InteropIFD]",
-        "[XMP-",
-        "[IPTC]",
-        "[Photoshop]",
-    ];
-    let text = String::from_utf8_lossy(&output.stdout).into_owned();
-    let lines = text
-        .lines()
-        .filter(|line| groups.iter().any(|group| line.starts_with(group)));
-    let mut lines: Vec<String> = lines.map(str::to_owned).collect();
-    lines.sort();
-    Some(lines)
-}
-
-#[test]
-fn exiftool_reads_the_same_metadata_of_input_and_output() {
-    let folder = tempfile::tempdir().unwrap();
-    let options = TagOptions {
-        keep_georeference: true,
-        camera: None,
-    };
-    for (order, big) in [
-        (ByteOrder::LittleEndian, false),
-        (ByteOrder::BigEndian, false),
-        (ByteOrder::BigEndian, true),
-    ] {
-        let path = folder.path().join("frame.tif");
-        std::fs::write(&path, file(order, big, false)).unwrap();
-        let Some(before) = read_by_exiftool(&path) else {
-            println!("ExifTool is absent: its reading of the metadata is not compared");
-            return;
-        };
-        std::fs::write(&path, copy(&file(order, big, false), &options, big).0).unwrap();
-        let after = read_by_exiftool(&path).unwrap();
-        // It does not follow the pointers to EXIF and GPS in a BigTIFF.
-        let least = if big { 4 } else { 20 };
-        assert!(before.len() >= least, "{before:?}");
-        assert_eq!(before, after);
-    }
 }
