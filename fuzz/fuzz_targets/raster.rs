@@ -1,0 +1,10 @@
+//! Fuzz target of frames in TIFF files: `cargo +nightly fuzz run raster`.
+
+#![no_main]
+
+#[path = "../raster.rs"]
+mod raster;
+
+libfuzzer_sys::fuzz_target!(|bytes: &[u8]| {
+    raster::raster(bytes);
+});
