@@ -1,0 +1,1 @@
+//! Resampling: bits on every instruction set, grey values and ramps against double precision.
