@@ -63,11 +63,15 @@ const fn single(number: f64) -> f32 {
 /// beyond its taps are zero.
 ///
 /// # Units and frames
-/// The fraction is that of the way from the tap at place n/2 - 1, counted from 0, to the next one.
+/// The fraction is that of the way from the tap at place n/2 - 1, counted from 0, to the next one;
+/// the nearest pixel has the weight 1 at any fraction.
 #[must_use]
 pub fn weights(kernel: Kernel, fraction: f64) -> [f64; MAX_TAPS] {
-    let mut weights = [0.0; MAX_TAPS];
+    let mut weights = [1.0, 0.0, 0.0, 0.0, 0.0, 0.0];
     let taps = kernel.taps();
+    if taps == 1 {
+        return weights;
+    }
     let mut place = 1.0 - f64::from(kernel.half_taps());
     let mut sum = 0.0;
     for weight in weights.iter_mut().take(taps) {
@@ -82,7 +86,7 @@ pub fn weights(kernel: Kernel, fraction: f64) -> [f64; MAX_TAPS] {
 fn value(kernel: Kernel, x: f64) -> f64 {
     let x = libm::fabs(x);
     match kernel {
-        Kernel::Nearest => f64::from(u8::from(x <= 0.5)),
+        Kernel::Nearest => 1.0,
         Kernel::Bilinear => (1.0 - x).max(0.0),
         // Keys 1981, eq. 15: a = -1/2.
         Kernel::Bicubic if x < 1.0 => (1.5 * x - 2.5) * x * x + 1.0,
