@@ -17,14 +17,20 @@
 #![no_std]
 #![deny(unsafe_op_in_unsafe_fn, clippy::undocumented_unsafe_blocks)]
 
-#[cfg(all(feature = "resampling", any(target_arch = "x86_64", target_arch = "aarch64")))]
+#[cfg(all(
+    feature = "resampling",
+    any(target_arch = "x86_64", target_arch = "aarch64")
+))]
 extern crate alloc;
 
 #[cfg(all(feature = "host", any(target_arch = "x86_64", target_arch = "aarch64")))]
 pub mod host;
 pub mod inverse;
 pub mod portable;
-#[cfg(all(feature = "resampling", any(target_arch = "x86_64", target_arch = "aarch64")))]
+#[cfg(all(
+    feature = "resampling",
+    any(target_arch = "x86_64", target_arch = "aarch64")
+))]
 pub mod resampling;
 #[cfg(hand_scheduled)]
 mod thumbv7em;

@@ -7,6 +7,8 @@ use crate::host::{Level, Token};
 /// Resamples a row and returns the number of border pixels.
 pub(super) fn row<S: Sample>(level: Level, taps: usize, row: Row<'_, S>) -> u32 {
     match level.token() {
+        #[cfg(target_arch = "x86_64")]
+        Token::Avx512(proof) => super::avx512::row(proof, taps, row),
         _ => baseline(taps, row),
     }
 }

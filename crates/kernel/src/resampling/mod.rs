@@ -12,6 +12,8 @@
     reason = "what is not inlined where the instructions are enabled is compiled without them"
 )]
 
+#[cfg(target_arch = "x86_64")]
+mod avx512;
 mod band;
 mod dispatch;
 mod pixel;
@@ -21,7 +23,7 @@ mod sample;
 mod weights;
 
 pub use band::Band;
-pub use run::{PLACE_BITS, Run, RUN_PX};
+pub use run::{PLACE_BITS, RUN_PX, Run};
 pub use sample::Sample;
 pub use weights::{FRACTIONS, MAX_TAPS, UNIT, weights};
 

@@ -1,6 +1,6 @@
 //! One pixel from its taps: the arithmetic that every instruction set performs.
 
-use super::run::PLACE_BITS;
+use super::run::{PLACE_BITS, Run};
 use super::sample::Sample;
 use super::weights::{FRACTION_BITS, UNIT, UNIT_BITS, Weights};
 
@@ -27,6 +27,52 @@ pub(super) const fn taps_before(taps: usize) -> usize {
     (taps - 1) / 2
 }
 
+/// Places of a run from its base, rounded to the fraction of a kernel, for vectors.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Places {
+    pub(super) col: Axis,
+    pub(super) row: Axis,
+}
+
+/// Places along an axis, 1/2²⁴ px.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Axis {
+    pub(super) start: i32,
+    pub(super) step: i32,
+}
+
+impl Places {
+    /// Returns the places for a kernel of N taps.
+    #[inline(always)]
+    pub(super) fn new<const N: usize>(run: &Run) -> Self {
+        let ([col, row], [col_step, row_step]) = (run.start, run.step);
+        let axis = |start: i32, step: i32| Axis {
+            start: start.wrapping_add(half_unit(N)),
+            step,
+        };
+        Self {
+            col: axis(col, col_step),
+            row: axis(row, row_step),
+        }
+    }
+}
+
+impl Axis {
+    /// Returns the place of a pixel.
+    #[inline(always)]
+    pub(super) const fn at(&self, pixel: i32) -> i32 {
+        self.start.wrapping_add(self.step.wrapping_mul(pixel))
+    }
+
+    /// Returns the fraction of a pixel's place, in units of a kernel of N taps.
+    #[expect(clippy::cast_sign_loss, reason = "the bits of a fraction have no sign")]
+    #[inline(always)]
+    pub(super) const fn fraction<const N: usize>(&self, pixel: i32) -> usize {
+        let bits = fraction_bits(N);
+        (self.at(pixel) >> (PLACE_BITS - bits)) as usize & ((1 << bits) - 1)
+    }
+}
+
 /// Splits a place, 1/2²⁴ px, into the pixel at or before it and the fraction from there on, in
 /// units of the kernel.
 #[expect(
@@ -49,9 +95,13 @@ pub(super) fn blend<S: Sample, const C: usize, const N: usize>(
     weights: Option<&Weights>,
 ) -> [S; C] {
     match N {
-        1 => taps.first().map_or([S::default(); C], |row| first(row.as_slice())),
+        1 => taps
+            .first()
+            .map_or([S::default(); C], |row| first(row.as_slice())),
         2 => bilinear(taps, fraction),
-        _ => weights.map_or([S::default(); C], |weights| tabulated(taps, fraction, weights)),
+        _ => weights.map_or([S::default(); C], |weights| {
+            tabulated(taps, fraction, weights)
+        }),
     }
 }
 
@@ -100,8 +150,7 @@ fn tabulated<S: Sample, const C: usize, const N: usize>(
     [col, row]: [usize; 2],
     weights: &Weights,
 ) -> [S; C] {
-    let along = weights.rows.get(col).copied().unwrap_or_default();
-    let down = weights.columns.get(row).copied().unwrap_or_default();
+    let (along, down) = (*weights.along(col), *weights.down(row));
     let mut values = [0.0; C];
     for (number, (row, weight)) in taps.into_iter().zip(down).enumerate() {
         let mut sums = [0; C];
@@ -114,7 +163,11 @@ fn tabulated<S: Sample, const C: usize, const N: usize>(
             let product = single(sum) * weight;
             // Zero plus a product is not the product where that is a negative zero, but it is once
             // rounded.
-            *value = if number == 0 { product } else { *value + product };
+            *value = if number == 0 {
+                product
+            } else {
+                *value + product
+            };
         }
     }
     values.map(|value| S::saturated(nearest(value)))

@@ -18,7 +18,13 @@ pub(super) struct Row<'a, S> {
 /// Vectors for runs all of whose taps lie in the image.
 pub(super) trait Vectors<S: Sample, const C: usize, const N: usize> {
     /// Writes the pixels of a run; returns false where they have to be computed one by one.
-    fn run(self, source: &Band<'_, S>, weights: Option<&Weights>, run: &Run, out: &mut [[S; C]]) -> bool;
+    fn run(
+        self,
+        source: &Band<'_, S>,
+        weights: Option<&Weights>,
+        run: &Run,
+        out: &mut [[S; C]],
+    ) -> bool;
 }
 
 /// No vectors but those that a compiler finds.

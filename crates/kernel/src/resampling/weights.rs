@@ -8,7 +8,7 @@ use super::Kernel;
 /// Fractions of a pixel in a table; a place is rounded to the nearest of them.
 pub const FRACTIONS: usize = 1 << FRACTION_BITS;
 /// Bits of the fraction that select an entry of a table.
-pub(super) const FRACTION_BITS: u32 = 11;
+pub(super) const FRACTION_BITS: u32 = 12;
 /// Sum of the weights of a row: 14 bits.
 pub const UNIT: i16 = 1 << UNIT_BITS;
 pub(super) const UNIT_BITS: u32 = 14;
@@ -47,6 +47,20 @@ impl Weights {
             fraction += 1.0 / fractions();
         }
         Self { rows, columns }
+    }
+
+    /// Returns the weights along a row for a fraction, in 1/[`FRACTIONS`].
+    #[inline(always)]
+    pub(super) fn along(&self, fraction: usize) -> &RowWeights {
+        self.rows.get(fraction & (FRACTIONS - 1)).unwrap_or(&[0; 8])
+    }
+
+    /// Returns the weights along a column for a fraction, in 1/[`FRACTIONS`].
+    #[inline(always)]
+    pub(super) fn down(&self, fraction: usize) -> &ColumnWeights {
+        self.columns
+            .get(fraction & (FRACTIONS - 1))
+            .unwrap_or(&[0.0; 8])
     }
 }
 
@@ -93,9 +107,7 @@ fn value(kernel: Kernel, x: f64) -> f64 {
         Kernel::Bicubic if x < 2.0 => ((-0.5 * x + 2.5) * x - 4.0) * x + 2.0,
         // Keys 1981, eq. 25: six points, fourth order.
         Kernel::Keys6 if x < 1.0 => (4.0 / 3.0 * x - 7.0 / 3.0) * x * x + 1.0,
-        Kernel::Keys6 if x < 2.0 => {
-            ((-7.0 / 12.0 * x + 3.0) * x - 59.0 / 12.0) * x + 2.5
-        }
+        Kernel::Keys6 if x < 2.0 => ((-7.0 / 12.0 * x + 3.0) * x - 59.0 / 12.0) * x + 2.5,
         Kernel::Keys6 if x < 3.0 => ((x / 12.0 - 2.0 / 3.0) * x + 1.75) * x - 1.5,
         Kernel::Lanczos3 if x < 1e-9 => 1.0,
         Kernel::Lanczos3 if x < 3.0 => {

@@ -44,7 +44,11 @@ fn beyond_the_outermost_centre_the_edge_counts_and_beyond_the_edge_nothing() {
             };
             for by in [0, 1, half / 3, half] {
                 assert_eq!(at([-by, -by]), (value(0, 0), 1), "{kernel}, {by}");
-                assert_eq!(at([last + by, last + by]), (value(63, 63), 1), "{kernel}, {by}");
+                assert_eq!(
+                    at([last + by, last + by]),
+                    (value(63, 63), 1),
+                    "{kernel}, {by}"
+                );
                 let inner = 20 * i64::from(UNIT);
                 assert_eq!(at([inner, -by]), (value(20, 0), 1), "{kernel}, {by}");
                 assert_eq!(at([last + by, inner]), (value(63, 20), 1), "{kernel}, {by}");

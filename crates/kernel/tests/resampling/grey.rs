@@ -6,7 +6,7 @@ use fmc_camera_kernel::resampling::{Kernel, Resampler};
 use crate::image::{Image, places, runs};
 
 /// Largest difference of a kernel's result from the rounded one of double precision on 1/f texture,
-/// counts of 16 bits: by the rounding of weights to 14 bits and, for tables, of places to 1/2048
+/// counts of 16 bits: by the rounding of weights to 14 bits and, for tables, of places to 1/4096
 /// px.
 const LARGEST: [(Kernel, f64); 5] = [
     (Kernel::Nearest, 0.0),
@@ -29,7 +29,9 @@ fn texture(size_px: [u32; 2], bands: usize) -> Image<u16> {
         for (index, value) in values.iter_mut().enumerate() {
             let (band, pixel) = (index % bands, index / bands);
             let (col, row) = (pixel % width, pixel / width);
-            let at = |c: usize, r: usize| noise[((row / period + r) * cols + col / period + c) * bands + band];
+            let at = |c: usize, r: usize| {
+                noise[((row / period + r) * cols + col / period + c) * bands + band]
+            };
             let share = |place: usize| (place % period) as f64 / period as f64;
             let (x, y) = (share(col), share(row));
             let upper = at(0, 0) * (1.0 - x) + at(1, 0) * x;
@@ -39,7 +41,9 @@ fn texture(size_px: [u32; 2], bands: usize) -> Image<u16> {
     }
     let mut values = values.into_iter();
     Image::new(size_px, bands, || {
-        (values.next().unwrap() + 32768.0).round().clamp(0.0, 65535.0) as u16
+        (values.next().unwrap() + 32768.0)
+            .round()
+            .clamp(0.0, 65535.0) as u16
     })
 }
 
@@ -64,7 +68,10 @@ fn grey_values_are_those_of_double_precision_within_a_count_or_five() {
                 }
             }
         }
-        println!("{kernel}: {largest:.2} counts, rms {:.3}", (squares / count).sqrt());
+        println!(
+            "{kernel}: {largest:.2} counts, rms {:.3}",
+            (squares / count).sqrt()
+        );
         assert!(largest <= limit, "{kernel}: {largest}");
     }
 }
@@ -80,7 +87,10 @@ fn overshoot_beside_an_edge_saturates() {
     let row = runs(&mut rng, [8.3, 8.0], [1.0, 0.0], 40);
     for kernel in [Kernel::Bicubic, Kernel::Keys6, Kernel::Lanczos3] {
         let (out, ..) = image.row(&Resampler::new(kernel), &row);
-        assert!(out.contains(&0) && out.contains(&65535), "{kernel}: {out:?}");
+        assert!(
+            out.contains(&0) && out.contains(&65535),
+            "{kernel}: {out:?}"
+        );
         for (found, place) in out.iter().zip(places(&row)) {
             let error = f64::from(*found) - image.exact(kernel, place, 0);
             assert!(error.abs() <= 40.0, "{kernel}, {place:?}: {error}");

@@ -23,11 +23,7 @@ impl<S: Sample> Image<S> {
     }
 
     /// Resamples one row; returns samples, mask and the number of border pixels.
-    pub(crate) fn row(
-        &self,
-        resampler: &Resampler,
-        runs: &[Run],
-    ) -> (Vec<S>, Vec<u8>, u32) {
+    pub(crate) fn row(&self, resampler: &Resampler, runs: &[Run]) -> (Vec<S>, Vec<u8>, u32) {
         let length = self.size_px[0] as usize * self.bands;
         let rows: Vec<&[S]> = self.samples.chunks(length).collect();
         let band = Band::new(self.size_px, self.bands, 0, &rows).unwrap();
@@ -54,7 +50,10 @@ impl<S: Sample> Image<S> {
             let nearest = [x, y].map(|place| (place + 0.5).floor() as i64);
             return self.at(nearest, band);
         }
-        let (along, down) = (weights(kernel, x - x.floor()), weights(kernel, y - y.floor()));
+        let (along, down) = (
+            weights(kernel, x - x.floor()),
+            weights(kernel, y - y.floor()),
+        );
         let before = i64::from(kernel.half_taps()) - 1;
         let mut sum = 0.0;
         for (j, down) in (0..).zip(down) {

@@ -51,7 +51,11 @@ fn a_ramp_comes_back_at_every_fraction_to_the_rounding_of_a_count() {
                 let across = fraction * 5592;
                 let run = Run {
                     base_px: [20, 40],
-                    start: if transposed { [777, across] } else { [across, 777] },
+                    start: if transposed {
+                        [777, across]
+                    } else {
+                        [across, 777]
+                    },
                     step: [1 << PLACE_BITS, 0],
                     count: 16,
                     border: false,
@@ -60,9 +64,16 @@ fn a_ramp_comes_back_at_every_fraction_to_the_rounding_of_a_count() {
                 for (t, found) in (0..).zip(out) {
                     let t = f64::from(t);
                     let share = f64::from(across) / f64::from(1 << PLACE_BITS);
-                    let place = if transposed { 40.0 + share } else { 20.0 + share + t };
+                    let place = if transposed {
+                        40.0 + share
+                    } else {
+                        20.0 + share + t
+                    };
                     let error = f64::from(found) - (place * 500.0 + 3000.0);
-                    assert!(error.abs() <= 0.5 + 500.0 / 4096.0 + 0.02, "{kernel}: {error}");
+                    assert!(
+                        error.abs() <= 0.5 + 500.0 / 4096.0 + 0.02,
+                        "{kernel}: {error}"
+                    );
                 }
             }
         }
