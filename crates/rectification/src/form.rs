@@ -4,7 +4,7 @@ use fmc_camera::geometry::frame_correction::FrameCorrection;
 
 /// Length of a Newton step, mm, after which the next would be far below rounding: the second
 /// derivative of the distortion times its square.
-const LAST_STEP_MM: f64 = 1e-7;
+const LAST_STEP_MM: f64 = 1e-5;
 
 /// Largest number of Newton steps to a source.
 const MAX_STEPS: usize = 12;

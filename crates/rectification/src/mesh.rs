@@ -143,27 +143,21 @@ impl Mesh {
     /// for pixels off the output image, and for border pixels far from the sensor.
     #[must_use]
     pub fn place_px(&self, [col, row]: [u32; 2]) -> Option<[f64; 2]> {
+        self.row_px(row).get(col as usize).copied().flatten()
+    }
+
+    /// Returns the places of a row of output pixels, as [`Self::place_px`] does.
+    #[must_use]
+    pub fn row_px(&self, row_px: u32) -> Vec<Option<[f64; 2]>> {
         let mut runs = Vec::new();
-        self.runs(row, &mut runs);
-        let mut first = 0;
+        self.runs(row_px, &mut runs);
+        let mut places = Vec::new();
         for run in runs {
-            let behind = first + u32::from(run.count);
-            if (first..behind).contains(&col) && !run.border {
-                let t = f64::from(col - first);
-                let unit = f64::from(1 << PLACE_BITS);
-                let place = |base: i32, start: i32, step: i32| {
-                    f64::from(base) + (f64::from(start) + t * f64::from(step)) / unit
-                };
-                let ([base_col, base_row], [start_col, start_row]) = (run.base_px, run.start);
-                let [step_col, step_row] = run.step;
-                return Some([
-                    place(base_col, start_col, step_col),
-                    place(base_row, start_row, step_row),
-                ]);
+            for pixel in 0..run.count {
+                places.push((!run.border).then(|| run.place_px(pixel)));
             }
-            first = behind;
         }
-        None
+        places
     }
 
     /// Appends the places of a row of output pixels.

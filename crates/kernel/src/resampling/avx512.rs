@@ -3,6 +3,14 @@
 //! One load and one permutation of 16-bit samples per source row put pairs of taps beside each
 //! other, in the order of the lanes; a multiplication adds the products of each pair.
 
+#![expect(
+    clippy::wildcard_imports,
+    clippy::cast_possible_truncation,
+    clippy::cast_possible_wrap,
+    clippy::cast_sign_loss,
+    reason = "intrinsics, and numbers of lanes, taps and bands"
+)]
+
 use core::arch::x86_64::*;
 
 use pulp::x86::V4;
@@ -11,7 +19,7 @@ use super::band::Band;
 use super::dispatch::by_size;
 use super::pixel::{Places, taps_before};
 use super::portable::{Row, Vectors};
-use super::run::{PLACE_BITS, Run};
+use super::run::{PLACE_BITS, RUN_PX, Run};
 use super::sample::Sample;
 use super::weights::{
     ColumnWeights, FRACTION_BITS, FRACTIONS, RowWeights, UNIT, UNIT_BITS, Weights,
@@ -48,7 +56,9 @@ impl<S: Sample, const C: usize, const N: usize> Vectors<S, C, N> for Avx512 {
         run: &Run,
         out: &mut [[S; C]],
     ) -> bool {
-        if N == 1 || !(1..=LONGEST_STEP).contains(&run.step[0]) {
+        let [start, _] = run.start;
+        let [step, _] = run.step;
+        if (start >> PLACE_BITS) != 0 || !(1..=LONGEST_STEP).contains(&step) {
             return false;
         }
         // SAFETY: `self` is a proof that the processor has the instructions.
@@ -57,8 +67,14 @@ impl<S: Sample, const C: usize, const N: usize> Vectors<S, C, N> for Avx512 {
 }
 
 /// Pixels of a group.
-const fn group_px(bands: usize) -> usize {
+const fn group_px(bands: usize) -> i32 {
     if bands == 1 { 16 } else { 4 }
+}
+
+/// Samples from a group's first tap on that are loaded.
+const fn loaded(bands: usize, taps: usize) -> usize {
+    let wide = bands > 1 && bands * (4 + taps) > LOADED;
+    if wide { 2 * LOADED } else { LOADED }
 }
 
 /// Writes the pixels of a run; `None` if they have to be computed one by one.
@@ -71,211 +87,347 @@ fn pixels<S: Sample, const C: usize, const N: usize>(
     out: &mut [[S; C]],
 ) -> Option<()> {
     let places = Places::new::<N>(run);
-    let lanes = Lanes::new::<C>(&places);
-    let count = out.len();
-    let mut values = [_mm512_setzero_si512(); 4];
-    for (number, value) in values.iter_mut().enumerate() {
-        let first = number * group_px(C);
-        if first >= count {
-            break;
+    let lanes = Lanes::new::<C, N>(&places);
+    let [base_col, base_row] = run.base_px;
+    let before = taps_before(N) as i32;
+    let first_col = base_col.wrapping_sub(before);
+    // Columns do not decrease along a run: what is loaded for the first and for the last group
+    // says all.
+    let last_px = RUN_PX as i32 - group_px(C);
+    let first = i64::from(first_col) * C as i64;
+    let last = first + i64::from(places.col.at(last_px) >> PLACE_BITS) * C as i64;
+    let samples = source.samples_of_row();
+    if first < 0 || last + loaded(C, N) as i64 > samples as i64 {
+        return None;
+    }
+    let row = places.row.at(0) >> PLACE_BITS;
+    let end = places.row.at(out.len() as i32 - 1) >> PLACE_BITS;
+    let job = Job {
+        weights,
+        places,
+        lanes,
+        first: first as usize,
+    };
+    let rows = source.rows::<N>(base_row.wrapping_add(row).wrapping_sub(before))?;
+    // SAFETY: the loads of all groups lie within the rows, as was found before.
+    let mut values = unsafe { job.values::<S, C, N>(rows) }?;
+    if row != end {
+        for other in row.min(end)..=row.max(end) {
+            if other == row {
+                continue;
+            }
+            let rows = source.rows::<N>(base_row.wrapping_add(other).wrapping_sub(before))?;
+            // SAFETY: as before.
+            let of_row = unsafe { job.values::<S, C, N>(rows) }?;
+            let here = _mm512_set1_epi32(other);
+            let row_of = [
+                Job::spread::<C, 0>(job.lanes.whole_row),
+                Job::spread::<C, 1>(job.lanes.whole_row),
+                Job::spread::<C, 2>(job.lanes.whole_row),
+                Job::spread::<C, 3>(job.lanes.whole_row),
+            ];
+            for ((value, of_row), rows) in values.iter_mut().zip(of_row).zip(row_of) {
+                let here = _mm512_cmpeq_epi32_mask(rows, here);
+                *value = _mm512_mask_mov_epi32(*value, here, of_row);
+            }
         }
-        let last = (first + group_px(C)).min(count) - 1;
-        let group = Group::new::<C>(&places, &lanes, [first as i32, last as i32]);
-        *value = if N == 2 {
-            let weights = group.bilinear(&lanes);
-            group.blended::<S, C, N, _>(source, run, &lanes, &weights)?
-        } else {
-            let weights = group.tabulated::<C, N>(weights?, &places, &lanes);
-            group.blended::<S, C, N, _>(source, run, &lanes, &weights)?
-        };
     }
     store::<S, C>(values, out);
     Some(())
 }
 
-/// Places of sixteen pixels.
+/// Places of the sixteen pixels of a run.
 struct Lanes {
-    /// Columns and rows, 1/2²⁴ px from the base.
+    /// Fractions of the bilinear kernel, or bits of which they are taken.
     col: __m512i,
     row: __m512i,
-    /// Whole part of the column, in samples from the base, in both halves of a lane.
+    /// Row from the base.
+    whole_row: __m512i,
+    /// First tap from that of the group's first pixel, in samples, in both halves of a lane.
     samples: __m512i,
 }
 
 impl Lanes {
     #[target_feature(enable = "avx512f,avx512bw,avx512cd,avx512dq,avx512vl")]
     #[inline]
-    fn new<const C: usize>(places: &Places) -> Self {
+    fn new<const C: usize, const N: usize>(places: &Places) -> Self {
         let numbers = _mm512_setr_epi32(0, 1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11, 12, 13, 14, 15);
         let col_way = _mm512_mullo_epi32(numbers, _mm512_set1_epi32(places.col.step));
         let row_way = _mm512_mullo_epi32(numbers, _mm512_set1_epi32(places.row.step));
         let col = _mm512_add_epi32(_mm512_set1_epi32(places.col.start), col_way);
+        let row = _mm512_add_epi32(_mm512_set1_epi32(places.row.start), row_way);
         let cols = _mm512_srai_epi32::<PLACE_BITS>(col);
         let samples = match C {
             1 => cols,
             3 => _mm512_add_epi32(cols, _mm512_add_epi32(cols, cols)),
             _ => _mm512_slli_epi32::<2>(cols),
         };
+        let both = _mm512_or_si512(samples, _mm512_slli_epi32::<16>(samples));
+        let firsts = if C == 1 {
+            _mm512_setzero_si512()
+        } else {
+            _mm512_setr_epi32(0, 0, 0, 0, 4, 4, 4, 4, 8, 8, 8, 8, 12, 12, 12, 12)
+        };
+        let samples = _mm512_sub_epi16(both, _mm512_permutexvar_epi32(firsts, both));
         Self {
             col,
-            row: _mm512_add_epi32(_mm512_set1_epi32(places.row.start), row_way),
-            samples: _mm512_or_si512(samples, _mm512_slli_epi32::<16>(samples)),
+            row,
+            whole_row: _mm512_srai_epi32::<PLACE_BITS>(row),
+            samples,
         }
     }
 }
 
-/// Weights of a group's pixels.
-trait Blend<S: Sample, const C: usize, const N: usize> {
-    /// Returns the group's values from N source rows, the first of whose taps is the sample
-    /// `first`.
+/// A run with its weights.
+struct Job<'a> {
+    weights: Option<&'a Weights>,
+    places: Places,
+    lanes: Lanes,
+    /// Sample of a row from which the columns of the places are counted.
+    first: usize,
+}
+
+impl Job<'_> {
+    /// Returns the values of a run from N source rows.
     ///
     /// # Safety
-    /// The processor has the instructions.
-    unsafe fn blend(&self, rows: &[&[S]; N], first: usize, taps: __m512i) -> Option<__m512i>;
-}
-
-/// Pixels whose lanes are computed together.
-struct Group {
-    /// Pixel of each lane.
-    select: __m512i,
-    /// First pixel, as a number of the run.
-    first: i32,
-    /// Column of the first pixel from the base.
-    col: i32,
-    /// Least and largest row from the base.
-    rows: [i32; 2],
-    /// Samples of each lane's first two taps among those of a load.
-    taps: __m512i,
-}
-
-impl Group {
+    /// From the first tap of every group on, [`loaded`] samples lie within each row.
     #[target_feature(enable = "avx512f,avx512bw,avx512cd,avx512dq,avx512vl")]
     #[inline]
-    fn new<const C: usize>(places: &Places, lanes: &Lanes, [first, last]: [i32; 2]) -> Self {
-        let col = places.col.at(first) >> PLACE_BITS;
-        let a = places.row.at(first) >> PLACE_BITS;
-        let b = places.row.at(last) >> PLACE_BITS;
-        let bands = C as i32;
-        let (select, of_bands) = if C == 1 {
-            (
-                _mm512_setr_epi32(0, 1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11, 12, 13, 14, 15),
-                _mm512_set1_epi32(1 << 16),
-            )
-        } else {
-            let fours = _mm512_setr_epi32(0, 0, 0, 0, 1, 1, 1, 1, 2, 2, 2, 2, 3, 3, 3, 3);
-            let of_bands = _mm512_setr_epi32(
-                0, 0x1_0001, 0x2_0002, 0x3_0003, 0, 0x1_0001, 0x2_0002, 0x3_0003, 0, 0x1_0001,
-                0x2_0002, 0x3_0003, 0, 0x1_0001, 0x2_0002, 0x3_0003,
-            );
-            (
-                _mm512_add_epi32(fours, _mm512_set1_epi32(first)),
-                _mm512_add_epi32(of_bands, _mm512_set1_epi32(bands << 16)),
-            )
-        };
-        let origin = _mm512_set1_epi32(col * bands * 0x1_0001);
-        let from_first = _mm512_sub_epi16(_mm512_permutexvar_epi32(select, lanes.samples), origin);
-        Self {
-            select,
-            first,
-            col,
-            rows: [a.min(b), a.max(b)],
-            taps: _mm512_add_epi16(from_first, of_bands),
-        }
-    }
-
-    /// Returns the values of the group's lanes, from every row in which one of its pixels lies.
-    #[target_feature(enable = "avx512f,avx512bw,avx512cd,avx512dq,avx512vl")]
-    #[inline]
-    fn blended<S: Sample, const C: usize, const N: usize, W: Blend<S, C, N>>(
+    unsafe fn values<S: Sample, const C: usize, const N: usize>(
         &self,
-        source: &Band<'_, S>,
-        run: &Run,
-        lanes: &Lanes,
-        weights: &W,
-    ) -> Option<__m512i> {
-        let before = taps_before(N) as i32;
-        let [base_col, base_row] = run.base_px;
-        let first = usize::try_from(base_col + self.col - before).ok()? * C;
-        let [low, high] = self.rows;
-        let rows = source.rows::<N>(base_row + low - before)?;
-        // SAFETY: this function needs the same instructions.
-        let mut values = unsafe { weights.blend(rows, first, self.taps) }?;
-        if high > low {
-            let row_of = _mm512_permutexvar_epi32(self.select, lanes.row);
-            let row_of = _mm512_srai_epi32::<PLACE_BITS>(row_of);
-            for row in low + 1..=high {
-                let rows = source.rows::<N>(base_row + row - before)?;
-                // SAFETY: as above.
-                let of_row = unsafe { weights.blend(rows, first, self.taps) }?;
-                let here = _mm512_cmpeq_epi32_mask(row_of, _mm512_set1_epi32(row));
-                values = _mm512_mask_mov_epi32(values, here, of_row);
+        rows: &[&[S]; N],
+    ) -> Option<[__m512i; 4]> {
+        let none = _mm512_setzero_si512();
+        // SAFETY: that of this function.
+        unsafe {
+            if N == 1 {
+                let one = self.nearest::<S, C, 0>(rows.as_slice());
+                if C == 1 {
+                    return Some([one, none, none, none]);
+                }
+                return Some([
+                    one,
+                    self.nearest::<S, C, 1>(rows.as_slice()),
+                    self.nearest::<S, C, 2>(rows.as_slice()),
+                    self.nearest::<S, C, 3>(rows.as_slice()),
+                ]);
             }
+            if N == 2 {
+                let pairs = self.bilinear_pairs();
+                let one = self.bilinear::<S, C, 0>(rows.as_slice(), &pairs);
+                if C == 1 {
+                    return Some([one, none, none, none]);
+                }
+                return Some([
+                    one,
+                    self.bilinear::<S, C, 1>(rows.as_slice(), &pairs),
+                    self.bilinear::<S, C, 2>(rows.as_slice(), &pairs),
+                    self.bilinear::<S, C, 3>(rows.as_slice(), &pairs),
+                ]);
+            }
+            let weights = self.weights?;
+            if C == 1 {
+                let weights = Tabulated::of_lanes::<N>(weights, &self.lanes);
+                let one = self.tabulated::<S, C, N, 0>(rows, &weights);
+                return Some([one, none, none, none]);
+            }
+            let places = &self.places;
+            let of_groups = [
+                Tabulated::of_group::<N>(weights, places, 0),
+                Tabulated::of_group::<N>(weights, places, 1),
+                Tabulated::of_group::<N>(weights, places, 2),
+                Tabulated::of_group::<N>(weights, places, 3),
+            ];
+            let [first, second, third, fourth] = &of_groups;
+            Some([
+                self.tabulated::<S, C, N, 0>(rows, first),
+                self.tabulated::<S, C, N, 1>(rows, second),
+                self.tabulated::<S, C, N, 2>(rows, third),
+                self.tabulated::<S, C, N, 3>(rows, fourth),
+            ])
         }
-        Some(values)
+    }
+
+    /// Returns the lanes of a group from one lane per pixel.
+    #[target_feature(enable = "avx512f,avx512bw,avx512cd,avx512dq,avx512vl")]
+    #[inline]
+    fn spread<const C: usize, const G: i32>(of_pixels: __m512i) -> __m512i {
+        if C == 1 {
+            return of_pixels;
+        }
+        let fours = _mm512_setr_epi32(
+            4 * G,
+            4 * G,
+            4 * G,
+            4 * G,
+            4 * G + 1,
+            4 * G + 1,
+            4 * G + 1,
+            4 * G + 1,
+            4 * G + 2,
+            4 * G + 2,
+            4 * G + 2,
+            4 * G + 2,
+            4 * G + 3,
+            4 * G + 3,
+            4 * G + 3,
+            4 * G + 3,
+        );
+        _mm512_permutexvar_epi32(fours, of_pixels)
+    }
+
+    /// Returns the first sample that is loaded for a group.
+    #[inline(always)]
+    fn first<const C: usize, const G: i32>(&self) -> usize {
+        self.first + (self.places.col.at(4 * G) >> PLACE_BITS) as usize * C
+    }
+
+    /// Returns the places of the first two taps of a group's lanes among the loaded samples.
+    #[target_feature(enable = "avx512f,avx512bw,avx512cd,avx512dq,avx512vl")]
+    #[inline]
+    fn taps<const C: usize, const G: i32>(&self) -> __m512i {
+        let bands = (C as i32) << 16;
+        let of_bands = if C == 1 {
+            _mm512_set1_epi32(bands)
+        } else {
+            _mm512_broadcast_i32x4(_mm_setr_epi32(
+                bands,
+                bands + 0x1_0001,
+                bands + 0x2_0002,
+                bands + 0x3_0003,
+            ))
+        };
+        _mm512_add_epi16(Self::spread::<C, G>(self.lanes.samples), of_bands)
     }
 
     #[target_feature(enable = "avx512f,avx512bw,avx512cd,avx512dq,avx512vl")]
     #[inline]
-    fn bilinear(&self, lanes: &Lanes) -> Bilinear {
+    unsafe fn nearest<S: Sample, const C: usize, const G: i32>(&self, rows: &[&[S]]) -> __m512i {
+        let [row, ..] = rows else {
+            return _mm512_setzero_si512();
+        };
+        // SAFETY: that of this function.
+        let samples = unsafe { load(row, self.first::<C, G>()) };
+        let found = _mm512_permutexvar_epi16(self.taps::<C, G>(), samples);
+        _mm512_srai_epi32::<16>(_mm512_slli_epi32::<16>(found))
+    }
+
+    /// Returns the weights of the upper and the lower pair of taps of every pixel.
+    #[target_feature(enable = "avx512f,avx512bw,avx512cd,avx512dq,avx512vl")]
+    #[inline]
+    fn bilinear_pairs(&self) -> [__m512i; 2] {
         let unit_less_one = _mm512_set1_epi32((1 << UNIT_BITS) - 1);
-        let col = _mm512_srai_epi32::<{ PLACE_BITS - UNIT_BITS }>(lanes.col);
-        let row = _mm512_srai_epi32::<{ PLACE_BITS - UNIT_BITS }>(lanes.row);
-        let (col, row) = (
-            _mm512_and_si512(col, unit_less_one),
-            _mm512_and_si512(row, unit_less_one),
-        );
+        let col = _mm512_srai_epi32::<{ PLACE_BITS - UNIT_BITS }>(self.lanes.col);
+        let row = _mm512_srai_epi32::<{ PLACE_BITS - UNIT_BITS }>(self.lanes.row);
+        let col = _mm512_and_si512(col, unit_less_one);
+        let row = _mm512_and_si512(row, unit_less_one);
         let half = _mm512_set1_epi32(1 << (UNIT_BITS - 1));
         let product = _mm512_add_epi32(_mm512_madd_epi16(col, row), half);
         let both = _mm512_srai_epi32::<UNIT_BITS>(product);
         let unit = _mm512_set1_epi32(UNIT as i32);
         let (after, below) = (_mm512_sub_epi32(col, both), _mm512_sub_epi32(row, both));
         let here = _mm512_sub_epi32(_mm512_sub_epi32(unit, col), below);
-        let upper = _mm512_or_si512(here, _mm512_slli_epi32::<16>(after));
-        let lower = _mm512_or_si512(below, _mm512_slli_epi32::<16>(both));
-        Bilinear {
-            upper: _mm512_permutexvar_epi32(self.select, upper),
-            lower: _mm512_permutexvar_epi32(self.select, lower),
-        }
+        [
+            _mm512_or_si512(here, _mm512_slli_epi32::<16>(after)),
+            _mm512_or_si512(below, _mm512_slli_epi32::<16>(both)),
+        ]
     }
 
     #[target_feature(enable = "avx512f,avx512bw,avx512cd,avx512dq,avx512vl")]
     #[inline]
-    fn tabulated<const C: usize, const N: usize>(
+    unsafe fn bilinear<S: Sample, const C: usize, const G: i32>(
         &self,
-        weights: &Weights,
-        places: &Places,
-        lanes: &Lanes,
-    ) -> Tabulated {
-        if C == 1 {
-            return Tabulated::of_lanes::<N>(weights, lanes);
+        rows: &[&[S]],
+        [upper, lower]: &[__m512i; 2],
+    ) -> __m512i {
+        let [above, below, ..] = rows else {
+            return _mm512_setzero_si512();
+        };
+        let (first, taps) = (self.first::<C, G>(), self.taps::<C, G>());
+        // SAFETY: that of this function.
+        let (above, below) = unsafe { (load(above, first), load(below, first)) };
+        let above = _mm512_permutexvar_epi16(taps, above);
+        let below = _mm512_permutexvar_epi16(taps, below);
+        let above = _mm512_madd_epi16(above, Self::spread::<C, G>(*upper));
+        let below = _mm512_madd_epi16(below, Self::spread::<C, G>(*lower));
+        let half = _mm512_set1_epi32(1 << (UNIT_BITS - 1));
+        let sum = _mm512_add_epi32(_mm512_add_epi32(above, half), below);
+        _mm512_srai_epi32::<UNIT_BITS>(sum)
+    }
+
+    #[target_feature(enable = "avx512f,avx512bw,avx512cd,avx512dq,avx512vl")]
+    #[inline]
+    unsafe fn tabulated<S: Sample, const C: usize, const N: usize, const G: i32>(
+        &self,
+        rows: &[&[S]; N],
+        weights: &Tabulated,
+    ) -> __m512i {
+        let (first, taps) = (self.first::<C, G>(), self.taps::<C, G>());
+        let next = _mm512_set1_epi16(2 * C as i16);
+        let second = _mm512_add_epi16(taps, next);
+        let taps = [taps, second, _mm512_add_epi16(second, next)];
+        let [a, b, c, d, rest @ ..] = rows.as_slice() else {
+            return _mm512_setzero_si512();
+        };
+        let [of_a, of_b, of_c, of_d, of_e, of_f] = weights.rows;
+        let pairs = &weights.pairs;
+        // SAFETY: that of this function.
+        unsafe {
+            let a = _mm512_mul_ps(sum::<S, C, N>(a, first, &taps, pairs), of_a);
+            let b = _mm512_mul_ps(sum::<S, C, N>(b, first, &taps, pairs), of_b);
+            let c = _mm512_mul_ps(sum::<S, C, N>(c, first, &taps, pairs), of_c);
+            let d = _mm512_mul_ps(sum::<S, C, N>(d, first, &taps, pairs), of_d);
+            let mut values = _mm512_add_ps(_mm512_add_ps(_mm512_add_ps(a, b), c), d);
+            if let [e, f] = rest {
+                let e = _mm512_mul_ps(sum::<S, C, N>(e, first, &taps, pairs), of_e);
+                let f = _mm512_mul_ps(sum::<S, C, N>(f, first, &taps, pairs), of_f);
+                values = _mm512_add_ps(_mm512_add_ps(values, e), f);
+            }
+            _mm512_cvtps_epi32(values)
         }
-        let first = self.first;
-        let along = |pixel: i32| weights.along(places.col.fraction::<N>(first + pixel));
-        let down = |pixel: i32| weights.down(places.row.fraction::<N>(first + pixel));
-        Tabulated::of_pixels::<N>(
-            [along(0), along(1), along(2), along(3)],
-            [down(0), down(1), down(2), down(3)],
-        )
     }
 }
 
-/// Weights of two taps in the upper and the lower row.
-struct Bilinear {
-    upper: __m512i,
-    lower: __m512i,
+/// Returns the weighted sums of taps along a row.
+///
+/// # Safety
+/// From the first on, [`loaded`] samples lie within the row.
+#[target_feature(enable = "avx512f,avx512bw,avx512cd,avx512dq,avx512vl")]
+#[inline]
+unsafe fn sum<S: Sample, const C: usize, const N: usize>(
+    row: &[S],
+    first: usize,
+    [one, two, three]: &[__m512i; 3],
+    weights: &[__m512i; 3],
+) -> __m512 {
+    // SAFETY: that of this function.
+    let low = unsafe { load(row, first) };
+    let high = if loaded(C, N) > LOADED {
+        // SAFETY: as above.
+        unsafe { load(row, first + LOADED) }
+    } else {
+        low
+    };
+    let [of_one, of_two, of_three] = *weights;
+    let one = _mm512_madd_epi16(picked::<C, N>(low, high, *one), of_one);
+    let two = _mm512_madd_epi16(picked::<C, N>(low, high, *two), of_two);
+    let mut sum = _mm512_add_epi32(one, two);
+    if N > 4 {
+        let three = _mm512_madd_epi16(picked::<C, N>(low, high, *three), of_three);
+        sum = _mm512_add_epi32(sum, three);
+    }
+    _mm512_cvtepi32_ps(sum)
 }
 
-impl<S: Sample, const C: usize, const N: usize> Blend<S, C, N> for Bilinear {
-    #[target_feature(enable = "avx512f,avx512bw,avx512cd,avx512dq,avx512vl")]
-    #[inline]
-    unsafe fn blend(&self, rows: &[&[S]; N], first: usize, taps: __m512i) -> Option<__m512i> {
-        let upper = load(rows.first()?.get(first..)?.first_chunk()?);
-        let lower = load(rows.last()?.get(first..)?.first_chunk()?);
-        let upper = _mm512_madd_epi16(_mm512_permutexvar_epi16(taps, upper), self.upper);
-        let lower = _mm512_madd_epi16(_mm512_permutexvar_epi16(taps, lower), self.lower);
-        let half = _mm512_set1_epi32(1 << (UNIT_BITS - 1));
-        let sum = _mm512_add_epi32(_mm512_add_epi32(upper, lower), half);
-        Some(_mm512_srai_epi32::<UNIT_BITS>(sum))
+/// Returns samples of one load, or of two.
+#[target_feature(enable = "avx512f,avx512bw,avx512cd,avx512dq,avx512vl")]
+#[inline]
+fn picked<const C: usize, const N: usize>(low: __m512i, high: __m512i, taps: __m512i) -> __m512i {
+    if loaded(C, N) > LOADED {
+        _mm512_permutex2var_epi16(low, taps, high)
+    } else {
+        _mm512_permutexvar_epi16(taps, low)
     }
 }
 
@@ -286,29 +438,34 @@ struct Tabulated {
 }
 
 impl Tabulated {
-    /// Returns the weights of four pixels, four lanes each.
+    /// Returns the weights of the four pixels of a group, four lanes each.
     #[target_feature(enable = "avx512f,avx512bw,avx512cd,avx512dq,avx512vl")]
     #[inline]
-    fn of_pixels<const N: usize>(along: [&RowWeights; 4], down: [&ColumnWeights; 4]) -> Self {
-        let [a, b, c, d] = along;
-        let along = _mm512_inserti32x4::<1>(_mm512_castsi128_si512(whole(a)), whole(b));
-        let along = _mm512_inserti32x4::<2>(along, whole(c));
-        let along = _mm512_inserti32x4::<3>(along, whole(d));
-        let [a, b, c, d] = down;
-        let low = _mm512_insertf32x4::<1>(_mm512_castps128_ps512(half(a, 0)), half(b, 0));
+    fn of_group<const N: usize>(weights: &Weights, places: &Places, group: i32) -> Self {
+        let [a, b, c, d] = [4 * group, 4 * group + 1, 4 * group + 2, 4 * group + 3];
+        let along = |pixel: i32| weights.along(places.col.fraction::<N>(pixel));
+        let pairs = _mm512_castsi128_si512(whole(along(a)));
+        let pairs = _mm512_inserti32x4::<1>(pairs, whole(along(b)));
+        let pairs = _mm512_inserti32x4::<2>(pairs, whole(along(c)));
+        let pairs = _mm512_inserti32x4::<3>(pairs, whole(along(d)));
+        let down = |pixel: i32| weights.down(places.row.fraction::<N>(pixel));
+        let [a, b, c, d] = [down(a), down(b), down(c), down(d)];
+        let low = _mm512_castps128_ps512(half(a, 0));
+        let low = _mm512_insertf32x4::<1>(low, half(b, 0));
         let low = _mm512_insertf32x4::<2>(low, half(c, 0));
         let low = _mm512_insertf32x4::<3>(low, half(d, 0));
         let mut high = low;
         if N > 4 {
-            high = _mm512_insertf32x4::<1>(_mm512_castps128_ps512(half(a, 1)), half(b, 1));
+            high = _mm512_castps128_ps512(half(a, 1));
+            high = _mm512_insertf32x4::<1>(high, half(b, 1));
             high = _mm512_insertf32x4::<2>(high, half(c, 1));
             high = _mm512_insertf32x4::<3>(high, half(d, 1));
         }
         Self {
             pairs: [
-                _mm512_shuffle_epi32::<0b00_00_00_00>(along),
-                _mm512_shuffle_epi32::<0b01_01_01_01>(along),
-                _mm512_shuffle_epi32::<0b10_10_10_10>(along),
+                _mm512_shuffle_epi32::<0b00_00_00_00>(pairs),
+                _mm512_shuffle_epi32::<0b01_01_01_01>(pairs),
+                _mm512_shuffle_epi32::<0b10_10_10_10>(pairs),
             ],
             rows: [
                 _mm512_permute_ps::<0b00_00_00_00>(low),
@@ -347,51 +504,21 @@ impl Tabulated {
     }
 }
 
-impl<S: Sample, const C: usize, const N: usize> Blend<S, C, N> for Tabulated {
-    #[target_feature(enable = "avx512f,avx512bw,avx512cd,avx512dq,avx512vl")]
-    #[inline]
-    unsafe fn blend(&self, rows: &[&[S]; N], first: usize, taps: __m512i) -> Option<__m512i> {
-        let next = _mm512_set1_epi16(2 * C as i16);
-        let second = _mm512_add_epi16(taps, next);
-        let taps = [taps, second, _mm512_add_epi16(second, next)];
-        let mut values = _mm512_setzero_ps();
-        for (number, (row, weight)) in rows.iter().zip(&self.rows).enumerate() {
-            let samples = row.get(first..)?;
-            let low = load(samples.first_chunk()?);
-            let mut sum = _mm512_setzero_si512();
-            if C * (4 + N) > LOADED && C > 1 {
-                let high = load(samples.get(LOADED..)?.first_chunk()?);
-                for (taps, pairs) in taps.iter().zip(&self.pairs).take(N / 2) {
-                    let samples = _mm512_permutex2var_epi16(low, *taps, high);
-                    sum = _mm512_add_epi32(sum, _mm512_madd_epi16(samples, *pairs));
-                }
-            } else {
-                for (taps, pairs) in taps.iter().zip(&self.pairs).take(N / 2) {
-                    let samples = _mm512_permutexvar_epi16(*taps, low);
-                    sum = _mm512_add_epi32(sum, _mm512_madd_epi16(samples, *pairs));
-                }
-            }
-            let product = _mm512_mul_ps(_mm512_cvtepi32_ps(sum), *weight);
-            values = if number == 0 {
-                product
-            } else {
-                _mm512_add_ps(values, product)
-            };
-        }
-        Some(_mm512_cvtps_epi32(values))
-    }
-}
-
 /// Loads samples as the numbers that are computed with.
+///
+/// # Safety
+/// From the first on, [`LOADED`] samples lie within the row.
 #[target_feature(enable = "avx512f,avx512bw,avx512cd,avx512dq,avx512vl")]
 #[inline]
-fn load<S: Sample>(samples: &[S; LOADED]) -> __m512i {
-    let place = samples.as_ptr();
+unsafe fn load<S: Sample>(row: &[S], first: usize) -> __m512i {
+    debug_assert!(first + LOADED <= row.len(), "{first} of {}", row.len());
+    // SAFETY: the first sample lies within the row.
+    let place = unsafe { row.as_ptr().add(first) };
     if S::BITS == 8 {
-        // SAFETY: 32 samples of 8 bits are borrowed.
+        // SAFETY: 32 samples of 8 bits lie within the row.
         _mm512_cvtepu8_epi16(unsafe { _mm256_loadu_si256(place.cast()) })
     } else {
-        // SAFETY: 32 samples of 16 bits are borrowed.
+        // SAFETY: 32 samples of 16 bits lie within the row.
         let samples = unsafe { _mm512_loadu_si512(place.cast()) };
         _mm512_xor_si512(samples, _mm512_set1_epi16(i16::MIN))
     }
@@ -419,59 +546,60 @@ fn half(weights: &ColumnWeights, number: usize) -> __m128 {
 #[target_feature(enable = "avx512f,avx512bw,avx512cd,avx512dq,avx512vl")]
 #[inline]
 fn store<S: Sample, const C: usize>(groups: [__m512i; 4], out: &mut [[S; C]]) {
-    if S::BITS == 8 {
-        let bytes = bytes::<C>(groups);
-        if let Some(pixels) = out.first_chunk_mut::<16>() {
-            let place = pixels.as_flattened_mut().as_mut_ptr();
-            match C {
-                // SAFETY: 16, 48 or 64 samples of 8 bits are borrowed.
-                1 => unsafe { _mm_storeu_si128(place.cast(), _mm512_castsi512_si128(bytes)) },
-                3 => {
-                    let high = _mm512_extracti32x4_epi32::<2>(bytes);
-                    // SAFETY: as above.
-                    unsafe {
-                        _mm256_storeu_si256(place.cast(), _mm512_castsi512_si256(bytes));
-                        _mm_storeu_si128(place.add(32).cast(), high);
-                    }
-                }
-                // SAFETY: as above.
-                _ => unsafe { _mm512_storeu_si512(place.cast(), bytes) },
-            }
-            return;
-        }
-        let mut all = [0_u8; 64];
-        // SAFETY: 64 bytes are borrowed.
-        unsafe { _mm512_storeu_si512(all.as_mut_ptr().cast(), bytes) };
-        for (to, from) in out.as_flattened_mut().iter_mut().zip(all) {
-            *to = S::saturated(i32::from(from));
+    if let Some(pixels) = out.first_chunk_mut::<16>() {
+        if S::BITS == 8 {
+            store_bytes(bytes::<C>(groups), pixels);
+        } else {
+            store_words(words::<C>(groups), pixels);
         }
         return;
     }
-    let [low, high] = words::<C>(groups);
-    if let Some(pixels) = out.first_chunk_mut::<16>() {
-        let place = pixels.as_flattened_mut().as_mut_ptr();
+    let mut all = [[S::default(); C]; 16];
+    if S::BITS == 8 {
+        store_bytes(bytes::<C>(groups), &mut all);
+    } else {
+        store_words(words::<C>(groups), &mut all);
+    }
+    for (to, from) in out.iter_mut().zip(all) {
+        *to = from;
+    }
+}
+
+#[target_feature(enable = "avx512f,avx512bw,avx512cd,avx512dq,avx512vl")]
+#[inline]
+fn store_bytes<S: Sample, const C: usize>(bytes: __m512i, pixels: &mut [[S; C]; 16]) {
+    let place = pixels.as_flattened_mut().as_mut_ptr();
+    // SAFETY: 16, 48 or 64 samples of 8 bits are borrowed.
+    unsafe {
         match C {
-            // SAFETY: 16, 48 or 64 samples of 16 bits are borrowed.
-            1 => unsafe { _mm256_storeu_si256(place.cast(), _mm512_castsi512_si256(low)) },
-            3 => unsafe {
+            1 => _mm_storeu_si128(place.cast(), _mm512_castsi512_si128(bytes)),
+            3 => {
+                let high = _mm512_extracti32x4_epi32::<2>(bytes);
+                _mm256_storeu_si256(place.cast(), _mm512_castsi512_si256(bytes));
+                _mm_storeu_si128(place.add(32).cast(), high);
+            }
+            _ => _mm512_storeu_si512(place.cast(), bytes),
+        }
+    }
+}
+
+#[target_feature(enable = "avx512f,avx512bw,avx512cd,avx512dq,avx512vl")]
+#[inline]
+fn store_words<S: Sample, const C: usize>([low, high]: [__m512i; 2], pixels: &mut [[S; C]; 16]) {
+    let place = pixels.as_flattened_mut().as_mut_ptr();
+    // SAFETY: 16, 48 or 64 samples of 16 bits are borrowed.
+    unsafe {
+        match C {
+            1 => _mm256_storeu_si256(place.cast(), _mm512_castsi512_si256(low)),
+            3 => {
                 _mm512_storeu_si512(place.cast(), low);
                 _mm256_storeu_si256(place.add(32).cast(), _mm512_castsi512_si256(high));
-            },
-            _ => unsafe {
+            }
+            _ => {
                 _mm512_storeu_si512(place.cast(), low);
                 _mm512_storeu_si512(place.add(32).cast(), high);
-            },
+            }
         }
-        return;
-    }
-    let mut all = [0_u16; 64];
-    // SAFETY: 64 samples of 16 bits are borrowed.
-    unsafe {
-        _mm512_storeu_si512(all.as_mut_ptr().cast(), low);
-        _mm512_storeu_si512(all.as_mut_ptr().add(32).cast(), high);
-    }
-    for (to, from) in out.as_flattened_mut().iter_mut().zip(all) {
-        *to = S::saturated(i32::from(from) - (1 << 15));
     }
 }
 
@@ -479,63 +607,66 @@ fn store<S: Sample, const C: usize>(groups: [__m512i; 4], out: &mut [[S; C]]) {
 #[target_feature(enable = "avx512f,avx512bw,avx512cd,avx512dq,avx512vl")]
 #[inline]
 fn words<const C: usize>([a, b, c, d]: [__m512i; 4]) -> [__m512i; 2] {
+    /// Samples of the output among those of two vectors, each of which has pixels of the one
+    /// group and of the next in turn.
+    const PLACES: [[i16; 32]; 2] = {
+        let mut places = [[0; 32]; 2];
+        let mut sample = 0;
+        while sample < 48 {
+            let (pixel, band) = (sample / 3, sample % 3);
+            let (group, number) = (pixel / 4, pixel % 4);
+            let place = group / 2 * 32 + number * 8 + group % 2 * 4 + band;
+            places[sample / 32][sample % 32] = place as i16;
+            sample += 1;
+        }
+        places
+    };
     let sign = _mm512_set1_epi16(i16::MIN);
-    let [a, b] = [_mm512_cvtsepi32_epi16(a), _mm512_cvtsepi32_epi16(b)];
-    let [c, d] = [_mm512_cvtsepi32_epi16(c), _mm512_cvtsepi32_epi16(d)];
-    let low = _mm512_inserti64x4::<1>(_mm512_castsi256_si512(a), b);
-    let high = _mm512_inserti64x4::<1>(_mm512_castsi256_si512(c), d);
-    let (low, high) = (_mm512_xor_si512(low, sign), _mm512_xor_si512(high, sign));
-    if C != 3 {
-        return [low, high];
+    if C == 1 {
+        let low = _mm512_castsi256_si512(_mm512_cvtsepi32_epi16(a));
+        return [_mm512_xor_si512(low, sign), a];
     }
-    let (first, second) = (words_of_three(0), words_of_three(32));
+    let low = _mm512_xor_si512(_mm512_packs_epi32(a, b), sign);
+    let high = _mm512_xor_si512(_mm512_packs_epi32(c, d), sign);
+    if C != 3 {
+        let order = _mm512_setr_epi64(0, 2, 4, 6, 1, 3, 5, 7);
+        return [
+            _mm512_permutexvar_epi64(order, low),
+            _mm512_permutexvar_epi64(order, high),
+        ];
+    }
+    let [first, second] = &PLACES;
+    // SAFETY: 32 numbers of 16 bits are borrowed, twice.
+    let (first, second) = unsafe {
+        (
+            _mm512_loadu_si512(first.as_ptr().cast()),
+            _mm512_loadu_si512(second.as_ptr().cast()),
+        )
+    };
     [
         _mm512_permutex2var_epi16(low, first, high),
         _mm512_permutex2var_epi16(low, second, high),
     ]
 }
 
-/// Returns the samples, of those with a fourth band, that stay without it, from one on.
-#[target_feature(enable = "avx512f,avx512bw,avx512cd,avx512dq,avx512vl")]
-#[inline]
-fn words_of_three(first: usize) -> __m512i {
-    const PLACES: [i16; 64] = {
-        let mut places = [0; 64];
-        let mut sample = 0;
-        while sample < 48 {
-            places[sample] = (sample / 3 * 4 + sample % 3) as i16;
-            sample += 1;
-        }
-        places
-    };
-    let places = if first == 0 {
-        PLACES.first_chunk::<32>()
-    } else {
-        PLACES.last_chunk::<32>()
-    };
-    let places = places.unwrap_or(&[0; 32]);
-    // SAFETY: 32 numbers of 16 bits are borrowed.
-    unsafe { _mm512_loadu_si512(places.as_ptr().cast()) }
-}
-
 /// Returns sixteen pixels of 8 bits, one behind the other.
 #[target_feature(enable = "avx512f,avx512bw,avx512cd,avx512dq,avx512vl")]
 #[inline]
 fn bytes<const C: usize>([a, b, c, d]: [__m512i; 4]) -> __m512i {
-    let zero = _mm512_setzero_si512();
-    let a = _mm512_cvtusepi32_epi8(_mm512_max_epi32(a, zero));
-    let b = _mm512_cvtusepi32_epi8(_mm512_max_epi32(b, zero));
-    let c = _mm512_cvtusepi32_epi8(_mm512_max_epi32(c, zero));
-    let d = _mm512_cvtusepi32_epi8(_mm512_max_epi32(d, zero));
-    let all = _mm512_inserti32x4::<1>(_mm512_castsi128_si512(a), b);
-    let all = _mm512_inserti32x4::<2>(all, c);
-    let all = _mm512_inserti32x4::<3>(all, d);
+    if C == 1 {
+        let zero = _mm512_setzero_si512();
+        return _mm512_castsi128_si512(_mm512_cvtusepi32_epi8(_mm512_max_epi32(a, zero)));
+    }
+    let (low, high) = (_mm512_packs_epi32(a, b), _mm512_packs_epi32(c, d));
+    let pixels = _mm512_packus_epi16(low, high);
+    let order = _mm512_setr_epi32(0, 4, 8, 12, 1, 5, 9, 13, 2, 6, 10, 14, 3, 7, 11, 15);
+    let pixels = _mm512_permutexvar_epi32(order, pixels);
     if C != 3 {
-        return all;
+        return pixels;
     }
     let of_three = _mm512_broadcast_i32x4(_mm_setr_epi8(
         0, 1, 2, 4, 5, 6, 8, 9, 10, 12, 13, 14, -1, -1, -1, -1,
     ));
     let order = _mm512_setr_epi32(0, 1, 2, 4, 5, 6, 8, 9, 10, 12, 13, 14, 3, 7, 11, 15);
-    _mm512_permutexvar_epi32(order, _mm512_shuffle_epi8(all, of_three))
+    _mm512_permutexvar_epi32(order, _mm512_shuffle_epi8(pixels, of_three))
 }

@@ -48,6 +48,13 @@ impl<'a, S> Band<'a, S> {
         self.bands
     }
 
+    /// Samples of every row.
+    #[inline(always)]
+    pub(super) fn samples_of_row(&self) -> usize {
+        // The product fits, as was found when the band was made.
+        self.size_px[0] as usize * self.bands
+    }
+
     /// Rows of the image that are in memory.
     #[must_use]
     pub fn rows_px(&self) -> core::ops::Range<u32> {

@@ -9,7 +9,12 @@ pub(super) fn row<S: Sample>(level: Level, taps: usize, row: Row<'_, S>) -> u32 
     match level.token() {
         #[cfg(target_arch = "x86_64")]
         Token::Avx512(proof) => super::avx512::row(proof, taps, row),
-        _ => baseline(taps, row),
+        #[cfg(target_arch = "x86_64")]
+        Token::Avx2(proof) => super::avx2::row(proof, taps, row),
+        // Every aarch64 has NEON, so that the compiler uses it without being asked.
+        #[cfg(target_arch = "aarch64")]
+        Token::Neon(_) => by_size(Plain, taps, row),
+        Token::Baseline => by_size(Plain, taps, row),
     }
 }
 
@@ -45,8 +50,4 @@ where
         (_, 3) => row.resample::<3, 6>(vectors),
         (_, _) => row.resample::<4, 6>(vectors),
     }
-}
-
-fn baseline<S: Sample>(taps: usize, row: Row<'_, S>) -> u32 {
-    by_size(Plain, taps, row)
 }

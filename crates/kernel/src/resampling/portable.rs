@@ -1,7 +1,7 @@
 //! Rows of pixels, run by run.
 
 use super::band::Band;
-use super::pixel::{blend, half_unit, split, taps_before};
+use super::pixel::{Axis, Places, blend, split, taps_before};
 use super::run::{PLACE_BITS, RUN_PX, Run};
 use super::sample::Sample;
 use super::weights::Weights;
@@ -53,6 +53,7 @@ impl<S: Sample> Row<'_, S> {
             mask,
         } = self;
         let mut pixels = out.as_chunks_mut::<C>().0;
+        mask.fill(1);
         let mut mask = mask;
         let mut border = 0;
         for run in runs {
@@ -67,7 +68,6 @@ impl<S: Sample> Row<'_, S> {
                 if !vectors.run(source, weights, run, now) {
                     inner_pixels::<S, C, N>(source, weights, run, now);
                 }
-                mask_now.fill(1);
             } else {
                 border += outer_pixels::<S, C, N>(source, weights, run, now, mask_now);
             }
@@ -87,16 +87,19 @@ fn clear<S: Sample, const C: usize>(pixels: &mut [[S; C]], mask: &mut [u8]) -> u
 /// Returns true if all taps of all pixels of a run lie in the image.
 #[inline(always)]
 fn is_inside<S, const N: usize>(source: &Band<'_, S>, run: &Run, count: usize) -> bool {
-    let last = u32::try_from(count).unwrap_or(RUN_PX).saturating_sub(1);
-    let [first, last] = [run.place(0), run.place(last)];
-    let half = i64::from(half_unit(N));
+    let last = i32::try_from(count).unwrap_or_default() - 1;
+    let places = Places::new::<N>(run);
     let (before, after) = (taps_before(N) as i64, (N / 2) as i64);
-    let inside = |a: i64, b: i64, side: u32| {
-        let (low, high) = (a.min(b) + half, a.max(b) + half);
-        ((low >> PLACE_BITS) >= before) & ((high >> PLACE_BITS) + after < i64::from(side))
+    let inside = |base: i32, axis: &Axis, side: u32| {
+        let (a, b) = (axis.at(0) >> PLACE_BITS, axis.at(last) >> PLACE_BITS);
+        let (low, high) = (
+            i64::from(base) + i64::from(a.min(b)),
+            i64::from(base) + i64::from(a.max(b)),
+        );
+        (low >= before) & (high + after < i64::from(side))
     };
-    let [width, height] = source.size_px();
-    inside(first[0], last[0], width) & inside(first[1], last[1], height)
+    let ([width, height], [col, row]) = (source.size_px(), run.base_px);
+    inside(col, &places.col, width) & inside(row, &places.row, height)
 }
 
 /// Resamples the pixels of a run all of whose taps lie in the image.
@@ -145,7 +148,6 @@ fn outer_pixels<S: Sample, const C: usize, const N: usize>(
             border += 1;
             continue;
         }
-        *mask = 1;
         let nearest = |place: i64, side: i64| place.clamp(0, (side - 1) << PLACE_BITS);
         let (col, along) = split::<N>(nearest(place[0], width));
         let (row, down) = split::<N>(nearest(place[1], height));

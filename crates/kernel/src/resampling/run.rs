@@ -23,6 +23,19 @@ pub struct Run {
 }
 
 impl Run {
+    /// Returns the place of a pixel, px.
+    #[must_use]
+    pub fn place_px(&self, pixel: u8) -> [f64; 2] {
+        let unit = f64::from(1 << PLACE_BITS);
+        let axis = |base: i32, start: i32, step: i32| {
+            let way = f64::from(start) + f64::from(step) * f64::from(pixel);
+            f64::from(base) + way / unit
+        };
+        let ([base_col, base_row], [col, row]) = (self.base_px, self.start);
+        let [col_step, row_step] = self.step;
+        [axis(base_col, col, col_step), axis(base_row, row, row_step)]
+    }
+
     /// Returns the place of a pixel, 1/2²⁴ px from the first pixel of the image.
     #[inline(always)]
     pub(super) fn place(&self, pixel: u32) -> [i64; 2] {
