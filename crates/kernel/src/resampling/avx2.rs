@@ -98,29 +98,12 @@ fn pixels<S: Sample, const C: usize, const N: usize>(
         first: first as usize,
     };
     let rows = source.rows::<N>(base_row.wrapping_add(row).wrapping_sub(before))?;
+    let mut values = [_mm256_setzero_si256(); 8];
     // SAFETY: the loads of all pixels lie within the rows, as was found before.
-    let mut values = unsafe { job.values::<S, C, N>(rows) }?;
+    unsafe { job.fill::<S, C, N>(rows, &mut values) }?;
     if row != end {
-        for other in row.min(end)..=row.max(end) {
-            if other == row {
-                continue;
-            }
-            let rows = source.rows::<N>(base_row.wrapping_add(other).wrapping_sub(before))?;
-            // SAFETY: as before.
-            let of_row = unsafe { job.values::<S, C, N>(rows) }?;
-            let other = _mm256_set1_epi32(other);
-            for (number, (value, of_row)) in values.iter_mut().zip(of_row).enumerate() {
-                let [low, high] = &job.lanes;
-                let (lanes, pair) = if C == 1 {
-                    (if number == 0 { low } else { high }, 0)
-                } else {
-                    (if number < 4 { low } else { high }, number as i32 & 3)
-                };
-                let row_of = _mm256_srai_epi32::<{ PLACE_BITS as i32 }>(lanes.row);
-                let here = _mm256_cmpeq_epi32(spread::<C>(row_of, pair), other);
-                *value = _mm256_blendv_epi8(*value, of_row, here);
-            }
-        }
+        // SAFETY: as before.
+        unsafe { job.across_rows::<S, C, N>(source, run, [row, end], &mut values) }?;
     }
     store::<S, C>(&values, out);
     Some(())
@@ -167,17 +150,17 @@ struct Job<'a> {
 }
 
 impl Job<'_> {
-    /// Returns the values of a run from N source rows.
+    /// Computes the values of a run from N source rows.
     ///
     /// # Safety
     /// From the first tap of every pair of taps on, [`LOADED`] samples lie within each row.
     #[target_feature(enable = "avx2,fma,bmi1,bmi2,lzcnt,popcnt")]
     #[inline]
-    unsafe fn values<S: Sample, const C: usize, const N: usize>(
+    unsafe fn fill<S: Sample, const C: usize, const N: usize>(
         &self,
         rows: &[&[S]; N],
-    ) -> Option<Values> {
-        let mut values = [_mm256_setzero_si256(); 8];
+        values: &mut Values,
+    ) -> Option<()> {
         let [low, high] = &self.lanes;
         if N == 2 {
             let [above, below, ..] = rows.as_slice() else {
@@ -204,7 +187,7 @@ impl Job<'_> {
                 let sum = _mm256_add_epi32(_mm256_add_epi32(above, half), below);
                 *value = _mm256_srai_epi32::<{ UNIT_BITS as i32 }>(sum);
             }
-            return Some(values);
+            return Some(());
         }
         let weights = self.weights?;
         for (number, value) in values.iter_mut().enumerate() {
@@ -219,7 +202,44 @@ impl Job<'_> {
             // SAFETY: that of this function.
             *value = unsafe { self.tabulated::<S, C, N>(rows, number, &of_pixels) };
         }
-        Some(values)
+        Some(())
+    }
+
+    /// Replaces the values of pixels that lie in other rows than the first.
+    ///
+    /// # Safety
+    /// That of [`Self::fill`], for all rows of the source that are in memory.
+    #[target_feature(enable = "avx2,fma,bmi1,bmi2,lzcnt,popcnt")]
+    #[inline(never)]
+    unsafe fn across_rows<S: Sample, const C: usize, const N: usize>(
+        &self,
+        source: &Band<'_, S>,
+        run: &Run,
+        [first, last]: [i32; 2],
+        values: &mut Values,
+    ) -> Option<()> {
+        let [_, base_row] = run.base_px;
+        for row in first.min(last)..=first.max(last) {
+            if row == first {
+                continue;
+            }
+            let before = taps_before(N) as i32;
+            let rows = source.rows::<N>(base_row.wrapping_add(row).wrapping_sub(before))?;
+            let mut of_row = [_mm256_setzero_si256(); 8];
+            // SAFETY: that of this function.
+            unsafe { self.fill::<S, C, N>(rows, &mut of_row) }?;
+            let row = _mm256_set1_epi32(row);
+            for (number, (value, of_row)) in values.iter_mut().zip(of_row).enumerate() {
+                let [low, high] = &self.lanes;
+                let is_low = number < if C == 1 { 1 } else { 4 };
+                let lanes = if is_low { low } else { high };
+                let row_of = _mm256_srai_epi32::<{ PLACE_BITS as i32 }>(lanes.row);
+                let row_of = spread::<C>(row_of, number as i32 & 3);
+                let here = _mm256_cmpeq_epi32(row_of, row);
+                *value = _mm256_blendv_epi8(*value, of_row, here);
+            }
+        }
+        Some(())
     }
 
     /// Returns the samples of a pair of taps of the pixels of a number of values.
@@ -316,7 +336,7 @@ impl Job<'_> {
     /// Returns the weighted sums of taps along a row.
     ///
     /// # Safety
-    /// That of [`Self::values`].
+    /// That of [`Self::fill`].
     #[target_feature(enable = "avx2,fma,bmi1,bmi2,lzcnt,popcnt")]
     #[inline]
     unsafe fn sum<S: Sample, const C: usize, const N: usize>(
@@ -458,6 +478,13 @@ fn store<S: Sample, const C: usize>(values: &Values, out: &mut [[S; C]]) {
         store_all(values, pixels);
         return;
     }
+    store_few(values, out);
+}
+
+/// Writes fewer than sixteen pixels.
+#[target_feature(enable = "avx2,fma,bmi1,bmi2,lzcnt,popcnt")]
+#[inline(never)]
+fn store_few<S: Sample, const C: usize>(values: &Values, out: &mut [[S; C]]) {
     let mut all = [[S::default(); C]; 16];
     store_all(values, &mut all);
     for (to, from) in out.iter_mut().zip(all) {

@@ -109,30 +109,14 @@ fn pixels<S: Sample, const C: usize, const N: usize>(
         first: first as usize,
     };
     let rows = source.rows::<N>(base_row.wrapping_add(row).wrapping_sub(before))?;
+    let mut values = [_mm512_setzero_si512(); 4];
     // SAFETY: the loads of all groups lie within the rows, as was found before.
-    let mut values = unsafe { job.values::<S, C, N>(rows) }?;
+    unsafe { job.fill::<S, C, N>(rows, &mut values) }?;
     if row != end {
-        for other in row.min(end)..=row.max(end) {
-            if other == row {
-                continue;
-            }
-            let rows = source.rows::<N>(base_row.wrapping_add(other).wrapping_sub(before))?;
-            // SAFETY: as before.
-            let of_row = unsafe { job.values::<S, C, N>(rows) }?;
-            let here = _mm512_set1_epi32(other);
-            let row_of = [
-                Job::spread::<C, 0>(job.lanes.whole_row),
-                Job::spread::<C, 1>(job.lanes.whole_row),
-                Job::spread::<C, 2>(job.lanes.whole_row),
-                Job::spread::<C, 3>(job.lanes.whole_row),
-            ];
-            for ((value, of_row), rows) in values.iter_mut().zip(of_row).zip(row_of) {
-                let here = _mm512_cmpeq_epi32_mask(rows, here);
-                *value = _mm512_mask_mov_epi32(*value, here, of_row);
-            }
-        }
+        // SAFETY: as before.
+        unsafe { job.across_rows::<S, C, N>(source, run, [row, end], &mut values) }?;
     }
-    store::<S, C>(values, out);
+    store::<S, C>(&values, out);
     Some(())
 }
 
@@ -188,65 +172,89 @@ struct Job<'a> {
 }
 
 impl Job<'_> {
-    /// Returns the values of a run from N source rows.
+    /// Computes the values of a run from N source rows.
     ///
     /// # Safety
     /// From the first tap of every group on, [`loaded`] samples lie within each row.
     #[target_feature(enable = "avx512f,avx512bw,avx512cd,avx512dq,avx512vl")]
     #[inline]
-    unsafe fn values<S: Sample, const C: usize, const N: usize>(
+    unsafe fn fill<S: Sample, const C: usize, const N: usize>(
         &self,
         rows: &[&[S]; N],
-    ) -> Option<[__m512i; 4]> {
-        let none = _mm512_setzero_si512();
+        [first, second, third, fourth]: &mut [__m512i; 4],
+    ) -> Option<()> {
         // SAFETY: that of this function.
         unsafe {
             if N == 1 {
-                let one = self.nearest::<S, C, 0>(rows.as_slice());
-                if C == 1 {
-                    return Some([one, none, none, none]);
+                *first = self.nearest::<S, C, 0>(rows.as_slice());
+                if C > 1 {
+                    *second = self.nearest::<S, C, 1>(rows.as_slice());
+                    *third = self.nearest::<S, C, 2>(rows.as_slice());
+                    *fourth = self.nearest::<S, C, 3>(rows.as_slice());
                 }
-                return Some([
-                    one,
-                    self.nearest::<S, C, 1>(rows.as_slice()),
-                    self.nearest::<S, C, 2>(rows.as_slice()),
-                    self.nearest::<S, C, 3>(rows.as_slice()),
-                ]);
-            }
-            if N == 2 {
+            } else if N == 2 {
                 let pairs = self.bilinear_pairs();
-                let one = self.bilinear::<S, C, 0>(rows.as_slice(), &pairs);
-                if C == 1 {
-                    return Some([one, none, none, none]);
+                *first = self.bilinear::<S, C, 0>(rows.as_slice(), &pairs);
+                if C > 1 {
+                    *second = self.bilinear::<S, C, 1>(rows.as_slice(), &pairs);
+                    *third = self.bilinear::<S, C, 2>(rows.as_slice(), &pairs);
+                    *fourth = self.bilinear::<S, C, 3>(rows.as_slice(), &pairs);
                 }
-                return Some([
-                    one,
-                    self.bilinear::<S, C, 1>(rows.as_slice(), &pairs),
-                    self.bilinear::<S, C, 2>(rows.as_slice(), &pairs),
-                    self.bilinear::<S, C, 3>(rows.as_slice(), &pairs),
-                ]);
+            } else if C == 1 {
+                let weights = Tabulated::of_lanes::<N>(self.weights?, &self.lanes);
+                *first = self.tabulated::<S, C, N, 0>(rows, &weights);
+            } else {
+                let (weights, places) = (self.weights?, &self.places);
+                let of_group = Tabulated::of_group::<N>(weights, places, 0);
+                *first = self.tabulated::<S, C, N, 0>(rows, &of_group);
+                let of_group = Tabulated::of_group::<N>(weights, places, 1);
+                *second = self.tabulated::<S, C, N, 1>(rows, &of_group);
+                let of_group = Tabulated::of_group::<N>(weights, places, 2);
+                *third = self.tabulated::<S, C, N, 2>(rows, &of_group);
+                let of_group = Tabulated::of_group::<N>(weights, places, 3);
+                *fourth = self.tabulated::<S, C, N, 3>(rows, &of_group);
             }
-            let weights = self.weights?;
-            if C == 1 {
-                let weights = Tabulated::of_lanes::<N>(weights, &self.lanes);
-                let one = self.tabulated::<S, C, N, 0>(rows, &weights);
-                return Some([one, none, none, none]);
-            }
-            let places = &self.places;
-            let of_groups = [
-                Tabulated::of_group::<N>(weights, places, 0),
-                Tabulated::of_group::<N>(weights, places, 1),
-                Tabulated::of_group::<N>(weights, places, 2),
-                Tabulated::of_group::<N>(weights, places, 3),
-            ];
-            let [first, second, third, fourth] = &of_groups;
-            Some([
-                self.tabulated::<S, C, N, 0>(rows, first),
-                self.tabulated::<S, C, N, 1>(rows, second),
-                self.tabulated::<S, C, N, 2>(rows, third),
-                self.tabulated::<S, C, N, 3>(rows, fourth),
-            ])
         }
+        Some(())
+    }
+
+    /// Replaces the values of pixels that lie in other rows than the first.
+    ///
+    /// # Safety
+    /// That of [`Self::fill`], for all rows of the source that are in memory.
+    #[target_feature(enable = "avx512f,avx512bw,avx512cd,avx512dq,avx512vl")]
+    #[inline(never)]
+    unsafe fn across_rows<S: Sample, const C: usize, const N: usize>(
+        &self,
+        source: &Band<'_, S>,
+        run: &Run,
+        [first, last]: [i32; 2],
+        values: &mut [__m512i; 4],
+    ) -> Option<()> {
+        let [_, base_row] = run.base_px;
+        let row_of = self.lanes.whole_row;
+        let row_of = [
+            Self::spread::<C, 0>(row_of),
+            Self::spread::<C, 1>(row_of),
+            Self::spread::<C, 2>(row_of),
+            Self::spread::<C, 3>(row_of),
+        ];
+        for row in first.min(last)..=first.max(last) {
+            if row == first {
+                continue;
+            }
+            let before = taps_before(N) as i32;
+            let rows = source.rows::<N>(base_row.wrapping_add(row).wrapping_sub(before))?;
+            let mut of_row = [_mm512_setzero_si512(); 4];
+            // SAFETY: that of this function.
+            unsafe { self.fill::<S, C, N>(rows, &mut of_row) }?;
+            let row = _mm512_set1_epi32(row);
+            for ((value, of_row), rows) in values.iter_mut().zip(of_row).zip(row_of) {
+                let here = _mm512_cmpeq_epi32_mask(rows, row);
+                *value = _mm512_mask_mov_epi32(*value, here, of_row);
+            }
+        }
+        Some(())
     }
 
     /// Returns the lanes of a group from one lane per pixel.
@@ -309,7 +317,7 @@ impl Job<'_> {
         };
         // SAFETY: that of this function.
         let samples = unsafe { load(row, self.first::<C, G>()) };
-        let found = _mm512_permutexvar_epi16(self.taps::<C, G>(), samples);
+        let found = centred::<S>(_mm512_permutexvar_epi16(self.taps::<C, G>(), samples));
         _mm512_srai_epi32::<16>(_mm512_slli_epi32::<16>(found))
     }
 
@@ -347,8 +355,9 @@ impl Job<'_> {
         let (first, taps) = (self.first::<C, G>(), self.taps::<C, G>());
         // SAFETY: that of this function.
         let (above, below) = unsafe { (load(above, first), load(below, first)) };
-        let above = _mm512_permutexvar_epi16(taps, above);
-        let below = _mm512_permutexvar_epi16(taps, below);
+        // A compiler that moves this before the permutation permutes the constant, too.
+        let above = centred::<S>(_mm512_permutexvar_epi16(taps, above));
+        let below = centred::<S>(_mm512_permutexvar_epi16(taps, below));
         let above = _mm512_madd_epi16(above, Self::spread::<C, G>(*upper));
         let below = _mm512_madd_epi16(below, Self::spread::<C, G>(*lower));
         let half = _mm512_set1_epi32(1 << (UNIT_BITS - 1));
@@ -402,10 +411,10 @@ unsafe fn sum<S: Sample, const C: usize, const N: usize>(
     weights: &[__m512i; 3],
 ) -> __m512 {
     // SAFETY: that of this function.
-    let low = unsafe { load(row, first) };
+    let low = centred::<S>(unsafe { load(row, first) });
     let high = if loaded(C, N) > LOADED {
         // SAFETY: as above.
-        unsafe { load(row, first + LOADED) }
+        centred::<S>(unsafe { load(row, first + LOADED) })
     } else {
         low
     };
@@ -504,7 +513,18 @@ impl Tabulated {
     }
 }
 
-/// Loads samples as the numbers that are computed with.
+/// Subtracts 2¹⁵ from samples of 16 bits.
+#[target_feature(enable = "avx512f,avx512bw,avx512cd,avx512dq,avx512vl")]
+#[inline]
+fn centred<S: Sample>(samples: __m512i) -> __m512i {
+    if S::BITS == 8 {
+        samples
+    } else {
+        _mm512_xor_si512(samples, _mm512_set1_epi16(i16::MIN))
+    }
+}
+
+/// Loads samples as numbers of 16 bits.
 ///
 /// # Safety
 /// From the first on, [`LOADED`] samples lie within the row.
@@ -519,8 +539,7 @@ unsafe fn load<S: Sample>(row: &[S], first: usize) -> __m512i {
         _mm512_cvtepu8_epi16(unsafe { _mm256_loadu_si256(place.cast()) })
     } else {
         // SAFETY: 32 samples of 16 bits lie within the row.
-        let samples = unsafe { _mm512_loadu_si512(place.cast()) };
-        _mm512_xor_si512(samples, _mm512_set1_epi16(i16::MIN))
+        unsafe { _mm512_loadu_si512(place.cast()) }
     }
 }
 
@@ -545,7 +564,7 @@ fn half(weights: &ColumnWeights, number: usize) -> __m128 {
 /// Writes sixteen pixels, or fewer, from four groups.
 #[target_feature(enable = "avx512f,avx512bw,avx512cd,avx512dq,avx512vl")]
 #[inline]
-fn store<S: Sample, const C: usize>(groups: [__m512i; 4], out: &mut [[S; C]]) {
+fn store<S: Sample, const C: usize>(groups: &[__m512i; 4], out: &mut [[S; C]]) {
     if let Some(pixels) = out.first_chunk_mut::<16>() {
         if S::BITS == 8 {
             store_bytes(bytes::<C>(groups), pixels);
@@ -554,6 +573,13 @@ fn store<S: Sample, const C: usize>(groups: [__m512i; 4], out: &mut [[S; C]]) {
         }
         return;
     }
+    store_few(groups, out);
+}
+
+/// Writes fewer than sixteen pixels.
+#[target_feature(enable = "avx512f,avx512bw,avx512cd,avx512dq,avx512vl")]
+#[inline(never)]
+fn store_few<S: Sample, const C: usize>(groups: &[__m512i; 4], out: &mut [[S; C]]) {
     let mut all = [[S::default(); C]; 16];
     if S::BITS == 8 {
         store_bytes(bytes::<C>(groups), &mut all);
@@ -606,7 +632,7 @@ fn store_words<S: Sample, const C: usize>([low, high]: [__m512i; 2], pixels: &mu
 /// Returns sixteen pixels of 16 bits, one behind the other.
 #[target_feature(enable = "avx512f,avx512bw,avx512cd,avx512dq,avx512vl")]
 #[inline]
-fn words<const C: usize>([a, b, c, d]: [__m512i; 4]) -> [__m512i; 2] {
+fn words<const C: usize>(&[a, b, c, d]: &[__m512i; 4]) -> [__m512i; 2] {
     /// Samples of the output among those of two vectors, each of which has pixels of the one
     /// group and of the next in turn.
     const PLACES: [[i16; 32]; 2] = {
@@ -652,7 +678,7 @@ fn words<const C: usize>([a, b, c, d]: [__m512i; 4]) -> [__m512i; 2] {
 /// Returns sixteen pixels of 8 bits, one behind the other.
 #[target_feature(enable = "avx512f,avx512bw,avx512cd,avx512dq,avx512vl")]
 #[inline]
-fn bytes<const C: usize>([a, b, c, d]: [__m512i; 4]) -> __m512i {
+fn bytes<const C: usize>(&[a, b, c, d]: &[__m512i; 4]) -> __m512i {
     if C == 1 {
         let zero = _mm512_setzero_si512();
         return _mm512_castsi128_si512(_mm512_cvtusepi32_epi8(_mm512_max_epi32(a, zero)));
