@@ -99,15 +99,16 @@ mod unix {
     }
 
     pub fn main() {
-        let numbers: Vec<u32> = std::env::args().filter_map(|word| word.parse().ok()).collect();
+        let numbers: Vec<u32> = std::env::args()
+            .filter_map(|word| word.parse().ok())
+            .collect();
         let words: Vec<String> = std::env::args().skip(1).collect();
         let words: Vec<&String> = words
             .iter()
             .filter(|word| word.parse::<u32>().is_err() && !word.starts_with("--"))
             .collect();
-        let is_asked = |name: &str| {
-            words.is_empty() || words.iter().any(|word| name.contains(word.as_str()))
-        };
+        let is_asked =
+            |name: &str| words.is_empty() || words.iter().any(|word| name.contains(word.as_str()));
         let rounds = numbers.first().copied().unwrap_or(5);
         let (name, text) = CAMERA_FILES[0];
         let mut text = text.to_owned();
@@ -135,7 +136,11 @@ mod unix {
         let first = made(Resampling::Nearest, Level::BASELINE);
         let pixels = width as f64 * height as f64;
         let mesh_s = now_s() - start;
-        println!("mesh,{:.3},{}", 1e9 * mesh_s / pixels, first.mesh_spacing_px());
+        println!(
+            "mesh,{:.3},{}",
+            1e9 * mesh_s / pixels,
+            first.mesh_spacing_px()
+        );
 
         let row = width * BANDS;
         let mut state = 1_u32;
@@ -148,7 +153,9 @@ mod unix {
         let rows: Vec<&[u16]> = source.chunks(row).collect();
         let mut out = vec![1_u16; row * height];
         let mut mask = vec![1_u8; width];
-        let mut opencv = is_asked("OpenCV").then(|| OpenCv::start(&first, size_px)).flatten();
+        let mut opencv = is_asked("OpenCV")
+            .then(|| OpenCv::start(&first, size_px))
+            .flatten();
 
         let mut contenders: Vec<(String, Vec<f64>)> = vec![("memcpy".into(), Vec::new())];
         let mut all = Vec::new();
@@ -191,7 +198,11 @@ mod unix {
         for (name, mut times) in contenders {
             times.sort_by(f64::total_cmp);
             let ns = |seconds: f64| 1e9 * seconds / pixels;
-            println!("{name},{:.3},{:.3}", ns(times[0]), ns(times[times.len() / 2]));
+            println!(
+                "{name},{:.3},{:.3}",
+                ns(times[0]),
+                ns(times[times.len() / 2])
+            );
         }
     }
 }

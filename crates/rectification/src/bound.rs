@@ -75,6 +75,8 @@ impl SourceBounds {
 fn norm([[a, b], [c, d]]: Matrix) -> f64 {
     let sum = a * a + b * b + c * c + d * d;
     let determinant = a * d - b * c;
-    let root = (sum * sum - 4.0 * determinant * determinant).max(0.0).sqrt();
+    let root = (sum * sum - 4.0 * determinant * determinant)
+        .max(0.0)
+        .sqrt();
     (0.5 * (sum + root)).sqrt()
 }

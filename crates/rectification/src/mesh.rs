@@ -30,6 +30,9 @@ const STRETCH_AROUND: f64 = 1.5;
 /// Bits that a place has more than a vertex.
 const MORE_BITS: u32 = PLACE_BITS - VERTEX_BITS;
 
+/// Pixels of a whole run.
+const WHOLE_RUN: u8 = 16;
+
 /// A vertex without a source.
 const NONE: [i32; 2] = [i32::MIN; 2];
 
@@ -37,7 +40,9 @@ const NONE: [i32; 2] = [i32::MIN; 2];
 #[derive(Debug, Clone, Copy, PartialEq, thiserror::Error)]
 pub enum MeshError {
     /// Not even neighbouring pixels can be interpolated, or the map folds at the sensor's edge.
-    #[error("the distortion is too strong for a mesh: no spacing keeps its places within {LARGEST_ERROR_PX} px")]
+    #[error(
+        "the distortion is too strong for a mesh: no spacing keeps its places within {LARGEST_ERROR_PX} px"
+    )]
     TooStrong,
     /// A source lies too far from its output pixel.
     #[error("a source lies {displacement_px:.0} px from its output pixel, beyond {} px", 1 << (31 - VERTEX_BITS))]
@@ -66,6 +71,8 @@ pub struct Mesh {
     /// Largest difference of neighbouring vertices whose cell holds points of the sensor.
     steepest: i64,
     rows: Vec<VertexRow>,
+    /// For every row of cells, whether all of them have places.
+    are_whole: Vec<bool>,
 }
 
 /// A row of vertices, without those at its ends that have no source.
@@ -108,12 +115,15 @@ impl Mesh {
             offset_px: places.offset_px.map(nearest),
             steepest: i64::from(fixed(steepest).unwrap_or(i32::MAX)),
             rows: Vec::new(),
+            are_whole: Vec::new(),
         };
         let [_, height] = layout.size_px;
         for row in 0..=last_vertex(height, mesh.shift) {
             let vertices = places.row(layout, row << mesh.shift, mesh.shift)?;
             mesh.rows.push(vertices);
         }
+        let pairs = mesh.rows.windows(2);
+        mesh.are_whole = pairs.map(|pair| mesh.is_whole(pair)).collect();
         Ok(mesh)
     }
 
@@ -172,11 +182,15 @@ impl Mesh {
             return border(width, runs);
         };
         let down = i64::from(row_px & (spacing - 1));
+        if spacing == RUN_PX && self.are_whole.get(index) == Some(&true) {
+            return self.whole_cells([above, below], row_px, runs);
+        }
         let first = above.first.max(below.first);
         let mut done = 0;
         let mut last = None;
         let numbers = u32::try_from(first).unwrap_or(u32::MAX)..;
-        for (number, (above, below)) in numbers.zip(above.from(first).iter().zip(below.from(first))) {
+        for (number, (above, below)) in numbers.zip(above.from(first).iter().zip(below.from(first)))
+        {
             let vertex = self.interpolated([*above, *below], down);
             if let (Some(from), Some(to)) = (last, vertex) {
                 let start_px = (number - 1) << self.shift;
@@ -191,6 +205,75 @@ impl Mesh {
             last = vertex;
         }
         border(width - done, runs);
+    }
+
+    /// Returns true if all cells between two rows of vertices have places.
+    fn is_whole(&self, rows: &[VertexRow]) -> bool {
+        let [width, _] = self.size_px;
+        let count = last_vertex(width, self.shift) as usize + 1;
+        let is_near = |a: &[i32; 2], b: &[i32; 2]| {
+            let way = |a: i32, b: i32| (i64::from(a) - i64::from(b)).abs();
+            way(a[0], b[0]).max(way(a[1], b[1])) <= self.steepest
+        };
+        let is_complete = |row: &VertexRow| {
+            let pairs = row.vertices.windows(2);
+            row.vertices.len() == count
+                && !row.vertices.contains(&NONE)
+                && pairs
+                    .map(<[_]>::as_ref)
+                    .all(|pair| matches!(pair, [a, b] if is_near(a, b)))
+        };
+        let [above, below] = rows else {
+            return false;
+        };
+        let mut pairs = above.vertices.iter().zip(&below.vertices);
+        is_complete(above)
+            && is_complete(below)
+            && pairs.all(|(above, below)| is_near(above, below))
+    }
+
+    /// Appends the places of a row of pixels all of whose cells have places and are one run wide.
+    fn whole_cells(&self, [above, below]: [&VertexRow; 2], row_px: u32, runs: &mut Vec<Run>) {
+        let down = i64::from(row_px & (self.spacing_px() - 1));
+        let pairs = above.vertices.iter().zip(&below.vertices);
+        let places: Vec<[i64; 2]> = pairs
+            .map(|(above, below)| {
+                let between = |above: i32, below: i32| {
+                    let change = i64::from(below) - i64::from(above);
+                    (i64::from(above) << MORE_BITS) + (((change * down) << MORE_BITS) >> self.shift)
+                };
+                [between(above[0], below[0]), between(above[1], below[1])]
+            })
+            .collect();
+        let half = (1 << self.shift) >> 1;
+        let [offset_col, offset_row] = self.offset_px;
+        let base_row = offset_row.wrapping_add(low(i64::from(row_px)));
+        let first = runs.len();
+        let numbers = (offset_col..).step_by(RUN_PX as usize);
+        let cells = places.iter().zip(places.iter().skip(1)).zip(numbers);
+        runs.extend(cells.map(|((from, to), base_col)| {
+            let step =
+                [to[0] - from[0], to[1] - from[1]].map(|change| (change + half) >> self.shift);
+            Run {
+                base_px: [
+                    base_col.wrapping_add(low(from[0] >> PLACE_BITS)),
+                    base_row.wrapping_add(low(from[1] >> PLACE_BITS)),
+                ],
+                start: from.map(|place| low(place) & ((1 << PLACE_BITS) - 1)),
+                step: [low(step[0]).wrapping_add(1 << PLACE_BITS), low(step[1])],
+                count: WHOLE_RUN,
+                border: false,
+            }
+        }));
+        // The last cell may reach beyond the image.
+        let [width, _] = self.size_px;
+        let behind = low(i64::from(width % RUN_PX));
+        if let (Some(last), Ok(behind @ 1..)) = (
+            runs.get_mut(first..).and_then(<[_]>::last_mut),
+            u8::try_from(behind),
+        ) {
+            last.count = behind;
+        }
     }
 
     /// Returns the displacement between a vertex and the one below it, 1/2²⁴ px.
@@ -221,9 +304,7 @@ impl Mesh {
         let mut along = 0;
         while along < count {
             let run = (count - along).min(RUN_PX);
-            let place = |from: i64, change: i64| {
-                from + ((change * i64::from(along)) >> self.shift)
-            };
+            let place = |from: i64, change: i64| from + ((change * i64::from(along)) >> self.shift);
             let place = [place(from[0], change[0]), place(from[1], change[1])];
             let [col_base, row_base] = place.map(|place| place >> PLACE_BITS);
             let [offset_col, offset_row] = self.offset_px.map(i64::from);
@@ -406,7 +487,10 @@ fn ideal_limits(form: &Form, half_mm: [f64; 2], margin_mm: f64) -> [[f64; 2]; 2]
         }
     }
     let [low, high] = limits;
-    [low.map(|low| low - margin_mm), high.map(|high| high + margin_mm)]
+    [
+        low.map(|low| low - margin_mm),
+        high.map(|high| high + margin_mm),
+    ]
 }
 
 /// Returns the number of the last vertex along a side: that of the first cell behind the last
@@ -419,8 +503,8 @@ const fn last_vertex(side_px: u32, shift: u32) -> u32 {
 /// map and the distance of a vertex from the sensor.
 fn spacing(form: &Form, sensor: &Sensor) -> Option<(u32, SourceBounds, f64)> {
     let pixel_mm = f64::from(sensor.pixel_mm());
-    let half_mm = [sensor.width_px(), sensor.height_px()]
-        .map(|side| 0.5 * f64::from(side) * pixel_mm);
+    let half_mm =
+        [sensor.width_px(), sensor.height_px()].map(|side| 0.5 * f64::from(side) * pixel_mm);
     let on_sensor = SourceBounds::over(form, half_mm)?;
     let largest_stretch = on_sensor.stretch * STRETCH_AROUND;
     let mut spacing_px = WIDEST_SPACING_PX;
@@ -481,6 +565,12 @@ const fn nearest(whole: f64) -> i32 {
 #[expect(clippy::cast_possible_truncation, reason = "that is the rounding")]
 const fn single(number: f64) -> f32 {
     number as f32
+}
+
+/// Returns the last 32 bits of a number.
+#[expect(clippy::cast_possible_truncation, reason = "that is the result")]
+const fn low(number: i64) -> i32 {
+    number as i32
 }
 
 /// Returns a number that is known to be small.

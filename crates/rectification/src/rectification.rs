@@ -71,7 +71,9 @@ pub enum RowError {
         present_px: [u32; 2],
     },
     /// The slices of the output do not have its width.
-    #[error("the row has {samples} samples and {mask} mask pixels instead of {width_px} x bands and {width_px}")]
+    #[error(
+        "the row has {samples} samples and {mask} mask pixels instead of {width_px} x bands and {width_px}"
+    )]
     Length {
         /// Samples of the output slice.
         samples: usize,

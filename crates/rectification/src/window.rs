@@ -85,11 +85,7 @@ impl IdealEdges {
         let middle = [middle.x_mm, middle.y_mm].map(f64::from);
         let edge = |axis: usize, sign: f64| {
             let along_px = sides_px.into_iter().rev().nth(axis).unwrap_or_default();
-            let [half_across, half_along] = if axis == 0 {
-                half
-            } else {
-                [half[1], half[0]]
-            };
+            let [half_across, half_along] = if axis == 0 { half } else { [half[1], half[0]] };
             let steps = (along_px * PLACES_PER_PX).ceil().max(1.0);
             let mut points = Vec::new();
             let mut step = 0.0;
@@ -108,10 +104,7 @@ impl IdealEdges {
         };
         Self {
             pixel_mm,
-            edges: [
-                [edge(0, -1.0), edge(0, 1.0)],
-                [edge(1, -1.0), edge(1, 1.0)],
-            ],
+            edges: [[edge(0, -1.0), edge(0, 1.0)], [edge(1, -1.0), edge(1, 1.0)]],
         }
     }
 

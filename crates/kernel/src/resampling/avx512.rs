@@ -29,6 +29,9 @@ use super::weights::{
 /// the samples of one load, or of two for four bands and six taps.
 const LONGEST_STEP: i32 = 5 << (PLACE_BITS - 2);
 
+/// Samples by which the memory that is asked for lies ahead of a run; it need not exist.
+const AHEAD: usize = 1024;
+
 /// Samples of a load.
 const LOADED: usize = 32;
 
@@ -109,6 +112,12 @@ fn pixels<S: Sample, const C: usize, const N: usize>(
         first: first as usize,
     };
     let rows = source.rows::<N>(base_row.wrapping_add(row).wrapping_sub(before))?;
+    // Of the rows only the last is new since the output row before.
+    if let Some(newest) = rows.last() {
+        let ahead = newest.as_ptr().wrapping_add(job.first + AHEAD);
+        _mm_prefetch::<_MM_HINT_T0>(ahead.cast());
+        _mm_prefetch::<_MM_HINT_T0>(ahead.wrapping_byte_add(64).cast());
+    }
     let mut values = [_mm512_setzero_si512(); 4];
     // SAFETY: the loads of all groups lie within the rows, as was found before.
     unsafe { job.fill::<S, C, N>(rows, &mut values) }?;

@@ -73,10 +73,13 @@ pub(crate) fn random(rng: &mut Rng, side_px: u32) -> Case {
         let pixel_um = (2000.0 * half_mm / f64::from(width)).min(100.0);
         let radius = f64::from(width).hypot(f64::from(height)) * pixel_um / 2000.0;
         // Up to two per cent of the radius, shared out among the three terms.
-        let share = |rng: &mut Rng, power: i32, part: f64| {
-            between(rng, -part, part) / radius.powi(power)
-        };
-        let [k1, k2, k3] = [share(rng, 2, 0.02), share(rng, 4, 0.01), share(rng, 6, 0.005)];
+        let share =
+            |rng: &mut Rng, power: i32, part: f64| between(rng, -part, part) / radius.powi(power);
+        let [k1, k2, k3] = [
+            share(rng, 2, 0.02),
+            share(rng, 4, 0.01),
+            share(rng, 6, 0.005),
+        ];
         let [p1, p2] = [share(rng, 1, 3e-4), share(rng, 1, 3e-4)];
         let axis = ["+x", "-x", "+y", "-y"][rng.usize(0..4)];
         let strategy = ["centred", "from-rest"][rng.usize(0..2)];

@@ -58,7 +58,11 @@ fn compare(case: &Case, rng: &mut Rng, window: Window, centre: Centre) -> f64 {
     };
     let made = Rectification::new(&case.correction, case.principal_point, &request);
     let made = made.unwrap_or_else(|error| panic!("{name}: {error}"));
-    assert!(made.mesh_bound_px() <= 0.001, "{name}: {}", made.mesh_bound_px());
+    assert!(
+        made.mesh_bound_px() <= 0.001,
+        "{name}: {}",
+        made.mesh_bound_px()
+    );
     let middle = match centre {
         Centre::PrincipalPoint => case.principal_point,
         Centre::Frame => SensorPoint::default(),
@@ -76,8 +80,8 @@ fn compare(case: &Case, rng: &mut Rng, window: Window, centre: Centre) -> f64 {
             return;
         }
         let place = made.mesh().place_px([col, row]);
-        let [found_x, found_y] =
-            place.unwrap_or_else(|| panic!("{name}: no place of {col}, {row}, which is at {x}, {y}"));
+        let [found_x, found_y] = place
+            .unwrap_or_else(|| panic!("{name}: no place of {col}, {row}, which is at {x}, {y}"));
         let error = (found_x - x).hypot(found_y - y);
         assert!(
             error <= made.mesh_bound_px(),
@@ -85,9 +89,13 @@ fn compare(case: &Case, rng: &mut Rng, window: Window, centre: Centre) -> f64 {
             made.mesh_bound_px()
         );
         let rows = made.source_rows(row..row + 1);
-        let within_rows = |place: f64| (f64::from(rows.start)..f64::from(rows.end)).contains(&place);
+        let within_rows =
+            |place: f64| (f64::from(rows.start)..f64::from(rows.end)).contains(&place);
         let nearest = y.clamp(0.0, f64::from(sensor.height_px()) - 1.0).round();
-        assert!(within_rows(nearest), "{name}: {col}, {row} at {y}, rows {rows:?}");
+        assert!(
+            within_rows(nearest),
+            "{name}: {col}, {row} at {y}, rows {rows:?}"
+        );
         largest = largest.max(error);
         compared += 1;
     };
@@ -110,10 +118,20 @@ fn compare(case: &Case, rng: &mut Rng, window: Window, centre: Centre) -> f64 {
 #[test]
 fn the_bound_of_the_mesh_is_never_exceeded() {
     let mut rng = Rng::with_seed(19);
-    let windows = [Window::Same, Window::Inside, Window::Full, Window::Size([333, 777])];
+    let windows = [
+        Window::Same,
+        Window::Inside,
+        Window::Full,
+        Window::Size([333, 777]),
+    ];
     let mut reached = 0.0_f64;
     for case in published_in_flight() {
-        reached = reached.max(compare(&case, &mut rng, Window::Full, Centre::PrincipalPoint));
+        reached = reached.max(compare(
+            &case,
+            &mut rng,
+            Window::Full,
+            Centre::PrincipalPoint,
+        ));
     }
     for number in 0..200 {
         let side_px = rng.u32(300..4000);

@@ -7,8 +7,18 @@ use crate::cameras::published_at_rest;
 /// Displacement at its largest in the window of the sensor's size, pixels, and sides of the windows
 /// inside and full, as computed independently.
 const EXPECTED: [(&str, f64, [u32; 2], [u32; 2]); 2] = [
-    ("phase-one-ixm-rs150f-50.toml", 119.0, [14294, 10700], [14412, 10790]),
-    ("phase-one-ixu-rs1000-50.toml", 83.0, [11701, 8750], [11745, 8812]),
+    (
+        "phase-one-ixm-rs150f-50.toml",
+        119.0,
+        [14294, 10700],
+        [14412, 10790],
+    ),
+    (
+        "phase-one-ixu-rs1000-50.toml",
+        83.0,
+        [11701, 8750],
+        [11745, 8812],
+    ),
 ];
 
 fn request(window: Window) -> Request {
@@ -41,7 +51,11 @@ fn windows_of_the_wide_lenses_have_their_published_sizes() {
                 }
             }
         }
-        println!("{name}: {largest}, {} {}", same.mesh_spacing_px(), same.mesh_bound_px());
+        println!(
+            "{name}: {largest}, {} {}",
+            same.mesh_spacing_px(),
+            same.mesh_bound_px()
+        );
         assert!((largest - displacement_px).abs() < 1.0, "{name}: {largest}");
         assert_eq!(same.mesh_spacing_px(), 16, "{name}");
     }
