@@ -8,9 +8,12 @@
 #![forbid(unsafe_code)]
 
 mod bound;
+pub mod comparison;
 mod form;
 pub mod mesh;
+pub mod pattern;
 mod rectification;
+pub mod truth;
 pub mod window;
 
 pub use fmc_camera_kernel::resampling::{Band as SourceBand, Kernel as Resampling, Sample};

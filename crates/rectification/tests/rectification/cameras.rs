@@ -97,3 +97,24 @@ pub(crate) fn random(rng: &mut Rng, side_px: u32) -> Case {
         }
     }
 }
+
+/// Returns the published cameras in flight with so large pixels that their images are small.
+pub(crate) fn reduced() -> Vec<Case> {
+    let reduced = |(name, text): (&'static str, &str)| {
+        let (file, _) = CameraFile::parse(name, text).unwrap();
+        let times = file.sensor.width_px as f64 / 640.0;
+        let mut lines = Vec::new();
+        for line in text.lines() {
+            let (key, value) = line.split_once('=').unwrap_or((line, ""));
+            let number = value.trim().parse::<f64>().unwrap_or_default();
+            lines.push(match key.trim() {
+                "width_px" | "height_px" => format!("{key} = {}", (number / times).round()),
+                "pixel_um" => format!("{key} = {:.3}", (number * times).min(100.0)),
+                _ => line.to_owned(),
+            });
+        }
+        let text = format!("{}\n[fmc]\nstrategy = \"from-rest\"\n", lines.join("\n"));
+        Case::new(name, &text, [0.06, 0.003])
+    };
+    CAMERA_FILES.into_iter().filter_map(reduced).collect()
+}
