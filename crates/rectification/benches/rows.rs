@@ -1,11 +1,21 @@
 //! Processor time per output pixel of the kernels of resampling, one thread, RGB of 16 bits, with
-//! the places of the iXM-RS150F's lens, beside a copy of the same bytes and OpenCV's `remap`.
+//! the places of the lens of an `iXM-RS150F`, beside a copy of the same bytes and `remap` of
+//! `OpenCV`.
 //!
 //! `cargo bench -p fmc-rectification --bench rows [-- ROUNDS [WIDTH HEIGHT]] [NAME…]`: every
 //! contender, or every one whose name has one of these words in it, is
-//! timed once per round, so that all meet the same state of the machine. OpenCV takes part if
+//! timed once per round, so that all meet the same state of the machine. `OpenCV` takes part if
 //! `python3`, or the program that `PYTHON` names, has it (`opencv-python-headless`); its maps are
 //! ready before it is timed. Prints CSV: contender, least and median ns per pixel.
+
+#![expect(
+    clippy::unwrap_used,
+    clippy::indexing_slicing,
+    clippy::cast_precision_loss,
+    clippy::cast_possible_truncation,
+    clippy::too_many_lines,
+    reason = "a measurement, which ends where anything is amiss"
+)]
 
 #[cfg(unix)]
 fn main() {
@@ -98,7 +108,7 @@ mod unix {
         }
     }
 
-    pub fn main() {
+    pub(super) fn main() {
         let numbers: Vec<u32> = std::env::args()
             .filter_map(|word| word.parse().ok())
             .collect();

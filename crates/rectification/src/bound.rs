@@ -1,6 +1,6 @@
 //! Bound of the error of a mesh that is interpolated linearly.
 
-use crate::form::{Form, Matrix, inverse, times};
+use crate::form::{Form, Matrix, inverse, length, times};
 
 /// Cells of the sensor, along each axis, over each of which the derivatives are bounded: the fewest
 /// and the most.
@@ -42,7 +42,7 @@ impl SourceBounds {
             stretch: 0.0,
         };
         let side = half_mm.map(|half| 2.0 * half / f64::from(cells));
-        let reach = 0.5 * side[0].hypot(side[1]);
+        let reach = 0.5 * length(side);
         for row in 0..cells {
             for col in 0..cells {
                 let middle = [
@@ -62,8 +62,8 @@ impl SourceBounds {
                 for (largest, axis) in found.second_per_mm.iter_mut().zip([[1.0, 0.0], [0.0, 1.0]])
                 {
                     let along = times(inverse, axis);
-                    let [x, y] = times(inverse, form.second_derivative(middle, along));
-                    *largest = largest.max(x.hypot(y) + change);
+                    let second = times(inverse, form.second_derivative(middle, along));
+                    *largest = largest.max(length(second) + change);
                 }
             }
         }

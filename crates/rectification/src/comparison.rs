@@ -44,7 +44,7 @@ impl<'a> Plane<'a> {
     /// `None` if the lengths differ or are not whole rows.
     #[must_use]
     pub fn new(width: usize, values: &'a [f32], mask: Option<&'a [u8]>) -> Option<Self> {
-        let whole = width > 0 && values.len() % width == 0;
+        let whole = width > 0 && values.len().is_multiple_of(width);
         let alike = mask.is_none_or(|mask| mask.len() == values.len());
         (whole && alike).then_some(Self {
             width,
@@ -175,12 +175,12 @@ fn step(
     let inverse = normals.cholesky()?.inverse();
     let solution = inverse * right;
     let variance = (squares - solution.dot(&right)).max(0.0) / pixels(count - 4);
-    let sigma = |axis: usize| (variance * inverse[(axis, axis)]).sqrt();
-    let [x, y, gain] = [solution[0], solution[1], solution[2]];
+    let [[x, y, gain, _]] = solution.data.0;
+    let [of_x, of_y] = [inverse.m11, inverse.m22].map(|cofactor| (variance * cofactor).sqrt());
     // The mean derivative is that of the first image times 1 + g/2, that of the second one 1 + g.
     let scale = from.map_or((1.0 + 0.5 * gain) / (1.0 + gain), |_| 1.0);
     let [x, y] = [scale * x, scale * y];
-    let is_sure = sigma(0).max(sigma(1)) <= LARGEST_SIGMA_PX && (x + y).is_finite();
+    let is_sure = of_x.max(of_y) <= LARGEST_SIGMA_PX && (x + y).is_finite();
     is_sure.then_some([x, y])
 }
 

@@ -153,6 +153,11 @@ pub(crate) fn inverse([[a, b], [c, d]]: Matrix) -> Option<Matrix> {
     })
 }
 
-pub(crate) fn times([[a, b], [c, d]]: Matrix, [x, y]: [f64; 2]) -> [f64; 2] {
-    [a * x + b * y, c * x + d * y]
+pub(crate) fn times([of_x, of_y]: Matrix, [x, y]: [f64; 2]) -> [f64; 2] {
+    [of_x[0] * x + of_x[1] * y, of_y[0] * x + of_y[1] * y]
+}
+
+/// Returns the length of a vector, with the same bits on every machine.
+pub(crate) fn length([x, y]: [f64; 2]) -> f64 {
+    (x * x + y * y).sqrt()
 }

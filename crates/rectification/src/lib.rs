@@ -9,11 +9,15 @@
 
 mod bound;
 pub mod comparison;
+mod fixed_point;
 mod form;
 pub mod mesh;
+mod mesh_error;
 pub mod pattern;
 mod rectification;
+mod spacing;
 pub mod truth;
+mod vertices;
 pub mod window;
 
 pub use fmc_camera_kernel::resampling::{Band as SourceBand, Kernel as Resampling, Sample};

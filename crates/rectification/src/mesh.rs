@@ -3,54 +3,17 @@
 
 use std::ops::Range;
 
-use fmc_camera::geometry::frame_correction::FrameCorrection;
-use fmc_camera::geometry::mesh::source_row::SourceRow;
-use fmc_camera::geometry::sensor::{Sensor, SensorPoint};
 use fmc_camera_kernel::resampling::{PLACE_BITS, RUN_PX, Run};
 
-use crate::bound::SourceBounds;
-use crate::form::Form;
-
-/// Largest error of a place by interpolation, pixels, that decides on the spacing.
-pub const LARGEST_ERROR_PX: f64 = 0.001;
-/// Largest distance of vertices, pixels.
-pub const WIDEST_SPACING_PX: u32 = 256;
-/// Bits of the fraction of a pixel in a vertex.
-pub const VERTEX_BITS: u32 = 20;
-/// Largest stretch of the way from ideal to measured points.
-pub const LARGEST_STRETCH: f64 = 3.5;
-
-/// Rounding of a place in fixed point, pixels: of the vertices by half of 1/2²⁰ px, and of the
-/// interpolation by a few 1/2²⁴ px, on both axes.
-const ROUNDING_PX: f64 = 1.5 / (1 << VERTEX_BITS) as f64;
-
-/// Share by which the stretch around the sensor may be above the one on it.
-const STRETCH_AROUND: f64 = 1.5;
-
-/// Bits that a place has more than a vertex.
-const MORE_BITS: u32 = PLACE_BITS - VERTEX_BITS;
+pub use crate::fixed_point::VERTEX_BITS;
+use crate::fixed_point::{MORE_BITS, fixed, low, nearest, small};
+pub use crate::mesh_error::MeshError;
+pub use crate::spacing::{LARGEST_ERROR_PX, LARGEST_STRETCH, WIDEST_SPACING_PX};
+use crate::spacing::{ROUNDING_PX, error_px, spacing};
+use crate::vertices::{Layout, NONE, Places, VertexRow, last_vertex};
 
 /// Pixels of a whole run.
 const WHOLE_RUN: u8 = 16;
-
-/// A vertex without a source.
-const NONE: [i32; 2] = [i32::MIN; 2];
-
-/// A map that cannot be stated as a mesh.
-#[derive(Debug, Clone, Copy, PartialEq, thiserror::Error)]
-pub enum MeshError {
-    /// Not even neighbouring pixels can be interpolated, or the map folds at the sensor's edge.
-    #[error(
-        "the distortion is too strong for a mesh: no spacing keeps its places within {LARGEST_ERROR_PX} px"
-    )]
-    TooStrong,
-    /// A source lies too far from its output pixel.
-    #[error("a source lies {displacement_px:.0} px from its output pixel, beyond {} px", 1 << (31 - VERTEX_BITS))]
-    TooFar {
-        /// Distance along an axis, pixels, less the constant part.
-        displacement_px: f64,
-    },
-}
 
 /// Places of all output pixels of a frame in its source image.
 ///
@@ -73,31 +36,6 @@ pub struct Mesh {
     rows: Vec<VertexRow>,
     /// For every row of cells, whether all of them have places.
     are_whole: Vec<bool>,
-}
-
-/// A row of vertices, without those at its ends that have no source.
-#[derive(Debug, Clone, PartialEq, Default)]
-struct VertexRow {
-    first: usize,
-    vertices: Vec<[i32; 2]>,
-    /// Least and largest displacement of its rows.
-    rows: Option<[i32; 2]>,
-}
-
-impl VertexRow {
-    /// Returns the vertices from a number on, which is not before the first.
-    fn from(&self, number: usize) -> &[[i32; 2]] {
-        self.vertices.get(number - self.first..).unwrap_or_default()
-    }
-}
-
-/// What a mesh is made of.
-pub(crate) struct Layout<'a> {
-    pub(crate) correction: &'a FrameCorrection,
-    pub(crate) form: &'a Form,
-    /// The point of the sensor frame in the middle of the output.
-    pub(crate) middle: SensorPoint,
-    pub(crate) size_px: [u32; 2],
 }
 
 impl Mesh {
@@ -365,175 +303,6 @@ impl Mesh {
     }
 }
 
-/// Ideal places of vertices, and the sources among which they are looked for.
-struct Places {
-    pixel_mm: f64,
-    middle_mm: [f64; 2],
-    /// Half of the output's sides less one, pixels.
-    centre_px: [f64; 2],
-    offset_px: [f64; 2],
-    /// What the offset leaves of the way from an output pixel to its source, without distortion.
-    rest_px: [f64; 2],
-    /// Farthest |x| and |y| of a source.
-    farthest_mm: [f64; 2],
-    /// Least and largest ideal x and y of such a source.
-    ideal_mm: [[f64; 2]; 2],
-}
-
-impl Places {
-    fn new(layout: &Layout<'_>, margin_mm: f64) -> Self {
-        let sensor = layout.correction.sensor();
-        let pixel_mm = f64::from(sensor.pixel_mm());
-        let sensor_px = [sensor.width_px(), sensor.height_px()].map(f64::from);
-        let [width, height] = layout.size_px.map(f64::from);
-        let middle_mm = [layout.middle.x_mm, layout.middle.y_mm].map(f64::from);
-        let way_px = [
-            0.5 * (sensor_px[0] - width) + middle_mm[0] / pixel_mm,
-            0.5 * (sensor_px[1] - height) - middle_mm[1] / pixel_mm,
-        ];
-        let offset_px = way_px.map(f64::round);
-        let half_mm = sensor_px.map(|side| 0.5 * side * pixel_mm);
-        Self {
-            pixel_mm,
-            middle_mm,
-            centre_px: [0.5 * (width - 1.0), 0.5 * (height - 1.0)],
-            offset_px,
-            rest_px: [way_px[0] - offset_px[0], way_px[1] - offset_px[1]],
-            farthest_mm: half_mm.map(|half| half + margin_mm),
-            ideal_mm: ideal_limits(layout.form, half_mm, margin_mm),
-        }
-    }
-
-    /// Returns a row of vertices.
-    fn row(&self, layout: &Layout<'_>, row_px: u32, shift: u32) -> Result<VertexRow, MeshError> {
-        let [width, _] = layout.size_px;
-        let y = (self.centre_px[1] - f64::from(row_px)) * self.pixel_mm + self.middle_mm[1];
-        let mut found = VertexRow::default();
-        let mut sources = SourceRow::new(layout.correction);
-        let mut end = 0;
-        for number in 0..=last_vertex(width, shift) {
-            let col_px = f64::from(number << shift);
-            let x = (col_px - self.centre_px[0]) * self.pixel_mm + self.middle_mm[0];
-            let Some(vertex) = self.vertex(layout, &mut sources, [x, y])? else {
-                if !found.vertices.is_empty() {
-                    found.vertices.push(NONE);
-                }
-                continue;
-            };
-            if found.vertices.is_empty() {
-                found.first = number as usize;
-            }
-            let [_, row] = vertex;
-            let [low, high] = found.rows.unwrap_or([row; 2]);
-            found.rows = Some([low.min(row), high.max(row)]);
-            found.vertices.push(vertex);
-            end = found.vertices.len();
-        }
-        found.vertices.truncate(end);
-        Ok(found)
-    }
-
-    /// Returns the displacement of a vertex, 1/2²⁰ px; `None` where its source is far from the
-    /// sensor or there is none.
-    fn vertex(
-        &self,
-        layout: &Layout<'_>,
-        sources: &mut SourceRow<'_>,
-        ideal: [f64; 2],
-    ) -> Result<Option<[i32; 2]>, MeshError> {
-        let [low, high] = self.ideal_mm;
-        let within = |place: f64, low: f64, high: f64| (low..=high).contains(&place);
-        if !(within(ideal[0], low[0], high[0]) && within(ideal[1], low[1], high[1])) {
-            return Ok(None);
-        }
-        let [x_mm, y_mm] = ideal.map(single);
-        let near = sources.next(SensorPoint::new(x_mm, y_mm));
-        let near = near.map_or([0.0; 2], |near| [near.dx_mm, near.dy_mm].map(f64::from));
-        let Some([dx, dy]) = layout.form.source(ideal, near) else {
-            return Ok(None);
-        };
-        let [farthest_x, farthest_y] = self.farthest_mm;
-        if (ideal[0] + dx).abs() > farthest_x || (ideal[1] + dy).abs() > farthest_y {
-            return Ok(None);
-        }
-        let vertex = [
-            self.rest_px[0] + dx / self.pixel_mm,
-            self.rest_px[1] - dy / self.pixel_mm,
-        ];
-        match vertex.map(fixed) {
-            [Some(col), Some(row)] => Ok(Some([col, row])),
-            _ => Err(MeshError::TooFar {
-                displacement_px: vertex[0].abs().max(vertex[1].abs()),
-            }),
-        }
-    }
-}
-
-/// Returns the least and the largest ideal x and y of measured points within `margin_mm` of the
-/// sensor.
-fn ideal_limits(form: &Form, half_mm: [f64; 2], margin_mm: f64) -> [[f64; 2]; 2] {
-    const PLACES: u32 = 512;
-    let mut limits = [[f64::INFINITY; 2], [f64::NEG_INFINITY; 2]];
-    for place in 0..=PLACES {
-        let along = 2.0 * f64::from(place) / f64::from(PLACES) - 1.0;
-        for [x, y] in [[along, 1.0], [along, -1.0], [1.0, along], [-1.0, along]] {
-            let ideal = form.ideal([x * half_mm[0], y * half_mm[1]]);
-            for axis in 0..2 {
-                if let ([low, high], Some(place)) = (&mut limits, ideal.get(axis)) {
-                    low[axis] = low[axis].min(*place);
-                    high[axis] = high[axis].max(*place);
-                }
-            }
-        }
-    }
-    let [low, high] = limits;
-    [
-        low.map(|low| low - margin_mm),
-        high.map(|high| high + margin_mm),
-    ]
-}
-
-/// Returns the number of the last vertex along a side: that of the first cell behind the last
-/// pixel.
-const fn last_vertex(side_px: u32, shift: u32) -> u32 {
-    (side_px.saturating_sub(1) >> shift) + 1
-}
-
-/// Returns the widest spacing whose error is within [`LARGEST_ERROR_PX`], with the bounds of the
-/// map and the distance of a vertex from the sensor.
-fn spacing(form: &Form, sensor: &Sensor) -> Option<(u32, SourceBounds, f64)> {
-    let pixel_mm = f64::from(sensor.pixel_mm());
-    let half_mm =
-        [sensor.width_px(), sensor.height_px()].map(|side| 0.5 * f64::from(side) * pixel_mm);
-    let on_sensor = SourceBounds::over(form, half_mm)?;
-    let largest_stretch = on_sensor.stretch * STRETCH_AROUND;
-    let mut spacing_px = WIDEST_SPACING_PX;
-    while spacing_px > 0 {
-        if error_px(&on_sensor, sensor, spacing_px) <= LARGEST_ERROR_PX {
-            // The diagonal of a cell.
-            let diagonal_mm = std::f64::consts::SQRT_2 * f64::from(spacing_px) * pixel_mm;
-            let margin_mm = largest_stretch * diagonal_mm;
-            let around = SourceBounds::over(form, half_mm.map(|half| half + margin_mm));
-            if let Some(bounds) = around
-                && bounds.stretch <= largest_stretch.min(LARGEST_STRETCH)
-                && error_px(&bounds, sensor, spacing_px) <= LARGEST_ERROR_PX
-            {
-                return Some((spacing_px, bounds, margin_mm));
-            }
-        }
-        spacing_px /= 2;
-    }
-    None
-}
-
-/// Returns the bound of a place's error, pixels.
-fn error_px(bounds: &SourceBounds, sensor: &Sensor, spacing_px: u32) -> f64 {
-    let [by_x, by_y] = bounds.second_per_mm;
-    let spacing_px = f64::from(spacing_px);
-    let of_lines = spacing_px * spacing_px / 8.0 * (by_x + by_y) * f64::from(sensor.pixel_mm());
-    of_lines + ROUNDING_PX
-}
-
 /// Appends border pixels.
 fn border(count: u32, runs: &mut Vec<Run>) {
     let mut left = count;
@@ -546,34 +315,4 @@ fn border(count: u32, runs: &mut Vec<Run>) {
         });
         left -= run;
     }
-}
-
-/// Returns pixels in fixed point, unless they are too many.
-fn fixed(pixels: f64) -> Option<i32> {
-    let steps = (pixels * f64::from(1 << VERTEX_BITS)).round();
-    (steps.abs() < f64::from(i32::MAX)).then(|| nearest(steps))
-}
-
-#[expect(
-    clippy::cast_possible_truncation,
-    reason = "a whole number below 2³¹ in size"
-)]
-const fn nearest(whole: f64) -> i32 {
-    whole as i32
-}
-
-#[expect(clippy::cast_possible_truncation, reason = "that is the rounding")]
-const fn single(number: f64) -> f32 {
-    number as f32
-}
-
-/// Returns the last 32 bits of a number.
-#[expect(clippy::cast_possible_truncation, reason = "that is the result")]
-const fn low(number: i64) -> i32 {
-    number as i32
-}
-
-/// Returns a number that is known to be small.
-fn small(number: i64) -> i32 {
-    i32::try_from(number).unwrap_or(i32::MAX)
 }

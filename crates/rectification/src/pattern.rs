@@ -66,7 +66,7 @@ impl<'a> PatternImage<'a> {
     #[must_use]
     pub fn new(width: usize, bands: usize, values: &'a [f32]) -> Option<Self> {
         let row = width.checked_mul(bands)?;
-        let whole = row > 0 && !values.is_empty() && values.len() % row == 0;
+        let whole = row > 0 && !values.is_empty() && values.len().is_multiple_of(row);
         whole.then_some(Self {
             width,
             bands,

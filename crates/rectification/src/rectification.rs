@@ -8,10 +8,11 @@ use fmc_camera_kernel::host::Level;
 use fmc_camera_kernel::resampling::{Band, Kernel, Resampler, Sample};
 
 use crate::form::Form;
-use crate::mesh::{Layout, Mesh, MeshError};
+use crate::mesh::{Mesh, MeshError};
+use crate::vertices::Layout;
 use crate::window::{Centre, Window, WindowError};
 
-/// How a frame is rectified.
+/// Choices for the rectification of a frame.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Request {
     /// Size of the output image.

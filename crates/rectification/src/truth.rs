@@ -1,5 +1,5 @@
-//! Places that a camera in motion sees, in double precision, by the strict reference solver: without
-//! code of the camera and of the rectification.
+//! Places that a camera in motion sees, in double precision, by the strict reference solver:
+//! without code of the camera and of the rectification.
 
 use fmc_camera_file::CameraFile;
 use fmc_reference::exposure::ExposureRequest;

@@ -1,5 +1,8 @@
 //! Rows of a source image that are in memory.
 
+/// Numbers of bands that are resampled.
+pub const BANDS: [usize; 3] = [1, 3, 4];
+
 /// Rows of a source image that are in memory, one slice of interleaved samples each.
 #[derive(Debug, Clone, Copy)]
 pub struct Band<'a, S> {
@@ -11,7 +14,7 @@ pub struct Band<'a, S> {
 
 impl<'a, S> Band<'a, S> {
     /// Returns rows of an image of `size_px` (width, height), from `first_row_px` on; `None` unless
-    /// the number of bands is one of [`BANDS`](super::BANDS), every row has the samples of the
+    /// the number of bands is one of [`BANDS`], every row has the samples of the
     /// image's width, the image is not empty and its sides are within 2³⁰ samples.
     #[must_use]
     pub fn new(
@@ -26,7 +29,7 @@ impl<'a, S> Band<'a, S> {
         let valid = fits
             && samples > 0
             && height > 0
-            && super::BANDS.contains(&bands)
+            && BANDS.contains(&bands)
             && rows.iter().all(|row| row.len() == samples);
         valid.then_some(Self {
             size_px,

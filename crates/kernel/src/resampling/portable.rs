@@ -1,5 +1,7 @@
 //! Rows of pixels, run by run.
 
+#![expect(clippy::cast_possible_wrap, reason = "numbers of taps")]
+
 use super::band::Band;
 use super::pixel::{Axis, Places, blend, split, taps_before};
 use super::run::{PLACE_BITS, RUN_PX, Run};

@@ -28,11 +28,7 @@ impl Sample for u8 {
         i32::from(self)
     }
 
-    #[expect(
-        clippy::cast_possible_truncation,
-        clippy::cast_sign_loss,
-        reason = "clamped to its range"
-    )]
+    #[expect(clippy::cast_sign_loss, reason = "clamped to its range")]
     #[inline(always)]
     fn saturated(centred: i32) -> Self {
         centred.clamp(0, 255) as Self
@@ -47,11 +43,7 @@ impl Sample for u16 {
         i32::from(self) - (1 << 15)
     }
 
-    #[expect(
-        clippy::cast_possible_truncation,
-        clippy::cast_sign_loss,
-        reason = "clamped to its range"
-    )]
+    #[expect(clippy::cast_sign_loss, reason = "clamped to its range")]
     #[inline(always)]
     fn saturated(centred: i32) -> Self {
         (centred + (1 << 15)).clamp(0, 65535) as Self

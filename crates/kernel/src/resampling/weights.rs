@@ -3,12 +3,14 @@
 use alloc::boxed::Box;
 use core::f64::consts::PI;
 
-use super::Kernel;
+use super::kernel::Kernel;
 
 /// Fractions of a pixel in a table; a place is rounded to the nearest of them.
 pub const FRACTIONS: usize = 1 << FRACTION_BITS;
 /// Bits of the fraction that select an entry of a table.
 pub(super) const FRACTION_BITS: u32 = 12;
+/// Distance of fractions.
+const STEP: f64 = 1.0 / (1_u32 << FRACTION_BITS) as f64;
 /// Sum of the weights of a row: 14 bits.
 pub const UNIT: i16 = 1 << UNIT_BITS;
 pub(super) const UNIT_BITS: u32 = 14;
@@ -34,6 +36,10 @@ impl Weights {
     /// The taps lie at the places 1 - n/2 to n/2 about the pixel at or before the fraction t, the
     /// weight of the tap at i is kernel(t - i) over the sum of all. Along rows they are rounded so
     /// that their sum is exact, and for kernels that reproduce a ramp also their first moment.
+    #[expect(
+        clippy::large_stack_arrays,
+        reason = "192 kB at most, once per frame, on their way to the heap"
+    )]
     pub(super) fn new(kernel: Kernel) -> Self {
         let mut rows = Box::new([[0; 8]; FRACTIONS]);
         let mut columns = Box::new([[0.0; 8]; FRACTIONS]);
@@ -44,7 +50,7 @@ impl Weights {
             for (weight, exact) in column.iter_mut().zip(exact) {
                 *weight = single(exact / f64::from(UNIT));
             }
-            fraction += 1.0 / fractions();
+            fraction += STEP;
         }
         Self { rows, columns }
     }
@@ -62,10 +68,6 @@ impl Weights {
             .get(fraction & (FRACTIONS - 1))
             .unwrap_or(&[0.0; 8])
     }
-}
-
-const fn fractions() -> f64 {
-    FRACTIONS as f64
 }
 
 #[expect(clippy::cast_possible_truncation, reason = "that is the rounding")]

@@ -2,6 +2,16 @@
 //!
 //! `tests/host` says how the NEON level is run on a machine without it.
 
+#![cfg_attr(
+    test,
+    expect(
+        clippy::cast_precision_loss,
+        clippy::cast_possible_truncation,
+        clippy::cast_sign_loss,
+        reason = "places of pixels and samples, which are in range"
+    )
+)]
+
 #[cfg(test)]
 mod border;
 #[cfg(test)]

@@ -67,9 +67,9 @@ fn blocks_without_texture_or_pixels_have_no_shift_and_say_so() {
     let summary = |values: &[f32], mask| {
         let plane = Plane::new(128, values, mask).unwrap();
         let mut summary = ShiftSummary::default();
-        shifts(&plane, &plane)
-            .iter()
-            .for_each(|block| summary.add(block));
+        for block in shifts(&plane, &plane) {
+            summary.add(&block);
+        }
         (summary.found, summary.not_found, summary.rms_px())
     };
     assert_eq!(summary(&flat, None), (0, 2, None));
