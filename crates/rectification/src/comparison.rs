@@ -91,7 +91,7 @@ pub struct BlockShift {
 /// # Model
 /// Least-squares matching (Förstner 1982): `b(x + d) = (1 + g)·a(x) + o`, linear in d, g and o with
 /// the derivative of the mean of both images, which makes the error of linearisation one of third
-/// order; above [`LINEAR_PX`](self) the second image is resampled at the place found, by six
+/// order; above 0.05 px the second image is resampled at the place found, by six
 /// points.
 ///
 /// # Accuracy

@@ -155,8 +155,9 @@ impl Mesh {
         };
         let is_complete = |row: &VertexRow| {
             let pairs = row.vertices.windows(2);
+            let is_moderate = |place: &i32| place.unsigned_abs() < 1 << 30;
             row.vertices.len() == count
-                && !row.vertices.contains(&NONE)
+                && row.vertices.iter().flatten().all(is_moderate)
                 && pairs
                     .map(<[_]>::as_ref)
                     .all(|pair| matches!(pair, [a, b] if is_near(a, b)))
@@ -171,37 +172,36 @@ impl Mesh {
     }
 
     /// Appends the places of a row of pixels all of whose cells have places and are one run wide.
+    ///
+    /// With sixteen pixels to a cell, the way along a cell in 1/2²⁰ px is that of a pixel in 1/2²⁴
+    /// px.
     fn whole_cells(&self, [above, below]: [&VertexRow; 2], row_px: u32, runs: &mut Vec<Run>) {
-        let down = i64::from(row_px & (self.spacing_px() - 1));
-        let pairs = above.vertices.iter().zip(&below.vertices);
-        let places: Vec<[i64; 2]> = pairs
-            .map(|(above, below)| {
-                let between = |above: i32, below: i32| {
-                    let change = i64::from(below) - i64::from(above);
-                    (i64::from(above) << MORE_BITS) + (((change * down) << MORE_BITS) >> self.shift)
-                };
-                [between(above[0], below[0]), between(above[1], below[1])]
-            })
-            .collect();
-        let half = (1 << self.shift) >> 1;
+        let down = low(i64::from(row_px & (self.spacing_px() - 1)));
+        let between = |above: i32, below: i32| above + (((below - above) * down + 8) >> 4);
+        let mut vertices = above.vertices.iter().zip(&below.vertices);
+        let Some((above, below)) = vertices.next() else {
+            return;
+        };
+        let mut from = [between(above[0], below[0]), between(above[1], below[1])];
         let [offset_col, offset_row] = self.offset_px;
         let base_row = offset_row.wrapping_add(low(i64::from(row_px)));
         let first = runs.len();
-        let numbers = (offset_col..).step_by(RUN_PX as usize);
-        let cells = places.iter().zip(places.iter().skip(1)).zip(numbers);
-        runs.extend(cells.map(|((from, to), base_col)| {
-            let step =
-                [to[0] - from[0], to[1] - from[1]].map(|change| (change + half) >> self.shift);
-            Run {
+        let mut base_col = offset_col;
+        runs.extend(vertices.map(|(above, below)| {
+            let to = [between(above[0], below[0]), between(above[1], below[1])];
+            let run = Run {
                 base_px: [
-                    base_col.wrapping_add(low(from[0] >> PLACE_BITS)),
-                    base_row.wrapping_add(low(from[1] >> PLACE_BITS)),
+                    base_col.wrapping_add(from[0] >> VERTEX_BITS),
+                    base_row.wrapping_add(from[1] >> VERTEX_BITS),
                 ],
-                start: from.map(|place| low(place) & ((1 << PLACE_BITS) - 1)),
-                step: [low(step[0]).wrapping_add(1 << PLACE_BITS), low(step[1])],
+                start: from.map(|place| (place & ((1 << VERTEX_BITS) - 1)) << MORE_BITS),
+                step: [to[0] - from[0] + (1 << PLACE_BITS), to[1] - from[1]],
                 count: WHOLE_RUN,
                 border: false,
-            }
+            };
+            from = to;
+            base_col = base_col.wrapping_add(i32::from(WHOLE_RUN));
+            run
         }));
         // The last cell may reach beyond the image.
         let [width, _] = self.size_px;

@@ -81,28 +81,58 @@ impl Job<'_> {
         values: &mut [__m512i; 4],
     ) -> Option<()> {
         let [_, base_row] = run.base_px;
-        let row_of = self.lanes.whole_row;
-        let row_of = [
-            Self::spread::<C, 0>(row_of),
-            Self::spread::<C, 1>(row_of),
-            Self::spread::<C, 2>(row_of),
-            Self::spread::<C, 3>(row_of),
-        ];
+        let [of_first, of_second, of_third, of_fourth] = values;
         for row in first.min(last)..=first.max(last) {
             if row == first {
                 continue;
             }
             let before = taps_before(N) as i32;
             let rows = source.rows::<N>(base_row.wrapping_add(row).wrapping_sub(before))?;
-            let mut of_row = [_mm512_setzero_si512(); 4];
             // SAFETY: that of this function.
-            unsafe { self.fill::<S, C, N>(rows, &mut of_row) }?;
-            let row = _mm512_set1_epi32(row);
-            for ((value, of_row), rows) in values.iter_mut().zip(of_row).zip(row_of) {
-                let here = _mm512_cmpeq_epi32_mask(rows, row);
-                *value = _mm512_mask_mov_epi32(*value, here, of_row);
+            unsafe {
+                self.replace::<S, C, N, 0>(rows, row, of_first)?;
+                if C > 1 {
+                    self.replace::<S, C, N, 1>(rows, row, of_second)?;
+                    self.replace::<S, C, N, 2>(rows, row, of_third)?;
+                    self.replace::<S, C, N, 3>(rows, row, of_fourth)?;
+                }
             }
         }
+        Some(())
+    }
+
+    /// Replaces the values of a group's pixels that lie in a row.
+    ///
+    /// # Safety
+    /// That of [`Self::fill`].
+    #[target_feature(enable = "avx512f,avx512bw,avx512cd,avx512dq,avx512vl")]
+    #[inline]
+    unsafe fn replace<S: Sample, const C: usize, const N: usize, const G: i32>(
+        &self,
+        rows: &[&[S]; N],
+        row: i32,
+        value: &mut __m512i,
+    ) -> Option<()> {
+        let row_of = Self::spread::<C, G>(self.lanes.whole_row);
+        let here = _mm512_cmpeq_epi32_mask(row_of, _mm512_set1_epi32(row));
+        if here == 0 {
+            return Some(());
+        }
+        // SAFETY: that of this function.
+        let of_row = unsafe {
+            if N == 1 {
+                self.nearest::<S, C, G>(rows.as_slice())
+            } else if N == 2 {
+                self.bilinear::<S, C, G>(rows.as_slice(), &self.bilinear_pairs())
+            } else if C == 1 {
+                let weights = Tabulated::of_lanes::<N>(self.weights?, &self.lanes);
+                self.tabulated::<S, C, N, G>(rows, &weights)
+            } else {
+                let weights = Tabulated::of_group::<N>(self.weights?, &self.places, G);
+                self.tabulated::<S, C, N, G>(rows, &weights)
+            }
+        };
+        *value = _mm512_mask_mov_epi32(*value, here, of_row);
         Some(())
     }
 
