@@ -18,12 +18,13 @@ const WHOLE_RUN: u8 = 16;
 /// Places of all output pixels of a frame in its source image.
 ///
 /// # Model
-/// The source of every s-th pixel on both axes is the library's
-/// [`SourceRow`], refined in double precision and continued beyond the sensor by the same
-/// polynomial. Between them the places are interpolated linearly on both axes, in fixed point.
+/// The source of every s-th pixel on both axes is the library's [`SourceRow`], refined in double
+/// precision and continued beyond the sensor by the same polynomial. Between them the places are interpolated linearly on both axes, in fixed point.
 ///
 /// # Accuracy
 /// [`Self::bound_px`], for every output pixel whose source lies on the sensor.
+///
+/// [`SourceRow`]: fmc_camera::geometry::mesh::source_row::SourceRow
 #[derive(Debug, Clone, PartialEq)]
 pub struct Mesh {
     size_px: [u32; 2],
