@@ -19,7 +19,8 @@ const WHOLE_RUN: u8 = 16;
 ///
 /// # Model
 /// The source of every s-th pixel on both axes is the library's [`SourceRow`], refined in double
-/// precision and continued beyond the sensor by the same polynomial. Between them the places are interpolated linearly on both axes, in fixed point.
+/// precision and continued beyond the sensor by the same polynomial. Between them the places are
+/// interpolated linearly on both axes, in fixed point.
 ///
 /// # Accuracy
 /// [`Self::bound_px`], for every output pixel whose source lies on the sensor.
