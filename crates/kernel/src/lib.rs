@@ -9,16 +9,29 @@
 //! to single precision and none fused, so that the results have the same bits, which `tests/kernel`
 //! checks on emulated cores. One exception: a Cortex-M55 takes numbers below 2⁻¹²⁶ for zero.
 //!
+//! Images are resampled on a PC by the module `resampling`.
+//!
 //! This is the only crate of the library with `unsafe`: it calls the assembly, in `thumbv7em.rs`,
-//! and loads, stores and streams vectors, in `host`.
+//! and loads, stores and streams vectors, in `host` and `resampling`.
 
 #![no_std]
 #![deny(unsafe_op_in_unsafe_fn, clippy::undocumented_unsafe_blocks)]
+
+#[cfg(all(
+    feature = "resampling",
+    any(target_arch = "x86_64", target_arch = "aarch64")
+))]
+extern crate alloc;
 
 #[cfg(all(feature = "host", any(target_arch = "x86_64", target_arch = "aarch64")))]
 pub mod host;
 pub mod inverse;
 pub mod portable;
+#[cfg(all(
+    feature = "resampling",
+    any(target_arch = "x86_64", target_arch = "aarch64")
+))]
+pub mod resampling;
 #[cfg(hand_scheduled)]
 mod thumbv7em;
 

@@ -17,7 +17,7 @@ pub struct Level(Token);
 
 /// Token of `pulp`, which proves that the instructions are present.
 #[derive(Debug, Clone, Copy)]
-enum Token {
+pub(crate) enum Token {
     Baseline,
     #[cfg(target_arch = "x86_64")]
     Avx2(V3),
@@ -65,6 +65,12 @@ impl Level {
     #[must_use]
     pub fn widest() -> Self {
         Self::all().next().unwrap_or(Self::BASELINE)
+    }
+
+    /// Proof of the instructions.
+    #[cfg(feature = "resampling")]
+    pub(crate) const fn token(self) -> Token {
+        self.0
     }
 
     pub(super) fn run(self, work: impl Work) {

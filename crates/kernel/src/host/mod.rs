@@ -22,6 +22,8 @@ mod xy;
 
 pub use batch::{Batch, STREAMED_FROM_BYTES, THREADED_FROM_POINTS};
 pub use level::Level;
+#[cfg(feature = "resampling")]
+pub(crate) use level::Token;
 
 use vectors::Vectors;
 

@@ -1,0 +1,145 @@
+//! Places of output pixels against double precision.
+
+use fastrand::Rng;
+use fmc_camera::geometry::frame_correction::FrameCorrection;
+use fmc_camera::geometry::sensor::SensorPoint;
+use fmc_rectification::{Centre, Rectification, Request, Resampling, Window};
+
+use crate::cameras::{Case, published_in_flight, random};
+
+/// Returns the distortion by the evaluation form, term by term.
+fn distortion(correction: &FrameCorrection, [x, y]: [f64; 2]) -> [f64; 2] {
+    let form = correction.form();
+    let [k0, k1, k2, k3] = [form.k0, form.k1, form.k2, form.k3].map(f64::from);
+    let [hx, hy, gx, gy] = [form.hx, form.hy, form.gx, form.gy].map(f64::from);
+    let [b1, b2, tx, ty] = [form.b1, form.b2, form.tx, form.ty].map(f64::from);
+    let x = x - f64::from(correction.centre().x_mm);
+    let y = y - f64::from(correction.centre().y_mm);
+    let r2 = x * x + y * y;
+    let gain = k0 + k1 * r2 + k2 * r2.powi(2) + k3 * r2.powi(3) + hx * x + hy * y;
+    [
+        x * gain + gx * r2 + b1 * x + b2 * y + tx,
+        y * gain + gy * r2 + ty,
+    ]
+}
+
+/// Returns the exact place of an output pixel in the source image.
+fn exact(
+    correction: &FrameCorrection,
+    middle: SensorPoint,
+    size_px: [u32; 2],
+    [col, row]: [u32; 2],
+) -> [f64; 2] {
+    let sensor = correction.sensor();
+    let p = f64::from(sensor.pixel_mm());
+    let [width, height] = size_px.map(f64::from);
+    let ideal = [
+        (f64::from(col) - (width - 1.0) / 2.0) * p + f64::from(middle.x_mm),
+        ((height - 1.0) / 2.0 - f64::from(row)) * p + f64::from(middle.y_mm),
+    ];
+    let mut d = [0.0, 0.0];
+    for _ in 0..100 {
+        d = distortion(correction, [ideal[0] + d[0], ideal[1] + d[1]]);
+    }
+    [
+        (f64::from(sensor.width_px()) - 1.0) / 2.0 + (ideal[0] + d[0]) / p,
+        (f64::from(sensor.height_px()) - 1.0) / 2.0 - (ideal[1] + d[1]) / p,
+    ]
+}
+
+/// Compares random pixels of a frame, and all along its edges; returns the largest error by the
+/// bound.
+fn compare(case: &Case, rng: &mut Rng, window: Window, centre: Centre) -> f64 {
+    let name = &case.name;
+    let request = Request {
+        window,
+        centre,
+        resampling: Resampling::Bicubic,
+    };
+    let made = Rectification::new(&case.correction, case.principal_point, &request);
+    let made = made.unwrap_or_else(|error| panic!("{name}: {error}"));
+    assert!(
+        made.mesh_bound_px() <= 0.001,
+        "{name}: {}",
+        made.mesh_bound_px()
+    );
+    let middle = match centre {
+        Centre::PrincipalPoint => case.principal_point,
+        Centre::Frame => SensorPoint::default(),
+    };
+    let size_px = made.output_size_px();
+    let [width, height] = size_px;
+    let sensor = case.correction.sensor();
+    let mut largest = 0.0_f64;
+    let mut compared = 0;
+    let mut check = |col: u32, row: u32| {
+        let [x, y] = exact(&case.correction, middle, size_px, [col, row]);
+        let within = |place: f64, side: u32| (-0.5..=f64::from(side) - 0.5).contains(&place);
+        let is_on = within(x, sensor.width_px()) && within(y, sensor.height_px());
+        if !is_on {
+            return;
+        }
+        let place = made.mesh().place_px([col, row]);
+        let [found_x, found_y] = place
+            .unwrap_or_else(|| panic!("{name}: no place of {col}, {row}, which is at {x}, {y}"));
+        let error = (found_x - x).hypot(found_y - y);
+        assert!(
+            error <= made.mesh_bound_px(),
+            "{name}: {col}, {row}: {error} px, bound {}",
+            made.mesh_bound_px()
+        );
+        let rows = made.source_rows(row..row + 1);
+        let within_rows =
+            |place: f64| (f64::from(rows.start)..f64::from(rows.end)).contains(&place);
+        let nearest = y.clamp(0.0, f64::from(sensor.height_px()) - 1.0).round();
+        assert!(
+            within_rows(nearest),
+            "{name}: {col}, {row} at {y}, rows {rows:?}"
+        );
+        largest = largest.max(error);
+        compared += 1;
+    };
+    for _ in 0..100 {
+        check(rng.u32(0..width), rng.u32(0..height));
+    }
+    for _ in 0..20 {
+        let (col, row) = (rng.u32(0..width), rng.u32(0..height));
+        for depth in 0..20.min(width.min(height)) {
+            check(col, depth);
+            check(col, height - 1 - depth);
+            check(depth, row);
+            check(width - 1 - depth, row);
+        }
+    }
+    assert!(compared >= 10, "{name}: {compared} places compared");
+    largest / made.mesh_bound_px()
+}
+
+#[test]
+fn the_bound_of_the_mesh_is_never_exceeded() {
+    let mut rng = Rng::with_seed(19);
+    let windows = [
+        Window::Same,
+        Window::Inside,
+        Window::Full,
+        Window::Size([333, 777]),
+    ];
+    let mut reached = 0.0_f64;
+    for case in published_in_flight() {
+        reached = reached.max(compare(
+            &case,
+            &mut rng,
+            Window::Full,
+            Centre::PrincipalPoint,
+        ));
+    }
+    for number in 0..100 {
+        let side_px = rng.u32(300..4000);
+        let case = random(&mut rng, side_px);
+        let centre = [Centre::PrincipalPoint, Centre::Frame][number % 2];
+        reached = reached.max(compare(&case, &mut rng, windows[number % 4], centre));
+    }
+    println!("{reached}");
+    // A bound that is far above every error would say nothing.
+    assert!(reached > 0.3, "at most {reached} of the bound");
+}

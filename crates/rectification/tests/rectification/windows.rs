@@ -1,0 +1,96 @@
+//! Sizes of output images.
+
+use fmc_rectification::{Centre, Rectification, Request, Resampling, Window};
+
+use crate::cameras::published_at_rest;
+
+/// Displacement at its largest in the window of the sensor's size, pixels, and sides of the windows
+/// inside and full, as computed independently.
+const EXPECTED: [(&str, f64, [u32; 2], [u32; 2]); 2] = [
+    (
+        "phase-one-ixm-rs150f-50.toml",
+        119.0,
+        [14294, 10700],
+        [14412, 10790],
+    ),
+    (
+        "phase-one-ixu-rs1000-50.toml",
+        83.0,
+        [11701, 8750],
+        [11745, 8812],
+    ),
+];
+
+fn request(window: Window) -> Request {
+    Request {
+        window,
+        centre: Centre::PrincipalPoint,
+        resampling: Resampling::Nearest,
+    }
+}
+
+#[test]
+fn windows_of_the_wide_lenses_have_their_published_sizes() {
+    let cameras = published_at_rest();
+    for (name, displacement_px, inside, full) in EXPECTED {
+        let (_, correction, point) = cameras.iter().find(|camera| camera.0 == name).unwrap();
+        let size = |window| {
+            let rectification = Rectification::new(correction, *point, &request(window));
+            rectification.unwrap().output_size_px()
+        };
+        assert_eq!(size(Window::Inside), inside, "{name}");
+        assert_eq!(size(Window::Full), full, "{name}");
+        let same = Rectification::new(correction, *point, &request(Window::Same)).unwrap();
+        let [width, height] = same.output_size_px();
+        let mut largest = 0.0_f64;
+        for row in [0, height - 1] {
+            for col in [0, width - 1] {
+                if let Some([x, y]) = same.mesh().place_px([col, row]) {
+                    let way = (x - f64::from(col)).hypot(y - f64::from(row));
+                    largest = largest.max(way);
+                }
+            }
+        }
+        println!(
+            "{name}: {largest}, {} {}",
+            same.mesh_spacing_px(),
+            same.mesh_bound_px()
+        );
+        assert!((largest - displacement_px).abs() < 1.0, "{name}: {largest}");
+        assert_eq!(same.mesh_spacing_px(), 16, "{name}");
+    }
+}
+
+#[test]
+fn the_inner_window_has_no_border_and_one_pixel_more_has() {
+    for (name, correction, point) in published_at_rest() {
+        let count = |size_px| {
+            let request = request(Window::Size(size_px));
+            let made = Rectification::new(&correction, point, &request).unwrap();
+            let [width, height] = size_px;
+            let sides = correction.sensor();
+            let mut off = 0;
+            let mut check = |col, row| {
+                let on = made.mesh().place_px([col, row]).is_some_and(|[x, y]| {
+                    let within = |place: f64, side| (-0.5..=f64::from(side) - 0.5).contains(&place);
+                    within(x, sides.width_px()) && within(y, sides.height_px())
+                });
+                off += u32::from(!on);
+            };
+            for col in (0..width).step_by(61).chain([width - 1]) {
+                check(col, 0);
+                check(col, height - 1);
+            }
+            for row in (0..height).step_by(61).chain([height - 1]) {
+                check(0, row);
+                check(width - 1, row);
+            }
+            off
+        };
+        let inside = Rectification::new(&correction, point, &request(Window::Inside)).unwrap();
+        let [width, height] = inside.output_size_px();
+        assert_eq!(count([width, height]), 0, "{name}");
+        assert!(count([width + 3, height]) > 0, "{name}");
+        assert!(count([width, height + 3]) > 0, "{name}");
+    }
+}
