@@ -3,7 +3,7 @@
 use bytemuck::Pod;
 
 /// The type of a frame's samples: `u8` or `u16`.
-pub trait Sample: Pod + Send + Sync + sealed::Sealed {
+pub trait Sample: Pod + PartialEq + Send + Sync + sealed::Sealed {
     /// Bits of a sample.
     const BITS: u16;
 

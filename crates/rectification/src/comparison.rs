@@ -1,6 +1,7 @@
 //! Difference of two images: of grey values, and of places by blocks.
 
 use nalgebra::{Matrix4, Vector4};
+use rayon::prelude::*;
 
 use crate::pattern::PatternImage;
 
@@ -100,19 +101,20 @@ pub struct BlockShift {
 #[must_use]
 pub fn shifts(a: &Plane<'_>, b: &Plane<'_>) -> Vec<BlockShift> {
     let (width, height) = (a.width, a.height());
-    let mut blocks = Vec::new();
     if (b.width, b.height()) != (width, height) {
-        return blocks;
+        return Vec::new();
     }
-    for row in (0..height).step_by(BLOCK_PX) {
-        for col in (0..width).step_by(BLOCK_PX) {
-            blocks.push(BlockShift {
-                first_px: [col, row],
-                shift_px: shift(a, b, [col, row]),
-            });
-        }
-    }
+    let across = width.div_ceil(BLOCK_PX);
+    let blocks = (0..across * height.div_ceil(BLOCK_PX)).into_par_iter();
     blocks
+        .map(|number| {
+            let first_px = [number % across * BLOCK_PX, number / across * BLOCK_PX];
+            BlockShift {
+                first_px,
+                shift_px: shift(a, b, first_px),
+            }
+        })
+        .collect()
 }
 
 fn shift(a: &Plane<'_>, b: &Plane<'_>, first: [usize; 2]) -> Option<[f64; 2]> {
@@ -258,6 +260,14 @@ impl ShiftSummary {
         self.found += 1;
         self.largest_px = self.largest_px.max(dx.hypot(dy));
         self.squares += dx * dx + dy * dy;
+    }
+
+    /// Adds what was found of other images.
+    pub fn merge(&mut self, other: &Self) {
+        self.found += other.found;
+        self.not_found += other.not_found;
+        self.largest_px = self.largest_px.max(other.largest_px);
+        self.squares += other.squares;
     }
 
     /// Root of the mean square length, px; `None` if no shift was found.

@@ -16,6 +16,7 @@ mod mesh_error;
 pub mod pattern;
 mod rectification;
 mod spacing;
+pub mod streaming;
 pub mod truth;
 mod vertices;
 pub mod window;

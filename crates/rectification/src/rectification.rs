@@ -108,10 +108,7 @@ impl Rectification {
     ) -> Result<Self, RectificationError> {
         let form = Form::new(correction);
         let sensor = correction.sensor();
-        let middle = match request.centre {
-            Centre::PrincipalPoint => principal_point,
-            Centre::Frame => SensorPoint::new(0.0, 0.0),
-        };
+        let middle = request.centre.of(principal_point);
         let mesh = Mesh::new(&Layout {
             correction,
             form: &form,
@@ -125,6 +122,20 @@ impl Rectification {
         })
     }
 
+    /// Returns width and height of the output image that [`new`](Self::new) would prepare.
+    ///
+    /// # Errors
+    /// [`WindowError`] for an image without pixels.
+    pub fn size_px(
+        correction: &FrameCorrection,
+        principal_point: SensorPoint,
+        request: &Request,
+    ) -> Result<[u32; 2], WindowError> {
+        let form = Form::new(correction);
+        let middle = request.centre.of(principal_point);
+        request.window.size_px(&form, correction.sensor(), middle)
+    }
+
     /// Selects other vectors than the widest of this machine; the result is the same.
     #[must_use]
     pub fn at(mut self, level: Level) -> Self {
@@ -136,6 +147,12 @@ impl Rectification {
     #[must_use]
     pub const fn output_size_px(&self) -> [u32; 2] {
         self.mesh.size_px()
+    }
+
+    /// Width and height of the source image.
+    #[must_use]
+    pub const fn sensor_px(&self) -> [u32; 2] {
+        self.sensor_px
     }
 
     /// Places of the output pixels.

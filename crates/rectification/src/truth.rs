@@ -14,6 +14,9 @@ const POINTS: usize = 6;
 /// Steps to a measured point; each leaves at most half of the error.
 const STEPS: usize = 60;
 
+/// A step towards a measured point that is shorter than this is the last.
+const LAST_STEP_MM: f64 = 1e-11;
+
 /// The true map between measured and ideal points of one exposure.
 #[derive(Debug, Clone)]
 pub struct TrueGeometry {
@@ -97,7 +100,12 @@ impl TrueGeometry {
         let mut measured = ideal_mm;
         for _ in 0..STEPS {
             let [dx, dy] = self.distortion_mm(measured);
-            measured = [ideal_mm[0] + dx, ideal_mm[1] + dy];
+            let [x, y] = [ideal_mm[0] + dx, ideal_mm[1] + dy];
+            let step_mm = (x - measured[0]).abs().max((y - measured[1]).abs());
+            measured = [x, y];
+            if step_mm < LAST_STEP_MM {
+                break;
+            }
         }
         measured
     }

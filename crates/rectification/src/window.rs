@@ -34,6 +34,16 @@ pub enum Centre {
     Frame,
 }
 
+impl Centre {
+    /// Returns the point of a frame with this principal point, sensor frame.
+    pub(crate) const fn of(self, principal_point: SensorPoint) -> SensorPoint {
+        match self {
+            Self::PrincipalPoint => principal_point,
+            Self::Frame => SensorPoint::new(0.0, 0.0),
+        }
+    }
+}
+
 /// A window that does not make an image.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, thiserror::Error)]
 pub enum WindowError {
