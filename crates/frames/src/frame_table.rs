@@ -79,6 +79,15 @@ impl FrameRow {
         matches!(self.outcome, RowOutcome::Refused(_))
     }
 
+    /// Model of the correction; `None` for a refused trigger.
+    #[must_use]
+    pub const fn model(&self) -> Option<CorrectionModel> {
+        match self.outcome {
+            RowOutcome::Exposed(model, _) => Some(model),
+            RowOutcome::Refused(_) => None,
+        }
+    }
+
     /// Formula that turned the focus shift into the enlargement.
     #[must_use]
     pub const fn focus_sign(&self) -> FocusSign {

@@ -10,10 +10,13 @@ use fmc_camera_file::InputError;
 use crate::Lines;
 use crate::columns::{csv_error, names, shown};
 
-/// The image of each sequence number, from a table with the columns `sequence` and `image`.
+/// The image of each sequence number, from a table with the columns `sequence` and `image`, or
+/// `sequence` and `file` ([`ImageMap::read_files`]).
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct ImageMap {
     file: String,
+    /// Name of the column of images.
+    column: &'static str,
     /// In the order of the sequence numbers.
     rows: Vec<Row>,
 }
@@ -33,8 +36,20 @@ impl ImageMap {
     /// [`InputError`] naming file, line, column and value: a column that is missing, a sequence
     /// that is no number, a sequence or an image that stands twice, an image without a name.
     pub fn read(path: &Path) -> Result<Self, InputError> {
+        Self::open(path, "image")
+    }
+
+    /// Reads a table of the files of images, whose column is `file`.
+    ///
+    /// # Errors
+    /// Those of [`read`](Self::read).
+    pub fn read_files(path: &Path) -> Result<Self, InputError> {
+        Self::open(path, "file")
+    }
+
+    fn open(path: &Path, column: &'static str) -> Result<Self, InputError> {
         let file = File::open(path).map_err(|error| InputError::reading(path, &error))?;
-        Self::read_from(&path.display().to_string(), file)
+        Self::read_column(&path.display().to_string(), file, column)
     }
 
     /// Reads a table as [`read`](Self::read) does, from any source; `file` is its name in messages.
@@ -42,6 +57,14 @@ impl ImageMap {
     /// # Errors
     /// Those of [`read`](Self::read).
     pub fn read_from(file: &str, source: impl Read) -> Result<Self, InputError> {
+        Self::read_column(file, source, "image")
+    }
+
+    fn read_column(
+        file: &str,
+        source: impl Read,
+        column: &'static str,
+    ) -> Result<Self, InputError> {
         let mut reader = ReaderBuilder::new().trim(Trim::All).from_reader(source);
         let mut row = StringRecord::new();
         let header = reader.headers();
@@ -55,7 +78,7 @@ impl ImageMap {
                 ))
             })
         };
-        let (sequence, image) = (place("sequence")?, place("image")?);
+        let (sequence, image) = (place("sequence")?, place(column)?);
         let mut rows: Vec<Row> = Vec::new();
         let mut lines = Lines::default();
         while reader
@@ -75,7 +98,7 @@ impl ImageMap {
             })?;
             let image = row.get(image).unwrap_or_default();
             if image.is_empty() {
-                return Err(refused(format!("image of sequence {number} is empty")));
+                return Err(refused(format!("{column} of sequence {number} is empty")));
             }
             rows.push(Row {
                 sequence: number,
@@ -85,6 +108,7 @@ impl ImageMap {
         }
         let map = Self {
             file: file.to_owned(),
+            column,
             rows,
         };
         map.in_order()
@@ -110,7 +134,8 @@ impl ImageMap {
                 return Err(refused(
                     next,
                     format!(
-                        "image = \"{}\" is that of sequence {}, too",
+                        "{} = \"{}\" is that of sequence {}, too",
+                        self.column,
                         shown(&next.image),
                         row.sequence
                     ),
@@ -136,6 +161,11 @@ impl ImageMap {
     #[must_use]
     pub fn line(&self, sequence: u32) -> Option<u32> {
         self.row(sequence).map(|row| row.line)
+    }
+
+    /// Returns the sequence numbers with their images, in ascending order of the numbers.
+    pub fn images(&self) -> impl Iterator<Item = (u32, &str)> {
+        self.rows.iter().map(|row| (row.sequence, &*row.image))
     }
 
     /// Returns the sequence numbers that have an image, in ascending order.
@@ -166,6 +196,20 @@ mod tests {
         assert_eq!(map.image(3), None);
         assert_eq!(map.sequences(), [1, 2]);
         assert_eq!([1, 2, 3].map(|one| map.line(one)), [Some(3), Some(2), None]);
+    }
+
+    #[test]
+    fn files_have_a_column_of_their_own() {
+        let text = "file,sequence\nb.tif,2\na.tif,1\n";
+        let map = ImageMap::read_column("frames.csv", text.as_bytes(), "file").unwrap();
+        assert_eq!(
+            map.images().collect::<Vec<_>>(),
+            [(1, "a.tif"), (2, "b.tif")]
+        );
+        let text = "file,sequence\nb.tif,2\nb.tif,1\n";
+        let error = ImageMap::read_column("frames.csv", text.as_bytes(), "file").unwrap_err();
+        let expected = "frames.csv, line 3: file = \"b.tif\" is that of sequence 2, too";
+        assert_eq!(error.to_string(), expected);
     }
 
     #[test]

@@ -299,7 +299,9 @@ pub(crate) const EXPOSED: &str = "exposed";
 /// Outcome of a trigger without one.
 pub(crate) const REFUSED: &str = "refused";
 
-pub(crate) const fn model(model: CorrectionModel) -> &'static str {
+/// Returns the name of a model, as records and options have it.
+#[must_use]
+pub const fn model(model: CorrectionModel) -> &'static str {
     match model {
         CorrectionModel::Exact => "exact",
         CorrectionModel::Fitted => "fitted",
@@ -307,7 +309,9 @@ pub(crate) const fn model(model: CorrectionModel) -> &'static str {
     }
 }
 
-pub(crate) const fn kernel(terms: Terms) -> &'static str {
+/// Returns the name of the kernel that computes a correction.
+#[must_use]
+pub const fn kernel(terms: Terms) -> &'static str {
     match terms {
         Terms::Short => "short",
         Terms::Full => "full",
