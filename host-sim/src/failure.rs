@@ -106,10 +106,22 @@ impl Failure {
         self
     }
 
+    /// Exit code of the process.
+    #[must_use]
+    pub const fn code(&self) -> u8 {
+        self.exit as u8
+    }
+
+    /// The fault in one line.
+    #[must_use]
+    pub fn text(&self) -> String {
+        self.message.text.clone()
+    }
+
     /// Prints the failure and returns the exit code of the process.
     #[must_use]
     pub fn report(self) -> ExitCode {
-        let code = ExitCode::from(self.exit as u8);
+        let code = ExitCode::from(self.code());
         let report = miette::Report::new(*self.message);
         note(format_args!("{report:?}"));
         code

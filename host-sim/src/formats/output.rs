@@ -6,8 +6,8 @@ use std::path::{Path, PathBuf};
 
 use fmc_camera_file::InputError;
 use serde::Serialize;
-use tempfile::NamedTempFile;
 
+use super::part::Part;
 use crate::failure::Failure;
 
 /// Writes to standard output, or to a file that appears only when it is complete.
@@ -138,36 +138,11 @@ fn write_file(
             Err(_) => path.to_path_buf(),
         },
     };
-    let folder = match path.parent() {
-        Some(parent) if !parent.as_os_str().is_empty() => parent,
-        _ => Path::new("."),
-    };
-    // The error is stripped of the name of the unfinished file, which means nothing to the user.
-    let unfinished = unfinished(folder).map_err(|error| io::Error::from(error.kind()))?;
-    if let Ok(existing) = fs::metadata(&path) {
-        unfinished
-            .as_file()
-            .set_permissions(existing.permissions())?;
-    }
-    let mut file = BufWriter::new(unfinished);
+    let part = Part::create(path)?;
+    let mut file = BufWriter::new(part);
     body(&mut file)?;
-    let file = file.into_inner().map_err(io::IntoInnerError::into_error)?;
-    // A full disk may be reported only here.
-    file.as_file().sync_all()?;
-    file.persist(&path).map_err(io::Error::from)?;
-    Ok(())
-}
-
-/// Creates a file without its final name; it is removed unless it is given that name.
-fn unfinished(folder: &Path) -> io::Result<NamedTempFile> {
-    let mut builder = tempfile::Builder::new();
-    builder.prefix(".host-sim-").suffix(".part");
-    #[cfg(unix)]
-    {
-        use std::os::unix::fs::PermissionsExt;
-        builder.permissions(fs::Permissions::from_mode(0o666));
-    }
-    builder.tempfile_in(folder)
+    let part = file.into_inner().map_err(io::IntoInnerError::into_error)?;
+    Ok(part.complete()?)
 }
 
 /// A folder that receives files, each only when it is complete; other files in it are left alone.

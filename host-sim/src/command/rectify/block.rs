@@ -1,0 +1,226 @@
+//! The frames of a block, one after the other.
+
+use std::collections::HashSet;
+use std::fs;
+use std::time::{Duration, Instant};
+
+use fmc_camera_file::CameraFile;
+use fmc_frames::FrameCamera;
+
+use super::exposure::Exposures;
+use super::frame::{FrameRectifier, Rectified};
+use super::manifest::{Manifest, Row};
+use super::notes::Notes;
+use super::progress::Progress;
+use super::rectified_camera;
+use super::sidecar::{Input, Sidecar};
+use super::task::FrameTask;
+use crate::cli::{CentreName, RectifyArgs};
+use crate::failure::{Failure, note};
+use crate::formats::output::OutputFolder;
+use crate::formats::part::Part;
+
+/// Rectifies the frames that are asked for.
+///
+/// # Errors
+/// [`Failure`] of the options, of the camera, of the records, and of a frame: the first one, or
+/// with `--keep-going` the worst.
+pub(in crate::command) fn run(args: &RectifyArgs) -> Result<(), Failure> {
+    let file = args.exposure.read_camera()?;
+    let camera = FrameCamera::new(&args.exposure.camera.display().to_string(), &file)?;
+    let tasks = FrameTask::all(args)?;
+    let rectifier = FrameRectifier::new(args, &file, camera.crc())?;
+    let exposures = Exposures::read(args, &file, camera)?;
+    let size_px = rectifier.block_size(&tasks, &exposures)?;
+    let is_new = !args.out.exists();
+    let block = Block {
+        args,
+        file: &file,
+        folder: OutputFolder::create(&args.out)?,
+        rectifier,
+        exposures,
+        size_px,
+    };
+    let tasks = FrameTask::of_shard(tasks, args.block.shard);
+    let done = block.rectify(tasks);
+    if is_new && done.is_err() {
+        // It goes if nothing is in it.
+        let _ = fs::remove_dir(&args.out);
+    }
+    done
+}
+
+/// Frames, and what they have in common.
+struct Block<'a> {
+    args: &'a RectifyArgs,
+    file: &'a CameraFile,
+    folder: OutputFolder,
+    rectifier: FrameRectifier<'a>,
+    exposures: Exposures,
+    /// Width and height of every rectified image.
+    size_px: [u32; 2],
+}
+
+impl Block<'_> {
+    fn rectify(&self, tasks: Vec<FrameTask>) -> Result<(), Failure> {
+        let options = &self.args.block;
+        let all = tasks.len();
+        let (finished, tasks) = if options.resume {
+            let folder = self.folder.path();
+            Part::remove_abandoned(folder)
+                .map_err(|error| Failure::writing(folder.display(), &error))?;
+            self.finished(tasks)?
+        } else {
+            (Vec::new(), tasks)
+        };
+        let anew = tasks.iter().map(|task| task.name.as_str()).collect();
+        let manifest = Manifest::open(self.folder.path(), options.shard, &anew)?;
+        complete(&manifest, &finished)?;
+        let mut progress = Progress::new(tasks.iter().map(|task| task.path.as_path()));
+        let mut notes = Notes::default();
+        let mut worst: Option<Failure> = None;
+        let mut failed = 0;
+        for task in &tasks {
+            progress.begin();
+            let start = Instant::now();
+            let done = self.rectify_frame(task, &progress);
+            progress.end();
+            manifest.append(&row(task, &done, start.elapsed()))?;
+            match done {
+                Ok(rectified) => progress.aside(|| notes.tell(task, &rectified)),
+                Err(failure) if options.keep_going => {
+                    progress.aside(|| note(format_args!("{}", failure.text())));
+                    failed += 1;
+                    worst = Some(match worst {
+                        Some(worst) if worst.code() >= failure.code() => worst,
+                        _ => failure,
+                    });
+                }
+                Err(failure) => return Err(failure),
+            }
+        }
+        drop(progress);
+        self.folder.sync()?;
+        note(format_args!(
+            "{}: frames: {} rectified, {} finished before, {failed} failed",
+            self.folder.path().display(),
+            tasks.len() - failed,
+            finished.len(),
+        ));
+        match worst {
+            None => Ok(()),
+            Some(worst) => Err(worst.with_help(format!(
+                "{failed} of {all} frames failed; the manifest has the reason of each"
+            ))),
+        }
+    }
+
+    fn rectify_frame(&self, task: &FrameTask, progress: &Progress) -> Result<Rectified, Failure> {
+        let exposure = self.exposures.of(task, self.file)?;
+        let rectified =
+            self.rectifier
+                .rectify(task, &exposure, self.size_px, &self.folder, progress)?;
+        if self.args.image.centre == CentreName::PrincipalPoint {
+            // Every frame has the same camera; the file stands there as soon as one of them does.
+            let text = rectified_camera::text(self.file, self.size_px)?;
+            self.folder.write(rectified_camera::NAME, |sink| {
+                std::io::Write::write_all(sink, text.as_bytes())
+            })?;
+        }
+        Ok(rectified)
+    }
+
+    /// Separates the frames that an earlier run has finished from those that are left.
+    fn finished(&self, tasks: Vec<FrameTask>) -> Result<(Vec<Finished>, Vec<FrameTask>), Failure> {
+        let (mut finished, mut left) = (Vec::new(), Vec::new());
+        for task in tasks {
+            let path = self.folder.path().join(task.sidecar_name());
+            match Sidecar::read(&path) {
+                Some(sidecar) if self.is_finished(&task, &sidecar)? => {
+                    finished.push(Finished { task, sidecar });
+                }
+                _ => left.push(task),
+            }
+        }
+        Ok((finished, left))
+    }
+
+    fn is_finished(&self, task: &FrameTask, sidecar: &Sidecar) -> Result<bool, Failure> {
+        let path = self.folder.path().join(task.sidecar_name());
+        let options = &self.rectifier.options;
+        if let Some((option, now, then)) = options.difference(&sidecar.options) {
+            return Err(Failure::bad_input(format!(
+                "--resume: {option} is {now}, but {} was written with {option} {then}",
+                path.display()
+            ))
+            .with_help("the options of the earlier run; or, without --resume, all frames anew"));
+        }
+        let output = &sidecar.output;
+        let is_there = fs::metadata(self.folder.path().join(&output.file)).is_ok();
+        Ok(is_there
+            && sidecar.version == super::VERSION
+            && sidecar.camera == self.rectifier.camera
+            && [output.width_px, output.height_px] == self.size_px
+            && Input::of(&task.path).is_ok_and(|input| input == sidecar.input)
+            && self
+                .exposures
+                .of(task, self.file)
+                .is_ok_and(|exposure| exposure.record == sidecar.record))
+    }
+}
+
+/// A frame that an earlier run has finished.
+struct Finished {
+    task: FrameTask,
+    sidecar: Sidecar,
+}
+
+/// Adds the rows of frames that were finished by a program that was killed before it wrote them.
+fn complete(manifest: &Manifest, finished: &[Finished]) -> Result<(), Failure> {
+    if finished.is_empty() {
+        return Ok(());
+    }
+    let present: HashSet<String> = manifest.files()?;
+    finished
+        .iter()
+        .filter(|frame| !present.contains(&frame.task.name))
+        .try_for_each(|frame| manifest.append(&done_row(&frame.task, &frame.sidecar, None)))
+}
+
+fn row(task: &FrameTask, done: &Result<Rectified, Failure>, elapsed: Duration) -> Row {
+    match done {
+        Ok(rectified) => done_row(task, &rectified.sidecar, Some(elapsed)),
+        Err(failure) => Row {
+            file: task.name.clone(),
+            sequence: task.sequence,
+            status: failure.code(),
+            output: None,
+            width_px: None,
+            height_px: None,
+            pixels_crc32: None,
+            border_percent: None,
+            seconds: Some(seconds(elapsed)),
+            error: failure.text(),
+        },
+    }
+}
+
+fn done_row(task: &FrameTask, sidecar: &Sidecar, elapsed: Option<Duration>) -> Row {
+    let output = &sidecar.output;
+    Row {
+        file: task.name.clone(),
+        sequence: task.sequence,
+        status: 0,
+        output: Some(output.file.clone()),
+        width_px: Some(output.width_px),
+        height_px: Some(output.height_px),
+        pixels_crc32: Some(output.pixels_crc32.clone()),
+        border_percent: Some(format!("{:.4}", output.border_percent)),
+        seconds: elapsed.map(seconds),
+        error: String::new(),
+    }
+}
+
+fn seconds(elapsed: Duration) -> String {
+    format!("{:.2}", elapsed.as_secs_f64())
+}
