@@ -14,6 +14,7 @@ pub mod chart;
 pub mod exchange;
 pub mod figure;
 pub mod hash;
+pub mod images;
 mod legend;
 mod length;
 pub mod mission;

@@ -3,7 +3,8 @@
 pub(super) const VERIFY: &str = "\
 Examples:
   host-sim verify
-  host-sim verify --device sil --camera my.toml --out report";
+  host-sim verify --device sil --camera my.toml --out report
+  host-sim verify --images";
 
 pub(super) const CORRECT: &str = "\
 Examples:
@@ -39,6 +40,27 @@ pub(super) const MESH: &str = "\
 Examples:
   host-sim mesh --camera host-sim/cameras/rc30-5324.toml --vh 0.1 \\
       --exposure 1/200 --format gpu --out mesh";
+
+pub(super) const RECTIFY: &str = "\
+Examples:
+  host-sim rectify --camera my.toml --records records.csv --out rectified \\
+      IMG_0001.tif IMG_0002.tif
+  host-sim rectify --camera my.toml --records records.csv \\
+      --frames frames.csv --out rectified --shard 2/8 --keep-going --resume
+  host-sim rectify --camera my.toml --vh 0.1 --exposure 1/200 \\
+      --resample keys6 --window full --mask --out rectified frame.tif";
+
+pub(super) const RENDER: &str = "\
+Examples:
+  host-sim render --camera my.toml --vh 0.17 --exposure 1/100 --scale 8 \\
+      --out rendered
+  host-sim render --camera my.toml --vh 0.1 --exposure 1/200 \\
+      --image mosaic.tif --out rendered";
+
+pub(super) const COMPARE: &str = "\
+Examples:
+  host-sim compare rendered/rectified.tif answer/frame.tif --out difference
+  host-sim compare a.tif b.tif --max-px 0.01";
 
 pub(super) const CALIBRATE_FIVE: &str = "\
 Examples:

@@ -11,10 +11,12 @@ mod certificate;
 mod examples;
 mod exchange;
 mod frames;
+mod images;
 mod mesh;
 mod mission;
 mod network;
 mod number;
+mod rectify;
 mod simulation;
 mod statistics;
 mod trajectory;
@@ -31,9 +33,14 @@ pub use certificate::{
 };
 pub use exchange::{ContainerName, ExportArgs, ImportArgs, SignName};
 pub use frames::{AnswerName, FrameAnswerArgs, FramesArgs, OffSensorName};
+pub use images::{CompareArgs, RenderArgs};
 pub use mesh::{ImagePart, MeshArgs, MeshFormatName};
 pub use mission::{MissionArgs, RecordsArgs};
 pub use network::{BundleArgs, DatumName, HandOverFormat, NetworkArgs, ResectionArgs};
+pub use rectify::{
+    BlockArgs, CentreName, CompressionName, ImageFileArgs, RectifiedImageArgs, RectifyArgs,
+    ResamplingName, Shard, WindowArgument,
+};
 pub use simulation::{BudgetArgs, SmearArgs, StrategyName, StripArgs, SweepArgs};
 pub use statistics::{FaultNumber, StatisticsArgs};
 pub use trajectory::{OffTrajectoryName, TimeScaleName, TrajectoryArgs};
@@ -113,6 +120,32 @@ pub enum Command {
     /// describes the numbers.
     #[command(after_help = examples::MESH)]
     Mesh(MeshArgs),
+    /// Turn recorded frames into images of one camera without distortion.
+    ///
+    /// Every frame is resampled once, with the principal point and the distortion of its own
+    /// exposure, from the records of the flight. All rectified frames have one camera,
+    /// rectified-camera.toml: the principal distance and the pixel of the calibration, the
+    /// principal point in the centre, no distortion. EXIF, GPS and other tags of the TIFF are kept.
+    ///
+    /// Beside each NAME.tif there is NAME.json with its interior orientation, record, options and
+    /// the CRC-32 of its pixels; manifest.csv has a row for every frame. A file appears only when
+    /// it is complete, and its bytes depend on frame, record, camera, options and version alone.
+    #[command(after_help = examples::RECTIFY)]
+    Rectify(RectifyArgs),
+    /// Make a frame as a camera records it, and its exactly rectified answer.
+    ///
+    /// The camera sees a pattern that is known everywhere: waves, or an image. What it records is
+    /// computed pixel by pixel by the strict solver, in double precision; the answer is the pattern
+    /// itself, about the principal point of the exposure. `rectify` of the frame with the same
+    /// exposure should give the answer; `compare` tells how well it does.
+    #[command(after_help = examples::RENDER)]
+    Render(RenderArgs),
+    /// Compare two images: grey values, and by blocks of 64 pixels the shift of their content.
+    ///
+    /// Shifts are found by least-squares matching, of the mean of the bands. Pixels that are 0 in
+    /// all bands of either image have no content.
+    #[command(after_help = examples::COMPARE)]
+    Compare(CompareArgs),
     /// Calibrate a camera: parameters from observations.
     Calibrate(CalibrateArgs),
     /// Residual smear of an exposure: what the compensation leaves, term by term.
@@ -247,6 +280,11 @@ pub struct VerifyArgs {
     /// Folder for report.html, summary.json and frames.csv; made if it does not exist.
     #[arg(long, value_name = "DIR")]
     pub out: Option<PathBuf>,
+    /// Check images in place of coordinates: frames of waves as each camera records them, rectified
+    /// by every kernel and compared with the exact answer. Fails (exit 1) if the content of a block
+    /// of 64 pixels lies farther off than the kernel's limit.
+    #[arg(long, conflicts_with_all = ["device", "firmware", "log"], help_heading = ADVANCED)]
+    pub images: bool,
     /// Reason why the camera's code in this program stands in for QEMU, as the workspace's own
     /// command found it when it set QEMU up.
     #[arg(long, value_name = "REASON", hide = true, conflicts_with_all = ["device", "firmware"])]

@@ -2,10 +2,9 @@
 
 use std::io::Write;
 
-use fmc_camera::flight::exposure::CorrectionModel;
 use fmc_camera::flight::interior_orientation::InteriorOrientation;
-use fmc_camera::geometry::frame_correction::Terms;
 use fmc_camera_file::CameraFile;
+use fmc_frames::row;
 use fmc_report::terminal;
 use fmc_report::wording::FOCUS_CONVENTION;
 use serde::Serialize;
@@ -68,11 +67,7 @@ impl FrameReport {
     fn new(camera: &CameraFile, request: &ExposureArgs, record: &InteriorOrientation) -> Self {
         Self {
             camera: camera.name.clone(),
-            model: match record.model {
-                CorrectionModel::Exact => "exact",
-                CorrectionModel::Fitted => "fitted",
-                CorrectionModel::Static => "static",
-            },
+            model: row::model(record.model),
             vh_per_s: record.vh_per_s,
             exposure_s: record.exposure_s,
             fmc_axis: camera.fmc.axis.name(),
@@ -87,10 +82,7 @@ impl FrameReport {
             focus_shift_um: record.focus_shift_mm * 1000.0,
             enlargement: record.enlargement,
             focus_convention: FOCUS_CONVENTION,
-            kernel: match record.terms {
-                Terms::Short => "short",
-                Terms::Full => "full",
-            },
+            kernel: row::kernel(record.terms),
             left_out_nm: record.left_out_nm,
         }
     }

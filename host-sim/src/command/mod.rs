@@ -11,12 +11,14 @@ mod export;
 mod exposure;
 mod frame;
 mod frames;
+mod images;
 mod import;
 mod mesh;
 mod mission;
 mod point_stream;
 mod points;
 mod records;
+mod rectify;
 mod reference;
 mod smear;
 mod statistics;
@@ -44,6 +46,9 @@ pub fn run(cli: Cli) -> Result<(), Failure> {
         Command::Reference(args) => reference::run(&args),
         Command::Frame(args) => frame::run(&args),
         Command::Mesh(args) => mesh::run(&args),
+        Command::Rectify(args) => rectify::run(&args),
+        Command::Render(args) => images::render::run(&args),
+        Command::Compare(args) => images::compare::run(&args),
         Command::Budget(args) => budget::run(&args),
         Command::Calibrate(args) => match args.method {
             CalibrationMethod::Five(args) => calibrate::five(&args),

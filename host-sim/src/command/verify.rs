@@ -1,5 +1,6 @@
 //! `verify`: the comparison of cameras with the strict reference solver.
 
+use std::fs;
 use std::io;
 use std::path::Path;
 
@@ -8,17 +9,22 @@ use fmc_camera_file::published::CAMERA_FILES;
 use fmc_reference::verification::result::Verification;
 use fmc_reference::verification::{cameras as check, grid};
 use fmc_report::figure::FigureError;
+use fmc_report::images::kernel_result::{self, KernelResult};
 use fmc_report::verification::summary::Summary;
 use fmc_report::verification::{distortion_field, error_plot, frames_csv, html, table};
 use indicatif::{ProgressBar, ProgressStyle};
 
 use super::device::Devices;
+use super::images::verification;
 use crate::cli::VerifyArgs;
 use crate::device::DeviceError;
 use crate::failure::{Failure, note};
 use crate::formats::output::{self, OutputFolder};
 
 pub(super) fn run(args: &VerifyArgs) -> Result<(), Failure> {
+    if args.images {
+        return verify_images(args);
+    }
     let cameras = cameras(args.camera.as_deref())?;
     let folder = args.out.as_deref().map(OutputFolder::create).transpose()?;
     let (devices, not_in_qemu) = match &args.not_in_qemu {
@@ -49,6 +55,49 @@ pub(super) fn run(args: &VerifyArgs) -> Result<(), Failure> {
             "the camera differs from the strict solver by more than the limit",
         ))
     }
+}
+
+/// Checks what kernels of resampling make of frames whose answer is known.
+fn verify_images(args: &VerifyArgs) -> Result<(), Failure> {
+    let texts: Vec<(String, String)> = match &args.camera {
+        Some(path) => {
+            super::read_camera(path)?;
+            let text = fs::read_to_string(path).map_err(|error| Failure::reading(path, &error))?;
+            vec![(path.display().to_string(), text)]
+        }
+        None => CAMERA_FILES
+            .iter()
+            .map(|(file, text)| ((*file).to_owned(), (*text).to_owned()))
+            .collect(),
+    };
+    let folder = args.out.as_deref().map(OutputFolder::create).transpose()?;
+    let bar = ProgressBar::new(texts.len() as u64);
+    if let Ok(style) =
+        ProgressStyle::with_template("{bar:10} {pos}/{len} cameras, {eta} {wide_msg}")
+    {
+        bar.set_style(style);
+    }
+    let mut results = verification::Results::default();
+    for (name, text) in &texts {
+        bar.set_message(name.clone());
+        results.add_camera(name, text)?;
+        bar.inc(1);
+    }
+    bar.finish_and_clear();
+    let results = results.rows();
+    if let Some(folder) = folder {
+        folder.write_json("images.json", &results)?;
+    }
+    output::write(None, |sink| {
+        writeln!(sink, "Shift of the content of blocks of 64 px, px")?;
+        writeln!(sink, "{}", kernel_result::table(&results))
+    })?;
+    if results.is_empty() || !results.iter().all(KernelResult::passed) {
+        return Err(Failure::check(
+            "rectified images differ from the exact ones by more than the limit",
+        ));
+    }
+    Ok(())
 }
 
 fn cameras(given: Option<&Path>) -> Result<Vec<CameraFile>, Failure> {

@@ -49,6 +49,8 @@ mod frames;
 #[cfg(test)]
 mod gpu_mesh;
 #[cfg(test)]
+mod images;
+#[cfg(test)]
 mod mesh;
 #[cfg(test)]
 mod mission;
@@ -69,6 +71,8 @@ mod qemu;
 #[cfg(test)]
 #[cfg(unix)]
 mod records;
+#[cfg(test)]
+mod rectify;
 #[cfg(test)]
 #[cfg(unix)]
 mod serial;

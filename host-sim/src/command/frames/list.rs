@@ -3,10 +3,8 @@
 use std::io::{self, Write};
 
 use csv::Writer;
-use fmc_camera::flight::exposure::CorrectionModel;
 use fmc_camera::flight::time::Time;
-use fmc_camera::geometry::frame_correction::Terms;
-use fmc_frames::{FlightFrame, Outcome};
+use fmc_frames::{FlightFrame, Outcome, row};
 use serde::Serialize;
 
 use super::FlightFile;
@@ -176,15 +174,8 @@ impl<'a> Line<'a> {
             travel_mm: motion.map(|motion| motion.travel_mm),
             centroid_offset_mm: motion.map(|motion| motion.centroid_mm),
             variance_mm2: motion.map(|motion| motion.moments.second),
-            model: interior.map(|interior| match interior.model {
-                CorrectionModel::Exact => "exact",
-                CorrectionModel::Fitted => "fitted",
-                CorrectionModel::Static => "static",
-            }),
-            kernel: interior.map(|interior| match interior.terms {
-                Terms::Short => "short",
-                Terms::Full => "full",
-            }),
+            model: interior.map(|interior| row::model(interior.model)),
+            kernel: interior.map(|interior| row::kernel(interior.terms)),
             left_out_nm: interior.map(|interior| interior.left_out_nm),
             faults: &frame.faults,
             flags: &frame.flags,

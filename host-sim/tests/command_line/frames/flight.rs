@@ -24,20 +24,25 @@ pub(super) const SIGMA_UM: f64 = 0.05;
 pub(super) const UNIX_US: u64 = 1_790_000_000_000_000;
 
 /// Number of the refused trigger.
-pub(super) const REFUSED: u32 = 5;
+pub(in crate::command_line) const REFUSED: u32 = 5;
 
 /// A folder with `records.csv` and `records.json` of eight exposures, the fifth refused.
-pub(super) struct Flight {
-    pub(super) bench: Bench,
+pub(in crate::command_line) struct Flight {
+    pub(in crate::command_line) bench: Bench,
     /// Corrections by the numbers of the frames, from 1.
-    pub(super) corrections: Vec<FrameCorrection>,
+    pub(in crate::command_line) corrections: Vec<FrameCorrection>,
     /// c̄ of each, mm.
-    pub(super) centroids_mm: Vec<f32>,
+    pub(in crate::command_line) centroids_mm: Vec<f32>,
 }
 
 pub(super) fn flight() -> Flight {
-    let bench = Bench::with(CAMERA, b"");
-    let (file, camera) = CameraFile::parse("camera.toml", CAMERA).unwrap();
+    flight_of(CAMERA)
+}
+
+/// Returns the flight of a camera with this file.
+pub(in crate::command_line) fn flight_of(text: &str) -> Flight {
+    let bench = Bench::with(text, b"");
+    let (file, camera) = CameraFile::parse("camera.toml", text).unwrap();
     let crc = FrameCamera::new("camera.toml", &file).unwrap().crc();
     let (mut flown, mut corrections, mut centroids_mm) = (Vec::new(), Vec::new(), Vec::new());
     for sequence in 1_u16..=8 {

@@ -1,7 +1,7 @@
 //! Points, interior orientations and meshes of many frames.
 
 mod arrays;
-mod flight;
+pub(super) mod flight;
 mod lists;
 mod orientations;
 mod parquet;

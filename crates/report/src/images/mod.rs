@@ -1,0 +1,4 @@
+//! Differences of images.
+
+pub mod kernel_result;
+pub mod shift_field;

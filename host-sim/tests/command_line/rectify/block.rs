@@ -1,0 +1,173 @@
+//! Blocks of frames: the same bytes whatever interrupts or divides them.
+
+use std::collections::BTreeMap;
+use std::fs;
+use std::path::Path;
+use std::thread;
+use std::time::Duration;
+
+use super::scene::{EXPOSED, TILED, read, scene, write};
+use crate::command_line::frames::flight::{Flight, REFUSED};
+
+/// Bytes of all images and descriptions of a folder.
+fn contents(folder: &Path) -> BTreeMap<String, Vec<u8>> {
+    fs::read_dir(folder)
+        .unwrap()
+        .map(|entry| {
+            let entry = entry.unwrap();
+            let name = entry.file_name().into_string().unwrap();
+            (name, fs::read(entry.path()).unwrap())
+        })
+        .filter(|(name, _)| !name.starts_with("manifest"))
+        .collect()
+}
+
+fn rectify<'a>(out: &'a str, more: &[&'a str]) -> Vec<&'a str> {
+    let mut arguments = vec!["rectify", "--camera", "camera.toml", "--records"];
+    arguments.extend(["records.csv", "--frames", "frames.csv", "--out", out]);
+    arguments.extend(more);
+    arguments
+}
+
+/// Runs a block, in which the frame of the refused trigger fails.
+fn run(flight: &Flight, out: &str, more: &[&str]) -> String {
+    let mut arguments = rectify(out, more);
+    arguments.push("--keep-going");
+    let answer = flight.bench.run(&arguments);
+    assert!([0, 2].contains(&answer.code), "{}", answer.stderr);
+    answer.stderr
+}
+
+#[test]
+fn bytes_depend_on_neither_threads_nor_parts_nor_memory() {
+    let flight = scene();
+    // Frames of another layout are read as well.
+    let path = flight.bench.path("f2.tif");
+    let (samples, _) = read(&path);
+    write(&path, &samples, &TILED);
+    run(&flight, "one", &["--threads", "1", "--mask"]);
+    run(&flight, "two", &["--threads", "2", "--mask"]);
+    for shard in ["1/3", "2/3", "3/3"] {
+        run(
+            &flight,
+            "three",
+            &["--shard", shard, "--mask", "--memory", "1"],
+        );
+    }
+    let one = contents(&flight.bench.path("one"));
+    assert_eq!(one.len(), 2 * EXPOSED.len() + 1);
+    assert_eq!(one, contents(&flight.bench.path("two")));
+    assert_eq!(one, contents(&flight.bench.path("three")));
+    let mut rows = 0;
+    for shard in 1..=3 {
+        let manifest = flight
+            .bench
+            .path(&format!("three/manifest-{shard}-of-3.csv"));
+        rows += csv::Reader::from_path(manifest).unwrap().records().count();
+    }
+    assert_eq!(rows, 8);
+}
+
+#[test]
+fn manifest_has_a_row_for_every_frame() {
+    let flight = scene();
+    let stderr = run(&flight, "out", &[]);
+    assert!(stderr.contains("refused trigger"), "{stderr}");
+    let mut reader = csv::Reader::from_path(flight.bench.path("out/manifest.csv")).unwrap();
+    let rows: Vec<csv::StringRecord> = reader.records().map(Result::unwrap).collect();
+    assert_eq!(rows.len(), 8);
+    for (sequence, row) in (1..).zip(&rows) {
+        assert_eq!(&row[0], format!("f{sequence}.tif"));
+        assert_eq!(row[1], sequence.to_string());
+        let is_refused = sequence == REFUSED;
+        assert_eq!(&row[2], if is_refused { "2" } else { "0" });
+        assert_eq!(row[3].is_empty(), is_refused);
+        assert_eq!(row[9].is_empty(), !is_refused);
+    }
+    assert!(!flight.bench.path("out/f5.tif").exists());
+}
+
+#[test]
+fn first_failure_ends_the_run_unless_told_otherwise() {
+    let flight = scene();
+    let answer = flight.bench.run(&rectify("out", &[]));
+    answer.refused(&["f5.tif", "record 5", "refused trigger"]);
+    assert!(flight.bench.path("out/f4.tif").exists());
+    assert!(!flight.bench.path("out/f6.tif").exists());
+}
+
+#[test]
+fn interrupted_block_ends_as_one_that_was_not() {
+    let flight = scene();
+    run(&flight, "whole", &["--compression", "deflate"]);
+    let more = ["--compression", "deflate", "--resume", "--keep-going"];
+    for pause_ms in [40, 90, 160, 250, 400] {
+        let mut child = flight
+            .bench
+            .command(&rectify("killed", &more))
+            .spawn()
+            .unwrap();
+        thread::sleep(Duration::from_millis(pause_ms));
+        child.kill().unwrap();
+        child.wait().unwrap();
+    }
+    run(&flight, "killed", &["--compression", "deflate", "--resume"]);
+    let [whole, killed] = ["whole", "killed"].map(|out| contents(&flight.bench.path(out)));
+    assert_eq!(whole, killed);
+    let manifest = flight.bench.path("killed/manifest.csv");
+    let rows = csv::Reader::from_path(manifest).unwrap().into_records();
+    let mut files: Vec<String> = rows.map(|row| row.unwrap()[0].to_owned()).collect();
+    files.sort();
+    assert_eq!(
+        files,
+        (1..=8).map(|n| format!("f{n}.tif")).collect::<Vec<_>>()
+    );
+}
+
+#[test]
+fn resumed_block_does_what_has_changed() {
+    let flight = scene();
+    run(&flight, "out", &[]);
+    let modified = |name: &str| {
+        let metadata = fs::metadata(flight.bench.path(&format!("out/{name}"))).unwrap();
+        metadata.modified().unwrap()
+    };
+    let before = [modified("f1.tif"), modified("f2.tif")];
+    let path = flight.bench.path("f2.tif");
+    let (samples, _) = read(&path);
+    write(&path, &samples, &TILED);
+    let stderr = run(&flight, "out", &["--resume"]);
+    assert!(
+        stderr.contains("1 rectified, 6 finished before, 1 failed"),
+        "{stderr}"
+    );
+    let after = [modified("f1.tif"), modified("f2.tif")];
+    assert_eq!(before[0], after[0]);
+    assert!(before[1] < after[1]);
+}
+
+#[test]
+fn resumed_block_with_other_options_is_refused() {
+    let flight = scene();
+    run(&flight, "out", &[]);
+    let before = contents(&flight.bench.path("out"));
+    let arguments = rectify("out", &["--resume", "--resample", "keys6"]);
+    let answer = flight.bench.run(&arguments);
+    answer.refused(&["--resample is keys6", "f1.json", "--resample bicubic"]);
+    assert_eq!(before, contents(&flight.bench.path("out")));
+}
+
+#[test]
+fn chosen_frames_have_the_records_of_the_table() {
+    let flight = scene();
+    fs::rename(flight.bench.path("f3.tif"), flight.bench.path("third.tif")).unwrap();
+    fs::write(
+        flight.bench.path("frames.csv"),
+        "file,sequence\nthird.tif,3\nf4.tif,4\n",
+    )
+    .unwrap();
+    flight.bench.run(&rectify("out", &["third.tif"])).ok();
+    assert_eq!(contents(&flight.bench.path("out")).len(), 3);
+    let answer = flight.bench.run(&rectify("out", &["f1.tif"]));
+    answer.refused(&["f1.tif", "not in frames.csv"]);
+}

@@ -1,0 +1,6 @@
+//! Whole frames.
+
+mod block;
+mod image;
+mod refused;
+mod scene;
