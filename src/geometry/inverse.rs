@@ -273,7 +273,7 @@ impl FrameCorrection {
             let pairs = bytemuck::must_cast_slice_mut(rest);
             let replaced = inverse::blocks::<FULL>(&form, &last_step, pairs);
             let behind = rest.get_mut(replaced..).unwrap_or_default();
-            let length = behind.len().min(inverse::BLOCK);
+            let length = inverse::block_length(behind.len());
             let (block, behind) = behind.split_at_mut_checked(length).unwrap_or_default();
             index += replaced;
             self.distort_one_by_one::<FULL>(block, index)?;

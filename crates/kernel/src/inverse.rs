@@ -9,12 +9,17 @@ use crate::Coefficients;
 /// treated without a branch, side by side.
 const SIDE_BY_SIDE: usize = 64;
 
-/// Points to go through by [`pairs`] where [`blocks`] ends; all on a core without vectors.
-pub const BLOCK: usize = if cfg!(hand_scheduled) {
-    usize::MAX
-} else {
-    SIDE_BY_SIDE
-};
+/// Returns the number of points to go through by [`pairs`] where [`blocks`] ends, of those that are
+/// left: all on a core without vectors.
+#[inline]
+#[must_use]
+pub fn block_length(left: usize) -> usize {
+    if cfg!(hand_scheduled) {
+        left
+    } else {
+        left.min(SIDE_BY_SIDE)
+    }
+}
 
 /// Conditions under which the first step is the last.
 #[derive(Debug, Clone, Copy, PartialEq)]

@@ -64,6 +64,9 @@ impl FrameFlow<'_> {
         let beside = tags.bound_bytes() + if self.mask { mask_bytes } else { 0 };
         let plan = self.plan.clone().with_bytes_beside(beside);
         let mut notes: Vec<String> = Vec::new();
+        if self.header.is_one_strip() {
+            notes.push("one strip holds the whole frame; it is read row by row".to_owned());
+        }
         for dropped in tags.dropped() {
             notes.push(format!("{} is left out: {}", dropped.name, dropped.why));
         }

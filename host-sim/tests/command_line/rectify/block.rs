@@ -125,6 +125,31 @@ fn interrupted_block_ends_as_one_that_was_not() {
 }
 
 #[test]
+fn two_runs_in_one_folder_end_as_one() {
+    let flight = scene();
+    run(&flight, "one", &[]);
+    let children = [(); 2].map(|()| {
+        let arguments = rectify("two", &["--keep-going"]);
+        flight.bench.command(&arguments).spawn().unwrap()
+    });
+    for mut child in children {
+        // The frame of the refused trigger fails.
+        assert_eq!(child.wait().unwrap().code(), Some(2));
+    }
+    let [one, two] = ["one", "two"].map(|out| contents(&flight.bench.path(out)));
+    assert_eq!(one, two);
+    let manifest = csv::Reader::from_path(flight.bench.path("two/manifest.csv")).unwrap();
+    let rows: Vec<csv::StringRecord> = manifest.into_records().map(Result::unwrap).collect();
+    for sequence in EXPOSED {
+        let name = format!("f{sequence}.tif");
+        assert!(
+            rows.iter().any(|row| row[0] == name && row[2] == *"0"),
+            "{name}"
+        );
+    }
+}
+
+#[test]
 fn resumed_block_does_what_has_changed() {
     let flight = scene();
     run(&flight, "out", &[]);
