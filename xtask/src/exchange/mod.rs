@@ -1,5 +1,5 @@
-//! Files for other programs, read by the programs themselves: `OpenCV` and COLMAP, from the Python
-//! package index.
+//! Files for other programs, read by the programs themselves, and blocks of frames on several
+//! workers: `OpenCV`, COLMAP and Dask, from the Python package index.
 
 mod python;
 
@@ -14,10 +14,15 @@ use crate::{tools::Toolbox, verify, workspace::Workspace};
 /// Script that reads the files and projects points.
 const SCRIPT: &str = "xtask/src/exchange/readers.py";
 
+/// Script that rectifies a block of frames with Dask.
+const BLOCKS: &str = "xtask/src/exchange/blocks.py";
+
 /// Packages with their versions, so that a new one cannot change what is tested.
-const PACKAGES: [&str; 3] = [
+const PACKAGES: [&str; 5] = [
+    "dask[distributed]==2026.8.0",
     "numpy==2.4.6",
     "opencv-python-headless==5.0.0.93",
+    "psutil==7.2.2",
     "pycolmap==4.2.1",
 ];
 
@@ -35,8 +40,9 @@ const ALL_TERMS: &str = "name = \"all terms\"\nprincipal_distance_mm = 100\n\
 /// states.
 pub(crate) fn check(workspace: &Workspace, toolbox: &Toolbox<'_>) -> Result<()> {
     let host_sim = verify::tested_host_sim(workspace)?;
-    let python = Python::with(workspace, toolbox, &PACKAGES)
-        .context("exports cannot be read by OpenCV and COLMAP")?;
+    let python = Python::with(workspace, toolbox, &PACKAGES).context(
+        "exports cannot be read by OpenCV and COLMAP, nor blocks be rectified with Dask",
+    )?;
     let shell = &workspace.shell;
     let folder = shell.create_temp_dir()?;
     let all_terms = folder.path().join("all-terms.toml");
@@ -49,6 +55,13 @@ pub(crate) fn check(workspace: &Workspace, toolbox: &Toolbox<'_>) -> Result<()> 
         .arg(workspace.root.join(SCRIPT))
         .arg(host_sim)
         .args(cameras);
+    eprintln!("$ {command}");
+    command.run()?;
+    let command = python
+        .run(shell)
+        .quiet()
+        .arg(workspace.root.join(BLOCKS))
+        .arg(verify::tested_host_sim(workspace)?);
     eprintln!("$ {command}");
     command.run().map_err(Into::into)
 }

@@ -93,8 +93,21 @@ impl Exposures {
     /// Returns the exposure of a frame.
     ///
     /// # Errors
-    /// [`Failure`] naming the frame, for a record that is missing or that of a refused trigger.
+    /// [`Failure`] naming the frame, for a record that is missing or that of a refused trigger, and
+    /// for a principal point off the sensor.
     pub(super) fn of(&self, task: &FrameTask, file: &CameraFile) -> Result<FrameExposure, Failure> {
+        let exposure = self.find(task, file)?;
+        let ([x, y], [half_x, half_y]) = (exposure.principal_point_mm, file.half_format_mm());
+        if x.abs() > half_x || y.abs() > half_y {
+            return Err(Failure::bad_input(format!(
+                "{}: the principal point ({x:.6}, {y:.6}) mm is off the sensor; allowed: ±{half_x}, ±{half_y} mm",
+                task.name
+            )));
+        }
+        Ok(exposure)
+    }
+
+    fn find(&self, task: &FrameTask, file: &CameraFile) -> Result<FrameExposure, Failure> {
         let (table, camera, name) = match self {
             Self::Options(exposure) => return Ok((**exposure).clone()),
             Self::Records {

@@ -3,6 +3,7 @@
 use std::collections::BTreeMap;
 use std::fs;
 use std::path::Path;
+use std::process::Stdio;
 use std::thread;
 use std::time::Duration;
 
@@ -20,6 +21,17 @@ fn contents(folder: &Path) -> BTreeMap<String, Vec<u8>> {
         })
         .filter(|(name, _)| !name.starts_with("manifest"))
         .collect()
+}
+
+/// Counts the frames that are finished.
+fn finished(folder: &Path) -> usize {
+    let Ok(entries) = fs::read_dir(folder) else {
+        return 0;
+    };
+    let names = entries.map(|entry| entry.unwrap().path());
+    names
+        .filter(|path| path.extension().is_some_and(|end| end == "json"))
+        .count()
 }
 
 fn rectify<'a>(out: &'a str, more: &[&'a str]) -> Vec<&'a str> {
@@ -101,16 +113,21 @@ fn interrupted_block_ends_as_one_that_was_not() {
     let flight = scene();
     run(&flight, "whole", &["--compression", "deflate"]);
     let more = ["--compression", "deflate", "--resume", "--keep-going"];
-    for pause_ms in [40, 90, 160, 250, 400] {
+    // A little longer each time, until none is left to do.
+    let mut kills = 0;
+    while finished(&flight.bench.path("killed")) < EXPOSED.len() {
+        kills += 1;
         let mut child = flight
             .bench
             .command(&rectify("killed", &more))
+            .stderr(Stdio::null())
             .spawn()
             .unwrap();
-        thread::sleep(Duration::from_millis(pause_ms));
+        thread::sleep(Duration::from_millis(3 * kills));
         child.kill().unwrap();
         child.wait().unwrap();
     }
+    assert!(kills >= 5, "{kills}");
     run(&flight, "killed", &["--compression", "deflate", "--resume"]);
     let [whole, killed] = ["whole", "killed"].map(|out| contents(&flight.bench.path(out)));
     assert_eq!(whole, killed);
@@ -130,7 +147,8 @@ fn two_runs_in_one_folder_end_as_one() {
     run(&flight, "one", &[]);
     let children = [(); 2].map(|()| {
         let arguments = rectify("two", &["--keep-going"]);
-        flight.bench.command(&arguments).spawn().unwrap()
+        let mut command = flight.bench.command(&arguments);
+        command.stderr(Stdio::null()).spawn().unwrap()
     });
     for mut child in children {
         // The frame of the refused trigger fails.

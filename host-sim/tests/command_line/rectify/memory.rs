@@ -58,7 +58,6 @@ fn write(path: &Path, chunks: Chunks) {
             .unwrap();
     }
     frame.finish().unwrap();
-    drop(tiff);
     file.flush().unwrap();
 }
 

@@ -135,6 +135,33 @@ fn requests_that_contradict_themselves_are_refused() {
 }
 
 #[test]
+fn principal_point_off_the_sensor_is_refused() {
+    let flight = scene();
+    let camera = fs::read_to_string(flight.bench.path("camera.toml")).unwrap();
+    let other = camera.replace("[0.02, -0.01]", "[0.02, 4.3]");
+    fs::write(flight.bench.path("camera.toml"), other).unwrap();
+    let exposure = [
+        "--vh",
+        "0.1",
+        "--exposure",
+        "1/200",
+        "--opening-offset-mm",
+        "0.3",
+    ];
+    let more = [
+        "rectify",
+        "--camera",
+        "camera.toml",
+        "--out",
+        "out",
+        "f1.tif",
+    ];
+    let answer = flight.bench.run(&[&more[..], &exposure].concat());
+    answer.refused(&["f1.tif", "principal point (0.02", "±4.4 mm"]);
+    holds_nothing(&flight);
+}
+
+#[test]
 fn earlier_output_outlives_a_frame_that_fails() {
     let flight = scene();
     rectify(&flight, &["f1.tif"]).ok();
