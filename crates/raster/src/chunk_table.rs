@@ -21,6 +21,10 @@ pub(crate) struct ChunkTable {
     pub(crate) height_px: u32,
 }
 
+/// Largest number of strips or tiles: tiles of 16 px in four planes of 150 megapixels are 2.4
+/// million.
+const CHUNKS_LIMIT: u64 = 4 << 20;
+
 impl ChunkTable {
     /// Reads the table and checks it against the file's length.
     pub(crate) fn read(
@@ -42,6 +46,12 @@ impl ChunkTable {
         let per_plane = across * pixels(header.height_px.div_ceil(height_px));
         let planes = if header.planar { header.samples } else { 1 };
         let expected = (per_plane as u64).saturating_mul(planes.into());
+        if expected > CHUNKS_LIMIT {
+            return Err(ReadError::TooManyChunks {
+                chunks: expected,
+                limit: CHUNKS_LIMIT,
+            });
+        }
         let numbers = |tag| -> Result<Vec<u64>, ReadError> {
             let entry = page.find(tag).ok_or(ReadError::Missing { tag })?;
             if entry.count != expected {

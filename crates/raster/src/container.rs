@@ -19,6 +19,8 @@ pub(crate) type Entries = BTreeMap<Tag, Value>;
 pub(crate) const TAGS_LIMIT_BYTES: u64 = 64 << 20;
 /// Largest number of directories in a chain.
 const DIRECTORY_LIMIT: usize = 1024;
+/// Largest number of entries of all directories in a chain.
+const ENTRY_LIMIT: usize = 1 << 18;
 
 /// A TIFF file: its byte order, the size of its offsets and its first directory.
 #[derive(Clone)]
@@ -149,6 +151,7 @@ impl Container {
     pub(crate) fn directories(&self) -> Result<Vec<Directory>, ReadError> {
         let (mut offset, mut offsets) = (self.first, Vec::new());
         let mut directories = Vec::new();
+        let mut entries = 0;
         loop {
             if offsets.contains(&offset) || offsets.len() >= DIRECTORY_LIMIT {
                 let limit = DIRECTORY_LIMIT;
@@ -156,6 +159,10 @@ impl Container {
             }
             offsets.push(offset);
             let directory = self.directory(offset, format!("page {}", offsets.len()))?;
+            entries += directory.entries.len();
+            if entries > ENTRY_LIMIT {
+                return Err(ReadError::TooManyEntries { limit: ENTRY_LIMIT });
+            }
             offset = directory.next;
             directories.push(directory);
             if offset == 0 {

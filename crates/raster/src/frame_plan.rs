@@ -207,10 +207,19 @@ impl FramePlan {
                     }
                 }
             }
-            Chunks::Tiles { .. } => {}
+            Chunks::Tiles {
+                width_px,
+                height_px,
+            } => {
+                for px in [width_px, height_px] {
+                    *px = px.next_multiple_of(16);
+                }
+            }
         }
         let (bytes, limit) = (self.chunk_bytes(), CHUNK_LIMIT_BYTES);
-        if self.compression == Compression::None || bytes <= limit {
+        // Strips pass through uncompressed; tiles that are asked for are at most 8192 px wide.
+        let is_bounded = options.chunks.is_some() || matches!(self.chunks, Chunks::Strips { .. });
+        if bytes <= limit || (self.compression == Compression::None && is_bounded) {
             return Ok(());
         }
         if options.chunks.is_some() {

@@ -72,6 +72,7 @@ impl Metadata {
             left_bytes: TAGS_LIMIT_BYTES,
             dropped: Vec::new(),
         };
+        let mut directories: Vec<Tag> = Vec::new();
         for entry in &page.entries {
             match TagRule::of(entry.tag) {
                 TagRule::Pixels => {}
@@ -79,7 +80,18 @@ impl Metadata {
                 TagRule::Kept | TagRule::Georeference => {
                     reading.entry(entry, &mut metadata.tags)?;
                 }
+                TagRule::Directory if directories.contains(&entry.tag) => {
+                    reading
+                        .dropped
+                        .push(Dropped::tag(entry.tag, "it comes a second time"));
+                }
+                TagRule::Directory if reading.offset(&page, entry.tag)? == 0 => {
+                    reading
+                        .dropped
+                        .push(Dropped::tag(entry.tag, "its directory has no place"));
+                }
                 TagRule::Directory => {
+                    directories.push(entry.tag);
                     let directory = reading.directory(&page, entry.tag)?;
                     if entry.tag == Tag::GPS {
                         reading.entries(&directory, &mut metadata.gps)?;
@@ -98,6 +110,12 @@ impl Metadata {
     }
 }
 
+/// Types of offsets of directories: IFD and IFD8.
+const DIRECTORY_TYPES: [u16; 2] = [13, 18];
+
+/// Bytes that an entry counts besides its value.
+const ENTRY_BYTES: u64 = 24;
+
 /// Values that are being read.
 struct Reading<'a> {
     container: &'a Container,
@@ -109,7 +127,13 @@ impl Reading<'_> {
     fn entries(&mut self, directory: &Directory, values: &mut Entries) -> Result<(), ReadError> {
         let entries = directory.entries.iter();
         for entry in entries.filter(|entry| entry.tag != Tag::INTEROP) {
-            self.entry(entry, values)?;
+            match TagRule::of(entry.tag) {
+                TagRule::Pixels | TagRule::Directory => {
+                    let why = "it belongs into the directory of a page";
+                    self.dropped.push(Dropped::tag(entry.tag, why));
+                }
+                _ => self.entry(entry, values)?,
+            }
         }
         Ok(())
     }
@@ -120,13 +144,20 @@ impl Reading<'_> {
         values: &mut Entries,
     ) -> Result<(), ReadError> {
         let tag = entry.tag;
+        if DIRECTORY_TYPES.contains(&entry.value_type) {
+            self.dropped
+                .push(Dropped::tag(tag, "it is a place in the old file"));
+            return Ok(());
+        }
         let Some((_, bytes)) = self.container.place(entry)? else {
             self.dropped
                 .push(Dropped::tag(tag, "its type is none of TIFF or BigTIFF"));
             return Ok(());
         };
         let limit = TAGS_LIMIT_BYTES;
-        let left = self.left_bytes.checked_sub(bytes);
+        let left = self
+            .left_bytes
+            .checked_sub(bytes.saturating_add(ENTRY_BYTES));
         self.left_bytes = left.ok_or(ReadError::TagsTooLong { tag, bytes, limit })?;
         if values.contains_key(&tag) {
             self.dropped
@@ -141,12 +172,17 @@ impl Reading<'_> {
 
     /// Reads the directory that a tag points to.
     fn directory(&mut self, parent: &Directory, tag: Tag) -> Result<Directory, ReadError> {
+        let offset = self.offset(parent, tag)?;
+        self.container.directory(offset, tag.to_string())
+    }
+
+    /// Returns the offset of the directory that a tag points to.
+    fn offset(&self, parent: &Directory, tag: Tag) -> Result<u64, ReadError> {
         let tags = crate::header::Tags {
             container: self.container,
             page: parent,
         };
-        let offset = tags.number(tag)?.ok_or(ReadError::Missing { tag })?;
-        self.container.directory(offset, tag.to_string())
+        tags.number(tag)?.ok_or(ReadError::Missing { tag })
     }
 }
 

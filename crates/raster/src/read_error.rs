@@ -59,6 +59,20 @@ pub enum ReadError {
         /// Largest number of directories.
         limit: usize,
     },
+    /// The directories have too many entries.
+    #[error("the directories have more than {limit} entries; allowed: {limit}")]
+    TooManyEntries {
+        /// Largest number of all of them.
+        limit: usize,
+    },
+    /// Too many strips or tiles.
+    #[error("{chunks} strips or tiles; allowed: {limit}")]
+    TooManyChunks {
+        /// Their number.
+        chunks: u64,
+        /// Largest number.
+        limit: u64,
+    },
     /// A value lies behind the end of the file.
     #[error("{tag}: {bytes} bytes at byte {offset}, the file has {file_bytes} bytes")]
     ValueBeyondFile {

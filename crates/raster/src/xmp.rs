@@ -88,14 +88,18 @@ impl Packet {
             about: String::new(),
             namespace: CAMERA.to_owned(),
         };
-        let mut is_set = false;
+        let (mut is_set, mut depth) = (false, 0_usize);
         loop {
+            if depth > DEEPEST {
+                return None;
+            }
             match reader.read_event().ok()? {
                 Event::Eof => break,
                 Event::Start(start) => {
                     if editing.drops(&reader, start.name(), true) {
                         reader.read_to_end(start.name()).ok()?;
                     } else {
+                        depth += 1;
                         let start = editing.kept(&reader, &start)?;
                         editing.write(Event::Start(start))?;
                     }
@@ -114,6 +118,7 @@ impl Packet {
                     }
                 }
                 Event::End(end) => {
+                    depth = depth.saturating_sub(1);
                     if !is_set && is_rdf_end(&end) {
                         editing.set(camera)?;
                         is_set = true;
@@ -130,6 +135,9 @@ impl Packet {
         })
     }
 }
+
+/// Elements within each other; a packet with more is not one of a camera.
+const DEEPEST: usize = 256;
 
 /// A packet that is being edited.
 struct Editing {

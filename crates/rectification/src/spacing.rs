@@ -17,7 +17,7 @@ pub const LARGEST_STRETCH: f64 = 3.5;
 
 /// Rounding of a place in fixed point, pixels: of the vertices by half of 1/2²⁰ px, and of the
 /// interpolation by a few 1/2²⁴ px, on both axes.
-pub(crate) const ROUNDING_PX: f64 = 1.5 / (1 << VERTEX_BITS) as f64;
+pub(crate) const ROUNDING_PX: f64 = 2.0 / (1 << VERTEX_BITS) as f64;
 
 /// Share by which the stretch around the sensor may be above the one on it.
 pub(crate) const STRETCH_AROUND: f64 = 1.5;
