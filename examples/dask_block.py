@@ -37,9 +37,10 @@ def frames_of(table):
     """Returns the files of a table with the columns file and sequence."""
     folder = os.path.dirname(os.path.abspath(table))
     with open(table, newline="", encoding="utf-8-sig") as source:
-        for row in csv.DictReader(source):
-            beside = os.path.join(folder, row["file"])
-            yield beside if os.path.exists(beside) else os.path.abspath(row["file"])
+        for row in csv.DictReader(source, skipinitialspace=True):
+            file = row["file"].strip()
+            beside = os.path.join(folder, file)
+            yield beside if os.path.exists(beside) else os.path.abspath(file)
 
 
 def main():

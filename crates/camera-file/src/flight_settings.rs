@@ -153,7 +153,8 @@ mod tests {
     #[test]
     fn documented_example_is_read() {
         let document = include_str!("../../../docs/integration.md");
-        let (_, rest) = document.split_once("```toml\n").unwrap();
+        let (_, section) = document.split_once("## 3 Settings").unwrap();
+        let (_, rest) = section.split_once("```toml\n").unwrap();
         let (example, _) = rest.split_once("```").unwrap();
         let settings = parse(example).unwrap();
         assert!(settings.drive.motor_reversed, "{settings:?}");

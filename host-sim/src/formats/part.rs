@@ -90,7 +90,11 @@ impl Part {
                 continue;
             };
             if file.try_lock().is_ok() {
-                fs::remove_file(entry.path())?;
+                match fs::remove_file(entry.path()) {
+                    // Another program has removed it, too.
+                    Err(error) if error.kind() != io::ErrorKind::NotFound => return Err(error),
+                    _ => {}
+                }
             }
         }
         Ok(())

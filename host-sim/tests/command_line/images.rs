@@ -114,6 +114,19 @@ fn frame_that_is_rectified_as_another_exposure_is_found() {
 }
 
 #[test]
+fn image_that_is_half_empty_does_not_pass() {
+    let bench = bench();
+    run(&bench, "render", &["--out", "scene"]);
+    let more = ["--window", "600x440", "--out", "far", "scene/frame.tif"];
+    let other = [&EXPOSURE[..6], &["--opening-offset-mm", "1.9"]].concat();
+    bench.run(&[&["rectify"], &other[..], &more].concat()).ok();
+    let compare = ["compare", "scene/rectified.tif", "far/frame.tif"];
+    let answer = bench.run(&[&compare[..], &["--max-grey", "65535"]].concat());
+    assert_eq!(answer.code, 1, "{}", answer.stderr);
+    assert!(answer.stderr.contains("have content"), "{}", answer.stderr);
+}
+
+#[test]
 fn image_is_seen_through_the_camera() {
     let bench = bench();
     run(

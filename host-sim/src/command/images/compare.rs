@@ -16,6 +16,10 @@ use crate::formats::output::{self, OutputFolder};
 /// Columns of the names in the answer.
 const NAMES: u16 = 25;
 
+/// One pixel in so many may have content in one of the images alone where limits are given: the rim
+/// of the border.
+const ONE_SIDED_PART: u64 = 100;
+
 pub(in crate::command) fn run(args: &CompareArgs) -> Result<(), Failure> {
     let found = image_difference::of(&args.first, &args.second, args.edge.into())?;
     let summary = Summary::of(args, &found);
@@ -37,6 +41,7 @@ struct Summary {
     grey_mean: Option<f64>,
     grey_rms: Option<f64>,
     grey_largest: Option<f64>,
+    one_sided_pixels: u64,
     blocks: u64,
     blocks_without_texture: u64,
     shift_rms_px: Option<f64>,
@@ -56,6 +61,7 @@ impl Summary {
             grey_mean: grey.mean(),
             grey_rms: grey.rms(),
             grey_largest: (grey.count > 0).then_some(grey.largest),
+            one_sided_pixels: found.one_sided,
             blocks: shifts.found,
             blocks_without_texture: shifts.not_found,
             shift_rms_px: shifts.rms_px(),
@@ -76,6 +82,10 @@ impl Summary {
             ("grey, RMS", number(self.grey_rms, 3, "counts")),
             ("grey, largest", number(self.grey_largest, 0, "counts")),
             (
+                "content in one alone",
+                format!("{} px", self.one_sided_pixels),
+            ),
+            (
                 "blocks of 64 px",
                 format!(
                     "{}, and {} without texture or content",
@@ -90,14 +100,38 @@ impl Summary {
 
     /// Checks what was found against the limits that were given.
     fn judge(&self, args: &CompareArgs) -> Result<(), Failure> {
-        for (option, limit, found) in [
-            ("--max-px", args.max_px, self.shift_largest_px),
-            ("--max-grey", args.max_grey, self.grey_largest),
+        let pixels = u64::from(self.width_px) * u64::from(self.height_px);
+        if (args.max_px.is_some() || args.max_grey.is_some())
+            && self.one_sided_pixels > pixels / ONE_SIDED_PART
+        {
+            return Err(Failure::check(format!(
+                "{}: {} of {pixels} pixels have content in it or in {} alone; allowed with --max-px and --max-grey: {}",
+                self.second,
+                self.one_sided_pixels,
+                self.first,
+                pixels / ONE_SIDED_PART
+            )));
+        }
+        for (what, option, limit, found, unit) in [
+            (
+                "longest shift",
+                "--max-px",
+                args.max_px,
+                self.shift_largest_px,
+                "px",
+            ),
+            (
+                "largest difference",
+                "--max-grey",
+                args.max_grey,
+                self.grey_largest,
+                "counts",
+            ),
         ] {
             match (limit, found) {
                 (Some(limit), Some(found)) if found > limit => {
                     return Err(Failure::check(format!(
-                        "{}: {found} differs from {} by more than {option} {limit}",
+                        "{}: its {what} against {} is {found:.5} {unit}; allowed: {limit} {unit} ({option})",
                         self.second, self.first
                     )));
                 }

@@ -8,6 +8,7 @@ use fmc_rectification::comparison::{
     BLOCK_PX, BlockShift, GreyDifference, Plane, ShiftSummary, shifts,
 };
 
+use crate::command::rectify::frame_flow::read_failure;
 use crate::failure::Failure;
 
 /// Blocks above each other that are read at once.
@@ -19,6 +20,8 @@ pub(in crate::command) struct ImageDifference {
     pub(in crate::command) size_px: [u32; 2],
     pub(in crate::command) grey: GreyDifference,
     pub(in crate::command) shifts: ShiftSummary,
+    /// Pixels with content in one of the images alone.
+    pub(in crate::command) one_sided: u64,
     /// Shift of the second image in every block of the first.
     pub(in crate::command) blocks: Vec<BlockShift>,
 }
@@ -47,8 +50,7 @@ struct Image<'a> {
 
 impl<'a> Image<'a> {
     fn open(path: &'a Path) -> Result<Self, Failure> {
-        let reader = FrameReader::open(path)
-            .map_err(|error| Failure::bad_input(format!("{}: {error}", path.display())))?;
+        let reader = FrameReader::open(path).map_err(|error| read_failure(path, error))?;
         Ok(Self { path, reader })
     }
 
@@ -77,7 +79,7 @@ impl<'a> Image<'a> {
     fn row<S: Sample>(&mut self, row: &mut [S]) -> Result<(), Failure> {
         self.reader
             .read_rows(row)
-            .map_err(|error| Failure::bad_input(format!("{}: {error}", self.path.display())))?;
+            .map_err(|error| read_failure(self.path, error))?;
         Ok(())
     }
 }
@@ -119,7 +121,10 @@ pub(in crate::command) fn of_rows<S: Sample + Into<f32>>(
         if row < height {
             let mut pair = [(); 2].map(|()| vec![S::zeroed(); width * bands]);
             next(&mut pair)?;
-            inside.add(pair.each_ref().map(|row| content(row, bands)));
+            let [a, b] = pair.each_ref().map(|row| content(row, bands));
+            let different = a.iter().zip(&b).filter(|(a, b)| a != b).count();
+            found.one_sided += different as u64;
+            inside.add([a, b]);
             waiting.push_back(pair);
         } else {
             inside.add([(); 2].map(|()| vec![false; width]));

@@ -11,6 +11,7 @@ use super::scaled_camera;
 use super::scene::{Pattern, Scene};
 use super::written::{self, Format};
 use crate::cli::RenderArgs;
+use crate::command::rectify::frame_flow::read_failure;
 use crate::device::DeviceError;
 use crate::failure::{Failure, note};
 use crate::formats::output::{self, OutputFolder};
@@ -105,7 +106,7 @@ impl Description {
 fn seen(path: &Path, camera: &CameraFile) -> Result<(Pattern, [u8; 2]), Failure> {
     let refused =
         |fault: &dyn std::fmt::Display| Failure::bad_input(format!("{}: {fault}", path.display()));
-    let mut reader = FrameReader::open(path).map_err(|error| refused(&error))?;
+    let mut reader = FrameReader::open(path).map_err(|error| read_failure(path, error))?;
     let header = reader.header().clone();
     let calibration = camera.parameters().calibration;
     let size = [calibration.width_px, calibration.height_px];
@@ -119,7 +120,7 @@ fn seen(path: &Path, camera: &CameraFile) -> Result<(Pattern, [u8; 2]), Failure>
         8 => values::<u8>(&mut reader),
         _ => values::<u16>(&mut reader),
     }
-    .map_err(|error| refused(&error))?;
+    .map_err(|error| read_failure(path, error))?;
     let samples = [header.samples, header.bits].map(|number| u8::try_from(number).unwrap_or(0));
     let pattern = Pattern::Image {
         width: header.width_px as usize,

@@ -223,6 +223,14 @@ impl Rendered {
             Ok(())
         });
         let difference = difference.map_err(|failure: Failure| failure.text())?;
+        let pixels = self.frame.len() as u64;
+        if difference.one_sided > pixels / 100 {
+            return Err(format!(
+                "{}: {} of {pixels} pixels have content in the rectified frame or in the exact answer alone",
+                resampling.name(),
+                difference.one_sided
+            ));
+        }
         Ok(Found {
             shifts: difference.shifts,
             mesh_bound_px: rectification.mesh_bound_px(),

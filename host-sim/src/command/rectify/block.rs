@@ -1,6 +1,5 @@
 //! The frames of a block, one after the other.
 
-use std::collections::HashSet;
 use std::fs;
 use std::time::{Duration, Instant};
 
@@ -31,7 +30,9 @@ pub(in crate::command) fn run(args: &RectifyArgs) -> Result<(), Failure> {
     let tasks = FrameTask::all(args)?;
     let rectifier = FrameRectifier::new(args, &file, camera.crc())?;
     let exposures = Exposures::read(args, &file, camera)?;
+    // Of all frames of a table, whether they are chosen or not: all have one camera.
     let size_px = rectifier.block_size(&tasks, &exposures)?;
+    let tasks = FrameTask::chosen(tasks, args)?;
     let is_new = !args.out.exists();
     let block = Block {
         args,
@@ -65,49 +66,34 @@ impl Block<'_> {
     fn rectify(&self, tasks: Vec<FrameTask>) -> Result<(), Failure> {
         let options = &self.args.block;
         let all = tasks.len();
-        let (finished, tasks) = if options.resume {
+        if options.resume {
             let folder = self.folder.path();
             Part::remove_abandoned(folder)
                 .map_err(|error| Failure::writing(folder.display(), &error))?;
-            self.finished(tasks)?
-        } else {
-            (Vec::new(), tasks)
-        };
-        let anew = tasks.iter().map(|task| task.name.as_str()).collect();
-        let manifest = Manifest::open(self.folder.path(), options.shard, &anew)?;
-        complete(&manifest, &finished)?;
-        let mut progress = Progress::new(tasks.iter().map(|task| task.path.as_path()));
-        let mut notes = Notes::default();
-        let mut worst: Option<Failure> = None;
-        let mut failed = 0;
-        for task in &tasks {
-            progress.begin();
-            let start = Instant::now();
-            let done = self.rectify_frame(task, &progress);
-            progress.end();
-            manifest.append(&row(task, &done, start.elapsed()))?;
-            match done {
-                Ok(rectified) => progress.aside(|| notes.tell(task, &rectified)),
-                Err(failure) if options.keep_going => {
-                    progress.aside(|| note(format_args!("{}", failure.text())));
-                    failed += 1;
-                    worst = Some(match worst {
-                        Some(worst) if worst.code() >= failure.code() => worst,
-                        _ => failure,
-                    });
-                }
-                Err(failure) => return Err(failure),
-            }
+            self.check_camera()?;
         }
-        drop(progress);
+        let manifest = Manifest::open(self.folder.path(), options.shard)?;
+        let tasks = if options.resume {
+            self.left(tasks, &manifest)?
+        } else {
+            tasks
+        };
+        let finished = all - tasks.len();
+        if finished > 0 {
+            self.write_camera()?;
+        }
+        let done = self.rectify_all(&tasks, &manifest);
+        let compacted = manifest.keep_last_rows();
+        let failures = done?;
+        compacted?;
         self.folder.sync()?;
+        let failed = failures.count;
         note(format_args!(
-            "{}: frames: {} rectified, {} finished before, {failed} failed",
+            "{}: frames: {} rectified, {finished} finished before, {failed} failed",
             self.folder.path().display(),
             tasks.len() - failed,
-            finished.len(),
         ));
-        match worst {
+        match failures.worst {
             None => Ok(()),
             Some(worst) => Err(worst.with_help(format!(
                 "{failed} of {all} frames failed; the manifest has the reason of each"
@@ -115,34 +101,85 @@ impl Block<'_> {
         }
     }
 
+    fn rectify_all(&self, tasks: &[FrameTask], manifest: &Manifest) -> Result<Failures, Failure> {
+        let mut progress = Progress::new(tasks.iter().map(|task| task.path.as_path()));
+        let mut notes = Notes::default();
+        let mut failures = Failures::default();
+        for task in tasks {
+            progress.begin();
+            let start = Instant::now();
+            let done = self.rectify_frame(task, &progress);
+            progress.end();
+            let appended = manifest.append(&row(task, &done, start.elapsed()));
+            match done {
+                Ok(rectified) => progress.aside(|| notes.tell(task, &rectified)),
+                Err(failure) if self.args.block.keep_going => {
+                    progress.aside(|| note(format_args!("{}", failure.text())));
+                    failures.add(failure);
+                }
+                Err(failure) => return Err(failure),
+            }
+            appended?;
+        }
+        Ok(failures)
+    }
+
     fn rectify_frame(&self, task: &FrameTask, progress: &Progress) -> Result<Rectified, Failure> {
         let exposure = self.exposures.of(task, self.file)?;
         let rectified =
             self.rectifier
                 .rectify(task, &exposure, self.size_px, &self.folder, progress)?;
-        if self.args.image.centre == CentreName::PrincipalPoint {
-            // Every frame has the same camera; the file stands there as soon as one of them does.
-            let text = rectified_camera::text(self.file, self.size_px)?;
-            self.folder.write(rectified_camera::NAME, |sink| {
-                std::io::Write::write_all(sink, text.as_bytes())
-            })?;
-        }
+        self.write_camera()?;
         Ok(rectified)
     }
 
-    /// Separates the frames that an earlier run has finished from those that are left.
-    fn finished(&self, tasks: Vec<FrameTask>) -> Result<(Vec<Finished>, Vec<FrameTask>), Failure> {
-        let (mut finished, mut left) = (Vec::new(), Vec::new());
+    /// Writes the camera of all frames, if they have one; it stands there as soon as a frame does.
+    fn write_camera(&self) -> Result<(), Failure> {
+        if self.args.image.centre == CentreName::Frame {
+            return Ok(());
+        }
+        let text = rectified_camera::text(self.file, self.size_px)?;
+        self.folder.write(rectified_camera::NAME, |sink| {
+            std::io::Write::write_all(sink, text.as_bytes())
+        })
+    }
+
+    /// Refuses to go on in a folder whose frames have another camera.
+    fn check_camera(&self) -> Result<(), Failure> {
+        let path = self.folder.path().join(rectified_camera::NAME);
+        let Ok(found) = fs::read_to_string(&path) else {
+            return Ok(());
+        };
+        let [width_px, height_px] = self.size_px;
+        if self.args.image.centre == CentreName::PrincipalPoint
+            && found == rectified_camera::text(self.file, self.size_px)?
+        {
+            return Ok(());
+        }
+        Err(Failure::bad_input(format!(
+            "--resume: {} is another camera than that of {width_px} x {height_px} px which these options make",
+            path.display()
+        ))
+        .with_help("the options and the camera file of the earlier run; or another folder"))
+    }
+
+    /// Returns the frames that no earlier run has finished. A finished one without a row, whose
+    /// program was killed before it wrote one, gets it.
+    fn left(&self, tasks: Vec<FrameTask>, manifest: &Manifest) -> Result<Vec<FrameTask>, Failure> {
+        let present = manifest.done()?;
+        let mut left = Vec::new();
         for task in tasks {
             let path = self.folder.path().join(task.sidecar_name());
             match Sidecar::read(&path) {
                 Some(sidecar) if self.is_finished(&task, &sidecar)? => {
-                    finished.push(Finished { task, sidecar });
+                    if !present.contains(&task.stem) {
+                        manifest.append(&done_row(&task, &sidecar, None))?;
+                    }
                 }
                 _ => left.push(task),
             }
         }
-        Ok((finished, left))
+        Ok(left)
     }
 
     fn is_finished(&self, task: &FrameTask, sidecar: &Sidecar) -> Result<bool, Failure> {
@@ -156,8 +193,8 @@ impl Block<'_> {
             .with_help("the options of the earlier run; or, without --resume, all frames anew"));
         }
         let output = &sidecar.output;
-        let is_there = fs::metadata(self.folder.path().join(&output.file)).is_ok();
-        Ok(is_there
+        let image = fs::metadata(self.folder.path().join(&output.file));
+        Ok(image.is_ok_and(|image| image.len() == output.bytes)
             && sidecar.version == super::VERSION
             && sidecar.camera == self.rectifier.camera
             && [output.width_px, output.height_px] == self.size_px
@@ -169,22 +206,25 @@ impl Block<'_> {
     }
 }
 
-/// A frame that an earlier run has finished.
-struct Finished {
-    task: FrameTask,
-    sidecar: Sidecar,
+/// Frames that failed.
+#[derive(Default)]
+struct Failures {
+    count: usize,
+    /// The first of those with the largest exit code.
+    worst: Option<Failure>,
 }
 
-/// Adds the rows of frames that were finished by a program that was killed before it wrote them.
-fn complete(manifest: &Manifest, finished: &[Finished]) -> Result<(), Failure> {
-    if finished.is_empty() {
-        return Ok(());
+impl Failures {
+    fn add(&mut self, failure: Failure) {
+        self.count += 1;
+        if self
+            .worst
+            .as_ref()
+            .is_none_or(|worst| worst.code() < failure.code())
+        {
+            self.worst = Some(failure);
+        }
     }
-    let present: HashSet<String> = manifest.files()?;
-    finished
-        .iter()
-        .filter(|frame| !present.contains(&frame.task.name))
-        .try_for_each(|frame| manifest.append(&done_row(&frame.task, &frame.sidecar, None)))
 }
 
 fn row(task: &FrameTask, done: &Result<Rectified, Failure>, elapsed: Duration) -> Row {

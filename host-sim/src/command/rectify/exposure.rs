@@ -16,7 +16,7 @@ use super::task::FrameTask;
 use crate::cli::{FocusSignName, RectifyArgs};
 use crate::command::frames::frame_file;
 use crate::device::DeviceError;
-use crate::failure::Failure;
+use crate::failure::{Failure, note};
 
 /// The exposure of a frame.
 #[derive(Debug, Clone)]
@@ -76,11 +76,23 @@ impl Exposures {
         match &args.records {
             None => Ok(Self::Options(Box::new(of_options(args, file)?))),
             Some(path) => {
+                let mut without_crc = 0_u32;
                 let table = FrameTable::collect(|each| {
                     frame_file::with_bar(path, true, |name, source| {
-                        records::read_from(name, source, &camera, each)
+                        records::read_from(name, source, &camera, |frame| {
+                            let names_none = frame.calibration_crc.is_none();
+                            without_crc += u32::from(names_none && frame.exposed().is_some());
+                            each(frame)
+                        })
                     })
                 })?;
+                if without_crc > 0 {
+                    note(format_args!(
+                        "warning: {}: {without_crc} records name no calibration; they are taken for those of {}",
+                        path.display(),
+                        args.exposure.camera.display()
+                    ));
+                }
                 Ok(Self::Records {
                     table,
                     camera: Box::new(camera),

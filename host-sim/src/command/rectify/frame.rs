@@ -124,8 +124,14 @@ impl<'a> FrameRectifier<'a> {
     ) -> Result<Rectified, Failure> {
         let reading = |error: &io::Error| Failure::reading(&task.path, error);
         let input = Input::of(&task.path).map_err(|error| reading(&error))?;
-        let reader =
-            FrameReader::open(&task.path).map_err(|error| frame_flow::read_failure(task, error))?;
+        if fs::metadata(&task.path).is_ok_and(|it| !it.is_file() && !it.is_dir()) {
+            return Err(Failure::bad_input(format!(
+                "{}: a frame must be a file",
+                task.name
+            )));
+        }
+        let reader = FrameReader::open(&task.path)
+            .map_err(|error| frame_flow::read_failure(&task.path, error))?;
         let header = reader.header().clone();
         self.check_size(task, &header)?;
         let request = Request {
@@ -140,6 +146,8 @@ impl<'a> FrameRectifier<'a> {
         let plan =
             FramePlan::new(&header, size_px, &self.layout).map_err(|error| bad_input(&error))?;
         let interior = self.interior(exposure, size_px);
+        let name = task.image_name();
+        let path = folder.path().join(&name);
         let flow = FrameFlow {
             task,
             rectification: &rectification,
@@ -158,15 +166,19 @@ impl<'a> FrameRectifier<'a> {
             mask: self.options.mask,
             progress,
             memory_bytes: self.memory_bytes,
+            out: &path,
         };
-        let name = task.image_name();
-        let path = folder.path().join(&name);
         let writing = |error: &io::Error| Failure::writing(path.display(), error);
         let mut part = Part::create(path.clone()).map_err(|error| writing(&error))?;
         let done = self.threads.install(|| match header.bits {
             8 => flow.run::<u8>(reader, part.file_mut()),
             _ => flow.run::<u16>(reader, part.file_mut()),
         })?;
+        let bytes = part
+            .file_mut()
+            .metadata()
+            .map_err(|error| writing(&error))?
+            .len();
         if Input::of(&task.path).ok().as_ref() != Some(&input) {
             return Err(Failure::device_or_io(format!(
                 "{}: the file changed while it was read",
@@ -180,7 +192,7 @@ impl<'a> FrameRectifier<'a> {
             camera: self.camera.clone(),
             record: exposure.record.clone(),
             options: self.options.clone(),
-            output: output(name, &header, size_px, &done),
+            output: output(name, bytes, &header, size_px, &done),
             interior_orientation: interior,
             accuracy: Accuracy {
                 mesh_spacing_px: rectification.mesh_spacing_px(),
@@ -189,8 +201,11 @@ impl<'a> FrameRectifier<'a> {
         };
         // An older description must not stand beside the new image if this program is killed now.
         let sidecar_name = task.sidecar_name();
-        match fs::remove_file(folder.path().join(&sidecar_name)) {
-            Err(error) if error.kind() != io::ErrorKind::NotFound => return Err(writing(&error)),
+        let sidecar_path = folder.path().join(&sidecar_name);
+        match fs::remove_file(&sidecar_path) {
+            Err(error) if error.kind() != io::ErrorKind::NotFound => {
+                return Err(Failure::writing(sidecar_path.display(), &error));
+            }
             _ => {}
         }
         part.complete().map_err(|error| writing(&error))?;
@@ -242,13 +257,20 @@ fn principal_point(exposure: &FrameExposure) -> SensorPoint {
     SensorPoint::new(x, y)
 }
 
-fn output(name: String, header: &Header, size_px: [u32; 2], done: &FlowResult) -> Output {
+fn output(
+    name: String,
+    bytes: u64,
+    header: &Header,
+    size_px: [u32; 2],
+    done: &FlowResult,
+) -> Output {
     let [width_px, height_px] = size_px;
     let pixels = u64::from(width_px) * u64::from(height_px);
     #[expect(clippy::cast_precision_loss, reason = "far fewer than 2⁵³ pixels")]
     let border_percent = 100.0 * done.border as f64 / pixels as f64;
     Output {
         file: name,
+        bytes,
         width_px,
         height_px,
         bands: header.samples,

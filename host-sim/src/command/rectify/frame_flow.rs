@@ -2,6 +2,7 @@
 
 use std::fs::File;
 use std::io::{BufWriter, Seek, Write};
+use std::path::Path;
 
 use fmc_camera_file::InputError;
 use fmc_raster::{
@@ -25,6 +26,8 @@ pub(super) struct FrameFlow<'a> {
     pub(super) mask: bool,
     pub(super) progress: &'a Progress,
     pub(super) memory_bytes: u64,
+    /// The rectified image, as messages name it.
+    pub(super) out: &'a Path,
 }
 
 /// Facts that are known once all rows have been written.
@@ -48,7 +51,7 @@ impl FrameFlow<'_> {
         let done = self.write::<S, _>(reader, &mut file)?;
         // A full disk may be reported only here.
         file.flush()
-            .map_err(|error| write_failure(self.task, WriteError::Io(error)))?;
+            .map_err(|error| write_failure(self.out, WriteError::Io(error)))?;
         Ok(done)
     }
 
@@ -57,7 +60,7 @@ impl FrameFlow<'_> {
         S: fmc_raster::Sample + fmc_rectification::Sample,
         W: Write + Seek + Send,
     {
-        let writing = |error: WriteError| write_failure(self.task, error);
+        let writing = |error: WriteError| write_failure(self.out, error);
         let tags = reader.metadata().output(&self.tags);
         let size_px = self.rectification.output_size_px();
         let mask_bytes = Mask::bound_bytes(size_px);
@@ -95,7 +98,7 @@ impl FrameFlow<'_> {
             &mut sink,
         )
         .map_err(|error| match error {
-            StreamError::Source(error) => read_failure(self.task, error),
+            StreamError::Source(error) => read_failure(&self.task.path, error),
             StreamError::Sink(error) => writing(error),
             error @ StreamError::Memory { .. } => {
                 Failure::bad_input(format!("{}: --memory: {error}", self.task.name))
@@ -162,15 +165,16 @@ impl<S: fmc_raster::Sample, W: Write + Seek + Send> RowSink<S> for Sink<'_, '_, 
     }
 }
 
-pub(super) fn read_failure(task: &FrameTask, error: ReadError) -> Failure {
+/// Returns the failure to read an image: a failing disk is not the image's.
+pub(in crate::command) fn read_failure(path: &Path, error: ReadError) -> Failure {
     match error {
-        ReadError::Io { source, .. } => InputError::reading(&task.path, &source).into(),
-        error => Failure::bad_input(format!("{}: {error}", task.path.display())),
+        ReadError::Io { source, .. } => InputError::reading(path, &source).into(),
+        error => Failure::bad_input(format!("{}: {error}", path.display())),
     }
 }
 
-fn write_failure(task: &FrameTask, error: WriteError) -> Failure {
-    let name = task.image_name();
+fn write_failure(out: &Path, error: WriteError) -> Failure {
+    let name = out.display();
     match error {
         WriteError::Io(error) => Failure::writing(name, &error),
         error => Failure::device_or_io(format!("{name}: {error}")),

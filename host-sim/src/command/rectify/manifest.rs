@@ -1,6 +1,6 @@
 //! manifest.csv: what became of every frame of a block.
 
-use std::collections::HashSet;
+use std::collections::{HashMap, HashSet};
 use std::fs::File;
 use std::io::{self, Read as _, Seek as _, SeekFrom, Write as _};
 use std::path::{Path, PathBuf};
@@ -53,35 +53,27 @@ pub(super) struct Manifest {
 }
 
 impl Manifest {
-    /// Opens the manifest of a folder, and removes the rows of frames that are done anew.
+    /// Opens the manifest of a folder.
     ///
     /// # Errors
     /// [`Failure`] naming the file, for one that is something else.
-    pub(super) fn open(
-        folder: &Path,
-        shard: Option<Shard>,
-        anew: &HashSet<&str>,
-    ) -> Result<Self, Failure> {
-        let name = match shard {
-            None => "manifest.csv".to_owned(),
-            Some(Shard { number, of }) => format!("manifest-{number}-of-{of}.csv"),
-        };
+    pub(super) fn open(folder: &Path, shard: Option<Shard>) -> Result<Self, Failure> {
         let manifest = Self {
-            path: folder.join(name),
+            path: folder.join(name(shard)),
         };
-        manifest.remove(anew)?;
+        manifest.keep_last_rows()?;
         Ok(manifest)
     }
 
-    /// Returns the names of the frames that have a row.
+    /// Returns the outputs, without extension, of the frames whose row says that they are done.
     ///
     /// # Errors
     /// [`Failure`] naming the file.
-    pub(super) fn files(&self) -> Result<HashSet<String>, Failure> {
+    pub(super) fn done(&self) -> Result<HashSet<String>, Failure> {
         let mut file = self.locked().map_err(|error| self.failed(&error))?;
         let rows = self.rows(&mut file)?;
-        let names = rows.iter().filter_map(|row| row.get(0));
-        Ok(names.map(str::to_owned).collect())
+        let done = rows.iter().filter(|row| row.get(2) == Some("0"));
+        Ok(done.map(key).collect())
     }
 
     /// Appends a row.
@@ -107,20 +99,29 @@ impl Manifest {
         appended().map_err(|error| self.failed(&error))
     }
 
-    /// Removes rows by the names of their frames.
-    fn remove(&self, names: &HashSet<&str>) -> Result<(), Failure> {
+    /// Keeps the last row of every frame: a frame that is done anew, or by two programs at the same
+    /// time, has one for each time.
+    ///
+    /// # Errors
+    /// [`Failure`] naming the file.
+    pub(super) fn keep_last_rows(&self) -> Result<(), Failure> {
         let mut file = self.locked().map_err(|error| self.failed(&error))?;
         let rows = self.rows(&mut file)?;
-        let is_kept = |row: &&StringRecord| row.get(0).is_none_or(|name| !names.contains(name));
-        let kept: Vec<&StringRecord> = rows.iter().filter(is_kept).collect();
-        if kept.len() == rows.len() && !rows.is_empty() {
+        let mut last: HashMap<String, usize> = HashMap::new();
+        for (place, row) in rows.iter().enumerate() {
+            last.insert(key(row), place);
+        }
+        if last.len() == rows.len() && !rows.is_empty() {
             return Ok(());
         }
+        let kept = rows.iter().enumerate();
+        let kept = kept.filter(|(place, row)| last.get(&key(row)) == Some(place));
         let replaced = || -> io::Result<()> {
             let mut writer = csv::Writer::from_writer(Part::create(self.path.clone())?);
             writer.write_record(COLUMNS)?;
-            kept.into_iter()
-                .try_for_each(|row| writer.write_record(row))?;
+            for (_, row) in kept {
+                writer.write_record(row)?;
+            }
             let part = writer
                 .into_inner()
                 .map_err(|error| io::Error::other(error.to_string()))?;
@@ -187,6 +188,20 @@ impl Manifest {
     }
 }
 
+/// Returns the name of the manifest, of all frames or of a part.
+pub(super) fn name(shard: Option<Shard>) -> String {
+    match shard {
+        None => "manifest.csv".to_owned(),
+        Some(Shard { number, of }) => format!("manifest-{number}-of-{of}.csv"),
+    }
+}
+
+/// Returns the name of a row's output without extension, which is that of the frame.
+fn key(row: &StringRecord) -> String {
+    let stem = row.get(0).and_then(|file| Path::new(file).file_stem());
+    stem.map_or(String::new(), |stem| stem.to_string_lossy().into_owned())
+}
+
 /// Goes to the end of the last whole row, and removes what follows.
 fn end_at_whole_row(file: &mut File) -> io::Result<()> {
     /// Bytes that are read at once.
@@ -233,27 +248,28 @@ mod tests {
         }
     }
 
-    fn opened(folder: &Path, anew: &[&str]) -> Manifest {
-        Manifest::open(folder, None, &anew.iter().copied().collect()).unwrap()
+    fn opened(folder: &Path) -> Manifest {
+        Manifest::open(folder, None).unwrap()
     }
 
     #[test]
     fn frame_that_is_done_anew_has_one_row() {
         let folder = tempfile::tempdir().unwrap();
-        let manifest = opened(folder.path(), &["1.tif", "2.tif"]);
-        for name in ["1.tif", "2.tif"] {
+        let manifest = opened(folder.path());
+        for name in ["1.tif", "2.tif", "./1.tif"] {
             manifest.append(&row(name)).unwrap();
         }
-        let manifest = opened(folder.path(), &["1.tif"]);
-        assert_eq!(
-            manifest.files().unwrap(),
-            HashSet::from(["2.tif".to_owned()])
-        );
-        manifest.append(&row("1.tif")).unwrap();
+        let failed = Row {
+            status: 3,
+            ..row("2.tif")
+        };
+        manifest.append(&failed).unwrap();
+        manifest.keep_last_rows().unwrap();
+        assert_eq!(manifest.done().unwrap(), HashSet::from(["1".to_owned()]));
         let text = fs::read_to_string(folder.path().join("manifest.csv")).unwrap();
         let expected = "file,sequence,status,output,width_px,height_px,pixels_crc32,border_percent,seconds,error\n\
-             2.tif,1,0,\"a, b.tif\",10,20,0123abcd,0.000,0.10,\n\
-             1.tif,1,0,\"a, b.tif\",10,20,0123abcd,0.000,0.10,\n";
+             ./1.tif,1,0,\"a, b.tif\",10,20,0123abcd,0.000,0.10,\n\
+             2.tif,1,3,\"a, b.tif\",10,20,0123abcd,0.000,0.10,\n";
         assert_eq!(text, expected);
     }
 
@@ -261,17 +277,14 @@ mod tests {
     fn half_a_row_of_a_killed_program_is_removed() {
         let folder = tempfile::tempdir().unwrap();
         let path = folder.path().join("manifest.csv");
-        let manifest = opened(folder.path(), &[]);
+        let manifest = opened(folder.path());
         manifest.append(&row("1.tif")).unwrap();
         let whole = fs::read(&path).unwrap();
         for half in ["2", "2.tif,1,0,a.ti", &"x".repeat(10_000)] {
             fs::write(&path, [&whole, half.as_bytes()].concat()).unwrap();
             manifest.append(&row("3.tif")).unwrap();
-            let files = manifest.files().unwrap();
-            assert_eq!(
-                files,
-                HashSet::from(["1.tif".to_owned(), "3.tif".to_owned()])
-            );
+            let done = manifest.done().unwrap();
+            assert_eq!(done, HashSet::from(["1".to_owned(), "3".to_owned()]));
         }
     }
 
@@ -281,7 +294,7 @@ mod tests {
         let path = folder.path().join("manifest.csv");
         for text in ["a,b\n1,2\n", "file,sequence\n1.tif,2\n"] {
             fs::write(&path, text).unwrap();
-            assert!(Manifest::open(folder.path(), None, &HashSet::new()).is_err());
+            assert!(Manifest::open(folder.path(), None).is_err());
             assert_eq!(fs::read_to_string(&path).unwrap(), text);
         }
     }

@@ -3,7 +3,7 @@
 mod block;
 mod exposure;
 mod frame;
-mod frame_flow;
+pub(in crate::command) mod frame_flow;
 mod manifest;
 mod notes;
 mod options;

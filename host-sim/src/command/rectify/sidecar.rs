@@ -64,6 +64,7 @@ pub(super) struct CameraName {
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub(super) struct Output {
     pub(super) file: String,
+    pub(super) bytes: u64,
     pub(super) width_px: u32,
     pub(super) height_px: u32,
     pub(super) bands: u16,

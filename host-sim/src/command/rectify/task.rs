@@ -1,13 +1,14 @@
 //! The frames that are asked for.
 
 use std::collections::HashMap;
+use std::fs;
 use std::path::{Path, PathBuf};
 
 use fmc_frames::ImageMap;
 
+use super::{manifest, rectified_camera};
 use crate::cli::{RectifyArgs, Shard};
 use crate::failure::Failure;
-use crate::formats::output;
 
 /// A frame to be rectified.
 #[derive(Debug, Clone, PartialEq, Eq)]
@@ -30,7 +31,7 @@ impl FrameTask {
     /// one output; for an output in the place of an input.
     pub(super) fn all(args: &RectifyArgs) -> Result<Vec<Self>, Failure> {
         let tasks = match &args.frames {
-            Some(table) => Self::of_table(table, &args.inputs)?,
+            Some(table) => Self::of_table(table)?,
             None => args
                 .inputs
                 .iter()
@@ -39,7 +40,7 @@ impl FrameTask {
         };
         if args.records.is_none() && tasks.len() > 1 {
             return Err(Failure::bad_input(format!(
-                "{} frames: --vh and --exposure describe one; of more, --records has the exposures",
+                "{} frames: --vh and --exposure describe one frame; for several, give --records",
                 tasks.len()
             )));
         }
@@ -50,50 +51,57 @@ impl FrameTask {
                 table.display()
             )));
         }
-        check_outputs(&tasks, &args.out)?;
+        check_names(&tasks)?;
+        check_outputs(&tasks, args)?;
         Ok(tasks)
     }
 
-    /// Returns the frames of a table; of those, the frames that are chosen, if any are.
-    fn of_table(table: &Path, chosen: &[PathBuf]) -> Result<Vec<Self>, Failure> {
+    /// Returns the frames of a table.
+    fn of_table(table: &Path) -> Result<Vec<Self>, Failure> {
         let map = ImageMap::read_files(table)?;
         let folder = table.parent().unwrap_or(Path::new(""));
-        let task = |(sequence, file): (u32, &str)| {
-            let beside = folder.join(file);
-            let path = if beside.exists() {
-                beside
-            } else {
-                PathBuf::from(file)
-            };
-            Ok(Self {
-                stem: stem(&path)?.to_owned(),
-                name: file.to_owned(),
-                path,
-                sequence: Some(sequence),
+        map.images()
+            .map(|(sequence, file)| {
+                let beside = folder.join(file);
+                let path = if beside.exists() {
+                    beside
+                } else {
+                    PathBuf::from(file)
+                };
+                Ok(Self {
+                    stem: stem(&path)?.to_owned(),
+                    name: file.to_owned(),
+                    path,
+                    sequence: Some(sequence),
+                })
             })
+            .collect()
+    }
+
+    /// Returns those of a table's frames that are chosen; all, if none is.
+    ///
+    /// # Errors
+    /// [`Failure`] naming a frame that is not in the table.
+    pub(super) fn chosen(tasks: Vec<Self>, args: &RectifyArgs) -> Result<Vec<Self>, Failure> {
+        let (Some(table), [_, ..]) = (&args.frames, args.inputs.as_slice()) else {
+            return Ok(tasks);
         };
-        if chosen.is_empty() {
-            return map.images().map(task).collect();
-        }
-        chosen
+        let is_it = |task: &Self, path: &Path| {
+            task.path == path
+                || (task.path.file_name() == path.file_name()
+                    && same_file::is_same_file(&task.path, path).unwrap_or(false))
+        };
+        args.inputs
             .iter()
             .map(|path| {
-                let same_name = map
-                    .images()
-                    .filter(|(_, file)| Path::new(file).file_name() == path.file_name());
-                for row in same_name {
-                    let task = task(row)?;
-                    if task.path == *path
-                        || same_file::is_same_file(&task.path, path).unwrap_or(false)
-                    {
-                        return Ok(task);
-                    }
-                }
-                Err(Failure::bad_input(format!(
-                    "{}: this frame is not in {}",
-                    path.display(),
-                    table.display()
-                )))
+                let task = tasks.iter().find(|task| is_it(task, path));
+                task.cloned().ok_or_else(|| {
+                    Failure::bad_input(format!(
+                        "{}: this frame is not in {}",
+                        path.display(),
+                        table.display()
+                    ))
+                })
             })
             .collect()
     }
@@ -159,8 +167,8 @@ fn sequence(path: &Path, stem: &str) -> Result<u32, Failure> {
     })
 }
 
-/// Refuses two frames of one record, two with one output, and an output in the place of an input.
-fn check_outputs(tasks: &[FrameTask], out: &Path) -> Result<(), Failure> {
+/// Refuses two frames of one record, and two with one output.
+fn check_names(tasks: &[FrameTask]) -> Result<(), Failure> {
     let (mut stems, mut sequences) = (HashMap::new(), HashMap::new());
     for task in tasks {
         let twice = |other: &str, what: String| {
@@ -179,8 +187,48 @@ fn check_outputs(tasks: &[FrameTask], out: &Path) -> Result<(), Failure> {
         {
             return twice(other, format!("both are of the record {sequence}"));
         }
-        for name in [task.image_name(), task.sidecar_name()] {
-            output::check_not_an_input(&out.join(name), &task.path)?;
+    }
+    Ok(())
+}
+
+/// Refuses outputs in the place of a frame, of the camera file, of the records or of the table.
+fn check_outputs(tasks: &[FrameTask], args: &RectifyArgs) -> Result<(), Failure> {
+    let Ok(out) = fs::canonicalize(&args.out) else {
+        // Nothing is in a folder that does not exist.
+        return Ok(());
+    };
+    let files = [
+        Some(&args.exposure.camera),
+        args.records.as_ref(),
+        args.frames.as_ref(),
+    ];
+    let inputs = files
+        .into_iter()
+        .flatten()
+        .chain(tasks.iter().map(|task| &task.path));
+    let read: HashMap<PathBuf, &PathBuf> = inputs
+        .filter_map(|input| Some((fs::canonicalize(input).ok()?, input)))
+        .filter(|(place, _)| place.parent() == Some(&out))
+        .collect();
+    if read.is_empty() {
+        return Ok(());
+    }
+    let names = tasks
+        .iter()
+        .flat_map(|task| [task.image_name(), task.sidecar_name()])
+        .chain([
+            rectified_camera::NAME.to_owned(),
+            manifest::name(args.block.shard),
+        ]);
+    for name in names {
+        if let Some(input) = fs::canonicalize(out.join(&name))
+            .ok()
+            .and_then(|place| read.get(&place))
+        {
+            return Err(Failure::bad_input(format!(
+                "--out would replace {}, which is read, by {name}; name another folder",
+                input.display()
+            )));
         }
     }
     Ok(())
@@ -230,8 +278,7 @@ mod tests {
 
     #[test]
     fn frames_with_one_output_or_one_record_are_refused() {
-        let out = Path::new("out");
-        let refused = |names: [&str; 2]| check_outputs(&names.map(task), out).is_err();
+        let refused = |names: [&str; 2]| check_names(&names.map(task)).is_err();
         assert!(refused(["a/f1.tif", "b/f1.tif"]));
         assert!(refused(["a/F1.tif", "b/f1.tif"]));
         assert!(refused(["a/f1.tif", "a/g1.tif"]));

@@ -158,6 +158,7 @@ fn two_runs_in_one_folder_end_as_one() {
     assert_eq!(one, two);
     let manifest = csv::Reader::from_path(flight.bench.path("two/manifest.csv")).unwrap();
     let rows: Vec<csv::StringRecord> = manifest.into_records().map(Result::unwrap).collect();
+    assert_eq!(rows.len(), 8);
     for sequence in EXPOSED {
         let name = format!("f{sequence}.tif");
         assert!(
@@ -197,6 +198,34 @@ fn resumed_block_with_other_options_is_refused() {
     let arguments = rectify("out", &["--resume", "--resample", "keys6"]);
     let answer = flight.bench.run(&arguments);
     answer.refused(&["--resample is keys6", "f1.json", "--resample bicubic"]);
+    assert_eq!(before, contents(&flight.bench.path("out")));
+}
+
+#[test]
+fn resumed_block_mends_what_is_cut_off_or_missing() {
+    let flight = scene();
+    run(&flight, "out", &[]);
+    let whole = contents(&flight.bench.path("out"));
+    let image = flight.bench.path("out/f2.tif");
+    fs::File::options()
+        .write(true)
+        .open(image)
+        .unwrap()
+        .set_len(1000)
+        .unwrap();
+    fs::remove_file(flight.bench.path("out/rectified-camera.toml")).unwrap();
+    run(&flight, "out", &["--resume"]);
+    assert_eq!(whole, contents(&flight.bench.path("out")));
+}
+
+#[test]
+fn folder_holds_images_of_one_camera() {
+    let flight = scene();
+    run(&flight, "out", &["--shard", "1/2"]);
+    let before = contents(&flight.bench.path("out"));
+    let more = ["--shard", "2/2", "--resume", "--window", "200x200"];
+    let answer = flight.bench.run(&rectify("out", &more));
+    answer.refused(&["out/rectified-camera.toml", "200 x 200 px"]);
     assert_eq!(before, contents(&flight.bench.path("out")));
 }
 

@@ -135,6 +135,58 @@ fn requests_that_contradict_themselves_are_refused() {
 }
 
 #[test]
+fn output_takes_the_place_of_no_input() {
+    let flight = scene();
+    let path = |name: &str| flight.bench.path(name);
+    let camera = fs::read(path("camera.toml")).unwrap();
+    fs::create_dir(path("in")).unwrap();
+    fs::write(path("in/rectified-camera.toml"), &camera).unwrap();
+    fs::copy(path("records.json"), path("in/f1.json")).unwrap();
+    let run = |more: &[&str]| {
+        let exposure = ["--out", "in", "f1.tif"];
+        flight.bench.run(&[&["rectify"], more, &exposure].concat())
+    };
+    run(&[
+        "--camera",
+        "in/rectified-camera.toml",
+        "--records",
+        "records.csv",
+    ])
+    .refused(&["in/rectified-camera.toml", "another folder"]);
+    run(&["--camera", "camera.toml", "--records", "in/f1.json"])
+        .refused(&["in/f1.json", "another folder"]);
+    assert_eq!(camera, fs::read(path("in/rectified-camera.toml")).unwrap());
+}
+
+#[test]
+fn frames_of_a_table_with_one_output_are_refused_even_if_one_is_chosen() {
+    let flight = scene();
+    for folder in ["a", "b"] {
+        fs::create_dir(flight.bench.path(folder)).unwrap();
+        let frame = flight.bench.path(&format!("{folder}/f.tif"));
+        fs::copy(flight.bench.path("f1.tif"), frame).unwrap();
+    }
+    let table = "file,sequence\na/f.tif,1\nb/f.tif,2\n";
+    fs::write(flight.bench.path("frames.csv"), table).unwrap();
+    rectify(&flight, &["--frames", "frames.csv", "a/f.tif"])
+        .refused(&["a/f.tif", "b/f.tif", "f.tif"]);
+    holds_nothing(&flight);
+}
+
+#[cfg(unix)]
+#[test]
+fn pipe_is_no_frame() {
+    let flight = scene();
+    fs::remove_file(flight.bench.path("f1.tif")).unwrap();
+    let made = std::process::Command::new("mkfifo")
+        .arg(flight.bench.path("f1.tif"))
+        .status();
+    assert!(made.unwrap().success());
+    rectify(&flight, &["f1.tif"]).refused(&["f1.tif", "must be a file"]);
+    holds_nothing(&flight);
+}
+
+#[test]
 fn principal_point_off_the_sensor_is_refused() {
     let flight = scene();
     let camera = fs::read_to_string(flight.bench.path("camera.toml")).unwrap();
