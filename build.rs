@@ -1,6 +1,6 @@
 //! Linker arguments of the firmware, and the memory of its board. They stand here and not in
 //! RUSTFLAGS, so that a user's flags cannot displace them. A build of the library alone gets none
-//! of them.
+//! of them. The condition `host_kernel` is set where the feature `host` has a kernel.
 
 use std::{env, fs, io, path::PathBuf};
 
@@ -16,6 +16,9 @@ const BOARDS: [(&str, &str); 2] = [
     ),
 ];
 
+/// Architectures of PCs for whose vectors there are kernels.
+const HOST_ARCHITECTURES: [&str; 2] = ["x86_64", "aarch64"];
+
 /// Conditions that are set for the firmware alone, by arguments behind `cargo rustc --`; features
 /// would make cargo compile the library anew for each. `drills` compiles in accidents on request,
 /// for tests; `link_check` links only if nothing can panic, and `negative_control` adds a panic to
@@ -27,6 +30,13 @@ fn main() -> io::Result<()> {
     println!("cargo::rustc-check-cfg=cfg(board)");
     for cfg in CFGS {
         println!("cargo::rustc-check-cfg=cfg({cfg})");
+    }
+    println!("cargo::rustc-check-cfg=cfg(host_kernel)");
+    let architecture = env::var("CARGO_CFG_TARGET_ARCH").unwrap_or_default();
+    if env::var_os("CARGO_FEATURE_HOST").is_some()
+        && HOST_ARCHITECTURES.contains(&architecture.as_str())
+    {
+        println!("cargo::rustc-cfg=host_kernel");
     }
     let chosen = |(feature, _): &&(&str, &str)| env::var_os(feature).is_some();
     let mut boards = BOARDS.iter().filter(chosen);

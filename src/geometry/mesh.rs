@@ -9,6 +9,8 @@
 //!   formats that [`format`](mod@format) has. [`source_row`] has it point by point, and [`vertex`]
 //!   in pixels.
 
+#[cfg(host_kernel)]
+mod block_group;
 mod block_matrix;
 mod block_row;
 mod differences;

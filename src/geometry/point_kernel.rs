@@ -1,7 +1,7 @@
 //! Hot path: the correction of all points of a frame at once.
 
 use fmc_camera_kernel::Coefficients;
-#[cfg(all(feature = "host", any(target_arch = "x86_64", target_arch = "aarch64")))]
+#[cfg(host_kernel)]
 use fmc_camera_kernel::host::Batch;
 use fmc_camera_kernel::inverse::LastStep;
 
@@ -11,7 +11,7 @@ use super::sensor::SensorPoint;
 
 /// Smallest number of points for which the kernel of a PC is called: below, finding its vectors
 /// costs more than they gain.
-#[cfg(all(feature = "host", any(target_arch = "x86_64", target_arch = "aarch64")))]
+#[cfg(host_kernel)]
 const LEAST_BATCH: usize = 16;
 
 /// The slices of x and y differ in length.
@@ -66,7 +66,7 @@ impl FrameCorrection {
     #[inline]
     pub fn correct_slice(&self, points: &mut [SensorPoint]) {
         let pairs = bytemuck::must_cast_slice_mut(points);
-        #[cfg(all(feature = "host", any(target_arch = "x86_64", target_arch = "aarch64")))]
+        #[cfg(host_kernel)]
         if pairs.len() >= LEAST_BATCH {
             return self.batch().pairs(pairs);
         }
@@ -91,7 +91,7 @@ impl FrameCorrection {
         if x != y {
             return Err(LengthsDiffer { x, y });
         }
-        #[cfg(all(feature = "host", any(target_arch = "x86_64", target_arch = "aarch64")))]
+        #[cfg(host_kernel)]
         if x >= LEAST_BATCH {
             self.batch().xy(x_mm, y_mm);
             return Ok(());
@@ -104,7 +104,7 @@ impl FrameCorrection {
     }
 
     /// Returns the kernel of this PC for the frame.
-    #[cfg(all(feature = "host", any(target_arch = "x86_64", target_arch = "aarch64")))]
+    #[cfg(host_kernel)]
     fn batch(&self) -> Batch {
         Batch::new(self.coefficients(), self.terms()).in_one_thread()
     }

@@ -242,6 +242,49 @@ proptest! {
         }
     }
 
+    #[test]
+    fn blocks_side_by_side_have_the_bits_of_one_after_the_other(
+        lens in cameras::lenses(),
+        strength in 0.01_f32..1.0,
+        axis in cameras::axes(),
+        motion in cameras::motions(),
+        spacing_px in 1_u16..16,
+        row_px in 0_u32..9216,
+    ) {
+        let weaker = Brown {
+            k1: strength * lens.k1,
+            k2: strength * lens.k2,
+            k3: strength * lens.k3,
+            ..lens
+        };
+        let calibration = Calibration::new(cameras::square(weaker, axis)).unwrap();
+        let focus = cameras::focus(&calibration, 0.01);
+        let correction = FrameCorrection::exact(&calibration, &motion, &focus);
+        let mesh = SourceMesh::new(&correction, spacing_px);
+        prop_assume!(mesh.block_length().is_some());
+        let row = whole_row(&correction, row_px, spacing_px);
+        let whole = write(&row, &mesh, MeshFormat::Single);
+        let spacing = u32::from(spacing_px);
+        // Too short for a second block.
+        let count = mesh.block_length().unwrap();
+        let pieces = (0..row.count).step_by(usize::from(count)).flat_map(|first| {
+            let piece = VertexRow {
+                first_col_px: u32::from(first) * spacing,
+                count: count.min(row.count - first),
+                ..row
+            };
+            write(&piece, &mesh, MeshFormat::Single)
+        });
+        prop_assert!(pieces.eq(whole));
+    }
+}
+
+/// Returns the bytes of a row.
+fn write(row: &VertexRow, mesh: &SourceMesh<'_>, format: MeshFormat) -> Vec<u8> {
+    let mut bytes = vec![0; usize::from(row.count) * format.bytes()];
+    let written = row.write_words(mesh, format, &mut bytes).unwrap().len();
+    assert_eq!(written, bytes.len());
+    bytes
 }
 
 /// Largest error of a vertex that is solved by itself across an edge of the sensor, nm.

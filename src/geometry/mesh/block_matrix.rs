@@ -1,5 +1,7 @@
 //! From sources at the nodes of a block to their forward differences.
 
+use core::ops::{Add, Mul, Sub};
+
 /// Nodes of a block, in eighths of its length: both ends are among them.
 pub(super) const NODES: [u16; 6] = [0, 1, 3, 5, 7, 8];
 
@@ -74,11 +76,14 @@ impl BlockMatrix {
     }
 
     /// Returns value and differences of one axis at the block's first vertex, from the values at
-    /// its nodes.
+    /// its nodes; or of several axes and blocks of this length.
     #[inline]
-    pub(super) fn differences(&self, [f0, f1, f2, f3, f4, f5]: [f32; 6]) -> [f32; 6] {
+    pub(super) fn differences<T>(&self, [f0, f1, f2, f3, f4, f5]: [T; 6]) -> [T; 6]
+    where
+        T: Copy + Add<Output = T> + Sub<Output = T> + Mul<f32, Output = T>,
+    {
         let chord = f5 - f0;
-        let residual = |value: f32, share: f32| (value - f0) - share * chord;
+        let residual = |value: T, share: f32| (value - f0) - chord * share;
         let [r1, r2] = [residual(f1, 0.125), residual(f2, 0.375)];
         let [r3, r4] = [residual(f3, 0.625), residual(f4, 0.875)];
         // Means of both sides over t(1 - t), and half their differences over t(1 - t)·|s|.

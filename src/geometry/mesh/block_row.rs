@@ -1,5 +1,10 @@
 //! One row of a mesh of sources, in blocks.
 
+#[cfg(host_kernel)]
+use fmc_camera_kernel::inverse::LastStep;
+
+#[cfg(host_kernel)]
+use super::block_group::{ABREAST, Abreast, BlockGroup};
 use super::differences::Differences;
 use super::row_store::{RowStore, Span};
 use super::source_mesh::{Blocks, SourceMesh};
@@ -27,6 +32,8 @@ pub(super) struct BlockRow<'a> {
     ends: Option<[u32; 2]>,
     /// Source that was found last, with its vertex.
     last_node: Option<(u32, Displacement)>,
+    #[cfg(host_kernel)]
+    group: BlockGroup,
 }
 
 impl<'a> BlockRow<'a> {
@@ -40,6 +47,8 @@ impl<'a> BlockRow<'a> {
             first: row.first_col_px / spacing_px,
             ends: None,
             last_node: None,
+            #[cfg(host_kernel)]
+            group: BlockGroup::empty(),
         };
         new.ends = new.ends_on_sensor();
         new
@@ -55,6 +64,15 @@ impl<'a> BlockRow<'a> {
         let mut rest = words;
         while !rest.is_empty() {
             let vertex = self.first.saturating_add(u32::from(index));
+            #[cfg(host_kernel)]
+            {
+                let filled = self.fill_abreast(&store, (vertex, index), rest)?;
+                if filled > 0 {
+                    index = index.saturating_add(filled);
+                    rest = rest.split_at_mut(usize::from(filled)).1;
+                    continue;
+                }
+            }
             let room = u16::try_from(rest.len()).unwrap_or(u16::MAX);
             let span = self.span(vertex);
             let Some((now, behind)) = rest.split_at_mut_checked(usize::from(span.count(room)))
@@ -115,13 +133,7 @@ impl<'a> BlockRow<'a> {
         (skipped, place): (u32, [u32; 2]),
         words: &mut [S::Word],
     ) -> Result<(), MeshError> {
-        let [steps_x, steps_y] = store.steps_per_mm();
-        let matrix = &self.blocks.matrix;
-        let scaled = |values: [f32; 6], steps: f32| {
-            Differences::of_values(matrix.differences(values).map(|value| steps * value))
-        };
-        let mut x = scaled(nodes.map(|node| node.dx_mm), steps_x);
-        let mut y = scaled(nodes.map(|node| node.dy_mm), steps_y);
+        let [mut x, mut y] = self.differences(store, &nodes).map(Differences::of_values);
         for _ in 0..skipped {
             x.take();
             y.take();
@@ -132,8 +144,7 @@ impl<'a> BlockRow<'a> {
             spacing_px: self.row.spacing_px,
             count: words.len(),
         };
-        let node_steps = nodes.map(|node| [steps_x * node.dx_mm, steps_y * node.dy_mm]);
-        if store.holds(&span, &node_steps, self.blocks.off_nodes_mm * steps_x.abs()) {
+        if self.holds(store, &span, &nodes) {
             store.begin(&span);
             // Four vertices are unrolled by hand: a jump costs a quarter of one.
             let (fours, rest) = words.as_chunks_mut::<4>();
@@ -158,9 +169,110 @@ impl<'a> BlockRow<'a> {
         Ok(())
     }
 
+    /// Returns x and y at the first vertex of a block and their differences, in steps of the store.
+    #[inline]
+    fn differences<S: RowStore>(&self, store: &S, nodes: &[Displacement; 6]) -> [[f32; 6]; 2] {
+        let [steps_x, steps_y] = store.steps_per_mm();
+        let matrix = &self.blocks.matrix;
+        let scaled =
+            |values: [f32; 6], steps: f32| matrix.differences(values).map(|value| steps * value);
+        [
+            scaled(nodes.map(|node| node.dx_mm), steps_x),
+            scaled(nodes.map(|node| node.dy_mm), steps_y),
+        ]
+    }
+
+    /// Returns true if all vertices of a span of a block fit the store's format.
+    #[inline]
+    fn holds<S: RowStore>(&self, store: &S, span: &Span, nodes: &[Displacement; 6]) -> bool {
+        let [steps_x, steps_y] = store.steps_per_mm();
+        let node_steps = nodes.map(|node| [steps_x * node.dx_mm, steps_y * node.dy_mm]);
+        store.holds(span, &node_steps, self.blocks.off_nodes_mm * steps_x.abs())
+    }
+
+    /// Returns the largest |y| of a node's measured point.
+    #[inline]
+    fn highest_mm(&self) -> f32 {
+        self.mesh.correction.sensor().half_height_mm() - self.blocks.off_nodes_mm
+    }
+
+    /// Fills the first words with blocks side by side, the bits those of one block after the other,
+    /// and returns their number: 0 where that is not possible. `vertex` is the number of the first,
+    /// `index` its place in the row.
+    #[cfg(host_kernel)]
+    fn fill_abreast<S: RowStore>(
+        &mut self,
+        store: &S,
+        (vertex, index): (u32, u16),
+        words: &mut [S::Word],
+    ) -> Result<u16, MeshError> {
+        let length = self.blocks.matrix.length;
+        let count = length.saturating_mul(ABREAST);
+        let is_start = self.ends.is_some_and(|[first, last]| {
+            (first..last).contains(&vertex)
+                && (vertex - first).is_multiple_of(u32::from(length))
+                && vertex + u32::from(count) <= last
+        });
+        let Some(words) = words.get_mut(..usize::from(count)).filter(|_| is_start) else {
+            return Ok(0);
+        };
+        let mut blocks = Abreast::new(store);
+        for number in 0..ABREAST {
+            let skipped = number * length;
+            let start = vertex + u32::from(skipped);
+            if !self.group.contains(start) {
+                self.move_group(start);
+            }
+            let Some(nodes) = self.group.nodes(start, u32::from(length)) else {
+                return Ok(0);
+            };
+            let sensor = self.mesh.correction.sensor();
+            let place = self.row.place(sensor, index + skipped)?;
+            let span = Span {
+                place: self.row.counted_from_origin(place),
+                spacing_px: self.row.spacing_px,
+                count: usize::from(length),
+            };
+            if !self.holds(store, &span, &nodes) {
+                return Ok(0);
+            }
+            if let Some(store) = blocks.stores().get_mut(usize::from(number)) {
+                store.begin(&span);
+            }
+            blocks.set(number, nodes);
+        }
+        blocks.fill(&self.blocks.matrix, words);
+        Ok(count)
+    }
+
+    /// Finds the sources at the nodes of the blocks from `start` on, as [`Self::node`] does in its
+    /// first step.
+    #[cfg(host_kernel)]
+    fn move_group(&mut self, start: u32) {
+        let correction = self.mesh.correction;
+        let last_step = LastStep {
+            longest2_mm2: correction.longest_last_step2(),
+            farthest_mm: [correction.sensor().half_width_mm(), self.highest_mm()],
+        };
+        let [phase_px, row_px] = [self.phase_px, self.row.row_px];
+        let spacing_px = u32::from(self.row.spacing_px);
+        self.group.find(
+            (&correction.coefficients(), &last_step),
+            (start, self.blocks.nodes),
+            |vertex| self.mesh.ideal([phase_px + vertex * spacing_px, row_px]),
+        );
+    }
+
     /// Returns the sources at the nodes of a block, unless one of them is off the sensor or so near
     /// its upper or lower edge that a vertex of the block might be.
     fn nodes(&mut self, start: u32) -> Option<[Displacement; 6]> {
+        #[cfg(host_kernel)]
+        if let Some(nodes) = self
+            .group
+            .nodes(start, u32::from(self.blocks.matrix.length))
+        {
+            return Some(nodes);
+        }
         let mut nodes = [Displacement::default(); 6];
         for (node, offset) in nodes.iter_mut().zip(self.blocks.nodes) {
             let vertex = start + u32::from(offset);
@@ -187,9 +299,8 @@ impl<'a> BlockRow<'a> {
             (d, step2_mm2) = form.stepped::<true>(x, y, d);
             if step2_mm2 <= correction.longest_last_step2() {
                 let measured = shifted(ideal, d);
-                let highest = sensor.half_height_mm() - self.blocks.off_nodes_mm;
-                let inside =
-                    measured.x_mm.abs() <= sensor.half_width_mm() && measured.y_mm.abs() <= highest;
+                let inside = measured.x_mm.abs() <= sensor.half_width_mm()
+                    && measured.y_mm.abs() <= self.highest_mm();
                 return inside.then_some(d);
             }
         }

@@ -26,7 +26,7 @@ impl Span {
 }
 
 /// Way to store the sources of a row's vertices.
-pub(super) trait RowStore {
+pub(super) trait RowStore: Clone {
     /// A vertex as it is stored.
     type Word;
 
@@ -66,7 +66,7 @@ pub(super) fn vertex([col_px, row_px]: [i32; 2], d: Displacement, pixel_mm: f32)
 }
 
 /// Store of displacements in mm.
-#[derive(Debug)]
+#[derive(Debug, Clone)]
 pub(super) struct Millimetres;
 
 impl RowStore for Millimetres {

@@ -32,7 +32,7 @@ pub fn bytes(vertex: &Vertex) -> Result<[u8; 4], OutOfFormat> {
 }
 
 /// Store of a row.
-#[derive(Debug)]
+#[derive(Debug, Clone)]
 pub(in crate::geometry::mesh) struct Store {
     steps_per_mm: [f32; 2],
 }

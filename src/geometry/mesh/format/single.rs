@@ -44,7 +44,7 @@ pub fn bytes(vertex: &Vertex) -> Result<[u8; 8], OutOfFormat> {
 }
 
 /// Store of a row; a step is a pixel.
-#[derive(Debug)]
+#[derive(Debug, Clone)]
 pub(in crate::geometry::mesh) struct Store {
     pixels_per_mm: f32,
     /// Place of the next vertex and the way to the one behind it, pixels.
