@@ -5,6 +5,7 @@ use std::io::{self, BufRead, BufReader, Cursor, Read};
 use weezl::{BitOrder, LzwStatus};
 use zlib_rs::{Inflate, InflateFlush, Status};
 use zstd::bulk::Decompressor;
+use zstd::zstd_safe::get_frame_content_size;
 
 use crate::header::Compression;
 use crate::source::Segment;
@@ -87,7 +88,13 @@ impl ChunkReader {
     /// Reads the end of the chunk, where the codec compares a checksum.
     pub(crate) fn finish(&mut self) -> io::Result<()> {
         if let Self::Deflate(_) | Self::Zstd(_) = self {
-            let _more = self.read(&mut [0])?;
+            self.read(&mut [0]).map_err(|error| match error.kind() {
+                io::ErrorKind::UnexpectedEof => io::Error::new(
+                    io::ErrorKind::InvalidData,
+                    "the checksum behind its rows is cut off",
+                ),
+                _ => error,
+            })?;
         }
         Ok(())
     }
@@ -125,8 +132,14 @@ impl AtOnce {
         let length = |bytes| usize::try_from(bytes).unwrap_or(usize::MAX);
         self.compressed.resize(length(compressed_bytes), 0);
         segment.read_exact(&mut self.compressed)?;
+        // A last strip may have been filled up to the rows of the others.
+        let stated = get_frame_content_size(&self.compressed).ok().flatten();
+        let stated = stated.filter(|bytes| *bytes <= AT_ONCE_BYTES);
         let mut decoded = self.spare.pop().unwrap_or_default();
-        decoded.resize(length(decoded_bytes), 0);
+        decoded.resize(
+            length(stated.map_or(decoded_bytes, |bytes| bytes.max(decoded_bytes))),
+            0,
+        );
         let decompressor = match &mut self.decompressor {
             Some(decompressor) => decompressor,
             none => none.insert(Decompressor::new()?),

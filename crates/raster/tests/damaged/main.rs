@@ -59,6 +59,7 @@ mod tests {
                     predictor: case > 2,
                     compression,
                     chunks,
+                    padded: case > 0,
                     entries: vec![text(270, "a description"), text(700, XMP)],
                 };
                 assert!(raster(&frame.bytes()), "{frame:?}");

@@ -128,6 +128,20 @@ fn every_layout_is_read_in_bands_of_any_height() {
 }
 
 #[test]
+fn last_strips_that_are_filled_up_are_read() {
+    for (compression, predictor) in CODECS {
+        let frame = TestFrame {
+            compression,
+            predictor,
+            padded: true,
+            ..TestFrame::default()
+        };
+        let mut reader = FrameReader::new(Arc::new(frame.bytes())).unwrap();
+        assert_eq!(read(&mut reader, 7), frame.pixels(), "{compression}");
+    }
+}
+
+#[test]
 fn every_written_layout_is_read_by_the_crate_tiff_and_back() {
     let chunks = [
         Chunks::Strips { rows: 1 },

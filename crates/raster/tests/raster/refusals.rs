@@ -320,6 +320,25 @@ fn checksum_of_deflate_is_compared() {
 }
 
 #[test]
+fn a_checksum_of_deflate_that_is_cut_off_is_named() {
+    let frame = TestFrame {
+        compression: Compression::Deflate,
+        chunks: Chunks::Strips { rows: 29 },
+        ..TestFrame::default()
+    };
+    let mut file = TiffBytes::new(frame.order, frame.big);
+    let mut entries = frame.pixel_entries(&mut file);
+    let lengths = entries.iter_mut().find(|(tag, _, _)| *tag == 279).unwrap();
+    let length = u32::from_le_bytes(lengths.2[..4].try_into().unwrap());
+    *lengths = longs(279, &[length - 1]);
+    file.page(&entries, None);
+    assert_eq!(
+        message(file.bytes),
+        "chunk 0, from row 25 on: the checksum behind its rows is cut off"
+    );
+}
+
+#[test]
 fn pages_in_a_circle_and_without_a_frame_are_named() {
     let frame = TestFrame::default();
     let mut file = TiffBytes::new(frame.order, frame.big);

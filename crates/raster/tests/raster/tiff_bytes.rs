@@ -18,6 +18,10 @@ pub(crate) struct TiffBytes {
 
 /// A frame with a pattern in its pixels.
 #[derive(Clone, Debug)]
+#[expect(
+    clippy::struct_excessive_bools,
+    reason = "each doubles the number of layouts"
+)]
 pub(crate) struct TestFrame {
     pub(crate) order: ByteOrder,
     pub(crate) big: bool,
@@ -28,6 +32,8 @@ pub(crate) struct TestFrame {
     pub(crate) compression: Compression,
     pub(crate) predictor: bool,
     pub(crate) chunks: Chunks,
+    /// The last strip has as many rows as the others.
+    pub(crate) padded: bool,
     /// Entries that are added, or replace those of the pixels.
     pub(crate) entries: Vec<Entry>,
 }
@@ -164,6 +170,7 @@ impl Default for TestFrame {
             compression: Compression::None,
             predictor: false,
             chunks: Chunks::Strips { rows: 8 },
+            padded: false,
             entries: Vec::new(),
         }
     }
@@ -269,7 +276,7 @@ impl TestFrame {
         let mut encoded = Vec::new();
         let mut plain = Vec::new();
         for y in (top..top + rows).map(|y| y as usize) {
-            if is_strip && y >= frame_height {
+            if is_strip && !self.padded && y >= frame_height {
                 break;
             }
             let mut row = Vec::new();
