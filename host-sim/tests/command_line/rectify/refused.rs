@@ -1,6 +1,9 @@
 //! Frames and requests that are refused, with file and field; nothing of a frame is left.
 
-use std::fs;
+use std::fs::{self, File};
+use std::sync::atomic::{AtomicBool, Ordering};
+use std::thread;
+use std::time::{Duration, SystemTime};
 
 use super::scene::{read, scene};
 use crate::command_line::frames::flight::Flight;
@@ -247,5 +250,29 @@ fn full_disk_leaves_nothing() {
         .output()
         .unwrap();
     Answer::new(&output).failed(3, &["f1.tif", "cannot be written"]);
+    holds_nothing(&flight);
+}
+
+#[test]
+fn frame_that_changes_while_it_is_read_is_refused() {
+    let flight = scene();
+    let frame = File::options()
+        .write(true)
+        .open(flight.bench.path("f1.tif"))
+        .unwrap();
+    let done = AtomicBool::new(false);
+    let answer = thread::scope(|scope| {
+        scope.spawn(|| {
+            let mut time = SystemTime::now();
+            while !done.load(Ordering::Relaxed) {
+                time += Duration::from_millis(1);
+                frame.set_modified(time).unwrap();
+            }
+        });
+        let answer = rectify(&flight, &["f1.tif"]);
+        done.store(true, Ordering::Relaxed);
+        answer
+    });
+    answer.failed(3, &["f1.tif", "changed while it was read"]);
     holds_nothing(&flight);
 }
