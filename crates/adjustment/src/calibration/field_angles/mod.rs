@@ -241,7 +241,7 @@ fn start<'a>(
         run_out,
         mount: plausibility::mount(request, &interior)?,
         axis: camera.fmc.axis.unit(),
-        exit_pupil_mm: camera.exit_pupil_mm(),
+        exit_pupil_mm: camera.exit_pupil_mm,
         directions: &[],
         elements: request.estimated,
         run_out_unknowns,

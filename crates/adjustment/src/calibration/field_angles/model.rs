@@ -36,8 +36,8 @@ pub(super) struct FieldCamera<'a> {
     pub(super) mount: Rotation3<f64>,
     /// e of the camera file.
     pub(super) axis: [f64; 2],
-    /// L, mm.
-    pub(super) exit_pupil_mm: f64,
+    /// L, mm; `None` if it is f.
+    pub(super) exit_pupil_mm: Option<f64>,
     pub(super) directions: &'a [WeightedDirection],
     pub(super) elements: &'a [InteriorElement],
     /// Terms of the run-out that are unknown, from the first power on: 0 without unknown stage.
@@ -64,7 +64,13 @@ impl FieldCamera<'_> {
     /// Returns κ = Δz/L at a stage offset.
     pub(super) fn enlargement(&self, stage_offset_mm: f64) -> f64 {
         let terms = self.run_out.iter().rev();
-        terms.fold(0.0, |sum, term| sum * stage_offset_mm + term) / self.exit_pupil_mm
+        terms.fold(0.0, |sum, term| sum * stage_offset_mm + term) / self.lever_mm()
+    }
+
+    /// Returns L, mm.
+    fn lever_mm(&self) -> f64 {
+        let f_mm = self.interior.principal_distance_mm;
+        self.exit_pupil_mm.unwrap_or(f_mm)
     }
 
     /// Returns the measured point from the principal point of the moment, at the size that it has
@@ -118,6 +124,13 @@ impl Model<2> for FieldCamera<'_> {
         let f = self.interior.principal_distance_mm;
         let residual = enlarged * (corrected.ideal_mm + f * tangent);
         let [_, by_x0, by_y0, ..] = corrected.by_element;
+        let [x, y] = point;
+        let by_enlargement = residual / enlarged + x * by_x0 + y * by_y0;
+        // κ = Δz/f falls with f.
+        let by_lever = match self.exit_pupil_mm {
+            Some(_) => Vector2::zeros(),
+            None => by_enlargement * ((1.0 - enlarged) / f),
+        };
         let mut columns: Vec<Vector2<f64>> = Vec::with_capacity(self.unknowns());
         for (element, by_element) in InteriorElement::ALL
             .into_iter()
@@ -125,7 +138,7 @@ impl Model<2> for FieldCamera<'_> {
             .filter(|(element, _)| self.elements.contains(element))
         {
             columns.push(match element {
-                InteriorElement::PrincipalDistance => enlarged * tangent,
+                InteriorElement::PrincipalDistance => enlarged * tangent + by_lever,
                 // The shrinking takes 1/(1+κ) of a motion of the principal point.
                 InteriorElement::X0 | InteriorElement::Y0 => by_element,
                 _ => enlarged * by_element,
@@ -135,12 +148,10 @@ impl Model<2> for FieldCamera<'_> {
             let [ex, ey] = self.axis;
             columns.push(c * (ex * by_x0 + ey * by_y0));
             columns.push(c * (ex * by_y0 - ey * by_x0));
-            let [x, y] = point;
-            let by_enlargement = residual / enlarged + x * by_x0 + y * by_y0;
             let mut power = 1.0;
             for _ in 0..self.run_out_unknowns {
                 power *= c;
-                columns.push(power / self.exit_pupil_mm * by_enlargement);
+                columns.push(power / self.lever_mm() * by_enlargement);
             }
         }
         for axis in [Vector3::x(), Vector3::y(), Vector3::z()] {
@@ -191,7 +202,7 @@ mod tests {
             stage_offset_mm: 0.7,
             sigma_mm: 1e-3,
         }];
-        let model = FieldCamera {
+        let mut model = FieldCamera {
             interior: Interior {
                 principal_distance_mm: 51.4,
                 principal_point_mm: [0.06, -0.02],
@@ -203,33 +214,36 @@ mod tests {
             run_out: [1e-3, 2e-3, -3e-3, 0.0, 1e-4],
             mount: Rotation3::from_euler_angles(0.01, -0.02, 0.04),
             axis: [0.0, -1.0],
-            exit_pupil_mm: 70.0,
+            exit_pupil_mm: Some(70.0),
             directions: &directions,
             elements: &InteriorElement::ALL,
             run_out_unknowns: 2,
         };
-        let row = model.linearised(0).unwrap();
         let steps = [
             1e-4, 1e-4, 1e-4, 1e-9, 1e-12, 1e-15, 1e-9, 1e-9, 1e-6, 1e-6, 1e-5, 1e-5, 1e-5, 1e-5,
             1e-6, 1e-6, 1e-6,
         ];
         assert_eq!(steps.len(), model.unknowns());
-        for (unknown, size) in steps.into_iter().enumerate() {
-            let at = |sign: f64| {
-                let mut step = vec![0.0; steps.len()];
-                step[unknown] = sign * size;
-                let moved = model.moved(&step).unwrap();
-                moved.linearised(0).unwrap().residual
-            };
-            let (plus, minus) = (at(1.0), at(-1.0));
-            for component in 0..2 {
-                let difference = (plus[component] - minus[component]) / (2.0 * size);
-                let exact = row.derivatives[component][unknown];
-                let tolerance = 1e-6 * exact.abs() + 1e-13 / size;
-                assert!(
-                    (difference - exact).abs() < tolerance,
-                    "{unknown} {difference} {exact}"
-                );
+        for lever in [Some(70.0), None] {
+            model.exit_pupil_mm = lever;
+            let row = model.linearised(0).unwrap();
+            for (unknown, size) in steps.into_iter().enumerate() {
+                let at = |sign: f64| {
+                    let mut step = vec![0.0; steps.len()];
+                    step[unknown] = sign * size;
+                    let moved = model.moved(&step).unwrap();
+                    moved.linearised(0).unwrap().residual
+                };
+                let (plus, minus) = (at(1.0), at(-1.0));
+                for component in 0..2 {
+                    let difference = (plus[component] - minus[component]) / (2.0 * size);
+                    let exact = row.derivatives[component][unknown];
+                    let tolerance = 1e-6 * exact.abs() + 1e-13 / size;
+                    assert!(
+                        (difference - exact).abs() < tolerance,
+                        "{unknown} {difference} {exact}"
+                    );
+                }
             }
         }
     }

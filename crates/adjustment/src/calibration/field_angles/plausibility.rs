@@ -23,6 +23,7 @@ const SAME_FACTOR: f64 = 0.2;
 /// # Errors
 /// [`InputError`] that names column, value and allowed range.
 pub(super) fn check(request: &FieldAnglesRequest<'_>) -> Result<(), InputError> {
+    check_zero(request)?;
     let file = &request.input.file;
     let map = map(request)?;
     let [[xx, yx], [xy, yy]] = map.data.0;
@@ -76,6 +77,21 @@ pub(super) fn check(request: &FieldAnglesRequest<'_>) -> Result<(), InputError> 
         fault.to_owned(),
         "x counts to the right and y upwards in the sensor frame, in an upright positive image; azimuth turns towards +x, elevation towards +y",
     )
+}
+
+/// Checks that the angles count from somewhere near the optical axis.
+fn check_zero(request: &FieldAnglesRequest<'_>) -> Result<(), InputError> {
+    let directions = request.observations.iter().map(FieldDirection::direction);
+    let sum: Vector3<f64> = directions.sum();
+    let angle_deg = sum.angle(&-Vector3::z()).to_degrees();
+    if angle_deg <= LARGEST_MOUNT_DEG {
+        return Ok(());
+    }
+    Err(InputError::invalid(format!(
+        "{}: the mean of azimuth_deg, elevation_deg lies {angle_deg:.1}° from the zero of the turntable; allowed: 0 to {LARGEST_MOUNT_DEG}",
+        request.input.file
+    ))
+    .with_help("count the angles from the optical axis"))
 }
 
 /// Returns the linear map of tangents to measured points, by least squares.
