@@ -181,7 +181,7 @@ pub struct FieldDirections {
 /// As [`field_points`], and for columns of both.
 pub fn turntable_angles(path: &Path, camera: &CameraFile) -> Result<TurntableAngles, Failure> {
     let file = NamedColumns::read(path, &[])?;
-    let has_any = |columns: [&str; 2]| columns.into_iter().find(|column| file.has(column));
+    let has_any = |columns: [&'static str; 2]| columns.into_iter().find(|column| file.has(column));
     match (has_any(OF_A_LINE), has_any(OF_AN_AREA)) {
         (Some(line), Some(area)) => Err(Failure::bad_input(format!(
             "{}, line 1: both {line} and {area} are given",
