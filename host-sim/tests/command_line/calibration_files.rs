@@ -102,8 +102,8 @@ pub(crate) fn field_angles_csv(offsets: &[f64]) -> String {
     let [z1, z2] = RUN_OUT;
     for (round, c) in (0_u32..).zip(offsets) {
         for index in 0..81_u32 {
-            let [azimuth, elevation] =
-                [index % 9, index / 9].map(|place| 5.5 * (f64::from(place) - 4.0));
+            let [column, row] = [index % 9, index / 9].map(|place| f64::from(place) - 4.0);
+            let [azimuth, elevation] = [5.25 * column, 4.75 * row];
             let [a, e] = [azimuth, elevation].map(f64::to_radians);
             let [x, y] = seen([7.0 * a.tan(), 7.0 * e.tan() / a.cos(), 0.0], 7.0);
             let larger = 1.0 + (z1 * c + z2 * c * c) / 110.0;
