@@ -132,7 +132,9 @@ fn area_without_stage_keeps_the_run_out() {
     let (bench, answer) = calibrated("angles", &text, &["--sigma-angle-arcsec", "1"]);
     let answer = answer.ok();
     assert!(
-        answer.stdout.contains("the stage is not calibrated"),
+        answer
+            .stdout
+            .contains("its run-out stays that of the camera file"),
         "{}",
         answer.stdout
     );

@@ -184,7 +184,7 @@ fn check(request: &FieldAnglesRequest<'_>) -> Result<(), InputError> {
             ("azimuth_deg", one.azimuth_deg),
             ("elevation_deg", one.elevation_deg),
         ] {
-            if !(value.abs() <= LARGEST_ANGLE_DEG) {
+            if value.is_nan() || value.abs() > LARGEST_ANGLE_DEG {
                 return Err(InputError::invalid(format!(
                     "{file}, line {}: {column} = {value}: allowed: -{LARGEST_ANGLE_DEG} to {LARGEST_ANGLE_DEG}",
                     one.line
@@ -251,7 +251,7 @@ fn start<'a>(
 /// Returns the observations with the σ of their corrected points.
 ///
 /// # Model
-/// σ² = σ_image²·|∂ideal/∂measured|²/2 + σ_angle²·(|∂p/∂A|² + |∂p/∂E|²)/2, p the collinearity
+/// `σ² = σ_image²·|∂ideal/∂measured|²/2 + σ_angle²·(|∂p/∂A|² + |∂p/∂E|²)/2`, p the collinearity
 /// point: the mean over the two axes.
 fn weighted(request: &FieldAnglesRequest<'_>, camera: &FieldCamera<'_>) -> Vec<WeightedDirection> {
     let interior = camera.about_principal_point();

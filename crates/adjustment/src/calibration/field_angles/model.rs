@@ -108,6 +108,7 @@ impl Model<2> for FieldCamera<'_> {
     /// # Model
     /// `docs/calibration.md`: with ρ = (measured - PP)/(1+κ),
     /// `v = (1+κ)·(ρ - D(ρ) + f·(u1, u2)/u3)`.
+    #[expect(clippy::many_single_char_names, reason = "symbols of the equations")]
     fn linearised(&self, index: usize) -> Option<Linearised<2>> {
         let one = self.directions.get(index)?;
         let c = one.stage_offset_mm;
