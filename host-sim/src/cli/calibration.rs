@@ -4,6 +4,7 @@ use std::path::PathBuf;
 use std::str::FromStr;
 
 use clap::{Args, Subcommand, ValueEnum};
+use fmc_adjustment::bundle::interior::InteriorElement;
 use fmc_adjustment::calibration::dlt3d::COEFFICIENT_NAMES;
 
 use super::number::positive;
@@ -50,11 +51,12 @@ pub enum CalibrationMethod {
     /// docs/calibration.md has the equations and how to photograph.
     #[command(after_help = examples::CALIBRATE_DLT2D)]
     Dlt2d(Dlt2dArgs),
-    /// Precise angles of a turntable for one line of the sensor: principal distance, principal
-    /// point and radial distortion.
+    /// Precise angles of a turntable, for one line of the sensor or for its area and stage:
+    /// principal distance, principal point, distortion; scale, axis and run-out of the stage.
     ///
-    /// The formulas of Li et al. 2018, a direct fit and the exact model side by side; the exact
-    /// model goes into the camera file. docs/calibration.md has the equations.
+    /// The columns say which. For a line the formulas of Li et al. 2018, a direct fit and the exact
+    /// model stand side by side; the exact model goes into the camera file. docs/calibration.md has
+    /// the equations.
     #[command(after_help = examples::CALIBRATE_ANGLES)]
     Angles(AnglesArgs),
 }
@@ -117,22 +119,58 @@ pub struct Dlt2dArgs {
 /// Arguments of `calibrate angles`.
 #[derive(Debug, Args)]
 pub struct AnglesArgs {
-    /// CSV with a header, columns in any order: `angle_deg` (of the turntable), `l_mm` (place on
-    /// the line, from the centre of the sensor); optional `band` and `repeat`.
+    /// CSV with a header, columns in any order. A line: `angle_deg` (of the turntable), `l_mm`
+    /// (from the centre of the sensor); optional `band`, `repeat`. An area:
+    /// `azimuth_deg,elevation_deg,x_mm,y_mm` (or `col_px,row_px`); optional `sigma_um` (or
+    /// `sigma_px`) and `stage_offset_mm`, at two or more offsets, which calibrates the stage.
     #[arg(value_name = "ANGLES.csv")]
     pub angles: PathBuf,
     /// Files and options of every method.
     #[command(flatten)]
     pub common: CalibrationArgs,
-    /// Axis of the sensor frame along which the line lies.
-    #[arg(long, value_name = "AXIS", default_value = "x", help_heading = ADVANCED)]
-    pub along: AlongAxis,
-    /// σ of a place on the line, µm; without it a tenth of a pixel.
+    /// Interior unknowns of an area, separated by commas, or none: f, x0, y0, k1, k2, k3, p1, p2,
+    /// b1, b2; without it all but b1, b2. The others are those of the camera file.
+    #[arg(long, value_name = "NAMES", value_parser = interior, help_heading = ADVANCED)]
+    pub estimate: Option<InteriorList>,
+    /// Axis of the sensor frame along which the line lies; without it x.
+    #[arg(long, value_name = "AXIS", help_heading = ADVANCED)]
+    pub along: Option<AlongAxis>,
+    /// σ of a place on the line, or of either coordinate of a point, µm; without it a tenth of a
+    /// pixel.
     #[arg(long, value_name = "UM", value_parser = positive, help_heading = ADVANCED)]
     pub sigma_l_um: Option<f64>,
     /// σ of an angle, seconds of arc.
     #[arg(long, value_name = "ARCSEC", default_value = "0.5", value_parser = positive, help_heading = ADVANCED)]
     pub sigma_angle_arcsec: f64,
+}
+
+/// Interior unknowns.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct InteriorList(pub Vec<InteriorElement>);
+
+impl Default for InteriorList {
+    fn default() -> Self {
+        let is_affinity =
+            |one: &InteriorElement| matches!(one, InteriorElement::B1 | InteriorElement::B2);
+        let all = InteriorElement::ALL.into_iter();
+        Self(all.filter(|one| !is_affinity(one)).collect())
+    }
+}
+
+fn interior(text: &str) -> Result<InteriorList, String> {
+    let mut list = Vec::new();
+    if text.trim() == "none" {
+        return Ok(InteriorList(list));
+    }
+    for name in text.split(',').map(str::trim) {
+        let element = InteriorElement::from_symbol(name)
+            .ok_or_else(|| format!("{name} is none of f, x0, y0, k1, k2, k3, p1, p2, b1, b2"))?;
+        if list.contains(&element) {
+            return Err(format!("{name} appears twice"));
+        }
+        list.push(element);
+    }
+    Ok(InteriorList(list))
 }
 
 /// Axis of the sensor frame.

@@ -100,7 +100,8 @@ pub(super) const CALIBRATE_ANGLES: &str = "\
 Examples:
   host-sim calibrate angles angles.csv --camera line.toml --out calibrated
   host-sim calibrate angles angles.csv --camera line.toml --along y \\
-      --sigma-l-um 1.3 --sigma-angle-arcsec 0.5";
+      --sigma-l-um 1.3 --sigma-angle-arcsec 0.5
+  host-sim calibrate angles field_angles.csv --camera my.toml --out calibrated";
 
 pub(super) const SMEAR: &str = "\
 Examples:

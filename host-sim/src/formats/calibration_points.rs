@@ -7,6 +7,7 @@ use std::sync::Arc;
 use fmc_adjustment::calibration::angles::request::AngleObservation;
 use fmc_adjustment::calibration::dlt2d::request::PlaneTarget;
 use fmc_adjustment::calibration::dlt3d::FieldPoint;
+use fmc_adjustment::calibration::field_angles::FieldDirection;
 use fmc_adjustment::calibration::result::InputFile;
 use fmc_camera_file::CameraFile;
 
@@ -146,12 +147,56 @@ fn plane_target(
     })
 }
 
-/// Reads `angle_deg,l_mm[,band][,repeat]`.
+/// Columns of the angles of a line, and of an area.
+const OF_A_LINE: [&str; 2] = ["angle_deg", "l_mm"];
+const OF_AN_AREA: [&str; 2] = ["azimuth_deg", "elevation_deg"];
+
+/// Angles of a turntable.
+#[derive(Debug)]
+pub enum TurntableAngles {
+    /// One line of the sensor.
+    Line(InputFile, Vec<AngleObservation>),
+    /// The area of the sensor.
+    Area(FieldDirections),
+}
+
+/// Directions of an area camera.
+#[derive(Debug)]
+pub struct FieldDirections {
+    /// The file.
+    pub input: InputFile,
+    /// `true` if it has σ.
+    pub has_sigma: bool,
+    /// `true` if it has offsets of the stage.
+    pub has_stage: bool,
+    /// Directions.
+    pub directions: Vec<FieldDirection>,
+}
+
+/// Reads `angle_deg,l_mm[,band][,repeat]`, or `azimuth_deg,elevation_deg,x_mm,y_mm` with
+/// `sigma_um` and `stage_offset_mm` if they are there; `col_px,row_px,sigma_px` may stand for
+/// `x_mm,y_mm,sigma_um`.
 ///
 /// # Errors
-/// As [`field_points`].
-pub fn line_angles(path: &Path) -> Result<(InputFile, Vec<AngleObservation>), Failure> {
-    let file = NamedColumns::read(path, &["angle_deg", "l_mm"])?;
+/// As [`field_points`], and for columns of both.
+pub fn turntable_angles(path: &Path, camera: &CameraFile) -> Result<TurntableAngles, Failure> {
+    let file = NamedColumns::read(path, &[])?;
+    let has_any = |columns: [&'static str; 2]| columns.into_iter().find(|column| file.has(column));
+    match (has_any(OF_A_LINE), has_any(OF_AN_AREA)) {
+        (Some(line), Some(area)) => Err(Failure::bad_input(format!(
+            "{}, line 1: both {line} and {area} are given",
+            file.input.file
+        ))
+        .with_help(
+            "one line of the sensor has angle_deg,l_mm; an area has azimuth_deg,elevation_deg,x_mm,y_mm",
+        )),
+        (None, Some(_)) => field_directions(file, camera).map(TurntableAngles::Area),
+        _ => line_angles(file),
+    }
+}
+
+fn line_angles(file: NamedColumns) -> Result<TurntableAngles, Failure> {
+    file.require(&OF_A_LINE)?;
     let mut observations = Vec::new();
     for row in file.rows() {
         let name = |column: &str| file.has(column).then(|| row.name(column)).transpose();
@@ -163,5 +208,33 @@ pub fn line_angles(path: &Path) -> Result<(InputFile, Vec<AngleObservation>), Fa
             repeat: name("repeat")?,
         });
     }
-    Ok((file.input, observations))
+    Ok(TurntableAngles::Line(file.input, observations))
+}
+
+fn field_directions(file: NamedColumns, camera: &CameraFile) -> Result<FieldDirections, Failure> {
+    file.require(&OF_AN_AREA)?;
+    let has_sigma = file.check_image_columns()?;
+    let has_stage = file.has("stage_offset_mm");
+    let mut directions = Vec::new();
+    for row in file.rows() {
+        let measured = row.image_point(camera)?;
+        directions.push(FieldDirection {
+            line: row.line,
+            azimuth_deg: row.number("azimuth_deg")?,
+            elevation_deg: row.number("elevation_deg")?,
+            measured_mm: measured.point_mm,
+            sigma_mm: measured.sigma_mm,
+            stage_offset_mm: if has_stage {
+                row.number("stage_offset_mm")?
+            } else {
+                0.0
+            },
+        });
+    }
+    Ok(FieldDirections {
+        input: file.input,
+        has_sigma,
+        has_stage,
+        directions,
+    })
 }

@@ -67,12 +67,7 @@ impl NamedColumns {
             .map_err(|error| csv_failure(file, &error))?
             .clone();
         let names: Vec<String> = header.iter().map(str::to_owned).collect();
-        let refused = |fault: String| {
-            Failure::bad_input(format!("{file}, line 1: {fault}")).with_help(format!(
-                "the first line names the columns, separated by commas, in any order: {}",
-                required.join(",")
-            ))
-        };
+        let refused = |fault: String| header_failure(file, &fault, required);
         if names.iter().all(String::is_empty) {
             return Err(refused("the file is empty".to_owned()));
         }
@@ -81,12 +76,7 @@ impl NamedColumns {
                 return Err(refused(format!("column {name} appears twice")));
             }
         }
-        for name in required {
-            if !names.iter().any(|one| one == name) {
-                let found = clipped(&names.join(",")).escape_debug().to_string();
-                return Err(refused(format!("column {name} is missing; found {found}")));
-            }
-        }
+        check_required(file, &names, required)?;
         let mut rows = Vec::new();
         let mut record = StringRecord::new();
         let mut lines = Lines::default();
@@ -104,6 +94,14 @@ impl NamedColumns {
             names,
             rows,
         })
+    }
+
+    /// Checks that these columns are there.
+    ///
+    /// # Errors
+    /// [`Failure`] naming the column that is missing.
+    pub fn require(&self, required: &[&str]) -> Result<(), Failure> {
+        check_required(&self.input.file, &self.names, required)
     }
 
     /// Returns true if there is a column of this name.
@@ -139,6 +137,25 @@ impl NamedColumns {
             (false, true) => Ok(self.has("sigma_px")),
         }
     }
+}
+
+fn header_failure(file: &str, fault: &str, required: &[&str]) -> Failure {
+    Failure::bad_input(format!("{file}, line 1: {fault}")).with_help(format!(
+        "the first line names the columns, separated by commas, in any order: {}",
+        required.join(",")
+    ))
+}
+
+fn check_required(file: &str, names: &[String], required: &[&str]) -> Result<(), Failure> {
+    let missing = required
+        .iter()
+        .find(|required| !names.iter().any(|name| name == *required));
+    let Some(name) = missing else {
+        return Ok(());
+    };
+    let found = clipped(&names.join(",")).escape_debug().to_string();
+    let fault = format!("column {name} is missing; found {found}");
+    Err(header_failure(file, &fault, required))
 }
 
 impl Row<'_> {

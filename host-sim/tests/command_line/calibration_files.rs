@@ -92,6 +92,34 @@ pub(crate) fn angles_csv() -> String {
     text
 }
 
+/// Run-out of the stage: z1, z2.
+pub(crate) const RUN_OUT: [f64; 2] = [2e-3, -1.5e-3];
+
+/// Directions of 9 x 9 for the same lens, at these offsets of a stage along +y.
+pub(crate) fn field_angles_csv(offsets: &[f64]) -> String {
+    let mut text = String::from("azimuth_deg,elevation_deg,x_mm,y_mm,stage_offset_mm\n");
+    let [_, x0, y0] = INTERIOR;
+    let [z1, z2] = RUN_OUT;
+    for (round, c) in (0_u32..).zip(offsets) {
+        for index in 0..81_u32 {
+            let [column, row] = [index % 9, index / 9].map(|place| f64::from(place) - 4.0);
+            let [azimuth, elevation] = [5.25 * column, 4.75 * row];
+            let [a, e] = [azimuth, elevation].map(f64::to_radians);
+            let [x, y] = seen([7.0 * a.tan(), 7.0 * e.tan() / a.cos(), 0.0], 7.0);
+            let larger = 1.0 + (z1 * c + z2 * c * c) / 110.0;
+            // A deviation of 0.5 µm.
+            let wave = |phase: f64| 5e-4 * (7.7 * f64::from(index + 81 * round) + phase).sin();
+            let _ = writeln!(
+                text,
+                "{azimuth},{elevation},{:.12},{:.12},{c}",
+                x0 + larger * (x - x0) + wave(0.0),
+                y0 + larger * (y - y0) + c + wave(2.1),
+            );
+        }
+    }
+    text
+}
+
 /// Runs a method on a file of observations, with `--out out`.
 pub(crate) fn calibrated(method: &str, observations: &str, more: &[&str]) -> (Bench, Answer) {
     let bench = Bench::new();

@@ -4,6 +4,7 @@ pub mod angles;
 pub mod dlt2d;
 pub mod dlt3d;
 pub mod failure;
+pub mod field_angles;
 pub mod five;
 mod gross_errors;
 mod least_squares;

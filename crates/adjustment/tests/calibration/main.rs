@@ -13,6 +13,8 @@ mod dlt3d;
 #[cfg(test)]
 mod dlt3d_refused;
 #[cfg(test)]
+mod field_angles;
+#[cfg(test)]
 mod noise;
 #[cfg(test)]
 mod plane;

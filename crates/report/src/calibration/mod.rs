@@ -4,6 +4,7 @@ pub mod angles;
 pub mod dlt2d;
 mod dlt2d_figures;
 pub mod dlt3d;
+pub mod field_angles;
 pub mod five_summary;
 pub mod five_table;
 pub mod residual_field;

@@ -173,8 +173,8 @@ fn groups(result: &CalibrationResult) -> String {
 fn short(name: &str) -> &str {
     match name {
         "principal_distance_mm" => "f",
-        "stage_axis_angle_rad" => "angle",
-        "stage_scale" => "scale",
+        "stage_axis_angle_rad" => "α",
+        "stage_scale" => "s",
         "run_out_mm_per_mm" => "z1",
         "run_out_mm_per_mm2" => "z2",
         _ => name.strip_suffix("_mm").unwrap_or(name),
