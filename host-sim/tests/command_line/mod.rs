@@ -22,6 +22,7 @@ mod calibrate_five_refused;
 mod calibrate_hand_over;
 #[cfg(test)]
 mod calibrate_network;
+mod calibrate_records;
 #[cfg(test)]
 mod calibration_files;
 #[cfg(test)]
@@ -45,6 +46,7 @@ mod fake_camera;
 #[cfg(unix)]
 mod fake_qemu;
 #[cfg(test)]
+mod flight_block;
 mod frames;
 #[cfg(test)]
 mod gpu_mesh;
