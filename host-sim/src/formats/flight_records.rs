@@ -116,6 +116,6 @@ fn within(row: Row<'_>, column: &str, [least, most]: [f64; 2]) -> Result<f64, Fa
         return Ok(value);
     }
     Err(row.failure(format!(
-        "{column} = {value} is outside {least} to {most} mm of this camera"
+        "{column} = {value} is outside {least:.3} to {most:.3} mm, the range of this camera"
     )))
 }

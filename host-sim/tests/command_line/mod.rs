@@ -22,6 +22,7 @@ mod calibrate_five_refused;
 mod calibrate_hand_over;
 #[cfg(test)]
 mod calibrate_network;
+#[cfg(test)]
 mod calibrate_records;
 #[cfg(test)]
 mod calibration_files;
@@ -47,6 +48,7 @@ mod fake_camera;
 mod fake_qemu;
 #[cfg(test)]
 mod flight_block;
+#[cfg(test)]
 mod frames;
 #[cfg(test)]
 mod gpu_mesh;

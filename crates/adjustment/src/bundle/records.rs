@@ -183,3 +183,69 @@ fn shown(tables: &NetworkTables) -> HashSet<&str> {
     let rows = tables.image_points.rows.iter();
     rows.map(|row| &*row.image).collect()
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::bundle::interior::Interior;
+    use crate::bundle::tables::ImagePointRow;
+
+    #[test]
+    fn reduced_points_satisfy_convention_b() {
+        let interior = Interior {
+            principal_distance_mm: 50.0,
+            principal_point_mm: [0.05, -0.08],
+            k: [0.0, -1.2e-5, 6e-9, -1e-12],
+            p: [3e-6, -2e-6],
+            b: [2e-4, -1e-4],
+        };
+        let (kappa, offset_mm, direction) = (1.3e-4, 0.4, [-1.0, 0.0]);
+        let measured_mm = [17.0, -9.0];
+        let tables = NetworkTables {
+            image_points: Table {
+                file: "points".to_owned(),
+                rows: vec![ImagePointRow {
+                    line: 2,
+                    image: "7".into(),
+                    point: "p".into(),
+                    measured_mm,
+                    sigma_mm: Some(0.001),
+                }],
+            },
+            object_points: Table {
+                file: "objects".to_owned(),
+                rows: Vec::new(),
+            },
+            images: None,
+            scale_bars: None,
+        };
+        let records = FlightRecords {
+            table: Table {
+                file: "records".to_owned(),
+                rows: vec![RecordRow {
+                    line: 2,
+                    sequence: 7,
+                    is_exposed: true,
+                    offset_mm,
+                    sigma_mm: 0.0,
+                    enlargement: kappa,
+                    centroid_after_trigger_s: None,
+                }],
+            },
+            direction,
+            principal_point_mm: interior.principal_point_mm,
+        };
+        let reduced = records.reduced(&tables).unwrap();
+        let row = reduced.image_points.rows.first().unwrap();
+        let ideal = interior.corrected(row.measured_mm);
+        // f(1+κ), (1+κ)·D(r/(1+κ)) about (x0, y0) + c̄·e.
+        let scale = 1.0 + kappa;
+        let about = [measured_mm[0] - 0.05 + offset_mm, measured_mm[1] + 0.08];
+        let distortion = scale * interior.distortion(about.map(|one| one / scale));
+        for (axis, one) in about.into_iter().enumerate() {
+            let tangent = (one - distortion[axis]) / (50.0 * scale);
+            assert!((tangent - ideal[axis] / 50.0).abs() < 1e-15);
+        }
+        assert!((row.sigma_mm.unwrap() * scale - 0.001).abs() < 1e-18);
+    }
+}
