@@ -177,7 +177,7 @@ fn positions_at_the_triggers_are_moved_to_the_centroids() {
     run(&at_trigger, &["--positions-at-trigger"]).ok();
     let at_centroid = FROM_REST.bench();
     run(&at_centroid, &[]).ok();
-    let [moved, stated] = [&at_trigger, &at_centroid].map(|bench| summary(bench));
+    let [moved, stated] = [&at_trigger, &at_centroid].map(summary);
     let difference = along_m(&moved, "records") - along_m(&stated, "records");
     assert!(difference.abs() < 1e-6, "{difference}");
     // 12 ms at 90 and 60 m/s, to and fro: 0.18 m.

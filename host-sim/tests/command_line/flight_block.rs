@@ -64,22 +64,10 @@ impl Block {
         }
     }
 
-    /// Writes camera.toml, image_points.csv, points.csv, images.csv and records.csv.
+    /// Writes `camera.toml`, `image_points.csv`, `points.csv`, `images.csv` and `records.csv`.
     pub(crate) fn bench(&self) -> Bench {
         let mut random = Rng::with_seed(self.seed);
-        let mut field = Rng::with_seed(11);
-        let ground: Vec<[f64; 3]> = (0..26 * 24)
-            .map(|number| {
-                let jitter = || 60.0 * (field.f64() - 0.5);
-                let mut jitter = jitter;
-                let (column, row) = (f64::from(number % 26), f64::from(number / 26));
-                [
-                    100.0 * column - 230.0 + jitter(),
-                    100.0 * row - 330.0 + jitter(),
-                    0.9 * jitter() + 28.0,
-                ]
-            })
-            .collect();
+        let ground = ground();
         let mut rays: Vec<(u32, usize, [f64; 2])> = Vec::new();
         let mut images =
             "image,x_m,y_m,z_m,pitch_deg,roll_deg,yaw_deg,sigma_x_m,sigma_y_m,sigma_z_m,\
@@ -152,23 +140,7 @@ impl Block {
             )
             .unwrap();
         }
-        let mut seen = vec![0; ground.len()];
-        for (_, number, _) in &rays {
-            seen[*number] += 1;
-        }
-        let mut image_points = "image,point,x_mm,y_mm,sigma_um\n".to_owned();
-        for (frame, number, [x, y]) in rays.iter().filter(|(_, number, _)| seen[*number] > 1) {
-            writeln!(image_points, "{frame},p{number},{x},{y},1.128").unwrap();
-        }
-        let mut points = "point,x_m,y_m,z_m,role\n".to_owned();
-        for (number, [x, y, z]) in ground.iter().enumerate().filter(|(_, point)| {
-            // The edge of the block has two rays alone.
-            (100.0..1900.0).contains(&point[0]) && (0.0..1500.0).contains(&point[1])
-        }) {
-            if number % 3 == 0 && seen[number] > 1 {
-                writeln!(points, "p{number},{x},{y},{z},check").unwrap();
-            }
-        }
+        let [image_points, points] = point_tables(&ground, &rays);
         let bench = Bench::with(CAMERA, b"");
         for (name, text) in [
             ("image_points.csv", image_points),
@@ -180,4 +152,43 @@ impl Block {
         }
         bench
     }
+}
+
+/// Returns points on a grid of 100 m, 60 m of relief, all of them the same for every seed.
+fn ground() -> Vec<[f64; 3]> {
+    let mut field = Rng::with_seed(11);
+    (0..26 * 24)
+        .map(|number| {
+            let mut jitter = || 60.0 * (field.f64() - 0.5);
+
+            let (column, row) = (f64::from(number % 26), f64::from(number / 26));
+            [
+                100.0 * column - 230.0 + jitter(),
+                100.0 * row - 330.0 + jitter(),
+                0.9 * jitter() + 28.0,
+            ]
+        })
+        .collect()
+}
+
+/// Returns the text of `image_points.csv` and `points.csv`: a third of the inner points is check.
+fn point_tables(ground: &[[f64; 3]], rays: &[(u32, usize, [f64; 2])]) -> [String; 2] {
+    let mut seen = vec![0; ground.len()];
+    for (_, number, _) in rays {
+        seen[*number] += 1;
+    }
+    let mut image_points = "image,point,x_mm,y_mm,sigma_um\n".to_owned();
+    for (frame, number, [x, y]) in rays.iter().filter(|(_, number, _)| seen[*number] > 1) {
+        writeln!(image_points, "{frame},p{number},{x},{y},1.128").unwrap();
+    }
+    let mut points = "point,x_m,y_m,z_m,role\n".to_owned();
+    for (number, [x, y, z]) in ground.iter().enumerate().filter(|(_, point)| {
+        // The edge of the block has two rays alone.
+        (100.0..1900.0).contains(&point[0]) && (0.0..1500.0).contains(&point[1])
+    }) {
+        if number % 3 == 0 && seen[number] > 1 {
+            writeln!(points, "p{number},{x},{y},{z},check").unwrap();
+        }
+    }
+    [image_points, points]
 }

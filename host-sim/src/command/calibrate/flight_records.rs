@@ -113,25 +113,26 @@ impl WithRecords {
     /// Returns the tables of terminal and page.
     pub(super) fn tables(&self, calibration: &BundleCalibration) -> Vec<PageTable> {
         let mut columns = vec![String::new(), "with records".to_owned()];
-        let mut rows = self.rows(calibration);
+        let mut rows = figures(calibration);
         if let Ok(fixed) = &self.fixed {
             columns.push("static".to_owned());
-            for (row, other) in rows.iter_mut().zip(self.rows(fixed)) {
+            for (row, other) in rows.iter_mut().zip(figures(fixed)) {
                 row.extend(other.into_iter().skip(1));
             }
         }
-        let mut caption = format!(
+        let fixed = self.fixed.as_ref().ok();
+        let apart = fixed
+            .and_then(|fixed| difference_rms_m(calibration, fixed))
+            .map_or_else(String::new, |[x, y, z]| {
+                format!(
+                    " Object points of the two differ by {x:.3}, {y:.3}, {z:.3} m (root mean square)."
+                )
+            });
+        let caption = format!(
             "The principal points of the records are held; their σ is {:.2} µm at most. The static bundle has one principal \
-             point for all images.",
+             point for all images.{apart}",
             1e3 * self.largest_sigma_mm()
         );
-        if let Ok(fixed) = &self.fixed
-            && let Some([x, y, z]) = difference_rms_m(calibration, fixed)
-        {
-            caption.push_str(&format!(
-                " Object points of the two differ by {x:.3}, {y:.3}, {z:.3} m (root mean square)."
-            ));
-        }
         vec![PageTable {
             title: "Records of the flight".to_owned(),
             columns,
@@ -140,25 +141,26 @@ impl WithRecords {
         }]
     }
 
-    fn rows(&self, calibration: &BundleCalibration) -> Vec<Vec<String>> {
-        let solution = &calibration.snooped.solution;
-        let mut rows = vec![
-            vec!["σ0".to_owned(), format!("{:.3}", solution.sigma0())],
-            vec!["redundancy".to_owned(), solution.redundancy().to_string()],
-        ];
-        if let Some([x, y, z]) = check_points_rms_m(calibration) {
-            for (axis, rms) in [("x", x), ("y", y), ("z", z)] {
-                rows.push(vec![
-                    format!("check points, {axis}, RMS, m"),
-                    format!("{rms:.4}"),
-                ]);
-            }
-        }
-        rows
-    }
-
     fn largest_sigma_mm(&self) -> f64 {
         let sigmas = self.records.exposed().map(|row| row.sigma_mm);
         sigmas.fold(0.0, f64::max)
     }
+}
+
+/// Returns σ0, redundancy and check points of a bundle, each under its name.
+fn figures(calibration: &BundleCalibration) -> Vec<Vec<String>> {
+    let solution = &calibration.snooped.solution;
+    let mut rows = vec![
+        vec!["σ0".to_owned(), format!("{:.3}", solution.sigma0())],
+        vec!["redundancy".to_owned(), solution.redundancy().to_string()],
+    ];
+    if let Some([x, y, z]) = check_points_rms_m(calibration) {
+        for (axis, rms) in [("x", x), ("y", y), ("z", z)] {
+            rows.push(vec![
+                format!("check points, {axis}, RMS, m"),
+                format!("{rms:.4}"),
+            ]);
+        }
+    }
+    rows
 }
