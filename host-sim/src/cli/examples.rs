@@ -83,7 +83,10 @@ Examples:
       --images flight.csv --camera my.toml --estimate f,x0,y0,boresight \\
       --prior f=0.005
   host-sim calibrate bundle image_points.csv --points control.csv \\
-      --camera my.toml --out calibrated --export colmap";
+      --camera my.toml --out calibrated --export colmap
+  host-sim calibrate bundle image_points.csv --points control.csv \\
+      --images flight.csv --camera my.toml --estimate x0,y0 \\
+      --records records.csv --out calibrated";
 pub(super) const CALIBRATE_DLT3D: &str = "\
 Examples:
   host-sim calibrate dlt3d points.csv --camera my.toml --out calibrated

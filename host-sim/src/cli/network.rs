@@ -66,6 +66,14 @@ pub struct BundleArgs {
     /// Scale bars: `point_a,point_b,length_m,sigma_m`.
     #[arg(long, value_name = "FILE", help_heading = ADVANCED)]
     pub scale_bars: Option<PathBuf>,
+    /// The camera's records.csv: every image, named by its sequence, with the principal point and
+    /// the focus shift of its own exposure. Image points are as measured, not corrected.
+    #[arg(long, value_name = "records.csv", help_heading = ADVANCED)]
+    pub records: Option<PathBuf>,
+    /// Positions of --images are those at the triggers: each is moved by its velocity times the
+    /// centroid of the exposure less the trigger, by the records.
+    #[arg(long, requires = "records", requires = "images", help_heading = ADVANCED)]
+    pub positions_at_trigger: bool,
     /// Hand the result over to programs that know one camera without distortion: corrected image
     /// points, poses, object points; colmap, csv, or both with a comma between. Goes with --out.
     #[arg(

@@ -3,6 +3,7 @@
 pub(super) mod angles;
 pub(super) mod dlt2d;
 pub(super) mod dlt3d;
+mod flight_records;
 mod hand_over;
 pub(super) mod network;
 mod report;

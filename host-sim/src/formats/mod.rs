@@ -1,6 +1,7 @@
 //! File formats: flight settings, observations, points, output files.
 
 pub mod calibration_points;
+pub mod flight_records;
 pub mod frame_points;
 pub mod named_columns;
 pub mod network_tables;

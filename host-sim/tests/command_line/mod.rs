@@ -23,6 +23,8 @@ mod calibrate_hand_over;
 #[cfg(test)]
 mod calibrate_network;
 #[cfg(test)]
+mod calibrate_records;
+#[cfg(test)]
 mod calibration_files;
 #[cfg(test)]
 #[cfg(unix)]
@@ -44,6 +46,8 @@ mod fake_camera;
 #[cfg(test)]
 #[cfg(unix)]
 mod fake_qemu;
+#[cfg(test)]
+mod flight_block;
 #[cfg(test)]
 mod frames;
 #[cfg(test)]

@@ -22,6 +22,8 @@ pub mod parameters;
 pub mod plausibility;
 pub mod pose;
 pub mod ray;
+pub mod record_tests;
+pub mod records;
 pub mod separation;
 pub mod snooping;
 pub mod solution;

@@ -1,14 +1,16 @@
 //! Residuals of an adjusted network with redundancy numbers and test values.
 
-use nalgebra::{DVector, RowVector3, RowVector6};
+use nalgebra::{DVector, RowVector3, RowVector6, Vector3};
 
 use crate::calibration::result::residual::TestedResidual;
 use crate::linear::element::{add, element};
 
 use super::cofactors::{Cofactors, PointCofactors};
 use super::eliminated_point::{PointBlock, WeightedRay};
+use super::image::ObservedPose;
 use super::layout::{Layout, PointUnknowns};
 use super::network::{ImagePoint, Network};
+use super::pose::Pose;
 use super::solution::Solution;
 
 /// An observation that is no image point.
@@ -70,6 +72,37 @@ impl Tests {
             others,
             exact: cofactors.images.is_some(),
         }
+    }
+
+    /// Tests the observed positions along a direction of the sensor frame, image by image; images
+    /// without three observed coordinates are left out.
+    ///
+    /// # Model
+    /// The component `tᵀv` of the residual v along `t = R·e` has the cofactor `tᵀQ_v·t`: a wrong
+    /// principal point of one exposure moves the projection centre along t.
+    #[must_use]
+    pub fn along(
+        network: &Network,
+        solution: &Solution,
+        cofactors: &Cofactors,
+        [x, y]: [f64; 2],
+    ) -> Vec<(usize, TestedResidual)> {
+        let tester = Tester {
+            network,
+            solution,
+            cofactors,
+            sigma0: solution.sigma0(),
+            mean: mean_redundancy(solution),
+        };
+        let poses = network.images.iter().zip(&solution.state.poses);
+        poses
+            .enumerate()
+            .filter_map(|(number, (image, pose))| {
+                let direction = pose.rotation * Vector3::new(x, y, 0.0);
+                let tested = tester.position(number, image.observed?, pose, &direction)?;
+                Some((number, tested))
+            })
+            .collect()
     }
 }
 
@@ -253,6 +286,38 @@ impl Tester<'_> {
                 ));
             }
         }
+    }
+
+    /// Tests the component of an observed position along a direction of the ground frame.
+    fn position(
+        &self,
+        image: usize,
+        observed: ObservedPose,
+        pose: &Pose,
+        direction: &Vector3<f64>,
+    ) -> Option<TestedResidual> {
+        let linear = observed.residuals(pose, &self.solution.state.parameters)?;
+        let [x, y, z, ..] = observed.sigmas;
+        let sigma = direction.component_mul(&Vector3::new(x?, y?, z?)).norm();
+        let share = direction / sigma;
+        let mut border = DVector::zeros(self.layout().border.len());
+        for (parameter, [x, y, z, ..]) in &linear.by_parameter {
+            if let Some(place) = self.layout().column(*parameter) {
+                add(&mut border, place, 0, share.dot(&Vector3::new(*x, *y, *z)));
+            }
+        }
+        let own = share.transpose() * linear.by_pose.fixed_rows::<3>(0);
+        let row = Row {
+            image: Some((image, own)),
+            border,
+        };
+        let [x, y, z, ..] = linear.residuals;
+        Some(TestedResidual::new(
+            direction.dot(&Vector3::new(x, y, z)),
+            sigma,
+            bounded(1.0 - self.leverage(&row, None)),
+            self.sigma0,
+        ))
     }
 
     fn scale_bars(&self, others: &mut Vec<(OtherObservation, TestedResidual)>) {

@@ -8,32 +8,34 @@ use fmc_adjustment::bundle::interior::{Interior, InteriorElement};
 use fmc_adjustment::bundle::network_of_tables::Unknowns;
 use fmc_adjustment::bundle::tables::{NetworkTables, RowRole};
 use fmc_adjustment::calibration::result::InputFile;
-use fmc_report::calibration::result::of_method::OfMethod;
+use fmc_report::calibration::result::of_method::{OfMethod, PageTable};
 use serde_json::{Map, json};
 
+use super::flight_records::WithRecords;
 use super::hand_over;
 use super::report::{self, Prepared};
-use crate::cli::{BundleArgs, HandOverFormat, NetworkArgs, ResectionArgs};
+use crate::cli::{BundleArgs, NetworkArgs, ResectionArgs};
 use crate::failure::{Failure, note};
-use crate::formats::network_tables;
+use crate::formats::{flight_records as flight_records_file, network_tables};
 
 /// Runs `calibrate resection`.
 pub(in crate::command) fn resection(args: &ResectionArgs) -> Result<(), Failure> {
-    run("resection", &args.network, None, &[])
+    run("resection", &args.network, None)
 }
 
 /// Runs `calibrate bundle`.
 pub(in crate::command) fn bundle(args: &BundleArgs) -> Result<(), Failure> {
-    let scale_bars = args.scale_bars.as_deref();
-    run("bundle", &args.network, scale_bars, &args.export)
+    run("bundle", &args.network, Some(args))
 }
 
 fn run(
     method: &'static str,
     args: &NetworkArgs,
-    scale_bars: Option<&Path>,
-    formats: &[HandOverFormat],
+    bundle: Option<&BundleArgs>,
 ) -> Result<(), Failure> {
+    let scale_bars = bundle.and_then(|args| args.scale_bars.as_deref());
+    let records_path = bundle.and_then(|args| args.records.as_deref());
+    let formats = bundle.map_or(&[][..], |args| &args.export);
     report::check_date(&args.common)?;
     let (camera, _) = crate::command::read_camera(&args.common.camera)?;
     let (image_points, image_file) = network_tables::image_points(&args.image_points, &camera)?;
@@ -47,7 +49,11 @@ fn run(
     let bars = scale_bars.map(network_tables::scale_bars).transpose()?;
     inputs.extend(images.iter().map(|(_, file)| file.clone()));
     inputs.extend(bars.iter().map(|(_, file)| file.clone()));
-    let tables = NetworkTables {
+    let records = records_path
+        .map(|path| flight_records_file::read(path, &camera))
+        .transpose()?;
+    inputs.extend(records.iter().map(|(_, file)| file.clone()));
+    let mut tables = NetworkTables {
         image_points,
         object_points,
         images: images.map(|(table, _)| table),
@@ -67,8 +73,21 @@ fn run(
             GrossErrors::Reject
         },
     };
-    let calibration = BundleCalibration::new(&tables, Interior::of(&camera), &options)?;
+    let start = Interior::of(&camera);
+    let mut with_records = None;
+    if let Some((records, _)) = records {
+        if bundle.is_some_and(|args| args.positions_at_trigger) {
+            tables = records.at_centroids(&tables)?;
+        }
+        let reduced = records.reduced(&tables)?;
+        with_records = Some(WithRecords::new(records, &tables, start, &options));
+        tables = reduced;
+    }
+    let calibration = BundleCalibration::new(&tables, start, &options)?;
     let mut result = calibration.result(method, &camera, inputs);
+    if let Some(with_records) = &with_records {
+        result.warnings.extend(with_records.warnings(&calibration));
+    }
     for warning in &result.warnings {
         note(format_args!("warning: {warning}"));
     }
@@ -77,13 +96,19 @@ fn run(
         Some(args.points.as_path()),
         args.images.as_deref(),
         scale_bars,
+        records_path,
     ];
     let files: Vec<&Path> = files.into_iter().flatten().collect();
     let mut of_method = of_method(&calibration);
     of_method.files = hand_over::files(&calibration, &camera, formats)?;
+    if let Some(with_records) = &with_records {
+        of_method.summary.extend(with_records.summary(&calibration));
+        of_method.tables = with_records.tables(&calibration);
+    }
+    let text: Vec<String> = of_method.tables.iter().map(PageTable::text).collect();
     let folder = args.common.out.as_deref();
     let prepared = Prepared::of(&mut result, of_method, &args.common, &files, folder)?;
-    report::print(&result, &[])?;
+    report::print(&result, &text)?;
     prepared.write()
 }
 

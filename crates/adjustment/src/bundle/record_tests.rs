@@ -1,0 +1,123 @@
+//! Tests of the records of a flight by the observed positions, and comparison with a bundle that
+//! knows one principal point.
+
+use nalgebra::Vector3;
+
+use super::calibration::BundleCalibration;
+use super::network::PointRole;
+use super::snooping::critical_values;
+use super::state::State;
+use super::tested::Tests;
+use crate::calibration::result::residual::TestedResidual;
+
+/// Sine of the angle between two strips above which they cross.
+pub const CROSSING_SINE: f64 = 0.5;
+
+/// Control points that show records of the wrong sign.
+pub const LEAST_CONTROL: usize = 5;
+
+/// Test of the record of one image.
+#[derive(Debug, Clone, PartialEq)]
+pub struct RecordTest {
+    /// Name of the image.
+    pub image: String,
+    /// Observed position less projection centre along the motion of the principal point, m.
+    pub tested: TestedResidual,
+}
+
+/// Tests of all records.
+#[derive(Debug, Clone, PartialEq)]
+pub struct RecordTests {
+    /// Tests, in the order of the images; of images with an observed position alone.
+    pub all: Vec<RecordTest>,
+    /// Critical value: the probability of 5 % that any good record is doubted.
+    pub critical: f64,
+}
+
+impl RecordTests {
+    /// Tests the records of a bundle whose principal points move along a direction of the sensor
+    /// frame.
+    ///
+    /// # Model
+    /// A wrong c̄ of one exposure moves its projection centre along the motion by -c̄·H/f, against
+    /// the observed position. Pope's τ of that component of the residual, σ0 estimated.
+    #[must_use]
+    pub fn of(calibration: &BundleCalibration, direction: [f64; 2]) -> Self {
+        let snooped = &calibration.snooped;
+        let (network, solution) = (&snooped.network, &snooped.solution);
+        let all: Vec<RecordTest> = Tests::along(network, solution, &snooped.cofactors, direction)
+            .into_iter()
+            .filter_map(|(number, tested)| {
+                let image = network.images.get(number)?.name.clone();
+                Some(RecordTest { image, tested })
+            })
+            .collect();
+        let [critical, _] = critical_values(all.len(), solution.redundancy());
+        Self { all, critical }
+    }
+
+    /// Returns the records above the critical value, the worst first.
+    #[must_use]
+    pub fn suspects(&self) -> Vec<&RecordTest> {
+        let value = |test: &RecordTest| test.tested.test_value;
+        let mut suspects: Vec<&RecordTest> = self
+            .all
+            .iter()
+            .filter(|test| value(test) > self.critical)
+            .collect();
+        suspects.sort_by(|a, b| value(b).total_cmp(&value(a)));
+        suspects
+    }
+}
+
+/// Returns true if all principal points move along one line of the ground and fewer than
+/// [`LEAST_CONTROL`] points are control: the residuals then do not show records of the wrong sign.
+#[must_use]
+pub fn is_blind_to_sign(calibration: &BundleCalibration, [x, y]: [f64; 2]) -> bool {
+    let snooped = &calibration.snooped;
+    let points = snooped.network.points.iter();
+    let control = points.filter(|point| point.role == PointRole::Control);
+    let direction = Vector3::new(x, y, 0.0);
+    let poses = snooped.solution.state.poses.iter();
+    let mut directions = poses.map(|pose| pose.rotation * direction);
+    let first = directions.next().unwrap_or_default();
+    control.count() < LEAST_CONTROL
+        && directions.all(|other| first.cross(&other).norm() < CROSSING_SINE)
+}
+
+/// Returns the differences of the check points, adjusted less given, root mean square by axis, m;
+/// `None` without any.
+#[must_use]
+pub fn check_points_rms_m(calibration: &BundleCalibration) -> Option<[f64; 3]> {
+    let snooped = &calibration.snooped;
+    let points = snooped.network.points.iter().enumerate();
+    let check = points.filter(|(_, point)| point.role == PointRole::Check);
+    root_mean_square(
+        check
+            .filter(|(number, _)| is_adjusted(calibration, *number))
+            .map(|(number, point)| snooped.solution.state.point(number) - point.given_m),
+    )
+}
+
+/// Returns the differences of the object points of two bundles of the same tables, root mean square
+/// by axis, m; `None` without any.
+#[must_use]
+pub fn difference_rms_m(one: &BundleCalibration, other: &BundleCalibration) -> Option<[f64; 3]> {
+    let [a, b] = [one, other].map(|bundle| &bundle.snooped.solution.state);
+    root_mean_square(
+        (0..a.points_m.len())
+            .filter(|number| is_adjusted(one, *number) && is_adjusted(other, *number))
+            .map(|number| a.point(number) - b.point(number)),
+    )
+}
+
+fn root_mean_square(vectors: impl Iterator<Item = Vector3<f64>>) -> Option<[f64; 3]> {
+    let (count, sum) = vectors.fold((0_u32, Vector3::zeros()), |(count, sum), one| {
+        (count + 1, sum + one.component_mul(&one))
+    });
+    (count > 0).then(|| (sum / f64::from(count)).map(f64::sqrt).into())
+}
+
+fn is_adjusted(calibration: &BundleCalibration, point: usize) -> bool {
+    State::is_unknown(&calibration.snooped.solution.layout, point)
+}

@@ -1,0 +1,251 @@
+//! Records of a flight: principal point, enlargement and time of every exposure, applied to the
+//! tables of a network.
+
+use std::collections::{HashMap, HashSet};
+
+use fmc_camera_file::InputError;
+
+use super::tables::{ImageRow, NetworkTables, Table};
+
+/// Record of an exposure.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct RecordRow {
+    /// Line in the file.
+    pub line: u64,
+    /// Number of the frame, which is the name of its image.
+    pub sequence: u32,
+    /// `false` for a trigger without an exposure that can be used.
+    pub is_exposed: bool,
+    /// c̄: the principal point from the calibrated one along the FMC axis, mm.
+    pub offset_mm: f64,
+    /// σ of it, mm.
+    pub sigma_mm: f64,
+    /// κ = Δz/L: enlargement of the image by the focus shift.
+    pub enlargement: f64,
+    /// Centroid of the exposure after the trigger, s, where the record has both times.
+    pub centroid_after_trigger_s: Option<f64>,
+}
+
+/// Records of a flight, and the camera's share in them.
+#[derive(Debug, Clone, PartialEq)]
+pub struct FlightRecords {
+    /// Rows.
+    pub table: Table<RecordRow>,
+    /// e: direction in which the principal point moves, sensor frame, of length 1.
+    pub direction: [f64; 2],
+    /// Calibrated principal point of the camera file, mm.
+    pub principal_point_mm: [f64; 2],
+}
+
+impl FlightRecords {
+    /// Records of exposures.
+    pub fn exposed(&self) -> impl Iterator<Item = &RecordRow> {
+        self.table.rows.iter().filter(|row| row.is_exposed)
+    }
+
+    /// Least and largest c̄ of the exposures, mm; `None` without any.
+    #[must_use]
+    pub fn offsets_mm(&self) -> Option<[f64; 2]> {
+        self.exposed()
+            .map(|row| [row.offset_mm; 2])
+            .reduce(|[least, most], [offset, _]| [least.min(offset), most.max(offset)])
+    }
+
+    /// Returns the tables with every image point reduced to the calibrated principal point and
+    /// principal distance.
+    ///
+    /// # Model
+    /// `v = x̄ - (1+κ)·D(x̄/(1+κ)) + f(1+κ)·u`, `x̄ = measured - (x0, y0) - c̄·e`: convention (B) of
+    /// `docs/conventions.md` section 6. Divided by `1+κ` it is the static equation of the point
+    /// `(x0, y0) + x̄/(1+κ)` with `σ/(1+κ)`. c̄ and κ are held.
+    ///
+    /// # Accuracy
+    /// The calibrated principal point stands for the adjusted one as the centre of the enlargement:
+    /// their distance times κ, 0.02 nm for 20 µm and Δz = 0.1 µm in 100 mm.
+    ///
+    /// # Errors
+    /// [`InputError`]: an image without record or with a refused one, a record twice or without
+    /// image, a name of an image that is no number.
+    pub fn reduced(&self, tables: &NetworkTables) -> Result<NetworkTables, InputError> {
+        let by_sequence = self.by_sequence(tables)?;
+        let mut reduced = tables.clone();
+        let file = &tables.image_points.file;
+        let [x0, y0] = self.principal_point_mm;
+        let [e_x, e_y] = self.direction;
+        for row in &mut reduced.image_points.rows {
+            let record = self.of_image(&by_sequence, file, row.line, &row.image)?;
+            let scale = 1.0 + record.enlargement;
+            let [x, y] = row.measured_mm;
+            row.measured_mm = [
+                x0 + (x - x0 - record.offset_mm * e_x) / scale,
+                y0 + (y - y0 - record.offset_mm * e_y) / scale,
+            ];
+            row.sigma_mm = row.sigma_mm.map(|sigma| sigma / scale);
+        }
+        Ok(reduced)
+    }
+
+    /// Returns the tables with observed positions moved from the triggers to the centroids of the
+    /// exposures: `S + V·(centroid - trigger)`.
+    ///
+    /// # Errors
+    /// [`InputError`] as [`Self::reduced`], and an image without velocity or a record without both
+    /// times.
+    pub fn at_centroids(&self, tables: &NetworkTables) -> Result<NetworkTables, InputError> {
+        let by_sequence = self.by_sequence(tables)?;
+        let mut moved = tables.clone();
+        let Some(images) = &mut moved.images else {
+            return Ok(moved);
+        };
+        let shown = shown(tables);
+        let rows = images.rows.iter_mut();
+        for row in rows.filter(|row| shown.contains(&*row.image)) {
+            let record = self.of_image(&by_sequence, &images.file, row.line, &row.image)?;
+            let ImageRow { line, image, .. } = row;
+            let seconds = record.centroid_after_trigger_s.ok_or_else(|| {
+                InputError::invalid(format!(
+                    "{}, line {}: trigger_us or centroid_us of frame {image} is missing; positions at the triggers need both",
+                    self.table.file, record.line
+                ))
+            })?;
+            let velocity = row.velocity_m_s.ok_or_else(|| {
+                InputError::invalid(format!(
+                    "{}, line {line}: image {image} has no velocity (vx_m_s,vy_m_s,vz_m_s); a position at the trigger needs one",
+                    images.file
+                ))
+            })?;
+            for (coordinate, speed) in row.position_m.iter_mut().zip(velocity) {
+                *coordinate += speed * seconds;
+            }
+        }
+        Ok(moved)
+    }
+
+    /// Returns the records by number, after a look at whether they belong to the images.
+    fn by_sequence(&self, tables: &NetworkTables) -> Result<HashMap<u32, &RecordRow>, InputError> {
+        let file = &self.table.file;
+        let mut by_sequence: HashMap<u32, &RecordRow> = HashMap::new();
+        for row in &self.table.rows {
+            if let Some(first) = by_sequence.insert(row.sequence, row) {
+                return Err(InputError::invalid(format!(
+                    "{file}, lines {} and {}: sequence = {} appears twice; a frame has one record",
+                    first.line, row.line, row.sequence
+                )));
+            }
+        }
+        let shown = shown(tables);
+        let listed = tables.images.iter().flat_map(|table| &table.rows);
+        let names: HashSet<u32> = shown
+            .iter()
+            .copied()
+            .chain(listed.map(|row| &*row.image))
+            .filter_map(|name| name.parse().ok())
+            .collect();
+        if let Some(row) = self.exposed().find(|row| !names.contains(&row.sequence)) {
+            return Err(InputError::invalid(format!(
+                "{file}, line {}: sequence = {} is no image of {}; allowed: the names of its images (records of another flight?)",
+                row.line, row.sequence, tables.image_points.file
+            )));
+        }
+        Ok(by_sequence)
+    }
+
+    fn of_image<'a>(
+        &self,
+        by_sequence: &HashMap<u32, &'a RecordRow>,
+        file: &str,
+        line: u64,
+        image: &str,
+    ) -> Result<&'a RecordRow, InputError> {
+        let sequence: u32 = image.parse().map_err(|_| {
+            InputError::invalid(format!(
+                "{file}, line {line}: image {image} is no number; with records the name of an image is the sequence of its \
+                 frame, 0 to {}",
+                u32::MAX
+            ))
+        })?;
+        let records = &self.table.file;
+        match by_sequence.get(&sequence) {
+            None => Err(InputError::invalid(format!(
+                "{file}, line {line}: image {image} has no record in {records}; every image needs one with sequence = {sequence}"
+            ))),
+            Some(record) if !record.is_exposed => Err(InputError::invalid(format!(
+                "{records}, line {}: outcome of sequence = {sequence} is refused, but {file} has its image {image}; allowed: exposed",
+                record.line
+            ))),
+            Some(record) => Ok(record),
+        }
+    }
+}
+
+/// Names of the images with image points.
+fn shown(tables: &NetworkTables) -> HashSet<&str> {
+    let rows = tables.image_points.rows.iter();
+    rows.map(|row| &*row.image).collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::bundle::interior::Interior;
+    use crate::bundle::tables::ImagePointRow;
+
+    #[test]
+    fn reduced_points_satisfy_convention_b() {
+        let interior = Interior {
+            principal_distance_mm: 50.0,
+            principal_point_mm: [0.05, -0.08],
+            k: [0.0, -1.2e-5, 6e-9, -1e-12],
+            p: [3e-6, -2e-6],
+            b: [2e-4, -1e-4],
+        };
+        let (kappa, offset_mm, direction) = (1.3e-4, 0.4, [-1.0, 0.0]);
+        let measured_mm = [17.0, -9.0];
+        let tables = NetworkTables {
+            image_points: Table {
+                file: "points".to_owned(),
+                rows: vec![ImagePointRow {
+                    line: 2,
+                    image: "7".into(),
+                    point: "p".into(),
+                    measured_mm,
+                    sigma_mm: Some(0.001),
+                }],
+            },
+            object_points: Table {
+                file: "objects".to_owned(),
+                rows: Vec::new(),
+            },
+            images: None,
+            scale_bars: None,
+        };
+        let records = FlightRecords {
+            table: Table {
+                file: "records".to_owned(),
+                rows: vec![RecordRow {
+                    line: 2,
+                    sequence: 7,
+                    is_exposed: true,
+                    offset_mm,
+                    sigma_mm: 0.0,
+                    enlargement: kappa,
+                    centroid_after_trigger_s: None,
+                }],
+            },
+            direction,
+            principal_point_mm: interior.principal_point_mm,
+        };
+        let reduced = records.reduced(&tables).unwrap();
+        let row = reduced.image_points.rows.first().unwrap();
+        let ideal = interior.corrected(row.measured_mm);
+        // f(1+κ), (1+κ)·D(r/(1+κ)) about (x0, y0) + c̄·e.
+        let scale = 1.0 + kappa;
+        let about = [measured_mm[0] - 0.05 + offset_mm, measured_mm[1] + 0.08];
+        let distortion = scale * interior.distortion(about.map(|one| one / scale));
+        for (axis, one) in about.into_iter().enumerate() {
+            let tangent = (one - distortion[axis]) / (50.0 * scale);
+            assert!((tangent - ideal[axis] / 50.0).abs() < 1e-15);
+        }
+        assert!((row.sigma_mm.unwrap() * scale - 0.001).abs() < 1e-18);
+    }
+}

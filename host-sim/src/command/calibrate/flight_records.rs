@@ -1,0 +1,166 @@
+//! `calibrate bundle --records`: each image with the principal point and the focus shift of its own
+//! exposure, beside the bundle that knows one principal point for all.
+
+use fmc_adjustment::bundle::calibration::{BundleCalibration, CalibrationOptions};
+use fmc_adjustment::bundle::interior::Interior;
+use fmc_adjustment::bundle::record_tests::{
+    LEAST_CONTROL, RecordTests, check_points_rms_m, difference_rms_m, is_blind_to_sign,
+};
+use fmc_adjustment::bundle::records::FlightRecords;
+use fmc_adjustment::bundle::tables::NetworkTables;
+use fmc_report::calibration::result::of_method::PageTable;
+use serde_json::{Map, Value, json};
+
+/// Range of c̄, mm, below which all exposures count as having one principal point.
+const CONSTANT_MM: f64 = 1e-3;
+
+/// A bundle with records, and what it is compared with.
+pub(super) struct WithRecords {
+    records: FlightRecords,
+    /// The same tables with one principal point; an error in words.
+    fixed: Result<BundleCalibration, String>,
+}
+
+impl WithRecords {
+    /// Adjusts the tables with one principal point for all images.
+    pub(super) fn new(
+        records: FlightRecords,
+        tables: &NetworkTables,
+        start: Interior,
+        options: &CalibrationOptions,
+    ) -> Self {
+        Self {
+            records,
+            fixed: BundleCalibration::new(tables, start, options)
+                .map_err(|error| error.to_string()),
+        }
+    }
+
+    /// Returns what the flight cannot show, and the records that are in doubt, as warnings.
+    pub(super) fn warnings(&self, calibration: &BundleCalibration) -> Vec<String> {
+        let mut warnings = Vec::new();
+        let tests = RecordTests::of(calibration, self.records.direction);
+        for suspect in tests.suspects() {
+            warnings.push(format!(
+                "the record of image {} is in doubt: along the motion of its principal point the observed position is off by \
+                 {:.3} m, test value {:.1}; look for a fault of encoder or shutter, not of image points",
+                suspect.image, suspect.tested.residual, suspect.tested.test_value
+            ));
+        }
+        if tests.all.is_empty() {
+            warnings.push(
+                "no image has an observed position (sigma_x_m,sigma_y_m,sigma_z_m in --images): no record is tested"
+                    .to_owned(),
+            );
+        }
+        if let Some([least, most]) = self.records.offsets_mm()
+            && most - least < CONSTANT_MM
+        {
+            warnings.push(format!(
+                "the principal points of all records lie within {:.2} µm: they buy nothing in this flight",
+                1e3 * (most - least)
+            ));
+        } else if is_blind_to_sign(calibration, self.records.direction) {
+            warnings.push(format!(
+                "no strip crosses another and there are fewer than {LEAST_CONTROL} control points: σ0 would be the same with \
+                 records of the wrong sign"
+            ));
+        }
+        if let Err(error) = &self.fixed {
+            warnings.push(format!("the static bundle ends in an error: {error}"));
+        }
+        warnings
+    }
+
+    /// Returns the keys of `summary.json`.
+    pub(super) fn summary(&self, calibration: &BundleCalibration) -> Map<String, Value> {
+        let tests = RecordTests::of(calibration, self.records.direction);
+        let suspects: Vec<Value> = tests
+            .suspects()
+            .into_iter()
+            .map(|one| json!({"image": one.image, "test_value": one.tested.test_value}))
+            .collect();
+        let [least, most] = self.records.offsets_mm().unwrap_or_default();
+        let mut summary = Map::new();
+        summary.insert("suspect_records".to_owned(), json!(suspects));
+        summary.insert(
+            "records".to_owned(),
+            json!({
+                "tested": tests.all.len(),
+                "critical_value": tests.critical,
+                "least_centroid_offset_mm": least,
+                "most_centroid_offset_mm": most,
+                "principal_points": "held",
+                "largest_principal_point_sigma_mm": self.largest_sigma_mm(),
+                "check_points": check_points_rms_m(calibration),
+            }),
+        );
+        summary.insert(
+            "static_bundle".to_owned(),
+            match &self.fixed {
+                Ok(fixed) => json!({
+                    "sigma0": fixed.snooped.solution.sigma0(),
+                    "redundancy": fixed.snooped.solution.redundancy(),
+                    "check_points": check_points_rms_m(fixed),
+                    "rms_difference_m": difference_rms_m(calibration, fixed),
+                }),
+                Err(error) => json!({"error": error}),
+            },
+        );
+        summary
+    }
+
+    /// Returns the tables of terminal and page.
+    pub(super) fn tables(&self, calibration: &BundleCalibration) -> Vec<PageTable> {
+        let mut columns = vec![String::new(), "with records".to_owned()];
+        let mut rows = figures(calibration);
+        if let Ok(fixed) = &self.fixed {
+            columns.push("static".to_owned());
+            for (row, other) in rows.iter_mut().zip(figures(fixed)) {
+                row.extend(other.into_iter().skip(1));
+            }
+        }
+        let fixed = self.fixed.as_ref().ok();
+        let apart = fixed
+            .and_then(|fixed| difference_rms_m(calibration, fixed))
+            .map_or_else(String::new, |[x, y, z]| {
+                format!(
+                    " Object points of the two differ by {x:.3}, {y:.3}, {z:.3} m (root mean square)."
+                )
+            });
+        let caption = format!(
+            "The principal points of the records are held; their σ is {:.2} µm at most. The static bundle has one principal \
+             point for all images.{apart}",
+            1e3 * self.largest_sigma_mm()
+        );
+        vec![PageTable {
+            title: "Records of the flight".to_owned(),
+            columns,
+            rows,
+            caption,
+        }]
+    }
+
+    fn largest_sigma_mm(&self) -> f64 {
+        let sigmas = self.records.exposed().map(|row| row.sigma_mm);
+        sigmas.fold(0.0, f64::max)
+    }
+}
+
+/// Returns σ0, redundancy and check points of a bundle, each under its name.
+fn figures(calibration: &BundleCalibration) -> Vec<Vec<String>> {
+    let solution = &calibration.snooped.solution;
+    let mut rows = vec![
+        vec!["σ0".to_owned(), format!("{:.3}", solution.sigma0())],
+        vec!["redundancy".to_owned(), solution.redundancy().to_string()],
+    ];
+    if let Some([x, y, z]) = check_points_rms_m(calibration) {
+        for (axis, rms) in [("x", x), ("y", y), ("z", z)] {
+            rows.push(vec![
+                format!("check points, {axis}, RMS, m"),
+                format!("{rms:.4}"),
+            ]);
+        }
+    }
+    rows
+}
