@@ -179,7 +179,7 @@ fn weights(u: f32) -> [f32; ORDER] {
 #[inline]
 fn fixed_weights(u: f32) -> [i16; ORDER] {
     let [w0, w1, w2, _] = weights(u);
-    // By way of 32 bits, which is one instruction.
+    // By way of 32 bits, to which the processor converts.
     #[expect(
         clippy::cast_possible_truncation,
         reason = "rounds a number between 0 and 2/3 of 2^15; a NaN becomes 0"
