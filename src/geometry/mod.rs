@@ -9,6 +9,7 @@ pub mod estimation;
 pub mod evaluation_form;
 pub mod five_coefficient;
 pub mod frame_correction;
+pub mod grid;
 pub mod image_motion;
 mod interval;
 pub mod inverse;

@@ -9,6 +9,8 @@ mod cameras;
 #[cfg(test)]
 mod golden;
 #[cfg(test)]
+mod grid;
+#[cfg(test)]
 mod inverse;
 #[cfg(test)]
 mod jacobian;

@@ -19,6 +19,8 @@ mod fold;
 #[cfg(target_os = "none")]
 mod geometry;
 #[cfg(target_os = "none")]
+mod grid;
+#[cfg(target_os = "none")]
 mod interrupts;
 #[cfg(target_os = "none")]
 mod link;
@@ -53,6 +55,7 @@ fn count() -> ! {
         counter.is_calibrated().then_some(())?;
         geometry::count(&mut counter)?;
         fold::count(&mut counter)?;
+        grid::count(&mut counter)?;
         mesh::count(&mut counter)?;
         other_crate::count(&mut counter)?;
         flight::count(&mut counter)?;

@@ -15,6 +15,7 @@ pub mod collinearity;
 pub mod correction;
 pub mod exterior_orientation;
 pub mod frame_observation;
+pub mod grid;
 pub mod interior_orientation;
 pub mod linear;
 pub mod model;

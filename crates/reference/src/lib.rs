@@ -26,5 +26,6 @@
 pub mod exposure;
 pub mod fitted;
 pub mod lens;
+pub mod residual_spline;
 pub mod strict;
 pub mod verification;

@@ -7,6 +7,8 @@
 //! caller's registers must not change. The program prints the number of points over semihosting and
 //! fails at the first difference.
 //!
+//! A residual grid has at random points the bits of the PC, which are compared as one number.
+//!
 //! The way back, `distort`, has no assembly; a million random points are compared likewise.
 //!
 //! Helium's vectors take numbers below 2⁻¹²⁶ for zero. Where such numbers can occur, the program
@@ -24,6 +26,8 @@ mod check;
 mod corners;
 #[cfg(target_os = "none")]
 mod distort;
+#[cfg(target_os = "none")]
+mod grid_bits;
 #[cfg(target_os = "none")]
 mod near;
 #[cfg(target_os = "none")]
@@ -61,7 +65,19 @@ fn run() -> ! {
             );
             Ok(())
         });
+    let grid = grid_bits::bits();
+    let is_grid_right = grid == Some(grid_bits::BITS);
+    hprintln!(
+        "{} points of a residual grid: {}",
+        grid_bits::POINTS,
+        if is_grid_right {
+            "the bits of the PC"
+        } else {
+            "other bits than on the PC"
+        }
+    );
     exit(match outcome {
+        Ok(()) if !is_grid_right => EXIT_FAILURE,
         Ok(()) => EXIT_SUCCESS,
         Err(difference) => {
             hprintln!("{}", difference);

@@ -1,0 +1,8 @@
+//! Residual grids: against known structures and against ray-traced exposures.
+
+#[cfg(test)]
+mod carrier;
+#[cfg(test)]
+mod ray_traced_truth;
+#[cfg(test)]
+mod structure;
