@@ -56,27 +56,27 @@ fn nominal() -> CameraFile {
 /// Measured point of a direction: `docs/calibration.md` backwards.
 fn measured(camera: &CameraFile, one: &FieldDirection, stage: [f64; 4]) -> [f64; 2] {
     let [s, alpha, z1, z2] = stage;
-    let c = one.stage_offset_mm;
-    let u = Rotation3::from_scaled_axis(Vector3::from(MOUNT)) * one.direction();
-    let f = camera.principal_distance_mm;
-    let ideal = [-f * u.x / u.z, -f * u.y / u.z];
-    let d = camera.distortion.measured_minus_ideal();
+    let offset = one.stage_offset_mm;
+    let ray = Rotation3::from_scaled_axis(Vector3::from(MOUNT)) * one.direction();
+    let f_mm = camera.principal_distance_mm;
+    let ideal = [-f_mm * ray.x / ray.z, -f_mm * ray.y / ray.z];
+    let lens = camera.distortion.measured_minus_ideal();
     let [mut x, mut y] = ideal;
     for _ in 0..200 {
         let r2 = x * x + y * y;
-        let radial = r2 * (d.k1 + r2 * (d.k2 + r2 * d.k3));
-        let dx = x * radial + d.p1 * (r2 + 2.0 * x * x) + 2.0 * d.p2 * x * y;
-        let dy = y * radial + d.p2 * (r2 + 2.0 * y * y) + 2.0 * d.p1 * x * y;
+        let radial = r2 * (lens.k1 + r2 * (lens.k2 + r2 * lens.k3));
+        let dx = x * radial + lens.p1 * (r2 + 2.0 * x * x) + 2.0 * lens.p2 * x * y;
+        let dy = y * radial + lens.p2 * (r2 + 2.0 * y * y) + 2.0 * lens.p1 * x * y;
         [x, y] = [ideal[0] + dx, ideal[1] + dy];
     }
     let flatness = camera.fmc.flatness_um.first().copied().unwrap_or(0.0) / 1e3;
-    let larger = 1.0 + (flatness + z1 * c + z2 * c * c) / camera.exit_pupil_mm();
+    let larger = 1.0 + (flatness + z1 * offset + z2 * offset * offset) / camera.exit_pupil_mm();
     let [x0, y0] = camera.principal_point_mm;
     // e = (0, -1), turned by α.
     let e = [alpha.sin(), -alpha.cos()];
     [
-        x0 + (1.0 + s) * c * e[0] + larger * x,
-        y0 + (1.0 + s) * c * e[1] + larger * y,
+        x0 + (1.0 + s) * offset * e[0] + larger * x,
+        y0 + (1.0 + s) * offset * e[1] + larger * y,
     ]
 }
 
@@ -136,11 +136,11 @@ fn calibrated(observations: &[FieldDirection], has_stage: bool) -> FieldAngles {
 
 fn refused(observations: &[FieldDirection], has_stage: bool) -> String {
     let failure = calibrated_by(&nominal(), observations, has_stage).unwrap_err();
-    match failure {
+    match &failure {
         CalibrationFailure::Input(error) => {
             format!("{error} ({})", error.help().unwrap_or_default())
         }
-        other => other.to_string(),
+        CalibrationFailure::NotConverged { .. } => failure.to_string(),
     }
 }
 
