@@ -14,6 +14,7 @@ pub mod calibration;
 pub mod collinearity;
 pub mod correction;
 pub mod exterior_orientation;
+pub mod field_angles;
 pub mod frame_observation;
 pub mod grid;
 pub mod interior_orientation;

@@ -7,7 +7,7 @@ use std::sync::Arc;
 use fmc_adjustment::calibration::angles::request::AngleObservation;
 use fmc_adjustment::calibration::dlt2d::request::PlaneTarget;
 use fmc_adjustment::calibration::dlt3d::FieldPoint;
-use fmc_adjustment::calibration::field_angles::FieldDirection;
+use fmc_adjustment::field_angles::FieldDirection;
 use fmc_adjustment::calibration::result::InputFile;
 use fmc_camera_file::CameraFile;
 

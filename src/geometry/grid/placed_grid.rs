@@ -89,9 +89,9 @@ impl<'a> PlacedGrid<'a> {
     /// Sensor frame, mm. A point that is not a number has a displacement that is not one.
     ///
     /// # Accuracy
-    /// 0.1 nm of the same spline in double precision for 3 µm of structure in waves of ten nodes,
-    /// 0.3 nm where neighbouring nodes differ by 6 µm: the weights along x have 15 bits. The bits
-    /// are the same on PC and target.
+    /// Of the same spline in double precision: 2⁻¹³ of the largest difference of neighbouring
+    /// nodes, since the weights along x have 15 bits; 0.07 nm for 3 µm of structure in waves of ten
+    /// nodes, 0.5 nm in waves of two and a half. The bits are the same on PC and target.
     #[inline]
     #[must_use]
     pub fn displacement(&self, point: SensorPoint) -> Displacement {

@@ -55,8 +55,8 @@ impl FlightRecords {
     /// principal distance.
     ///
     /// # Model
-    /// `v = x̄ - (1+κ)·D(x̄/(1+κ)) + f(1+κ)·u`, `x̄ = measured - (x0, y0) - c̄·e`: convention (B) of
-    /// `docs/conventions.md` section 6. Divided by `1+κ` it is the static equation of the point
+    /// `v = x̄ - (1+κ)·D(x̄/(1+κ)) + f(1+κ)·u`, `x̄ = measured - (x0, y0) - c̄·e`: convention (B)
+    /// of `docs/conventions.md` section 6. Divided by `1+κ` it is the static equation of the point
     /// `(x0, y0) + x̄/(1+κ)` with `σ/(1+κ)`. c̄ and κ are held.
     ///
     /// # Accuracy

@@ -23,7 +23,7 @@ pub enum CalibrationFailure {
 }
 
 /// Returns the failure of an adjustment; `name` names its unknowns and `place` its observations.
-pub(super) fn failure(
+pub(crate) fn failure(
     file: &str,
     error: &AdjustmentError,
     name: impl Fn(usize) -> String,

@@ -13,13 +13,13 @@ const LARGEST_REJECTED: f64 = 0.05;
 
 /// An adjustment without the observations that are in gross error.
 #[derive(Debug, Clone)]
-pub(super) struct Searched<M, const D: usize> {
-    pub(super) adjusted: Adjusted<M, D>,
-    pub(super) accepted: Vec<bool>,
+pub(crate) struct Searched<M, const D: usize> {
+    pub(crate) adjusted: Adjusted<M, D>,
+    pub(crate) accepted: Vec<bool>,
     /// Critical value of Pope's τ.
-    pub(super) critical: Option<f64>,
+    pub(crate) critical: Option<f64>,
     /// Residuals with their tests, of all observations.
-    pub(super) tested: Vec<[TestedResidual; D]>,
+    pub(crate) tested: Vec<[TestedResidual; D]>,
 }
 
 /// Adjusts, rejects the observation with the largest test value beyond the critical one, and
@@ -28,7 +28,7 @@ pub(super) struct Searched<M, const D: usize> {
 /// # Model
 /// Pope's τ with σ0 estimated, [`FAMILY_ERROR`] shared by all components; for rejected observations
 /// Student's t of their prediction. With `keeps_all` nothing is rejected.
-pub(super) fn search<M: Model<D>, const D: usize>(
+pub(crate) fn search<M: Model<D>, const D: usize>(
     start: &M,
     keeps_all: bool,
 ) -> Result<Searched<M, D>, AdjustmentError> {
@@ -88,7 +88,7 @@ pub(super) fn search<M: Model<D>, const D: usize>(
 }
 
 /// Returns a warning if more image points were rejected than gross errors explain.
-pub(super) fn rejection_warning(result: &CalibrationResult) -> Option<String> {
+pub(crate) fn rejection_warning(result: &CalibrationResult) -> Option<String> {
     let total = result.image_residuals.len();
     let rejected = result.image_residuals.iter().filter(|one| one.is_rejected);
     let rejected = rejected.count();

@@ -3,14 +3,14 @@
 use nalgebra::{DMatrix, DVector};
 
 /// Largest number of iterations.
-pub(super) const MOST_ITERATIONS: usize = 100;
+pub(crate) const MOST_ITERATIONS: usize = 100;
 
 /// An iteration that moves no residual by more than this, mm, is the last.
-pub(super) const LAST_STEP_MM: f64 = 1e-10;
+pub(crate) const LAST_STEP_MM: f64 = 1e-10;
 
 /// Least singular value of a design with columns of unit length, as a share of the largest; below,
 /// the observations do not separate the unknowns.
-pub(super) const LEAST_SEPARATION: f64 = 1e-8;
+pub(crate) const LEAST_SEPARATION: f64 = 1e-8;
 
 /// Unknowns with more than this share of the largest in an inseparable combination are named.
 const NAMED_SHARE: f64 = 0.3;
@@ -20,15 +20,15 @@ const DAMPINGS: usize = 30;
 
 /// Residuals of one observation with their derivatives by the unknowns.
 #[derive(Debug, Clone)]
-pub(super) struct Linearised<const D: usize> {
+pub(crate) struct Linearised<const D: usize> {
     /// Observed - computed, mm.
-    pub(super) residual: [f64; D],
+    pub(crate) residual: [f64; D],
     /// Derivatives of the residual by the unknowns.
-    pub(super) derivatives: [Vec<f64>; D],
+    pub(crate) derivatives: [Vec<f64>; D],
 }
 
 /// Observations of `D` components each, with a model of them at the unknowns of the moment.
-pub(super) trait Model<const D: usize>: Clone {
+pub(crate) trait Model<const D: usize>: Clone {
     /// Number of unknowns.
     fn unknowns(&self) -> usize;
     /// Number of observations, of `D` components each.
@@ -43,7 +43,7 @@ pub(super) trait Model<const D: usize>: Clone {
 
 /// A reason why an adjustment failed.
 #[derive(Debug, Clone, PartialEq)]
-pub(super) enum AdjustmentError {
+pub(crate) enum AdjustmentError {
     /// Fewer components than unknowns.
     TooFew { components: usize, unknowns: usize },
     /// The model does not exist for an observation.
@@ -56,22 +56,22 @@ pub(super) enum AdjustmentError {
 
 /// An adjustment.
 #[derive(Debug, Clone)]
-pub(super) struct Adjusted<M, const D: usize> {
-    pub(super) model: M,
+pub(crate) struct Adjusted<M, const D: usize> {
+    pub(crate) model: M,
     /// Cofactor matrix of the unknowns.
-    pub(super) cofactors: DMatrix<f64>,
+    pub(crate) cofactors: DMatrix<f64>,
     /// Factor of the given σ; 1 without redundancy.
-    pub(super) sigma0: f64,
-    pub(super) redundancy: usize,
-    pub(super) iterations: usize,
+    pub(crate) sigma0: f64,
+    pub(crate) redundancy: usize,
+    pub(crate) iterations: usize,
     /// Residuals of all observations, mm, rejected ones too.
-    pub(super) residuals: Vec<[f64; D]>,
+    pub(crate) residuals: Vec<[f64; D]>,
     /// aᵀQa/σ² of their components.
-    pub(super) leverages: Vec<[f64; D]>,
+    pub(crate) leverages: Vec<[f64; D]>,
 }
 
 /// Adjusts the unknowns to the accepted observations.
-pub(super) fn adjust<M: Model<D>, const D: usize>(
+pub(crate) fn adjust<M: Model<D>, const D: usize>(
     start: &M,
     accepted: &[bool],
 ) -> Result<Adjusted<M, D>, AdjustmentError> {

@@ -2,7 +2,7 @@
 
 use fmc_adjustment::bundle::interior::InteriorElement;
 use fmc_adjustment::calibration::failure::CalibrationFailure;
-use fmc_adjustment::calibration::field_angles::{
+use fmc_adjustment::field_angles::{
     FieldAngles, FieldAnglesRequest, FieldDirection, field_angles,
 };
 use fmc_adjustment::calibration::result::InputFile;

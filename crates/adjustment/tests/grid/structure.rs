@@ -61,6 +61,8 @@ struct Errors {
     largest: f64,
     rms: f64,
     rounding: f64,
+    /// Bound of the rounding: 2⁻¹³ of the largest difference of neighbouring nodes.
+    largest_rounding: f64,
     bytes: usize,
 }
 
@@ -115,9 +117,14 @@ fn errors(shortest_mm: f64, pitch_mm: f64) -> Errors {
         largest,
         rms,
         rounding,
+        largest_rounding: 1e6 * f64::from(grid.bounds().slope()) * pitch_mm / 8192.0,
         bytes: file.len(),
     }
 }
+
+/// Largest rounding that is allowed, and that of waves of ten nodes or more, nm.
+const MOST_ROUNDING_NM: f64 = 1.5;
+const TEN_NODES_ROUNDING_NM: f64 = 0.07;
 
 /// The table of CALIBRATIONS section 9: shortest wave, pitch, largest error and rms, nm.
 const TABLE: [(f64, f64, f64, f64); 9] = [
@@ -146,7 +153,14 @@ fn structure_of_3_um_is_held_within_the_errors_of_section_9() {
             largest <= largest_nm && rms <= rms_nm,
             "waves of {shortest_mm} mm, pitch {pitch_mm} mm: {largest} ({rms}) nm"
         );
-        assert!(found.rounding <= 0.1, "{} nm of rounding", found.rounding);
+        let rounding = found.rounding;
+        assert!(
+            rounding <= found.largest_rounding && rounding <= MOST_ROUNDING_NM,
+            "waves of {shortest_mm} mm, pitch {pitch_mm} mm: {rounding} nm of rounding"
+        );
+        if shortest_mm >= 10.0 * pitch_mm {
+            assert!(rounding <= TEN_NODES_ROUNDING_NM, "{rounding} nm");
+        }
     }
 }
 

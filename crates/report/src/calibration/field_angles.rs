@@ -1,6 +1,6 @@
 //! Reports of precise angles for an area camera and its stage.
 
-use fmc_adjustment::calibration::field_angles::{CalibratedStage, FieldAngles, Mount};
+use fmc_adjustment::field_angles::{CalibratedStage, FieldAngles, Mount};
 use fmc_adjustment::calibration::result::CalibrationResult;
 use serde_json::{Map, json};
 

@@ -3,7 +3,7 @@
 use fmc_camera_file::InputError;
 use nalgebra::{Matrix2, Matrix3, Rotation3, Vector2, Vector3};
 
-use super::{FieldAnglesRequest, FieldDirection};
+use super::request::{FieldAnglesRequest, FieldDirection};
 use crate::bundle::interior::Interior;
 
 /// f of the observations over f of the camera file, beyond which a unit is wrong.

@@ -7,7 +7,7 @@ use fmc_camera_file::static_block::StaticCalibration;
 use nalgebra::{DMatrix, Matrix3, Vector3};
 
 use super::model::FieldCamera;
-use super::{CalibratedStage, FieldAngles, FieldAnglesRequest, Mount};
+use super::request::{CalibratedStage, FieldAngles, FieldAnglesRequest, Mount};
 use crate::bundle::interior::InteriorElement;
 use crate::bundle::pose::Pose;
 use crate::calibration::gross_errors::{Searched, rejection_warning};
