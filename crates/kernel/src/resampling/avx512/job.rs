@@ -2,6 +2,7 @@
 
 use core::arch::x86_64::*;
 
+use super::bands::is_by_bands;
 use super::lanes::Lanes;
 use super::samples::{centred, load, sum};
 use super::tabulated::Tabulated;
@@ -41,6 +42,8 @@ impl Job<'_> {
                     *third = self.nearest::<S, C, 2>(rows.as_slice());
                     *fourth = self.nearest::<S, C, 3>(rows.as_slice());
                 }
+            } else if is_by_bands(C, N) {
+                [*first, *second, *third] = self.bands(rows.as_slice(), &self.bilinear_pairs());
             } else if N == 2 {
                 let pairs = self.bilinear_pairs();
                 *first = self.bilinear::<S, C, 0>(rows.as_slice(), &pairs);
@@ -81,13 +84,18 @@ impl Job<'_> {
         values: &mut [__m512i; 4],
     ) -> Option<()> {
         let [_, base_row] = run.base_px;
-        let [of_first, of_second, of_third, of_fourth] = values;
         for row in first.min(last)..=first.max(last) {
             if row == first {
                 continue;
             }
             let before = taps_before(N) as i32;
             let rows = source.rows::<N>(base_row.wrapping_add(row).wrapping_sub(before))?;
+            if is_by_bands(C, N) {
+                // SAFETY: that of this function.
+                unsafe { self.replace_bands(rows.as_slice(), row, values) };
+                continue;
+            }
+            let [of_first, of_second, of_third, of_fourth] = &mut *values;
             // SAFETY: that of this function.
             unsafe {
                 self.replace::<S, C, N, 0>(rows, row, of_first)?;

@@ -2,6 +2,7 @@
 
 use core::arch::x86_64::*;
 
+use super::bands::is_by_bands;
 use crate::resampling::pixel::Places;
 use crate::resampling::run::PLACE_BITS;
 
@@ -9,14 +10,22 @@ use crate::resampling::run::PLACE_BITS;
 pub(super) const LOADED: usize = 32;
 
 /// Pixels of a group.
-pub(super) const fn group_px(bands: usize) -> i32 {
-    if bands == 1 { 16 } else { 4 }
+pub(super) const fn group_px(bands: usize, taps: usize) -> i32 {
+    if bands == 1 || is_by_bands(bands, taps) {
+        16
+    } else {
+        4
+    }
 }
 
 /// Samples from a group's first tap on that are loaded.
 pub(super) const fn loaded(bands: usize, taps: usize) -> usize {
     let wide = bands > 1 && bands * (4 + taps) > LOADED;
-    if wide { 2 * LOADED } else { LOADED }
+    if wide || is_by_bands(bands, taps) {
+        2 * LOADED
+    } else {
+        LOADED
+    }
 }
 
 /// Places of the sixteen pixels of a run.
@@ -26,7 +35,8 @@ pub(super) struct Lanes {
     pub(super) row: __m512i,
     /// Row from the base.
     pub(super) whole_row: __m512i,
-    /// First tap from that of the group's first pixel, in samples, in both halves of a lane.
+    /// First tap in samples, in both halves of a lane: from that of the group's first pixel, or from
+    /// the base where a group is all pixels.
     pub(super) samples: __m512i,
 }
 
@@ -51,7 +61,11 @@ impl Lanes {
         } else {
             _mm512_setr_epi32(0, 0, 0, 0, 4, 4, 4, 4, 8, 8, 8, 8, 12, 12, 12, 12)
         };
-        let samples = _mm512_sub_epi16(both, _mm512_permutexvar_epi32(firsts, both));
+        let samples = if is_by_bands(C, N) {
+            both
+        } else {
+            _mm512_sub_epi16(both, _mm512_permutexvar_epi32(firsts, both))
+        };
         Self {
             col,
             row,

@@ -1,4 +1,5 @@
-//! AVX-512: sixteen lanes of 32 bits, four pixels of three or four bands or sixteen of one.
+//! AVX-512: sixteen lanes of 32 bits, four pixels of three or four bands, or sixteen of one band; with
+//! two taps also of each of three bands.
 //!
 //! One load and one permutation of 16-bit samples per source row put pairs of taps beside each
 //! other, in the order of the lanes; a multiplication adds the products of each pair.
@@ -12,6 +13,7 @@
     reason = "intrinsics; numbers of lanes, taps and bands; rows and pixels in their order"
 )]
 
+mod bands;
 mod job;
 mod lanes;
 mod samples;
@@ -90,7 +92,7 @@ fn pixels<S: Sample, const C: usize, const N: usize>(
     let first_col = base_col.wrapping_sub(before);
     // Columns do not decrease along a run: what is loaded for the first and for the last group
     // says all.
-    let last_px = RUN_PX as i32 - group_px(C);
+    let last_px = RUN_PX as i32 - group_px(C, N);
     let first = i64::from(first_col) * C as i64;
     let last = first + i64::from(places.col.at(last_px) >> PLACE_BITS) * C as i64;
     let samples = source.samples_of_row();
@@ -119,6 +121,6 @@ fn pixels<S: Sample, const C: usize, const N: usize>(
         // SAFETY: as before.
         unsafe { job.across_rows::<S, C, N>(source, run, [row, end], &mut values) }?;
     }
-    store::<S, C>(&values, out);
+    store::<S, C, N>(&values, out);
     Some(())
 }

@@ -2,32 +2,39 @@
 
 use core::arch::x86_64::*;
 
+use super::bands::is_by_bands;
 use crate::resampling::sample::Sample;
 
 /// Writes sixteen pixels, or fewer, from four groups.
 #[target_feature(enable = "avx512f,avx512bw,avx512cd,avx512dq,avx512vl")]
 #[inline]
-pub(super) fn store<S: Sample, const C: usize>(groups: &[__m512i; 4], out: &mut [[S; C]]) {
+pub(super) fn store<S: Sample, const C: usize, const N: usize>(
+    groups: &[__m512i; 4],
+    out: &mut [[S; C]],
+) {
     if let Some(pixels) = out.first_chunk_mut::<16>() {
         if S::BITS == 8 {
-            store_bytes(bytes::<C>(groups), pixels);
+            store_bytes(bytes::<C, N>(groups), pixels);
         } else {
-            store_words(words::<C>(groups), pixels);
+            store_words(words::<C, N>(groups), pixels);
         }
         return;
     }
-    store_few(groups, out);
+    store_few::<S, C, N>(groups, out);
 }
 
 /// Writes fewer than sixteen pixels.
 #[target_feature(enable = "avx512f,avx512bw,avx512cd,avx512dq,avx512vl")]
 #[inline(never)]
-pub(super) fn store_few<S: Sample, const C: usize>(groups: &[__m512i; 4], out: &mut [[S; C]]) {
+pub(super) fn store_few<S: Sample, const C: usize, const N: usize>(
+    groups: &[__m512i; 4],
+    out: &mut [[S; C]],
+) {
     let mut all = [[S::default(); C]; 16];
     if S::BITS == 8 {
-        store_bytes(bytes::<C>(groups), &mut all);
+        store_bytes(bytes::<C, N>(groups), &mut all);
     } else {
-        store_words(words::<C>(groups), &mut all);
+        store_words(words::<C, N>(groups), &mut all);
     }
     for (to, from) in out.iter_mut().zip(all) {
         *to = from;
@@ -75,30 +82,37 @@ pub(super) fn store_words<S: Sample, const C: usize>(
     }
 }
 
+/// Returns the samples of sixteen pixels of three bands among those of two vectors: of which each
+/// has pixels of the one group and of the next in turn, or fours of the first and of the second
+/// band and the third band.
+#[expect(clippy::indexing_slicing, reason = "when it is compiled")]
+const fn interleaved(by_bands: bool) -> [[i16; 32]; 2] {
+    let mut places = [[0; 32]; 2];
+    let mut sample = 0;
+    while sample < 48 {
+        let (pixel, band) = (sample / 3, sample % 3);
+        let (group, number) = (pixel / 4, pixel % 4);
+        let place = if by_bands {
+            band / 2 * 32 + group * 8 + band % 2 * 4 + number
+        } else {
+            group / 2 * 32 + number * 8 + group % 2 * 4 + band
+        };
+        places[sample / 32][sample % 32] = place as i16;
+        sample += 1;
+    }
+    places
+}
+
 /// Returns sixteen pixels of 16 bits, one behind the other.
 #[target_feature(enable = "avx512f,avx512bw,avx512cd,avx512dq,avx512vl")]
 #[inline]
-pub(super) fn words<const C: usize>(&[a, b, c, d]: &[__m512i; 4]) -> [__m512i; 2] {
-    /// Samples of the output among those of two vectors, each of which has pixels of the one
-    /// group and of the next in turn.
-    #[expect(clippy::indexing_slicing, reason = "when it is compiled")]
-    const PLACES: [[i16; 32]; 2] = {
-        let mut places = [[0; 32]; 2];
-        let mut sample = 0;
-        while sample < 48 {
-            let (pixel, band) = (sample / 3, sample % 3);
-            let (group, number) = (pixel / 4, pixel % 4);
-            let place = group / 2 * 32 + number * 8 + group % 2 * 4 + band;
-            places[sample / 32][sample % 32] = place as i16;
-            sample += 1;
-        }
-        places
-    };
+pub(super) fn words<const C: usize, const N: usize>(&[a, b, c, d]: &[__m512i; 4]) -> [__m512i; 2] {
     let sign = _mm512_set1_epi16(i16::MIN);
     if C == 1 {
         let low = _mm512_castsi256_si512(_mm512_cvtsepi32_epi16(a));
         return [_mm512_xor_si512(low, sign), a];
     }
+    let d = if is_by_bands(C, N) { c } else { d };
     let low = _mm512_xor_si512(_mm512_packs_epi32(a, b), sign);
     let high = _mm512_xor_si512(_mm512_packs_epi32(c, d), sign);
     if C != 3 {
@@ -108,7 +122,7 @@ pub(super) fn words<const C: usize>(&[a, b, c, d]: &[__m512i; 4]) -> [__m512i; 2
             _mm512_permutexvar_epi64(order, high),
         ];
     }
-    let [first, second] = &PLACES;
+    let [first, second] = const { &interleaved(is_by_bands(C, N)) };
     // SAFETY: 32 numbers of 16 bits are borrowed, twice.
     let (first, second) = unsafe {
         (
@@ -125,13 +139,21 @@ pub(super) fn words<const C: usize>(&[a, b, c, d]: &[__m512i; 4]) -> [__m512i; 2
 /// Returns sixteen pixels of 8 bits, one behind the other.
 #[target_feature(enable = "avx512f,avx512bw,avx512cd,avx512dq,avx512vl")]
 #[inline]
-pub(super) fn bytes<const C: usize>(&[a, b, c, d]: &[__m512i; 4]) -> __m512i {
+pub(super) fn bytes<const C: usize, const N: usize>(&[a, b, c, d]: &[__m512i; 4]) -> __m512i {
     if C == 1 {
         let zero = _mm512_setzero_si512();
         return _mm512_castsi128_si512(_mm512_cvtusepi32_epi8(_mm512_max_epi32(a, zero)));
     }
+    let d = if is_by_bands(C, N) { c } else { d };
     let (low, high) = (_mm512_packs_epi32(a, b), _mm512_packs_epi32(c, d));
     let pixels = _mm512_packus_epi16(low, high);
+    let compact = _mm512_setr_epi32(0, 1, 2, 4, 5, 6, 8, 9, 10, 12, 13, 14, 3, 7, 11, 15);
+    if is_by_bands(C, N) {
+        let fours = _mm512_broadcast_i32x4(_mm_setr_epi8(
+            0, 4, 8, 1, 5, 9, 2, 6, 10, 3, 7, 11, -1, -1, -1, -1,
+        ));
+        return _mm512_permutexvar_epi32(compact, _mm512_shuffle_epi8(pixels, fours));
+    }
     let order = _mm512_setr_epi32(0, 4, 8, 12, 1, 5, 9, 13, 2, 6, 10, 14, 3, 7, 11, 15);
     let pixels = _mm512_permutexvar_epi32(order, pixels);
     if C != 3 {
@@ -140,6 +162,5 @@ pub(super) fn bytes<const C: usize>(&[a, b, c, d]: &[__m512i; 4]) -> __m512i {
     let of_three = _mm512_broadcast_i32x4(_mm_setr_epi8(
         0, 1, 2, 4, 5, 6, 8, 9, 10, 12, 13, 14, -1, -1, -1, -1,
     ));
-    let order = _mm512_setr_epi32(0, 1, 2, 4, 5, 6, 8, 9, 10, 12, 13, 14, 3, 7, 11, 15);
-    _mm512_permutexvar_epi32(order, _mm512_shuffle_epi8(pixels, of_three))
+    _mm512_permutexvar_epi32(compact, _mm512_shuffle_epi8(pixels, of_three))
 }
