@@ -7,8 +7,8 @@ use std::sync::Arc;
 use fmc_adjustment::calibration::angles::request::AngleObservation;
 use fmc_adjustment::calibration::dlt2d::request::PlaneTarget;
 use fmc_adjustment::calibration::dlt3d::FieldPoint;
-use fmc_adjustment::field_angles::FieldDirection;
 use fmc_adjustment::calibration::result::InputFile;
+use fmc_adjustment::field_angles::FieldDirection;
 use fmc_camera_file::CameraFile;
 
 use super::named_columns::{NamedColumns, Row};

@@ -2,10 +2,8 @@
 
 use fmc_adjustment::bundle::interior::InteriorElement;
 use fmc_adjustment::calibration::failure::CalibrationFailure;
-use fmc_adjustment::field_angles::{
-    FieldAngles, FieldAnglesRequest, FieldDirection, field_angles,
-};
 use fmc_adjustment::calibration::result::InputFile;
+use fmc_adjustment::field_angles::{FieldAngles, FieldAnglesRequest, FieldDirection, field_angles};
 use fmc_camera_file::CameraFile;
 use nalgebra::{Rotation3, Vector3};
 

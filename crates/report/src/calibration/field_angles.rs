@@ -1,7 +1,7 @@
 //! Reports of precise angles for an area camera and its stage.
 
-use fmc_adjustment::field_angles::{CalibratedStage, FieldAngles, Mount};
 use fmc_adjustment::calibration::result::CalibrationResult;
+use fmc_adjustment::field_angles::{CalibratedStage, FieldAngles, Mount};
 use serde_json::{Map, json};
 
 use super::result::of_method::{OfMethod, PageTable};

@@ -3,8 +3,8 @@
 use fmc_adjustment::calibration::angles::angles;
 use fmc_adjustment::calibration::angles::budget::Uncertainty;
 use fmc_adjustment::calibration::angles::request::{AngleObservation, AnglesRequest, LineAxis};
-use fmc_adjustment::field_angles::{FieldAnglesRequest, field_angles};
 use fmc_adjustment::calibration::result::{CalibrationResult, InputFile};
+use fmc_adjustment::field_angles::{FieldAnglesRequest, field_angles};
 use fmc_camera_file::CameraFile;
 use fmc_report::calibration::angles::{of_method, tables};
 use fmc_report::calibration::field_angles as area;
