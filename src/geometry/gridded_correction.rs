@@ -3,10 +3,8 @@
 use super::camera_grids::CameraGrids;
 use super::evaluation_form::Displacement;
 use super::exposure_distortion::{ExposureDistortion, sealed::Sealed};
-use super::frame_correction::{Corrected, FrameCorrection, Terms};
+use super::frame_correction::{Corrected, FrameCorrection};
 use super::grid::{PlacedGrid, ResidualGrid};
-use super::inverse::{DistortError, DistortSliceError, FREE_STEPS, kept_on_sensor, shifted};
-use super::newton_step::newton_step;
 use super::point_kernel::LengthsDiffer;
 use super::principal_point::PrincipalPointMotion;
 use super::sensor::SensorPoint;
@@ -219,82 +217,6 @@ impl<'a> GriddedCorrection<'a> {
         for (x_mm, y_mm) in x_mm.iter_mut().zip(y_mm) {
             let ideal = self.correct(SensorPoint::new(*x_mm, *y_mm)).point;
             (*x_mm, *y_mm) = (ideal.x_mm, ideal.y_mm);
-        }
-        Ok(())
-    }
-
-    /// Returns the measured point of an ideal one: the inverse of [`Self::correct`].
-    ///
-    /// # Model
-    /// As [`FrameCorrection::distort`], `d - D(ideal + d) - G(ideal + d) = 0` by Newton's method
-    /// with the derivatives of the polynomial alone: beside its quadratic convergence every step
-    /// leaves the share of the residual that the grids' slope is of the least scale, for 3 µm in
-    /// waves of 10 mm 3 µm → 5 nm → 10 pm. It starts from the first step of the polynomial alone. A
-    /// step is the last if the polynomial's curvature lets it be and if the grids leave
-    /// [`LEFT_BY_GRIDS_NM`] of it, or the slope's share of four units in the last place of the
-    /// farthest coordinate: as a rule the second.
-    ///
-    /// # Units and frames
-    /// Sensor frame, mm; the domain is that of [`FrameCorrection::distort`].
-    ///
-    /// # Accuracy
-    /// That of [`FrameCorrection::distort`]; at most two evaluations more
-    /// (`tests/geometry/gridded.rs`).
-    ///
-    /// # Errors
-    /// [`DistortError`], as for [`FrameCorrection::distort`].
-    pub fn distort(&self, ideal: SensorPoint) -> Result<Corrected, DistortError> {
-        if self.is_polynomial() {
-            return self.polynomial.distort(ideal);
-        }
-        let coefficients = self.polynomial.coefficients();
-        let pair = [ideal.x_mm, ideal.y_mm];
-        let [dx_mm, dy_mm] = match self.polynomial.terms() {
-            Terms::Short => coefficients.first_step::<false>(pair).distortion,
-            Terms::Full => coefficients.first_step::<true>(pair).distortion,
-        };
-        let last_mm = 1e-6 * self.last_residual_nm;
-        let longest2_mm2 = (last_mm * last_mm).min(self.polynomial.longest_last_step2());
-        let mut d = Displacement { dx_mm, dy_mm };
-        for _ in 0..FREE_STEPS {
-            let measured = shifted(ideal, d);
-            let distortion = self.distortion(measured);
-            let residual = Displacement {
-                dx_mm: d.dx_mm - distortion.dx_mm,
-                dy_mm: d.dy_mm - distortion.dy_mm,
-            };
-            let step = newton_step(self.polynomial.jacobian(measured), residual);
-            d = Displacement {
-                dx_mm: d.dx_mm - step.dx_mm,
-                dy_mm: d.dy_mm - step.dy_mm,
-            };
-            let step2_mm2 = step.dx_mm * step.dx_mm + step.dy_mm * step.dy_mm;
-            let point = shifted(ideal, d);
-            if step2_mm2 <= longest2_mm2 && self.polynomial.contains(point) {
-                return Ok(Corrected {
-                    point,
-                    distortion: d,
-                });
-            }
-        }
-        kept_on_sensor(self, ideal)
-    }
-
-    /// Replaces every ideal point of a slice by its measured point: [`Self::distort`], bit for bit,
-    /// point by point, or [`FrameCorrection::distort_slice`] where there are no grids.
-    ///
-    /// # Errors
-    /// [`DistortSliceError`] for the first point that has no measured one. The points before it
-    /// have been replaced; it and those behind it are unchanged.
-    pub fn distort_slice(&self, points: &mut [SensorPoint]) -> Result<(), DistortSliceError> {
-        if self.is_polynomial() {
-            return self.polynomial.distort_slice(points);
-        }
-        for (index, point) in points.iter_mut().enumerate() {
-            *point = self
-                .distort(*point)
-                .map_err(|error| DistortSliceError { index, error })?
-                .point;
         }
         Ok(())
     }

@@ -277,6 +277,7 @@ pub(super) fn kept_on_sensor<D: ExposureDistortion>(
     // may have other roots.
     let start = exposure.distortion(polynomial.clamped(ideal));
     let mut d = on_sensor(polynomial, ideal, start);
+    let last_nm = exposure.last_residual_nm(LAST_RESIDUAL_NM);
     let mut residual_nm = f32::NAN;
     for _ in 0..MAX_STEPS {
         let measured = shifted(ideal, d);
@@ -295,7 +296,7 @@ pub(super) fn kept_on_sensor<D: ExposureDistortion>(
             break;
         }
         let point = shifted(ideal, next);
-        if residual_nm <= exposure.last_residual_nm(LAST_RESIDUAL_NM) {
+        if residual_nm <= last_nm {
             return if polynomial.contains(point) {
                 Ok(Corrected {
                     point,
@@ -306,7 +307,11 @@ pub(super) fn kept_on_sensor<D: ExposureDistortion>(
             };
         }
         let kept = on_sensor(polynomial, ideal, next);
-        if kept == d {
+        // Between the steps of a grid's weights the place along the edge may move on for ever.
+        let change_mm = (kept.dx_mm - d.dx_mm).abs() + (kept.dy_mm - d.dy_mm).abs();
+        let crawls = 1e6 * change_mm <= last_nm && !polynomial.contains(point);
+        let stopped = kept == d || (crawls && !exposure.is_polynomial());
+        if stopped {
             // The edge stops the iteration: the measured point lies beyond it.
             return Err(DistortError::OffSensor(point));
         }

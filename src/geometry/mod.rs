@@ -13,6 +13,7 @@ pub mod five_coefficient;
 pub mod frame_correction;
 pub mod grid;
 pub mod gridded_correction;
+mod gridded_inverse;
 pub mod image_motion;
 mod interval;
 pub mod inverse;
