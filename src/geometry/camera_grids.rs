@@ -193,7 +193,7 @@ impl<'a> CameraGrids<'a> {
     }
 }
 
-/// Returns the grid of a part if it is one and covers the rectangle up to `corner` about the centre.
+/// Returns the grid of a part if it is one and covers the rectangle up to `corner`.
 fn covering(
     grid: ResidualGrid<'_>,
     carrier: GridCarrier,

@@ -6,10 +6,10 @@ use super::sensor::SensorPoint;
 
 /// Distortion of one exposure, from which inverses and meshes are computed.
 ///
-/// Only [`FrameCorrection`] and
-/// [`GriddedCorrection`](super::gridded_correction::GriddedCorrection) have it: it has been shown to
-/// be one-to-one over the sensor, and its derivatives are those of the polynomial but for the
-/// grids' slope.
+/// Only [`FrameCorrection`] and [`GriddedCorrection`] have it: it has been shown to be one-to-one
+/// over the sensor, and its derivatives are those of the polynomial but for the grids' slope.
+///
+/// [`GriddedCorrection`]: super::gridded_correction::GriddedCorrection
 pub trait ExposureDistortion: sealed::Sealed {
     /// The polynomial part, which knows the sensor and the derivatives.
     fn polynomial(&self) -> &FrameCorrection;

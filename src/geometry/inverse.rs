@@ -266,8 +266,8 @@ impl FrameCorrection {
     }
 }
 
-/// Second attempt of [`FrameCorrection::distort`], for ideal points at the edge or beyond it and for
-/// strong lenses. It decides between the two errors.
+/// Second attempt of [`FrameCorrection::distort`], for ideal points at the edge or beyond it and
+/// for strong lenses. It decides between the two errors.
 pub(super) fn kept_on_sensor<D: ExposureDistortion>(
     exposure: &D,
     ideal: SensorPoint,

@@ -56,6 +56,8 @@ fn evaluation_is_within_a_tenth_of_a_nanometre_of_the_spline() {
 #[test]
 fn bits_are_those_of_the_target() {
     assert_eq!(grid_bits::bits(), Some(grid_bits::BITS));
+    let corrected = grid_bits::correction_bits();
+    assert_eq!(corrected, Some(grid_bits::CORRECTION_BITS));
 }
 
 #[test]

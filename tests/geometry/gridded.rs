@@ -427,7 +427,7 @@ fn sources_of_a_mesh_are_what_distort_finds() {
             };
             let expected = [measured.distortion.dx_mm, measured.distortion.dy_mm];
             let difference_nm = error_nm(*found, expected.map(f64::from));
-            // What both leave, and the terms that the fold may drop.
+            // Both leave something, and the fold may drop terms.
             assert!(difference_nm <= 0.3, "{difference_nm} nm at {ideal:?}");
             compared += 1;
         }
