@@ -86,8 +86,8 @@ pub struct GridFit {
 ///
 /// # Model
 /// `D(x) = polynomial(x - x0 - c·e) + G_lens(x - c·e) + G_sensor(x)`, linear in all coefficients:
-/// the sum of the squared residuals, of [`CURVATURE_WEIGHT`] times the squared second differences
-/// of the grids' coefficients, and of [`COEFFICIENT_WEIGHT`] times their squares, is least. The
+/// the sum of the squared residuals, of `CURVATURE_WEIGHT` times the squared second differences
+/// of the grids' coefficients, and of `COEFFICIENT_WEIGHT` times their squares, is least. The
 /// grids are eliminated, which leaves the normal equations of the polynomial.
 ///
 /// # Errors

@@ -169,7 +169,10 @@ fn groups(result: &CalibrationResult) -> String {
     terminal::table(columns, rows)
 }
 
-/// Short names, so that the matrix of ten parameters fits into 80 columns.
+/// Parameters whose correlations fit into 80 columns.
+const WIDEST_MATRIX: usize = 10;
+
+/// Short names, so that the matrix of [`WIDEST_MATRIX`] parameters fits into 80 columns.
 fn short(name: &str) -> &str {
     match name {
         "principal_distance_mm" => "f",
@@ -181,14 +184,30 @@ fn short(name: &str) -> &str {
     }
 }
 
+/// Lower triangle of the correlations, in as many parts as 80 columns need.
 fn correlations(result: &CalibrationResult) -> String {
     let names: Vec<&str> = result.estimated().map(|one| one.name.as_str()).collect();
     if names.len() < 2 {
         return String::new();
     }
-    let columns = std::iter::once(words("ρ")).chain(names.iter().map(|name| numbers(short(name))));
-    let rows = names.iter().enumerate().map(|(index, a)| {
-        let cells = names.iter().enumerate().map(|(column, b)| {
+    let parts = (0..names.len()).step_by(WIDEST_MATRIX);
+    let parts: Vec<String> = parts
+        .map(|first| correlations_from(result, &names, first))
+        .collect();
+    parts.join("\n")
+}
+
+/// Columns of the correlations from one parameter on, with the rows that have any.
+fn correlations_from(result: &CalibrationResult, names: &[&str], first: usize) -> String {
+    let part: Vec<&str> = names
+        .iter()
+        .copied()
+        .skip(first)
+        .take(WIDEST_MATRIX)
+        .collect();
+    let columns = std::iter::once(words("ρ")).chain(part.iter().map(|name| numbers(short(name))));
+    let rows = names.iter().enumerate().skip(first).map(|(index, a)| {
+        let cells = (first..).zip(&part).map(|(column, b)| {
             if column >= index {
                 return String::new();
             }
