@@ -160,8 +160,8 @@ impl Calibration {
         Quantity::PrincipalPointY.check_within(pp.y_mm, -half_height, half_height)?;
         Quantity::StrokeMm.check(parameters.stroke_mm)?;
         parameters.flatness.checked(0.5 * parameters.stroke_mm)?;
-        let lens = parameters.distortion.checked()?;
-        let fitted = parameters
+        parameters.distortion.checked()?;
+        parameters
             .fitted
             .map(FiveCoefficients::checked)
             .transpose()?;
@@ -172,25 +172,38 @@ impl Calibration {
             radius_mm: 0.0,
             least_scale: 1.0,
         };
-        let region = calibration.region();
-        calibration.radius_mm = region.radius_mm();
-        calibration.least_scale = least_scale(
-            &lens.evaluation_form(),
-            region,
-            exposure_slope(&lens, region, parameters.stroke_mm),
-        )
-        .map_err(|folds| calibration.folds(Polynomial::Static, folds))?;
-        if let Some(fitted) = fitted {
-            let still = fitted.folded(lens.evaluation_form(), 0.0, parameters.axis);
-            let moving = 2.0
-                * (fitted.kd1.abs() + fitted.pm1.abs())
-                * parameters.stroke_mm
-                * calibration.radius_mm;
-            let scale = least_scale(&still, region, moving)
-                .map_err(|folds| calibration.folds(Polynomial::Fitted, folds))?;
-            calibration.least_scale = calibration.least_scale.min(scale);
-        }
+        calibration.radius_mm = calibration.region().radius_mm();
+        calibration.least_scale =
+            calibration
+                .least_scale_with(0.0)
+                .map_err(|folding| CalibrationError::Folds {
+                    polynomial: folding.polynomial,
+                    scale: folding.scale,
+                    at: folding.at,
+                })?;
         Ok(calibration)
+    }
+
+    /// Returns the lower bound of the scale if a grid adds `added_slope` to the polynomials.
+    ///
+    /// # Errors
+    /// [`Folding`] with the polynomial that folds the image with it.
+    pub(super) fn least_scale_with(&self, added_slope: f32) -> Result<f32, Folding> {
+        let parameters = &self.parameters;
+        let lens = parameters.distortion.evaluation_form();
+        let region = self.region();
+        let moving = exposure_slope(&parameters.distortion, region, parameters.stroke_mm);
+        let of_lens = least_scale(&lens, region, moving + added_slope)
+            .map_err(|folds| self.folds(Polynomial::Static, folds))?;
+        let Some(fitted) = parameters.fitted else {
+            return Ok(of_lens);
+        };
+        let still = fitted.folded(lens, 0.0, parameters.axis);
+        let moving =
+            2.0 * (fitted.kd1.abs() + fitted.pm1.abs()) * parameters.stroke_mm * self.radius_mm;
+        let of_fitted = least_scale(&still, region, moving + added_slope)
+            .map_err(|folds| self.folds(Polynomial::Fitted, folds))?;
+        Ok(of_lens.min(of_fitted))
     }
 
     /// The parameters as they were given.
@@ -236,14 +249,22 @@ impl Calibration {
         }
     }
 
-    fn folds(&self, polynomial: Polynomial, folds: Folds) -> CalibrationError {
+    fn folds(&self, polynomial: Polynomial, folds: Folds) -> Folding {
         let pp = self.parameters.principal_point;
-        CalibrationError::Folds {
+        Folding {
             polynomial,
             scale: folds.scale,
             at: SensorPoint::new(pp.x_mm + folds.x, pp.y_mm + folds.y),
         }
     }
+}
+
+/// Polynomial that folds the image, with the smallest scale and its place on the sensor.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(super) struct Folding {
+    pub(super) polynomial: Polynomial,
+    pub(super) scale: f32,
+    pub(super) at: SensorPoint,
 }
 
 /// Returns the slope that a frame may add to the static polynomial: that of the largest focus shift

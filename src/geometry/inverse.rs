@@ -5,6 +5,7 @@ use core::fmt;
 use fmc_camera_kernel::inverse;
 
 use super::evaluation_form::Displacement;
+use super::exposure_distortion::ExposureDistortion;
 use super::frame_correction::{Corrected, FrameCorrection, Terms};
 use super::newton_step::{displacement, newton_step};
 use super::sensor::SensorPoint;
@@ -158,7 +159,7 @@ impl FrameCorrection {
                 return Ok(measured);
             }
         }
-        self.kept_on_sensor(ideal)
+        kept_on_sensor(self, ideal)
     }
 
     /// Returns the result of a free step if it may be the last and ends on the sensor.
@@ -178,50 +179,6 @@ impl FrameCorrection {
     fn centred(&self, ideal: SensorPoint) -> (f32, f32) {
         let centre = self.centre();
         (ideal.x_mm - centre.x_mm, ideal.y_mm - centre.y_mm)
-    }
-
-    /// Second attempt of [`Self::distort`], for ideal points at the edge or beyond it and for
-    /// strong lenses. It decides between the two errors.
-    fn kept_on_sensor(&self, ideal: SensorPoint) -> Result<Corrected, DistortError> {
-        // Every iterate stays on the sensor, where the map is one-to-one; beyond it the polynomial
-        // may have other roots.
-        let mut d = self.on_sensor(ideal, self.distortion(self.clamped(ideal)));
-        let mut residual_nm = f32::NAN;
-        for _ in 0..MAX_STEPS {
-            let measured = shifted(ideal, d);
-            let distortion = self.distortion(measured);
-            let residual = Displacement {
-                dx_mm: d.dx_mm - distortion.dx_mm,
-                dy_mm: d.dy_mm - distortion.dy_mm,
-            };
-            let step = newton_step(self.jacobian(measured), residual);
-            let next = Displacement {
-                dx_mm: d.dx_mm - step.dx_mm,
-                dy_mm: d.dy_mm - step.dy_mm,
-            };
-            residual_nm = 1e6 * (residual.dx_mm.abs() + residual.dy_mm.abs());
-            if !(next.dx_mm + next.dy_mm).is_finite() {
-                break;
-            }
-            let point = shifted(ideal, next);
-            if residual_nm <= LAST_RESIDUAL_NM {
-                return if self.contains(point) {
-                    Ok(Corrected {
-                        point,
-                        distortion: next,
-                    })
-                } else {
-                    Err(DistortError::OffSensor(point))
-                };
-            }
-            let kept = self.on_sensor(ideal, next);
-            if kept == d {
-                // The edge stops the iteration: the measured point lies beyond it.
-                return Err(DistortError::OffSensor(point));
-            }
-            d = kept;
-        }
-        Err(DistortError::NotConverged { residual_nm })
     }
 
     /// Replaces every ideal point of a slice by its measured point.
@@ -307,19 +264,73 @@ impl FrameCorrection {
             rest = behind;
         }
     }
+}
 
-    /// Returns the displacement, shortened if it would leave the sensor.
-    fn on_sensor(&self, ideal: SensorPoint, d: Displacement) -> Displacement {
-        let point = shifted(ideal, d);
-        let clamped = self.clamped(point);
-        let cut = |d: f32, point: f32, clamped: f32| {
-            let beyond = point - clamped;
-            if beyond.abs() > 0.0 { d - beyond } else { d }
+/// Second attempt of [`FrameCorrection::distort`], for ideal points at the edge or beyond it and
+/// for strong lenses. It decides between the two errors.
+pub(super) fn kept_on_sensor<D: ExposureDistortion>(
+    exposure: &D,
+    ideal: SensorPoint,
+) -> Result<Corrected, DistortError> {
+    let polynomial = exposure.polynomial();
+    // Every iterate stays on the sensor, where the map is one-to-one; beyond it the polynomial
+    // may have other roots.
+    let start = exposure.distortion(polynomial.clamped(ideal));
+    let mut d = on_sensor(polynomial, ideal, start);
+    let last_nm = exposure.last_residual_nm(LAST_RESIDUAL_NM);
+    let mut residual_nm = f32::NAN;
+    for _ in 0..MAX_STEPS {
+        let measured = shifted(ideal, d);
+        let distortion = exposure.distortion(measured);
+        let residual = Displacement {
+            dx_mm: d.dx_mm - distortion.dx_mm,
+            dy_mm: d.dy_mm - distortion.dy_mm,
         };
-        Displacement {
-            dx_mm: cut(d.dx_mm, point.x_mm, clamped.x_mm),
-            dy_mm: cut(d.dy_mm, point.y_mm, clamped.y_mm),
+        let step = newton_step(polynomial.jacobian(measured), residual);
+        let next = Displacement {
+            dx_mm: d.dx_mm - step.dx_mm,
+            dy_mm: d.dy_mm - step.dy_mm,
+        };
+        residual_nm = 1e6 * (residual.dx_mm.abs() + residual.dy_mm.abs());
+        if !(next.dx_mm + next.dy_mm).is_finite() {
+            break;
         }
+        let point = shifted(ideal, next);
+        if residual_nm <= last_nm {
+            return if polynomial.contains(point) {
+                Ok(Corrected {
+                    point,
+                    distortion: next,
+                })
+            } else {
+                Err(DistortError::OffSensor(point))
+            };
+        }
+        let kept = on_sensor(polynomial, ideal, next);
+        // Between the steps of a grid's weights the place along the edge may move on for ever.
+        let change_mm = (kept.dx_mm - d.dx_mm).abs() + (kept.dy_mm - d.dy_mm).abs();
+        let crawls = 1e6 * change_mm <= last_nm && !polynomial.contains(point);
+        let stopped = kept == d || (crawls && !exposure.is_polynomial());
+        if stopped {
+            // The edge stops the iteration: the measured point lies beyond it.
+            return Err(DistortError::OffSensor(point));
+        }
+        d = kept;
+    }
+    Err(DistortError::NotConverged { residual_nm })
+}
+
+/// Returns the displacement, shortened if it would leave the sensor.
+fn on_sensor(polynomial: &FrameCorrection, ideal: SensorPoint, d: Displacement) -> Displacement {
+    let point = shifted(ideal, d);
+    let clamped = polynomial.clamped(point);
+    let cut = |d: f32, point: f32, clamped: f32| {
+        let beyond = point - clamped;
+        if beyond.abs() > 0.0 { d - beyond } else { d }
+    };
+    Displacement {
+        dx_mm: cut(d.dx_mm, point.x_mm, clamped.x_mm),
+        dy_mm: cut(d.dy_mm, point.y_mm, clamped.y_mm),
     }
 }
 
@@ -366,7 +377,7 @@ mod tests {
             prop_assume!(correction.is_some());
             let correction = correction.unwrap();
             let ideal = SensorPoint::new(x, y);
-            match (correction.distort(ideal), correction.kept_on_sensor(ideal)) {
+            match (correction.distort(ideal), kept_on_sensor(&correction, ideal)) {
                 (Ok(free), Ok(kept)) => prop_assert!(is_same(free.point, kept.point, 0.1)),
                 // The second attempt stopped at the edge or cycled, as documented: then the result
                 // of the free steps must be right.

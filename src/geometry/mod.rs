@@ -5,11 +5,15 @@
 
 pub mod brown;
 pub mod calibration;
+pub mod camera_grids;
 pub mod estimation;
 pub mod evaluation_form;
+pub mod exposure_distortion;
 pub mod five_coefficient;
 pub mod frame_correction;
 pub mod grid;
+pub mod gridded_correction;
+mod gridded_inverse;
 pub mod image_motion;
 mod interval;
 pub mod inverse;

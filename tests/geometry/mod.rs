@@ -5,11 +5,15 @@ mod accuracy;
 #[cfg(test)]
 mod axes;
 #[cfg(test)]
+mod camera_grids;
+#[cfg(test)]
 mod cameras;
 #[cfg(test)]
 mod golden;
 #[cfg(test)]
 mod grid;
+#[cfg(test)]
+mod gridded;
 #[cfg(test)]
 mod inverse;
 #[cfg(test)]
@@ -36,3 +40,5 @@ mod source_rounding;
 mod source_row;
 #[cfg(test)]
 mod source_words;
+#[cfg(test)]
+mod spline;

@@ -129,16 +129,15 @@ fn public_functions(sources: &str) -> Names {
 }
 
 /// Returns the names of the functions that a list keeps: lines `Type::function,` or
-/// `module::function,`.
+/// `module::function,`, the function with the types of its arguments if it is generic.
 fn listed(list: &str) -> Names {
     let path = |line: &str| {
-        Some(
-            line.trim()
-                .strip_suffix(',')?
-                .rsplit_once("::")?
-                .1
-                .to_owned(),
-        )
+        let path = line.trim().strip_suffix(',')?;
+        let function = match path.strip_suffix('>') {
+            Some(generic) => generic.rsplit_once("::<")?.0,
+            None => path,
+        };
+        Some(function.rsplit_once("::")?.1.to_owned())
     };
     let keep = list.split_once("keep![").map_or("", |(_, keep)| keep);
     count(keep.lines().filter_map(path))
@@ -169,12 +168,13 @@ mod tests {
             impl Sensor {
                 pub const fn new(width_px: u32) -> Self {
                 pub fn contains(&self, point: SensorPoint) -> bool {
+                pub fn rows<T>(&self, of: T) {
                 fn private(&self) {}
                 pub(crate) fn inner(&self) {}
             impl Shutter { // two of one name
                 pub fn new<T>(profile: T) -> Self {
             pub fn mean_transfers(";
-        let list = "use fmc_camera::a::{\n b::Sensor,\n};\nkeep![\n Sensor::new,\n tdi::mean_transfers,\n ]";
+        let list = "use fmc_camera::a::{\n b::Sensor,\n};\nkeep![\n Sensor::new,\n Sensor::rows::<f32>,\n tdi::mean_transfers,\n ]";
         assert_eq!(
             missing(&public_functions(sources), &listed(list)),
             ["contains", "new"]

@@ -2,11 +2,14 @@
 
 use core::hint::black_box;
 
+use fmc_camera::Camera;
+use fmc_camera::geometry::camera_grids::CameraGrids;
 use fmc_camera::geometry::grid::{GridCarrier, GridHeader, PlacedGrid, ResidualGrid};
+use fmc_camera::geometry::gridded_correction::GriddedCorrection;
 use fmc_camera::geometry::sensor::{FmcAxis, SensorPoint};
 
 use crate::counter::Counter;
-use crate::specimen::{POINTS, points};
+use crate::specimen::{EXPOSURE, POINTS, points, short};
 
 /// 53 mm by 40 mm and a stroke of 4 mm, at 2 mm.
 const HEADER: GridHeader = GridHeader {
@@ -33,6 +36,44 @@ pub(crate) fn count(counter: &mut Counter) -> Option<()> {
     counter.count("grid", PER_POINT, || {
         for point in black_box(&points) {
             black_box(black_box(&placed).displacement(*point));
+        }
+        Some(())
+    })?;
+    corrections(counter, grid)
+}
+
+/// Counts the points of an exposure with a grid of the lens, one after the other, and as a slice;
+/// the polynomial alone is `correct`, `distort`.
+fn corrections(counter: &mut Counter, lens: ResidualGrid<'_>) -> Option<()> {
+    let mut parameters = short();
+    // The cells leave 2 mm less a rounding beyond the sensor.
+    parameters.calibration.stroke_mm = 3.9;
+    let camera = Camera::new(parameters).ok()?;
+    let frame = camera.frame(&EXPOSURE).ok()?;
+    let (motion, kappa) = (frame.interior.motion, frame.interior.enlargement);
+    counter.count("grid_place", (1, "frame"), || {
+        let grids = CameraGrids::new(black_box(camera.calibration()), Some(lens), None).ok()?;
+        let correction = GriddedCorrection::exposed(frame.correction, &grids, &motion, kappa);
+        black_box(correction);
+        Some(())
+    })?;
+    let grids = CameraGrids::new(camera.calibration(), Some(lens), None).ok()?;
+    let correction = GriddedCorrection::exposed(frame.correction, &grids, &motion, kappa);
+    let points = points();
+    counter.count("correct_grid", PER_POINT, || {
+        for point in black_box(&points) {
+            black_box(black_box(&correction).correct(*point));
+        }
+        Some(())
+    })?;
+    let mut slice = points;
+    counter.count("correct_slice_grid", PER_POINT, || {
+        black_box(&correction).correct_slice(black_box(&mut slice));
+        Some(())
+    })?;
+    counter.count("distort_grid", PER_POINT, || {
+        for point in black_box(&points) {
+            black_box(black_box(&correction).distort(*point).ok()?);
         }
         Some(())
     })

@@ -17,11 +17,13 @@ use fmc_camera::geometry::shutter::ShutterProfile;
 use serde::Deserialize;
 
 use crate::calibration_error::invalid_calibration;
+use crate::grid_files::GridFiles;
 use crate::input_error::InputError;
 use crate::limits_table::LimitsTable;
 use crate::number::single;
 use crate::tables::{
-    DistortionTable, FittedTable, FmcTable, MechanismName, Profile, SensorTable, ShutterTable, pair,
+    DistortionTable, FittedTable, FmcTable, GridTable, MechanismName, Profile, SensorTable,
+    ShutterTable, pair,
 };
 use crate::toml_text::TomlText;
 
@@ -52,33 +54,59 @@ pub struct CameraFile {
     #[serde(default)]
     pub limits: LimitsTable,
     pub fitted: Option<FittedTable>,
+    pub grid: Option<GridTable>,
 }
 
 impl CameraFile {
-    /// Reads and validates a camera file.
+    /// Reads and validates a camera file without residual grids.
     ///
     /// # Errors
-    /// [`InputError`] naming file, line, field, value and allowed range.
+    /// [`InputError`] naming file, line, field, value and allowed range; also for a file with
+    /// `[grid]`, without which its camera would correct otherwise.
     pub fn read(path: &Path) -> Result<(Self, Camera), InputError> {
-        let text = std::fs::read_to_string(path).map_err(|error| match error.kind() {
-            std::io::ErrorKind::InvalidData => {
-                InputError::invalid(format!("{}: not a text file (UTF-8)", path.display()))
-            }
-            _ => InputError::reading(path, &error),
-        })?;
-        Self::parse(&path.display().to_string(), &text)
+        Self::parse(&path.display().to_string(), &read_text(path)?)
     }
 
-    /// Parses and validates the text of a camera file; `file` is the name that messages use.
+    /// Reads and validates a camera file with the residual grids that it names; they are empty for
+    /// a camera without.
+    ///
+    /// # Errors
+    /// As [`Self::read`], also for the files of `[grid]`; a camera with grids is accepted.
+    pub fn read_with_grids(path: &Path) -> Result<(Self, Camera, GridFiles), InputError> {
+        let (file, text) = (path.display().to_string(), read_text(path)?);
+        let text = TomlText::new(&file, &text);
+        let (camera_file, camera) = Self::validated(&text)?;
+        let folder = path.parent().unwrap_or(Path::new(""));
+        let grids = match &camera_file.grid {
+            Some(table) => GridFiles::read(&text, table, folder, camera.calibration())?,
+            None => GridFiles::default(),
+        };
+        Ok((camera_file, camera, grids))
+    }
+
+    /// Parses and validates the text of a camera file without residual grids; `file` is the name
+    /// that messages use.
     ///
     /// # Errors
     /// As [`Self::read`].
     pub fn parse(file: &str, text: &str) -> Result<(Self, Camera), InputError> {
         let text = TomlText::new(file, text);
+        let (camera_file, camera) = Self::validated(&text)?;
+        if camera_file.grid.is_some() {
+            let fault =
+                "residual grids are not used here, and without them the camera corrects otherwise";
+            return Err(text
+                .invalid_table("grid", fault)
+                .with_help("for the polynomial alone, take [grid] out of a copy of the file"));
+        }
+        Ok((camera_file, camera))
+    }
+
+    fn validated(text: &TomlText) -> Result<(Self, Camera), InputError> {
         let camera_file: Self = text.deserialize()?;
-        camera_file.check_what_only_the_file_knows(&text)?;
+        camera_file.check_what_only_the_file_knows(text)?;
         let camera = Camera::new(camera_file.parameters())
-            .map_err(|error| camera_file.refused(&text, &error))?;
+            .map_err(|error| camera_file.refused(text, &error))?;
         Ok((camera_file, camera))
     }
 
@@ -267,6 +295,15 @@ impl CameraFile {
             version: u32::try_from(self.version).unwrap_or_default(),
         }
     }
+}
+
+fn read_text(path: &Path) -> Result<String, InputError> {
+    std::fs::read_to_string(path).map_err(|error| match error.kind() {
+        std::io::ErrorKind::InvalidData => {
+            InputError::invalid(format!("{}: not a text file (UTF-8)", path.display()))
+        }
+        _ => InputError::reading(path, &error),
+    })
 }
 
 /// Returns a limit of the mechanism; 0 in the file means none.

@@ -9,7 +9,7 @@ use fmc_camera::geometry::range::Quantity;
 const DOCUMENT: &str = include_str!("../../../docs/camera-file.md");
 
 /// Tables of the file; `""` is its top.
-const TABLES: [&str; 7] = [
+const TABLES: [&str; 8] = [
     "",
     "sensor",
     "distortion",
@@ -17,6 +17,7 @@ const TABLES: [&str; 7] = [
     "shutter",
     "limits",
     "fitted",
+    "grid",
 ];
 
 /// A row of the table of keys.
@@ -138,7 +139,7 @@ fn defaults_are_those_of_the_format() {
     ];
     for row in rows() {
         let value = match row.default {
-            "required" => continue,
+            "required" | "none" => continue,
             "principal_distance_mm" => "150.0",
             "1/5000 to 1/30" => "[2e-4, 0.033333333333333333]",
             default => default,
@@ -175,6 +176,10 @@ fn ranges_are_those_of_the_code() {
                 "strategy",
                 "profile",
                 "per",
+                "lens",
+                "lens_crc32",
+                "sensor",
+                "sensor_crc32",
             ];
             assert!(words.contains(&row.key) || row.key == "version", "{row:?}");
             continue;

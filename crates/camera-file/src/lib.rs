@@ -26,6 +26,8 @@ mod camera;
 mod document;
 pub mod fitted_block;
 pub mod flight_settings;
+pub mod grid_block;
+mod grid_files;
 mod input_error;
 mod insertion;
 pub mod interior_text;
@@ -38,9 +40,10 @@ mod tables;
 pub mod toml_text;
 
 pub use camera::CameraFile;
+pub use grid_files::{GridFiles, GridRefusal};
 pub use input_error::{InputError, InputErrorKind, Place};
 pub use limits_table::LimitsTable;
 pub use tables::{
-    Axis, DistortionTable, FittedTable, FmcTable, MechanismName, Per, Profile, SensorTable,
-    ShutterTable, Sign, Strategy,
+    Axis, DistortionTable, FittedTable, FmcTable, GridTable, MechanismName, Per, Profile,
+    SensorTable, ShutterTable, Sign, Strategy,
 };

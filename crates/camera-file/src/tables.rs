@@ -294,6 +294,21 @@ impl From<Per> for Regressor {
     }
 }
 
+/// `[grid]`: files of the residual grids, relative to the camera file, and the CRC-32 with which
+/// they end.
+#[derive(Debug, Clone, PartialEq, Eq, Default, Deserialize)]
+#[serde(deny_unknown_fields, default)]
+#[expect(
+    missing_docs,
+    reason = "each field is the key of the same name in the camera file"
+)]
+pub struct GridTable {
+    pub lens: Option<String>,
+    pub lens_crc32: Option<String>,
+    pub sensor: Option<String>,
+    pub sensor_crc32: Option<String>,
+}
+
 /// Reads exactly two numbers.
 pub(crate) fn pair<'de, D: Deserializer<'de>>(deserializer: D) -> Result<[f64; 2], D::Error> {
     let numbers = Vec::<f64>::deserialize(deserializer)?;

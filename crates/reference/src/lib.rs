@@ -27,5 +27,6 @@ pub mod exposure;
 pub mod fitted;
 pub mod lens;
 pub mod residual_spline;
+pub mod residual_splines;
 pub mod strict;
 pub mod verification;

@@ -59,12 +59,11 @@ impl ResidualSpline {
         let across = (x - first_x) / self.pitch_mm;
         let along = (y - first_y) / self.pitch_mm;
         let mut sum = [0.0; 2];
-        for (row, nodes) in self.coefficients_mm.chunks(self.columns.max(1)).enumerate() {
+        let rows = self.coefficients_mm.chunks(self.columns.max(1));
+        for (row, nodes) in rows.enumerate().skip(first_node(along)).take(REACH) {
             let weight_of_row = basis(along - count(row));
-            if weight_of_row <= 0.0 {
-                continue;
-            }
-            for (column, [cx, cy]) in nodes.iter().enumerate() {
+            let nodes = nodes.iter().enumerate().skip(first_node(across));
+            for (column, [cx, cy]) in nodes.take(REACH) {
                 let weight = weight_of_row * basis(across - count(column));
                 let [sum_x, sum_y] = sum;
                 sum = [sum_x + weight * cx, sum_y + weight * cy];
@@ -72,6 +71,19 @@ impl ResidualSpline {
         }
         sum
     }
+}
+
+/// Nodes along a side that reach a place, one more than the spline has.
+const REACH: usize = 5;
+
+/// Returns the first node that reaches a place, counted in nodes.
+#[expect(
+    clippy::cast_possible_truncation,
+    clippy::cast_sign_loss,
+    reason = "a place before the first node, or a NaN, becomes 0"
+)]
+const fn first_node(place: f64) -> usize {
+    (place - 2.0) as usize
 }
 
 /// Returns the cubic B-spline that is centred on 0 and has its knots at whole numbers.

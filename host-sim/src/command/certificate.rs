@@ -7,7 +7,7 @@ use std::path::{Path, PathBuf};
 use fmc_camera::flight::camera::Camera;
 use fmc_camera::flight::exposure::Exposure;
 use fmc_camera_file::number::single;
-use fmc_camera_file::{CameraFile, InputError};
+use fmc_camera_file::{CameraFile, GridFiles, InputError};
 use fmc_certificate::bundle::{self, BundleError};
 use fmc_certificate::calibration_summary::CalibrationSummary;
 use fmc_certificate::check::{self, Files, Stated};
@@ -58,8 +58,13 @@ fn make(args: &MakeCertificateArgs) -> Result<(), Failure> {
     };
     let mut device = InProcess::default();
     let (exposures, forbidden) = exposures(&camera);
-    let verification = run::exposures(&mut device, &camera, &exposures, || {})
-        .map_err(|error| Failure::bad_input(format!("{}: {error}", args.camera.display())))?;
+    let verification = run::exposures(
+        &mut device,
+        (&camera, &GridFiles::default()),
+        &exposures,
+        || {},
+    )
+    .map_err(|error| Failure::bad_input(format!("{}: {error}", args.camera.display())))?;
     if verification.points > 0 && !verification.passed() {
         return Err(Failure::check(format!(
             "{}: the camera differs from the strict solver by more than the limit; nothing is \

@@ -4,8 +4,8 @@ use fmc_camera::flight::camera::FrameError;
 use fmc_camera::flight::exposure::{CorrectionModel, Exposure, FlightDirection};
 use fmc_camera::geometry::principal_distance::FocusSign;
 use fmc_camera::geometry::range::{OutOfRange, Quantity};
-use fmc_camera_file::CameraFile;
 use fmc_camera_file::number::single;
+use fmc_camera_file::{CameraFile, GridFiles};
 use fmc_reference::exposure::{ExposureRequest, FocusFormula};
 
 use crate::cli::{DirectionName, ExposureArgs, FocusSignName, ModelName};
@@ -19,19 +19,35 @@ impl ExposureArgs {
     /// [`Failure`] of the camera file, or for the fitted model of a camera without one.
     pub(super) fn read_camera(&self) -> Result<CameraFile, Failure> {
         let (camera, _) = super::read_camera(&self.camera)?;
+        self.check(&camera)?;
+        Ok(camera)
+    }
+
+    /// Does the same for a camera that may have residual grids.
+    ///
+    /// # Errors
+    /// As [`Self::read_camera`], also for a grid.
+    pub(super) fn read_camera_with_grids(&self) -> Result<(CameraFile, GridFiles), Failure> {
+        let (camera, grids) = super::read_camera_with_grids(&self.camera)?;
+        self.check(&camera)?;
+        Ok((camera, grids))
+    }
+
+    /// Checks that the camera has the model, and prints the notes.
+    fn check(&self, camera: &CameraFile) -> Result<(), Failure> {
         if self.model == ModelName::Fitted && camera.fitted.is_none() {
             return Err(Failure::bad_input(format!(
                 "{}: --model fitted needs a [fitted] table, and there is none",
                 self.camera.display()
             )));
         }
-        super::note_unused_strategy(&self.camera, &camera);
+        super::note_unused_strategy(&self.camera, camera);
         if self.model != ModelName::Exact && self.focus_shift_um != 0.0 {
             note(format_args!(
                 "note: --focus-shift-um has no effect on the coordinates with --model static or fitted"
             ));
         }
-        Ok(camera)
+        Ok(())
     }
 
     /// Exposure that the camera is asked for.
@@ -111,9 +127,11 @@ impl ExposureArgs {
                 "{file}: [fmc] max_speed_mm_s is too small for {}: {error}",
                 self.vh
             )),
-            DeviceError::Frame(_) | DeviceError::Calibration(_) => {
-                Failure::bad_input(format!("{file}: {error}"))
-            }
+            DeviceError::Frame(_)
+            | DeviceError::Calibration(_)
+            | DeviceError::Grids(_)
+            | DeviceError::NoGrids
+            | DeviceError::PolynomialMesh => Failure::bad_input(format!("{file}: {error}")),
             _ => error.clone().into(),
         }
     }

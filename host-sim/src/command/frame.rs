@@ -22,11 +22,12 @@ pub(super) fn run(args: &FrameArgs) -> Result<(), Failure> {
         return frames::list::run(args);
     }
     let request = &args.exposure;
-    let camera = request.read_camera()?;
+    let (camera, grids) = request.read_camera_with_grids()?;
     output::check_not_the_input(args.out.as_deref(), &request.camera)?;
     let mut device = args.device.open()?;
     let record = device
         .load(&camera.parameters())
+        .and_then(|()| device.load_grids(&grids))
         .and_then(|()| device.expose(&request.exposure()))
         .map_err(|error| request.refused(&camera, &error))?;
     let report = FrameReport::new(&camera, request, &record);

@@ -32,11 +32,12 @@ pub(super) fn run(args: &MeshArgs) -> Result<(), Failure> {
     }
     let request = &args.exposure;
     check_spacing(args)?;
-    let camera = request.read_camera()?;
+    let (camera, grids) = request.read_camera_with_grids()?;
     let layout = Layout::new(args, &camera)?;
     let mut device = args.device.open()?;
     let record = device
         .load(&camera.parameters())
+        .and_then(|()| device.load_grids(&grids))
         .and_then(|()| device.expose(&request.exposure()))
         .map_err(|error| request.refused(&camera, &error))?;
     let frame = Camera::new(camera.parameters())

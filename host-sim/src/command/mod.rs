@@ -29,7 +29,7 @@ mod verify;
 use std::path::Path;
 
 use fmc_camera::flight::camera::Camera;
-use fmc_camera_file::{CameraFile, MechanismName};
+use fmc_camera_file::{CameraFile, GridFiles, MechanismName};
 
 use crate::cli::{CalibrationMethod, Cli, Command};
 use crate::failure::{Failure, note};
@@ -80,6 +80,16 @@ fn read_camera(path: &Path) -> Result<(CameraFile, Camera), Failure> {
     let (file, camera) = CameraFile::read(path)?;
     warn_of_distortion(path, &file);
     Ok((file, camera))
+}
+
+/// Reads a camera file with its residual grids, and prints the same warning.
+///
+/// # Errors
+/// [`Failure`] of the camera file or of a grid.
+fn read_camera_with_grids(path: &Path) -> Result<(CameraFile, GridFiles), Failure> {
+    let (file, _, grids) = CameraFile::read_with_grids(path)?;
+    warn_of_distortion(path, &file);
+    Ok((file, grids))
 }
 
 /// Prints a warning if the distortion of a camera file is hardly believable.

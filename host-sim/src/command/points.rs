@@ -31,7 +31,7 @@ pub(super) fn run(args: &PointsArgs, direction: Direction) -> Result<(), Failure
         return frames::points::run(args, direction);
     }
     let request = &args.exposure;
-    let camera = request.read_camera()?;
+    let (camera, grids) = request.read_camera_with_grids()?;
     output::check_not_the_input(args.files.out.as_deref(), &request.camera)?;
     let checked = match direction {
         Direction::Correct => Checked::OnSensor,
@@ -41,6 +41,7 @@ pub(super) fn run(args: &PointsArgs, direction: Direction) -> Result<(), Failure
     let mut device = args.device.open()?;
     device
         .load(&camera.parameters())
+        .and_then(|()| device.load_grids(&grids))
         .and_then(|()| device.expose(&request.exposure()))
         .map_err(|error| request.refused(&camera, &error))?;
     let mut batch = Vec::with_capacity(BATCH);

@@ -3,6 +3,7 @@
 use fmc_camera::Camera;
 use fmc_reference::fitted::FittedModel;
 use fmc_reference::lens::Lens;
+use fmc_reference::residual_splines::ResidualSplines;
 use fmc_reference::strict::{Reading, StrictMean, StrictSolver, Weight};
 
 use super::point_stream::PointStream;
@@ -14,16 +15,18 @@ use crate::formats::points::{Answer, Checked};
 
 pub(super) fn run(args: &ReferenceArgs) -> Result<(), Failure> {
     let request = &args.exposure;
-    let camera = request.read_camera()?;
+    let (camera, grids) = request.read_camera_with_grids()?;
     output::check_not_the_input(args.files.out.as_deref(), &request.camera)?;
     let points = PointStream::open(&args.files, &camera, Checked::OnSensor)?;
     // The reference accepts only what the camera accepts.
-    Camera::new(camera.parameters())
+    let splines = Camera::new(camera.parameters())
         .map_err(DeviceError::Calibration)
         .and_then(|checked| {
             checked
                 .frame(&request.exposure())
-                .map_err(DeviceError::Frame)
+                .map_err(DeviceError::Frame)?;
+            let grids = grids.grids(checked.calibration());
+            Ok(ResidualSplines::of(&grids.map_err(DeviceError::Grids)?))
         })
         .map_err(|error| request.refused(&camera, &error))?;
 
@@ -35,14 +38,23 @@ pub(super) fn run(args: &ReferenceArgs) -> Result<(), Failure> {
         ReadingName::Consistent => Reading::Consistent,
         ReadingName::Literal => Reading::Literal,
     };
-    let solver = StrictSolver::new(&camera, &request.request(), weight);
+    let solver =
+        StrictSolver::new(&camera, &request.request(), weight).with_splines(splines.clone());
     let fitted = FittedModel::new(&camera, solver.path());
     let total = |point_mm: [f64; 2]| match (request.model, &fitted) {
-        (ModelName::Fitted, Some(fitted)) => exactly(fitted.distortion(point_mm)),
+        (ModelName::Fitted, Some(fitted)) => {
+            // The fitted enlargement is part of the model; the grid of the lens moves alone.
+            let ([x, y], [ex, ey]) = (point_mm, camera.fmc.axis.unit());
+            let centroid_mm = solver.path().centroid_mm();
+            let of_lens = splines.of_lens([x - centroid_mm * ex, y - centroid_mm * ey]);
+            let residual = sum(of_lens, splines.of_sensor(point_mm));
+            exactly(sum(fitted.distortion(point_mm), residual))
+        }
         (ModelName::Static, _) => {
             let [x, y] = point_mm;
             let [x0, y0] = camera.principal_point_mm;
-            exactly(Lens::of(&camera).displacement([x - x0, y - y0]))
+            let polynomial = Lens::of(&camera).displacement([x - x0, y - y0]);
+            exactly(sum(polynomial, splines.calibrated(point_mm)))
         }
         _ => solver.total(point_mm, reading),
     };
@@ -73,6 +85,10 @@ pub(super) fn run(args: &ReferenceArgs) -> Result<(), Failure> {
         1e6 * error_mm
     ));
     Ok(())
+}
+
+fn sum([ax, ay]: [f64; 2], [bx, by]: [f64; 2]) -> [f64; 2] {
+    [ax + bx, ay + by]
 }
 
 const fn exactly(distortion_mm: [f64; 2]) -> StrictMean {

@@ -4,8 +4,8 @@ use std::fs;
 use std::io;
 use std::path::Path;
 
-use fmc_camera_file::CameraFile;
 use fmc_camera_file::published::CAMERA_FILES;
+use fmc_camera_file::{CameraFile, GridFiles};
 use fmc_reference::verification::result::Verification;
 use fmc_reference::verification::{cameras as check, grid};
 use fmc_report::figure::FigureError;
@@ -100,24 +100,24 @@ fn verify_images(args: &VerifyArgs) -> Result<(), Failure> {
     Ok(())
 }
 
-fn cameras(given: Option<&Path>) -> Result<Vec<CameraFile>, Failure> {
+fn cameras(given: Option<&Path>) -> Result<Vec<(CameraFile, GridFiles)>, Failure> {
     if let Some(path) = given {
-        return Ok(vec![super::read_camera(path)?.0]);
+        return Ok(vec![super::read_camera_with_grids(path)?]);
     }
     CAMERA_FILES
         .iter()
-        .map(|(file, text)| Ok(CameraFile::parse(file, text)?.0))
+        .map(|(file, text)| Ok((CameraFile::parse(file, text)?.0, GridFiles::default())))
         .collect()
 }
 
 fn verify(
     mut devices: Devices,
-    cameras: &[CameraFile],
+    cameras: &[(CameraFile, GridFiles)],
     prints_log: bool,
 ) -> Result<Verification, Failure> {
     let frames: usize = cameras
         .iter()
-        .map(|camera| grid::exposures(camera).len())
+        .map(|(camera, _)| grid::exposures(camera).len())
         .sum();
     let bar = if prints_log {
         ProgressBar::hidden()
@@ -133,9 +133,10 @@ fn verify(
     let verification = check::cameras(&mut devices, cameras, name, || bar.inc(1));
     bar.finish_and_clear();
     verification.map_err(|failed| match failed.error {
-        DeviceError::Calibration(_) | DeviceError::Frame(_) => {
-            Failure::bad_input(failed.to_string())
-        }
+        DeviceError::Calibration(_)
+        | DeviceError::Frame(_)
+        | DeviceError::Grids(_)
+        | DeviceError::NoGrids => Failure::bad_input(failed.to_string()),
         error => error.into(),
     })
 }

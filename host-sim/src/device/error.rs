@@ -12,6 +12,7 @@ use fmc_camera::geometry::inverse::DistortError;
 use fmc_camera::geometry::mesh::vertex::{MeshError, VertexRow};
 use fmc_camera::geometry::range::OutOfRange;
 use fmc_camera::geometry::sensor::SensorPoint;
+use fmc_camera_file::GridRefusal;
 use fmc_reference::verification::device::CorrectionFailure;
 
 use super::link_error::LinkError;
@@ -50,6 +51,19 @@ pub enum DeviceError {
         /// Points answered.
         answered: usize,
     },
+    /// Residual grids were given to a camera that does not hold any.
+    #[error(
+        "[grid]: this camera does not hold residual grids, and without them it corrects otherwise; take --device sil"
+    )]
+    NoGrids,
+    /// A mesh that pushes was asked of a camera with residual grids.
+    #[error(
+        "[grid]: a mesh of corrections goes by the differences of the polynomial and has no residual grids; take a format of sources"
+    )]
+    PolynomialMesh,
+    /// The residual grids do not fit the camera.
+    #[error("[grid]: {0}")]
+    Grids(GridRefusal),
     /// Points were given before the first exposure.
     #[error("the camera has not been exposed yet")]
     NoFrame,
@@ -102,6 +116,10 @@ impl DeviceError {
 impl CorrectionFailure for DeviceError {
     fn of_count(asked: usize, answered: usize) -> Self {
         Self::Count { asked, answered }
+    }
+
+    fn of_grids() -> Self {
+        Self::NoGrids
     }
 
     fn is_difference(&self) -> bool {

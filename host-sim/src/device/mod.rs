@@ -75,7 +75,8 @@ pub trait Device: CorrectingDevice<Error = DeviceError> {
     fn corrections(&mut self, row: &VertexRow) -> Result<Vec<PixelCorrection>, DeviceError>;
 
     /// Returns the correction of the current frame if the camera is in this process, where several
-    /// threads may compute with it; `None` for others, and before the first exposure.
+    /// threads may compute with it; `None` for others, before the first exposure,
+    /// and for a camera with residual grids.
     fn correction_here(&self) -> Option<&FrameCorrection> {
         None
     }

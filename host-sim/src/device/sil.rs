@@ -1,12 +1,15 @@
 //! The camera's own code in this process.
 
 use fmc_camera::flight::calibration_id::{CalibrationId, Storage};
-use fmc_camera::flight::camera::{Camera, CameraParameters};
+use fmc_camera::flight::camera::{Camera, CameraParameters, Frame};
 use fmc_camera::flight::controller::{Controller, Start};
 use fmc_camera::flight::exposure::Exposure;
+use fmc_camera::flight::gridded_frame::GriddedFrame;
 use fmc_camera::flight::interior_orientation::InteriorOrientation;
 use fmc_camera::flight::rig::Rig;
+use fmc_camera::geometry::exposure_distortion::ExposureDistortion;
 use fmc_camera::geometry::frame_correction::{Corrected, FrameCorrection};
+use fmc_camera::geometry::gridded_correction::GriddedCorrection;
 use fmc_camera::geometry::inverse::DistortSliceError;
 use fmc_camera::geometry::mesh::format::MeshFormat;
 use fmc_camera::geometry::mesh::pixel_correction::{CorrectionMesh, PixelCorrection};
@@ -17,6 +20,8 @@ use fmc_camera::io::instruments::Instruments;
 use fmc_camera::io::link::digest;
 use fmc_camera::io::link::message::Grid;
 
+use fmc_camera_file::GridFiles;
+
 use super::batch::PointBatch;
 use super::{CorrectingDevice, Device, DeviceError, Evidence};
 
@@ -26,6 +31,10 @@ pub struct InProcess {
     /// The camera, in flight or not.
     pub(super) rig: Rig,
     correction: Option<FrameCorrection>,
+    /// Interior orientation of the current frame, if it was exposed here.
+    interior: Option<InteriorOrientation>,
+    /// Residual grids of the camera, which have been shown to fit it.
+    grids: GridFiles,
     evidence: Evidence,
     pub(super) instruments: Instruments,
 }
@@ -35,6 +44,8 @@ impl Default for InProcess {
         Self {
             rig: Rig::new(Start::Orderly),
             correction: None,
+            interior: None,
+            grids: GridFiles::default(),
             evidence: Evidence::default(),
             instruments: Instruments::new(),
         }
@@ -46,8 +57,12 @@ impl InProcess {
     ///
     /// # Errors
     /// [`DeviceError::NoFrame`] before the first exposure; [`DeviceError::OffSensor`] for the first
-    /// point off the sensor.
+    /// point off the sensor; [`DeviceError::NoGrids`] for a camera with residual grids, which the
+    /// link does not carry.
     pub fn digest(&self, grid: &Grid) -> Result<u32, DeviceError> {
+        if !self.grids.is_empty() {
+            return Err(DeviceError::NoGrids);
+        }
         let correction = self.correction()?;
         on_sensor(correction, grid.points())?;
         Ok(digest::of_grid(correction, grid))
@@ -65,6 +80,29 @@ impl InProcess {
 
     fn correction(&self) -> Result<&FrameCorrection, DeviceError> {
         self.correction.as_ref().ok_or(DeviceError::NoFrame)
+    }
+
+    /// Returns the answer of the frame with its grids; `None` for a camera without grids.
+    fn gridded<T>(
+        &self,
+        answer: impl FnOnce(&GriddedCorrection<'_>) -> Result<T, DeviceError>,
+    ) -> Option<Result<T, DeviceError>> {
+        (!self.grids.is_empty()).then(|| {
+            let frame = Frame {
+                interior: self.interior.ok_or(DeviceError::NoFrame)?,
+                correction: *self.correction()?,
+            };
+            answer(&self.gridded_frame(&frame)?.correction)
+        })
+    }
+
+    fn gridded_frame(&self, frame: &Frame) -> Result<GriddedFrame<'_>, DeviceError> {
+        let camera = self.rig.camera().ok_or(DeviceError::NoFrame)?;
+        let grids = self
+            .grids
+            .grids(camera.calibration())
+            .map_err(DeviceError::Grids)?;
+        Ok(GriddedFrame::new(frame, &grids))
     }
 }
 
@@ -85,6 +123,17 @@ impl CorrectingDevice for InProcess {
         }
         self.rig.load(camera);
         self.correction = None;
+        self.grids = GridFiles::default();
+        Ok(())
+    }
+
+    fn load_grids(&mut self, grids: &GridFiles) -> Result<(), DeviceError> {
+        let camera = self.rig.camera().ok_or(DeviceError::NoFrame)?;
+        grids
+            .grids(camera.calibration())
+            .map_err(DeviceError::Grids)?;
+        self.correction = None;
+        self.grids = grids.clone();
         Ok(())
     }
 
@@ -93,8 +142,14 @@ impl CorrectingDevice for InProcess {
         // Points that follow a refused exposure must not be corrected with the frame before it.
         self.correction = None;
         let frame = camera.frame(exposure).map_err(DeviceError::Frame)?;
+        let interior = if self.grids.is_empty() {
+            frame.interior
+        } else {
+            self.gridded_frame(&frame)?.interior
+        };
         self.correction = Some(frame.correction);
-        Ok(frame.interior)
+        self.interior = Some(frame.interior);
+        Ok(interior)
     }
 
     fn correct(&mut self, measured: &[SensorPoint]) -> Result<Vec<Corrected>, DeviceError> {
@@ -102,7 +157,16 @@ impl CorrectingDevice for InProcess {
         if !PointBatch::all_on_sensor(correction, measured) {
             on_sensor(correction, measured.iter().copied())?;
         }
-        let corrected = PointBatch::new(correction).corrected(measured);
+        let gridded = self.gridded(|gridded| {
+            Ok(measured
+                .iter()
+                .map(|point| gridded.correct(*point))
+                .collect::<Vec<_>>())
+        });
+        let corrected = match gridded {
+            Some(corrected) => corrected?,
+            None => PointBatch::new(correction).corrected(measured),
+        };
         self.evidence.by_value += corrected.len() as u64;
         Ok(corrected)
     }
@@ -114,6 +178,16 @@ impl CorrectingDevice for InProcess {
 
 impl Device for InProcess {
     fn distort(&mut self, ideal: &[SensorPoint]) -> Result<Vec<Corrected>, DeviceError> {
+        let gridded = self.gridded(|gridded| {
+            let distort = |(index, point): (usize, &SensorPoint)| {
+                let measured = gridded.distort(*point);
+                measured.map_err(|error| DeviceError::Distort { index, error })
+            };
+            ideal.iter().enumerate().map(distort).collect()
+        });
+        if let Some(measured) = gridded {
+            return measured;
+        }
         let correction = self.correction()?;
         PointBatch::new(correction)
             .distorted(correction, ideal)
@@ -121,14 +195,14 @@ impl Device for InProcess {
     }
 
     fn mesh(&mut self, row: &VertexRow, format: MeshFormat) -> Result<Vec<u8>, DeviceError> {
-        let mesh = SourceMesh::new(self.correction()?, row.spacing_px);
-        let mut bytes = vec![0; usize::from(row.count) * format.bytes()];
-        row.write_words(&mesh, format, &mut bytes)
-            .map_err(DeviceError::Mesh)?;
-        Ok(bytes)
+        let gridded = self.gridded(|gridded| words(gridded, row, format));
+        gridded.unwrap_or_else(|| words(self.correction()?, row, format))
     }
 
     fn corrections(&mut self, row: &VertexRow) -> Result<Vec<PixelCorrection>, DeviceError> {
+        if !self.grids.is_empty() {
+            return Err(DeviceError::PolynomialMesh);
+        }
         let mesh = CorrectionMesh::new(self.correction()?, row.spacing_px);
         let mut corrections = vec![PixelCorrection::default(); usize::from(row.count)];
         row.corrections(&mesh, &mut corrections)
@@ -137,8 +211,21 @@ impl Device for InProcess {
     }
 
     fn correction_here(&self) -> Option<&FrameCorrection> {
-        self.correction.as_ref()
+        self.correction.as_ref().filter(|_| self.grids.is_empty())
     }
+}
+
+/// Returns a row of sources as an engine stores it.
+fn words<D: ExposureDistortion>(
+    correction: &D,
+    row: &VertexRow,
+    format: MeshFormat,
+) -> Result<Vec<u8>, DeviceError> {
+    let mesh = SourceMesh::new(correction, row.spacing_px);
+    let mut bytes = vec![0; usize::from(row.count) * format.bytes()];
+    row.write_words(&mesh, format, &mut bytes)
+        .map_err(DeviceError::Mesh)?;
+    Ok(bytes)
 }
 
 /// Checks that all points are on the sensor, outside of which a correction has no meaning.

@@ -7,10 +7,11 @@ use fmc_camera_kernel::inverse::LastStep;
 use super::block_group::{ABREAST, Abreast, BlockGroup};
 use super::differences::Differences;
 use super::row_store::{RowStore, Span};
-use super::source_mesh::{Blocks, SourceMesh};
+use super::source_mesh::{Blocks, ideal};
 use super::source_row::SourceRow;
 use super::vertex::{MeshError, VertexRow};
 use crate::geometry::evaluation_form::Displacement;
+use crate::geometry::frame_correction::FrameCorrection;
 use crate::geometry::inverse::{FREE_STEPS, shifted};
 use crate::geometry::sensor::{PixelPoint, SensorPoint};
 
@@ -22,7 +23,7 @@ const OFF_EDGE_PX: f32 = 0.05;
 /// columns, so that blocks lie alike whatever part of the row is asked for.
 pub(super) struct BlockRow<'a> {
     row: &'a VertexRow,
-    mesh: &'a SourceMesh<'a>,
+    correction: &'a FrameCorrection,
     blocks: &'a Blocks,
     /// Column of vertex 0.
     phase_px: u32,
@@ -37,11 +38,15 @@ pub(super) struct BlockRow<'a> {
 }
 
 impl<'a> BlockRow<'a> {
-    pub(super) fn new(row: &'a VertexRow, mesh: &'a SourceMesh<'a>, blocks: &'a Blocks) -> Self {
+    pub(super) fn new(
+        row: &'a VertexRow,
+        correction: &'a FrameCorrection,
+        blocks: &'a Blocks,
+    ) -> Self {
         let spacing_px = u32::from(row.spacing_px).max(1);
         let mut new = Self {
             row,
-            mesh,
+            correction,
             blocks,
             phase_px: row.first_col_px % spacing_px,
             first: row.first_col_px / spacing_px,
@@ -84,13 +89,13 @@ impl<'a> BlockRow<'a> {
                 .start
                 .and_then(|start| Some((start, self.nodes(start)?)));
             if let Some((start, nodes)) = block {
-                let place = self.row.place(self.mesh.correction.sensor(), index)?;
+                let place = self.row.place(self.correction.sensor(), index)?;
                 self.fill_block(&mut store, nodes, (vertex - start, place), now)?;
             } else {
-                let correction = self.mesh.correction;
+                let correction = self.correction;
                 let alone = |ideal| SourceRow::new(correction).next(ideal);
                 self.row
-                    .fill_singly(self.mesh, &store, alone, (index, now))?;
+                    .fill_singly(correction.sensor(), &store, alone, (index, now))?;
             }
             index = index.saturating_add(count);
             rest = behind;
@@ -193,7 +198,7 @@ impl<'a> BlockRow<'a> {
     /// Returns the largest |y| of a node's measured point.
     #[inline]
     fn highest_mm(&self) -> f32 {
-        self.mesh.correction.sensor().half_height_mm() - self.blocks.off_nodes_mm
+        self.correction.sensor().half_height_mm() - self.blocks.off_nodes_mm
     }
 
     /// Fills the first words with blocks side by side, the bits those of one block after the other,
@@ -226,7 +231,7 @@ impl<'a> BlockRow<'a> {
             let Some(nodes) = self.group.nodes(start, u32::from(length)) else {
                 return Ok(0);
             };
-            let sensor = self.mesh.correction.sensor();
+            let sensor = self.correction.sensor();
             let place = self.row.place(sensor, index + skipped)?;
             let span = Span {
                 place: self.row.counted_from_origin(place),
@@ -249,7 +254,7 @@ impl<'a> BlockRow<'a> {
     /// first step.
     #[cfg(host_kernel)]
     fn move_group(&mut self, start: u32) {
-        let correction = self.mesh.correction;
+        let correction = self.correction;
         let last_step = LastStep {
             longest2_mm2: correction.longest_last_step2(),
             farthest_mm: [correction.sensor().half_width_mm(), self.highest_mm()],
@@ -259,7 +264,12 @@ impl<'a> BlockRow<'a> {
         self.group.find(
             (&correction.coefficients(), &last_step),
             (start, self.blocks.nodes),
-            |vertex| self.mesh.ideal([phase_px + vertex * spacing_px, row_px]),
+            |vertex| {
+                ideal(
+                    correction.sensor(),
+                    [phase_px + vertex * spacing_px, row_px],
+                )
+            },
         );
     }
 
@@ -288,10 +298,10 @@ impl<'a> BlockRow<'a> {
     /// Returns the source of a vertex by Newton's method.
     #[inline(never)]
     fn node(&self, vertex: u32) -> Option<Displacement> {
-        let correction = self.mesh.correction;
+        let correction = self.correction;
         let (form, centre, sensor) = (correction.form(), correction.centre(), correction.sensor());
         let col_px = self.phase_px + vertex * u32::from(self.row.spacing_px);
-        let ideal = self.mesh.ideal([col_px, self.row.row_px]);
+        let ideal = ideal(sensor, [col_px, self.row.row_px]);
         let (x, y) = (ideal.x_mm - centre.x_mm, ideal.y_mm - centre.y_mm);
         let mut d = form.start::<true>(x, y);
         for _ in 0..FREE_STEPS {
@@ -310,9 +320,9 @@ impl<'a> BlockRow<'a> {
     /// Returns the numbers of the first and the last vertex of the image's row whose measured
     /// points are on the sensor; `None` unless a block fits between them.
     fn ends_on_sensor(&self) -> Option<[u32; 2]> {
-        let sensor = self.mesh.correction.sensor();
+        let sensor = self.correction.sensor();
         let spacing_px = u32::from(self.row.spacing_px).max(1);
-        let ideal = self.mesh.ideal([self.phase_px, self.row.row_px]);
+        let ideal = ideal(sensor, [self.phase_px, self.row.row_px]);
         let [left, right] = [-1.0, 1.0].map(|side| {
             let x_mm = self.ideal_of_edge(side * sensor.half_width_mm(), ideal.y_mm);
             let PixelPoint { col_px, .. } =
@@ -347,7 +357,7 @@ impl<'a> BlockRow<'a> {
     /// Returns x of the ideal point at height `y_mm` whose measured point has `edge_mm` as its x. A
     /// last block that an error of it puts off the sensor is solved vertex by vertex.
     fn ideal_of_edge(&self, edge_mm: f32, y_mm: f32) -> f32 {
-        let (form, centre) = (self.mesh.correction.form(), self.mesh.correction.centre());
+        let (form, centre) = (self.correction.form(), self.correction.centre());
         let (x, y) = (edge_mm - centre.x_mm, y_mm - centre.y_mm);
         let mut d = form.displacement(x, y);
         for _ in 0..2 {

@@ -2,8 +2,9 @@
 
 use super::block_matrix::{BlockMatrix, NODES};
 use super::source_bound::SourceBound;
+use crate::geometry::exposure_distortion::ExposureDistortion;
 use crate::geometry::frame_correction::FrameCorrection;
-use crate::geometry::sensor::{PixelPoint, SensorPoint, pixels};
+use crate::geometry::sensor::{PixelPoint, Sensor, SensorPoint, pixels};
 
 /// Largest error of a source by differences, nm per axis: where the longest blocks would exceed it,
 /// they are shorter.
@@ -58,8 +59,8 @@ pub const SOURCE_BLOCK_NM: f32 = 4.0;
 /// [`VertexRow::sources`]: super::vertex::VertexRow::sources
 /// [`VertexRow::write_words`]: super::vertex::VertexRow::write_words
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct SourceMesh<'frame> {
-    pub(super) correction: &'frame FrameCorrection,
+pub struct SourceMesh<'frame, D = FrameCorrection> {
+    pub(super) correction: &'frame D,
     pub(super) spacing_px: u16,
     pub(super) blocks: Option<Blocks>,
 }
@@ -75,12 +76,19 @@ pub(super) struct Blocks {
     bound_nm: f32,
 }
 
-impl<'frame> SourceMesh<'frame> {
-    /// Returns the mesh of a frame with vertices every `spacing_px` pixels along its rows.
+impl<'frame, D: ExposureDistortion> SourceMesh<'frame, D> {
+    /// Returns the mesh of a frame with vertices every `spacing_px` pixels along its rows. A frame
+    /// with residual grids has no blocks: across a knot of a grid the third derivative jumps, so
+    /// that a polynomial of degree 5 does not follow.
     #[must_use]
-    pub fn new(correction: &'frame FrameCorrection, spacing_px: u16) -> Self {
-        let step_mm = f32::from(spacing_px) * correction.sensor().pixel_mm();
-        let bound = SourceBound::new(correction).filter(|_| spacing_px > 0);
+    pub fn new(correction: &'frame D, spacing_px: u16) -> Self {
+        let polynomial = correction.polynomial();
+        let step_mm = f32::from(spacing_px) * polynomial.sensor().pixel_mm();
+        let bound = if correction.is_polynomial() && spacing_px > 0 {
+            SourceBound::new(polynomial)
+        } else {
+            None
+        };
         let blocks = bound.and_then(|bound| {
             BlockMatrix::ALL.into_iter().find_map(|matrix| {
                 let bound_nm = bound.nanometres(matrix.length, step_mm);
@@ -112,12 +120,12 @@ impl<'frame> SourceMesh<'frame> {
     pub fn bound_nm(&self) -> Option<f32> {
         self.blocks.map(|blocks| blocks.bound_nm)
     }
+}
 
-    /// Returns the ideal point of a vertex.
-    pub(super) fn ideal(&self, [col_px, row_px]: [u32; 2]) -> SensorPoint {
-        self.correction.sensor().sensor_from_pixel(PixelPoint {
-            col_px: pixels(col_px),
-            row_px: pixels(row_px),
-        })
-    }
+/// Returns the ideal point of a vertex.
+pub(super) fn ideal(sensor: &Sensor, [col_px, row_px]: [u32; 2]) -> SensorPoint {
+    sensor.sensor_from_pixel(PixelPoint {
+        col_px: pixels(col_px),
+        row_px: pixels(row_px),
+    })
 }

@@ -1,6 +1,7 @@
 //! Ways from points of the ideal image to the measured ones, along a row.
 
 use crate::geometry::evaluation_form::{Displacement, Jacobian};
+use crate::geometry::exposure_distortion::ExposureDistortion;
 use crate::geometry::frame_correction::FrameCorrection;
 use crate::geometry::inverse::{DistortError, MAX_STEPS, shifted};
 use crate::geometry::newton_step::newton_step;
@@ -24,7 +25,9 @@ pub(crate) const LAST_NEWTON_RESIDUAL_NM: f32 = 1000.0;
 /// may lie off the sensor, where there is no image but a warp engine needs a number: there the
 /// distortion of the nearest point of the sensor counts, which continues the map without a jump.
 /// All terms of the form are evaluated, also those that
-/// [`Terms::Short`](crate::geometry::frame_correction::Terms::Short) drops.
+/// [`Terms::Short`](crate::geometry::frame_correction::Terms::Short) drops. With residual grids
+/// ([`GriddedCorrection`](crate::geometry::gridded_correction::GriddedCorrection)) D is the
+/// polynomial with the grids, and the derivatives are those of the polynomial.
 ///
 /// # Units and frames
 /// Sensor frame, mm; measured - ideal, as a function of the *ideal* point.
@@ -33,18 +36,18 @@ pub(crate) const LAST_NEWTON_RESIDUAL_NM: f32 = 1000.0;
 /// Within 0.3 nm of the exact inverse at 0.5 mm of distortion over 104 mm, rounding included
 /// (`tests/geometry/source_row.rs`).
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct SourceRow<'frame> {
-    correction: &'frame FrameCorrection,
+pub struct SourceRow<'frame, D = FrameCorrection> {
+    correction: &'frame D,
     last: Option<Displacement>,
     /// Difference of the last displacement to the one before.
     change: Displacement,
     predicted: Displacement,
 }
 
-impl<'frame> SourceRow<'frame> {
+impl<'frame, D: ExposureDistortion> SourceRow<'frame, D> {
     /// Returns a row of a frame, before its first point.
     #[must_use]
-    pub const fn new(correction: &'frame FrameCorrection) -> Self {
+    pub const fn new(correction: &'frame D) -> Self {
         const NONE: Displacement = Displacement {
             dx_mm: 0.0,
             dy_mm: 0.0,
@@ -65,10 +68,10 @@ impl<'frame> SourceRow<'frame> {
     /// does not end in [`MAX_STEPS`] steps.
     #[inline]
     pub fn next(&mut self, ideal: SensorPoint) -> Result<Displacement, DistortError> {
-        let first = || self.distortion(self.correction.clamped(ideal));
+        let first = || self.distortion(self.polynomial().clamped(ideal));
         let d = self.last.map_or_else(first, |_| self.predicted);
         let measured = shifted(ideal, d);
-        let distortion = self.distortion(self.correction.clamped(measured));
+        let distortion = self.distortion(self.polynomial().clamped(measured));
         let residual = difference(d, distortion);
         let d = if length_nm(residual) <= LAST_FIXED_POINT_RESIDUAL_NM
             && (measured.x_mm + measured.y_mm).is_finite()
@@ -95,14 +98,14 @@ impl<'frame> SourceRow<'frame> {
         let mut residual_nm = f32::NAN;
         for _ in 0..MAX_STEPS {
             let measured = shifted(ideal, d);
-            let residual = difference(d, self.distortion(self.correction.clamped(measured)));
+            let residual = difference(d, self.distortion(self.polynomial().clamped(measured)));
             let step = newton_step(self.jacobian(measured), residual);
             d = difference(d, step);
             residual_nm = length_nm(residual);
             let point = shifted(ideal, d);
             // A step that has crossed the sensor's edge used the derivatives of the wrong side.
             let last_nm = if self.off_sensor(measured) == self.off_sensor(point) {
-                LAST_NEWTON_RESIDUAL_NM
+                self.correction.last_residual_nm(LAST_NEWTON_RESIDUAL_NM)
             } else {
                 LAST_FIXED_POINT_RESIDUAL_NM
             };
@@ -115,15 +118,20 @@ impl<'frame> SourceRow<'frame> {
 
     #[inline]
     fn distortion(&self, point: SensorPoint) -> Displacement {
-        let centre = self.correction.centre();
-        let form = self.correction.form();
-        form.displacement(point.x_mm - centre.x_mm, point.y_mm - centre.y_mm)
+        self.correction.full_distortion(point)
+    }
+
+    #[inline]
+    fn polynomial(&self) -> &'frame FrameCorrection {
+        self.correction.polynomial()
     }
 
     /// Returns the derivatives of the distortion; off the sensor it does not change in the
     /// direction that leads away.
     fn jacobian(&self, measured: SensorPoint) -> Jacobian {
-        let mut jacobian = self.correction.jacobian(self.correction.clamped(measured));
+        let mut jacobian = self
+            .polynomial()
+            .jacobian(self.polynomial().clamped(measured));
         let [off_x, off_y] = self.off_sensor(measured);
         if off_x {
             jacobian.dx_by_x = 0.0;
@@ -139,7 +147,7 @@ impl<'frame> SourceRow<'frame> {
     /// Returns true for a point beyond the left or right edge, and for one beyond the lower or
     /// upper edge.
     fn off_sensor(&self, point: SensorPoint) -> [bool; 2] {
-        let nearest = self.correction.clamped(point);
+        let nearest = self.polynomial().clamped(point);
         [
             (point.x_mm - nearest.x_mm).abs() > 0.0,
             (point.y_mm - nearest.y_mm).abs() > 0.0,

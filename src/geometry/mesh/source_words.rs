@@ -7,6 +7,7 @@ use super::source_mesh::SourceMesh;
 use super::source_row::SourceRow;
 use super::vertex::{MeshError, VertexRow};
 use crate::geometry::evaluation_form::Displacement;
+use crate::geometry::exposure_distortion::ExposureDistortion;
 
 impl VertexRow {
     /// Writes the ways from this row's vertices to their sources, in order, as many as `sources`
@@ -25,9 +26,9 @@ impl VertexRow {
     /// # Errors
     /// [`MeshError`], which names the first vertex that is off the image or has no source; those
     /// before it are written. [`MeshError::Spacing`] for a mesh of another spacing.
-    pub fn sources<'out>(
+    pub fn sources<'out, D: ExposureDistortion>(
         &self,
-        mesh: &SourceMesh<'_>,
+        mesh: &SourceMesh<'_, D>,
         sources: &'out mut [Displacement],
     ) -> Result<&'out mut [Displacement], MeshError> {
         let sources = at_most(sources, self.count);
@@ -66,13 +67,13 @@ impl VertexRow {
     /// # Errors
     /// As [`Self::sources`], and [`MeshError::Format`] for the first vertex that the format does
     /// not hold.
-    pub fn write_words<'out>(
+    pub fn write_words<'out, D: ExposureDistortion>(
         &self,
-        mesh: &SourceMesh<'_>,
+        mesh: &SourceMesh<'_, D>,
         format: MeshFormat,
         bytes: &'out mut [u8],
     ) -> Result<&'out mut [u8], MeshError> {
-        let pixels_per_mm = 1.0 / mesh.correction.sensor().pixel_mm();
+        let pixels_per_mm = 1.0 / mesh.correction.polynomial().sensor().pixel_mm();
         let length = usize::from(self.count).saturating_mul(format.bytes());
         let room = bytes.len() - bytes.len() % format.bytes();
         let bytes = bytes.get_mut(..length.min(room)).unwrap_or_default();
@@ -98,9 +99,9 @@ impl VertexRow {
     }
 
     /// Fills a slice with the row's vertices.
-    fn fill<S: RowStore>(
+    fn fill<D: ExposureDistortion, S: RowStore>(
         &self,
-        mesh: &SourceMesh<'_>,
+        mesh: &SourceMesh<'_, D>,
         store: S,
         words: &mut [S::Word],
     ) -> Result<(), MeshError> {
@@ -110,11 +111,13 @@ impl VertexRow {
                 mesh_px: mesh.spacing_px,
             });
         }
+        let polynomial = mesh.correction.polynomial();
         if let Some(blocks) = &mesh.blocks {
-            return BlockRow::new(self, mesh, blocks).fill(store, words);
+            return BlockRow::new(self, polynomial, blocks).fill(store, words);
         }
         let mut row = SourceRow::new(mesh.correction);
-        self.fill_singly(mesh, &store, |ideal| row.next(ideal), (0, words))
+        let sensor = polynomial.sensor();
+        self.fill_singly(sensor, &store, |ideal| row.next(ideal), (0, words))
     }
 }
 

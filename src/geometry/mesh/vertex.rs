@@ -5,7 +5,7 @@ use core::fmt;
 use super::format::{MeshFormat, OutOfFormat, Vertex, Word};
 use super::row_store::vertex;
 use super::source_row::SourceRow;
-use crate::geometry::frame_correction::FrameCorrection;
+use crate::geometry::exposure_distortion::ExposureDistortion;
 use crate::geometry::inverse::DistortError;
 use crate::geometry::sensor::{PixelPoint, Sensor, pixels};
 
@@ -96,12 +96,12 @@ impl VertexRow {
     ///
     /// # Errors
     /// [`MeshError`], which names the vertex.
-    pub fn vertices<'frame>(
+    pub fn vertices<'frame, D: ExposureDistortion>(
         &self,
-        correction: &'frame FrameCorrection,
-    ) -> impl Iterator<Item = Result<Vertex, MeshError>> + use<'frame> {
+        correction: &'frame D,
+    ) -> impl Iterator<Item = Result<Vertex, MeshError>> + use<'frame, D> {
         let row = *self;
-        let sensor = *correction.sensor();
+        let sensor = *correction.polynomial().sensor();
         let mut sources = SourceRow::new(correction);
         (0..row.count).map(move |index| row.vertex(&sensor, &mut sources, index))
     }
@@ -126,11 +126,11 @@ impl VertexRow {
     ///
     /// # Errors
     /// [`MeshError`], which names the vertex.
-    pub fn words<'frame>(
+    pub fn words<'frame, D: ExposureDistortion>(
         &self,
-        correction: &'frame FrameCorrection,
+        correction: &'frame D,
         format: MeshFormat,
-    ) -> impl Iterator<Item = Result<Word, MeshError>> + use<'frame> {
+    ) -> impl Iterator<Item = Result<Word, MeshError>> + use<'frame, D> {
         self.vertices(correction)
             .map(move |vertex| format.word(&vertex?).map_err(MeshError::Format))
     }
@@ -149,10 +149,10 @@ impl VertexRow {
         Ok([col_px, row_px])
     }
 
-    fn vertex(
+    fn vertex<D: ExposureDistortion>(
         &self,
         sensor: &Sensor,
-        sources: &mut SourceRow<'_>,
+        sources: &mut SourceRow<'_, D>,
         index: u16,
     ) -> Result<Vertex, MeshError> {
         let [col_px, row_px] = self.place(sensor, index)?;

@@ -7,7 +7,8 @@
 //! caller's registers must not change. The program prints the number of points over semihosting and
 //! fails at the first difference.
 //!
-//! A residual grid has at random points the bits of the PC, which are compared as one number.
+//! A residual grid has at random points the bits of the PC, and so have the corrections and
+//! inverses of an exposure with two; each are compared as one number.
 //!
 //! The way back, `distort`, has no assembly; a million random points are compared likewise.
 //!
@@ -66,9 +67,11 @@ fn run() -> ! {
             Ok(())
         });
     let grid = grid_bits::bits();
-    let is_grid_right = grid == Some(grid_bits::BITS);
+    let corrected = grid_bits::correction_bits();
+    let is_grid_right =
+        (grid, corrected) == (Some(grid_bits::BITS), Some(grid_bits::CORRECTION_BITS));
     hprintln!(
-        "{} points of a residual grid: {}",
+        "{} points of a residual grid, and as many corrected with two: {}",
         grid_bits::POINTS,
         if is_grid_right {
             "the bits of the PC"

@@ -22,6 +22,7 @@ macro_rules! keep {
 
 mod flight;
 mod geometry;
+mod gridded;
 mod io;
 #[cfg(negative_control)]
 mod negative_control;
@@ -29,6 +30,7 @@ mod pin;
 
 fn keep_everything() {
     geometry::keep();
+    gridded::keep();
     flight::keep();
     io::keep();
     #[cfg(negative_control)]

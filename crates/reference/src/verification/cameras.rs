@@ -5,9 +5,10 @@ use std::sync::{Mutex, PoisonError};
 use std::thread;
 
 use fmc_camera::io::link::message::Counters;
-use fmc_camera_file::CameraFile;
+use fmc_camera_file::{CameraFile, GridFiles};
 
 use super::device::{CorrectingDevice, CorrectionFailure, Evidence};
+use super::grid;
 use super::result::{CameraResult, Verification};
 use super::run;
 
@@ -21,7 +22,7 @@ pub struct VerificationError<E> {
     pub error: E,
 }
 
-/// Checks cameras on devices of one kind, side by side; the results are in the order of the
+/// Checks cameras with their residual grids on devices of one kind, side by side; the results are in the order of the
 /// cameras. `before_camera` is called with a camera's name, `after_frame` once per exposure.
 ///
 /// If a device computes otherwise than its own code on this PC, the verification reports the
@@ -32,7 +33,7 @@ pub struct VerificationError<E> {
 /// no camera is checked.
 pub fn cameras<D: CorrectingDevice + ?Sized>(
     devices: &mut [Box<D>],
-    cameras: &[CameraFile],
+    cameras: &[(CameraFile, GridFiles)],
     before_camera: impl Fn(&str) + Sync,
     after_frame: impl Fn() + Sync,
 ) -> Result<Verification, VerificationError<D::Error>> {
@@ -41,10 +42,17 @@ pub fn cameras<D: CorrectingDevice + ?Sized>(
     thread::scope(|scope| {
         for device in &mut *devices {
             scope.spawn(|| {
-                while let Some((index, camera)) = taken(&next, cameras) {
+                while let Some((index, (camera, grids))) = taken(&next, cameras) {
                     before_camera(&camera.name);
                     let before = device.evidence();
-                    let result = run::camera(device.as_mut(), camera, &after_frame);
+                    let exposures = grid::exposures(camera);
+                    let camera_with_grids = (camera, grids);
+                    let result = run::exposures(
+                        device.as_mut(),
+                        camera_with_grids,
+                        &exposures,
+                        &after_frame,
+                    );
                     let evidence = since(before, device.evidence());
                     if result.is_err() {
                         // No device starts another camera.
@@ -90,7 +98,7 @@ pub fn cameras<D: CorrectingDevice + ?Sized>(
 }
 
 /// Takes the next camera that no device has taken.
-fn taken<'a>(next: &AtomicUsize, cameras: &'a [CameraFile]) -> Option<(usize, &'a CameraFile)> {
+fn taken<'a, C>(next: &AtomicUsize, cameras: &'a [C]) -> Option<(usize, &'a C)> {
     let index = next.fetch_add(1, Ordering::Relaxed);
     Some((index, cameras.get(index)?))
 }
@@ -174,6 +182,10 @@ mod tests {
             Self::Count { asked, answered }
         }
 
+        fn of_grids() -> Self {
+            Self::Refused("no grids here".to_owned())
+        }
+
         fn is_difference(&self) -> bool {
             false
         }
@@ -217,16 +229,21 @@ mod tests {
         }
     }
 
-    fn published() -> Vec<CameraFile> {
+    fn published() -> Vec<(CameraFile, GridFiles)> {
         let cameras = CAMERA_FILES.iter();
         cameras
-            .map(|(file, text)| CameraFile::parse(file, text).unwrap().0)
+            .map(|(file, text)| {
+                (
+                    CameraFile::parse(file, text).unwrap().0,
+                    GridFiles::default(),
+                )
+            })
             .collect()
     }
 
     fn checked(
         count: usize,
-        files: &[CameraFile],
+        files: &[(CameraFile, GridFiles)],
     ) -> Result<Verification, VerificationError<Failure>> {
         let mut devices: Vec<Box<InProcess>> = (0..count).map(|_| Box::default()).collect();
         cameras(&mut devices, files, |_| (), || ())
@@ -238,17 +255,26 @@ mod tests {
         let one = checked(1, &files).unwrap();
         assert_eq!(checked(3, &files).unwrap(), one);
         let names: Vec<_> = one.cameras.iter().map(|camera| &camera.name).collect();
-        let expected: Vec<_> = files.iter().map(|camera| &camera.name).collect();
+        let expected: Vec<_> = files.iter().map(|(camera, _)| &camera.name).collect();
         assert_eq!(names, expected);
     }
 
     #[test]
     fn camera_that_is_refused_is_named_and_no_device_is_no_pass() {
         let mut files = published();
-        files[2].distortion.k1 = f64::NAN;
+        files[2].0.distortion.k1 = f64::NAN;
         let refused = checked(2, &files).unwrap_err();
-        assert_eq!(refused.camera, files[2].name);
+        assert_eq!(refused.camera, files[2].0.name);
         assert!(!checked(0, &files).unwrap().passed());
+    }
+
+    #[test]
+    fn device_without_grids_refuses_a_camera_that_has_some() {
+        let mut files = published();
+        files[1].1 = GridFiles::new(Some(vec![0; 40]), None);
+        let refused = checked(1, &files).unwrap_err();
+        assert_eq!(refused.camera, files[1].0.name);
+        assert_eq!(refused.error, Failure::of_grids());
     }
 
     #[test]

@@ -8,6 +8,7 @@ use fmc_camera::flight::interior_orientation::InteriorOrientation;
 use fmc_camera::geometry::frame_correction::Corrected;
 use fmc_camera::geometry::sensor::SensorPoint;
 use fmc_camera::io::link::message::{Counters, Grid};
+use fmc_camera_file::GridFiles;
 
 /// A camera that can be given a calibration, exposed, and asked to correct points.
 pub trait CorrectingDevice: Send {
@@ -22,6 +23,19 @@ pub trait CorrectingDevice: Send {
     /// # Errors
     /// An error if the camera refuses them; the previous ones then stay.
     fn load(&mut self, camera: &CameraParameters) -> Result<(), Self::Error>;
+
+    /// Gives the camera that is loaded its residual grids, with which it corrects from the next
+    /// exposure on; a camera that is loaded has none.
+    ///
+    /// # Errors
+    /// An error if the camera does not hold grids, and for those that do not fit it.
+    fn load_grids(&mut self, grids: &GridFiles) -> Result<(), Self::Error> {
+        if grids.is_empty() {
+            Ok(())
+        } else {
+            Err(Self::Error::of_grids())
+        }
+    }
 
     /// Predicts a frame, to which the points that follow belong.
     ///
@@ -62,6 +76,9 @@ pub trait CorrectingDevice: Send {
 pub trait CorrectionFailure: Error + Send {
     /// Creates the error of a camera that answered more or fewer points than it was asked.
     fn of_count(asked: usize, answered: usize) -> Self;
+
+    /// Creates the error of a camera that does not hold residual grids.
+    fn of_grids() -> Self;
 
     /// Returns true if the camera computes otherwise than its own code on this PC.
     fn is_difference(&self) -> bool;

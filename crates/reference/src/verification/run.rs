@@ -1,10 +1,11 @@
 //! Verification of one camera.
 
 use fmc_camera::flight::exposure::Exposure;
+use fmc_camera::geometry::calibration::Calibration;
 use fmc_camera::geometry::frame_correction::Corrected;
 use fmc_camera::geometry::sensor::SensorPoint;
-use fmc_camera_file::CameraFile;
 use fmc_camera_file::number::single;
+use fmc_camera_file::{CameraFile, GridFiles};
 
 use super::device::{CorrectingDevice, CorrectionFailure};
 use super::grid::{self, GridExposure};
@@ -14,9 +15,10 @@ use super::result::{
 use crate::exposure::ExposureRequest;
 use crate::fitted::FittedModel;
 use crate::lens::Lens;
+use crate::residual_splines::ResidualSplines;
 use crate::strict::{StrictSolver, Weight};
 
-/// Checks one camera on a device; `after_frame` is called once per exposure.
+/// Checks one camera without residual grids on a device; `after_frame` is called once per exposure.
 ///
 /// # Errors
 /// The error of a device that refuses the camera or an exposure, or does not answer every point.
@@ -25,16 +27,23 @@ pub fn camera<D: CorrectingDevice + ?Sized>(
     camera: &CameraFile,
     after_frame: impl FnMut(),
 ) -> Result<CameraResult, D::Error> {
-    exposures(device, camera, &grid::exposures(camera), after_frame)
+    let grids = GridFiles::default();
+    exposures(
+        device,
+        (camera, &grids),
+        &grid::exposures(camera),
+        after_frame,
+    )
 }
 
-/// Checks one camera on a device in some exposures; `after_frame` is called once per exposure.
+/// Checks one camera with its residual grids on a device in some exposures; `after_frame` is called
+/// once per exposure. Grids that do not fit the camera are refused by the device.
 ///
 /// # Errors
 /// As [`camera`].
 pub fn exposures<D: CorrectingDevice + ?Sized>(
     device: &mut D,
-    camera: &CameraFile,
+    (camera, grids): (&CameraFile, &GridFiles),
     exposures: &[GridExposure],
     mut after_frame: impl FnMut(),
 ) -> Result<CameraResult, D::Error> {
@@ -42,13 +51,17 @@ pub fn exposures<D: CorrectingDevice + ?Sized>(
     // rounded points.
     let grid = grid::points(camera.half_format_mm());
     let measured: Vec<SensorPoint> = grid.points().collect();
-    let mut summary = Summary::default();
+    let mut summary = Summary {
+        splines: splines(camera, grids),
+        ..Summary::default()
+    };
     let mut loaded = None;
     for exposure in exposures {
         let mut strategy = camera.clone();
         strategy.fmc.strategy = exposure.strategy;
         if loaded != Some(exposure.strategy) {
             device.load(&strategy.parameters())?;
+            device.load_grids(grids)?;
             loaded = Some(exposure.strategy);
         }
         device.expose(&Exposure::new(
@@ -65,9 +78,18 @@ pub fn exposures<D: CorrectingDevice + ?Sized>(
     Ok(summary.finish(camera))
 }
 
+/// Returns the splines of a camera's grids; none for grids that do not fit it.
+fn splines(camera: &CameraFile, grids: &GridFiles) -> ResidualSplines {
+    Calibration::new(camera.parameters().calibration)
+        .ok()
+        .and_then(|calibration| Some(ResidualSplines::of(&grids.grids(&calibration).ok()?)))
+        .unwrap_or_default()
+}
+
 /// Results of a camera so far.
 #[derive(Default)]
 struct Summary {
+    splines: ResidualSplines,
     frames: Vec<FrameResult>,
     distortion_mm: Option<[f64; 2]>,
     field: Option<(f64, Field)>,
@@ -83,7 +105,8 @@ impl Summary {
         corrected: &[Corrected],
     ) {
         let request = ExposureRequest::planned(exposure.vh_per_s, exposure.exposure_s);
-        let solver = StrictSolver::new(camera, &request, Weight::Exposure);
+        let solver = StrictSolver::new(camera, &request, Weight::Exposure)
+            .with_splines(self.splines.clone());
         let path = solver.path();
         let printed = FittedModel::printed(camera, path.travel_mm);
         let lens = Lens::of(camera);
@@ -106,12 +129,13 @@ impl Summary {
             let strict = solver.mean(point_mm);
             let truth = strict.distortion_mm;
             frame.solver_error_mm = frame.solver_error_mm.max(infinite_if_nan(strict.error_mm));
-            let static_mm = lens.displacement([x - x0, y - y0]);
+            let residual_mm = self.splines.calibrated(point_mm);
+            let static_mm = sum(lens.displacement([x - x0, y - y0]), residual_mm);
             let camera_mm = [answer.distortion.dx_mm, answer.distortion.dy_mm].map(f64::from);
             let treatments = [
                 [0.0, 0.0],
                 static_mm,
-                printed.distortion(point_mm),
+                sum(printed.distortion(point_mm), residual_mm),
                 camera_mm,
             ];
             for (errors, treatment) in frame.errors.iter_mut().zip(treatments) {
@@ -192,6 +216,10 @@ impl Summary {
             worst: self.worst.unwrap_or_default(),
         }
     }
+}
+
+fn sum([ax, ay]: [f64; 2], [bx, by]: [f64; 2]) -> [f64; 2] {
+    [ax + bx, ay + by]
 }
 
 fn difference([ax, ay]: [f64; 2], [bx, by]: [f64; 2]) -> [f64; 2] {
