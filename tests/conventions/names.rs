@@ -9,6 +9,7 @@ use fmc_camera::flight::interior_orientation::InteriorOrientation;
 use fmc_camera::flight::stage::{MechanismLimits, RunUp, StrokeTooShort, Tracking, Travel};
 use fmc_camera::geometry::brown::Brown;
 use fmc_camera::geometry::calibration::CalibrationParameters;
+use fmc_camera::geometry::camera_grids::CameraGrids;
 use fmc_camera::geometry::evaluation_form::Displacement;
 use fmc_camera::geometry::five_coefficient::FiveCoefficients;
 use fmc_camera::geometry::image_motion::{
@@ -87,6 +88,8 @@ fn documented_names_are_those_of_the_code() {
         field!(FiveCoefficients.kd1),
         field!(FiveCoefficients.pm1),
         field!(FiveCoefficients.regressor),
+        path!(CameraGrids::lens),
+        path!(CameraGrids::sensor),
         path!(FmcAxis::sign),
         field!(StageSample.offset_mm),
         field!(StageSample.time_s),

@@ -22,8 +22,9 @@ pub struct VerificationError<E> {
     pub error: E,
 }
 
-/// Checks cameras with their residual grids on devices of one kind, side by side; the results are in the order of the
-/// cameras. `before_camera` is called with a camera's name, `after_frame` once per exposure.
+/// Checks cameras with their residual grids on devices of one kind, side by side; the results are
+/// in the order of the cameras. `before_camera` is called with a camera's name, `after_frame` once
+/// per exposure.
 ///
 /// If a device computes otherwise than its own code on this PC, the verification reports the
 /// difference and ends there; it leaves out the cameras after that one.

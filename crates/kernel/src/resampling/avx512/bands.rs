@@ -2,20 +2,14 @@
 
 use core::arch::x86_64::*;
 
+use super::group::LOADED;
 use super::job::Job;
-use super::lanes::LOADED;
 use super::samples::{centred, load};
 use crate::resampling::sample::Sample;
 use crate::resampling::weights::UNIT_BITS;
 
 /// Number of bands.
 const BANDS: i32 = 3;
-
-/// Returns true for the numbers of bands and taps whose sixteen pixels are one group: the weights
-/// then lie where they are needed, and a row is loaded twice instead of four times.
-pub(super) const fn is_by_bands(bands: usize, taps: usize) -> bool {
-    bands == BANDS as usize && taps == 2
-}
 
 impl Job<'_> {
     /// Returns the values of sixteen pixels, one vector per band.

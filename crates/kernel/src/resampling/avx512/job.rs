@@ -2,7 +2,7 @@
 
 use core::arch::x86_64::*;
 
-use super::bands::is_by_bands;
+use super::group::is_by_bands;
 use super::lanes::Lanes;
 use super::samples::{centred, load, sum};
 use super::tabulated::Tabulated;

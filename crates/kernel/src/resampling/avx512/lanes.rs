@@ -2,31 +2,9 @@
 
 use core::arch::x86_64::*;
 
-use super::bands::is_by_bands;
+use super::group::is_by_bands;
 use crate::resampling::pixel::Places;
 use crate::resampling::run::PLACE_BITS;
-
-/// Samples of a load.
-pub(super) const LOADED: usize = 32;
-
-/// Pixels of a group.
-pub(super) const fn group_px(bands: usize, taps: usize) -> i32 {
-    if bands == 1 || is_by_bands(bands, taps) {
-        16
-    } else {
-        4
-    }
-}
-
-/// Samples from a group's first tap on that are loaded.
-pub(super) const fn loaded(bands: usize, taps: usize) -> usize {
-    let wide = bands > 1 && bands * (4 + taps) > LOADED;
-    if wide || is_by_bands(bands, taps) {
-        2 * LOADED
-    } else {
-        LOADED
-    }
-}
 
 /// Places of the sixteen pixels of a run.
 pub(super) struct Lanes {
@@ -35,8 +13,8 @@ pub(super) struct Lanes {
     pub(super) row: __m512i,
     /// Row from the base.
     pub(super) whole_row: __m512i,
-    /// First tap in samples, in both halves of a lane: from that of the group's first pixel, or from
-    /// the base where a group is all pixels.
+    /// First tap in samples, in both halves of a lane: from that of the group's first pixel, or
+    /// from the base if a group is all pixels.
     pub(super) samples: __m512i,
 }
 

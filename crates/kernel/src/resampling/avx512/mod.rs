@@ -1,5 +1,5 @@
-//! AVX-512: sixteen lanes of 32 bits, four pixels of three or four bands, or sixteen of one band; with
-//! two taps also of each of three bands.
+//! AVX-512: sixteen lanes of 32 bits, four pixels of three or four bands, or sixteen of one band;
+//! with two taps also of each of three bands.
 //!
 //! One load and one permutation of 16-bit samples per source row put pairs of taps beside each
 //! other, in the order of the lanes; a multiplication adds the products of each pair.
@@ -14,6 +14,7 @@
 )]
 
 mod bands;
+mod group;
 mod job;
 mod lanes;
 mod samples;
@@ -31,8 +32,9 @@ use super::portable::{Row, Vectors};
 use super::run::{PLACE_BITS, RUN_PX, Run};
 use super::sample::Sample;
 use super::weights::Weights;
+use group::{group_px, loaded};
 use job::Job;
-use lanes::{Lanes, group_px, loaded};
+use lanes::Lanes;
 use store::store;
 
 /// Largest way between two places along a row, 1/2²⁴ px: with it, the taps of a group lie within

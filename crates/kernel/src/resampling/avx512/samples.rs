@@ -2,7 +2,7 @@
 
 use core::arch::x86_64::*;
 
-use super::lanes::{LOADED, loaded};
+use super::group::{LOADED, loaded};
 use crate::resampling::sample::Sample;
 
 /// Returns the weighted sums of taps along a row.

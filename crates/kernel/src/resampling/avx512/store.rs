@@ -2,7 +2,7 @@
 
 use core::arch::x86_64::*;
 
-use super::bands::is_by_bands;
+use super::group::is_by_bands;
 use crate::resampling::sample::Sample;
 
 /// Writes sixteen pixels, or fewer, from four groups.
