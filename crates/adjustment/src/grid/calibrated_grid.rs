@@ -65,7 +65,13 @@ impl CalibratedGrid {
     /// Name of the file beside the camera file.
     #[must_use]
     pub const fn file_name(&self) -> &'static str {
-        match self.carrier {
+        Self::file_name_of(self.carrier)
+    }
+
+    /// Name of the file of a part.
+    #[must_use]
+    pub const fn file_name_of(carrier: GridCarrier) -> &'static str {
+        match carrier {
             GridCarrier::Lens => "grid-lens.fmcg",
             GridCarrier::Sensor => "grid-sensor.fmcg",
         }
