@@ -6,6 +6,7 @@ use std::str::FromStr;
 use clap::{Args, Subcommand, ValueEnum};
 use fmc_adjustment::bundle::interior::InteriorElement;
 use fmc_adjustment::calibration::dlt3d::COEFFICIENT_NAMES;
+use fmc_adjustment::grid::polynomial;
 
 use super::number::positive;
 use super::{ADVANCED, BundleArgs, ResectionArgs, examples};
@@ -59,11 +60,18 @@ pub enum CalibrationMethod {
     /// the equations.
     #[command(after_help = examples::CALIBRATE_ANGLES)]
     Angles(AnglesArgs),
+    /// Residual grid: what the polynomial leaves of a distortion table, as a cubic spline that the
+    /// camera adds.
+    ///
+    /// Polynomial and grid are fitted together. The camera file names the files of the grids in its
+    /// table [grid]. docs/calibration.md says how a table is measured.
+    #[command(after_help = examples::CALIBRATE_GRID)]
+    Grid(GridArgs),
 }
 
-/// Options that the methods share.
+/// Files that the methods share.
 #[derive(Debug, Args)]
-pub struct CalibrationArgs {
+pub struct CalibrationFiles {
     /// Camera file (TOML): format, pixel, nominal principal distance; the rest is kept unless
     /// estimated.
     #[arg(long, value_name = "FILE")]
@@ -75,6 +83,14 @@ pub struct CalibrationArgs {
     /// Day of the calibration, as it is printed on the page.
     #[arg(long, value_name = "YYYY-MM-DD", help_heading = ADVANCED)]
     pub date: Option<String>,
+}
+
+/// Options of the methods that look for gross errors.
+#[derive(Debug, Args)]
+pub struct CalibrationArgs {
+    /// Files of every method.
+    #[command(flatten)]
+    pub files: CalibrationFiles,
     /// Reject no observation as a gross error.
     #[arg(long, help_heading = ADVANCED)]
     pub keep_all: bool,
@@ -144,6 +160,53 @@ pub struct AnglesArgs {
     pub sigma_angle_arcsec: f64,
 }
 
+/// Arguments of `calibrate grid`.
+#[derive(Debug, Args)]
+pub struct GridArgs {
+    /// CSV with a header, columns in any order: `x_mm,y_mm` (measured point, sensor frame) or
+    /// `col_px,row_px`; `dx_um,dy_um` (distortion there, measured - ideal, about the principal point
+    /// and distance of the camera file); optional `stage_offset_mm`, without which it is 0.
+    #[arg(value_name = "TABLE.csv")]
+    pub table: PathBuf,
+    /// Files of every method.
+    #[command(flatten)]
+    pub files: CalibrationFiles,
+    /// Distance of neighbouring nodes, mm: a tenth of the shortest wave leaves 0.4 % of it.
+    #[arg(long, value_name = "MM", value_parser = positive)]
+    pub pitch_mm: f64,
+    /// Part that carries the structure: that of the lens moves with the principal point. Both need
+    /// a table of two stage offsets or more.
+    #[arg(long, value_name = "PART", default_value = "lens", help_heading = ADVANCED)]
+    pub frame: GridFrame,
+    /// Coefficients of the polynomial to estimate, of k0,k1,k2,k3,p1,p2,b1,b2, or none; the others
+    /// are those of the camera file.
+    #[arg(long, value_name = "LIST", default_value = "k0,k1,k2,k3,p1,p2", help_heading = ADVANCED)]
+    pub estimate: PolynomialList,
+}
+
+/// Part of the camera that carries a structure.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
+pub enum GridFrame {
+    /// The lens.
+    Lens,
+    /// The sensor.
+    Sensor,
+    /// A grid each.
+    Both,
+}
+
+/// Coefficients of the polynomial to estimate: K0 to K3, P1, P2, B1, B2.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct PolynomialList(pub [bool; polynomial::COEFFICIENTS]);
+
+impl FromStr for PolynomialList {
+    type Err = String;
+
+    fn from_str(text: &str) -> Result<Self, String> {
+        Ok(Self(chosen(text, &polynomial::COEFFICIENT_NAMES, &[])?))
+    }
+}
+
 /// Interior unknowns.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct InteriorList(pub Vec<InteriorElement>);
@@ -190,28 +253,38 @@ impl FromStr for Coefficients {
     type Err = String;
 
     fn from_str(text: &str) -> Result<Self, String> {
-        let mut chosen = [false; 5];
-        if text == "none" {
-            return Ok(Self(chosen));
-        }
-        for name in text.split(',').map(str::trim) {
-            // The eleven unknowns are always estimated.
-            if matches!(name, "f" | "x0" | "y0" | "b1" | "b2") {
-                continue;
-            }
-            let place = COEFFICIENT_NAMES.iter().position(|one| *one == name);
-            match place.and_then(|index| chosen.get_mut(index)) {
-                Some(flag) => *flag = true,
-                None => {
-                    return Err(format!(
-                        "\"{name}\" is none of {}; several are separated by commas, none is \"none\"",
-                        COEFFICIENT_NAMES.join(", ")
-                    ));
-                }
-            }
-        }
-        Ok(Self(chosen))
+        // The eleven unknowns are always estimated.
+        let always = ["f", "x0", "y0", "b1", "b2"];
+        Ok(Self(chosen(text, &COEFFICIENT_NAMES, &always)?))
     }
+}
+
+/// Reads a list of names, separated by commas, or `none`; those of `ignored` choose nothing.
+fn chosen<const N: usize>(
+    text: &str,
+    names: &[&str; N],
+    ignored: &[&str],
+) -> Result<[bool; N], String> {
+    let mut chosen = [false; N];
+    if text == "none" {
+        return Ok(chosen);
+    }
+    for name in text.split(',').map(str::trim) {
+        if ignored.contains(&name) {
+            continue;
+        }
+        let place = names.iter().position(|one| *one == name);
+        match place.and_then(|index| chosen.get_mut(index)) {
+            Some(flag) => *flag = true,
+            None => {
+                return Err(format!(
+                    "\"{name}\" is none of {}; several are separated by commas, none is \"none\"",
+                    names.join(", ")
+                ));
+            }
+        }
+    }
+    Ok(chosen)
 }
 
 /// Arguments of `calibrate five`.

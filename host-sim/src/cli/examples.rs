@@ -106,6 +106,12 @@ Examples:
       --sigma-l-um 1.3 --sigma-angle-arcsec 0.5
   host-sim calibrate angles field_angles.csv --camera my.toml --out calibrated";
 
+pub(super) const CALIBRATE_GRID: &str = "\
+Examples:
+  host-sim calibrate grid table.csv --camera my.toml --pitch-mm 2 --out calibrated
+  host-sim calibrate grid table.csv --camera my.toml --pitch-mm 2 \\
+      --frame both --estimate k1,k2,k3 --out calibrated";
+
 pub(super) const SMEAR: &str = "\
 Examples:
   host-sim smear --camera my.toml --vh 0.1 --exposure 1/200 --pitch-deg 2

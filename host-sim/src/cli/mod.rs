@@ -23,8 +23,8 @@ mod trajectory;
 mod vh;
 
 pub use calibration::{
-    AlongAxis, AnglesArgs, CalibrateArgs, CalibrationArgs, CalibrationMethod, Coefficients,
-    Dlt2dArgs, Dlt3dArgs, FiveArgs, RegressOn, StaticP2,
+    AlongAxis, AnglesArgs, CalibrateArgs, CalibrationArgs, CalibrationFiles, CalibrationMethod,
+    Coefficients, Dlt2dArgs, Dlt3dArgs, FiveArgs, GridArgs, GridFrame, RegressOn, StaticP2,
 };
 pub use camera::{CameraAction, CameraArgs, ExposureTimeArgs, PrepareArgs, StatusArgs, VhArgs};
 pub use camera_file::{CameraFileAction, CameraFileArgs};

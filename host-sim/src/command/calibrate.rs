@@ -4,6 +4,7 @@ pub(super) mod angles;
 pub(super) mod dlt2d;
 pub(super) mod dlt3d;
 mod flight_records;
+pub(super) mod grid;
 mod hand_over;
 pub(super) mod network;
 mod report;
@@ -109,7 +110,7 @@ struct Outputs {
     folder: OutputFolder,
     files: Vec<(String, Vec<u8>)>,
     /// Files that these results do not have: those of former ones are removed.
-    unusable: Vec<String>,
+    former: Vec<String>,
 }
 
 impl Outputs {
@@ -165,12 +166,12 @@ impl Outputs {
             .file_name()
             .map_or_else(|| "camera.toml".into(), |name| name.to_string_lossy())
             .into_owned();
-        let mut unusable = Vec::new();
+        let mut former = Vec::new();
         match calibrated {
             CalibratedCamera::Usable(text) => {
                 files.insert(0, (camera_name, text.as_bytes().to_vec()));
             }
-            CalibratedCamera::Unusable(_) => unusable.push(camera_name),
+            CalibratedCamera::Unusable(_) => former.push(camera_name),
         }
         for (index, (name, _)) in files.iter().enumerate() {
             let out = folder.join(name);
@@ -188,12 +189,12 @@ impl Outputs {
         Ok(Self {
             folder: OutputFolder::create(folder)?,
             files,
-            unusable,
+            former,
         })
     }
 
     fn write(self) -> Result<(), Failure> {
-        for name in &self.unusable {
+        for name in &self.former {
             let former = self.folder.path().join(name);
             if former.exists() {
                 std::fs::remove_file(&former)

@@ -57,6 +57,7 @@ pub fn run(cli: Cli) -> Result<(), Failure> {
             CalibrationMethod::Dlt3d(args) => calibrate::dlt3d::run(&args),
             CalibrationMethod::Dlt2d(args) => calibrate::dlt2d::run(&args),
             CalibrationMethod::Angles(args) => calibrate::angles::run(&args),
+            CalibrationMethod::Grid(args) => calibrate::grid::run(&args),
         },
         Command::Smear(args) => smear::run(&args),
         Command::Sweep(args) => sweep::run(&args),

@@ -1,4 +1,4 @@
-//! Readers of the observations of `calibrate dlt3d`, `dlt2d` and `angles`.
+//! Readers of the observations of `calibrate dlt3d`, `dlt2d`, `angles` and `grid`.
 
 use std::collections::HashMap;
 use std::path::Path;
@@ -9,6 +9,7 @@ use fmc_adjustment::calibration::dlt2d::request::PlaneTarget;
 use fmc_adjustment::calibration::dlt3d::FieldPoint;
 use fmc_adjustment::calibration::result::InputFile;
 use fmc_adjustment::field_angles::FieldDirection;
+use fmc_adjustment::grid::table::TableObservation;
 use fmc_camera_file::CameraFile;
 
 use super::named_columns::{NamedColumns, Row};
@@ -144,6 +145,44 @@ fn plane_target(
         measured_mm: measured.point_mm,
         sigma_mm: measured.sigma_mm,
         plane_m: [row.number("x_m")?, row.number("y_m")?],
+    })
+}
+
+/// Table of `calibrate grid`.
+#[derive(Debug)]
+pub struct DistortionTableFile {
+    /// The file.
+    pub input: InputFile,
+    /// `true` if it has σ, which is not read.
+    pub has_sigma: bool,
+    /// Rows.
+    pub observations: Vec<TableObservation>,
+}
+
+/// Reads `x_mm,y_mm,dx_um,dy_um[,stage_offset_mm]`, or with `col_px,row_px`.
+///
+/// # Errors
+/// As [`field_points`].
+pub fn distortion_table(path: &Path, camera: &CameraFile) -> Result<DistortionTableFile, Failure> {
+    let file = NamedColumns::read(path, &["dx_um", "dy_um"])?;
+    let has_sigma = file.check_image_columns()?;
+    let has_stage = file.has("stage_offset_mm");
+    let mut observations = Vec::new();
+    for row in file.rows() {
+        let stage = has_stage
+            .then(|| row.number("stage_offset_mm"))
+            .transpose()?;
+        observations.push(TableObservation {
+            line: row.line,
+            measured_mm: row.image_point(camera)?.point_mm,
+            distortion_mm: [row.number("dx_um")? / 1e3, row.number("dy_um")? / 1e3],
+            stage_offset_mm: stage.unwrap_or(0.0),
+        });
+    }
+    Ok(DistortionTableFile {
+        input: file.input,
+        has_sigma,
+        observations,
     })
 }
 

@@ -19,6 +19,8 @@ mod calibrate_five;
 #[cfg(test)]
 mod calibrate_five_refused;
 #[cfg(test)]
+mod calibrate_grid;
+#[cfg(test)]
 mod calibrate_hand_over;
 #[cfg(test)]
 mod calibrate_network;

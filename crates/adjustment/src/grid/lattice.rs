@@ -2,6 +2,7 @@
 
 use fmc_camera::geometry::grid::{MAX_NODES, MIN_SIDE_NODES};
 use fmc_camera_file::InputError;
+use fmc_camera_file::number::single;
 
 /// Weights of the four nodes of a cell along one axis.
 const ORDER: usize = 4;
@@ -37,11 +38,16 @@ impl Lattice {
         let cells = [cells(from_x, to_x), cells(from_y, to_y)];
         let [columns, rows] = cells.map(|cells| cells + f64::from(MIN_SIDE_NODES - 1));
         if columns * rows > f64::from(MAX_NODES) {
+            // The side of a square cell of as many as there may be, rounded up to two digits.
+            let area = (to_x - from_x) * (to_y - from_y);
+            let least = 1.1 * (area / f64::from(MAX_NODES)).sqrt();
+            let step = 10.0_f64.powf(least.log10().floor() - 1.0);
             return Err(InputError::invalid(format!(
                 "pitch {pitch_mm} mm: {columns} x {rows} nodes over {:.1} x {:.1} mm; allowed: at \
-                 most {MAX_NODES}",
+                 most {MAX_NODES}, so {} mm and more",
                 to_x - from_x,
-                to_y - from_y
+                to_y - from_y,
+                single((least / step).ceil() * step)
             )));
         }
         let [across, along] = cells;
@@ -77,6 +83,23 @@ impl Lattice {
     #[must_use]
     pub fn nodes(&self) -> usize {
         usize::from(self.columns) * usize::from(self.rows)
+    }
+
+    /// Returns the number of the cell of a point; `None` outside the cells.
+    #[must_use]
+    pub fn cell_at(&self, point_mm: [f64; 2]) -> Option<usize> {
+        let [(first, _), ..] = self.weights(point_mm)?;
+        Some(first)
+    }
+
+    /// Returns the centres of the cells, mm.
+    pub fn cell_centres_mm(&self) -> impl Iterator<Item = [f64; 2]> {
+        let [first_x, first_y] = self.first_mm;
+        let centre = |first: f64, cell: u16| first + (f64::from(cell) - 0.5) * self.pitch_mm;
+        (2..self.rows.saturating_sub(1)).flat_map(move |row| {
+            (2..self.columns.saturating_sub(1))
+                .map(move |column| [centre(first_x, column), centre(first_y, row)])
+        })
     }
 
     /// Returns the nodes on which the value at a point depends, with their weights; `None` outside

@@ -3,7 +3,11 @@
 use fmc_reference::lens::Lens;
 
 /// Coefficients of the polynomial: K0 to K3, P1, P2, B1, B2.
-pub(super) const COEFFICIENTS: usize = 8;
+pub const COEFFICIENTS: usize = 8;
+
+/// Names of the coefficients in the camera file.
+pub const COEFFICIENT_NAMES: [&str; COEFFICIENTS] =
+    ["k0", "k1", "k2", "k3", "p1", "p2", "b1", "b2"];
 
 /// Returns a lens whose coefficients are given in the order of [`COEFFICIENTS`].
 pub(super) const fn lens([k0, k1, k2, k3, p1, p2, b1, b2]: [f64; COEFFICIENTS]) -> Lens {
@@ -12,6 +16,16 @@ pub(super) const fn lens([k0, k1, k2, k3, p1, p2, b1, b2]: [f64; COEFFICIENTS]) 
         p: [p1, p2],
         b: [b1, b2],
     }
+}
+
+/// Returns the coefficients of a lens.
+pub(super) const fn coefficients(lens: &Lens) -> [f64; COEFFICIENTS] {
+    let Lens {
+        k: [k0, k1, k2, k3],
+        p: [p1, p2],
+        b: [b1, b2],
+    } = *lens;
+    [k0, k1, k2, k3, p1, p2, b1, b2]
 }
 
 /// Returns the factors by which coefficients of a polynomial in units of the radius are divided for

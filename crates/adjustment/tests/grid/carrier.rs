@@ -1,8 +1,10 @@
 //! Structures of the lens and of the sensor, told apart by stage positions, and tables that are
 //! refused.
 
-use fmc_adjustment::grid::fit::{GridFit, GridRequest, fit};
+use fmc_adjustment::grid::fit::{GridFit, fit};
 use fmc_adjustment::grid::lattice::Lattice;
+use fmc_adjustment::grid::request::GridRequest;
+use fmc_adjustment::grid::run_out::RunOut;
 use fmc_adjustment::grid::table::TableObservation;
 use fmc_camera::geometry::grid::GridCarrier;
 use fmc_camera_file::InputError;
@@ -46,6 +48,7 @@ fn table(offsets_mm: &[f64], amplitudes: [f64; 2]) -> Vec<TableObservation> {
     for offset in offsets_mm {
         for (x, y) in side().flat_map(|y| side().map(move |x| (x, y))) {
             rows.push(TableObservation {
+                line: 2,
                 measured_mm: [x, y],
                 distortion_mm: distortion([x, y], *offset, amplitudes),
                 stage_offset_mm: *offset,
@@ -72,6 +75,7 @@ fn fitted(rows: &[TableObservation], carriers: &[GridCarrier]) -> Result<GridFit
         axis: [0.0, 1.0],
         lens: NONE,
         is_estimated: ALL,
+        run_out: RunOut::default(),
         grids: carriers.iter().map(lattice).collect(),
     })
 }
@@ -154,6 +158,7 @@ fn polynomial_that_is_held_is_kept_and_the_grid_takes_the_rest() {
         axis: [0.0, 1.0],
         lens: LENS,
         is_estimated: [false; 8],
+        run_out: RunOut::default(),
         grids: vec![(GridCarrier::Lens, lattice)],
     };
     let found = fit(&held).unwrap();
@@ -162,6 +167,7 @@ fn polynomial_that_is_held_is_kept_and_the_grid_takes_the_rest() {
     let only_k1 = [false, true, false, false, false, false, false, false];
     let found = fit(&GridRequest {
         is_estimated: only_k1,
+        run_out: RunOut::default(),
         ..held
     })
     .unwrap();

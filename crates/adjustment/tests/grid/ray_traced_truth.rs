@@ -2,9 +2,11 @@
 //!
 //! Both are fitted to the motionless columns; the camera gets only them, δ, Δδ and the shutter.
 
-use fmc_adjustment::grid::fit::{GridFit, GridRequest, fit};
+use fmc_adjustment::grid::fit::{GridFit, fit};
 use fmc_adjustment::grid::grid_file;
 use fmc_adjustment::grid::lattice::Lattice;
+use fmc_adjustment::grid::request::GridRequest;
+use fmc_adjustment::grid::run_out::RunOut;
 use fmc_adjustment::grid::table::TableObservation;
 use fmc_camera::geometry::grid::{GridCarrier, PlacedGrid, ResidualGrid};
 use fmc_camera::geometry::sensor::{FmcAxis, SensorPoint};
@@ -60,6 +62,7 @@ fn calibrated(rows: &[Truth]) -> GridFit {
     let observations: Vec<TableObservation> = rows[..POINTS]
         .iter()
         .map(|row| TableObservation {
+            line: 2,
             measured_mm: row.still[0],
             distortion_mm: row.still[1],
             stage_offset_mm: 0.0,
@@ -73,6 +76,7 @@ fn calibrated(rows: &[Truth]) -> GridFit {
         axis: [0.0, 1.0],
         lens: NONE,
         is_estimated: [true, true, true, true, false, false, false, false],
+        run_out: RunOut::default(),
         grids: vec![(GridCarrier::Lens, lattice)],
     })
     .unwrap()

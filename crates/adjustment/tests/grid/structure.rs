@@ -1,8 +1,10 @@
 //! Grids fitted to 3 µm of structure, as the camera evaluates them (CALIBRATIONS section 9).
 
-use fmc_adjustment::grid::fit::{GridRequest, fit};
+use fmc_adjustment::grid::fit::fit;
 use fmc_adjustment::grid::grid_file;
 use fmc_adjustment::grid::lattice::Lattice;
+use fmc_adjustment::grid::request::GridRequest;
+use fmc_adjustment::grid::run_out::RunOut;
 use fmc_adjustment::grid::table::TableObservation;
 use fmc_camera::SensorPoint;
 use fmc_camera::geometry::grid::{GridCarrier, PlacedGrid, ResidualGrid};
@@ -70,6 +72,7 @@ fn errors(shortest_mm: f64, pitch_mm: f64) -> Errors {
     let observations: Vec<TableObservation> = lattice_points(TABLE_MM)
         .into_iter()
         .map(|measured_mm| TableObservation {
+            line: 2,
             measured_mm,
             distortion_mm: structure(shortest_mm, measured_mm),
             stage_offset_mm: 0.0,
@@ -84,6 +87,7 @@ fn errors(shortest_mm: f64, pitch_mm: f64) -> Errors {
         axis: [0.0, 1.0],
         lens: NONE,
         is_estimated: [false; 8],
+        run_out: RunOut::default(),
         grids: vec![(GridCarrier::Lens, lattice)],
     })
     .unwrap();

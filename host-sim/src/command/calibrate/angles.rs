@@ -20,8 +20,8 @@ const PLACE_PX: f64 = 0.1;
 
 /// Runs `calibrate angles`: the header of the observations says which of the two it is.
 pub(in crate::command) fn run(args: &AnglesArgs) -> Result<(), Failure> {
-    report::check_date(&args.common)?;
-    let (camera, _) = crate::command::read_camera(&args.common.camera)?;
+    report::check_date(&args.common.files)?;
+    let (camera, _) = crate::command::read_camera(&args.common.files.camera)?;
     match calibration_points::turntable_angles(&args.angles, &camera)? {
         TurntableAngles::Line(input, observations) => line(args, &camera, input, &observations),
         TurntableAngles::Area(file) => of_area(args, &camera, file),
@@ -102,9 +102,9 @@ fn written(
     let prepared = Prepared::of(
         result,
         of_method,
-        &args.common,
+        &args.common.files,
         &[&args.angles],
-        args.common.out.as_deref(),
+        args.common.files.out.as_deref(),
     )?;
     report::print(result, texts)?;
     prepared.write()

@@ -14,9 +14,9 @@ use crate::formats::calibration_points;
 
 /// Runs `calibrate dlt2d`; each focus setting has a folder of its own.
 pub(in crate::command) fn run(args: &Dlt2dArgs) -> Result<(), Failure> {
-    report::check_date(&args.common)?;
+    report::check_date(&args.common.files)?;
     let corners = corners(args)?;
-    let (camera, _) = crate::command::read_camera(&args.common.camera)?;
+    let (camera, _) = crate::command::read_camera(&args.common.files.camera)?;
     let file = calibration_points::plane_targets(&args.targets, &camera)?;
     if file.settings.is_empty() {
         return Err(Failure::bad_input(format!(
@@ -45,7 +45,7 @@ pub(in crate::command) fn run(args: &Dlt2dArgs) -> Result<(), Failure> {
         let outputs = Prepared::of(
             &mut found.result,
             of_method,
-            &args.common,
+            &args.common.files,
             &[&args.targets],
             folder.as_deref(),
         )?;
@@ -79,7 +79,7 @@ fn folder(
     focus: Option<&str>,
     settings: usize,
 ) -> Result<Option<PathBuf>, Failure> {
-    let Some(out) = &args.common.out else {
+    let Some(out) = &args.common.files.out else {
         return Ok(None);
     };
     let Some(focus) = focus.filter(|_| settings > 1) else {

@@ -11,8 +11,8 @@ use crate::formats::calibration_points;
 
 /// Runs `calibrate dlt3d`.
 pub(in crate::command) fn run(args: &Dlt3dArgs) -> Result<(), Failure> {
-    report::check_date(&args.common)?;
-    let (camera, _) = crate::command::read_camera(&args.common.camera)?;
+    report::check_date(&args.common.files)?;
+    let (camera, _) = crate::command::read_camera(&args.common.files.camera)?;
     let file = calibration_points::field_points(&args.points, &camera)?;
     let mut found = dlt3d(&Dlt3dRequest {
         input: file.input,
@@ -27,9 +27,9 @@ pub(in crate::command) fn run(args: &Dlt3dArgs) -> Result<(), Failure> {
     let prepared = Prepared::of(
         &mut found.result,
         of_method,
-        &args.common,
+        &args.common.files,
         &[&args.points],
-        args.common.out.as_deref(),
+        args.common.files.out.as_deref(),
     )?;
     report::print(&found.result, &tables)?;
     prepared.write()

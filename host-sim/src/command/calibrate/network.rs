@@ -36,8 +36,8 @@ fn run(
     let scale_bars = bundle.and_then(|args| args.scale_bars.as_deref());
     let records_path = bundle.and_then(|args| args.records.as_deref());
     let formats = bundle.map_or(&[][..], |args| &args.export);
-    report::check_date(&args.common)?;
-    let (camera, _) = crate::command::read_camera(&args.common.camera)?;
+    report::check_date(&args.common.files)?;
+    let (camera, _) = crate::command::read_camera(&args.common.files.camera)?;
     let (image_points, image_file) = network_tables::image_points(&args.image_points, &camera)?;
     let (object_points, object_file) = network_tables::object_points(&args.points)?;
     let mut inputs: Vec<InputFile> = vec![image_file, object_file];
@@ -106,8 +106,8 @@ fn run(
         of_method.tables = with_records.tables(&calibration);
     }
     let text: Vec<String> = of_method.tables.iter().map(PageTable::text).collect();
-    let folder = args.common.out.as_deref();
-    let prepared = Prepared::of(&mut result, of_method, &args.common, &files, folder)?;
+    let folder = args.common.files.out.as_deref();
+    let prepared = Prepared::of(&mut result, of_method, &args.common.files, &files, folder)?;
     report::print(&result, &text)?;
     prepared.write()
 }

@@ -5,13 +5,13 @@ use std::path::Path;
 
 use fmc_adjustment::calibration::failure::CalibrationFailure;
 use fmc_adjustment::calibration::result::CalibrationResult;
-use fmc_camera_file::static_block;
+use fmc_camera_file::{InputError, static_block};
 use fmc_report::calibration::result::files::{self, FilesError};
 use fmc_report::calibration::result::of_method::OfMethod;
 use fmc_report::calibration::result::table;
 
 use super::{CalibratedCamera, Outputs};
-use crate::cli::CalibrationArgs;
+use crate::cli::CalibrationFiles;
 use crate::failure::Failure;
 use crate::formats::output;
 
@@ -25,7 +25,7 @@ impl From<CalibrationFailure> for Failure {
 }
 
 /// Checks the day of the calibration: it is printed as it is.
-pub(super) fn check_date(args: &CalibrationArgs) -> Result<(), Failure> {
+pub(super) fn check_date(args: &CalibrationFiles) -> Result<(), Failure> {
     let Some(date) = &args.date else {
         return Ok(());
     };
@@ -62,15 +62,26 @@ impl Prepared {
     pub(super) fn of(
         result: &mut CalibrationResult,
         of_method: OfMethod,
-        args: &CalibrationArgs,
+        args: &CalibrationFiles,
+        observations: &[&Path],
+        folder: Option<&Path>,
+    ) -> Result<Self, Failure> {
+        let text = camera_text(&args.camera)?;
+        let file = args.camera.display().to_string();
+        let made = static_block::with_calibration(&file, &text, &result.calibrated);
+        Self::with_camera(result, of_method, made, args, observations, folder)
+    }
+
+    /// Prepares the files of a calibration whose camera file is made already, or cannot be.
+    pub(super) fn with_camera(
+        result: &mut CalibrationResult,
+        of_method: OfMethod,
+        made: Result<String, InputError>,
+        args: &CalibrationFiles,
         observations: &[&Path],
         folder: Option<&Path>,
     ) -> Result<Self, Failure> {
         let camera = args.camera.as_path();
-        let text =
-            std::fs::read_to_string(camera).map_err(|error| Failure::reading(camera, &error))?;
-        let file = camera.display().to_string();
-        let made = static_block::with_calibration(&file, &text, &result.calibrated);
         let calibrated = CalibratedCamera::of(made);
         if let CalibratedCamera::Unusable(error) = &calibrated {
             result
@@ -90,12 +101,25 @@ impl Prepared {
         })
     }
 
+    /// Adds names of files that a former calibration may have left, and this one does not have.
+    pub(super) fn without(mut self, former: impl IntoIterator<Item = String>) -> Self {
+        if let Some(outputs) = &mut self.outputs {
+            outputs.former.extend(former);
+        }
+        self
+    }
+
     /// Writes the files and ends the command.
     pub(super) fn write(self) -> Result<(), Failure> {
         let has_folder = self.outputs.is_some();
         self.outputs.map_or(Ok(()), Outputs::write)?;
         self.calibrated.concluded(has_folder)
     }
+}
+
+/// Reads the text of a camera file.
+pub(super) fn camera_text(camera: &Path) -> Result<String, Failure> {
+    std::fs::read_to_string(camera).map_err(|error| Failure::reading(camera, &error))
 }
 
 /// Returns the failure of a file that cannot be made.

@@ -1,0 +1,88 @@
+//! `calibrate grid`: polynomial and residual grids from a distortion table.
+
+use std::path::Path;
+
+use fmc_adjustment::grid::calibrated_grid::CalibratedGrid;
+use fmc_adjustment::grid::calibration::{GridCalibration, grid_calibration};
+use fmc_adjustment::grid::request::GridCalibrationRequest;
+use fmc_camera::geometry::grid::GridCarrier;
+use fmc_camera_file::grid_block::{GridEntry, with_grids, without_grids};
+use fmc_camera_file::{CameraFile, GridFiles, InputError, static_block};
+use fmc_report::calibration::grid::of_method;
+use fmc_report::calibration::result::of_method::PageTable;
+
+use super::report::{self, Prepared};
+use crate::cli::{GridArgs, GridFrame};
+use crate::failure::Failure;
+use crate::formats::calibration_points;
+
+/// Runs `calibrate grid`.
+pub(in crate::command) fn run(args: &GridArgs) -> Result<(), Failure> {
+    report::check_date(&args.files)?;
+    let path = args.files.camera.as_path();
+    let name = path.display().to_string();
+    // Grids of a former calibration are replaced.
+    let text = without_grids(&name, &report::camera_text(path)?)?;
+    let (camera, _) = CameraFile::parse(&name, &text)?;
+    crate::command::warn_of_distortion(path, &camera);
+    let table = calibration_points::distortion_table(&args.table, &camera)?;
+    let mut found = grid_calibration(&GridCalibrationRequest {
+        input: table.input,
+        observations: &table.observations,
+        camera: &camera,
+        carriers: match args.frame {
+            GridFrame::Lens => &[GridCarrier::Lens],
+            GridFrame::Sensor => &[GridCarrier::Sensor],
+            GridFrame::Both => &[GridCarrier::Lens, GridCarrier::Sensor],
+        },
+        pitch_mm: args.pitch_mm,
+        is_estimated: args.estimate.0,
+    })?;
+    if table.has_sigma {
+        let note = "σ of the file is not used: all rows of a table weigh the same";
+        found.result.notes.push(note.to_owned());
+    }
+    let mut of_method = of_method(&found).map_err(report::failed)?;
+    let tables: Vec<String> = of_method.tables.iter().map(PageTable::text).collect();
+    let made = camera_file(&name, &text, &found);
+    let mut former: Vec<String> = [GridCarrier::Lens, GridCarrier::Sensor]
+        .map(|carrier| CalibratedGrid::file_name_of(carrier).to_owned())
+        .to_vec();
+    if made.is_ok() {
+        let files = found.grids.iter();
+        let files = files.map(|grid| (grid.file_name().to_owned(), grid.bytes.clone()));
+        of_method.files.extend(files);
+        former.retain(|name| found.grids.iter().all(|grid| grid.file_name() != name));
+    }
+    let inputs: [&Path; 1] = [&args.table];
+    let folder = args.files.out.as_deref();
+    let result = &mut found.result;
+    let outputs = Prepared::with_camera(result, of_method, made, &args.files, &inputs, folder)?;
+    report::print(&found.result, &tables)?;
+    outputs.without(former).write()
+}
+
+/// Returns the text of the camera file with polynomial and grids, which a camera accepts.
+fn camera_file(name: &str, text: &str, found: &GridCalibration) -> Result<String, InputError> {
+    let text = static_block::with_calibration(name, text, &found.result.calibrated)?;
+    let (_, camera) = CameraFile::parse(name, &text)?;
+    let bytes = |carrier: GridCarrier| {
+        let grid = found.grids.iter().find(|grid| grid.carrier == carrier);
+        grid.map(|grid| grid.bytes.clone())
+    };
+    GridFiles::new(bytes(GridCarrier::Lens), bytes(GridCarrier::Sensor))
+        .grids(camera.calibration())
+        .map_err(|refusal| {
+            InputError::invalid(format!("{name} with the calibration: [grid]: {refusal}"))
+        })?;
+    let entries: Vec<GridEntry> = found
+        .grids
+        .iter()
+        .map(|grid| GridEntry {
+            key: grid.key(),
+            file: grid.file_name().to_owned(),
+            crc32: grid.crc32(),
+        })
+        .collect();
+    with_grids(name, &text, &entries)
+}
