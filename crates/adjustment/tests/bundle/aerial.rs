@@ -1,6 +1,8 @@
 //! Simulated flights with known truth: observed positions and attitudes that differ from those of
 //! the camera by time offset, lever arm, boresight and shifts of the strips.
 
+use std::collections::HashMap;
+
 use fastrand::Rng;
 use fmc_adjustment::bundle::interior::InteriorElement;
 use fmc_adjustment::bundle::network::Network;
@@ -158,6 +160,7 @@ impl Flight {
                 rows: images,
             }),
             scale_bars: None,
+            stages: HashMap::new(),
         }
     }
 

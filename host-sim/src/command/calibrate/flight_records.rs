@@ -3,6 +3,8 @@
 
 use fmc_adjustment::bundle::calibration::{BundleCalibration, CalibrationOptions};
 use fmc_adjustment::bundle::interior::Interior;
+use fmc_adjustment::bundle::network_of_tables::Unknowns;
+use fmc_adjustment::bundle::parameters::Parameter;
 use fmc_adjustment::bundle::record_tests::{
     LEAST_CONTROL, RecordTests, check_points_rms_m, difference_rms_m, is_blind_to_sign,
 };
@@ -22,16 +24,20 @@ pub(super) struct WithRecords {
 }
 
 impl WithRecords {
-    /// Adjusts the tables with one principal point for all images.
+    /// Adjusts the tables with one principal point for all images, which says nothing of a stage.
     pub(super) fn new(
         records: FlightRecords,
         tables: &NetworkTables,
         start: Interior,
         options: &CalibrationOptions,
     ) -> Self {
+        let mut options = options.clone();
+        let Unknowns { estimated, priors } = &mut options.unknowns;
+        estimated.retain(|parameter| !is_of_stage(parameter));
+        priors.retain(|(parameter, _)| !is_of_stage(parameter));
         Self {
             records,
-            fixed: BundleCalibration::new(tables, start, options)
+            fixed: BundleCalibration::new(tables, start, &options)
                 .map_err(|error| error.to_string()),
         }
     }
@@ -145,6 +151,11 @@ impl WithRecords {
         let sigmas = self.records.exposed().map(|row| row.sigma_mm);
         sigmas.fold(0.0, f64::max)
     }
+}
+
+/// Returns true for an unknown of the stage.
+const fn is_of_stage(parameter: &Parameter) -> bool {
+    matches!(parameter, Parameter::Stage(_))
 }
 
 /// Returns σ0, redundancy and check points of a bundle, each under its name.
