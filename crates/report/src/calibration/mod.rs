@@ -7,6 +7,7 @@ pub mod dlt3d;
 pub mod field_angles;
 pub mod five_summary;
 pub mod five_table;
+pub mod record_plot;
 pub mod residual_field;
 pub mod residual_plot;
 pub mod residuals_csv;

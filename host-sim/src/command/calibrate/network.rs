@@ -110,6 +110,8 @@ fn run(
     if let Some(with_records) = &with_records {
         of_method.summary.extend(with_records.summary(&calibration));
         of_method.tables = with_records.tables(&calibration);
+        let figures = with_records.figures(&calibration, &camera.name);
+        of_method.figures = figures.map_err(|error| report::failed(error.into()))?;
     }
     let text: Vec<String> = of_method.tables.iter().map(PageTable::text).collect();
     let folder = args.common.out.as_deref();
@@ -198,7 +200,7 @@ impl From<BundleCalibrationError> for Failure {
                 match error {
                     BundleError::Inseparable { .. } => failure.with_help(
                         "estimate fewer unknowns (--estimate), or give what tells them apart: rolled and tilted images, a field with \
-                         depth, control, or a --prior",
+                         depth, two flying heights, cross strips, other V/H and exposure times, control, or a --prior",
                     ),
                     BundleError::NotConverged => failure.with_help(
                         "check the names of the points, the principal distance of the camera file and the direction of the axes",
