@@ -125,13 +125,11 @@ fn sigmas(strips: Vec<Strip>, control: usize, more: &[Parameter]) -> [f64; 3] {
         control,
         ..flight(strips, Stage::default())
     };
-    let sigmas = errors(&flight, 1, &unknowns(more, &[])).map(|[_, sigma]| sigma);
-    eprintln!("{sigmas:?}");
-    sigmas
+    errors(&flight, 1, &unknowns(more, &[])).map(|[_, sigma]| sigma)
 }
 
 #[test]
-fn flight_determines_the_scale_to_a_few_percent_at_best() {
+fn flight_determines_the_scale_to_3_percent_at_two_heights_and_to_7_at_one() {
     let to_and_fro = || [90.0, 60.0].into_iter().zip([0.0, 180.0]).cycle().take(4);
     let to_and_fro: Vec<Strip> = to_and_fro()
         .map(|(speed, heading)| strip(heading, speed))
@@ -141,16 +139,21 @@ fn flight_determines_the_scale_to_a_few_percent_at_best() {
         .chain((0..3).map(Parameter::LeverArm))
         .collect();
     for (strips, control, more, expected) in [
-        (varied(), 6, &[F, X0, Y0][..], [0.03, 0.022, 0.024]),
-        (varied(), 6, &with_arm, [0.042, 0.031, 0.038]),
-        (CROSSED.to_vec(), 6, &[F, X0, Y0], [0.09, 0.09, 0.063]),
-        (CROSSED.to_vec(), 6, &with_arm, [0.18, 0.1, 0.063]),
-        (to_and_fro.clone(), 6, &[F, X0, Y0], [0.07, 0.07, 0.037]),
-        (to_and_fro, 0, &[F, X0, Y0], [0.52, 0.5, 0.037]),
+        (varied(), 6, &[F, X0, Y0][..], [0.0305, 0.0308, 0.0237]),
+        (varied(), 6, &with_arm, [0.0423, 0.0319, 0.0378]),
+        (CROSSED.to_vec(), 6, &[F, X0, Y0], [0.0913, 0.0953, 0.0634]),
+        (CROSSED.to_vec(), 6, &with_arm, [0.184, 0.0976, 0.0634]),
+        (
+            to_and_fro.clone(),
+            6,
+            &[F, X0, Y0],
+            [0.0726, 0.0824, 0.0365],
+        ),
+        (to_and_fro, 0, &[F, X0, Y0], [0.510, 0.374, 0.0366]),
     ] {
         let found = sigmas(strips, control, more);
         for (found, expected) in found.into_iter().zip(expected) {
-            assert!((found / expected - 1.0).abs() < 0.1, "{found} {expected}");
+            assert!((found / expected - 1.0).abs() < 0.03, "{found} {expected}");
         }
     }
 }

@@ -137,7 +137,7 @@ impl WithRecords {
         let tests = RecordTests::of(calibration, direction);
         let mut figures = Vec::new();
         if !tests.all.is_empty() {
-            let values = |bundle| {
+            let values = |bundle: &BundleCalibration| {
                 let tests = RecordTests::of(bundle, direction).all.into_iter();
                 let tested = tests.map(|test| test.tested);
                 tested
