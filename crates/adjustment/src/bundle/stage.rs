@@ -3,8 +3,6 @@
 
 use nalgebra::Vector2;
 
-use super::network::ImagePoint;
-
 /// Number of unknowns of the stage.
 pub const STAGE_ELEMENTS: usize = 3;
 
@@ -143,9 +141,9 @@ impl Stage {
     /// Returns an image point reduced to the calibrated principal point and principal distance; as
     /// measured in an image without record.
     #[must_use]
-    pub fn reduced_point(&self, setting: Option<&StageSetting>, observed: &ImagePoint) -> [f64; 2] {
-        setting.map_or(observed.measured_mm, |setting| {
-            self.reduced(setting, observed.measured_mm).reduced_mm
+    pub fn reduced_point(&self, setting: Option<&StageSetting>, recorded_mm: [f64; 2]) -> [f64; 2] {
+        setting.map_or(recorded_mm, |setting| {
+            self.reduced(setting, recorded_mm).reduced_mm
         })
     }
 }

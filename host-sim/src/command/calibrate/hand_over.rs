@@ -57,7 +57,7 @@ fn block(calibration: &BundleCalibration, camera: &CameraFile) -> HandOver {
     for observed in used.filter(|observed| solution.layout.uses(observed)) {
         let setting = network.images.get(observed.image);
         let setting = setting.and_then(|image| image.stage.as_ref());
-        let ideal = interior.corrected(stage.reduced_point(setting, observed));
+        let ideal = interior.corrected(stage.reduced_point(setting, observed.measured_mm));
         if let Some(image) = images.get_mut(observed.image) {
             image.points.push(CorrectedPoint {
                 point: observed.point,
