@@ -139,6 +139,7 @@ fn flown(
                 velocity_m_s: None,
                 strip: None,
             }),
+            stage: None,
         });
     }
     (list, truth)

@@ -86,7 +86,10 @@ Examples:
       --camera my.toml --out calibrated --export colmap
   host-sim calibrate bundle image_points.csv --points control.csv \\
       --images flight.csv --camera my.toml --estimate x0,y0 \\
-      --records records.csv --out calibrated";
+      --records records.csv --out calibrated
+  host-sim calibrate bundle image_points.csv --points control.csv \\
+      --images flight.csv --camera my.toml --records records.csv \\
+      --estimate x0,y0,stage_scale,run_out --prior run_out=0.001";
 pub(super) const CALIBRATE_DLT3D: &str = "\
 Examples:
   host-sim calibrate dlt3d points.csv --camera my.toml --out calibrated

@@ -7,6 +7,7 @@ use fmc_adjustment::bundle::interior::InteriorElement;
 use fmc_adjustment::bundle::network_of_tables::Unknowns;
 use fmc_adjustment::bundle::parameters::Parameter;
 use fmc_adjustment::bundle::solution::DatumChoice;
+use fmc_adjustment::bundle::stage::StageElement;
 
 use super::{ADVANCED, CalibrationArgs};
 
@@ -30,7 +31,7 @@ pub struct NetworkArgs {
     pub images: Option<PathBuf>,
     /// Shared unknowns, separated by commas, or none: f, x0, y0, k1, k2, k3, p1, p2, b1, b2;
     /// `time_offset`, `lever_arm`, boresight and shift (of every strip) of observed positions and
-    /// attitudes.
+    /// attitudes; `stage_scale`, `stage_axis_angle` and `run_out` of the stage, with --records.
     #[arg(
         long,
         value_name = "NAMES",
@@ -40,7 +41,7 @@ pub struct NetworkArgs {
     )]
     pub estimate: ParameterList,
     /// σ with which initial values are observations, as f=0.005,x0=0.01: mm for f, x0, y0, the
-    /// unit of the coefficient, s, m or rad for others.
+    /// unit of the coefficient, s, m or rad for others; without unit for scale and run-out.
     #[arg(long, value_name = "NAME=SIGMA,…", value_parser = priors, help_heading = ADVANCED)]
     pub prior: Option<PriorList>,
     /// Datum: by observations where they suffice, by inner constraints over all object points, or
@@ -148,10 +149,13 @@ fn parameters(name: &str) -> Result<Vec<Parameter>, String> {
         // One stands for those of all strips and axes.
         "shift" => Ok(vec![Parameter::Shift { strip: 0, axis: 0 }]),
         _ => InteriorElement::from_symbol(name)
-            .map(|element| vec![Parameter::Interior(element)])
+            .map(Parameter::Interior)
+            .or_else(|| StageElement::from_symbol(name).map(Parameter::Stage))
+            .map(|parameter| vec![parameter])
             .ok_or_else(|| {
                 format!(
-                    "{name} is none of f, x0, y0, k1, k2, k3, p1, p2, b1, b2, time_offset, lever_arm, boresight, shift"
+                    "{name} is none of f, x0, y0, k1, k2, k3, p1, p2, b1, b2, time_offset, lever_arm, boresight, shift, \
+                     stage_scale, stage_axis_angle, run_out"
                 )
             }),
     }

@@ -44,6 +44,7 @@ pub fn read(path: &Path, camera: &CameraFile) -> Result<(FlightRecords, InputFil
         table: Table { file, rows },
         direction: camera.fmc.axis.unit(),
         principal_point_mm: camera.principal_point_mm,
+        lever_mm: camera.exit_pupil_mm(),
     };
     Ok((records, columns.input))
 }

@@ -13,6 +13,7 @@ const FROM_REST: Block = Block {
     seed: 1,
     fault_mm: 0.0,
     at_trigger: false,
+    scale: 0.0,
 };
 
 fn run(bench: &Bench, more: &[&str]) -> Answer {
@@ -92,8 +93,23 @@ fn certificate_shows_the_static_bundle_beside_it() {
     estimating("x0,y0,k1,p1", &bench, &[]).ok();
     assert_certified(&bench, "out");
     let page = fs::read_to_string(bench.path("out/certificate.html")).unwrap();
-    for words in ["Records of the flight", "with records", "wrong sign"] {
+    for words in [
+        "Records of the flight",
+        "with records",
+        "wrong sign",
+        "Test of every record",
+        "Object points with records and in the static bundle",
+    ] {
         assert!(page.contains(words), "{words}");
+    }
+    for name in ["record-tests.svg", "static-bundle.svg"] {
+        let svg = fs::read_to_string(bench.path(&format!("out/{name}"))).unwrap();
+        assert!(
+            svg.contains("static") && svg.contains("with records"),
+            "{name}"
+        );
+        // Circles of 10 pixels stand around records in doubt.
+        assert!(!svg.contains("r=\"10\""), "{name}");
     }
 }
 
@@ -134,6 +150,8 @@ fn wrong_record_of_one_frame_is_named_and_no_other() {
         assert!((8.8..14.8).contains(&value), "seed {seed}: {value}");
         let words = "the record of image 18 is in doubt";
         assert!(answer.stderr.contains(words), "{}", answer.stderr);
+        let figure = fs::read_to_string(bench.path("out/record-tests.svg")).unwrap();
+        assert_eq!(figure.matches("r=\"10\"").count(), 1, "seed {seed}");
         eprintln!("seed {seed}: {value}");
     }
 }
@@ -335,4 +353,92 @@ fn positions_at_the_triggers_need_times_and_velocities() {
         &["--positions-at-trigger"],
         &["images.csv, line 2", "no velocity"],
     );
+}
+
+#[test]
+fn scale_of_the_stage_is_found_and_stays_out_of_the_camera_file() {
+    let bench = Block {
+        scale: 0.5,
+        ..FROM_REST
+    }
+    .bench();
+    let more = ["--prior", "stage_axis_angle=0.01,run_out=0.001"];
+    let names = "stage_scale,stage_axis_angle,run_out";
+    let answer = estimating(names, &bench, &more).ok();
+    let summary = summary(&bench);
+    let parameter = |name: &str| {
+        let list = summary["parameters"].as_array().unwrap();
+        list.iter().find(|one| one["name"] == name).unwrap().clone()
+    };
+    let scale = parameter("stage_scale");
+    let [value, sigma] = ["value", "sigma"].map(|key| scale[key].as_f64().unwrap());
+    assert!((value - 0.5).abs() < 3.0 * sigma, "{value} ± {sigma}");
+    assert!((0.005..0.05).contains(&sigma), "{sigma}");
+    assert!(scale.get("prior_sigma").is_none(), "{scale}");
+    assert_eq!(parameter("stage_axis_angle_rad")["prior_sigma"], 0.01);
+    assert_eq!(parameter("run_out_mm_per_mm")["prior_sigma"], 0.001);
+    for words in [
+        "the observations say nothing about run_out_mm_per_mm",
+        "do not go into the camera file",
+    ] {
+        assert!(answer.stderr.contains(words), "{words}: {}", answer.stderr);
+    }
+    // The static bundle has no stage, and the camera file keeps its own.
+    assert!(summary["static_bundle"]["sigma0"].is_number());
+    let [before, after] = ["camera.toml", "out/camera.toml"].map(|name| {
+        let text = fs::read_to_string(bench.path(name)).unwrap();
+        let stage = text.split("[fmc]").nth(1).unwrap();
+        stage.split("\n[").next().unwrap().trim().to_owned()
+    });
+    assert_eq!(before, after);
+}
+
+#[test]
+fn stage_as_an_unknown_needs_records_and_a_sigma_above_zero() {
+    let bench = FROM_REST.bench();
+    let refused = |more: &[&str], words: &[&str]| {
+        estimating("x0,stage_scale", &bench, more).refused(words);
+        assert!(!bench.path("out").exists());
+    };
+    for sigma in ["0", "-0.1"] {
+        let prior = format!("stage_scale={sigma}");
+        refused(
+            &["--prior", &prior],
+            &["stage_scale", "greater than 0", sigma],
+        );
+    }
+    refused(
+        &["--prior", "run_out=0.1"],
+        &[
+            "--prior",
+            "run_out_mm_per_mm is not estimated",
+            "--estimate",
+        ],
+    );
+    refused(
+        &["--prior", "stage=0.1"],
+        &["stage is none of", "stage_scale, stage_axis_angle, run_out"],
+    );
+    let arguments = [
+        "calibrate",
+        "bundle",
+        "image_points.csv",
+        "--points",
+        "points.csv",
+        "--images",
+        "images.csv",
+        "--camera",
+        "camera.toml",
+        "--estimate",
+        "run_out",
+        "--out",
+        "out",
+    ];
+    let words = [
+        "run_out_mm_per_mm needs",
+        "--records",
+        "no image has a place",
+    ];
+    bench.run(&arguments).refused(&words);
+    assert!(!bench.path("out").exists());
 }

@@ -46,6 +46,8 @@ pub(crate) struct Block {
     pub(crate) fault_mm: f64,
     /// `true` for positions stated at the triggers.
     pub(crate) at_trigger: bool,
+    /// s: scale of the encoder.
+    pub(crate) scale: f64,
 }
 
 /// Standard normal deviate (Box and Muller 1958).
@@ -106,7 +108,7 @@ impl Block {
                 let measured = [0, 1].map(|axis| {
                     let e = [0.0, 1.0][axis];
                     PRINCIPAL_POINT_MM[axis]
-                        + offset * e
+                        + (1.0 + self.scale) * offset * e
                         + enlarged * about[axis]
                         + SIGMA_MM * noise[axis]
                 });

@@ -7,8 +7,7 @@ use crate::linear::element::element;
 use crate::linear::image_pairs::ImagePairs;
 
 use super::eliminated_point::PointBlock;
-use super::interior::INTERIOR_ELEMENTS;
-use super::layout::{Layout, PointUnknowns};
+use super::layout::{CAMERA_UNKNOWNS, Layout, PointUnknowns};
 use super::network::Network;
 use super::normals::Normals;
 use super::solution::Solution;
@@ -119,7 +118,7 @@ impl Cofactors {
             .iter()
             .map(|ray| (ray.image, PointBlock::with_image(ray) * block.inverse))
             .collect();
-        let by_border = expanded(layout, &(block.inverse * block.with_interior));
+        let by_border = expanded(layout, &(block.inverse * block.with_camera));
         let with_image = |image: usize| {
             let mut sum = -(images.with_border.columns(6 * image, 6).tr_mul(&by_border));
             for (other, by_image) in &by_images {
@@ -143,10 +142,10 @@ impl Cofactors {
     }
 }
 
-/// Returns coefficients of the interior orientation as columns of the border, transposed.
-fn expanded(layout: &Layout, coefficients: &SMatrix<f64, 3, INTERIOR_ELEMENTS>) -> DMatrix<f64> {
+/// Returns coefficients of the camera as columns of the border, transposed.
+fn expanded(layout: &Layout, coefficients: &SMatrix<f64, 3, CAMERA_UNKNOWNS>) -> DMatrix<f64> {
     let mut expanded = DMatrix::zeros(layout.border.len(), 3);
-    for (column, place) in coefficients.column_iter().zip(layout.interior) {
+    for (column, place) in coefficients.column_iter().zip(layout.camera) {
         if let Some(place) = place {
             expanded.set_row(place, &column.transpose());
         }

@@ -41,7 +41,10 @@ impl Datum {
             .iter()
             .copied()
             .filter(|parameter| {
-                !matches!(parameter, Parameter::Interior(_) | Parameter::Point { .. })
+                !matches!(
+                    parameter,
+                    Parameter::Interior(_) | Parameter::Stage(_) | Parameter::Point { .. }
+                )
             })
             .collect();
         let columns = SIMILARITY + own.len();

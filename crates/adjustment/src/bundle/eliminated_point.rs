@@ -2,8 +2,7 @@
 
 use nalgebra::{Matrix3, Matrix6, Matrix6x3, SMatrix, SVector, Vector2, Vector3, Vector6};
 
-use super::interior::INTERIOR_ELEMENTS;
-use super::layout::Layout;
+use super::layout::{CAMERA_UNKNOWNS, Layout};
 use super::network::{ImagePoint, Network};
 use super::ray::Ray;
 use super::state::State;
@@ -11,8 +10,8 @@ use super::state::State;
 /// σ of coordinates that are held beside others of the same point that are not, m.
 const HELD_SIGMA_M: f64 = 1e-8;
 
-/// Derivatives by all elements of the interior orientation; zero for those not estimated.
-pub type InteriorJacobian = SMatrix<f64, 2, INTERIOR_ELEMENTS>;
+/// Derivatives by all unknowns of the camera; zero for those not estimated.
+pub type CameraJacobian = SMatrix<f64, 2, CAMERA_UNKNOWNS>;
 
 /// Weighted derivatives of one image point.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -25,24 +24,39 @@ pub struct WeightedRay {
     pub by_pose: SMatrix<f64, 2, 6>,
     /// By the object point, over σ.
     pub by_point: SMatrix<f64, 2, 3>,
-    /// By the interior orientation, over σ.
-    pub by_interior: InteriorJacobian,
+    /// By the camera, over σ.
+    pub by_camera: CameraJacobian,
 }
 
 impl WeightedRay {
     /// Linearises an image point; `None` if the point is not below the lens.
     #[must_use]
-    pub fn new(layout: &Layout, state: &State, observed: &ImagePoint) -> Option<Self> {
+    pub fn new(
+        network: &Network,
+        layout: &Layout,
+        state: &State,
+        observed: &ImagePoint,
+    ) -> Option<Self> {
         let pose = state.poses.get(observed.image)?;
         let point = state.point(observed.point);
         let interior = &state.parameters.interior;
-        let ray = Ray::new(interior, pose, &point, observed.measured_mm)?;
+        let setting = network.images.get(observed.image)?.stage.as_ref();
+        let moved = setting.map(|setting| {
+            let stage = &state.parameters.stage;
+            stage.reduced(setting, observed.measured_mm)
+        });
+        let reduced_mm = moved.map_or(observed.measured_mm, |moved| moved.reduced_mm);
+        let ray = Ray::new(interior, pose, &point, reduced_mm)?;
         let weight = 1.0 / observed.sigma_mm;
-        let mut by_interior = InteriorJacobian::zeros();
-        let columns = ray.by_interior.iter().zip(layout.interior).enumerate();
-        for (index, (column, place)) in columns {
+        let mut by_camera = CameraJacobian::zeros();
+        // An image point moves against the principal point.
+        let [_, by_x0, by_y0, ..] = ray.by_interior;
+        let by_stage = moved.map_or_else(Default::default, |moved| moved.by_element);
+        let by_stage = by_stage.map(|motion| -(by_x0 * motion.x + by_y0 * motion.y));
+        let columns = ray.by_interior.iter().chain(&by_stage);
+        for (index, (column, place)) in columns.zip(layout.camera).enumerate() {
             if place.is_some() {
-                by_interior.set_column(index, &(weight * column));
+                by_camera.set_column(index, &(weight * column));
             }
         }
         Some(Self {
@@ -50,7 +64,7 @@ impl WeightedRay {
             residual: weight * ray.residual_mm,
             by_pose: weight * ray.by_pose,
             by_point: weight * ray.by_point,
-            by_interior,
+            by_camera,
         })
     }
 
@@ -89,8 +103,8 @@ pub struct PointBlock {
     pub inverse: Matrix3<f64>,
     /// Right-hand side of the point.
     pub right: Vector3<f64>,
-    /// Coupling of the point with the interior orientation.
-    pub with_interior: SMatrix<f64, 3, INTERIOR_ELEMENTS>,
+    /// Coupling of the point with the camera.
+    pub with_camera: SMatrix<f64, 3, CAMERA_UNKNOWNS>,
     /// Diagonal of V before damping.
     pub diagonal: Vector3<f64>,
     /// Sum of the squares of residuals over σ of the coordinates.
@@ -112,17 +126,17 @@ impl PointBlock {
         let rays = observed
             .iter()
             .filter(|observed| observed.accepted)
-            .map(|observed| WeightedRay::new(layout, state, observed))
+            .map(|observed| WeightedRay::new(network, layout, state, observed))
             .collect::<Option<Vec<_>>>()?;
         let (residuals, roots) = coordinate_residuals(network, state, number);
         let mut block = Matrix3::from_diagonal(&roots.component_mul(&roots));
         // The residual is given less adjusted: its derivative is -1.
         let mut right = residuals.component_mul(&roots);
-        let mut with_interior = SMatrix::zeros();
+        let mut with_camera = SMatrix::zeros();
         for ray in &rays {
             block += ray.by_point.tr_mul(&ray.by_point);
             right -= ray.by_point.tr_mul(&ray.residual);
-            with_interior += ray.by_point.tr_mul(&ray.by_interior);
+            with_camera += ray.by_point.tr_mul(&ray.by_camera);
         }
         let diagonal = block.diagonal();
         let damped = block + damping * Matrix3::from_diagonal(&diagonal);
@@ -130,7 +144,7 @@ impl PointBlock {
             rays,
             inverse: damped.cholesky()?.inverse(),
             right,
-            with_interior,
+            with_camera,
             diagonal,
             coordinate_cost: residuals.norm_squared(),
         })
@@ -142,14 +156,14 @@ impl PointBlock {
         ray.by_pose.tr_mul(&ray.by_point)
     }
 
-    /// Returns the point's step from those of the images and of the interior orientation.
+    /// Returns the point's step from those of the images and of the camera.
     #[must_use]
     pub fn step(
         &self,
         image_step: impl Fn(usize) -> Vector6<f64>,
-        interior_step: &SVector<f64, INTERIOR_ELEMENTS>,
+        camera_step: &SVector<f64, CAMERA_UNKNOWNS>,
     ) -> Vector3<f64> {
-        let mut right = self.right - self.with_interior * interior_step;
+        let mut right = self.right - self.with_camera * camera_step;
         for ray in &self.rays {
             right -= ray.by_point.tr_mul(&(ray.by_pose * image_step(ray.image)));
         }

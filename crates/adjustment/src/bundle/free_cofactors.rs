@@ -59,11 +59,11 @@ impl DatumTransformation {
                 let mut rows = images.rows_mut(6 * ray.image, 6);
                 rows -= PointBlock::with_image(ray) * &projected;
             }
-            let interior = block.with_interior.transpose() * &projected;
-            for (row, place) in layout.interior.iter().enumerate() {
+            let camera = block.with_camera.transpose() * &projected;
+            for (row, place) in layout.camera.iter().enumerate() {
                 if let Some(place) = place {
                     let mut target = border.row_mut(*place);
-                    target -= interior.row(row);
+                    target -= camera.row(row);
                 }
             }
         }
@@ -82,9 +82,9 @@ impl DatumTransformation {
                             let rows = images.rows(6 * ray.image, 6);
                             right -= PointBlock::with_image(ray).transpose() * rows;
                         }
-                        for (column, place) in layout.interior.iter().enumerate() {
+                        for (column, place) in layout.camera.iter().enumerate() {
                             if let Some(place) = place {
-                                right -= block.with_interior.column(column) * border.row(*place);
+                                right -= block.with_camera.column(column) * border.row(*place);
                             }
                         }
                         block.inverse * right

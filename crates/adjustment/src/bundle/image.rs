@@ -4,6 +4,7 @@ use nalgebra::{Matrix3, Rotation3, SMatrix, Vector3};
 
 use super::parameters::{Parameter, SharedValues};
 use super::pose::{Pose, rotation_vector};
+use super::stage::StageSetting;
 
 /// Position and attitude observed on board; without σ an element is not observed.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -27,6 +28,8 @@ pub struct NetworkImage {
     pub pose: Pose,
     /// Observation on board.
     pub observed: Option<ObservedPose>,
+    /// Stage at the exposure, if there is a record of it.
+    pub stage: Option<StageSetting>,
 }
 
 /// Residuals of a position and attitude observed on board, with their derivatives.

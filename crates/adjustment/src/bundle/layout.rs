@@ -6,6 +6,10 @@ use crate::linear::image_pairs::ImagePairs;
 use super::interior::{INTERIOR_ELEMENTS, InteriorElement};
 use super::network::{ImagePoint, Network, ScaleBar};
 use super::parameters::Parameter;
+use super::stage::{STAGE_ELEMENTS, StageElement};
+
+/// Number of unknowns of the camera: interior orientation, then stage.
+pub const CAMERA_UNKNOWNS: usize = INTERIOR_ELEMENTS + STAGE_ELEMENTS;
 
 /// Treatment of an object point's coordinates.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -23,10 +27,10 @@ pub enum PointUnknowns {
 /// Places of the unknowns.
 #[derive(Debug, Clone)]
 pub struct Layout {
-    /// Unknowns of the border: elements of the interior orientation first.
+    /// Unknowns of the border: those of the camera first.
     pub border: Vec<Parameter>,
-    /// Column of the border of each element of the interior orientation.
-    pub interior: [Option<usize>; INTERIOR_ELEMENTS],
+    /// Column of the border of each unknown of the camera: interior orientation, then stage.
+    pub camera: [Option<usize>; CAMERA_UNKNOWNS],
     points: Vec<PointUnknowns>,
     order: EliminationOrder,
     pairs: ImagePairs,
@@ -41,11 +45,12 @@ impl Layout {
         let mut border: Vec<Parameter> = network.estimated.clone();
         border.sort_unstable();
         border.dedup();
-        let interior = InteriorElement::ALL.map(|element| {
-            border
-                .iter()
-                .position(|parameter| *parameter == Parameter::Interior(element))
-        });
+        let interior = InteriorElement::ALL.into_iter().map(Parameter::Interior);
+        let stage = StageElement::ALL.into_iter().map(Parameter::Stage);
+        let mut camera = [None; CAMERA_UNKNOWNS];
+        for (place, parameter) in camera.iter_mut().zip(interior.chain(stage)) {
+            *place = border.iter().position(|other| *other == parameter);
+        }
         let mut rays = vec![0_usize; network.points.len()];
         for observed in network
             .image_points
@@ -89,7 +94,7 @@ impl Layout {
         let pairs = ImagePairs::new(network.images.len(), &groups);
         Ok(Self {
             border,
-            interior,
+            camera,
             points,
             order: EliminationOrder::new(&pairs)?,
             pairs,

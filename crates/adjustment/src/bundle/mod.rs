@@ -5,6 +5,7 @@
 
 pub mod calibration;
 pub mod cofactors;
+pub mod correlated_pairs;
 pub mod datum;
 pub mod eliminated_point;
 pub mod error;
@@ -27,6 +28,7 @@ pub mod records;
 pub mod separation;
 pub mod snooping;
 pub mod solution;
+pub mod stage;
 pub mod state;
 mod stations;
 pub mod suspect_control;

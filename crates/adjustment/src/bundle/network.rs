@@ -58,7 +58,8 @@ pub struct ImagePoint {
     pub image: usize,
     /// Number of the object point.
     pub point: usize,
-    /// Measured point, sensor frame, mm.
+    /// Measured point, in an image with a record reduced by it to the calibrated principal point
+    /// and principal distance; sensor frame, mm.
     pub measured_mm: [f64; 2],
     /// σ of either coordinate, mm.
     pub sigma_mm: f64,

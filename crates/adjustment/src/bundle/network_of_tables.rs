@@ -191,6 +191,7 @@ impl NetworkTables {
                     attitude: [0.0; 3],
                 }),
                 observed: None,
+                stage: self.stages.get(name.as_str()).copied(),
             })
             .collect();
         let mut known = vec![false; images.len()];

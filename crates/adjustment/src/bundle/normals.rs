@@ -7,8 +7,7 @@ use crate::linear::bordered_matrix::BorderedMatrix;
 use crate::linear::element::{add, element};
 
 use super::eliminated_point::{PointBlock, WeightedRay, coordinate_residuals};
-use super::interior::INTERIOR_ELEMENTS;
-use super::layout::{Layout, PointUnknowns};
+use super::layout::{CAMERA_UNKNOWNS, Layout, PointUnknowns};
 use super::network::{ImagePoint, Network, ScaleBar};
 use super::state::{State, Step};
 
@@ -58,9 +57,9 @@ impl Normals {
                         .ok_or(Singular)?;
                     normals.add_eliminated(layout, &block);
                 }
-                PointUnknowns::Held => normals.add_rays(layout, state, observed, None)?,
+                PointUnknowns::Held => normals.add_rays(network, layout, state, observed, None)?,
                 PointUnknowns::Border(first) => {
-                    normals.add_rays(layout, state, observed, Some(first))?;
+                    normals.add_rays(network, layout, state, observed, Some(first))?;
                     normals.add_coordinates(network, state, point, first);
                 }
             }
@@ -126,7 +125,7 @@ impl Normals {
         let mut border = self.border_right.clone();
         factor.solve(&mut images, &mut border);
         let mut fall = images.dot(&self.right) + border.dot(&self.border_right);
-        let interior = interior_part(layout, &border);
+        let camera = camera_part(layout, &border);
         let own = |image: usize| Vector6::from_fn(|row, _| element(&images, 6 * image + row, 0));
         let mut points = vec![nalgebra::Vector3::zeros(); network.points.len()];
         for observed in network.by_point() {
@@ -136,7 +135,7 @@ impl Normals {
                     .ok_or(Singular)?;
                 fall += block.right.dot(&(block.inverse * block.right));
                 if let Some(step) = points.get_mut(number) {
-                    *step = block.step(own, &interior);
+                    *step = block.step(own, &camera);
                 }
             }
         }
@@ -151,8 +150,8 @@ impl Normals {
     fn add_eliminated(&mut self, layout: &Layout, block: &PointBlock) {
         let couplings: Vec<_> = block.rays.iter().map(PointBlock::with_image).collect();
         let reduced: Vec<_> = couplings.iter().map(|w| w * block.inverse).collect();
-        let mut own_interior = block.with_interior.tr_mul(&block.with_interior) * 0.0;
-        let mut interior_right = SVector::<f64, INTERIOR_ELEMENTS>::zeros();
+        let mut own_camera = block.with_camera.tr_mul(&block.with_camera) * 0.0;
+        let mut camera_right = SVector::<f64, CAMERA_UNKNOWNS>::zeros();
         for (place, (ray, reduced_own)) in block.rays.iter().zip(&reduced).enumerate() {
             let own = ray.pose_block();
             self.add_diagonal(ray, &own);
@@ -162,35 +161,34 @@ impl Normals {
                 let product = -(reduced_own * coupling.transpose());
                 self.matrix.add_block(ray.image, other.image, &product);
             }
-            let with_interior =
-                ray.by_pose.tr_mul(&ray.by_interior) - reduced_own * block.with_interior;
-            self.add_interior_border(layout, ray.image, &with_interior);
+            let with_camera = ray.by_pose.tr_mul(&ray.by_camera) - reduced_own * block.with_camera;
+            self.add_camera_border(layout, ray.image, &with_camera);
             let right = -ray.by_pose.tr_mul(&ray.residual) - reduced_own * block.right;
             self.add_right(ray.image, &right);
-            own_interior += ray.by_interior.tr_mul(&ray.by_interior);
-            interior_right -= ray.by_interior.tr_mul(&ray.residual);
+            own_camera += ray.by_camera.tr_mul(&ray.by_camera);
+            camera_right -= ray.by_camera.tr_mul(&ray.residual);
             self.cost += ray.residual.norm_squared();
         }
         self.cost += block.coordinate_cost;
-        self.add_interior_diagonal(layout, &own_interior.diagonal());
-        let projected = block.inverse * block.with_interior;
-        own_interior -= block.with_interior.tr_mul(&projected);
-        interior_right -= projected.tr_mul(&block.right);
-        for (row, place) in layout.interior.iter().enumerate() {
+        self.add_camera_diagonal(layout, &own_camera.diagonal());
+        let projected = block.inverse * block.with_camera;
+        own_camera -= block.with_camera.tr_mul(&projected);
+        camera_right -= projected.tr_mul(&block.right);
+        for (row, place) in layout.camera.iter().enumerate() {
             let Some(place) = *place else { continue };
             add(
                 &mut self.border_right,
                 place,
                 0,
-                element(&interior_right, row, 0),
+                element(&camera_right, row, 0),
             );
-            for (column, other) in layout.interior.iter().enumerate() {
+            for (column, other) in layout.camera.iter().enumerate() {
                 let Some(other) = *other else { continue };
                 add(
                     &mut self.matrix.corner,
                     place,
                     other,
-                    element(&own_interior, row, column),
+                    element(&own_camera, row, column),
                 );
             }
         }
@@ -207,13 +205,9 @@ impl Normals {
         }
     }
 
-    fn add_interior_diagonal(
-        &mut self,
-        layout: &Layout,
-        diagonal: &SVector<f64, INTERIOR_ELEMENTS>,
-    ) {
+    fn add_camera_diagonal(&mut self, layout: &Layout, diagonal: &SVector<f64, CAMERA_UNKNOWNS>) {
         let images = self.right.nrows();
-        for (element, place) in diagonal.iter().zip(layout.interior) {
+        for (element, place) in diagonal.iter().zip(layout.camera) {
             if let Some(place) = place {
                 add(&mut self.diagonal, images + place, 0, *element);
             }
@@ -226,13 +220,13 @@ impl Normals {
         }
     }
 
-    fn add_interior_border(
+    fn add_camera_border(
         &mut self,
         layout: &Layout,
         image: usize,
-        block: &nalgebra::SMatrix<f64, 6, INTERIOR_ELEMENTS>,
+        block: &nalgebra::SMatrix<f64, 6, CAMERA_UNKNOWNS>,
     ) {
-        for (column, place) in block.column_iter().zip(layout.interior) {
+        for (column, place) in block.column_iter().zip(layout.camera) {
             let Some(place) = place else { continue };
             for (row, element) in column.iter().enumerate() {
                 add(&mut self.matrix.border, 6 * image + row, place, *element);
@@ -244,17 +238,18 @@ impl Normals {
     /// the border from column `first` on.
     fn add_rays(
         &mut self,
+        network: &Network,
         layout: &Layout,
         state: &State,
         observed: &[ImagePoint],
         first: Option<usize>,
     ) -> Result<(), Singular> {
         for observed in observed.iter().filter(|observed| observed.accepted) {
-            let ray = WeightedRay::new(layout, state, observed).ok_or(Singular)?;
-            let interior = layout.interior.iter().enumerate();
-            let mut columns: Vec<(usize, [f64; 2])> = interior
+            let ray = WeightedRay::new(network, layout, state, observed).ok_or(Singular)?;
+            let camera = layout.camera.iter().enumerate();
+            let mut columns: Vec<(usize, [f64; 2])> = camera
                 .filter_map(|(index, place)| {
-                    let column = ray.by_interior.column(index);
+                    let column = ray.by_camera.column(index);
                     place.map(|place| (place, [column.x, column.y]))
                 })
                 .collect();
@@ -375,11 +370,11 @@ impl Normals {
     }
 }
 
-/// Returns the steps of the interior orientation out of those of the border.
+/// Returns the steps of the camera out of those of the border.
 #[must_use]
-pub fn interior_part(layout: &Layout, border: &DMatrix<f64>) -> SVector<f64, INTERIOR_ELEMENTS> {
-    let mut part = SVector::<f64, INTERIOR_ELEMENTS>::zeros();
-    for (step, place) in part.iter_mut().zip(layout.interior) {
+pub fn camera_part(layout: &Layout, border: &DMatrix<f64>) -> SVector<f64, CAMERA_UNKNOWNS> {
+    let mut part = SVector::<f64, CAMERA_UNKNOWNS>::zeros();
+    for (step, place) in part.iter_mut().zip(layout.camera) {
         *step = place.map_or(0.0, |place| element(border, place, 0));
     }
     part

@@ -76,6 +76,11 @@ impl BundleCalibration {
         let (start, layout) = (&self.network().parameters, &solution.layout);
         let values = &solution.state.parameters;
         let mut parameters = Vec::new();
+        let prior = |parameter: Parameter| {
+            let mut priors = self.network().priors.iter();
+            let found = priors.find(|prior| prior.parameter == parameter);
+            found.map(|prior| prior.sigma)
+        };
         let mut columns = Vec::new();
         for element in InteriorElement::ALL {
             let parameter = Parameter::Interior(element);
@@ -83,6 +88,7 @@ impl BundleCalibration {
             parameters.push(if let Some(column) = layout.column(parameter) {
                 columns.push(column);
                 ParameterEstimate::estimated(element.name(), Some(start.value(parameter)), value)
+                    .with_prior(prior(parameter))
             } else {
                 ParameterEstimate::held(element.name(), value)
             });
@@ -92,11 +98,12 @@ impl BundleCalibration {
                 continue;
             }
             columns.push(column);
-            parameters.push(ParameterEstimate::estimated(
+            let estimate = ParameterEstimate::estimated(
                 self.network().parameter_name(*parameter),
                 Some(start.value(*parameter)),
                 values.value(*parameter),
-            ));
+            );
+            parameters.push(estimate.with_prior(prior(*parameter)));
         }
         let border = &self.snooped.cofactors.border;
         let cofactors = DMatrix::from_fn(columns.len(), columns.len(), |row, column| {
@@ -238,6 +245,7 @@ impl BundleCalibration {
                         let prior = network.priors.get(number);
                         let name = prior.map_or("", |prior| match prior.parameter {
                             Parameter::Interior(element) => element.name(),
+                            Parameter::Stage(element) => element.name(),
                             _ => "shared unknown",
                         });
                         ("prior", None, None, name)

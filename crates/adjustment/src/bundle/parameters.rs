@@ -5,12 +5,15 @@ use nalgebra::{Rotation3, Vector3};
 
 use super::interior::{Interior, InteriorElement};
 use super::pose::rotation_vector;
+use super::stage::{Stage, StageElement};
 
 /// A shared unknown.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash)]
 pub enum Parameter {
     /// Element of the interior orientation.
     Interior(InteriorElement),
+    /// Element of the stage.
+    Stage(StageElement),
     /// dt, s.
     TimeOffset,
     /// Component of the lever arm, m.
@@ -43,6 +46,7 @@ impl Parameter {
         let letter = |axis: usize| AXES.get(axis).copied().unwrap_or_default();
         match self {
             Self::Interior(element) => element.name().to_owned(),
+            Self::Stage(element) => element.name().to_owned(),
             Self::TimeOffset => "time_offset_s".to_owned(),
             Self::LeverArm(axis) => format!("lever_arm_{}_m", letter(axis)),
             Self::Boresight(axis) => format!("boresight_{}_rad", letter(axis)),
@@ -64,6 +68,8 @@ impl Parameter {
 pub struct SharedValues {
     /// Interior orientation.
     pub interior: Interior,
+    /// Stage relative to that of the camera file.
+    pub stage: Stage,
     /// dt: the centroid of the exposure less the time of the observed position, s.
     pub time_offset_s: f64,
     /// a: the projection centre from the observed point, camera axes, m.
@@ -80,6 +86,7 @@ impl SharedValues {
     pub fn new(interior: Interior, strips: usize) -> Self {
         Self {
             interior,
+            stage: Stage::default(),
             time_offset_s: 0.0,
             lever_arm_m: Vector3::zeros(),
             boresight: Rotation3::identity(),
@@ -93,6 +100,7 @@ impl SharedValues {
         let component = |vector: &Vector3<f64>, axis: usize| vector.get(axis).copied();
         match parameter {
             Parameter::Interior(element) => Some(self.interior.value(element)),
+            Parameter::Stage(element) => Some(self.stage.value(element)),
             Parameter::TimeOffset => Some(self.time_offset_s),
             Parameter::LeverArm(axis) => component(&self.lever_arm_m, axis),
             Parameter::Boresight(axis) => component(&rotation_vector(&self.boresight), axis),
@@ -110,6 +118,10 @@ impl SharedValues {
         let element = match parameter {
             Parameter::Interior(element) => {
                 self.interior.add(element, step);
+                None
+            }
+            Parameter::Stage(element) => {
+                self.stage.add(element, step);
                 None
             }
             Parameter::TimeOffset => Some(&mut self.time_offset_s),

@@ -111,6 +111,46 @@ pub fn difference_rms_m(one: &BundleCalibration, other: &BundleCalibration) -> O
     )
 }
 
+/// Returns the unit vector of the ground along which the principal point of the first image moves.
+#[must_use]
+pub fn motion_on_ground(calibration: &BundleCalibration, [x, y]: [f64; 2]) -> Vector3<f64> {
+    let mut poses = calibration.snooped.solution.state.poses.iter();
+    let motion = poses
+        .next()
+        .map(|pose| pose.rotation * Vector3::new(x, y, 0.0));
+    motion.unwrap_or_default()
+}
+
+/// Returns the differences of the check points, adjusted less given, along a direction of the
+/// ground, m.
+#[must_use]
+pub fn check_points_along_m(calibration: &BundleCalibration, direction: Vector3<f64>) -> Vec<f64> {
+    let snooped = &calibration.snooped;
+    let points = snooped.network.points.iter().enumerate();
+    points
+        .filter(|(number, point)| {
+            point.role == PointRole::Check && is_adjusted(calibration, *number)
+        })
+        .map(|(number, point)| snooped.solution.state.point(number) - point.given_m)
+        .map(|difference| difference.dot(&direction))
+        .collect()
+}
+
+/// Returns the differences of the object points of two bundles of the same tables along a direction
+/// of the ground, m.
+#[must_use]
+pub fn differences_along_m(
+    one: &BundleCalibration,
+    other: &BundleCalibration,
+    direction: Vector3<f64>,
+) -> Vec<f64> {
+    let [a, b] = [one, other].map(|bundle| &bundle.snooped.solution.state);
+    (0..a.points_m.len())
+        .filter(|number| is_adjusted(one, *number) && is_adjusted(other, *number))
+        .map(|number| (a.point(number) - b.point(number)).dot(&direction))
+        .collect()
+}
+
 fn root_mean_square(vectors: impl Iterator<Item = Vector3<f64>>) -> Option<[f64; 3]> {
     let (count, sum) = vectors.fold((0_u32, Vector3::zeros()), |(count, sum), one| {
         (count + 1, sum + one.component_mul(&one))

@@ -5,6 +5,7 @@ use std::collections::{HashMap, HashSet};
 
 use fmc_camera_file::InputError;
 
+use super::stage::StageSetting;
 use super::tables::{ImageRow, NetworkTables, Table};
 
 /// Record of an exposure.
@@ -35,6 +36,8 @@ pub struct FlightRecords {
     pub direction: [f64; 2],
     /// Calibrated principal point of the camera file, mm.
     pub principal_point_mm: [f64; 2],
+    /// L: distance of the exit pupil, by which a focus shift enlarges the image, mm.
+    pub lever_mm: f64,
 }
 
 impl FlightRecords {
@@ -57,7 +60,8 @@ impl FlightRecords {
     /// # Model
     /// `v = x̄ - (1+κ)·D(x̄/(1+κ)) + f(1+κ)·u`, `x̄ = measured - (x0, y0) - c̄·e`: convention (B)
     /// of `docs/conventions.md` section 6. Divided by `1+κ` it is the static equation of the point
-    /// `(x0, y0) + x̄/(1+κ)` with `σ/(1+κ)`. c̄ and κ are held.
+    /// `(x0, y0) + x̄/(1+κ)` with `σ/(1+κ)`. c̄ and κ are those of the records; the setting of the
+    /// stage goes with every image, so that [`Stage`](super::stage::Stage) can differ from them.
     ///
     /// # Accuracy
     /// The calibrated principal point stands for the adjusted one as the centre of the enlargement:
@@ -81,6 +85,16 @@ impl FlightRecords {
                 y0 + (y - y0 - record.offset_mm * e_y) / scale,
             ];
             row.sigma_mm = row.sigma_mm.map(|sigma| sigma / scale);
+            if !reduced.stages.contains_key(&row.image) {
+                let setting = StageSetting {
+                    principal_point_mm: self.principal_point_mm,
+                    direction: self.direction,
+                    offset_mm: record.offset_mm,
+                    enlargement: record.enlargement,
+                    lever_mm: self.lever_mm,
+                };
+                reduced.stages.insert(row.image.clone(), setting);
+            }
         }
         Ok(reduced)
     }
@@ -218,6 +232,7 @@ mod tests {
             },
             images: None,
             scale_bars: None,
+            stages: HashMap::new(),
         };
         let records = FlightRecords {
             table: Table {
@@ -234,6 +249,7 @@ mod tests {
             },
             direction,
             principal_point_mm: interior.principal_point_mm,
+            lever_mm: 50.0,
         };
         let reduced = records.reduced(&tables).unwrap();
         let row = reduced.image_points.rows.first().unwrap();

@@ -1,5 +1,9 @@
 //! Tables of a network as its files have them.
 
+use std::collections::HashMap;
+
+use super::stage::StageSetting;
+
 /// Row of a file of image points.
 #[derive(Debug, Clone, PartialEq)]
 pub struct ImagePointRow {
@@ -93,4 +97,6 @@ pub struct NetworkTables {
     pub images: Option<Table<ImageRow>>,
     /// Scale bars.
     pub scale_bars: Option<Table<ScaleBarRow>>,
+    /// Stage of each image by its name; empty without records.
+    pub stages: HashMap<Box<str>, StageSetting>,
 }

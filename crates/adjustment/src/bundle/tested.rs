@@ -150,7 +150,7 @@ impl Tester<'_> {
             .cofactors
             .point(self.layout(), point, block.as_ref(), &wanted);
         for (place, observed) in observed.iter().enumerate() {
-            let ray = WeightedRay::new(self.layout(), state, observed);
+            let ray = WeightedRay::new(network, self.layout(), state, observed);
             let tested = match ray {
                 Some(ray) if unknowns != PointUnknowns::Unused => {
                     self.ray(&ray, observed, own.as_ref(), place)
@@ -192,13 +192,13 @@ impl Tester<'_> {
     ) -> [TestedResidual; 2] {
         [0, 1].map(|component| {
             let mut border = DVector::zeros(self.layout().border.len());
-            for (index, column) in self.layout().interior.iter().enumerate() {
+            for (index, column) in self.layout().camera.iter().enumerate() {
                 if let Some(column) = column {
                     add(
                         &mut border,
                         *column,
                         0,
-                        element(&ray.by_interior, component, index),
+                        element(&ray.by_camera, component, index),
                     );
                 }
             }

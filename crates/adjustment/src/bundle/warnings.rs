@@ -4,12 +4,17 @@ use crate::calibration::result::CalibrationResult;
 use crate::calibration::result::network::PointRole;
 
 use super::calibration::BundleCalibration;
+use super::correlated_pairs;
 use super::geometry::{LEAST_ROLL_DEG, is_plane_without_tilt, largest_roll_deg};
 use super::interior::InteriorElement;
+use super::parameters::Parameter;
 use super::tested::OtherObservation;
 
 /// Test value of a check point, in units of its σ, above which it is named.
 const MOST_CHECK: f64 = 4.0;
+
+/// Share of the σ of a prior above which the observations say nothing about its unknown.
+const MOST_OF_PRIOR: f64 = 0.9;
 
 /// Share of an image's points whose rejection puts the image itself in doubt.
 const MOST_REJECTED: f64 = 0.3;
@@ -25,9 +30,9 @@ pub fn of(calibration: &BundleCalibration, result: &CalibrationResult) -> Vec<St
     {
         warnings.extend(result.coverage().warning());
     }
-    for (a, b, value) in result.high_correlations() {
-        warnings.push(format!("{a} and {b} are correlated by {value:.3}"));
-    }
+    correlations(calibration, result, &mut warnings);
+    priors(result, &mut warnings);
+    stage(calibration, &mut warnings);
     control(calibration, &mut warnings);
     check_points(result, &mut warnings);
     other_observations(calibration, &mut warnings);
@@ -54,6 +59,58 @@ fn geometry(calibration: &BundleCalibration, warnings: &mut Vec<String>) {
              nothing but other observations"
                 .to_owned(),
         );
+    }
+}
+
+fn correlations(
+    calibration: &BundleCalibration,
+    result: &CalibrationResult,
+    warnings: &mut Vec<String>,
+) {
+    let network = &calibration.snooped.network;
+    let border = &calibration.snooped.solution.layout.border;
+    let parameter = |name: &str| {
+        let mut all = border.iter().copied();
+        all.find(|parameter| network.parameter_name(*parameter) == name)
+    };
+    for (a, b, value) in result.high_correlations() {
+        let remedy = parameter(a).zip(parameter(b));
+        let remedy = remedy.and_then(|(a, b)| correlated_pairs::remedy(a, b));
+        let remedy = remedy.map_or_else(String::new, |words| {
+            format!("; {words} would tell them apart")
+        });
+        warnings.push(format!("{a} and {b} are correlated by {value:.3}{remedy}"));
+    }
+}
+
+fn priors(result: &CalibrationResult, warnings: &mut Vec<String>) {
+    for one in &result.parameters {
+        let sigma = result.sigma_a_priori(&one.name);
+        let Some((prior, sigma)) = one.prior_sigma.zip(sigma) else {
+            continue;
+        };
+        if sigma >= MOST_OF_PRIOR * prior {
+            warnings.push(format!(
+                "the observations say nothing about {}: its σ of {sigma:.3e} before σ0 is that of its prior, {prior:.3e}",
+                one.name
+            ));
+        }
+    }
+}
+
+fn stage(calibration: &BundleCalibration, warnings: &mut Vec<String>) {
+    let border = calibration.snooped.solution.layout.border.iter();
+    let names: Vec<&str> = border
+        .filter_map(|parameter| match parameter {
+            Parameter::Stage(element) => Some(element.name()),
+            _ => None,
+        })
+        .collect();
+    if !names.is_empty() {
+        warnings.push(format!(
+            "{} of a flight do not go into the camera file: it holds no σ of the laboratory's, and theirs would have to be larger",
+            names.join(", ")
+        ));
     }
 }
 

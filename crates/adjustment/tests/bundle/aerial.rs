@@ -1,6 +1,8 @@
 //! Simulated flights with known truth: observed positions and attitudes that differ from those of
 //! the camera by time offset, lever arm, boresight and shifts of the strips.
 
+use std::collections::HashMap;
+
 use fastrand::Rng;
 use fmc_adjustment::bundle::interior::InteriorElement;
 use fmc_adjustment::bundle::network::Network;
@@ -8,18 +10,29 @@ use fmc_adjustment::bundle::network_of_tables::Unknowns;
 use fmc_adjustment::bundle::orientation::network_orientation::orient;
 use fmc_adjustment::bundle::parameters::Parameter;
 use fmc_adjustment::bundle::pose::Pose;
+use fmc_adjustment::bundle::records::{FlightRecords, RecordRow};
+use fmc_adjustment::bundle::stage::Stage;
 use fmc_adjustment::bundle::tables::{
     ImagePointRow, ImageRow, NetworkTables, ObjectPointRow, RowRole, Table,
 };
-use nalgebra::{Rotation3, Vector3};
+use nalgebra::{Rotation2, Rotation3, Vector2, Vector3};
 
 use crate::data::ideal;
 use crate::simulated::normal;
 
-/// Principal distance, mm; half format, mm; flying height, m.
+/// Principal distance, mm; half format, mm.
 pub(crate) const F_MM: f64 = 50.0;
 const HALF_MM: [f64; 2] = [26.7, 20.0];
-const HEIGHT_M: f64 = 700.0;
+
+/// e: direction in which the principal point moves, that of the flight.
+const DIRECTION: [f64; 2] = [0.0, 1.0];
+
+/// Focus shift of every record, mm.
+const FOCUS_MM: f64 = 0.002;
+
+/// Acceleration of the stage, mm/s², and settling time, s: run-up from rest.
+const ACCELERATION_MM_S2: f64 = 1000.0;
+const SETTLING_S: f64 = 0.005;
 
 /// σ of image points, mm, of control, m, of positions, m, and of pitch, roll and yaw, degrees.
 const SIGMA_MM: f64 = 1e-3;
@@ -27,8 +40,37 @@ const CONTROL_M: f64 = 0.02;
 const GNSS_M: f64 = 0.03;
 const ANGLE_DEG: f64 = 0.003;
 
-/// A strip: heading, degrees, and speed, m/s.
-pub(crate) type Strip = [f64; 2];
+/// A strip.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct Strip {
+    pub(crate) heading_deg: f64,
+    pub(crate) speed_m_s: f64,
+    pub(crate) height_m: f64,
+    pub(crate) exposure_s: f64,
+}
+
+/// Returns a strip 700 m above ground with exposures of 1/300 s.
+pub(crate) const fn strip(heading_deg: f64, speed_m_s: f64) -> Strip {
+    Strip {
+        heading_deg,
+        speed_m_s,
+        height_m: 700.0,
+        exposure_s: 1.0 / 300.0,
+    }
+}
+
+impl Strip {
+    /// v: speed of the detector, mm/s.
+    fn rate_mm_s(&self) -> f64 {
+        F_MM * self.speed_m_s / self.height_m
+    }
+
+    /// c at the centroid of the exposure, mm: run-up from rest, settling, half the exposure.
+    fn centroid_mm(&self) -> f64 {
+        let v = self.rate_mm_s();
+        v * v / (2.0 * ACCELERATION_MM_S2) + v * (SETTLING_S + 0.5 * self.exposure_s)
+    }
+}
 
 /// Differences of observed positions and attitudes from those of the camera.
 #[derive(Debug, Clone, Copy, Default)]
@@ -68,10 +110,20 @@ pub(crate) struct Flight {
     pub(crate) tilt_rad: f64,
     /// Number of control points.
     pub(crate) control: usize,
+    /// True stage; `None` for a principal point that stays.
+    pub(crate) stage: Option<Stage>,
 }
 
 /// To and fro along both axes, with different speeds.
-pub(crate) const CROSSED: [Strip; 4] = [[0.0, 60.0], [180.0, 85.0], [90.0, 70.0], [270.0, 75.0]];
+pub(crate) const CROSSED: [Strip; 4] = [
+    strip(0.0, 60.0),
+    strip(180.0, 85.0),
+    strip(90.0, 70.0),
+    strip(270.0, 75.0),
+];
+
+/// Number of images of a strip.
+const PLACES: usize = 6;
 
 fn count(number: usize) -> f64 {
     f64::from(u32::try_from(number).unwrap())
@@ -94,26 +146,26 @@ impl Flight {
             .collect();
         let mut rays = Vec::new();
         let mut images = Vec::new();
-        for (strip, [heading, speed]) in self.strips.iter().enumerate() {
-            let yaw = -heading.to_radians();
+        for (strip, flown) in self.strips.iter().enumerate() {
+            let yaw = -flown.heading_deg.to_radians();
             let along = Rotation3::from_axis_angle(&Vector3::z_axis(), yaw);
-            for place in 0..6 {
-                let name: Box<str> = format!("s{strip}i{place}").into();
+            for place in 0..PLACES {
+                let name: Box<str> = (PLACES * strip + place).to_string().into();
+                let velocity = along * Vector3::new(0.0, flown.speed_m_s, 0.0);
                 let aside = 160.0 * (count(strip) - 0.5 * count(self.strips.len() - 1)) / 2.0;
                 let tilt = Vector3::from_fn(|_, _| self.tilt_rad * normal(&mut field));
                 let pose = Pose {
-                    position_m: along * Vector3::new(aside, 150.0 * (count(place) - 2.5), HEIGHT_M),
+                    position_m: along
+                        * Vector3::new(aside, 150.0 * (count(place) - 2.5), flown.height_m),
                     rotation: along * Rotation3::from_scaled_axis(tilt),
                 };
                 for (number, ground) in points.iter().enumerate() {
-                    let u = pose.in_camera(ground);
-                    let [x, y] = [-F_MM * u.x / u.z, -F_MM * u.y / u.z];
+                    let [x, y] = self.image_mm(flown, &pose, velocity, ground);
                     if x.abs() < HALF_MM[0] && y.abs() < HALF_MM[1] {
                         let measured = [x, y].map(|mm| mm + SIGMA_MM * normal(&mut random));
                         rays.push((name.clone(), number, measured));
                     }
                 }
-                let velocity = along * Vector3::new(0.0, *speed, 0.0);
                 images.push(self.observed(name, strip, &pose, velocity, &mut random));
             }
         }
@@ -158,7 +210,67 @@ impl Flight {
                 rows: images,
             }),
             scale_bars: None,
+            stages: HashMap::new(),
         }
+    }
+
+    /// Returns the place of a ground point, with a stage the mean over the exposure, mm: Gauss and
+    /// Legendre with three nodes, exact to the fifth power of time.
+    fn image_mm(
+        &self,
+        flown: &Strip,
+        pose: &Pose,
+        velocity: Vector3<f64>,
+        ground: &Vector3<f64>,
+    ) -> [f64; 2] {
+        let at = |pose: &Pose| {
+            let u = pose.in_camera(ground);
+            -F_MM * u.xy() / u.z
+        };
+        let Some(stage) = self.stage else {
+            return at(pose).into();
+        };
+        let half = 0.5 * flown.exposure_s;
+        let nodes = [(-half, 5.0), (0.0, 8.0), (half, 5.0)];
+        let turn = Rotation2::new(stage.axis_angle_rad);
+        let axis = turn * Vector2::from(DIRECTION);
+        let mut mean = Vector2::zeros();
+        for (time, weight) in nodes.map(|(end, weight)| (0.6_f64.sqrt() * end, weight / 18.0)) {
+            let c = flown.centroid_mm() + flown.rate_mm_s() * time;
+            let moved = Pose {
+                position_m: pose.position_m + velocity * time,
+                ..*pose
+            };
+            let enlarged = 1.0 + (FOCUS_MM + stage.run_out_mm_per_mm * c) / F_MM;
+            mean += weight * ((1.0 + stage.scale) * c * axis + enlarged * at(&moved));
+        }
+        mean.into()
+    }
+
+    /// Returns the tables reduced by the records of the flight.
+    pub(crate) fn with_records(&self, seed: u64) -> NetworkTables {
+        let strips = self.strips.iter().enumerate();
+        let rows = strips.flat_map(|(strip, flown)| {
+            (0..PLACES).map(move |place| RecordRow {
+                line: 0,
+                sequence: u32::try_from(PLACES * strip + place).unwrap(),
+                is_exposed: true,
+                offset_mm: flown.centroid_mm(),
+                sigma_mm: 0.0,
+                enlargement: FOCUS_MM / F_MM,
+                centroid_after_trigger_s: None,
+            })
+        });
+        let records = FlightRecords {
+            table: Table {
+                file: "records.csv".to_owned(),
+                rows: rows.collect(),
+            },
+            direction: DIRECTION,
+            principal_point_mm: [0.0; 2],
+            lever_mm: F_MM,
+        };
+        records.reduced(&self.tables(seed)).unwrap()
     }
 
     /// Returns what is observed on board at a pose of the camera.
@@ -199,10 +311,15 @@ impl Flight {
             estimated: estimated.to_vec(),
             priors: Vec::new(),
         };
-        let mut tabled = self.tables(seed).network(ideal(F_MM), &unknowns).unwrap();
-        let unoriented = orient(&mut tabled.network, tabled.known.clone());
-        assert_eq!(unoriented.images, [0; 0]);
-        assert_eq!(unoriented.points, [0; 0]);
-        tabled.network
+        oriented(&self.tables(seed), &unknowns)
     }
+}
+
+/// Returns the oriented network of some tables.
+pub(crate) fn oriented(tables: &NetworkTables, unknowns: &Unknowns) -> Network {
+    let mut tabled = tables.network(ideal(F_MM), unknowns).unwrap();
+    let unoriented = orient(&mut tabled.network, tabled.known.clone());
+    assert_eq!(unoriented.images, [0; 0]);
+    assert_eq!(unoriented.points, [0; 0]);
+    tabled.network
 }

@@ -87,6 +87,7 @@ pub(crate) fn tables(set: &str, [width, height, pixel_um]: [f64; 3]) -> NetworkT
         },
         images: None,
         scale_bars: None,
+        stages: HashMap::new(),
     }
 }
 

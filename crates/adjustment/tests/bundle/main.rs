@@ -25,6 +25,8 @@ mod simulated;
 #[cfg(test)]
 mod snooping;
 #[cfg(test)]
+mod stage;
+#[cfg(test)]
 mod strasbourg;
 #[cfg(test)]
 mod units;

@@ -9,7 +9,7 @@ use fmc_adjustment::bundle::parameters::Parameter;
 use fmc_adjustment::bundle::solution::{DatumChoice, adjust};
 use fmc_adjustment::bundle::state::State;
 
-use crate::aerial::{CROSSED, F_MM, Flight, Platform};
+use crate::aerial::{CROSSED, F_MM, Flight, Platform, strip};
 use crate::data::ideal;
 
 const SEEDS: u32 = 300;
@@ -36,6 +36,7 @@ fn crossed(platform: Platform) -> Flight {
         platform,
         tilt_rad: 0.02,
         control: 6,
+        stage: None,
     }
 }
 
@@ -135,10 +136,11 @@ fn refused(flight: &Flight, estimated: &[Parameter], words: &[&str]) {
 /// Strips side by side in one direction at one speed, the camera kept level.
 fn one_direction() -> Flight {
     Flight {
-        strips: vec![[0.0, 70.0]; 3],
+        strips: vec![strip(0.0, 70.0); 3],
         platform: Platform::default(),
         tilt_rad: 0.0,
         control: 8,
+        stage: None,
     }
 }
 

@@ -191,6 +191,7 @@ fn y_downwards_is_told_by_the_residuals() {
         },
         images: None,
         scale_bars: None,
+        stages: std::collections::HashMap::new(),
     };
     refused(
         &tables,

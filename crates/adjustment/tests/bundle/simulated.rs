@@ -141,6 +141,7 @@ impl Simulated {
                     name: format!("i{number}"),
                     pose: looking(from + aside, aside, roll),
                     observed: None,
+                    stage: None,
                 }
             })
             .collect();

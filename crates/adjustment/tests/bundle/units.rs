@@ -49,6 +49,7 @@ fn flight(has_sigma: bool) -> NetworkTables {
         platform: Platform::default(),
         tilt_rad: 0.02,
         control: 12,
+        stage: None,
     };
     let mut tables = flight.tables(11);
     if !has_sigma {

@@ -8,6 +8,7 @@ pub mod field_angles;
 pub mod five_summary;
 pub mod five_table;
 pub mod grid;
+pub mod record_plot;
 pub mod residual_field;
 pub mod residual_plot;
 pub mod residuals_csv;

@@ -3,12 +3,17 @@
 
 use fmc_adjustment::bundle::calibration::{BundleCalibration, CalibrationOptions};
 use fmc_adjustment::bundle::interior::Interior;
+use fmc_adjustment::bundle::network_of_tables::Unknowns;
+use fmc_adjustment::bundle::parameters::Parameter;
 use fmc_adjustment::bundle::record_tests::{
-    LEAST_CONTROL, RecordTests, check_points_rms_m, difference_rms_m, is_blind_to_sign,
+    LEAST_CONTROL, RecordTests, check_points_along_m, check_points_rms_m, difference_rms_m,
+    differences_along_m, is_blind_to_sign, motion_on_ground,
 };
 use fmc_adjustment::bundle::records::FlightRecords;
 use fmc_adjustment::bundle::tables::NetworkTables;
-use fmc_report::calibration::result::of_method::PageTable;
+use fmc_report::calibration::record_plot::{BesideEachOther, Series};
+use fmc_report::calibration::result::of_method::{Figure, PageTable};
+use fmc_report::figure::FigureError;
 use serde_json::{Map, Value, json};
 
 /// Range of c̄, mm, below which all exposures count as having one principal point.
@@ -22,16 +27,20 @@ pub(super) struct WithRecords {
 }
 
 impl WithRecords {
-    /// Adjusts the tables with one principal point for all images.
+    /// Adjusts the tables with one principal point for all images, which says nothing of a stage.
     pub(super) fn new(
         records: FlightRecords,
         tables: &NetworkTables,
         start: Interior,
         options: &CalibrationOptions,
     ) -> Self {
+        let mut options = options.clone();
+        let Unknowns { estimated, priors } = &mut options.unknowns;
+        estimated.retain(|parameter| !is_of_stage(parameter));
+        priors.retain(|(parameter, _)| !is_of_stage(parameter));
         Self {
             records,
-            fixed: BundleCalibration::new(tables, start, options)
+            fixed: BundleCalibration::new(tables, start, &options)
                 .map_err(|error| error.to_string()),
         }
     }
@@ -110,6 +119,80 @@ impl WithRecords {
         summary
     }
 
+    /// Returns the figures of the page: tests of the records, and object points of both bundles.
+    pub(super) fn figures(
+        &self,
+        calibration: &BundleCalibration,
+        camera: &str,
+    ) -> Result<Vec<Figure>, FigureError> {
+        let direction = self.records.direction;
+        let bundles = [
+            ("with records", Some(calibration)),
+            ("static", self.fixed.as_ref().ok()),
+        ];
+        let bundles = bundles
+            .into_iter()
+            .filter_map(|(words, bundle)| Some((words, bundle?)));
+        let bundles: Vec<(&'static str, &BundleCalibration)> = bundles.collect();
+        let tests = RecordTests::of(calibration, direction);
+        let mut figures = Vec::new();
+        if !tests.all.is_empty() {
+            let values = |bundle: &BundleCalibration| {
+                let tests = RecordTests::of(bundle, direction).all.into_iter();
+                let tested = tests.map(|test| test.tested);
+                tested
+                    .map(|one| one.test_value.copysign(one.residual))
+                    .collect()
+            };
+            let drawn = BesideEachOther {
+                title: format!("{camera}: observed positions along the motion"),
+                numbered: "image, in the order of the image points",
+                quantity: "test value τ, with the sign of the residual",
+                limit: Some(tests.critical),
+                series: series(&bundles, values),
+            };
+            figures.push(Figure {
+                file_name: "record-tests.svg".to_owned(),
+                caption: "Test of every record: residual of the observed position along the motion of the principal point. The \
+                          lines are the critical value; an image beyond it with records has a record in doubt."
+                    .to_owned(),
+                svg: drawn.svg()?,
+            });
+        }
+        let motion = motion_on_ground(calibration, direction);
+        let checked = series(&bundles, |bundle| check_points_along_m(bundle, motion));
+        let has_check = checked.iter().any(|one| !one.values.is_empty());
+        let (title, series) = match &self.fixed {
+            _ if has_check => ("check points, adjusted less given", checked),
+            Ok(fixed) => (
+                "object points of the two bundles",
+                vec![Series {
+                    words: "with records less static",
+                    values: differences_along_m(calibration, fixed, motion),
+                }],
+            ),
+            Err(_) => return Ok(figures),
+        };
+        if series.iter().all(|one| one.values.is_empty()) {
+            return Ok(figures);
+        }
+        let drawn = BesideEachOther {
+            title: format!("{camera}: {title}"),
+            numbered: "point, in the order of the image points",
+            quantity: "along the motion, m",
+            limit: None,
+            series,
+        };
+        figures.push(Figure {
+            file_name: "static-bundle.svg".to_owned(),
+            caption: "Object points with records and in the static bundle, along the motion of the principal point of the first \
+                      image."
+                .to_owned(),
+            svg: drawn.svg()?,
+        });
+        Ok(figures)
+    }
+
     /// Returns the tables of terminal and page.
     pub(super) fn tables(&self, calibration: &BundleCalibration) -> Vec<PageTable> {
         let mut columns = vec![String::new(), "with records".to_owned()];
@@ -145,6 +228,25 @@ impl WithRecords {
         let sigmas = self.records.exposed().map(|row| row.sigma_mm);
         sigmas.fold(0.0, f64::max)
     }
+}
+
+/// Returns values of each bundle under its name.
+fn series(
+    bundles: &[(&'static str, &BundleCalibration)],
+    values: impl Fn(&BundleCalibration) -> Vec<f64>,
+) -> Vec<Series> {
+    let named = bundles.iter();
+    named
+        .map(|(words, bundle)| Series {
+            words,
+            values: values(bundle),
+        })
+        .collect()
+}
+
+/// Returns true for an unknown of the stage.
+const fn is_of_stage(parameter: &Parameter) -> bool {
+    matches!(parameter, Parameter::Stage(_))
 }
 
 /// Returns σ0, redundancy and check points of a bundle, each under its name.

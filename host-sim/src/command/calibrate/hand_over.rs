@@ -4,6 +4,7 @@
 use std::io;
 
 use fmc_adjustment::bundle::calibration::BundleCalibration;
+use fmc_adjustment::bundle::parameters::SharedValues;
 use fmc_camera_file::CameraFile;
 use fmc_exchange::calibrated::Calibrated;
 use fmc_exchange::hand_over::{AdjustedImage, AdjustedPoint, CorrectedPoint, Files, HandOver};
@@ -36,7 +37,9 @@ pub(super) fn files(
 /// Returns the adjusted images and points; image points that were rejected stay out.
 fn block(calibration: &BundleCalibration, camera: &CameraFile) -> HandOver {
     let (network, solution) = (&calibration.snooped.network, &calibration.snooped.solution);
-    let interior = &solution.state.parameters.interior;
+    let SharedValues {
+        interior, stage, ..
+    } = &solution.state.parameters;
     let [x0, y0] = interior.principal_point_mm;
     let mut images: Vec<AdjustedImage> = network
         .images
@@ -52,7 +55,9 @@ fn block(calibration: &BundleCalibration, camera: &CameraFile) -> HandOver {
         .collect();
     let used = network.image_points.iter();
     for observed in used.filter(|observed| solution.layout.uses(observed)) {
-        let ideal = interior.corrected(observed.measured_mm);
+        let setting = network.images.get(observed.image);
+        let setting = setting.and_then(|image| image.stage.as_ref());
+        let ideal = interior.corrected(stage.reduced_point(setting, observed.measured_mm));
         if let Some(image) = images.get_mut(observed.image) {
             image.points.push(CorrectedPoint {
                 point: observed.point,

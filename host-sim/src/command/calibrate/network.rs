@@ -1,11 +1,13 @@
 //! `calibrate resection` and `calibrate bundle`: calibration by a network of images.
 
+use std::collections::HashMap;
 use std::path::Path;
 
 use fmc_adjustment::bundle::calibration::{BundleCalibration, CalibrationOptions, GrossErrors};
 use fmc_adjustment::bundle::error::{BundleCalibrationError, BundleError};
 use fmc_adjustment::bundle::interior::{Interior, InteriorElement};
 use fmc_adjustment::bundle::network_of_tables::Unknowns;
+use fmc_adjustment::bundle::parameters::Parameter;
 use fmc_adjustment::bundle::tables::{NetworkTables, RowRole};
 use fmc_adjustment::calibration::result::InputFile;
 use fmc_report::calibration::result::of_method::{OfMethod, PageTable};
@@ -58,12 +60,16 @@ fn run(
         object_points,
         images: images.map(|(table, _)| table),
         scale_bars: bars.map(|(table, _)| table),
+        stages: HashMap::new(),
     };
     if method == "resection" {
         check_all_known(&tables)?;
     }
     let unknowns = args.unknowns();
     check_priors(&unknowns)?;
+    if records_path.is_none() {
+        check_no_stage(&unknowns)?;
+    }
     let options = CalibrationOptions {
         unknowns,
         datum: args.datum.into(),
@@ -104,6 +110,8 @@ fn run(
     if let Some(with_records) = &with_records {
         of_method.summary.extend(with_records.summary(&calibration));
         of_method.tables = with_records.tables(&calibration);
+        let figures = with_records.figures(&calibration, &camera.name);
+        of_method.figures = figures.map_err(|error| report::failed(error.into()))?;
     }
     let text: Vec<String> = of_method.tables.iter().map(PageTable::text).collect();
     let folder = args.common.files.out.as_deref();
@@ -171,6 +179,18 @@ fn check_priors(unknowns: &Unknowns) -> Result<(), Failure> {
     }
 }
 
+/// Checks that no unknown is of the stage, whose place only records tell.
+fn check_no_stage(unknowns: &Unknowns) -> Result<(), Failure> {
+    let is_of_stage = |parameter: &&Parameter| matches!(parameter, Parameter::Stage(_));
+    match unknowns.estimated.iter().find(is_of_stage) {
+        Some(parameter) => Err(Failure::bad_input(format!(
+            "--estimate: {} needs `calibrate bundle --records records.csv`; without records no image has a place of the stage",
+            parameter.name(&[], |_| String::new())
+        ))),
+        None => Ok(()),
+    }
+}
+
 impl From<BundleCalibrationError> for Failure {
     fn from(error: BundleCalibrationError) -> Self {
         match error {
@@ -180,7 +200,7 @@ impl From<BundleCalibrationError> for Failure {
                 match error {
                     BundleError::Inseparable { .. } => failure.with_help(
                         "estimate fewer unknowns (--estimate), or give what tells them apart: rolled and tilted images, a field with \
-                         depth, control, or a --prior",
+                         depth, two flying heights, cross strips, other V/H and exposure times, control, or a --prior",
                     ),
                     BundleError::NotConverged => failure.with_help(
                         "check the names of the points, the principal distance of the camera file and the direction of the axes",

@@ -12,6 +12,8 @@ pub struct ParameterEstimate {
     pub start: Option<f64>,
     /// Value found, or held.
     pub value: f64,
+    /// σ with which the start was an observation; `None` without.
+    pub prior_sigma: Option<f64>,
     /// `true` if it was estimated: it then has a row of the cofactor matrix.
     pub is_estimated: bool,
 }
@@ -26,7 +28,17 @@ impl ParameterEstimate {
             name,
             start,
             value,
+            prior_sigma: None,
             is_estimated: true,
+        }
+    }
+
+    /// Returns the parameter with the σ of its start.
+    #[must_use]
+    pub fn with_prior(self, sigma: Option<f64>) -> Self {
+        Self {
+            prior_sigma: sigma,
+            ..self
         }
     }
 

@@ -82,6 +82,9 @@ pub struct ParameterSummary {
     pub sigma: f64,
     /// Standard deviation for the given σ of the observations.
     pub sigma_a_priori: f64,
+    /// σ with which the start was an observation; left out without.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub prior_sigma: Option<f64>,
     /// |value|/σ; `None` if the parameter was held.
     pub significance: Option<f64>,
 }
@@ -231,6 +234,7 @@ fn parameters(result: &CalibrationResult) -> Vec<ParameterSummary> {
                 value: one.value,
                 sigma: sigma.unwrap_or(0.0),
                 sigma_a_priori: result.sigma_a_priori(&one.name).unwrap_or(0.0),
+                prior_sigma: one.prior_sigma,
                 significance: sigma
                     .filter(|sigma| *sigma > 0.0)
                     .map(|sigma| one.value.abs() / sigma),
