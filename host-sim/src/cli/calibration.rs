@@ -164,8 +164,8 @@ pub struct AnglesArgs {
 #[derive(Debug, Args)]
 pub struct GridArgs {
     /// CSV with a header, columns in any order: `x_mm,y_mm` (measured point, sensor frame) or
-    /// `col_px,row_px`; `dx_um,dy_um` (distortion there, measured - ideal, about the principal point
-    /// and distance of the camera file); optional `stage_offset_mm`, without which it is 0.
+    /// `col_px,row_px`; `dx_um,dy_um` (distortion there, measured - ideal, about principal point and
+    /// principal distance of the camera file); optional `stage_offset_mm`, without which it is 0.
     #[arg(value_name = "TABLE.csv")]
     pub table: PathBuf,
     /// Files of every method.
@@ -177,7 +177,7 @@ pub struct GridArgs {
     /// Part that carries the structure: that of the lens moves with the principal point. Both need
     /// a table of two stage offsets or more.
     #[arg(long, value_name = "PART", default_value = "lens", help_heading = ADVANCED)]
-    pub frame: GridFrame,
+    pub frame: GridPart,
     /// Coefficients of the polynomial to estimate, of k0,k1,k2,k3,p1,p2,b1,b2, or none; the others
     /// are those of the camera file.
     #[arg(long, value_name = "LIST", default_value = "k0,k1,k2,k3,p1,p2", help_heading = ADVANCED)]
@@ -186,7 +186,7 @@ pub struct GridArgs {
 
 /// Part of the camera that carries a structure.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
-pub enum GridFrame {
+pub enum GridPart {
     /// The lens.
     Lens,
     /// The sensor.

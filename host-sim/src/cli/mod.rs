@@ -24,7 +24,7 @@ mod vh;
 
 pub use calibration::{
     AlongAxis, AnglesArgs, CalibrateArgs, CalibrationArgs, CalibrationFiles, CalibrationMethod,
-    Coefficients, Dlt2dArgs, Dlt3dArgs, FiveArgs, GridArgs, GridFrame, RegressOn, StaticP2,
+    Coefficients, Dlt2dArgs, Dlt3dArgs, FiveArgs, GridArgs, GridPart, RegressOn, StaticP2,
 };
 pub use camera::{CameraAction, CameraArgs, ExposureTimeArgs, PrepareArgs, StatusArgs, VhArgs};
 pub use camera_file::{CameraFileAction, CameraFileArgs};

@@ -19,7 +19,7 @@ const COLOURS: [RGBColor; 2] = [RGBColor(0, 114, 178), RGBColor(213, 94, 0)];
 /// Values of one bundle, in order.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Series {
-    /// What they are of.
+    /// Observations that they are of.
     pub words: &'static str,
     /// Values.
     pub values: Vec<f64>,

@@ -12,7 +12,7 @@ use fmc_report::calibration::grid::of_method;
 use fmc_report::calibration::result::of_method::PageTable;
 
 use super::report::{self, Prepared};
-use crate::cli::{GridArgs, GridFrame};
+use crate::cli::{GridArgs, GridPart};
 use crate::failure::Failure;
 use crate::formats::calibration_points;
 
@@ -31,9 +31,9 @@ pub(in crate::command) fn run(args: &GridArgs) -> Result<(), Failure> {
         observations: &table.observations,
         camera: &camera,
         carriers: match args.frame {
-            GridFrame::Lens => &[GridCarrier::Lens],
-            GridFrame::Sensor => &[GridCarrier::Sensor],
-            GridFrame::Both => &[GridCarrier::Lens, GridCarrier::Sensor],
+            GridPart::Lens => &[GridCarrier::Lens],
+            GridPart::Sensor => &[GridCarrier::Sensor],
+            GridPart::Both => &[GridCarrier::Lens, GridCarrier::Sensor],
         },
         pitch_mm: args.pitch_mm,
         is_estimated: args.estimate.0,
