@@ -1,0 +1,85 @@
+//! Outcome of one adjustment of one run.
+
+use fmc_adjustment::bundle::calibration::BundleCalibration;
+use fmc_adjustment::bundle::error::BundleCalibrationError;
+use fmc_adjustment::bundle::interior::Interior;
+use fmc_adjustment::bundle::record_tests::{RecordTests, check_points_rms_m};
+use statrs::distribution::{ChiSquared, ContinuousCDF};
+
+use super::flown_block::FlownBlock;
+use super::variant::Variant;
+
+/// Probability that a right σ0 is beyond [`Outcome::sigma0_limit`].
+pub const SIGMA0_ERROR: f64 = 0.05;
+
+/// Numbers of an adjustment.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Outcome {
+    /// Check points along the strips, across and in height, root mean square, m.
+    pub check_m: [f64; 3],
+    /// σ0.
+    pub sigma0: f64,
+    /// Redundancy.
+    pub redundancy: usize,
+    /// Value that a right σ0 exceeds with the probability [`SIGMA0_ERROR`].
+    pub sigma0_limit: f64,
+    /// Frames whose records are named, the worst first; without records none is tested.
+    pub named: Vec<String>,
+}
+
+impl Outcome {
+    /// Adjusts a block.
+    ///
+    /// # Errors
+    /// [`BundleCalibrationError`] of an adjustment that fails.
+    pub(super) fn of(
+        block: &FlownBlock,
+        start: Interior,
+        variant: Variant,
+    ) -> Result<Self, BundleCalibrationError> {
+        let tables = variant.tables(block, &start)?;
+        let calibration = BundleCalibration::new(&tables, start, &variant.options())?;
+        let solution = &calibration.snooped.solution;
+        let named = if variant.has_records() {
+            let tests = RecordTests::of(&calibration, block.records.direction);
+            let suspects = tests.suspects().into_iter();
+            suspects.map(|test| test.image.clone()).collect()
+        } else {
+            Vec::new()
+        };
+        Ok(Self {
+            check_m: check_points_rms_m(&calibration).unwrap_or([f64::NAN; 3]),
+            sigma0: solution.sigma0(),
+            redundancy: solution.redundancy(),
+            sigma0_limit: sigma0_limit(solution.redundancy()),
+            named,
+        })
+    }
+
+    /// Returns true if σ0 is beyond its limit.
+    #[must_use]
+    pub fn is_beyond(&self) -> bool {
+        self.sigma0 > self.sigma0_limit
+    }
+}
+
+/// Returns √(χ²/r), the quantile of σ0 at 1 - [`SIGMA0_ERROR`].
+fn sigma0_limit(redundancy: usize) -> f64 {
+    let freedom = f64::from(u32::try_from(redundancy).unwrap_or(u32::MAX));
+    ChiSquared::new(freedom).map_or(f64::INFINITY, |chi2| {
+        (chi2.inverse_cdf(1.0 - SIGMA0_ERROR) / freedom).sqrt()
+    })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn limit_of_sigma0_is_the_tabulated_quantile() {
+        // χ²(10; 0.95) = 18.307, χ²(3380; 0.95) by Wilson and Hilferty.
+        assert!((sigma0_limit(10) - 1.8307_f64.sqrt()).abs() < 1e-4);
+        assert!((sigma0_limit(3380) - 1.0200).abs() < 2e-4);
+        assert!(sigma0_limit(0).is_infinite());
+    }
+}
