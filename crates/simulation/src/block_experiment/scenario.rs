@@ -7,7 +7,7 @@ use fmc_camera_file::toml_text::TomlText;
 use fmc_camera_file::{CameraFile, InputError};
 
 use super::exposed_frame;
-use super::flight_plan::{FlightPlan, ground_speeds_m_s};
+use super::flight_plan::{FlightPlan, Station, ground_speeds_m_s};
 use super::scenario_file::ScenarioFile;
 use super::scenario_range;
 use crate::range::{Range, SPEED, whole};
@@ -120,7 +120,7 @@ impl Scenario {
         } else {
             0.0
         };
-        for speed_m_s in self.plan.stations.iter().map(|station| station.speed_m_s()) {
+        for speed_m_s in self.plan.stations.iter().map(Station::speed_m_s) {
             for relief_m in [-relief_m, relief_m] {
                 let height_m = flight.height_m - terrain.height_m - relief_m;
                 let vh_per_s = speed_m_s / height_m;
