@@ -9,7 +9,7 @@ use super::ADVANCED;
 /// Arguments of `block`.
 #[derive(Debug, Args)]
 pub struct BlockArgs {
-    /// Scenario (TOML); host-sim/scenarios/block holds five, ixm-50.toml with every key explained.
+    /// Scenario (TOML); host-sim/scenarios/block holds six, ixm-50.toml with every key explained.
     #[arg(long, value_name = "FILE")]
     pub scenario: PathBuf,
     /// Number of runs, each with other errors, 2 to 10000.

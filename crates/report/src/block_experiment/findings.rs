@@ -61,11 +61,12 @@ fn gained(experiment: &BlockExperiment, gain: Estimate) -> String {
 
 /// Returns the finding about distortion that is recentred or not.
 fn recentred(experiment: &BlockExperiment) -> String {
-    let [along, across, height] = experiment.ratio(Variant::NotRecentred, Variant::Records);
-    let largest = [along, across, height]
-        .into_iter()
-        .map(|ratio| percent(ratio.value).abs())
-        .fold(0.0, f64::max);
+    let variants = (Variant::NotRecentred, Variant::Records);
+    let place = experiment.ratio_of_places(variants.0, variants.1);
+    let [along, across, height] = experiment.ratio(variants.0, variants.1);
+    let [x, y, z] = experiment
+        .from_records_m(Variant::NotRecentred)
+        .map(|metres| 100.0 * metres.value);
     let change = |ratio: Estimate| {
         format!(
             "{:+.2} % ({:+.2} to {:+.2})",
@@ -75,8 +76,10 @@ fn recentred(experiment: &BlockExperiment) -> String {
         )
     };
     format!(
-        "distortion recentred or not changes the root mean square of check points by {largest:.1} % at most: along {}, \
-         across {}, height {}",
+        "distortion recentred or not changes the error of check points by {:.1} %: not recentred {}, along {}, across {}, \
+         height {}; it moves points by {x:.2}, {y:.2}, {z:.2} cm",
+        percent(place.value).abs(),
+        change(place),
         change(along),
         change(across),
         change(height)
@@ -104,24 +107,15 @@ pub(super) fn runs(experiment: &BlockExperiment, share: f64) -> String {
 }
 
 /// Returns the share of runs in which a wrong record is named.
-fn names_it(experiment: &BlockExperiment, wrong: &WrongRecordTable) -> Estimate {
+pub(super) fn names_it(experiment: &BlockExperiment, wrong: &WrongRecordTable) -> Estimate {
     let frame = wrong.frame.to_string();
     experiment.share(Variant::Records, |outcome| outcome.named.contains(&frame))
 }
 
 /// Returns the share of runs in which no good record is named.
-fn names_no_other(experiment: &BlockExperiment, wrong: &WrongRecordTable) -> Estimate {
+pub(super) fn names_no_other(experiment: &BlockExperiment, wrong: &WrongRecordTable) -> Estimate {
     let frame = wrong.frame.to_string();
     experiment.share(Variant::Records, |outcome| {
         outcome.named.iter().all(|named| *named == frame)
     })
-}
-
-/// Returns the share of runs in which a wrong record is named and no other.
-pub(super) fn names_it_alone(experiment: &BlockExperiment, wrong: &WrongRecordTable) -> Estimate {
-    let frame = wrong.frame.to_string();
-    experiment.share(
-        Variant::Records,
-        |outcome| matches!(outcome.named.as_slice(), [named] if *named == frame),
-    )
 }

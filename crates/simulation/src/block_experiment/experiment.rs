@@ -1,5 +1,6 @@
 //! Experiment: many runs of one block, each flown anew and adjusted with every variant.
 
+use fmc_adjustment::bundle::calibration::BundleCalibration;
 use fmc_adjustment::bundle::error::BundleCalibrationError;
 use fmc_adjustment::bundle::interior::Interior;
 use fmc_adjustment::bundle::tables::RowRole;
@@ -73,6 +74,53 @@ pub enum BlockError {
     },
 }
 
+impl Run {
+    fn of(
+        scenario: &Scenario,
+        variants: &[Variant],
+        seed: u64,
+        run: u32,
+    ) -> Result<Self, BlockError> {
+        let file = || scenario.file.clone();
+        let block = FlownBlock::fly(scenario, seed, run).map_err(|error| BlockError::Exposure {
+            file: file(),
+            run,
+            error,
+        })?;
+        let start = Interior::of(&scenario.camera);
+        let adjusted = |variant: Variant| {
+            let tables = variant.tables(&block, &start);
+            tables
+                .map_err(BundleCalibrationError::from)
+                .and_then(|tables| BundleCalibration::new(&tables, start, &variant.options()))
+                .map_err(|error| BlockError::Adjustment {
+                    file: file(),
+                    run,
+                    variant,
+                    error,
+                })
+        };
+        let with_records = adjusted(Variant::Records)?;
+        let direction = block.records.direction;
+        let outcome = |variant| {
+            Ok(if variant == Variant::Records {
+                Outcome::of(&with_records, &with_records, variant, direction)
+            } else {
+                Outcome::of(&adjusted(variant)?, &with_records, variant, direction)
+            })
+        };
+        let points = block.tables.object_points.rows.iter();
+        Ok(Self {
+            outcomes: variants
+                .iter()
+                .map(|variant| outcome(*variant))
+                .collect::<Result<_, _>>()?,
+            image_points: block.tables.image_points.rows.len(),
+            check_points: points.filter(|row| row.role == RowRole::Check).count(),
+        })
+    }
+}
+
 impl BlockExperiment {
     /// Flies and adjusts a block many times, on all cores; `done` is called after every run.
     ///
@@ -88,38 +136,12 @@ impl BlockExperiment {
             .into_iter()
             .filter(|variant| has_control || !variant.has_control())
             .collect();
-        let start = Interior::of(&scenario.camera);
         let runs = (1..=request.runs)
             .into_par_iter()
-            .map(|run| {
-                let file = || scenario.file.clone();
-                let block = FlownBlock::fly(&scenario, request.seed, run).map_err(|error| {
-                    BlockError::Exposure {
-                        file: file(),
-                        run,
-                        error,
-                    }
-                })?;
-                let outcomes = variants
-                    .iter()
-                    .map(|variant| {
-                        Outcome::of(&block, start, *variant).map_err(|error| {
-                            BlockError::Adjustment {
-                                file: file(),
-                                run,
-                                variant: *variant,
-                                error,
-                            }
-                        })
-                    })
-                    .collect::<Result<_, _>>()?;
+            .map(|number| {
+                let run = Run::of(&scenario, &variants, request.seed, number)?;
                 done();
-                let points = block.tables.object_points.rows.iter();
-                Ok(Run {
-                    outcomes,
-                    image_points: block.tables.image_points.rows.len(),
-                    check_points: points.filter(|row| row.role == RowRole::Check).count(),
-                })
+                Ok(run)
             })
             .collect::<Result<_, BlockError>>()?;
         Ok(Self {
@@ -148,6 +170,21 @@ impl BlockExperiment {
     #[must_use]
     pub fn check_m(&self, variant: Variant) -> [Estimate; 3] {
         [0, 1, 2].map(|axis| Estimate::of_mean(&self.axis_m(variant, axis)))
+    }
+
+    /// Returns the mean distance of the object points from those with records along the strips,
+    /// across and in height, root mean square, m.
+    #[must_use]
+    pub fn from_records_m(&self, variant: Variant) -> [Estimate; 3] {
+        [0, 1, 2].map(|axis| {
+            Estimate::of_mean(&self.each(variant, |outcome| {
+                outcome
+                    .from_records_m
+                    .get(axis)
+                    .copied()
+                    .unwrap_or(f64::NAN)
+            }))
+        })
     }
 
     /// Returns the mean σ0.
@@ -188,10 +225,22 @@ impl BlockExperiment {
     }
 
     /// Returns the check points' root mean square of one variant as a multiple of that of another,
-    /// run by run.
+    /// run by run: along the strips, across and in height.
     #[must_use]
     pub fn ratio(&self, one: Variant, other: Variant) -> [Estimate; 3] {
         [0, 1, 2].map(|axis| Estimate::of_ratio(&self.axis_m(one, axis), &self.axis_m(other, axis)))
+    }
+
+    /// Returns the same of the place, all three axes together.
+    #[must_use]
+    pub fn ratio_of_places(&self, one: Variant, other: Variant) -> Estimate {
+        let place_m = |variant| {
+            self.each(variant, |outcome| {
+                let squares = outcome.check_m.iter().map(|axis| axis * axis);
+                squares.sum::<f64>().sqrt()
+            })
+        };
+        Estimate::of_ratio(&place_m(one), &place_m(other))
     }
 
     fn axis_m(&self, variant: Variant, axis: usize) -> Vec<f64> {

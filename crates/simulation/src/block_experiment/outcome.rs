@@ -1,12 +1,9 @@
 //! Outcome of one adjustment of one run.
 
 use fmc_adjustment::bundle::calibration::BundleCalibration;
-use fmc_adjustment::bundle::error::BundleCalibrationError;
-use fmc_adjustment::bundle::interior::Interior;
-use fmc_adjustment::bundle::record_tests::{RecordTests, check_points_rms_m};
+use fmc_adjustment::bundle::record_tests::{RecordTests, check_points_rms_m, difference_rms_m};
 use statrs::distribution::{ChiSquared, ContinuousCDF};
 
-use super::flown_block::FlownBlock;
 use super::variant::Variant;
 
 /// Probability that a right σ0 is beyond [`Outcome::sigma0_limit`].
@@ -23,37 +20,36 @@ pub struct Outcome {
     pub redundancy: usize,
     /// Value that a right σ0 exceeds with the probability [`SIGMA0_ERROR`].
     pub sigma0_limit: f64,
+    /// Object points of this adjustment less those with records, root mean square by axis, m.
+    pub from_records_m: [f64; 3],
     /// Frames whose records are named, the worst first; without records none is tested.
     pub named: Vec<String>,
 }
 
 impl Outcome {
-    /// Adjusts a block.
-    ///
-    /// # Errors
-    /// [`BundleCalibrationError`] of an adjustment that fails.
+    /// Takes the numbers of an adjustment, beside the one with records.
     pub(super) fn of(
-        block: &FlownBlock,
-        start: Interior,
+        calibration: &BundleCalibration,
+        with_records: &BundleCalibration,
         variant: Variant,
-    ) -> Result<Self, BundleCalibrationError> {
-        let tables = variant.tables(block, &start)?;
-        let calibration = BundleCalibration::new(&tables, start, &variant.options())?;
+        direction: [f64; 2],
+    ) -> Self {
         let solution = &calibration.snooped.solution;
         let named = if variant.has_records() {
-            let tests = RecordTests::of(&calibration, block.records.direction);
+            let tests = RecordTests::of(calibration, direction);
             let suspects = tests.suspects().into_iter();
             suspects.map(|test| test.image.clone()).collect()
         } else {
             Vec::new()
         };
-        Ok(Self {
-            check_m: check_points_rms_m(&calibration).unwrap_or([f64::NAN; 3]),
+        Self {
+            check_m: check_points_rms_m(calibration).unwrap_or([f64::NAN; 3]),
             sigma0: solution.sigma0(),
             redundancy: solution.redundancy(),
             sigma0_limit: sigma0_limit(solution.redundancy()),
+            from_records_m: difference_rms_m(calibration, with_records).unwrap_or([f64::NAN; 3]),
             named,
-        })
+        }
     }
 
     /// Returns true if σ0 is beyond its limit.
