@@ -3,6 +3,7 @@
 use fmc_adjustment::bundle::calibration::BundleCalibration;
 use fmc_adjustment::bundle::error::BundleCalibrationError;
 use fmc_adjustment::bundle::interior::Interior;
+use fmc_adjustment::bundle::record_tests::wrong_records;
 use fmc_adjustment::bundle::tables::RowRole;
 use fmc_adjustment::statistics::{CONFIDENCE, Estimate};
 use fmc_camera::flight::camera::FrameError;
@@ -88,32 +89,36 @@ impl Run {
             error,
         })?;
         let start = Interior::of(&scenario.camera);
-        let adjusted = |variant: Variant| {
-            let tables = variant.tables(&block, &start);
-            tables
-                .map_err(BundleCalibrationError::from)
-                .and_then(|tables| BundleCalibration::new(&tables, start, &variant.options()))
-                .map_err(|error| BlockError::Adjustment {
-                    file: file(),
-                    run,
-                    variant,
-                    error,
-                })
+        let failed = |variant, error| BlockError::Adjustment {
+            file: file(),
+            run,
+            variant,
+            error,
         };
-        let with_records = adjusted(Variant::Records)?;
-        let direction = block.records.direction;
-        let outcome = |variant| {
-            Ok(if variant == Variant::Records {
-                Outcome::of(&with_records, &with_records, variant, direction)
-            } else {
-                Outcome::of(&adjusted(variant)?, &with_records, variant, direction)
-            })
+        let adjusted = |variant: Variant| {
+            let tables = variant.tables(&block, &start)?;
+            BundleCalibration::new(&tables, start, &variant.options())
+        };
+        let records = Variant::Records;
+        let with_records = adjusted(records).map_err(|error| failed(records, error))?;
+        let outcome = |variant: Variant| {
+            if variant != records {
+                return Ok(Outcome::of(&adjusted(variant)?, &with_records, Vec::new()));
+            }
+            let tables = records.tables(&block, &start)?;
+            let named = wrong_records(
+                &with_records,
+                &tables,
+                &records.options(),
+                block.records.direction,
+            )?;
+            Ok(Outcome::of(&with_records, &with_records, named))
         };
         let points = block.tables.object_points.rows.iter();
         Ok(Self {
             outcomes: variants
                 .iter()
-                .map(|variant| outcome(*variant))
+                .map(|variant| outcome(*variant).map_err(|error| failed(*variant, error)))
                 .collect::<Result<_, _>>()?,
             image_points: block.tables.image_points.rows.len(),
             check_points: points.filter(|row| row.role == RowRole::Check).count(),

@@ -1,10 +1,8 @@
 //! Outcome of one adjustment of one run.
 
 use fmc_adjustment::bundle::calibration::BundleCalibration;
-use fmc_adjustment::bundle::record_tests::{RecordTests, check_points_rms_m, difference_rms_m};
+use fmc_adjustment::bundle::record_tests::{check_points_rms_m, difference_rms_m};
 use statrs::distribution::{ChiSquared, ContinuousCDF};
-
-use super::variant::Variant;
 
 /// Probability that a right σ0 is beyond [`Outcome::sigma0_limit`].
 pub const SIGMA0_ERROR: f64 = 0.05;
@@ -22,7 +20,8 @@ pub struct Outcome {
     pub sigma0_limit: f64,
     /// Object points of this adjustment less those with records, root mean square by axis, m.
     pub from_records_m: [f64; 3],
-    /// Frames whose records are named, the worst first; without records none is tested.
+    /// Frames whose records are named one after the other; those of the variant with records alone
+    /// are tested.
     pub named: Vec<String>,
 }
 
@@ -31,17 +30,9 @@ impl Outcome {
     pub(super) fn of(
         calibration: &BundleCalibration,
         with_records: &BundleCalibration,
-        variant: Variant,
-        direction: [f64; 2],
+        named: Vec<String>,
     ) -> Self {
         let solution = &calibration.snooped.solution;
-        let named = if variant.has_records() {
-            let tests = RecordTests::of(calibration, direction);
-            let suspects = tests.suspects().into_iter();
-            suspects.map(|test| test.image.clone()).collect()
-        } else {
-            Vec::new()
-        };
         Self {
             check_m: check_points_rms_m(calibration).unwrap_or([f64::NAN; 3]),
             sigma0: solution.sigma0(),

@@ -2,6 +2,7 @@
 //! of which `docs/calibration-by-images.md` has the numbers.
 
 use std::path::{Path, PathBuf};
+use std::sync::LazyLock;
 
 use fmc_adjustment::statistics::Estimate;
 use fmc_simulation::block_experiment::experiment::{BlockExperiment, Request};
@@ -11,10 +12,10 @@ use fmc_simulation::block_experiment::variant::Variant;
 const REQUEST: Request = Request { runs: 20, seed: 1 };
 
 /// The numbers of the docs, cm: without and with records along the strips.
-const IXM: [f64; 2] = [17.8, 1.4];
-const RC30: [f64; 2] = [24.3, 2.2];
-const LENS_0_03: [f64; 2] = [18.1, 3.1];
-const LENS_1_2: [f64; 2] = [18.8, 2.9];
+const IXM_CM: [f64; 2] = [17.8, 1.4];
+const RC30_CM: [f64; 2] = [24.3, 2.2];
+const SMALL_CM: [f64; 2] = [18.1, 3.1];
+const LARGE_CM: [f64; 2] = [18.8, 2.9];
 
 fn folder() -> PathBuf {
     Path::new(env!("CARGO_MANIFEST_DIR")).join("../../host-sim/scenarios/block")
@@ -24,6 +25,13 @@ fn experiment(name: &str) -> BlockExperiment {
     let scenario = Scenario::read(&folder().join(name)).unwrap();
     BlockExperiment::run(scenario, REQUEST, || {}).unwrap()
 }
+
+// Simulated once for all tests.
+static IXM_50: LazyLock<BlockExperiment> = LazyLock::new(|| experiment("ixm-50.toml"));
+static CENTRED: LazyLock<BlockExperiment> = LazyLock::new(|| experiment("ixm-50-centred.toml"));
+static RC30: LazyLock<BlockExperiment> = LazyLock::new(|| experiment("rc30.toml"));
+static SMALL: LazyLock<BlockExperiment> = LazyLock::new(|| experiment("lens-0.03-percent.toml"));
+static LARGE: LazyLock<BlockExperiment> = LazyLock::new(|| experiment("lens-1.2-percent.toml"));
 
 fn along_cm(experiment: &BlockExperiment, variant: Variant) -> f64 {
     100.0 * experiment.check_m(variant)[0].value
@@ -48,11 +56,11 @@ fn named(experiment: &BlockExperiment) -> Vec<&[String]> {
 
 #[test]
 fn static_bundle_from_rest_in_wind_is_18_cm_off_and_does_not_show_it() {
-    let experiment = experiment("ixm-50.toml");
-    assert_along(&experiment, IXM);
+    let experiment = &*IXM_50;
+    assert_along(experiment, IXM_CM);
     // By hand: half of 65.8 - 39.0 µm on 700 m/51.37 mm is 18.2 cm.
-    assert!((along_cm(&experiment, Variant::Static) - 18.0).abs() < 1.0);
-    assert!(along_cm(&experiment, Variant::Records) <= 2.0);
+    assert!((along_cm(experiment, Variant::Static) - 18.0).abs() < 1.0);
+    assert!(along_cm(experiment, Variant::Records) <= 2.0);
     for variant in [Variant::Static, Variant::Records] {
         let sigma0 = experiment.sigma0(variant);
         assert!((0.97..1.03).contains(&sigma0.value), "{sigma0:?}");
@@ -60,19 +68,19 @@ fn static_bundle_from_rest_in_wind_is_18_cm_off_and_does_not_show_it() {
     assert!(experiment.beyond(Variant::Static).value < 0.5);
     // Five control points show it, but do not repair it.
     assert!(experiment.beyond(Variant::StaticControl).value > 0.5);
-    assert!((along_cm(&experiment, Variant::StaticControl) - 12.2).abs() < 0.1);
+    assert!((along_cm(experiment, Variant::StaticControl) - 12.2).abs() < 0.1);
     // Shifts of the strips do, at the price of the heights.
-    assert!(along_cm(&experiment, Variant::StaticShift) < 2.0);
+    assert!(along_cm(experiment, Variant::StaticShift) < 2.0);
     assert!(experiment.difference_m(Variant::StaticShift, Variant::Records)[2].lower > 0.0);
 }
 
 #[test]
 fn centred_exposures_are_equal_with_and_without_records_within_a_millimetre() {
-    let experiment = experiment("ixm-50-centred.toml");
+    let experiment = &*CENTRED;
     for axis in experiment.difference_m(Variant::Static, Variant::Records) {
         assert!(axis.lower.abs().max(axis.upper.abs()) < 1e-3, "{axis:?}");
     }
-    assert!((along_cm(&experiment, Variant::Records) - 1.4).abs() < 0.051);
+    assert!((along_cm(experiment, Variant::Records) - 1.4).abs() < 0.051);
     // V/H and exposure time vary from frame to frame, c̄ does not.
     let written = &experiment.scenario.written.flight;
     assert!(written.follows_terrain && written.exposure_s[1] > 9.0 * written.exposure_s[0]);
@@ -80,20 +88,19 @@ fn centred_exposures_are_equal_with_and_without_records_within_a_millimetre() {
 
 #[test]
 fn static_bundle_of_an_rc30_from_rest_is_24_cm_off() {
-    let experiment = experiment("rc30.toml");
-    assert_along(&experiment, RC30);
-    assert!((along_cm(&experiment, Variant::Static) - 24.9).abs() < 1.0);
-    assert!(along_cm(&experiment, Variant::Records) <= 3.5);
+    let experiment = &*RC30;
+    assert_along(experiment, RC30_CM);
+    assert!((along_cm(experiment, Variant::Static) - 24.9).abs() < 1.0);
+    assert!(along_cm(experiment, Variant::Records) <= 3.5);
     let sigma0 = experiment.sigma0(Variant::Static);
     assert!(sigma0.value <= 1.03, "{sigma0:?}");
 }
 
 #[test]
 fn lenses_of_small_and_large_distortion_gain_the_same() {
-    let [small, large] = ["lens-0.03-percent.toml", "lens-1.2-percent.toml"].map(experiment);
-    assert_along(&small, LENS_0_03);
-    assert_along(&large, LENS_1_2);
-    let gains = [&small, &large].map(|one| one.difference_m(Variant::Static, Variant::Records)[0]);
+    assert_along(&SMALL, SMALL_CM);
+    assert_along(&LARGE, LARGE_CM);
+    let gains = [&SMALL, &LARGE].map(|one| one.difference_m(Variant::Static, Variant::Records)[0]);
     for gain in gains {
         assert!(gain.lower > 0.14 && gain.upper < 0.17, "{gain:?}");
     }
@@ -108,15 +115,19 @@ fn recentred_distortion_is_worth_a_tenth_of_a_per_cent_with_little_and_a_millime
             experiment.difference_m(variants.0, variants.1),
         )
     };
-    for name in ["rc30.toml", "lens-0.03-percent.toml", "ixm-50-centred.toml"] {
-        let (Estimate { lower, upper, .. }, _) = not(&experiment(name));
-        assert!(lower > 0.999 && upper < 1.001, "{name}: {lower} to {upper}");
+    for experiment in [&RC30, &SMALL, &CENTRED] {
+        let (ratio, _) = not(experiment);
+        assert!(ratio.lower > 0.999 && ratio.upper < 1.001, "{ratio:?}");
     }
-    for name in ["ixm-50.toml", "lens-1.2-percent.toml"] {
-        let (ratio, differences) = not(&experiment(name));
-        assert!((1.0..1.035).contains(&ratio.value), "{name}: {ratio:?}");
+    for (experiment, most) in [(&IXM_50, 1.025), (&LARGE, 1.01)] {
+        let (ratio, differences) = not(experiment);
+        eprintln!(
+            "{ratio:?} {differences:?} {:?}",
+            experiment.from_records_m(Variant::NotRecentred)
+        );
+        assert!((1.0..most).contains(&ratio.value), "{ratio:?}");
         for axis in differences {
-            assert!(axis.value.abs() < 2e-3, "{name}: {axis:?}");
+            assert!(axis.value.abs() < 2e-3, "{axis:?}");
         }
     }
 }
@@ -132,17 +143,15 @@ fn wrong_record_of_one_frame_is_named_in_every_run_and_others_as_often_as_tests_
             .all(|names| names.first().is_some_and(|one| one == "18"))
     );
     let others = named.iter().filter(|names| names.len() > 1).count();
-    assert!(others <= 2, "{others} of 20");
+    assert!(others <= 1, "{others} of 20: {named:?}");
 }
 
 #[test]
 fn good_records_are_named_as_seldom_as_tests_at_5_per_cent_may() {
-    let runs: Vec<BlockExperiment> = ["ixm-50.toml", "rc30.toml", "ixm-50-centred.toml"]
-        .map(experiment)
-        .into();
-    let all: Vec<&[String]> = runs.iter().flat_map(named).collect();
+    let runs = [&IXM_50, &CENTRED, &RC30, &SMALL, &LARGE];
+    let all: Vec<&[String]> = runs.into_iter().flat_map(|one| named(one)).collect();
     let wrong = u32::try_from(all.iter().filter(|names| !names.is_empty()).count()).unwrap();
-    let share = Estimate::of_probability(wrong, 60, 0.95);
+    let share = Estimate::of_probability(wrong, 100, 0.95);
     assert!(share.holds(0.05), "{share:?}");
 }
 
