@@ -8,7 +8,7 @@ use super::ADVANCED;
 
 /// Arguments of `block`.
 #[derive(Debug, Args)]
-pub struct BlockArgs {
+pub struct SimulatedBlockArgs {
     /// Scenario (TOML); host-sim/scenarios/block holds six, ixm-50.toml with every key explained.
     #[arg(long, value_name = "FILE")]
     pub scenario: PathBuf,

@@ -23,7 +23,7 @@ mod statistics;
 mod trajectory;
 mod vh;
 
-pub use block::BlockArgs;
+pub use block::SimulatedBlockArgs;
 pub use calibration::{
     AlongAxis, AnglesArgs, CalibrateArgs, CalibrationArgs, CalibrationMethod, Coefficients,
     Dlt2dArgs, Dlt3dArgs, FiveArgs, RegressOn, StaticP2,
@@ -203,7 +203,7 @@ pub enum Command {
     /// (exit 1) where a limit of the scenario is exceeded, a good record is named, or a wrong one is
     /// not.
     #[command(after_help = examples::BLOCK)]
-    Block(BlockArgs),
+    Block(SimulatedBlockArgs),
     /// Fly a mission in simulated time with the camera in the loop.
     ///
     /// Aircraft, V/H sensors, shutter and the mechanics of the stage are simulated; the camera's

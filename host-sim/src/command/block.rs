@@ -9,11 +9,11 @@ use fmc_simulation::block_experiment::experiment::{BlockError, BlockExperiment, 
 use fmc_simulation::block_experiment::scenario::Scenario;
 use indicatif::{ProgressBar, ProgressStyle};
 
-use crate::cli::BlockArgs;
+use crate::cli::SimulatedBlockArgs;
 use crate::failure::{Failure, note};
 use crate::formats::output::{self, OutputFolder};
 
-pub(super) fn run(args: &BlockArgs) -> Result<(), Failure> {
+pub(super) fn run(args: &SimulatedBlockArgs) -> Result<(), Failure> {
     let scenario = Scenario::read(&args.scenario)?;
     super::warn_of_distortion(&scenario.written.camera, &scenario.camera);
     let request = Request {
