@@ -32,7 +32,7 @@ pub struct Summary {
     pub check_points: f64,
     /// Adjustments that are compared.
     pub variants: Vec<VariantSummary>,
-    /// What the numbers say.
+    /// Conclusions from the numbers.
     pub findings: Vec<String>,
     /// Numbers that are compared with a limit.
     pub checks: Vec<LimitCheck>,

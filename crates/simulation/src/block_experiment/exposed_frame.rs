@@ -18,7 +18,7 @@ use crate::scene::attitude::Attitude;
 /// A frame as flown.
 #[derive(Debug, Clone)]
 pub struct ExposedFrame {
-    /// What was in front of the camera and in it.
+    /// Aircraft, ground, lens and stage of the exposure.
     pub scene: Scene,
     /// The camera's record, whose line is that of its file.
     pub record: RecordRow,
@@ -29,7 +29,7 @@ pub struct ExposedFrame {
 pub(super) struct PlannedExposure {
     /// c̄, mm.
     offset_mm: f64,
-    /// Δz, mm, with the run-out.
+    /// κ: enlargement by run-out and focus shift.
     enlargement: f64,
     /// Centroid after the trigger, s.
     centroid_after_trigger_s: f64,
