@@ -196,12 +196,12 @@ pub enum Command {
     ///
     /// Strips to and fro, and cross strips, are exposed physically: the detector moves from rest or
     /// centred as the camera's own code plans it, in wind, over relief, with the light's exposure
-    /// times. Every run has errors of its own in image points, positions, attitudes and control. The
-    /// bundle is adjusted with one principal point for all frames, with a shift of the positions per
-    /// strip, and with the records, distortion recentred or not; check points along the strips,
-    /// across and in height and σ0 are compared over all runs, with confidence intervals. Fails
-    /// (exit 1) where a limit of the scenario is exceeded, a good record is named, or a wrong one is
-    /// not.
+    /// times. Every run has errors of its own in image points, positions, attitudes and control.
+    /// The bundle is adjusted with one principal point for all frames, with a shift of the
+    /// positions per strip, and with the records, distortion recentred or not; check points along
+    /// the strips, across and in height and σ0 are compared over all runs, with confidence
+    /// intervals. Fails (exit 1) where a limit of the scenario is exceeded, a good record is named,
+    /// or a wrong one is not.
     #[command(after_help = examples::BLOCK)]
     Block(SimulatedBlockArgs),
     /// Fly a mission in simulated time with the camera in the loop.

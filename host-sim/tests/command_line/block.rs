@@ -69,17 +69,20 @@ fn report_says_what_records_buy_and_files_have_the_same_numbers() {
 fn same_seed_gives_the_same_files_on_any_number_of_threads() {
     let bench = bench("points = 5", "points = 0");
     for (folder, threads) in [("one", "1"), ("two", "2")] {
-        bench.run_with_env(
-            &[("RAYON_NUM_THREADS", threads)],
-            &[
-                "block",
-                "--scenario",
-                "scenario.toml",
-                "--runs",
-                "3",
-                "--out",
-                folder,
-            ],
+        let arguments = [
+            "block",
+            "--scenario",
+            "scenario.toml",
+            "--runs",
+            "3",
+            "--out",
+            folder,
+        ];
+        let mut command = bench.command(&arguments);
+        let output = command.env("RAYON_NUM_THREADS", threads).output().unwrap();
+        assert!(
+            bench.path(folder).join("summary.json").exists(),
+            "{output:?}"
         );
     }
     for name in [

@@ -115,11 +115,16 @@ fn recorded(
         .filter_map(|(number, point)| {
             let [u, v] = exposed.image_point(point.place_m)?.point_mm;
             let [du, dv] = noise.next([sigma_mm; 2]);
+            let measured_mm = [u + du, v + dv];
+            // At the edge an error may put a point off the sensor.
+            if !frame.scene.interior.contains(measured_mm) {
+                return None;
+            }
             let row = ImagePointRow {
                 line: line(number),
                 image: station.frame.to_string().into(),
                 point: name(number),
-                measured_mm: [u + du, v + dv],
+                measured_mm,
                 sigma_mm: Some(sigma_mm),
             };
             Some((number, row))
