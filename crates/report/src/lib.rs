@@ -6,6 +6,7 @@
 pub mod arrow;
 pub mod arrow_field;
 mod arrow_scale;
+pub mod block_experiment;
 pub mod budget;
 pub mod calibration;
 pub mod calibration_identity;

@@ -1,11 +1,12 @@
 //! Simulation of the camera in double precision: the physical exposure ([`scene`]), the stage under
-//! force ([`mechanics`]), flights with the camera in the loop ([`mission`]) and over ground control
-//! ([`strip_experiment`]), the judge of what the camera recorded ([`judge`]), and what follows from
-//! them for a camera ([`smear`], [`sweep`], [`budget`]) and over random missions ([`statistics`]).
-//! A seed makes every run repeatable.
+//! force ([`mechanics`]), flights with the camera in the loop ([`mission`]), over ground control
+//! ([`strip_experiment`]) and of blocks with records ([`block_experiment`]), the judge of what the
+//! camera recorded ([`judge`]), and what follows from them for a camera ([`smear`], [`sweep`],
+//! [`budget`]) and over random missions ([`statistics`]). A seed makes every run repeatable.
 
 #![forbid(unsafe_code)]
 
+pub mod block_experiment;
 pub mod budget;
 pub mod judge;
 pub mod mechanics;

@@ -135,6 +135,11 @@ Examples:
   host-sim strip --scenario host-sim/scenarios/strip.toml --out strip
   host-sim strip --scenario host-sim/scenarios/yuan-2012.toml --out paper";
 
+pub(super) const BLOCK: &str = "\
+Examples:
+  host-sim block --scenario host-sim/scenarios/block/ixm-50.toml --out block
+  host-sim block --scenario host-sim/scenarios/block/rc30.toml --runs 100";
+
 pub(super) const MISSION: &str = "\
 Examples:
   host-sim mission --out mission

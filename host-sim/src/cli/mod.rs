@@ -4,6 +4,7 @@ use std::path::PathBuf;
 
 use clap::{Args, Parser, Subcommand, ValueEnum};
 
+mod block;
 mod calibration;
 mod camera;
 mod camera_file;
@@ -22,6 +23,7 @@ mod statistics;
 mod trajectory;
 mod vh;
 
+pub use block::SimulatedBlockArgs;
 pub use calibration::{
     AlongAxis, AnglesArgs, CalibrateArgs, CalibrationArgs, CalibrationFiles, CalibrationMethod,
     Coefficients, Dlt2dArgs, Dlt3dArgs, FiveArgs, GridArgs, GridPart, RegressOn, StaticP2,
@@ -190,6 +192,18 @@ pub enum Command {
     /// The second example repeats the paper's 0.29 m and 0.18 m.
     #[command(visible_alias = "flight", after_help = examples::STRIP)]
     Strip(StripArgs),
+    /// Fly and adjust a block of aerial images, with and without the records of its flight.
+    ///
+    /// Strips to and fro, and cross strips, are exposed physically: the detector moves from rest or
+    /// centred as the camera's own code plans it, in wind, over relief, with the light's exposure
+    /// times. Every run has errors of its own in image points, positions, attitudes and control.
+    /// The bundle is adjusted with one principal point for all frames, with a shift of the
+    /// positions per strip, and with the records, distortion recentred or not; check points along
+    /// the strips, across and in height and σ0 are compared over all runs, with confidence
+    /// intervals. Fails (exit 1) where a limit of the scenario is exceeded, a good record is named,
+    /// or a wrong one is not.
+    #[command(after_help = examples::BLOCK)]
+    Block(SimulatedBlockArgs),
     /// Fly a mission in simulated time with the camera in the loop.
     ///
     /// Aircraft, V/H sensors, shutter and the mechanics of the stage are simulated; the camera's

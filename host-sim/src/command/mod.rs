@@ -1,5 +1,6 @@
 //! The commands.
 
+mod block;
 mod budget;
 mod calibrate;
 mod camera;
@@ -62,6 +63,7 @@ pub fn run(cli: Cli) -> Result<(), Failure> {
         Command::Smear(args) => smear::run(&args),
         Command::Sweep(args) => sweep::run(&args),
         Command::Strip(args) => strip::run(&args),
+        Command::Block(args) => block::run(&args),
         Command::Mission(args) => mission::run(&args),
         Command::Statistics(args) => statistics::run(&args),
         Command::Records(args) => records::run(&args),

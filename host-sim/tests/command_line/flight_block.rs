@@ -1,10 +1,13 @@
 //! Simulated block of aerial images with the records of a camera whose detector moves: four strips
-//! of ten frames to and fro, f = 50 mm, 700 m above ground, 60 and 30 % overlap.
+//! of ten frames to and fro, f = 50 mm, 700 m above ground, 60 and 30 % overlap, in files.
 
 use std::fmt::Write as _;
 use std::fs;
+use std::path::PathBuf;
 
-use fastrand::Rng;
+use fmc_adjustment::bundle::tables::{NetworkTables, RowRole};
+use fmc_simulation::block_experiment::flown_block::FlownBlock;
+use fmc_simulation::block_experiment::scenario::Scenario;
 
 use crate::command_line::support::Bench;
 
@@ -14,26 +17,34 @@ const CAMERA: &str = "name = \"Block\"\nprincipal_distance_mm = 50.0\n\
                       [distortion]\nsign = \"distortion\"\nk1 = -2.0e-6\n\
                       [fmc]\nstroke_mm = 1.0\n";
 
-const F_MM: f64 = 50.0;
-const PRINCIPAL_POINT_MM: [f64; 2] = [0.02, -0.01];
-const K1: f64 = -2e-6;
-const HEIGHT_M: f64 = 700.0;
-const HALF_MM: [f64; 2] = [26.7, 20.0];
-
-/// σ of image points, 0.3 px of 3.76 µm, mm; of positions, m; of pitch, roll and yaw, degrees.
-const SIGMA_MM: f64 = 1.128e-3;
-const GNSS_M: [f64; 3] = [0.03, 0.03, 0.04];
-const ATTITUDE_DEG: [f64; 3] = [0.003, 0.003, 0.006];
-
-/// Centroid of the exposure after the trigger, s: as in MODEL.md 2, 5 ms settling, 1/300 s.
-const CENTROID_S: f64 = 0.012;
+const SCENARIO: &str = r#"name = "Block"
+camera = "camera.toml"
+[block]
+strips = 4
+frames = 10
+points_per_frame = 40
+[flight]
+height_m = 700.0
+speed_m_s = 75.0
+wind_m_s = 15.0
+exposure_s = [0.0033333333333, 0.0033333333333]
+focus_spread_um = 1.0
+[terrain]
+relief_m = 28.0
+wavelength_m = 900.0
+[sigma]
+image_um = 1.128
+position_m = [0.03, 0.03, 0.04]
+attitude_deg = [0.003, 0.003, 0.006]
+record_um = 0.05
+"#;
 
 /// Strategy of the stage.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(crate) enum RunUp {
     /// From rest at the calibrated position.
     FromRest,
-    /// The centroid falls on the calibrated principal point within 0.05 µm.
+    /// The centroid falls on the calibrated principal point.
     Centred,
 }
 
@@ -50,147 +61,113 @@ pub(crate) struct Block {
     pub(crate) scale: f64,
 }
 
-/// Standard normal deviate (Box and Muller 1958).
-fn normal(random: &mut Rng) -> f64 {
-    let (u, v) = (1.0 - random.f64(), random.f64());
-    (-2.0 * u.ln()).sqrt() * (std::f64::consts::TAU * v).cos()
-}
-
 impl Block {
-    /// c̄ at a speed over ground, mm: run-up at 1 m/s², 5 ms settling, half of 1/300 s.
-    fn offset_mm(&self, speed_m_s: f64, random: &mut Rng) -> f64 {
-        let v = F_MM * speed_m_s / HEIGHT_M;
-        match self.run_up {
-            RunUp::FromRest => v * v / 2000.0 + v * (0.005 + 1.0 / 600.0),
-            RunUp::Centred => 1e-4 * (random.f64() - 0.5),
-        }
-    }
-
     /// Writes `camera.toml`, `image_points.csv`, `points.csv`, `images.csv` and `records.csv`.
     pub(crate) fn bench(&self) -> Bench {
-        let mut random = Rng::with_seed(self.seed);
-        let ground = ground();
-        let mut rays: Vec<(u32, usize, [f64; 2])> = Vec::new();
-        let mut images =
-            "image,x_m,y_m,z_m,pitch_deg,roll_deg,yaw_deg,sigma_x_m,sigma_y_m,sigma_z_m,\
-                          sigma_pitch_deg,sigma_roll_deg,sigma_yaw_deg,vx_m_s,vy_m_s,vz_m_s,strip\n"
-                .to_owned();
-        let mut records = "sequence,trigger_us,outcome,centroid_us,principal_point_x_mm,\
-                           principal_point_y_mm,principal_point_sigma_mm,centroid_offset_mm,\
-                           focus_shift_mm\n"
-            .to_owned();
-        for frame in 1..=40_u32 {
-            let (strip, place) = ((frame - 1) / 10, f64::from((frame - 1) % 10));
-            // Downwind and upwind; e = +y of the sensor points along the flight.
-            let (sign, speed) = if strip % 2 == 0 {
-                (1.0, 90.0)
-            } else {
-                (-1.0, 60.0)
-            };
-            let along = if sign > 0.0 { place } else { 9.0 - place };
-            let centre = [224.0 * along, 523.0 * f64::from(strip), HEIGHT_M];
-            let offset = self.offset_mm(speed, &mut random);
-            let focus_shift = 0.004 * (random.f64() - 0.5);
-            let enlarged = 1.0 + focus_shift / F_MM;
-            for (number, [x, y, z]) in ground.iter().enumerate() {
-                let depth = centre[2] - z;
-                // Camera axes: y along the flight, x to its right.
-                let ideal = [
-                    -F_MM * sign * (y - centre[1]) / depth,
-                    F_MM * sign * (x - centre[0]) / depth,
-                ];
-                let mut about = ideal;
-                for _ in 0..30 {
-                    let r2 = about[0] * about[0] + about[1] * about[1];
-                    about = [0, 1].map(|axis| ideal[axis] + K1 * r2 * about[axis]);
-                }
-                let noise = [normal(&mut random), normal(&mut random)];
-                let measured = [0, 1].map(|axis| {
-                    let e = [0.0, 1.0][axis];
-                    PRINCIPAL_POINT_MM[axis]
-                        + (1.0 + self.scale) * offset * e
-                        + enlarged * about[axis]
-                        + SIGMA_MM * noise[axis]
-                });
-                if measured[0].abs() < HALF_MM[0] && measured[1].abs() < HALF_MM[1] {
-                    rays.push((frame, number, measured));
-                }
-            }
-            let velocity = sign * speed;
-            let before = if self.at_trigger {
-                velocity * CENTROID_S
-            } else {
-                0.0
-            };
-            let [x, y, z] = [0, 1, 2].map(|axis| centre[axis] + GNSS_M[axis] * normal(&mut random));
-            let [pitch, roll, yaw] = ATTITUDE_DEG.map(|sigma| sigma * normal(&mut random));
-            writeln!(
-                images,
-                "{frame},{},{y},{z},{pitch},{roll},{},0.03,0.03,0.04,0.003,0.003,0.006,{velocity},0,0,s{strip}",
-                x - before,
-                yaw - 90.0 * sign,
-            )
-            .unwrap();
-            let recorded = offset + if frame == 18 { self.fault_mm } else { 0.0 };
-            writeln!(
-                records,
-                "{frame},{},exposed,{},{},{},0.0005,{recorded},{focus_shift}",
-                2_000_000 * frame,
-                2_000_000 * frame + 12_000,
-                PRINCIPAL_POINT_MM[0],
-                PRINCIPAL_POINT_MM[1] + recorded,
-            )
-            .unwrap();
-        }
-        let [image_points, points] = point_tables(&ground, &rays);
         let bench = Bench::with(CAMERA, b"");
+        let block = FlownBlock::fly(&self.scenario(bench.path(".")), self.seed, 1).unwrap();
+        let [image_points, points] = point_tables(&block.tables);
         for (name, text) in [
             ("image_points.csv", image_points),
             ("points.csv", points),
-            ("images.csv", images),
-            ("records.csv", records),
+            ("images.csv", self.images(&block)),
+            ("records.csv", self.records(&block)),
         ] {
             fs::write(bench.path(name), text).unwrap();
         }
         bench
     }
-}
 
-/// Returns points on a grid of 100 m, 60 m of relief, all of them the same for every seed.
-fn ground() -> Vec<[f64; 3]> {
-    let mut field = Rng::with_seed(11);
-    (0..26 * 24)
-        .map(|number| {
-            let mut jitter = || 60.0 * (field.f64() - 0.5);
-
-            let (column, row) = (f64::from(number % 26), f64::from(number / 26));
-            [
-                100.0 * column - 230.0 + jitter(),
-                100.0 * row - 330.0 + jitter(),
-                0.9 * jitter() + 28.0,
-            ]
-        })
-        .collect()
-}
-
-/// Returns the text of `image_points.csv` and `points.csv`: a third of the inner points is check.
-fn point_tables(ground: &[[f64; 3]], rays: &[(u32, usize, [f64; 2])]) -> [String; 2] {
-    let mut seen = vec![0; ground.len()];
-    for (_, number, _) in rays {
-        seen[*number] += 1;
+    fn scenario(&self, folder: PathBuf) -> Scenario {
+        let run_up = match self.run_up {
+            RunUp::FromRest => "from-rest",
+            RunUp::Centred => "centred",
+        };
+        let mut text = SCENARIO.replace("[terrain]", &format!("run_up = \"{run_up}\"\n[terrain]"));
+        if self.fault_mm != 0.0 {
+            let by_um = 1000.0 * self.fault_mm;
+            writeln!(text, "[wrong_record]\nframe = 18\nby_um = {by_um:.3}").unwrap();
+        }
+        Scenario::parse("scenario.toml", &text, &folder).unwrap()
     }
+
+    fn records(&self, block: &FlownBlock) -> String {
+        let mut text = "sequence,trigger_us,outcome,centroid_us,principal_point_x_mm,\
+                        principal_point_y_mm,principal_point_sigma_mm,centroid_offset_mm,\
+                        focus_shift_mm\n"
+            .to_owned();
+        let ([x0, y0], [ex, ey]) = (block.records.principal_point_mm, block.records.direction);
+        for row in &block.records.table.rows {
+            let trigger_us = 2_000_000 * row.sequence;
+            let offset = row.offset_mm / (1.0 + self.scale);
+            // The camera file gives no exit pupil: it is f away.
+            let focus_shift = 50.0 * row.enlargement;
+            writeln!(
+                text,
+                "{},{trigger_us},exposed,{},{:.9},{:.9},{},{offset:.9},{focus_shift:.9}",
+                row.sequence,
+                f64::from(trigger_us) + centroid_us(row.centroid_after_trigger_s),
+                x0 + offset * ex,
+                y0 + offset * ey,
+                row.sigma_mm
+            )
+            .unwrap();
+        }
+        text
+    }
+
+    fn images(&self, block: &FlownBlock) -> String {
+        let mut text =
+            "image,x_m,y_m,z_m,pitch_deg,roll_deg,yaw_deg,sigma_x_m,sigma_y_m,sigma_z_m,\
+                        sigma_pitch_deg,sigma_roll_deg,sigma_yaw_deg,vx_m_s,vy_m_s,vz_m_s,strip\n"
+                .to_owned();
+        let rows = &block.tables.images.as_ref().unwrap().rows;
+        for (row, record) in rows.iter().zip(&block.records.table.rows) {
+            let [x, y, z] = row.position_m;
+            let [vx, vy, vz] = row.velocity_m_s.unwrap();
+            let seconds = if self.at_trigger {
+                1e-6 * centroid_us(record.centroid_after_trigger_s)
+            } else {
+                0.0
+            };
+            let [pitch, roll, yaw] = row.attitude_deg;
+            let sigmas = row.sigmas.map(|sigma| sigma.unwrap().to_string()).join(",");
+            writeln!(
+                text,
+                "{},{},{},{z},{pitch},{roll},{yaw},{sigmas},{vx},{vy},{vz},{}",
+                row.image,
+                x - seconds * vx,
+                y - seconds * vy,
+                row.strip.as_ref().unwrap()
+            )
+            .unwrap();
+        }
+        text
+    }
+}
+
+/// Centroid after the trigger in whole microseconds, as a record states it.
+fn centroid_us(after_trigger_s: Option<f64>) -> f64 {
+    (1e6 * after_trigger_s.unwrap()).round()
+}
+
+/// Returns the text of `image_points.csv` and `points.csv`.
+fn point_tables(tables: &NetworkTables) -> [String; 2] {
     let mut image_points = "image,point,x_mm,y_mm,sigma_um\n".to_owned();
-    for (frame, number, [x, y]) in rays.iter().filter(|(_, number, _)| seen[*number] > 1) {
-        writeln!(image_points, "{frame},p{number},{x},{y},1.128").unwrap();
+    for row in &tables.image_points.rows {
+        let ([x, y], sigma_um) = (row.measured_mm, 1000.0 * row.sigma_mm.unwrap());
+        writeln!(
+            image_points,
+            "{},{},{x},{y},{sigma_um}",
+            row.image, row.point
+        )
+        .unwrap();
     }
     let mut points = "point,x_m,y_m,z_m,role\n".to_owned();
-    for (number, [x, y, z]) in ground.iter().enumerate().filter(|(_, point)| {
-        // The edge of the block has two rays alone.
-        (100.0..1900.0).contains(&point[0]) && (0.0..1500.0).contains(&point[1])
-    }) {
-        if number % 3 == 0 && seen[number] > 1 {
-            writeln!(points, "p{number},{x},{y},{z},check").unwrap();
-        }
+    for row in &tables.object_points.rows {
+        assert_eq!(row.role, RowRole::Check);
+        let [x, y, z] = row.position_m;
+        writeln!(points, "{},{x},{y},{z},check", row.point).unwrap();
     }
     [image_points, points]
 }

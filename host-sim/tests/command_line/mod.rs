@@ -9,6 +9,8 @@ mod bad_points;
 #[cfg(test)]
 mod bad_request;
 #[cfg(test)]
+mod block;
+#[cfg(test)]
 mod budget;
 #[cfg(test)]
 mod calibrate_angles;

@@ -3,10 +3,12 @@
 
 use nalgebra::Vector3;
 
-use super::calibration::BundleCalibration;
+use super::calibration::{BundleCalibration, CalibrationOptions};
+use super::error::BundleCalibrationError;
 use super::network::PointRole;
 use super::snooping::critical_values;
 use super::state::State;
+use super::tables::NetworkTables;
 use super::tested::Tests;
 use crate::calibration::result::residual::TestedResidual;
 
@@ -15,6 +17,9 @@ pub const CROSSING_SINE: f64 = 0.5;
 
 /// Control points that show records of the wrong sign.
 pub const LEAST_CONTROL: usize = 5;
+
+/// Largest number of records that are named one after the other.
+pub const MOST_NAMED: usize = 10;
 
 /// Test of the record of one image.
 #[derive(Debug, Clone, PartialEq)]
@@ -68,6 +73,41 @@ impl RecordTests {
         suspects.sort_by(|a, b| value(b).total_cmp(&value(a)));
         suspects
     }
+}
+
+/// Names the records that are wrong, one after the other: the worst above the critical value, then
+/// the worst of an adjustment without the observed position of its image, which may pull its
+/// neighbours along. At most [`MOST_NAMED`].
+///
+/// # Errors
+/// [`BundleCalibrationError`] of a further adjustment.
+pub fn wrong_records(
+    calibration: &BundleCalibration,
+    tables: &NetworkTables,
+    options: &CalibrationOptions,
+    direction: [f64; 2],
+) -> Result<Vec<String>, BundleCalibrationError> {
+    let worst = |calibration: &BundleCalibration| {
+        let tests = RecordTests::of(calibration, direction);
+        tests.suspects().first().map(|test| test.image.clone())
+    };
+    let mut tables = tables.clone();
+    let mut named = Vec::new();
+    let mut next = worst(calibration);
+    while let Some(image) = next.take().filter(|_| named.len() < MOST_NAMED) {
+        let rows = tables.images.iter_mut().flat_map(|images| &mut images.rows);
+        for row in rows.filter(|row| *row.image == *image) {
+            let [.., pitch, roll, yaw] = row.sigmas;
+            row.sigmas = [None, None, None, pitch, roll, yaw];
+        }
+        named.push(image);
+        next = worst(&BundleCalibration::new(
+            &tables,
+            calibration.start,
+            options,
+        )?);
+    }
+    Ok(named)
 }
 
 /// Returns true if all principal points move along one line of the ground and fewer than
