@@ -4,7 +4,6 @@
 use std::collections::{HashMap, HashSet};
 
 use fmc_camera_file::InputError;
-
 use nalgebra::Vector2;
 
 use super::interior::Interior;

@@ -6,8 +6,8 @@ use fmc_adjustment::bundle::tables::{
 };
 use fmc_camera::flight::camera::FrameError;
 
-use super::exposed_frame::{ExposedFrame, sensor_pose};
 use super::flight_plan::Station;
+use super::flown_image::{FlownImage, sensor_pose};
 use super::ground_points::{GroundPoint, ground_points};
 use super::scenario::Scenario;
 use crate::noise::Noise;
@@ -32,7 +32,7 @@ impl FlownBlock {
         let mut image_points = Vec::new();
         let (mut images, mut records) = (Vec::new(), Vec::new());
         for station in &scenario.plan.stations {
-            let frame = ExposedFrame::new(scenario, station, &mut noise)?;
+            let frame = FlownImage::new(scenario, station, &mut noise)?;
             image_points.extend(recorded(scenario, station, &frame, &ground, &mut noise));
             images.push(observed(scenario, station, &frame, &mut noise));
             records.push(frame.record);
@@ -95,7 +95,7 @@ impl FlownBlock {
 fn recorded(
     scenario: &Scenario,
     station: &Station,
-    frame: &ExposedFrame,
+    frame: &FlownImage,
     ground: &[GroundPoint],
     noise: &mut Noise,
 ) -> Vec<(usize, ImagePointRow)> {
@@ -136,7 +136,7 @@ fn recorded(
 fn observed(
     scenario: &Scenario,
     station: &Station,
-    frame: &ExposedFrame,
+    frame: &FlownImage,
     noise: &mut Noise,
 ) -> ImageRow {
     let exposed = frame.scene.expose(0.0);

@@ -6,11 +6,13 @@
 //! across, z up.
 
 pub mod experiment;
-pub mod exposed_frame;
+
 pub mod flight_plan;
 pub mod flown_block;
+pub mod flown_image;
 mod ground_points;
 pub mod outcome;
+mod planned_exposure;
 pub mod scenario;
 pub mod scenario_file;
 mod scenario_range;

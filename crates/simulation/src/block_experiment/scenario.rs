@@ -6,8 +6,8 @@ use fmc_camera::Camera;
 use fmc_camera_file::toml_text::TomlText;
 use fmc_camera_file::{CameraFile, InputError};
 
-use super::exposed_frame;
 use super::flight_plan::{FlightPlan, Station, ground_speeds_m_s};
+use super::planned_exposure::planned;
 use super::scenario_file::ScenarioFile;
 use super::scenario_range;
 use crate::range::{Range, SPEED, whole};
@@ -125,7 +125,7 @@ impl Scenario {
                 let height_m = flight.height_m - terrain.height_m - relief_m;
                 let vh_per_s = speed_m_s / height_m;
                 for exposure_s in flight.exposure_s {
-                    exposed_frame::planned(&self.planner, vh_per_s, exposure_s, 0.0).map_err(
+                    planned(&self.planner, vh_per_s, exposure_s, 0.0).map_err(
                         |error| {
                             text.invalid(
                                 &["flight", "height_m"],

@@ -2,14 +2,12 @@
 
 use fmc_adjustment::bundle::pose::Pose;
 use fmc_adjustment::bundle::records::RecordRow;
-use fmc_camera::Camera;
 use fmc_camera::flight::camera::FrameError;
-use fmc_camera::flight::exposure::Exposure;
-use fmc_camera_file::number::single;
 use fmc_reference::exposure::ExposureRequest;
 use nalgebra::{Matrix3, Rotation3, Vector3};
 
 use super::flight_plan::Station;
+use super::planned_exposure::planned;
 use super::scenario::Scenario;
 use crate::noise::Noise;
 use crate::scene::Scene;
@@ -17,49 +15,14 @@ use crate::scene::attitude::Attitude;
 
 /// A frame as flown.
 #[derive(Debug, Clone)]
-pub struct ExposedFrame {
+pub struct FlownImage {
     /// Aircraft, ground, lens and stage of the exposure.
     pub scene: Scene,
     /// The camera's record, whose line is that of its file.
     pub record: RecordRow,
 }
 
-/// Exposure as the camera plans it.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub(super) struct PlannedExposure {
-    /// c̄, mm.
-    offset_mm: f64,
-    /// κ: enlargement by run-out and focus shift.
-    enlargement: f64,
-    /// Centroid after the trigger, s.
-    centroid_after_trigger_s: f64,
-}
-
-/// Plans an exposure by the camera's own code.
-///
-/// # Errors
-/// [`FrameError`] for an exposure that the camera refuses.
-pub(super) fn planned(
-    camera: &Camera,
-    vh_per_s: f64,
-    exposure_s: f64,
-    focus_shift_um: f64,
-) -> Result<PlannedExposure, FrameError> {
-    let exposure = Exposure {
-        focus_shift_um: single(focus_shift_um),
-        ..Exposure::new(single(vh_per_s), single(exposure_s))
-    };
-    let interior = camera.frame(&exposure)?.interior;
-    let start_mm = camera.plan(&exposure)?.start_mm;
-    let travel = camera.travel(start_mm, &exposure, 0.0)?;
-    Ok(PlannedExposure {
-        offset_mm: f64::from(interior.motion.centroid_mm),
-        enlargement: f64::from(interior.enlargement),
-        centroid_after_trigger_s: f64::from(travel.opening_s + interior.motion.centroid_time_s),
-    })
-}
-
-impl ExposedFrame {
+impl FlownImage {
     /// Exposes a frame at its station, with the run's light, attitude, focus and error of the
     /// stage.
     ///
