@@ -3,7 +3,7 @@
 
 use std::fmt::Write as _;
 use std::fs;
-use std::path::PathBuf;
+use std::path::Path;
 
 use fmc_adjustment::bundle::tables::{NetworkTables, RowRole};
 use fmc_simulation::block_experiment::flown_block::FlownBlock;
@@ -65,7 +65,7 @@ impl Block {
     /// Writes `camera.toml`, `image_points.csv`, `points.csv`, `images.csv` and `records.csv`.
     pub(crate) fn bench(&self) -> Bench {
         let bench = Bench::with(CAMERA, b"");
-        let block = FlownBlock::fly(&self.scenario(bench.path(".")), self.seed, 1).unwrap();
+        let block = FlownBlock::fly(&self.scenario(&bench.path(".")), self.seed, 1).unwrap();
         let [image_points, points] = point_tables(&block.tables);
         for (name, text) in [
             ("image_points.csv", image_points),
@@ -78,7 +78,7 @@ impl Block {
         bench
     }
 
-    fn scenario(&self, folder: PathBuf) -> Scenario {
+    fn scenario(&self, folder: &Path) -> Scenario {
         let run_up = match self.run_up {
             RunUp::FromRest => "from-rest",
             RunUp::Centred => "centred",
@@ -88,7 +88,7 @@ impl Block {
             let by_um = 1000.0 * self.fault_mm;
             writeln!(text, "[wrong_record]\nframe = 18\nby_um = {by_um:.3}").unwrap();
         }
-        Scenario::parse("scenario.toml", &text, &folder).unwrap()
+        Scenario::parse("scenario.toml", &text, folder).unwrap()
     }
 
     fn records(&self, block: &FlownBlock) -> String {

@@ -1,5 +1,7 @@
 //! Block as flown and observed once: the tables of its adjustment and the records of its flight.
 
+use std::collections::HashMap;
+
 use fmc_adjustment::bundle::records::FlightRecords;
 use fmc_adjustment::bundle::tables::{
     ImagePointRow, ImageRow, NetworkTables, ObjectPointRow, RowRole, Table,
@@ -78,6 +80,7 @@ impl FlownBlock {
                     rows: images,
                 }),
                 scale_bars: None,
+                stages: HashMap::new(),
             },
             records: FlightRecords {
                 table: Table {
@@ -86,6 +89,7 @@ impl FlownBlock {
                 },
                 direction: scenario.camera.fmc.axis.unit(),
                 principal_point_mm: scenario.camera.principal_point_mm,
+                lever_mm: scenario.camera.exit_pupil_mm(),
             },
         })
     }
