@@ -164,8 +164,8 @@ pub struct AnglesArgs {
 #[derive(Debug, Args)]
 pub struct GridArgs {
     /// CSV with a header, columns in any order: `x_mm,y_mm` (measured point, sensor frame) or
-    /// `col_px,row_px`; `dx_um,dy_um` (distortion there, measured - ideal, about principal point and
-    /// principal distance of the camera file); optional `stage_offset_mm`, without which it is 0.
+    /// `col_px,row_px`; `dx_um,dy_um` (distortion there, measured - ideal, about the interior
+    /// orientation of the camera file); optional `stage_offset_mm`, without which it is 0.
     #[arg(value_name = "TABLE.csv")]
     pub table: PathBuf,
     /// Files of every method.
