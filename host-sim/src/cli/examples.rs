@@ -111,9 +111,9 @@ Examples:
 
 pub(super) const CALIBRATE_GRID: &str = "\
 Examples:
-  host-sim calibrate grid table.csv --camera my.toml --pitch-mm 2 --out calibrated
+  host-sim calibrate grid table.csv --camera my.toml --pitch-mm 2 --out grid
   host-sim calibrate grid table.csv --camera my.toml --pitch-mm 2 \\
-      --frame both --estimate k1,k2,k3 --out calibrated";
+      --frame both --estimate k1,k2,k3 --out grid";
 
 pub(super) const SMEAR: &str = "\
 Examples:
