@@ -6,7 +6,7 @@ use fmc_reference::lens::Lens;
 
 use super::calibrated_grid::CalibratedGrid;
 use super::design::Place;
-use super::fit::fit;
+use super::fit::{fit, fit_noisy};
 use super::lattice::Lattice;
 use super::outcome;
 use super::plausibility;
@@ -83,11 +83,12 @@ pub fn grid_calibration(
         run_out: RunOut::of(request.camera),
         grids,
     };
-    let found = fit(&question)?;
     let alone = fit(&GridRequest {
         grids: Vec::new(),
         ..question.clone()
     })?;
+    let of_polynomial = TableErrors::of(&alone.residuals_mm);
+    let found = fit_noisy(&question, of_polynomial.rms_mm)?;
     let grids = found
         .grids
         .iter()
@@ -102,7 +103,7 @@ pub fn grid_calibration(
         largest_sigma_mm: 1e-3 * result.sigma0 * largest.sqrt(),
         result,
         grids,
-        of_polynomial: TableErrors::of(&alone.residuals_mm),
+        of_polynomial,
         left_by_polynomial_mm: alone.residuals_mm,
         of_camera: TableErrors::of(&of_camera),
     })

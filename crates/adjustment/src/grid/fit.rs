@@ -11,10 +11,11 @@ use super::lattice::Lattice;
 use super::reduced::Reduced;
 use super::request::GridRequest;
 use super::smoother::{Smoother, Undetermined};
+use crate::calibration::snooping::count;
 
-/// Weight of a squared second difference of coefficients, of that of an observation: 0.1 nm of bias
-/// for 3 µm in waves of ten nodes, and a determined coefficient where no observation lies.
-const CURVATURE_WEIGHT: f64 = 1e-6;
+/// Least weight of a squared second difference of coefficients, of that of an observation: 0.1 nm
+/// of bias for 3 µm in waves of ten nodes, and a determined coefficient where no observation lies.
+const LEAST_CURVATURE_WEIGHT: f64 = 1e-6;
 
 /// Weight of a squared coefficient: of the many pairs of polynomial and grid that differ by a
 /// plane, the one with the smallest grid.
@@ -78,7 +79,7 @@ impl GridFit {
 /// # Model
 /// `D(x) = κ·r + polynomial(r) + G_lens((x - c·e)/(1+κ)) + G_sensor(x)` with
 /// `r = (x - x0 - c·e)/(1+κ)`, linear in all coefficients: the sum of the squared residuals, of
-/// `CURVATURE_WEIGHT` times the squared second differences of the grids' coefficients, and of
+/// `LEAST_CURVATURE_WEIGHT` times the squared second differences of the grids' coefficients, and of
 /// `COEFFICIENT_WEIGHT` times their squares, is least. The grids are eliminated, which leaves the
 /// normal equations of the polynomial. Cofactors and leverages take both penalties as observations.
 ///
@@ -86,6 +87,36 @@ impl GridFit {
 /// [`InputError`] that names the file, for an empty table, a point outside a grid, and for a table
 /// of one stage position from which both grids are asked for.
 pub fn fit(request: &GridRequest<'_>) -> Result<GridFit, InputError> {
+    weighted(request, LEAST_CURVATURE_WEIGHT)
+}
+
+/// Fits polynomial and grids to a table with noise.
+///
+/// # Model
+/// As [`fit`], with the weight (σ0/s)² of a second difference: s, the root of the mean square of
+/// what the polynomial leaves, is the size that second differences are expected to have, σ0 that of
+/// the residuals of [`fit`]. Without it, noise is carried to the nodes beyond the border, and with
+/// two grids from one to the other, a hundredfold.
+///
+/// # Errors
+/// As [`fit`].
+pub(super) fn fit_noisy(
+    request: &GridRequest<'_>,
+    left_by_polynomial_rms_mm: f64,
+) -> Result<GridFit, InputError> {
+    let found = fit(request)?;
+    let squares: f64 = found.residuals_mm.iter().flatten().map(|v| v * v).sum();
+    let redundancy = count(2 * found.residuals_mm.len()) - found.effective_unknowns();
+    let variance = squares / redundancy.max(1.0);
+    let weight = variance / left_by_polynomial_rms_mm.powi(2);
+    if weight > LEAST_CURVATURE_WEIGHT {
+        weighted(request, weight.min(1.0))
+    } else {
+        Ok(found)
+    }
+}
+
+fn weighted(request: &GridRequest<'_>, curvature_weight: f64) -> Result<GridFit, InputError> {
     let file = &request.file;
     let invalid = |text: String| InputError::invalid(format!("{file}: {text}"));
     check(request).map_err(invalid)?;
@@ -95,7 +126,7 @@ pub fn fit(request: &GridRequest<'_>) -> Result<GridFit, InputError> {
     let smoother = Smoother::new(
         &design,
         &penalties(request),
-        CURVATURE_WEIGHT,
+        curvature_weight,
         request
             .grids
             .iter()

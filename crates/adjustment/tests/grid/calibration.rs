@@ -123,7 +123,9 @@ fn sigma_is_the_spread_of_the_errors() {
     let sigma0 = rms(&sigma0);
     assert!((sigma0 / 0.1 - 1.0).abs() < 0.03, "{sigma0} µm");
     let spread = rms(&in_sigma);
-    assert!((spread - 1.0).abs() < 0.05, "{spread} σ");
+    // σ counts on structure with second differences as large as all that the polynomial leaves; that
+    // of this lens is smoother, so that σ is 5 % too large.
+    assert!((0.92..1.0).contains(&spread), "{spread} σ");
 }
 
 #[test]
@@ -155,4 +157,29 @@ fn wrong_row_and_empty_cells_are_warned_of() {
     let found = calibrated(&rows, &camera, &LENS).unwrap();
     let warnings = found.result.warnings.join("\n");
     assert!(warnings.contains("the grid follows"), "{warnings}");
+}
+
+/// With the least weight of second differences they reach 95 µm, a slope of 0.024 and errors of 41 nm
+/// rms: nodes beyond the border, and what differs along the stage's axis alone.
+#[test]
+fn both_grids_of_a_table_with_noise_do_not_carry_it_from_one_to_the_other() {
+    let camera = camera();
+    let mut random = fastrand::Rng::with_seed(11);
+    let mut rows = table(&[-0.9, 0.0, 0.9]);
+    for value in rows.iter_mut().flat_map(|row| &mut row.distortion_mm) {
+        // Evenly between ±0.17 µm: σ = 0.1 µm.
+        *value += 3.4641e-4 * (random.f64() - 0.5);
+    }
+    let found = calibrated(&rows, &camera, &BOTH).unwrap();
+    for grid in &found.grids {
+        assert!(
+            grid.largest_mm < 25e-3,
+            "{:?}: {} mm",
+            grid.carrier,
+            grid.largest_mm
+        );
+        assert!(grid.slope < 3e-3, "{:?}: {}", grid.carrier, grid.slope);
+    }
+    let errors = errors_nm(&found, 0.4);
+    assert!(rms(&errors) < 35.0, "{} nm rms", rms(&errors));
 }
