@@ -123,8 +123,8 @@ fn sigma_is_the_spread_of_the_errors() {
     let sigma0 = rms(&sigma0);
     assert!((sigma0 / 0.1 - 1.0).abs() < 0.03, "{sigma0} µm");
     let spread = rms(&in_sigma);
-    // σ counts on structure with second differences as large as all that the polynomial leaves; that
-    // of this lens is smoother, so that σ is 5 % too large.
+    // σ counts on structure with second differences as large as all that the polynomial leaves;
+    // that of this lens is smoother, so that σ is 5 % too large.
     assert!((0.92..1.0).contains(&spread), "{spread} σ");
 }
 
@@ -159,8 +159,8 @@ fn wrong_row_and_empty_cells_are_warned_of() {
     assert!(warnings.contains("the grid follows"), "{warnings}");
 }
 
-/// With the least weight of second differences they reach 95 µm, a slope of 0.024 and errors of 41 nm
-/// rms: nodes beyond the border, and what differs along the stage's axis alone.
+/// With the least weight of second differences they reach 95 µm, a slope of 0.024 and errors of 41
+/// nm rms: nodes beyond the border, and what differs along the stage's axis alone.
 #[test]
 fn both_grids_of_a_table_with_noise_do_not_carry_it_from_one_to_the_other() {
     let camera = camera();
