@@ -64,7 +64,7 @@ pub enum CalibrationMethod {
     /// camera adds.
     ///
     /// Polynomial and grid are fitted together. The camera file names the files of the grids in its
-    /// table [grid]. docs/calibration.md says how a table is measured.
+    /// table `grid`. docs/calibration.md says how a distortion table is measured.
     #[command(after_help = examples::CALIBRATE_GRID)]
     Grid(GridArgs),
 }
