@@ -96,7 +96,7 @@ impl FlightRecords {
     ///
     /// # Model
     /// `p - D(p) = (x̄ - D(x̄) - c̄·e)/(1+κ)`, `x̄ = measured - (x0, y0)`, for the point p from
-    /// (x0, y0), by at most [`MOST_STEPS`] steps of `p → D(p) + …`; a lens of 10 % contracts by
+    /// (x0, y0), by at most 50 steps of `p → D(p) + …`; a lens of 10 % contracts by
     /// 0.3.
     ///
     /// # Errors
