@@ -9,7 +9,10 @@ use super::exposure::{CorrectionModel, Exposure, Limits};
 use super::interior_orientation::InteriorOrientation;
 use super::stage::{MechanismLimits, RunUp, Stage, StagePlan, Tracking};
 use crate::geometry::calibration::{Calibration, CalibrationError, CalibrationParameters};
+use crate::geometry::camera_grids::CameraGrids;
 use crate::geometry::frame_correction::FrameCorrection;
+use crate::geometry::grid::GridChecksums;
+use crate::geometry::lens_grid_bounds::LensGridBounds;
 use crate::geometry::principal_distance::FocusShift;
 use crate::geometry::principal_point::{PrincipalPointMotion, UniformTravel};
 use crate::geometry::range::{MAX_FOCUS_FRACTION, OutOfRange, Quantity};
@@ -55,6 +58,11 @@ pub struct CameraParameters {
     pub serial: SerialNumber,
     /// Version of the calibration; 0 where none is given.
     pub version: u32,
+    /// Residual grids without which the camera must not correct. They are no part of the serialised
+    /// fields: the link carries them behind the others ([`crate::io::link::loading`]), so that a
+    /// camera without grids keeps the identity that it has had.
+    #[cfg_attr(feature = "serde", serde(skip))]
+    pub grids: GridChecksums,
 }
 
 impl CameraParameters {
@@ -77,6 +85,7 @@ impl CameraParameters {
             limits: Limits::DEFAULT,
             serial: SerialNumber::EMPTY,
             version: 0,
+            grids: GridChecksums::NONE,
         }
     }
 }
@@ -92,6 +101,9 @@ pub struct Camera {
     stage: Stage,
     shutter: Shutter,
     limits: Limits,
+    grids: GridChecksums,
+    /// `None` also until the grids are there.
+    lens_grid: Option<LensGridBounds>,
 }
 
 /// One frame: its interior orientation, and the correction of its points.
@@ -144,6 +156,8 @@ impl Camera {
             stage,
             shutter: Shutter::new(parameters.shutter)?,
             limits: parameters.limits.checked()?,
+            grids: parameters.grids,
+            lens_grid: None,
         })
     }
 
@@ -176,6 +190,22 @@ impl Camera {
     #[must_use]
     pub const fn calibration(&self) -> &Calibration {
         &self.calibration
+    }
+
+    /// Returns the camera with the bounds of its residual grids, so that its frames and records
+    /// state what they leave out. The grids themselves are borrowed by a
+    /// [`GriddedFrame`](super::gridded_frame::GriddedFrame).
+    #[must_use]
+    pub fn bounded_by(mut self, grids: &CameraGrids<'_>) -> Self {
+        self.lens_grid = grids.lens_bounds();
+        self
+    }
+
+    /// Residual grids that the camera has beside its polynomial: the correction of [`Self::frame`]
+    /// does not know them, that of a [`GriddedFrame`](super::gridded_frame::GriddedFrame) does.
+    #[must_use]
+    pub const fn grid_checksums(&self) -> GridChecksums {
+        self.grids
     }
 
     /// The validated shutter.
@@ -281,18 +311,27 @@ impl Camera {
         let parameters = self.calibration.parameters();
         within_stroke(motion, parameters.stroke_mm)?;
         let focus = self.focus_shift(exposure, motion)?;
-        let (correction, enlargement) = match exposure.model {
+        let (correction, enlargement, lens_grid) = match exposure.model {
             CorrectionModel::Exact => (
                 FrameCorrection::exact(&self.calibration, motion, &focus),
                 focus.enlargement(),
+                self.lens_grid,
             ),
             CorrectionModel::Fitted => (
                 FrameCorrection::five_coefficient(&self.calibration, motion)
                     .ok_or(FrameError::NotFitted)?,
                 0.0,
+                self.lens_grid,
             ),
-            CorrectionModel::Static => (FrameCorrection::without_motion(&self.calibration), 0.0),
+            CorrectionModel::Static => (
+                FrameCorrection::without_motion(&self.calibration),
+                0.0,
+                None,
+            ),
         };
+        let left_out_by_grid_mm = lens_grid.map_or(0.0, |grid| {
+            grid.left_out_mm(correction.sensor(), motion, enlargement)
+        });
         Ok(Frame {
             interior: InteriorOrientation {
                 vh_per_s: exposure.vh_per_s,
@@ -306,7 +345,7 @@ impl Camera {
                 enlargement,
                 model: exposure.model,
                 terms: correction.terms(),
-                left_out_nm: correction.left_out_nm(),
+                left_out_nm: correction.left_out_nm() + 1e6 * left_out_by_grid_mm,
             },
             correction,
         })

@@ -16,6 +16,7 @@ pub mod flag;
 pub mod flown_deck;
 mod following_error_rms;
 pub mod frame_record;
+pub mod grid_memory;
 pub mod gridded_frame;
 pub mod in_doubt;
 pub(crate) mod index_watch;

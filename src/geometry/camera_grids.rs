@@ -5,6 +5,7 @@ use core::fmt;
 use super::calibration::{Calibration, Polynomial};
 use super::grid::{GridCarrier, GridError, ResidualGrid};
 use super::invertibility::MIN_SCALE;
+use super::lens_grid_bounds::LensGridBounds;
 use super::range::MAX_FOCUS_FRACTION;
 use super::sensor::{FmcAxis, SensorPoint};
 
@@ -100,6 +101,12 @@ impl core::error::Error for CameraGridsError {}
 pub struct CameraGrids<'a> {
     lens: Option<ResidualGrid<'a>>,
     sensor: Option<ResidualGrid<'a>>,
+    fit: GridsFit,
+}
+
+/// Numbers by which the grids fit their camera, found once.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(crate) struct GridsFit {
     axis: FmcAxis,
     slope: f32,
     least_scale: f32,
@@ -153,13 +160,25 @@ impl<'a> CameraGrids<'a> {
                     scale: folding.scale,
                     at: folding.at,
                 })?;
-        Ok(Self {
-            lens,
-            sensor,
+        let fit = GridsFit {
             axis: parameters.axis,
             slope,
             least_scale,
-        })
+        };
+        Ok(Self { lens, sensor, fit })
+    }
+
+    /// Returns grids for which [`Self::new`] has found the numbers before.
+    pub(crate) const fn fitting(
+        lens: Option<ResidualGrid<'a>>,
+        sensor: Option<ResidualGrid<'a>>,
+        fit: GridsFit,
+    ) -> Self {
+        Self { lens, sensor, fit }
+    }
+
+    pub(crate) const fn fit(&self) -> &GridsFit {
+        &self.fit
     }
 
     /// Grid of the lens.
@@ -174,22 +193,29 @@ impl<'a> CameraGrids<'a> {
         self.sensor.as_ref()
     }
 
+    /// Bounds of the grid of the lens; `None` without one.
+    #[must_use]
+    pub fn lens_bounds(&self) -> Option<LensGridBounds> {
+        let axis = self.fit.axis;
+        self.lens().map(|grid| LensGridBounds::new(grid, axis))
+    }
+
     /// Direction in which the principal point moves, and the grid of the lens with it.
     #[must_use]
     pub const fn axis(&self) -> FmcAxis {
-        self.axis
+        self.fit.axis
     }
 
     /// Upper bound of the slope of both grids together.
     #[must_use]
     pub const fn slope(&self) -> f32 {
-        self.slope
+        self.fit.slope
     }
 
     /// Lower bound of the scale `∂(ideal)/∂(measured)` over the sensor, with the grids.
     #[must_use]
     pub const fn least_scale(&self) -> f32 {
-        self.least_scale
+        self.fit.least_scale
     }
 }
 

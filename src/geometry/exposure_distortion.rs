@@ -1,7 +1,7 @@
 //! Distortion of an exposure: of the polynomial alone, or with residual grids.
 
 use super::evaluation_form::Displacement;
-use super::frame_correction::FrameCorrection;
+use super::frame_correction::{Corrected, FrameCorrection};
 use super::sensor::SensorPoint;
 
 /// Distortion of one exposure, from which inverses and meshes are computed.
@@ -19,6 +19,9 @@ pub trait ExposureDistortion: sealed::Sealed {
 
     /// Returns the same in all terms of the form, also those that the fold drops.
     fn full_distortion(&self, measured: SensorPoint) -> Displacement;
+
+    /// Returns the ideal point of a measured one, and the distortion by which it moves.
+    fn correct(&self, measured: SensorPoint) -> Corrected;
 
     /// Returns the largest residual, nm, from which a Newton step may be the last, where that of
     /// the polynomial alone is `of_polynomial_nm`.
@@ -44,6 +47,11 @@ impl ExposureDistortion for FrameCorrection {
         let centre = self.centre();
         self.form()
             .displacement(measured.x_mm - centre.x_mm, measured.y_mm - centre.y_mm)
+    }
+
+    #[inline]
+    fn correct(&self, measured: SensorPoint) -> Corrected {
+        Self::correct(self, measured)
     }
 
     #[inline]

@@ -31,6 +31,8 @@
 //! ```
 
 mod bounds;
+mod grid_buffer;
+mod grid_checksums;
 mod grid_error;
 mod header;
 mod node;
@@ -39,8 +41,10 @@ mod range;
 mod residual_grid;
 
 pub use bounds::GridBounds;
+pub use grid_buffer::GridBuffer;
+pub use grid_checksums::GridChecksums;
 pub use grid_error::GridError;
 pub use header::{GridCarrier, GridHeader};
 pub use placed_grid::PlacedGrid;
-pub use range::{MAX_NODES, MIN_SIDE_NODES};
+pub use range::{MAX_FILE_BYTES, MAX_NODES, MIN_SIDE_NODES};
 pub use residual_grid::ResidualGrid;

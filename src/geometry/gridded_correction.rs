@@ -4,7 +4,7 @@ use super::camera_grids::CameraGrids;
 use super::evaluation_form::Displacement;
 use super::exposure_distortion::{ExposureDistortion, sealed::Sealed};
 use super::frame_correction::{Corrected, FrameCorrection};
-use super::grid::{PlacedGrid, ResidualGrid};
+use super::grid::PlacedGrid;
 use super::point_kernel::LengthsDiffer;
 use super::principal_point::PrincipalPointMotion;
 use super::sensor::SensorPoint;
@@ -89,12 +89,8 @@ impl<'a> GriddedCorrection<'a> {
     ) -> Self {
         let axis = grids.axis();
         let place = |grid| PlacedGrid::new(grid, axis, motion.centroid_mm, enlargement);
-        let left_out_mm = grids.lens().map_or(0.0, |grid| {
-            let moved = motion.centroid_mm.abs();
-            let reach = reach(&polynomial, (axis.is_x(), moved), enlargement);
-            let second = motion.moments.second;
-            grid.bounds().second_moment_mm(second, axis.is_x())
-                + grid.bounds().slope() * beyond_cells_mm(grid, reach)
+        let left_out_mm = grids.lens_bounds().map_or(0.0, |bounds| {
+            bounds.left_out_mm(polynomial.sensor(), motion, enlargement)
         });
         Self::of(polynomial, grids, grids.lens().map(place), left_out_mm)
     }
@@ -130,9 +126,8 @@ impl<'a> GriddedCorrection<'a> {
     /// model, per axis, nm.
     ///
     /// # Model
-    /// That of the polynomial; for the grid of the lens `½·μ₂·max|second difference|/pitch²`, as it
-    /// is evaluated at the centroid alone, and its slope times the way by which the image reaches
-    /// beyond its cells (a focus shift that shrinks it by 10⁻⁴ reaches 3 µm beyond).
+    /// That of the polynomial, and that of the grid of the lens, which is evaluated at the centroid
+    /// alone ([`LensGridBounds`](super::lens_grid_bounds::LensGridBounds)).
     #[must_use]
     pub const fn left_out_nm(&self) -> f32 {
         self.left_out_nm
@@ -249,6 +244,11 @@ impl ExposureDistortion for GriddedCorrection<'_> {
     }
 
     #[inline]
+    fn correct(&self, measured: SensorPoint) -> Corrected {
+        Self::correct(self, measured)
+    }
+
+    #[inline]
     fn last_residual_nm(&self, of_polynomial_nm: f32) -> f32 {
         self.last_residual_nm.min(of_polynomial_nm)
     }
@@ -267,31 +267,4 @@ fn sum(a: Displacement, b: Displacement) -> Displacement {
         dx_mm: a.dx_mm + b.dx_mm,
         dy_mm: a.dy_mm + b.dy_mm,
     }
-}
-
-/// Returns the farthest |x| and |y| at which a grid of the lens is evaluated, in its own frame, for
-/// a principal point that has moved along x or y.
-fn reach(
-    polynomial: &FrameCorrection,
-    (along_x, moved_mm): (bool, f32),
-    enlargement: f32,
-) -> [f32; 2] {
-    let sensor = polynomial.sensor();
-    let (half_width, half_height) = (sensor.half_width_mm(), sensor.half_height_mm());
-    let [x, y] = if along_x {
-        [half_width + moved_mm, half_height]
-    } else {
-        [half_width, half_height + moved_mm]
-    };
-    [x, y].map(|reach| reach / (1.0 + enlargement))
-}
-
-/// Returns the way by which a rectangle about the centre reaches beyond the cells of a grid, mm.
-fn beyond_cells_mm(grid: &ResidualGrid<'_>, [reach_x, reach_y]: [f32; 2]) -> f32 {
-    let [from, to] = grid.cells();
-    let beyond = |reach: f32, from: f32, to: f32| (reach - to).max(reach + from).max(0.0);
-    libm::hypotf(
-        beyond(reach_x, from.x_mm, to.x_mm),
-        beyond(reach_y, from.y_mm, to.y_mm),
-    )
 }

@@ -18,6 +18,7 @@ pub mod image_motion;
 mod interval;
 pub mod inverse;
 pub mod invertibility;
+pub mod lens_grid_bounds;
 pub mod mesh;
 pub mod moments;
 pub mod newton_step;

@@ -41,4 +41,4 @@ mod source_row;
 #[cfg(test)]
 mod source_words;
 #[cfg(test)]
-mod spline;
+pub(crate) mod spline;

@@ -5,14 +5,17 @@ use fmc_camera::flight::camera::{CameraParameters, Mechanism};
 use fmc_camera::flight::control_loop::MAX_EVENTS;
 use fmc_camera::flight::event::{AttitudeSample, Event};
 use fmc_camera::flight::exposure::Exposure;
+use fmc_camera::flight::grid_memory::GridMemoryError;
 use fmc_camera::flight::rig::RigStep;
 use fmc_camera::flight::stage::RunUp;
 use fmc_camera::flight::time::Time;
+use fmc_camera::geometry::camera_grids::CameraGridsError;
 use fmc_camera::geometry::estimation::fit::Fit;
 use fmc_camera::geometry::estimation::observation::Observation;
 use fmc_camera::geometry::estimation::options::FitOptions;
 use fmc_camera::geometry::five_coefficient::FiveCoefficients;
 use fmc_camera::geometry::frame_correction::Corrected;
+use fmc_camera::geometry::grid::{GridCarrier, GridChecksums, GridError};
 use fmc_camera::geometry::mesh::format::{MAX_WORD_BYTES, MeshFormat};
 use fmc_camera::geometry::mesh::pixel_correction::PixelCorrection;
 use fmc_camera::geometry::mesh::vertex::VertexRow;
@@ -29,8 +32,8 @@ use fmc_camera::io::link::message::{
 };
 use fmc_camera::io::link::packet::{Packet, PacketReceiver};
 use fmc_camera::io::link::{
-    CALIBRATION_CAPACITY, LONGEST_PACKET, LONGEST_PAYLOAD, MAX_OBSERVATIONS, MAX_PART, MAX_POINTS,
-    PROTOCOL_VERSION,
+    CALIBRATION_CAPACITY, LONGEST_PACKET, LONGEST_PAYLOAD, MAX_GRID_PART, MAX_OBSERVATIONS,
+    MAX_PART, MAX_POINTS, PROTOCOL_VERSION,
 };
 
 use crate::link::pc::{camera_parameters, packet};
@@ -111,6 +114,10 @@ fn longest_record() -> CameraParameters {
     };
     record.serial = SerialNumber::new("0123456789abcdef").unwrap();
     record.version = u32::MAX;
+    record.grids = GridChecksums {
+        lens: Some(u32::MAX),
+        sensor: Some(u32::MAX),
+    };
     record
 }
 
@@ -141,6 +148,11 @@ fn longest_messages_fit_and_come_back_as_they_went() {
             offset: u32::MAX,
             bytes: std::iter::repeat_n(u8::MAX, MAX_PART).collect(),
         }),
+        Request::GridPart(Part {
+            crc: u32::MAX,
+            offset: u32::MAX,
+            bytes: std::iter::repeat_n(u8::MAX, MAX_GRID_PART).collect(),
+        }),
         Request::Observe(std::iter::repeat_n(far_observation(), MAX_OBSERVATIONS).collect()),
         Request::Digest(Grid {
             x_mm: std::iter::repeat_n(f32::MAX, MAX_POINTS).collect(),
@@ -167,6 +179,15 @@ fn longest_messages_fit_and_come_back_as_they_went() {
         cols_px: f32::MAX,
         rows_px: f32::MIN,
     };
+    let uncovered = CameraGridsError::Grid {
+        carrier: GridCarrier::Sensor,
+        error: GridError::Uncovered {
+            from_mm: [f32::MIN; 2],
+            to_mm: [f32::MAX; 2],
+            region_from_mm: [f32::MIN; 2],
+            region_to_mm: [f32::MAX; 2],
+        },
+    };
     let long = "x".repeat(40);
     for answer in [
         Answer::Points(std::iter::repeat_n(corrected, MAX_POINTS).collect()),
@@ -185,6 +206,7 @@ fn longest_messages_fit_and_come_back_as_they_went() {
         Answer::Corrections(std::iter::repeat_n(far_correction, MAX_POINTS).collect()),
         Answer::Instruments(FAR_COUNTERS),
         Answer::Refused(Refusal::OtherBytes(FAR_BYTES)),
+        Answer::Refused(Refusal::Grids(GridMemoryError::Unfit(uncovered))),
         Answer::Connected(Identity::new(&long, &long[..24], true, ResetCause::Fault)),
     ] {
         let mut packet = Packet::EMPTY;
@@ -272,6 +294,16 @@ fn requests_and_answers_keep_the_numbers_they_were_given() {
         offset: 2,
         bytes: [3, 4].into_iter().collect(),
     };
+    let grid_part = Part {
+        crc: 1,
+        offset: 2,
+        bytes: [3, 4].into_iter().collect(),
+    };
+    let begin_grid = Request::BeginGrid {
+        carrier: GridCarrier::Lens,
+        length: 1,
+        crc: 2,
+    };
     // The number of a request follows version, session and number of the message.
     for (request, number) in [
         (Request::Connect, 0),
@@ -283,6 +315,8 @@ fn requests_and_answers_keep_the_numbers_they_were_given() {
         (Request::Tell(attitude), 20),
         (Request::Mesh(LONGEST_MESH_ROW, MeshFormat::Single), 21),
         (Request::Corrections(LONGEST_MESH_ROW), 22),
+        (begin_grid, 25),
+        (Request::GridPart(grid_part), 26),
     ] {
         let payload = payload_of(&packet(header, &request));
         assert_eq!(payload[3], number, "{request:?}");
@@ -296,6 +330,7 @@ fn requests_and_answers_keep_the_numbers_they_were_given() {
         (Answer::Told, 17),
         (Answer::Mesh([1, 2, 3, 4].into_iter().collect()), 18),
         (Answer::Corrections(corrections.into_iter().collect()), 19),
+        (Answer::GridLoaded(GridCarrier::Sensor), 21),
     ] {
         let mut packet = Packet::EMPTY;
         answer.write(header, &mut packet).unwrap();

@@ -16,6 +16,7 @@ mod fit;
 mod flown;
 mod flown_requests;
 mod fuzzed;
+mod grids;
 mod in_flight;
 mod loading;
 mod longest_answers;

@@ -10,6 +10,7 @@ use fmc_camera::flight::settings::FlightSettings;
 use fmc_camera::geometry::brown::Brown;
 use fmc_camera::geometry::calibration::{CalibrationError, CalibrationParameters, Polynomial};
 use fmc_camera::geometry::five_coefficient::FiveCoefficients;
+use fmc_camera::geometry::grid::GridChecksums;
 use fmc_camera::geometry::principal_distance::{FLATNESS_TERMS, Flatness};
 use fmc_camera::geometry::range::Quantity;
 use fmc_camera::geometry::sensor::SensorPoint;
@@ -293,6 +294,10 @@ impl CameraFile {
             // Both are checked when the file is read.
             serial: SerialNumber::new(&self.serial).unwrap_or_default(),
             version: u32::try_from(self.version).unwrap_or_default(),
+            grids: self
+                .grid
+                .as_ref()
+                .map_or(GridChecksums::NONE, GridTable::checksums),
         }
     }
 }

@@ -6,14 +6,14 @@ use std::path::Path;
 
 use fmc_camera::geometry::calibration::Calibration;
 use fmc_camera::geometry::camera_grids::{CameraGrids, CameraGridsError};
-use fmc_camera::geometry::grid::{GridCarrier, GridError, MAX_NODES, ResidualGrid};
+use fmc_camera::geometry::grid::{GridCarrier, GridError, MAX_FILE_BYTES, ResidualGrid};
 
 use crate::input_error::InputError;
-use crate::tables::GridTable;
+use crate::tables::{self, GridTable};
 use crate::toml_text::TomlText;
 
 /// Bytes of the largest grid, with one more by which a longer file shows.
-const LONGEST: u64 = 28 + 4 * MAX_NODES as u64 + 4 + 1;
+const LONGEST: u64 = MAX_FILE_BYTES as u64 + 1;
 
 /// Files of a camera's residual grids, which borrow their coefficients from them.
 #[derive(Debug, Clone, PartialEq, Eq, Default)]
@@ -134,15 +134,12 @@ fn read_one(
             ));
         }
     };
-    let stated = (crc32.len() == 8)
-        .then(|| u32::from_str_radix(crc32, 16).ok())
-        .flatten()
-        .ok_or_else(|| {
-            text.invalid(
-                &["grid", &crc_key],
-                "is no CRC-32; allowed: eight hexadecimal digits",
-            )
-        })?;
+    let stated = tables::crc32(crc32).ok_or_else(|| {
+        text.invalid(
+            &["grid", &crc_key],
+            "is no CRC-32; allowed: eight hexadecimal digits",
+        )
+    })?;
     let path = folder.join(name);
     let mut bytes = Vec::new();
     File::open(&path)

@@ -2,6 +2,7 @@
 
 use fmc_camera::flight::stage::RunUp;
 use fmc_camera::geometry::five_coefficient::Regressor;
+use fmc_camera::geometry::grid::GridChecksums;
 use fmc_camera::geometry::sensor::FmcAxis;
 use serde::de::Error as _;
 use serde::{Deserialize, Deserializer};
@@ -307,6 +308,24 @@ pub struct GridTable {
     pub lens_crc32: Option<String>,
     pub sensor: Option<String>,
     pub sensor_crc32: Option<String>,
+}
+
+impl GridTable {
+    /// CRC-32 of both grids; `None` also for one that is not eight hexadecimal digits, which is
+    /// refused when the grids are read.
+    pub(crate) fn checksums(&self) -> GridChecksums {
+        let stated = |text: &Option<String>| text.as_deref().and_then(crc32);
+        GridChecksums {
+            lens: stated(&self.lens_crc32),
+            sensor: stated(&self.sensor_crc32),
+        }
+    }
+}
+
+/// Reads a CRC-32 of eight hexadecimal digits.
+pub(crate) fn crc32(text: &str) -> Option<u32> {
+    let is_one = text.len() == 8 && text.bytes().all(|digit| digit.is_ascii_hexdigit());
+    is_one.then(|| u32::from_str_radix(text, 16).ok()).flatten()
 }
 
 /// Reads exactly two numbers.

@@ -26,8 +26,8 @@ pub(super) fn run(args: &FrameArgs) -> Result<(), Failure> {
     output::check_not_the_input(args.out.as_deref(), &request.camera)?;
     let mut device = args.device.open()?;
     let record = device
-        .load(&camera.parameters())
-        .and_then(|()| device.load_grids(&grids))
+        .load_grids(&grids)
+        .and_then(|()| device.load(&camera.parameters()))
         .and_then(|()| device.expose(&request.exposure()))
         .map_err(|error| request.refused(&camera, &error))?;
     let report = FrameReport::new(&camera, request, &record);

@@ -36,8 +36,8 @@ pub(super) fn run(args: &MeshArgs) -> Result<(), Failure> {
     let layout = Layout::new(args, &camera)?;
     let mut device = args.device.open()?;
     let record = device
-        .load(&camera.parameters())
-        .and_then(|()| device.load_grids(&grids))
+        .load_grids(&grids)
+        .and_then(|()| device.load(&camera.parameters()))
         .and_then(|()| device.expose(&request.exposure()))
         .map_err(|error| request.refused(&camera, &error))?;
     let frame = Camera::new(camera.parameters())

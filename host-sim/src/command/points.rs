@@ -40,8 +40,8 @@ pub(super) fn run(args: &PointsArgs, direction: Direction) -> Result<(), Failure
     let points = PointStream::open(&args.files, &camera, checked)?;
     let mut device = args.device.open()?;
     device
-        .load(&camera.parameters())
-        .and_then(|()| device.load_grids(&grids))
+        .load_grids(&grids)
+        .and_then(|()| device.load(&camera.parameters()))
         .and_then(|()| device.expose(&request.exposure()))
         .map_err(|error| request.refused(&camera, &error))?;
     let mut batch = Vec::with_capacity(BATCH);

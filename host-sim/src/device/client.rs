@@ -243,6 +243,9 @@ fn is_echo(payload: &[u8], frame: &[u8]) -> bool {
 /// Name of the requests that load a calibration.
 pub(super) const LOAD: &str = "load calibration";
 
+/// Name of the requests that load a residual grid.
+pub(super) const LOAD_GRID: &str = "load grid";
+
 /// Name of a request in messages.
 const fn name(request: &Request) -> &'static str {
     match request {
@@ -270,5 +273,6 @@ const fn name(request: &Request) -> &'static str {
         Request::Corrections(_) => "corrections",
         Request::Wired(..) => "wired",
         Request::Instruments => "instruments",
+        Request::BeginGrid { .. } | Request::GridPart(_) => LOAD_GRID,
     }
 }

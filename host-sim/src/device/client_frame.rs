@@ -10,10 +10,10 @@ use fmc_camera::geometry::frame_correction::Corrected;
 use fmc_camera::geometry::mesh::format::MeshFormat;
 use fmc_camera::geometry::mesh::pixel_correction::PixelCorrection;
 use fmc_camera::geometry::mesh::vertex::VertexRow;
-use fmc_camera::io::link::loading::Upload;
+use fmc_camera::io::link::loading::{self, Upload};
 use fmc_camera::io::link::message::{Answer, Grid, Observations, Points, Request};
 
-use super::client::{Client, LOAD};
+use super::client::{Client, LOAD, LOAD_GRID};
 use super::link_error::LinkError;
 use super::port::Port;
 
@@ -38,6 +38,23 @@ impl<P: Port> Client<P> {
             length: 0,
             crc: upload.crc(),
         }))
+    }
+
+    /// Loads the file of a residual grid, in parts, for parameters that state it. The grids in use
+    /// stay.
+    ///
+    /// # Errors
+    /// [`LinkError::Refused`] where the camera has no memory for grids, and for a damaged file.
+    pub fn load_grid(&mut self, file: &[u8]) -> Result<(), LinkError> {
+        let no_grid = LinkError::Unexpected { request: LOAD_GRID };
+        let mut requests = loading::grid_requests(file).ok_or(no_grid)?.peekable();
+        while let Some(request) = requests.next() {
+            match (self.ask(&request)?, requests.peek()) {
+                (Answer::Loading(_), Some(_)) | (Answer::GridLoaded(_), None) => {}
+                _ => return Err(self.unexpected(&request)),
+            }
+        }
+        Ok(())
     }
 
     /// Predicts a frame.

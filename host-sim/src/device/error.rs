@@ -5,9 +5,11 @@ use std::fmt;
 use fmc_camera::flight::calibration_id::CalibrationId;
 use fmc_camera::flight::camera::FrameError;
 use fmc_camera::flight::exposure::Exposure;
+use fmc_camera::flight::grid_memory::GridMemoryError;
 use fmc_camera::flight::interior_orientation::InteriorOrientation;
 use fmc_camera::geometry::calibration::CalibrationError;
 use fmc_camera::geometry::frame_correction::Corrected;
+use fmc_camera::geometry::grid::GridCarrier;
 use fmc_camera::geometry::inverse::DistortError;
 use fmc_camera::geometry::mesh::vertex::{MeshError, VertexRow};
 use fmc_camera::geometry::range::OutOfRange;
@@ -53,7 +55,7 @@ pub enum DeviceError {
     },
     /// Residual grids were given to a camera that does not hold any.
     #[error(
-        "[grid]: this camera does not hold residual grids, and without them it corrects otherwise; take --device sil"
+        "[grid]: this camera does not hold residual grids, and without them it corrects otherwise"
     )]
     NoGrids,
     /// A mesh that pushes was asked of a camera with residual grids.
@@ -61,9 +63,17 @@ pub enum DeviceError {
         "[grid]: a mesh of corrections goes by the differences of the polynomial and has no residual grids; take a format of sources"
     )]
     PolynomialMesh,
-    /// The residual grids do not fit the camera.
+    /// A residual grid is damaged, or does not fit the camera.
     #[error("[grid]: {0}")]
     Grids(GridRefusal),
+    /// A residual grid that the camera states has not been given.
+    #[error("[grid]: the camera needs the residual grid of the {carrier} with CRC-32 {crc32:08x}")]
+    MissingGrid {
+        /// Part of the grid.
+        carrier: GridCarrier,
+        /// CRC-32 with which its file ends.
+        crc32: u32,
+    },
     /// Points were given before the first exposure.
     #[error("the camera has not been exposed yet")]
     NoFrame,
@@ -97,6 +107,15 @@ pub enum DeviceError {
     /// A result of the device differs from that of its own code on this PC.
     #[error(transparent)]
     Different(Box<Difference>),
+}
+
+impl From<GridMemoryError> for DeviceError {
+    fn from(error: GridMemoryError) -> Self {
+        match error {
+            GridMemoryError::Missing { carrier, crc32 } => Self::MissingGrid { carrier, crc32 },
+            GridMemoryError::Unfit(error) => Self::Grids(GridRefusal::Camera(error)),
+        }
+    }
 }
 
 impl DeviceError {

@@ -20,6 +20,7 @@ use fmc_camera::geometry::mesh::vertex::VertexRow;
 use fmc_camera::geometry::sensor::SensorPoint;
 use fmc_camera::io::instruments::counters::InstrumentCounters;
 use fmc_camera::io::link::message::{Counters, Grid};
+use fmc_camera_file::GridFiles;
 use fmc_simulation::mission::wire::WireTraffic;
 
 use super::block_port::BlockPort;
@@ -172,6 +173,10 @@ impl CorrectingDevice for Qemu {
     fn load(&mut self, camera: &CameraParameters) -> Result<(), DeviceError> {
         let answer = self.remote.load(camera);
         answer.map_err(|error| self.watch.explain(error))
+    }
+
+    fn load_grids(&mut self, grids: &GridFiles) -> Result<(), DeviceError> {
+        self.remote.load_grids(grids)
     }
 
     fn expose(&mut self, exposure: &Exposure) -> Result<InteriorOrientation, DeviceError> {

@@ -1,7 +1,9 @@
 //! A camera at the other end of a link, checked against its twin in this process.
 
+use fmc_camera::flight::calibration_id::CalibrationId;
 use fmc_camera::flight::camera::CameraParameters;
 use fmc_camera::flight::exposure::Exposure;
+use fmc_camera::flight::grid_memory::GridMemoryError;
 use fmc_camera::flight::interior_orientation::InteriorOrientation;
 use fmc_camera::geometry::frame_correction::Corrected;
 use fmc_camera::geometry::mesh::format::MeshFormat;
@@ -10,6 +12,7 @@ use fmc_camera::geometry::mesh::vertex::VertexRow;
 use fmc_camera::geometry::sensor::SensorPoint;
 use fmc_camera::io::link::MAX_POINTS;
 use fmc_camera::io::link::message::{Counters, Grid, Identity, Points, Refusal, ResetCause};
+use fmc_camera_file::{GridFiles, GridRefusal};
 use serde::Serialize;
 
 use super::client::Client;
@@ -32,6 +35,8 @@ pub struct Remote<P> {
     pub(super) twin: InProcess,
     pub(super) wires: Option<Wires<P>>,
     exposure: Option<Exposure>,
+    /// Residual grids of the camera that is loaded next.
+    grids: GridFiles,
     evidence: Evidence,
 }
 
@@ -62,6 +67,7 @@ impl<P: Port> Remote<P> {
             twin: InProcess::default(),
             wires: None,
             exposure: None,
+            grids: GridFiles::default(),
             evidence: Evidence::default(),
         })
     }
@@ -145,6 +151,12 @@ impl<P: Port> Remote<P> {
                 Refusal::NotPrepared => return DeviceError::NotPrepared,
                 Refusal::RecordsKept(count) => return DeviceError::RecordsKept(count),
                 Refusal::Mesh(error) => return DeviceError::Mesh(error),
+                Refusal::PolynomialMesh => return DeviceError::PolynomialMesh,
+                Refusal::NoGridMemory => return DeviceError::NoGrids,
+                Refusal::Grids(error) => return error.into(),
+                Refusal::Grid { carrier, error } => {
+                    return DeviceError::Grids(GridRefusal::File { carrier, error });
+                }
                 Refusal::Settings(error) => return DeviceError::Settings(error),
                 Refusal::Travel(error) => return DeviceError::Frame(error),
                 Refusal::OffSensor { index } => {
@@ -187,6 +199,8 @@ impl<P: Port> Remote<P> {
             | DeviceError::Distort { .. }
             | DeviceError::OffSensor { .. }
             | DeviceError::Mesh(_)
+            | DeviceError::PolynomialMesh
+            | DeviceError::Grids(_)
             | DeviceError::NoFrame => Some(format!("{error:?}")),
             _ => None,
         };
@@ -211,6 +225,25 @@ impl<P: Port> Remote<P> {
             camera: text(camera),
             twin: text(twin),
         }))
+    }
+
+    /// Loads a camera, and before it those of its residual grids that it misses.
+    fn load_with_grids(&mut self, camera: &CameraParameters) -> Result<CalibrationId, LinkError> {
+        let mut missed = None;
+        loop {
+            match self.client.load(camera) {
+                Err(LinkError::Refused {
+                    refusal: Refusal::Grids(GridMemoryError::Missing { carrier, .. }),
+                    ..
+                }) if missed != Some(carrier)
+                    && let Some(file) = self.grids.bytes(carrier) =>
+                {
+                    missed = Some(carrier);
+                    self.client.load_grid(file)?;
+                }
+                answered => return answered,
+            }
+        }
     }
 
     /// Sends points through the camera in batches, then through the twin; both must have the same
@@ -261,17 +294,16 @@ impl<P: Port> CorrectingDevice for Remote<P> {
 
     fn load(&mut self, camera: &CameraParameters) -> Result<(), DeviceError> {
         self.exposure = None;
-        let loaded = self
-            .client
-            .load(camera)
-            .map_err(|error| self.failed(error, 0));
+        let loaded = self.load_with_grids(camera);
+        let loaded = loaded.map_err(|error| self.failed(error, 0));
         if let Err(error) = &loaded
-            && !matches!(error, DeviceError::Calibration(_))
+            && !matches!(error, DeviceError::Calibration(_) | DeviceError::Grids(_))
         {
             // The camera goes on with the calibration it has, and so does its twin.
             return loaded.map(drop);
         }
-        let twin = self.twin.load(camera);
+        let twin = self.twin.load_grids(&self.grids);
+        let twin = twin.and_then(|()| self.twin.load(camera));
         let (loaded, ()) = self.same_outcome(loaded, twin)?;
         match self.twin.calibration() {
             Some(twin) if twin != loaded => Err(self.different(DifferentResult::Calibration {
@@ -280,6 +312,11 @@ impl<P: Port> CorrectingDevice for Remote<P> {
             })),
             _ => Ok(()),
         }
+    }
+
+    fn load_grids(&mut self, grids: &GridFiles) -> Result<(), DeviceError> {
+        self.grids = grids.clone();
+        Ok(())
     }
 
     fn expose(&mut self, exposure: &Exposure) -> Result<InteriorOrientation, DeviceError> {

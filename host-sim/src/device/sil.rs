@@ -4,11 +4,13 @@ use fmc_camera::flight::calibration_id::{CalibrationId, Storage};
 use fmc_camera::flight::camera::{Camera, CameraParameters, Frame};
 use fmc_camera::flight::controller::{Controller, Start};
 use fmc_camera::flight::exposure::Exposure;
+use fmc_camera::flight::grid_memory::GridMemory;
 use fmc_camera::flight::gridded_frame::GriddedFrame;
 use fmc_camera::flight::interior_orientation::InteriorOrientation;
 use fmc_camera::flight::rig::Rig;
 use fmc_camera::geometry::exposure_distortion::ExposureDistortion;
 use fmc_camera::geometry::frame_correction::{Corrected, FrameCorrection};
+use fmc_camera::geometry::grid::GridCarrier;
 use fmc_camera::geometry::gridded_correction::GriddedCorrection;
 use fmc_camera::geometry::inverse::DistortSliceError;
 use fmc_camera::geometry::mesh::format::MeshFormat;
@@ -20,7 +22,7 @@ use fmc_camera::io::instruments::Instruments;
 use fmc_camera::io::link::digest;
 use fmc_camera::io::link::message::Grid;
 
-use fmc_camera_file::GridFiles;
+use fmc_camera_file::{GridFiles, GridRefusal};
 
 use super::batch::PointBatch;
 use super::{CorrectingDevice, Device, DeviceError, Evidence};
@@ -33,8 +35,7 @@ pub struct InProcess {
     correction: Option<FrameCorrection>,
     /// Interior orientation of the current frame, if it was exposed here.
     interior: Option<InteriorOrientation>,
-    /// Residual grids of the camera, which have been shown to fit it.
-    grids: GridFiles,
+    grids: Box<GridMemory>,
     evidence: Evidence,
     pub(super) instruments: Instruments,
 }
@@ -45,7 +46,7 @@ impl Default for InProcess {
             rig: Rig::new(Start::Orderly),
             correction: None,
             interior: None,
-            grids: GridFiles::default(),
+            grids: Box::new(GridMemory::EMPTY),
             evidence: Evidence::default(),
             instruments: Instruments::new(),
         }
@@ -57,15 +58,11 @@ impl InProcess {
     ///
     /// # Errors
     /// [`DeviceError::NoFrame`] before the first exposure; [`DeviceError::OffSensor`] for the first
-    /// point off the sensor; [`DeviceError::NoGrids`] for a camera with residual grids, which the
-    /// link does not carry.
+    /// point off the sensor.
     pub fn digest(&self, grid: &Grid) -> Result<u32, DeviceError> {
-        if !self.grids.is_empty() {
-            return Err(DeviceError::NoGrids);
-        }
-        let correction = self.correction()?;
-        on_sensor(correction, grid.points())?;
-        Ok(digest::of_grid(correction, grid))
+        on_sensor(self.correction()?, grid.points())?;
+        let gridded = self.gridded(|gridded| Ok(digest::of_grid(gridded, grid)));
+        gridded.unwrap_or_else(|| Ok(digest::of_grid(self.correction()?, grid)))
     }
 
     /// Returns the identity of the camera that is loaded.
@@ -87,22 +84,26 @@ impl InProcess {
         &self,
         answer: impl FnOnce(&GriddedCorrection<'_>) -> Result<T, DeviceError>,
     ) -> Option<Result<T, DeviceError>> {
-        (!self.grids.is_empty()).then(|| {
-            let frame = Frame {
+        let grids = self.grids.in_use()?;
+        let frame = || {
+            Ok(Frame {
                 interior: self.interior.ok_or(DeviceError::NoFrame)?,
                 correction: *self.correction()?,
-            };
-            answer(&self.gridded_frame(&frame)?.correction)
-        })
+            })
+        };
+        Some(frame().and_then(|frame| answer(&GriddedFrame::new(&frame, &grids).correction)))
     }
 
-    fn gridded_frame(&self, frame: &Frame) -> Result<GriddedFrame<'_>, DeviceError> {
-        let camera = self.rig.camera().ok_or(DeviceError::NoFrame)?;
-        let grids = self
-            .grids
-            .grids(camera.calibration())
-            .map_err(DeviceError::Grids)?;
-        Ok(GriddedFrame::new(frame, &grids))
+    /// Validates a camera and puts its residual grids into use.
+    pub(super) fn identified(&mut self, camera: &CameraParameters) -> Result<Camera, DeviceError> {
+        let crc = digest::of_camera(camera).unwrap_or_default();
+        let camera = Camera::identified(*camera, crc, Storage::Volatile)
+            .map_err(DeviceError::Calibration)?;
+        self.grids.put_into_use(&camera)?;
+        Ok(match self.grids.in_use() {
+            Some(grids) => camera.bounded_by(&grids),
+            None => camera,
+        })
     }
 }
 
@@ -114,26 +115,26 @@ impl CorrectingDevice for InProcess {
     }
 
     fn load(&mut self, camera: &CameraParameters) -> Result<(), DeviceError> {
-        let crc = digest::of_camera(camera).unwrap_or_default();
-        let camera = Camera::identified(*camera, crc, Storage::Volatile)
-            .map_err(DeviceError::Calibration)?;
         match self.rig.controller().map_or(0, Controller::kept) {
             0 => {}
             kept => return Err(DeviceError::RecordsKept(kept)),
         }
+        let camera = self.identified(camera)?;
         self.rig.load(camera);
         self.correction = None;
-        self.grids = GridFiles::default();
         Ok(())
     }
 
     fn load_grids(&mut self, grids: &GridFiles) -> Result<(), DeviceError> {
-        let camera = self.rig.camera().ok_or(DeviceError::NoFrame)?;
-        grids
-            .grids(camera.calibration())
-            .map_err(DeviceError::Grids)?;
-        self.correction = None;
-        self.grids = grids.clone();
+        for carrier in [GridCarrier::Lens, GridCarrier::Sensor] {
+            let Some(file) = grids.bytes(carrier) else {
+                continue;
+            };
+            let buffer = self.grids.spare_mut(carrier);
+            buffer.clear();
+            let checked = buffer.add(file).and_then(|()| buffer.check());
+            checked.map_err(|error| DeviceError::Grids(GridRefusal::File { carrier, error }))?;
+        }
         Ok(())
     }
 
@@ -142,14 +143,9 @@ impl CorrectingDevice for InProcess {
         // Points that follow a refused exposure must not be corrected with the frame before it.
         self.correction = None;
         let frame = camera.frame(exposure).map_err(DeviceError::Frame)?;
-        let interior = if self.grids.is_empty() {
-            frame.interior
-        } else {
-            self.gridded_frame(&frame)?.interior
-        };
         self.correction = Some(frame.correction);
         self.interior = Some(frame.interior);
-        Ok(interior)
+        Ok(frame.interior)
     }
 
     fn correct(&mut self, measured: &[SensorPoint]) -> Result<Vec<Corrected>, DeviceError> {
@@ -200,7 +196,7 @@ impl Device for InProcess {
     }
 
     fn corrections(&mut self, row: &VertexRow) -> Result<Vec<PixelCorrection>, DeviceError> {
-        if !self.grids.is_empty() {
+        if self.grids.in_use().is_some() {
             return Err(DeviceError::PolynomialMesh);
         }
         let mesh = CorrectionMesh::new(self.correction()?, row.spacing_px);
@@ -211,7 +207,9 @@ impl Device for InProcess {
     }
 
     fn correction_here(&self) -> Option<&FrameCorrection> {
-        self.correction.as_ref().filter(|_| self.grids.is_empty())
+        self.correction
+            .as_ref()
+            .filter(|_| self.grids.in_use().is_none())
     }
 }
 

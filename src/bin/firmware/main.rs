@@ -21,11 +21,17 @@ mod journal;
 #[cfg(board)]
 use {
     board::Board,
+    fmc_camera::flight::grid_memory::GridMemory,
     fmc_camera::io::link::{
         message::{Identity, ResetCause},
         station::{LinkEvent, Station},
     },
+    static_cell::ConstStaticCell,
 };
+
+/// Memory for the residual grids of the camera.
+#[cfg(board)]
+static GRIDS: ConstStaticCell<GridMemory> = ConstStaticCell::new(GridMemory::EMPTY);
 
 /// State of the sources from which this image was built.
 #[cfg(board)]
@@ -48,6 +54,9 @@ fn run(mut board: Board, start: ResetCause) -> ! {
     journal::note_start(Board::NAME, BUILD, start);
     let identity = Identity::new(BUILD, Board::NAME, Board::CAN_POWER_OFF, start);
     let mut station = Station::with(identity, Board::stack_used_bytes, Board::deck(start));
+    if let Some(memory) = GRIDS.try_take() {
+        station.keep_grids_in(memory);
+    }
     let mut ending = None;
     loop {
         board.feed_watchdog();

@@ -2,7 +2,9 @@
 
 use core::fmt;
 
-use super::range::{FIRST_NODE_MM, MAX_NODES, MIN_SIDE_NODES, PITCH_MM, SCALE_MM, VERSION};
+use super::range::{
+    FIRST_NODE_MM, MAX_FILE_BYTES, MAX_NODES, MIN_SIDE_NODES, PITCH_MM, SCALE_MM, VERSION,
+};
 
 /// A residual grid is not usable.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -48,6 +50,11 @@ pub enum GridError {
         bytes: usize,
         /// Bytes that a grid of this header has.
         expected: usize,
+    },
+    /// The file is longer than that of the largest grid.
+    TooLong {
+        /// Bytes of the file.
+        bytes: usize,
     },
     /// The CRC-32 at the end is not that of the file.
     Crc {
@@ -108,6 +115,11 @@ impl fmt::Display for GridError {
             Self::Length { bytes, expected } => write!(
                 f,
                 "{bytes} bytes of a residual grid that has {expected} by its header"
+            ),
+            Self::TooLong { bytes } => write!(
+                f,
+                "{bytes} bytes of a residual grid; allowed: up to {MAX_FILE_BYTES}, {MAX_NODES} \
+                 nodes"
             ),
             Self::Crc { stored, computed } => write!(
                 f,

@@ -1,19 +1,18 @@
 //! Header of the file of a residual grid.
 
+use core::fmt;
+
 use crc::{CRC_32_ISO_HDLC, Crc, NoTable};
 
 use super::grid_error::GridError;
 use super::node::NODE_BYTES;
-use super::range::{FIRST_NODE_MM, MAX_NODES, MIN_SIDE_NODES, PITCH_MM, SCALE_MM, VERSION};
+use super::range::{
+    CRC_BYTES, FIRST_NODE_MM, HEADER_BYTES, MAX_NODES, MIN_SIDE_NODES, PITCH_MM, SCALE_MM, VERSION,
+};
 use crate::geometry::sensor::SensorPoint;
 
 /// First bytes of the file.
 const MAGIC: [u8; 4] = *b"FMCG";
-
-/// Bytes before the coefficients.
-pub(super) const HEADER_BYTES: usize = 28;
-/// Bytes after the coefficients.
-pub(super) const CRC_BYTES: usize = 4;
 
 /// CRC-32 (ISO-HDLC), bit by bit: a grid is read once, its table would lie in memory for ever.
 const CRC: Crc<u32, NoTable> = Crc::<u32, NoTable>::new(&CRC_32_ISO_HDLC);
@@ -27,6 +26,15 @@ pub enum GridCarrier {
     Lens,
     /// The sensor, by its flatness: the structure stays at its pixels.
     Sensor,
+}
+
+impl fmt::Display for GridCarrier {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str(match self {
+            Self::Lens => "lens",
+            Self::Sensor => "sensor",
+        })
+    }
 }
 
 impl GridCarrier {

@@ -2,16 +2,24 @@
 
 use super::bounds::GridBounds;
 use super::grid_error::GridError;
-use super::header::{CRC_BYTES, GridHeader, HEADER_BYTES};
+use super::header::GridHeader;
 use super::node::{NODE_BYTES, components};
+use super::range::{CRC_BYTES, HEADER_BYTES};
 use crate::geometry::sensor::SensorPoint;
 
 /// A residual grid that has been checked; its coefficients stay in the bytes of the file.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct ResidualGrid<'a> {
-    header: GridHeader,
+    summary: GridSummary,
     nodes: &'a [[u8; NODE_BYTES]],
+}
+
+/// Everything about a checked grid but its coefficients.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(super) struct GridSummary {
+    header: GridHeader,
     bounds: GridBounds,
+    pub(super) crc32: u32,
 }
 
 impl<'a> ResidualGrid<'a> {
@@ -35,11 +43,19 @@ impl<'a> ResidualGrid<'a> {
         }
         let coefficients = checked.get(HEADER_BYTES..).ok_or_else(cut_short)?;
         let (nodes, _) = coefficients.as_chunks();
-        Ok(Self {
+        let summary = GridSummary {
             header,
-            nodes,
             bounds: GridBounds::new(&header, nodes),
-        })
+            crc32: stored,
+        };
+        Ok(Self { summary, nodes })
+    }
+
+    /// Returns the grid of a file that has been parsed before; `None` for a file that is too short.
+    pub(super) fn again(summary: GridSummary, file: &'a [u8]) -> Option<Self> {
+        let (checked, _) = file.split_last_chunk::<CRC_BYTES>()?;
+        let (nodes, _) = checked.get(HEADER_BYTES..)?.as_chunks();
+        Some(Self { summary, nodes })
     }
 
     /// Returns the grid if its cells cover the rectangle between two corners.
@@ -79,7 +95,7 @@ impl<'a> ResidualGrid<'a> {
             columns,
             rows,
             ..
-        } = self.header;
+        } = self.summary.header;
         let last = |nodes: u16| f32::from(nodes.saturating_sub(2));
         [
             SensorPoint::new(first_node.x_mm + pitch_mm, first_node.y_mm + pitch_mm),
@@ -93,22 +109,33 @@ impl<'a> ResidualGrid<'a> {
     /// Header of the file.
     #[must_use]
     pub const fn header(&self) -> &GridHeader {
-        &self.header
+        &self.summary.header
+    }
+
+    pub(super) const fn summary(&self) -> GridSummary {
+        self.summary
+    }
+
+    /// CRC-32 with which the file ends.
+    #[must_use]
+    pub const fn crc32(&self) -> u32 {
+        self.summary.crc32
     }
 
     /// Bounds of the slope and of the curvature.
     #[must_use]
     pub const fn bounds(&self) -> &GridBounds {
-        &self.bounds
+        &self.summary.bounds
     }
 
     /// Returns the coefficient of a node, in units of the scale, or `None` outside the grid.
     #[must_use]
     pub fn coefficient(&self, column: u16, row: u16) -> Option<[i16; 2]> {
-        if column >= self.header.columns {
+        if column >= self.summary.header.columns {
             return None;
         }
-        let index = usize::from(row) * usize::from(self.header.columns) + usize::from(column);
+        let index =
+            usize::from(row) * usize::from(self.summary.header.columns) + usize::from(column);
         self.nodes.get(index).map(|node| components(*node))
     }
 

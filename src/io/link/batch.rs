@@ -4,6 +4,7 @@ use heapless::Vec;
 
 use super::MAX_POINTS;
 use super::message::{MeshBytes, Points, Refusal};
+use super::point_correction::PointCorrection;
 use crate::geometry::frame_correction::{Corrected, FrameCorrection};
 use crate::geometry::mesh::format::MeshFormat;
 use crate::geometry::mesh::pixel_correction::{CorrectionMesh, PixelCorrection};
@@ -12,7 +13,7 @@ use crate::geometry::mesh::vertex::VertexRow;
 use crate::geometry::sensor::SensorPoint;
 
 pub(super) fn distort(
-    correction: &FrameCorrection,
+    correction: &PointCorrection<'_>,
     ideal: &Points,
 ) -> Result<Vec<Corrected, MAX_POINTS>, Refusal> {
     let mut measured = Vec::new();
@@ -27,7 +28,7 @@ pub(super) fn distort(
 }
 
 pub(super) fn mesh(
-    correction: &FrameCorrection,
+    correction: &PointCorrection<'_>,
     row: &VertexRow,
     format: MeshFormat,
 ) -> Result<MeshBytes, Refusal> {
@@ -39,16 +40,29 @@ pub(super) fn mesh(
     bytes
         .resize_default(usize::from(row.count) * format.bytes())
         .map_err(|_| Refusal::TooMany)?;
-    let mesh = SourceMesh::new(correction, row.spacing_px);
-    row.write_words(&mesh, format, &mut bytes)
-        .map_err(Refusal::Mesh)?;
+    match correction {
+        PointCorrection::Polynomial(correction) => row.write_words(
+            &SourceMesh::new(*correction, row.spacing_px),
+            format,
+            &mut bytes,
+        ),
+        PointCorrection::Gridded(correction) => row.write_words(
+            &SourceMesh::new(correction, row.spacing_px),
+            format,
+            &mut bytes,
+        ),
+    }
+    .map_err(Refusal::Mesh)?;
     Ok(bytes)
 }
 
 pub(super) fn corrections(
-    correction: &FrameCorrection,
+    correction: &PointCorrection<'_>,
     row: &VertexRow,
 ) -> Result<Vec<PixelCorrection, MAX_POINTS>, Refusal> {
+    let PointCorrection::Polynomial(correction) = correction else {
+        return Err(Refusal::PolynomialMesh);
+    };
     let mut corrections = Vec::new();
     corrections
         .resize_default(usize::from(row.count))

@@ -3,15 +3,15 @@
 use serde::{Serialize, Serializer};
 
 use super::message::Points;
+use super::point_correction::PointCorrection;
 use crate::flight::rig::RigAnswer;
-use crate::geometry::frame_correction::FrameCorrection;
 
 /// Contents of a long [`Answer`](super::message::Answer), written as the answer itself would be,
 /// byte for byte: an answer is not filled and moved first.
 #[derive(Debug, Clone, Copy)]
 pub(super) enum Contents<'a> {
     /// The corrected points of measured ones on the sensor: `Answer::Points`.
-    Corrected(&'a FrameCorrection, &'a Points),
+    Corrected(&'a PointCorrection<'a>, &'a Points),
     /// Outputs of the camera in a round: `Answer::Rig`.
     Rig(&'a RigAnswer),
 }
@@ -29,12 +29,20 @@ impl Serialize for Contents<'_> {
 }
 
 /// Points that are corrected while they are written.
-struct Corrections<'a>(&'a FrameCorrection, &'a Points);
+struct Corrections<'a>(&'a PointCorrection<'a>, &'a Points);
 
 impl Serialize for Corrections<'_> {
     fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
         let Self(correction, measured) = self;
-        serializer.collect_seq(measured.iter().map(|point| correction.correct(*point)))
+        let measured = measured.iter();
+        match correction {
+            PointCorrection::Polynomial(correction) => {
+                serializer.collect_seq(measured.map(|point| correction.correct(*point)))
+            }
+            PointCorrection::Gridded(correction) => {
+                serializer.collect_seq(measured.map(|point| correction.correct(*point)))
+            }
+        }
     }
 }
 
@@ -43,6 +51,7 @@ mod tests {
     use super::*;
     use crate::flight::event::Action;
     use crate::geometry::calibration::{Calibration, CalibrationParameters};
+    use crate::geometry::frame_correction::FrameCorrection;
     use crate::geometry::sensor::SensorPoint;
     use crate::io::link::message::{Answer, Header, write};
     use crate::io::link::packet::Packet;
@@ -81,7 +90,8 @@ mod tests {
         loop {
             let corrected = measured.iter().map(|point| correction.correct(*point));
             let answer = Answer::Points(corrected.collect());
-            let [written, whole] = packets(&Contents::Corrected(&correction, &measured), &answer);
+            let points = PointCorrection::Polynomial(&correction);
+            let [written, whole] = packets(&Contents::Corrected(&points, &measured), &answer);
             assert_eq!(written, whole, "{} points", measured.len());
             #[expect(clippy::cast_precision_loss, reason = "64 points at most")]
             let point = SensorPoint::new(0.4 * measured.len() as f32, -11.0);

@@ -5,12 +5,13 @@ use super::message::Grid;
 use super::packet::{self, CRC};
 use crate::flight::camera::CameraParameters;
 use crate::flight::frame_record::FrameRecord;
-use crate::geometry::frame_correction::{Corrected, FrameCorrection};
+use crate::geometry::exposure_distortion::ExposureDistortion;
+use crate::geometry::frame_correction::Corrected;
 
 /// Returns the CRC-32 over the bits of every corrected point of a grid: x', y', dx, dy,
 /// little-endian.
 #[must_use]
-pub fn of_grid(correction: &FrameCorrection, grid: &Grid) -> u32 {
+pub fn of_grid<D: ExposureDistortion>(correction: &D, grid: &Grid) -> u32 {
     let mut digest = CRC.digest();
     for measured in grid.points() {
         let Corrected { point, distortion } = correction.correct(measured);

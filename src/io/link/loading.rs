@@ -4,13 +4,22 @@
 //! [`CameraParameters`], [`Request::LoadPart`] brings them, in order, and the last part puts the
 //! calibration into use. Until then, and after a refusal of the whole, the camera uses the one
 //! before. A load begins anew with another announcement, and is abandoned when a session is opened.
+//!
+//! Behind the parameters of a camera with residual grids stand their
+//! [`GridChecksums`](crate::geometry::grid::GridChecksums), so that the CRC-32, which is that of
+//! the calibration's identity, covers the grids. Their files come before, by [`Request::BeginGrid`]
+//! and [`Request::GridPart`], into memory that no camera uses. A grid that is there already need
+//! not come again: where one is missing, the last part of the parameters is refused
+//! ([`GridMemoryError::Missing`](crate::flight::grid_memory::GridMemoryError::Missing)) and the
+//! calibration before stays, with its grids.
 
 use heapless::Vec;
 
 use super::message::{Part, Refusal, Request};
 use super::packet::CRC;
-use super::{CALIBRATION_CAPACITY, MAX_PART};
+use super::{CALIBRATION_CAPACITY, MAX_GRID_PART, MAX_PART};
 use crate::flight::camera::CameraParameters;
+use crate::geometry::grid::{GridChecksums, ResidualGrid};
 
 /// A camera's parameters as the PC sends them.
 #[derive(Debug, Clone, PartialEq, Eq)]
@@ -25,10 +34,14 @@ impl Upload {
     #[must_use]
     pub fn of(record: &CameraParameters) -> Option<Self> {
         let mut buffer = [0; CALIBRATION_CAPACITY];
-        let bytes = postcard::to_slice(record, &mut buffer).ok()?;
+        let mut bytes = Vec::from_slice(postcard::to_slice(record, &mut buffer).ok()?).ok()?;
+        if !record.grids.is_empty() {
+            let grids = postcard::to_slice(&record.grids, &mut buffer).ok()?;
+            bytes.extend_from_slice(grids).ok()?;
+        }
         Some(Self {
-            crc: CRC.checksum(bytes),
-            bytes: Vec::from_slice(bytes).ok()?,
+            crc: CRC.checksum(&bytes),
+            bytes,
         })
     }
 
@@ -50,23 +63,76 @@ impl Upload {
     /// All parts, in order, of so many bytes, which must not be 0 nor more than [`MAX_PART`]; the
     /// last may be shorter.
     pub fn parts(&self, length: usize) -> impl Iterator<Item = Part> {
-        let length = length.clamp(1, MAX_PART);
-        let offsets = (0..).step_by(length);
-        let pieces = self.bytes.chunks(length);
-        offsets.zip(pieces).map(|(offset, piece)| Part {
-            crc: self.crc,
+        parts(&self.bytes, self.crc, length)
+    }
+}
+
+/// Returns the requests that load the file of a residual grid, in order; `None` for bytes that are
+/// the file of no grid.
+#[must_use]
+pub fn grid_requests(file: &[u8]) -> Option<impl Iterator<Item = Request>> {
+    let grid = ResidualGrid::parse(file).ok()?;
+    let crc = grid.crc32();
+    let begin = Request::BeginGrid {
+        carrier: grid.header().carrier,
+        length: number(file.len()),
+        crc,
+    };
+    let parts = parts(file, crc, MAX_GRID_PART).map(Request::GridPart);
+    Some(core::iter::once(begin).chain(parts))
+}
+
+/// Returns the parts of so many bytes each, at least one and at most as many as a part holds.
+fn parts<const CAPACITY: usize>(
+    bytes: &[u8],
+    crc: u32,
+    length: usize,
+) -> impl Iterator<Item = Part<CAPACITY>> {
+    let length = length.clamp(1, CAPACITY);
+    let offsets = (0..).step_by(length);
+    offsets
+        .zip(bytes.chunks(length))
+        .map(move |(offset, piece)| Part {
+            crc,
             offset: number(offset),
             // There is room for a piece.
             bytes: Vec::from_slice(piece).unwrap_or_default(),
         })
+}
+
+/// Bytes that have been announced and come in parts.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Announced {
+    pub(super) length: u32,
+    pub(super) crc: u32,
+}
+
+impl Announced {
+    /// Checks that a part is the next behind so many bytes; returns `true` if it is the last.
+    pub(super) fn is_last<const CAPACITY: usize>(
+        self,
+        part: &Part<CAPACITY>,
+        received: usize,
+    ) -> Result<bool, Refusal> {
+        if part.crc != self.crc {
+            return Err(Refusal::OtherLoad);
+        }
+        let expected = number(received);
+        if part.offset != expected {
+            return Err(Refusal::PartOutOfOrder { expected });
+        }
+        let received = expected.saturating_add(number(part.bytes.len()));
+        if received > self.length {
+            return Err(Refusal::PartTooLong);
+        }
+        Ok(received == self.length)
     }
 }
 
 /// A calibration of which parts have come.
 #[derive(Debug)]
 pub(super) struct Loading {
-    /// Length and CRC-32, as announced.
-    announced: Option<(u32, u32)>,
+    announced: Option<Announced>,
     bytes: Vec<u8, CALIBRATION_CAPACITY>,
 }
 
@@ -88,7 +154,7 @@ impl Loading {
             return Err(Refusal::LoadLength { length });
         }
         self.end();
-        self.announced = Some((length, crc));
+        self.announced = Some(Announced { length, crc });
         Ok(())
     }
 
@@ -99,21 +165,11 @@ impl Loading {
 
     /// Takes the next part; returns `true` if the bytes are complete now.
     pub(super) fn add(&mut self, part: &Part) -> Result<bool, Refusal> {
-        let (length, crc) = self.announced.ok_or(Refusal::NoLoad)?;
-        if part.crc != crc {
-            return Err(Refusal::OtherLoad);
-        }
-        let expected = self.received();
-        if part.offset != expected {
-            return Err(Refusal::PartOutOfOrder { expected });
-        }
-        let received = expected.saturating_add(number(part.bytes.len()));
-        if received > length {
-            return Err(Refusal::PartTooLong);
-        }
+        let announced = self.announced.ok_or(Refusal::NoLoad)?;
+        let is_last = announced.is_last(part, self.bytes.len())?;
         // There is room for the length announced.
         let _ = self.bytes.extend_from_slice(&part.bytes);
-        Ok(received == length)
+        Ok(is_last)
     }
 
     /// Returns the parameters that the complete bytes make, and their CRC-32. The load ends.
@@ -124,20 +180,26 @@ impl Loading {
     }
 
     fn read(&self) -> Result<(CameraParameters, u32), Refusal> {
-        let (_, crc) = self.announced.ok_or(Refusal::NoLoad)?;
+        let Announced { crc, .. } = self.announced.ok_or(Refusal::NoLoad)?;
         let computed = CRC.checksum(&self.bytes);
         if computed != crc {
             return Err(Refusal::LoadCrc { computed });
         }
-        match postcard::take_from_bytes(&self.bytes) {
-            Ok((record, [])) => Ok((record, crc)),
-            _ => Err(Refusal::NoRecord),
+        let (mut record, rest) = postcard::take_from_bytes::<CameraParameters>(&self.bytes)
+            .map_err(|_| Refusal::NoRecord)?;
+        if !rest.is_empty() {
+            // A camera without grids has nothing here, so that it has one CRC-32.
+            record.grids = match postcard::take_from_bytes::<GridChecksums>(rest) {
+                Ok((grids, [])) if !grids.is_empty() => grids,
+                _ => return Err(Refusal::NoRecord),
+            };
         }
+        Ok((record, crc))
     }
 }
 
-/// A number of bytes; all are less than [`CALIBRATION_CAPACITY`].
-#[expect(clippy::cast_possible_truncation, reason = "256 fits")]
-const fn number(bytes: usize) -> u32 {
+/// A number of bytes; all are less than those of the largest grid.
+#[expect(clippy::cast_possible_truncation, reason = "17 thousand fit")]
+pub(super) const fn number(bytes: usize) -> u32 {
     bytes as u32
 }

@@ -5,7 +5,7 @@ use serde::{Deserialize, Serialize};
 
 use super::packet::Packet;
 pub use super::refusal::Refusal;
-use super::{MAX_OBSERVATIONS, MAX_PART, MAX_POINTS, PROTOCOL_VERSION};
+use super::{MAX_GRID_PART, MAX_OBSERVATIONS, MAX_PART, MAX_POINTS, PROTOCOL_VERSION};
 use crate::flight::calibration_id::CalibrationId;
 use crate::flight::controller::state::State;
 use crate::flight::controller::{self, Counts};
@@ -21,6 +21,7 @@ use crate::geometry::estimation::fit::Fit;
 use crate::geometry::estimation::observation::Observation;
 use crate::geometry::estimation::options::FitOptions;
 use crate::geometry::frame_correction::Corrected;
+use crate::geometry::grid::GridCarrier;
 use crate::geometry::mesh::format::{MAX_WORD_BYTES, MeshFormat};
 use crate::geometry::mesh::pixel_correction::PixelCorrection;
 use crate::geometry::mesh::vertex::VertexRow;
@@ -113,6 +114,18 @@ pub enum Request {
     Wired(RigStep, WireBytes),
     /// Asks for the counters of the wires of receiver and autopilot.
     Instruments,
+    /// Announces the file of a residual grid, which comes before the parameters that state it and
+    /// is not in use until they are ([`super::loading`]). Ends a load that is under way.
+    BeginGrid {
+        /// Part of the camera that carries it.
+        carrier: GridCarrier,
+        /// Number of bytes, 1 to [`MAX_FILE_BYTES`](crate::geometry::grid::MAX_FILE_BYTES).
+        length: u32,
+        /// CRC-32 with which the file ends.
+        crc: u32,
+    },
+    /// The next part of the grid announced.
+    GridPart(Part<MAX_GRID_PART>),
 }
 
 /// An answer of the camera.
@@ -163,6 +176,8 @@ pub enum Answer {
     Corrections(Vec<PixelCorrection, MAX_POINTS>),
     /// The counters of the wires of receiver and autopilot.
     Instruments(InstrumentCounters),
+    /// The residual grid is complete and sound: parameters may state it.
+    GridLoaded(GridCarrier),
 }
 
 /// The reason why the camera runs.
@@ -267,15 +282,15 @@ pub struct Status {
     pub in_doubt: Option<InDoubt>,
 }
 
-/// A part of a camera's parameters.
+/// A part of a camera's parameters, or of a residual grid.
 #[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
-pub struct Part {
+pub struct Part<const CAPACITY: usize = MAX_PART> {
     /// CRC-32 of the whole, as announced.
     pub crc: u32,
     /// Offset of the part, bytes.
     pub offset: u32,
     /// Its bytes.
-    pub bytes: Vec<u8, MAX_PART>,
+    pub bytes: Vec<u8, CAPACITY>,
 }
 
 /// The crossings of columns and rows, row by row.

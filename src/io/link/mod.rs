@@ -35,10 +35,12 @@ mod contents;
 pub mod deck;
 pub mod digest;
 mod fitting;
+mod grid_loading;
 pub mod link_event;
 pub mod loading;
 pub mod message;
 pub mod packet;
+mod point_correction;
 pub mod refusal;
 mod reply;
 mod responder;
@@ -63,6 +65,9 @@ pub const CALIBRATION_CAPACITY: usize = 256;
 /// Most bytes of a camera's parameters in one message. A calibration comes in two or three, so that
 /// every one that is loaded shows that parts are put together.
 pub const MAX_PART: usize = 64;
+
+/// Most bytes of a residual grid in one message: as many as those of [`MAX_POINTS`] points.
+pub const MAX_GRID_PART: usize = 8 * MAX_POINTS;
 
 /// Longest payload, bytes: [`MAX_POINTS`] answers of four numbers, and the fields around them.
 pub const LONGEST_PAYLOAD: usize = 16 * MAX_POINTS + 16;

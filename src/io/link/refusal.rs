@@ -6,8 +6,10 @@ use serde::{Deserialize, Serialize};
 
 use super::{CALIBRATION_CAPACITY, MAX_POINTS};
 use crate::flight::camera::FrameError;
+use crate::flight::grid_memory::GridMemoryError;
 use crate::geometry::calibration::CalibrationError;
 use crate::geometry::estimation::fit::FitError;
+use crate::geometry::grid::{GridCarrier, GridError};
 use crate::geometry::inverse::DistortError;
 use crate::geometry::mesh::vertex::MeshError;
 use crate::geometry::range::OutOfRange;
@@ -15,7 +17,8 @@ use crate::io::instruments::WireBytes;
 
 /// Why the camera does not do what it is asked for. Nothing has changed, except that after an
 /// [`Refusal::Exposure`] there is no frame, and that a load is over whose last part is refused with
-/// [`Refusal::LoadCrc`], [`Refusal::NoRecord`] or [`Refusal::Calibration`].
+/// [`Refusal::LoadCrc`], [`Refusal::NoRecord`], [`Refusal::Calibration`], [`Refusal::Grid`] or
+/// [`Refusal::Grids`].
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub enum Refusal {
@@ -108,7 +111,7 @@ pub enum Refusal {
     },
     /// The part goes beyond the length announced.
     PartTooLong,
-    /// The parameters are complete, and their CRC-32 is not the one announced.
+    /// The parameters or the grid are complete, and their CRC-32 is not the one announced.
     LoadCrc {
         /// That of the bytes that have come.
         computed: u32,
@@ -120,6 +123,21 @@ pub enum Refusal {
     OtherBytes(WireBytes),
     /// The camera has no wires of receiver and autopilot.
     NoInstruments,
+    /// The camera has no memory for residual grids.
+    NoGridMemory,
+    /// The file of a residual grid is none, damaged, or too long.
+    Grid {
+        /// Part as whose grid it was announced.
+        carrier: GridCarrier,
+        /// The reason.
+        error: GridError,
+    },
+    /// The residual grids that the parameters state have not been loaded, or do not fit the camera;
+    /// the calibration before stays in use.
+    Grids(GridMemoryError),
+    /// Vertices of the recorded image are drawn by the polynomial's differences, which residual
+    /// grids do not have.
+    PolynomialMesh,
 }
 
 impl fmt::Display for Refusal {
@@ -182,7 +200,7 @@ impl fmt::Display for Refusal {
             Self::PartTooLong => f.write_str("the part goes beyond the length announced"),
             Self::LoadCrc { computed } => write!(
                 f,
-                "the parameters have CRC-32 {computed:08x}, not the one announced"
+                "what was loaded has CRC-32 {computed:08x}, not the one announced"
             ),
             Self::NoRecord => f.write_str("the parameters are not a camera's of this version"),
             Self::OtherBytes(WireBytes {
@@ -193,6 +211,12 @@ impl fmt::Display for Refusal {
                 "{receiver} bytes of the receiver and {autopilot} of the autopilot have come, not as many as were sent"
             ),
             Self::NoInstruments => f.write_str("it has no wires of receiver and autopilot"),
+            Self::NoGridMemory => f.write_str("it has no memory for residual grids"),
+            Self::Grid { carrier, error } => write!(f, "residual grid of the {carrier}: {error}"),
+            Self::Grids(error) => error.fmt(f),
+            Self::PolynomialMesh => f.write_str(
+                "vertices of the recorded image cannot be drawn with residual grids: take sources",
+            ),
         }
     }
 }

@@ -3,12 +3,14 @@
 use super::contents::Contents;
 use super::deck::{self, FlightDeck};
 use super::fitting::Fitting;
+use super::grid_loading::{GridLoading, GridProgress};
 use super::link_event::LinkEvent;
 use super::loading::Loading;
 use super::message::{
     Answer, Counters, Header, Identity, Part, Points, Refusal, Request, Unreadable,
 };
 use super::packet::Damage;
+use super::point_correction::PointCorrection;
 use super::reply::Reply;
 use super::{batch, digest, message, round};
 use crate::flight::calibration_id::{CalibrationId, Storage};
@@ -18,7 +20,6 @@ use crate::flight::frame_record::FrameRecord;
 use crate::flight::interior_orientation::InteriorOrientation;
 use crate::flight::rig::{RigAnswer, RigStep};
 use crate::flight::settings::FlightSettings;
-use crate::geometry::frame_correction::FrameCorrection;
 use crate::io::instruments::WireBytes;
 
 /// The part that reads requests and writes answers.
@@ -29,6 +30,7 @@ pub(super) struct Responder<Deck> {
     /// The last request of the session that was answered.
     pub(super) last: Option<Header>,
     pub(super) loading: Loading,
+    pub(super) grids: GridLoading,
     pub(super) frame: Option<camera::Frame>,
     /// The deck, which owns the camera, in flight or not.
     pub(super) deck: Deck,
@@ -161,6 +163,7 @@ impl<Deck: FlightDeck> Responder<Deck> {
                 self.frame = None;
                 self.fitting.end();
                 self.loading.end();
+                self.grids.end();
                 event = LinkEvent::Connected(header.session);
                 Answer::Connected(Identity {
                     calibration: self.deck.camera().and_then(Camera::id),
@@ -169,8 +172,26 @@ impl<Deck: FlightDeck> Responder<Deck> {
             }
             Request::BeginLoad { length, crc } => {
                 deck::check_over(&self.deck)?;
+                self.grids.end();
                 self.loading.begin(*length, *crc)?;
                 Answer::Loading(0)
+            }
+            Request::BeginGrid {
+                carrier,
+                length,
+                crc,
+            } => {
+                deck::check_over(&self.deck)?;
+                self.loading.end();
+                self.grids.begin(*carrier, *length, *crc)?;
+                Answer::Loading(0)
+            }
+            Request::GridPart(part) => {
+                deck::check_over(&self.deck)?;
+                match self.grids.add(part)? {
+                    GridProgress::Bytes(received) => Answer::Loading(received),
+                    GridProgress::Loaded(carrier) => Answer::GridLoaded(carrier),
+                }
             }
             Request::LoadPart(part) => match self.load_part(part)? {
                 Some(id) => {
@@ -183,18 +204,22 @@ impl<Deck: FlightDeck> Responder<Deck> {
                 event = LinkEvent::Exposed;
                 Answer::InteriorOrientation(self.expose(exposure)?)
             }
-            Request::InteriorOrientation => Answer::InteriorOrientation(self.frame()?.interior),
+            Request::InteriorOrientation => {
+                let frame = self.frame.as_ref().ok_or(Refusal::NoFrame)?;
+                Answer::InteriorOrientation(frame.interior)
+            }
             Request::Correct(measured) => return self.correct(header, measured),
             Request::Distort(ideal) => {
-                let measured = batch::distort(correction(self.frame.as_ref())?, ideal)?;
+                let correction = PointCorrection::of(self.frame.as_ref(), &self.grids)?;
+                let measured = batch::distort(&correction, ideal)?;
                 self.reply.send(header, &Answer::Points(measured));
                 return Ok(event);
             }
             Request::Digest(grid) => {
                 deck::check_idle(&self.deck)?;
-                let correction = &self.frame()?.correction;
-                batch::on_sensor(correction, grid.points())?;
-                Answer::Digest(digest::of_grid(correction, grid))
+                let correction = PointCorrection::of(self.frame.as_ref(), &self.grids)?;
+                batch::on_sensor(correction.polynomial(), grid.points())?;
+                Answer::Digest(correction.digest(grid))
             }
             Request::Counters => Answer::Counters(self.counters()),
             Request::Reset => {
@@ -243,12 +268,14 @@ impl<Deck: FlightDeck> Responder<Deck> {
                 Answer::Told
             }
             Request::Mesh(row, format) => {
-                let mesh = batch::mesh(correction(self.frame.as_ref())?, row, *format)?;
+                let correction = PointCorrection::of(self.frame.as_ref(), &self.grids)?;
+                let mesh = batch::mesh(&correction, row, *format)?;
                 self.reply.send(header, &Answer::Mesh(mesh));
                 return Ok(event);
             }
             Request::Corrections(row) => {
-                let corrections = batch::corrections(correction(self.frame.as_ref())?, row)?;
+                let correction = PointCorrection::of(self.frame.as_ref(), &self.grids)?;
+                let corrections = batch::corrections(&correction, row)?;
                 self.reply.send(header, &Answer::Corrections(corrections));
                 return Ok(event);
             }
@@ -258,9 +285,9 @@ impl<Deck: FlightDeck> Responder<Deck> {
     }
 
     fn correct(&mut self, header: Header, measured: &Points) -> Result<LinkEvent, Refusal> {
-        let correction = correction(self.frame.as_ref())?;
-        batch::on_sensor(correction, measured.iter().copied())?;
-        let points = Contents::Corrected(correction, measured);
+        let correction = PointCorrection::of(self.frame.as_ref(), &self.grids)?;
+        batch::on_sensor(correction.polynomial(), measured.iter().copied())?;
+        let points = Contents::Corrected(&correction, measured);
         self.reply.send_contents(header, &points);
         Ok(LinkEvent::Answered)
     }
@@ -319,6 +346,7 @@ impl<Deck: FlightDeck> Responder<Deck> {
         storage: Storage,
     ) -> Result<CalibrationId, Refusal> {
         let camera = Camera::identified(record, crc, storage).map_err(Refusal::Calibration)?;
+        let camera = self.grids.put_into_use(camera)?;
         self.deck.load(camera);
         self.frame = None;
         self.fitting.end();
@@ -339,21 +367,12 @@ impl<Deck: FlightDeck> Responder<Deck> {
         Ok(frame.interior)
     }
 
-    fn frame(&self) -> Result<&camera::Frame, Refusal> {
-        self.frame.as_ref().ok_or(Refusal::NoFrame)
-    }
-
     pub(super) fn counters(&self) -> Counters {
         Counters {
             stack_used_bytes: (self.stack_used_bytes)(),
             ..self.counters
         }
     }
-}
-
-/// The correction of the current frame, while the reply is being written.
-fn correction(frame: Option<&camera::Frame>) -> Result<&FrameCorrection, Refusal> {
-    frame.map(|frame| &frame.correction).ok_or(Refusal::NoFrame)
 }
 
 /// The header of an answer to a request whose own cannot be read.

@@ -3,6 +3,7 @@
 use super::deck::{self, FlightDeck, RigDeck};
 use super::digest;
 use super::fitting::Fitting;
+use super::grid_loading::GridLoading;
 pub use super::link_event::LinkEvent;
 use super::loading::Loading;
 use super::message::{Counters, Identity, Refusal};
@@ -12,6 +13,7 @@ pub use super::responder::NOBODY;
 use super::responder::{Responder, count_more};
 use crate::flight::calibration_id::{CalibrationId, Storage};
 use crate::flight::camera::CameraParameters;
+use crate::flight::grid_memory::GridMemory;
 
 /// The camera's end of the link.
 ///
@@ -45,6 +47,7 @@ impl<Deck: FlightDeck> Station<Deck> {
                 deck,
                 last: None,
                 loading: Loading::NONE,
+                grids: GridLoading::NONE,
                 frame: None,
                 fitting: Fitting::NONE,
                 reply: Reply::NONE,
@@ -64,6 +67,17 @@ impl<Deck: FlightDeck> Station<Deck> {
                 },
             },
         }
+    }
+
+    /// Gives the camera memory for residual grids; without, it refuses a camera that has some.
+    pub const fn keep_grids_in(&mut self, memory: &'static mut GridMemory) {
+        self.responder.grids.keep_in(memory);
+    }
+
+    /// Memory for residual grids, into which a board puts those that it has in its own store before
+    /// it [loads](Self::load) the camera that states them; `None` in a camera without.
+    pub fn grid_memory_mut(&mut self) -> Option<&mut GridMemory> {
+        self.responder.grids.memory_mut()
     }
 
     /// Puts a calibration into use that the board has in its own store, or was built with, as a

@@ -2,11 +2,14 @@
 
 use fmc_camera::flight::drive::rig::RigDrive;
 use fmc_camera::flight::flown_deck::FlownDeck;
+use fmc_camera::geometry::{
+    frame_correction::FrameCorrection, gridded_correction::GriddedCorrection,
+};
 use fmc_camera::io::instruments::{Instruments, counters::ReceiverCounters};
 use fmc_camera::io::link::{
     deck::{FlightDeck, RigDeck},
     digest,
-    loading::Upload,
+    loading::{self, Upload},
     message::{Answer, Grid, Identity, Request, ResetCause},
     packet::{Packet, PacketReceiver},
     station::Station,
@@ -30,13 +33,15 @@ pub(crate) fn keep() {
         Request::read,
         Answer::write,
         Answer::read,
-        digest::of_grid,
+        digest::of_grid::<FrameCorrection>,
+        digest::of_grid::<GriddedCorrection<'_>>,
         digest::of_camera,
         digest::of_frame_record,
         Upload::of,
         Upload::crc,
         Upload::parts,
         Upload::requests,
+        loading::grid_requests,
         RigDeck::new,
         RigDeck::after,
         RigDeck::hear,
@@ -71,6 +76,8 @@ pub(crate) fn keep() {
         Station::<RigDeck>::count_overrun,
         Station::<RigDeck>::counters,
         Station::<RigDeck>::deck_mut,
+        Station::<RigDeck>::keep_grids_in,
+        Station::<RigDeck>::grid_memory_mut,
         MavlinkReceiver::new,
         MavlinkReceiver::receive,
         MavlinkReceiver::buffered,

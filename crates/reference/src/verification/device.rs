@@ -18,17 +18,17 @@ pub trait CorrectingDevice: Send {
     /// Describes the device, for the first line of a report.
     fn description(&self) -> String;
 
-    /// Replaces the camera's calibration, mechanism, shutter and limits.
+    /// Replaces the camera's calibration, mechanism, shutter and limits. The residual grids that
+    /// the parameters state must have been [given](Self::load_grids) before.
     ///
     /// # Errors
     /// An error if the camera refuses them; the previous ones then stay.
     fn load(&mut self, camera: &CameraParameters) -> Result<(), Self::Error>;
 
-    /// Gives the camera that is loaded its residual grids, with which it corrects from the next
-    /// exposure on; a camera that is loaded has none.
+    /// Gives the device the residual grids of the camera that is loaded next.
     ///
     /// # Errors
-    /// An error if the camera does not hold grids, and for those that do not fit it.
+    /// An error if the device does not hold grids, and for a damaged one.
     fn load_grids(&mut self, grids: &GridFiles) -> Result<(), Self::Error> {
         if grids.is_empty() {
             Ok(())

@@ -60,8 +60,8 @@ pub fn exposures<D: CorrectingDevice + ?Sized>(
         let mut strategy = camera.clone();
         strategy.fmc.strategy = exposure.strategy;
         if loaded != Some(exposure.strategy) {
-            device.load(&strategy.parameters())?;
             device.load_grids(grids)?;
+            device.load(&strategy.parameters())?;
             loaded = Some(exposure.strategy);
         }
         device.expose(&Exposure::new(
