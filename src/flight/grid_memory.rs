@@ -164,3 +164,13 @@ impl fmt::Display for GridMemoryError {
 }
 
 impl core::error::Error for GridMemoryError {}
+
+#[cfg(test)]
+mod tests {
+    use super::GridMemory;
+
+    #[test]
+    fn memory_is_as_large_as_stated() {
+        assert_eq!(size_of::<GridMemory>() / 1000, 66);
+    }
+}

@@ -363,7 +363,13 @@ fn damaged_and_wrong_grids_are_refused_and_those_in_use_stay() {
         Answer::Refused(Refusal::Grid { carrier, error })
     );
     // Sound by itself, and too steep for any camera; and one that covers too little of this one.
-    let steep = |column: u16, _| [if column % 2 == 0 { i16::MAX } else { -i16::MAX }; 2];
+    let steep = |column: u16, _| {
+        [if column.is_multiple_of(2) {
+            i16::MAX
+        } else {
+            -i16::MAX
+        }; 2]
+    };
     let mut header = *ResidualGrid::parse(&other).unwrap().header();
     header.scale_mm = 5e-6;
     let steep = file(&header, steep);

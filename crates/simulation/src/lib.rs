@@ -14,6 +14,7 @@ pub mod mission;
 pub mod noise;
 mod range;
 mod scenario_kind;
+mod scenario_text;
 pub mod scene;
 pub mod smear;
 pub mod statistics;

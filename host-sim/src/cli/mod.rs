@@ -2,7 +2,7 @@
 
 use std::path::PathBuf;
 
-use clap::{Args, Parser, Subcommand, ValueEnum};
+use clap::{Args, Parser, Subcommand};
 
 mod block;
 mod calibration;
@@ -11,12 +11,14 @@ mod camera_file;
 mod certificate;
 mod examples;
 mod exchange;
+mod exposure;
 mod frames;
 mod images;
 mod mesh;
 mod mission;
 mod network;
 mod number;
+mod points;
 mod rectify;
 mod simulation;
 mod statistics;
@@ -34,11 +36,13 @@ pub use certificate::{
     CertificateAction, CertificateArgs, CertificateFolderArgs, MakeCertificateArgs,
 };
 pub use exchange::{ContainerName, ExportArgs, ImportArgs, SignName};
+pub use exposure::{DirectionName, ExposureArgs, FocusSignName, ModelName};
 pub use frames::{AnswerName, FrameAnswerArgs, FramesArgs, OffSensorName};
 pub use images::{CompareArgs, RenderArgs};
 pub use mesh::{ImagePart, MeshArgs, MeshFormatName};
 pub use mission::{MissionArgs, RecordsArgs};
 pub use network::{BundleArgs, DatumName, HandOverFormat, NetworkArgs, ResectionArgs};
+pub use points::{FrameArgs, PointFiles, PointsArgs, ReadingName, ReferenceArgs, WeightName};
 pub use rectify::{
     BlockArgs, CentreName, CompressionName, ImageFileArgs, RectifiedImageArgs, RectifyArgs,
     ResamplingName, Shard, WindowArgument,
@@ -48,13 +52,7 @@ pub use statistics::{FaultNumber, StatisticsArgs};
 pub use trajectory::{OffTrajectoryName, TimeScaleName, TrajectoryArgs};
 pub use vh::{VhArgument, VhOption};
 
-use fmc_camera_file::number::finite;
-
-use self::frames::{optional_group, optional_with_frames};
-use self::number::exposure_time;
-use self::trajectory::needs_frames;
 use crate::device::DeviceName;
-use crate::formats::points::PointFormat;
 
 /// Geometry of an airborne mapping camera with forward motion compensation: strict reference,
 /// verification, and the client of the camera.
@@ -323,189 +321,4 @@ pub struct DeviceArgs {
     /// Show the log of the firmware in QEMU on the error stream.
     #[arg(long, help_heading = ADVANCED)]
     pub log: bool,
-}
-
-/// The exposure and its correction.
-#[derive(Debug, Args)]
-pub struct ExposureArgs {
-    /// Camera file (TOML).
-    #[arg(long, value_name = "FILE")]
-    pub camera: PathBuf,
-    /// V/H, or ground speed and height.
-    #[command(flatten)]
-    pub vh: VhOption,
-    /// Direction of flight; V/H is positive either way.
-    #[arg(long, value_name = "DIRECTION", default_value = "forward", help_heading = ADVANCED)]
-    pub direction: DirectionName,
-    /// Exposure time, first light to last: seconds or a fraction such as 1/200.
-    #[arg(long, value_name = "S", required = true, value_parser = exposure_time, allow_hyphen_values = true)]
-    pub exposure: Option<f64>,
-    /// Offset of the principal point from its calibrated place when the shutter opens, along the
-    /// FMC axis, mm; overrides the planned run-up.
-    #[arg(long, value_name = "MM", value_parser = finite, allow_negative_numbers = true, help_heading = ADVANCED)]
-    pub opening_offset_mm: Option<f64>,
-    /// Detector out of its calibrated plane, positive away from the lens, µm; adds to the stage's
-    /// run-out.
-    #[arg(long, value_name = "UM", default_value = "0", value_parser = finite, allow_negative_numbers = true, help_heading = ADVANCED)]
-    pub focus_shift_um: f64,
-    /// Formula that turns a focus shift into distortion.
-    #[arg(long, value_name = "SIGN", default_value = "physical", help_heading = ADVANCED)]
-    pub focus_sign: FocusSignName,
-    /// Model of the correction.
-    #[arg(long, value_name = "MODEL", default_value = "exact", help_heading = ADVANCED)]
-    pub model: ModelName,
-}
-
-/// Arguments of `correct` and `distort`.
-#[derive(Debug, Args)]
-#[command(
-    mut_arg("exposure", optional_with_frames),
-    mut_arg("trajectory", needs_frames),
-    mut_group("vh_or_speed", optional_group)
-)]
-pub struct PointsArgs {
-    /// The exposure.
-    #[command(flatten)]
-    pub exposure: ExposureArgs,
-    /// The frames of a flight in place of one exposure.
-    #[command(flatten)]
-    pub frames: FramesArgs,
-    /// Answers for points of many frames.
-    #[command(flatten)]
-    pub answers: FrameAnswerArgs,
-    /// The trajectory of the flight.
-    #[command(flatten)]
-    pub trajectory: TrajectoryArgs,
-    /// Device on which the camera runs.
-    #[command(flatten, next_help_heading = ADVANCED)]
-    pub device: DeviceArgs,
-    /// Files of points and answers.
-    #[command(flatten)]
-    pub files: PointFiles,
-}
-
-/// Files of points and answers.
-#[derive(Debug, Args)]
-pub struct PointFiles {
-    /// CSV with a header, columns in any order: `id,x_mm,y_mm` (sensor frame) or
-    /// `id,col_px,row_px`. Or an array of NumPy (.npy), N rows of `x_mm`, `y_mm`, answered by N
-    /// rows of `x_mm`, `y_mm`, `dx_um`, `dy_um`. `-` reads standard input. Points of many frames
-    /// have a column `sequence`, `frame` or `image`, and may be Parquet (docs/formats.md).
-    #[arg(value_name = "POINTS.csv")]
-    pub points: PathBuf,
-    /// Answer file; it appears only when it is complete. Without it standard output, where the
-    /// answers before a wrong point in a long file may already have been written: the exit code
-    /// reports the failure.
-    #[arg(long, value_name = "FILE", help_heading = ADVANCED)]
-    pub out: Option<PathBuf>,
-    /// Format of points and answers whose file name has no extension of a format; without it
-    /// CSV for the points, and for the answers the format of the points.
-    #[arg(long, value_name = "FORMAT", help_heading = ADVANCED)]
-    pub format: Option<PointFormat>,
-}
-
-/// Arguments of `reference`.
-#[derive(Debug, Args)]
-pub struct ReferenceArgs {
-    /// The exposure.
-    #[command(flatten)]
-    pub exposure: ExposureArgs,
-    /// Weight of the mean over the exposure: the light, or the arc length of the distortion
-    /// hodograph as printed in eqs. 10-11.
-    #[arg(long, value_name = "WEIGHT", default_value = "exposure", help_heading = ADVANCED)]
-    pub weight: WeightName,
-    /// Reading of eqs. 12-13: as changes (consistent), or literally, which counts the static
-    /// distortion twice.
-    #[arg(long, value_name = "READING", default_value = "consistent", help_heading = ADVANCED)]
-    pub reading: ReadingName,
-    /// Files of points and answers.
-    #[command(flatten)]
-    pub files: PointFiles,
-}
-
-/// Arguments of `frame`.
-#[derive(Debug, Args)]
-#[command(
-    mut_arg("exposure", optional_with_frames),
-    mut_arg("trajectory", needs_frames),
-    mut_group("vh_or_speed", optional_group)
-)]
-pub struct FrameArgs {
-    /// The exposure.
-    #[command(flatten)]
-    pub exposure: ExposureArgs,
-    /// The frames of a flight in place of one exposure.
-    #[command(flatten)]
-    pub frames: FramesArgs,
-    /// The trajectory of the flight.
-    #[command(flatten)]
-    pub trajectory: TrajectoryArgs,
-    /// Device on which the camera runs.
-    #[command(flatten, next_help_heading = ADVANCED)]
-    pub device: DeviceArgs,
-    /// Print JSON.
-    #[arg(long, help_heading = ADVANCED)]
-    pub json: bool,
-    /// Answer file; without it standard output.
-    #[arg(long, value_name = "FILE", help_heading = ADVANCED)]
-    pub out: Option<PathBuf>,
-}
-
-/// Direction of flight.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
-pub enum DirectionName {
-    /// Along the FMC axis.
-    Forward,
-    /// Against the FMC axis: a strip flown back, the camera not turned; travel and speed of the
-    /// stage are negative.
-    Reverse,
-}
-
-impl DirectionName {
-    /// Returns the name that the command line uses.
-    #[must_use]
-    pub const fn name(self) -> &'static str {
-        match self {
-            Self::Forward => "forward",
-            Self::Reverse => "reverse",
-        }
-    }
-}
-
-/// Formula that turns a focus shift into distortion.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
-pub enum FocusSignName {
-    /// A detector moved away from the lens enlarges the image by Δz/L, as ray tracing shows.
-    Physical,
-    /// Yuan et al. 2012, eqs. 14-17, as printed: k0' = -Δf/f.
-    Printed,
-}
-
-/// Model of the correction.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
-pub enum ModelName {
-    /// Exposure mean of the calibration about the moving principal point.
-    Exact,
-    /// The five coefficients of the camera file's table `fitted`.
-    Fitted,
-    /// Static calibration; motion and focus shift are ignored.
-    Static,
-}
-
-/// Weight of the mean over the exposure.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
-pub enum WeightName {
-    /// The light, which the sensor integrates.
-    Exposure,
-    /// Arc length of the distortion hodograph, eqs. 10-11.
-    ArcLength,
-}
-
-/// Reading of eqs. 12-13.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
-pub enum ReadingName {
-    /// The two terms are changes of the distortion.
-    Consistent,
-    /// The two terms are totals, as printed.
-    Literal,
 }

@@ -12,6 +12,7 @@ use fmc_camera::flight::prepared_camera::PreparedCamera;
 use fmc_camera::flight::settings::FlightSettings;
 use fmc_camera::flight::vh::{VhSample, VhSettings};
 use fmc_camera::io::link::message::{Refusal, Status};
+use fmc_camera_file::GridFiles;
 use fmc_camera_file::flight_settings::FlightSettingsFile;
 use fmc_camera_file::number::single;
 use fmc_report::camera_status;
@@ -38,9 +39,12 @@ pub(super) fn run(args: &CameraArgs) -> Result<(), Failure> {
     // Wrong input is reported before a port is opened.
     match &args.action {
         CameraAction::Prepare(prepare) => {
-            let (camera, settings) = read(prepare)?;
+            let (camera, grids, settings) = read(prepare)?;
             let mut device = args.device.open_flown()?;
-            device.prepare(&camera, &settings).map_err(failed)?;
+            device
+                .load_grids(&grids)
+                .and_then(|()| device.prepare(&camera, &settings))
+                .map_err(failed)?;
             say(&device.status().map_err(failed)?)
         }
         CameraAction::Arm => obey(args, Command::Arm, |status| {
@@ -83,8 +87,8 @@ pub(super) fn run(args: &CameraArgs) -> Result<(), Failure> {
 }
 
 /// Reads calibration and settings, and checks on this PC that the camera can fly with them.
-fn read(args: &PrepareArgs) -> Result<(CameraParameters, FlightSettings), Failure> {
-    let (file, _) = super::read_camera(&args.camera)?;
+fn read(args: &PrepareArgs) -> Result<(CameraParameters, GridFiles, FlightSettings), Failure> {
+    let (file, grids) = super::read_camera_with_grids(&args.camera)?;
     let mut settings = match &args.settings {
         Some(path) => FlightSettingsFile::read(path)?.settings,
         None => FlightSettings::default(),
@@ -111,7 +115,7 @@ fn read(args: &PrepareArgs) -> Result<(CameraParameters, FlightSettings), Failur
         .map_err(|error| Failure::bad_input(format!("{}: {error}", args.camera.display())))?;
     PreparedCamera::new(flown, &settings, Start::Orderly)
         .map_err(|error| Failure::bad_input(format!("{}: {error}", args.camera.display())))?;
-    Ok((camera, settings))
+    Ok((camera, grids, settings))
 }
 
 fn tell(args: &CameraArgs, event: Event) -> Result<(), Failure> {

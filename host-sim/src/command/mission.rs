@@ -56,6 +56,7 @@ pub(super) fn run(args: &MissionArgs) -> Result<(), Failure> {
         }
         Some(camera) => Box::new(camera),
     };
+    device.load_grids(&scenario.grids)?;
     device.prepare(&scenario.camera.parameters(), &scenario.flight_settings())?;
     let options = FlightOptions {
         seed,

@@ -5,6 +5,7 @@ use fmc_camera::flight::event::Event;
 use fmc_camera::flight::settings::FlightSettings;
 use fmc_camera::io::instruments::counters::InstrumentCounters;
 use fmc_camera::io::link::message::{Refusal, Status};
+use fmc_camera_file::GridFiles;
 
 use super::link_error::LinkError;
 use super::port::Port;
@@ -13,6 +14,12 @@ use super::{CorrectingDevice, DeviceError};
 
 /// A camera on a board.
 pub trait FlownCamera {
+    /// Gives the camera the residual grids of the calibration that is sent next.
+    ///
+    /// # Errors
+    /// [`DeviceError`] for a damaged grid.
+    fn load_grids(&mut self, grids: &GridFiles) -> Result<(), DeviceError>;
+
     /// Sends calibration and settings; the camera is in standby afterwards.
     ///
     /// # Errors
@@ -44,6 +51,10 @@ pub trait FlownCamera {
 }
 
 impl<P: Port> FlownCamera for Remote<P> {
+    fn load_grids(&mut self, grids: &GridFiles) -> Result<(), DeviceError> {
+        CorrectingDevice::load_grids(self, grids)
+    }
+
     fn prepare(
         &mut self,
         camera: &CameraParameters,

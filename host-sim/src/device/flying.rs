@@ -10,9 +10,10 @@ use fmc_camera::flight::stage::Setpoint;
 use fmc_camera::flight::time::Time;
 use fmc_camera::io::instruments::counters::InstrumentCounters;
 use fmc_camera::io::instruments::{Instruments, Wire};
+use fmc_camera_file::GridFiles;
 use fmc_simulation::mission::wire::WireTraffic;
 
-use super::{CorrectingDevice as _, DeviceError, FlyingDevice, InProcess};
+use super::{CorrectingDevice, DeviceError, FlyingDevice, InProcess};
 
 impl InProcess {
     /// Prepares the camera as [`FlyingDevice::prepare`] does, after a given kind of start.
@@ -70,6 +71,10 @@ impl FlyingDevice for InProcess {
 
     fn description(&self) -> String {
         super::CorrectingDevice::description(self)
+    }
+
+    fn load_grids(&mut self, grids: &GridFiles) -> Result<(), DeviceError> {
+        CorrectingDevice::load_grids(self, grids)
     }
 
     fn prepare(

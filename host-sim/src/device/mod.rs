@@ -8,6 +8,7 @@ mod client_frame;
 pub mod error;
 pub mod flown_camera;
 mod flying;
+mod held_grids;
 pub mod image;
 pub mod link_error;
 pub mod log;

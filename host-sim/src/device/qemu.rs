@@ -176,7 +176,7 @@ impl CorrectingDevice for Qemu {
     }
 
     fn load_grids(&mut self, grids: &GridFiles) -> Result<(), DeviceError> {
-        self.remote.load_grids(grids)
+        CorrectingDevice::load_grids(&mut self.remote, grids)
     }
 
     fn expose(&mut self, exposure: &Exposure) -> Result<InteriorOrientation, DeviceError> {
@@ -233,6 +233,10 @@ impl FlyingDevice for Qemu {
 
     fn description(&self) -> String {
         CorrectingDevice::description(self)
+    }
+
+    fn load_grids(&mut self, grids: &GridFiles) -> Result<(), DeviceError> {
+        CorrectingDevice::load_grids(self, grids)
     }
 
     fn prepare(

@@ -15,6 +15,7 @@ use fmc_camera::io::instruments::counters::InstrumentCounters;
 use fmc_camera::io::link::digest;
 use fmc_camera::io::link::message;
 use fmc_camera::io::link::message::{Counters, Refusal};
+use fmc_camera_file::GridFiles;
 use fmc_simulation::mission::wire::WireTraffic;
 
 use super::error::DifferentResult;
@@ -119,6 +120,10 @@ impl<P: Port> FlyingDevice for Remote<P> {
 
     fn description(&self) -> String {
         CorrectingDevice::description(self)
+    }
+
+    fn load_grids(&mut self, grids: &GridFiles) -> Result<(), DeviceError> {
+        CorrectingDevice::load_grids(self, grids)
     }
 
     fn prepare(

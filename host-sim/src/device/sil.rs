@@ -1,16 +1,14 @@
 //! The camera's own code in this process.
 
-use fmc_camera::flight::calibration_id::{CalibrationId, Storage};
+use fmc_camera::flight::calibration_id::CalibrationId;
 use fmc_camera::flight::camera::{Camera, CameraParameters, Frame};
 use fmc_camera::flight::controller::{Controller, Start};
 use fmc_camera::flight::exposure::Exposure;
-use fmc_camera::flight::grid_memory::GridMemory;
 use fmc_camera::flight::gridded_frame::GriddedFrame;
 use fmc_camera::flight::interior_orientation::InteriorOrientation;
 use fmc_camera::flight::rig::Rig;
 use fmc_camera::geometry::exposure_distortion::ExposureDistortion;
 use fmc_camera::geometry::frame_correction::{Corrected, FrameCorrection};
-use fmc_camera::geometry::grid::GridCarrier;
 use fmc_camera::geometry::gridded_correction::GriddedCorrection;
 use fmc_camera::geometry::inverse::DistortSliceError;
 use fmc_camera::geometry::mesh::format::MeshFormat;
@@ -22,9 +20,10 @@ use fmc_camera::io::instruments::Instruments;
 use fmc_camera::io::link::digest;
 use fmc_camera::io::link::message::Grid;
 
-use fmc_camera_file::{GridFiles, GridRefusal};
+use fmc_camera_file::GridFiles;
 
 use super::batch::PointBatch;
+use super::held_grids::HeldGrids;
 use super::{CorrectingDevice, Device, DeviceError, Evidence};
 
 /// The camera in this process: the library that the firmware runs, called directly.
@@ -35,7 +34,7 @@ pub struct InProcess {
     correction: Option<FrameCorrection>,
     /// Interior orientation of the current frame, if it was exposed here.
     interior: Option<InteriorOrientation>,
-    grids: Box<GridMemory>,
+    grids: HeldGrids,
     evidence: Evidence,
     pub(super) instruments: Instruments,
 }
@@ -46,7 +45,7 @@ impl Default for InProcess {
             rig: Rig::new(Start::Orderly),
             correction: None,
             interior: None,
-            grids: Box::new(GridMemory::EMPTY),
+            grids: HeldGrids::default(),
             evidence: Evidence::default(),
             instruments: Instruments::new(),
         }
@@ -93,18 +92,6 @@ impl InProcess {
         };
         Some(frame().and_then(|frame| answer(&GriddedFrame::new(&frame, &grids).correction)))
     }
-
-    /// Validates a camera and puts its residual grids into use.
-    pub(super) fn identified(&mut self, camera: &CameraParameters) -> Result<Camera, DeviceError> {
-        let crc = digest::of_camera(camera).unwrap_or_default();
-        let camera = Camera::identified(*camera, crc, Storage::Volatile)
-            .map_err(DeviceError::Calibration)?;
-        self.grids.put_into_use(&camera)?;
-        Ok(match self.grids.in_use() {
-            Some(grids) => camera.bounded_by(&grids),
-            None => camera,
-        })
-    }
 }
 
 impl CorrectingDevice for InProcess {
@@ -119,23 +106,14 @@ impl CorrectingDevice for InProcess {
             0 => {}
             kept => return Err(DeviceError::RecordsKept(kept)),
         }
-        let camera = self.identified(camera)?;
+        let camera = self.grids.identify(camera)?;
         self.rig.load(camera);
         self.correction = None;
         Ok(())
     }
 
     fn load_grids(&mut self, grids: &GridFiles) -> Result<(), DeviceError> {
-        for carrier in [GridCarrier::Lens, GridCarrier::Sensor] {
-            let Some(file) = grids.bytes(carrier) else {
-                continue;
-            };
-            let buffer = self.grids.spare_mut(carrier);
-            buffer.clear();
-            let checked = buffer.add(file).and_then(|()| buffer.check());
-            checked.map_err(|error| DeviceError::Grids(GridRefusal::File { carrier, error }))?;
-        }
-        Ok(())
+        self.grids.load(grids)
     }
 
     fn expose(&mut self, exposure: &Exposure) -> Result<InteriorOrientation, DeviceError> {

@@ -5,8 +5,7 @@ use std::convert::Infallible;
 use std::rc::Rc;
 
 use embedded_hal::digital::{ErrorType, InputPin, OutputPin};
-use fmc_camera::flight::calibration_id::Storage;
-use fmc_camera::flight::camera::{Camera, CameraParameters};
+use fmc_camera::flight::camera::CameraParameters;
 use fmc_camera::flight::control_loop::ControlLoop;
 use fmc_camera::flight::controller::Start;
 use fmc_camera::flight::drive::step_dir::{StepDir, StepPins};
@@ -19,14 +18,14 @@ use fmc_camera::flight::stage::Setpoint;
 use fmc_camera::flight::time::Time;
 use fmc_camera::io::instruments::Instruments;
 use fmc_camera::io::instruments::counters::InstrumentCounters;
-use fmc_camera::io::link::digest;
-use fmc_camera_file::InputError;
 use fmc_camera_file::number::single;
+use fmc_camera_file::{GridFiles, InputError};
 use fmc_simulation::mission::clock::ROUND_US;
 use fmc_simulation::mission::scenario::MissionScenario;
 use fmc_simulation::mission::wire::WireTraffic;
 
 use super::flying::{not_prepared, wired};
+use super::held_grids::HeldGrids;
 use super::{DeviceError, FlyingDevice};
 
 /// A pin that others can see.
@@ -79,6 +78,7 @@ pub struct StepperCamera {
     direction: Wire,
     control: Option<ControlLoop<Drive>>,
     steps: Vec<(f64, i8)>,
+    grids: HeldGrids,
     instruments: Instruments,
 }
 
@@ -107,6 +107,7 @@ impl StepperCamera {
             direction: Wire::default(),
             control: None,
             steps: Vec::new(),
+            grids: HeldGrids::default(),
             instruments: Instruments::new(),
         }))
     }
@@ -150,14 +151,16 @@ impl FlyingDevice for StepperCamera {
             high: OpenSwitch,
         };
         let drive = StepDir::new(self.settings, pins).map_err(DeviceError::Settings)?;
-        let crc = digest::of_camera(camera).unwrap_or_default();
-        let camera = Camera::identified(*camera, crc, Storage::Volatile)
-            .map_err(DeviceError::Calibration)?;
+        let camera = self.grids.identify(camera)?;
         let prepared =
             PreparedCamera::new(camera, settings, Start::Orderly).map_err(not_prepared)?;
         self.control = Some(ControlLoop::new(prepared, drive));
         self.instruments.clear();
         Ok(())
+    }
+
+    fn load_grids(&mut self, grids: &GridFiles) -> Result<(), DeviceError> {
+        self.grids.load(grids)
     }
 
     fn setpoint(&self, now: Time) -> Option<Setpoint> {

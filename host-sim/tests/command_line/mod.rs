@@ -63,6 +63,8 @@ mod mesh;
 #[cfg(test)]
 mod mission;
 #[cfg(test)]
+mod mission_grids;
+#[cfg(test)]
 mod mission_refused;
 #[cfg(test)]
 mod npy;

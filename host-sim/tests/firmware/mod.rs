@@ -12,6 +12,8 @@ mod fit;
 #[cfg(test)]
 mod flight;
 #[cfg(test)]
+mod grids;
+#[cfg(test)]
 mod mission;
 #[cfg(test)]
 mod program;

@@ -12,7 +12,7 @@ use crate::geometry::sensor::SensorPoint;
 
 /// Correction of the current frame. A camera without grids pays nothing for those of others.
 #[derive(Debug, Clone, Copy)]
-#[expect(clippy::large_enum_variant, reason = "no heap")]
+#[allow(clippy::large_enum_variant, reason = "no heap")]
 pub(super) enum PointCorrection<'a> {
     /// That of a camera without grids.
     Polynomial(&'a FrameCorrection),

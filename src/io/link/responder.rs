@@ -6,9 +6,7 @@ use super::fitting::Fitting;
 use super::grid_loading::{GridLoading, GridProgress};
 use super::link_event::LinkEvent;
 use super::loading::Loading;
-use super::message::{
-    Answer, Counters, Header, Identity, Part, Points, Refusal, Request, Unreadable,
-};
+use super::message::{Answer, Counters, Header, Identity, Refusal, Request, Unreadable};
 use super::packet::Damage;
 use super::point_correction::PointCorrection;
 use super::reply::Reply;
@@ -170,36 +168,16 @@ impl<Deck: FlightDeck> Responder<Deck> {
                     ..self.identity.clone()
                 })
             }
-            Request::BeginLoad { length, crc } => {
-                deck::check_over(&self.deck)?;
-                self.grids.end();
-                self.loading.begin(*length, *crc)?;
-                Answer::Loading(0)
-            }
-            Request::BeginGrid {
-                carrier,
-                length,
-                crc,
-            } => {
-                deck::check_over(&self.deck)?;
-                self.loading.end();
-                self.grids.begin(*carrier, *length, *crc)?;
-                Answer::Loading(0)
-            }
-            Request::GridPart(part) => {
-                deck::check_over(&self.deck)?;
-                match self.grids.add(part)? {
-                    GridProgress::Bytes(received) => Answer::Loading(received),
-                    GridProgress::Loaded(carrier) => Answer::GridLoaded(carrier),
-                }
-            }
-            Request::LoadPart(part) => match self.load_part(part)? {
-                Some(id) => {
+            Request::BeginLoad { .. }
+            | Request::LoadPart(_)
+            | Request::BeginGrid { .. }
+            | Request::GridPart(_) => {
+                let answer = self.take_load(request)?;
+                if let Answer::Loaded(id) = answer {
                     event = LinkEvent::Loaded(id);
-                    Answer::Loaded(id)
                 }
-                None => Answer::Loading(self.loading.received()),
-            },
+                answer
+            }
             Request::Expose(exposure) => {
                 event = LinkEvent::Exposed;
                 Answer::InteriorOrientation(self.expose(exposure)?)
@@ -208,11 +186,11 @@ impl<Deck: FlightDeck> Responder<Deck> {
                 let frame = self.frame.as_ref().ok_or(Refusal::NoFrame)?;
                 Answer::InteriorOrientation(frame.interior)
             }
-            Request::Correct(measured) => return self.correct(header, measured),
-            Request::Distort(ideal) => {
-                let correction = PointCorrection::of(self.frame.as_ref(), &self.grids)?;
-                let measured = batch::distort(&correction, ideal)?;
-                self.reply.send(header, &Answer::Points(measured));
+            Request::Correct(_)
+            | Request::Distort(_)
+            | Request::Mesh(..)
+            | Request::Corrections(_) => {
+                self.answer_points(header, request)?;
                 return Ok(event);
             }
             Request::Digest(grid) => {
@@ -267,29 +245,28 @@ impl<Deck: FlightDeck> Responder<Deck> {
                 self.deck.tell(*event)?;
                 Answer::Told
             }
-            Request::Mesh(row, format) => {
-                let correction = PointCorrection::of(self.frame.as_ref(), &self.grids)?;
-                let mesh = batch::mesh(&correction, row, *format)?;
-                self.reply.send(header, &Answer::Mesh(mesh));
-                return Ok(event);
-            }
-            Request::Corrections(row) => {
-                let correction = PointCorrection::of(self.frame.as_ref(), &self.grids)?;
-                let corrections = batch::corrections(&correction, row)?;
-                self.reply.send(header, &Answer::Corrections(corrections));
-                return Ok(event);
-            }
         };
         self.reply.send(header, &answer);
         Ok(event)
     }
 
-    fn correct(&mut self, header: Header, measured: &Points) -> Result<LinkEvent, Refusal> {
+    /// Answers a request for points of the current frame.
+    fn answer_points(&mut self, header: Header, request: &Request) -> Result<(), Refusal> {
         let correction = PointCorrection::of(self.frame.as_ref(), &self.grids)?;
-        batch::on_sensor(correction.polynomial(), measured.iter().copied())?;
-        let points = Contents::Corrected(&correction, measured);
-        self.reply.send_contents(header, &points);
-        Ok(LinkEvent::Answered)
+        let answer = match request {
+            Request::Correct(measured) => {
+                batch::on_sensor(correction.polynomial(), measured.iter().copied())?;
+                let points = Contents::Corrected(&correction, measured);
+                self.reply.send_contents(header, &points);
+                return Ok(());
+            }
+            Request::Distort(ideal) => Answer::Points(batch::distort(&correction, ideal)?),
+            Request::Mesh(row, format) => Answer::Mesh(batch::mesh(&correction, row, *format)?),
+            Request::Corrections(row) => Answer::Corrections(batch::corrections(&correction, row)?),
+            _ => return Err(Refusal::Unknown),
+        };
+        self.reply.send(header, &answer);
+        Ok(())
     }
 
     /// Prepares the camera: the deepest work, for which no room for an answer is kept.
@@ -327,16 +304,41 @@ impl<Deck: FlightDeck> Responder<Deck> {
         Ok(record.and_then(|record| Some((record, digest::of_frame_record(&record)?))))
     }
 
-    /// Takes a part; the last puts the calibration into use. Apart, so that reading any request
-    /// does not need the stack of this one.
+    /// Takes an announcement or a part of parameters or of a grid. The last part of parameters puts
+    /// the calibration into use. Apart, so that reading any request does not need the stack of this
+    /// one.
     #[inline(never)]
-    fn load_part(&mut self, part: &Part) -> Result<Option<CalibrationId>, Refusal> {
+    fn take_load(&mut self, request: &Request) -> Result<Answer, Refusal> {
         deck::check_over(&self.deck)?;
-        if !self.loading.add(part)? {
-            return Ok(None);
+        match request {
+            Request::BeginLoad { length, crc } => {
+                self.grids.end();
+                self.loading.begin(*length, *crc)?;
+                Ok(Answer::Loading(0))
+            }
+            Request::BeginGrid {
+                carrier,
+                length,
+                crc,
+            } => {
+                self.loading.end();
+                self.grids.begin(*carrier, *length, *crc)?;
+                Ok(Answer::Loading(0))
+            }
+            Request::LoadPart(part) => {
+                if !self.loading.add(part)? {
+                    return Ok(Answer::Loading(self.loading.received()));
+                }
+                let (record, crc) = self.loading.finish()?;
+                self.load(record, crc, Storage::Volatile)
+                    .map(Answer::Loaded)
+            }
+            Request::GridPart(part) => Ok(match self.grids.add(part)? {
+                GridProgress::Bytes(received) => Answer::Loading(received),
+                GridProgress::Loaded(carrier) => Answer::GridLoaded(carrier),
+            }),
+            _ => Err(Refusal::Unknown),
         }
-        let (record, crc) = self.loading.finish()?;
-        self.load(record, crc, Storage::Volatile).map(Some)
     }
 
     pub(super) fn load(

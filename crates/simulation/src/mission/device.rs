@@ -8,6 +8,7 @@ use fmc_camera::flight::stage::Setpoint;
 use fmc_camera::flight::time::Time;
 use fmc_camera::io::instruments::counters::InstrumentCounters;
 use fmc_camera::io::link::message::Counters;
+use fmc_camera_file::GridFiles;
 
 use super::wire::WireTraffic;
 
@@ -19,6 +20,12 @@ pub trait FlyingDevice {
 
     /// Describes the camera, for the first line of a report.
     fn description(&self) -> String;
+
+    /// Gives the camera the residual grids of the calibration that is loaded next.
+    ///
+    /// # Errors
+    /// An error for a damaged grid.
+    fn load_grids(&mut self, grids: &GridFiles) -> Result<(), Self::Error>;
 
     /// Loads the camera's calibration and flight settings; the camera is then in standby.
     ///

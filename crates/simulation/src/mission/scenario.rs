@@ -6,7 +6,7 @@ use fmc_camera::flight::camera::Camera;
 use fmc_camera::flight::settings::FlightSettings;
 use fmc_camera_file::flight_settings::FlightSettingsFile;
 use fmc_camera_file::toml_text::TomlText;
-use fmc_camera_file::{CameraFile, InputError};
+use fmc_camera_file::{CameraFile, GridFiles, InputError};
 
 use super::fault::Injection;
 use super::fault::line::Carried;
@@ -17,6 +17,7 @@ use super::planned_fault::{self, PlannedFault};
 use super::scenario_checks as checks;
 use super::settings::flight_settings;
 use crate::scenario_kind::ScenarioKind;
+use crate::scenario_text;
 
 /// The nominal mission, which is part of the program.
 const NOMINAL: &str = include_str!("../../../../host-sim/scenarios/mission.toml");
@@ -33,6 +34,8 @@ pub struct MissionScenario {
     pub camera: CameraFile,
     /// Validated camera of the camera file.
     pub checked: Camera,
+    /// Its residual grids.
+    pub grids: GridFiles,
     /// Settings of the camera; `None` for those that follow from the scenario's hardware.
     pub settings: Option<FlightSettings>,
     /// Interval between triggers, s.
@@ -60,7 +63,8 @@ impl MissionScenario {
         settings: Option<FlightSettingsFile>,
     ) -> Result<Self, InputError> {
         Self::parse_with("mission.toml", NOMINAL, exposures, settings, |_| {
-            CameraFile::parse("cameras/mission.toml", NOMINAL_CAMERA)
+            let (file, camera) = CameraFile::parse("cameras/mission.toml", NOMINAL_CAMERA)?;
+            Ok((file, camera, GridFiles::default()))
         })
     }
 
@@ -82,10 +86,7 @@ impl MissionScenario {
         exposures: Option<u32>,
         settings: Option<FlightSettingsFile>,
     ) -> Result<Self, InputError> {
-        let bytes = std::fs::read(path).map_err(|error| InputError::reading(path, &error))?;
-        let text = String::from_utf8(bytes).map_err(|_| {
-            InputError::invalid(format!("{}: not a text file (UTF-8)", path.display()))
-        })?;
+        let text = scenario_text::read(path)?;
         let folder = path.parent().unwrap_or(Path::new(""));
         Self::parse(
             &path.display().to_string(),
@@ -110,20 +111,13 @@ impl MissionScenario {
         settings: Option<FlightSettingsFile>,
     ) -> Result<Self, InputError> {
         Self::parse_with(file, text, exposures, settings, |camera| {
-            let path = folder.join(camera);
-            if path.is_file() {
-                Ok(CameraFile::read(&path)?)
-            } else {
-                let written = TomlText::new(file, text);
-                Err(written.invalid(
-                    &["camera"],
-                    &format!("names a camera file, {}, that is not there", path.display()),
-                ))
-            }
+            let path = scenario_text::camera_path(&TomlText::new(file, text), folder, camera)?;
+            CameraFile::read_with_grids(&path)
         })
     }
 
-    /// Parses and validates a scenario whose camera file need not be on the disk.
+    /// Parses and validates a scenario whose camera file need not be on the disk and has
+    /// no residual grids.
     ///
     /// # Errors
     /// As [`Self::read`].
@@ -132,7 +126,10 @@ impl MissionScenario {
         text: &str,
         camera_of: impl FnOnce(&Path) -> Result<(CameraFile, Camera), InputError>,
     ) -> Result<Self, InputError> {
-        Self::parse_with(file, text, None, None, camera_of)
+        Self::parse_with(file, text, None, None, |path| {
+            let (camera_file, camera) = camera_of(path)?;
+            Ok((camera_file, camera, GridFiles::default()))
+        })
     }
 
     fn parse_with(
@@ -140,7 +137,7 @@ impl MissionScenario {
         text: &str,
         exposures: Option<u32>,
         settings: Option<FlightSettingsFile>,
-        camera_of: impl FnOnce(&Path) -> Result<(CameraFile, Camera), InputError>,
+        camera_of: impl FnOnce(&Path) -> Result<(CameraFile, Camera, GridFiles), InputError>,
     ) -> Result<Self, InputError> {
         let text = TomlText::new(file, text);
         let mut written: MissionFile = text
@@ -156,7 +153,7 @@ impl MissionScenario {
         checks::check_sources(&written, &text)?;
         checks::check_line(&written, &text)?;
         checks::check_mechanics(&written, &text)?;
-        let (mut camera, mut checked) = camera_of(&written.camera)?;
+        let (mut camera, mut checked, grids) = camera_of(&written.camera)?;
         let given = settings_of(&written, settings, &text)?;
         let settings = match &given {
             Some(file) => Some(hardware::agree(&mut written, file, &text)?),
@@ -183,6 +180,7 @@ impl MissionScenario {
             written,
             camera,
             checked,
+            grids,
             settings,
             interval_s,
             faults,

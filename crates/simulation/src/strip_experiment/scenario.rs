@@ -10,6 +10,7 @@ use super::scenario_file::{FEWEST_CONTROL_POINTS, ScenarioFile};
 use super::scenario_range;
 use crate::range::Range;
 use crate::scenario_kind::ScenarioKind;
+use crate::scenario_text;
 
 /// A validated scenario with its camera.
 #[derive(Debug, Clone)]
@@ -28,10 +29,7 @@ impl Scenario {
     /// # Errors
     /// [`InputError`] naming file, line, field, value and allowed range.
     pub fn read(path: &Path) -> Result<Self, InputError> {
-        let bytes = std::fs::read(path).map_err(|error| InputError::reading(path, &error))?;
-        let text = String::from_utf8(bytes).map_err(|_| {
-            InputError::invalid(format!("{}: not a text file (UTF-8)", path.display()))
-        })?;
+        let text = scenario_text::read(path)?;
         let folder = path.parent().unwrap_or(Path::new(""));
         Self::parse(&path.display().to_string(), &text, folder)
     }
@@ -47,20 +45,8 @@ impl Scenario {
             .deserialize()
             .map_err(|error| ScenarioKind::Strip.expected(file, &text, error))?;
         written.check(&text)?;
-        let camera_path = folder.join(&written.camera);
-        if !camera_path.is_file() {
-            return Err(text.invalid(
-                &["camera"],
-                &format!(
-                    "names a camera file, {}, that is not there",
-                    camera_path.display()
-                ),
-            ));
-        }
-        let (mut camera, _) = CameraFile::read(&camera_path)?;
-        if written.flight.run_up.is_some() {
-            camera.fmc.strategy = written.flight.run_up;
-        }
+        let camera_path = scenario_text::camera_path(&text, folder, &written.camera)?;
+        let camera = scenario_text::camera_with(&camera_path, written.flight.run_up)?;
         Ok(Self {
             file: file.to_owned(),
             written,

@@ -1,8 +1,8 @@
 //! A frame of the firmware's log as a line of text.
 //!
 //! The numbers, strings, characters and truth values that defmt writes are shown, with the hints
-//! for numbers and seconds, and so are structures and enums of the library (`defmt::Format`, as it
-//! is derived). Of a frame with other arguments (slices, bit fields) only the level and the format
+//! for numbers and seconds, and so are structures, enums and arrays of the library
+//! (`defmt::Format`, as it is derived). Of a frame with other arguments (slices, bit fields) only the level and the format
 //! string are shown.
 
 use defmt_parser::{Fragment, Parameter, ParserMode, Type};
@@ -12,6 +12,9 @@ use super::table::Table;
 
 /// Largest number of zeros that the encoding adds to a frame.
 const MOST_FILLED: usize = 6;
+
+/// Largest number of elements of an array: a format that says more is damaged.
+const LONGEST_ARRAY: usize = 1024;
 
 /// Bytes of a frame, whose arguments are taken from the front.
 struct Reader<'a> {
@@ -59,7 +62,6 @@ pub(super) fn is_shown(format: &str) -> bool {
         Fragment::Parameter(Parameter { ty, .. }) => !matches!(
             ty,
             Type::BitField(_)
-                | Type::FormatArray(_)
                 | Type::FormatSequence
                 | Type::FormatSlice
                 | Type::U8Array(_)
@@ -159,8 +161,21 @@ impl<'a> Reader<'a> {
                 let format = self.variant(entry.is_value.then_some(&*entry.text)?)?;
                 Argument::Value(self.text(format)?)
             }
+            // The format of all elements, then each of them.
+            Type::FormatArray(length) => {
+                if *length > LONGEST_ARRAY {
+                    return None;
+                }
+                let entry = self.table.get(u16::from_le_bytes(self.take()?))?;
+                let format = entry.is_value.then_some(&*entry.text)?;
+                let mut elements = Vec::new();
+                for _ in 0..*length {
+                    let format = self.variant(format)?;
+                    elements.push(self.text(format)?);
+                }
+                Argument::Value(format!("[{}]", elements.join(", ")))
+            }
             Type::BitField(_)
-            | Type::FormatArray(_)
             | Type::FormatSequence
             | Type::FormatSlice
             | Type::U8Array(_)
@@ -255,6 +270,9 @@ mod tests {
             (5, "defmt_derived", "Volatile"),
             (6, "defmt_prim", "{=u8}"),
             (7, "defmt_str", "interned"),
+            (8, "defmt_prim", "{=[?;2]}"),
+            (9, "defmt_prim", "{=f32}"),
+            (10, "defmt_prim", "{=[?;65536]}"),
         ]);
         let line = |argument: &[u8]| decode(&table, &rzcobs::encode(&[&[1, 0], argument].concat()));
         assert_eq!(line(&[2, 0, 0]).unwrap(), "WARN refused: Lost");
@@ -268,23 +286,28 @@ mod tests {
             "WARN refused: Storage(Volatile)"
         );
         assert_eq!(line(&[6, 0, 9]).unwrap(), "WARN refused: 9");
-        // An unknown variant, an unknown format, a string that is not the format of a value, and
-        // no argument at all.
-        for wrong in [&[2, 0, 3][..], &[8, 0], &[7, 0, 1], &[]] {
+        let numbers = [8, 0, 9, 0, 0, 0, 192, 63, 0, 0, 0, 64];
+        assert_eq!(line(&numbers).unwrap(), "WARN refused: [1.5, 2.0]");
+        let variants = [8, 0, 4, 0, 1, 0];
+        assert_eq!(line(&variants).unwrap(), "WARN refused: [Gain, MaxDuty]");
+        // An unknown variant, an unknown format, a string that is not the format of a value, no
+        // argument at all, an array that is cut short, and one that is too long.
+        let cut = &numbers[..4];
+        for wrong in [
+            &[2, 0, 3][..],
+            &[11, 0],
+            &[7, 0, 1],
+            &[],
+            cut,
+            &[10, 0, 5, 0],
+        ] {
             assert!(line(wrong).is_none(), "{wrong:?}");
         }
     }
 
     #[test]
     fn arguments_of_other_kinds_leave_level_and_format() {
-        for format in [
-            "{=[?]}",
-            "{=[?; 1]}",
-            "{=[u8]}",
-            "{=[u8; 1]}",
-            "{=0..3}",
-            "{=u8",
-        ] {
+        for format in ["{=[?]}", "{=[u8]}", "{=[u8; 1]}", "{=0..3}", "{=u8"] {
             let expected = format!("WARN {format} (with arguments of other kinds)");
             assert_eq!(line(format, &[1, 0]), Some(expected));
         }
