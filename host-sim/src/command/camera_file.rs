@@ -4,9 +4,10 @@ use std::path::Path;
 
 use fmc_camera::flight::camera::{Camera, FrameError};
 use fmc_camera::flight::exposure::Exposure;
+use fmc_camera::geometry::grid::{GridCarrier, GridHeader, ResidualGrid};
 use fmc_camera::geometry::range::Quantity;
 use fmc_camera_file::number::single;
-use fmc_camera_file::{CameraFile, MechanismName, Profile};
+use fmc_camera_file::{CameraFile, GridFiles, MechanismName, Profile};
 use fmc_reference::lens::Lens;
 use fmc_report::terminal;
 use fmc_report::wording;
@@ -28,7 +29,8 @@ pub(super) fn run(args: &CameraFileArgs) -> Result<(), Failure> {
 }
 
 fn check(path: &Path) -> Result<(), Failure> {
-    let (file, camera) = super::read_camera(path)?;
+    let (file, camera, grids) = CameraFile::read_with_grids(path)?;
+    super::warn_of_distortion(path, &file);
     super::note_unused_strategy(path, &file);
     let name = path.display();
     let [vh_from, vh_to] = file.limits.vh_per_s;
@@ -46,6 +48,7 @@ fn check(path: &Path) -> Result<(), Failure> {
         ),
         ("distortion at the corner", corner(&file)),
         ("fitted coefficients", fitted(&file)),
+        ("residual grids", residual_grids(&grids)),
         ("mechanism", mechanism(&file)),
         ("shutter", shutter(&file)),
         (
@@ -124,6 +127,30 @@ fn fitted(file: &CameraFile) -> String {
         || "none: --model fitted is refused".to_owned(),
         |fitted| format!("there, per {}", fitted.per.name()),
     )
+}
+
+fn residual_grids(files: &GridFiles) -> String {
+    let described = [GridCarrier::Lens, GridCarrier::Sensor]
+        .into_iter()
+        .filter_map(|carrier| {
+            let grid = ResidualGrid::parse(files.bytes(carrier)?).ok()?;
+            let GridHeader {
+                columns,
+                rows,
+                pitch_mm,
+                ..
+            } = *grid.header();
+            Some(format!(
+                "{carrier}: {columns} x {rows} nodes every {pitch_mm} mm, CRC-32 {:08x}",
+                grid.crc32()
+            ))
+        });
+    let described: Vec<String> = described.collect();
+    if described.is_empty() {
+        "none".to_owned()
+    } else {
+        described.join("; ")
+    }
 }
 
 fn mechanism(file: &CameraFile) -> String {

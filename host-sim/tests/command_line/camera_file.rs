@@ -1,5 +1,6 @@
 //! Check of a camera file.
 
+use crate::command_line::mission_grids::grid;
 use crate::command_line::support::{Bench, CAMERA};
 
 const CHECK: [&str; 3] = ["camera-file", "check", "camera.toml"];
@@ -36,6 +37,25 @@ fn check_states_format_corner_and_limits() {
         "1/1000 s to 1/50 s ([limits] of camera.toml)"
     );
     assert_eq!(said("longest exposure"), "1/50 s: V/H up to 0.17 1/s");
+}
+
+#[test]
+fn grids_are_stated_with_nodes_pitch_and_crc_and_a_damaged_one_is_named() {
+    let (file, crc) = grid();
+    let table = format!("[grid]\nlens = \"lens.fmcg\"\nlens_crc32 = \"{crc:08x}\"\n");
+    let bench = Bench::with(&format!("{CAMERA}\n{table}"), b"");
+    std::fs::write(bench.path("lens.fmcg"), &file).unwrap();
+    let answer = bench.run(&CHECK).ok();
+    assert_eq!(
+        said(&answer.stdout, "residual grids"),
+        format!("lens: 64 x 64 nodes every 2 mm, CRC-32 {crc:08x}")
+    );
+    std::fs::write(bench.path("lens.fmcg"), &file[..file.len() - 1]).unwrap();
+    bench
+        .run(&CHECK)
+        .failed(2, &["camera.toml", "[grid]", "16415 bytes"]);
+    let none = Bench::new().run(&CHECK).ok();
+    assert_eq!(said(&none.stdout, "residual grids"), "none");
 }
 
 /// K1 alone: 1e-7 · 57.02³ mm.

@@ -9,7 +9,7 @@ use crate::command_line::mission::{CAMERA, MISSION, bench, fly};
 use crate::command_line::support::Bench;
 
 /// Returns the file of a grid of the lens with structure of 3 µm, and its CRC-32.
-fn grid() -> (Vec<u8>, u32) {
+pub(crate) fn grid() -> (Vec<u8>, u32) {
     let header = GridHeader {
         carrier: GridCarrier::Lens,
         columns: 64,

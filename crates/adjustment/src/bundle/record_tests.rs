@@ -15,6 +15,11 @@ use crate::calibration::result::residual::TestedResidual;
 /// Sine of the angle between two strips above which they cross.
 pub const CROSSING_SINE: f64 = 0.5;
 
+/// Probability that any good record of a flight is doubted, shared by all. It is smaller than that
+/// for image points: a flight has few records, a wrong one is wrong by far, and a doubt costs the
+/// camera a visit to the laboratory.
+pub const RECORD_ERROR: f64 = 0.001;
+
 /// Control points that show records of the wrong sign.
 pub const LEAST_CONTROL: usize = 5;
 
@@ -35,7 +40,7 @@ pub struct RecordTest {
 pub struct RecordTests {
     /// Tests, in the order of the images; of images with an observed position alone.
     pub all: Vec<RecordTest>,
-    /// Critical value: the probability of 5 % that any good record is doubted.
+    /// Critical value, for [`RECORD_ERROR`].
     pub critical: f64,
 }
 
@@ -57,7 +62,7 @@ impl RecordTests {
                 Some(RecordTest { image, tested })
             })
             .collect();
-        let [critical, _] = critical_values(all.len(), solution.redundancy());
+        let [critical, _] = critical_values(RECORD_ERROR, all.len(), solution.redundancy());
         Self { all, critical }
     }
 

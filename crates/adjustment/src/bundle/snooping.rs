@@ -57,13 +57,13 @@ pub struct Snooped {
 /// Critical values for observations in the adjustment and outside of it.
 ///
 /// # Model
-/// The probability of 5 % that any good observation is rejected, shared by all components; Pope's τ
-/// for observations in the adjustment, Student's t for the others.
+/// The probability that any good observation is rejected, shared by all components; Pope's τ for
+/// observations in the adjustment, Student's t for the others.
 #[must_use]
-pub fn critical_values(observations: usize, redundancy: usize) -> [f64; 2] {
+pub fn critical_values(family_error: f64, observations: usize, redundancy: usize) -> [f64; 2] {
     let freedom = count(redundancy).max(2.0);
     let outside = student(
-        1.0 - FAMILY_ERROR / (2.0 * count(observations.max(1))),
+        1.0 - family_error / (2.0 * count(observations.max(1))),
         freedom - 1.0,
     );
     [pope(outside, freedom), outside]
@@ -76,7 +76,8 @@ impl Snooped {
     /// [`BundleError`] if the cofactors cannot be computed.
     pub fn unrejected(network: &Network, solution: &Solution) -> Result<Self, BundleError> {
         let cofactors = Cofactors::of(network, solution).map_err(|_| BundleError::NotConverged)?;
-        let [critical, _] = critical_values(solution.observations, solution.redundancy());
+        let [critical, _] =
+            critical_values(FAMILY_ERROR, solution.observations, solution.redundancy());
         Ok(Self {
             network: network.clone(),
             solution: solution.clone(),
@@ -101,7 +102,7 @@ impl Round {
         let solution = adjust(network, choice, start)?;
         let cofactors = Cofactors::of(network, &solution).map_err(|_| BundleError::NotConverged)?;
         let tests = Tests::of(network, &solution, &cofactors);
-        let critical = critical_values(solution.observations, solution.redundancy());
+        let critical = critical_values(FAMILY_ERROR, solution.observations, solution.redundancy());
         Ok(Self {
             solution,
             cofactors,

@@ -2,6 +2,7 @@
 
 use std::collections::BTreeMap;
 
+use fmc_adjustment::bundle::record_tests::RECORD_ERROR;
 use fmc_adjustment::statistics::Estimate;
 use fmc_simulation::block_experiment::experiment::{BlockExperiment, Request};
 use fmc_simulation::block_experiment::variant::Variant;
@@ -10,8 +11,8 @@ use serde::Serialize;
 use super::findings;
 use crate::statistics::summary::LimitCheck;
 
-/// Share of runs in which tests at 5 %, shared by all records, name no good one.
-const NAMED_NONE: f64 = 0.95;
+/// Share of runs in which the tests of all records name no good one.
+const NAMED_NONE: f64 = 1.0 - RECORD_ERROR;
 
 /// The numbers of the comparison. Keys are only ever added.
 #[derive(Debug, Clone, PartialEq, Serialize)]
@@ -135,7 +136,7 @@ fn checks(experiment: &BlockExperiment) -> Vec<LimitCheck> {
     checks.push(LimitCheck {
         what: "no good record is named".to_owned(),
         found: findings::runs(experiment, good.value),
-        limit: format!("{:.0} % within the interval", 100.0 * NAMED_NONE),
+        limit: format!("{:.1} % within the interval", 100.0 * NAMED_NONE),
         passed: good.upper >= NAMED_NONE,
     });
     checks
