@@ -4,7 +4,6 @@
 use std::path::{Path, PathBuf};
 use std::sync::LazyLock;
 
-use fmc_adjustment::statistics::Estimate;
 use fmc_simulation::block_experiment::experiment::{BlockExperiment, Request};
 use fmc_simulation::block_experiment::scenario::Scenario;
 use fmc_simulation::block_experiment::variant::Variant;
