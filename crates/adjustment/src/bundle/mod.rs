@@ -3,6 +3,7 @@
 //! Frames and signs as in the [crate]: ground metres, camera axes x right, y forward,
 //! optical axis -z. Image coordinates are millimetres of the sensor frame.
 
+pub mod additional;
 pub mod calibration;
 pub mod cofactors;
 pub mod correlated_pairs;
