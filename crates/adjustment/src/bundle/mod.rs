@@ -21,6 +21,7 @@ pub mod normals;
 pub mod orientation;
 pub mod outcome;
 pub mod parameters;
+mod part_of_block;
 pub mod plausibility;
 pub mod pose;
 pub mod ray;
