@@ -173,11 +173,9 @@ fn check_same_array(args: &ImportArgs, base: &CameraFile) -> Result<(), Failure>
 
 /// Reads a camera file and its text, without residual grids, which belong to its lens.
 fn base(path: &Path) -> Result<(CameraFile, String), Failure> {
+    let (file, _, _) = CameraFile::read_with_grids(path)?;
     let text = std::fs::read_to_string(path).map_err(|error| Failure::reading(path, &error))?;
-    let name = path.display().to_string();
-    // A file that is not TOML is refused with its line.
-    let text = without_grids(&name, &text).unwrap_or(text);
-    let (file, _) = CameraFile::parse(&name, &text)?;
+    let text = without_grids(&path.display().to_string(), &text)?;
     Ok((file, text))
 }
 

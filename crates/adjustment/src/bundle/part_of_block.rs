@@ -83,3 +83,71 @@ pub(super) fn part_of_block(tables: &NetworkTables, most: usize) -> NetworkTable
     part.stages.retain(|image, _| taken.contains(&**image));
     part
 }
+
+#[cfg(test)]
+mod tests {
+    use super::super::tables::{ObjectPointRow, Table};
+    use super::*;
+
+    /// A strip of images, each of which shares ten points with the next; control in the middle.
+    fn strip(images: usize) -> NetworkTables {
+        let row = |image: usize, point: usize| ImagePointRow {
+            line: 0,
+            image: format!("{image:05}").into(),
+            point: format!("{point}").into(),
+            measured_mm: [0.0; 2],
+            sigma_mm: None,
+        };
+        let rows = (0..images)
+            .flat_map(|image| (0..20).map(move |number| row(image, 10 * image + number)));
+        let control = (0..4).map(|number| ObjectPointRow {
+            line: 0,
+            point: format!("{}", 5 * images + number).into(),
+            position_m: [0.0; 3],
+            sigmas_m: [0.0; 3],
+            role: RowRole::Control,
+        });
+        NetworkTables {
+            image_points: Table {
+                file: String::new(),
+                rows: rows.collect(),
+            },
+            object_points: Table {
+                file: String::new(),
+                rows: control.collect(),
+            },
+            images: None,
+            scale_bars: None,
+            stages: HashMap::new(),
+        }
+    }
+
+    #[test]
+    fn part_is_connected_about_the_control_and_no_larger_than_asked_for() {
+        let whole = strip(1000);
+        let part = part_of_block(&whole, 400);
+        let rows = &part.image_points.rows;
+        assert!(rows.len() <= 400 && rows.len() > 300, "{}", rows.len());
+        let images: HashSet<usize> = rows.iter().map(|row| row.image.parse().unwrap()).collect();
+        let (first, last) = (images.iter().min().unwrap(), images.iter().max().unwrap());
+        // Every image between the first and the last, about the middle.
+        assert_eq!(images.len(), last - first + 1);
+        assert!((480..500).contains(first) && (500..520).contains(last));
+        assert_eq!(part.object_points.rows.len(), 4);
+        let rays = |point: &str| rows.iter().filter(|row| *row.point == *point).count();
+        for row in rows {
+            let is_control = part
+                .object_points
+                .rows
+                .iter()
+                .any(|own| own.point == row.point);
+            assert!(is_control || rays(&row.point) > 1, "{}", row.point);
+        }
+    }
+
+    #[test]
+    fn small_block_is_taken_whole() {
+        let whole = strip(10);
+        assert_eq!(part_of_block(&whole, 200), whole);
+    }
+}
