@@ -59,6 +59,8 @@ mod gpu_mesh;
 #[cfg(test)]
 mod images;
 #[cfg(test)]
+mod import_grid;
+#[cfg(test)]
 mod mesh;
 #[cfg(test)]
 mod mission;
