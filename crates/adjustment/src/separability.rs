@@ -238,6 +238,7 @@ fn large(shares: &[f64]) -> impl Fn(usize) -> bool {
 fn names(all: &[&str], chosen: impl Fn(usize) -> bool) -> Vec<String> {
     all.iter()
         .enumerate()
-        .filter_map(|(index, name)| chosen(index).then(|| (*name).to_owned()))
+        .filter(|(index, _)| chosen(*index))
+        .map(|(_, name)| (*name).to_owned())
         .collect()
 }

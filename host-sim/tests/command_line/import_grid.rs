@@ -1,5 +1,6 @@
 //! `import --grid`: what the polynomial leaves of another program's model.
 
+use std::fmt::Write as _;
 use std::fs;
 
 use crate::command_line::exchange::{FILES, IXM, json};
@@ -112,7 +113,7 @@ fn camera_with_an_imported_grid_corrects_as_the_program_does_within_5_nm() {
         .run(&[&import[..], &["--out", "new.toml"]].concat())
         .ok();
     // Rays to the corners of the sensor and between.
-    let mut points = String::from("x_mm,y_mm\n");
+    let mut points = String::from("id,x_mm,y_mm\n");
     let mut expected = Vec::new();
     for (i, j) in (-5..=5).flat_map(|i| (-5..=5).map(move |j| (i, j))) {
         let ray = [0.082 * f64::from(i), 0.062 * f64::from(j)];
@@ -120,7 +121,7 @@ fn camera_with_an_imported_grid_corrects_as_the_program_does_within_5_nm() {
         let x = (u - 0.5 * (WIDTH_PX - 1.0)) * PITCH_MM;
         let y = (0.5 * (HEIGHT_PX - 1.0) - v) * PITCH_MM;
         assert!(x.abs() <= 16.0 && y.abs() <= 12.0, "({x}, {y}) mm");
-        points.push_str(&format!("{x:.9},{y:.9}\n"));
+        writeln!(points, "{i}/{j},{x:.9},{y:.9}").unwrap();
         let f = FOCAL_PX[1] * PITCH_MM;
         let x0 = (CENTRE_PX[0] - 0.5 * (WIDTH_PX - 1.0)) * PITCH_MM;
         let y0 = (0.5 * (HEIGHT_PX - 1.0) - CENTRE_PX[1]) * PITCH_MM;
