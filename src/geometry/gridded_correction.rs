@@ -122,6 +122,18 @@ impl<'a> GriddedCorrection<'a> {
         &self.polynomial
     }
 
+    /// Grid of the lens at its place over the sensor.
+    #[must_use]
+    pub const fn lens(&self) -> Option<&PlacedGrid<'a>> {
+        self.lens.as_ref()
+    }
+
+    /// Grid of the sensor.
+    #[must_use]
+    pub const fn sensor(&self) -> Option<&PlacedGrid<'a>> {
+        self.sensor.as_ref()
+    }
+
     /// Upper bound of what the folds, the kernel and the places of the grids leave out of the
     /// model, per axis, nm.
     ///
