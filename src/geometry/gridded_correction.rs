@@ -273,6 +273,19 @@ impl ExposureDistortion for GriddedCorrection<'_> {
 
 impl Sealed for GriddedCorrection<'_> {}
 
+/// Correction of a camera without residual grids, with the same bits.
+impl From<&FrameCorrection> for GriddedCorrection<'_> {
+    fn from(polynomial: &FrameCorrection) -> Self {
+        Self {
+            polynomial: *polynomial,
+            lens: None,
+            sensor: None,
+            left_out_nm: polynomial.left_out_nm(),
+            last_residual_nm: f32::INFINITY,
+        }
+    }
+}
+
 #[inline]
 fn sum(a: Displacement, b: Displacement) -> Displacement {
     Displacement {
