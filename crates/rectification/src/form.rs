@@ -71,31 +71,38 @@ impl Form {
         ]
     }
 
-    /// Returns the distortion of a measured point, measured - ideal, mm.
-    pub(crate) fn distortion(&self, measured: [f64; 2]) -> [f64; 2] {
+    /// Returns the distortion of a measured point by the polynomial, mm.
+    fn polynomial(&self, measured: [f64; 2]) -> [f64; 2] {
         let ([x, y], r2) = self.centred(measured);
         let gain = self.gain([x, y], r2);
-        let mut sum = [
+        [
             x * gain + self.g[0] * r2 + self.b[0] * x + self.b[1] * y + self.t[0],
             y * gain + self.g[1] * r2 + self.t[1],
-        ];
+        ]
+    }
+
+    /// Returns the distortion of a measured point, measured - ideal, mm.
+    pub(crate) fn distortion(&self, measured: [f64; 2]) -> [f64; 2] {
+        let mut sum = self.polynomial(measured);
         for grid in &self.residual {
-            let [dx, dy] = grid.displacement(measured);
+            let ([dx, dy], _) = grid.at(measured);
             sum = [sum[0] + dx, sum[1] + dy];
         }
         sum
     }
 
-    /// Returns the derivatives of the distortion at a measured point.
-    pub(crate) fn jacobian(&self, measured: [f64; 2]) -> Matrix {
-        let mut sum = self.polynomial_jacobian(measured);
+    /// Returns the distortion of a measured point, mm, and its derivatives.
+    pub(crate) fn with_jacobian(&self, measured: [f64; 2]) -> ([f64; 2], Matrix) {
+        let mut distortion = self.polynomial(measured);
+        let mut jacobian = self.polynomial_jacobian(measured);
         for grid in &self.residual {
-            let of_grid = grid.jacobian(measured);
-            for (sum, of_grid) in sum.iter_mut().flatten().zip(of_grid.iter().flatten()) {
+            let ([dx, dy], of_grid) = grid.at(measured);
+            distortion = [distortion[0] + dx, distortion[1] + dy];
+            for (sum, of_grid) in jacobian.iter_mut().flatten().zip(of_grid.iter().flatten()) {
                 *sum += of_grid;
             }
         }
-        sum
+        (distortion, jacobian)
     }
 
     /// Returns the bounds of the residual grids together.
@@ -168,9 +175,9 @@ impl Form {
         let mut d = start;
         for _ in 0..MAX_STEPS {
             let measured = [ideal[0] + d[0], ideal[1] + d[1]];
-            let distortion = self.distortion(measured);
+            let (distortion, jacobian) = self.with_jacobian(measured);
             let residual = [d[0] - distortion[0], d[1] - distortion[1]];
-            let inverse = inverse(self.jacobian(measured))?;
+            let inverse = inverse(jacobian)?;
             let step = times(inverse, residual);
             d = [d[0] - step[0], d[1] - step[1]];
             let length = step[0].abs() + step[1].abs();

@@ -24,7 +24,7 @@ pub(crate) struct PlacedSpline {
     nodes: Vec<[f64; 2]>,
 }
 
-/// Value and derivatives, or the weights of either.
+/// Weights of the nodes of a row.
 type Weights = [f64; ORDER];
 
 impl PlacedSpline {
@@ -44,21 +44,38 @@ impl PlacedSpline {
         }
     }
 
-    /// Returns the displacement at a point of the sensor frame, mm.
-    pub(crate) fn displacement(&self, point_mm: [f64; 2]) -> [f64; 2] {
+    /// Returns the displacement at a point of the sensor frame, mm, and its derivatives.
+    pub(crate) fn at(&self, point_mm: [f64; 2]) -> ([f64; 2], Matrix) {
         let ([column, row], [u, v]) = self.cell(point_mm);
-        self.sum([column, row], values(u), values(v))
+        let (across, across_slopes) = (values(u), slopes(u));
+        let [mut value, mut by_x, mut by_y] = [[0.0; 2]; 3];
+        let rows = (row..).zip(values(v).into_iter().zip(slopes(v)));
+        for (row, (along, along_slope)) in rows.take(ORDER) {
+            let nodes = self.nodes_of(column, row);
+            let [mut sum, mut sum_of_slopes] = [[0.0; 2]; 2];
+            for ((node, weight), slope) in nodes.into_iter().zip(across).zip(across_slopes) {
+                add(&mut sum, weight, node);
+                add(&mut sum_of_slopes, slope, node);
+            }
+            add(&mut value, along, sum);
+            add(&mut by_x, along, sum_of_slopes);
+            add(&mut by_y, along_slope, sum);
+        }
+        let [by_x, by_y] = [by_x, by_y].map(|by| by.map(|component| component * self.per_mm));
+        (value, [[by_x[0], by_y[0]], [by_x[1], by_y[1]]])
     }
 
-    /// Returns the derivatives of the displacement at a point.
-    pub(crate) fn jacobian(&self, point_mm: [f64; 2]) -> Matrix {
-        let (cell, [u, v]) = self.cell(point_mm);
-        let [by_x, by_y] = [
-            self.sum(cell, slopes(u), values(v)),
-            self.sum(cell, values(u), slopes(v)),
-        ]
-        .map(|sum| sum.map(|component| component * self.per_mm));
-        [[by_x[0], by_y[0]], [by_x[1], by_y[1]]]
+    /// Returns the four nodes of a row of a cell.
+    fn nodes_of(&self, column: isize, row: isize) -> [[f64; 2]; ORDER] {
+        if let (Ok(first), Ok(row)) = (usize::try_from(column), usize::try_from(row))
+            && first + ORDER <= self.columns
+            && row < self.rows
+        {
+            let place = row * self.columns + first;
+            let nodes = self.nodes.get(place..).and_then(<[_]>::first_chunk);
+            return nodes.copied().unwrap_or_default();
+        }
+        [0, 1, 2, 3].map(|next| self.node(column + next, row))
     }
 
     /// Returns a bound of the norm of the derivatives, anywhere.
@@ -139,18 +156,11 @@ impl PlacedSpline {
         let within = [places[0] - whole[0], places[1] - whole[1]];
         (whole.map(|whole| whole as isize), within)
     }
+}
 
-    fn sum(&self, [column, row]: [isize; 2], across: Weights, along: Weights) -> [f64; 2] {
-        let mut sum = [0.0; 2];
-        for (row, along) in (row..).zip(along) {
-            for (column, across) in (column..).zip(across) {
-                let [x, y] = self.node(column, row);
-                let weight = along * across;
-                sum = [sum[0] + weight * x, sum[1] + weight * y];
-            }
-        }
-        sum
-    }
+/// Adds a vector times a weight.
+fn add(sum: &mut [f64; 2], weight: f64, [x, y]: [f64; 2]) {
+    *sum = [sum[0] + weight * x, sum[1] + weight * y];
 }
 
 /// Returns the weights of the four nodes of a cell.
@@ -201,7 +211,7 @@ mod tests {
             carrier: GridCarrier::Lens,
             columns: 14,
             rows: 10,
-            first_node: SensorPoint::new(-13.0, -9.5),
+            first_node: SensorPoint::new(-13.0, -9.0),
             pitch_mm: 2.0,
             scale_mm: 1e-7,
         };
@@ -229,7 +239,7 @@ mod tests {
             for _ in 0..2000 {
                 let [x, y] = [10.0, 5.0].map(|half| half * (2.0 * random.f32() - 1.0));
                 let camera = camera.residual(SensorPoint::new(x, y));
-                let [dx, dy] = spline.displacement([x, y].map(f64::from));
+                let ([dx, dy], _) = spline.at([x, y].map(f64::from));
                 let error = [f64::from(camera.dx_mm) - dx, f64::from(camera.dy_mm) - dy];
                 largest = largest.max(error[0].abs()).max(error[1].abs());
             }
@@ -246,8 +256,8 @@ mod tests {
             let [mut steepest, mut bent] = [0.0_f64; 2];
             for _ in 0..5000 {
                 let [x, y] = [24.0, 18.0].map(|half| half * (2.0 * random.f64() - 1.0));
-                let jacobian = spline.jacobian([x, y]);
-                let at = |step: [f64; 2]| spline.displacement([x + step[0], y + step[1]]);
+                let (_, jacobian) = spline.at([x, y]);
+                let at = |step: [f64; 2]| spline.at([x + step[0], y + step[1]]).0;
                 for (axis, step) in [[STEP_MM, 0.0], [0.0, STEP_MM]].into_iter().enumerate() {
                     let ([ax, ay], [bx, by]) = (at(step.map(|step| -step)), at(step));
                     let [dx, dy] = [bx - ax, by - ay].map(|change| change / (2.0 * STEP_MM));

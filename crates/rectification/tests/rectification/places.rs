@@ -72,7 +72,11 @@ fn exact(
     for _ in 0..100 {
         let measured = [ideal[0] + d[0], ideal[1] + d[1]];
         let ([px, py], [rx, ry]) = (distortion(correction, measured), residual.at(measured));
+        let step = (px + rx - d[0]).hypot(py + ry - d[1]);
         d = [px + rx, py + ry];
+        if step < 1e-14 {
+            break;
+        }
     }
     [
         (f64::from(sensor.width_px()) - 1.0) / 2.0 + (ideal[0] + d[0]) / p,
@@ -221,8 +225,8 @@ fn the_bound_of_the_mesh_holds_with_residual_grids() {
     let mut rng = Rng::with_seed(21);
     let windows = [Window::Same, Window::Inside, Window::Full];
     let mut reached = 0.0_f64;
-    for number in 0..40 {
-        let side_px = rng.u32(300..3000);
+    for number in 0..18 {
+        let side_px = rng.u32(300..1200);
         let mut case = random(&mut rng, side_px);
         case.file.fmc.flatness_um = vec![0.0, 20.0];
         let half_mm = case.file.half_format_mm();
