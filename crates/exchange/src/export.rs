@@ -68,8 +68,8 @@ pub struct Exported {
 ///
 /// # Accuracy
 /// Exact for programs that correct measured points, but for [`Exported::not_held`]; for the others
-/// the least-squares fit of [`fit::pinhole`], with its residual. No program has a place for residual
-/// grids: for all of them, formulas are fitted to polynomial and grids together
+/// the least-squares fit of [`fit::pinhole`], with its residual. No program has a place for
+/// residual grids: for all of them, formulas are fitted to polynomial and grids together
 /// ([`Calibrated::polynomial`]), and the residual is what is left of both.
 ///
 /// # Errors

@@ -254,7 +254,7 @@ fn block_with_a_stage_scale_is_handed_over_as_it_was_adjusted() {
     let records = ["--camera", "camera.toml", "--records", "records.csv"];
     let more = [
         "--estimate",
-        "x0,y0,stage_scale",
+        "stage_scale",
         "--out",
         "out",
         "--export",
@@ -301,9 +301,9 @@ fn block_with_a_stage_scale_is_handed_over_as_it_was_adjusted() {
         }
     }
     assert!(count > 1000.0, "{count}");
-    // The noise of the image points is 1.128 µm, 0.3 px.
+    // The noise of the image points is 1.128 µm, 0.3 px, of which poses and points take a part.
     let rms_px = f64::sqrt(squares / count);
-    assert!((0.2..0.31).contains(&rms_px), "{rms_px} px");
+    assert!((0.15..0.3).contains(&rms_px), "{rms_px} px");
 }
 
 #[test]

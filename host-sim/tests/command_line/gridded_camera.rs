@@ -153,7 +153,7 @@ fn frames_of_a_table_have_the_answers_and_meshes_of_single_exposures() {
             assert_ne!(found[7][2..], plain[7][2..]);
         }
     }
-    let mesh = ["--spacing", "16", "--format", "f32", "--out"];
+    let mesh = ["--spacing", "16", "--format", "opencv", "--out"];
     let table = ["mesh", "--camera", "camera.toml", "--frames", "frames.csv"];
     let answer = bench.run(&[&table[..], &mesh, &["all"]].concat());
     if answer.code != 0 {
@@ -293,17 +293,15 @@ fn certificate_states_the_grids_and_its_check_finds_a_changed_or_missing_one() {
     let mut changed = good.clone();
     changed[60] ^= 1;
     fs::write(bench.path("out/s.fmcg"), &changed).unwrap();
-    bench.run(&check).failed(1, &["s.fmcg"]);
+    finds(&bench, "s.fmcg");
     fs::remove_file(bench.path("out/s.fmcg")).unwrap();
-    bench
-        .run(&check)
-        .failed(1, &["s.fmcg: there is no such file"]);
+    finds(&bench, "s.fmcg: there is no such file");
     fs::write(bench.path("out/s.fmcg"), &good).unwrap();
     bench.run(&check).ok();
     // The same number of bytes with a CRC of its own: another grid.
     let (other, _) = grid(GridCarrier::Sensor, 0.1, 2.0);
     fs::write(bench.path("out/s.fmcg"), other).unwrap();
-    bench.run(&check).failed(1, &["s.fmcg"]);
+    finds(&bench, "s.fmcg");
     let text = fs::read_to_string(bench.path("camera.toml")).unwrap();
     fs::create_dir(bench.path("grids")).unwrap();
     fs::copy(bench.path("l.fmcg"), bench.path("grids/l.fmcg")).unwrap();
@@ -315,6 +313,13 @@ fn certificate_states_the_grids_and_its_check_finds_a_changed_or_missing_one() {
     bench
         .run(&make)
         .failed(2, &["camera.toml", "grids/l.fmcg", "another folder"]);
+}
+
+/// Checks the certificate, which must fail and say so.
+fn finds(bench: &Bench, words: &str) {
+    let answer = bench.run(&["certificate", "check", "out"]);
+    assert_eq!(answer.code, 1, "{}", answer.stdout);
+    assert!(answer.stderr.contains(words), "{words}: {}", answer.stderr);
 }
 
 /// Experiments whose truth is the polynomial, and calibrations that replace it.

@@ -88,8 +88,8 @@ fn left_by_polynomial_nm(rows: &[Truth]) -> f64 {
     sizes.fold(0.0, f64::max)
 }
 
-/// Largest errors allowed with the principal point up to 0.05 mm, up to 0.23 mm and farther from its
-/// calibrated place, nm.
+/// Largest errors allowed with the principal point up to 0.05 mm, up to 0.23 mm and farther from
+/// its calibrated place, nm.
 type Allowed = [f64; 3];
 
 /// Those of the lens of the table, whose polynomial leaves 6 nm.

@@ -1,4 +1,4 @@
-//! What the polynomial leaves of a distortion table, as a residual grid.
+//! Residual grid of what the polynomial leaves of a distortion table.
 
 use fmc_camera::geometry::grid::GridCarrier;
 use fmc_camera_file::InputError;

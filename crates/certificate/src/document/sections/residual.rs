@@ -31,10 +31,10 @@ pub(super) fn grids(certificate: &Certificate) -> Option<Section> {
         title: "Residual grids".to_owned(),
         blocks: vec![
             Block::Text(format!(
-                "What the polynomial leaves of the distortion is stated as uniform cubic B-splines, \
-                 which the camera adds to the polynomial: that of the lens moves with the principal \
-                 point, that of the sensor does not. With the stage at its calibrated position they \
-                 add at most {} over the sensor. Profiles and tables at field angles and radii are \
+                "What the polynomial leaves of the distortion is stated as uniform cubic \
+                 B-splines, which the camera adds to the polynomial: that of the lens moves with \
+                 the principal point, that of the sensor does not. With the stage at its \
+                 calibrated position they add at most {} over the sensor. Profiles and tables at field angles and radii are \
                  those of the polynomial; the largest distortion, the motion, the comparison with \
                  the strict solver and the residual in other programs include the grids.",
                 with_unit(residual.largest_um.as_ref(), "µm"),
