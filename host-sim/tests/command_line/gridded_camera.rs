@@ -1,5 +1,6 @@
 //! Commands with a camera that has residual grids of lens and sensor.
 
+use std::fmt::Write as _;
 use std::fs;
 
 use fmc_camera::SensorPoint;
@@ -51,7 +52,9 @@ fn grid(carrier: GridCarrier, phase: f64, amplitude_um: f64) -> (Vec<u8>, u32) {
         let [column, row] = [node % 24, node / 24].map(f64::from);
         for along in [0.7 * column + 0.3 * row, 0.5 * row - 0.6 * column] {
             let value = 1000.0 * amplitude_um * (along + phase).sin();
-            file.extend((value as i16).to_le_bytes());
+            #[expect(clippy::cast_possible_truncation, reason = "at most 20000")]
+            let value = value.round() as i16;
+            file.extend(value.to_le_bytes());
         }
     }
     let crc = GridHeader::checksum(&file);
@@ -103,7 +106,7 @@ fn frames_of_a_table_have_the_answers_and_meshes_of_single_exposures() {
         ("0.17", "1/100", "0.3", "static"),
     ];
     for (number, (vh, exposure, offset, model)) in (1..).zip(kinds) {
-        exposures += &format!("{number},{vh},{exposure},{offset},{model}\n");
+        writeln!(exposures, "{number},{vh},{exposure},{offset},{model}").unwrap();
     }
     fs::write(bench.path("frames.csv"), exposures).unwrap();
     let columns = ["x_mm", "y_mm", "dx_um", "dy_um"];
@@ -112,11 +115,12 @@ fn frames_of_a_table_have_the_answers_and_meshes_of_single_exposures() {
         let mut single = String::from("id,x_mm,y_mm\n");
         for number in 0..60 {
             let [x, y] = [number % 10, number / 10].map(f64::from);
-            single += &format!("{number},{},{}\n", 1.1 * (x - 4.5), 1.4 * (y - 2.5));
+            let [x, y] = [1.1 * (x - 4.5), 1.4 * (y - 2.5)];
+            writeln!(single, "{number},{x},{y}").unwrap();
         }
         for frame in 1..=3 {
             for line in single.lines().skip(1) {
-                all += &format!("{frame},{line}\n");
+                writeln!(all, "{frame},{line}").unwrap();
             }
         }
         fs::write(bench.path("all.csv"), all).unwrap();
@@ -156,9 +160,7 @@ fn frames_of_a_table_have_the_answers_and_meshes_of_single_exposures() {
     let mesh = ["--spacing", "16", "--format", "opencv", "--out"];
     let table = ["mesh", "--camera", "camera.toml", "--frames", "frames.csv"];
     let answer = bench.run(&[&table[..], &mesh, &["all"]].concat());
-    if answer.code != 0 {
-        panic!("{}", answer.stderr);
-    }
+    assert_eq!(answer.code, 0, "{}", answer.stderr);
     bench
         .run(&[&["mesh"], &EXPOSURE[..], &mesh, &["one"]].concat())
         .ok();
