@@ -63,10 +63,7 @@ pub(super) unsafe fn load_8<S: Sample>(row: &[S], first: usize) -> int16x8_t {
 /// vector.
 #[target_feature(enable = "neon")]
 #[inline]
-pub(super) fn store<S: Sample, const C: usize>(
-    values: &[int32x4_t; FOUR],
-    pixels: &mut [[S; C]],
-) {
+pub(super) fn store<S: Sample, const C: usize>(values: &[int32x4_t; FOUR], pixels: &mut [[S; C]]) {
     let samples = pixels.as_flattened_mut();
     if C == 1 {
         let [all, ..] = values;
@@ -103,7 +100,11 @@ fn store_all<S: Sample>(value: int32x4_t, samples: &mut [S; 4]) {
         let words = vqmovun_s32(value);
         let bytes = vreinterpret_u32_u8(vqmovn_u16(vcombine_u16(words, words)));
         // SAFETY: four samples of 8 bits are borrowed.
-        unsafe { place.cast::<u32>().write_unaligned(vget_lane_u32::<0>(bytes)) };
+        unsafe {
+            place
+                .cast::<u32>()
+                .write_unaligned(vget_lane_u32::<0>(bytes))
+        };
     } else {
         let words = vreinterpret_u16_s16(vqmovn_s32(value));
         // SAFETY: four samples of 16 bits are borrowed.

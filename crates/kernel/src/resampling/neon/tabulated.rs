@@ -86,10 +86,12 @@ unsafe fn of_pixel_of_bands<S: Sample, const C: usize, const N: usize>(
 unsafe fn of_one_band<S: Sample, const N: usize>(
     [rows_a, rows_b, rows_c, rows_d]: [&[&[S]; N]; FOUR],
     [first_a, first_b, first_c, first_d]: [usize; FOUR],
-    [(along_a, down_a), (along_b, down_b), (along_c, down_c), (along_d, down_d)]: [(
-        &RowWeights,
-        &ColumnWeights,
-    ); FOUR],
+    [
+        (along_a, down_a),
+        (along_b, down_b),
+        (along_c, down_c),
+        (along_d, down_d),
+    ]: [(&RowWeights, &ColumnWeights); FOUR],
 ) -> int32x4_t {
     let (along_a, along_b) = (of_row(along_a), of_row(along_b));
     let (along_c, along_d) = (of_row(along_c), of_row(along_d));
