@@ -220,11 +220,11 @@ fn copies_of_frames_have_the_same_bytes_and_are_not_done_again() {
             // Within the only strip, which is 132,000 bytes of the file.
             bytes[60_000] ^= 1;
         } else {
-            // The denominator of XResolution, or its numerator: both are 1.
-            let one = bytes
-                .windows(8)
-                .rposition(|w| w == [1, 0, 0, 0, 1, 0, 0, 0]);
-            bytes[one.unwrap()] = 2;
+            // The numerator of XResolution (282), a fraction at the place that its entry names.
+            let entry = [0x1a, 1, 5, 0, 1, 0, 0, 0];
+            let place = bytes.windows(8).position(|w| w == entry).unwrap() + 8;
+            let place = u32::from_le_bytes(bytes[place..place + 4].try_into().unwrap());
+            bytes[place as usize] ^= 1;
         }
         fs::write(&path, bytes).unwrap();
         age(&path);
