@@ -121,7 +121,7 @@ impl IdealEdges {
         };
         Self {
             pixel_mm,
-            bend_mm: way_mm * way_mm / 8.0 * second_per_mm,
+            bend_mm: way_mm * way_mm / 8.0 * (second_per_mm + form.residual_bounds().curvature),
             edges: [[edge(0, -1.0), edge(0, 1.0)], [edge(1, -1.0), edge(1, 1.0)]],
         }
     }

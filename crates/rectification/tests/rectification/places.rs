@@ -61,13 +61,27 @@ fn exact(
     size_px: [u32; 2],
     pixel: [u32; 2],
 ) -> [f64; 2] {
-    exact_place(correction, middle, size_px, pixel.map(f64::from))
+    exact_of_point(correction, residual, middle, size_px, pixel.map(f64::from))
 }
 
-/// Returns the exact place of a point of the output image in the source image, pixels; the centre
-/// of the first pixel is (0, 0) in both.
+/// Returns the exact place of a point of the output image in the source image of a camera without
+/// grids, pixels; the centre of the first pixel is (0, 0) in both.
 pub(crate) fn exact_place(
     correction: &FrameCorrection,
+    middle: SensorPoint,
+    size_px: [u32; 2],
+    point: [f64; 2],
+) -> [f64; 2] {
+    let residual = Residual {
+        scale: 1.0,
+        ..Residual::default()
+    };
+    exact_of_point(correction, &residual, middle, size_px, point)
+}
+
+fn exact_of_point(
+    correction: &FrameCorrection,
+    residual: &Residual,
     middle: SensorPoint,
     size_px: [u32; 2],
     [col, row]: [f64; 2],
