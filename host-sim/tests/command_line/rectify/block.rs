@@ -193,7 +193,7 @@ fn resumed_block_does_what_has_changed() {
 /// Sets the time of a file's last change to a day ago, as a copy has another one than its original.
 fn age(path: &Path) {
     let file = fs::File::options().write(true).open(path).unwrap();
-    let yesterday = SystemTime::now() - Duration::from_secs(86_400);
+    let yesterday = SystemTime::now() - Duration::from_hours(24);
     file.set_modified(yesterday).unwrap();
 }
 
