@@ -59,14 +59,39 @@ fn exact(
     residual: &Residual,
     middle: SensorPoint,
     size_px: [u32; 2],
-    [col, row]: [u32; 2],
+    pixel: [u32; 2],
+) -> [f64; 2] {
+    exact_of_point(correction, residual, middle, size_px, pixel.map(f64::from))
+}
+
+/// Returns the exact place of a point of the output image in the source image of a camera without
+/// grids, pixels; the centre of the first pixel is (0, 0) in both.
+pub(crate) fn exact_place(
+    correction: &FrameCorrection,
+    middle: SensorPoint,
+    size_px: [u32; 2],
+    point: [f64; 2],
+) -> [f64; 2] {
+    let residual = Residual {
+        scale: 1.0,
+        ..Residual::default()
+    };
+    exact_of_point(correction, &residual, middle, size_px, point)
+}
+
+fn exact_of_point(
+    correction: &FrameCorrection,
+    residual: &Residual,
+    middle: SensorPoint,
+    size_px: [u32; 2],
+    [col, row]: [f64; 2],
 ) -> [f64; 2] {
     let sensor = correction.sensor();
     let p = f64::from(sensor.pixel_mm());
     let [width, height] = size_px.map(f64::from);
     let ideal = [
-        (f64::from(col) - (width - 1.0) / 2.0) * p + f64::from(middle.x_mm),
-        ((height - 1.0) / 2.0 - f64::from(row)) * p + f64::from(middle.y_mm),
+        (col - (width - 1.0) / 2.0) * p + f64::from(middle.x_mm),
+        ((height - 1.0) / 2.0 - row) * p + f64::from(middle.y_mm),
     ];
     let mut d = [0.0, 0.0];
     for _ in 0..100 {

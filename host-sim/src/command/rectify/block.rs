@@ -11,8 +11,9 @@ use super::frame::{FrameRectifier, Rectified};
 use super::manifest::{Manifest, Row};
 use super::notes::Notes;
 use super::progress::Progress;
+use super::recorded_frame;
 use super::rectified_camera;
-use super::sidecar::{Input, Sidecar};
+use super::sidecar::Sidecar;
 use super::task::FrameTask;
 use crate::cli::{CentreName, RectifyArgs};
 use crate::failure::{Failure, note};
@@ -199,11 +200,11 @@ impl Block<'_> {
             && sidecar.version == super::VERSION
             && sidecar.camera == self.rectifier.camera
             && [output.width_px, output.height_px] == self.size_px
-            && Input::of(&task.path).is_ok_and(|input| input == sidecar.input)
             && self
                 .exposures
                 .of(task, self.file)
-                .is_ok_and(|exposure| exposure.record == sidecar.record))
+                .is_ok_and(|exposure| exposure.record == sidecar.record)
+            && recorded_frame::is_that_of(&sidecar.input, &path, task))
     }
 }
 

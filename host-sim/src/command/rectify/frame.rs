@@ -14,7 +14,7 @@ use super::frame_flow::{self, FlowResult, FrameFlow};
 use super::options::Options;
 use super::progress::Progress;
 use super::request;
-use super::sidecar::{Accuracy, CameraName, Input, Interior, Output, Sidecar};
+use super::sidecar::{Accuracy, CameraName, FileState, Input, Interior, Output, Sidecar};
 use super::task::FrameTask;
 use crate::cli::RectifyArgs;
 use crate::failure::Failure;
@@ -123,7 +123,7 @@ impl<'a> FrameRectifier<'a> {
         progress: &Progress,
     ) -> Result<Rectified, Failure> {
         let reading = |error: &io::Error| Failure::reading(&task.path, error);
-        let input = Input::of(&task.path).map_err(|error| reading(&error))?;
+        let state = FileState::of(&task.path).map_err(|error| reading(&error))?;
         if fs::metadata(&task.path).is_ok_and(|it| !it.is_file() && !it.is_dir()) {
             return Err(Failure::bad_input(format!(
                 "{}: a frame must be a file",
@@ -133,6 +133,7 @@ impl<'a> FrameRectifier<'a> {
         let reader = FrameReader::open(&task.path)
             .map_err(|error| frame_flow::read_failure(&task.path, error))?;
         let header = reader.header().clone();
+        let description_crc = reader.description_crc();
         self.check_size(task, &header)?;
         let request = Request {
             window: Window::Size(size_px),
@@ -152,6 +153,7 @@ impl<'a> FrameRectifier<'a> {
             task,
             rectification: &rectification,
             header: &header,
+            layout: &self.layout,
             plan,
             tags: TagOptions {
                 keep_georeference: request.centre == Centre::Frame
@@ -179,7 +181,7 @@ impl<'a> FrameRectifier<'a> {
             .metadata()
             .map_err(|error| writing(&error))?
             .len();
-        if Input::of(&task.path).ok().as_ref() != Some(&input) {
+        if FileState::of(&task.path).ok() != Some(state) {
             return Err(Failure::device_or_io(format!(
                 "{}: the file changed while it was read",
                 task.path.display()
@@ -187,8 +189,12 @@ impl<'a> FrameRectifier<'a> {
         }
         let sidecar = Sidecar {
             version: super::VERSION.to_owned(),
-            input,
-            input_pixels_crc32: format!("{:08x}", done.input_crc),
+            input: Input {
+                file: task.file_name(),
+                bytes: state.bytes,
+                description_crc32: format!("{description_crc:08x}"),
+                pixels_crc32: format!("{:08x}", done.input_crc),
+            },
             camera: self.camera.clone(),
             record: exposure.record.clone(),
             options: self.options.clone(),
@@ -210,6 +216,7 @@ impl<'a> FrameRectifier<'a> {
         }
         part.complete().map_err(|error| writing(&error))?;
         folder.write_json(&sidecar_name, &sidecar)?;
+        state.mark(&sidecar_path);
         Ok(Rectified {
             sidecar,
             notes: done.notes,
