@@ -48,6 +48,10 @@ pub(crate) enum Tool {
     Llvm,
     /// Python's installer of packages, with Python where there is none.
     Pip,
+    /// GNU's C compiler for Arm, with a C library.
+    ArmGcc,
+    /// Checker of C sources, with its rules of MISRA C.
+    Cppcheck,
 }
 
 impl Tool {
@@ -60,6 +64,8 @@ impl Tool {
             Self::Qemu => "qemu",
             Self::Llvm => "llvm",
             Self::Pip => "pip",
+            Self::ArmGcc => "arm-gcc",
+            Self::Cppcheck => "cppcheck",
         }
     }
 
@@ -72,6 +78,8 @@ impl Tool {
             Self::Qemu => &["qemu-system-arm"],
             Self::Llvm => &["llvm-19"],
             Self::Pip => &["python3-pip"],
+            Self::ArmGcc => &["gcc-arm-none-eabi", "libnewlib-arm-none-eabi"],
+            Self::Cppcheck => &["cppcheck"],
         }
     }
 
@@ -85,6 +93,8 @@ impl Tool {
             Self::Llvm => &["llvm-mca-19", "llvm-objdump-19"],
             // It is run as a module of a Python.
             Self::Pip => &[],
+            Self::ArmGcc => &["arm-none-eabi-gcc"],
+            Self::Cppcheck => &["cppcheck"],
         }
     }
 
@@ -93,7 +103,12 @@ impl Tool {
         match self {
             Self::Compiler => Version::find(env!("CARGO_PKG_RUST_VERSION")),
             Self::Qemu => Some(Version::new(7, 2)),
-            Self::Clippy | Self::Linker | Self::Llvm | Self::Pip => None,
+            Self::Clippy
+            | Self::Linker
+            | Self::Llvm
+            | Self::Pip
+            | Self::ArmGcc
+            | Self::Cppcheck => None,
         }
     }
 
@@ -121,6 +136,8 @@ impl fmt::Display for Tool {
             Self::Qemu => "QEMU",
             Self::Llvm => "LLVM",
             Self::Pip => "Python with pip",
+            Self::ArmGcc => "C compiler for the target",
+            Self::Cppcheck => "checker of C sources",
         })
     }
 }

@@ -1,0 +1,261 @@
+//! Memory of the caller: the one place that trusts pointers, after it has checked them.
+//!
+//! A pointer that is neither NULL nor misaligned, and whose memory the caller owns for the length
+//! that the call states, is all that a call relies on. A tag tells an object from storage that was
+//! never initialised or holds another type; the compiler knows nothing of what C has written.
+
+use core::ptr;
+use core::slice;
+
+use crate::error::{Failure, fmc_error, fmc_status};
+use crate::version::{Input, checked};
+use crate::{
+    FMC_CAMERA_VERSION, FMC_ERROR_BUFFER, FMC_ERROR_MISALIGNED, FMC_ERROR_NULL, FMC_ERROR_OVERLAP,
+    FMC_ERROR_TOO_MANY, FMC_ERROR_UNINITIALISED, FMC_OK,
+};
+
+/// Storage of the caller for an object.
+pub(crate) trait Storage: Sized {
+    /// The object.
+    type Object;
+
+    /// Four letters of the type.
+    const LETTERS: [u8; 4];
+
+    /// First word of storage that holds the object: its letters and the library's version.
+    const TAG: u64 = {
+        assert!(size_of::<Tagged<Self::Object>>() <= size_of::<Self>());
+        assert!(align_of::<Tagged<Self::Object>>() <= align_of::<Self>());
+        ((u32::from_le_bytes(Self::LETTERS) as u64) << 32) | FMC_CAMERA_VERSION as u64
+    };
+}
+
+/// What storage holds.
+#[repr(C)]
+struct Tagged<T> {
+    tag: u64,
+    object: T,
+}
+
+/// Addresses of an argument, as the half-open range of its bytes.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct Extent {
+    begin: usize,
+    end: usize,
+    argument: u32,
+}
+
+impl Extent {
+    /// Returns the extent of so many elements; it is empty for none.
+    pub(crate) fn of<T>(pointer: *const T, count: usize, argument: u32) -> Self {
+        let begin = pointer.addr();
+        Self {
+            begin,
+            end: begin.wrapping_add(count.wrapping_mul(size_of::<T>())),
+            argument,
+        }
+    }
+
+    /// Checks that an argument that is written shares no byte with another one.
+    #[inline]
+    pub(crate) fn apart_from(self, other: Self) -> Result<(), fmc_error> {
+        if self.begin < other.end && other.begin < self.end {
+            return Err(Failure::of_argument(FMC_ERROR_OVERLAP, self.argument)
+                .numbers(self.argument, other.argument)
+                .into());
+        }
+        Ok(())
+    }
+}
+
+/// Checks that a pointer is neither NULL nor misaligned.
+#[inline]
+fn placed<T>(pointer: *const T, argument: u32) -> Result<(), fmc_error> {
+    if pointer.is_null() {
+        return Err(Failure::of_argument(FMC_ERROR_NULL, argument).into());
+    }
+    if !pointer.is_aligned() {
+        return Err(Failure::of_argument(FMC_ERROR_MISALIGNED, argument).into());
+    }
+    Ok(())
+}
+
+/// Checks the pointer to so many elements; none may be anywhere.
+#[inline]
+fn placed_many<T>(pointer: *const T, count: usize, argument: u32) -> Result<(), fmc_error> {
+    placed(pointer, argument)?;
+    let most = isize::MAX.cast_unsigned() / size_of::<T>();
+    let ends = pointer
+        .addr()
+        .checked_add(count.saturating_mul(size_of::<T>()));
+    if count > most || ends.is_none() {
+        return Err(Failure::of_argument(FMC_ERROR_TOO_MANY, argument).into());
+    }
+    Ok(())
+}
+
+/// Returns the object in storage.
+///
+/// # Safety
+/// Unless it is NULL or misaligned, the pointer is to storage that nothing writes for `'a`.
+#[inline]
+pub(crate) unsafe fn object<'a, S: Storage>(
+    pointer: *const S,
+    argument: u32,
+) -> Result<&'a S::Object, fmc_error> {
+    placed(pointer, argument)?;
+    let tagged = pointer.cast::<Tagged<S::Object>>();
+    // SAFETY: the storage is as large and as aligned as `Tagged`, by the assertions of `TAG`, and a
+    // word is valid with all bits.
+    if unsafe { ptr::addr_of!((*tagged).tag).read() } != S::TAG {
+        return Err(Failure::of_argument(FMC_ERROR_UNINITIALISED, argument).into());
+    }
+    // SAFETY: only `put` writes the tag, together with the object.
+    Ok(unsafe { &(*tagged).object })
+}
+
+/// Returns the object in storage, to be changed.
+///
+/// # Safety
+/// As of [`object`]; nothing else reads it for `'a`.
+pub(crate) unsafe fn object_mut<'a, S: Storage>(
+    pointer: *mut S,
+    argument: u32,
+) -> Result<&'a mut S::Object, fmc_error> {
+    // SAFETY: the caller's promise is the same.
+    unsafe { object(pointer.cast_const(), argument) }?;
+    let tagged = pointer.cast::<Tagged<S::Object>>();
+    // SAFETY: `object` has found one there.
+    Ok(unsafe { &mut (*tagged).object })
+}
+
+/// Checks storage for [`put`].
+pub(crate) fn room<S: Storage>(pointer: *mut S, argument: u32) -> Result<(), fmc_error> {
+    placed(pointer.cast_const(), argument)
+}
+
+/// Puts an object into storage that [`room`] has accepted.
+///
+/// # Safety
+/// The pointer is to storage that is neither read nor written by others during the call.
+pub(crate) unsafe fn put<S: Storage>(pointer: *mut S, object: S::Object) {
+    let tagged = pointer.cast::<Tagged<S::Object>>();
+    let tag = S::TAG;
+    // SAFETY: the storage is large and aligned enough, by the assertions of `TAG`.
+    unsafe { tagged.write(Tagged { tag, object }) };
+}
+
+/// Returns a structure that the caller has filled, if size and version are the library's.
+///
+/// # Safety
+/// Unless it is NULL or misaligned, the pointer is to a structure that begins with its size and
+/// version, and is as large as it says.
+pub(crate) unsafe fn input<T: Input>(pointer: *const T, argument: u32) -> Result<T, fmc_error> {
+    placed(pointer, argument)?;
+    // SAFETY: every version of the structure begins with these words.
+    checked::<T>(unsafe { pointer.cast::<[u32; 2]>().read() }, argument)?;
+    // SAFETY: it is of the library's size, and all its fields are valid with all bits.
+    Ok(unsafe { pointer.read() })
+}
+
+/// Returns elements that are read; none may be anywhere.
+///
+/// # Safety
+/// Unless it is NULL or misaligned, the pointer is to so many elements that nothing writes for
+/// `'a`.
+pub(crate) unsafe fn elements<'a, T>(
+    pointer: *const T,
+    count: usize,
+    argument: u32,
+) -> Result<&'a [T], fmc_error> {
+    if count == 0 {
+        return Ok(&[]);
+    }
+    placed_many(pointer, count, argument)?;
+    // SAFETY: the pointer has been checked, and the caller owns the elements.
+    Ok(unsafe { slice::from_raw_parts(pointer, count) })
+}
+
+/// Returns elements that are written; none may be anywhere.
+///
+/// # Safety
+/// As of [`elements`]; nothing else reads or writes them for `'a`.
+#[inline]
+pub(crate) unsafe fn elements_mut<'a, T>(
+    pointer: *mut T,
+    count: usize,
+    argument: u32,
+) -> Result<&'a mut [T], fmc_error> {
+    if count == 0 {
+        return Ok(&mut []);
+    }
+    placed_many(pointer.cast_const(), count, argument)?;
+    // SAFETY: the pointer has been checked, and the caller owns the elements.
+    Ok(unsafe { slice::from_raw_parts_mut(pointer, count) })
+}
+
+/// Returns the first elements of a buffer.
+pub(crate) fn part_of<T>(
+    buffer: &mut [T],
+    count: usize,
+    argument: u32,
+) -> Result<&mut [T], fmc_error> {
+    let number = |count: usize| u32::try_from(count).unwrap_or(u32::MAX);
+    let refused = Failure::of_argument(FMC_ERROR_BUFFER, argument)
+        .numbers(number(buffer.len()), number(count));
+    buffer.get_mut(..count).ok_or_else(|| refused.into())
+}
+
+/// Place of an answer, which has been checked.
+#[derive(Debug)]
+pub(crate) struct Output<T>(*mut T);
+
+/// Checks the place of an answer.
+pub(crate) fn output<T>(pointer: *mut T, argument: u32) -> Result<Output<T>, fmc_error> {
+    placed(pointer.cast_const(), argument)?;
+    Ok(Output(pointer))
+}
+
+impl<T> Output<T> {
+    /// Writes the answer.
+    ///
+    /// # Safety
+    /// The pointer that was checked is to memory of the caller for one `T`.
+    pub(crate) unsafe fn write(self, answer: T) {
+        // SAFETY: the pointer has been checked, and the caller owns the memory.
+        unsafe { self.0.write(answer) };
+    }
+}
+
+/// Returns the status of a call, and fills the error of a refusal, which may be NULL.
+///
+/// # Safety
+/// Unless it is NULL, `error` is to memory of the caller for an error, wherever it lies.
+#[inline]
+pub(crate) unsafe fn status(result: Result<(), fmc_error>, error: *mut fmc_error) -> fmc_status {
+    match result {
+        Ok(()) => FMC_OK,
+        // SAFETY: the caller's promise is the same.
+        Err(refusal) => unsafe { fill(error, refusal) },
+    }
+}
+
+#[cold]
+unsafe fn fill(error: *mut fmc_error, refusal: fmc_error) -> fmc_status {
+    if !error.is_null() {
+        // SAFETY: the caller owns the memory; it may be misaligned.
+        unsafe { error.write_unaligned(refusal) };
+    }
+    refusal.status
+}
+
+/// Returns a structure without size and version.
+///
+/// # Safety
+/// Unless it is NULL or misaligned, the pointer is to a structure of the caller, whose fields are
+/// valid with all bits.
+pub(crate) unsafe fn structure<T: Copy>(pointer: *const T, argument: u32) -> Result<T, fmc_error> {
+    placed(pointer, argument)?;
+    // SAFETY: the pointer has been checked, and the caller owns the structure.
+    Ok(unsafe { pointer.read() })
+}
