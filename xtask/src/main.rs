@@ -8,6 +8,7 @@
 
 mod bench;
 mod board;
+mod c;
 mod checks;
 mod cores;
 mod emulator;
@@ -68,6 +69,15 @@ enum Command {
         #[arg(long)]
         update: bool,
     },
+    /// Build the C library into target/c, and run its example in QEMU and on this PC
+    ///
+    /// The library for Cortex-M4F and M7, for the same without floating point, for Cortex-M33 and
+    /// for this PC, the header, and files for pkg-config, `CMake` and Zephyr.
+    C {
+        /// Write the sizes to docs/footprint.csv
+        #[arg(long)]
+        update: bool,
+    },
     /// Check formatting, lints, documentation and tests
     ///
     /// On the host: formatting, lints, documentation and tests. For the target: lints, builds, and
@@ -104,6 +114,10 @@ fn main() -> ExitCode {
         ),
         Command::Bench { update } => (
             Workspace::new().and_then(|workspace| bench::run(&workspace, update)),
+            NOT_STARTED,
+        ),
+        Command::C { update } => (
+            Workspace::new().and_then(|workspace| c::run(&workspace, update)),
             NOT_STARTED,
         ),
         Command::Test { only, among_others } => (

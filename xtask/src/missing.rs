@@ -111,10 +111,7 @@ fn remedy(tool: Tool, system: &System) -> String {
     let rustup = |install: &str| format!("{install} rustup");
     match (system.family, tool) {
         (Family::Debian, _) => format!("sudo apt-get install {}", tool.packages().join(" ")),
-        (
-            Family::Ubuntu,
-            Tool::Qemu | Tool::Llvm | Tool::Pip | Tool::ArmGcc | Tool::Cppcheck,
-        ) => {
+        (Family::Ubuntu, Tool::Qemu | Tool::Llvm | Tool::Pip | Tool::ArmGcc | Tool::Cppcheck) => {
             format!("sudo apt-get install {}", tool.packages().join(" "))
         }
         // Ubuntu has none of Debian's packages of a compiler for browsers.
@@ -122,13 +119,17 @@ fn remedy(tool: Tool, system: &System) -> String {
         (Family::Fedora, Tool::Qemu) => "sudo dnf install qemu-system-arm".to_owned(),
         (Family::Fedora, Tool::Llvm) => "sudo dnf install llvm".to_owned(),
         (Family::Fedora, Tool::Pip) => "sudo dnf install python3-pip".to_owned(),
-        (Family::Fedora, Tool::ArmGcc) => "sudo dnf install arm-none-eabi-gcc arm-none-eabi-newlib".to_owned(),
+        (Family::Fedora, Tool::ArmGcc) => {
+            "sudo dnf install arm-none-eabi-gcc arm-none-eabi-newlib".to_owned()
+        }
         (Family::Fedora, Tool::Cppcheck) => "sudo dnf install cppcheck".to_owned(),
         (Family::Fedora, _) => rustup("sudo dnf install"),
         (Family::Arch, Tool::Qemu) => "sudo pacman -S qemu-system-arm".to_owned(),
         (Family::Arch, Tool::Llvm) => "sudo pacman -S llvm".to_owned(),
         (Family::Arch, Tool::Pip) => "sudo pacman -S python-pip".to_owned(),
-        (Family::Arch, Tool::ArmGcc) => "sudo pacman -S arm-none-eabi-gcc arm-none-eabi-newlib".to_owned(),
+        (Family::Arch, Tool::ArmGcc) => {
+            "sudo pacman -S arm-none-eabi-gcc arm-none-eabi-newlib".to_owned()
+        }
         (Family::Arch, Tool::Cppcheck) => "sudo pacman -S cppcheck".to_owned(),
         (Family::Arch, _) => rustup("sudo pacman -S"),
         (Family::MacOs, Tool::Qemu) => "brew install qemu".to_owned(),
@@ -142,7 +143,9 @@ fn remedy(tool: Tool, system: &System) -> String {
         }
         (Family::Windows, Tool::Llvm) => "winget install --id LLVM.LLVM".to_owned(),
         (Family::Windows, Tool::Pip) => "winget install --id Python.Python.3.13".to_owned(),
-        (Family::Windows, Tool::ArmGcc) => "winget install --id Arm.GnuArmEmbeddedToolchain".to_owned(),
+        (Family::Windows, Tool::ArmGcc) => {
+            "winget install --id Arm.GnuArmEmbeddedToolchain".to_owned()
+        }
         (Family::Windows, Tool::Cppcheck) => "winget install --id Cppcheck.Cppcheck".to_owned(),
         (Family::Windows, _) => "winget install --id Rustlang.Rustup".to_owned(),
         (Family::Other, Tool::Qemu) => {

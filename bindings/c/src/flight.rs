@@ -16,7 +16,7 @@ use crate::frame_record::fmc_record;
 use crate::memory::{self, Extent, Storage};
 
 /// Words of a flight.
-pub const FMC_FLIGHT_WORDS: usize = 2048;
+pub const FMC_FLIGHT_WORDS: usize = 1408;
 
 /// Most actions of one event.
 pub const FMC_MAX_ACTIONS: usize = 6;

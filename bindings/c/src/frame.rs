@@ -12,7 +12,7 @@ use crate::exposure::fmc_exposure;
 use crate::memory::{self, Extent, Storage};
 
 /// Words of a frame.
-pub const FMC_FRAME_WORDS: usize = 32;
+pub const FMC_FRAME_WORDS: usize = 24;
 
 /// A frame, in storage of the caller; it may be copied.
 #[repr(C)]
@@ -37,6 +37,12 @@ pub(crate) struct KeptFrame {
 impl KeptFrame {
     pub(crate) const fn new(stamp: u32, frame: Frame) -> Self {
         Self { stamp, frame }
+    }
+
+    /// Returns the correction without a check.
+    #[cfg(control)]
+    pub(crate) const fn bare(&self) -> &FrameCorrection {
+        &self.frame.correction
     }
 
     /// Returns the correction, if the camera is still the one of the frame.

@@ -19,6 +19,8 @@ mod calibration_blob;
 mod camera;
 mod camera_record;
 mod code;
+#[cfg(control)]
+mod control;
 mod error;
 mod error_text;
 mod event;
@@ -29,8 +31,6 @@ mod frame;
 mod frame_record;
 mod memory;
 mod mesh;
-#[cfg(negative_control)]
-mod negative_control;
 mod points;
 mod record_bytes;
 mod record_code;

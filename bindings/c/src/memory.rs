@@ -114,6 +114,16 @@ pub(crate) unsafe fn object<'a, S: Storage>(
     Ok(unsafe { &(*tagged).object })
 }
 
+/// Returns the object in storage that is known to hold one.
+///
+/// # Safety
+/// [`object`] has accepted the pointer.
+#[cfg(control)]
+pub(crate) unsafe fn known<'a, S: Storage>(pointer: *const S) -> &'a S::Object {
+    // SAFETY: the caller's promise.
+    unsafe { &(*pointer.cast::<Tagged<S::Object>>()).object }
+}
+
 /// Returns the object in storage, to be changed.
 ///
 /// # Safety
@@ -258,4 +268,30 @@ pub(crate) unsafe fn structure<T: Copy>(pointer: *const T, argument: u32) -> Res
     placed(pointer, argument)?;
     // SAFETY: the pointer has been checked, and the caller owns the structure.
     Ok(unsafe { pointer.read() })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::{Storage, Tagged};
+    use crate::{fmc_camera, fmc_flight, fmc_frame, fmc_mesh};
+
+    /// Returns the part of the storage that its object takes.
+    fn used<S: Storage>() -> f64 {
+        assert_ne!(S::TAG, 0);
+        let sizes = [size_of::<Tagged<S::Object>>(), size_of::<S>()];
+        let [object, storage] = sizes.map(|size| f64::from(u32::try_from(size).unwrap()));
+        object / storage
+    }
+
+    #[test]
+    fn storage_has_room_for_its_object_and_hardly_more() {
+        for used in [
+            used::<fmc_camera>(),
+            used::<fmc_frame>(),
+            used::<fmc_mesh>(),
+            used::<fmc_flight>(),
+        ] {
+            assert!((0.7..=1.0).contains(&used), "{used}");
+        }
+    }
 }

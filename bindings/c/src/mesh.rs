@@ -12,7 +12,7 @@ use crate::memory::{self, Extent, Storage};
 use crate::points::fmc_point;
 
 /// Words of a mesh.
-pub const FMC_MESH_WORDS: usize = 40;
+pub const FMC_MESH_WORDS: usize = 24;
 
 /// Rows of a frame's mesh, in storage of the caller; it may be copied.
 #[repr(C)]

@@ -146,8 +146,10 @@ impl<'a> Text<'a> {
             reason = "positive and below 2^53"
         )]
         let units = libm::rint(scaled) as u64;
-        self.add(sign).whole(units / scale).add(".");
-        self.padded(units % scale, usize::from(decimals))
+        // The scale is not 0, and the compiler does not see it.
+        let whole = units.checked_div(scale).unwrap_or_default();
+        self.add(sign).whole(whole).add(".");
+        self.padded(units - whole * scale, usize::from(decimals))
     }
 
     fn not_finite(&mut self, value: f32) -> &mut Self {

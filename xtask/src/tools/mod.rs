@@ -78,7 +78,7 @@ impl Tool {
             Self::Qemu => &["qemu-system-arm"],
             Self::Llvm => &["llvm-19"],
             Self::Pip => &["python3-pip"],
-            Self::ArmGcc => &["gcc-arm-none-eabi", "libnewlib-arm-none-eabi"],
+            Self::ArmGcc => &["gcc-arm-none-eabi"],
             Self::Cppcheck => &["cppcheck"],
         }
     }
