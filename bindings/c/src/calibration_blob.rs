@@ -4,7 +4,7 @@ use fmc::flight::camera::CameraParameters;
 use fmc::io::link::loading::Upload;
 use fmc::io::link::{CALIBRATION_CAPACITY, MAX_PART};
 
-use crate::camera::{fmc_camera, made};
+use crate::camera::{fmc_camera, made, stamp};
 use crate::camera_record::fmc_camera_record;
 use crate::code::fmc_code;
 use crate::error::{Failure, fmc_error, fmc_status};
@@ -39,7 +39,7 @@ pub unsafe extern "C" fn fmc_camera_init_from_blob(
         let parameters = read(bytes, crc32)?;
         let made = made(parameters, storage)?;
         // SAFETY: the caller's promise.
-        unsafe { memory::put(camera, made) };
+        unsafe { memory::put(camera, stamp(&made), made) };
         Ok(())
     };
     // SAFETY: the caller's promise.

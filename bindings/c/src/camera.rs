@@ -98,7 +98,7 @@ pub unsafe extern "C" fn fmc_camera_init(
         let parameters = record.parameters()?;
         let made = made(parameters, record.storage)?;
         // SAFETY: the caller's promise.
-        unsafe { memory::put(camera, made) };
+        unsafe { memory::put(camera, stamp(&made), made) };
         Ok(())
     };
     // SAFETY: the caller's promise.
@@ -145,7 +145,6 @@ pub(crate) fn made(
 }
 
 /// CRC-32 of a camera's calibration, by which frames and meshes know their camera.
-#[inline]
 pub(crate) fn stamp(camera: &Camera) -> u32 {
     camera.id().map_or(0, |id| id.crc)
 }

@@ -36,5 +36,5 @@ pub unsafe extern "C" fn fmc_bare_correct(
     let frame = unsafe { memory::known(frame) };
     // SAFETY: the caller's promise; both types are two numbers.
     let points = unsafe { core::slice::from_raw_parts_mut(points.cast::<SensorPoint>(), count) };
-    frame.bare().correct_slice(points);
+    frame.correction.correct_slice(points);
 }

@@ -11,7 +11,7 @@ use crate::code::{codes, fmc_code};
 use crate::error::{Failure, fmc_error, fmc_status};
 use crate::event::{fmc_action, fmc_event};
 use crate::flight_settings::fmc_flight_settings;
-use crate::frame::{KeptFrame, fmc_frame};
+use crate::frame::fmc_frame;
 use crate::frame_record::fmc_record;
 use crate::memory::{self, Extent, Storage};
 
@@ -104,7 +104,7 @@ pub unsafe extern "C" fn fmc_flight_init(
         let settings = unsafe { memory::input(settings, 3) }?.settings()?;
         let made = PreparedCamera::new(camera.clone(), &settings, start(how)?)?;
         // SAFETY: the caller's promise.
-        unsafe { memory::put(flight, made) };
+        unsafe { memory::put(flight, stamp(camera), made) };
         Ok(())
     };
     // SAFETY: the caller's promise.
@@ -251,7 +251,7 @@ pub unsafe extern "C" fn fmc_flight_frame(
         // SAFETY: the caller's promise.
         unsafe { number.write(*latest) };
         // SAFETY: the caller's promise.
-        unsafe { memory::put(frame, KeptFrame::new(stamp(flight.camera()), *kept)) };
+        unsafe { memory::put(frame, stamp(flight.camera()), *kept) };
         Ok(())
     };
     // SAFETY: the caller's promise.

@@ -2,14 +2,13 @@
 
 use fmc::flight::camera::{Camera, Frame};
 use fmc::flight::interior_orientation::InteriorOrientation;
-use fmc::geometry::frame_correction::FrameCorrection;
 
 use crate::FMC_ERROR_CAMERA_CHANGED;
-use crate::camera::{fmc_camera, stamp};
+use crate::camera::fmc_camera;
 use crate::code::{self, fmc_code};
 use crate::error::{Failure, fmc_error, fmc_status};
 use crate::exposure::fmc_exposure;
-use crate::memory::{self, Extent, Storage};
+use crate::memory::{self, Extent, Kept, Storage};
 
 /// Words of a frame.
 pub const FMC_FRAME_WORDS: usize = 24;
@@ -23,46 +22,29 @@ pub struct fmc_frame {
 }
 
 impl Storage for fmc_frame {
-    type Object = KeptFrame;
+    type Object = Frame;
     const LETTERS: [u8; 4] = *b"fram";
 }
 
-/// A frame with the stamp of its camera.
-#[derive(Debug, Clone, Copy)]
-pub(crate) struct KeptFrame {
-    stamp: u32,
-    frame: Frame,
-}
-
-impl KeptFrame {
-    pub(crate) const fn new(stamp: u32, frame: Frame) -> Self {
-        Self { stamp, frame }
-    }
-
-    /// Returns the correction without a check.
-    #[cfg(control)]
-    pub(crate) const fn bare(&self) -> &FrameCorrection {
-        &self.frame.correction
-    }
-
-    /// Returns the correction, if the camera is still the one of the frame.
-    #[inline]
-    pub(crate) fn correction(&self, camera: &Camera) -> Result<&FrameCorrection, fmc_error> {
-        unchanged(self.stamp, camera, 2)?;
-        Ok(&self.frame.correction)
-    }
-}
-
-/// Checks that a stamp is the camera's.
+/// Checks that an object is of the calibration that the camera has.
 #[inline]
-pub(crate) fn unchanged(found: u32, camera: &Camera, argument: u32) -> Result<(), fmc_error> {
-    let expected = stamp(camera);
-    if found != expected {
-        return Err(Failure::of_argument(FMC_ERROR_CAMERA_CHANGED, argument)
-            .numbers(found, expected)
-            .into());
+pub(crate) fn unchanged<T>(
+    kept: &Kept<T>,
+    camera: &Kept<Camera>,
+    argument: u32,
+) -> Result<(), fmc_error> {
+    if kept.stamp != camera.stamp {
+        return Err(changed(kept.stamp, camera.stamp, argument));
     }
     Ok(())
+}
+
+#[cold]
+#[inline(never)]
+fn changed(found: u32, expected: u32, argument: u32) -> fmc_error {
+    Failure::of_argument(FMC_ERROR_CAMERA_CHANGED, argument)
+        .numbers(found, expected)
+        .into()
 }
 
 /// Interior orientation of a frame. Offsets are along the FMC axis, from the calibrated position.
@@ -146,12 +128,12 @@ pub unsafe extern "C" fn fmc_frame_init(
         memory::room(frame, 1)?;
         Extent::of(frame, 1, 1).apart_from(Extent::of(camera, 1, 2))?;
         // SAFETY: the caller's promise.
-        let camera = unsafe { memory::object(camera, 2) }?;
+        let camera = unsafe { memory::kept(camera, 2) }?;
         // SAFETY: the caller's promise.
         let exposure = unsafe { memory::input(exposure, 3) }?.exposure()?;
-        let made = KeptFrame::new(stamp(camera), camera.frame(&exposure)?);
+        let made = camera.object.frame(&exposure)?;
         // SAFETY: the caller's promise.
-        unsafe { memory::put(frame, made) };
+        unsafe { memory::put(frame, camera.stamp, made) };
         Ok(())
     };
     // SAFETY: the caller's promise.
@@ -173,7 +155,7 @@ pub unsafe extern "C" fn fmc_frame_interior(
         let frame = unsafe { memory::object(frame, 1) }?;
         let place = memory::output(interior, 2)?;
         // SAFETY: the caller's promise.
-        unsafe { place.write((&frame.frame.interior).into()) };
+        unsafe { place.write((&frame.interior).into()) };
         Ok(())
     };
     // SAFETY: the caller's promise.

@@ -22,6 +22,8 @@ mod code;
 #[cfg(control)]
 mod control;
 mod error;
+#[cfg(test)]
+mod error_sentences;
 mod error_text;
 mod event;
 mod exposure;

@@ -22,19 +22,22 @@ pub(crate) trait Storage: Sized {
     /// Four letters of the type.
     const LETTERS: [u8; 4];
 
-    /// First word of storage that holds the object: its letters and the library's version.
-    const TAG: u64 = {
-        assert!(size_of::<Tagged<Self::Object>>() <= size_of::<Self>());
-        assert!(align_of::<Tagged<Self::Object>>() <= align_of::<Self>());
-        ((u32::from_le_bytes(Self::LETTERS) as u64) << 32) | FMC_CAMERA_VERSION as u64
+    /// First word of storage that holds the object, of its letters and the library's version.
+    const TAG: u32 = {
+        assert!(size_of::<Kept<Self::Object>>() <= size_of::<Self>());
+        assert!(align_of::<Kept<Self::Object>>() <= align_of::<Self>());
+        u32::from_le_bytes(Self::LETTERS) ^ FMC_CAMERA_VERSION.rotate_left(16)
     };
 }
 
 /// What storage holds.
 #[repr(C)]
-struct Tagged<T> {
-    tag: u64,
-    object: T,
+#[derive(Debug)]
+pub(crate) struct Kept<T> {
+    tag: u32,
+    /// CRC-32 of the calibration that the object is of.
+    pub(crate) stamp: u32,
+    pub(crate) object: T,
 }
 
 /// Addresses of an argument, as the half-open range of its bytes.
@@ -56,13 +59,18 @@ impl Extent {
         }
     }
 
+    /// Returns true if both share no byte.
+    #[inline]
+    pub(crate) const fn is_apart_from(self, other: Self) -> bool {
+        self.begin >= other.end || other.begin >= self.end
+    }
+
     /// Checks that an argument that is written shares no byte with another one.
     #[inline]
     pub(crate) fn apart_from(self, other: Self) -> Result<(), fmc_error> {
-        if self.begin < other.end && other.begin < self.end {
-            return Err(Failure::of_argument(FMC_ERROR_OVERLAP, self.argument)
-                .numbers(self.argument, other.argument)
-                .into());
+        if !self.is_apart_from(other) {
+            let numbers = [self.argument, other.argument];
+            return Err(refused(FMC_ERROR_OVERLAP, self.argument, numbers));
         }
         Ok(())
     }
@@ -71,25 +79,52 @@ impl Extent {
 /// Checks that a pointer is neither NULL nor misaligned.
 #[inline]
 fn placed<T>(pointer: *const T, argument: u32) -> Result<(), fmc_error> {
-    if pointer.is_null() {
-        return Err(Failure::of_argument(FMC_ERROR_NULL, argument).into());
-    }
-    if !pointer.is_aligned() {
-        return Err(Failure::of_argument(FMC_ERROR_MISALIGNED, argument).into());
+    if pointer.is_null() || !pointer.is_aligned() {
+        return Err(misplaced(pointer.is_null(), argument));
     }
     Ok(())
+}
+
+#[cold]
+#[inline(never)]
+fn misplaced(is_null: bool, argument: u32) -> fmc_error {
+    let status = if is_null {
+        FMC_ERROR_NULL
+    } else {
+        FMC_ERROR_MISALIGNED
+    };
+    Failure::of_argument(status, argument).into()
+}
+
+#[cold]
+#[inline(never)]
+fn refused(status: fmc_status, argument: u32, numbers: [u32; 2]) -> fmc_error {
+    let [number, expected] = numbers;
+    Failure::of_argument(status, argument)
+        .numbers(number, expected)
+        .into()
+}
+
+/// Number of elements of a call that is refused: a 32nd of the addresses.
+const MOST_ELEMENTS: usize = 1 << (usize::BITS - 5);
+
+/// Returns true if a pointer may be to so many elements of this extent, at least one.
+#[inline]
+pub(crate) fn is_placed<T>(pointer: *const T, count: usize, extent: Extent) -> bool {
+    const { assert!(size_of::<T>() <= 1 << 4) };
+    // With so few, an extent that wraps ends before it begins.
+    !pointer.is_null()
+        && pointer.is_aligned()
+        && count < MOST_ELEMENTS
+        && extent.begin < extent.end
 }
 
 /// Checks the pointer to so many elements; none may be anywhere.
 #[inline]
 fn placed_many<T>(pointer: *const T, count: usize, argument: u32) -> Result<(), fmc_error> {
     placed(pointer, argument)?;
-    let most = isize::MAX.cast_unsigned() / size_of::<T>();
-    let ends = pointer
-        .addr()
-        .checked_add(count.saturating_mul(size_of::<T>()));
-    if count > most || ends.is_none() {
-        return Err(Failure::of_argument(FMC_ERROR_TOO_MANY, argument).into());
+    if !is_placed(pointer, count, Extent::of(pointer, count, argument)) {
+        return Err(refused(FMC_ERROR_TOO_MANY, argument, [0; 2]));
     }
     Ok(())
 }
@@ -97,21 +132,64 @@ fn placed_many<T>(pointer: *const T, count: usize, argument: u32) -> Result<(), 
 /// Returns the object in storage.
 ///
 /// # Safety
-/// Unless it is NULL or misaligned, the pointer is to storage that nothing writes for `'a`.
+/// As of [`kept`].
 #[inline]
 pub(crate) unsafe fn object<'a, S: Storage>(
     pointer: *const S,
     argument: u32,
 ) -> Result<&'a S::Object, fmc_error> {
-    placed(pointer, argument)?;
-    let tagged = pointer.cast::<Tagged<S::Object>>();
-    // SAFETY: the storage is as large and as aligned as `Tagged`, by the assertions of `TAG`, and a
-    // word is valid with all bits.
-    if unsafe { ptr::addr_of!((*tagged).tag).read() } != S::TAG {
-        return Err(Failure::of_argument(FMC_ERROR_UNINITIALISED, argument).into());
+    // SAFETY: the caller's promise is the same.
+    unsafe { kept(pointer, argument) }.map(|kept| &kept.object)
+}
+
+/// Returns the object in storage, with its stamp; `None` if it is to be refused.
+///
+/// # Safety
+/// As of [`kept`].
+#[inline]
+pub(crate) unsafe fn holding<'a, S: Storage>(pointer: *const S) -> Option<&'a Kept<S::Object>> {
+    if pointer.is_null() || !pointer.is_aligned() {
+        return None;
     }
+    let storage = pointer.cast::<Kept<S::Object>>();
+    // SAFETY: the storage is as large and as aligned as `Kept`, by the assertions of `TAG`, and a
+    // word is valid with all bits.
+    let tag = unsafe { ptr::addr_of!((*storage).tag).read() };
     // SAFETY: only `put` writes the tag, together with the object.
-    Ok(unsafe { &(*tagged).object })
+    (tag == S::TAG).then(|| unsafe { &*storage })
+}
+
+/// Returns the objects in two storages, with their stamps; `None` if one is to be refused.
+///
+/// # Safety
+/// As of [`kept`].
+#[inline]
+#[expect(clippy::type_complexity, reason = "a pair")]
+pub(crate) unsafe fn holding_both<'a, S: Storage, T: Storage>(
+    first: *const S,
+    second: *const T,
+) -> Option<(&'a Kept<S::Object>, &'a Kept<T::Object>)> {
+    let unaligned = (first.addr() | second.addr()) % align_of::<S>().max(align_of::<T>());
+    if unaligned != 0 || first.is_null() || second.is_null() {
+        return None;
+    }
+    // SAFETY: the caller's promise is the same.
+    let (first, second) = unsafe { (holding(first)?, holding(second)?) };
+    Some((first, second))
+}
+
+/// Returns the object in storage, with its stamp.
+///
+/// # Safety
+/// Unless it is NULL or misaligned, the pointer is to storage that nothing writes for `'a`.
+#[inline]
+pub(crate) unsafe fn kept<'a, S: Storage>(
+    pointer: *const S,
+    argument: u32,
+) -> Result<&'a Kept<S::Object>, fmc_error> {
+    placed(pointer, argument)?;
+    // SAFETY: the caller's promise is the same.
+    unsafe { holding(pointer) }.ok_or_else(|| refused(FMC_ERROR_UNINITIALISED, argument, [0; 2]))
 }
 
 /// Returns the object in storage that is known to hold one.
@@ -121,7 +199,7 @@ pub(crate) unsafe fn object<'a, S: Storage>(
 #[cfg(control)]
 pub(crate) unsafe fn known<'a, S: Storage>(pointer: *const S) -> &'a S::Object {
     // SAFETY: the caller's promise.
-    unsafe { &(*pointer.cast::<Tagged<S::Object>>()).object }
+    unsafe { &(*pointer.cast::<Kept<S::Object>>()).object }
 }
 
 /// Returns the object in storage, to be changed.
@@ -134,9 +212,9 @@ pub(crate) unsafe fn object_mut<'a, S: Storage>(
 ) -> Result<&'a mut S::Object, fmc_error> {
     // SAFETY: the caller's promise is the same.
     unsafe { object(pointer.cast_const(), argument) }?;
-    let tagged = pointer.cast::<Tagged<S::Object>>();
+    let storage = pointer.cast::<Kept<S::Object>>();
     // SAFETY: `object` has found one there.
-    Ok(unsafe { &mut (*tagged).object })
+    Ok(unsafe { &mut (*storage).object })
 }
 
 /// Checks storage for [`put`].
@@ -148,11 +226,11 @@ pub(crate) fn room<S: Storage>(pointer: *mut S, argument: u32) -> Result<(), fmc
 ///
 /// # Safety
 /// The pointer is to storage that is neither read nor written by others during the call.
-pub(crate) unsafe fn put<S: Storage>(pointer: *mut S, object: S::Object) {
-    let tagged = pointer.cast::<Tagged<S::Object>>();
+pub(crate) unsafe fn put<S: Storage>(pointer: *mut S, stamp: u32, object: S::Object) {
+    let storage = pointer.cast::<Kept<S::Object>>();
     let tag = S::TAG;
     // SAFETY: the storage is large and aligned enough, by the assertions of `TAG`.
-    unsafe { tagged.write(Tagged { tag, object }) };
+    unsafe { storage.write(Kept { tag, stamp, object }) };
 }
 
 /// Returns a structure that the caller has filled, if size and version are the library's.
@@ -272,13 +350,13 @@ pub(crate) unsafe fn structure<T: Copy>(pointer: *const T, argument: u32) -> Res
 
 #[cfg(test)]
 mod tests {
-    use super::{Storage, Tagged};
+    use super::{Kept, Storage};
     use crate::{fmc_camera, fmc_flight, fmc_frame, fmc_mesh};
 
     /// Returns the part of the storage that its object takes.
     fn used<S: Storage>() -> f64 {
         assert_ne!(S::TAG, 0);
-        let sizes = [size_of::<Tagged<S::Object>>(), size_of::<S>()];
+        let sizes = [size_of::<Kept<S::Object>>(), size_of::<S>()];
         let [object, storage] = sizes.map(|size| f64::from(u32::try_from(size).unwrap()));
         object / storage
     }

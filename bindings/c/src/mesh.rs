@@ -5,7 +5,7 @@ use fmc::geometry::mesh::displacement_rows::DisplacementRows;
 use fmc::geometry::range::Quantity;
 use fmc::geometry::sensor::SensorPoint;
 
-use crate::camera::{fmc_camera, stamp};
+use crate::camera::fmc_camera;
 use crate::error::{fmc_error, fmc_status};
 use crate::frame::{fmc_frame, unchanged};
 use crate::memory::{self, Extent, Storage};
@@ -23,15 +23,8 @@ pub struct fmc_mesh {
 }
 
 impl Storage for fmc_mesh {
-    type Object = KeptMesh;
+    type Object = DisplacementRows;
     const LETTERS: [u8; 4] = *b"mesh";
-}
-
-/// Rows with the stamp of their camera.
-#[derive(Debug, Clone, Copy)]
-pub(crate) struct KeptMesh {
-    stamp: u32,
-    rows: DisplacementRows,
 }
 
 /// Distortion at a point, measured - ideal, mm.
@@ -67,16 +60,14 @@ pub unsafe extern "C" fn fmc_mesh_init(
         Extent::of(mesh, 1, 1).apart_from(Extent::of(frame, 1, 3))?;
         let bound = memory::output(bound_nm, 5)?;
         // SAFETY: the caller's promise.
-        let (camera, frame) = unsafe { (memory::object(camera, 2)?, memory::object(frame, 3)?) };
+        let (camera, frame) = unsafe { (memory::kept(camera, 2)?, memory::kept(frame, 3)?) };
         Quantity::XMm.check(step_mm)?;
-        let made = KeptMesh {
-            stamp: stamp(camera),
-            rows: DisplacementRows::new(frame.correction(camera)?, step_mm),
-        };
+        unchanged(frame, camera, 3)?;
+        let rows = DisplacementRows::new(&frame.object.correction, step_mm);
         // SAFETY: the caller's promise.
-        unsafe { bound.write(made.rows.rounding_bound_nm()) };
+        unsafe { bound.write(rows.rounding_bound_nm()) };
         // SAFETY: the caller's promise.
-        unsafe { memory::put(mesh, made) };
+        unsafe { memory::put(mesh, camera.stamp, rows) };
         Ok(())
     };
     // SAFETY: the caller's promise.
@@ -100,8 +91,8 @@ pub unsafe extern "C" fn fmc_mesh_row(
 ) -> fmc_status {
     let written = || {
         // SAFETY: the caller's promise.
-        let (kept, mesh_of) = unsafe { (memory::object(mesh, 2)?, memory::object(camera, 1)?) };
-        unchanged(kept.stamp, mesh_of, 2)?;
+        let (kept, mesh_of) = unsafe { (memory::kept(mesh, 2)?, memory::kept(camera, 1)?) };
+        unchanged(kept, mesh_of, 2)?;
         let row = row.cast::<Displacement>();
         let extent = Extent::of(row, count, 4);
         extent.apart_from(Extent::of(camera, 1, 1))?;
@@ -109,7 +100,7 @@ pub unsafe extern "C" fn fmc_mesh_row(
         // SAFETY: the caller's promise; both types are two numbers.
         let row = unsafe { memory::elements_mut(row, count, 4) }?;
         let first = SensorPoint::new(first.x_mm, first.y_mm);
-        kept.rows.row(first).write(row);
+        kept.object.row(first).write(row);
         Ok(())
     };
     // SAFETY: the caller's promise.

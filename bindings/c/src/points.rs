@@ -1,11 +1,14 @@
 //! Correction and distortion of points, as pairs and with x and y apart.
 
+use core::slice;
+
 use fmc::geometry::frame_correction::FrameCorrection;
 use fmc::geometry::sensor::SensorPoint;
 
+use crate::FMC_OK;
 use crate::camera::fmc_camera;
 use crate::error::{fmc_error, fmc_status, of_point};
-use crate::frame::fmc_frame;
+use crate::frame::{fmc_frame, unchanged};
 use crate::memory::{self, Extent};
 
 /// A point of the sensor: x right, y up from the centre of the pixel array, mm.
@@ -35,17 +38,49 @@ pub unsafe extern "C" fn fmc_correct(
     count: usize,
     error: *mut fmc_error,
 ) -> fmc_status {
-    let corrected = || {
+    let extent = Extent::of(points, count, 3);
+    // SAFETY: the caller's promise.
+    if let Some((of_camera, of_frame)) = unsafe { memory::holding_both(camera, frame) }
+        && of_camera.stamp == of_frame.stamp
+        && memory::is_placed(points, count, extent)
+        && extent.is_apart_from(Extent::of(camera, 1, 1))
+        && extent.is_apart_from(Extent::of(frame, 1, 2))
+    {
+        // SAFETY: the pointer has been checked, and the caller owns the points, which are two
+        // numbers in both types.
+        let points = unsafe { slice::from_raw_parts_mut(points.cast::<SensorPoint>(), count) };
+        of_frame.object.correction.correct_slice(points);
+        return FMC_OK;
+    }
+    // SAFETY: the caller's promise.
+    unsafe { not_corrected(camera, frame, points, count, error) }
+}
+
+/// Finds out why `fmc_correct` has not corrected points.
+///
+/// # Safety
+/// As of `fmc_correct`.
+#[cold]
+#[inline(never)]
+unsafe fn not_corrected(
+    camera: *const fmc_camera,
+    frame: *const fmc_frame,
+    points: *mut fmc_point,
+    count: usize,
+    error: *mut fmc_error,
+) -> fmc_status {
+    let found = || {
         // SAFETY: the caller's promise.
         let correction = unsafe { correction(camera, frame) }?;
         let points = points.cast::<SensorPoint>();
         apart(camera, frame, Extent::of(points, count, 3))?;
-        // SAFETY: the caller's promise; both types are two numbers.
+        // SAFETY: the caller's promise; both types are two numbers. There are none, or they are
+        // refused.
         correction.correct_slice(unsafe { memory::elements_mut(points, count, 3) }?);
         Ok(())
     };
     // SAFETY: the caller's promise.
-    unsafe { memory::status(corrected(), error) }
+    unsafe { memory::status(found(), error) }
 }
 
 /// Does the same as `fmc_correct` for separate coordinates.
@@ -145,8 +180,9 @@ unsafe fn correction<'a>(
     frame: *const fmc_frame,
 ) -> Result<&'a FrameCorrection, fmc_error> {
     // SAFETY: the caller's promise.
-    let (camera, frame) = unsafe { (memory::object(camera, 1)?, memory::object(frame, 2)?) };
-    frame.correction(camera)
+    let (camera, frame) = unsafe { (memory::kept(camera, 1)?, memory::kept(frame, 2)?) };
+    unchanged(frame, camera, 2)?;
+    Ok(&frame.object.correction)
 }
 
 /// Checks that points share no memory with camera and frame.

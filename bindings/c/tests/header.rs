@@ -16,7 +16,13 @@ fn header() -> String {
     let mut files: Vec<_> = fs::read_dir(&sources)
         .unwrap()
         .map(|entry| entry.unwrap().path())
-        .filter(|path| path.file_stem().is_none_or(|stem| stem != "control"))
+        .filter(|path| {
+            path.file_stem().is_none_or(|stem| {
+                !["control", "error_sentences"]
+                    .iter()
+                    .any(|other| stem == *other)
+            })
+        })
         .collect();
     files.sort();
     let config = cbindgen::Config::from_file(root().join("cbindgen.toml")).unwrap();

@@ -14,6 +14,9 @@ const NAME: &str = "c-library";
 /// Most instructions of a call of 16 points over the bare correction.
 const MOST_OVER_BARE: u64 = 60;
 
+/// Bytes by which the guide may state more than half as much again.
+const SPARE_BYTES: u64 = 100;
+
 /// Longest time of the counting.
 const LIMIT: Duration = Duration::from_mins(5);
 
@@ -36,6 +39,32 @@ impl Cost {
             let _ = writeln!(text, "{function},{bytes}");
         }
         text
+    }
+
+    /// Checks that the guide's table has every function, with no fewer bytes than are used and not
+    /// many more.
+    ///
+    /// # Errors
+    /// An error that names the function.
+    pub(super) fn is_documented(&self, guide: &Path) -> Result<()> {
+        let text = fs::read_to_string(guide).with_context(|| guide.display().to_string())?;
+        for (function, used) in &self.stacks {
+            let begin = format!("| `{function}` | ");
+            let row = text.lines().find_map(|line| line.strip_prefix(&begin));
+            let stated = row.and_then(|row| row.trim_end_matches(" |").parse::<u64>().ok());
+            let stated = stated.with_context(|| {
+                format!(
+                    "{} has no row of {function}, which uses {used} bytes",
+                    guide.display()
+                )
+            })?;
+            ensure!(
+                (*used..=used * 3 / 2 + SPARE_BYTES).contains(&stated),
+                "{function} uses {used} bytes of stack, and {} says {stated}",
+                guide.display()
+            );
+        }
+        Ok(())
     }
 
     /// Checks the limits that no compiler may exceed.
@@ -108,8 +137,8 @@ pub(super) fn measure(
     })
 }
 
-/// Objects of the program itself, which are none of the library's variables.
-const OF_PROGRAM: [&str; 5] = ["record", "exposure", "camera", "frame", "points"];
+/// Variables of the program itself.
+const OF_PROGRAM: [&str; 6] = ["record", "exposure", "camera", "frame", "points", "handle"];
 
 /// Returns the bytes of code and constants of the least program, and those of the variables that
 /// are not the program's own.
@@ -128,6 +157,11 @@ fn sizes(image: &Path) -> Result<(u64, u64)> {
         SectionKind::ReadOnlyData,
         SectionKind::Data,
     ]);
+    // The compiler numbers the variables of functions.
+    let is_of_program = |name: &str| {
+        let name = name.split_once('.').map_or(name, |(name, _)| name);
+        OF_PROGRAM.contains(&name)
+    };
     let in_ram = |symbol: &object::Symbol<'_, '_>| {
         let kind = symbol.section_index().and_then(|index| {
             let section = file.section_by_index(index).ok()?;
@@ -136,7 +170,7 @@ fn sizes(image: &Path) -> Result<(u64, u64)> {
         matches!(
             kind,
             Some(SectionKind::Data | SectionKind::UninitializedData)
-        ) && !symbol.name().is_ok_and(|name| OF_PROGRAM.contains(&name))
+        ) && !symbol.name().is_ok_and(is_of_program)
     };
     let variables = file.symbols().filter(in_ram).map(|symbol| symbol.size());
     Ok((flash, variables.sum()))

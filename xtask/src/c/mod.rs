@@ -111,5 +111,6 @@ fn build(
         cost.footprint.flash_bytes, cost.footprint.static_ram_bytes, cost.over_bare
     );
     cost.is_within_limits()?;
+    cost.is_documented(&workspace.root.join("docs/c.md"))?;
     bench::compare_footprint(workspace, cost.footprint, update)
 }
