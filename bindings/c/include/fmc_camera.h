@@ -44,7 +44,7 @@
 /**
  * Words of a flight.
  */
-#define FMC_FLIGHT_WORDS 2048
+#define FMC_FLIGHT_WORDS 1408
 
 /**
  * Most actions of one event.
@@ -54,12 +54,12 @@
 /**
  * Words of a frame.
  */
-#define FMC_FRAME_WORDS 32
+#define FMC_FRAME_WORDS 24
 
 /**
  * Words of a mesh.
  */
-#define FMC_MESH_WORDS 40
+#define FMC_MESH_WORDS 24
 
 /**
  * Most bytes of a record.
@@ -910,16 +910,6 @@ typedef struct fmc_frame {
 } fmc_frame;
 
 /**
- * Rows of a frame's mesh, in storage of the caller; it may be copied.
- */
-typedef struct fmc_mesh {
-  /**
-   * Words of the library alone.
-   */
-  uint64_t opaque[FMC_MESH_WORDS];
-} fmc_mesh;
-
-/**
  * A point of the sensor: x right, y up from the centre of the pixel array, mm.
  */
 typedef struct fmc_point {
@@ -932,6 +922,16 @@ typedef struct fmc_point {
    */
   float y_mm;
 } fmc_point;
+
+/**
+ * Rows of a frame's mesh, in storage of the caller; it may be copied.
+ */
+typedef struct fmc_mesh {
+  /**
+   * Words of the library alone.
+   */
+  uint64_t opaque[FMC_MESH_WORDS];
+} fmc_mesh;
 
 /**
  * Distortion at a point, measured - ideal, mm.
@@ -1778,6 +1778,23 @@ fmc_status fmc_camera_id(const struct fmc_camera *camera,
                          struct fmc_error *error);
 
 /**
+ * Returns the element of an index, which the link check must find: it panics beyond the last.
+ *
+ * # Safety
+ * There are `count` elements.
+ */
+uint8_t fmc_can_panic(const uint8_t *elements, size_t count, size_t index);
+
+/**
+ * Corrects points as `fmc_correct` does, behind its checks: the difference of both is what a call
+ * from C costs.
+ *
+ * # Safety
+ * All pointers are to initialised objects, `points` to `count` of them.
+ */
+void fmc_bare_correct(const struct fmc_frame *frame, struct fmc_point *points, size_t count);
+
+/**
  * Writes the sentence of an error, with a zero at its end, cut if the buffer is smaller. Returns
  * the length of the whole sentence without the zero; 0 for a NULL or misaligned error. With `size`
  * 0 nothing is written.
@@ -1957,14 +1974,6 @@ fmc_status fmc_mesh_row(const struct fmc_camera *camera,
                         struct fmc_displacement *row,
                         size_t count,
                         struct fmc_error *error);
-
-/**
- * Returns the element of an index.
- *
- * # Safety
- * There are `count` elements.
- */
-uint8_t fmc_negative_control(const uint8_t *elements, size_t count, size_t index);
 
 /**
  * Replaces measured points by their ideal points, every one for itself. Points beyond the sensor

@@ -105,18 +105,15 @@ fn refused(status: fmc_status, argument: u32, numbers: [u32; 2]) -> fmc_error {
         .into()
 }
 
-/// Number of elements of a call that is refused: a 32nd of the addresses.
-const MOST_ELEMENTS: usize = 1 << (usize::BITS - 5);
+/// Number of elements of a call that is refused: a 64th of the addresses.
+const MOST_ELEMENTS: usize = 1 << (usize::BITS - 6);
 
 /// Returns true if a pointer may be to so many elements of this extent, at least one.
 #[inline]
 pub(crate) fn is_placed<T>(pointer: *const T, count: usize, extent: Extent) -> bool {
-    const { assert!(size_of::<T>() <= 1 << 4) };
+    const { assert!(size_of::<T>() <= 1 << 5) };
     // With so few, an extent that wraps ends before it begins.
-    !pointer.is_null()
-        && pointer.is_aligned()
-        && count < MOST_ELEMENTS
-        && extent.begin < extent.end
+    !pointer.is_null() && pointer.is_aligned() && count < MOST_ELEMENTS && extent.begin < extent.end
 }
 
 /// Checks the pointer to so many elements; none may be anywhere.

@@ -98,6 +98,23 @@ impl<'a> Text<'a> {
         let exponent = integer(exponent);
         let (whole, part) = mantissa.split_once('.').unwrap_or((mantissa, ""));
         let part = if part == "0" { "" } else { part };
+        let lower = whole_number_of(whole, part);
+        let last = exponent - i32::try_from(part.len()).unwrap_or(i32::MAX);
+        if is_midway(value, lower, last) {
+            // The core library takes the upper one of two numbers that are equally near.
+            let mut upper = [0_u8; DIGITS];
+            let digits = part.bytes().rev();
+            for (place, digit) in upper.iter_mut().zip(digits) {
+                *place = digit;
+            }
+            if let Some(place) = upper.first_mut().filter(|digit| **digit != 0) {
+                *place += 1;
+                let (digits, _) = upper.split_at_mut_checked(part.len()).unwrap_or_default();
+                digits.reverse();
+                let part = core::str::from_utf8(digits).unwrap_or_default();
+                return self.shifted(whole, part, exponent);
+            }
+        }
         self.shifted(whole, part, exponent)
     }
 
@@ -135,9 +152,20 @@ impl<'a> Text<'a> {
         let scale = (0..decimals).fold(1_u64, |scale, _| scale * 10);
         #[expect(clippy::cast_precision_loss, reason = "a power of ten below 2^53")]
         let scaled = f64::from(value.abs()) * scale as f64;
-        // The product is exact. A number that large is whole.
+        // The product is exact. A number that large is whole, and none of the camera's is larger
+        // than 2⁶⁴, where its shortest digits are written.
         if scaled >= 9e15 {
-            self.number(value).add(".");
+            if value.abs() < 1.8e19 {
+                #[expect(
+                    clippy::cast_possible_truncation,
+                    clippy::cast_sign_loss,
+                    reason = "positive and below 2^64"
+                )]
+                self.add(sign).whole(value.abs() as u64);
+            } else {
+                self.number(value);
+            }
+            self.add(".");
             return self.padded(0, usize::from(decimals));
         }
         #[expect(
@@ -170,4 +198,27 @@ fn integer(text: &str) -> i32 {
         .bytes()
         .fold(0_i32, |number, digit| 10 * number + i32::from(digit - b'0'));
     sign * number
+}
+
+/// Returns the whole number of the digits before and behind a point.
+fn whole_number_of(whole: &str, part: &str) -> u32 {
+    let digits = whole.bytes().chain(part.bytes());
+    digits.fold(0, |number: u32, digit| {
+        number
+            .wrapping_mul(10)
+            .wrapping_add(u32::from(digit.wrapping_sub(b'0')))
+    })
+}
+
+/// Returns true if a number lies midway between `lower` and the next whole number, times a power of
+/// ten. Only with exponents as here is that possible in single precision, and the products are exact.
+fn is_midway(value: f32, lower: u32, exponent: i32) -> bool {
+    let power = |exponent: i32| (0..exponent).fold(1.0_f64, |power, _| power * 10.0);
+    let midway = f64::from(lower) + 0.5;
+    let value = f64::from(value.abs());
+    if exponent < 0 {
+        exponent >= -13 && (value * power(-exponent)).to_bits() == midway.to_bits()
+    } else {
+        exponent <= 13 && value.to_bits() == (midway * power(exponent)).to_bits()
+    }
 }
