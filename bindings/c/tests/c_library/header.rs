@@ -43,6 +43,6 @@ fn header_is_that_of_the_sources() {
     let kept = fs::read_to_string(&path).unwrap();
     assert!(
         kept == made,
-        "the header differs; {WRITE}=1 cargo test -p fmc-camera-c --test header writes it"
+        "the header differs; {WRITE}=1 cargo test -p fmc-camera-c --test c_library writes it"
     );
 }
