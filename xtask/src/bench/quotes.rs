@@ -82,6 +82,8 @@ const OF_OTHER_SOURCES: [(&str, &str); 21] = [
         "benches/instructions/src/counter.rs",
         "Instructions to four ticks: 1 ns each",
     ),
+    // Compared by the step `c`.
+    ("docs/c.md", "takes at most 60 instructions over"),
 ];
 
 #[test]
