@@ -1203,47 +1203,47 @@ typedef struct fmc_displacement {
 #define FMC_EVENT_REFERENCED 3
 
 /**
- * Exposure time of the frames to come: values[0], s.
+ * Exposure time of the frames to come: `values[0]`, s.
  */
 #define FMC_EVENT_EXPOSURE 4
 
 /**
- * V/H of a sensor: values[0], 1/s.
+ * V/H of a sensor: `values[0]`, 1/s.
  */
 #define FMC_EVENT_VH 5
 
 /**
- * Ground speed of the satellite receiver: values[0], m/s.
+ * Ground speed of the satellite receiver: `values[0]`, m/s.
  */
 #define FMC_EVENT_GROUND_SPEED 6
 
 /**
- * Height above ground of a radar altimeter: values[0], m.
+ * Height above ground of a radar altimeter: `values[0]`, m.
  */
 #define FMC_EVENT_HEIGHT_ABOVE_GROUND 7
 
 /**
- * Altitude: values[0], m.
+ * Altitude: `values[0]`, m.
  */
 #define FMC_EVENT_ALTITUDE 8
 
 /**
- * Height of the terrain: values[0], m.
+ * Height of the terrain: `values[0]`, m.
  */
 #define FMC_EVENT_TERRAIN_HEIGHT 9
 
 /**
- * Ground speed of an inertial unit: values[0], m/s.
+ * Ground speed of an inertial unit: `values[0]`, m/s.
  */
 #define FMC_EVENT_INERTIAL_SPEED 10
 
 /**
- * Height of a laser altimeter: values[0], m.
+ * Height of a laser altimeter: `values[0]`, m.
  */
 #define FMC_EVENT_LASER_HEIGHT 11
 
 /**
- * Pitch, roll, drift, degrees, and rates about right, forward and up, degrees/s: values[0..6].
+ * Pitch, roll, drift, degrees, and rates about right, forward and up, degrees/s: `values[0..6]`.
  */
 #define FMC_EVENT_ATTITUDE 12
 
@@ -1273,7 +1273,7 @@ typedef struct fmc_displacement {
 #define FMC_EVENT_SHUTTER_CLOSED 17
 
 /**
- * Offset of the stage along the FMC axis: values[0], mm, read at the time in number, µs.
+ * Offset of the stage along the FMC axis: `values[0]`, mm, read at the time in number, µs.
  */
 #define FMC_EVENT_STAGE 18
 
@@ -1308,12 +1308,12 @@ typedef struct fmc_displacement {
 #define FMC_EVENT_LOST 24
 
 /**
- * The index mark was crossed at the reading values[0], mm along the FMC axis.
+ * The index mark was crossed at the reading `values[0]`, mm along the FMC axis.
  */
 #define FMC_EVENT_INDEX_MARK 25
 
 /**
- * The stage is to follow the set point values[0] mm, values[1] mm/s, values[2] mm/s², now.
+ * The stage is to follow the set point `values[0]` mm, `values[1]` mm/s, `values[2]` mm/s², now.
  */
 #define FMC_ACTION_MOVE_STAGE 0
 
@@ -1323,13 +1323,13 @@ typedef struct fmc_displacement {
 #define FMC_ACTION_RELEASE_STAGE 1
 
 /**
- * The shutter's command is to leave at `time_us`, for an exposure of values[0] s.
+ * The shutter's command is to leave at `time_us`, for an exposure of `values[0]` s.
  */
 #define FMC_ACTION_OPEN_SHUTTER 2
 
 /**
  * The rows of a TDI sensor are to be clocked, from first light of the command at `time_us` on, with
- * values[0] mm/s.
+ * `values[0]` mm/s.
  */
 #define FMC_ACTION_CLOCK_ROWS 3
 
@@ -1349,7 +1349,7 @@ typedef struct fmc_displacement {
 #define FMC_ACTION_FAULT 6
 
 /**
- * Principal points from record number on are in doubt by values[0] mm, for count triggers.
+ * Principal points from record number on are in doubt by `values[0]` mm, for count triggers.
  */
 #define FMC_ACTION_IN_DOUBT 7
 

@@ -16,23 +16,23 @@ pub const FMC_EVENT_DISARM: fmc_code = 1;
 pub const FMC_EVENT_CLEAR_FAULT: fmc_code = 2;
 /// The encoder's count has been referred to the calibrated position again.
 pub const FMC_EVENT_REFERENCED: fmc_code = 3;
-/// Exposure time of the frames to come: values[0], s.
+/// Exposure time of the frames to come: `values[0]`, s.
 pub const FMC_EVENT_EXPOSURE: fmc_code = 4;
-/// V/H of a sensor: values[0], 1/s.
+/// V/H of a sensor: `values[0]`, 1/s.
 pub const FMC_EVENT_VH: fmc_code = 5;
-/// Ground speed of the satellite receiver: values[0], m/s.
+/// Ground speed of the satellite receiver: `values[0]`, m/s.
 pub const FMC_EVENT_GROUND_SPEED: fmc_code = 6;
-/// Height above ground of a radar altimeter: values[0], m.
+/// Height above ground of a radar altimeter: `values[0]`, m.
 pub const FMC_EVENT_HEIGHT_ABOVE_GROUND: fmc_code = 7;
-/// Altitude: values[0], m.
+/// Altitude: `values[0]`, m.
 pub const FMC_EVENT_ALTITUDE: fmc_code = 8;
-/// Height of the terrain: values[0], m.
+/// Height of the terrain: `values[0]`, m.
 pub const FMC_EVENT_TERRAIN_HEIGHT: fmc_code = 9;
-/// Ground speed of an inertial unit: values[0], m/s.
+/// Ground speed of an inertial unit: `values[0]`, m/s.
 pub const FMC_EVENT_INERTIAL_SPEED: fmc_code = 10;
-/// Height of a laser altimeter: values[0], m.
+/// Height of a laser altimeter: `values[0]`, m.
 pub const FMC_EVENT_LASER_HEIGHT: fmc_code = 11;
-/// Pitch, roll, drift, degrees, and rates about right, forward and up, degrees/s: values[0..6].
+/// Pitch, roll, drift, degrees, and rates about right, forward and up, degrees/s: `values[0..6]`.
 pub const FMC_EVENT_ATTITUDE: fmc_code = 12;
 /// The satellite receiver's pulse: a second begins.
 pub const FMC_EVENT_TIME_PULSE: fmc_code = 13;
@@ -44,7 +44,7 @@ pub const FMC_EVENT_TRIGGER: fmc_code = 15;
 pub const FMC_EVENT_SHUTTER_OPENED: fmc_code = 16;
 /// Last light.
 pub const FMC_EVENT_SHUTTER_CLOSED: fmc_code = 17;
-/// Offset of the stage along the FMC axis: values[0], mm, read at the time in number, µs.
+/// Offset of the stage along the FMC axis: `values[0]`, mm, read at the time in number, µs.
 pub const FMC_EVENT_STAGE: fmc_code = 18;
 /// A limit switch has closed.
 pub const FMC_EVENT_LIMIT_SWITCH: fmc_code = 19;
@@ -58,7 +58,7 @@ pub const FMC_EVENT_SUPPLY_GOOD: fmc_code = 22;
 pub const FMC_EVENT_TICK: fmc_code = 23;
 /// Events that could not be kept until the round: number of them.
 pub const FMC_EVENT_LOST: fmc_code = 24;
-/// The index mark was crossed at the reading values[0], mm along the FMC axis.
+/// The index mark was crossed at the reading `values[0]`, mm along the FMC axis.
 pub const FMC_EVENT_INDEX_MARK: fmc_code = 25;
 
 /// Numbers of an event.
@@ -79,14 +79,14 @@ pub struct fmc_event {
     pub values: [f32; FMC_EVENT_VALUES],
 }
 
-/// The stage is to follow the set point values[0] mm, values[1] mm/s, values[2] mm/s², now.
+/// The stage is to follow the set point `values[0]` mm, `values[1]` mm/s, `values[2]` mm/s², now.
 pub const FMC_ACTION_MOVE_STAGE: fmc_code = 0;
 /// The stage is to be without force.
 pub const FMC_ACTION_RELEASE_STAGE: fmc_code = 1;
-/// The shutter's command is to leave at `time_us`, for an exposure of values[0] s.
+/// The shutter's command is to leave at `time_us`, for an exposure of `values[0]` s.
 pub const FMC_ACTION_OPEN_SHUTTER: fmc_code = 2;
 /// The rows of a TDI sensor are to be clocked, from first light of the command at `time_us` on, with
-/// values[0] mm/s.
+/// `values[0]` mm/s.
 pub const FMC_ACTION_CLOCK_ROWS: fmc_code = 3;
 /// The shutter is to close at once, or stay closed.
 pub const FMC_ACTION_CLOSE_SHUTTER: fmc_code = 4;
@@ -94,7 +94,7 @@ pub const FMC_ACTION_CLOSE_SHUTTER: fmc_code = 4;
 pub const FMC_ACTION_FRAME_READY: fmc_code = 5;
 /// A fault has occurred: number is its code.
 pub const FMC_ACTION_FAULT: fmc_code = 6;
-/// Principal points from record number on are in doubt by values[0] mm, for count triggers.
+/// Principal points from record number on are in doubt by `values[0]` mm, for count triggers.
 pub const FMC_ACTION_IN_DOUBT: fmc_code = 7;
 
 /// Numbers of an action.
