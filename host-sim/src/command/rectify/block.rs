@@ -25,11 +25,12 @@ use crate::formats::part::Part;
 /// [`Failure`] of the options, of the camera, of the records, and of a frame: the first one, or
 /// with `--keep-going` the worst.
 pub(in crate::command) fn run(args: &RectifyArgs) -> Result<(), Failure> {
-    let file = args.exposure.read_camera()?;
-    let camera = FrameCamera::new(&args.exposure.camera.display().to_string(), &file)?;
+    let (file, grids) = args.exposure.read_camera_with_grids()?;
+    let name = args.exposure.camera.display().to_string();
+    let camera = FrameCamera::with_grids(&name, &file, grids)?;
     let tasks = FrameTask::all(args)?;
     let rectifier = FrameRectifier::new(args, &file, camera.crc())?;
-    let exposures = Exposures::read(args, &file, camera)?;
+    let exposures = Exposures::read(args, &file, &camera)?;
     // Of all frames of a table, whether they are chosen or not: all have one camera.
     let size_px = rectifier.block_size(&tasks, &exposures)?;
     let tasks = FrameTask::chosen(tasks, args)?;
@@ -57,7 +58,7 @@ struct Block<'a> {
     file: &'a CameraFile,
     folder: OutputFolder,
     rectifier: FrameRectifier<'a>,
-    exposures: Exposures,
+    exposures: Exposures<'a>,
     /// Width and height of every rectified image.
     size_px: [u32; 2],
 }

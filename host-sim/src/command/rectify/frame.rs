@@ -72,7 +72,7 @@ impl<'a> FrameRectifier<'a> {
     pub(super) fn block_size(
         &self,
         tasks: &[FrameTask],
-        exposures: &Exposures,
+        exposures: &Exposures<'_>,
     ) -> Result<[u32; 2], Failure> {
         let sides: fn(u32, u32) -> u32 = match self.request.window {
             Window::Inside => u32::min,
@@ -104,9 +104,9 @@ impl<'a> FrameRectifier<'a> {
         }
     }
 
-    fn size_px(&self, task: &FrameTask, exposure: &FrameExposure) -> Result<[u32; 2], Failure> {
+    fn size_px(&self, task: &FrameTask, exposure: &FrameExposure<'_>) -> Result<[u32; 2], Failure> {
         let principal_point = principal_point(exposure);
-        Rectification::size_px(&exposure.correction, principal_point, &self.request)
+        Rectification::size_px(exposure.correction, principal_point, &self.request)
             .map_err(|error| Failure::bad_input(format!("{}: {error}", task.name)))
     }
 
@@ -117,7 +117,7 @@ impl<'a> FrameRectifier<'a> {
     pub(super) fn rectify(
         &self,
         task: &FrameTask,
-        exposure: &FrameExposure,
+        exposure: &FrameExposure<'_>,
         size_px: [u32; 2],
         folder: &OutputFolder,
         progress: &Progress,
@@ -141,7 +141,7 @@ impl<'a> FrameRectifier<'a> {
         let bad_input =
             |fault: &dyn std::fmt::Display| Failure::bad_input(format!("{}: {fault}", task.name));
         let rectification =
-            Rectification::new(&exposure.correction, principal_point(exposure), &request)
+            Rectification::new(exposure.correction, principal_point(exposure), &request)
                 .map_err(|error| bad_input(&error))?;
         let plan =
             FramePlan::new(&header, size_px, &self.layout).map_err(|error| bad_input(&error))?;
@@ -233,7 +233,7 @@ impl<'a> FrameRectifier<'a> {
         )))
     }
 
-    fn interior(&self, exposure: &FrameExposure, size_px: [u32; 2]) -> Interior {
+    fn interior(&self, exposure: &FrameExposure<'_>, size_px: [u32; 2]) -> Interior {
         let pixel_mm = self.file.sensor.pixel_um / 1000.0;
         let [x, y] = match self.request.centre {
             Centre::PrincipalPoint => [0.0; 2],
@@ -252,7 +252,7 @@ impl<'a> FrameRectifier<'a> {
     }
 }
 
-fn principal_point(exposure: &FrameExposure) -> SensorPoint {
+fn principal_point(exposure: &FrameExposure<'_>) -> SensorPoint {
     let [x, y] = exposure.principal_point_mm.map(single);
     SensorPoint::new(x, y)
 }
