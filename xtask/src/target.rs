@@ -49,21 +49,11 @@ impl<'a> Targets<'a> {
         lints: Lints,
     ) -> Result<Self> {
         let armv7em = Target::set_up(workspace, toolbox, lints)?;
-        let architecture = Architecture::Helium;
-        let machine = Machine::look(&workspace.shell, toolbox, architecture)?;
-        let plan = route::plan(machine.facts);
-        let lack = plan.fetch.iter().find(|tool| **tool != Tool::Clippy);
-        let helium = if let Some(tool) = lack {
-            let target = architecture.target();
-            eprintln!(
-                "{NOT_CHECKED}Cortex-M55, for which nothing is built or counted: no {tool}; to mend it: rustup target add {target}"
-            );
-            None
-        } else {
-            let target = Target::new(workspace, toolbox, architecture, &plan, machine);
-            workspace.tell(&target.description()?);
-            Some(target)
-        };
+        let helium = Target::without_fetching(workspace, toolbox, Architecture::Helium)?
+            .inspect_err(|lack| {
+                eprintln!("{NOT_CHECKED}Cortex-M55, for which nothing is built or counted: {lack}");
+            })
+            .ok();
         Ok(Self { armv7em, helium })
     }
 
@@ -72,6 +62,7 @@ impl<'a> Targets<'a> {
         match architecture {
             Architecture::Armv7em => Some(&self.armv7em),
             Architecture::Helium => self.helium.as_ref(),
+            Architecture::Armv7emSoft | Architecture::Armv8m => None,
         }
     }
 }
@@ -163,6 +154,30 @@ impl<'a> Target<'a> {
         };
         workspace.tell(&target.description()?);
         Ok(target)
+    }
+
+    /// Sets up a further target if no tool has to be fetched for it, and prints in one line what
+    /// will be used; returns what is missing otherwise.
+    ///
+    /// # Errors
+    /// An error if the compiler does not answer.
+    pub(crate) fn without_fetching(
+        workspace: &'a Workspace,
+        toolbox: &Toolbox<'_>,
+        architecture: Architecture,
+    ) -> Result<Result<Self, String>> {
+        let machine = Machine::look(&workspace.shell, toolbox, architecture)?;
+        let plan = route::plan(machine.facts);
+        let lack = plan.fetch.iter().find(|tool| **tool != Tool::Clippy);
+        if let Some(tool) = lack {
+            let target = architecture.target();
+            return Ok(Err(format!(
+                "no {tool}; to mend it: rustup target add {target}"
+            )));
+        }
+        let target = Self::new(workspace, toolbox, architecture, &plan, machine);
+        workspace.tell(&target.description()?);
+        Ok(Ok(target))
     }
 
     /// Creates the commands of a plan on a machine.
@@ -262,10 +277,9 @@ impl<'a> Target<'a> {
     /// builds.
     fn in_environment(&self, command: Cmd<'a>) -> Cmd<'a> {
         let distribution = matches!(self.route, Route::Installed | Route::Fetched);
-        let is_foreign =
-            |name: &String| is_for_host(name) || (distribution && is_for_active_toolchain(name));
         let names = env::vars_os().filter_map(|(name, _)| name.into_string().ok());
-        let mut command = names.filter(is_foreign).fold(command, Cmd::env_remove);
+        let foreign = names.filter(|name| is_for_another_build(name, distribution));
+        let mut command = foreign.fold(command, Cmd::env_remove);
         if self.route != Route::Active {
             command = command
                 .env("RUSTC_BOOTSTRAP", "1")
@@ -310,6 +324,12 @@ impl<'a> Target<'a> {
             linker.unwrap_or_default()
         ))
     }
+}
+
+/// Returns true for variables that belong to builds for the host, or, for a compiler of the
+/// distribution, to those of the toolchain that started xtask.
+pub(crate) fn is_for_another_build(name: &str, distribution: bool) -> bool {
+    is_for_host(name) || (distribution && is_for_active_toolchain(name))
 }
 
 /// Returns true for flags and targets that the user set for host builds.

@@ -48,6 +48,12 @@ pub(crate) enum Tool {
     Llvm,
     /// Python's installer of packages, with Python where there is none.
     Pip,
+    /// Linker for 64-bit Arm and QEMU's emulation of its processes.
+    Aarch64,
+    /// GNU's C compiler for Arm, with a C library.
+    ArmGcc,
+    /// Checker of C sources, with its rules of MISRA C.
+    Cppcheck,
 }
 
 impl Tool {
@@ -60,6 +66,9 @@ impl Tool {
             Self::Qemu => "qemu",
             Self::Llvm => "llvm",
             Self::Pip => "pip",
+            Self::Aarch64 => "aarch64",
+            Self::ArmGcc => "arm-gcc",
+            Self::Cppcheck => "cppcheck",
         }
     }
 
@@ -72,6 +81,13 @@ impl Tool {
             Self::Qemu => &["qemu-system-arm"],
             Self::Llvm => &["llvm-19"],
             Self::Pip => &["python3-pip"],
+            Self::Aarch64 => &[
+                "gcc-aarch64-linux-gnu",
+                "libc6-dev-arm64-cross",
+                "qemu-user-static",
+            ],
+            Self::ArmGcc => &["gcc-arm-none-eabi"],
+            Self::Cppcheck => &["cppcheck"],
         }
     }
 
@@ -85,6 +101,9 @@ impl Tool {
             Self::Llvm => &["llvm-mca-19", "llvm-objdump-19"],
             // It is run as a module of a Python.
             Self::Pip => &[],
+            Self::Aarch64 => &["aarch64-linux-gnu-gcc", "qemu-aarch64-static"],
+            Self::ArmGcc => &["arm-none-eabi-gcc"],
+            Self::Cppcheck => &["cppcheck"],
         }
     }
 
@@ -93,7 +112,13 @@ impl Tool {
         match self {
             Self::Compiler => Version::find(env!("CARGO_PKG_RUST_VERSION")),
             Self::Qemu => Some(Version::new(7, 2)),
-            Self::Clippy | Self::Linker | Self::Llvm | Self::Pip => None,
+            Self::Clippy
+            | Self::Linker
+            | Self::Llvm
+            | Self::Pip
+            | Self::Aarch64
+            | Self::ArmGcc
+            | Self::Cppcheck => None,
         }
     }
 
@@ -121,6 +146,9 @@ impl fmt::Display for Tool {
             Self::Qemu => "QEMU",
             Self::Llvm => "LLVM",
             Self::Pip => "Python with pip",
+            Self::Aarch64 => "linker and emulator of 64-bit Arm",
+            Self::ArmGcc => "C compiler for the target",
+            Self::Cppcheck => "checker of C sources",
         })
     }
 }
