@@ -317,3 +317,28 @@ mod tests {
         }
     }
 }
+
+pub(super) const SCENE_DMZ: &str = "\
+Examples:
+  host-sim scene dmz --out scene
+  host-sim scene dmz --scale 16 --relief 30 --seed 2 --out scene";
+
+pub(super) const CALIBRATE_RADIOMETRY: &str = "\
+Examples:
+  host-sim calibrate radiometry --rig scene/rig.toml --out radiometry scene
+  host-sim calibrate radiometry --rig scene/rig.toml --method template \\
+      --out template scene";
+
+pub(super) const CALIBRATE_RIG: &str = "\
+Examples:
+  host-sim calibrate rig --rig scene/rig.toml --ties scene/ties.csv \\
+      --out rig scene/control.csv
+  host-sim calibrate rig --rig scene/rig.toml --heights ignore \\
+      --exposure 8_10 --ties scene/ties.csv --out ground scene/control.csv";
+
+pub(super) const VIRTUAL: &str = "\
+Examples:
+  host-sim virtual --rig rig/rig.toml --radiometry radiometry \\
+      --out virtual scene/8_10
+  host-sim virtual --rig rig/rig.toml --order mosaic-first --out shifted \\
+      scene/8_10";

@@ -9,6 +9,7 @@ mod calibration;
 mod camera;
 mod camera_file;
 mod certificate;
+mod composition;
 mod examples;
 mod exchange;
 mod exposure;
@@ -34,6 +35,10 @@ pub use camera::{CameraAction, CameraArgs, ExposureTimeArgs, PrepareArgs, Status
 pub use camera_file::{CameraFileAction, CameraFileArgs};
 pub use certificate::{
     CertificateAction, CertificateArgs, CertificateFolderArgs, MakeCertificateArgs,
+};
+pub use composition::{
+    DmzSceneArgs, HeightsName, OrderName, RadiometryArgs, RadiometryMethod, RigArgs, SceneArgs,
+    SceneCamera, SceneOptions, VirtualArgs,
 };
 pub use exchange::{ContainerName, ExportArgs, ImportArgs, SignName};
 pub use exposure::{DirectionName, ExposureArgs, FocusSignName, ModelName};
@@ -146,6 +151,17 @@ pub enum Command {
     /// all bands of either image have no content.
     #[command(after_help = examples::COMPARE)]
     Compare(CompareArgs),
+    /// Make what a synthetic camera of several detectors records, with its truth.
+    Scene(SceneArgs),
+    /// Compose the sub-images of an exposure to one virtual image, without distortion.
+    ///
+    /// Each sub-image is resampled once, by the polynomial of `calibrate rig`; neighbours are joined
+    /// at the seam of least cost and mixed within 5 px of it. The report has the steps at the seams
+    /// by least-squares matching, in pixels and grey values, and the registration to green. With a
+    /// rig of `--heights ignore` the virtual image is made by that registration, as Zhao et al. 2013
+    /// do.
+    #[command(after_help = examples::VIRTUAL)]
+    Virtual(VirtualArgs),
     /// Calibrate a camera: parameters from observations.
     Calibrate(CalibrateArgs),
     /// Residual smear of an exposure: what the compensation leaves, term by term.

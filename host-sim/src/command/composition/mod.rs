@@ -1,0 +1,7 @@
+//! Cameras of several detectors: a synthetic one, radiometry, rig and virtual image.
+
+mod files;
+pub(super) mod radiometry;
+pub(super) mod rig;
+pub(super) mod scene;
+pub(super) mod virtual_image;
