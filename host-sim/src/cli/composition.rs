@@ -195,3 +195,42 @@ pub enum OrderName {
     /// Shifts, then one polynomial over the frame.
     MosaicFirst,
 }
+
+/// Arguments of `stereo`.
+#[derive(Debug, Args)]
+pub struct StereoArgs {
+    /// First virtual image (TIFF).
+    #[arg(value_name = "FIRST.tif")]
+    pub first: PathBuf,
+    /// Second virtual image.
+    #[arg(value_name = "SECOND.tif")]
+    pub second: PathBuf,
+    /// Rig file (TOML): size and principal distance of the virtual images.
+    #[arg(long, value_name = "FILE")]
+    pub rig: PathBuf,
+    /// Marks (CSV): `id,image,col_px,row_px,x_m,y_m,z_m`, measured in both virtual images, image
+    /// being 1 or 2.
+    #[arg(long, value_name = "FILE")]
+    pub marks: PathBuf,
+    /// Folder for summary.json; made if it does not exist.
+    #[arg(long, value_name = "DIR")]
+    pub out: Option<PathBuf>,
+    /// σ of image points, px.
+    #[arg(long, value_name = "PX", default_value = "0.3", value_parser = positive, help_heading = ADVANCED)]
+    pub sigma_px: f64,
+    /// σ of each coordinate of control, m.
+    #[arg(long, value_name = "M", default_value = "0.05", value_parser = positive, help_heading = ADVANCED)]
+    pub control_sigma: f64,
+}
+
+/// Arguments of `dmz`.
+#[derive(Debug, Args)]
+pub struct DmzArgs {
+    /// Folder for report.html, summary.json, the scene and both virtual images; made if it does not
+    /// exist.
+    #[arg(long, value_name = "DIR")]
+    pub out: PathBuf,
+    /// What the scene is like.
+    #[command(flatten)]
+    pub scene: SceneOptions,
+}

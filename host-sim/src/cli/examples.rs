@@ -342,3 +342,13 @@ Examples:
       --out virtual scene/8_10
   host-sim virtual --rig rig/rig.toml --order mosaic-first --out shifted \\
       scene/8_10";
+
+pub(super) const STEREO: &str = "\
+Examples:
+  host-sim stereo --rig rig/rig.toml --marks marks.csv 8_10/virtual.tif \\
+      8_11/virtual.tif";
+
+pub(super) const DMZ: &str = "\
+Examples:
+  host-sim dmz --out dmz
+  host-sim dmz --scale 4 --relief 10 --out dmz";

@@ -37,8 +37,8 @@ pub use certificate::{
     CertificateAction, CertificateArgs, CertificateFolderArgs, MakeCertificateArgs,
 };
 pub use composition::{
-    DmzSceneArgs, HeightsName, OrderName, RadiometryArgs, RadiometryMethod, RigArgs, SceneArgs,
-    SceneCamera, SceneOptions, VirtualArgs,
+    DmzArgs, DmzSceneArgs, HeightsName, OrderName, RadiometryArgs, RadiometryMethod, RigArgs,
+    SceneArgs, SceneCamera, SceneOptions, StereoArgs, VirtualArgs,
 };
 pub use exchange::{ContainerName, ExportArgs, ImportArgs, SignName};
 pub use exposure::{DirectionName, ExposureArgs, FocusSignName, ModelName};
@@ -162,6 +162,19 @@ pub enum Command {
     /// do.
     #[command(after_help = examples::VIRTUAL)]
     Virtual(VirtualArgs),
+    /// Adjust two virtual images of one ground over control and check points.
+    ///
+    /// Ties are matched by least squares; interior orientations are held. Layouts of Zhao et al.
+    /// 2013: a control point in each corner, two in each corner and in the middle, and all, which
+    /// leaves no check.
+    #[command(after_help = examples::STEREO)]
+    Stereo(StereoArgs),
+    /// Repeat Zhao et al. 2013 with a synthetic camera: its way beside ours, against truth.
+    ///
+    /// Scene, radiometry, rig, both virtual images, relief of 0 to 30 m, stereo check with 40
+    /// repetitions; one page. Fails (exit 1) where a number is beyond its limit.
+    #[command(after_help = examples::DMZ)]
+    Dmz(DmzArgs),
     /// Calibrate a camera: parameters from observations.
     Calibrate(CalibrateArgs),
     /// Residual smear of an exposure: what the compensation leaves, term by term.

@@ -55,6 +55,8 @@ pub fn run(cli: Cli) -> Result<(), Failure> {
             SceneCamera::Dmz(args) => composition::scene::run(&args),
         },
         Command::Virtual(args) => composition::virtual_image::run(&args),
+        Command::Stereo(args) => composition::stereo::run(&args),
+        Command::Dmz(args) => composition::dmz::run(&args),
         Command::Budget(args) => budget::run(&args),
         Command::Calibrate(args) => match args.method {
             CalibrationMethod::Five(args) => calibrate::five(&args),

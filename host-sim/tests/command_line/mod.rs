@@ -57,6 +57,8 @@ mod frames;
 #[cfg(test)]
 mod gpu_mesh;
 #[cfg(test)]
+mod composition;
+#[cfg(test)]
 mod images;
 #[cfg(test)]
 mod mesh;

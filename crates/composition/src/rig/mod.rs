@@ -7,7 +7,7 @@ pub(crate) mod gauge;
 mod green;
 mod normals;
 pub mod polynomial;
-mod start;
+pub(crate) mod start;
 
 pub use description::{CalibrationTable, Frame, Heights, Rig, SubImage};
 pub use gauge::Movement;

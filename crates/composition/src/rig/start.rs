@@ -21,7 +21,7 @@ const WRONG_MEDIANS: f64 = 20.0;
 
 /// A similarity from px about the principal point, x right and y up, to the ground.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub(super) struct Similarity {
+pub(crate) struct Similarity {
     /// m/px, cosine and sine.
     pub(super) along: f64,
     pub(super) across: f64,
@@ -90,7 +90,8 @@ pub(super) fn start(
             "{file}: the control points of exposure {exposure} determine no orientation: they lie on a line, or most of them are wrong"
         ))
     };
-    let similarity = similarity(&control, &places).ok_or_else(failed)?;
+    let grounds_m: Vec<[f64; 3]> = control.iter().map(|point| point.ground_m).collect();
+    let similarity = similarity(&places, &grounds_m).ok_or_else(failed)?;
     let orientation = orientation(rig, &control, &places, similarity).ok_or_else(failed)?;
     check_places(rig, file, &control, &places, &orientation)?;
     Ok(Start {
@@ -109,24 +110,25 @@ fn nominal(rig: &Rig, point: &ControlPoint) -> Option<[f64; 2]> {
     Some([place[0] - u, v - place[1]])
 }
 
-/// Fits a similarity with weights that fall with the residual.
-fn similarity(control: &[&ControlPoint], places: &[[f64; 2]]) -> Option<Similarity> {
-    let mut weights = vec![1.0; control.len()];
+/// Fits a similarity from places, px about the principal point, to X, Y of the ground, with weights
+/// that fall with the residual; `None` where the points do not determine it.
+pub(crate) fn similarity(places: &[[f64; 2]], grounds_m: &[[f64; 3]]) -> Option<Similarity> {
+    let mut weights = vec![1.0; places.len()];
     let mut found = None;
     for _ in 0..ROUNDS {
         let (mut normals, mut right) = (Matrix4::zeros(), Vector4::zeros());
-        for ((point, [x, y]), weight) in control.iter().zip(places).zip(&weights) {
+        for ((ground_m, [x, y]), weight) in grounds_m.iter().zip(places).zip(&weights) {
             let rows = [
                 Vector4::new(*x, -y, 1.0, 0.0),
                 Vector4::new(*y, *x, 0.0, 1.0),
             ];
-            for (row, ground) in rows.into_iter().zip(point.ground_m) {
+            for (row, ground) in rows.into_iter().zip(ground_m) {
                 normals += *weight * row * row.transpose();
-                right += *weight * ground * row;
+                right += *weight * *ground * row;
             }
         }
-        let [[along, across, x0, y0]] =
-            normals.try_inverse().map(|inverse| inverse * right)?.data.0;
+        let solution = normals.try_inverse().map(|inverse| inverse * right)?;
+        let [[along, across, x0, y0]] = solution.data.0;
         let fit = Similarity {
             along,
             across,
@@ -135,14 +137,28 @@ fn similarity(control: &[&ControlPoint], places: &[[f64; 2]]) -> Option<Similari
         if fit.scale() <= 0.0 || !fit.scale().is_finite() {
             return None;
         }
-        for ((point, [x, y]), weight) in control.iter().zip(places).zip(&mut weights) {
-            let [ground_x, ground_y, _] = point.ground_m;
+        for ((ground_m, [x, y]), weight) in grounds_m.iter().zip(places).zip(&mut weights) {
+            let [ground_x, ground_y, _] = *ground_m;
             let [at_x, at_y] = fit.place_px([ground_x, ground_y]);
             *weight = 1.0 / (at_x - x).hypot(at_y - y).max(1.0);
         }
         found = Some(fit);
     }
     found
+}
+
+impl Similarity {
+    /// Returns the orientation of a camera that looks straight down on ground of a height.
+    pub(crate) fn level(&self, f_px: f64, height_m: f64) -> ExteriorOrientation {
+        ExteriorOrientation {
+            position_m: [
+                self.shift_m[0],
+                self.shift_m[1],
+                height_m + self.scale() * f_px,
+            ],
+            attitude: [0.0, 0.0, self.across.atan2(self.along)],
+        }
+    }
 }
 
 /// Resects an exposure with weights that fall with the residual.
@@ -154,14 +170,7 @@ fn orientation(
 ) -> Option<ExteriorOrientation> {
     let f_px = rig.principal_distance_px();
     let heights = control.iter().map(|point| point.ground_m[2]).collect();
-    let mut orientation = ExteriorOrientation {
-        position_m: [
-            similarity.shift_m[0],
-            similarity.shift_m[1],
-            median(heights)? + similarity.scale() * f_px,
-        ],
-        attitude: [0.0, 0.0, similarity.across.atan2(similarity.along)],
-    };
+    let mut orientation = similarity.level(f_px, median(heights)?);
     for _ in 0..ROUNDS {
         let (mut normals, mut right) = (Matrix6::zeros(), Vector6::zeros());
         for (point, place) in control.iter().zip(places) {

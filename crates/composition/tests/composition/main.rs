@@ -8,3 +8,5 @@ mod mosaic;
 mod radiometry;
 #[cfg(test)]
 mod rig;
+#[cfg(test)]
+mod stereo;
