@@ -37,6 +37,8 @@ mod camera;
 mod camera_file;
 mod certificate;
 #[cfg(test)]
+mod composition;
+#[cfg(test)]
 mod default_limits;
 #[cfg(test)]
 #[cfg(target_os = "linux")]
@@ -56,8 +58,6 @@ mod flight_block;
 mod frames;
 #[cfg(test)]
 mod gpu_mesh;
-#[cfg(test)]
-mod composition;
 #[cfg(test)]
 mod images;
 #[cfg(test)]

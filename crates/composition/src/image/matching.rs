@@ -236,14 +236,15 @@ impl Window {
             }
             let inverse = normals.cholesky()?.inverse();
             let way = inverse * right;
-            shift = [shift[0] + way[0], shift[1] + way[1]];
+            let [[right_px, down_px, ..]] = way.data.0;
+            shift = [shift[0] + right_px, shift[1] + down_px];
             for (slot, way) in shear.iter_mut().zip(way.iter().skip(2)) {
                 *slot += way;
             }
             if (shift[0] - start[0]).hypot(shift[1] - start[1]) > LARGEST_WAY_PX {
                 return None;
             }
-            if way[0].hypot(way[1]) < CLOSE_PX {
+            if right_px.hypot(down_px) < CLOSE_PX {
                 let variance = (squares - way.dot(&right)).max(0.0) / (count - real(UNKNOWNS));
                 let cofactor = inverse.diagonal().rows(0, 2).max();
                 return Some(Match {

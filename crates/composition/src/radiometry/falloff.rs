@@ -62,6 +62,7 @@ impl Falloff {
     }
 }
 
-fn cos_fourth(field: f64) -> f64 {
+/// Light at a tangent of the field angle, 1 on the axis, by the physical law alone.
+pub(super) fn cos_fourth(field: f64) -> f64 {
     (1.0 + field * field).powi(-2)
 }

@@ -3,7 +3,7 @@
 use fmc_camera_file::InputError;
 
 use super::correction::Correction;
-use super::falloff::{Falloff, Sample};
+use super::falloff::{Falloff, Sample, cos_fourth};
 use super::flats::{FrameRows, dark_row};
 use crate::number::{median, real, single};
 use crate::rig::{Rig, SubImage};
@@ -125,7 +125,7 @@ pub fn response<R: FrameRows>(
             found.template_dn.push(single(offset + slope * mean_level));
         }
     }
-    found.check_flats(flats, &transfer)?;
+    Response::check_flats(flats, &transfer)?;
     found.photon_transfer(&transfer);
     found.samples = found.blocks(rig, sub, height);
     Ok(found)
@@ -156,11 +156,7 @@ impl Transfer {
 }
 
 impl Response {
-    fn check_flats<R: FrameRows>(
-        &self,
-        flats: &[R],
-        transfer: &[Transfer],
-    ) -> Result<(), InputError> {
+    fn check_flats<R: FrameRows>(flats: &[R], transfer: &[Transfer]) -> Result<(), InputError> {
         for (flat, set) in flats.iter().zip(transfer) {
             // No detector has fewer than 1000 electrons of a full scale of 14 bits.
             let noise = 16.0 * set.mean_dn() + 400.0;
@@ -202,6 +198,7 @@ impl Response {
     fn blocks(&mut self, rig: &Rig, sub: &SubImage, height: usize) -> Vec<Sample> {
         let f_px = rig.principal_distance_px();
         let [centre_col, centre_row] = sub.centre_px();
+        let field = |[x, y]: [f64; 2]| (sub.place_px[0] + x).hypot(sub.place_px[1] + y) / f_px;
         let mut samples = Vec::new();
         let (mut of_slope, mut of_offset) = (Vec::new(), Vec::new());
         for first_row in (0..height).step_by(BLOCK_PX) {
@@ -210,7 +207,9 @@ impl Response {
                 for row in first_row..(first_row + BLOCK_PX).min(height) {
                     for col in first_col..(first_col + BLOCK_PX).min(self.width) {
                         let index = row * self.width + col;
-                        slopes.extend(self.slope.get(index).copied().map(f64::from));
+                        let place = [real(col) - centre_col, real(row) - centre_row];
+                        let light = cos_fourth(field(place));
+                        slopes.extend(self.slope.get(index).map(|slope| f64::from(*slope) / light));
                         offsets.extend(self.offset_dn.get(index).copied().map(f64::from));
                     }
                 }
@@ -221,12 +220,10 @@ impl Response {
                 let half = real(BLOCK_PX) / 2.0 - 0.5;
                 let col = (real(first_col) + half).min(real(self.width));
                 let row = (real(first_row) + half).min(real(height));
-                let x = sub.place_px[0] + col - centre_col;
-                let y = sub.place_px[1] + row - centre_row;
-                let field = x.hypot(y) / f_px;
+                let field = field([col - centre_col, row - centre_row]);
                 samples.push(Sample {
                     field,
-                    response: slope,
+                    response: slope * cos_fourth(field),
                 });
                 // Median of absolute deviations: 0.6745 σ.
                 let ways = slopes

@@ -255,14 +255,14 @@ impl System<'_> {
         let Some(point) = self.measurements.control.get(number) else {
             let tie = self.measurements.ties.get(number - controls)?;
             let [first, second] = &tie.places;
-            let (a, b) = (self.place(state, first)?, self.place(state, second)?);
+            let (here, there) = (self.place(state, first)?, self.place(state, second)?);
             let [mut of_u, mut of_v] = self.place_rows(first, 1.0);
             let [more_u, more_v] = self.place_rows(second, -1.0);
             of_u.extend(more_u);
             of_v.extend(more_v);
             return Some(Equations {
                 rows: [of_u, of_v],
-                misclosure_px: [b[0] - a[0], b[1] - a[1]],
+                misclosure_px: [there[0] - here[0], there[1] - here[1]],
                 sigma_px: sigma_px * std::f64::consts::SQRT_2,
             });
         };
@@ -290,14 +290,14 @@ impl System<'_> {
                         .row(0)
                         .iter()
                         .enumerate()
-                        .map(|(k, d)| (first + k, -d)),
+                        .map(|(element, by)| (first + element, -by)),
                 );
                 of_v.extend(
                     derivatives
                         .row(1)
                         .iter()
                         .enumerate()
-                        .map(|(k, d)| (first + k, *d)),
+                        .map(|(element, by)| (first + element, *by)),
                 );
                 [seen.image_mm.x, seen.image_mm.y]
             }
@@ -321,7 +321,7 @@ impl System<'_> {
         }
         let squares = normals.squares;
         for (functional, sigma) in self.functionals.iter().zip(movement_sigmas) {
-            let row = self.functional_row(functional);
+            let row = Self::functional_row(functional);
             let size: f64 = row
                 .iter()
                 .map(|(unknown, a)| a * self.value(state, *unknown))
@@ -341,7 +341,7 @@ impl System<'_> {
             .map(|(number, _)| number)
     }
 
-    fn functional_row(&self, functional: &Functional) -> Vec<(usize, f64)> {
+    fn functional_row(functional: &Functional) -> Vec<(usize, f64)> {
         let flat = functional.rows.iter().flatten().flatten();
         flat.copied().enumerate().collect()
     }
@@ -407,7 +407,7 @@ impl System<'_> {
         let (_, solved) = self.adjust()?;
         let mut estimates = Vec::new();
         for (number, functional) in self.functionals.iter().enumerate() {
-            let row = self.functional_row(functional);
+            let row = Self::functional_row(functional);
             let sigma_px = variance(&row, &solved.cofactors).sqrt();
             let is_turn = functional.movement.is_turn();
             let held = is_turn || sigma_px > SEPARATE_PX;

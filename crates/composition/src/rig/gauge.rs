@@ -1,5 +1,6 @@
 //! What all polynomials and an orientation have in common.
 
+use super::control::Place;
 use super::description::Rig;
 use super::polynomial::{basis, normalised, terms};
 use crate::number::real;
@@ -79,7 +80,7 @@ pub(super) struct Functional {
 
 /// Places of a grid over all sub-images, with the displacements of the movements there, made
 /// orthogonal to each other and of root mean square 1.
-fn fields(rig: &Rig) -> (Vec<(usize, [f64; 2])>, Vec<Vec<[f64; 2]>>) {
+fn fields(rig: &Rig) -> (Vec<Place>, Vec<Vec<[f64; 2]>>) {
     let [half_u, half_v] = rig.frame.centre_px();
     let radius = half_u.hypot(half_v);
     let mut places = Vec::new();
@@ -88,18 +89,18 @@ fn fields(rig: &Rig) -> (Vec<(usize, [f64; 2])>, Vec<Vec<[f64; 2]>>) {
             let part =
                 |number: usize, side: usize| real(number) / real(PLACES - 1) * (real(side) - 1.0);
             let [width, height] = sub.size_px();
-            places.push((
-                number,
-                [part(index % PLACES, width), part(index / PLACES, height)],
-            ));
+            places.push(Place {
+                sub: number,
+                pixel: [part(index % PLACES, width), part(index / PLACES, height)],
+            });
         }
     }
     let mut fields: Vec<Vec<[f64; 2]>> = Vec::new();
     for movement in Movement::ALL {
         let mut field: Vec<[f64; 2]> = places
             .iter()
-            .filter_map(|(number, pixel)| {
-                let sub = rig.sub.get(*number)?;
+            .filter_map(|Place { sub, pixel }| {
+                let sub = rig.sub.get(*sub)?;
                 let [u, v] = sub
                     .nominal(rig.frame)
                     .value(normalised(sub.size_px(), *pixel));
@@ -138,7 +139,7 @@ pub(super) fn functionals(rig: &Rig, degree: usize) -> Vec<Functional> {
     for (movement, field) in Movement::ALL.into_iter().zip(&fields) {
         let mut rows = vec![[vec![0.0; terms(degree)], vec![0.0; terms(degree)]]; rig.sub.len()];
         let mut nominal_px = 0.0;
-        for ((number, pixel), [right, down]) in places.iter().zip(field) {
+        for (Place { sub: number, pixel }, [right, down]) in places.iter().zip(field) {
             let (Some(sub), Some([of_u, of_v])) = (rig.sub.get(*number), rows.get_mut(*number))
             else {
                 continue;

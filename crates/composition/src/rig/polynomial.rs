@@ -16,7 +16,7 @@ const INVERSE_PX: f64 = 1e-9;
 /// General polynomial of a sub-image.
 ///
 /// # Model
-/// `u = Σ_{i≤t} Σ_{j≤i} a_k ξ^(i-j) η^j`, `k = i(i+1)/2 + j`, and v with b_k: Zhao et al. 2013,
+/// `u = Σ_{i≤t} Σ_{j≤i} a_k ξ^(i-j) η^j`, `k = i(i+1)/2 + j`, and v with `b_k`: Zhao et al. 2013,
 /// formula (1), with its index put right (`docs/errata.md`, Z1). ξ = (col - W/2)/(H/2) and
 /// η = (row - H/2)/(H/2) of a sub-image of W x H px.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
@@ -24,9 +24,9 @@ const INVERSE_PX: f64 = 1e-9;
 pub struct Polynomial {
     /// t, 2 to 5.
     pub degree: usize,
-    /// a_k, px of the virtual image.
+    /// `a_k`, px of the virtual image.
     pub u: Vec<f64>,
-    /// b_k, px of the virtual image.
+    /// `b_k`, px of the virtual image.
     pub v: Vec<f64>,
     /// Largest σ of a place over the sub-image, px of the virtual image.
     pub sigma_px: f64,

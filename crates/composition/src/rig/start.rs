@@ -183,12 +183,14 @@ fn orientation(
             right += weight * seen.by_orientation.transpose() * residual;
         }
         // Metres and radians differ by the height.
-        let scale = Vector6::from_fn(|row, _| normals[(row, row)].max(f64::MIN_POSITIVE).sqrt());
-        let scaled = Matrix6::from_fn(|row, col| normals[(row, col)] / scale[row] / scale[col]);
+        let inverse = normals
+            .diagonal()
+            .map(|value| 1.0 / value.max(f64::MIN_POSITIVE).sqrt());
+        let scaled = normals.component_mul(&(inverse * inverse.transpose()));
         let way = scaled
             .cholesky()?
-            .solve(&right.component_div(&scale))
-            .component_div(&scale);
+            .solve(&right.component_mul(&inverse))
+            .component_mul(&inverse);
         orientation = ExteriorOrientation::from_elements(&(orientation.elements() + way));
     }
     orientation

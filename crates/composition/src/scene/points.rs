@@ -153,7 +153,7 @@ fn overlap(scene: &Scene, first: usize, second: usize) -> Option<([f64; 2], [f64
     let mut sides = [0.0; 2];
     for (axis, side) in sides.iter_mut().enumerate() {
         let pick = |pair: [f64; 2]| pair.get(axis).copied().unwrap_or_default();
-        let half = |sub: &crate::rig::SubImage| (pick(sub.centre_px()) * 2.0 + 1.0) / 2.0;
+        let half = |sub: &crate::rig::SubImage| pick(sub.centre_px()) + 0.5;
         let least = (pick(a.place_px) - half(a)).max(pick(b.place_px) - half(b));
         let most = (pick(a.place_px) + half(a)).min(pick(b.place_px) + half(b));
         *side = most - least;

@@ -40,19 +40,29 @@ pub struct Repetitions {
 }
 
 impl Repetitions {
-    /// Mean, and half of its interval of 95 %, of a number of each repetition; `None` where one has
-    /// none, or with fewer than two.
+    /// Root mean square, and half of its interval of 95 %, of a number of each repetition; `None`
+    /// where one has none, or with fewer than two.
     #[must_use]
-    pub fn mean(&self, number: impl Fn(&StereoResult) -> Option<f64>) -> Option<[f64; 2]> {
-        let values: Vec<f64> = self.results.iter().map(number).collect::<Option<_>>()?;
-        if values.len() < 2 {
+    pub fn root_mean_square(
+        &self,
+        number: impl Fn(&StereoResult) -> Option<f64>,
+    ) -> Option<[f64; 2]> {
+        let squares: Vec<f64> = self
+            .results
+            .iter()
+            .map(|result| number(result).map(|value| value * value))
+            .collect::<Option<_>>()?;
+        if squares.len() < 2 {
             return None;
         }
-        let count = real(values.len());
-        let mean = values.iter().sum::<f64>() / count;
-        let squares: f64 = values.iter().map(|value| (value - mean).powi(2)).sum();
-        let deviation = (squares / (count - 1.0)).sqrt();
-        Some([mean, NORMAL_95 * deviation / count.sqrt()])
+        let count = real(squares.len());
+        let mean = squares.iter().sum::<f64>() / count;
+        let sum: f64 = squares.iter().map(|value| (value - mean).powi(2)).sum();
+        let deviation = (sum / (count - 1.0)).sqrt();
+        let root = mean.sqrt();
+        // The derivative of a root is half of its inverse.
+        let half = NORMAL_95 * deviation / count.sqrt() / (2.0 * root.max(f64::MIN_POSITIVE));
+        Some([root, half])
     }
 }
 

@@ -1,7 +1,9 @@
 //! Stereo check over simulated pairs.
 
 use fmc_composition::scene::SceneRequest;
-use fmc_composition::stereo::{BaseAlong, Layout, Repetitions, StereoRequest, repeated};
+use fmc_composition::stereo::{
+    BaseAlong, Layout, Repetitions, StereoRequest, StereoResult, repeated,
+};
 
 fn repetitions(layout: Layout, base: BaseAlong) -> Repetitions {
     let scene = SceneRequest {
@@ -30,8 +32,10 @@ fn check_points_err_as_the_pair_lets_expect() {
         (Layout::DoubledCorners, BaseAlong::Width, 0.16, 0.37, 0.34),
     ] {
         let found = repetitions(layout, base);
-        let [plane, of_plane] = found.mean(|one| one.check_plane_m()).unwrap();
-        let [height, of_height] = found.mean(|one| one.check_m.map(|check| check[2])).unwrap();
+        let [plane, of_plane] = found.root_mean_square(StereoResult::check_plane_m).unwrap();
+        let [height, of_height] = found
+            .root_mean_square(|one| one.check_m.map(|check| check[2]))
+            .unwrap();
         println!(
             "{} {ratio}: {plane:.3} ± {of_plane:.3}, {height:.3} ± {of_height:.3}",
             layout.name()
@@ -52,9 +56,11 @@ fn check_points_err_as_the_pair_lets_expect() {
             (height - height_m).abs() < 0.03 + of_height,
             "{height} {height_m}"
         );
-        let [sigma0, _] = found.mean(|one| Some(one.sigma0)).unwrap();
+        let [sigma0, _] = found.root_mean_square(|one| Some(one.sigma0)).unwrap();
         assert!((0.95..1.05).contains(&sigma0), "{sigma0}");
-        let [base_over_height, _] = found.mean(|one| Some(one.base_over_height)).unwrap();
+        let [base_over_height, _] = found
+            .root_mean_square(|one| Some(one.base_over_height))
+            .unwrap();
         assert!(
             (base_over_height - ratio).abs() < 0.01,
             "{base_over_height}"
@@ -76,5 +82,5 @@ fn all_marks_as_control_leave_no_check() {
             .iter()
             .all(|one| one.control == 40 && one.check_m.is_none())
     );
-    assert_eq!(found.mean(|one| one.check_plane_m()), None);
+    assert_eq!(found.root_mean_square(StereoResult::check_plane_m), None);
 }
