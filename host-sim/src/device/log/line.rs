@@ -2,8 +2,8 @@
 //!
 //! The numbers, strings, characters and truth values that defmt writes are shown, with the hints
 //! for numbers and seconds, and so are structures, enums and arrays of the library
-//! (`defmt::Format`, as it is derived). Of a frame with other arguments (slices, bit fields) only the level and the format
-//! string are shown.
+//! (`defmt::Format`, as it is derived). Of a frame with other arguments (slices, bit fields) only
+//! the level and the format string are shown.
 
 use defmt_parser::{Fragment, Parameter, ParserMode, Type};
 
