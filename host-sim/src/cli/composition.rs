@@ -89,14 +89,14 @@ pub struct SceneOptions {
 /// Arguments of `calibrate radiometry`.
 #[derive(Debug, Args)]
 pub struct RadiometryArgs {
-    /// Folder with flats/ID_NN.tif and darks/ID_NN.tif of every sub-image ID.
+    /// Folder with `flats/ID_NN.tif` and `darks/ID_NN.tif` of every sub-image ID.
     #[arg(value_name = "DIR")]
     pub frames: PathBuf,
     /// Rig file (TOML): ids, sizes and places of the sub-images.
     #[arg(long, value_name = "FILE")]
     pub rig: PathBuf,
-    /// Folder for ID_offset.tif, ID_gain.tif, defects.csv and radiometry.json; made if it does not
-    /// exist.
+    /// Folder for `ID_offset.tif`, `ID_gain.tif`, defects.csv and radiometry.json; made if it does
+    /// not exist.
     #[arg(long, value_name = "DIR")]
     pub out: PathBuf,
     /// Offset and gain of every pixel, or the template of Zhao et al. 2013, which is subtracted and

@@ -1,5 +1,7 @@
 //! `dmz`: the publication repeated, its way beside ours, against truth.
 
+mod pair;
+
 use fmc_composition::image::Plane;
 use fmc_composition::image::matching::{MatchOptions, find};
 use fmc_composition::mosaic::registration::{Pair, Registration};
@@ -9,16 +11,12 @@ use fmc_composition::rig::control::Measurements;
 use fmc_composition::rig::polynomial::normalised;
 use fmc_composition::rig::{Heights, Rig};
 use fmc_composition::scene::{Scene, SceneRequest};
-use fmc_composition::stereo::{BaseAlong, Layout, StereoPoint, StereoRequest, adjust, repeated};
 use fmc_rectification::Resampling;
 use fmc_report::composition::page::{CompositionPage, Section};
 use serde::Serialize;
 
-use super::stereo::with_ties;
-use super::virtual_image::{
-    self, Choices, Composed, Summary, compose_frames, preview, read_frames,
-};
-use super::{radiometry, rig as rig_command, scene as scene_command};
+use super::virtual_image::{self, Choices, Composed, Summary, compose_frames, read_frames};
+use super::{preview, radiometry, rig as rig_command, scene as scene_command};
 use crate::cli::{DmzArgs, OrderName};
 use crate::failure::{Failure, note};
 use crate::formats::output::{self, OutputFolder};
@@ -30,13 +28,6 @@ const RELIEFS_M: [f64; 5] = [0.0, 1.0, 5.0, 10.0, 30.0];
 /// Largest root mean square of a place, and of a step at a seam, px.
 const LARGEST_PX: f64 = 0.25;
 const LARGEST_STEP_PX: f64 = 0.2;
-/// Repetitions of the stereo check, and σ of its image points, px.
-const REPETITIONS: usize = 40;
-const STEREO_PX: f64 = 0.3;
-const CONTROL_M: f64 = 0.05;
-/// What check points may err in the plane and in height, m.
-const PLANE_M: [f64; 2] = [0.15, 0.20];
-const HEIGHT_M: [f64; 2] = [0.32, 0.41];
 /// σ of measured image points, px.
 const SIGMA_PX: f64 = 0.25;
 
@@ -66,7 +57,7 @@ pub(in crate::command) fn run(args: &DmzArgs) -> Result<(), Failure> {
     let mut findings = Findings::default();
     let own = images_and_radiometry(&scene, &of_scene, &folder, &mut findings)?;
     over_relief(&scene.request, &mut findings)?;
-    stereo(&scene, &own, &mut findings)?;
+    pair::stereo(&scene, &own, &mut findings)?;
     let passed = findings.checks.iter().all(|check| check.passed);
     let failed: Vec<&str> = findings
         .checks
@@ -186,18 +177,18 @@ fn images_and_radiometry(
         });
         if exposure == 0 {
             findings.sections.push(summary.section());
-            findings.sections.push(virtual_image::images(&composed)?);
+            findings.sections.push(preview::images(&composed)?);
             findings.sections.push(differences(&composed, &truth)?);
-            for (order, label) in [(OrderName::MosaicFirst, "mosaic first")] {
-                let choices = Choices { order, ..choices };
-                let composed = compose_frames(&found.rig, &frames, choices, &one.name)?;
-                let summary = Summary::of(&found.rig, &composed, choices, None);
-                let step = summary.seam_step_px;
-                let step = step.map_or("no match".to_owned(), |step| format!("{step:.2} px"));
-                findings
-                    .lines
-                    .push(format!("{label}, shown: steps at the seams {step}."));
-            }
+            let choices = Choices {
+                order: OrderName::MosaicFirst,
+                ..choices
+            };
+            let composed = compose_frames(&found.rig, &frames, choices, &one.name)?;
+            let step = Summary::of(&found.rig, &composed, choices, None).seam_step_px;
+            let step = step.map_or("no match".to_owned(), |step| format!("{step:.2} px"));
+            findings
+                .lines
+                .push(format!("Mosaic first, shown: steps at the seams {step}."));
         }
         planes.push(composed.composite.layer.plane);
     }
@@ -368,7 +359,7 @@ fn places(rig: &Rig, composed: &Plane, truth: &Plane) -> (usize, Vec<Pair>) {
     reason = "a place of an image"
 )]
 fn pixel_of(at: f64) -> Option<u32> {
-    (at >= 0.0 && at < 1e6).then_some(at as u32)
+    (0.0..1e6).contains(&at).then_some(at as u32)
 }
 
 /// Judges places after one cubic over the frame, as registration would take it off.
@@ -458,124 +449,6 @@ fn over_relief(request: &SceneRequest, findings: &mut Findings) -> Result<(), Fa
     Ok(())
 }
 
-/// The stereo check, repeated, and of the composed pair.
-fn stereo(
-    scene: &Scene,
-    (rig, planes): &(Rig, [Plane; 2]),
-    findings: &mut Findings,
-) -> Result<(), Failure> {
-    let mut rows = Vec::new();
-    let request = |layout| StereoRequest {
-        principal_distance_px: rig.principal_distance_px(),
-        sigma_px: STEREO_PX,
-        control_sigma_m: CONTROL_M,
-        layout,
-    };
-    let (marks, ties) = with_ties(rig, planes, marks(scene, rig));
-    // The repetitions are those of the publication's format, whatever the scale of the images.
-    let full = SceneRequest {
-        scale: 1,
-        overlap_px: None,
-        ..scene.request
-    };
-    let format = full.rig();
-    for layout in Layout::ALL {
-        let pair = adjust(&marks, &request(layout))?;
-        for (base, ratio) in [(BaseAlong::Height, "0.40"), (BaseAlong::Width, "0.34")] {
-            let seed = scene.request.seed;
-            let of_format = StereoRequest {
-                principal_distance_px: format.principal_distance_px(),
-                ..request(layout)
-            };
-            let height_m = full.height_m();
-            let found = repeated(&format, height_m, base, &of_format, REPETITIONS, seed)?;
-            let plane = found.root_mean_square(StereoResult::check_plane_m);
-            let height = found.root_mean_square(|one| one.check_m.map(|[_, _, z]| z));
-            let text = |value: Option<[f64; 2]>| {
-                value.map_or("no check".to_owned(), |[mean, half]| {
-                    format!("{mean:.3} ± {half:.3}")
-                })
-            };
-            let mut row = vec![
-                layout.name().to_owned(),
-                ratio.to_owned(),
-                text(plane),
-                text(height),
-            ];
-            if base == BaseAlong::Height {
-                let number =
-                    |value: Option<f64>| value.map_or("no check".to_owned(), |m| format!("{m:.3}"));
-                row.push(number(pair.check_plane_m()));
-                row.push(number(pair.check_m.map(|[_, _, z]| z)));
-            } else {
-                row.extend([String::new(), String::new()]);
-            }
-            rows.push(row);
-            for (what, value, [least, most]) in
-                [("plane", plane, PLANE_M), ("height", height, HEIGHT_M)]
-            {
-                if let Some([mean, half]) = value {
-                    findings.checks.push(Check {
-                        what: format!(
-                            "stereo {} at B/H {ratio}, check points, {what}, m",
-                            layout.name()
-                        ),
-                        found: mean,
-                        limit: format!(
-                            "{least} to {most}, ± {half:.3} of {REPETITIONS} repetitions"
-                        ),
-                        passed: mean + half >= least && mean - half <= most,
-                    });
-                }
-            }
-        }
-    }
-    findings.sections.push(Section {
-        heading: "Stereo check".to_owned(),
-        columns: ["layout", "B/H", "plane, m", "height, m", "composed pair: plane, m", "height, m"]
-            .map(str::to_owned)
-            .to_vec(),
-        rows,
-        caption: format!(
-            "Check points, image points of σ {STEREO_PX} px, 40 marks on 5 x 8, control of 5 cm, 120 ties, full format at 3900 m, root mean square of {REPETITIONS} repetitions with its interval of 95 %. With 40 control points there is no check: what they leave is a residual. The composed pair has the errors of its rig besides, {} marks and {ties} matched ties.",
-            marks.len() - ties
-        ),
-        ..Section::default()
-    });
-    Ok(())
-}
-
-/// Marks of the composed pair: measured in sub-images, led to the virtual images by the rig.
-fn marks(scene: &Scene, rig: &Rig) -> Vec<StereoPoint> {
-    let [u, v] = rig.frame.centre_px();
-    let of = |exposure: usize| -> Vec<(String, [f64; 2], [f64; 3])> {
-        let control = scene.control(exposure).into_iter();
-        let places = control.filter_map(|point| {
-            let sub = rig.sub.get(point.place.sub)?;
-            let place = rig
-                .polynomial(sub)
-                .value(normalised(sub.size_px(), point.place.pixel));
-            Some((point.id, [place[0] - u, v - place[1]], point.ground_m))
-        });
-        places.collect()
-    };
-    let (first, second) = (of(0), of(1));
-    let mut marks: Vec<StereoPoint> = Vec::new();
-    for (id, place, ground_m) in first {
-        let other = second.iter().find(|(one, _, _)| *one == id);
-        if let Some((_, other, _)) = other
-            && marks.iter().all(|mark| mark.id != id)
-        {
-            marks.push(StereoPoint {
-                id,
-                places_px: [place, *other],
-                ground_m: Some(ground_m),
-            });
-        }
-    }
-    marks
-}
-
 /// Before, after, and the difference from truth enlarged.
 fn differences(composed: &Composed, truth: &Plane) -> Result<Section, Failure> {
     let plane = &composed.composite.layer.plane;
@@ -590,9 +463,9 @@ fn differences(composed: &Composed, truth: &Plane) -> Result<Section, Failure> {
         heading: "Against truth".to_owned(),
         caption: "Left the true image, in the middle the composed one, right their difference x 100; orientations and what they take up are in it.".to_owned(),
         images: vec![
-            ("truth".to_owned(), preview(truth, |col, row| truth.at(col, row).map_or(0, shade))?),
-            ("composed".to_owned(), preview(plane, |col, row| plane.at(col, row).map_or(0, shade))?),
-            ("difference x 100".to_owned(), preview(plane, difference)?),
+            ("truth".to_owned(), preview::link(truth, |col, row| truth.at(col, row).map_or(0, shade))?),
+            ("composed".to_owned(), preview::link(plane, |col, row| plane.at(col, row).map_or(0, shade))?),
+            ("difference x 100".to_owned(), preview::link(plane, difference)?),
         ],
         ..Section::default()
     })

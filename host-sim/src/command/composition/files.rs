@@ -185,9 +185,12 @@ fn place(rig: &Rig, row: &Row) -> Result<Place, Failure> {
     })
 }
 
+/// Name and exposure of a tie, and its places with their lines.
+type OpenTie = (String, String, Vec<(u64, Place)>);
+
 fn read_ties(rig: &Rig, path: &Path, only: Option<&str>) -> Result<Vec<Tie>, Failure> {
     let table = NamedColumns::read(path, &["id", "image", "col_px", "row_px"])?;
-    let mut open: Vec<(String, String, Vec<(u64, Place)>)> = Vec::new();
+    let mut open: Vec<OpenTie> = Vec::new();
     for row in table.rows() {
         let (id, exposure): (String, String) = (row.name("id")?, exposure(&row)?);
         let place = place(rig, &row)?;
@@ -236,7 +239,7 @@ fn read_ties(rig: &Rig, path: &Path, only: Option<&str>) -> Result<Vec<Tie>, Fai
     Ok(ties)
 }
 
-/// Returns the files ID_NN.tif of a folder, in the order of NN.
+/// Returns the files `ID_NN.tif` of a folder, in the order of NN.
 pub(super) fn sets(folder: &Path, id: &str) -> Result<Vec<PathBuf>, Failure> {
     let entries = std::fs::read_dir(folder).map_err(|error| Failure::reading(folder, &error))?;
     let mut found: Vec<(u32, PathBuf)> = Vec::new();

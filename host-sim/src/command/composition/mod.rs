@@ -2,6 +2,7 @@
 
 pub(super) mod dmz;
 mod files;
+mod preview;
 pub(super) mod radiometry;
 pub(super) mod rig;
 pub(super) mod scene;

@@ -108,6 +108,9 @@ pub(super) fn with_ties(
     (points, count)
 }
 
+/// Name of a mark, its places in the two images, and its place on the ground, m.
+type OpenMark = (String, [Option<[f64; 2]>; 2], [f64; 3]);
+
 /// Reads the marks of both images: those of one image alone are left out.
 fn read_marks(rig: &Rig, path: &Path) -> Result<Vec<StereoPoint>, Failure> {
     let table = NamedColumns::read(
@@ -115,7 +118,7 @@ fn read_marks(rig: &Rig, path: &Path) -> Result<Vec<StereoPoint>, Failure> {
         &["id", "image", "col_px", "row_px", "x_m", "y_m", "z_m"],
     )?;
     let [u, v] = rig.frame.centre_px();
-    let mut found: Vec<(String, [Option<[f64; 2]>; 2], [f64; 3])> = Vec::new();
+    let mut found: Vec<OpenMark> = Vec::new();
     for row in table.rows() {
         let id: String = row.name("id")?;
         let image: String = row.name("image")?;
