@@ -99,7 +99,7 @@ impl Detector {
             let expected = self.expected_dn([col, row], signal_dn);
             let variance = read_noise_dn * read_noise_dn + gain_dn_per_e * signal_dn.max(0.0);
             let [deviate] = noise.next([variance.sqrt()]);
-            crate::grey((expected + deviate).min(FULL_SCALE_DN))
+            crate::number::grey((expected + deviate).min(FULL_SCALE_DN))
         });
         samples.collect()
     }

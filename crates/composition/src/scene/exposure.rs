@@ -4,7 +4,7 @@ use fmc_adjustment::exterior_orientation::ExteriorOrientation;
 use fmc_simulation::noise::Noise;
 
 use super::detector::{Detector, FULL_SCALE_DN};
-use super::points::{Mark, marks};
+use super::marks::{Mark, marks};
 use super::request::SceneRequest;
 use super::terrain::Terrain;
 use super::texture::Texture;
@@ -239,7 +239,7 @@ impl Scene {
         Plane::of_rows(frame.width_px, frame.height_px, |row| {
             let places = (0..frame.width_px).map(|col| [real(col), real(row)]);
             places
-                .map(|place| crate::grey(self.ground_dn(exposure, place)))
+                .map(|place| crate::number::grey(self.ground_dn(exposure, place)))
                 .collect()
         })
     }
@@ -257,7 +257,7 @@ impl Scene {
                 let seen = self.terrain.seen(&orientation, direction);
                 let signal = seen.map_or(0.0, |place| brightness_dn(self.texture.green(place)));
                 let [deviate] = noise.next([(30.0 + 0.27 * signal).sqrt()]);
-                crate::grey(signal + deviate)
+                crate::number::grey(signal + deviate)
             });
             samples.collect()
         }))

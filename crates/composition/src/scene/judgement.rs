@@ -88,7 +88,7 @@ impl Scene {
         };
         let lights: Vec<f64> = (0..width * height).map(light).collect();
         let mean = lights.iter().sum::<f64>() / real(lights.len());
-        let signal_dn = level * super::FULL_SCALE_DN / mean;
+        let signal_dn = level * super::detector::FULL_SCALE_DN / mean;
         let defects = detector.defects();
         let (mut sum, mut squares, mut count) = (0.0, 0.0, 0.0);
         for (index, light) in lights.iter().enumerate() {

@@ -117,7 +117,7 @@ impl SceneRequest {
         };
         let [half_width, half_height] = green.centre_px();
         let corner_mm = half_width.hypot(half_height) * green_pixel_um / 1e3;
-        green.distortion = super::lens_of(self.green_distortion, corner_mm);
+        green.distortion = super::true_rig::lens_of(self.green_distortion, corner_mm);
         Rig {
             name: format!("synthetic DMZ, scale {scale}"),
             principal_distance_mm: PRINCIPAL_DISTANCE_MM,

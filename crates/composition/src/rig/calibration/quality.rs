@@ -2,145 +2,18 @@
 
 use fmc_camera_file::InputError;
 
-use super::{HELD_PX, MovementEstimate, RigCalibration, RigResidual, State, System, variance};
+use super::outcome::{Correlation, MovementEstimate, RigCalibration, RigResidual, SubQuality};
+use super::refusal::{counts, name};
+use super::system::{HELD_PX, State, System, variance};
 use crate::number::real;
-use crate::rig::control::Measurements;
-use crate::rig::description::{CalibrationTable, Rig};
-use crate::rig::normals::{Solved, Undetermined};
-use crate::rig::polynomial::{DEGREES, basis, normalised, terms};
+use crate::rig::description::{CalibrationTable, SubImage};
+use crate::rig::normals::Solved;
+use crate::rig::polynomial::{basis, normalised};
 
 /// Places along a side of a sub-image at which σ is looked at.
 const PLACES: usize = 9;
 /// Largest σ of a place of a sub-image, px: beyond it the points do not determine it.
 const LARGEST_SIGMA_PX: f64 = 3.0;
-
-/// Points, σ and correlations of a sub-image.
-#[derive(Debug, Clone, PartialEq)]
-pub struct SubQuality {
-    /// Accepted control points.
-    pub control: usize,
-    /// Accepted ties.
-    pub ties: usize,
-    /// Largest σ of a place, px, with shift, turn, scale and keystone of the whole rig held.
-    pub sigma_px: f64,
-    /// Mean σ of a place, px.
-    pub mean_sigma_px: f64,
-    /// σ of the coefficients of u, px.
-    pub sigma_u: Vec<f64>,
-    /// σ of the coefficients of v, px.
-    pub sigma_v: Vec<f64>,
-    /// Largest correlation of two coefficients.
-    pub correlation: Correlation,
-}
-
-/// Correlation of two coefficients.
-#[derive(Debug, Clone, PartialEq)]
-pub struct Correlation {
-    /// Their names.
-    pub names: [String; 2],
-    /// The coefficient of correlation.
-    pub value: f64,
-}
-
-fn counts(rig: &Rig, measurements: &Measurements, accepted: Option<&[bool]>) -> Vec<[usize; 2]> {
-    let mut counts = vec![[0, 0]; rig.sub.len()];
-    let is_accepted =
-        |number: usize| accepted.is_none_or(|list| list.get(number).copied().unwrap_or(false));
-    for (number, point) in measurements.control.iter().enumerate() {
-        if let Some([control, _]) = counts.get_mut(point.place.sub)
-            && is_accepted(number)
-        {
-            *control += 1;
-        }
-    }
-    for (number, tie) in measurements.ties.iter().enumerate() {
-        for place in &tie.places {
-            if let Some([_, ties]) = counts.get_mut(place.sub)
-                && is_accepted(measurements.control.len() + number)
-            {
-                *ties += 1;
-            }
-        }
-    }
-    counts
-}
-
-/// Refuses sub-images with too few points for the coefficients.
-pub(super) fn check_counts(
-    rig: &Rig,
-    measurements: &Measurements,
-    degree: usize,
-) -> Result<(), InputError> {
-    if !DEGREES.contains(&degree) {
-        return Err(InputError::invalid(format!(
-            "degree = {degree}; allowed: 2 to 5"
-        )));
-    }
-    check(rig, measurements, degree, &counts(rig, measurements, None))
-}
-
-/// The same once gross errors are rejected.
-pub(super) fn check_accepted(system: &System) -> Result<(), InputError> {
-    let counts = counts(system.rig, system.measurements, Some(&system.accepted));
-    check(
-        system.rig,
-        system.measurements,
-        system.options.degree,
-        &counts,
-    )
-}
-
-fn check(
-    rig: &Rig,
-    measurements: &Measurements,
-    degree: usize,
-    counts: &[[usize; 2]],
-) -> Result<(), InputError> {
-    let file = &measurements.control_file;
-    for (sub, [control, ties]) in rig.sub.iter().zip(counts) {
-        if control + ties == 0 {
-            return Err(InputError::invalid(format!(
-                "{file}: no control point and no tie in sub-image {}; every sub-image of the rig ({}) needs some",
-                sub.id,
-                rig.ids()
-            )));
-        }
-        let wanted = terms(degree);
-        if control + ties <= wanted {
-            return Err(InputError::invalid(format!(
-                "{file}: {control} control points and {ties} ties in sub-image {} for {wanted} coefficients of each axis (degree {degree}); more points than coefficients are needed, 20 or more are advised",
-                sub.id
-            )));
-        }
-    }
-    Ok(())
-}
-
-/// Returns the error of an unknown that is not determined.
-pub(super) fn not_determined(system: &System, Undetermined(unknown): Undetermined) -> InputError {
-    let width = 2 * system.terms();
-    let what = match system.rig.sub.get(unknown / width) {
-        Some(sub) => format!(
-            "{} of sub-image {}",
-            name(unknown % width, system.terms()),
-            sub.id
-        ),
-        None => "the orientation of an exposure".to_owned(),
-    };
-    InputError::invalid(format!(
-        "{}: {what} is not determined; spread the points over the whole sub-image, or take a lower degree",
-        system.measurements.control_file
-    ))
-}
-
-/// Name of a coefficient.
-fn name(unknown: usize, terms: usize) -> String {
-    if unknown < terms {
-        format!("a{unknown}")
-    } else {
-        format!("b{}", unknown - terms)
-    }
-}
 
 /// Makes the result of an adjustment.
 pub(super) fn result(
@@ -155,7 +28,7 @@ pub(super) fn result(
     let normals = system.normals(state, &vec![HELD_PX; system.functionals.len()]);
     let solved = normals
         .solve()
-        .map_err(|undetermined| not_determined(system, undetermined))?;
+        .map_err(|undetermined| system.not_determined(undetermined))?;
     let squares = normals.squares;
     let sigma0 = if redundancy == 0 {
         1.0
@@ -212,11 +85,7 @@ fn of_sub(
 ) -> SubQuality {
     let terms = system.terms();
     let first = 2 * terms * number;
-    let size = system
-        .rig
-        .sub
-        .get(number)
-        .map_or([1, 1], crate::rig::SubImage::size_px);
+    let size = system.rig.sub.get(number).map_or([1, 1], SubImage::size_px);
     let mut sigmas = Vec::new();
     for index in 0..PLACES * PLACES {
         let part =
