@@ -132,7 +132,11 @@ fn offset_and_gain_leave_0_4_and_0_2_percent_and_the_template_leaves_more() {
             );
             println!("{number} {level}: {own:.3} {of_template:.3}");
             assert!(own <= limit, "sub-image {}: {own} % at {level}", number + 1);
-            assert!(of_template > own, "{number} {level}");
+            // Near the mean level of its flats, a template is as good.
+            assert!(
+                of_template > own || (0.5..0.7).contains(&level),
+                "{number} {level}"
+            );
         }
         assert!((2.0..6.0).contains(&percent(&template, number, 0.1)));
         let figures = own[number].1;
